@@ -1,0 +1,146 @@
+/* SPDX-License-Identifier: MIT */
+#include "base/image.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum neph_status neph_image_create(int width_px, int height_px, struct neph_image **image,
+                                   struct neph_diag *diag)
+{
+    if (width_px < 1 || height_px < 1 || width_px > NEPH_IMAGE_SIDE_MAX_PX ||
+        height_px > NEPH_IMAGE_SIDE_MAX_PX)
+        return neph_fail(diag, NEPH_ERR_INPUT, "image size %dx%d is outside 1..%d", width_px,
+                         height_px, NEPH_IMAGE_SIDE_MAX_PX);
+    struct neph_image *created = calloc(1, sizeof(*created));
+    if (!created)
+        return neph_fail_memory(diag);
+    created->width_px = width_px;
+    created->height_px = height_px;
+    *image = created;
+    return NEPH_OK;
+}
+
+void neph_image_destroy(struct neph_image *image)
+{
+    if (!image)
+        return;
+    for (int i = 0; i < image->channel_count; i++)
+        free(image->channels[i].samples);
+    for (int i = 0; i < image->attribute_count; i++)
+        free(image->attributes[i].value);
+    free(image->channels);
+    free(image->attributes);
+    free(image);
+}
+
+enum neph_status neph_image_add_channel(struct neph_image *image, const char *name, float **samples,
+                                        struct neph_diag *diag)
+{
+    if (strlen(name) >= NEPH_IMAGE_NAME_MAX)
+        return neph_fail(diag, NEPH_ERR_INPUT, "channel name '%s' is longer than %d bytes", name,
+                         NEPH_IMAGE_NAME_MAX - 1);
+    if (neph_image_channel(image, name))
+        return neph_fail(diag, NEPH_ERR_INPUT, "the image already has a channel '%s'", name);
+    size_t count = (size_t)image->channel_count + 1;
+    struct neph_channel *grown = realloc(image->channels, count * sizeof(*grown));
+    if (!grown)
+        return neph_fail_memory(diag);
+    image->channels = grown;
+    struct neph_channel *channel = &grown[count - 1];
+    channel->samples = calloc(neph_image_pixel_count(image), sizeof(float));
+    if (!channel->samples)
+        return neph_fail_memory(diag);
+    snprintf(channel->name, sizeof(channel->name), "%s", name);
+    image->channel_count++;
+    if (samples)
+        *samples = channel->samples;
+    return NEPH_OK;
+}
+
+static void layer_channel_name(char name[NEPH_IMAGE_NAME_MAX], const char *layer, int component)
+{
+    const char letter = "RGB"[component];
+    if (layer)
+        snprintf(name, NEPH_IMAGE_NAME_MAX, "%s.%c", layer, letter);
+    else
+        snprintf(name, NEPH_IMAGE_NAME_MAX, "%c", letter);
+}
+
+enum neph_status neph_image_add_rgb(struct neph_image *image, const char *layer, float *samples[3],
+                                    struct neph_diag *diag)
+{
+    for (int c = 0; c < 3; c++) {
+        char name[NEPH_IMAGE_NAME_MAX];
+        layer_channel_name(name, layer, c);
+        enum neph_status status = neph_image_add_channel(image, name, &samples[c], diag);
+        if (status)
+            return status;
+    }
+    return NEPH_OK;
+}
+
+float *neph_image_channel(const struct neph_image *image, const char *name)
+{
+    for (int i = 0; i < image->channel_count; i++)
+        if (strcmp(image->channels[i].name, name) == 0)
+            return image->channels[i].samples;
+    return NULL;
+}
+
+bool neph_image_rgb(const struct neph_image *image, const char *layer, float *samples[3])
+{
+    for (int c = 0; c < 3; c++) {
+        char name[NEPH_IMAGE_NAME_MAX];
+        layer_channel_name(name, layer, c);
+        samples[c] = neph_image_channel(image, name);
+        if (!samples[c])
+            return false;
+    }
+    return true;
+}
+
+static struct neph_attribute *find_attribute(const struct neph_image *image, const char *name)
+{
+    for (int i = 0; i < image->attribute_count; i++)
+        if (strcmp(image->attributes[i].name, name) == 0)
+            return &image->attributes[i];
+    return NULL;
+}
+
+enum neph_status neph_image_set_attribute(struct neph_image *image, const char *name,
+                                          struct neph_diag *diag, const char *format, ...)
+{
+    char *value = NULL;
+    va_list arguments;
+    va_start(arguments, format);
+    int length = vasprintf(&value, format, arguments);
+    va_end(arguments);
+    if (length < 0)
+        return neph_fail_memory(diag);
+
+    struct neph_attribute *attribute = find_attribute(image, name);
+    if (attribute) {
+        free(attribute->value);
+        attribute->value = value;
+        return NEPH_OK;
+    }
+    size_t count = (size_t)image->attribute_count + 1;
+    struct neph_attribute *grown = realloc(image->attributes, count * sizeof(*grown));
+    if (!grown) {
+        free(value);
+        return neph_fail_memory(diag);
+    }
+    image->attributes = grown;
+    snprintf(grown[count - 1].name, NEPH_IMAGE_NAME_MAX, "%s", name);
+    grown[count - 1].value = value;
+    image->attribute_count++;
+    return NEPH_OK;
+}
+
+const char *neph_image_attribute(const struct neph_image *image, const char *name)
+{
+    const struct neph_attribute *attribute = find_attribute(image, name);
+    return attribute ? attribute->value : NULL;
+}

@@ -1,0 +1,75 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * A float image: named planar channels of 32-bit floats, row 0 on top, plus text attributes.
+ *
+ * A frame (the unit every engine writes) has the channels
+ *   R G B                    radiance with everything, scene-linear Rec.709 [W m^-2 sr^-1]
+ *   volume.R volume.G volume.B   in-scattered radiance alone
+ *   transmittance.R .G .B    camera to the first solid or to infinity [1]
+ *   Z                        linear eye depth along the camera axis [m], sky = +inf
+ * A layer that an engine cannot give is absent, never filled in.
+ */
+#ifndef NEPH_BASE_IMAGE_H
+#define NEPH_BASE_IMAGE_H
+
+#include "base/status.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#define NEPH_IMAGE_NAME_MAX 64
+#define NEPH_IMAGE_SIDE_MAX_PX 16384
+
+struct neph_channel {
+    char name[NEPH_IMAGE_NAME_MAX];
+    float *samples; /* width * height, row-major; owned by the image */
+};
+
+struct neph_attribute {
+    char name[NEPH_IMAGE_NAME_MAX];
+    char *value; /* owned by the image */
+};
+
+struct neph_image {
+    int width_px, height_px;
+    int channel_count;
+    struct neph_channel *channels;
+    int attribute_count;
+    struct neph_attribute *attributes;
+};
+
+/* An image without channels. Sides must be 1..NEPH_IMAGE_SIDE_MAX_PX. Free with _destroy. */
+enum neph_status neph_image_create(int width_px, int height_px, struct neph_image **image,
+                                   struct neph_diag *diag);
+
+/* NULL is fine. */
+void neph_image_destroy(struct neph_image *image);
+
+/* Add a channel, all zero; `*samples` points into the image. A duplicate name is an error. */
+enum neph_status neph_image_add_channel(struct neph_image *image, const char *name, float **samples,
+                                        struct neph_diag *diag);
+
+/* Add the three channels "<layer>.R/G/B", or "R/G/B" when layer is NULL. */
+enum neph_status neph_image_add_rgb(struct neph_image *image, const char *layer, float *samples[3],
+                                    struct neph_diag *diag);
+
+/* The samples of a channel, or NULL when there is none of that name. */
+float *neph_image_channel(const struct neph_image *image, const char *name);
+
+/* The three channels of a layer (NULL layer: R, G, B). False when any of them is missing. */
+bool neph_image_rgb(const struct neph_image *image, const char *layer, float *samples[3]);
+
+/* Set (or replace) a text attribute. */
+enum neph_status neph_image_set_attribute(struct neph_image *image, const char *name,
+                                          struct neph_diag *diag, const char *format, ...)
+    __attribute__((format(printf, 4, 5)));
+
+/* The value of an attribute, or NULL. */
+const char *neph_image_attribute(const struct neph_image *image, const char *name);
+
+static inline size_t neph_image_pixel_count(const struct neph_image *image)
+{
+    return (size_t)image->width_px * (size_t)image->height_px;
+}
+
+#endif

@@ -1,0 +1,20 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Ctrl-C and SIGTERM as a flag that long work polls. The one process-wide state of the project: a
+ * signal handler has nowhere else to put its news.
+ */
+#ifndef NEPH_BASE_INTERRUPT_H
+#define NEPH_BASE_INTERRUPT_H
+
+#include <stdbool.h>
+
+/* Install the handlers. Call once, from main. A second Ctrl-C ends the program at once. */
+void neph_interrupt_install(void);
+
+/* True once a signal has come. */
+bool neph_interrupted(void);
+
+/* A file descriptor that becomes readable when a signal comes, for poll(); -1 when not installed. */
+int neph_interrupt_fd(void);
+
+#endif

@@ -1,0 +1,71 @@
+/* SPDX-License-Identifier: MIT */
+#include "base/status.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+static const struct {
+    const char *name;
+    int exit_code;
+} status_table[] = {
+    [NEPH_OK] = {"ok", 0},
+    [NEPH_ERR_USAGE] = {"usage", 64},
+    [NEPH_ERR_INPUT] = {"input", 65},
+    [NEPH_ERR_NOT_FOUND] = {"not_found", 66},
+    [NEPH_ERR_IO] = {"io", 74},
+    [NEPH_ERR_MEMORY] = {"memory", 71},
+    [NEPH_ERR_UNAVAILABLE] = {"unavailable", 69},
+    [NEPH_ERR_UNSUPPORTED] = {"unsupported", 2},
+    [NEPH_ERR_ENGINE] = {"engine", 3},
+    [NEPH_ERR_TIMEOUT] = {"timeout", 124},
+    [NEPH_ERR_INTERRUPTED] = {"interrupted", 130},
+    [NEPH_ERR_GATE] = {"gate", 1},
+    [NEPH_ERR_INTERNAL] = {"internal", 70},
+};
+
+enum neph_status neph_fail(struct neph_diag *diag, enum neph_status status, const char *format, ...)
+{
+    if (!diag)
+        return status;
+    memset(diag, 0, sizeof(*diag));
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(diag->message, sizeof(diag->message), format, arguments);
+    va_end(arguments);
+    return status;
+}
+
+void neph_hint(struct neph_diag *diag, const char *format, ...)
+{
+    if (!diag)
+        return;
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(diag->hint, sizeof(diag->hint), format, arguments);
+    va_end(arguments);
+}
+
+void neph_locate(struct neph_diag *diag, const char *file, int line, int column)
+{
+    if (!diag)
+        return;
+    snprintf(diag->file, sizeof(diag->file), "%s", file);
+    diag->line = line;
+    diag->column = column;
+}
+
+enum neph_status neph_fail_memory(struct neph_diag *diag)
+{
+    return neph_fail(diag, NEPH_ERR_MEMORY, "out of memory");
+}
+
+const char *neph_status_name(enum neph_status status)
+{
+    return status_table[status].name;
+}
+
+int neph_status_exit_code(enum neph_status status)
+{
+    return status_table[status].exit_code;
+}

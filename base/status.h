@@ -1,0 +1,59 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Status codes and diagnostics: how every fallible function of the project reports.
+ *
+ * A function that can fail returns `enum neph_status`. The status says what *kind* of thing went
+ * wrong and never changes meaning on its way up; the words for a person go to `struct neph_diag`:
+ * what happened, where in the user's input, and the way out. Out-parameters are set only on
+ * success. A NULL diag is allowed everywhere and drops the words, not the status.
+ */
+#ifndef NEPH_BASE_STATUS_H
+#define NEPH_BASE_STATUS_H
+
+enum neph_status {
+    NEPH_OK = 0,
+    NEPH_ERR_USAGE,       /* the command line asks for something that does not exist */
+    NEPH_ERR_INPUT,       /* a file that the user gave holds a wrong value */
+    NEPH_ERR_NOT_FOUND,   /* a file that the user named is not there */
+    NEPH_ERR_IO,          /* reading or writing failed: disk full, permission, ... */
+    NEPH_ERR_MEMORY,      /* an allocation failed */
+    NEPH_ERR_UNAVAILABLE, /* an engine, driver or tool is missing or of a wrong version */
+    NEPH_ERR_UNSUPPORTED, /* the engine is there but cannot model what the scene asks for */
+    NEPH_ERR_ENGINE,      /* an engine ran and failed, or gave an unusable frame */
+    NEPH_ERR_TIMEOUT,     /* a child process outlived its time limit */
+    NEPH_ERR_INTERRUPTED, /* Ctrl-C or SIGTERM */
+    NEPH_ERR_GATE,        /* a measured number is outside its gate */
+    NEPH_ERR_INTERNAL,    /* a bug in neph */
+};
+
+/* What to tell a person. Zero-initialise it; `file` is empty and `line` 0 when there is none. */
+struct neph_diag {
+    char message[1024];
+    char hint[512];
+    char file[512];
+    int line;   /* 1-based */
+    int column; /* 1-based */
+};
+
+/* Fill `diag` (if not NULL) with a formatted message, clear its position, and return `status`:
+ * `return neph_fail(diag, NEPH_ERR_IO, "cannot write '%s': %s", path, strerror(errno));` */
+enum neph_status neph_fail(struct neph_diag *diag, enum neph_status status, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+/* Add the way out to a diag that already holds a message. */
+void neph_hint(struct neph_diag *diag, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
+
+/* Add the position in the user's input to a diag that already holds a message. */
+void neph_locate(struct neph_diag *diag, const char *file, int line, int column);
+
+/* Shorthand for an allocation failure. */
+enum neph_status neph_fail_memory(struct neph_diag *diag);
+
+/* A short stable name such as "timeout", for JSON and logs. */
+const char *neph_status_name(enum neph_status status);
+
+/* The documented exit code of the command line (sysexits(3) where one fits). */
+int neph_status_exit_code(enum neph_status status);
+
+#endif

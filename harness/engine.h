@@ -1,0 +1,131 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Engines: one interface for everything that turns a scene into frames. An engine is one file
+ * under harness/engines/ with one table; adding one touches that file and the registry line in
+ * engine.c.
+ */
+#ifndef NEPH_HARNESS_ENGINE_H
+#define NEPH_HARNESS_ENGINE_H
+
+#include "base/image.h"
+#include "scenes/scene.h"
+
+#include <stdint.h>
+
+#define NEPH_OPTIONS_MAX 16
+
+/* The rungs of the ladder of truth, highest first. */
+enum neph_rung {
+    NEPH_RUNG_EXACT,   /* closed forms and converged double-precision quadrature */
+    NEPH_RUNG_TRACER,  /* our unbiased tracers */
+    NEPH_RUNG_WITNESS, /* other people's renderers */
+    NEPH_RUNG_MODEL,   /* our real-time models: the thing under test */
+};
+
+enum neph_option_kind {
+    NEPH_OPTION_INTEGER,
+    NEPH_OPTION_REAL,
+    NEPH_OPTION_CHOICE,
+};
+
+/* One setting of an engine: command line, help text, checks and job keys come from this table. */
+struct neph_option {
+    const char *name;
+    enum neph_option_kind kind;
+    double default_value;       /* CHOICE: index into choices */
+    double minimum, maximum;    /* INTEGER and REAL */
+    const char *const *choices; /* CHOICE: NULL-terminated */
+    const char *help;           /* one line, with the unit */
+};
+
+/* Values of an engine's options, by index in its table. */
+struct neph_settings {
+    double values[NEPH_OPTIONS_MAX];
+};
+
+/* What is installed. */
+struct neph_engine_info {
+    bool available;
+    char version[128];      /* such as "Blender 3.4.1"; part of the job key */
+    char device[128];       /* where it runs */
+    char missing[512];      /* why it is not available, in words */
+    char install_line[256]; /* the exact command that would mend it */
+};
+
+/* Which layers of the frame are wanted; what is not wanted is not paid for. */
+enum neph_layers {
+    NEPH_LAYER_RADIANCE = 1,      /* R G B and volume.* */
+    NEPH_LAYER_TRANSMITTANCE = 2, /* transmittance.* */
+    NEPH_LAYER_DEPTH = 4,         /* Z */
+    NEPH_LAYERS_ALL = 7,
+};
+
+/* One frame to render. All pointers are borrowed. */
+struct neph_shot {
+    const struct neph_scene *scene;
+    struct neph_settings settings;
+    int width_px, height_px;
+    int frame;       /* 0-based */
+    unsigned layers; /* enum neph_layers */
+    uint64_t seed;
+    const char *scratch_directory; /* exists, empty, is ours: inputs, logs and outputs go there */
+    double time_limit_s;           /* per child process */
+};
+
+/* What it cost. */
+struct neph_cost {
+    double render_s; /* the radiance pass alone, without start-up where the engine can tell */
+    double wall_s;   /* all passes and children, start-up included */
+    double cpu_s;
+    int64_t peak_memory_bytes;
+};
+
+struct neph_engine {
+    const char *name;
+    const char *summary; /* one line */
+    enum neph_rung rung;
+    const char *bias;    /* its known bias, in words, printed beside its numbers; NULL: none known */
+    const struct neph_option *options; /* ends with a NULL name */
+    uint32_t version;    /* of our own driver; raise it when its output changes */
+
+    /* Look for the engine. Never fails: `available` and `missing` say how it is. */
+    void (*probe)(struct neph_engine_info *info);
+
+    /* Fills `reason` with what it cannot model ("multiple scattering") and returns false, or
+     * returns true. */
+    bool (*can_render)(const struct neph_scene *scene, char *reason, size_t reason_size);
+
+    /* Render one frame. The caller adds the common attributes (scene hash, engine, settings, seed,
+     * seconds) and checks the frame; the engine adds only what it alone knows. */
+    enum neph_status (*render)(const struct neph_shot *shot, struct neph_image **frame,
+                               struct neph_cost *cost, struct neph_diag *diag);
+
+    /* Leave files in `directory` that a person can open and render by hand; NULL: not offered.
+     * `command` receives the one-line command. */
+    enum neph_status (*export_scene)(const struct neph_shot *shot, const char *directory,
+                                     char *command, size_t command_size, struct neph_diag *diag);
+};
+
+/* All engines in the order of the ladder; `*count` receives how many. */
+const struct neph_engine *const *neph_engines(int *count);
+
+/* By name; NULL when there is none. */
+const struct neph_engine *neph_engine_find(const char *name);
+
+/* Every option at its default. */
+struct neph_settings neph_settings_default(const struct neph_engine *engine);
+
+/* Apply "key=value". Errors name the key, the value, the allowed range and the known keys. */
+enum neph_status neph_settings_set(const struct neph_engine *engine, struct neph_settings *settings,
+                                   const char *assignment, struct neph_diag *diag);
+
+/* The value of an option by name; the name must exist in the table. */
+double neph_setting(const struct neph_engine *engine, const struct neph_settings *settings,
+                    const char *name);
+
+/* "steps=64 sun=exact", canonical: all options, table order. For the caller to free. */
+char *neph_settings_text(const struct neph_engine *engine, const struct neph_settings *settings);
+
+const char *neph_rung_name(enum neph_rung rung);
+
+#endif

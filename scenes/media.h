@@ -1,0 +1,60 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Participating media in double precision: extinction at a point, exact optical depth along a
+ * segment, phase functions. Closed forms: notes of each function. Never NaN, never negative.
+ */
+#ifndef NEPH_SCENES_MEDIA_H
+#define NEPH_SCENES_MEDIA_H
+
+#include "scenes/scene.h"
+
+/* (1 - e^-x)/x, 1 at x = 0, for any sign; no cancellation. The phi of all exponential integrals. */
+double neph_phi(double x);
+
+/* Optical depth of one fog layer from a point at height y_m along a direction with vertical
+ * component k_y, over length_m (may be +inf). Evaluated at the denser end, so that neither
+ * 0 * inf nor cancellation can arise. +inf where the integral diverges. */
+double neph_fog_layer_optical_depth(const struct neph_fog_layer *layer, double y_m, double k_y,
+                                    double length_m);
+
+/* Extinction [1/m] at a point; 0 outside the bounds. */
+double neph_medium_extinction_per_m(const struct neph_medium *medium, struct neph_vec3 point_m);
+
+/* Exact optical depth [1] of a medium along origin + t direction, t in [t0_m, t1_m] (t1 may be
+ * +inf). `direction` is unit. The segment is clipped to the bounds. */
+double neph_medium_optical_depth(const struct neph_medium *medium, struct neph_vec3 origin_m,
+                                 struct neph_vec3 direction, double t0_m, double t1_m);
+
+/* The sum over all media of a scene. */
+double neph_scene_optical_depth(const struct neph_scene *scene, struct neph_vec3 origin_m,
+                                struct neph_vec3 direction, double t0_m, double t1_m);
+
+/* Phase function [1/sr], normalised over the sphere; cosine between the directions of travel
+ * before and after. */
+double neph_phase_per_sr(const struct neph_phase *phase, double cosine);
+
+/* Clip t in [*t0_m, *t1_m] to the inside of the bounds; false when nothing is left. */
+bool neph_bounds_clip(const struct neph_bounds *bounds, struct neph_vec3 origin_m,
+                      struct neph_vec3 direction, double *t0_m, double *t1_m);
+
+/* Unreal Engine's ExponentialHeightFog (UI values; height in metres) <-> natural exponent.
+ * sigma_t = a e^{-b (y-h)}: b = f ln2 with f = falloff/10 per metre ... exactly:
+ *   a = (ln 2)^2 * density_ui / 10,  b = ln 2 * falloff_ui / 10.
+ * Source: HeightFogCommon.ush and FogRendering.cpp: the shader's missing 1/ln 2 in the line
+ * integral and its base-2 transmittance give the two factors. */
+struct neph_unreal_fog {
+    double fog_density;        /* UI value, default 0.02 */
+    double fog_height_falloff; /* UI value, default 0.2 */
+    double fog_height_m;
+};
+struct neph_fog_layer neph_fog_layer_from_unreal(const struct neph_unreal_fog *unreal);
+struct neph_unreal_fog neph_fog_layer_to_unreal(const struct neph_fog_layer *layer);
+
+/* A finite box that an engine without unbounded media can use for `medium` in place of its bounds,
+ * as seen by the cameras of all frames: cut where the optical depth left out is below 1e-7 or
+ * where less than e^-16 of the light arrives. `*cut_error` is a bound on the absolute error in
+ * transmittance that the cut makes (0 when the bounds were finite already). */
+struct neph_bounds neph_medium_container(const struct neph_scene *scene,
+                                         const struct neph_medium *medium, double *cut_error);
+
+#endif

@@ -1,0 +1,168 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * What is rendered: the scene in memory. Every number is in SI units and every default is already
+ * applied, so nothing downstream needs to know how the scene was written.
+ *
+ * World: metres, right-handed, +Y up. Extinction in 1/m. Radiance in W m^-2 sr^-1, scene-linear
+ * Rec.709. albedo = scattering / extinction. HG asymmetry g > 0 is forward.
+ */
+#ifndef NEPH_SCENES_SCENE_H
+#define NEPH_SCENES_SCENE_H
+
+#include "base/hash.h"
+#include "base/status.h"
+#include "base/vec3.h"
+
+#include <stdbool.h>
+
+#define NEPH_SCENE_MEDIA_MAX 8
+#define NEPH_SCENE_SOLIDS_MAX 1024 /* after fences are expanded into their bars */
+#define NEPH_FOG_LAYERS_MAX 2
+
+/* Axis-aligned; a side at -inf or +inf is open. */
+struct neph_bounds {
+    struct neph_vec3 min_m, max_m;
+};
+
+enum neph_phase_kind {
+    NEPH_PHASE_ISOTROPIC,
+    NEPH_PHASE_HENYEY_GREENSTEIN,
+    NEPH_PHASE_RAYLEIGH,
+};
+
+struct neph_phase {
+    enum neph_phase_kind kind;
+    double g; /* mean cosine, -0.999..0.999; used by Henyey-Greenstein alone */
+};
+
+enum neph_medium_kind {
+    NEPH_MEDIUM_HOMOGENEOUS,
+    NEPH_MEDIUM_HEIGHT_FOG,
+};
+
+/* sigma_t(y) = extinction * exp(-falloff * (y - height)); falloff >= 0, 0 is homogeneous. */
+struct neph_fog_layer {
+    double extinction_per_m;
+    double falloff_per_m;
+    double height_m;
+};
+
+struct neph_medium {
+    enum neph_medium_kind kind;
+    struct neph_bounds bounds; /* the medium exists inside only */
+    struct neph_rgb albedo;    /* 0..1 per channel */
+    struct neph_phase phase;
+    /* Homogeneous: one layer with falloff 0. Height fog: the layers add. */
+    int layer_count;
+    struct neph_fog_layer layers[NEPH_FOG_LAYERS_MAX];
+};
+
+enum neph_solid_kind {
+    NEPH_SOLID_BOX,
+    NEPH_SOLID_SPHERE,
+};
+
+/* Opaque, Lambertian. Lit by the sun directly when its albedo is not 0. */
+struct neph_solid {
+    enum neph_solid_kind kind;
+    struct neph_bounds box; /* kind BOX; finite */
+    struct neph_vec3 center_m;
+    double radius_m;
+    struct neph_rgb albedo;
+    bool thin; /* a bar of a fence: for the thin-object mask */
+};
+
+struct neph_sun {
+    bool present;
+    struct neph_vec3 direction;            /* unit, from the scene towards the sun */
+    struct neph_rgb irradiance_w_per_m2;   /* on a plane across the direction */
+};
+
+/* What light does. The same switch means the same thing in all engines. */
+enum neph_scattering {
+    NEPH_SCATTERING_NONE,     /* media only attenuate; solids are lit by the attenuated sun */
+    NEPH_SCATTERING_SINGLE,   /* plus sunlight scattered exactly once by a medium */
+    NEPH_SCATTERING_MULTIPLE, /* everything: all orders, surface bounces included */
+};
+
+struct neph_camera_key {
+    double frame;
+    struct neph_vec3 position_m;
+    struct neph_vec3 look_at_m;
+};
+
+/* The camera of one frame. Unit axes, right-handed: right x up = -forward. */
+struct neph_camera {
+    struct neph_vec3 position_m;
+    struct neph_vec3 right, up, forward;
+    double vertical_fov_rad;
+};
+
+enum neph_quantity {
+    NEPH_QUANTITY_RADIANCE,
+    NEPH_QUANTITY_TRANSMITTANCE,
+    NEPH_QUANTITY_DEPTH,
+};
+
+/* A pass/fail limit that comes from physics, written in the scene file with its reason. */
+struct neph_gate {
+    char *engine;   /* owned */
+    enum neph_quantity quantity;
+    char *metric;   /* owned: a name of the metrics module, such as "rel_bias" */
+    char *mask;     /* owned: "all", "sky", "medium", "depth_edge" */
+    double maximum; /* |value| <= maximum passes */
+    char *reason;   /* owned */
+    int line;       /* in the scene file */
+};
+
+struct neph_scene {
+    char *path;    /* owned; the file it came from */
+    char *name;    /* owned; a plain identifier [a-z0-9_]+ */
+    char *title;   /* owned; one line */
+    char *physics; /* owned; what the scene isolates and which truth applies */
+
+    int camera_key_count; /* >= 1 */
+    struct neph_camera_key *camera_keys; /* owned; ascending frames; linear in between */
+    struct neph_vec3 camera_up;
+    double vertical_fov_rad;
+
+    int frame_count; /* >= 1 */
+    double frame_rate_hz;
+
+    struct neph_sun sun;
+    struct neph_rgb background_w_per_m2_sr; /* uniform radiance of the sky */
+    bool environment_light; /* the background lights media and solids; else it is only seen */
+    enum neph_scattering scattering;
+
+    int solid_count;
+    struct neph_solid *solids; /* owned */
+    int medium_count;
+    struct neph_medium media[NEPH_SCENE_MEDIA_MAX];
+
+    double exposure_ev; /* display = radiance * 2^ev; frozen for all pictures of the scene */
+    int gate_count;
+    struct neph_gate *gates; /* owned */
+
+    /* BLAKE2b of everything above that changes a rendered value (not names, gates, exposure). */
+    char hash[NEPH_HASH_HEX_SIZE];
+};
+
+/* Read and check a scene file. Every error names file, line, column, value and allowed range. */
+enum neph_status neph_scene_load(const char *path, struct neph_scene **scene,
+                                 struct neph_diag *diag);
+
+/* NULL is fine. */
+void neph_scene_destroy(struct neph_scene *scene);
+
+/* The camera at a frame (0-based; may be fractional). Keys are held before the first and after the
+ * last. */
+struct neph_camera neph_scene_camera(const struct neph_scene *scene, double frame);
+
+/* Unit world direction of the ray through the centre of pixel (i, j), row 0 on top. */
+struct neph_vec3 neph_camera_ray(const struct neph_camera *camera, int width_px, int height_px,
+                                 double i, double j);
+
+const char *neph_scattering_name(enum neph_scattering scattering);
+const char *neph_quantity_name(enum neph_quantity quantity);
+
+#endif

@@ -1,0 +1,29 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Opaque solids: nearest hit, sun visibility, and the exact shadow a solid casts on a ray.
+ */
+#ifndef NEPH_SCENES_SOLIDS_H
+#define NEPH_SCENES_SOLIDS_H
+
+#include "scenes/scene.h"
+
+struct neph_hit {
+    double t_m; /* distance along the unit direction; +inf when nothing is hit */
+    struct neph_vec3 normal; /* unit, outward */
+    const struct neph_solid *solid; /* NULL when nothing is hit */
+};
+
+/* Nearest solid with t > 0. A ray that starts inside a solid hits its far side. */
+struct neph_hit neph_scene_hit(const struct neph_scene *scene, struct neph_vec3 origin_m,
+                               struct neph_vec3 direction);
+
+/* True when no solid stands between the point and the sun. */
+bool neph_scene_sees_sun(const struct neph_scene *scene, struct neph_vec3 point_m);
+
+/* The interval of t in [t0_m, t1_m] on which the sun is hidden by this solid from the points
+ * origin + t direction. Both solids are convex, so there is one interval; false when none. */
+bool neph_solid_shadow(const struct neph_solid *solid, struct neph_vec3 sun_direction,
+                       struct neph_vec3 origin_m, struct neph_vec3 direction, double t0_m,
+                       double t1_m, double *shadow_t0_m, double *shadow_t1_m);
+
+#endif

@@ -1,0 +1,64 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * What all tests share: cmocka with its required includes, and comparisons that print both values.
+ */
+#ifndef NEPH_TESTS_NEPH_TEST_H
+#define NEPH_TESTS_NEPH_TEST_H
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "base/status.h"
+
+/* |actual - expected| <= absolute + relative * |expected|; NaN never passes. */
+#define neph_assert_close(actual, expected, relative, absolute)                                    \
+    neph_assert_close_at((actual), (expected), (relative), (absolute), #actual, __FILE__, __LINE__)
+
+static inline void neph_assert_close_at(double actual, double expected, double relative,
+                                        double absolute, const char *text, const char *file,
+                                        int line)
+{
+    double allowed = absolute + relative * fabs(expected);
+    if (actual == expected || fabs(actual - expected) <= allowed)
+        return;
+    print_error("%s = %.17g, expected %.17g, off by %.3g, allowed %.3g\n", text, actual, expected,
+                fabs(actual - expected), allowed);
+    _fail(file, line);
+}
+
+/* Passes when the status is NEPH_OK; prints the diagnostic otherwise. */
+#define neph_assert_ok(status, diag) neph_assert_ok_at((status), (diag), __FILE__, __LINE__)
+
+static inline void neph_assert_ok_at(enum neph_status status, const struct neph_diag *diag,
+                                     const char *file, int line)
+{
+    if (status == NEPH_OK)
+        return;
+    print_error("%s: %s\n", neph_status_name(status), diag ? diag->message : "");
+    _fail(file, line);
+}
+
+/* Property tests: a small deterministic generator; print the seed when a property fails. */
+static inline uint64_t neph_test_random(uint64_t *state)
+{
+    uint64_t z = (*state += 0x9e3779b97f4a7c15u); /* splitmix64 */
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+    return z ^ (z >> 31);
+}
+
+static inline double neph_test_uniform(uint64_t *state, double low, double high)
+{
+    return low + (high - low) * (double)(neph_test_random(state) >> 11) * 0x1p-53;
+}
+
+#endif
