@@ -1,0 +1,29 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The truth along one ray, in double precision: transmittance in closed form, single scattering
+ * from the sun in closed form where there is one and else by adaptive Gauss-Kronrod quadrature
+ * over pieces on which the integrand is analytic (cut at the faces of media and at the exact edges
+ * of the shadows of solids). The white furnace is known in closed form too.
+ */
+#ifndef NEPH_SCENES_TRANSPORT_H
+#define NEPH_SCENES_TRANSPORT_H
+
+#include "scenes/scene.h"
+
+struct neph_ray_light {
+    struct neph_rgb radiance;  /* with everything [W m^-2 sr^-1] */
+    struct neph_rgb volume;    /* in-scattered alone [W m^-2 sr^-1] */
+    double transmittance;      /* to the first solid, or to infinity */
+    double hit_m;              /* distance to the first solid; +inf for the sky */
+    double quadrature_error;   /* estimated absolute error of `volume`, largest channel */
+};
+
+/* False, with the reason in words, when no exact answer is known for this scene (multiple
+ * scattering outside the white furnace; environment light in single scattering). */
+bool neph_transport_is_exact(const struct neph_scene *scene, char *reason, size_t reason_size);
+
+/* The scene must be one that neph_transport_is_exact() accepts; `direction` is unit. */
+struct neph_ray_light neph_transport_ray(const struct neph_scene *scene, struct neph_vec3 origin_m,
+                                         struct neph_vec3 direction);
+
+#endif
