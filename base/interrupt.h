@@ -14,7 +14,8 @@ void neph_interrupt_install(void);
 /* True once a signal has come. */
 bool neph_interrupted(void);
 
-/* A file descriptor that becomes readable when a signal comes, for poll(); -1 when not installed. */
+/* A file descriptor that becomes readable when a signal comes, for poll(); -1 when not installed.
+ */
 int neph_interrupt_fd(void);
 
 #endif

@@ -84,9 +84,9 @@ struct neph_engine {
     const char *name;
     const char *summary; /* one line */
     enum neph_rung rung;
-    const char *bias;    /* its known bias, in words, printed beside its numbers; NULL: none known */
+    const char *bias; /* its known bias, in words, printed beside its numbers; NULL: none known */
     const struct neph_option *options; /* ends with a NULL name */
-    uint32_t version;    /* of our own driver; raise it when its output changes */
+    uint32_t version;                  /* of our own driver; raise it when its output changes */
 
     /* Look for the engine. Never fails: `available` and `missing` say how it is. */
     void (*probe)(struct neph_engine_info *info);

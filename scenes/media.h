@@ -37,9 +37,12 @@ double neph_phase_per_sr(const struct neph_phase *phase, double cosine);
 bool neph_bounds_clip(const struct neph_bounds *bounds, struct neph_vec3 origin_m,
                       struct neph_vec3 direction, double *t0_m, double *t1_m);
 
+/* The same on one axis: narrow [*t0, *t1] to minimum <= origin + t direction <= maximum. */
+bool neph_clip_axis(double minimum, double maximum, double origin, double direction, double *t0,
+                    double *t1);
+
 /* Unreal Engine's ExponentialHeightFog (UI values; height in metres) <-> natural exponent.
- * sigma_t = a e^{-b (y-h)}: b = f ln2 with f = falloff/10 per metre ... exactly:
- *   a = (ln 2)^2 * density_ui / 10,  b = ln 2 * falloff_ui / 10.
+ *   sigma_t = a e^{-b (y-h)},  a = (ln 2)^2 density_ui / 10,  b = ln 2 falloff_ui / 10  [1/m].
  * Source: HeightFogCommon.ush and FogRendering.cpp: the shader's missing 1/ln 2 in the line
  * integral and its base-2 transmittance give the two factors. */
 struct neph_unreal_fog {

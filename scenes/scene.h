@@ -74,8 +74,8 @@ struct neph_solid {
 
 struct neph_sun {
     bool present;
-    struct neph_vec3 direction;            /* unit, from the scene towards the sun */
-    struct neph_rgb irradiance_w_per_m2;   /* on a plane across the direction */
+    struct neph_vec3 direction;          /* unit, from the scene towards the sun */
+    struct neph_rgb irradiance_w_per_m2; /* on a plane across the direction */
 };
 
 /* What light does. The same switch means the same thing in all engines. */
@@ -106,7 +106,7 @@ enum neph_quantity {
 
 /* A pass/fail limit that comes from physics, written in the scene file with its reason. */
 struct neph_gate {
-    char *engine;   /* owned */
+    char *engine; /* owned */
     enum neph_quantity quantity;
     char *metric;   /* owned: a name of the metrics module, such as "rel_bias" */
     char *mask;     /* owned: "all", "sky", "medium", "depth_edge" */
@@ -121,7 +121,7 @@ struct neph_scene {
     char *title;   /* owned; one line */
     char *physics; /* owned; what the scene isolates and which truth applies */
 
-    int camera_key_count; /* >= 1 */
+    int camera_key_count;                /* >= 1 */
     struct neph_camera_key *camera_keys; /* owned; ascending frames; linear in between */
     struct neph_vec3 camera_up;
     double vertical_fov_rad;

@@ -8,7 +8,7 @@
 #include "scenes/scene.h"
 
 struct neph_hit {
-    double t_m; /* distance along the unit direction; +inf when nothing is hit */
+    double t_m;              /* distance along the unit direction; +inf when nothing is hit */
     struct neph_vec3 normal; /* unit, outward */
     const struct neph_solid *solid; /* NULL when nothing is hit */
 };

@@ -11,11 +11,11 @@
 #include "scenes/scene.h"
 
 struct neph_ray_light {
-    struct neph_rgb radiance;  /* with everything [W m^-2 sr^-1] */
-    struct neph_rgb volume;    /* in-scattered alone [W m^-2 sr^-1] */
-    double transmittance;      /* to the first solid, or to infinity */
-    double hit_m;              /* distance to the first solid; +inf for the sky */
-    double quadrature_error;   /* estimated absolute error of `volume`, largest channel */
+    struct neph_rgb radiance; /* with everything [W m^-2 sr^-1] */
+    struct neph_rgb volume;   /* in-scattered alone [W m^-2 sr^-1] */
+    double transmittance;     /* to the first solid, or to infinity */
+    double hit_m;             /* distance to the first solid; +inf for the sky */
+    double quadrature_error;  /* estimated absolute error of `volume`, largest channel */
 };
 
 /* False, with the reason in words, when no exact answer is known for this scene (multiple

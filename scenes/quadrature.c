@@ -1,0 +1,98 @@
+/* SPDX-License-Identifier: MIT */
+#include "scenes/quadrature.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdbool.h>
+
+enum { NODE_COUNT = 11, DEPTH_MAX = 20 };
+
+/* The 21-point Kronrod rule: non-negative nodes, descending; odd places are the Gauss nodes. */
+static const double nodes[NODE_COUNT] = {
+    0.995657163025808080735527280689003, 0.973906528517171720077964012084452,
+    0.930157491355708226001207180059508, 0.865063366688984510732096688423493,
+    0.780817726586416897063717578345042, 0.679409568299024406234327365114874,
+    0.562757134668604683339000099272694, 0.433395394129247190799265943165784,
+    0.294392862701460198131126603103866, 0.148874338981631210884826001129720,
+    0.000000000000000000000000000000000};
+static const double kronrod_weights[NODE_COUNT] = {
+    0.011694638867371874278064396062192, 0.032558162307964727478818972459390,
+    0.054755896574351996031381300244580, 0.075039674810919952767043140916190,
+    0.093125454583697605535065465083366, 0.109387158802297641899210590325805,
+    0.123491976262065851077958109585166, 0.134709217311473325928054001771707,
+    0.142775938577060080797094273138717, 0.147739104901338491374841515972068,
+    0.149445554002916905664936468389821};
+static const double gauss_weights[NODE_COUNT / 2] = {
+    0.066671344308688137593568809893332, 0.149451349150580593145863396957658,
+    0.219086362515982043995534934228163, 0.269266719309996355091226921569469,
+    0.295524224714752870173815619188769};
+
+struct piece {
+    double kronrod[3];
+    double error; /* of the worst channel */
+};
+
+static struct piece evaluate(neph_integrand *integrand, void *context, double a, double b)
+{
+    const double middle = 0.5 * (a + b), half = 0.5 * (b - a);
+    double kronrod[3] = {0}, gauss[3] = {0};
+    for (int i = 0; i < NODE_COUNT; i++) {
+        const bool is_middle = i == NODE_COUNT - 1;
+        for (int side = is_middle ? 1 : -1; side <= 1; side += 2) {
+            double value[3];
+            integrand(middle + side * half * nodes[i], context, value);
+            for (int c = 0; c < 3; c++) {
+                kronrod[c] += kronrod_weights[i] * value[c];
+                if (i % 2 == 1)
+                    gauss[c] += gauss_weights[i / 2] * value[c];
+            }
+        }
+    }
+    struct piece piece = {.error = 0.0};
+    for (int c = 0; c < 3; c++) {
+        piece.kronrod[c] = half * kronrod[c];
+        /* The pair's difference is the error of the poorer rule; QUADPACK's 3/2 power is what
+         * experience gives for the better one. */
+        const double size = fabs(piece.kronrod[c]);
+        const double difference = fabs(half * (kronrod[c] - gauss[c]));
+        double error = difference;
+        if (size > 0.0 && difference > 0.0)
+            error = size * fmin(1.0, pow(200.0 * difference / size, 1.5));
+        piece.error = fmax(piece.error, error);
+    }
+    return piece;
+}
+
+/* Sum the better of two halves until the error is small beside `scale`. */
+static double refine(neph_integrand *integrand, void *context, double a, double b,
+                     struct piece whole, double scale, int depth, double result[3])
+{
+    if (whole.error <= 1e-13 * scale || depth == DEPTH_MAX) {
+        for (int c = 0; c < 3; c++)
+            result[c] += whole.kronrod[c];
+        return whole.error;
+    }
+    const double middle = 0.5 * (a + b);
+    const struct piece left = evaluate(integrand, context, a, middle);
+    const struct piece right = evaluate(integrand, context, middle, b);
+    return refine(integrand, context, a, middle, left, scale, depth + 1, result) +
+           refine(integrand, context, middle, b, right, scale, depth + 1, result);
+}
+
+double neph_integrate(neph_integrand *integrand, void *context, const struct neph_interval *pieces,
+                      int piece_count, double result[3])
+{
+    double scale = DBL_MIN;
+    for (int i = 0; i < piece_count; i++) {
+        const struct piece piece = evaluate(integrand, context, pieces[i].low, pieces[i].high);
+        scale += fmax(fabs(piece.kronrod[0]), fmax(fabs(piece.kronrod[1]), fabs(piece.kronrod[2])));
+    }
+    double error = 0.0;
+    result[0] = result[1] = result[2] = 0.0;
+    for (int i = 0; i < piece_count; i++) {
+        const double low = pieces[i].low, high = pieces[i].high;
+        const struct piece piece = evaluate(integrand, context, low, high);
+        error += refine(integrand, context, low, high, piece, scale, 0, result);
+    }
+    return error;
+}

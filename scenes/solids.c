@@ -1,0 +1,210 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Both kinds of solids are convex, so a ray meets each in one interval, and so does the shadow it
+ * throws: the points from which the sun is hidden are the solid swept away from the sun, which is
+ * convex too.
+ */
+#include "scenes/solids.h"
+
+#include "scenes/media.h"
+
+#include <math.h>
+
+/* A shadow ray starts on a surface: what is nearer than this is the surface itself. */
+static const double shadow_start_m = 1e-9;
+
+/* The entry and exit of a ray; false when it misses. */
+static bool sphere_interval(const struct neph_solid *sphere, struct neph_vec3 origin_m,
+                            struct neph_vec3 direction, double *t0_m, double *t1_m)
+{
+    const struct neph_vec3 offset_m = neph_vec3_sub(origin_m, sphere->center_m);
+    const double middle_m = -neph_vec3_dot(offset_m, direction);
+    const struct neph_vec3 nearest_m = neph_vec3_along(offset_m, direction, middle_m);
+    const double half_squared = sphere->radius_m * sphere->radius_m -
+                                neph_vec3_dot(nearest_m, nearest_m);
+    if (half_squared <= 0.0)
+        return false;
+    *t0_m = middle_m - sqrt(half_squared);
+    *t1_m = middle_m + sqrt(half_squared);
+    return true;
+}
+
+static bool solid_interval(const struct neph_solid *solid, struct neph_vec3 origin_m,
+                           struct neph_vec3 direction, double *t0_m, double *t1_m)
+{
+    if (solid->kind == NEPH_SOLID_SPHERE)
+        return sphere_interval(solid, origin_m, direction, t0_m, t1_m);
+    *t0_m = -INFINITY;
+    *t1_m = INFINITY;
+    return neph_bounds_clip(&solid->box, origin_m, direction, t0_m, t1_m);
+}
+
+/* The face of a box on which a point lies, chosen as the one it is nearest to. */
+static struct neph_vec3 box_normal(const struct neph_bounds *box, struct neph_vec3 p)
+{
+    const double distance_m[6] = {fabs(p.x - box->min_m.x), fabs(p.x - box->max_m.x),
+                                  fabs(p.y - box->min_m.y), fabs(p.y - box->max_m.y),
+                                  fabs(p.z - box->min_m.z), fabs(p.z - box->max_m.z)};
+    static const struct neph_vec3 normals[6] = {{-1, 0, 0}, {1, 0, 0},  {0, -1, 0},
+                                                {0, 1, 0},  {0, 0, -1}, {0, 0, 1}};
+    int nearest = 0;
+    for (int face = 1; face < 6; face++)
+        if (distance_m[face] < distance_m[nearest])
+            nearest = face;
+    return normals[nearest];
+}
+
+static struct neph_vec3 solid_normal(const struct neph_solid *solid, struct neph_vec3 point_m)
+{
+    if (solid->kind == NEPH_SOLID_SPHERE)
+        return neph_vec3_normalize(neph_vec3_sub(point_m, solid->center_m));
+    return box_normal(&solid->box, point_m);
+}
+
+struct neph_hit neph_scene_hit(const struct neph_scene *scene, struct neph_vec3 origin_m,
+                               struct neph_vec3 direction)
+{
+    struct neph_hit hit = {.t_m = INFINITY};
+    for (int i = 0; i < scene->solid_count; i++) {
+        double t0_m, t1_m;
+        if (!solid_interval(&scene->solids[i], origin_m, direction, &t0_m, &t1_m))
+            continue;
+        const double t_m = t0_m > 0.0 ? t0_m : t1_m;
+        if (t_m > 0.0 && t_m < hit.t_m) {
+            hit.t_m = t_m;
+            hit.solid = &scene->solids[i];
+        }
+    }
+    if (hit.solid)
+        hit.normal = solid_normal(hit.solid, neph_vec3_along(origin_m, direction, hit.t_m));
+    return hit;
+}
+
+bool neph_scene_sees_sun(const struct neph_scene *scene, struct neph_vec3 point_m)
+{
+    for (int i = 0; i < scene->solid_count; i++) {
+        double t0_m, t1_m;
+        if (solid_interval(&scene->solids[i], point_m, scene->sun.direction, &t0_m, &t1_m) &&
+            t1_m > shadow_start_m)
+            return false;
+    }
+    return true;
+}
+
+/* An affine function of the distance u along the view ray. */
+struct affine {
+    double constant, slope;
+};
+
+/* Narrow [*u0, *u1] to where f(u) <= g(u). */
+static bool clip_less_equal(struct affine f, struct affine g, double *u0, double *u1)
+{
+    const double constant = f.constant - g.constant;
+    const double slope = f.slope - g.slope;
+    if (slope == 0.0)
+        return constant <= 0.0;
+    const double root = -constant / slope;
+    if (slope > 0.0)
+        *u1 = fmin(*u1, root);
+    else
+        *u0 = fmax(*u0, root);
+    return *u0 < *u1;
+}
+
+/* Shadow of a box: the u for which some t >= 0 puts o + u d + t s inside. On each axis t is
+ * bounded below and above by affine functions of u; a t exists when every lower bound is below
+ * every upper bound (Fourier-Motzkin elimination of t). */
+static bool box_shadow(const struct neph_bounds *box, struct neph_vec3 sun, struct neph_vec3 o,
+                       struct neph_vec3 d, double *u0, double *u1)
+{
+    const double low[3] = {box->min_m.x, box->min_m.y, box->min_m.z};
+    const double high[3] = {box->max_m.x, box->max_m.y, box->max_m.z};
+    const double origin[3] = {o.x, o.y, o.z};
+    const double direction[3] = {d.x, d.y, d.z};
+    const double s[3] = {sun.x, sun.y, sun.z};
+    struct affine lower[4] = {{0.0, 0.0}}; /* t >= 0 */
+    struct affine upper[3];
+    int lower_count = 1, upper_count = 0;
+    for (int axis = 0; axis < 3; axis++) {
+        if (s[axis] == 0.0) {
+            if (!neph_clip_axis(low[axis], high[axis], origin[axis], direction[axis], u0, u1))
+                return false;
+            continue;
+        }
+        const double entry = s[axis] > 0.0 ? low[axis] : high[axis];
+        const double exit = s[axis] > 0.0 ? high[axis] : low[axis];
+        const double slope = -direction[axis] / s[axis];
+        lower[lower_count++] = (struct affine){(entry - origin[axis]) / s[axis], slope};
+        upper[upper_count++] = (struct affine){(exit - origin[axis]) / s[axis], slope};
+    }
+    for (int i = 0; i < lower_count; i++)
+        for (int j = 0; j < upper_count; j++)
+            if (!clip_less_equal(lower[i], upper[j], u0, u1))
+                return false;
+    return *u0 < *u1;
+}
+
+/* Shadow of a sphere: where the nearest approach of the sun ray lies ahead, the test is against
+ * the cylinder along the sun; behind it, against the sphere itself. */
+static bool sphere_shadow(const struct neph_solid *sphere, struct neph_vec3 sun, struct neph_vec3 o,
+                          struct neph_vec3 d, double *u0, double *u1)
+{
+    const struct neph_vec3 w = neph_vec3_sub(o, sphere->center_m);
+    /* The nearest approach is at t*(u) = -(w + u d).s; it is ahead while t* >= 0. */
+    const struct affine behind = {neph_vec3_dot(w, sun), neph_vec3_dot(d, sun)};
+    const struct affine zero = {0.0, 0.0};
+
+    double low = INFINITY, high = -INFINITY;
+    double a0 = *u0, a1 = *u1;
+    if (clip_less_equal(behind, zero, &a0, &a1)) {
+        const struct neph_vec3 w_across = neph_vec3_along(w, sun, -behind.constant);
+        const struct neph_vec3 d_across = neph_vec3_along(d, sun, -behind.slope);
+        const double speed_squared = neph_vec3_dot(d_across, d_across);
+        if (speed_squared < 1e-24) { /* looking along the sun: inside the cylinder or not */
+            if (neph_vec3_dot(w_across, w_across) < sphere->radius_m * sphere->radius_m) {
+                low = a0;
+                high = a1;
+            }
+        } else {
+            const double middle = -neph_vec3_dot(w_across, d_across) / speed_squared;
+            const struct neph_vec3 nearest = neph_vec3_along(w_across, d_across, middle);
+            const double half_squared = sphere->radius_m * sphere->radius_m -
+                                        neph_vec3_dot(nearest, nearest);
+            if (half_squared > 0.0) {
+                const double half = sqrt(half_squared / speed_squared);
+                const double c0 = fmax(a0, middle - half), c1 = fmin(a1, middle + half);
+                if (c0 < c1) {
+                    low = c0;
+                    high = c1;
+                }
+            }
+        }
+    }
+    double b0 = *u0, b1 = *u1, s0, s1;
+    if (clip_less_equal(zero, behind, &b0, &b1) && sphere_interval(sphere, o, d, &s0, &s1)) {
+        b0 = fmax(b0, s0);
+        b1 = fmin(b1, s1);
+        if (b0 < b1) {
+            low = fmin(low, b0);
+            high = fmax(high, b1);
+        }
+    }
+    *u0 = low;
+    *u1 = high;
+    return low < high;
+}
+
+bool neph_solid_shadow(const struct neph_solid *solid, struct neph_vec3 sun_direction,
+                       struct neph_vec3 origin_m, struct neph_vec3 direction, double t0_m,
+                       double t1_m, double *shadow_t0_m, double *shadow_t1_m)
+{
+    double u0 = t0_m, u1 = t1_m;
+    const bool hidden = solid->kind == NEPH_SOLID_SPHERE
+                            ? sphere_shadow(solid, sun_direction, origin_m, direction, &u0, &u1)
+                            : box_shadow(&solid->box, sun_direction, origin_m, direction, &u0, &u1);
+    if (!hidden)
+        return false;
+    *shadow_t0_m = u0;
+    *shadow_t1_m = u1;
+    return true;
+}
