@@ -91,6 +91,20 @@ static double side_cut_error(const struct neph_medium *medium, const struct neph
     return worst;
 }
 
+/* Towards the sun the box reaches as far as a sun ray from its lowest eye needs to leave by the
+ * top: sunlight must cross the whole fog before it is scattered. */
+static void reach_towards_sun(struct neph_bounds *box, const struct neph_sun *sun, double eye_m)
+{
+    if (!sun->present || sun->direction.y <= 0.0)
+        return;
+    const double path_m = (box->max_m.y - eye_m) / sun->direction.y;
+    const double reach_x_m = sun->direction.x * path_m, reach_z_m = sun->direction.z * path_m;
+    box->min_m.x += fmin(0.0, reach_x_m);
+    box->max_m.x += fmax(0.0, reach_x_m);
+    box->min_m.z += fmin(0.0, reach_z_m);
+    box->max_m.z += fmax(0.0, reach_z_m);
+}
+
 static struct neph_bounds intersect(struct neph_bounds a, struct neph_bounds b)
 {
     return (struct neph_bounds){
@@ -129,6 +143,7 @@ struct neph_bounds neph_medium_container(const struct neph_scene *scene,
     box.max_m.x = eyes.x1_m + side_m;
     box.min_m.z = eyes.z0_m - side_m;
     box.max_m.z = eyes.z1_m + side_m;
+    reach_towards_sun(&box, &scene->sun, eyes.low_m);
     *cut_error = error + 2.0 * top_optical_depth + exp(-bottom_optical_depth);
     return intersect(box, medium->bounds);
 }

@@ -16,6 +16,11 @@ double neph_phi(double x)
 {
     if (x == 0.0)
         return 1.0;
+    if (x < -700.0) { /* e^-x may overflow where e^-x / -x does not */
+        const double size = fmin(-x, 800.0); /* e^800/800 is infinite */
+        const double half = exp(0.5 * size);
+        return half / size * half;
+    }
     return -expm1(-x) / x;
 }
 
@@ -28,15 +33,17 @@ double neph_fog_layer_optical_depth(const struct neph_fog_layer *layer, double y
     if (isinf(length_m) && rate_per_m <= 0.0)
         return INFINITY;
     const double dense_y_m = rate_per_m >= 0.0 ? y_m : y_m + k_y * length_m;
-    const double density_per_m = layer->extinction_per_m *
-                                 exp(-layer->falloff_per_m * (dense_y_m - layer->height_m));
-    if (density_per_m == 0.0)
-        return 0.0; /* below the smallest double; keeps 0 * inf out */
+    /* The density e^-x is applied in two halves, to the extinction and to the length: either alone
+     * may leave the range of a double where their product does not. */
+    const double half = exp(-0.5 * layer->falloff_per_m * (dense_y_m - layer->height_m));
+    if (half == 0.0)
+        return 0.0; /* keeps 0 * inf out */
+    const double density_per_m = layer->extinction_per_m * half;
     const double decay = fabs(rate_per_m) * length_m;
     /* Beyond e^-40 the end of the ray adds nothing in double, and length may be infinite. */
-    const double effective_length_m = decay > 40.0 ? 1.0 / fabs(rate_per_m)
-                                                   : length_m * neph_phi(decay);
-    return density_per_m * effective_length_m;
+    if (decay > 40.0)
+        return density_per_m / layer->falloff_per_m / fabs(k_y) * half;
+    return density_per_m * (half * (length_m * neph_phi(decay)));
 }
 
 static bool bounds_contain(const struct neph_bounds *bounds, struct neph_vec3 p)
@@ -113,7 +120,7 @@ static double henyey_greenstein_per_sr(double g, double cosine)
     /* 1 + g^2 - 2 g c without its cancellation at the peak, for either sign of g. */
     const double base = g >= 0.0 ? (1.0 - g) * (1.0 - g) + 2.0 * g * (1.0 - cosine)
                                  : (1.0 + g) * (1.0 + g) - 2.0 * g * (1.0 + cosine);
-    return (1.0 - g * g) / (4.0 * pi * base * sqrt(base));
+    return (1.0 - g) * (1.0 + g) / (4.0 * pi * base * sqrt(base));
 }
 
 double neph_phase_per_sr(const struct neph_phase *phase, double cosine)

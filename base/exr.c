@@ -1,0 +1,592 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The library reads through pread() and writes into memory, both behind its stream callbacks. So
+ * one place (base/files.h) knows how to put a file on disk safely, and a read that runs past the
+ * end of the file is seen here, which tells a truncated file from a damaged one.
+ */
+#include "base/exr.h"
+
+#include "base/files.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <limits.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <openexr.h>
+
+enum {
+    /* The first eight bytes of every file: magic number, version and feature flags. See "Magic
+     * Number" and "Version Field" in https://openexr.com/en/latest/OpenEXRFileLayout.html */
+    EXR_MAGIC = 20000630,
+    EXR_FLAG_TILED = 0x200,
+    EXR_FLAG_DEEP = 0x800,
+    EXR_FLAG_MULTIPART = 0x1000,
+    PREFIX_BYTES = 8,
+    SHORT_NAME_MAX = 31, /* longer names need a flag in the file */
+    CHANNEL_COUNT_MAX = 1024,
+    ONLY_PART = 0,
+    FIRST_BUFFER_BYTES = 1 << 16,
+};
+
+/* What stands behind the library's callbacks. */
+struct stream {
+    int fd;              /* reading */
+    uint64_t size_bytes; /* reading: of the file; writing: of what has been written */
+    bool past_end;       /* the library wanted bytes beyond the end of the file */
+    int io_error;        /* errno of a failed read, or ENOMEM of a failed write */
+    char *data;          /* writing */
+    size_t capacity;     /* writing */
+    char complaint[256]; /* the library's last message */
+};
+
+static struct stream *stream_of(exr_const_context_t context)
+{
+    void *stream = NULL;
+    if (!context || exr_get_user_data(context, &stream) != EXR_ERR_SUCCESS)
+        return NULL;
+    return stream;
+}
+
+static void keep_complaint(exr_const_context_t context, exr_result_t code, const char *message)
+{
+    (void)code;
+    struct stream *stream = stream_of(context);
+    if (stream)
+        snprintf(stream->complaint, sizeof(stream->complaint), "%s", message);
+}
+
+/* The library's own words when it had any, else the meaning of its code. */
+static const char *reason(const struct stream *stream, exr_result_t result)
+{
+    return stream->complaint[0] ? stream->complaint : exr_get_default_error_message(result);
+}
+
+/* ---- writing --------------------------------------------------------------------------------- */
+
+static bool reserve(struct stream *stream, uint64_t needed_bytes)
+{
+    if (needed_bytes <= stream->capacity)
+        return true;
+    size_t capacity = stream->capacity ? stream->capacity : FIRST_BUFFER_BYTES;
+    while (capacity < needed_bytes)
+        capacity *= 2;
+    char *grown = realloc(stream->data, capacity);
+    if (!grown) {
+        stream->io_error = ENOMEM;
+        return false;
+    }
+    memset(grown + stream->capacity, 0, capacity - stream->capacity);
+    stream->data = grown;
+    stream->capacity = capacity;
+    return true;
+}
+
+/* The library goes back to fill in the table of chunks, hence the offset. */
+static int64_t write_bytes(exr_const_context_t context, void *userdata, const void *buffer,
+                           uint64_t size, uint64_t offset, exr_stream_error_func_ptr_t fail)
+{
+    (void)context;
+    (void)fail;
+    struct stream *stream = userdata;
+    if (!reserve(stream, offset + size))
+        return -1;
+    memcpy(stream->data + offset, buffer, size);
+    if (offset + size > stream->size_bytes)
+        stream->size_bytes = offset + size;
+    return (int64_t)size;
+}
+
+static enum neph_status fail_write(const char *path, const struct stream *stream,
+                                   exr_result_t result, struct neph_diag *diag)
+{
+    if (result == EXR_ERR_OUT_OF_MEMORY || stream->io_error == ENOMEM)
+        return neph_fail_memory(diag);
+    return neph_fail(diag, NEPH_ERR_INTERNAL, "cannot encode '%s': %s", path,
+                     reason(stream, result));
+}
+
+/* Names that the format itself gives a meaning to. */
+static bool is_reserved_attribute(const char *name)
+{
+    static const char *const reserved[] = {
+        "channels",          "compression", "dataWindow",
+        "displayWindow",     "lineOrder",   "pixelAspectRatio",
+        "chunkCount",        "name",        "screenWindowCenter",
+        "screenWindowWidth", "type",        "tiles",
+        "version",           "view",        "preview",
+    };
+    for (size_t i = 0; i < sizeof(reserved) / sizeof(reserved[0]); i++)
+        if (strcmp(name, reserved[i]) == 0)
+            return true;
+    return false;
+}
+
+static enum neph_status check_writable(const struct neph_image *image, const char *path,
+                                       struct neph_diag *diag)
+{
+    if (image->channel_count < 1)
+        return neph_fail(diag, NEPH_ERR_INPUT, "cannot write '%s': the image has no channels",
+                         path);
+    for (int i = 0; i < image->attribute_count; i++) {
+        const char *name = image->attributes[i].name;
+        if (name[0] == '\0' || is_reserved_attribute(name))
+            return neph_fail(diag, NEPH_ERR_INPUT,
+                             "cannot write '%s': '%s' is not a free name for an attribute", path,
+                             name);
+    }
+    return NEPH_OK;
+}
+
+static bool has_long_names(const struct neph_image *image)
+{
+    for (int i = 0; i < image->channel_count; i++)
+        if (strlen(image->channels[i].name) > SHORT_NAME_MAX)
+            return true;
+    for (int i = 0; i < image->attribute_count; i++)
+        if (strlen(image->attributes[i].name) > SHORT_NAME_MAX)
+            return true;
+    return false;
+}
+
+static exr_result_t write_header(exr_context_t context, const struct neph_image *image)
+{
+    int part = ONLY_PART;
+    /* Some readers refuse the flag, so it is set only where it is needed. */
+    exr_result_t result = exr_set_longname_support(context, has_long_names(image));
+    if (!result)
+        result = exr_add_part(context, NULL, EXR_STORAGE_SCANLINE, &part);
+    if (!result)
+        result = exr_initialize_required_attr_simple(context, part, image->width_px,
+                                                     image->height_px, EXR_COMPRESSION_ZIP);
+    for (int i = 0; i < image->channel_count && !result; i++)
+        result = exr_add_channel(context, part, image->channels[i].name, EXR_PIXEL_FLOAT,
+                                 EXR_PERCEPTUALLY_LINEAR, 1, 1);
+    for (int i = 0; i < image->attribute_count && !result; i++)
+        result = exr_attr_set_string(context, part, image->attributes[i].name,
+                                     image->attributes[i].value);
+    return result ? result : exr_write_header(context);
+}
+
+/* Point the encoder at the rows of the chunk that starts at row y. The file keeps its channels in
+ * alphabetical order, the image in the order of their making. */
+static void set_sources(exr_encode_pipeline_t *encoder, const struct neph_image *image, int y)
+{
+    for (int c = 0; c < encoder->channel_count; c++) {
+        exr_coding_channel_info_t *channel = &encoder->channels[c];
+        const float *samples = neph_image_channel(image, channel->channel_name);
+        channel->encode_from_ptr = (const uint8_t *)(samples + (size_t)y * (size_t)image->width_px);
+        channel->user_data_type = EXR_PIXEL_FLOAT;
+        channel->user_bytes_per_element = sizeof(float);
+        channel->user_pixel_stride = sizeof(float);
+        channel->user_line_stride = image->width_px * (int32_t)sizeof(float);
+    }
+}
+
+static exr_result_t write_chunk(exr_context_t context, exr_encode_pipeline_t *encoder,
+                                const struct neph_image *image, int y)
+{
+    exr_chunk_info_t chunk;
+    exr_result_t result = exr_write_scanline_chunk_info(context, ONLY_PART, y, &chunk);
+    if (result)
+        return result;
+    bool first = y == 0;
+    result = first ? exr_encoding_initialize(context, ONLY_PART, &chunk, encoder)
+                   : exr_encoding_update(context, ONLY_PART, &chunk, encoder);
+    if (result)
+        return result;
+    set_sources(encoder, image, y);
+    if (first)
+        result = exr_encoding_choose_default_routines(context, ONLY_PART, encoder);
+    return result ? result : exr_encoding_run(context, ONLY_PART, encoder);
+}
+
+static exr_result_t write_pixels(exr_context_t context, const struct neph_image *image)
+{
+    exr_encode_pipeline_t encoder = EXR_ENCODE_PIPELINE_INITIALIZER;
+    int32_t rows_per_chunk = 0;
+    exr_result_t result = exr_get_scanlines_per_chunk(context, ONLY_PART, &rows_per_chunk);
+    for (int y = 0; y < image->height_px && !result; y += rows_per_chunk)
+        result = write_chunk(context, &encoder, image, y);
+    exr_encoding_destroy(context, &encoder);
+    return result;
+}
+
+enum neph_status neph_exr_write(const char *path, const struct neph_image *image,
+                                struct neph_diag *diag)
+{
+    enum neph_status status = check_writable(image, path, diag);
+    if (status)
+        return status;
+    struct stream stream = {.fd = -1};
+    exr_context_initializer_t setup = EXR_DEFAULT_CONTEXT_INITIALIZER;
+    setup.error_handler_fn = keep_complaint;
+    setup.user_data = &stream;
+    setup.write_fn = write_bytes;
+
+    exr_context_t context = NULL;
+    exr_result_t result = exr_start_write(&context, path, EXR_WRITE_FILE_DIRECTLY, &setup);
+    if (!result)
+        result = write_header(context, image);
+    if (!result)
+        result = write_pixels(context, image);
+    if (context) {
+        /* Also after a failure, or the context leaks; it writes the table of chunks. */
+        exr_result_t finished = exr_finish(&context);
+        result = result ? result : finished;
+    }
+    status = result ? fail_write(path, &stream, result, diag)
+                    : neph_file_write(path, stream.data, stream.size_bytes, diag);
+    free(stream.data);
+    return status;
+}
+
+/* ---- reading --------------------------------------------------------------------------------- */
+
+static int64_t read_bytes(exr_const_context_t context, void *userdata, void *buffer, uint64_t size,
+                          uint64_t offset, exr_stream_error_func_ptr_t fail)
+{
+    (void)context;
+    (void)fail;
+    struct stream *stream = userdata;
+    uint64_t done_bytes = 0;
+    while (done_bytes < size) {
+        ssize_t got = pread(stream->fd, (char *)buffer + done_bytes, size - done_bytes,
+                            (off_t)(offset + done_bytes));
+        if (got < 0 && errno == EINTR)
+            continue;
+        if (got < 0) {
+            stream->io_error = errno;
+            return -1;
+        }
+        if (got == 0) {
+            stream->past_end = true;
+            break;
+        }
+        done_bytes += (uint64_t)got;
+    }
+    return (int64_t)done_bytes;
+}
+
+static int64_t file_size(exr_const_context_t context, void *userdata)
+{
+    (void)context;
+    const struct stream *stream = userdata;
+    return (int64_t)stream->size_bytes;
+}
+
+/* What went wrong inside the library, in the words of a person who has only the file. */
+static enum neph_status fail_read(const char *path, const struct stream *stream,
+                                  exr_result_t result, struct neph_diag *diag)
+{
+    if (result == EXR_ERR_OUT_OF_MEMORY)
+        return neph_fail_memory(diag);
+    if (stream->io_error)
+        return neph_fail(diag, NEPH_ERR_IO, "cannot read '%s': %s", path,
+                         strerror(stream->io_error));
+    enum neph_status status = neph_fail(diag, NEPH_ERR_INPUT, "'%s' is %s: %s", path,
+                                        stream->past_end ? "truncated" : "truncated or damaged",
+                                        reason(stream, result));
+    neph_hint(diag, "was the program that wrote it interrupted? Make the file again");
+    return status;
+}
+
+static uint32_t little_endian_32(const unsigned char *bytes)
+{
+    return (uint32_t)bytes[0] | (uint32_t)bytes[1] << 8 | (uint32_t)bytes[2] << 16 |
+           (uint32_t)bytes[3] << 24;
+}
+
+static enum neph_status refuse_kind(const char *path, const char *kind, struct neph_diag *diag)
+{
+    neph_fail(diag, NEPH_ERR_INPUT, "'%s' is a %s OpenEXR file; only flat scanlines are read", path,
+              kind);
+    neph_hint(diag, "write it as a single-part scanline image");
+    return NEPH_ERR_INPUT;
+}
+
+/* Refuse what is no business of ours before the library parses any of it. */
+static enum neph_status check_prefix(const char *path, struct stream *stream,
+                                     struct neph_diag *diag)
+{
+    unsigned char prefix[PREFIX_BYTES];
+    int64_t got = read_bytes(NULL, stream, prefix, sizeof(prefix), 0, NULL);
+    if (got < 0)
+        return fail_read(path, stream, EXR_ERR_READ_IO, diag);
+    if (got < PREFIX_BYTES || little_endian_32(prefix) != EXR_MAGIC)
+        return neph_fail(diag, NEPH_ERR_INPUT, "'%s' is not an OpenEXR file", path);
+    uint32_t flags = little_endian_32(prefix + 4);
+    if (flags & EXR_FLAG_MULTIPART)
+        return refuse_kind(path, "multi-part", diag);
+    if (flags & EXR_FLAG_DEEP)
+        return refuse_kind(path, "deep", diag);
+    if (flags & EXR_FLAG_TILED)
+        return refuse_kind(path, "tiled", diag);
+    return NEPH_OK;
+}
+
+static enum neph_status open_stream(const char *path, struct stream *stream, struct neph_diag *diag)
+{
+    *stream = (struct stream){.fd = open(path, O_RDONLY | O_CLOEXEC)};
+    if (stream->fd < 0)
+        return neph_fail(diag, errno == ENOENT ? NEPH_ERR_NOT_FOUND : NEPH_ERR_IO,
+                         "cannot read '%s': %s", path, strerror(errno));
+    struct stat info;
+    if (fstat(stream->fd, &info) != 0)
+        return neph_fail(diag, NEPH_ERR_IO, "cannot read '%s': %s", path, strerror(errno));
+    if (!S_ISREG(info.st_mode))
+        return neph_fail(diag, NEPH_ERR_IO, "cannot read '%s': not a regular file", path);
+    stream->size_bytes = (uint64_t)info.st_size;
+    return check_prefix(path, stream, diag);
+}
+
+/* What the header says about the pixels. */
+struct layout {
+    exr_attr_box2i_t window;
+    int width_px, height_px;
+    int32_t rows_per_chunk;
+    uint64_t row_bytes; /* of all channels, uncompressed */
+    exr_compression_t compression;
+    const exr_attr_chlist_t *channels;
+};
+
+static exr_result_t query_layout(exr_const_context_t context, struct layout *layout)
+{
+    exr_result_t result = exr_get_data_window(context, ONLY_PART, &layout->window);
+    if (!result)
+        result = exr_get_scanlines_per_chunk(context, ONLY_PART, &layout->rows_per_chunk);
+    if (!result)
+        result = exr_get_compression(context, ONLY_PART, &layout->compression);
+    if (!result)
+        result = exr_get_channels(context, ONLY_PART, &layout->channels);
+    if (!result && layout->rows_per_chunk < 1)
+        result = EXR_ERR_INVALID_ATTR;
+    return result;
+}
+
+static enum neph_status check_size(const char *path, struct layout *layout, struct neph_diag *diag)
+{
+    int64_t width_px = (int64_t)layout->window.max.x - layout->window.min.x + 1;
+    int64_t height_px = (int64_t)layout->window.max.y - layout->window.min.y + 1;
+    if (width_px < 1 || height_px < 1 || width_px > NEPH_IMAGE_SIDE_MAX_PX ||
+        height_px > NEPH_IMAGE_SIDE_MAX_PX)
+        return neph_fail(diag, NEPH_ERR_INPUT,
+                         "'%s' says that it is %lldx%lld pixels large; 1 to %d a side are read",
+                         path, (long long)width_px, (long long)height_px, NEPH_IMAGE_SIDE_MAX_PX);
+    layout->width_px = (int)width_px;
+    layout->height_px = (int)height_px;
+    return NEPH_OK;
+}
+
+static enum neph_status check_channels(const char *path, struct layout *layout,
+                                       struct neph_diag *diag)
+{
+    int count = layout->channels->num_channels;
+    if (count < 1 || count > CHANNEL_COUNT_MAX)
+        return neph_fail(diag, NEPH_ERR_INPUT, "'%s' has %d channels; 1 to %d are read", path,
+                         count, CHANNEL_COUNT_MAX);
+    for (int i = 0; i < count; i++) {
+        const exr_attr_chlist_entry_t *channel = &layout->channels->entries[i];
+        if (channel->x_sampling != 1 || channel->y_sampling != 1)
+            return neph_fail(diag, NEPH_ERR_INPUT, "'%s': channel '%s' has not a sample per pixel",
+                             path, channel->name.str);
+        size_t sample_bytes = channel->pixel_type == EXR_PIXEL_HALF ? 2 : 4;
+        layout->row_bytes += sample_bytes * (uint64_t)layout->width_px;
+    }
+    return NEPH_OK;
+}
+
+static enum neph_status read_layout(exr_const_context_t context, const char *path,
+                                    const struct stream *stream, struct layout *layout,
+                                    struct neph_diag *diag)
+{
+    *layout = (struct layout){0};
+    exr_storage_t storage = EXR_STORAGE_LAST_TYPE;
+    exr_result_t result = exr_get_storage(context, ONLY_PART, &storage);
+    if (result)
+        return fail_read(path, stream, result, diag);
+    if (storage != EXR_STORAGE_SCANLINE) /* the flags said otherwise */
+        return refuse_kind(path, storage == EXR_STORAGE_TILED ? "tiled" : "deep", diag);
+    result = query_layout(context, layout);
+    if (result)
+        return fail_read(path, stream, result, diag);
+    if (layout->compression >= EXR_COMPRESSION_DWAA) {
+        neph_fail(diag, NEPH_ERR_INPUT, "'%s' has DWA compression, which is lossy and not read",
+                  path);
+        neph_hint(diag, "write it with ZIP compression");
+        return NEPH_ERR_INPUT;
+    }
+    enum neph_status status = check_size(path, layout, diag);
+    return status ? status : check_channels(path, layout, diag);
+}
+
+/* The chunk that starts `row` rows below the top, held against what the header promises: the
+ * decoders trust these sizes. */
+static exr_result_t find_chunk(exr_const_context_t context, const struct layout *layout, int row,
+                               exr_chunk_info_t *chunk)
+{
+    int y = layout->window.min.y + row;
+    exr_result_t result = exr_read_scanline_chunk_info(context, ONLY_PART, y, chunk);
+    if (result)
+        return result;
+    int rows_left = layout->height_px - row;
+    int rows = rows_left < layout->rows_per_chunk ? rows_left : layout->rows_per_chunk;
+    uint64_t expected_bytes = layout->row_bytes * (uint64_t)rows;
+    bool packed = layout->compression != EXR_COMPRESSION_NONE;
+    if (chunk->start_y != y || chunk->width != layout->width_px || chunk->height != rows ||
+        chunk->unpacked_size != expected_bytes || chunk->packed_size < 1 ||
+        chunk->packed_size > expected_bytes || (!packed && chunk->packed_size != expected_bytes))
+        return EXR_ERR_CORRUPT_CHUNK;
+    return EXR_ERR_SUCCESS;
+}
+
+/* Before any pixel memory is asked for: a small broken file may promise gigabytes. */
+static exr_result_t check_chunks(exr_const_context_t context, const struct layout *layout)
+{
+    exr_result_t result = EXR_ERR_SUCCESS;
+    for (int row = 0; row < layout->height_px && !result; row += layout->rows_per_chunk) {
+        exr_chunk_info_t chunk;
+        result = find_chunk(context, layout, row, &chunk);
+    }
+    return result;
+}
+
+static enum neph_status add_channels(struct neph_image *image, const struct layout *layout,
+                                     struct neph_diag *diag)
+{
+    enum neph_status status = NEPH_OK;
+    for (int i = 0; i < layout->channels->num_channels && !status; i++)
+        status = neph_image_add_channel(image, layout->channels->entries[i].name.str, NULL, diag);
+    return status;
+}
+
+static enum neph_status add_attribute(struct neph_image *image, const char *path,
+                                      const exr_attribute_t *attribute, struct neph_diag *diag)
+{
+    if (attribute->type != EXR_ATTR_STRING || is_reserved_attribute(attribute->name))
+        return NEPH_OK;
+    if (strlen(attribute->name) >= NEPH_IMAGE_NAME_MAX)
+        return neph_fail(diag, NEPH_ERR_INPUT,
+                         "'%s': the name of attribute '%s' is longer than %d bytes", path,
+                         attribute->name, NEPH_IMAGE_NAME_MAX - 1);
+    const exr_attr_string_t *text = attribute->string;
+    return neph_image_set_attribute(image, attribute->name, diag, "%.*s", (int)text->length,
+                                    text->str ? text->str : "");
+}
+
+static enum neph_status add_attributes(struct neph_image *image, const char *path,
+                                       exr_const_context_t context, const struct stream *stream,
+                                       struct neph_diag *diag)
+{
+    int32_t count = 0;
+    exr_result_t result = exr_get_attribute_count(context, ONLY_PART, &count);
+    enum neph_status status = NEPH_OK;
+    for (int32_t i = 0; i < count && !result && !status; i++) {
+        const exr_attribute_t *attribute = NULL;
+        result = exr_get_attribute_by_index(context, ONLY_PART, EXR_ATTR_LIST_FILE_ORDER, i,
+                                            &attribute);
+        if (!result)
+            status = add_attribute(image, path, attribute, diag);
+    }
+    return result ? fail_read(path, stream, result, diag) : status;
+}
+
+/* The image has its channels in the order of the file, see add_channels(). */
+static void set_targets(exr_decode_pipeline_t *decoder, const struct neph_image *image, int row)
+{
+    for (int c = 0; c < decoder->channel_count; c++) {
+        exr_coding_channel_info_t *channel = &decoder->channels[c];
+        float *samples = image->channels[c].samples;
+        channel->decode_to_ptr = (uint8_t *)(samples + (size_t)row * (size_t)image->width_px);
+        channel->user_data_type = EXR_PIXEL_FLOAT;
+        channel->user_bytes_per_element = sizeof(float);
+        channel->user_pixel_stride = sizeof(float);
+        channel->user_line_stride = image->width_px * (int32_t)sizeof(float);
+    }
+}
+
+static exr_result_t read_chunk(exr_const_context_t context, const struct layout *layout,
+                               exr_decode_pipeline_t *decoder, const struct neph_image *image,
+                               int row)
+{
+    exr_chunk_info_t chunk;
+    exr_result_t result = find_chunk(context, layout, row, &chunk);
+    if (result)
+        return result;
+    bool first = row == 0;
+    result = first ? exr_decoding_initialize(context, ONLY_PART, &chunk, decoder)
+                   : exr_decoding_update(context, ONLY_PART, &chunk, decoder);
+    if (result)
+        return result;
+    set_targets(decoder, image, row);
+    if (first)
+        result = exr_decoding_choose_default_routines(context, ONLY_PART, decoder);
+    return result ? result : exr_decoding_run(context, ONLY_PART, decoder);
+}
+
+static exr_result_t read_pixels(exr_const_context_t context, const struct layout *layout,
+                                const struct neph_image *image)
+{
+    exr_decode_pipeline_t decoder = EXR_DECODE_PIPELINE_INITIALIZER;
+    exr_result_t result = EXR_ERR_SUCCESS;
+    for (int row = 0; row < layout->height_px && !result; row += layout->rows_per_chunk)
+        result = read_chunk(context, layout, &decoder, image, row);
+    exr_decoding_destroy(context, &decoder);
+    return result;
+}
+
+static enum neph_status read_part(exr_const_context_t context, const char *path,
+                                  const struct stream *stream, struct neph_image **image,
+                                  struct neph_diag *diag)
+{
+    struct neph_image *created = NULL;
+    struct layout layout;
+    exr_result_t result = EXR_ERR_SUCCESS;
+    enum neph_status status = read_layout(context, path, stream, &layout, diag);
+    if (!status && (result = check_chunks(context, &layout)) != EXR_ERR_SUCCESS)
+        status = fail_read(path, stream, result, diag);
+    if (!status)
+        status = neph_image_create(layout.width_px, layout.height_px, &created, diag);
+    if (!status)
+        status = add_channels(created, &layout, diag);
+    if (!status)
+        status = add_attributes(created, path, context, stream, diag);
+    if (!status && (result = read_pixels(context, &layout, created)) != EXR_ERR_SUCCESS)
+        status = fail_read(path, stream, result, diag);
+    if (status)
+        neph_image_destroy(created);
+    else
+        *image = created;
+    return status;
+}
+
+enum neph_status neph_exr_read(const char *path, struct neph_image **image, struct neph_diag *diag)
+{
+    exr_context_t context = NULL;
+    struct stream stream;
+    enum neph_status status = open_stream(path, &stream, diag);
+    if (status)
+        goto done;
+
+    exr_context_initializer_t setup = EXR_DEFAULT_CONTEXT_INITIALIZER;
+    setup.error_handler_fn = keep_complaint;
+    setup.user_data = &stream;
+    setup.read_fn = read_bytes;
+    setup.size_fn = file_size;
+    /* A file with a hole is refused; the library would else search for chunks and leave zeros. */
+    setup.flags = EXR_CONTEXT_FLAG_DISABLE_CHUNK_RECONSTRUCTION;
+    exr_result_t result = exr_start_read(&context, path, &setup);
+    status = result ? fail_read(path, &stream, result, diag)
+                    : read_part(context, path, &stream, image, diag);
+done:
+    if (context)
+        exr_finish(&context); /* also after a failure, or the context leaks */
+    if (stream.fd >= 0)
+        close(stream.fd);
+    return status;
+}

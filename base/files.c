@@ -1,0 +1,346 @@
+/* SPDX-License-Identifier: MIT */
+#include "base/files.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <inttypes.h>
+#include <stdarg.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/random.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+enum {
+    FIRST_READ_BYTES = 1 << 14,
+    COPY_BYTES = 1 << 18,
+};
+
+static enum neph_status fail_read(const char *path, struct neph_diag *diag)
+{
+    int error = errno;
+    return neph_fail(diag, error == ENOENT ? NEPH_ERR_NOT_FOUND : NEPH_ERR_IO,
+                     "cannot read '%s': %s", path, strerror(error));
+}
+
+static enum neph_status fail_write(const char *path, struct neph_diag *diag)
+{
+    return neph_fail(diag, NEPH_ERR_IO, "cannot write '%s': %s", path, strerror(errno));
+}
+
+static ssize_t read_some(int fd, void *data, size_t size)
+{
+    ssize_t got;
+    do
+        got = read(fd, data, size);
+    while (got < 0 && errno == EINTR);
+    return got;
+}
+
+static bool write_all(int fd, const void *data, size_t size)
+{
+    const char *rest = data;
+    while (size > 0) {
+        ssize_t put = write(fd, rest, size);
+        if (put < 0 && errno == EINTR)
+            continue;
+        if (put < 0)
+            return false;
+        rest += put;
+        size -= (size_t)put;
+    }
+    return true;
+}
+
+/* ---- reading --------------------------------------------------------------------------------- */
+
+/* Read to the end and not by st_size, which is 0 for pipes and /proc. */
+static enum neph_status read_to_end(int fd, const char *path, size_t limit_bytes, char **data,
+                                    size_t *size, struct neph_diag *diag)
+{
+    size_t capacity = FIRST_READ_BYTES, used = 0;
+    struct stat info;
+    if (fstat(fd, &info) == 0 && S_ISREG(info.st_mode) && info.st_size > 0 &&
+        (uintmax_t)info.st_size <= limit_bytes)
+        capacity = (size_t)info.st_size + 2; /* one to see the end of the file, one for the NUL */
+
+    char *bytes = NULL;
+    for (;;) {
+        if (!bytes || used + 1 >= capacity) {
+            if (bytes)
+                capacity *= 2;
+            char *grown = realloc(bytes, capacity);
+            if (!grown) {
+                free(bytes);
+                return neph_fail_memory(diag);
+            }
+            bytes = grown;
+        }
+        ssize_t got = read_some(fd, bytes + used, capacity - used - 1);
+        if (got < 0) {
+            enum neph_status status = fail_read(path, diag);
+            free(bytes);
+            return status;
+        }
+        if (got == 0)
+            break;
+        used += (size_t)got;
+        if (used > limit_bytes) {
+            free(bytes);
+            return neph_fail(diag, NEPH_ERR_INPUT, "'%s' is larger than %zu bytes", path,
+                             limit_bytes);
+        }
+    }
+    bytes[used] = '\0';
+    *data = bytes;
+    *size = used;
+    return NEPH_OK;
+}
+
+enum neph_status neph_file_read(const char *path, size_t limit_bytes, char **data, size_t *size,
+                                struct neph_diag *diag)
+{
+    int fd = open(path, O_RDONLY | O_CLOEXEC);
+    if (fd < 0)
+        return fail_read(path, diag);
+    enum neph_status status = read_to_end(fd, path, limit_bytes, data, size, diag);
+    close(fd);
+    return status;
+}
+
+/* ---- writing: temporary file, fsync, rename, fsync of the folder ----------------------------- */
+
+struct temporary {
+    char *folder;
+    char *path; /* exists on disk while fd >= 0 */
+    int fd;
+};
+
+static char *folder_of(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    if (!slash)
+        return strdup(".");
+    return slash == path ? strdup("/") : strndup(path, (size_t)(slash - path));
+}
+
+static enum neph_status temporary_open(struct temporary *file, const char *path,
+                                       struct neph_diag *diag)
+{
+    *file = (struct temporary){.fd = -1};
+    uint64_t tag = 0;
+    if (getrandom(&tag, sizeof(tag), 0) != (ssize_t)sizeof(tag))
+        return fail_write(path, diag);
+    file->folder = folder_of(path);
+    /* A short name of our own, so that a final name of NAME_MAX bytes is possible; and not
+     * mkstemp(), which would leave the file readable by its owner alone. */
+    file->path = file->folder ? neph_format("%s/.neph-%016" PRIx64 ".tmp", file->folder, tag)
+                              : NULL;
+    if (!file->path)
+        return neph_fail_memory(diag);
+    file->fd = open(file->path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    return file->fd < 0 ? fail_write(path, diag) : NEPH_OK;
+}
+
+/* Free, and remove the file if it has not been committed. */
+static void temporary_finish(struct temporary *file)
+{
+    if (file->fd >= 0) {
+        unlink(file->path);
+        close(file->fd);
+    }
+    free(file->path);
+    free(file->folder);
+}
+
+/* Without this the rename itself may be lost in a power cut. */
+static bool sync_folder(const char *folder)
+{
+    int fd = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (fd < 0)
+        return false;
+    /* EINVAL: a file system that cannot sync folders (some FUSE and network ones). */
+    bool synced = fsync(fd) == 0 || errno == EINVAL;
+    int error = errno;
+    close(fd);
+    errno = error;
+    return synced;
+}
+
+static enum neph_status temporary_commit(struct temporary *file, const char *path,
+                                         struct neph_diag *diag)
+{
+    if (fsync(file->fd) != 0 || rename(file->path, path) != 0)
+        return fail_write(path, diag);
+    /* NFS and quotas may report a full disk as late as here. */
+    int closed = close(file->fd);
+    file->fd = -1;
+    if (closed != 0 || !sync_folder(file->folder))
+        return fail_write(path, diag);
+    return NEPH_OK;
+}
+
+enum neph_status neph_file_write(const char *path, const void *data, size_t size,
+                                 struct neph_diag *diag)
+{
+    struct temporary file;
+    enum neph_status status = temporary_open(&file, path, diag);
+    if (!status && !write_all(file.fd, data, size))
+        status = fail_write(path, diag);
+    if (!status)
+        status = temporary_commit(&file, path, diag);
+    temporary_finish(&file);
+    return status;
+}
+
+static enum neph_status copy_bytes(int from_fd, const char *from, int to_fd, const char *to,
+                                   struct neph_diag *diag)
+{
+    char *buffer = malloc(COPY_BYTES);
+    if (!buffer)
+        return neph_fail_memory(diag);
+    enum neph_status status = NEPH_OK;
+    for (;;) {
+        ssize_t got = read_some(from_fd, buffer, COPY_BYTES);
+        if (got < 0)
+            status = fail_read(from, diag);
+        else if (got > 0 && !write_all(to_fd, buffer, (size_t)got))
+            status = fail_write(to, diag);
+        if (got <= 0 || status)
+            break;
+    }
+    free(buffer);
+    return status;
+}
+
+enum neph_status neph_file_copy(const char *from, const char *to, struct neph_diag *diag)
+{
+    int from_fd = open(from, O_RDONLY | O_CLOEXEC);
+    if (from_fd < 0)
+        return fail_read(from, diag);
+    struct temporary file;
+    enum neph_status status = temporary_open(&file, to, diag);
+    if (!status)
+        status = copy_bytes(from_fd, from, file.fd, to, diag);
+    if (!status)
+        status = temporary_commit(&file, to, diag);
+    temporary_finish(&file);
+    close(from_fd);
+    return status;
+}
+
+/* ---- folders --------------------------------------------------------------------------------- */
+
+static enum neph_status make_one_folder(const char *path, struct neph_diag *diag)
+{
+    if (mkdir(path, 0777) == 0 || (errno == EEXIST && neph_path_is_dir(path)))
+        return NEPH_OK;
+    return neph_fail(diag, NEPH_ERR_IO, "cannot make the folder '%s': %s", path, strerror(errno));
+}
+
+enum neph_status neph_dir_create(const char *path, struct neph_diag *diag)
+{
+    char *prefix = strdup(path);
+    if (!prefix)
+        return neph_fail_memory(diag);
+    enum neph_status status = NEPH_OK;
+    for (char *at = prefix + 1; *prefix && *at && !status; at++) {
+        if (*at != '/')
+            continue;
+        *at = '\0';
+        status = make_one_folder(prefix, diag);
+        *at = '/';
+    }
+    if (!status)
+        status = make_one_folder(prefix, diag);
+    free(prefix);
+    return status;
+}
+
+static bool remove_at(int parent_fd, const char *name);
+
+static bool remove_entries(DIR *folder)
+{
+    for (;;) {
+        errno = 0;
+        const struct dirent *entry = readdir(folder);
+        if (!entry)
+            return errno == 0;
+        if (strcmp(entry->d_name, ".") == 0 || strcmp(entry->d_name, "..") == 0)
+            continue;
+        if (!remove_at(dirfd(folder), entry->d_name))
+            return false;
+    }
+}
+
+/* All by file descriptor, so that nobody can swap a folder for a symbolic link under us. */
+static bool remove_at(int parent_fd, const char *name)
+{
+    if (unlinkat(parent_fd, name, 0) == 0 || errno == ENOENT)
+        return true;
+    if (errno != EISDIR)
+        return false;
+    int fd = openat(parent_fd, name, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+    if (fd < 0)
+        return false;
+    DIR *folder = fdopendir(fd);
+    if (!folder) {
+        close(fd);
+        return false;
+    }
+    bool removed = remove_entries(folder);
+    int error = errno;
+    closedir(folder);
+    errno = error;
+    return removed && unlinkat(parent_fd, name, AT_REMOVEDIR) == 0;
+}
+
+/* An unset variable in a caller must not become the user's home or the whole disk. */
+static bool is_precious(const char *path)
+{
+    size_t length = strlen(path);
+    return strspn(path, "./") == length; /* "", "/", ".", "..", "../..", ... */
+}
+
+enum neph_status neph_dir_remove(const char *path, struct neph_diag *diag)
+{
+    if (is_precious(path))
+        return neph_fail(diag, NEPH_ERR_INTERNAL, "refusing to remove the folder '%s'", path);
+    if (!remove_at(AT_FDCWD, path))
+        return neph_fail(diag, NEPH_ERR_IO, "cannot remove '%s': %s", path, strerror(errno));
+    return NEPH_OK;
+}
+
+/* ---- paths ----------------------------------------------------------------------------------- */
+
+bool neph_path_exists(const char *path)
+{
+    struct stat info;
+    return stat(path, &info) == 0;
+}
+
+bool neph_path_is_dir(const char *path)
+{
+    struct stat info;
+    return stat(path, &info) == 0 && S_ISDIR(info.st_mode);
+}
+
+char *neph_path_join(const char *folder, const char *name)
+{
+    size_t length = strlen(folder);
+    bool needs_slash = length > 0 && folder[length - 1] != '/';
+    return neph_format("%s%s%s", folder, needs_slash ? "/" : "", name);
+}
+
+char *neph_format(const char *format, ...)
+{
+    char *text = NULL;
+    va_list arguments;
+    va_start(arguments, format);
+    int length = vasprintf(&text, format, arguments);
+    va_end(arguments);
+    return length < 0 ? NULL : text;
+}

@@ -1,0 +1,59 @@
+/* SPDX-License-Identifier: MIT */
+#include "base/interrupt.h"
+
+#include <errno.h>
+#include <signal.h>
+#include <stdatomic.h>
+#include <stdint.h>
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+/* Both are written once and are lock-free, so the handler and every thread may touch them. */
+static atomic_int signal_count;
+static atomic_int event_fd = -1;
+
+static void on_signal(int number)
+{
+    int saved_errno = errno;
+    int earlier = atomic_fetch_add(&signal_count, 1);
+    if (earlier > 0 && number == SIGINT) {
+        /* Only SIGINT counts as impatience: timeout(1) and supervisors send SIGTERM twice. */
+        signal(number, SIG_DFL);
+        raise(number); /* is delivered as soon as this handler returns */
+    }
+    /* Nobody ever reads the event, so it stays readable for every poll() to come. */
+    uint64_t one = 1;
+    ssize_t written = write(atomic_load(&event_fd), &one, sizeof(one));
+    (void)written;
+    errno = saved_errno;
+}
+
+static void install(int number)
+{
+    struct sigaction action = {.sa_handler = on_signal, .sa_flags = SA_RESTART};
+    sigemptyset(&action.sa_mask);
+    sigaction(number, &action, NULL);
+}
+
+void neph_interrupt_install(void)
+{
+    if (atomic_load(&event_fd) < 0)
+        atomic_store(&event_fd, eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
+    install(SIGTERM);
+    /* A shell starts `neph &` in a script with SIGINT ignored, and means it. */
+    struct sigaction inherited;
+    if (sigaction(SIGINT, NULL, &inherited) == 0 && inherited.sa_handler != SIG_IGN)
+        install(SIGINT);
+    /* An ignored SIGCHLD, which exec inherits, would throw away the exit codes of our children. */
+    signal(SIGCHLD, SIG_DFL);
+}
+
+bool neph_interrupted(void)
+{
+    return atomic_load(&signal_count) > 0;
+}
+
+int neph_interrupt_fd(void)
+{
+    return atomic_load(&event_fd);
+}

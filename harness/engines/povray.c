@@ -1,0 +1,722 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Engine `povray`: POV-Ray 3.7 as a witness of single scattering. Light adds up, so a frame is put
+ * together from monochrome pictures that POV-Ray renders one after the other:
+ *
+ *   volume = sum over the phase functions of the scene of what their media scatter
+ *   radiance = volume + surface (lit solids and background behind absorbing media)
+ *
+ * and transmittance and depth are pictures of their own. Colours whose sources are proportional to
+ * those of another colour are not rendered again. povray_scene.c writes the pictures down,
+ * povray_exposure.c reads numbers from them.
+ */
+#include "harness/engines/engines.h"
+
+#include "base/child.h"
+#include "base/clock.h"
+#include "base/files.h"
+#include "base/png.h"
+#include "base/threads.h"
+#include "harness/engines/povray_exposure.h"
+#include "harness/engines/povray_scene.h"
+#include "scenes/media.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static const double pi = 3.14159265358979323846;
+static const char install_line[] = "apt-get install povray";
+
+/* Renders of one picture at rising (or falling) gains, at most. */
+#define EXPOSURES_MAX 8
+#define THREADS_MAX 64
+
+static const struct neph_option options[] = {
+    {.name = "intervals",
+     .kind = NEPH_OPTION_INTEGER,
+     .default_value = 50,
+     .minimum = 1,
+     .maximum = NEPH_POVRAY_INTERVALS_MAX,
+     .help = "samples of each ray and of each of its shadow rays (midpoint rule)"},
+    {.name = NULL},
+};
+
+/* Transmittance: 1e-4 of the value, down to a transmittance of 1e-8. */
+static const struct neph_povray_target transmittance_target = {.relative = 1e-4, .absolute = 1e-12};
+
+/* Radiance: 1e-4 of the value, or 1e-6 of the brightest. */
+static const double radiance_relative = 1e-4;
+static const double radiance_of_peak = 1e-6;
+/* Below this part of what the scene could scatter at most, a picture counts as black. */
+static const double radiance_black = 1e-13;
+
+/* ---- Probe ---------------------------------------------------------------------------------- */
+
+/* What `povray --version` prints, for the caller to free; NULL when it cannot be had. */
+static char *version_text(struct neph_diag *diag)
+{
+    const char *argv[] = {"povray", "--version", NULL};
+    const char *temporary = getenv("TMPDIR");
+    char *directory = neph_format("%s/neph-povray-XXXXXX", temporary ? temporary : "/tmp");
+    char *log = NULL, *text = NULL;
+    size_t size = 0;
+    if (!directory || !mkdtemp(directory)) {
+        neph_fail(diag, NEPH_ERR_IO, "cannot make a temporary folder: %s", strerror(errno));
+        free(directory);
+        return NULL;
+    }
+    log = neph_path_join(directory, "version.log");
+    struct neph_child_params params = {.argv = argv, .log_path = log, .time_limit_s = 10.0};
+    struct neph_child_result result;
+    if (!log || neph_child_run(&params, &result, diag) ||
+        neph_file_read(log, 1 << 16, &text, &size, diag))
+        text = NULL;
+    free(log);
+    neph_dir_remove(directory, NULL);
+    free(directory);
+    return text;
+}
+
+/* The word after "POV-Ray " that starts with a digit, such as "3.7.0.10.unofficial". */
+static bool parse_version(const char *text, char version[64])
+{
+    static const char name[] = "POV-Ray ";
+    for (const char *at = text; (at = strstr(at, name)); at += sizeof(name) - 1) {
+        if (sscanf(at + sizeof(name) - 1, "%63[0-9.]", version) != 1)
+            continue;
+        size_t length = strlen(version);
+        while (length > 0 && version[length - 1] == '.')
+            version[--length] = '\0';
+        return length > 0;
+    }
+    return false;
+}
+
+static void probe(struct neph_engine_info *info)
+{
+    *info = (struct neph_engine_info){.available = false};
+    snprintf(info->install_line, sizeof(info->install_line), "%s", install_line);
+    if (!neph_child_program_exists("povray")) {
+        snprintf(info->missing, sizeof(info->missing), "there is no program 'povray' in PATH");
+        return;
+    }
+    struct neph_diag diag = {0};
+    char version[64] = "";
+    char *text = version_text(&diag);
+    if (!text) {
+        snprintf(info->missing, sizeof(info->missing), "'povray --version' failed: %.400s",
+                 diag.message);
+        return;
+    }
+    bool known = parse_version(text, version);
+    free(text);
+    if (!known || strncmp(version, "3.7.0.", 6) != 0) {
+        snprintf(info->missing, sizeof(info->missing),
+                 "'povray' is version %s; its media were measured for 3.7.0 only",
+                 known ? version : "unknown");
+        return;
+    }
+    info->available = true;
+    snprintf(info->version, sizeof(info->version), "POV-Ray %s", version);
+    snprintf(info->device, sizeof(info->device), "CPU, %d threads", neph_processor_count());
+}
+
+/* ---- What it can model ---------------------------------------------------------------------- */
+
+static bool is_lit(struct neph_rgb colour)
+{
+    return colour.r > 0.0 || colour.g > 0.0 || colour.b > 0.0;
+}
+
+/* Does anything of the scene send light on? */
+static bool has_scatterer(const struct neph_scene *scene)
+{
+    for (int i = 0; i < scene->medium_count; i++) {
+        if (is_lit(scene->media[i].albedo))
+            return true;
+    }
+    for (int i = 0; i < scene->solid_count; i++) {
+        if (is_lit(scene->solids[i].albedo))
+            return true;
+    }
+    return false;
+}
+
+static bool can_render(const struct neph_scene *scene, char *reason, size_t reason_size)
+{
+    const char *cannot = NULL;
+    struct neph_diag diag = {0};
+    struct neph_povray_world world;
+    if (scene->scattering == NEPH_SCATTERING_MULTIPLE && has_scatterer(scene))
+        cannot = "multiple scattering";
+    else if (scene->environment_light && has_scatterer(scene))
+        cannot = "environment light on media or solids";
+    else if (neph_povray_world(scene, 0, 1, 1, 1, &world, &diag))
+        cannot = diag.message;
+    if (cannot && reason_size > 0)
+        snprintf(reason, reason_size, "%s", cannot);
+    return !cannot;
+}
+
+/* ---- One child process ---------------------------------------------------------------------- */
+
+/* One frame in the making. */
+struct session {
+    const struct neph_shot *shot;
+    struct neph_povray_world world;
+    size_t pixel_count;
+    int threads;
+    int renders[NEPH_POVRAY_DEPTH + 1]; /* by enum neph_povray_kind */
+    struct neph_cost cost;
+};
+
+static int thread_count(void)
+{
+    int count = neph_processor_count();
+    return count < THREADS_MAX ? count : THREADS_MAX;
+}
+
+/* The names of the files of one picture. The first two have no folder: POV-Ray runs beside them. */
+struct files {
+    char scene[64], image[64];
+    char *scene_path, *image_path, *log_path;
+};
+
+static void free_files(struct files *files)
+{
+    free(files->scene_path);
+    free(files->image_path);
+    free(files->log_path);
+}
+
+static enum neph_status name_files(const char *directory, const char *name, struct files *files,
+                                   struct neph_diag *diag)
+{
+    char log[80];
+    snprintf(files->scene, sizeof(files->scene), "%.48s.pov", name);
+    snprintf(files->image, sizeof(files->image), "%.48s.png", name);
+    snprintf(log, sizeof(log), "povray-%.48s.log", name);
+    files->scene_path = neph_path_join(directory, files->scene);
+    files->image_path = neph_path_join(directory, files->image);
+    files->log_path = neph_path_join(directory, log);
+    if (files->scene_path && files->image_path && files->log_path)
+        return NEPH_OK;
+    return neph_fail_memory(diag);
+}
+
+static enum neph_status write_scene(const struct session *session,
+                                    const struct neph_povray_pass *pass, const char *path,
+                                    struct neph_diag *diag)
+{
+    char *text = NULL;
+    enum neph_status status = neph_povray_text(&session->world, pass, &text, diag);
+    if (!status)
+        status = neph_file_write(path, text, strlen(text), diag);
+    free(text);
+    return status;
+}
+
+static enum neph_status run_povray(struct session *session, const struct files *files,
+                                   double *wall_s, struct neph_diag *diag)
+{
+    char input[72], output[72], width[16], height[16], threads[16];
+    snprintf(input, sizeof(input), "+I%s", files->scene);
+    snprintf(output, sizeof(output), "+O%s", files->image);
+    snprintf(width, sizeof(width), "+W%d", session->shot->width_px);
+    snprintf(height, sizeof(height), "+H%d", session->shot->height_px);
+    snprintf(threads, sizeof(threads), "+WT%d", session->threads);
+    const char *argv[] = {"povray",     input, output, "+FN16", "File_Gamma=1.0",
+                          "Dither=off", width, height, "+Q9",   "-A",
+                          "-D",         "-P",  "-C",   "-GA",   "+BS8",
+                          threads,      NULL};
+    struct neph_child_params params = {.argv = argv,
+                                       .working_directory = session->shot->scratch_directory,
+                                       .log_path = files->log_path,
+                                       .time_limit_s = session->shot->time_limit_s};
+    struct neph_child_result result = {0};
+    enum neph_status status = neph_child_run(&params, &result, diag);
+    if (status == NEPH_ERR_UNAVAILABLE)
+        neph_hint(diag, "%s", install_line);
+    session->cost.cpu_s += result.cpu_s;
+    if (result.peak_memory_bytes > session->cost.peak_memory_bytes)
+        session->cost.peak_memory_bytes = result.peak_memory_bytes;
+    *wall_s = result.wall_s;
+    return status;
+}
+
+/* The image must be there and of the right size; it is fresh because none was there before. */
+static enum neph_status read_image(const struct session *session, const struct files *files,
+                                   uint16_t **codes, struct neph_diag *diag)
+{
+    int width_px = 0, height_px = 0;
+    uint16_t *read = NULL;
+    if (!neph_path_exists(files->image_path))
+        return neph_fail(diag, NEPH_ERR_ENGINE, "POV-Ray ended well but wrote no image; see '%s'",
+                         files->log_path);
+    enum neph_status status = neph_png_read_rgb16(files->image_path, &width_px, &height_px, &read,
+                                                  diag);
+    if (status)
+        return status == NEPH_ERR_INPUT ? NEPH_ERR_ENGINE : status;
+    if (width_px != session->shot->width_px || height_px != session->shot->height_px) {
+        free(read);
+        return neph_fail(diag, NEPH_ERR_ENGINE, "POV-Ray's image is %d x %d pixels, not %d x %d",
+                         width_px, height_px, session->shot->width_px, session->shot->height_px);
+    }
+    *codes = read;
+    return NEPH_OK;
+}
+
+/* Render one picture; `*codes` (three per pixel) is for the caller to free. */
+static enum neph_status render_picture(struct session *session, const char *name,
+                                       const struct neph_povray_pass *pass, uint16_t **codes,
+                                       double *wall_s, struct neph_diag *diag)
+{
+    struct files files = {.scene_path = NULL};
+    enum neph_status status = name_files(session->shot->scratch_directory, name, &files, diag);
+    if (!status)
+        status = write_scene(session, pass, files.scene_path, diag);
+    if (!status && unlink(files.image_path) && errno != ENOENT)
+        status = neph_fail(diag, NEPH_ERR_IO, "cannot remove '%s': %s", files.image_path,
+                           strerror(errno));
+    if (!status)
+        status = run_povray(session, &files, wall_s, diag);
+    if (!status)
+        status = read_image(session, &files, codes, diag);
+    if (!status)
+        session->renders[pass->kind]++;
+    free_files(&files);
+    return status;
+}
+
+/* ---- One quantity --------------------------------------------------------------------------- */
+
+static void take_readings(const uint16_t *codes, double gain, size_t pixel_count,
+                          struct neph_povray_reading *readings)
+{
+    for (size_t i = 0; i < pixel_count; i++)
+        readings[i] = neph_povray_better(readings[i],
+                                         neph_povray_read_brackets(codes + 3 * i, gain));
+}
+
+static bool any_clamped(const struct neph_povray_reading *readings, size_t count)
+{
+    for (size_t i = 0; i < count; i++) {
+        if (isinf(readings[i].error))
+            return true;
+    }
+    return false;
+}
+
+/* Render a bracketed picture at as many gains as the target needs. No value is above `bound`, as
+ * far as we know; the gain falls when one is. `*readings` (one per pixel) is for the caller to
+ * free; `*wall_s` is the time of the last render. */
+static enum neph_status expose(struct session *session, const char *name,
+                               struct neph_povray_pass pass, double bound,
+                               const struct neph_povray_target *target,
+                               struct neph_povray_reading **readings, double *wall_s,
+                               struct neph_diag *diag)
+{
+    size_t count = session->pixel_count;
+    struct neph_povray_reading *best = malloc(count * sizeof(*best));
+    enum neph_status status = best ? NEPH_OK : neph_fail_memory(diag);
+    for (size_t i = 0; !status && i < count; i++)
+        best[i] = (struct neph_povray_reading){0.0, INFINITY};
+    pass.gain = NEPH_POVRAY_HEADROOM / bound;
+    for (int i = 1; !status && pass.gain > 0.0 && i <= EXPOSURES_MAX; i++) {
+        char file[64];
+        uint16_t *codes = NULL;
+        snprintf(file, sizeof(file), "%.32s-%d", name, i);
+        status = render_picture(session, file, &pass, &codes, wall_s, diag);
+        if (status)
+            break;
+        take_readings(codes, pass.gain, count, best);
+        free(codes);
+        pass.gain = neph_povray_next_gain(best, count, pass.gain, target);
+    }
+    if (!status && any_clamped(best, count))
+        status = neph_fail(diag, NEPH_ERR_ENGINE,
+                           "the picture '%s' is brighter than POV-Ray's images can hold", name);
+    if (status) {
+        free(best);
+        return status;
+    }
+    *readings = best;
+    return NEPH_OK;
+}
+
+/* ---- Light ---------------------------------------------------------------------------------- */
+
+/* The sources of a picture, by colour: their weights decide which colours need a render. */
+struct sources {
+    int count;
+    double weights[3][NEPH_SCENE_SOLIDS_MAX + 1];
+};
+
+static void add_source(struct sources *sources, struct neph_rgb weight)
+{
+    for (int channel = 0; channel < 3; channel++)
+        sources->weights[channel][sources->count] = neph_povray_component(weight, channel);
+    sources->count++;
+}
+
+static double brightest_source(const struct sources *sources, int channel)
+{
+    double brightest = 0.0;
+    for (int i = 0; i < sources->count; i++)
+        brightest = fmax(brightest, sources->weights[channel][i]);
+    return brightest;
+}
+
+/* The factor from one colour to another, 0 when they are not proportional to rounding. */
+static double proportion(const struct sources *sources, int from, int to)
+{
+    double from_peak = brightest_source(sources, from), to_peak = brightest_source(sources, to);
+    for (int i = 0; i < sources->count; i++) {
+        double difference = sources->weights[to][i] / to_peak -
+                            sources->weights[from][i] / from_peak;
+        if (fabs(difference) > 1e-14)
+            return 0.0;
+    }
+    return to_peak / from_peak;
+}
+
+/* The colour among the rendered ones that can stand for `channel`, with its factor; else itself. */
+static int representative(const struct sources *sources, int channel,
+                          struct neph_povray_reading *const readings[3], double *factor)
+{
+    for (int earlier = 0; earlier < channel; earlier++) {
+        if (!readings[earlier])
+            continue;
+        *factor = proportion(sources, earlier, channel);
+        if (*factor > 0.0)
+            return earlier;
+    }
+    *factor = 1.0;
+    return channel;
+}
+
+/* A sum of pictures, three planes of doubles. */
+struct light {
+    double *planes[3];
+};
+
+static void free_light(struct light *light)
+{
+    for (int channel = 0; channel < 3; channel++)
+        free(light->planes[channel]);
+}
+
+static enum neph_status make_light(size_t pixel_count, struct light *light, struct neph_diag *diag)
+{
+    for (int channel = 0; channel < 3; channel++) {
+        light->planes[channel] = calloc(pixel_count, sizeof(double));
+        if (!light->planes[channel])
+            return neph_fail_memory(diag);
+    }
+    return NEPH_OK;
+}
+
+static void add_readings(double *plane, const struct neph_povray_reading *readings, double factor,
+                         size_t count)
+{
+    for (size_t i = 0; i < count; i++)
+        plane[i] += factor * readings[i].value;
+}
+
+/* Render the colours of one picture and add them to `light`. No pixel of a colour is brighter than
+ * `bound_per_source` times its brightest source. */
+static enum neph_status add_picture(struct session *session, const char *name,
+                                    struct neph_povray_pass pass, const struct sources *sources,
+                                    double bound_per_source, struct light *light,
+                                    struct neph_diag *diag)
+{
+    static const char letters[] = "rgb";
+    struct neph_povray_reading *readings[3] = {NULL, NULL, NULL};
+    enum neph_status status = NEPH_OK;
+    for (int channel = 0; !status && channel < 3; channel++) {
+        double factor = 1.0, wall_s = 0.0;
+        double bound = bound_per_source * brightest_source(sources, channel);
+        if (!(bound > 0.0))
+            continue;
+        int shown = representative(sources, channel, readings, &factor);
+        if (shown == channel) {
+            char file[32];
+            snprintf(file, sizeof(file), "%.24s-%c", name, letters[channel]);
+            struct neph_povray_target target = {.relative = radiance_relative,
+                                                .absolute = radiance_black * bound,
+                                                .absolute_of_peak = radiance_of_peak};
+            pass.channel = channel;
+            status = expose(session, file, pass, bound, &target, &readings[channel], &wall_s, diag);
+            session->cost.render_s += wall_s;
+        }
+        if (!status)
+            add_readings(light->planes[channel], readings[shown], factor, session->pixel_count);
+    }
+    for (int channel = 0; channel < 3; channel++)
+        free(readings[channel]);
+    return status;
+}
+
+/* The largest part of one unit of irradiance that media of one phase function and albedo 1 could
+ * send into a pixel: p(cos) (1 - T), as if no sunlight were lost on its way in. */
+static double brightest_scattering_per_sr(const struct session *session,
+                                          const struct neph_phase *phase)
+{
+    const struct neph_shot *shot = session->shot;
+    const struct neph_camera *camera = &session->world.camera;
+    double brightest = 0.0;
+    for (size_t pixel = 0; pixel < session->pixel_count; pixel++) {
+        size_t width = (size_t)shot->width_px;
+        struct neph_vec3 ray = neph_camera_ray(camera, shot->width_px, shot->height_px,
+                                               (double)(pixel % width), (double)(pixel / width));
+        double depth = neph_scene_optical_depth(shot->scene, camera->position_m, ray, 0.0,
+                                                INFINITY);
+        double phase_per_sr = neph_phase_per_sr(phase,
+                                                neph_vec3_dot(shot->scene->sun.direction, ray));
+        brightest = fmax(brightest, phase_per_sr * -expm1(-depth));
+    }
+    return brightest;
+}
+
+static struct sources scattering_sources(const struct session *session,
+                                         const struct neph_phase *phase)
+{
+    const struct neph_scene *scene = session->shot->scene;
+    struct sources sources = {.count = 0};
+    for (int i = 0; i < scene->medium_count; i++) {
+        const struct neph_medium *medium = &scene->media[i];
+        if (session->world.containers[i].used && neph_povray_same_phase(phase, &medium->phase))
+            add_source(&sources, neph_rgb_mul(medium->albedo, scene->sun.irradiance_w_per_m2));
+    }
+    return sources;
+}
+
+/* Was this medium's phase function the turn of an earlier medium? */
+static bool is_repeated(const struct session *session, int medium)
+{
+    const struct neph_scene *scene = session->shot->scene;
+    for (int i = 0; i < medium; i++) {
+        if (session->world.containers[i].used &&
+            neph_povray_same_phase(&scene->media[i].phase, &scene->media[medium].phase))
+            return true;
+    }
+    return false;
+}
+
+static enum neph_status add_volume(struct session *session, struct light *volume,
+                                   struct neph_diag *diag)
+{
+    const struct neph_scene *scene = session->shot->scene;
+    enum neph_status status = NEPH_OK;
+    if (!scene->sun.present || scene->scattering == NEPH_SCATTERING_NONE)
+        return NEPH_OK;
+    for (int i = 0; !status && i < scene->medium_count; i++) {
+        if (!session->world.containers[i].used || is_repeated(session, i))
+            continue;
+        char name[16];
+        struct neph_povray_pass pass = {.kind = NEPH_POVRAY_VOLUME, .phase = scene->media[i].phase};
+        struct sources sources = scattering_sources(session, &pass.phase);
+        snprintf(name, sizeof(name), "volume%d", i + 1);
+        status = add_picture(session, name, pass, &sources,
+                             brightest_scattering_per_sr(session, &pass.phase), volume, diag);
+    }
+    return status;
+}
+
+static enum neph_status add_surface(struct session *session, struct light *surface,
+                                    struct neph_diag *diag)
+{
+    const struct neph_scene *scene = session->shot->scene;
+    struct neph_povray_pass pass = {.kind = NEPH_POVRAY_SURFACE};
+    struct sources sources = {.count = 0};
+    add_source(&sources, scene->background_w_per_m2_sr);
+    for (int i = 0; scene->sun.present && i < scene->solid_count; i++) {
+        struct neph_rgb lit = neph_rgb_mul(scene->solids[i].albedo, scene->sun.irradiance_w_per_m2);
+        add_source(&sources, neph_rgb_scale(lit, 1.0 / pi));
+    }
+    return add_picture(session, "surface", pass, &sources, 1.0, surface, diag);
+}
+
+/* ---- The layers of the frame ---------------------------------------------------------------- */
+
+static enum neph_status radiance_layers(struct session *session, struct neph_image *frame,
+                                        struct neph_diag *diag)
+{
+    float *all[3], *scattered[3];
+    struct light volume = {.planes = {NULL}}, surface = {.planes = {NULL}};
+    enum neph_status status = make_light(session->pixel_count, &volume, diag);
+    if (!status)
+        status = make_light(session->pixel_count, &surface, diag);
+    if (!status)
+        status = neph_image_add_rgb(frame, NULL, all, diag);
+    if (!status)
+        status = neph_image_add_rgb(frame, "volume", scattered, diag);
+    if (!status)
+        status = add_volume(session, &volume, diag);
+    if (!status)
+        status = add_surface(session, &surface, diag);
+    for (int channel = 0; !status && channel < 3; channel++) {
+        for (size_t i = 0; i < session->pixel_count; i++) {
+            double from_media = volume.planes[channel][i];
+            scattered[channel][i] = (float)from_media;
+            all[channel][i] = (float)(from_media + surface.planes[channel][i]);
+        }
+    }
+    free_light(&volume);
+    free_light(&surface);
+    return status;
+}
+
+static bool has_media(const struct session *session)
+{
+    for (int i = 0; i < session->shot->scene->medium_count; i++) {
+        if (session->world.containers[i].used)
+            return true;
+    }
+    return false;
+}
+
+static enum neph_status transmittance_layer(struct session *session, struct neph_image *frame,
+                                            struct neph_diag *diag)
+{
+    float *layer[3];
+    double wall_s = 0.0;
+    struct neph_povray_reading *readings = NULL;
+    struct neph_povray_pass pass = {.kind = NEPH_POVRAY_TRANSMITTANCE};
+    enum neph_status status = neph_image_add_rgb(frame, "transmittance", layer, diag);
+    if (!status && has_media(session))
+        status = expose(session, "transmittance", pass, 1.0, &transmittance_target, &readings,
+                        &wall_s, diag);
+    for (size_t i = 0; !status && i < session->pixel_count; i++) {
+        double transmittance = readings ? fmin(readings[i].value, 1.0) : 1.0;
+        for (int channel = 0; channel < 3; channel++)
+            layer[channel][i] = (float)transmittance;
+    }
+    free(readings);
+    return status;
+}
+
+static enum neph_status depth_layer(struct session *session, struct neph_image *frame,
+                                    struct neph_diag *diag)
+{
+    float *layer = NULL;
+    double wall_s = 0.0;
+    uint16_t *codes = NULL;
+    struct neph_povray_pass pass = {.kind = NEPH_POVRAY_DEPTH};
+    double range_m = session->world.depth_range_m;
+    enum neph_status status = neph_image_add_channel(frame, "Z", &layer, diag);
+    if (!status && range_m > 0.0)
+        status = render_picture(session, "depth", &pass, &codes, &wall_s, diag);
+    for (size_t i = 0; !status && i < session->pixel_count; i++) {
+        double depth_m = INFINITY;
+        bool solid = codes && neph_povray_read_depth(codes + 3 * i, range_m, &depth_m);
+        layer[i] = solid ? (float)depth_m : INFINITY;
+    }
+    free(codes);
+    return status;
+}
+
+static enum neph_status add_attributes(const struct session *session, struct neph_image *frame,
+                                       struct neph_diag *diag)
+{
+    const int *renders = session->renders;
+    enum neph_status status = neph_image_set_attribute(frame, "neph.povray.intervals", diag, "%d",
+                                                       session->world.intervals);
+    if (!status)
+        status = neph_image_set_attribute(
+            frame, "neph.povray.passes", diag, "volume %d, surface %d, transmittance %d, depth %d",
+            renders[NEPH_POVRAY_VOLUME], renders[NEPH_POVRAY_SURFACE],
+            renders[NEPH_POVRAY_TRANSMITTANCE], renders[NEPH_POVRAY_DEPTH]);
+    if (!status)
+        status = neph_image_set_attribute(frame, "neph.povray.cut_error", diag, "%.3g",
+                                          session->world.cut_error);
+    if (!status)
+        status = neph_image_set_attribute(frame, "neph.povray.shift_optical_depth", diag, "%.3g",
+                                          session->world.shift_error);
+    if (!status)
+        status = neph_image_set_attribute(
+            frame, "neph.povray.render_s", diag,
+            "wall time of the last volume and surface processes, start-up of about 0.6 s included");
+    return status;
+}
+
+/* ---- The engine ----------------------------------------------------------------------------- */
+
+static enum neph_status start(const struct neph_shot *shot, struct session *session,
+                              struct neph_diag *diag)
+{
+    *session = (struct session){.shot = shot, .threads = thread_count()};
+    session->pixel_count = (size_t)shot->width_px * (size_t)shot->height_px;
+    char reason[256] = "";
+    if (!can_render(shot->scene, reason, sizeof(reason)))
+        return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "POV-Ray cannot: %s", reason);
+    int intervals = (int)neph_setting(&neph_engine_povray, &shot->settings, "intervals");
+    return neph_povray_world(shot->scene, shot->frame, shot->width_px, shot->height_px, intervals,
+                             &session->world, diag);
+}
+
+static enum neph_status render(const struct neph_shot *shot, struct neph_image **frame,
+                               struct neph_cost *cost, struct neph_diag *diag)
+{
+    double start_s = neph_wall_s();
+    struct session session;
+    struct neph_image *image = NULL;
+    enum neph_status status = start(shot, &session, diag);
+    if (!status)
+        status = neph_image_create(shot->width_px, shot->height_px, &image, diag);
+    if (!status && (shot->layers & NEPH_LAYER_RADIANCE))
+        status = radiance_layers(&session, image, diag);
+    if (!status && (shot->layers & NEPH_LAYER_TRANSMITTANCE))
+        status = transmittance_layer(&session, image, diag);
+    if (!status && (shot->layers & NEPH_LAYER_DEPTH))
+        status = depth_layer(&session, image, diag);
+    if (!status)
+        status = add_attributes(&session, image, diag);
+    if (status) {
+        neph_image_destroy(image);
+        return status;
+    }
+    session.cost.wall_s = neph_wall_s() - start_s;
+    *cost = session.cost;
+    *frame = image;
+    return NEPH_OK;
+}
+
+static enum neph_status export_scene(const struct neph_shot *shot, const char *directory,
+                                     char *command, size_t command_size, struct neph_diag *diag)
+{
+    struct session session;
+    struct neph_povray_pass beauty = {.kind = NEPH_POVRAY_BEAUTY,
+                                      .gain = exp2(shot->scene->exposure_ev)};
+    enum neph_status status = start(shot, &session, diag);
+    if (status)
+        return status;
+    char *path = neph_path_join(directory, "scene.pov");
+    status = path ? write_scene(&session, &beauty, path, diag) : neph_fail_memory(diag);
+    free(path);
+    if (!status)
+        snprintf(command, command_size,
+                 "povray +Iscene.pov +Oscene.png +FN16 Dither=off +W%d +H%d -A -D -P -GA +WT%d "
+                 "+BS8",
+                 shot->width_px, shot->height_px, session.threads);
+    return status;
+}
+
+const struct neph_engine neph_engine_povray = {
+    .name = "povray",
+    .summary = "POV-Ray 3.7 media, single scattering",
+    .rung = NEPH_RUNG_WITNESS,
+    .bias = "single scattering only; midpoint rule of its intervals, error ~ 1/intervals^2 (~ "
+            "1/intervals at the edges of shadows); 16-bit output in brackets: 1e-4 of the value "
+            "or 1e-6 of the brightest, transmittance to 1e-8",
+    .options = options,
+    .version = 1,
+    .probe = probe,
+    .can_render = can_render,
+    .render = render,
+    .export_scene = export_scene,
+};

@@ -1,0 +1,56 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Numbers out of POV-Ray's 16-bit images. POV-Ray has no float output (its EXR is half), but one
+ * monochrome render carries the same value three times at rising gains, and further renders raise
+ * the gain where a pixel is still too coarse; each pixel keeps its finest reading.
+ */
+#ifndef NEPH_HARNESS_ENGINES_POVRAY_EXPOSURE_H
+#define NEPH_HARNESS_ENGINES_POVRAY_EXPOSURE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+/* The channels R, G, B of a bracketed render show 1, 8 and 64 times gain * value. */
+#define NEPH_POVRAY_BRACKETS 3
+extern const double neph_povray_bracket_scales[NEPH_POVRAY_BRACKETS];
+
+/* Codes from here up may be clamped: 0.98 of full scale. */
+#define NEPH_POVRAY_CLAMP_CODE 64224
+
+/* The brightest value expected is shown at this part of full scale. */
+#define NEPH_POVRAY_HEADROOM 0.9
+
+/* A value and the half quantum of the bracket it was read from, both in the unit of the value. */
+struct neph_povray_reading {
+    double value;
+    double error; /* +inf: clamped in every bracket; `value` is then a lower bound */
+};
+
+/* Read one pixel of a bracketed render: the finest bracket that is not clamped. */
+struct neph_povray_reading neph_povray_read_brackets(const uint16_t codes[NEPH_POVRAY_BRACKETS],
+                                                     double gain);
+
+/* The better of two readings of one pixel: the one with the smaller error. */
+struct neph_povray_reading neph_povray_better(struct neph_povray_reading a,
+                                              struct neph_povray_reading b);
+
+/* What a pass asks of its readings: error <= max(relative * value, absolute). */
+struct neph_povray_target {
+    double relative;
+    double absolute;         /* in the unit of the value */
+    double absolute_of_peak; /* the same, as a part of the brightest value */
+};
+
+/* The gain of the next render, or 0 when all readings meet the target. Lower than `gain` when a
+ * pixel is clamped; else the brightest pixel that misses the target becomes nearly full scale. */
+double neph_povray_next_gain(const struct neph_povray_reading *readings, size_t count, double gain,
+                             const struct neph_povray_target *target);
+
+/* Depth is written as three digits of base 256 (R coarse, G and B by POV-Ray's own wrap of pigment
+ * functions at 1), where the coarse digit is depth / range. False: the sky, which is white. */
+bool neph_povray_read_depth(const uint16_t codes[3], double range_m, double *depth_m);
+#define NEPH_POVRAY_DEPTH_BASE 256
+#define NEPH_POVRAY_DEPTH_TOP 0.9 /* depths stay below this part of the range, the sky is 1 */
+
+#endif

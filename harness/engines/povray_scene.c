@@ -1,0 +1,677 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * What POV-Ray 3.7.0.10 does with media (its media.cpp; measured in notes/engines.md), and what
+ * follows here:
+ * - Scattering is k(cos) * colour * light, k = 4 pi p; a surface is albedo * light * cos. With a
+ *   light of E / pi the colour of the scattering is sigma_s / 4.
+ * - Where containers overlap, extinctions and scatterings add, but k is the plain mean of the k of
+ *   all media present, absorbers included. So a picture holds the scattering of one phase function
+ *   only, and every other medium in it is an absorber that names the same phase function.
+ * - A ray that no light reaches, and every shadow ray, is sampled once when the medium with the
+ *   most intervals (the first of them) is uniform. So beside a fog, uniform media ask for one
+ *   interval less.
+ * - Pigment and density functions wrap at 1: the densest place gets 0.999.
+ * - Method 2 with one sample is the midpoint rule; methods 1 and 3 are random and biased.
+ */
+#include "harness/engines/povray_scene.h"
+
+#include "harness/engines/povray_exposure.h"
+#include "scenes/media.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+static const double pi = 3.14159265358979323846;
+
+/* The radius of the blown-up world. POV-Ray ends rays at 1e7 units; the sun stands at twice the
+ * radius, so that no distance exceeds 6e6. */
+static const double world_radius_units = 2e6;
+static const double sun_distance_units = 4e6;
+
+/* POV-Ray ignores hits nearer than 1e-3 units. */
+static const double face_gap_units = 2e-3;
+static const double face_step_units = 4e-3;
+static const double solid_minimum_units = 0.02;
+
+static const double density_peak = 0.999;
+static const double extinction_maximum_per_unit = 1e30; /* colours are floats */
+
+/* ---- The world ------------------------------------------------------------------------------ */
+
+/* Faces and boxes by axis number: 0 x, 1 y, 2 z. */
+static double axis_of(struct neph_vec3 v, int axis)
+{
+    return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
+}
+
+static void set_axis(struct neph_vec3 *v, int axis, double value)
+{
+    *(axis == 0 ? &v->x : axis == 1 ? &v->y : &v->z) = value;
+}
+
+static struct neph_bounds solid_bounds(const struct neph_solid *solid)
+{
+    if (solid->kind == NEPH_SOLID_BOX)
+        return solid->box;
+    struct neph_vec3 r = {solid->radius_m, solid->radius_m, solid->radius_m};
+    return (struct neph_bounds){neph_vec3_sub(solid->center_m, r),
+                                neph_vec3_add(solid->center_m, r)};
+}
+
+static const struct neph_bounds nothing = {{INFINITY, INFINITY, INFINITY},
+                                           {-INFINITY, -INFINITY, -INFINITY}};
+
+static struct neph_bounds join(struct neph_bounds a, struct neph_bounds b)
+{
+    for (int axis = 0; axis < 3; axis++) {
+        set_axis(&a.min_m, axis, fmin(axis_of(a.min_m, axis), axis_of(b.min_m, axis)));
+        set_axis(&a.max_m, axis, fmax(axis_of(a.max_m, axis), axis_of(b.max_m, axis)));
+    }
+    return a;
+}
+
+static bool has_inside(const struct neph_bounds *bounds)
+{
+    for (int axis = 0; axis < 3; axis++) {
+        if (!(axis_of(bounds->min_m, axis) < axis_of(bounds->max_m, axis)))
+            return false;
+    }
+    return true;
+}
+
+static bool is_finite(const struct neph_bounds *bounds)
+{
+    struct neph_vec3 size = neph_vec3_sub(bounds->max_m, bounds->min_m);
+    return isfinite(size.x) && isfinite(size.y) && isfinite(size.z);
+}
+
+static bool is_uniform(const struct neph_medium *medium)
+{
+    for (int i = 0; i < medium->layer_count; i++) {
+        if (medium->layers[i].extinction_per_m > 0.0 && medium->layers[i].falloff_per_m > 0.0)
+            return false;
+    }
+    return true;
+}
+
+static double layer_extinction_per_m(const struct neph_fog_layer *layer, double y_m)
+{
+    if (layer->extinction_per_m <= 0.0)
+        return 0.0;
+    return layer->extinction_per_m * exp(-layer->falloff_per_m * (y_m - layer->height_m));
+}
+
+static double extinction_at_per_m(const struct neph_medium *medium, double y_m)
+{
+    double sum_per_m = 0.0;
+    for (int i = 0; i < medium->layer_count; i++)
+        sum_per_m += layer_extinction_per_m(&medium->layers[i], y_m);
+    return sum_per_m;
+}
+
+static bool is_empty(const struct neph_medium *medium)
+{
+    for (int i = 0; i < medium->layer_count; i++) {
+        if (medium->layers[i].extinction_per_m > 0.0)
+            return !has_inside(&medium->bounds);
+    }
+    return true;
+}
+
+static enum neph_status place_containers(struct neph_povray_world *world, struct neph_diag *diag)
+{
+    const struct neph_scene *scene = world->scene;
+    for (int i = 0; i < scene->medium_count; i++) {
+        struct neph_povray_container *container = &world->containers[i];
+        if (is_empty(&scene->media[i]))
+            continue;
+        double cut_error = 0.0;
+        container->bounds = neph_medium_container(scene, &scene->media[i], &cut_error);
+        if (!is_finite(&container->bounds) || !has_inside(&container->bounds))
+            return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
+                             "medium %d has no finite box that could hold it", i + 1);
+        container->used = true;
+        container->uniform = is_uniform(&scene->media[i]);
+        world->cut_error += cut_error;
+    }
+    return NEPH_OK;
+}
+
+static double farthest_corner_m(const struct neph_bounds *bounds, struct neph_vec3 from_m)
+{
+    double squared = 0.0;
+    for (int axis = 0; axis < 3; axis++) {
+        double low = axis_of(bounds->min_m, axis) - axis_of(from_m, axis);
+        double high = axis_of(bounds->max_m, axis) - axis_of(from_m, axis);
+        squared += fmax(low * low, high * high);
+    }
+    return sqrt(squared);
+}
+
+/* The origin is put amid the solids: there POV-Ray's float bounding boxes must be finest. */
+static void choose_units(struct neph_povray_world *world)
+{
+    struct neph_bounds solids = nothing;
+    for (int i = 0; i < world->scene->solid_count; i++)
+        solids = join(solids, solid_bounds(&world->scene->solids[i]));
+    struct neph_bounds eye = {world->camera.position_m, world->camera.position_m};
+    struct neph_bounds all = join(solids, eye);
+    for (int i = 0; i < world->scene->medium_count; i++) {
+        if (world->containers[i].used)
+            all = join(all, world->containers[i].bounds);
+    }
+    const struct neph_bounds *middle = world->scene->solid_count > 0 ? &solids : &all;
+    world->origin_m = neph_vec3_scale(neph_vec3_add(middle->min_m, middle->max_m), 0.5);
+    double radius_m = farthest_corner_m(&all, world->origin_m);
+    world->units_per_m = world_radius_units / (radius_m > 0.0 ? radius_m : 1.0);
+}
+
+static enum neph_status check_solids(const struct neph_povray_world *world, struct neph_diag *diag)
+{
+    for (int i = 0; i < world->scene->solid_count; i++) {
+        struct neph_bounds bounds = solid_bounds(&world->scene->solids[i]);
+        struct neph_vec3 size_m = neph_vec3_sub(bounds.max_m, bounds.min_m);
+        double smallest_m = fmin(size_m.x, fmin(size_m.y, size_m.z));
+        if (!(smallest_m * world->units_per_m >= solid_minimum_units))
+            return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "solids of %g m in a world of %g m radius",
+                             smallest_m, world_radius_units / world->units_per_m);
+    }
+    return NEPH_OK;
+}
+
+/* Is a face of a container on this plane too near to a solid's face, to the eye or to the face of
+ * an earlier container? */
+static bool is_crowded(const struct neph_povray_world *world, int container, int axis,
+                       double plane_m)
+{
+    double gap_m = face_gap_units / world->units_per_m;
+    if (fabs(axis_of(world->camera.position_m, axis) - plane_m) < gap_m)
+        return true;
+    for (int i = 0; i < world->scene->solid_count; i++) {
+        struct neph_bounds bounds = solid_bounds(&world->scene->solids[i]);
+        if (fabs(axis_of(bounds.min_m, axis) - plane_m) < gap_m ||
+            fabs(axis_of(bounds.max_m, axis) - plane_m) < gap_m)
+            return true;
+    }
+    for (int i = 0; i < container; i++) {
+        const struct neph_bounds *bounds = &world->containers[i].bounds;
+        if (world->containers[i].used && (fabs(axis_of(bounds->min_m, axis) - plane_m) < gap_m ||
+                                          fabs(axis_of(bounds->max_m, axis) - plane_m) < gap_m))
+            return true;
+    }
+    return false;
+}
+
+static double uncrowded(const struct neph_povray_world *world, int container, int axis,
+                        double plane_m, double outward)
+{
+    double step_m = outward * face_step_units / world->units_per_m;
+    double moved_m = plane_m;
+    for (int i = 1; is_crowded(world, container, axis, moved_m); i++)
+        moved_m = plane_m + i * step_m;
+    return moved_m;
+}
+
+/* Move faces outward until they are alone: onto the inside of a solid that they touch, where
+ * nobody looks, or by a few 1e-9 of the world. */
+static void separate_faces(struct neph_povray_world *world)
+{
+    for (int i = 0; i < world->scene->medium_count; i++) {
+        struct neph_bounds *bounds = &world->containers[i].bounds;
+        if (!world->containers[i].used)
+            continue;
+        double shift_m = 0.0;
+        for (int axis = 0; axis < 3; axis++) {
+            double low_m = axis_of(bounds->min_m, axis), high_m = axis_of(bounds->max_m, axis);
+            set_axis(&bounds->min_m, axis, uncrowded(world, i, axis, low_m, -1.0));
+            set_axis(&bounds->max_m, axis, uncrowded(world, i, axis, high_m, 1.0));
+            shift_m = fmax(shift_m, fmax(low_m - axis_of(bounds->min_m, axis),
+                                         axis_of(bounds->max_m, axis) - high_m));
+        }
+        double densest_per_m = extinction_at_per_m(&world->scene->media[i], bounds->min_m.y);
+        world->containers[i].extinction_per_m = densest_per_m;
+        world->shift_error = fmax(world->shift_error, densest_per_m * shift_m);
+    }
+}
+
+static enum neph_status check_extinctions(const struct neph_povray_world *world,
+                                          struct neph_diag *diag)
+{
+    for (int i = 0; i < world->scene->medium_count; i++) {
+        double per_m = world->containers[i].extinction_per_m;
+        if (world->containers[i].used &&
+            !(per_m / world->units_per_m < extinction_maximum_per_unit))
+            return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
+                             "medium %d reaches an extinction of %g per metre at the bottom", i + 1,
+                             per_m);
+    }
+    return NEPH_OK;
+}
+
+/* Planar depth of the farthest corner of a solid's box. */
+static double solid_depth_m(const struct neph_solid *solid, const struct neph_camera *camera)
+{
+    struct neph_bounds bounds = solid_bounds(solid);
+    double depth_m = 0.0;
+    for (int axis = 0; axis < 3; axis++) {
+        double forward = axis_of(camera->forward, axis);
+        double eye_m = axis_of(camera->position_m, axis);
+        depth_m += fmax(forward * (axis_of(bounds.min_m, axis) - eye_m),
+                        forward * (axis_of(bounds.max_m, axis) - eye_m));
+    }
+    return depth_m;
+}
+
+static void choose_depth_range(struct neph_povray_world *world)
+{
+    double depth_m = 0.0;
+    for (int i = 0; i < world->scene->solid_count; i++)
+        depth_m = fmax(depth_m, solid_depth_m(&world->scene->solids[i], &world->camera));
+    world->depth_range_m = depth_m / NEPH_POVRAY_DEPTH_TOP;
+}
+
+enum neph_status neph_povray_world(const struct neph_scene *scene, int frame, int width_px,
+                                   int height_px, int intervals, struct neph_povray_world *world,
+                                   struct neph_diag *diag)
+{
+    struct neph_povray_world made = {.scene = scene,
+                                     .camera = neph_scene_camera(scene, frame),
+                                     .width_px = width_px,
+                                     .height_px = height_px,
+                                     .intervals = intervals};
+    enum neph_status status = place_containers(&made, diag);
+    if (status)
+        return status;
+    choose_units(&made);
+    status = check_solids(&made, diag);
+    if (status)
+        return status;
+    separate_faces(&made);
+    status = check_extinctions(&made, diag);
+    if (status)
+        return status;
+    choose_depth_range(&made);
+    *world = made;
+    return NEPH_OK;
+}
+
+/* ---- Phase functions ------------------------------------------------------------------------ */
+
+bool neph_povray_same_phase(const struct neph_phase *a, const struct neph_phase *b)
+{
+    return a->kind == b->kind && (a->kind != NEPH_PHASE_HENYEY_GREENSTEIN || a->g == b->g);
+}
+
+double neph_povray_phase_excess(enum neph_phase_kind kind)
+{
+    /* The mean over the sphere of 0.799372013 (1 + cos^2). */
+    return kind == NEPH_PHASE_RAYLEIGH ? 0.799372013 * 4.0 / 3.0 : 1.0;
+}
+
+static int povray_phase_type(enum neph_phase_kind kind)
+{
+    static const int types[] = {
+        [NEPH_PHASE_ISOTROPIC] = 1, [NEPH_PHASE_HENYEY_GREENSTEIN] = 5, [NEPH_PHASE_RAYLEIGH] = 4};
+    return types[kind];
+}
+
+/* ---- The text ------------------------------------------------------------------------------- */
+
+struct writer {
+    FILE *stream;
+    const struct neph_povray_world *world;
+    const struct neph_povray_pass *pass;
+    bool not_a_number; /* something infinite or undefined was to be written */
+};
+
+/* Everything but fixed words goes through here. */
+static void number(struct writer *writer, double value)
+{
+    if (!isfinite(value))
+        writer->not_a_number = true;
+    fprintf(writer->stream, "%.17g", value);
+}
+
+static void words(struct writer *writer, const char *fixed)
+{
+    fputs(fixed, writer->stream);
+}
+
+static void triple(struct writer *writer, double a, double b, double c)
+{
+    words(writer, "<");
+    number(writer, a);
+    words(writer, ", ");
+    number(writer, b);
+    words(writer, ", ");
+    number(writer, c);
+    words(writer, ">");
+}
+
+static void vector(struct writer *writer, struct neph_vec3 v)
+{
+    triple(writer, v.x, v.y, v.z);
+}
+
+/* A position in metres, which the macro P brings to units. */
+static void position(struct writer *writer, struct neph_vec3 position_m)
+{
+    words(writer, "P(");
+    vector(writer, position_m);
+    words(writer, ")");
+}
+
+static void named_number(struct writer *writer, const char *before, double value, const char *after)
+{
+    words(writer, before);
+    number(writer, value);
+    words(writer, after);
+}
+
+/* "rgb <...>": a colour of the beauty as it is; else gain * value in three brackets. */
+static void colour(struct writer *writer, struct neph_rgb value)
+{
+    double gain = writer->pass->gain;
+    words(writer, "rgb ");
+    if (writer->pass->kind == NEPH_POVRAY_BEAUTY) {
+        triple(writer, gain * value.r, gain * value.g, gain * value.b);
+        return;
+    }
+    double bright = gain * neph_povray_component(value, writer->pass->channel);
+    triple(writer, neph_povray_bracket_scales[0] * bright, neph_povray_bracket_scales[1] * bright,
+           neph_povray_bracket_scales[2] * bright);
+}
+
+/* "rgb <...>": a property of matter, without gain. */
+static void property(struct writer *writer, struct neph_rgb value)
+{
+    words(writer, "rgb ");
+    if (writer->pass->kind == NEPH_POVRAY_BEAUTY) {
+        triple(writer, value.r, value.g, value.b);
+        return;
+    }
+    double grey = neph_povray_component(value, writer->pass->channel);
+    triple(writer, grey, grey, grey);
+}
+
+static void write_header(struct writer *writer)
+{
+    words(writer,
+          "// A frame of Nephelometer for POV-Ray 3.7.\n"
+          "// World: metres, right-handed, +Y up. POV-Ray's tolerances are fixed lengths, so the\n"
+          "// world is blown up: U units are one metre, and O is moved to the origin.\n"
+          "#version 3.7;\n"
+          "global_settings { assumed_gamma 1.0 max_trace_level 256 adc_bailout 0 }\n");
+    named_number(writer, "#declare U = ", writer->world->units_per_m, ";\n");
+    words(writer, "#declare O = ");
+    vector(writer, writer->world->origin_m);
+    words(writer, ";\n#macro P(A) (U*((A) - O)) #end\n\n");
+}
+
+static void write_camera(struct writer *writer)
+{
+    const struct neph_camera *camera = &writer->world->camera;
+    double height = 2.0 * tan(0.5 * camera->vertical_fov_rad);
+    double width = height * writer->world->width_px / writer->world->height_px;
+    words(writer, "// Camera: the lengths of up and right are the angles of view.\n"
+                  "camera { perspective\n  location ");
+    position(writer, camera->position_m);
+    words(writer, "\n  right ");
+    vector(writer, neph_vec3_scale(camera->right, width));
+    words(writer, "\n  up ");
+    vector(writer, neph_vec3_scale(camera->up, height));
+    words(writer, "\n  direction ");
+    vector(writer, camera->forward);
+    words(writer, "\n}\n\n");
+}
+
+/* Is the sun part of this picture? */
+static bool has_sun(const struct writer *writer)
+{
+    enum neph_povray_kind kind = writer->pass->kind;
+    return writer->world->scene->sun.present && kind != NEPH_POVRAY_TRANSMITTANCE &&
+           kind != NEPH_POVRAY_DEPTH;
+}
+
+static void write_sun(struct writer *writer)
+{
+    const struct neph_sun *sun = &writer->world->scene->sun;
+    if (!has_sun(writer))
+        return;
+    words(writer, "// Sun: irradiance / pi, from far outside all else.\nlight_source { ");
+    vector(writer, neph_vec3_scale(sun->direction, sun_distance_units));
+    words(writer, " ");
+    colour(writer, neph_rgb_scale(sun->irradiance_w_per_m2, 1.0 / pi));
+    words(writer, " parallel point_at 0 }\n\n");
+}
+
+static void write_background(struct writer *writer)
+{
+    words(writer, "background { ");
+    switch (writer->pass->kind) {
+    case NEPH_POVRAY_BEAUTY:
+    case NEPH_POVRAY_SURFACE:
+        colour(writer, writer->world->scene->background_w_per_m2_sr);
+        break;
+    case NEPH_POVRAY_TRANSMITTANCE:
+        colour(writer, (struct neph_rgb){1.0, 1.0, 1.0});
+        break;
+    case NEPH_POVRAY_DEPTH:
+        words(writer, "rgb 1");
+        break;
+    case NEPH_POVRAY_VOLUME:
+        words(writer, "rgb 0");
+        break;
+    }
+    words(writer, " }\n\n");
+}
+
+/* ---- Media ---------------------------------------------------------------------------------- */
+
+static bool has_fog(const struct neph_povray_world *world)
+{
+    for (int i = 0; i < world->scene->medium_count; i++) {
+        if (world->containers[i].used && !world->containers[i].uniform)
+            return true;
+    }
+    return false;
+}
+
+/* Where no medium scatters, no sample needs a shadow ray, and four times as many are cheap. */
+static int intervals_of(const struct writer *writer, bool uniform)
+{
+    enum neph_povray_kind kind = writer->pass->kind;
+    int intervals = writer->world->intervals;
+    if (kind == NEPH_POVRAY_SURFACE || kind == NEPH_POVRAY_TRANSMITTANCE)
+        intervals *= 4;
+    if (intervals > NEPH_POVRAY_INTERVALS_MAX)
+        intervals = NEPH_POVRAY_INTERVALS_MAX;
+    if (uniform && has_fog(writer->world) && intervals > 1)
+        intervals--;
+    return intervals;
+}
+
+/* The scattering of one medium in this picture: its colour is sigma_s / 4, or 0 where the medium
+ * only absorbs; see the top of this file. */
+static void write_scattering(struct writer *writer, const struct neph_medium *medium,
+                             double extinction_per_unit)
+{
+    const struct neph_povray_pass *pass = writer->pass;
+    bool volume = pass->kind == NEPH_POVRAY_VOLUME;
+    if (!volume && (pass->kind != NEPH_POVRAY_BEAUTY ||
+                    writer->world->scene->scattering == NEPH_SCATTERING_NONE))
+        return;
+    const struct neph_phase *phase = volume ? &pass->phase : &medium->phase;
+    bool scatters = neph_povray_same_phase(phase, &medium->phase);
+    double scale = extinction_per_unit / (4.0 * neph_povray_phase_excess(phase->kind));
+    named_number(writer, "    scattering { ", povray_phase_type(phase->kind), ", ");
+    property(writer, neph_rgb_scale(medium->albedo, scatters ? scale : 0.0));
+    if (phase->kind == NEPH_PHASE_HENYEY_GREENSTEIN)
+        named_number(writer, " eccentricity ", phase->g, "");
+    words(writer, " extinction 0 }\n");
+}
+
+/* The sum of the layers, relative to its value at the bottom of the container. */
+static void write_density(struct writer *writer, const struct neph_medium *medium,
+                          const struct neph_povray_container *container)
+{
+    const struct neph_povray_world *world = writer->world;
+    double bottom_m = container->bounds.min_m.y;
+    double bottom_units = world->units_per_m * (bottom_m - world->origin_m.y);
+    words(writer, "    density { function { 0");
+    for (int i = 0; i < medium->layer_count; i++) {
+        const struct neph_fog_layer *layer = &medium->layers[i];
+        double part = layer_extinction_per_m(layer, bottom_m) / container->extinction_per_m;
+        if (!(part > 0.0))
+            continue;
+        named_number(writer, " + ", density_peak * part, "");
+        named_number(writer, "*exp(-", layer->falloff_per_m / world->units_per_m, "");
+        named_number(writer, "*(y - (", bottom_units, ")))");
+    }
+    words(writer, " } }\n");
+}
+
+static void write_medium(struct writer *writer, const struct neph_medium *medium,
+                         const struct neph_povray_container *container)
+{
+    double per_unit = container->extinction_per_m / writer->world->units_per_m;
+    if (!container->uniform)
+        per_unit /= density_peak;
+    named_number(writer, "// Extinction ", container->extinction_per_m,
+                 container->uniform ? " per metre.\n" : " per metre at the bottom, falling.\n");
+    words(writer, "box { ");
+    position(writer, container->bounds.min_m);
+    words(writer, ", ");
+    position(writer, container->bounds.max_m);
+    words(writer, " hollow pigment { rgbt 1 } finish { ambient 0 diffuse 0 }\n"
+                  "  interior { media {\n");
+    named_number(writer, "    method 2 intervals ", intervals_of(writer, container->uniform),
+                 " samples 1,1\n");
+    named_number(writer, "    absorption rgb ", per_unit, "\n");
+    write_scattering(writer, medium, per_unit);
+    if (!container->uniform)
+        write_density(writer, medium, container);
+    words(writer, "  } }\n}\n\n");
+}
+
+static void write_media(struct writer *writer)
+{
+    const struct neph_povray_world *world = writer->world;
+    if (writer->pass->kind == NEPH_POVRAY_DEPTH)
+        return;
+    for (int i = 0; i < world->scene->medium_count; i++) {
+        if (world->containers[i].used)
+            write_medium(writer, &world->scene->media[i], &world->containers[i]);
+    }
+}
+
+/* ---- Solids --------------------------------------------------------------------------------- */
+
+/* One digit of the depth: depth / range * base^place, wrapped at 1 by POV-Ray, in one channel. The
+ * mean of three pigments is a third of their sum. */
+static void write_digit(struct writer *writer, int place)
+{
+    static const char *const channels[] = {"<3,0,0>", "<0,3,0>", "<0,0,3>"};
+    const struct neph_povray_world *world = writer->world;
+    struct neph_vec3 forward = world->camera.forward;
+    struct neph_vec3 eye_m = neph_vec3_sub(world->camera.position_m, world->origin_m);
+    struct neph_vec3 eye = neph_vec3_scale(eye_m, world->units_per_m);
+    double scale = pow(NEPH_POVRAY_DEPTH_BASE, place) / (world->depth_range_m * world->units_per_m);
+    named_number(writer, "  [1 function { (", scale, ")");
+    named_number(writer, "*((x - (", eye.x, "))");
+    named_number(writer, "*(", forward.x, ")");
+    named_number(writer, " + (y - (", eye.y, "))");
+    named_number(writer, "*(", forward.y, ")");
+    named_number(writer, " + (z - (", eye.z, "))");
+    named_number(writer, "*(", forward.z, ")) } color_map { [0 rgb 0] [1 rgb ");
+    words(writer, channels[place]);
+    words(writer, "] }]\n");
+}
+
+static void declare_depth_texture(struct writer *writer)
+{
+    words(writer, "#declare Depth = texture { pigment { average pigment_map {\n");
+    for (int place = 0; place < 3; place++)
+        write_digit(writer, place);
+    words(writer, "} } finish { ambient 0 diffuse 0 emission 1 } }\n\n");
+}
+
+static void write_texture(struct writer *writer, struct neph_rgb albedo)
+{
+    switch (writer->pass->kind) {
+    case NEPH_POVRAY_DEPTH:
+        words(writer, " texture { Depth }");
+        break;
+    case NEPH_POVRAY_TRANSMITTANCE:
+        words(writer, " pigment { ");
+        colour(writer, (struct neph_rgb){1.0, 1.0, 1.0});
+        words(writer, " } finish { ambient 0 diffuse 0 emission 1 }");
+        break;
+    case NEPH_POVRAY_VOLUME:
+        words(writer, " pigment { rgb 0 } finish { ambient 0 diffuse 0 }");
+        break;
+    case NEPH_POVRAY_BEAUTY:
+    case NEPH_POVRAY_SURFACE:
+        words(writer, " pigment { ");
+        property(writer, albedo);
+        words(writer, " } finish { ambient 0 diffuse 1 }");
+        break;
+    }
+}
+
+static void write_solid(struct writer *writer, const struct neph_solid *solid)
+{
+    if (solid->kind == NEPH_SOLID_BOX) {
+        words(writer, "box { ");
+        position(writer, solid->box.min_m);
+        words(writer, ", ");
+        position(writer, solid->box.max_m);
+    } else {
+        words(writer, "sphere { ");
+        position(writer, solid->center_m);
+        named_number(writer, ", U*", solid->radius_m, "");
+    }
+    write_texture(writer, solid->albedo);
+    words(writer, " }\n");
+}
+
+static void write_solids(struct writer *writer)
+{
+    const struct neph_scene *scene = writer->world->scene;
+    if (scene->solid_count > 0 && writer->pass->kind == NEPH_POVRAY_DEPTH)
+        declare_depth_texture(writer);
+    if (scene->solid_count > 0)
+        words(writer, "// Solids.\n");
+    for (int i = 0; i < scene->solid_count; i++)
+        write_solid(writer, &scene->solids[i]);
+}
+
+enum neph_status neph_povray_text(const struct neph_povray_world *world,
+                                  const struct neph_povray_pass *pass, char **text,
+                                  struct neph_diag *diag)
+{
+    char *memory = NULL;
+    size_t size = 0;
+    struct writer writer = {.stream = open_memstream(&memory, &size), .world = world, .pass = pass};
+    if (!writer.stream)
+        return neph_fail_memory(diag);
+    write_header(&writer);
+    write_camera(&writer);
+    write_sun(&writer);
+    write_background(&writer);
+    write_media(&writer);
+    write_solids(&writer);
+    enum neph_status status = NEPH_OK;
+    if (fclose(writer.stream) != 0)
+        status = neph_fail_memory(diag);
+    else if (writer.not_a_number)
+        status = neph_fail(diag, NEPH_ERR_UNSUPPORTED,
+                           "the scene needs a number that POV-Ray cannot take");
+    if (status) {
+        free(memory);
+        return status;
+    }
+    *text = memory;
+    return NEPH_OK;
+}

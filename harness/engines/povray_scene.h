@@ -1,0 +1,81 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Scenes as POV-Ray 3.7 text. The text is made of fixed words and of numbers alone: no string of a
+ * scene ever enters it, so no scene can make POV-Ray do anything but render.
+ */
+#ifndef NEPH_HARNESS_ENGINES_POVRAY_SCENE_H
+#define NEPH_HARNESS_ENGINES_POVRAY_SCENE_H
+
+#include "scenes/scene.h"
+
+#include <stdbool.h>
+
+/* POV-Ray's media abort above ("internal nesting limit"). */
+#define NEPH_POVRAY_INTERVALS_MAX 256
+
+/* The box that holds one medium. */
+struct neph_povray_container {
+    bool used; /* false: the medium is empty */
+    bool uniform;
+    struct neph_bounds bounds; /* finite */
+    double extinction_per_m;   /* uniform: everywhere; else at the lowest height of the box */
+};
+
+/* A frame of a scene, prepared for POV-Ray. */
+struct neph_povray_world {
+    const struct neph_scene *scene; /* borrowed */
+    struct neph_camera camera;
+    int width_px, height_px;
+    int intervals;
+    /* POV-Ray's tolerances are fixed lengths (1e-4 and 1e-3 units), and a container's face that
+     * near to a lit solid breaks its shadow. The world is blown up until they are small: position
+     * in units = units_per_m * (position - origin). */
+    double units_per_m;
+    struct neph_vec3 origin_m;
+    struct neph_povray_container containers[NEPH_SCENE_MEDIA_MAX];
+    double cut_error;     /* bound on the error in transmittance of cutting open media */
+    double shift_error;   /* optical depth added by moving faces of containers off other faces */
+    double depth_range_m; /* above the depth of all solids; 0: no solid in front of the camera */
+};
+
+enum neph_povray_kind {
+    NEPH_POVRAY_BEAUTY,        /* for people: colours as they are */
+    NEPH_POVRAY_VOLUME,        /* sunlight scattered by the media of one phase function */
+    NEPH_POVRAY_SURFACE,       /* lit solids and background through absorbing media */
+    NEPH_POVRAY_TRANSMITTANCE, /* background and solids of radiance 1 through absorbing media */
+    NEPH_POVRAY_DEPTH,         /* three digits, povray_exposure.h */
+};
+
+/* One picture to render. All but BEAUTY and DEPTH are monochrome in three brackets. */
+struct neph_povray_pass {
+    enum neph_povray_kind kind;
+    int channel; /* 0 R, 1 G, 2 B of albedos, sun and background; VOLUME and SURFACE */
+    double gain;
+    struct neph_phase phase; /* VOLUME */
+};
+
+/* Prepare a frame. NEPH_ERR_UNSUPPORTED, with the reason in words, when its sizes are beyond
+ * POV-Ray. Nothing to free; `scene` must outlive the world. */
+enum neph_status neph_povray_world(const struct neph_scene *scene, int frame, int width_px,
+                                   int height_px, int intervals, struct neph_povray_world *world,
+                                   struct neph_diag *diag);
+
+/* The text of one pass, for the caller to free. */
+enum neph_status neph_povray_text(const struct neph_povray_world *world,
+                                  const struct neph_povray_pass *pass, char **text,
+                                  struct neph_diag *diag);
+
+/* Do two phase functions have the same shape? */
+bool neph_povray_same_phase(const struct neph_phase *a, const struct neph_phase *b);
+
+/* POV-Ray's phase factor k(cos) is 4 pi p(cos) times this. 1 but for Rayleigh, which POV-Ray
+ * defines as 0.799372013 (1 + cos^2): its mean over the sphere is 4/3 of the constant. */
+double neph_povray_phase_excess(enum neph_phase_kind kind);
+
+/* Component 0, 1 or 2 of a colour. */
+static inline double neph_povray_component(struct neph_rgb colour, int channel)
+{
+    return channel == 0 ? colour.r : channel == 1 ? colour.g : colour.b;
+}
+
+#endif

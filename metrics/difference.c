@@ -1,0 +1,97 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Maps of signed differences, see display.h.
+ */
+#include "metrics/display.h"
+#include "metrics/metric.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <string.h>
+
+/* RdBu in 11 classes, which stays apart for all common kinds of colour blindness (Brewer,
+ * colorbrewer2.org), with blue for less. */
+static const struct neph_display_stop stops[] = {
+    {-1.0, {0x05, 0x30, 0x61}}, {-0.8, {0x21, 0x66, 0xac}}, {-0.6, {0x43, 0x93, 0xc3}},
+    {-0.4, {0x92, 0xc5, 0xde}}, {-0.2, {0xd1, 0xe5, 0xf0}}, {0.0, {0xf7, 0xf7, 0xf7}},
+    {0.2, {0xfd, 0xdb, 0xc7}},  {0.4, {0xf4, 0xa5, 0x82}},  {0.6, {0xd6, 0x60, 0x4d}},
+    {0.8, {0xb2, 0x18, 0x2b}},  {1.0, {0x67, 0x00, 0x1f}},
+};
+
+enum { STOP_COUNT = sizeof(stops) / sizeof(stops[0]) };
+
+/* Both ends of the scale are dark; what lies beyond is bright, and blue against yellow. */
+static const struct neph_display_legend legend = {
+    .stops = stops,
+    .stop_count = STOP_COUNT,
+    .below = {0x00, 0xe5, 0xff},
+    .above = {0xff, 0xd5, 0x00},
+    .not_a_number = {0xff, 0x00, 0xff},
+};
+
+const struct neph_display_legend *neph_display_difference_legend(void)
+{
+    return &legend;
+}
+
+static void colour_between(double position, uint8_t rgb[3])
+{
+    int upper = 1;
+    while (upper < STOP_COUNT - 1 && position > stops[upper].position)
+        upper++;
+    const struct neph_display_stop *a = &stops[upper - 1], *b = &stops[upper];
+    double share = (position - a->position) / (b->position - a->position);
+    for (int c = 0; c < 3; c++) {
+        double code = (double)a->rgb[c] + share * ((double)b->rgb[c] - (double)a->rgb[c]);
+        rgb[c] = (uint8_t)lround(code);
+    }
+}
+
+static void colour_of(double position, uint8_t rgb[3])
+{
+    if (isnan(position))
+        memcpy(rgb, legend.not_a_number, 3);
+    else if (position < -1.0)
+        memcpy(rgb, legend.below, 3);
+    else if (position > 1.0)
+        memcpy(rgb, legend.above, 3);
+    else
+        colour_between(position, rgb);
+}
+
+/* Of one plane, where infinity is a value: the sky. */
+static double plane_difference(float reference, float test)
+{
+    return reference == test ? 0.0 : (double)test - (double)reference;
+}
+
+static double luminance_difference(const float *const *reference, const float *const *test,
+                                   size_t pixel)
+{
+    double d[3];
+    for (int c = 0; c < 3; c++) {
+        d[c] = (double)test[c][pixel] - (double)reference[c][pixel];
+        if (!isfinite(d[c]))
+            return NAN;
+    }
+    return neph_luminance(d[0], d[1], d[2]);
+}
+
+enum neph_status neph_display_difference(const float *const *reference, const float *const *test,
+                                         int plane_count, size_t pixel_count, double scale,
+                                         uint8_t *out_rgb, struct neph_diag *diag)
+{
+    if (!(scale > 0.0) || !isfinite(scale))
+        return neph_fail(diag, NEPH_ERR_INPUT,
+                         "the scale of a difference map must be positive and finite, not %g",
+                         scale);
+    if (plane_count != 1 && plane_count != 3)
+        return neph_fail(diag, NEPH_ERR_INTERNAL, "a difference map of %d planes, not 1 or 3",
+                         plane_count);
+    for (size_t i = 0; i < pixel_count; i++) {
+        double d = plane_count == 1 ? plane_difference(reference[0][i], test[0][i])
+                                    : luminance_difference(reference, test, i);
+        colour_of(d / scale, out_rgb + 3 * i);
+    }
+    return NEPH_OK;
+}

@@ -1,0 +1,35 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Sums and percentiles that all families of metrics share.
+ */
+#ifndef NEPH_METRICS_STATISTICS_H
+#define NEPH_METRICS_STATISTICS_H
+
+#include <math.h>
+#include <stddef.h>
+
+/* A compensated sum (Neumaier, ZAMM 54, 1974): a million small differences beside a large one are
+ * not lost, and the result does not depend on the size of the image. Start from {0}. */
+struct neph_sum {
+    double sum, lost;
+};
+
+static inline void neph_sum_add(struct neph_sum *total, double value)
+{
+    double sum = total->sum + value;
+    total->lost += fabs(total->sum) >= fabs(value) ? (total->sum - sum) + value
+                                                   : (value - sum) + total->sum;
+    total->sum = sum;
+}
+
+static inline double neph_sum_value(const struct neph_sum *total)
+{
+    return total->sum + total->lost;
+}
+
+/* The percentile at `share` (0..1) of `count` >= 1 finite values: at h = (count - 1) * share of the
+ * values sorted from index 0, linear between neighbours. Type 7 of Hyndman and Fan, The American
+ * Statistician 50, 1996; numpy's default. Reorders the values. */
+double neph_percentile(double *values, size_t count, double share);
+
+#endif

@@ -1,0 +1,187 @@
+/* SPDX-License-Identifier: MIT */
+#include "metrics/validity.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* What a channel may hold. A name that ends in '.' stands for all channels of that layer. */
+struct rule {
+    const char *name;
+    bool may_be_far; /* +inf has a meaning */
+    bool may_be_negative;
+};
+
+static const struct rule rules[] = {
+    {"R", false, false},
+    {"G", false, false},
+    {"B", false, false},
+    {"volume.", false, false},
+    {"transmittance.", false, false},
+    {"variance.", false, false},
+    {"Z", true, false},
+};
+
+static const struct rule *rule_of(const char *channel)
+{
+    static const struct rule unknown = {"", false, true};
+    for (size_t i = 0; i < sizeof(rules) / sizeof(rules[0]); i++) {
+        size_t length = strlen(rules[i].name);
+        bool is_layer = rules[i].name[length - 1] == '.';
+        if (is_layer ? strncmp(channel, rules[i].name, length) == 0
+                     : strcmp(channel, rules[i].name) == 0)
+            return &rules[i];
+    }
+    return &unknown;
+}
+
+static void count_finite(struct neph_validity_channel *counts, float value)
+{
+    counts->min = counts->has_finite ? fminf(counts->min, value) : value;
+    counts->max = counts->has_finite ? fmaxf(counts->max, value) : value;
+    counts->has_finite = true;
+}
+
+static void count_sample(struct neph_validity_channel *counts, const struct rule *rule, float value,
+                         struct neph_validity_pixel pixel)
+{
+    if (isfinite(value)) {
+        count_finite(counts, value);
+        if (value < 0.0f && !rule->may_be_negative && counts->negative_count++ == 0)
+            counts->first_negative = pixel;
+        return;
+    }
+    if (isinf(value) && value > 0.0f && rule->may_be_far)
+        return;
+    if (isnan(value))
+        counts->nan_count++;
+    else if (value > 0.0f)
+        counts->positive_infinity_count++;
+    else
+        counts->negative_infinity_count++;
+    if (counts->non_finite_count++ == 0)
+        counts->first_non_finite = pixel;
+}
+
+enum neph_status neph_validity_count(const struct neph_image *image, struct neph_validity *validity,
+                                     struct neph_diag *diag)
+{
+    struct neph_validity counted = {.channel_count = image->channel_count};
+    if (image->channel_count > 0) {
+        counted.channels = calloc((size_t)image->channel_count, sizeof(*counted.channels));
+        if (!counted.channels)
+            return neph_fail_memory(diag);
+    }
+    for (int i = 0; i < image->channel_count; i++) {
+        const struct neph_channel *channel = &image->channels[i];
+        const struct rule *rule = rule_of(channel->name);
+        struct neph_validity_channel *counts = &counted.channels[i];
+        counts->name = channel->name;
+        const float *sample = channel->samples;
+        for (int y = 0; y < image->height_px; y++)
+            for (int x = 0; x < image->width_px; x++)
+                count_sample(counts, rule, *sample++, (struct neph_validity_pixel){x, y});
+        counted.non_finite_count += counts->non_finite_count;
+        counted.negative_count += counts->negative_count;
+    }
+    *validity = counted;
+    return NEPH_OK;
+}
+
+void neph_validity_finish(struct neph_validity *validity)
+{
+    free(validity->channels);
+    *validity = (struct neph_validity){0};
+}
+
+static enum neph_status fail_non_finite(const struct neph_validity *validity,
+                                        struct neph_diag *diag)
+{
+    const struct neph_validity_channel *first = NULL;
+    int bad_channel_count = 0;
+    for (int i = 0; i < validity->channel_count; i++) {
+        const struct neph_validity_channel *channel = &validity->channels[i];
+        if (channel->non_finite_count > 0 && bad_channel_count++ == 0)
+            first = channel;
+    }
+    return neph_fail(diag, NEPH_ERR_GATE,
+                     "%zu values in %d of %d channels are not finite; first '%s' at pixel (%d, "
+                     "%d), which has %zu NaN, %zu +inf and %zu -inf",
+                     validity->non_finite_count, bad_channel_count, validity->channel_count,
+                     first->name, first->first_non_finite.x_px, first->first_non_finite.y_px,
+                     first->nan_count, first->positive_infinity_count,
+                     first->negative_infinity_count);
+}
+
+static enum neph_status fail_negative(const struct neph_validity *validity, size_t negative_allowed,
+                                      struct neph_diag *diag)
+{
+    const struct neph_validity_channel *first = NULL;
+    int bad_channel_count = 0;
+    for (int i = 0; i < validity->channel_count; i++) {
+        const struct neph_validity_channel *channel = &validity->channels[i];
+        if (channel->negative_count > 0 && bad_channel_count++ == 0)
+            first = channel;
+    }
+    return neph_fail(diag, NEPH_ERR_GATE,
+                     "%zu values in %d of %d channels are negative, %zu allowed; first '%s' at "
+                     "pixel (%d, %d), whose least value is %g",
+                     validity->negative_count, bad_channel_count, validity->channel_count,
+                     negative_allowed, first->name, first->first_negative.x_px,
+                     first->first_negative.y_px, (double)first->min);
+}
+
+enum neph_status neph_validity_gate(const struct neph_validity *validity, size_t negative_allowed,
+                                    struct neph_diag *diag)
+{
+    if (validity->non_finite_count > 0)
+        return fail_non_finite(validity, diag);
+    if (validity->negative_count > negative_allowed)
+        return fail_negative(validity, negative_allowed, diag);
+    return NEPH_OK;
+}
+
+enum neph_status neph_validity_same_size(const struct neph_image *reference,
+                                         const struct neph_image *test, struct neph_diag *diag)
+{
+    if (reference->width_px == test->width_px && reference->height_px == test->height_px)
+        return NEPH_OK;
+    return neph_fail(diag, NEPH_ERR_INPUT, "the reference is %dx%d pixels, the test %dx%d",
+                     reference->width_px, reference->height_px, test->width_px, test->height_px);
+}
+
+/* The names of the channels of `image` that `other` lacks, as " 'A' 'B'"; their count. */
+static int list_missing(const struct neph_image *image, const struct neph_image *other,
+                        char list[256])
+{
+    int count = 0;
+    size_t length = 0;
+    list[0] = '\0';
+    for (int i = 0; i < image->channel_count; i++) {
+        const char *name = image->channels[i].name;
+        if (neph_image_channel(other, name))
+            continue;
+        count++;
+        int written = snprintf(list + length, 256 - length, " '%s'", name);
+        if (written > 0)
+            length += (size_t)written;
+        if (length > 255)
+            length = 255;
+    }
+    return count;
+}
+
+enum neph_status neph_validity_same_channels(const struct neph_image *reference,
+                                             const struct neph_image *test, struct neph_diag *diag)
+{
+    char only_reference[256], only_test[256];
+    int reference_count = list_missing(reference, test, only_reference);
+    int test_count = list_missing(test, reference, only_test);
+    if (reference_count == 0 && test_count == 0)
+        return NEPH_OK;
+    return neph_fail(diag, NEPH_ERR_INPUT,
+                     "the channels differ: %d only in the reference%s%s; %d only in the test%s%s",
+                     reference_count, reference_count > 0 ? ":" : "", only_reference, test_count,
+                     test_count > 0 ? ":" : "", only_test);
+}

@@ -1,0 +1,122 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The little of Vulkan that the renderers of this folder need: buffers, compute kernels, and one
+ * way to run them that waits for the end. Not for other folders.
+ */
+#ifndef NEPH_RENDERER_COMPUTE_H
+#define NEPH_RENDERER_COMPUTE_H
+
+#include "renderer/vulkan.h"
+
+#include <stddef.h>
+#include <volk.h>
+
+#define NEPH_KERNEL_BUFFERS_MAX 4
+#define NEPH_KERNEL_CONSTANTS_MAX 4
+#define NEPH_KERNEL_PUSH_BYTES_MAX 128 /* what every device has */
+
+/* Loop turns that one thread may make in one dispatch, all its loops together, the last failing
+ * test of each included. lavapipe leaves every loop after 65535 of them, in silence (Mesa,
+ * lp_bld_limits.h: LP_MAX_TGSI_LOOP_ITERATIONS, "shared between every loop"); a GPU has a watchdog
+ * instead. Longer work must be cut into several dispatches. */
+#define NEPH_KERNEL_LOOP_TURNS_MAX 65000
+
+struct neph_kernel;
+
+struct neph_vulkan {
+    VkInstance instance;
+    VkPhysicalDevice physical_device;
+    VkDevice device;
+    struct VolkDeviceTable api; /* every call on the device goes through this */
+    VkQueue queue;
+    uint32_t queue_family;
+    VkCommandPool command_pool;
+    VkCommandBuffer commands;
+    VkFence fence;
+    VkQueryPool timestamps; /* two: before and after a dispatch; null when not supported */
+    double timestamp_period_s;
+    uint64_t timestamp_mask; /* the bits that are valid */
+    VkPhysicalDeviceMemoryProperties memory;
+    VkPhysicalDeviceLimits limits;
+    struct neph_kernel *kernels; /* owned; all that were ever asked for */
+    struct neph_vulkan_description description;
+
+    /* Validation. The functions are kept here because volk's globals belong to the instance that
+     * was loaded last. */
+    PFN_vkDestroyDebugUtilsMessengerEXT destroy_messenger;
+    PFN_vkSetDebugUtilsObjectNameEXT set_object_name; /* NULL without validation */
+    VkDebugUtilsMessengerEXT messenger;
+    int message_count;
+    char first_message[900];
+};
+
+/* The status for a VkResult that is not VK_SUCCESS, with "<what>: <name of the result>". */
+enum neph_status neph_vulkan_fail(VkResult result, const char *what, struct neph_diag *diag);
+
+/* Name an object for validation messages and debuggers. */
+void neph_vulkan_name(const struct neph_vulkan *vulkan, VkObjectType type, uint64_t object,
+                      const char *name);
+
+/* --- buffers ------------------------------------------------------------------------------ */
+
+enum neph_buffer_use {
+    NEPH_BUFFER_UPLOAD,   /* written by the CPU, read by kernels */
+    NEPH_BUFFER_DEVICE,   /* written and read by kernels, source of copies */
+    NEPH_BUFFER_READBACK, /* target of copies, read by the CPU */
+};
+
+/* One storage buffer in its own allocation. */
+struct neph_buffer {
+    VkBuffer handle;
+    VkDeviceMemory memory;
+    size_t size_bytes;
+    void *mapped; /* coherent; NULL for NEPH_BUFFER_DEVICE */
+};
+
+/* NEPH_ERR_UNSUPPORTED: larger than the device allows a kernel to see. Zero-initialise `buffer`;
+ * free with _destroy. */
+enum neph_status neph_buffer_create(const struct neph_vulkan *vulkan, enum neph_buffer_use use,
+                                    size_t size_bytes, const char *name, struct neph_buffer *buffer,
+                                    struct neph_diag *diag);
+
+/* A zero buffer is fine. */
+void neph_buffer_destroy(const struct neph_vulkan *vulkan, struct neph_buffer *buffer);
+
+/* --- kernels ------------------------------------------------------------------------------ */
+
+struct neph_kernel_params {
+    const char *name;      /* unique to the shader */
+    const uint32_t *spirv; /* borrowed */
+    size_t spirv_size_bytes;
+    int buffer_count;       /* storage buffers at set 0, bindings 0 .. count-1 */
+    size_t push_size_bytes; /* push constants, from offset 0 */
+    int constant_count;     /* specialization constants 0 .. count-1 */
+    uint32_t constants[NEPH_KERNEL_CONSTANTS_MAX];
+};
+
+/* The compiled kernel of a shader and its specialization constants: made at the first call, kept
+ * and owned by the device. */
+enum neph_status neph_kernel_get(struct neph_vulkan *vulkan,
+                                 const struct neph_kernel_params *params,
+                                 const struct neph_kernel **kernel, struct neph_diag *diag);
+
+/* For neph_vulkan_destroy(). */
+void neph_kernels_destroy(struct neph_vulkan *vulkan);
+
+struct neph_dispatch {
+    const struct neph_buffer *buffers[NEPH_KERNEL_BUFFERS_MAX];
+    const void *push; /* of the kernel's push_size_bytes */
+    uint32_t group_count;
+    /* Afterwards copy the first bytes of a buffer for the CPU; NULL: no copy. */
+    const struct neph_buffer *copy_from, *copy_to;
+    size_t copy_size_bytes;
+};
+
+/* Run a kernel and wait for it. `*gpu_s` receives the time the device spent on the dispatch alone
+ * (timestamps; NaN when the device has none); NULL is fine. NEPH_ERR_ENGINE: the device was lost.
+ */
+enum neph_status neph_kernel_run(const struct neph_vulkan *vulkan, const struct neph_kernel *kernel,
+                                 const struct neph_dispatch *dispatch, double *gpu_s,
+                                 struct neph_diag *diag);
+
+#endif

@@ -1,0 +1,102 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * A scene in the layout of shaders/scene.glsl (std430), as seen by the camera of one frame.
+ *
+ * All positions are relative to the camera, subtracted in double: a float32 at 1000 km from the
+ * world's origin moves in steps of 6 cm, at 1 km from the camera in steps of 0.06 mm.
+ * Not for other folders.
+ */
+#ifndef NEPH_RENDERER_GPU_SCENE_H
+#define NEPH_RENDERER_GPU_SCENE_H
+
+#include "scenes/scene.h"
+
+#include <stddef.h>
+#include <stdint.h>
+
+/* FAR_M of shaders/numbers.glsl: the finite stand-in for infinity [m]. */
+#define NEPH_GPU_FAR_M 1e15f
+
+/* struct FogLayer of shaders/fog.glsl */
+struct neph_gpu_fog_layer {
+    float extinction_per_m;
+    float falloff_per_m;
+    float height_m;
+    float exponent_max;
+};
+
+/* struct Medium of shaders/scene.glsl */
+struct neph_gpu_medium {
+    float low_m[3];
+    uint32_t phase_kind;
+    float high_m[3];
+    float g;
+    float albedo[3];
+    uint32_t layer_count;
+    struct neph_gpu_fog_layer layers[NEPH_FOG_LAYERS_MAX];
+};
+
+/* struct Solid of shaders/solids.glsl */
+struct neph_gpu_solid {
+    float low_m[3];
+    uint32_t kind;
+    float high_m[3];
+    float radius_m;
+    float albedo[4];
+};
+
+/* buffer Frame of shaders/scene.glsl */
+struct neph_gpu_frame {
+    float camera_right[3];
+    float tan_half_width;
+    float camera_up[3];
+    float tan_half_height;
+    float camera_forward[3];
+    uint32_t width_px;
+    float sun_direction[3];
+    uint32_t height_px;
+    float sun_irradiance[3];
+    uint32_t medium_count;
+    float background[3];
+    uint32_t solid_count;
+    uint32_t steps;
+    uint32_t sun_steps;
+    uint32_t single_scattering;
+    uint32_t padding;
+    struct neph_gpu_medium media[NEPH_SCENE_MEDIA_MAX];
+};
+
+_Static_assert(sizeof(struct neph_gpu_fog_layer) == 16, "std430 FogLayer");
+_Static_assert(offsetof(struct neph_gpu_medium, high_m) == 16, "std430 Medium.high_m");
+_Static_assert(offsetof(struct neph_gpu_medium, albedo) == 32, "std430 Medium.albedo");
+_Static_assert(offsetof(struct neph_gpu_medium, layers) == 48, "std430 Medium.layers");
+_Static_assert(sizeof(struct neph_gpu_medium) == 80, "std430 Medium");
+_Static_assert(offsetof(struct neph_gpu_solid, high_m) == 16, "std430 Solid.high_m");
+_Static_assert(offsetof(struct neph_gpu_solid, albedo) == 32, "std430 Solid.albedo");
+_Static_assert(sizeof(struct neph_gpu_solid) == 48, "std430 Solid");
+_Static_assert(offsetof(struct neph_gpu_frame, camera_up) == 16, "std430 Frame.camera_up");
+_Static_assert(offsetof(struct neph_gpu_frame, camera_forward) == 32, "std430 Frame.forward");
+_Static_assert(offsetof(struct neph_gpu_frame, sun_direction) == 48, "std430 Frame.sun_direction");
+_Static_assert(offsetof(struct neph_gpu_frame, sun_irradiance) == 64, "std430 Frame.irradiance");
+_Static_assert(offsetof(struct neph_gpu_frame, background) == 80, "std430 Frame.background");
+_Static_assert(offsetof(struct neph_gpu_frame, steps) == 96, "std430 Frame.steps");
+_Static_assert(offsetof(struct neph_gpu_frame, media) == 112, "std430 Frame.media");
+_Static_assert(sizeof(struct neph_gpu_frame) == 112 + 80 * NEPH_SCENE_MEDIA_MAX, "std430 Frame");
+_Static_assert(NEPH_SCENE_MEDIA_MAX == 8 && NEPH_FOG_LAYERS_MAX == 2, "scene.glsl's counts");
+_Static_assert(NEPH_PHASE_ISOTROPIC == 0 && NEPH_PHASE_HENYEY_GREENSTEIN == 1 &&
+                   NEPH_PHASE_RAYLEIGH == 2,
+               "phase.glsl's kinds");
+_Static_assert(NEPH_SOLID_BOX == 0 && NEPH_SOLID_SPHERE == 1, "solids.glsl's kinds");
+
+/* The layer as seen from a height; its extinction must be above 0. */
+struct neph_gpu_fog_layer neph_gpu_fog_layer_from(const struct neph_fog_layer *layer,
+                                                  double camera_y_m);
+
+struct neph_gpu_solid neph_gpu_solid_from(const struct neph_solid *solid,
+                                          struct neph_vec3 camera_position_m);
+
+/* Everything of the scene but its solids, for a frame. `steps` and `sun_steps` are left 0. */
+struct neph_gpu_frame neph_gpu_frame_from(const struct neph_scene *scene, double frame,
+                                          int width_px, int height_px);
+
+#endif

@@ -1,0 +1,75 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The ray marcher at full resolution: fixed steps, one ray through the centre of each pixel, no
+ * antialiasing, single scattering from the sun. It is the "same model at full quality" that
+ * shortcuts are measured against, and itself measured against scenes/transport.h.
+ *
+ * Method: energy-conserving integration of each step, S (1 - e^(-sigma dt)) / sigma with S at the
+ * middle of the step (S. Hillaire, "Physically Based and Unified Volumetric Rendering in
+ * Frostbite", SIGGRAPH 2015 course, slide "improved integration"); second order where the scene is
+ * smooth, first order at the edges of shadows and of overlapping media. Written out in
+ * shaders/march.comp.
+ *
+ * Steps are equal in distance over the part of the ray that matters: from the first to the last
+ * face of any medium, before the first solid; for fog that goes on for ever, from where 1e-7 of
+ * optical depth is met to where 1e-7 is left, or to where e^-16 of the light comes through. What
+ * is left out changes the transmittance by less than 1e-7 per fog layer.
+ *
+ * Float32: the optical depth is good to about falloff * distance * 6e-8 of itself, because that is
+ * how well a float32 knows a height at that distance from the camera.
+ */
+#ifndef NEPH_RENDERER_MARCH_H
+#define NEPH_RENDERER_MARCH_H
+
+#include "base/image.h"
+#include "renderer/vulkan.h"
+#include "scenes/scene.h"
+
+#include <stddef.h>
+#include <stdint.h>
+
+/* Where an optical depth comes from. */
+enum neph_march_mode {
+    NEPH_MARCH_EXACT,   /* the closed form of homogeneous and height fog */
+    NEPH_MARCH_MARCHED, /* the sum over steps of extinction at the middle of the step */
+};
+
+#define NEPH_MARCH_SIDE_MAX_PX 4096
+#define NEPH_MARCH_STEPS_MAX 65536
+
+struct neph_march_params {
+    int width_px, height_px;            /* 1..NEPH_MARCH_SIDE_MAX_PX */
+    double frame;                       /* of the scene; may be fractional */
+    int steps;                          /* per view ray, 1..NEPH_MARCH_STEPS_MAX */
+    enum neph_march_mode transmittance; /* along the view ray: layer and in-scattering alike */
+    enum neph_march_mode sun;           /* towards the sun */
+    int sun_steps; /* per sun ray, 1..NEPH_MARCH_STEPS_MAX; not used with an exact sun */
+};
+
+struct neph_march_stats {
+    double gpu_s;  /* device time of all dispatches; NaN when the device has no clock */
+    double wall_s; /* from call to return: uploads, copies and the first compilation included */
+    /* Points at which the extinction of the media was evaluated, counted by the shader: steps of
+     * view rays that meet a medium, and of their marched sun rays. */
+    uint64_t density_evaluations;
+    /* Closed-form optical depths, counted by the shader: whole rays, steps, sun rays. */
+    uint64_t closed_forms;
+    int dispatches;
+};
+
+/* False, with the reason in words, when the scene asks for what this method leaves out: multiple
+ * scattering; background light on media or solids. */
+bool neph_march_can_render(const struct neph_scene *scene, char *reason, size_t reason_size);
+
+/* Render a frame: R G B, volume.*, transmittance.*, Z as in base/image.h, no attributes. Same
+ * scene, params and device: same bits. `*frame` is the caller's; `stats` may be NULL.
+ * NEPH_ERR_USAGE: a parameter is out of range. NEPH_ERR_UNSUPPORTED: neph_march_can_render() says
+ * no, or one step alone is more than a dispatch may hold (thousands of sun steps).
+ * NEPH_ERR_INTERRUPTED: neph_interrupted() between two dispatches (well below a second each on two
+ * CPU cores). NEPH_ERR_INTERNAL: the validation layer had something to say. */
+enum neph_status neph_march_render(struct neph_vulkan *vulkan, const struct neph_scene *scene,
+                                   const struct neph_march_params *params,
+                                   struct neph_image **frame, struct neph_march_stats *stats,
+                                   struct neph_diag *diag);
+
+#endif

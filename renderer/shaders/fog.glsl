@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: MIT
+//
+// One layer of exponential height fog: extinction(y) = extinction e^(-falloff (y - height)).
+// Homogeneous fog is the layer of falloff 0. Heights are relative to the camera.
+#ifndef NEPH_FOG_GLSL
+#define NEPH_FOG_GLSL
+
+#include "numbers.glsl"
+
+struct FogLayer {
+    float extinction_per_m; // > 0, at the reference height
+    float falloff_per_m;    // >= 0
+    float height_m;         // the reference height
+    float exponent_max;     // where extinction would pass 1e20 per metre: opaque within any step,
+                            // and times FAR_M still a float32
+};
+
+float fog_extinction_per_m(FogLayer layer, float y_m)
+{
+    float exponent = -layer.falloff_per_m * (y_m - layer.height_m);
+    return layer.extinction_per_m * exp(clamp(exponent, EXPONENT_MIN, layer.exponent_max));
+}
+
+// Exact optical depth from height y over a length (<= FAR_M) along a direction with vertical
+// component k_y. The textbook a e^(-b y) (1 - e^(-b k L)) / (b k) cancels for level rays and is
+// 0 * inf for a camera high above the fog. Taken from the *denser* end, the exponential is the
+// largest one that occurs and phi, in (0, 1], does the rest.
+float fog_optical_depth(FogLayer layer, float y_m, float k_y, float length_m)
+{
+    float rate_per_m = layer.falloff_per_m * k_y; // > 0: thins out along the ray
+    float dense_y_m = rate_per_m >= 0.0 ? y_m : y_m + k_y * length_m;
+    float decay = abs(rate_per_m) * length_m;
+    return fog_extinction_per_m(layer, dense_y_m) * (length_m * phi(decay));
+}
+
+// The parts of a ray that a fixed number of steps would be wasted on: before the first THIN of
+// optical depth has been met, after all but THIN has been, and behind OPAQUE of it, where
+// e^-16 = 1.1e-7 of the light comes through.
+const float THIN = 1e-7;
+const float OPAQUE = 16.0;
+
+// Roughly (3 %, it only places the ends of a march) the distance within which a ray meets
+// `optical_depth` of the layer, FAR_M when it never does: -ln(1 - z) / rate with
+// z = rate optical_depth / extinction. In logarithms, because extinction may be e^-10000 here.
+float fog_distance_to(FogLayer layer, float y_m, float k_y, float optical_depth)
+{
+    float rate_per_m = layer.falloff_per_m * k_y;
+    float log_extinction = log(layer.extinction_per_m) - layer.falloff_per_m * (y_m - layer.height_m);
+    float log_straight = log(optical_depth) - log_extinction; // as if the fog were homogeneous
+    float log_z = log(max(abs(rate_per_m), 1e-30)) + log_straight;
+    if (log_z < -3.0)
+        return exp(clamp(log_straight, EXPONENT_MIN, log(FAR_M)));
+    if (rate_per_m > 0.0)
+        return log_z < 0.0 ? -log(1.0 - exp(log_z)) / rate_per_m : FAR_M;
+    float log_1_plus_z = log_z < 20.0 ? log(1.0 + exp(log_z)) : log_z;
+    return min(log_1_plus_z / abs(rate_per_m), FAR_M);
+}
+
+// Where the optical depth still to come falls to THIN on a ray that leaves the fog upwards
+// (<= 0: it is less already); FAR_M on other rays.
+float fog_distance_to_thin_end(FogLayer layer, float y_m, float k_y)
+{
+    float rate_per_m = layer.falloff_per_m * k_y;
+    if (rate_per_m <= 1e-30)
+        return FAR_M;
+    float log_extinction = log(layer.extinction_per_m) - layer.falloff_per_m * (y_m - layer.height_m);
+    return min((log_extinction - log(rate_per_m) - log(THIN)) / rate_per_m, FAR_M);
+}
+
+#endif

@@ -1,0 +1,215 @@
+#version 450
+// SPDX-License-Identifier: MIT
+//
+// Fixed-step ray marching at full resolution, the baseline of every volumetric renderer:
+//
+//   L = sum_i T_i J_i (1 - e^-dtau_i) + T background,     T_i = e^-(dtau_0 + .. + dtau_(i-1))
+//
+// over `steps` equal steps. J is the source function (in-scattered sunlight per unit of optical
+// depth, W m^-2 sr^-1), taken at the middle of the step and constant along it; its integral over
+// the step against the extinction within the step is exact. (Hillaire, "Physically Based and
+// Unified Volumetric Rendering in Frostbite", SIGGRAPH 2015: S (1 - e^(-sigma dt)) / sigma.)
+// The error is of second order in the step where the medium is smooth.
+//
+// One thread is one pixel. A dispatch is a run of pixels in raster order and a run of their steps,
+// short enough for drivers that limit loops (renderer/compute.h) and for Ctrl-C in between; the
+// state of a march that is not at its end waits in a buffer.
+#extension GL_GOOGLE_include_directive : require
+
+#include "scene.glsl"
+
+layout(local_size_x = 64) in;
+
+// enum neph_march_mode: where an optical depth comes from.
+const uint EXACT = 0;   // closed form
+const uint MARCHED = 1; // sum over steps of extinction at the middle of the step
+layout(constant_id = 0) const uint TRANSMITTANCE = EXACT; // along the view ray
+layout(constant_id = 1) const uint SUN = EXACT;           // towards the sun
+
+layout(push_constant) uniform Run {
+    uint first_pixel;
+    uint pixel_count;
+    uint first_step;
+    uint end_step;
+} run;
+
+struct Pixel {
+    vec3 radiance; // with everything
+    float eye_depth_m; // FAR_M for the sky
+    vec3 volume; // in-scattered alone
+    float transmittance;
+    uint density_evaluations;
+    uint closed_forms;
+    uvec2 padding;
+};
+
+layout(std430, binding = 2) writeonly buffer Pixels {
+    Pixel pixels[];
+};
+
+struct State {
+    Sum sum; // in-scattered radiance (xyz) and optical depth (w) so far
+    uint density_evaluations;
+    uint closed_forms;
+    uvec2 padding;
+};
+
+layout(std430, binding = 3) buffer States {
+    State states[];
+};
+
+// What this pixel has cost.
+uint density_evaluations = 0;
+uint closed_forms = 0;
+
+float exact_optical_depth(vec3 origin_m, vec3 direction, float length_m)
+{
+    closed_forms++;
+    return scene_optical_depth(origin_m, direction, length_m);
+}
+
+float marched_optical_depth(vec3 origin_m, vec3 direction, uint steps)
+{
+    Stretch stretch = scene_stretch(origin_m, direction, FAR_M);
+    if (stretch.t1_m <= stretch.t0_m)
+        return 0.0;
+    float step_m = (stretch.t1_m - stretch.t0_m) / float(steps);
+    Sum sum = sum_zero();
+    for (uint i = 0; i < steps; i++) {
+        float middle_m = stretch.t0_m + (float(i) + 0.5) * step_m;
+        sum_add(sum, vec4(scene_extinction_per_m(origin_m + middle_m * direction) * step_m));
+    }
+    density_evaluations += steps;
+    return sum.value.x;
+}
+
+float sun_transmittance(vec3 point_m)
+{
+    if (SUN == EXACT)
+        return transmittance(exact_optical_depth(point_m, frame.sun_direction, FAR_M));
+    return transmittance(marched_optical_depth(point_m, frame.sun_direction, frame.sun_steps));
+}
+
+// Sunlight that reaches a point [W/m^2].
+vec3 sunlight(vec3 point_m, uint on_solid)
+{
+    if (!sees_sun(point_m, on_solid))
+        return vec3(0.0);
+    return frame.sun_irradiance * sun_transmittance(point_m);
+}
+
+// What the media are at a point, all of them together.
+struct Mixture {
+    float extinction_per_m;
+    vec3 scattering; // sum of scattering coefficient times phase function [1/(m sr)]
+};
+
+// The sun is a direction: its phase functions are the same all along a ray.
+float phase_towards_camera_per_sr[MEDIA_MAX];
+
+Mixture mixture_at(vec3 point_m)
+{
+    density_evaluations++;
+    Mixture mixture = Mixture(0.0, vec3(0.0));
+    for (uint m = 0; m < frame.medium_count; m++) {
+        float extinction_per_m = medium_extinction_per_m(m, point_m);
+        mixture.extinction_per_m += extinction_per_m;
+        mixture.scattering +=
+            extinction_per_m * phase_towards_camera_per_sr[m] * frame.media[m].albedo;
+    }
+    return mixture;
+}
+
+// The source function J = scattering / extinction * sunlight. Where there is no extinction there
+// is nothing to scatter: that guard is the only division by it.
+vec3 source_function(Mixture mixture, vec3 point_m)
+{
+    if (mixture.extinction_per_m <= 0.0 || mixture.scattering == vec3(0.0))
+        return vec3(0.0);
+    return mixture.scattering / mixture.extinction_per_m * sunlight(point_m, NO_SOLID);
+}
+
+// March the steps of this run along a view ray of some length, onto the sum of in-scattered
+// radiance (xyz) and optical depth (w).
+//
+// The transmittance to a step is always that of the steps before it, never an independent closed
+// form of the whole distance: adjacent closed forms add up to it anyway, and so the weights of the
+// source function telescope to 1 - T in both modes.
+void march(vec3 direction, float length_m, inout Sum sum)
+{
+    Stretch stretch = scene_stretch(vec3(0.0), direction, length_m);
+    if (stretch.t1_m <= stretch.t0_m)
+        return;
+    for (uint m = 0; m < frame.medium_count; m++)
+        phase_towards_camera_per_sr[m] = phase_per_sr(frame.media[m].phase_kind, frame.media[m].g,
+                                                      direction, frame.sun_direction);
+
+    float step_m = (stretch.t1_m - stretch.t0_m) / float(frame.steps);
+    for (uint i = run.first_step; i < run.end_step; i++) {
+        vec3 start_m = (stretch.t0_m + float(i) * step_m) * direction;
+        vec3 middle_m = (stretch.t0_m + (float(i) + 0.5) * step_m) * direction;
+        Mixture mixture = mixture_at(middle_m);
+        float step_depth = TRANSMITTANCE == EXACT
+                               ? exact_optical_depth(start_m, direction, step_m)
+                               : mixture.extinction_per_m * step_m;
+        vec3 scattered = vec3(0.0);
+        if (frame.single_scattering != 0)
+            scattered = source_function(mixture, middle_m) *
+                        (transmittance(sum.value.w) * absorbed_fraction(step_depth));
+        sum_add(sum, vec4(scattered, step_depth));
+    }
+}
+
+// Sunlight reflected by a Lambertian surface, towards anywhere.
+vec3 surface_radiance(Hit hit, vec3 point_m)
+{
+    vec3 albedo = solids[hit.solid].albedo.rgb;
+    float cosine = dot(solid_normal(solids[hit.solid], point_m), frame.sun_direction);
+    if (cosine <= 0.0 || albedo == vec3(0.0) || frame.sun_irradiance == vec3(0.0))
+        return vec3(0.0);
+    return albedo / PI * cosine * sunlight(point_m, hit.solid);
+}
+
+Pixel finished_pixel(vec3 direction, Hit hit, vec4 marched)
+{
+    float optical_depth = TRANSMITTANCE == EXACT
+                              ? exact_optical_depth(vec3(0.0), direction, hit.t_m)
+                              : marched.w;
+    vec3 behind = hit.solid == NO_SOLID ? frame.background
+                                        : surface_radiance(hit, hit.t_m * direction);
+    Pixel pixel;
+    pixel.volume = marched.xyz;
+    pixel.transmittance = transmittance(optical_depth);
+    pixel.radiance = pixel.volume + pixel.transmittance * behind;
+    pixel.eye_depth_m =
+        hit.solid == NO_SOLID ? FAR_M : hit.t_m * dot(direction, frame.camera_forward);
+    pixel.density_evaluations = density_evaluations;
+    pixel.closed_forms = closed_forms;
+    pixel.padding = uvec2(0);
+    return pixel;
+}
+
+void main()
+{
+    uint thread = gl_GlobalInvocationID.x;
+    if (thread >= run.pixel_count)
+        return;
+    uint pixel = run.first_pixel + thread;
+    vec3 direction = camera_ray(pixel % frame.width_px, pixel / frame.width_px);
+    Hit hit = scene_hit(vec3(0.0), direction);
+
+    Sum sum = sum_zero();
+    if (run.first_step > 0) {
+        sum = states[thread].sum;
+        density_evaluations = states[thread].density_evaluations;
+        closed_forms = states[thread].closed_forms;
+    }
+    // With a closed-form transmittance and no scattering there is nothing to march for.
+    if (TRANSMITTANCE == MARCHED || frame.single_scattering != 0)
+        march(direction, hit.t_m, sum);
+
+    if (run.end_step < frame.steps)
+        states[thread] = State(sum, density_evaluations, closed_forms, uvec2(0));
+    else
+        pixels[thread] = finished_pixel(direction, hit, sum.value);
+}

@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: MIT
+//
+// The scene as the device sees it (renderer/gpu_scene.h is its mirror) and the questions a
+// renderer asks of it. The origin is the camera: differences were taken in double on the CPU, so
+// that float32 spends its digits near the viewer.
+#ifndef NEPH_SCENE_GLSL
+#define NEPH_SCENE_GLSL
+
+#include "fog.glsl"
+#include "phase.glsl"
+#include "solids.glsl"
+
+const uint MEDIA_MAX = 8;
+const uint LAYERS_MAX = 2;
+const uint NO_SOLID = 0xffffffffu;
+
+struct Medium {
+    vec3 low_m; // bounds; open sides lie at -FAR_M and FAR_M
+    uint phase_kind;
+    vec3 high_m;
+    float g;
+    vec3 albedo;
+    uint layer_count;
+    FogLayer layers[LAYERS_MAX];
+};
+
+layout(std430, binding = 0) readonly buffer Frame {
+    vec3 camera_right;
+    float tan_half_width;
+    vec3 camera_up;
+    float tan_half_height;
+    vec3 camera_forward;
+    uint width_px;
+    vec3 sun_direction; // unit, towards the sun
+    uint height_px;
+    vec3 sun_irradiance; // W/m^2 on a plane across the direction; 0 when there is no sun
+    uint medium_count;
+    vec3 background; // W m^-2 sr^-1
+    uint solid_count;
+    uint steps;
+    uint sun_steps;
+    uint single_scattering; // 0 or 1
+    uint padding;
+    Medium media[MEDIA_MAX];
+} frame;
+
+layout(std430, binding = 1) readonly buffer Solids {
+    Solid solids[];
+};
+
+// --- camera ---------------------------------------------------------------------------------
+
+// Unit direction through the centre of a pixel; row 0 is on top.
+vec3 camera_ray(uint i, uint j)
+{
+    float x = (2.0 * (float(i) + 0.5) / float(frame.width_px) - 1.0) * frame.tan_half_width;
+    float y = (1.0 - 2.0 * (float(j) + 0.5) / float(frame.height_px)) * frame.tan_half_height;
+    return normalize(frame.camera_forward + x * frame.camera_right + y * frame.camera_up);
+}
+
+// --- solids ---------------------------------------------------------------------------------
+
+struct Hit {
+    float t_m;  // FAR_M when nothing is hit
+    uint solid; // NO_SOLID when nothing is hit
+};
+
+// Nearest surface with t > 0; from inside a solid that is its far side.
+Hit scene_hit(vec3 origin_m, vec3 direction)
+{
+    Hit hit = Hit(FAR_M, NO_SOLID);
+    for (uint s = 0; s < frame.solid_count; s++) {
+        float t0_m, t1_m;
+        if (!solid_interval(solids[s], origin_m, direction, t0_m, t1_m))
+            continue;
+        float t_m = t0_m > 0.0 ? t0_m : t1_m;
+        if (t_m > 0.0 && t_m < hit.t_m)
+            hit = Hit(t_m, s);
+    }
+    return hit;
+}
+
+// A point found at a distance t is off by some 1e-7 t: a solid that a sun ray leaves within this
+// fraction of t only touches the point and does not hide the sun.
+const float SHADOW_START = 1e-6;
+
+// `except`: the solid that the point lies on. It is convex, so where its surface faces the sun it
+// cannot hide it; leaving it out spares us the choice of an offset.
+bool sees_sun(vec3 point_m, uint except)
+{
+    float start_m = SHADOW_START * length(point_m);
+    for (uint s = 0; s < frame.solid_count; s++) {
+        float t0_m, t1_m;
+        if (s != except && solid_interval(solids[s], point_m, frame.sun_direction, t0_m, t1_m) &&
+            t1_m > start_m)
+            return false;
+    }
+    return true;
+}
+
+// --- media ----------------------------------------------------------------------------------
+
+bool medium_contains(uint m, vec3 point_m)
+{
+    return all(greaterThanEqual(point_m, frame.media[m].low_m)) &&
+           all(lessThanEqual(point_m, frame.media[m].high_m));
+}
+
+float medium_extinction_per_m(uint m, vec3 point_m)
+{
+    if (!medium_contains(m, point_m))
+        return 0.0;
+    float extinction_per_m = 0.0;
+    for (uint l = 0; l < frame.media[m].layer_count; l++)
+        extinction_per_m += fog_extinction_per_m(frame.media[m].layers[l], point_m.y);
+    return extinction_per_m;
+}
+
+float scene_extinction_per_m(vec3 point_m)
+{
+    float extinction_per_m = 0.0;
+    for (uint m = 0; m < frame.medium_count; m++)
+        extinction_per_m += medium_extinction_per_m(m, point_m);
+    return extinction_per_m;
+}
+
+// Exact optical depth of everything along origin + t direction, t in [0, length].
+float scene_optical_depth(vec3 origin_m, vec3 direction, float length_m)
+{
+    float optical_depth = 0.0;
+    for (uint m = 0; m < frame.medium_count; m++) {
+        float t0_m = 0.0, t1_m = length_m;
+        if (!clip_box(frame.media[m].low_m, frame.media[m].high_m, origin_m, direction, t0_m, t1_m))
+            continue;
+        float y_m = origin_m.y + t0_m * direction.y;
+        for (uint l = 0; l < frame.media[m].layer_count; l++)
+            optical_depth +=
+                fog_optical_depth(frame.media[m].layers[l], y_m, direction.y, t1_m - t0_m);
+    }
+    return optical_depth;
+}
+
+struct Stretch {
+    float t0_m, t1_m; // empty when t1 <= t0
+};
+
+// The stretch of a ray on which fixed steps are well spent: the hull of all media, without the
+// ends where no layer has THIN optical depth left and without what lies behind OPAQUE of one
+// layer. For unbounded fog this is what makes the march finite. What it leaves out changes the
+// optical depth by less than 1e-7 per layer, or lies where 1.1e-7 of the light comes through.
+Stretch scene_stretch(vec3 origin_m, vec3 direction, float length_m)
+{
+    Stretch hull = Stretch(length_m, 0.0);
+    float opaque_m = length_m;
+    for (uint m = 0; m < frame.medium_count; m++) {
+        float t0_m = 0.0, t1_m = length_m;
+        if (!clip_box(frame.media[m].low_m, frame.media[m].high_m, origin_m, direction, t0_m, t1_m))
+            continue;
+        float y_m = origin_m.y + t0_m * direction.y;
+        for (uint l = 0; l < frame.media[m].layer_count; l++) {
+            FogLayer layer = frame.media[m].layers[l];
+            float start_m = t0_m;
+            if (layer.falloff_per_m * direction.y < 0.0)
+                start_m += fog_distance_to(layer, y_m, direction.y, THIN);
+            float end_m = min(t1_m, t0_m + fog_distance_to_thin_end(layer, y_m, direction.y));
+            opaque_m = min(opaque_m, t0_m + fog_distance_to(layer, y_m, direction.y, OPAQUE));
+            if (start_m < end_m) {
+                hull.t0_m = min(hull.t0_m, start_m);
+                hull.t1_m = max(hull.t1_m, end_m);
+            }
+        }
+    }
+    hull.t1_m = min(hull.t1_m, opaque_m);
+    return hull;
+}
+
+#endif

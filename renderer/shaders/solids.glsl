@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: MIT
+//
+// Convex solids: where a ray is inside them. Positions are relative to the camera.
+#ifndef NEPH_SOLIDS_GLSL
+#define NEPH_SOLIDS_GLSL
+
+#include "numbers.glsl"
+
+// enum neph_solid_kind
+const uint SOLID_BOX = 0;
+const uint SOLID_SPHERE = 1;
+
+struct Solid {
+    vec3 low_m; // of a sphere: its centre
+    uint kind;
+    vec3 high_m;
+    float radius_m;
+    vec4 albedo;
+};
+
+// A direction component below this is parallel to the face; what is left cannot overflow when a
+// distance up to FAR_M is divided by it.
+const float PARALLEL = 1e-20;
+
+// Narrow [t0, t1] to low <= origin + t direction <= high; false when nothing is left.
+bool clip_axis(float low, float high, float origin, float direction, inout float t0, inout float t1)
+{
+    if (abs(direction) < PARALLEL)
+        return origin >= low && origin <= high;
+    float a = (low - origin) / direction;
+    float b = (high - origin) / direction;
+    t0 = max(t0, min(a, b));
+    t1 = min(t1, max(a, b));
+    return t0 < t1;
+}
+
+bool clip_box(vec3 low_m, vec3 high_m, vec3 origin_m, vec3 direction, inout float t0_m,
+              inout float t1_m)
+{
+    return t0_m < t1_m &&
+           clip_axis(low_m.x, high_m.x, origin_m.x, direction.x, t0_m, t1_m) &&
+           clip_axis(low_m.y, high_m.y, origin_m.y, direction.y, t0_m, t1_m) &&
+           clip_axis(low_m.z, high_m.z, origin_m.z, direction.z, t0_m, t1_m);
+}
+
+// From the point nearest to the centre, where b^2 - 4 a c would cancel for far spheres.
+bool sphere_interval(vec3 center_m, float radius_m, vec3 origin_m, vec3 direction, out float t0_m,
+                     out float t1_m)
+{
+    vec3 offset_m = origin_m - center_m;
+    float middle_m = -dot(offset_m, direction);
+    vec3 nearest_m = offset_m + direction * middle_m;
+    float distance_m = length(nearest_m);
+    float half_chord_m = sqrt(max(0.0, (radius_m - distance_m) * (radius_m + distance_m)));
+    t0_m = middle_m - half_chord_m;
+    t1_m = middle_m + half_chord_m;
+    return half_chord_m > 0.0;
+}
+
+bool solid_interval(Solid solid, vec3 origin_m, vec3 direction, out float t0_m, out float t1_m)
+{
+    if (solid.kind == SOLID_SPHERE)
+        return sphere_interval(solid.low_m, solid.radius_m, origin_m, direction, t0_m, t1_m);
+    t0_m = -FAR_M;
+    t1_m = FAR_M;
+    return clip_box(solid.low_m, solid.high_m, origin_m, direction, t0_m, t1_m);
+}
+
+// Outward unit normal at a point of the surface. Of a box: of the face that is nearest.
+vec3 solid_normal(Solid solid, vec3 point_m)
+{
+    if (solid.kind == SOLID_SPHERE)
+        return normalize(point_m - solid.low_m);
+    vec3 to_low_m = abs(point_m - solid.low_m);
+    vec3 to_high_m = abs(point_m - solid.high_m);
+    vec3 to_face_m = min(to_low_m, to_high_m);
+    vec3 outward = mix(vec3(-1.0), vec3(1.0), lessThan(to_high_m, to_low_m));
+    if (to_face_m.x <= to_face_m.y && to_face_m.x <= to_face_m.z)
+        return vec3(outward.x, 0.0, 0.0);
+    if (to_face_m.y <= to_face_m.z)
+        return vec3(0.0, outward.y, 0.0);
+    return vec3(0.0, 0.0, outward.z);
+}
+
+#endif

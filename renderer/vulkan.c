@@ -1,0 +1,413 @@
+/* SPDX-License-Identifier: MIT */
+#include "renderer/vulkan.h"
+
+#include "renderer/compute.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char validation_layer[] = "VK_LAYER_KHRONOS_validation";
+static const char install_driver[] = "apt-get install mesa-vulkan-drivers";
+static const char install_validation[] = "apt-get install vulkan-validationlayers";
+
+static const uint32_t api_version = VK_API_VERSION_1_2;
+
+/* --- results and messages ----------------------------------------------------------------- */
+
+static const struct {
+    VkResult result;
+    enum neph_status status;
+    const char *name;
+} results[] = {
+    {VK_ERROR_OUT_OF_HOST_MEMORY, NEPH_ERR_MEMORY, "out of host memory"},
+    {VK_ERROR_OUT_OF_DEVICE_MEMORY, NEPH_ERR_MEMORY, "out of device memory"},
+    {VK_ERROR_OUT_OF_POOL_MEMORY, NEPH_ERR_MEMORY, "out of pool memory"},
+    {VK_ERROR_TOO_MANY_OBJECTS, NEPH_ERR_MEMORY, "too many objects"},
+    {VK_ERROR_INITIALIZATION_FAILED, NEPH_ERR_UNAVAILABLE, "initialization failed"},
+    {VK_ERROR_INCOMPATIBLE_DRIVER, NEPH_ERR_UNAVAILABLE, "no compatible driver"},
+    {VK_ERROR_LAYER_NOT_PRESENT, NEPH_ERR_UNAVAILABLE, "layer not present"},
+    {VK_ERROR_EXTENSION_NOT_PRESENT, NEPH_ERR_UNAVAILABLE, "extension not present"},
+    {VK_ERROR_FEATURE_NOT_PRESENT, NEPH_ERR_UNAVAILABLE, "feature not present"},
+    {VK_ERROR_MEMORY_MAP_FAILED, NEPH_ERR_ENGINE, "memory map failed"},
+    {VK_ERROR_DEVICE_LOST, NEPH_ERR_ENGINE, "device lost"},
+};
+
+enum neph_status neph_vulkan_fail(VkResult result, const char *what, struct neph_diag *diag)
+{
+    for (size_t i = 0; i < sizeof(results) / sizeof(results[0]); i++)
+        if (results[i].result == result)
+            return neph_fail(diag, results[i].status, "Vulkan: %s: %s", what, results[i].name);
+    return neph_fail(diag, NEPH_ERR_ENGINE, "Vulkan: %s: VkResult %d", what, (int)result);
+}
+
+static VKAPI_ATTR VkBool32 VKAPI_CALL on_message(VkDebugUtilsMessageSeverityFlagBitsEXT severity,
+                                                 VkDebugUtilsMessageTypeFlagsEXT types,
+                                                 const VkDebugUtilsMessengerCallbackDataEXT *data,
+                                                 void *user)
+{
+    (void)severity;
+    (void)types;
+    struct neph_vulkan *vulkan = user;
+    if (vulkan->message_count++ == 0)
+        snprintf(vulkan->first_message, sizeof(vulkan->first_message), "%s", data->pMessage);
+    return VK_FALSE;
+}
+
+/* What the loader says of other people's drivers (type GENERAL) is not about us. */
+static VkDebugUtilsMessengerCreateInfoEXT messenger_info(struct neph_vulkan *vulkan)
+{
+    return (VkDebugUtilsMessengerCreateInfoEXT){
+        .sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT,
+        .messageSeverity = VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT |
+                           VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT,
+        .messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT |
+                       VK_DEBUG_UTILS_MESSAGE_TYPE_PERFORMANCE_BIT_EXT,
+        .pfnUserCallback = on_message,
+        .pUserData = vulkan,
+    };
+}
+
+void neph_vulkan_name(const struct neph_vulkan *vulkan, VkObjectType type, uint64_t object,
+                      const char *name)
+{
+    if (!vulkan->set_object_name)
+        return;
+    const VkDebugUtilsObjectNameInfoEXT info = {
+        .sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_OBJECT_NAME_INFO_EXT,
+        .objectType = type,
+        .objectHandle = object,
+        .pObjectName = name,
+    };
+    vulkan->set_object_name(vulkan->device, &info);
+}
+
+/* --- instance ----------------------------------------------------------------------------- */
+
+static enum neph_status unavailable_driver(VkResult result, const char *what,
+                                           struct neph_diag *diag)
+{
+    neph_vulkan_fail(result, what, diag);
+    neph_hint(diag, "%s", install_driver);
+    return NEPH_ERR_UNAVAILABLE;
+}
+
+static bool has_validation_layer(void)
+{
+    VkLayerProperties layers[64];
+    uint32_t count = sizeof(layers) / sizeof(layers[0]);
+    const VkResult result = vkEnumerateInstanceLayerProperties(&count, layers);
+    if (result != VK_SUCCESS && result != VK_INCOMPLETE)
+        return false;
+    for (uint32_t i = 0; i < count; i++)
+        if (strcmp(layers[i].layerName, validation_layer) == 0)
+            return true;
+    return false;
+}
+
+static enum neph_status create_messenger(struct neph_vulkan *vulkan, struct neph_diag *diag)
+{
+    PFN_vkCreateDebugUtilsMessengerEXT create_messenger_ext =
+        (PFN_vkCreateDebugUtilsMessengerEXT)vkGetInstanceProcAddr(vulkan->instance,
+                                                                  "vkCreateDebugUtilsMessengerEXT");
+    vulkan->destroy_messenger = (PFN_vkDestroyDebugUtilsMessengerEXT)vkGetInstanceProcAddr(
+        vulkan->instance, "vkDestroyDebugUtilsMessengerEXT");
+    vulkan->set_object_name = (PFN_vkSetDebugUtilsObjectNameEXT)vkGetInstanceProcAddr(
+        vulkan->instance, "vkSetDebugUtilsObjectNameEXT");
+    const VkDebugUtilsMessengerCreateInfoEXT info = messenger_info(vulkan);
+    const VkResult result = create_messenger_ext(vulkan->instance, &info, NULL, &vulkan->messenger);
+    return result == VK_SUCCESS ? NEPH_OK : neph_vulkan_fail(result, "create the messenger", diag);
+}
+
+static enum neph_status create_instance(struct neph_vulkan *vulkan, bool validation,
+                                        struct neph_diag *diag)
+{
+    VkResult result = volkInitialize();
+    if (result != VK_SUCCESS)
+        return unavailable_driver(result, "open the loader libvulkan.so.1", diag);
+    if (vkEnumerateInstanceVersion == NULL)
+        return unavailable_driver(VK_ERROR_INCOMPATIBLE_DRIVER, "Vulkan 1.1 or later", diag);
+    if (validation && !has_validation_layer()) {
+        neph_fail(diag, NEPH_ERR_UNAVAILABLE, "validation is asked for but %s is not installed",
+                  validation_layer);
+        neph_hint(diag, "%s", install_validation);
+        return NEPH_ERR_UNAVAILABLE;
+    }
+
+    const VkValidationFeatureEnableEXT checks[] = {
+        VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT};
+    const VkDebugUtilsMessengerCreateInfoEXT messenger = messenger_info(vulkan);
+    const VkValidationFeaturesEXT features = {
+        .sType = VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT,
+        .pNext = &messenger, /* hears the creation and the destruction of the instance too */
+        .enabledValidationFeatureCount = sizeof(checks) / sizeof(checks[0]),
+        .pEnabledValidationFeatures = checks,
+    };
+    const char *const layers[] = {validation_layer};
+    const char *const extensions[] = {VK_EXT_DEBUG_UTILS_EXTENSION_NAME};
+    const VkApplicationInfo application = {
+        .sType = VK_STRUCTURE_TYPE_APPLICATION_INFO,
+        .pApplicationName = "nephelometer",
+        .apiVersion = api_version,
+    };
+    const VkInstanceCreateInfo info = {
+        .sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO,
+        .pNext = validation ? &features : NULL,
+        .pApplicationInfo = &application,
+        .enabledLayerCount = validation ? 1 : 0,
+        .ppEnabledLayerNames = layers,
+        .enabledExtensionCount = validation ? 1 : 0,
+        .ppEnabledExtensionNames = extensions,
+    };
+    result = vkCreateInstance(&info, NULL, &vulkan->instance);
+    if (result == VK_ERROR_OUT_OF_HOST_MEMORY)
+        return neph_fail_memory(diag);
+    if (result != VK_SUCCESS)
+        return unavailable_driver(result, "create an instance", diag);
+    volkLoadInstanceOnly(vulkan->instance);
+    return validation ? create_messenger(vulkan, diag) : NEPH_OK;
+}
+
+/* --- physical device ---------------------------------------------------------------------- */
+
+#define DEVICES_MAX 16
+
+/* The first queue family that computes; UINT32_MAX when there is none. */
+static uint32_t find_queue_family(VkPhysicalDevice device, uint32_t *timestamp_bits)
+{
+    VkQueueFamilyProperties families[32];
+    uint32_t count = sizeof(families) / sizeof(families[0]);
+    vkGetPhysicalDeviceQueueFamilyProperties(device, &count, families);
+    for (uint32_t i = 0; i < count; i++)
+        if (families[i].queueFlags & VK_QUEUE_COMPUTE_BIT) {
+            *timestamp_bits = families[i].timestampValidBits;
+            return i;
+        }
+    return UINT32_MAX;
+}
+
+static bool is_usable(VkPhysicalDevice device, const VkPhysicalDeviceProperties *properties)
+{
+    uint32_t timestamp_bits;
+    return properties->apiVersion >= api_version &&
+           find_queue_family(device, &timestamp_bits) != UINT32_MAX;
+}
+
+/* A CPU device is preferred: every machine can have it, so results can be compared between them. */
+static bool is_better(const VkPhysicalDeviceProperties *candidate,
+                      const VkPhysicalDeviceProperties *chosen)
+{
+    return candidate->deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU &&
+           chosen->deviceType != VK_PHYSICAL_DEVICE_TYPE_CPU;
+}
+
+static enum neph_status choose_device(struct neph_vulkan *vulkan, const char *wanted,
+                                      struct neph_diag *diag)
+{
+    VkPhysicalDevice devices[DEVICES_MAX];
+    uint32_t count = DEVICES_MAX;
+    const VkResult result = vkEnumeratePhysicalDevices(vulkan->instance, &count, devices);
+    if (result != VK_SUCCESS && result != VK_INCOMPLETE)
+        return unavailable_driver(result, "list the devices", diag);
+
+    VkPhysicalDeviceProperties chosen = {0};
+    char names[600] = "";
+    for (uint32_t i = 0; i < count; i++) {
+        VkPhysicalDeviceProperties candidate;
+        vkGetPhysicalDeviceProperties(devices[i], &candidate);
+        const size_t used = strlen(names);
+        snprintf(names + used, sizeof(names) - used, "%s'%s'", used ? ", " : "",
+                 candidate.deviceName);
+        if (!is_usable(devices[i], &candidate) ||
+            (wanted && !strcasestr(candidate.deviceName, wanted)))
+            continue;
+        if (!vulkan->physical_device || is_better(&candidate, &chosen)) {
+            vulkan->physical_device = devices[i];
+            chosen = candidate;
+        }
+    }
+    if (vulkan->physical_device)
+        return NEPH_OK;
+    if (wanted) {
+        neph_fail(diag, NEPH_ERR_UNAVAILABLE, "no Vulkan 1.2 compute device named like '%s'",
+                  wanted);
+        neph_hint(diag, "the devices are: %s", names[0] ? names : "none");
+    } else {
+        neph_fail(diag, NEPH_ERR_UNAVAILABLE, "no Vulkan 1.2 compute device; there is: %s",
+                  names[0] ? names : "none");
+        neph_hint(diag, "%s", install_driver);
+    }
+    return NEPH_ERR_UNAVAILABLE;
+}
+
+static void describe_device(struct neph_vulkan *vulkan)
+{
+    VkPhysicalDeviceSubgroupProperties subgroup = {
+        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES};
+    VkPhysicalDeviceDriverProperties driver = {
+        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES, .pNext = &subgroup};
+    VkPhysicalDeviceProperties2 properties = {
+        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, .pNext = &driver};
+    vkGetPhysicalDeviceProperties2(vulkan->physical_device, &properties);
+    vkGetPhysicalDeviceMemoryProperties(vulkan->physical_device, &vulkan->memory);
+    vulkan->limits = properties.properties.limits;
+
+    struct neph_vulkan_description *description = &vulkan->description;
+    const uint32_t version = properties.properties.apiVersion;
+    snprintf(description->device, sizeof(description->device), "%s",
+             properties.properties.deviceName);
+    snprintf(description->driver, sizeof(description->driver), "%s %s", driver.driverName,
+             driver.driverInfo);
+    snprintf(description->api_version, sizeof(description->api_version), "%u.%u.%u",
+             VK_API_VERSION_MAJOR(version), VK_API_VERSION_MINOR(version),
+             VK_API_VERSION_PATCH(version));
+    description->subgroup_size = subgroup.subgroupSize;
+    description->is_cpu = properties.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
+}
+
+/* --- device ------------------------------------------------------------------------------- */
+
+static enum neph_status create_device(struct neph_vulkan *vulkan, uint32_t *timestamp_bits,
+                                      struct neph_diag *diag)
+{
+    vulkan->queue_family = find_queue_family(vulkan->physical_device, timestamp_bits);
+    const float priority = 1.0f;
+    const VkDeviceQueueCreateInfo queue = {
+        .sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
+        .queueFamilyIndex = vulkan->queue_family,
+        .queueCount = 1,
+        .pQueuePriorities = &priority,
+    };
+    const VkDeviceCreateInfo info = {
+        .sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
+        .queueCreateInfoCount = 1,
+        .pQueueCreateInfos = &queue,
+    };
+    const VkResult result = vkCreateDevice(vulkan->physical_device, &info, NULL, &vulkan->device);
+    if (result != VK_SUCCESS)
+        return neph_vulkan_fail(result, "create the device", diag);
+    volkLoadDeviceTable(&vulkan->api, vulkan->device);
+    vulkan->api.vkGetDeviceQueue(vulkan->device, vulkan->queue_family, 0, &vulkan->queue);
+    return NEPH_OK;
+}
+
+static enum neph_status create_timestamps(struct neph_vulkan *vulkan, uint32_t timestamp_bits,
+                                          struct neph_diag *diag)
+{
+    if (timestamp_bits == 0)
+        return NEPH_OK;
+    vulkan->timestamp_mask = timestamp_bits >= 64 ? UINT64_MAX : (1ull << timestamp_bits) - 1;
+    vulkan->timestamp_period_s = 1e-9 * (double)vulkan->limits.timestampPeriod;
+    const VkQueryPoolCreateInfo info = {
+        .sType = VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO,
+        .queryType = VK_QUERY_TYPE_TIMESTAMP,
+        .queryCount = 2,
+    };
+    const VkResult result = vulkan->api.vkCreateQueryPool(vulkan->device, &info, NULL,
+                                                          &vulkan->timestamps);
+    if (result != VK_SUCCESS)
+        return neph_vulkan_fail(result, "create the timestamps", diag);
+    neph_vulkan_name(vulkan, VK_OBJECT_TYPE_QUERY_POOL, (uint64_t)vulkan->timestamps, "timestamps");
+    return NEPH_OK;
+}
+
+static enum neph_status create_commands(struct neph_vulkan *vulkan, struct neph_diag *diag)
+{
+    const VkCommandPoolCreateInfo pool = {
+        .sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
+        .flags = VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT,
+        .queueFamilyIndex = vulkan->queue_family,
+    };
+    VkResult result = vulkan->api.vkCreateCommandPool(vulkan->device, &pool, NULL,
+                                                      &vulkan->command_pool);
+    if (result != VK_SUCCESS)
+        return neph_vulkan_fail(result, "create the command pool", diag);
+    const VkCommandBufferAllocateInfo commands = {
+        .sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO,
+        .commandPool = vulkan->command_pool,
+        .level = VK_COMMAND_BUFFER_LEVEL_PRIMARY,
+        .commandBufferCount = 1,
+    };
+    result = vulkan->api.vkAllocateCommandBuffers(vulkan->device, &commands, &vulkan->commands);
+    if (result != VK_SUCCESS)
+        return neph_vulkan_fail(result, "allocate the command buffer", diag);
+    const VkFenceCreateInfo fence = {.sType = VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
+    result = vulkan->api.vkCreateFence(vulkan->device, &fence, NULL, &vulkan->fence);
+    if (result != VK_SUCCESS)
+        return neph_vulkan_fail(result, "create the fence", diag);
+    neph_vulkan_name(vulkan, VK_OBJECT_TYPE_COMMAND_POOL, (uint64_t)vulkan->command_pool,
+                     "commands");
+    neph_vulkan_name(vulkan, VK_OBJECT_TYPE_FENCE, (uint64_t)vulkan->fence, "run is over");
+    return NEPH_OK;
+}
+
+enum neph_status neph_vulkan_create(const struct neph_vulkan_params *params,
+                                    struct neph_vulkan **vulkan, struct neph_diag *diag)
+{
+    const struct neph_vulkan_params defaults = {0};
+    if (!params)
+        params = &defaults;
+    struct neph_vulkan *created = calloc(1, sizeof(*created));
+    if (!created)
+        return neph_fail_memory(diag);
+
+    uint32_t timestamp_bits = 0;
+    enum neph_status status = create_instance(created, params->validation, diag);
+    if (!status)
+        status = choose_device(created, params->device, diag);
+    if (!status) {
+        describe_device(created);
+        status = create_device(created, &timestamp_bits, diag);
+    }
+    if (!status)
+        status = create_timestamps(created, timestamp_bits, diag);
+    if (!status)
+        status = create_commands(created, diag);
+    if (!status)
+        status = neph_vulkan_check(created, diag);
+    if (status) {
+        neph_vulkan_destroy(created);
+        return status;
+    }
+    *vulkan = created;
+    return NEPH_OK;
+}
+
+int neph_vulkan_destroy(struct neph_vulkan *vulkan)
+{
+    if (!vulkan)
+        return 0;
+    if (vulkan->device) {
+        neph_kernels_destroy(vulkan);
+        vulkan->api.vkDestroyFence(vulkan->device, vulkan->fence, NULL);
+        vulkan->api.vkDestroyCommandPool(vulkan->device, vulkan->command_pool, NULL);
+        vulkan->api.vkDestroyQueryPool(vulkan->device, vulkan->timestamps, NULL);
+        vulkan->api.vkDestroyDevice(vulkan->device, NULL);
+    }
+    if (vulkan->messenger)
+        vulkan->destroy_messenger(vulkan->instance, vulkan->messenger, NULL);
+    if (vulkan->instance)
+        vkDestroyInstance(vulkan->instance, NULL);
+    const int message_count = vulkan->message_count;
+    free(vulkan);
+    return message_count;
+}
+
+struct neph_vulkan_description neph_vulkan_describe(const struct neph_vulkan *vulkan)
+{
+    return vulkan->description;
+}
+
+int neph_vulkan_message_count(const struct neph_vulkan *vulkan)
+{
+    return vulkan->message_count;
+}
+
+enum neph_status neph_vulkan_check(const struct neph_vulkan *vulkan, struct neph_diag *diag)
+{
+    if (vulkan->message_count == 0)
+        return NEPH_OK;
+    return neph_fail(diag, NEPH_ERR_INTERNAL, "Vulkan validation, message 1 of %d: %s",
+                     vulkan->message_count, vulkan->first_message);
+}

@@ -1,0 +1,51 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * A Vulkan 1.2 device for compute. Nothing is linked: the loader is opened at run time (volk), so
+ * a machine without Vulkan gets a sentence and an install line instead of a dynamic-linker error.
+ *
+ * Threads: a neph_vulkan is used by one thread at a time; create them one after the other.
+ */
+#ifndef NEPH_RENDERER_VULKAN_H
+#define NEPH_RENDERER_VULKAN_H
+
+#include "base/status.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+struct neph_vulkan;
+
+struct neph_vulkan_params {
+    bool validation;    /* core and synchronization checks; every message is counted */
+    const char *device; /* part of the device name, in any case; NULL: a CPU device (lavapipe) when
+                         * there is one, since every machine can have it, else the first */
+};
+
+/* What the numbers were made on; goes into job keys and reports. */
+struct neph_vulkan_description {
+    char device[256];
+    char driver[640];     /* name, version and build of the driver */
+    char api_version[32]; /* of the device, such as "1.3.230" */
+    uint32_t subgroup_size;
+    bool is_cpu;
+};
+
+/* Open a device with a compute queue. NULL params: all zero. Free with _destroy.
+ * NEPH_ERR_UNAVAILABLE: no loader, no driver, no such device, none with Vulkan 1.2, or validation
+ * is asked for and not installed; the hint is the line that installs what is missing. */
+enum neph_status neph_vulkan_create(const struct neph_vulkan_params *params,
+                                    struct neph_vulkan **vulkan, struct neph_diag *diag);
+
+/* NULL is fine. Returns the validation messages of its whole life, among them those that only the
+ * end can bring: objects never freed. Ignore it unless you are a test. */
+int neph_vulkan_destroy(struct neph_vulkan *vulkan);
+
+struct neph_vulkan_description neph_vulkan_describe(const struct neph_vulkan *vulkan);
+
+/* Validation messages of warning or above so far; 0 without validation. */
+int neph_vulkan_message_count(const struct neph_vulkan *vulkan);
+
+/* NEPH_ERR_INTERNAL with the text of the first validation message, when there was any. */
+enum neph_status neph_vulkan_check(const struct neph_vulkan *vulkan, struct neph_diag *diag);
+
+#endif

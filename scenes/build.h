@@ -1,0 +1,23 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * From the file as it stands to the scene as it is used. Private to scenes/.
+ */
+#ifndef NEPH_SCENES_BUILD_H
+#define NEPH_SCENES_BUILD_H
+
+#include "scenes/schema.h"
+
+/* Apply defaults, convert units, expand fences into their bars. The raw scene has been checked. */
+enum neph_status neph_scene_build(const struct neph_raw_scene *raw, const char *path,
+                                  struct neph_scene **scene, struct neph_diag *diag);
+
+/* How many solids a fence makes: per row its bars and its rails. */
+int neph_fence_solid_count(const struct neph_raw_fence *fence);
+
+/* Fill scene->hash from everything that changes a rendered value. */
+enum neph_status neph_scene_hash(struct neph_scene *scene, struct neph_diag *diag);
+
+/* Position and target at a frame, between the keys. */
+struct neph_camera_key neph_camera_key_at(const struct neph_scene *scene, double frame);
+
+#endif

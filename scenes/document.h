@@ -1,0 +1,51 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * A YAML file as a tree that remembers lines and columns. Private to scenes/.
+ *
+ * libcyaml turns YAML into structs, but the positions it logs are those of the value before an
+ * unknown key or of the last key of a mapping that lacks one. The tree has the exact ones.
+ */
+#ifndef NEPH_SCENES_DOCUMENT_H
+#define NEPH_SCENES_DOCUMENT_H
+
+#include "base/status.h"
+
+#include <stddef.h>
+#include <yaml.h>
+
+struct neph_document {
+    const char *file; /* borrowed; for diagnostics */
+    yaml_document_t yaml;
+};
+
+/* Parse one YAML document. Refuses what a scene has no use for: nothing at all, a second document,
+ * anchors and aliases, tags, keys that are lists, NUL characters, deep nesting. Free with
+ * neph_document_finish(). */
+enum neph_status neph_document_init(struct neph_document *document, const char *file,
+                                    const char *text, size_t size, int depth_max,
+                                    struct neph_diag *diag);
+
+void neph_document_finish(struct neph_document *document);
+
+yaml_node_t *neph_document_root(struct neph_document *document);
+
+/* The node of a path such as "media[0].homogeneous.albedo[2]", or of the part of it that exists. */
+yaml_node_t *neph_document_find(struct neph_document *document, const char *path);
+
+/* The value of a key of a mapping; NULL when it is not there. */
+yaml_node_t *neph_document_value(struct neph_document *document, const yaml_node_t *mapping,
+                                 const char *key, size_t key_size);
+
+/* A scalar's text; always NUL-terminated, holds no NUL. */
+const char *neph_document_text(const yaml_node_t *scalar);
+
+/* Add the position of a node to a diag that holds a message. */
+void neph_document_locate(const struct neph_document *document, const yaml_node_t *node,
+                          struct neph_diag *diag);
+
+/* A short printable copy of a user's text for a message: no control characters, no bidirectional
+ * tricks of a terminal, at most 60 bytes. Returns `buffer`. */
+#define NEPH_QUOTE_SIZE 72
+const char *neph_document_quote(const char *text, char buffer[NEPH_QUOTE_SIZE]);
+
+#endif

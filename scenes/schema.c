@@ -1,0 +1,331 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The two tables of the scene format. Adding a key to the format is one line here for its
+ * structure, one for its range, one in scenes/README.md, and its use in load.c.
+ */
+#include "scenes/schema.h"
+
+#include <stddef.h>
+#include <string.h>
+
+#define COUNT(array) (sizeof(array) / sizeof((array)[0]))
+
+/* Three numbers in place, or behind a pointer when the key may be absent. */
+#define FIELD_VEC3(key, type, member)                                                              \
+    CYAML_FIELD_SEQUENCE_FIXED(key, CYAML_FLAG_DEFAULT, type, member, &number, 3)
+#define FIELD_VEC3_OPTIONAL(key, type, member)                                                     \
+    CYAML_FIELD_SEQUENCE_FIXED(key, CYAML_FLAG_POINTER | CYAML_FLAG_OPTIONAL, type, member,        \
+                               &number, 3)
+#define FIELD_NUMBER(key, type, member) CYAML_FIELD_FLOAT(key, CYAML_FLAG_DEFAULT, type, member)
+#define FIELD_NUMBER_OPTIONAL(key, type, member)                                                   \
+    CYAML_FIELD_FLOAT_PTR(key, CYAML_FLAG_OPTIONAL, type, member)
+#define FIELD_WORD(key, type, member, words)                                                       \
+    CYAML_FIELD_ENUM(key, CYAML_FLAG_STRICT, type, member, words, COUNT(words))
+#define FIELD_WORD_OPTIONAL(key, type, member, words)                                              \
+    CYAML_FIELD_ENUM_PTR(key, CYAML_FLAG_STRICT | CYAML_FLAG_OPTIONAL, type, member, words,        \
+                         COUNT(words))
+#define FIELD_LIST(key, type, member, entry, minimum, maximum)                                     \
+    CYAML_FIELD_SEQUENCE(key, CYAML_FLAG_POINTER | CYAML_FLAG_OPTIONAL, type, member, entry,       \
+                         minimum, maximum)
+
+static const cyaml_strval_t phase_words[] = {
+    {"isotropic", NEPH_PHASE_ISOTROPIC},
+    {"henyey_greenstein", NEPH_PHASE_HENYEY_GREENSTEIN},
+    {"rayleigh", NEPH_PHASE_RAYLEIGH},
+};
+
+static const cyaml_strval_t scattering_words[] = {
+    {"none", NEPH_SCATTERING_NONE},
+    {"single", NEPH_SCATTERING_SINGLE},
+    {"multiple", NEPH_SCATTERING_MULTIPLE},
+};
+
+static const cyaml_strval_t quantity_words[] = {
+    {"radiance", NEPH_QUANTITY_RADIANCE},
+    {"transmittance", NEPH_QUANTITY_TRANSMITTANCE},
+    {"depth", NEPH_QUANTITY_DEPTH},
+};
+
+/* The names of the metrics module; the values are only indices. */
+static const cyaml_strval_t metric_words[] = {
+    {"bias", 0},    {"rel_bias", 1}, {"mae", 2}, {"rmse", 3}, {"rel_rmse", 4}, {"rel_mse", 5},
+    {"max_abs", 6}, {"max_rel", 7},  {"p50", 8}, {"p95", 9},  {"p99", 10},
+};
+
+static const cyaml_strval_t mask_words[] = {
+    {"all", 0}, {"sky", 1}, {"solid", 2}, {"medium", 3}, {"depth_edge", 4},
+};
+
+static const cyaml_schema_value_t number = {CYAML_VALUE_FLOAT(CYAML_FLAG_DEFAULT, double)};
+
+static const cyaml_schema_field_t bounds_fields[] = {
+    FIELD_VEC3("min_m", struct neph_raw_bounds, min_m),
+    FIELD_VEC3("max_m", struct neph_raw_bounds, max_m),
+    CYAML_FIELD_END,
+};
+
+static const cyaml_schema_field_t camera_key_fields[] = {
+    FIELD_NUMBER("frame", struct neph_raw_camera_key, frame),
+    FIELD_VEC3("position_m", struct neph_raw_camera_key, position_m),
+    FIELD_VEC3("look_at_m", struct neph_raw_camera_key, look_at_m),
+    CYAML_FIELD_END,
+};
+
+static const cyaml_schema_value_t camera_key = {
+    CYAML_VALUE_MAPPING(CYAML_FLAG_DEFAULT, struct neph_raw_camera_key, camera_key_fields),
+};
+
+static const cyaml_schema_field_t camera_fields[] = {
+    FIELD_VEC3_OPTIONAL("position_m", struct neph_raw_camera, position_m),
+    FIELD_VEC3_OPTIONAL("look_at_m", struct neph_raw_camera, look_at_m),
+    FIELD_LIST("keys", struct neph_raw_camera, keys, &camera_key, 1, NEPH_SCENE_KEYS_MAX),
+    FIELD_VEC3_OPTIONAL("up", struct neph_raw_camera, up),
+    FIELD_NUMBER("vertical_fov_deg", struct neph_raw_camera, vertical_fov_deg),
+    CYAML_FIELD_END,
+};
+
+static const cyaml_schema_field_t frames_fields[] = {
+    CYAML_FIELD_INT_PTR("count", CYAML_FLAG_OPTIONAL, struct neph_raw_frames, count),
+    FIELD_NUMBER_OPTIONAL("rate_hz", struct neph_raw_frames, rate_hz),
+    CYAML_FIELD_END,
+};
+
+static const cyaml_schema_field_t sun_fields[] = {
+    FIELD_VEC3("direction", struct neph_raw_sun, direction),
+    FIELD_VEC3("irradiance_w_per_m2", struct neph_raw_sun, irradiance_w_per_m2),
+    CYAML_FIELD_END,
+};
+
+static const cyaml_schema_field_t box_fields[] = {
+    FIELD_VEC3("min_m", struct neph_raw_box, min_m),
+    FIELD_VEC3("max_m", struct neph_raw_box, max_m),
+    FIELD_VEC3("albedo", struct neph_raw_box, albedo),
+    CYAML_FIELD_END,
+};
+
+static const cyaml_schema_field_t sphere_fields[] = {
+    FIELD_VEC3("center_m", struct neph_raw_sphere, center_m),
+    FIELD_NUMBER("radius_m", struct neph_raw_sphere, radius_m),
+    FIELD_VEC3("albedo", struct neph_raw_sphere, albedo),
+    CYAML_FIELD_END,
+};
+
+static const cyaml_schema_field_t rails_fields[] = {
+    CYAML_FIELD_SEQUENCE("heights_m", CYAML_FLAG_POINTER, struct neph_raw_rails, heights_m, &number,
+                         1, 16),
+    FIELD_NUMBER("width_m", struct neph_raw_rails, width_m),
+    FIELD_NUMBER("depth_m", struct neph_raw_rails, depth_m),
+    CYAML_FIELD_END,
+};
+
+static const cyaml_schema_field_t fence_fields[] = {
+    FIELD_VEC3("origin_m", struct neph_raw_fence, origin_m),
+    CYAML_FIELD_INT("bars", CYAML_FLAG_DEFAULT, struct neph_raw_fence, bars),
+    FIELD_NUMBER("pitch_m", struct neph_raw_fence, pitch_m),
+    FIELD_NUMBER("bar_width_m", struct neph_raw_fence, bar_width_m),
+    FIELD_NUMBER("bar_depth_m", struct neph_raw_fence, bar_depth_m),
+    FIELD_NUMBER("height_m", struct neph_raw_fence, height_m),
+    CYAML_FIELD_INT_PTR("rows", CYAML_FLAG_OPTIONAL, struct neph_raw_fence, rows),
+    FIELD_NUMBER_OPTIONAL("row_spacing_m", struct neph_raw_fence, row_spacing_m),
+    CYAML_FIELD_MAPPING_PTR("rails", CYAML_FLAG_OPTIONAL, struct neph_raw_fence, rails,
+                            rails_fields),
+    FIELD_VEC3("albedo", struct neph_raw_fence, albedo),
+    CYAML_FIELD_END,
+};
+
+static const cyaml_schema_field_t solid_fields[] = {
+    CYAML_FIELD_MAPPING_PTR("box", CYAML_FLAG_OPTIONAL, struct neph_raw_solid, box, box_fields),
+    CYAML_FIELD_MAPPING_PTR("sphere", CYAML_FLAG_OPTIONAL, struct neph_raw_solid, sphere,
+                            sphere_fields),
+    CYAML_FIELD_MAPPING_PTR("fence", CYAML_FLAG_OPTIONAL, struct neph_raw_solid, fence,
+                            fence_fields),
+    CYAML_FIELD_END,
+};
+
+static const cyaml_schema_value_t solid = {
+    CYAML_VALUE_MAPPING(CYAML_FLAG_DEFAULT, struct neph_raw_solid, solid_fields),
+};
+
+static const cyaml_schema_field_t homogeneous_fields[] = {
+    FIELD_NUMBER("extinction_per_m", struct neph_raw_homogeneous, extinction_per_m),
+    FIELD_VEC3("albedo", struct neph_raw_homogeneous, albedo),
+    FIELD_WORD_OPTIONAL("phase", struct neph_raw_homogeneous, phase, phase_words),
+    FIELD_NUMBER_OPTIONAL("asymmetry_g", struct neph_raw_homogeneous, asymmetry_g),
+    CYAML_FIELD_MAPPING("bounds", CYAML_FLAG_DEFAULT, struct neph_raw_homogeneous, bounds,
+                        bounds_fields),
+    CYAML_FIELD_END,
+};
+
+static const cyaml_schema_field_t layer_fields[] = {
+    FIELD_NUMBER("extinction_per_m", struct neph_fog_layer, extinction_per_m),
+    FIELD_NUMBER("falloff_per_m", struct neph_fog_layer, falloff_per_m),
+    FIELD_NUMBER("height_m", struct neph_fog_layer, height_m),
+    CYAML_FIELD_END,
+};
+
+static const cyaml_schema_value_t layer = {
+    CYAML_VALUE_MAPPING(CYAML_FLAG_DEFAULT, struct neph_fog_layer, layer_fields),
+};
+
+static const cyaml_schema_field_t unreal_layer_fields[] = {
+    FIELD_NUMBER("fog_density", struct neph_raw_unreal_layer, fog_density),
+    FIELD_NUMBER("fog_height_falloff", struct neph_raw_unreal_layer, fog_height_falloff),
+    FIELD_NUMBER("fog_height_m", struct neph_raw_unreal_layer, fog_height_m),
+    CYAML_FIELD_END,
+};
+
+static const cyaml_schema_value_t unreal_layer = {
+    CYAML_VALUE_MAPPING(CYAML_FLAG_DEFAULT, struct neph_raw_unreal_layer, unreal_layer_fields),
+};
+
+static const cyaml_schema_field_t height_fog_fields[] = {
+    FIELD_LIST("layers", struct neph_raw_height_fog, layers, &layer, 1, NEPH_FOG_LAYERS_MAX),
+    FIELD_LIST("unreal_layers", struct neph_raw_height_fog, unreal_layers, &unreal_layer, 1,
+               NEPH_FOG_LAYERS_MAX),
+    FIELD_VEC3("albedo", struct neph_raw_height_fog, albedo),
+    FIELD_WORD_OPTIONAL("phase", struct neph_raw_height_fog, phase, phase_words),
+    FIELD_NUMBER_OPTIONAL("asymmetry_g", struct neph_raw_height_fog, asymmetry_g),
+    CYAML_FIELD_MAPPING_PTR("bounds", CYAML_FLAG_OPTIONAL, struct neph_raw_height_fog, bounds,
+                            bounds_fields),
+    CYAML_FIELD_END,
+};
+
+static const cyaml_schema_field_t medium_fields[] = {
+    CYAML_FIELD_MAPPING_PTR("homogeneous", CYAML_FLAG_OPTIONAL, struct neph_raw_medium, homogeneous,
+                            homogeneous_fields),
+    CYAML_FIELD_MAPPING_PTR("height_fog", CYAML_FLAG_OPTIONAL, struct neph_raw_medium, height_fog,
+                            height_fog_fields),
+    CYAML_FIELD_END,
+};
+
+static const cyaml_schema_value_t medium = {
+    CYAML_VALUE_MAPPING(CYAML_FLAG_DEFAULT, struct neph_raw_medium, medium_fields),
+};
+
+static const cyaml_schema_field_t display_fields[] = {
+    FIELD_NUMBER("exposure_ev", struct neph_raw_display, exposure_ev),
+    CYAML_FIELD_END,
+};
+
+static const cyaml_schema_field_t gate_fields[] = {
+    CYAML_FIELD_STRING_PTR("engine", CYAML_FLAG_DEFAULT, struct neph_raw_gate, engine, 1, 64),
+    FIELD_WORD("quantity", struct neph_raw_gate, quantity, quantity_words),
+    FIELD_WORD("metric", struct neph_raw_gate, metric, metric_words),
+    FIELD_WORD_OPTIONAL("mask", struct neph_raw_gate, mask, mask_words),
+    FIELD_NUMBER("maximum", struct neph_raw_gate, maximum),
+    CYAML_FIELD_STRING_PTR("reason", CYAML_FLAG_DEFAULT, struct neph_raw_gate, reason, 1, 1000),
+    CYAML_FIELD_END,
+};
+
+static const cyaml_schema_value_t gate = {
+    CYAML_VALUE_MAPPING(CYAML_FLAG_DEFAULT, struct neph_raw_gate, gate_fields),
+};
+
+static const cyaml_schema_field_t scene_fields[] = {
+    CYAML_FIELD_STRING_PTR("name", CYAML_FLAG_DEFAULT, struct neph_raw_scene, name, 1, 64),
+    CYAML_FIELD_STRING_PTR("title", CYAML_FLAG_DEFAULT, struct neph_raw_scene, title, 1,
+                           NEPH_SCENE_TITLE_MAX),
+    CYAML_FIELD_STRING_PTR("physics", CYAML_FLAG_DEFAULT, struct neph_raw_scene, physics, 1, 4000),
+    CYAML_FIELD_MAPPING("camera", CYAML_FLAG_DEFAULT, struct neph_raw_scene, camera, camera_fields),
+    CYAML_FIELD_MAPPING_PTR("frames", CYAML_FLAG_OPTIONAL, struct neph_raw_scene, frames,
+                            frames_fields),
+    CYAML_FIELD_MAPPING_PTR("sun", CYAML_FLAG_OPTIONAL, struct neph_raw_scene, sun, sun_fields),
+    FIELD_VEC3_OPTIONAL("background_w_per_m2_sr", struct neph_raw_scene, background_w_per_m2_sr),
+    CYAML_FIELD_BOOL("environment_light", CYAML_FLAG_OPTIONAL, struct neph_raw_scene,
+                     environment_light),
+    FIELD_WORD("scattering", struct neph_raw_scene, scattering, scattering_words),
+    FIELD_LIST("solids", struct neph_raw_scene, solids, &solid, 0, NEPH_SCENE_SOLIDS_MAX),
+    FIELD_LIST("media", struct neph_raw_scene, media, &medium, 0, NEPH_SCENE_MEDIA_MAX),
+    CYAML_FIELD_MAPPING_PTR("display", CYAML_FLAG_OPTIONAL, struct neph_raw_scene, display,
+                            display_fields),
+    FIELD_LIST("gates", struct neph_raw_scene, gates, &gate, 0, NEPH_SCENE_GATES_MAX),
+    CYAML_FIELD_END,
+};
+
+static const cyaml_schema_value_t scene = {
+    CYAML_VALUE_MAPPING(CYAML_FLAG_POINTER, struct neph_raw_scene, scene_fields),
+};
+
+/* 1e6 m: beyond it float32 renderers resolve 6 cm and less, so no engine could be compared. */
+#define FAR_M 1e6
+#define BRIGHT 1e9 /* one float32 pixel still holds the sum of 1e29 of them */
+
+static const char albedo_note[] = "an albedo above 1 would make light out of nothing";
+static const char g_note[] = "beyond 0.999 the phase function is a spike that Cycles clamps";
+
+static const struct neph_field fields[] = {
+    {"camera.position_m[]", "m", -FAR_M, FAR_M, NULL},
+    {"camera.look_at_m[]", "m", -FAR_M, FAR_M, NULL},
+    {"camera.keys[].frame", "", 0, 1e5, NULL},
+    {"camera.keys[].position_m[]", "m", -FAR_M, FAR_M, NULL},
+    {"camera.keys[].look_at_m[]", "m", -FAR_M, FAR_M, NULL},
+    {"camera.up[]", "", -FAR_M, FAR_M, NULL},
+    {"camera.vertical_fov_deg", "degrees", 0.1, 170, NULL},
+    {"frames.count", "", 1, 10000, NULL},
+    {"frames.rate_hz", "Hz", 0.001, 1000, NULL},
+    {"sun.direction[]", "", -FAR_M, FAR_M, NULL},
+    {"sun.irradiance_w_per_m2[]", "W/m2", 0, BRIGHT, NULL},
+    {"background_w_per_m2_sr[]", "W/m2/sr", 0, BRIGHT, NULL},
+    {"solids[].box.min_m[]", "m", -FAR_M, FAR_M, NULL},
+    {"solids[].box.max_m[]", "m", -FAR_M, FAR_M, NULL},
+    {"solids[].box.albedo[]", "", 0, 1, albedo_note},
+    {"solids[].sphere.center_m[]", "m", -FAR_M, FAR_M, NULL},
+    {"solids[].sphere.radius_m", "m", 1e-4, FAR_M, NULL},
+    {"solids[].sphere.albedo[]", "", 0, 1, albedo_note},
+    {"solids[].fence.origin_m[]", "m", -FAR_M, FAR_M, NULL},
+    {"solids[].fence.bars", "", 1, NEPH_SCENE_SOLIDS_MAX, NULL},
+    {"solids[].fence.pitch_m", "m", 1e-3, 1e3, NULL},
+    {"solids[].fence.bar_width_m", "m", 1e-4, 1e3, NULL},
+    {"solids[].fence.bar_depth_m", "m", 1e-4, 1e3, NULL},
+    {"solids[].fence.height_m", "m", 1e-3, 1e4, NULL},
+    {"solids[].fence.rows", "", 1, NEPH_SCENE_SOLIDS_MAX, NULL},
+    {"solids[].fence.row_spacing_m", "m", 1e-3, 1e4, NULL},
+    {"solids[].fence.rails.heights_m[]", "m", 0, 1e4, NULL},
+    {"solids[].fence.rails.width_m", "m", 1e-4, 1e3, NULL},
+    {"solids[].fence.rails.depth_m", "m", 1e-4, 1e3, NULL},
+    {"solids[].fence.albedo[]", "", 0, 1, albedo_note},
+    {"media[].homogeneous.extinction_per_m", "1/m", 0, 1e4, NULL},
+    {"media[].homogeneous.albedo[]", "", 0, 1, albedo_note},
+    {"media[].homogeneous.asymmetry_g", "", -0.999, 0.999, g_note},
+    {"media[].homogeneous.bounds", "", 0, 0,
+     "a homogeneous medium needs finite bounds: without them the sun, which is infinitely far "
+     "away, would never arrive"},
+    {"media[].homogeneous.bounds.min_m[]", "m", -FAR_M, FAR_M, NULL},
+    {"media[].homogeneous.bounds.max_m[]", "m", -FAR_M, FAR_M, NULL},
+    {"media[].height_fog.layers[].extinction_per_m", "1/m", 0, 1e4, NULL},
+    {"media[].height_fog.layers[].falloff_per_m", "1/m", 0, 10,
+     "a fog that grows denser with height is not modelled"},
+    {"media[].height_fog.layers[].height_m", "m", -1e5, 1e5, NULL},
+    {"media[].height_fog.unreal_layers[].fog_density", "(Unreal's UI value)", 0, 10, NULL},
+    {"media[].height_fog.unreal_layers[].fog_height_falloff", "(Unreal's UI value)", 0, 10, NULL},
+    {"media[].height_fog.unreal_layers[].fog_height_m", "m", -1e5, 1e5, NULL},
+    {"media[].height_fog.albedo[]", "", 0, 1, albedo_note},
+    {"media[].height_fog.asymmetry_g", "", -0.999, 0.999, g_note},
+    {"media[].height_fog.bounds.min_m[]", "m", -FAR_M, FAR_M, NULL},
+    {"media[].height_fog.bounds.max_m[]", "m", -FAR_M, FAR_M, NULL},
+    {"display.exposure_ev", "EV", -40, 40, NULL},
+    {"gates[].maximum", "", 0, BRIGHT, NULL},
+};
+
+const cyaml_schema_value_t *neph_schema_root(void)
+{
+    return &scene;
+}
+
+const char *neph_schema_metric_name(int metric)
+{
+    return metric_words[metric].str;
+}
+
+const char *neph_schema_mask_name(int mask)
+{
+    return mask_words[mask].str;
+}
+
+const struct neph_field *neph_schema_field(const char *pattern)
+{
+    for (size_t i = 0; i < COUNT(fields); i++)
+        if (!strcmp(fields[i].pattern, pattern))
+            return &fields[i];
+    return NULL;
+}

@@ -1,0 +1,402 @@
+# SPDX-License-Identifier: MIT
+"""The Blender side of the cycles engine: read a JSON spec, build a Blender scene per pass, render.
+
+Run inside an empty folder as
+    blender -b --factory-startup --python-exit-code 7 --python blender_render.py -- spec.json
+It writes <pass>.exr for every pass of the spec and timing.json. With a second argument
+`--save NAME.blend` it saves the scenes for a person to open and renders nothing.
+
+The spec comes from harness/engines/cycles.c. It is data: its strings are compared with the words
+known here and are never executed, imported or used as a path.
+
+Laws of Cycles 3.4 that this file relies on, all measured (tests/harness/test_cycles.c):
+- World (x, y, z) is Blender's (x, -z, y).
+- A closure whose weight is below 1e-5 per Blender unit is dropped: thin air would not scatter. So
+  a unit is not a metre but `unit_m`, chosen by cycles.c to make the numbers large; the origin is
+  at `origin_m`, the camera, where single precision is finest. Radiances do not change with either.
+- VolumeScatter(color c, density s) has sigma_s = c s and no absorption; VolumeAbsorption(c, s) has
+  sigma_a = (1 - c) s. With c = albedo and s = sigma_t their sum is the medium.
+- A sun of angle 0 and energy E gives the irradiance E across its direction.
+- A ray through a heterogeneous volume takes steps of 0.1 * mean edge of the bounding box *
+  step rate of the scene * step rate of the material. A ray that would need more than
+  volume_max_steps takes longer ones, and loses half a step at its end.
+- A ray that scatters at sample 0 writes no depth, so depth has a pass of its own without media.
+- volume_bounces = N allows N + 1 scattering events.
+"""
+
+import functools
+import json
+import math
+import os
+import sys
+import time
+
+import bpy
+from mathutils import Matrix, Vector
+
+FORMAT = 1  # of the spec; raised together with cycles.c
+
+ALL_BOUNCES = 1024  # the furnace reads 1.00000 with it, 0.967 with Cycles' default of 12
+CLIP_START = 1e-6  # Blender units; what is nearer is clipped, media included
+CLIP_END = 1e9
+STEP_RATE_MIN, STEP_RATE_MAX = 0.001, 1000.0  # of a material
+STEPS_MAX = 65536  # the largest that Blender takes
+
+# Only what makes the image physical and reproducible; the reason for each is its bad default.
+CYCLES_SETTINGS = {
+    "device": "CPU",
+    "use_adaptive_sampling": False,
+    "use_denoising": False,
+    "use_animated_seed": False,
+    "sample_clamp_direct": 0.0,
+    "sample_clamp_indirect": 0.0,
+    "light_sampling_threshold": 0.0,
+    "blur_glossy": 0.0,
+    "caustics_reflective": False,
+    "caustics_refractive": False,
+    "film_exposure": 1.0,
+    "volume_max_steps": STEPS_MAX,
+    # The narrowest filter there is. Sample 0 lies exactly in the pixel centre, the others within
+    # 0.005 px of it, but for 0.13 % that an off-by-one in Cycles' table throws up to 0.48 px off.
+    "pixel_filter_type": "BLACKMAN_HARRIS",
+    "filter_width": 0.01,
+    "max_bounces": ALL_BOUNCES,
+    "glossy_bounces": 0,
+    "transmission_bounces": 0,
+    "transparent_max_bounces": ALL_BOUNCES,
+    "min_light_bounces": ALL_BOUNCES,  # no Russian roulette before
+    "min_transparent_bounces": ALL_BOUNCES,
+}
+
+
+def axes_to_blender(v) -> Vector:
+    """World axes to Blender's."""
+    return Vector((v[0], -v[2], v[1]))
+
+
+class Units:
+    """Metres to Blender units; the differences are taken in double precision."""
+
+    def __init__(self, spec: dict):
+        self.unit_m, self.origin_m = spec["unit_m"], spec["origin_m"]
+
+    def point(self, p_m) -> Vector:
+        return axes_to_blender([(a - b) / self.unit_m for a, b in zip(p_m, self.origin_m)])
+
+    def length(self, length_m: float) -> float:
+        return length_m / self.unit_m
+
+    def per_length(self, value_per_m: float) -> float:
+        return value_per_m * self.unit_m
+
+
+def split_color(rgb) -> tuple[float, tuple[float, float, float]]:
+    """A colour as its largest channel times a colour within 0..1."""
+    largest = max(rgb)
+    if largest <= 0.0:
+        return 0.0, (0.0, 0.0, 0.0)
+    return largest, tuple(channel / largest for channel in rgb)
+
+
+# -- Shaders ---------------------------------------------------------------------------------------
+
+
+class Nodes:
+    """The node tree of a new material or world, and the few ways we wire it."""
+
+    def __init__(self, owner):
+        owner.use_nodes = True
+        self.tree = owner.node_tree
+        self.tree.nodes.clear()
+
+    def add(self, kind: str, **inputs):
+        node = self.tree.nodes.new(kind)
+        for name, value in inputs.items():
+            self.set(node, name, value)
+        return node
+
+    def set(self, node, name: str, value) -> None:
+        """Link an output socket, or set a number or a colour."""
+        socket = node.inputs[name]
+        if isinstance(value, bpy.types.NodeSocket):
+            self.tree.links.new(value, socket)
+        elif isinstance(value, (tuple, list)):
+            socket.default_value = (*value, 1.0)
+        else:
+            socket.default_value = value
+
+    def math(self, operation: str, a, b=None):
+        node = self.tree.nodes.new("ShaderNodeMath")
+        node.operation = operation
+        for socket, value in zip(node.inputs, (a, b)):
+            if isinstance(value, bpy.types.NodeSocket):
+                self.tree.links.new(value, socket)
+            elif value is not None:
+                socket.default_value = value
+        return node.outputs[0]
+
+
+def fog_density(nodes: Nodes, medium: dict, units: Units):
+    """Extinction per unit: a number, or the socket of sum_i bottom_i exp(-falloff_i (y - bottom)).
+
+    The reference height is the bottom of the container, so that every exponential lies in 0..1.
+    """
+    layers = medium["layers"]
+    if all(layer["falloff_per_m"] == 0.0 for layer in layers):
+        return units.per_length(sum(layer["bottom_per_m"] for layer in layers))
+    position = nodes.add("ShaderNodeNewGeometry").outputs["Position"]
+    height = nodes.add("ShaderNodeSeparateXYZ", Vector=position).outputs["Z"]
+    above = nodes.math("SUBTRACT", height, units.point(medium["min_m"]).z)
+    total = None
+    for layer in layers:
+        exponent = nodes.math("MULTIPLY", above, -units.per_length(layer["falloff_per_m"]))
+        bottom = units.per_length(layer["bottom_per_m"])
+        density = nodes.math("MULTIPLY", nodes.math("EXPONENT", exponent), bottom)
+        total = density if total is None else nodes.math("ADD", total, density)
+    return total
+
+
+def medium_material(medium: dict, scatters: bool, units: Units):
+    material = bpy.data.materials.new("medium")
+    nodes = Nodes(material)
+    density = fog_density(nodes, medium, units)
+    albedo = medium["albedo"] if scatters else (0.0, 0.0, 0.0)
+    shader = nodes.add("ShaderNodeVolumeAbsorption", Color=albedo, Density=density).outputs[0]
+    if max(albedo) > 0.0:
+        scatter = nodes.add(
+            "ShaderNodeVolumeScatter", Color=albedo, Density=density, Anisotropy=medium["g"]
+        )
+        both = nodes.add("ShaderNodeAddShader")
+        nodes.tree.links.new(shader, both.inputs[0])
+        nodes.tree.links.new(scatter.outputs[0], both.inputs[1])
+        shader = both.outputs[0]
+    output = nodes.add("ShaderNodeOutputMaterial")
+    nodes.tree.links.new(shader, output.inputs["Volume"])
+    return material
+
+
+def set_step(material, medium: dict, step_m: float) -> None:
+    edges_m = [b - a for a, b in zip(medium["min_m"], medium["max_m"])]
+    material.cycles.volume_step_rate = 1.0
+    material["cycles"]["volume_step_rate"] = step_m / (0.1 * sum(edges_m) / 3.0)
+
+
+@functools.cache
+def solid_material(albedo: tuple, is_light: bool):
+    """Lambertian; or, in the transmittance pass, glowing with radiance 1."""
+    material = bpy.data.materials.new("solid")
+    nodes = Nodes(material)
+    if is_light:
+        shader = nodes.add("ShaderNodeEmission", Color=(1.0, 1.0, 1.0), Strength=1.0)
+        material.cycles.sample_as_light = False
+    else:
+        shader = nodes.add("ShaderNodeBsdfDiffuse", Color=albedo, Roughness=0.0)
+    output = nodes.add("ShaderNodeOutputMaterial")
+    nodes.tree.links.new(shader.outputs[0], output.inputs["Surface"])
+    return material
+
+
+def make_world(scene, radiance_rgb, lights_scene: bool) -> None:
+    world = bpy.data.worlds.new("world")
+    scene.world = world
+    nodes = Nodes(world)
+    strength, color = split_color(radiance_rgb)
+    background = nodes.add("ShaderNodeBackground", Color=color, Strength=strength)
+    output = nodes.add("ShaderNodeOutputWorld")
+    nodes.tree.links.new(background.outputs[0], output.inputs["Surface"])
+    for kind in ("diffuse", "glossy", "transmission", "scatter"):
+        setattr(world.cycles_visibility, kind, lights_scene)
+    if not lights_scene:
+        world.cycles.sampling_method = "NONE"
+
+
+# -- Objects ---------------------------------------------------------------------------------------
+
+
+def add_object(scene, name: str, data):
+    thing = bpy.data.objects.new(name, data)
+    scene.collection.objects.link(thing)
+    return thing
+
+
+def box_mesh(lo_m, hi_m, material, units: Units):
+    a, b = units.point(lo_m), units.point(hi_m)
+    x, y, z = (sorted(pair) for pair in zip(a, b))
+    corners = [(p, q, r) for r in z for q in y for p in x]
+    faces = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
+    mesh = bpy.data.meshes.new("box")
+    mesh.from_pydata(corners, [], faces)
+    mesh.materials.append(material)
+    return mesh
+
+
+@functools.cache
+def sphere_mesh(segments: int, albedo: tuple, is_light: bool):
+    """A UV sphere of radius 1 with smooth normals: `segments` meridians, half as many rings.
+    Spheres that look alike share it, so that Cycles keeps it in memory once."""
+    rings = segments // 2
+    vertices = [(0.0, 0.0, 1.0)]
+    for i in range(1, rings):
+        theta = math.pi * i / rings
+        for j in range(segments):
+            phi = 2.0 * math.pi * j / segments
+            flat = math.sin(theta)
+            vertices.append((flat * math.cos(phi), flat * math.sin(phi), math.cos(theta)))
+    vertices.append((0.0, 0.0, -1.0))
+    last = len(vertices) - 1
+    faces = []
+    for j in range(segments):
+        k = (j + 1) % segments
+        faces.append((0, 1 + j, 1 + k))
+        for i in range(rings - 2):
+            row, below = 1 + i * segments, 1 + (i + 1) * segments
+            faces.append((row + j, below + j, below + k, row + k))
+        row = 1 + (rings - 2) * segments
+        faces.append((row + j, last, row + k))
+    mesh = bpy.data.meshes.new("sphere")
+    mesh.from_pydata(vertices, [], faces)
+    mesh.polygons.foreach_set("use_smooth", [True] * len(mesh.polygons))
+    mesh.materials.append(solid_material(albedo, is_light))
+    return mesh
+
+
+def add_solid(scene, solid: dict, is_light: bool, units: Units) -> None:
+    albedo = tuple(solid["albedo"])
+    if solid["kind"] == "box":
+        material = solid_material(albedo, is_light)
+        add_object(scene, "box", box_mesh(solid["min_m"], solid["max_m"], material, units))
+    elif solid["kind"] == "sphere":
+        thing = add_object(scene, "sphere", sphere_mesh(solid["segments"], albedo, is_light))
+        thing.location = units.point(solid["center_m"])
+        thing.scale = [units.length(solid["radius_m"])] * 3
+    else:
+        raise ValueError("unknown kind of solid")
+
+
+def add_medium(scene, medium: dict, render_pass: dict, scatters: bool, units: Units) -> None:
+    material = medium_material(medium, scatters, units)
+    add_object(scene, "medium", box_mesh(medium["min_m"], medium["max_m"], material, units))
+    if medium["scale_height_m"] is not None:
+        step_m = medium["scale_height_m"] * render_pass["step"]
+        set_step(material, medium, step_m)
+
+
+def add_sun(scene, sun: dict) -> None:
+    light = bpy.data.lights.new("sun", "SUN")
+    light.energy, light.color = split_color(sun["irradiance_w_per_m2"])
+    light.angle = 0.0
+    light.cycles.max_bounces = ALL_BOUNCES
+    thing = add_object(scene, "sun", light)
+    thing.rotation_mode = "QUATERNION"
+    thing.rotation_quaternion = axes_to_blender(sun["direction"]).to_track_quat("Z", "Y")
+
+
+def add_camera(scene, camera: dict, units: Units) -> None:
+    data = bpy.data.cameras.new("camera")
+    data.sensor_fit = "VERTICAL"
+    data.sensor_height = 24.0
+    data.lens = 12.0 / math.tan(camera["vertical_fov_rad"] / 2.0)
+    data.clip_start, data.clip_end = CLIP_START, CLIP_END
+    thing = add_object(scene, "camera", data)
+    right, up, forward = (axes_to_blender(camera[k]) for k in ("right", "up", "forward"))
+    columns = (right, up, -forward, units.point(camera["position_m"]))
+    matrix = Matrix.Identity(4)
+    for j, column in enumerate(columns):
+        for i in range(3):
+            matrix[i][j] = column[i]
+    thing.matrix_world = matrix
+    scene.camera = thing
+
+
+# -- Scenes ----------------------------------------------------------------------------------------
+
+
+def set_cycles(scene, spec: dict, render_pass: dict) -> None:
+    scene.render.engine = "CYCLES"
+    for name, value in CYCLES_SETTINGS.items():
+        setattr(scene.cycles, name, value)
+    multiple = spec["scattering"] == "multiple" and render_pass["kind"] == "radiance"
+    scene.cycles.diffuse_bounces = ALL_BOUNCES if multiple else 0
+    scene.cycles.volume_bounces = ALL_BOUNCES if multiple else 0
+    scene.cycles.samples = render_pass["samples"]
+    scene.cycles.seed = render_pass["seed"]
+    scene.cycles.volume_step_rate = 1.0
+
+
+def set_output(scene, spec: dict, path: str) -> None:
+    render = scene.render
+    render.resolution_x, render.resolution_y = spec["width_px"], spec["height_px"]
+    render.resolution_percentage = 100
+    render.pixel_aspect_x = render.pixel_aspect_y = 1.0
+    render.film_transparent = False
+    render.dither_intensity = 0.0
+    render.use_compositing = render.use_sequencer = False
+    render.threads_mode = "FIXED"
+    render.threads = spec["threads"]
+    render.image_settings.file_format = "OPEN_EXR_MULTILAYER"
+    render.image_settings.color_depth = "32"
+    render.image_settings.exr_codec = "ZIP"
+    render.use_file_extension = True
+    render.filepath = path
+    scene.view_settings.view_transform = "Raw"
+
+
+def set_layers(scene) -> None:
+    layer = scene.view_layers[0]
+    layer.name = "pass"
+    layer.use_pass_combined = layer.use_pass_z = True
+    layer.cycles.use_pass_volume_direct = layer.cycles.use_pass_volume_indirect = True
+
+
+def build(spec: dict, render_pass: dict):
+    """One Blender scene: "radiance" as it is; "transmittance" of black media before a world and
+    solids of radiance 1, whose image is exp(-optical depth); "depth" of the solids alone."""
+    kind = render_pass["kind"]
+    if kind not in ("radiance", "transmittance", "depth"):
+        raise ValueError("unknown kind of pass")
+    scene = bpy.data.scenes.new(kind)
+    units = Units(spec)
+    set_cycles(scene, spec, render_pass)
+    set_layers(scene)
+    set_output(scene, spec, os.path.join("//" if "--save" in sys.argv else os.getcwd(), kind))
+    add_camera(scene, spec["camera"], units)
+    if kind == "radiance":
+        make_world(scene, spec["background_w_per_m2_sr"], spec["environment_light"])
+        if spec["sun"] is not None:
+            add_sun(scene, spec["sun"])
+    else:
+        make_world(scene, (1.0, 1.0, 1.0), False)
+    for solid in spec["solids"]:
+        add_solid(scene, solid, kind != "radiance", units)
+    scatters = kind == "radiance" and spec["scattering"] != "none"
+    for medium in spec["media"] if kind != "depth" else []:
+        add_medium(scene, medium, render_pass, scatters, units)
+    return scene
+
+
+def render(scene) -> float:
+    """Render to the scene's file; seconds of wall time."""
+    start = time.perf_counter()
+    bpy.ops.render.render(scene=scene.name, write_still=True)
+    return time.perf_counter() - start
+
+
+def main(arguments: list[str]) -> None:
+    with open(arguments[0], encoding="utf-8") as file:
+        spec = json.load(file)
+    if spec["format"] != FORMAT:
+        raise ValueError(f"spec of format {spec['format']}, this script reads {FORMAT}")
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    empty = bpy.context.scene
+    scenes = [build(spec, render_pass) for render_pass in spec["passes"]]
+    if arguments[1:2] == ["--save"]:
+        bpy.context.window.scene = scenes[0]
+        bpy.data.scenes.remove(empty)
+        bpy.ops.wm.save_as_mainfile(filepath=os.path.abspath(arguments[2]))
+        return
+    seconds = {scene.name: render(scene) for scene in scenes}
+    with open("timing.json", "w", encoding="utf-8") as file:
+        json.dump(seconds, file)
+
+
+main(sys.argv[sys.argv.index("--") + 1 :])

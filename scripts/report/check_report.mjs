@@ -1,0 +1,453 @@
+// SPDX-License-Identifier: MIT
+//
+// node check_report.mjs [--quick] [--screenshots DIR] REPORT_DIR
+//
+// Opens a finished report from disk in headless Chromium and holds the page against data.json:
+// every number shown is the number in the data, every number and every reason in the data is
+// shown, every picture is there, strings stayed text, nothing was asked of a network, and the page
+// is readable (contrast, names, no sideways scrolling). --quick looks at one window alone; without
+// it also at a dark, a narrow, a printed page and one without scripts.
+// Exit status: 0 the report holds, 1 it does not (findings on stdout), 2 wrong use.
+// $CHROMIUM names another browser than /usr/bin/chromium.
+import { existsSync, mkdirSync, readFileSync } from "node:fs";
+import { join, resolve } from "node:path";
+import { argv, env, exit, stderr, stdout } from "node:process";
+import { pathToFileURL } from "node:url";
+
+const CHROMIUM = env.CHROMIUM || "/usr/bin/chromium";
+const FLAGS = ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync"];
+const STATUSES = ["rendered", "cannot", "missing", "failed", "timeout", "interrupted"];
+const VERDICTS = ["pass", "fail", "not_measured"];
+const RUNGS = ["exact", "tracer", "witness", "model"];
+const COSTS = ["render_s", "wall_s", "cpu_s", "peak_memory_bytes"];
+const SHOWN_MOST = 40; // findings; one mistake often repeats in every scene
+
+const findings = [];
+const find = (text) => { if (!findings.includes(text)) findings.push(text); };
+
+// ------------------------------------------------------------------------------------------ data
+
+const isNumber = (value) => typeof value === "number" && Number.isFinite(value);
+const isPath = (value) => typeof value === "string" && /^(images|charts)\/[\w.\-/]+$/.test(value) && !value.includes("..");
+
+/** Whether the data have the form that README.md promises, and its files exist. */
+function checkForm(data, folder) {
+  const need = (holds, path, what) => { if (!holds) find(`data.json: ${path} ${what}`); };
+  const text = (object, path, ...keys) => { for (const key of keys) need(typeof object?.[key] === "string", `${path}${key}`, "is not a string"); };
+  const numeric = (object, path, ...keys) => { for (const key of keys) need(object?.[key] === null || isNumber(object?.[key]), `${path}${key}`, "is neither a number nor null"); };
+  const file = (value, path) => {
+    if (value === null) return;
+    need(isPath(value), path, `is not a path inside images/ or charts/: ${value}`);
+    if (isPath(value)) need(existsSync(join(folder, value)), path, `names ${value}, which does not exist`);
+  };
+  const list = (value, path) => { need(Array.isArray(value), path, "is not a list"); return Array.isArray(value) ? value : []; };
+
+  need(data.format === "neph-report-1", "format", "is not neph-report-1");
+  text(data, "", "title", "created_utc", "neph_version");
+  need(["pass", "fail"].includes(data.verdict), "verdict", "is neither pass nor fail");
+  numeric(data, "", "seconds");
+  numeric(data.host, "host/", "cores", "memory_bytes");
+  need(Array.isArray(data.size_px) && data.size_px.length === 2 && data.size_px.every(Number.isInteger), "size_px", "is not [width, height]");
+  const names = new Set();
+  list(data.engines, "engines").forEach((engine, n) => {
+    const path = `engines/${n}/`;
+    text(engine, path, "name", "summary", "version", "device", "missing", "install_line");
+    need(RUNGS.includes(engine.rung), `${path}rung`, `is not a rung: ${engine.rung}`);
+    need(!names.has(engine.name), `${path}name`, `stands twice: ${engine.name}`);
+    names.add(engine.name);
+    need(engine.available || engine.missing !== "", `${path}missing`, "does not say why the engine is not available");
+  });
+  list(data.scenes, "scenes").forEach((scene, s) => {
+    const path = `scenes/${s}/`;
+    text(scene, path, "name", "title", "physics", "hash");
+    numeric(scene, path, "exposure_ev");
+    numeric(scene.difference_scale, `${path}difference_scale/`, "radiance", "transmittance");
+    const seen = new Set();
+    list(scene.frames, `${path}frames`).forEach((frame, f) => {
+      const at = `${path}frames/${f}/`;
+      text(frame, at, "engine", "reason", "settings");
+      need(names.has(frame.engine), `${at}engine`, `is not among the engines: ${frame.engine}`);
+      need(!seen.has(frame.engine), `${at}engine`, `stands twice in its scene: ${frame.engine}`);
+      seen.add(frame.engine);
+      need(STATUSES.includes(frame.status), `${at}status`, `is not a status: ${frame.status}`);
+      need(frame.status === "rendered" || frame.reason !== "", `${at}reason`, `does not say why: ${frame.engine} ${frame.status}`);
+      numeric(frame, at, ...COSTS);
+      file(frame.picture, `${at}picture`);
+      file(frame.difference?.radiance ?? null, `${at}difference/radiance`);
+      file(frame.difference?.transmittance ?? null, `${at}difference/transmittance`);
+      list(frame.measurements, `${at}measurements`).forEach((row, m) => {
+        const here = `${at}measurements/${m}/`;
+        text(row, here, "quantity", "metric", "mask", "unit");
+        numeric(row, here, "value", "pixel_count");
+        need(row.interval === null || (Array.isArray(row.interval) && row.interval.length === 2 && row.interval.every(isNumber)), `${here}interval`, "is neither null nor [low, high]");
+      });
+    });
+    need(scene.truth === null || seen.has(scene.truth?.engine), `${path}truth`, "names no frame of the scene");
+    list(scene.gates, `${path}gates`).forEach((gate, g) => {
+      const at = `${path}gates/${g}/`;
+      text(gate, at, "engine", "quantity", "metric", "mask", "reason");
+      numeric(gate, at, "value", "maximum");
+      need(VERDICTS.includes(gate.verdict), `${at}verdict`, `is not a verdict: ${gate.verdict}`);
+      need((gate.value === null) === (gate.verdict === "not_measured"), `${at}verdict`, `is ${gate.verdict} though the value is ${gate.value}`);
+      need(gate.verdict !== "fail" || data.verdict === "fail", "verdict", `is ${data.verdict} though ${at.slice(0, -1)} fails`);
+    });
+  });
+  list(data.charts, "charts").forEach((chart, c) => {
+    text(chart, `charts/${c}/`, "id", "title", "caption");
+    file(chart.svg, `charts/${c}/svg`);
+    need(chart.svg !== null || typeof chart.missing === "string", `charts/${c}/missing`, "does not say why there is no static chart");
+  });
+}
+
+const isRecord = (value) => typeof value === "object" && value !== null;
+
+/** The first path at which two JSON values differ, or null. */
+function difference(a, b, path = "") {
+  if (!isRecord(a) || !isRecord(b)) return Object.is(a, b) ? null : path || "(the whole)";
+  for (const key of new Set([...Object.keys(a), ...Object.keys(b)])) {
+    const inner = difference(a[key], b[key], path ? `${path}/${key}` : key);
+    if (inner !== null) return inner;
+  }
+  return null;
+}
+
+const lookUp = (data, path) => path.split("/").reduce((node, key) => node?.[key], data);
+
+/** Every number of the data that a reader must be able to find on the page. */
+function numbersToShow(data) {
+  const paths = ["seconds", "host/cores", "host/memory_bytes", "size_px/0", "size_px/1"];
+  (data.scenes ?? []).forEach((scene, s) => {
+    paths.push(`scenes/${s}/exposure_ev`);
+    for (const kind of ["radiance", "transmittance"]) {
+      if (scene.frames.some((frame) => frame.difference?.[kind])) paths.push(`scenes/${s}/difference_scale/${kind}`);
+    }
+    scene.frames.forEach((frame, f) => {
+      for (const key of COSTS) paths.push(`scenes/${s}/frames/${f}/${key}`);
+      frame.measurements.forEach((row, m) => {
+        paths.push(`scenes/${s}/frames/${f}/measurements/${m}/value`);
+        if (row.interval) paths.push(`scenes/${s}/frames/${f}/measurements/${m}/interval/0`, `scenes/${s}/frames/${f}/measurements/${m}/interval/1`);
+      });
+    });
+    scene.gates.forEach((_, g) => paths.push(`scenes/${s}/gates/${g}/value`, `scenes/${s}/gates/${g}/maximum`));
+  });
+  return paths;
+}
+
+/** Every string that must stand on the page, letter for letter. */
+function stringsToShow(data) {
+  const texts = [data.title, data.created_utc, data.neph_version];
+  for (const engine of data.engines) texts.push(engine.name, engine.summary, engine.bias, ...(engine.available ? [engine.version, engine.device] : [engine.missing, engine.install_line]));
+  for (const scene of data.scenes) {
+    texts.push(scene.title, scene.physics, scene.name, scene.truth?.engine);
+    for (const frame of scene.frames) texts.push(frame.reason.replace(/^cannot:\s*/, ""), frame.settings, ...frame.measurements.map((row) => row.unit).filter((unit) => unit !== "1"));
+    for (const gate of scene.gates) texts.push(gate.reason);
+  }
+  for (const chart of data.charts) texts.push(chart.title, chart.caption, chart.svg === null ? chart.missing : "");
+  return [...new Set(texts.filter(Boolean))];
+}
+
+// ------------------------------------------------------------------------------------------ page
+
+/** What a shown number says: its value and half a unit of its last digit. */
+function read(text) {
+  const plain = text.replace(/[\u202f\u00a0]/g, "").replace(/−/g, "-").replace(/^\+/, "");
+  const match = /^-?\d+(?:\.(\d+))?(?:e(-?\d+))?$/.exec(plain);
+  if (!match) return null;
+  return { value: Number(plain), half: 0.5 * 10 ** (Number(match[2] ?? 0) - (match[1] ?? "").length) };
+}
+
+function checkNumbers(data, shown) {
+  for (const { path, value, scale, text } of shown) {
+    const truth = lookUp(data, path);
+    if (truth === null || truth === undefined) {
+      if (value !== "null") find(`${path}: the page shows ${text} where data.json has no number`);
+      continue;
+    }
+    if (Number(value) !== truth) {
+      find(`${path}: the page says ${value}, data.json says ${truth}`);
+      continue;
+    }
+    const said = read(text);
+    const meant = truth * scale;
+    if (!said) find(`${path}: "${text}" is not a number`);
+    // Half a unit of the last digit, and three digits at least (trailing zeros may be left out).
+    else if (Math.abs(said.value - meant) > Math.min(said.half, 0.0051 * Math.abs(meant)) * (1 + 1e-9)) find(`${path}: the page reads ${text}, the value is ${meant}`);
+  }
+  const paths = new Set(shown.map(({ path }) => path));
+  for (const path of numbersToShow(data)) if (!paths.has(path)) find(`${path}: not shown anywhere on the page`);
+}
+
+function checkCounts(data, counted) {
+  const gates = data.scenes.flatMap((scene) => scene.gates);
+  const truth = {
+    gates: gates.length,
+    "gates.fail": gates.filter((gate) => gate.verdict === "fail").length,
+    "gates.not_measured": gates.filter((gate) => gate.verdict === "not_measured").length,
+    "frames.broken": data.scenes.flatMap((scene) => scene.frames).filter((frame) => ["failed", "timeout", "interrupted"].includes(frame.status)).length,
+  };
+  for (const { what, value, text } of counted) {
+    if (truth[what] === undefined) find(`the page counts "${what}", which this check does not know`);
+    else if (Number(value) !== truth[what] || text !== String(truth[what])) find(`the page counts ${text} ${what}, the data have ${truth[what]}`);
+  }
+}
+
+/** Runs in the page: all that the checks need to see of it. */
+function survey() {
+  const all = (selector) => [...document.querySelectorAll(selector)];
+  const attribute = (element, name) => element.getAttribute(name);
+  const visible = (element) => element.checkVisibility({ visibilityProperty: true, opacityProperty: true });
+
+  // Digits in a numeric cell that belong to no number of the data.
+  const stray = [];
+  for (const cell of all("td.num")) {
+    const walker = document.createTreeWalker(cell, NodeFilter.SHOW_TEXT);
+    for (let node = walker.nextNode(); node; node = walker.nextNode()) {
+      if (/\d/.test(node.data) && !node.parentElement.closest("[data-path], [data-derived], .reason, .unit")) stray.push(node.data);
+    }
+  }
+
+  // Contrast after WCAG 2.1, of every element that itself holds visible text.
+  const parse = (colour) => { const c = colour.match(/[\d.]+/g).map(Number); return { r: c[0], g: c[1], b: c[2], a: c[3] ?? 1 }; };
+  const over = (top, bottom) => ({ r: top.r * top.a + bottom.r * (1 - top.a), g: top.g * top.a + bottom.g * (1 - top.a), b: top.b * top.a + bottom.b * (1 - top.a), a: 1 });
+  const linear = (c) => (c / 255 <= 0.04045 ? c / 255 / 12.92 : ((c / 255 + 0.055) / 1.055) ** 2.4);
+  const luminance = ({ r, g, b }) => 0.2126 * linear(r) + 0.7152 * linear(g) + 0.0722 * linear(b);
+  const background = (element) => {
+    const layers = [];
+    for (let e = element; e; e = e.parentElement) {
+      const colour = parse(getComputedStyle(e).backgroundColor);
+      if (colour.a > 0) layers.push(colour);
+      if (colour.a === 1) break;
+    }
+    return layers.reverse().reduce((below, layer) => over(layer, below), { r: 255, g: 255, b: 255, a: 1 });
+  };
+  const faint = new Set();
+  for (const element of all("body *:not(svg, svg *, .hidden, noscript, script)")) {
+    if (![...element.childNodes].some((node) => node.nodeType === 3 && node.data.trim()) || !visible(element)) continue;
+    const style = getComputedStyle(element);
+    const behind = background(element);
+    const [light, dark] = [luminance(over(parse(style.color), behind)), luminance(behind)].sort((a, b) => b - a);
+    const ratio = (light + 0.05) / (dark + 0.05);
+    const size = parseFloat(style.fontSize);
+    const large = size >= 24 || (size >= 18.66 && Number(style.fontWeight) >= 700);
+    if (ratio < (large ? 3 : 4.5)) faint.add(`${element.tagName.toLowerCase()}${element.className ? `.${element.className}` : ""} "${element.textContent.slice(0, 30)}" ${ratio.toFixed(2)}`);
+  }
+
+  const levels = all("h1, h2, h3, h4, h5, h6").map((heading) => Number(heading.tagName[1]));
+  const ids = all("[id]").map((element) => element.id);
+  return {
+    title: document.title,
+    text: document.querySelector("main").textContent,
+    numbers: all("[data-path]").map((e) => ({ path: attribute(e, "data-path"), value: attribute(e, "data-value"), scale: Number(attribute(e, "data-scale") ?? 1), text: e.textContent.trim() })),
+    counted: all("[data-derived]").map((e) => ({ what: attribute(e, "data-derived"), value: attribute(e, "data-value"), text: e.textContent.trim() })),
+    stray,
+    images: all("img").map((e) => ({
+      src: attribute(e, "src"), alt: attribute(e, "alt"), width: e.naturalWidth, height: e.naturalHeight, pixels: e.classList.contains("pixels"),
+      shown: e.getBoundingClientRect().width * devicePixelRatio, rendering: getComputedStyle(e).imageRendering,
+    })),
+    figures: all(".chart-figure").map((e) => ({ state: attribute(e, "data-state"), marks: e.querySelectorAll(".live svg .mark-group path, .live svg .mark-group text").length, note: e.querySelector(".upgrade")?.textContent })),
+    scripts: all("script").map((e) => attribute(e, "src") ?? `inline: ${e.textContent.slice(0, 60)}`),
+    handlers: all("*").filter((e) => e.getAttributeNames().some((name) => name.startsWith("on"))).map((e) => e.outerHTML.slice(0, 120)),
+    unexpected: all("iframe, object, embed, base, form:not(.vega-bindings), main style, main link, main meta").map((e) => e.outerHTML.slice(0, 120)),
+    links: all("a[href]").map((e) => attribute(e, "href")),
+    brokenAnchors: all("a[href^='#']").map((e) => attribute(e, "href").slice(1)).filter((id) => !document.getElementById(id)),
+    repeatedIds: ids.filter((id, n) => ids.indexOf(id) !== n),
+    skippedLevels: levels.filter((level, n) => level > (levels[n - 1] ?? 0) + 1).length,
+    heads: levels.filter((level) => level === 1).length,
+    nameless: all("input, button, [role=region], [role=img]").filter((e) => !attribute(e, "aria-label") && !e.labels?.length && !e.textContent.trim()).length,
+    unscoped: all("main th:not([scope])").filter((e) => !e.closest(".tooltip")).length,
+    faint: [...faint],
+    width: document.documentElement.scrollWidth,
+    window: window.innerWidth,
+    data: window.NEPH_REPORT,
+  };
+}
+
+async function open(browser, folder, where, options) {
+  const context = await browser.newContext({ viewport: { width: 1280, height: 900 }, ...options });
+  await context.setOffline(true);
+  const page = await context.newPage();
+  page.on("console", (message) => { if (["error", "warning"].includes(message.type())) find(`${where}: console ${message.type()}: ${message.text()}`); });
+  page.on("pageerror", (error) => find(`${where}: script error: ${error.message}`));
+  page.on("dialog", (dialog) => { find(`${where}: a dialog opened: ${dialog.message()}`); dialog.dismiss(); });
+  page.on("popup", () => find(`${where}: a window opened`));
+  page.on("requestfailed", (request) => find(`${where}: could not load ${request.url().replace(pathToFileURL(folder).href, "")}`));
+  page.on("request", (request) => { if (!/^(file|data|blob):/.test(request.url())) find(`${where}: asked the network for ${request.url()}`); });
+  await page.goto(pathToFileURL(join(folder, "index.html")).href);
+  if (options.javaScriptEnabled !== false) {
+    await page.waitForSelector("html[data-ready=yes]", { timeout: 60000 }).catch(() => find(`${where}: the page did not become ready`));
+  }
+  return { context, page };
+}
+
+/** What must hold in each window. */
+function checkWindow(where, seen) {
+  if (seen.width > seen.window) find(`${where}: the page scrolls sideways (${seen.width} px in a window of ${seen.window} px)`);
+  for (const text of seen.faint) find(`${where}: too little contrast: ${text}`);
+  for (const image of seen.images) {
+    if (image.width === 0) find(`${where}: ${image.src} does not show`);
+    if (!image.pixels || image.width === 0) continue;
+    if (image.rendering !== "pixelated") find(`${where}: ${image.src} is smoothed`);
+    const scale = image.shown / image.width;
+    if (Math.abs(scale - Math.round(scale)) > 1e-3) find(`${where}: ${image.src} is shown at ${scale.toFixed(4)} device pixels per pixel`);
+  }
+}
+
+function checkContent(data, seen) {
+  const apart = difference(data, JSON.parse(JSON.stringify(seen.data ?? null)));
+  if (apart !== null) find(`data.js and data.json differ at ${apart}`);
+  checkNumbers(data, seen.numbers);
+  checkCounts(data, seen.counted);
+  for (const text of seen.stray) find(`a number that is not from the data stands in a table: "${text}"`);
+  for (const text of stringsToShow(data)) if (!seen.text.includes(text)) find(`not shown on the page: "${text}"`);
+
+  const sources = new Set(seen.images.map((image) => image.src));
+  const expected = new Set();
+  for (const scene of data.scenes) for (const frame of scene.frames) for (const path of [frame.picture, frame.difference?.radiance, frame.difference?.transmittance]) if (path) expected.add(path);
+  for (const path of expected) if (!sources.has(path)) find(`${path} is in the data and not on the page`);
+  for (const chart of data.charts) if (chart.svg) expected.add(chart.svg);
+  for (const image of seen.images) {
+    if (!expected.has(image.src)) find(`an image that the data do not name: ${image.src}`);
+    if (image.alt === null) find(`${image.src} has no alternative text`);
+    if (image.pixels && image.width > 0 && (image.width !== data.size_px[0] || image.height !== data.size_px[1])) find(`${image.src} has ${image.width} x ${image.height} pixels, not ${data.size_px.join(" x ")}`);
+  }
+
+  const interactive = data.interactive !== false;
+  if (seen.figures.length !== data.charts.length) find(`${seen.figures.length} charts on the page, ${data.charts.length} in the data`);
+  seen.figures.forEach((figure, n) => {
+    const wanted = interactive && data.charts[n]?.spec ? "interactive" : "static";
+    if (figure.state !== wanted) find(`chart ${data.charts[n]?.id} is ${figure.state}, not ${wanted}: ${figure.note}`);
+    if (wanted === "interactive" && figure.marks === 0) find(`chart ${data.charts[n].id} drew no marks`);
+  });
+
+  const known = /^(data|report)\.js$|^vendor\/vega(-lite|-embed)?\.min\.js$/;
+  for (const script of seen.scripts) if (!known.test(script)) find(`an unknown script: ${script}`);
+  for (const link of seen.links) if (!/^#|^data\.json$|^vendor\/LICENSES\.txt$|^charts\/[\w.-]+$/.test(link)) find(`an unexpected link: ${link}`);
+  for (const html of [...seen.handlers, ...seen.unexpected]) find(`markup that is none of the page's: ${html}`);
+  for (const id of seen.brokenAnchors) find(`a link to nowhere: #${id}`);
+  for (const id of seen.repeatedIds) find(`an id that stands twice: ${id}`);
+  if (seen.heads !== 1) find(`${seen.heads} first-level headings`);
+  if (seen.skippedLevels > 0) find("the headings skip a level");
+  if (seen.nameless > 0) find(`${seen.nameless} controls or regions without a name`);
+  if (seen.unscoped > 0) find(`${seen.unscoped} table headings without a scope`);
+}
+
+/** The moving parts: slider, pointer, click, tooltip. */
+async function checkMoves(page, where) {
+  const stack = page.locator(".stack.wipes").first();
+  if (await stack.count()) {
+    const slider = page.locator(".wipe input").first();
+    const wipe = () => stack.evaluate((element) => parseFloat(element.style.getPropertyValue("--wipe") || "0"));
+    await slider.focus();
+    await page.keyboard.press("End");
+    if ((await wipe()) !== 100) find(`${where}: the slider does not wipe`);
+    await page.keyboard.press("Home");
+    await stack.scrollIntoViewIfNeeded();
+    const box = await stack.boundingBox();
+    await page.mouse.move(box.x + box.width / 4, box.y + box.height / 2);
+    if (Math.abs((await wipe()) - 25) > 1) find(`${where}: the pointer does not wipe`);
+    await page.mouse.move(0, 0);
+    if ((await wipe()) !== 0) find(`${where}: the picture does not come back when the pointer leaves`);
+    await stack.click({ position: { x: 5, y: 5 } });
+    if ((await wipe()) !== 100) find(`${where}: a click does not swap`);
+    await stack.click({ position: { x: 5, y: 5 } });
+  }
+  const mark = page.locator(".live .mark-symbol.role-mark path").first();
+  if (await mark.count()) {
+    await mark.hover({ force: true });
+    const text = await page.locator(".tooltip").textContent({ timeout: 5000 }).catch(() => "");
+    if (!text) find(`${where}: a mark of a chart shows no numbers when pointed at`);
+    await page.mouse.move(0, 0);
+  }
+}
+
+async function checkPage(folder, data, { quick, screenshots }) {
+  const { chromium } = await import("playwright-core");
+  const browser = await chromium.launch({ executablePath: CHROMIUM, args: FLAGS });
+  const keep = async (page, name) => { if (screenshots) await page.screenshot({ path: join(screenshots, `${name}.png`), fullPage: true }); };
+  try {
+    const wide = await open(browser, folder, "page", { colorScheme: "light" });
+    const seen = await wide.page.evaluate(survey);
+    checkContent(data, seen);
+    checkWindow("page", seen);
+    await keep(wide.page, "light");
+    await checkMoves(wide.page, "page");
+    if (!quick) {
+      await wide.page.evaluate(() => window.dispatchEvent(new Event("beforeprint")));
+      await wide.page.emulateMedia({ media: "print" });
+      if (await wide.page.locator("details:not([open])").count()) find("print: folded parts stay folded");
+      await wide.page.pdf({ format: "A4", preferCSSPageSize: true, ...(screenshots ? { path: join(screenshots, "print.pdf") } : {}) });
+    }
+    await wide.context.close();
+    if (quick) return;
+
+    for (const [where, options] of [
+      ["dark", { colorScheme: "dark" }],
+      ["narrow", { colorScheme: "light", viewport: { width: 390, height: 844 }, deviceScaleFactor: 3, hasTouch: true }],
+      ["between", { colorScheme: "dark", viewport: { width: 820, height: 1180 }, deviceScaleFactor: 1.25 }],
+    ]) {
+      const { context, page } = await open(browser, folder, where, options);
+      checkWindow(where, await page.evaluate(survey));
+      await keep(page, where);
+      await context.close();
+    }
+
+    const still = await open(browser, folder, "without scripts", { javaScriptEnabled: false });
+    const words = await still.page.locator("main").innerText();
+    if (!words.includes("data.json")) find("without scripts: the page does not say where the numbers are");
+    if (existsSync(join(folder, "charts/speed_accuracy.svg")) && !(await still.page.locator("main img").evaluate((image) => image.naturalWidth))) find("without scripts: the chart does not show");
+    await still.context.close();
+  } finally {
+    await browser.close();
+  }
+}
+
+// ------------------------------------------------------------------------------------------ main
+
+function parseArguments(given) {
+  const options = { quick: false, screenshots: null, folder: null };
+  for (let n = 0; n < given.length; n++) {
+    if (given[n] === "--quick") options.quick = true;
+    else if (given[n] === "--screenshots" && given[n + 1]) options.screenshots = resolve(given[++n]);
+    else if (!given[n].startsWith("-") && options.folder === null) options.folder = resolve(given[n]);
+    else return null;
+  }
+  return options.folder ? options : null;
+}
+
+async function main() {
+  const options = parseArguments(argv.slice(2));
+  if (!options) {
+    stderr.write("usage: node check_report.mjs [--quick] [--screenshots DIR] REPORT_DIR\n");
+    return 2;
+  }
+  const { folder } = options;
+  for (const name of ["index.html", "report.css", "report.js", "data.json", "data.js"]) if (!existsSync(join(folder, name))) find(`${name} is missing from ${folder}`);
+  let data = null;
+  if (existsSync(join(folder, "data.json"))) {
+    try {
+      data = JSON.parse(readFileSync(join(folder, "data.json"), "utf8"));
+      checkForm(data, folder);
+      if (data.interactive !== false && (data.charts ?? []).some((chart) => chart.spec)) {
+        for (const name of ["vega.min.js", "vega-lite.min.js", "vega-embed.min.js", "LICENSES.txt"]) if (!existsSync(join(folder, "vendor", name))) find(`vendor/${name} is missing; without the bundle write "interactive": false`);
+      }
+    } catch (error) {
+      find(`data.json cannot be checked: ${error.message}`);
+      data = null;
+    }
+  }
+  if (data && existsSync(join(folder, "index.html"))) {
+    if (options.screenshots) mkdirSync(options.screenshots, { recursive: true });
+    try {
+      await checkPage(folder, data, options);
+    } catch (error) {
+      const hint = error.code === "ERR_MODULE_NOT_FOUND" ? " (run `npm ci` in scripts/report)" : "";
+      find(`the page could not be checked: ${error.message}${hint}`);
+    }
+  }
+  for (const text of findings.slice(0, SHOWN_MOST)) stdout.write(`${text}\n`);
+  if (findings.length > SHOWN_MOST) stdout.write(`and ${findings.length - SHOWN_MOST} more\n`);
+  stderr.write(findings.length === 0 ? `${folder}: the report holds\n` : `${folder}: ${findings.length} findings\n`);
+  return findings.length === 0 ? 0 : 1;
+}
+
+exit(await main());

@@ -1,0 +1,755 @@
+// SPDX-License-Identifier: MIT
+//
+// Lays out a report from window.NEPH_REPORT (data.js; README.md beside this file is the contract).
+// Strings of the data reach the page as text nodes and attribute values alone, never as markup.
+// Every number on the page names its place in the data (data-path) and its exact value
+// (data-value; data-scale is the factor of a changed unit), or, where it is counted here, what it
+// counts (data-derived), so that check_report.mjs can hold the page against data.json.
+(function () {
+  "use strict";
+
+  const report = window.NEPH_REPORT;
+
+  // ---------------------------------------------------------------------------------- vocabulary
+
+  const RUNGS = {
+    exact: "exact: closed form or converged quadrature",
+    tracer: "tracer: our unbiased path tracer",
+    witness: "witness: another project's renderer",
+    model: "model: a real-time method under test",
+  };
+  const QUANTITIES = { radiance: "Radiance", transmittance: "Transmittance", depth: "Depth" };
+  const MASKS = { all: "whole picture", sky: "sky", medium: "inside the medium", depth_edge: "at edges in depth" };
+  const METRICS = {
+    rel_bias: ["relative bias", "bias ÷ mean of the reference"],
+    bias: ["bias", "mean of engine − reference"],
+    rel_mse: ["relative MSE", "mean of squared error ÷ squared reference"],
+    rmse: ["RMSE", "root of the mean squared error"],
+    max_abs: ["largest error", "in any one pixel"],
+    p50: ["median error", "half of the pixels are better"],
+    p95: ["95\u00a0% error", "one pixel in 20 is worse"],
+    p99: ["99\u00a0% error", "one pixel in 100 is worse"],
+    non_finite: ["not finite", "pixels with NaN or infinity"],
+    negative: ["negative", "pixels below zero"],
+  };
+  const STATUSES = {
+    rendered: ["rendered", ""],
+    cannot: ["cannot", "open-word"],
+    missing: ["not installed", "open-word"],
+    failed: ["✗ failed", "fail-word"],
+    timeout: ["✗ timed out", "fail-word"],
+    interrupted: ["✗ interrupted", "fail-word"],
+  };
+  const VERDICTS = {
+    pass: ["✓ pass", "pass-word"],
+    fail: ["✗ fail", "fail-word"],
+    not_measured: ["○ not measured", "open-word"],
+  };
+  // The one error of a scene and engine in the summary: the first of these that was measured.
+  const HEADLINES = [
+    ["radiance", "rel_mse", "all"],
+    ["radiance", "rmse", "all"],
+    ["transmittance", "rmse", "all"],
+    ["transmittance", "max_abs", "all"],
+    ["depth", "rmse", "all"],
+  ];
+  // From minus to plus the scale; the program's maps interpolate these linearly in sRGB code values.
+  const DIFFERENCE_COLOURS = ["#053061", "#4393c3", "#f7f7f7", "#d6604d", "#67001f"];
+  const LISTED = 12; // troubles in the verdict before the rest is folded away
+  const VENDORED = ["vendor/vega.min.js", "vendor/vega-lite.min.js", "vendor/vega-embed.min.js"];
+
+  // ------------------------------------------------------------------------------------- elements
+
+  /** An element; strings and numbers among the children become text, null and false nothing. */
+  function el(tag, attributes, ...children) {
+    const element = document.createElement(tag);
+    for (const [name, value] of Object.entries(attributes ?? {})) {
+      if (value !== null && value !== undefined && value !== false) element.setAttribute(name, String(value));
+    }
+    append(element, children);
+    return element;
+  }
+
+  function append(element, children) {
+    for (const child of children.flat(Infinity)) {
+      if (child === null || child === undefined || child === false) continue;
+      element.append(child instanceof Node ? child : document.createTextNode(String(child)));
+    }
+  }
+
+  const hidden = (text) => el("span", { class: "hidden" }, text);
+  const absent = (text) => el("span", { class: "absent" }, el("span", { "aria-hidden": "true" }, "—"), hidden(text ?? "not measured"));
+  const plural = (count, one, many) => (count === 1 ? one : many);
+
+  function word(table, key) {
+    const [text, className] = table[key] ?? [key, "open-word"];
+    return el("span", { class: className || null }, text);
+  }
+
+  /** The reason of a state, which need not say the state again. */
+  const why = (frame) => String(frame.reason ?? "").replace(/^cannot:\s*/, "");
+
+  /** A path that stays inside the report, or null. */
+  function inside(path) {
+    return typeof path === "string" && /^(images|charts)\/[\w.\-/]+$/.test(path) && !path.includes("..") ? path : null;
+  }
+
+  const taken = new Set();
+  function anchor(prefix, name) {
+    const base = `${prefix}-${String(name).replace(/[^A-Za-z0-9_-]+/g, "-")}`;
+    let id = base;
+    for (let n = 2; taken.has(id); n++) id = `${base}-${n}`;
+    taken.add(id);
+    return id;
+  }
+
+  // -------------------------------------------------------------------------------------- numbers
+
+  const grouped = (digits) => digits.replace(/\B(?=(\d{3})+(?!\d))/g, "\u202f");
+
+  /** Three significant digits; whole numbers in full. */
+  function written(value, exact) {
+    const magnitude = Math.abs(value);
+    let text;
+    if (Number.isInteger(value) && magnitude < 1e6) {
+      text = magnitude < 10000 ? String(magnitude) : grouped(String(magnitude));
+    } else {
+      const rounded = Number(magnitude.toPrecision(3));
+      if (rounded < 1e-3 || rounded >= 1e6) text = magnitude.toExponential(2).replace("e+", "e");
+      else if (rounded >= 1000) text = rounded >= 10000 ? grouped(magnitude.toFixed(0)) : magnitude.toFixed(0);
+      else text = magnitude.toFixed(Math.max(0, 2 - Math.floor(Math.log10(rounded) + 1e-12)));
+      // A limit is what somebody chose, not a measurement: it has no trailing zeros.
+      if (exact && text.includes(".")) text = text.replace(/\.?0+(?=e|$)/, "");
+    }
+    return text.replace("e-", "e−");
+  }
+
+  const at = (path) => path.split("/").reduce((node, key) => (node === null || node === undefined ? undefined : node[key]), report);
+
+  /** The number at `path` of the data. Options: scale, unit, signed, exact. */
+  function number(path, options) {
+    const { scale = 1, unit = "", signed = false, exact = false } = options ?? {};
+    const value = at(path);
+    if (typeof value !== "number" || !Number.isFinite(value)) {
+      const dash = absent();
+      dash.setAttribute("data-path", path);
+      dash.setAttribute("data-value", "null");
+      return dash;
+    }
+    const shown = value * scale;
+    const sign = shown < 0 ? "−" : signed && shown > 0 ? "+" : "";
+    const element = el("data", { value, "data-path": path, "data-value": value, title: `${value}${scale === 1 ? "" : ` × ${scale}`}` }, sign + written(Math.abs(shown), exact));
+    if (scale !== 1) element.setAttribute("data-scale", scale);
+    return unit ? [element, unitText(unit)] : element;
+  }
+
+  const unitText = (unit) => el("span", { class: "unit" }, "\u00a0" + unit);
+
+  /** A number counted on this page; the checker counts again. */
+  const derived = (what, count) => el("span", { "data-derived": what, "data-value": count }, String(count));
+
+  /** Ratios come as plain numbers; people read percent. */
+  const isRatio = (unit) => unit === "" || unit === "1" || unit === null || unit === undefined;
+  function reading(metric, unit) {
+    const signed = /bias$/.test(metric);
+    return metric === "rel_bias" && isRatio(unit) ? { scale: 100, signed, unit: "%" } : { signed, unit: isRatio(unit) ? "" : unit };
+  }
+
+  // ---------------------------------------------------------------------------- looking things up
+
+  const scenes = report?.scenes ?? [];
+  const engines = report?.engines ?? [];
+  const framesOf = (scene) => scene.frames ?? [];
+  const gatesOf = (scene) => scene.gates ?? [];
+  const sceneIds = scenes.map((scene) => anchor("scene", scene.name));
+  const isTruth = (scene, engine) => scene.truth?.engine === engine;
+  const engineNamed = (name) => engines.find((engine) => engine.name === name);
+
+  function measurementOf(s, f, quantity, metric, mask) {
+    const list = scenes[s].frames[f].measurements ?? [];
+    const m = list.findIndex((row) => row.quantity === quantity && row.metric === metric && row.mask === mask && row.value !== null);
+    return m < 0 ? null : { path: `scenes/${s}/frames/${f}/measurements/${m}/value`, unit: list[m].unit };
+  }
+
+  function unitOf(scene, quantity, metric) {
+    for (const frame of framesOf(scene)) {
+      const row = (frame.measurements ?? []).find((m) => m.quantity === quantity && m.metric === metric && m.unit);
+      if (row) return row.unit;
+    }
+    return "";
+  }
+
+  const metricName = (metric) => (METRICS[metric] ? METRICS[metric][0] : metric);
+  const maskName = (mask) => MASKS[mask] ?? mask;
+  const measured = (gate) => `${gate.quantity} ${metricName(gate.metric)}, ${maskName(gate.mask)}`;
+
+  function gateValue(s, g, key) {
+    const gate = scenes[s].gates[g];
+    const { scale, signed, unit } = reading(gate.metric, unitOf(scenes[s], gate.quantity, gate.metric));
+    return number(`scenes/${s}/gates/${g}/${key}`, { scale, unit, signed: signed && key === "value", exact: key === "maximum" });
+  }
+
+  // ----------------------------------------------------------------------------------------- head
+
+  function head() {
+    const size = report.size_px ?? [];
+    return el("header", {},
+      el("p", { class: "eyebrow" }, "Nephelometer report"),
+      el("h1", {}, report.title),
+      verdict(),
+      el("dl", { class: "facts" },
+        fact("Written", report.created_utc),
+        fact("Took", number("seconds", { unit: "s" })),
+        fact("Version", ["neph ", report.neph_version]),
+        fact("Host", [report.host?.cpu, " · ", number("host/cores"), " cores · ", number("host/memory_bytes", { scale: 1 / 2 ** 30, unit: "GiB" })]),
+        fact("Pictures", size.length ? [number("size_px/0"), " × ", number("size_px/1"), " pixels"] : absent())));
+  }
+
+  const fact = (name, value) => el("div", {}, el("dt", {}, name), el("dd", {}, value));
+
+  function verdict() {
+    const all = scenes.flatMap((scene, s) => gatesOf(scene).map((gate, g) => ({ gate, s, g })));
+    const failing = all.filter(({ gate }) => gate.verdict === "fail");
+    const open = all.filter(({ gate }) => gate.verdict === "not_measured");
+    const broken = scenes.flatMap((scene, s) => framesOf(scene).filter((frame) => ["failed", "timeout", "interrupted"].includes(frame.status)).map((frame) => ({ frame, s })));
+    const passed = report.verdict === "pass";
+
+    const lines = [];
+    for (const { gate, s, g } of failing) {
+      lines.push(el("li", {}, word(VERDICTS, "fail"), " ", sceneLink(s), " · ", el("b", {}, gate.engine), " · ", measured(gate), ": ", gateValue(s, g, "value"),
+        ", limit ", gateValue(s, g, "maximum"), gate.reason ? ` (${gate.reason})` : ""));
+    }
+    for (const { frame, s } of broken) {
+      lines.push(el("li", {}, word(STATUSES, frame.status), " ", sceneLink(s), " · ", el("b", {}, frame.engine), why(frame) ? `: ${why(frame)}` : ""));
+    }
+    for (const { gate, s } of open) {
+      lines.push(el("li", {}, word(VERDICTS, "not_measured"), " ", sceneLink(s), " · ", el("b", {}, gate.engine), " · ", measured(gate), gate.reason ? `: ${gate.reason}` : ""));
+    }
+    const total = derived("gates", all.length);
+    return el("section", { class: `verdict ${passed ? "pass" : "fail"}`, "aria-label": "Verdict" },
+      el("p", { class: "word" }, passed ? "Pass" : "Fail"),
+      el("p", {},
+        all.length === 0
+          ? [total, " gates: nothing was held to a limit."]
+          : failing.length > 0
+            ? [derived("gates.fail", failing.length), " of ", total, plural(all.length, " gate", " gates"), plural(failing.length, " is", " are"), " over the limit."]
+            : open.length === 0
+              ? [plural(all.length, "The one gate is", "All gates are"), " within the limit (", total, ")."]
+              : ["No gate is over its limit (", total, " in all)."],
+        open.length > 0 && [" ", derived("gates.not_measured", open.length), " could not be measured."],
+        broken.length > 0 && [" ", derived("frames.broken", broken.length), plural(broken.length, " rendering", " renderings"), " did not finish."]),
+      lines.length > 0 && el("ul", { class: "small" }, lines.slice(0, LISTED)),
+      lines.length > LISTED && el("details", { class: "small" }, el("summary", {}, "The rest of the list"), el("ul", {}, lines.slice(LISTED))));
+  }
+
+  const sceneLink = (s) => el("a", { href: `#${sceneIds[s]}` }, scenes[s].title || scenes[s].name);
+
+  function contents() {
+    return el("nav", { "aria-label": "Contents" }, el("ul", {},
+      el("li", {}, el("a", { href: "#summary" }, "Summary")),
+      scenes.map((_, s) => el("li", {}, sceneLink(s))),
+      (report.charts ?? []).length > 0 && el("li", {}, el("a", { href: "#charts" }, "Charts")),
+      el("li", {}, el("a", { href: "#engines" }, "Engines"))));
+  }
+
+  // -------------------------------------------------------------------------------------- summary
+
+  /** The first headline that much of the matrix can show, so that its cells are alike. */
+  function commonHeadline() {
+    const counts = HEADLINES.map((headline) => {
+      let count = 0;
+      scenes.forEach((scene, s) => framesOf(scene).forEach((_, f) => { if (measurementOf(s, f, ...headline)) count++; }));
+      return count;
+    });
+    return HEADLINES[counts.findIndex((count) => count > 0 && count * 2 >= Math.max(...counts))] ?? HEADLINES[0];
+  }
+
+  function summary() {
+    const common = commonHeadline();
+    const order = [common, ...HEADLINES.filter((headline) => headline !== common)];
+    const units = scenes.map((scene) => unitOf(scene, common[0], common[1])).filter((unit) => !isRatio(unit));
+    const unit = units[0] ?? "";
+    return el("section", { "aria-labelledby": "summary" },
+      el("h2", { id: "summary" }, "Summary"),
+      scrolling("Summary", el("table", { class: "wide matrix" },
+        el("thead", {}, el("tr", {}, el("th", { scope: "col" }, "Scene"),
+          engines.map((engine) => el("th", { scope: "col", class: "num" }, engine.name, el("small", {}, engine.available ? engine.rung : "not installed"))))),
+        el("tbody", {}, scenes.map((scene, s) => el("tr", {},
+          el("th", { scope: "row" }, sceneLink(s), el("small", { class: "mono" }, scene.name)),
+          engines.map((engine) => summaryCell(s, engine, order, unit)))))),
+      [`The number is the ${metricName(common[1])} of the ${common[0]} over the ${maskName(common[2])}${unit ? `, in ${unit},` : ""} against the reference of `,
+        "the scene; where another one stands, it says which. Below it, the relative bias (+ is too bright) and the word of the gates. ",
+        "A dash is a number that was not measured."]));
+  }
+
+  function gateWord(scene, engine) {
+    const verdicts = gatesOf(scene).filter((gate) => gate.engine === engine).map((gate) => gate.verdict);
+    if (verdicts.length === 0) return el("small", {}, "no gate");
+    const worst = verdicts.includes("fail") ? "fail" : verdicts.includes("not_measured") ? "not_measured" : "pass";
+    return el("small", {}, word(VERDICTS, worst));
+  }
+
+  function summaryCell(s, engine, order, commonUnit) {
+    const scene = scenes[s];
+    const f = framesOf(scene).findIndex((frame) => frame.engine === engine.name);
+    const cell = el("td", { class: "num" });
+    const gates = gatesOf(scene).some((gate) => gate.engine === engine.name);
+    if (f < 0) {
+      append(cell, [el("span", { class: "soft" }, "not in this run"), gates && gateWord(scene, engine.name)]);
+      return cell;
+    }
+    const frame = scene.frames[f];
+    if (frame.status !== "rendered") {
+      append(cell, [word(STATUSES, frame.status), el("small", { class: "reason" }, why(frame)), gates && gateWord(scene, engine.name)]);
+      return cell;
+    }
+    if (isTruth(scene, engine.name)) {
+      append(cell, [el("span", {}, "reference"), el("small", {}, frame.rung), gates && gateWord(scene, engine.name)]);
+      return cell;
+    }
+    const headline = order.find((candidate) => measurementOf(s, f, ...candidate));
+    if (!headline) {
+      append(cell, [absent(), gateWord(scene, engine.name)]);
+      return cell;
+    }
+    const { path, unit } = measurementOf(s, f, ...headline);
+    const bias = measurementOf(s, f, headline[0], "rel_bias", headline[2]);
+    append(cell, [
+      number(path, { ...reading(headline[1], unit), unit: "" }),
+      headline !== order[0] && el("small", {}, `${headline[0]} ${metricName(headline[1])}`),
+      !isRatio(unit) && unit !== commonUnit && el("small", { class: "unit" }, unit),
+      bias && el("small", {}, "bias ", number(bias.path, reading("rel_bias", bias.unit))),
+      gateWord(scene, engine.name)]);
+    return cell;
+  }
+
+  /** A table that may be wider than the screen scrolls by itself, also from the keyboard. */
+  function scrolling(label, table, note) {
+    table.prepend(el("caption", { class: "hidden" }, label));
+    return [
+      el("div", { class: "scroll", role: "region", "aria-label": `Table: ${label}`, tabindex: "0" }, table),
+      note && el("p", { class: "note small soft" }, note),
+    ];
+  }
+
+  function help() {
+    const entry = (term, ...text) => el("div", {}, el("dt", {}, term), el("dd", {}, text));
+    return el("aside", { class: "help", "aria-labelledby": "help" },
+      el("h2", { id: "help" }, "How to read this"),
+      el("dl", {},
+        entry("What is compared", "Each scene isolates one piece of the physics of light in fog or cloud. Several engines render it from the same file, ",
+          "camera and light, and each is measured against the scene's reference."),
+        entry("Reference and rung", "The reference is the highest rung of the ladder of truth that can do the scene: exact (closed form), then tracer (our unbiased path tracer). ",
+          "Witnesses (other projects' renderers) and models (real-time methods) are never the truth."),
+        entry("Gates", "A gate is a limit set beforehand for one number of one engine. ✓ is within it, ✗ is over it, ○ could not be measured and says why."),
+        entry("Pictures", "All pictures of a scene share one frozen exposure, so brighter means brighter. Move over a picture, or use the slider below it, to wipe to the reference; ",
+          "a click swaps the two. Numbers are taken from linear data, never from these pictures."),
+        entry("Difference maps", "Engine minus reference on a scale fixed per scene: blue is below the reference, red is above it, white agrees. What lies beyond the scale keeps the colour of the end; black is not a number."),
+        entry("Numbers", "1.2e−4 means 0.00012. In [brackets]: the 95\u00a0% interval. A dash was not measured. ",
+          "“Cannot” is an honest refusal: the engine does not model what the scene asks for. Point at a number for all its digits.")));
+  }
+
+  // --------------------------------------------------------------------------------------- scenes
+
+  function sceneSection(scene, s) {
+    const truth = scene.truth;
+    return el("section", { "aria-labelledby": sceneIds[s] },
+      el("h2", { id: sceneIds[s] }, scene.title || scene.name),
+      el("p", {}, scene.physics),
+      el("dl", { class: "facts" },
+        fact("Scene", el("span", { class: "mono" }, scene.name)),
+        fact("Reference", truth ? [el("b", {}, truth.engine), ` (${truth.rung})`] : "none: no engine of a trusted rung rendered it"),
+        fact("Exposure of all pictures", number(`scenes/${s}/exposure_ev`, { signed: true, unit: "EV", exact: true })),
+        fact("Hash", el("span", { class: "mono", title: scene.hash }, String(scene.hash ?? "").slice(0, 16)))),
+      pictures(scene, s),
+      numbers(scene, s),
+      runs(scene, s),
+      gates(scene, s));
+  }
+
+  function pictures(scene, s) {
+    const kinds = ["radiance", "transmittance"].filter((kind) => framesOf(scene).some((frame) => frame.difference?.[kind]));
+    const cards = framesOf(scene).map((frame, f) => ({ frame, f })).filter(({ frame }) => frame.status === "rendered")
+      .sort((a, b) => isTruth(scene, b.frame.engine) - isTruth(scene, a.frame.engine));
+    const rest = framesOf(scene).filter((frame) => frame.status !== "rendered");
+    const truthFrame = framesOf(scene).find((frame) => isTruth(scene, frame.engine));
+    return [
+      el("h3", {}, "Pictures and differences"),
+      kinds.length > 0 && truthFrame?.status !== "rendered" && el("div", { class: "legend" }, kinds.map((kind) => legend(scene, s, kind))),
+      cards.length > 0
+        ? el("div", { class: "pictures" }, cards.map(({ frame }) => card(scene, s, frame, truthFrame, kinds)))
+        : el("p", {}, "No engine rendered this scene; the table below says why."),
+      rest.length > 0 && el("p", { class: "small soft not-rendered" }, "No picture from ",
+        rest.map((frame, n) => [n > 0 && "; ", el("b", {}, frame.engine), " (", word(STATUSES, frame.status), why(frame) ? `: ${why(frame)}` : "", ")"]), "."),
+    ];
+  }
+
+  function legend(scene, s, kind) {
+    const path = `scenes/${s}/difference_scale/${kind}`;
+    const unit = isRatio(unitOf(scene, kind, "bias")) ? "" : unitOf(scene, kind, "bias");
+    const given = report.difference_colours;
+    const colours = Array.isArray(given) && given.length > 1 && given.every((c) => /^#[0-9a-f]{6}$/i.test(c)) ? given : DIFFERENCE_COLOURS;
+    const bar = el("div", { class: "bar", role: "img", "aria-label": "Colour scale from below the reference to above it" });
+    bar.style.background = `linear-gradient(to right, ${colours.join(", ")})`;
+    return el("figure", {},
+      el("figcaption", {}, `${QUANTITIES[kind]}: engine − reference${unit ? ` [${unit}]` : ""}`),
+      bar,
+      el("div", { class: "ticks" }, el("span", {}, number(path, { scale: -1, exact: true }), " below"), el("span", {}, "agrees"), el("span", {}, "above ", number(path, { signed: true, exact: true }))));
+  }
+
+  function hole(text) {
+    return el("div", { class: "hole" }, el("span", {}, text));
+  }
+
+  function pixels(path, alt, className) {
+    const image = el("img", { class: `pixels${className ? ` ${className}` : ""}`, src: path, alt, width: report.size_px[0], height: report.size_px[1], draggable: "false" });
+    image.addEventListener("error", () => image.replaceWith(hole(`${path} is not in this report's folder`)));
+    return image;
+  }
+
+  function card(scene, s, frame, truthFrame, kinds) {
+    const own = inside(frame.picture);
+    const reference = isTruth(scene, frame.engine);
+    const other = reference ? null : inside(truthFrame?.picture);
+    const title = scene.title || scene.name;
+    const article = el("article", { class: "card" },
+      el("header", {},
+        el("h4", {}, frame.engine),
+        el("p", {}, reference ? `reference · ${frame.rung}` : frame.rung, frame.settings ? ` · ${frame.settings}` : "")),
+      own
+        ? other ? wipe(own, other, frame.engine, scene.truth.engine, title) : [el("div", { class: "stack" }, pixels(own, `${title}, by ${frame.engine}`)), el("div", { class: "wipe" }, reference ? "what the others are held against" : "no reference to wipe to")]
+        : [hole("no picture: this engine gave no radiance"), el("div", { class: "wipe" })],
+      kinds.map((kind) => (reference
+        ? el("figure", {}, el("div", { class: "scale" }, legend(scene, s, kind)), el("figcaption", {}, `scale of the ${kind} differences`))
+        : el("figure", {}, differenceMap(scene, frame, kind, title), el("figcaption", {}, `${kind}, ${frame.engine} − ${scene.truth?.engine ?? "reference"}`)))));
+    article.style.gridRow = `span ${article.childElementCount}`;
+    return article;
+  }
+
+  function differenceMap(scene, frame, kind, title) {
+    const path = inside(frame.difference?.[kind]);
+    if (path) return pixels(path, `${title}: signed ${kind} difference of ${frame.engine} from the reference`);
+    if (!scene.truth) return hole("no reference in this scene");
+    return hole(`no difference: ${frame.engine} or the reference gives no ${kind}`);
+  }
+
+  function wipe(own, other, engine, truth, title) {
+    const over = pixels(other, "", "over");
+    const stack = el("div", { class: "stack wipes", title: `Move: wipe to ${truth}. Click: swap.` },
+      pixels(own, `${title}, by ${engine}`), over, el("span", { class: "edge" }),
+      el("span", { class: "tag left", "aria-hidden": "true" }, truth), el("span", { class: "tag right", "aria-hidden": "true" }, engine));
+    const slider = el("input", { type: "range", min: 0, max: 100, value: 0, "aria-label": `Wipe the picture of ${engine} to that of ${truth}` });
+    const show = (percent) => {
+      stack.style.setProperty("--wipe", `${percent}%`);
+      stack.classList.toggle("wiping", percent > 0);
+    };
+    slider.addEventListener("input", () => show(Number(slider.value)));
+    stack.addEventListener("pointermove", (event) => {
+      const box = stack.getBoundingClientRect();
+      show(Math.min(100, Math.max(0, (100 * (event.clientX - box.left)) / box.width)));
+    });
+    stack.addEventListener("pointerleave", () => show(Number(slider.value)));
+    stack.addEventListener("click", () => {
+      slider.value = Number(slider.value) >= 50 ? 0 : 100;
+      show(Number(slider.value));
+    });
+    return [stack, el("div", { class: "wipe" }, el("span", { "aria-hidden": "true" }, engine), slider, el("span", { "aria-hidden": "true" }, truth))];
+  }
+
+  // -------------------------------------------------------------------------------- numbers table
+
+  function numbers(scene, s) {
+    const columns = framesOf(scene).map((frame, f) => ({ frame, f })).filter(({ frame }) => (frame.measurements ?? []).length > 0);
+    const title = el("h3", {}, "Numbers");
+    if (columns.length === 0) return [title, el("p", { class: "soft" }, "Nothing was measured in this scene.")];
+
+    const groups = new Map();
+    for (const { frame, f } of columns) {
+      frame.measurements.forEach((row, m) => {
+        const key = JSON.stringify([row.quantity, row.mask]);
+        if (!groups.has(key)) groups.set(key, { quantity: row.quantity, mask: row.mask, metrics: new Map() });
+        const { metrics } = groups.get(key);
+        if (!metrics.has(row.metric)) metrics.set(row.metric, new Map());
+        const cells = metrics.get(row.metric);
+        cells.set(f, [...(cells.get(f) ?? []), m]);
+      });
+    }
+    const rank = (names, name) => { const n = names.indexOf(name); return n < 0 ? names.length : n; };
+    const ordered = [...groups.values()].sort((a, b) =>
+      rank(Object.keys(QUANTITIES), a.quantity) - rank(Object.keys(QUANTITIES), b.quantity) || rank(Object.keys(MASKS), a.mask) - rank(Object.keys(MASKS), b.mask));
+    const whole = ordered.filter((group) => group.mask === "all");
+    const parts = ordered.filter((group) => group.mask !== "all");
+    const table = (list, label) => numbersTable(scene, s, columns, list, label);
+    return [
+      title,
+      whole.length > 0 && table(whole, `Errors over the whole picture against ${scene.truth ? scene.truth.engine : "no reference"}`),
+      parts.length > 0 && el("details", { open: whole.length === 0 }, el("summary", {}, "Numbers by part of the picture: ", [...new Set(parts.map((group) => maskName(group.mask)))].join(", ")),
+        table(parts, "Errors by part of the picture")),
+    ];
+  }
+
+  function numbersTable(scene, s, columns, groups, label) {
+    const explained = new Set(); // each measure is explained where it first stands
+    const bodies = groups.map((group, n) => {
+      const metrics = [...group.metrics.keys()].sort((a, b) => metricRank(a) - metricRank(b));
+      return el("tbody", {},
+        el("tr", { class: "group" }, el("th", { scope: "rowgroup", colspan: columns.length + 2 }, `${QUANTITIES[group.quantity] ?? group.quantity}, ${maskName(group.mask)}`)),
+        metrics.map((metric) => metricRow(scene, s, columns, group, metric, explained)),
+        el("tr", {}, el("th", { scope: "row" }, "pixels", n === 0 && el("small", {}, "that the numbers above are taken over")), el("td", { class: "tight soft" }, "px"),
+          columns.map(({ frame, f }) => el("td", { class: "num" }, pixelCount(s, f, frame, group) ?? absent()))));
+    });
+    return scrolling(label, el("table", {},
+      el("thead", {}, el("tr", {}, el("th", { scope: "col" }, "Measure"), el("th", { scope: "col" }, "Unit"),
+        columns.map(({ frame }) => el("th", { scope: "col", class: "num" }, frame.engine, el("small", {}, isTruth(scene, frame.engine) ? "reference" : frame.rung))))),
+      bodies));
+  }
+
+  function metricRank(metric) {
+    const n = Object.keys(METRICS).indexOf(metric);
+    return n < 0 ? Infinity : n;
+  }
+
+  const firstIn = (frame, group) => frame.measurements.findIndex((row) => row.quantity === group.quantity && row.mask === group.mask);
+  function pixelCount(s, f, frame, group) {
+    const m = firstIn(frame, group);
+    return m < 0 ? null : number(`scenes/${s}/frames/${f}/measurements/${m}/pixel_count`);
+  }
+
+  function metricRow(scene, s, columns, group, metric, explained) {
+    const cells = group.metrics.get(metric);
+    const [f0, [m0]] = [...cells][0];
+    const rowUnit = scene.frames[f0].measurements[m0].unit;
+    const shownAs = reading(metric, rowUnit);
+    const [name, meaning] = METRICS[metric] ?? [metric, ""];
+    const first = !explained.has(metric);
+    explained.add(metric);
+    return el("tr", {},
+      el("th", { scope: "row" }, name, first && meaning && el("small", {}, meaning)),
+      el("td", { class: "tight soft" }, shownAs.unit || (isRatio(rowUnit) ? "1" : rowUnit)),
+      columns.map(({ frame, f }) => {
+        const list = cells.get(f);
+        if (!list) return el("td", { class: "num" }, absent());
+        const cell = el("td", { class: "num" });
+        for (const m of list) append(cell, measurement(scene, s, frame, f, m, rowUnit, group));
+        return cell;
+      }));
+  }
+
+  function measurement(scene, s, frame, f, m, rowUnit, group) {
+    const row = frame.measurements[m];
+    const path = `scenes/${s}/frames/${f}/measurements/${m}`;
+    const { scale, signed, unit } = reading(row.metric, row.unit);
+    const g = gatesOf(scene).findIndex((gate) => gate.verdict === "fail" && gate.engine === frame.engine && gate.quantity === row.quantity && gate.metric === row.metric && gate.mask === row.mask);
+    const value = number(`${path}/value`, { scale, signed, unit: row.unit === rowUnit ? "" : unit });
+    const usualCount = frame.measurements[firstIn(frame, group)].pixel_count;
+    return [
+      g < 0 ? value : el("span", { class: "fail-word" }, "✗ ", value),
+      row.interval && el("small", {}, "[", number(`${path}/interval/0`, { scale }), ", ", number(`${path}/interval/1`, { scale }), "]"),
+      g >= 0 && el("small", {}, "limit ", number(`scenes/${s}/gates/${g}/maximum`, { scale, exact: true })),
+      row.pixel_count !== usualCount && el("small", {}, "over ", number(`${path}/pixel_count`), " px"),
+    ];
+  }
+
+  // ------------------------------------------------------------------------------- runs and gates
+
+  function runs(scene, s) {
+    if (framesOf(scene).length === 0) return null;
+    return [
+      el("h3", {}, "What ran, and what it cost"),
+      scrolling("What ran, and what it cost", el("table", { class: "wide" },
+        el("thead", {}, el("tr", {}, ["Engine", "State", "Version and device"].map((name) => el("th", { scope: "col" }, name)),
+          [["Render", "s"], ["Wall", "s"], ["CPU", "s"], ["Memory", "MiB"]].map(([name, unit]) => el("th", { scope: "col", class: "num" }, name, el("small", {}, unit))))),
+        el("tbody", {}, framesOf(scene).map((frame, f) => {
+          const engine = engineNamed(frame.engine);
+          const path = `scenes/${s}/frames/${f}`;
+          return el("tr", {},
+            el("th", { scope: "row" }, frame.engine, el("small", {}, frame.rung)),
+            el("td", { class: "words" }, word(STATUSES, frame.status), frame.reused && " · taken from the store",
+              why(frame) && el("div", { class: "small" }, why(frame)),
+              frame.settings && el("div", { class: "small soft" }, frame.settings),
+              frame.status === "missing" && engine?.install_line && el("div", {}, el("code", {}, engine.install_line))),
+            el("td", { class: "words" }, engine?.version || absent("not known"), engine?.device && el("div", { class: "small soft" }, engine.device)),
+            ["render_s", "wall_s", "cpu_s"].map((key) => el("td", { class: "num" }, number(`${path}/${key}`))),
+            el("td", { class: "num" }, number(`${path}/peak_memory_bytes`, { scale: 1 / 2 ** 20 })));
+        }))),
+      "Render is the radiance pass alone; wall is everything including start-up; CPU sums all threads; memory is the peak."),
+    ];
+  }
+
+  function gates(scene, s) {
+    const title = el("h3", {}, "Gates");
+    if (gatesOf(scene).length === 0) return [title, el("p", { class: "soft" }, "This scene sets no limits.")];
+    return [
+      title,
+      scrolling("Gates", el("table", { class: "wide" },
+        el("thead", {}, el("tr", {}, ["Verdict", "Engine", "Number"].map((name) => el("th", { scope: "col" }, name)),
+          ["Value", "Limit"].map((name) => el("th", { scope: "col", class: "num" }, name)), el("th", { scope: "col" }, "Reason"))),
+        el("tbody", {}, gatesOf(scene).map((gate, g) => el("tr", { class: gate.verdict === "fail" ? "failing" : null },
+          el("td", { class: "tight" }, word(VERDICTS, gate.verdict)),
+          el("th", { scope: "row" }, gate.engine),
+          el("td", {}, measured(gate)),
+          el("td", { class: "num" }, gateValue(s, g, "value")),
+          el("td", { class: "num" }, gateValue(s, g, "maximum")),
+          el("td", { class: "words" }, gate.reason || el("span", { class: "soft" }, "none given"))))))),
+    ];
+  }
+
+  // --------------------------------------------------------------------------------------- charts
+
+  function charts() {
+    const list = report.charts ?? [];
+    if (list.length === 0) return null;
+    return el("section", { "aria-labelledby": "charts" }, el("h2", { id: "charts" }, "Charts"), list.map(chart));
+  }
+
+  function chart(entry) {
+    const still = inside(entry.svg);
+    const image = still && el("img", { class: "chart", src: still, alt: `${entry.title}. ${entry.caption ?? ""}` });
+    const figure = el("figure", { class: "chart-figure", "data-state": "static" },
+      el("h3", { id: anchor("chart", entry.id) }, entry.title),
+      el("div", { class: "frame" },
+        el("div", { class: "still" }, image || hole(entry.missing || "no static chart in this report")),
+        el("div", { class: "live" })),
+      el("figcaption", {},
+        el("p", {}, entry.caption),
+        !still && entry.missing && el("p", { class: "small soft" }, `No static chart: ${entry.missing}`),
+        el("p", { class: "small soft upgrade" }, still && ["Also as ", el("a", { href: still }, "SVG"), ". "])));
+    image?.addEventListener("error", () => image.replaceWith(hole(`${still} is not in this report's folder`)));
+    return figure;
+  }
+
+  function load(path) {
+    return new Promise((resolve, reject) => {
+      const script = el("script", { src: path });
+      script.addEventListener("load", resolve);
+      script.addEventListener("error", () => reject(new Error(`${path} could not be read`)));
+      document.head.append(script);
+    });
+  }
+
+  /** Makes each chart interactive, from the specification that drew the static one. */
+  async function upgrade(figures) {
+    const work = (report.charts ?? []).map((entry, n) => ({ entry, figure: figures[n] })).filter(({ entry }) => entry.spec);
+    if (work.length === 0 || report.interactive === false) return;
+    try {
+      for (const path of VENDORED) await load(path);
+    } catch (error) {
+      for (const { figure } of work) failed(figure, error);
+      return;
+    }
+    for (const { entry, figure } of work) {
+      try {
+        const spec = JSON.parse(JSON.stringify(entry.spec));
+        delete spec.usermeta;
+        await window.vegaEmbed(figure.querySelector(".live"), spec, {
+          mode: "vega-lite",
+          renderer: "svg",
+          ast: true, // expressions are interpreted: nothing in the data is ever run as code
+          actions: false,
+          defaultStyle: false,
+          tooltip: showTooltip,
+          loader: { load: refuse, sanitize: refuse },
+        });
+        figure.setAttribute("data-state", "interactive");
+        const moves = JSON.stringify(entry.spec).includes('"bind":"scales"');
+        figure.querySelector(".upgrade").append(`Point at a mark for its numbers${moves ? "; drag to pan, shift and wheel to zoom, double click to return" : ""}.`);
+      } catch (error) {
+        failed(figure, error);
+      }
+    }
+  }
+
+  const refuse = (uri) => Promise.reject(new Error(`a chart asks for ${uri}`));
+
+  function failed(figure, error) {
+    figure.setAttribute("data-state", "failed");
+    figure.querySelector(".upgrade").append(`The interactive chart is not available: ${error.message}.`);
+  }
+
+  let tooltip = null;
+  function showTooltip(_handler, event, _item, value) {
+    tooltip?.remove();
+    tooltip = null;
+    if (value === null || value === undefined || value === "") return;
+    const rows = typeof value === "object" ? Object.entries(value) : [["", value]];
+    tooltip = el("div", { class: "tooltip" }, el("table", {}, rows.map(([name, text]) => el("tr", {}, el("th", { scope: "row" }, name), el("td", {}, text)))));
+    document.body.append(tooltip);
+    const box = tooltip.getBoundingClientRect();
+    tooltip.style.left = `${Math.max(4, Math.min(event.clientX + 14, window.innerWidth - box.width - 8))}px`;
+    tooltip.style.top = `${Math.max(4, Math.min(event.clientY + 14, window.innerHeight - box.height - 8))}px`;
+  }
+
+  // -------------------------------------------------------------------------------------- engines
+
+  function engineTable() {
+    return el("section", { "aria-labelledby": "engines" },
+      el("h2", { id: "engines" }, "Engines"),
+      scrolling("Engines", el("table", { class: "wide" },
+        el("thead", {}, el("tr", {}, ["Engine", "Rung of truth", "Version and device", "Known bias"].map((name) => el("th", { scope: "col" }, name)))),
+        el("tbody", {}, engines.map((engine) => el("tr", {},
+          el("th", { scope: "row" }, engine.name, el("small", {}, engine.summary)),
+          el("td", { class: "words" }, RUNGS[engine.rung] ?? engine.rung),
+          engine.available
+            ? el("td", { class: "words" }, engine.version || absent("not known"), engine.device && el("div", { class: "small soft" }, engine.device))
+            : el("td", { class: "words" }, word(STATUSES, "missing"), el("div", { class: "small" }, engine.missing),
+              engine.install_line && el("div", { class: "small" }, "To install: ", el("code", {}, engine.install_line))),
+          el("td", { class: "words" }, engine.bias || el("span", { class: "soft" }, "none known"))))))));
+  }
+
+  function foot() {
+    return el("footer", {}, el("p", {}, "Every number of this page is in ", el("a", { href: "data.json" }, "data.json"),
+      (report.charts ?? []).some((entry) => entry.spec) && report.interactive !== false && [". The charts are drawn by Vega and Vega-Lite (", el("a", { href: "vendor/LICENSES.txt" }, "licences"), ")"], "."));
+  }
+
+  // ------------------------------------------------------------------------------------- the page
+
+  /** Image pixels become a whole number of device pixels, about 400 CSS pixels wide at most. */
+  function fitPictures(main) {
+    const [width, height] = report.size_px ?? [192, 108];
+    const style = getComputedStyle(main);
+    const room = Math.min(400, main.clientWidth - parseFloat(style.paddingLeft) - parseFloat(style.paddingRight));
+    const dots = window.devicePixelRatio || 1;
+    const root = document.documentElement.style;
+    root.setProperty("--image-width", width);
+    root.setProperty("--image-height", height);
+    root.setProperty("--scale", Math.max(1, Math.floor((room * dots) / width)) / dots);
+  }
+
+  function printWhole() {
+    const closed = [];
+    window.addEventListener("beforeprint", () => {
+      for (const details of document.querySelectorAll("details:not([open])")) {
+        details.open = true;
+        closed.push(details);
+      }
+    });
+    window.addEventListener("afterprint", () => { for (const details of closed.splice(0)) details.open = false; });
+  }
+
+  function complaint(main, title, text) {
+    main.replaceChildren(el("h1", {}, title), el("p", {}, text), el("p", {}, "The numbers may still be in ", el("a", { href: "data.json" }, "data.json"), "."));
+  }
+
+  const main = document.getElementById("report");
+  if (!report) {
+    complaint(main, "This report has no data", "data.js, which lies beside this page in a complete report, is missing or cannot be read.");
+    return;
+  }
+  if (report.format !== "neph-report-1") {
+    complaint(main, "This report is of another version", `Its data say “${report.format}”; this page reads “neph-report-1”.`);
+    return;
+  }
+  try {
+    document.title = `${report.title}: ${report.verdict}`;
+    fitPictures(main);
+    window.addEventListener("resize", () => fitPictures(main));
+    main.replaceChildren();
+    append(main, [head(), contents(), summary(), help(), scenes.map(sceneSection), charts(), engineTable(), foot()]);
+    printWhole();
+    if (location.hash) document.getElementById(decodeURIComponent(location.hash.slice(1)))?.scrollIntoView();
+    upgrade([...main.querySelectorAll(".chart-figure")]).finally(() => { document.documentElement.dataset.ready = "yes"; });
+  } catch (error) {
+    complaint(main, "This report cannot be laid out", `The data do not have the expected form: ${error.message}.`);
+    throw error;
+  }
+})();

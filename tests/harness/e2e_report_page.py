@@ -1,0 +1,422 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""The report's web page, opened in a browser from disk as a reader would.
+
+Builds a small report with every status, missing values and hostile strings, lays it out as
+scripts/report/README.md asks, and holds the page against its data with check_report.mjs. Then
+breaks the report in known ways: a checker that finds nothing in those is no checker.
+
+    e2e_report_page.py                  run the tests
+    e2e_report_page.py --fixture DIR    only write the report, to look at it
+"""
+import copy
+import json
+import math
+import os
+import pathlib
+import shutil
+import struct
+import subprocess
+import sys
+import tempfile
+import unittest
+import zlib
+
+ROOT = pathlib.Path(os.environ.get("NEPH_SOURCE_DIR") or pathlib.Path(__file__).resolve().parents[2])
+PAGE = ROOT / "scripts" / "report"
+CHROMIUM = "/usr/bin/chromium"
+HOSTILE = '<img src=x onerror=alert(1)>'
+HOSTILE_SCRIPT = '</script><script>window.NEPH_PWNED = 1</script>'
+VENDORED = {
+    "vega.min.js": "node_modules/vega/build/vega.min.js",
+    "vega-lite.min.js": "node_modules/vega-lite/build/vega-lite.min.js",
+    "vega-embed.min.js": "node_modules/vega-embed/build/vega-embed.min.js",
+    "LICENSES.txt": "vendor-licences.txt",
+}
+WIDTH, HEIGHT = 192, 108
+STOPS = [(0x05, 0x30, 0x61), (0x43, 0x93, 0xC3), (0xF7, 0xF7, 0xF7), (0xD6, 0x60, 0x4D), (0x67, 0x00, 0x1F)]
+UNIT = "W m⁻² sr⁻¹"
+
+
+# ------------------------------------------------------------------------------------- pictures
+
+def write_png(path, pixel):
+    """An 8-bit RGB picture of `pixel(i, j)`, by the letter of the PNG specification."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    rows = b"".join(b"\0" + bytes(c for i in range(WIDTH) for c in pixel(i, j)) for j in range(HEIGHT))
+
+    def chunk(kind, body):
+        return struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body))
+
+    header = struct.pack(">IIBBBBB", WIDTH, HEIGHT, 8, 2, 0, 0, 0)
+    path.write_bytes(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
+
+
+def cloud(i, j, shift):
+    """Something like a cloud bank: 0..1."""
+    x, y = i / WIDTH, j / HEIGHT
+    bank = math.exp(-((y - 0.62 - 0.07 * math.sin(7 * x + shift)) / 0.16) ** 2)
+    return bank * (0.75 + 0.25 * math.sin(23 * x + 9 * y + shift) * math.cos(17 * y))
+
+
+def picture(shift):
+    def pixel(i, j):
+        density, y = cloud(i, j, shift), j / HEIGHT
+        return tuple(int(255 * min(1, (1 - density) * sky * (0.55 + 0.45 * y) + 0.96 * density)) for sky in (0.45, 0.62, 0.86))
+    return pixel
+
+
+def difference(shift, gain):
+    def pixel(i, j):
+        signed = max(-1.0, min(1.0, gain * (cloud(i, j, shift) - cloud(i, j, 0)) + 0.1 * (((i * 7919 + j * 104729) * 2654435761 >> 13 & 255) / 255 - 0.5)))
+        place = (signed + 1) / 2 * (len(STOPS) - 1)
+        k = min(int(place), len(STOPS) - 2)
+        return tuple(round(a + (b - a) * (place - k)) for a, b in zip(STOPS[k], STOPS[k + 1]))
+    return pixel
+
+
+# ----------------------------------------------------------------------------------------- data
+
+def engine(name, rung, summary, bias=None, version="neph 0.1.0", device="CPU, 2 threads", missing="", install_line=""):
+    return {"name": name, "summary": summary, "rung": rung, "bias": bias, "available": not missing, "version": "" if missing else version,
+            "device": "" if missing else device, "missing": missing, "install_line": install_line}
+
+
+ENGINES = [
+    engine("exact", "exact", "closed forms and converged quadrature in double precision"),
+    engine("tracer", "tracer", "unbiased path tracer of participating media", device="llvmpipe (LLVM 15.0.6, 256 bits)"),
+    engine("march", "model", "ray marcher at full resolution with fine steps", bias="single scattering; step error of order 2", device="llvmpipe (LLVM 15.0.6, 256 bits)"),
+    engine("realtime", "model", "four-frame pipeline with temporal reuse", bias="history lags by up to 4 frames", device="llvmpipe (LLVM 15.0.6, 256 bits)"),
+    engine("cycles", "witness", "Blender Cycles", bias="heterogeneous media are biased by the step rate", version="Blender 3.4.1"),
+    engine("povray", "witness", "POV-Ray media", bias="single scattering only", missing="the command povray is not on the path", install_line="sudo apt-get install povray"),
+]
+
+
+def measurements(error, sign, radiance=True):
+    """A full set of numbers around one relative error."""
+    rows = []
+    for mask, pixels, worse in (("all", 20736, 1.0), ("sky", 9216, 0.4), ("medium", 11520, 1.3), ("depth_edge", 612, 3.1)):
+        for quantity, unit, size in (("radiance", UNIT, 3.7), ("transmittance", "1", 0.6), ("depth", "m", 140.0)):
+            if quantity == "radiance" and not radiance:
+                continue
+            rms = error * worse * size
+            values = [("bias", unit, sign * rms * 0.31), ("rel_bias", "1", sign * error * worse * 0.31), ("rmse", unit, rms), ("rel_mse", "1", (error * worse) ** 2),
+                      ("max_abs", unit, rms * 7.3), ("p50", unit, rms * 0.45), ("p95", unit, rms * 2.1), ("p99", unit, rms * 3.4), ("non_finite", "px", 0), ("negative", "px", 0)]
+            if quantity == "depth":
+                values = values[2:3] + values[4:5]
+            for metric, its_unit, value in values:
+                interval = [value * 0.93, value * 1.08] if quantity == "radiance" and metric in ("bias", "rmse", "rel_mse") else None
+                rows.append({"quantity": quantity, "metric": metric, "mask": mask, "value": value, "unit": its_unit,
+                             "interval": sorted(interval) if interval else None, "pixel_count": pixels})
+    return rows
+
+
+def frame(scene, name, error=None, sign=1, status="rendered", reason="", truth=False, seconds=1.0, settings="", reused=False, transmittance=True):
+    rendered = status == "rendered"
+    base = f"images/{scene}/{name}"
+    compared = rendered and not truth
+    return {"engine": name, "rung": next(e["rung"] for e in ENGINES if e["name"] == name), "status": status, "reason": reason, "settings": settings,
+            "reused": reused, "render_s": seconds if rendered else None, "wall_s": seconds * 1.13 + 0.4 if status not in ("cannot", "missing") else None,
+            "cpu_s": seconds * 1.9 if rendered else None, "peak_memory_bytes": 187_400_192 if rendered else None,
+            "picture": f"{base}.png" if rendered else None,
+            "difference": {"radiance": f"{base}_difference_radiance.png" if compared else None,
+                           "transmittance": f"{base}_difference_transmittance.png" if compared and transmittance else None},
+            "measurements": measurements(error, sign) if compared and error is not None else []}
+
+
+def gate(name, metric, value, maximum, quantity="radiance", mask="all", verdict=None, reason="limit of the scene file"):
+    verdict = verdict or ("not_measured" if value is None else "pass" if abs(value) <= maximum else "fail")
+    return {"engine": name, "quantity": quantity, "metric": metric, "mask": mask, "value": value, "maximum": maximum, "verdict": verdict, "reason": reason}
+
+
+def find(frames, name, quantity, metric, mask="all"):
+    rows = next(f for f in frames if f["engine"] == name)["measurements"]
+    return next(r["value"] for r in rows if (r["quantity"], r["metric"], r["mask"]) == (quantity, metric, mask))
+
+
+def chart_spec():
+    spec = json.loads((PAGE / "speed_accuracy.vl.json").read_text())
+    rows = []
+
+    def series(name, engine_name, labels, seconds, error, slower, better):
+        for k, label in enumerate(labels):
+            s, e = seconds * slower ** k, error * better ** k + 2e-5
+            rows.append({"series": name, "engine": engine_name, "label": label, "seconds": s, "seconds_low": s * 0.93, "seconds_high": s * 1.12,
+                         "error": e, "error_low": e * 0.8 if k < 4 else -1e-6, "error_high": e * 1.25, "unit": "relative RMSE"})
+
+    series("march: steps", "march", [f"steps={2 ** k}" for k in range(3, 9)], 0.012, 0.08, 1.9, 0.26)
+    series("realtime: preset", "realtime", ["low", "medium", "high", "ultra"], 0.004, 0.05, 1.7, 0.6)
+    series("tracer: samples", "tracer", [f"samples={4 ** k}" for k in range(1, 6)], 0.2, 0.05, 3.9, 0.5)
+    series("cycles: step rate", "cycles", ["rate=4", "rate=2", "rate=1", "rate=0.5"], 1.1, 0.03, 1.8, 0.5)
+    rows.append({"series": HOSTILE, "engine": "povray", "label": HOSTILE[:14], "seconds": 2.1, "seconds_low": None, "seconds_high": None,
+                 "error": 0.2, "error_low": None, "error_high": None, "unit": "relative RMSE"})
+    rows.append({"series": "march: steps", "engine": "march", "label": "not measured", "seconds": None, "seconds_low": None, "seconds_high": None,
+                 "error": None, "error_low": None, "error_high": None, "unit": "relative RMSE"})
+    spec["datasets"]["points"] = rows
+    spec["datasets"]["slopes"] = [
+        {"line": "order 2 in time", "seconds": 0.014, "error": 0.04}, {"line": "order 2 in time", "seconds": 0.28, "error": 0.0001},
+        {"line": "order ½ (Monte Carlo)", "seconds": 0.2, "error": 0.035}, {"line": "order ½ (Monte Carlo)", "seconds": 45, "error": 0.035 / 15}]
+    return spec
+
+
+def report_data():
+    fog = [frame("height_fog", "exact", truth=True, seconds=0.8, settings="nodes=64"),
+           frame("height_fog", "tracer", 0.0042, 1, seconds=41.7, settings="samples=1024, seed=1"),
+           frame("height_fog", "march", 0.00071, -1, seconds=0.212, settings="steps=256"),
+           frame("height_fog", "realtime", 0.0088, -1, seconds=0.0134, settings="preset=high"),
+           frame("height_fog", "cycles", 0.0119, 1, seconds=12.8, settings="samples=256, step_rate=0.5", reused=True, transmittance=False),
+           frame("height_fog", "povray", status="missing", reason="the command povray is not on the path")]
+    bank = [frame("cloud_bank", "exact", status="cannot", reason="cannot: multiple scattering in a heterogeneous medium"),
+            frame("cloud_bank", "tracer", truth=True, seconds=388.0, settings="samples=8192, seeds 1 and 2"),
+            frame("cloud_bank", "march", 0.031, -1, seconds=0.64, settings="steps=512"),
+            frame("cloud_bank", "realtime", 0.094, -1, seconds=0.0161, settings="preset=high"),
+            frame("cloud_bank", "cycles", status="timeout", reason="stopped after 600 s", seconds=531.0),
+            frame("cloud_bank", "povray", status="missing", reason="the command povray is not on the path")]
+    odd = [frame("odd", "march", 0.5, 1, settings=HOSTILE),
+           frame("odd", "realtime", status="failed", reason=f"exit status 3: {HOSTILE}"),
+           frame("odd", "cycles", status="interrupted", reason=HOSTILE_SCRIPT)]
+    # A frame whose engine gave no picture, no cost and numbers without a value.
+    odd[0].update({"picture": None, "difference": {"radiance": None, "transmittance": None}, "render_s": None, "wall_s": None, "cpu_s": None, "peak_memory_bytes": None})
+    for row in odd[0]["measurements"]:
+        row["value"] = row["interval"] = None
+    odd[0]["measurements"][2].update({"value": 1.5e-13, "unit": HOSTILE})
+    odd[0]["measurements"].append({"quantity": "radiance", "metric": "flip_" + HOSTILE, "mask": "wire " + HOSTILE, "value": 123456789.5, "unit": "1", "interval": [0, 999.96], "pixel_count": 3})
+    scene = {"difference_scale": {"radiance": 0.25, "transmittance": 0.05}}
+    return {
+        "format": "neph-report-1", "title": "Nightly of main, all scenes", "created_utc": "2026-11-21T02:00:00Z", "neph_version": "0.1.0 (079f69e)",
+        "host": {"cpu": "AMD EPYC 7763 64-Core Processor", "cores": 2, "memory_bytes": 8_342_462_464}, "size_px": [WIDTH, HEIGHT],
+        "verdict": "fail", "seconds": 1013.4, "engines": copy.deepcopy(ENGINES),
+        "scenes": [
+            {"name": "height_fog", "title": "Height fog under a low sun", "exposure_ev": -1.5, "hash": "5f1c9d0e77ab34c2a1907733e2d94b58", **scene,
+             "physics": "Extinction falls off exponentially with height; single scattering of a Henyey-Greenstein phase function (g = 0.6). "
+                        "Isolates the path integral of an inhomogeneous medium, which has a closed form for transmittance.",
+             "truth": {"engine": "exact", "rung": "exact"}, "frames": fog,
+             "gates": [gate("march", "rel_mse", find(fog, "march", "radiance", "rel_mse"), 1e-4), gate("march", "max_abs", find(fog, "march", "transmittance", "max_abs"), 0.01, "transmittance"),
+                       gate("realtime", "rel_mse", find(fog, "realtime", "radiance", "rel_mse"), 0.0025), gate("tracer", "rel_bias", find(fog, "tracer", "radiance", "rel_bias"), 0.005, reason="three standard errors of 1024 samples"),
+                       gate("cycles", "rel_bias", find(fog, "cycles", "radiance", "rel_bias"), 0.02, reason="known bias of the step rate")]},
+            {"name": "cloud_bank", "title": "A bank of cloud, all orders of scattering", "exposure_ev": 0.5, "hash": "0b77e0cc1f5d4b7f9b2e6a10c4d8e3aa", **scene,
+             "physics": "A heterogeneous cloud of albedo 0.999 with all orders of scattering. Isolates what a single-scattering model leaves out.",
+             "truth": {"engine": "tracer", "rung": "tracer"}, "frames": bank,
+             "gates": [gate("march", "rel_mse", find(bank, "march", "radiance", "rel_mse"), 0.004), gate("realtime", "rel_mse", find(bank, "realtime", "radiance", "rel_mse"), 0.004, reason="model gap, agreed in the scene file"),
+                       gate("cycles", "rel_bias", None, 0.02, reason="the rendering timed out")]},
+            {"name": "odd", "title": f"Hostile {HOSTILE}", "exposure_ev": None, "hash": HOSTILE, "difference_scale": {"radiance": 1, "transmittance": 1},
+             "physics": f"Strings that must stay text: {HOSTILE} {HOSTILE_SCRIPT} &amp; “quotes” '\"", "truth": None, "frames": odd,
+             "gates": [gate("march", "rmse", None, 0.1, mask=HOSTILE, reason=HOSTILE)]},
+        ],
+        "charts": [
+            {"id": "speed_accuracy", "title": "What accuracy costs", "caption": "Error against render time in the height fog. Each line halves or doubles one setting; dashed lines are ideal rates of convergence.",
+             "svg": "charts/speed_accuracy.svg", "missing": None, "spec": chart_spec()},
+            {"id": "no_svg", "title": f"A chart without a static picture {HOSTILE}", "caption": HOSTILE, "svg": None, "missing": "node is not installed",
+             "spec": {"$schema": "https://vega.github.io/schema/vega-lite/v6.json", "background": "white", "width": 300, "height": 120,
+                      "data": {"values": [{"name": HOSTILE, "ms": 3}, {"name": "b", "ms": 5}]}, "mark": {"type": "bar", "color": "#0072B2"},
+                      "encoding": {"x": {"field": "ms", "type": "quantitative"}, "y": {"field": "name", "type": "nominal", "title": None}}}},
+        ],
+    }
+
+
+# --------------------------------------------------------------------------------------- layout
+
+def write_data(folder, data):
+    text = json.dumps(data, ensure_ascii=False, allow_nan=False)
+    (folder / "data.json").write_text(text)
+    (folder / "data.js").write_text(f"window.NEPH_REPORT = {text};\n")
+
+
+def node(*arguments, timeout=300):
+    return subprocess.run(["node", *map(str, arguments)], capture_output=True, text=True, timeout=timeout, check=False)
+
+
+def build(folder, data=None):
+    """Lay a report out as the C program does."""
+    data = data or report_data()
+    folder.mkdir(parents=True, exist_ok=True)
+    for name in ("index.html", "report.css", "report.js"):
+        shutil.copy(PAGE / name, folder)
+    (folder / "vendor").mkdir(exist_ok=True)
+    for name, source in VENDORED.items():
+        shutil.copy(PAGE / source, folder / "vendor" / name)
+    gains = {"exact": (0, 0), "tracer": (0, 0), "march": (0.15, 2), "realtime": (0.4, 2), "cycles": (-0.2, 2)}
+    for scene in data["scenes"]:
+        for item in scene["frames"]:
+            shift, gain = gains.get(item["engine"], (0, 0))
+            if item["picture"]:
+                write_png(folder / item["picture"], picture(shift))
+            for kind, scaling in (("radiance", 1), ("transmittance", -0.6)):
+                if item["difference"][kind]:
+                    write_png(folder / item["difference"][kind], difference(shift, scaling * gain))
+    (folder / "charts").mkdir(exist_ok=True)
+    for chart in data["charts"]:
+        if chart["svg"]:
+            spec = folder / "charts" / f"{chart['id']}.vl.json"
+            spec.write_text(json.dumps(chart["spec"]))
+            drawn = node(PAGE / "render_chart.mjs", spec, folder / chart["svg"])
+            if drawn.returncode != 0:
+                raise RuntimeError(drawn.stderr)
+    write_data(folder, data)
+
+
+# ---------------------------------------------------------------------------------------- tests
+
+class Charts(unittest.TestCase):
+    """render_chart.mjs, which needs no browser."""
+
+    def draw(self, change):
+        spec = chart_spec()
+        change(spec)
+        with tempfile.TemporaryDirectory() as folder:
+            source, target = pathlib.Path(folder, "spec.json"), pathlib.Path(folder, "out.svg")
+            source.write_text(json.dumps(spec))
+            result = node(PAGE / "render_chart.mjs", source, target)
+            left = sorted(p.name for p in pathlib.Path(folder).iterdir())
+            return result, target.read_text() if target.exists() else None, left
+
+    def test_the_chart_fits_a_readme_and_brings_its_own_paper(self):
+        result, svg, _ = self.draw(lambda spec: None)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(result.stderr, "")
+        self.assertLessEqual(int(svg.split('width="')[1].split('"')[0]), 760)
+        self.assertIn('fill="white"', svg)
+        for text in ("march: steps", "order 2 in time", "steps=8", "error against the truth [relative RMSE]"):
+            self.assertIn(text, svg)
+        self.assertIn("&lt;img src=x", svg)
+        self.assertNotIn("<img", svg)
+
+    def test_the_same_rows_give_the_same_bytes(self):
+        self.assertEqual(self.draw(lambda spec: None)[1], self.draw(lambda spec: None)[1])
+
+    def test_a_chart_needs_neither_slopes_nor_error_bars(self):
+        def bare(spec):
+            spec["datasets"]["slopes"] = []
+            spec["datasets"]["points"] = [{**row, "seconds_low": None, "seconds_high": None, "error_low": None, "error_high": None} for row in spec["datasets"]["points"]]
+        result, svg, _ = self.draw(bare)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("steps=8", svg)
+
+    def test_no_rows_is_an_error_and_leaves_no_file(self):
+        result, svg, left = self.draw(lambda spec: spec["datasets"].update(points=[], slopes=[]))
+        self.assertEqual(result.returncode, 1)
+        self.assertIn("nothing to draw", result.stderr)
+        self.assertIsNone(svg)
+        self.assertEqual(left, ["spec.json"])
+
+    def test_data_from_outside_are_refused(self):
+        result, svg, _ = self.draw(lambda spec: spec["layer"][0].update(data={"url": "https://example.com/rows.json"}))
+        self.assertEqual(result.returncode, 1)
+        self.assertIn("example.com", result.stderr)
+        self.assertIsNone(svg)
+
+    def test_broken_files_are_named(self):
+        with tempfile.TemporaryDirectory() as folder:
+            source = pathlib.Path(folder, "broken.json")
+            source.write_text("{")
+            result = node(PAGE / "render_chart.mjs", source, pathlib.Path(folder, "out.svg"))
+        self.assertEqual(result.returncode, 1)
+        self.assertIn("broken.json", result.stderr)
+        self.assertEqual(node(PAGE / "render_chart.mjs").returncode, 2)
+
+    def test_the_licence_texts_are_those_of_the_installed_packages(self):
+        result = node(PAGE / "vendor_licences.mjs")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(result.stdout, (PAGE / "vendor-licences.txt").read_text(), "run `npm run --silent licences` in scripts/report")
+
+
+class Page(unittest.TestCase):
+    """The page in headless Chromium."""
+
+    @classmethod
+    def setUpClass(cls):
+        if not os.path.exists(CHROMIUM):
+            print(f"SKIPPED: {CHROMIUM} is not installed, so the report's page was NOT tested (apt-get install chromium)", file=sys.stderr)
+            raise unittest.SkipTest(f"{CHROMIUM} is not installed")
+        cls.temporary = tempfile.TemporaryDirectory(prefix="neph_report_")
+        cls.good = pathlib.Path(cls.temporary.name, "good")
+        build(cls.good)
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.temporary.cleanup()
+
+    def check(self, folder, *options):
+        return node(PAGE / "check_report.mjs", *options, folder)
+
+    def broken(self, name, change):
+        """A copy of the good report with one thing wrong."""
+        folder = pathlib.Path(self.temporary.name, name)
+        shutil.copytree(self.good, folder)
+        change(folder)
+        return self.check(folder, "--quick")
+
+    def test_a_good_report_holds_together(self):
+        result = self.check(self.good)
+        self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
+
+    def test_without_the_bundle_the_static_charts_stay(self):
+        folder = pathlib.Path(self.temporary.name, "static")
+        shutil.copytree(self.good, folder)
+        shutil.rmtree(folder / "vendor")
+        data = report_data()
+        data["interactive"] = False
+        write_data(folder, data)
+        result = self.check(folder, "--quick")
+        self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
+
+    def test_a_report_of_nothing_still_reads(self):
+        folder = pathlib.Path(self.temporary.name, "empty")
+        data = report_data()
+        data.update(scenes=[], charts=[], engines=[], verdict="pass", host={"cpu": None, "cores": None, "memory_bytes": None}, seconds=None)
+        build(folder, data)
+        result = self.check(folder, "--quick")
+        self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
+
+    def test_a_number_that_differs_is_found(self):
+        def change(folder):
+            data = report_data()
+            data["scenes"][0]["frames"][1]["measurements"][2]["value"] *= 1.001
+            (folder / "data.json").write_text(json.dumps(data))
+        result = self.broken("number", change)
+        self.assertEqual(result.returncode, 1)
+        self.assertIn("scenes/0/frames/1/measurements/2/value", result.stdout)
+
+    def test_a_number_shown_wrongly_is_found(self):
+        def change(folder):
+            script = folder / "report.js"
+            script.write_text(script.read_text().replace("const shown = value * scale;", "const shown = value * scale * 1.02;"))
+        result = self.broken("shown", change)
+        self.assertEqual(result.returncode, 1)
+        self.assertIn("reads", result.stdout)
+
+    def test_a_missing_picture_is_found(self):
+        result = self.broken("picture", lambda folder: (folder / "images/height_fog/march.png").unlink())
+        self.assertEqual(result.returncode, 1)
+        self.assertIn("images/height_fog/march.png", result.stdout)
+
+    def test_markup_from_data_is_found(self):
+        def change(folder):
+            script = folder / "report.js"
+            script.write_text(script.read_text().replace("el(\"p\", {}, scene.physics)", "Object.assign(el(\"p\"), { innerHTML: scene.physics })"))
+        result = self.broken("markup", change)
+        self.assertEqual(result.returncode, 1)
+        self.assertIn("markup that is none of the page's", result.stdout)
+
+    def test_a_network_request_is_found(self):
+        def change(folder):
+            page = folder / "index.html"
+            text = page.read_text()
+            start = text.index('<meta http-equiv="Content-Security-Policy"')
+            text = text[:start] + text[text.index(">", start) + 1:]
+            page.write_text(text.replace("</head>", '<script src="https://example.com/tracker.js"></script></head>'))
+        result = self.broken("network", change)
+        self.assertEqual(result.returncode, 1)
+        self.assertIn("example.com", result.stdout)
+
+    def test_a_missing_bundle_is_found(self):
+        result = self.broken("bundle", lambda folder: (folder / "vendor/vega.min.js").unlink())
+        self.assertEqual(result.returncode, 1)
+        self.assertIn("vendor/vega.min.js", result.stdout)
+
+
+if __name__ == "__main__":
+    if len(sys.argv) == 3 and sys.argv[1] == "--fixture":
+        build(pathlib.Path(sys.argv[2]))
+    else:
+        unittest.main(verbosity=2)

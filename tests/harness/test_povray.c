@@ -1,0 +1,698 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The POV-Ray engine: its brackets and digits, the text it writes, and, where POV-Ray is
+ * installed, its frames against closed forms. Tolerances: what the midpoint rule and the 16-bit
+ * brackets leave, as stated at each test.
+ */
+#include "tests/neph_test.h"
+
+#include "base/files.h"
+#include "harness/engines/engines.h"
+#include "harness/engines/povray_exposure.h"
+#include "harness/engines/povray_scene.h"
+#include "scenes/media.h"
+#include "scenes/transport.h"
+
+#include <ctype.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+static const double pi = 3.14159265358979323846;
+
+enum { WIDTH = 32, HEIGHT = 18 };
+
+/* ---- Scenes in memory ----------------------------------------------------------------------- */
+
+struct stage {
+    struct neph_scene scene;
+    struct neph_camera_key key;
+    struct neph_solid solids[8];
+};
+
+static struct neph_rgb grey(double value)
+{
+    return (struct neph_rgb){value, value, value};
+}
+
+/* A camera looking along -Z from `eye`, a sun, no media, no solids, black sky. */
+static void set_stage(struct stage *stage, struct neph_vec3 eye, struct neph_vec3 look_at)
+{
+    memset(stage, 0, sizeof(*stage));
+    stage->key = (struct neph_camera_key){0.0, eye, look_at};
+    stage->scene = (struct neph_scene){
+        .path = "scene.yaml",
+        .name = "stage",
+        .camera_key_count = 1,
+        .camera_keys = &stage->key,
+        .camera_up = {0.0, 1.0, 0.0},
+        .vertical_fov_rad = 0.7,
+        .frame_count = 1,
+        .frame_rate_hz = 25.0,
+        .sun = {true, neph_vec3_normalize((struct neph_vec3){0.48, 0.6, 0.64}), grey(2.0)},
+        .scattering = NEPH_SCATTERING_SINGLE,
+        .solids = stage->solids,
+    };
+}
+
+static struct neph_medium *add_medium(struct stage *stage, struct neph_bounds bounds,
+                                      double extinction_per_m, double falloff_per_m, double albedo)
+{
+    struct neph_medium *medium = &stage->scene.media[stage->scene.medium_count++];
+    *medium = (struct neph_medium){
+        .kind = falloff_per_m > 0.0 ? NEPH_MEDIUM_HEIGHT_FOG : NEPH_MEDIUM_HOMOGENEOUS,
+        .bounds = bounds,
+        .albedo = grey(albedo),
+        .phase = {NEPH_PHASE_ISOTROPIC, 0.0},
+        .layer_count = 1,
+        .layers = {{extinction_per_m, falloff_per_m, 0.0}},
+    };
+    return medium;
+}
+
+static struct neph_solid *add_box(struct stage *stage, struct neph_bounds box, double albedo)
+{
+    struct neph_solid *solid = &stage->solids[stage->scene.solid_count++];
+    *solid = (struct neph_solid){.kind = NEPH_SOLID_BOX, .box = box, .albedo = grey(albedo)};
+    return solid;
+}
+
+static struct neph_solid *add_sphere(struct stage *stage, struct neph_vec3 center, double radius,
+                                     double albedo)
+{
+    struct neph_solid *solid = &stage->solids[stage->scene.solid_count++];
+    *solid = (struct neph_solid){
+        .kind = NEPH_SOLID_SPHERE, .center_m = center, .radius_m = radius, .albedo = grey(albedo)};
+    return solid;
+}
+
+/* ---- Brackets ------------------------------------------------------------------------------- */
+
+/* What POV-Ray writes for a bracketed value. */
+static void write_codes(double value, double gain, uint16_t codes[3])
+{
+    for (int i = 0; i < 3; i++)
+        codes[i] = (uint16_t)lround(65535.0 *
+                                    fmin(1.0, gain * neph_povray_bracket_scales[i] * value));
+}
+
+static void test_brackets_recover_values(void **state)
+{
+    (void)state;
+    uint64_t seed = 1;
+    for (int i = 0; i < 100000; i++) {
+        double value = exp(neph_test_uniform(&seed, log(1e-8), 0.0));
+        double gain = exp(neph_test_uniform(&seed, log(0.1), log(1e7)));
+        uint16_t codes[3];
+        write_codes(value, gain, codes);
+        struct neph_povray_reading reading = neph_povray_read_brackets(codes, gain);
+        if (isinf(reading.error)) {
+            assert_true(gain * value > 0.979);
+            assert_true(reading.value <= value * (1.0 + 1e-5));
+            continue;
+        }
+        neph_assert_close(reading.value, value, 1e-12, reading.error);
+        /* In each bracket but the last: half a quantum of an eighth of full scale. */
+        if (gain * value > 0.98 / 512.0)
+            assert_true(reading.error <= 6.3e-5 * value);
+    }
+}
+
+/* Expose simulated pixels as the engine does; returns the number of renders. */
+static int expose_simulated(const double *values, size_t count, double gain,
+                            const struct neph_povray_target *target,
+                            struct neph_povray_reading *readings)
+{
+    int renders = 0;
+    for (size_t i = 0; i < count; i++)
+        readings[i] = (struct neph_povray_reading){0.0, INFINITY};
+    for (; gain > 0.0 && renders < 20; renders++) {
+        for (size_t i = 0; i < count; i++) {
+            uint16_t codes[3];
+            write_codes(values[i], gain, codes);
+            readings[i] = neph_povray_better(readings[i], neph_povray_read_brackets(codes, gain));
+        }
+        gain = neph_povray_next_gain(readings, count, gain, target);
+    }
+    return renders;
+}
+
+static void test_exposures_meet_the_target(void **state)
+{
+    (void)state;
+    enum { COUNT = 4000 };
+    static double values[COUNT];
+    static struct neph_povray_reading readings[COUNT];
+    const struct neph_povray_target target = {.relative = 1e-4, .absolute = 1e-12};
+    uint64_t seed = 2;
+    for (int i = 0; i < COUNT; i++)
+        values[i] = exp(neph_test_uniform(&seed, log(1e-8), 0.0));
+    const double gains[] = {0.9, 1e-3, 900.0}; /* right; too dark; clamped */
+    for (int g = 0; g < 3; g++) {
+        int renders = expose_simulated(values, COUNT, gains[g], &target, readings);
+        assert_true(renders <= 6);
+        for (int i = 0; i < COUNT; i++)
+            neph_assert_close(readings[i].value, values[i], 1e-4, 1e-12);
+    }
+}
+
+static void test_black_pictures_end(void **state)
+{
+    (void)state;
+    static const double values[4] = {0.0, 0.0, 0.0, 0.0};
+    struct neph_povray_reading readings[4];
+    const struct neph_povray_target target = {
+        .relative = 1e-4, .absolute = 1e-13, .absolute_of_peak = 1e-6};
+    assert_int_equal(expose_simulated(values, 4, 0.9, &target, readings), 2);
+    assert_true(readings[0].value == 0.0);
+}
+
+static void test_depth_digits_recover_depth(void **state)
+{
+    (void)state;
+    uint64_t seed = 3;
+    const double range_m = 1e6;
+    for (int i = 0; i < 100000; i++) {
+        double depth = neph_test_uniform(&seed, 0.0, NEPH_POVRAY_DEPTH_TOP), read_m = -1.0;
+        uint16_t codes[3];
+        for (int place = 0; place < 3; place++) {
+            double digit = depth * pow(NEPH_POVRAY_DEPTH_BASE, place);
+            codes[place] = (uint16_t)lround(65535.0 * (digit - floor(digit)));
+        }
+        assert_true(neph_povray_read_depth(codes, range_m, &read_m));
+        /* Half a quantum of the last digit: 1 / (2 * 65535 * 65536). */
+        neph_assert_close(read_m, depth * range_m, 0.0, 1.2e-10 * range_m);
+    }
+    const uint16_t sky[3] = {65535, 65535, 65535};
+    double depth_m = 0.0;
+    assert_false(neph_povray_read_depth(sky, range_m, &depth_m));
+}
+
+/* ---- Phase functions ------------------------------------------------------------------------ */
+
+static void test_phase_constants(void **state)
+{
+    (void)state;
+    /* POV-Ray's k against 4 pi p times the excess, over all cosines. */
+    const struct neph_phase rayleigh = {NEPH_PHASE_RAYLEIGH, 0.0};
+    const struct neph_phase forward = {NEPH_PHASE_HENYEY_GREENSTEIN, 0.85};
+    const struct neph_phase isotropic = {NEPH_PHASE_ISOTROPIC, 0.0};
+    for (double c = -1.0; c <= 1.0; c += 0.0625) {
+        double excess = neph_povray_phase_excess(NEPH_PHASE_RAYLEIGH);
+        neph_assert_close(0.799372013 * (1.0 + c * c),
+                          4.0 * pi * excess * neph_phase_per_sr(&rayleigh, c), 1e-12, 0.0);
+        double k = (1.0 - 0.85 * 0.85) / pow(1.0 + 0.85 * 0.85 - 2.0 * 0.85 * c, 1.5);
+        neph_assert_close(k, 4.0 * pi * neph_phase_per_sr(&forward, c), 1e-12, 0.0);
+        neph_assert_close(1.0, 4.0 * pi * neph_phase_per_sr(&isotropic, c), 1e-12, 0.0);
+    }
+    neph_assert_close(neph_povray_phase_excess(NEPH_PHASE_RAYLEIGH), 1.06583, 1e-5, 0.0);
+}
+
+/* ---- The text ------------------------------------------------------------------------------- */
+
+static const struct neph_bounds room = {{-5.0, 0.0, -10.0}, {5.0, 4.0, -4.0}};
+
+/* Everything that a scene can hold. */
+static void set_full_stage(struct stage *stage)
+{
+    set_stage(stage, (struct neph_vec3){0.0, 2.0, 5.0}, (struct neph_vec3){0.0, 1.0, -5.0});
+    struct neph_medium *medium = add_medium(stage, room, 0.2, 0.0, 0.8);
+    medium->phase = (struct neph_phase){NEPH_PHASE_HENYEY_GREENSTEIN, 0.6};
+    medium->albedo = (struct neph_rgb){0.9, 0.8, 0.5};
+    medium = add_medium(stage, room, 0.1, 0.5, 1.0);
+    medium->phase.kind = NEPH_PHASE_RAYLEIGH;
+    medium->layer_count = 2;
+    medium->layers[1] = (struct neph_fog_layer){0.05, 0.1, 2.0};
+    add_box(stage, (struct neph_bounds){{-20.0, -1.0, -20.0}, {20.0, 0.0, 20.0}}, 0.5);
+    add_sphere(stage, (struct neph_vec3){1.0, 1.0, -7.0}, 0.7, 0.8);
+    stage->scene.background_w_per_m2_sr = (struct neph_rgb){0.1, 0.2, 0.3};
+}
+
+static char *text_of(const struct stage *stage, struct neph_povray_pass pass)
+{
+    struct neph_diag diag = {0};
+    struct neph_povray_world world;
+    char *text = NULL;
+    neph_assert_ok(neph_povray_world(&stage->scene, 0, WIDTH, HEIGHT, 50, &world, &diag), &diag);
+    neph_assert_ok(neph_povray_text(&world, &pass, &text, &diag), &diag);
+    return text;
+}
+
+static bool is_known_word(const char *word, size_t length)
+{
+    static const char known[] =
+        " version global_settings assumed_gamma max_trace_level adc_bailout declare macro end U O "
+        "P "
+        "A camera perspective location right up direction light_source rgb parallel point_at "
+        "background box sphere hollow pigment rgbt finish ambient diffuse emission interior media "
+        "method intervals samples absorption scattering eccentricity extinction density function "
+        "exp x y z e texture Depth average pigment_map color_map ";
+    char padded[64];
+    if (length > 40)
+        return false;
+    snprintf(padded, sizeof(padded), " %.*s ", (int)length, word);
+    return strstr(known, padded);
+}
+
+/* Every word outside comments is one of ours; every character is harmless. */
+static void assert_plain(const char *text)
+{
+    for (const char *at = text; *at;) {
+        if (at[0] == '/' && at[1] == '/') {
+            at += strcspn(at, "\n");
+        } else if (isalpha((unsigned char)*at)) {
+            size_t length = 1;
+            while (isalpha((unsigned char)at[length]) || at[length] == '_')
+                length++;
+            if (!is_known_word(at, length))
+                fail_msg("unexpected word in the text: %.30s", at);
+            at += length;
+        } else {
+            assert_non_null(strchr("0123456789 .,;+-*/<>(){}[]#=\n", *at));
+            at++;
+        }
+    }
+}
+
+static void test_text_holds_no_string_of_the_scene(void **state)
+{
+    (void)state;
+    struct stage plain, hostile;
+    set_full_stage(&plain);
+    set_full_stage(&hostile);
+    hostile.scene.name = "x\n#include \"/etc/passwd\"\n#fopen F \"owned\" write";
+    hostile.scene.title = hostile.scene.physics = hostile.scene.path = hostile.scene.name;
+    for (int kind = 0; kind <= NEPH_POVRAY_DEPTH; kind++) {
+        struct neph_povray_pass pass = {.kind = (enum neph_povray_kind)kind, .gain = 1.0};
+        char *text = text_of(&plain, pass), *other = text_of(&hostile, pass);
+        assert_string_equal(text, other);
+        assert_plain(text);
+        free(text);
+        free(other);
+    }
+}
+
+static void test_text_refuses_what_is_not_a_number(void **state)
+{
+    (void)state;
+    struct stage stage;
+    set_full_stage(&stage);
+    stage.scene.background_w_per_m2_sr.r = NAN;
+    struct neph_povray_world world;
+    char *text = NULL;
+    struct neph_povray_pass pass = {.kind = NEPH_POVRAY_BEAUTY, .gain = 1.0};
+    neph_assert_ok(neph_povray_world(&stage.scene, 0, WIDTH, HEIGHT, 50, &world, NULL), NULL);
+    assert_int_equal(neph_povray_text(&world, &pass, &text, NULL), NEPH_ERR_UNSUPPORTED);
+    assert_null(text);
+}
+
+static void test_faces_of_containers_stand_alone(void **state)
+{
+    (void)state;
+    struct stage stage;
+    set_full_stage(&stage); /* both media share all faces and stand on the ground at y = 0 */
+    struct neph_povray_world world;
+    neph_assert_ok(neph_povray_world(&stage.scene, 0, WIDTH, HEIGHT, 50, &world, NULL), NULL);
+    const struct neph_bounds *a = &world.containers[0].bounds, *b = &world.containers[1].bounds;
+    double gap_m = 1e-3 / world.units_per_m;
+    assert_true(a->min_m.y < -gap_m && a->min_m.y > -1e-4);
+    assert_true(b->min_m.y < a->min_m.y - gap_m && b->min_m.y > -1e-4);
+    assert_true(b->max_m.x > a->max_m.x + gap_m);
+    assert_true(a->max_m.x == room.max_m.x); /* alone already: not moved */
+    assert_true(world.shift_error < 1e-6);
+}
+
+/* ---- What it can model ---------------------------------------------------------------------- */
+
+static void test_can_render(void **state)
+{
+    (void)state;
+    char reason[128] = "";
+    struct stage stage;
+    set_full_stage(&stage);
+    assert_true(neph_engine_povray.can_render(&stage.scene, reason, sizeof(reason)));
+    stage.scene.scattering = NEPH_SCATTERING_MULTIPLE;
+    assert_false(neph_engine_povray.can_render(&stage.scene, reason, sizeof(reason)));
+    assert_string_equal(reason, "multiple scattering");
+    stage.scene.scattering = NEPH_SCATTERING_SINGLE;
+    stage.scene.environment_light = true;
+    assert_false(neph_engine_povray.can_render(&stage.scene, reason, sizeof(reason)));
+    assert_string_equal(reason, "environment light on media or solids");
+    stage.scene.environment_light = false;
+    stage.solids[1].radius_m = 1e-12;
+    assert_false(neph_engine_povray.can_render(&stage.scene, reason, sizeof(reason)));
+    assert_non_null(strstr(reason, "solids of"));
+}
+
+static void test_probe_without_povray(void **state)
+{
+    (void)state;
+    char *path = strdup(getenv("PATH") ? getenv("PATH") : "");
+    struct neph_engine_info info;
+    setenv("PATH", "/nonexistent", 1);
+    neph_engine_povray.probe(&info);
+    setenv("PATH", path, 1);
+    free(path);
+    assert_false(info.available);
+    assert_non_null(strstr(info.missing, "povray"));
+    assert_string_equal(info.install_line, "apt-get install povray");
+}
+
+/* ---- Frames --------------------------------------------------------------------------------- */
+
+static bool has_povray(void)
+{
+    struct neph_engine_info info;
+    neph_engine_povray.probe(&info);
+    if (!info.available)
+        print_message("SKIPPED, POV-Ray is not measured here: %s\n", info.missing);
+    return info.available;
+}
+
+/* Render with POV-Ray in a scratch folder of an awkward name. */
+static struct neph_image *render(const struct stage *stage, unsigned layers, double intervals)
+{
+    struct neph_diag diag = {0};
+    struct neph_cost cost = {0};
+    struct neph_image *frame = NULL;
+    char scratch[] = "/tmp/neph test '$(touch x)' XXXXXX";
+    assert_non_null(mkdtemp(scratch));
+    struct neph_shot shot = {.scene = &stage->scene,
+                             .settings = neph_settings_default(&neph_engine_povray),
+                             .width_px = WIDTH,
+                             .height_px = HEIGHT,
+                             .layers = layers,
+                             .scratch_directory = scratch,
+                             .time_limit_s = 60.0};
+    shot.settings.values[0] = intervals;
+    neph_assert_ok(neph_engine_povray.render(&shot, &frame, &cost, &diag), &diag);
+    print_message("  %s; %.2f s render, %.2f s wall, %.2f s cpu, %.0f MiB\n",
+                  neph_image_attribute(frame, "neph.povray.passes"), cost.render_s, cost.wall_s,
+                  cost.cpu_s, (double)cost.peak_memory_bytes / 1048576.0);
+    assert_true(cost.wall_s >= cost.render_s);
+    neph_dir_remove(scratch, NULL);
+    return frame;
+}
+
+/* How a channel differs from the truth. */
+struct difference {
+    double mean, truth_mean, largest, largest_relative;
+};
+
+static double value_of(struct neph_rgb colour, int channel)
+{
+    return neph_povray_component(colour, channel);
+}
+
+enum quantity { RADIANCE, VOLUME, TRANSMITTANCE, DEPTH };
+
+static double truth_of(const struct stage *stage, enum quantity quantity, int channel, int i, int j)
+{
+    struct neph_camera camera = neph_scene_camera(&stage->scene, 0.0);
+    struct neph_vec3 ray = neph_camera_ray(&camera, WIDTH, HEIGHT, i, j);
+    struct neph_ray_light light = neph_transport_ray(&stage->scene, camera.position_m, ray);
+    switch (quantity) {
+    case RADIANCE:
+        return value_of(light.radiance, channel);
+    case VOLUME:
+        return value_of(light.volume, channel);
+    case TRANSMITTANCE:
+        return light.transmittance;
+    case DEPTH:
+        return light.hit_m * neph_vec3_dot(ray, camera.forward);
+    }
+    return NAN;
+}
+
+static struct difference compare(const struct stage *stage, const struct neph_image *frame,
+                                 const char *name, enum quantity quantity, int channel)
+{
+    const float *samples = neph_image_channel(frame, name);
+    struct difference difference = {0};
+    assert_non_null(samples);
+    for (int j = 0; j < HEIGHT; j++) {
+        for (int i = 0; i < WIDTH; i++) {
+            double truth = truth_of(stage, quantity, channel, i, j);
+            double measured = samples[j * WIDTH + i];
+            if (isinf(truth) && isinf(measured))
+                continue;
+            double off = fabs(measured - truth);
+            assert_true(isfinite(off));
+            difference.mean += (measured - truth) / (WIDTH * HEIGHT);
+            difference.truth_mean += truth / (WIDTH * HEIGHT);
+            difference.largest = fmax(difference.largest, off);
+            if (truth > 0.0)
+                difference.largest_relative = fmax(difference.largest_relative, off / truth);
+        }
+    }
+    print_message("  %-15s mean %.6g, bias %+.2e, worst %.2e, worst relative %.2e\n", name,
+                  difference.truth_mean, difference.mean / difference.truth_mean,
+                  difference.largest, difference.largest_relative);
+    return difference;
+}
+
+static void test_transmittance_of_a_box(void **state)
+{
+    (void)state;
+    if (!has_povray())
+        skip();
+    struct stage stage; /* along a side: optical depths 0 to 10 */
+    set_stage(&stage, (struct neph_vec3){0.0, 1.0, 12.0}, (struct neph_vec3){0.0, 1.0, 0.0});
+    add_medium(&stage, (struct neph_bounds){{-3.0, 0.0, -10.0}, {3.0, 2.0, 10.0}}, 0.5, 0.0, 0.5);
+    struct neph_image *frame = render(&stage, NEPH_LAYER_TRANSMITTANCE, 50);
+    struct difference t = compare(&stage, frame, "transmittance.G", TRANSMITTANCE, 1);
+    assert_true(t.largest_relative < 1e-4);
+    assert_null(neph_image_channel(frame, "R"));
+    assert_null(neph_image_channel(frame, "Z"));
+    neph_image_destroy(frame);
+}
+
+static void test_transmittance_of_a_dense_box(void **state)
+{
+    (void)state;
+    if (!has_povray())
+        skip();
+    struct stage stage; /* optical depths to 18: the floor is 1e-8 */
+    set_stage(&stage, (struct neph_vec3){0.0, 1.0, 12.0}, (struct neph_vec3){0.0, 1.0, 0.0});
+    add_medium(&stage, (struct neph_bounds){{-3.0, 0.0, -10.0}, {3.0, 2.0, 10.0}}, 0.9, 0.0, 0.5);
+    struct neph_image *frame = render(&stage, NEPH_LAYER_TRANSMITTANCE, 50);
+    struct difference t = compare(&stage, frame, "transmittance.R", TRANSMITTANCE, 0);
+    assert_true(t.largest_relative < 1e-4);
+    neph_image_destroy(frame);
+}
+
+static void test_transmittance_of_height_fog(void **state)
+{
+    (void)state;
+    if (!has_povray())
+        skip();
+    struct stage stage; /* camera inside; two layers; optical depths to about 5 */
+    set_stage(&stage, (struct neph_vec3){0.0, 2.0, 5.0}, (struct neph_vec3){0.0, 1.5, -5.0});
+    struct neph_bounds bounds = {{-30.0, 0.0, -30.0}, {30.0, 10.0, 10.0}};
+    struct neph_medium *fog = add_medium(&stage, bounds, 0.3, 0.5, 0.5);
+    fog->layer_count = 2;
+    fog->layers[1] = (struct neph_fog_layer){0.05, 0.2, 3.0};
+    add_box(&stage, (struct neph_bounds){{-50.0, -1.0, -50.0}, {50.0, 0.0, 50.0}}, 0.5);
+    struct neph_image *frame = render(&stage, NEPH_LAYER_TRANSMITTANCE, 50);
+    struct difference t = compare(&stage, frame, "transmittance.B", TRANSMITTANCE, 2);
+    assert_true(t.largest_relative < 2e-4);
+    neph_image_destroy(frame);
+}
+
+/* A fog without bounds, cut to the container that the scene chooses. */
+static void test_transmittance_of_open_fog(void **state)
+{
+    (void)state;
+    if (!has_povray())
+        skip();
+    struct stage stage;
+    set_stage(&stage, (struct neph_vec3){0.0, 20.0, 0.0}, (struct neph_vec3){0.0, 0.0, -100.0});
+    struct neph_bounds open = {{-INFINITY, -INFINITY, -INFINITY}, {INFINITY, INFINITY, INFINITY}};
+    add_medium(&stage, open, 0.02, 0.05, 0.9);
+    struct neph_image *frame = render(&stage, NEPH_LAYER_TRANSMITTANCE, 64);
+    struct difference t = compare(&stage, frame, "transmittance.R", TRANSMITTANCE, 0);
+    /* 256 midpoints across more than 16 scale heights: h^2/24 of the optical depth. */
+    assert_true(t.largest < 2e-3);
+    neph_image_destroy(frame);
+}
+
+/* The light of a plane-parallel slab, notes/physics.md section 2, seen from below. */
+static double slab_radiance(const struct stage *stage, struct neph_vec3 ray, double thickness_m)
+{
+    const struct neph_medium *slab = &stage->scene.media[0];
+    double mu = ray.y, mu0 = stage->scene.sun.direction.y;
+    double depth = slab->layers[0].extinction_per_m * thickness_m;
+    double phase = neph_phase_per_sr(&slab->phase, neph_vec3_dot(stage->scene.sun.direction, ray));
+    return slab->albedo.r * stage->scene.sun.irradiance_w_per_m2.r * phase * depth / mu *
+           exp(-depth / mu0) * neph_phi(depth * (1.0 / mu - 1.0 / mu0));
+}
+
+static void check_slab(struct neph_phase phase)
+{
+    struct stage stage; /* a slab of optical depth 1 overhead */
+    set_stage(&stage, (struct neph_vec3){0.0, -1.0, 0.0}, (struct neph_vec3){0.0, 2.0, -3.0});
+    add_medium(&stage, (struct neph_bounds){{-500.0, 0.0, -500.0}, {500.0, 2.0, 500.0}}, 0.5, 0.0,
+               0.8)
+        ->phase = phase;
+    struct neph_image *frame = render(&stage, NEPH_LAYER_RADIANCE, 50);
+    struct neph_camera camera = neph_scene_camera(&stage.scene, 0.0);
+    const float *volume = neph_image_channel(frame, "volume.R");
+    double sum = 0.0, truth = 0.0, worst = 0.0;
+    for (int j = 0; j < HEIGHT; j++) {
+        for (int i = 0; i < WIDTH; i++) {
+            struct neph_vec3 ray = neph_camera_ray(&camera, WIDTH, HEIGHT, i, j);
+            double expected = slab_radiance(&stage, ray, 2.0);
+            sum += volume[j * WIDTH + i];
+            truth += expected;
+            worst = fmax(worst, fabs(volume[j * WIDTH + i] / expected - 1.0));
+        }
+    }
+    print_message("  slab: mean %+.2e, worst %.2e\n", sum / truth - 1.0, worst);
+    neph_assert_close(sum, truth, 1e-3, 0.0);
+    assert_true(worst < 1e-3);
+    assert_memory_equal(volume, neph_image_channel(frame, "R"), WIDTH * HEIGHT * sizeof(float));
+    neph_image_destroy(frame);
+}
+
+static void test_single_scattering_slabs(void **state)
+{
+    (void)state;
+    if (!has_povray())
+        skip();
+    check_slab((struct neph_phase){NEPH_PHASE_ISOTROPIC, 0.0});
+    check_slab((struct neph_phase){NEPH_PHASE_HENYEY_GREENSTEIN, 0.85});
+    check_slab((struct neph_phase){NEPH_PHASE_HENYEY_GREENSTEIN, -0.3});
+    check_slab((struct neph_phase){NEPH_PHASE_RAYLEIGH, 0.0});
+}
+
+/* Two overlapping media of different phase functions, a fog among them, a ground that touches
+ * both, a sphere with its shadow, and colours that are not proportional. */
+static void test_full_scene(void **state)
+{
+    (void)state;
+    if (!has_povray())
+        skip();
+    struct stage stage;
+    set_full_stage(&stage);
+    struct neph_image *frame = render(&stage, NEPH_LAYERS_ALL, 50);
+    static const char *const names[2][3] = {{"R", "G", "B"}, {"volume.R", "volume.G", "volume.B"}};
+    for (int channel = 0; channel < 3; channel++) {
+        struct difference all = compare(&stage, frame, names[0][channel], RADIANCE, channel);
+        struct difference volume = compare(&stage, frame, names[1][channel], VOLUME, channel);
+        assert_true(fabs(all.mean) < 1e-3 * all.truth_mean);
+        assert_true(fabs(volume.mean) < 1e-3 * volume.truth_mean);
+        assert_true(all.largest_relative < 0.02); /* midpoints beside shadow edges */
+    }
+    struct difference t = compare(&stage, frame, "transmittance.R", TRANSMITTANCE, 0);
+    assert_true(t.largest_relative < 2e-4);
+    struct difference depth = compare(&stage, frame, "Z", DEPTH, 0);
+    assert_true(depth.largest_relative < 2e-7);
+    neph_image_destroy(frame);
+}
+
+static void test_no_scattering(void **state)
+{
+    (void)state;
+    if (!has_povray())
+        skip();
+    struct stage stage;
+    set_full_stage(&stage);
+    stage.scene.scattering = NEPH_SCATTERING_NONE;
+    struct neph_image *frame = render(&stage, NEPH_LAYER_RADIANCE, 50);
+    struct difference all = compare(&stage, frame, "G", RADIANCE, 1);
+    assert_true(all.largest_relative < 1e-3);
+    const float *volume = neph_image_channel(frame, "volume.G");
+    for (int i = 0; i < WIDTH * HEIGHT; i++)
+        assert_true(volume[i] == 0.0F);
+    neph_image_destroy(frame);
+}
+
+/* An empty scene needs no render at all. */
+static void test_empty_scene(void **state)
+{
+    (void)state;
+    if (!has_povray())
+        skip();
+    struct stage stage;
+    set_stage(&stage, (struct neph_vec3){0.0, 0.0, 0.0}, (struct neph_vec3){0.0, 0.0, -1.0});
+    struct neph_image *frame = render(&stage, NEPH_LAYERS_ALL, 50);
+    assert_true(neph_image_channel(frame, "R")[7] == 0.0F);
+    assert_true(neph_image_channel(frame, "transmittance.R")[7] == 1.0F);
+    assert_true(isinf(neph_image_channel(frame, "Z")[7]));
+    assert_string_equal(neph_image_attribute(frame, "neph.povray.passes"),
+                        "volume 0, surface 0, transmittance 0, depth 0");
+    neph_image_destroy(frame);
+}
+
+static void test_export_runs_by_hand(void **state)
+{
+    (void)state;
+    if (!has_povray())
+        skip();
+    char directory[] = "/tmp/neph-export-XXXXXX", command[256] = "";
+    assert_non_null(mkdtemp(directory));
+    struct neph_diag diag = {0};
+    struct stage stage;
+    set_full_stage(&stage);
+    struct neph_shot shot = {.scene = &stage.scene,
+                             .settings = neph_settings_default(&neph_engine_povray),
+                             .width_px = WIDTH,
+                             .height_px = HEIGHT};
+    neph_assert_ok(
+        neph_engine_povray.export_scene(&shot, directory, command, sizeof(command), &diag), &diag);
+    char *line = neph_format("cd %s && %s >log 2>&1", directory, command);
+    assert_int_equal(system(line), 0);
+    free(line);
+    char *picture = neph_path_join(directory, "scene.png");
+    assert_true(neph_path_exists(picture));
+    free(picture);
+    neph_dir_remove(directory, NULL);
+}
+
+static void test_failure_names_the_log(void **state)
+{
+    (void)state;
+    if (!has_povray())
+        skip();
+    struct neph_diag diag = {0};
+    struct neph_cost cost;
+    struct neph_image *frame = NULL;
+    struct stage stage;
+    set_full_stage(&stage);
+    struct neph_shot shot = {.scene = &stage.scene,
+                             .settings = neph_settings_default(&neph_engine_povray),
+                             .width_px = WIDTH,
+                             .height_px = HEIGHT,
+                             .layers = NEPH_LAYER_DEPTH,
+                             .scratch_directory = "/nonexistent/folder",
+                             .time_limit_s = 10.0};
+    assert_int_not_equal(neph_engine_povray.render(&shot, &frame, &cost, &diag), NEPH_OK);
+    assert_null(frame);
+    assert_true(diag.message[0] != '\0');
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_brackets_recover_values),
+        cmocka_unit_test(test_exposures_meet_the_target),
+        cmocka_unit_test(test_black_pictures_end),
+        cmocka_unit_test(test_depth_digits_recover_depth),
+        cmocka_unit_test(test_phase_constants),
+        cmocka_unit_test(test_text_holds_no_string_of_the_scene),
+        cmocka_unit_test(test_text_refuses_what_is_not_a_number),
+        cmocka_unit_test(test_faces_of_containers_stand_alone),
+        cmocka_unit_test(test_can_render),
+        cmocka_unit_test(test_probe_without_povray),
+        cmocka_unit_test(test_transmittance_of_a_box),
+        cmocka_unit_test(test_transmittance_of_a_dense_box),
+        cmocka_unit_test(test_transmittance_of_height_fog),
+        cmocka_unit_test(test_transmittance_of_open_fog),
+        cmocka_unit_test(test_single_scattering_slabs),
+        cmocka_unit_test(test_full_scene),
+        cmocka_unit_test(test_no_scattering),
+        cmocka_unit_test(test_empty_scene),
+        cmocka_unit_test(test_export_runs_by_hand),
+        cmocka_unit_test(test_failure_names_the_log),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

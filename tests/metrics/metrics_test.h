@@ -1,0 +1,95 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * What the tests of metrics share: small images from numbers, and a measurement by its name.
+ */
+#ifndef NEPH_TESTS_METRICS_TEST_H
+#define NEPH_TESTS_METRICS_TEST_H
+
+#include "tests/neph_test.h"
+
+#include "base/image.h"
+#include "metrics/error.h"
+#include "metrics/mask.h"
+
+static inline struct neph_image *create_image(int width_px, int height_px)
+{
+    struct neph_image *image = NULL;
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_image_create(width_px, height_px, &image, &diag), &diag);
+    return image;
+}
+
+/* Add a channel; NULL values: all zero. */
+static inline float *add_channel(struct neph_image *image, const char *name, const float *values)
+{
+    float *samples = NULL;
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_image_add_channel(image, name, &samples, &diag), &diag);
+    if (values)
+        memcpy(samples, values, neph_image_pixel_count(image) * sizeof(*samples));
+    return samples;
+}
+
+/* Add R G B of a layer from interleaved values; NULL layer: radiance. */
+static inline void add_rgb(struct neph_image *image, const char *layer, const float *interleaved)
+{
+    float *planes[3];
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_image_add_rgb(image, layer, planes, &diag), &diag);
+    for (size_t i = 0; i < neph_image_pixel_count(image); i++)
+        for (int c = 0; c < 3; c++)
+            planes[c][i] = interleaved[3 * i + (size_t)c];
+}
+
+static inline struct neph_mask *create_mask(const struct neph_image *image, const char *name)
+{
+    struct neph_mask *mask = NULL;
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_mask_create(image, name, NULL, &mask, &diag), &diag);
+    return mask;
+}
+
+struct measured {
+    struct neph_measurement all[NEPH_ERROR_METRIC_MAX];
+    int count;
+};
+
+static inline struct measured measure(const struct neph_image *reference,
+                                      const struct neph_image *test, const char *quantity,
+                                      const struct neph_mask *mask)
+{
+    struct measured measured = {.count = 0};
+    struct neph_diag diag = {0};
+    neph_assert_ok(
+        neph_error_measure(reference, test, quantity, mask, measured.all, &measured.count, &diag),
+        &diag);
+    return measured;
+}
+
+static inline const struct neph_measurement *find(const struct measured *measured, const char *name)
+{
+    for (int i = 0; i < measured->count; i++)
+        if (strcmp(measured->all[i].metric, name) == 0)
+            return &measured->all[i];
+    fail_msg("no measurement '%s'", name);
+    return NULL;
+}
+
+static inline double value_of(const struct measured *measured, const char *name)
+{
+    const struct neph_measurement *found = find(measured, name);
+    if (!found->defined)
+        fail_msg("'%s' is undefined: %s", name, found->undefined_because);
+    return found->value;
+}
+
+/* NEPH_TEST_SEED, or the given one; printed, so that a failure can be run again. */
+static inline uint64_t test_seed(uint64_t usual)
+{
+    const char *wanted = getenv("NEPH_TEST_SEED");
+    uint64_t seed = wanted ? strtoull(wanted, NULL, 0) : usual;
+    print_message("NEPH_TEST_SEED=%llu\n", (unsigned long long)seed);
+    return seed;
+}
+
+#endif

@@ -1,0 +1,322 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Masks on depth maps made by hand, and the depth edge against its definition word by word.
+ */
+#include "tests/metrics/metrics_test.h"
+
+enum { SIDE_MAX = 16 };
+
+/* A depth map in letters: '.' sky, 'a' 1 m, 'b' 1.05 m, 'f' 100 m. */
+static struct neph_image *depth_map(int width_px, int height_px, const char *letters)
+{
+    struct neph_image *image = create_image(width_px, height_px);
+    float *depth_m = add_channel(image, "Z", NULL);
+    for (size_t i = 0; i < neph_image_pixel_count(image); i++)
+        depth_m[i] = letters[i] == 'a'   ? 1.0f
+                     : letters[i] == 'b' ? 1.05f
+                     : letters[i] == 'f' ? 100.0f
+                                         : INFINITY;
+    return image;
+}
+
+/* The mask in letters: '#' inside, '-' outside. */
+static void assert_mask(const struct neph_image *image, const char *name, int radius_px,
+                        const char *expected)
+{
+    struct neph_mask_options options = NEPH_MASK_DEFAULTS;
+    options.edge_radius_px = radius_px;
+    struct neph_mask *mask = NULL;
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_mask_create(image, name, &options, &mask, &diag), &diag);
+    char actual[SIDE_MAX * SIDE_MAX + 1] = "";
+    size_t inside_count = 0;
+    for (size_t i = 0; i < neph_image_pixel_count(image); i++) {
+        actual[i] = mask->inside[i] ? '#' : '-';
+        inside_count += mask->inside[i];
+    }
+    assert_string_equal(actual, expected);
+    assert_int_equal(mask->pixel_count, inside_count);
+    assert_string_equal(mask->name, name);
+    assert_int_equal(mask->width_px, image->width_px);
+    assert_int_equal(mask->height_px, image->height_px);
+    neph_mask_destroy(mask);
+}
+
+static void test_table(void **state)
+{
+    (void)state;
+    const char *const names[] = {"all", "sky", "solid", "medium", "depth_edge"};
+    assert_int_equal(neph_mask_kind_count(), 5);
+    for (int i = 0; i < 5; i++) {
+        assert_string_equal(neph_mask_kind_at(i)->name, names[i]);
+        assert_ptr_equal(neph_mask_kind_find(names[i]), neph_mask_kind_at(i));
+        assert_true(strlen(neph_mask_kind_at(i)->help) > 0);
+    }
+    assert_null(neph_mask_kind_at(-1));
+    assert_null(neph_mask_kind_at(5));
+    assert_null(neph_mask_kind_find("skye"));
+    neph_mask_destroy(NULL);
+}
+
+static void test_sky_and_solid_share_the_image(void **state)
+{
+    (void)state;
+    struct neph_image *image = depth_map(3, 2,
+                                         ".a."
+                                         "f.b");
+    assert_mask(image, "all", 2, "######");
+    assert_mask(image, "sky", 2, "#-#-#-");
+    assert_mask(image, "solid", 2, "-#-#-#");
+    neph_image_destroy(image);
+}
+
+static void test_solid_against_sky_is_an_edge_on_both_sides(void **state)
+{
+    (void)state;
+    struct neph_image *image = depth_map(7, 1, "fff....");
+    assert_mask(image, "depth_edge", 0, "--##---");
+    assert_mask(image, "depth_edge", 1, "-####--");
+    assert_mask(image, "depth_edge", 2, "######-");
+    assert_mask(image, "depth_edge", 4, "#######");
+    neph_image_destroy(image);
+}
+
+static void test_flat_depth_has_no_edge(void **state)
+{
+    (void)state;
+    struct neph_image *image = depth_map(3, 3, "........."); /* sky to sky is none */
+    assert_mask(image, "depth_edge", 2, "---------");
+    neph_image_destroy(image);
+    image = depth_map(3, 3, "abababaab"); /* 5 % is none */
+    assert_mask(image, "depth_edge", 2, "---------");
+    neph_image_destroy(image);
+}
+
+/* The ratio is 1.1, exclusive, and does not depend on the distance. */
+static void test_ratio(void **state)
+{
+    (void)state;
+    for (float near_m = 1e-3f; near_m < 1e6f; near_m *= 7.0f) {
+        struct neph_image *image = create_image(2, 1);
+        float *depth_m = add_channel(image, "Z", (float[]){near_m, 1.0999f * near_m});
+        assert_mask(image, "depth_edge", 0, "--");
+        depth_m[1] = 1.1001f * near_m;
+        assert_mask(image, "depth_edge", 0, "##");
+        depth_m[0] = depth_m[1];
+        depth_m[1] = near_m;
+        assert_mask(image, "depth_edge", 0, "##");
+        depth_m[1] = 0.0f; /* something on the lens */
+        assert_mask(image, "depth_edge", 0, "##");
+        depth_m[0] = 0.0f;
+        assert_mask(image, "depth_edge", 0, "--");
+        neph_image_destroy(image);
+    }
+}
+
+static void test_thin_wires(void **state)
+{
+    (void)state;
+    /* A wire one pixel wide is edge as a whole, with the pixels that it hides a bit of. */
+    struct neph_image *image = depth_map(9, 2,
+                                         "ffffaffff"
+                                         "ffffaffff");
+    assert_mask(image, "depth_edge", 0, "---###------###---");
+    assert_mask(image, "depth_edge", 2, "-#######--#######-");
+    neph_image_destroy(image);
+
+    image = depth_map(5, 5,
+                      "....."
+                      "....."
+                      "aaaaa"
+                      "....."
+                      ".....");
+    assert_mask(image, "depth_edge", 0, "-----###############-----");
+    neph_image_destroy(image);
+
+    /* One pixel: its four neighbours and no diagonal ones, then the square of the dilation. */
+    image = depth_map(7, 7,
+                      "......."
+                      "......."
+                      "......."
+                      "...a..."
+                      "......."
+                      "......."
+                      ".......");
+    assert_mask(image, "depth_edge", 0,
+                "-------"
+                "-------"
+                "---#---"
+                "--###--"
+                "---#---"
+                "-------"
+                "-------");
+    assert_mask(image, "depth_edge", 1,
+                "-------"
+                "--###--"
+                "-#####-"
+                "-#####-"
+                "-#####-"
+                "--###--"
+                "-------");
+    neph_image_destroy(image);
+}
+
+static void test_smallest_images(void **state)
+{
+    (void)state;
+    for (int radius_px = 0; radius_px <= 4; radius_px++) {
+        struct neph_image *image = depth_map(1, 1, "a");
+        assert_mask(image, "depth_edge", radius_px, "-");
+        assert_mask(image, "all", radius_px, "#");
+        assert_mask(image, "solid", radius_px, "#");
+        assert_mask(image, "sky", radius_px, "-");
+        neph_image_destroy(image);
+        image = depth_map(1, 3, "a.."); /* the dilation is clipped */
+        assert_mask(image, "depth_edge", radius_px, radius_px == 0 ? "##-" : "###");
+        neph_image_destroy(image);
+    }
+}
+
+/* The definition, pixel by pixel and without any cleverness. */
+static bool is_edge_by_definition(const float *depth_m, int width_px, int height_px, int x, int y)
+{
+    static const int neighbours[4][2] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}};
+    double here = (double)depth_m[y * width_px + x];
+    for (int n = 0; n < 4; n++) {
+        int nx = x + neighbours[n][0], ny = y + neighbours[n][1];
+        if (nx < 0 || ny < 0 || nx >= width_px || ny >= height_px)
+            continue;
+        double there = (double)depth_m[ny * width_px + nx];
+        if (isinf(here) != isinf(there))
+            return true;
+        if (isfinite(here) && fmax(here, there) / fmin(here, there) > 1.1)
+            return true;
+    }
+    return false;
+}
+
+static bool is_near_edge_by_definition(const float *depth_m, int width_px, int height_px, int x,
+                                       int y, int radius_px)
+{
+    for (int dy = -radius_px; dy <= radius_px; dy++) {
+        for (int dx = -radius_px; dx <= radius_px; dx++) {
+            int ex = x + dx, ey = y + dy;
+            if (ex >= 0 && ey >= 0 && ex < width_px && ey < height_px &&
+                is_edge_by_definition(depth_m, width_px, height_px, ex, ey))
+                return true;
+        }
+    }
+    return false;
+}
+
+static void test_edge_is_its_definition(void **state)
+{
+    (void)state;
+    uint64_t random = test_seed(2718);
+    static const int radii_px[] = {0, 1, 2, 4, 30};
+    for (int round = 0; round < 300; round++) {
+        int width_px = 1 + (int)(neph_test_random(&random) % 23);
+        int height_px = 1 + (int)(neph_test_random(&random) % 19);
+        struct neph_image *image = create_image(width_px, height_px);
+        float *depth_m = add_channel(image, "Z", NULL);
+        double change = neph_test_uniform(&random, 0.0, 0.3);
+        for (size_t i = 0; i < neph_image_pixel_count(image); i++) {
+            double kind = neph_test_uniform(&random, 0.0, 1.0);
+            depth_m[i] = kind < change ? (kind < 0.5 * change ? INFINITY : 3.0f) : 10.0f;
+        }
+        struct neph_mask_options options = NEPH_MASK_DEFAULTS;
+        options.edge_radius_px = radii_px[round % 5];
+        struct neph_mask *mask = NULL;
+        struct neph_diag diag = {0};
+        neph_assert_ok(neph_mask_create(image, "depth_edge", &options, &mask, &diag), &diag);
+        for (int y = 0; y < height_px; y++)
+            for (int x = 0; x < width_px; x++)
+                assert_int_equal(mask->inside[y * width_px + x],
+                                 is_near_edge_by_definition(depth_m, width_px, height_px, x, y,
+                                                            options.edge_radius_px));
+        neph_mask_destroy(mask);
+        neph_image_destroy(image);
+    }
+}
+
+static void test_medium_in_any_channel(void **state)
+{
+    (void)state;
+    struct neph_image *image = create_image(5, 1);
+    add_rgb(image, "transmittance",
+            (float[]){1, 1, 1,               /* nothing */
+                      1, 1, 0.9985f,         /* 1.5e-3 in blue alone */
+                      0.9995f, 0.9995f, 1,   /* below the threshold of 1e-3 */
+                      0, 0, 0,               /* a wall */
+                      1.01f, 1.01f, 1.01f}); /* a noisy estimate of nothing */
+    assert_mask(image, "medium", 2, "-#-#-");
+
+    struct neph_mask_options options = NEPH_MASK_DEFAULTS;
+    options.medium_optical_depth = 1e-4;
+    struct neph_mask *mask = NULL;
+    neph_assert_ok(neph_mask_create(image, "medium", &options, &mask, NULL), NULL);
+    assert_int_equal(mask->pixel_count, 3);
+    neph_mask_destroy(mask);
+    neph_image_destroy(image);
+}
+
+static void assert_refused(const struct neph_image *image, const char *name,
+                           const struct neph_mask_options *options, enum neph_status status,
+                           const char *words)
+{
+    struct neph_mask *mask = NULL;
+    struct neph_diag diag = {0};
+    assert_int_equal(neph_mask_create(image, name, options, &mask, &diag), status);
+    assert_null(mask);
+    if (!strstr(diag.message, words))
+        fail_msg("'%s' does not say '%s'", diag.message, words);
+}
+
+static void test_refusals(void **state)
+{
+    (void)state;
+    struct neph_image *image = create_image(2, 2);
+    assert_refused(image, "fog", NULL, NEPH_ERR_USAGE, "no mask 'fog'");
+    assert_refused(image, "sky", NULL, NEPH_ERR_UNSUPPORTED, "needs the channel 'Z'");
+    assert_refused(image, "depth_edge", NULL, NEPH_ERR_UNSUPPORTED, "'depth_edge'");
+    assert_refused(image, "medium", NULL, NEPH_ERR_UNSUPPORTED, "needs the layer 'transmittance'");
+
+    float *depth_m = add_channel(image, "Z", (float[]){1, 1, NAN, 1});
+    assert_refused(image, "sky", NULL, NEPH_ERR_GATE, "nan at pixel (0, 1)");
+    depth_m[2] = -INFINITY;
+    assert_refused(image, "solid", NULL, NEPH_ERR_GATE, "-inf at pixel (0, 1)");
+    depth_m[2] = -1.0f;
+    assert_refused(image, "depth_edge", NULL, NEPH_ERR_GATE, "-1 at pixel (0, 1)");
+    depth_m[2] = 1.0f;
+
+    struct neph_mask_options options = NEPH_MASK_DEFAULTS;
+    options.edge_depth_ratio = 0.9;
+    assert_refused(image, "depth_edge", &options, NEPH_ERR_INPUT, "0.9");
+    options = NEPH_MASK_DEFAULTS;
+    options.edge_radius_px = -1;
+    assert_refused(image, "depth_edge", &options, NEPH_ERR_INPUT, "-1");
+    options = NEPH_MASK_DEFAULTS;
+    options.medium_optical_depth = NAN;
+    assert_refused(image, "all", &options, NEPH_ERR_INPUT, "nan");
+
+    add_rgb(image, "transmittance", (float[]){1, 1, 1, 1, 1, INFINITY, 1, 1, 1, 1, 1, 1});
+    assert_refused(image, "medium", NULL, NEPH_ERR_GATE, "inf at pixel (1, 0)");
+    neph_image_destroy(image);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_table),
+        cmocka_unit_test(test_sky_and_solid_share_the_image),
+        cmocka_unit_test(test_solid_against_sky_is_an_edge_on_both_sides),
+        cmocka_unit_test(test_flat_depth_has_no_edge),
+        cmocka_unit_test(test_ratio),
+        cmocka_unit_test(test_thin_wires),
+        cmocka_unit_test(test_smallest_images),
+        cmocka_unit_test(test_edge_is_its_definition),
+        cmocka_unit_test(test_medium_in_any_channel),
+        cmocka_unit_test(test_refusals),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,198 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Gate G0 on images with planted faults.
+ */
+#include "tests/metrics/metrics_test.h"
+
+#include "metrics/validity.h"
+
+static struct neph_validity count(const struct neph_image *image)
+{
+    struct neph_validity validity;
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_validity_count(image, &validity, &diag), &diag);
+    return validity;
+}
+
+static void test_clean_frame_passes(void **state)
+{
+    (void)state;
+    struct neph_image *image = create_image(3, 1);
+    add_rgb(image, NULL, (float[]){0, 1, 2, -0.0f, 4, 5, 6, 7, 8});
+    add_channel(image, "Z", (float[]){1, INFINITY, 3});
+    struct neph_validity validity = count(image);
+    assert_int_equal(validity.channel_count, 4);
+    assert_int_equal(validity.non_finite_count, 0);
+    assert_int_equal(validity.negative_count, 0);
+    assert_string_equal(validity.channels[3].name, "Z");
+    assert_int_equal(validity.channels[3].positive_infinity_count, 0);
+    assert_true(validity.channels[3].min == 1.0f && validity.channels[3].max == 3.0f);
+    assert_true(validity.channels[1].min == 1.0f && validity.channels[1].max == 7.0f);
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_validity_gate(&validity, 0, &diag), &diag);
+    neph_validity_finish(&validity);
+    neph_image_destroy(image);
+}
+
+static void test_planted_faults_are_counted(void **state)
+{
+    (void)state;
+    struct neph_image *image = create_image(3, 2);
+    add_channel(image, "R", (float[]){1, NAN, INFINITY, NAN, -INFINITY, -2});
+    add_channel(image, "transmittance.G", (float[]){1, -1e-30f, 0, -1, 1, 1});
+    add_channel(image, "Z", (float[]){INFINITY, 1, NAN, -INFINITY, -3, 2});
+    add_channel(image, "motion.X", (float[]){-1, -2, -3, -4, NAN, 0});
+    struct neph_validity validity = count(image);
+
+    const struct neph_validity_channel *red = &validity.channels[0];
+    assert_int_equal(red->nan_count, 2);
+    assert_int_equal(red->positive_infinity_count, 1);
+    assert_int_equal(red->negative_infinity_count, 1);
+    assert_int_equal(red->non_finite_count, 4);
+    assert_int_equal(red->first_non_finite.x_px, 1);
+    assert_int_equal(red->first_non_finite.y_px, 0);
+    assert_int_equal(red->negative_count, 1);
+    assert_int_equal(red->first_negative.x_px, 2);
+    assert_int_equal(red->first_negative.y_px, 1);
+    assert_true(red->min == -2.0f && red->max == 1.0f);
+
+    const struct neph_validity_channel *clear = &validity.channels[1];
+    assert_int_equal(clear->non_finite_count, 0);
+    assert_int_equal(clear->negative_count, 2);
+    assert_int_equal(clear->first_negative.x_px, 1);
+
+    const struct neph_validity_channel *depth = &validity.channels[2];
+    assert_int_equal(depth->nan_count, 1);
+    assert_int_equal(depth->positive_infinity_count, 0);
+    assert_int_equal(depth->negative_infinity_count, 1);
+    assert_int_equal(depth->negative_count, 1);
+
+    assert_int_equal(validity.channels[3].negative_count, 0);
+    assert_int_equal(validity.channels[3].nan_count, 1);
+    assert_int_equal(validity.non_finite_count, 4 + 2 + 1);
+    assert_int_equal(validity.negative_count, 1 + 2 + 1);
+
+    struct neph_diag diag = {0};
+    assert_int_equal(neph_validity_gate(&validity, SIZE_MAX, &diag), NEPH_ERR_GATE);
+    assert_non_null(strstr(diag.message, "7 values in 3 of 4 channels are not finite"));
+    assert_non_null(strstr(diag.message, "'R' at pixel (1, 0)"));
+    assert_non_null(strstr(diag.message, "2 NaN, 1 +inf and 1 -inf"));
+    neph_validity_finish(&validity);
+    neph_image_destroy(image);
+}
+
+static void test_negative_values_have_an_allowance(void **state)
+{
+    (void)state;
+    struct neph_image *image = create_image(2, 1);
+    add_channel(image, "R", (float[]){1, 1});
+    add_channel(image, "volume.B", (float[]){-0.25f, -0.5f});
+    struct neph_validity validity = count(image);
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_validity_gate(&validity, 2, &diag), &diag);
+    assert_int_equal(neph_validity_gate(&validity, 1, &diag), NEPH_ERR_GATE);
+    assert_non_null(strstr(diag.message, "2 values in 1 of 2 channels are negative, 1 allowed"));
+    assert_non_null(strstr(diag.message, "'volume.B' at pixel (0, 0), whose least value is -0.5"));
+    assert_int_equal(neph_validity_gate(&validity, 0, NULL), NEPH_ERR_GATE);
+    neph_validity_finish(&validity);
+    neph_image_destroy(image);
+}
+
+static void test_channel_of_nothing_finite(void **state)
+{
+    (void)state;
+    struct neph_image *image = create_image(1, 1);
+    add_channel(image, "Z", (float[]){INFINITY});
+    struct neph_validity validity = count(image);
+    assert_false(validity.channels[0].has_finite);
+    assert_true(validity.channels[0].min == 0.0f && validity.channels[0].max == 0.0f);
+    neph_validity_finish(&validity);
+    neph_image_destroy(image);
+
+    image = create_image(1, 1); /* no channels at all */
+    validity = count(image);
+    assert_int_equal(validity.channel_count, 0);
+    neph_assert_ok(neph_validity_gate(&validity, 0, NULL), NULL);
+    neph_validity_finish(&validity);
+    neph_image_destroy(image);
+}
+
+static void test_mismatches_are_named(void **state)
+{
+    (void)state;
+    struct neph_image *reference = create_image(4, 3), *test = create_image(3, 4);
+    struct neph_diag diag = {0};
+    assert_int_equal(neph_validity_same_size(reference, test, &diag), NEPH_ERR_INPUT);
+    assert_string_equal(diag.message, "the reference is 4x3 pixels, the test 3x4");
+    neph_assert_ok(neph_validity_same_size(reference, reference, &diag), &diag);
+    neph_image_destroy(test);
+
+    test = create_image(4, 3);
+    add_channel(reference, "R", NULL);
+    add_channel(reference, "Z", NULL);
+    add_channel(test, "R", NULL);
+    assert_int_equal(neph_validity_same_channels(reference, test, &diag), NEPH_ERR_INPUT);
+    assert_string_equal(diag.message,
+                        "the channels differ: 1 only in the reference: 'Z'; 0 only in the test");
+    add_channel(test, "A", NULL);
+    assert_int_equal(neph_validity_same_channels(reference, test, &diag), NEPH_ERR_INPUT);
+    assert_non_null(strstr(diag.message, "1 only in the test: 'A'"));
+    neph_assert_ok(neph_validity_same_channels(test, test, &diag), &diag);
+    neph_image_destroy(reference);
+    neph_image_destroy(test);
+}
+
+/* Which channels must not be negative, and that only depth may be infinite. */
+static void test_rules_of_channels(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *name;
+        int negative_count, non_finite_count; /* of one -1 and one +inf */
+    } cases[] = {
+        {"R", 1, 1},        {"G", 1, 1},          {"B", 1, 1},
+        {"volume.R", 1, 1}, {"Z", 1, 0},          {"transmittance.B", 1, 1},
+        {"ZBack", 0, 1},    {"variance.G", 1, 1}, {"volumes", 0, 1},
+        {"normal.X", 0, 1},
+    };
+    for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+        struct neph_image *image = create_image(2, 1);
+        add_channel(image, cases[i].name, (float[]){-1, INFINITY});
+        struct neph_validity validity = count(image);
+        assert_int_equal(validity.negative_count, cases[i].negative_count);
+        assert_int_equal(validity.non_finite_count, cases[i].non_finite_count);
+        neph_validity_finish(&validity);
+        neph_image_destroy(image);
+    }
+}
+
+/* A list of names longer than the message is cut, not overrun. */
+static void test_many_missing_channels(void **state)
+{
+    (void)state;
+    struct neph_image *reference = create_image(1, 1), *test = create_image(1, 1);
+    for (int i = 0; i < 100; i++) {
+        char name[32];
+        snprintf(name, sizeof(name), "a long name for channel %d", i);
+        add_channel(reference, name, NULL);
+    }
+    struct neph_diag diag = {0};
+    assert_int_equal(neph_validity_same_channels(reference, test, &diag), NEPH_ERR_INPUT);
+    assert_non_null(strstr(diag.message, "100 only in the reference"));
+    neph_image_destroy(reference);
+    neph_image_destroy(test);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_clean_frame_passes),
+        cmocka_unit_test(test_planted_faults_are_counted),
+        cmocka_unit_test(test_negative_values_have_an_allowance),
+        cmocka_unit_test(test_channel_of_nothing_finite),
+        cmocka_unit_test(test_mismatches_are_named),
+        cmocka_unit_test(test_rules_of_channels),
+        cmocka_unit_test(test_many_missing_channels),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,738 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The ray marcher against exact transport in double precision: transmittance in closed form, order
+ * of convergence of the in-scattered radiance, solids and their shadows, exact counts, same bits,
+ * and no nonsense for extreme inputs.
+ */
+#include "tests/renderer/renderer_test.h"
+
+#include "base/interrupt.h"
+#include "renderer/march.h"
+#include "scenes/media.h"
+#include "scenes/solids.h"
+#include "scenes/transport.h"
+
+#include <signal.h>
+
+static const uint64_t seed = 20240607;
+
+static const struct neph_march_params exact_48 = {.width_px = 48,
+                                                  .height_px = 36,
+                                                  .steps = 64,
+                                                  .transmittance = NEPH_MARCH_EXACT,
+                                                  .sun = NEPH_MARCH_EXACT};
+
+static struct neph_image *render(struct neph_vulkan *vulkan, const struct test_scene *test,
+                                 const struct neph_march_params *params,
+                                 struct neph_march_stats *stats)
+{
+    struct neph_image *frame = NULL;
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_march_render(vulkan, &test->scene, params, &frame, stats, &diag), &diag);
+    assert_int_equal(frame->channel_count, 10);
+    return frame;
+}
+
+/* The exact light of each pixel; for the caller to free. */
+static struct neph_ray_light *exact_light(const struct test_scene *test, int width_px,
+                                          int height_px)
+{
+    char reason[256];
+    if (!neph_transport_is_exact(&test->scene, reason, sizeof(reason)))
+        fail_msg("no truth: %s", reason);
+    const struct neph_camera camera = neph_scene_camera(&test->scene, 0.0);
+    struct neph_ray_light *light = calloc((size_t)width_px * (size_t)height_px, sizeof(*light));
+    assert_non_null(light);
+    for (int j = 0; j < height_px; j++)
+        for (int i = 0; i < width_px; i++)
+            light[j * width_px + i] = neph_transport_ray(
+                &test->scene, camera.position_m,
+                neph_camera_ray(&camera, width_px, height_px, i, j));
+    return light;
+}
+
+/* --- transmittance ------------------------------------------------------------------------ */
+
+static void scene_homogeneous(struct test_scene *test)
+{
+    test_add_medium(test, 0.02, 0.0, 0.0);
+    test_add_box(test, (struct neph_vec3){-1e4, -10.0, -1e4}, (struct neph_vec3){1e4, 0.0, 1e4});
+    test_add_sphere(test, (struct neph_vec3){2.0, 3.0, -40.0}, 6.0);
+}
+
+static void scene_cube(struct test_scene *test)
+{
+    struct neph_medium *cube = test_add_medium(test, 0.4, 0.0, 0.0);
+    cube->bounds = (struct neph_bounds){{-3.0, -1.0, -12.0}, {4.0, 5.0, -6.0}};
+}
+
+static void scene_fog(struct test_scene *test)
+{
+    test_add_medium(test, 0.03, 0.05, 0.0);
+}
+
+static void scene_fog_up(struct test_scene *test)
+{
+    scene_fog(test);
+    test->key.look_at_m = (struct neph_vec3){3.0, 9.0, -5.0};
+}
+
+static void scene_fog_down(struct test_scene *test)
+{
+    test_add_medium(test, 0.2, 0.08, 2.0);
+    test_add_box(test, (struct neph_vec3){-1e3, -1.0, -1e3}, (struct neph_vec3){1e3, 0.0, 1e3});
+    test->key.position_m = (struct neph_vec3){10.0, 120.0, 30.0};
+    test->key.look_at_m = (struct neph_vec3){0.0, 0.0, 0.0};
+}
+
+static void scene_fog_two_layers(struct test_scene *test)
+{
+    struct neph_medium *fog = test_add_medium(test, 0.01, 0.02, 0.0);
+    test_add_layer(fog, 0.08, 0.4, 1.0);
+    test_add_box(test, (struct neph_vec3){-1e3, -1.0, -1e3}, (struct neph_vec3){1e3, 0.0, 1e3});
+}
+
+static void scene_two_layers_up(struct test_scene *test)
+{
+    struct neph_medium *fog = test_add_medium(test, 0.01, 0.02, 0.0);
+    test_add_layer(fog, 0.04, 0.1, 1.0);
+    test->key.look_at_m = (struct neph_vec3){3.0, 9.0, -5.0};
+}
+
+static void scene_overlapping_media(struct test_scene *test)
+{
+    scene_fog(test);
+    test->scene.media[0].phase.g = -0.3;
+    struct neph_medium *cube = test_add_medium(test, 0.3, 0.0, 0.0);
+    cube->bounds = (struct neph_bounds){{-4.0, -1.0, -20.0}, {2.0, 6.0, -10.0}};
+    cube->albedo = (struct neph_rgb){0.2, 0.9, 1.0};
+    cube->phase = (struct neph_phase){.kind = NEPH_PHASE_RAYLEIGH};
+}
+
+static void scene_far_from_the_origin(struct test_scene *test)
+{
+    test_add_medium(test, 0.03, 0.05, 3.0e6);
+    test->key.position_m = (struct neph_vec3){-2.0e6, 3.0e6 + 1.6, 5.0e6};
+    test->key.look_at_m = (struct neph_vec3){-2.0e6 + 1.0, 3.0e6 + 2.6, 5.0e6 - 10.0};
+}
+
+static const struct {
+    const char *name;
+    void (*build)(struct test_scene *);
+} transmittance_scenes[] = {
+    {"homogeneous", scene_homogeneous},
+    {"cube", scene_cube},
+    {"fog, level", scene_fog},
+    {"fog, up", scene_fog_up},
+    {"fog, down", scene_fog_down},
+    {"fog, two layers", scene_fog_two_layers},
+    {"overlapping media", scene_overlapping_media},
+    {"far from the origin", scene_far_from_the_origin},
+};
+
+struct worst {
+    double relative, absolute; /* of pixels whose transmittance is above 0.01; of all */
+};
+
+static struct worst compare_transmittance(const struct test_scene *test,
+                                          const struct neph_image *frame, double relative,
+                                          double absolute)
+{
+    const struct neph_camera camera = neph_scene_camera(&test->scene, 0.0);
+    const float *actual = neph_image_channel(frame, "transmittance.G");
+    struct worst worst = {0.0, 0.0};
+    for (int j = 0; j < frame->height_px; j++)
+        for (int i = 0; i < frame->width_px; i++) {
+            const struct neph_vec3 ray = neph_camera_ray(&camera, frame->width_px, frame->height_px,
+                                                         i, j);
+            const double end_m = neph_scene_hit(&test->scene, camera.position_m, ray).t_m;
+            const double expected = exp(
+                -neph_scene_optical_depth(&test->scene, camera.position_m, ray, 0.0, end_m));
+            const double error = fabs(actual[j * frame->width_px + i] - expected);
+            worst.absolute = fmax(worst.absolute, error);
+            if (expected > 0.01)
+                worst.relative = fmax(worst.relative, error / expected);
+            if (error > relative * expected && error > absolute)
+                fail_msg("pixel %d, %d: transmittance %.9g, expected %.9g", i, j,
+                         (double)actual[j * frame->width_px + i], expected);
+        }
+    return worst;
+}
+
+/* 1e-5 relative or 1e-6 absolute: an optical depth of 10 with relative error 1e-6, which is what
+ * float32 knows of a height 10 scale heights away. */
+static void test_transmittance_is_the_closed_form(void **state)
+{
+    const size_t count = sizeof(transmittance_scenes) / sizeof(transmittance_scenes[0]);
+    for (size_t s = 0; s < count; s++) {
+        struct test_scene test;
+        test_scene_init(&test);
+        transmittance_scenes[s].build(&test);
+        struct neph_image *frame = render(*state, &test, &exact_48, NULL);
+        const struct worst worst = compare_transmittance(&test, frame, 1e-5, 1e-6);
+        print_message("%-20s T off by %.1e of itself (T > 0.01), %.1e absolute\n",
+                      transmittance_scenes[s].name, worst.relative, worst.absolute);
+        neph_image_destroy(frame);
+    }
+}
+
+/* Two steps are enough for a homogeneous medium; fog converges with the square of the step. */
+static void test_marched_transmittance(void **state)
+{
+    struct neph_march_params params = exact_48;
+    params.transmittance = NEPH_MARCH_MARCHED;
+    struct test_scene test;
+
+    test_scene_init(&test);
+    scene_cube(&test);
+    params.steps = 2;
+    struct neph_image *frame = render(*state, &test, &params, NULL);
+    compare_transmittance(&test, frame, 1e-5, 1e-6);
+    neph_image_destroy(frame);
+
+    test_scene_init(&test);
+    scene_fog_two_layers(&test);
+    params.steps = 8192;
+    frame = render(*state, &test, &params, NULL);
+    const struct worst worst = compare_transmittance(&test, frame, 1e-4, 2e-6);
+    print_message("8192 marched steps: T off by %.1e of itself, %.1e absolute\n", worst.relative,
+                  worst.absolute);
+    neph_image_destroy(frame);
+}
+
+/* --- in-scattering ------------------------------------------------------------------------ */
+
+/* Mean over pixels of |volume - truth| in all channels, over the mean of the truth. Pixels of the
+ * silhouette, whose ray hits on one side only, are left out. */
+static double volume_error(const struct neph_image *frame, const struct neph_ray_light *light)
+{
+    float *volume[3];
+    assert_true(neph_image_rgb(frame, "volume", volume));
+    const float *depth_m = neph_image_channel(frame, "Z");
+    double error = 0.0, total = 0.0;
+    for (size_t i = 0; i < neph_image_pixel_count(frame); i++) {
+        if (!isinf(depth_m[i]) != !isinf(light[i].hit_m))
+            continue;
+        error += fabs(volume[0][i] - light[i].volume.r) + fabs(volume[1][i] - light[i].volume.g) +
+                 fabs(volume[2][i] - light[i].volume.b);
+        total += light[i].volume.r + light[i].volume.g + light[i].volume.b;
+    }
+    return error / total;
+}
+
+static const struct {
+    const char *name;
+    void (*build)(struct test_scene *);
+} smooth_scenes[] = {
+    {"cube", scene_cube},
+    {"fog, up", scene_fog_up},
+    {"fog, down", scene_fog_down},
+    {"two layers, up", scene_two_layers_up},
+};
+
+static const struct {
+    const char *name;
+    enum neph_march_mode transmittance, sun;
+} mode_pairs[] = {
+    {"T exact,   sun exact  ", NEPH_MARCH_EXACT, NEPH_MARCH_EXACT},
+    {"T marched, sun exact  ", NEPH_MARCH_MARCHED, NEPH_MARCH_EXACT},
+    {"T exact,   sun marched", NEPH_MARCH_EXACT, NEPH_MARCH_MARCHED},
+    {"T marched, sun marched", NEPH_MARCH_MARCHED, NEPH_MARCH_MARCHED},
+};
+
+/* The order between two step counts that are both in the asymptotic range and above the float32
+ * floor of a few 1e-7. Solids (the ground) are lit but throw no shadow on the medium here. */
+static void test_volume_converges_at_second_order(void **state)
+{
+    static const int counts[] = {16, 32, 64, 128, 256};
+    enum { count_count = sizeof(counts) / sizeof(counts[0]) };
+    for (size_t s = 0; s < sizeof(smooth_scenes) / sizeof(smooth_scenes[0]); s++) {
+        struct test_scene test;
+        test_scene_init(&test);
+        smooth_scenes[s].build(&test);
+        struct neph_march_params params = exact_48;
+        params.width_px = 16;
+        params.height_px = 12;
+        struct neph_ray_light *light = exact_light(&test, params.width_px, params.height_px);
+        for (size_t m = 0; m < sizeof(mode_pairs) / sizeof(mode_pairs[0]); m++) {
+            double errors[count_count];
+            print_message("%-16s %s:", smooth_scenes[s].name, mode_pairs[m].name);
+            for (int c = 0; c < count_count; c++) {
+                params.transmittance = mode_pairs[m].transmittance;
+                params.sun = mode_pairs[m].sun;
+                params.steps = params.sun_steps = counts[c];
+                struct neph_image *frame = render(*state, &test, &params, NULL);
+                errors[c] = volume_error(frame, light);
+                print_message(" %.1e", errors[c]);
+                neph_image_destroy(frame);
+            }
+            const double order = log2(errors[2] / errors[4]) / 2.0;
+            print_message("  order %.2f\n", order);
+            assert_true(errors[4] < 5e-7 || order > 1.8);
+            assert_true(errors[4] < 5e-3);
+        }
+        free(light);
+    }
+}
+
+/* With many steps the error is that of float32, not of the method. */
+static void test_volume_has_no_floor_but_float32(void **state)
+{
+    struct test_scene test;
+    test_scene_init(&test);
+    scene_fog_up(&test);
+    struct neph_march_params params = exact_48;
+    params.width_px = 16;
+    params.height_px = 12;
+    params.steps = 20000;
+    struct neph_ray_light *light = exact_light(&test, params.width_px, params.height_px);
+    struct neph_march_stats stats;
+    struct neph_image *frame = render(*state, &test, &params, &stats);
+    const double error = volume_error(frame, light);
+    print_message("20000 steps in %d dispatches: volume off by %.1e\n", stats.dispatches, error);
+    assert_true(stats.dispatches > 1);
+    assert_true(error < 2e-6);
+    neph_image_destroy(frame);
+    free(light);
+}
+
+/* --- solids ------------------------------------------------------------------------------- */
+
+static void scene_yard(struct test_scene *test)
+{
+    test_add_medium(test, 0.03, 0.08, 0.0);
+    test_add_box(test, (struct neph_vec3){-200.0, -1.0, -200.0},
+                 (struct neph_vec3){200.0, 0.0, 200.0});
+    test_add_box(test, (struct neph_vec3){-4.0, 0.0, -16.0}, (struct neph_vec3){-1.0, 5.0, -12.0});
+    test_add_sphere(test, (struct neph_vec3){3.0, 2.0, -14.0}, 2.0);
+    for (int i = 0; i < 6; i++) /* a fence of thin bars */
+        test_add_box(test, (struct neph_vec3){-3.0 + i, 0.0, -9.0},
+                     (struct neph_vec3){-2.98 + i, 1.5, -8.98});
+}
+
+/* Pixels that agree with the exact light in radiance and in depth. Those whose rays graze a solid
+ * or the edge of a shadow may fall on either side of it. */
+static double agreeing_fraction(const struct neph_image *frame, const struct test_scene *test,
+                                double relative, double absolute)
+{
+    struct neph_ray_light *light = exact_light(test, frame->width_px, frame->height_px);
+    const struct neph_camera camera = neph_scene_camera(&test->scene, 0.0);
+    const float *green = neph_image_channel(frame, "G");
+    const float *depth_m = neph_image_channel(frame, "Z");
+    size_t agreeing = 0;
+    for (size_t i = 0; i < neph_image_pixel_count(frame); i++) {
+        const struct neph_vec3 ray = neph_camera_ray(&camera, frame->width_px, frame->height_px,
+                                                     (double)(i % (size_t)frame->width_px),
+                                                     (double)(i / (size_t)frame->width_px));
+        const double z_m = light[i].hit_m * neph_vec3_dot(ray, camera.forward);
+        const bool same_depth = isinf(z_m) ? isinf(depth_m[i])
+                                           : fabs(depth_m[i] - z_m) <= 1e-5 * z_m;
+        const double error = fabs(green[i] - light[i].radiance.g);
+        agreeing += same_depth && error <= relative * light[i].radiance.g + absolute;
+    }
+    free(light);
+    return (double)agreeing / (double)neph_image_pixel_count(frame);
+}
+
+/* More solids than a driver lets a march of 64 steps look at in one dispatch. */
+static void test_many_solids(void **state)
+{
+    struct test_scene test;
+    test_scene_init(&test);
+    scene_fog_up(&test);
+    struct neph_image *without = render(*state, &test, &exact_48, NULL);
+    struct neph_solid *behind = calloc(NEPH_SCENE_SOLIDS_MAX, sizeof(*behind));
+    assert_non_null(behind);
+    for (int i = 0; i < NEPH_SCENE_SOLIDS_MAX; i++) /* the camera's, and not the sun's */
+        behind[i] = (struct neph_solid){
+            .kind = NEPH_SOLID_SPHERE, .center_m = {0.0, -10.0, 50.0 + i}, .radius_m = 0.4};
+    test.scene.solids = behind;
+    test.scene.solid_count = NEPH_SCENE_SOLIDS_MAX;
+    struct neph_march_stats stats;
+    struct neph_image *with = render(*state, &test, &exact_48, &stats);
+    assert_true(stats.dispatches > 1);
+    for (int c = 0; c < with->channel_count; c++)
+        assert_memory_equal(with->channels[c].samples, without->channels[c].samples,
+                            neph_image_pixel_count(with) * sizeof(float));
+    /* And the last of them is seen by the sun rays of the last step. */
+    behind[NEPH_SCENE_SOLIDS_MAX - 1].center_m = neph_vec3_scale(test.scene.sun.direction, 1e4);
+    behind[NEPH_SCENE_SOLIDS_MAX - 1].radius_m = 3e3;
+    struct neph_image *shaded = render(*state, &test, &exact_48, NULL);
+    const float *volume = neph_image_channel(shaded, "volume.G");
+    for (size_t i = 0; i < neph_image_pixel_count(shaded); i++)
+        assert_true(volume[i] == 0.0f);
+    neph_image_destroy(shaded);
+    neph_image_destroy(with);
+    neph_image_destroy(without);
+    free(behind);
+}
+
+static void test_solids_are_lit_through_the_media(void **state)
+{
+    struct test_scene test;
+    test_scene_init(&test);
+    scene_yard(&test);
+    test.scene.scattering = NEPH_SCATTERING_NONE;
+    struct neph_march_params params = exact_48;
+    params.width_px = 96;
+    params.height_px = 72;
+    struct neph_image *frame = render(*state, &test, &params, NULL);
+    const double agreeing = agreeing_fraction(frame, &test, 2e-5, 1e-6);
+    print_message("no scattering: %.2f %% of the pixels agree\n", 100.0 * agreeing);
+    assert_true(agreeing > 0.998);
+    neph_image_destroy(frame);
+}
+
+/* The edge of a shadow falls anywhere within a step: there, and only there, first order. */
+static void test_shadows_in_the_air(void **state)
+{
+    struct test_scene test;
+    test_scene_init(&test);
+    scene_yard(&test);
+    struct neph_march_params params = exact_48;
+    struct neph_ray_light *light = exact_light(&test, params.width_px, params.height_px);
+    double errors[2];
+    for (int c = 0; c < 2; c++) {
+        params.steps = c ? 2048 : 128;
+        struct neph_image *frame = render(*state, &test, &params, NULL);
+        errors[c] = volume_error(frame, light);
+        const double agreeing = agreeing_fraction(frame, &test, 2e-3, 0.0);
+        print_message("%d steps: volume off by %.1e, %.2f %% of the pixels agree\n", params.steps,
+                      errors[c], 100.0 * agreeing);
+        assert_true(c == 0 || agreeing > 0.95);
+        neph_image_destroy(frame);
+    }
+    const double order = log2(errors[0] / errors[1]) / 4.0;
+    print_message("order %.2f\n", order);
+    assert_true(order > 0.8);
+    free(light);
+}
+
+/* --- counts and bits ---------------------------------------------------------------------- */
+
+static void assert_counts(struct neph_vulkan *vulkan, const struct test_scene *test,
+                          const struct neph_march_params *params, uint64_t density,
+                          uint64_t closed_forms)
+{
+    struct neph_march_stats stats;
+    neph_image_destroy(render(vulkan, test, params, &stats));
+    assert_int_equal(stats.density_evaluations, density);
+    assert_int_equal(stats.closed_forms, closed_forms);
+    assert_true(stats.gpu_s > 0.0 && stats.wall_s >= stats.gpu_s);
+}
+
+static void test_evaluations_are_counted(void **state)
+{
+    struct test_scene test;
+    test_scene_init(&test);
+    test_add_medium(&test, 0.1, 0.0, 0.0); /* everywhere: every ray takes all its steps */
+    struct neph_march_params params = {.width_px = 9, .height_px = 7, .steps = 10, .sun_steps = 5};
+    const uint64_t pixels = 63;
+    assert_counts(*state, &test, &params, pixels * 10, pixels * (10 + 10 + 1));
+    params.transmittance = NEPH_MARCH_MARCHED;
+    assert_counts(*state, &test, &params, pixels * 10, pixels * 10);
+    params.sun = NEPH_MARCH_MARCHED;
+    assert_counts(*state, &test, &params, pixels * (10 + 10 * 5), 0);
+    params.steps = 3000; /* in several dispatches */
+    params.sun_steps = 40;
+    assert_counts(*state, &test, &params, pixels * (3000 + 3000 * 40), 0);
+    params.transmittance = NEPH_MARCH_EXACT;
+    params.steps = 10;
+    params.sun_steps = 5;
+    assert_counts(*state, &test, &params, pixels * (10 + 10 * 5), pixels * 11);
+    /* Nothing to march for. */
+    test.scene.scattering = NEPH_SCATTERING_NONE;
+    assert_counts(*state, &test, &params, 0, pixels);
+    test.scene.scattering = NEPH_SCATTERING_SINGLE;
+    test.scene.sun.present = false;
+    assert_counts(*state, &test, &params, 0, pixels);
+    test.scene.sun.present = true;
+    test.scene.medium_count = 0;
+    params.transmittance = params.sun = NEPH_MARCH_MARCHED;
+    assert_counts(*state, &test, &params, 0, 0);
+}
+
+static void assert_same_bits(const struct neph_image *a, const struct neph_image *b)
+{
+    for (int c = 0; c < a->channel_count; c++)
+        assert_memory_equal(a->channels[c].samples, b->channels[c].samples,
+                            neph_image_pixel_count(a) * sizeof(float));
+}
+
+static void test_same_inputs_give_the_same_bits(void **state)
+{
+    struct test_scene test;
+    test_scene_init(&test);
+    scene_yard(&test);
+    struct neph_image *first = render(*state, &test, &exact_48, NULL);
+    struct neph_image *again = render(*state, &test, &exact_48, NULL);
+    assert_same_bits(first, again);
+    neph_image_destroy(again);
+
+    struct neph_vulkan *other = NULL; /* another device object, without validation */
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_vulkan_create(NULL, &other, &diag), &diag);
+    again = render(other, &test, &exact_48, NULL);
+    assert_same_bits(first, again);
+    neph_image_destroy(again);
+    neph_image_destroy(first);
+    neph_vulkan_destroy(other);
+}
+
+/* --- sizes -------------------------------------------------------------------------------- */
+
+static void test_all_sizes(void **state)
+{
+    static const int sizes[][2] = {{1, 1}, {1, 9}, {7, 1}, {63, 1}, {65, 3}, {4096, 2}, {3, 4096}};
+    for (size_t s = 0; s < sizeof(sizes) / sizeof(sizes[0]); s++) {
+        struct test_scene test;
+        test_scene_init(&test);
+        scene_fog_up(&test);
+        struct neph_march_params params = exact_48;
+        params.width_px = sizes[s][0];
+        params.height_px = sizes[s][1];
+        params.steps = 4;
+        struct neph_image *frame = render(*state, &test, &params, NULL);
+        assert_int_equal(frame->width_px, sizes[s][0]);
+        compare_transmittance(&test, frame, 1e-5, 1e-6);
+        neph_image_destroy(frame);
+    }
+}
+
+/* Many dispatches make one frame: each pixel is where it belongs. */
+static void test_a_frame_of_many_dispatches(void **state)
+{
+    struct test_scene test;
+    test_scene_init(&test);
+    scene_fog_down(&test);
+    test.scene.scattering = NEPH_SCATTERING_NONE;
+    struct neph_march_params params = exact_48;
+    params.width_px = 1021;
+    params.height_px = 1033;
+    struct neph_march_stats stats;
+    struct neph_image *frame = render(*state, &test, &params, &stats);
+    assert_true(stats.dispatches > 1);
+    compare_transmittance(&test, frame, 1e-5, 1e-6);
+    neph_image_destroy(frame);
+}
+
+static void test_parameters_out_of_range_are_refused(void **state)
+{
+    static const struct neph_march_params wrong[] = {
+        {.width_px = 0, .height_px = 1, .steps = 1},
+        {.width_px = 1, .height_px = 4097, .steps = 1},
+        {.width_px = 1, .height_px = 1, .steps = 0},
+        {.width_px = 1, .height_px = 1, .steps = 65537},
+        {.width_px = 1, .height_px = 1, .steps = 1, .sun = NEPH_MARCH_MARCHED},
+        {.width_px = 1,
+         .height_px = 1,
+         .steps = 65536,
+         .sun = NEPH_MARCH_MARCHED,
+         .sun_steps = 65536},
+    };
+    struct test_scene test;
+    test_scene_init(&test);
+    scene_fog(&test);
+    for (size_t i = 0; i < sizeof(wrong) / sizeof(wrong[0]); i++) {
+        struct neph_image *frame = NULL;
+        struct neph_diag diag = {0};
+        assert_int_equal(neph_march_render(*state, &test.scene, &wrong[i], &frame, NULL, &diag),
+                         NEPH_ERR_USAGE);
+        assert_null(frame);
+    }
+    /* Within the range, but more than a driver runs: said, not cut short. */
+    struct neph_march_params many = wrong[5];
+    many.steps = 1;
+    struct neph_image *frame = NULL;
+    struct neph_diag diag = {0};
+    assert_int_equal(neph_march_render(*state, &test.scene, &many, &frame, NULL, &diag),
+                     NEPH_ERR_UNSUPPORTED);
+    print_message("%s\n", diag.message);
+}
+
+static void test_says_what_it_cannot(void **state)
+{
+    struct test_scene test;
+    test_scene_init(&test);
+    scene_fog(&test);
+    char reason[256] = "";
+    assert_true(neph_march_can_render(&test.scene, reason, sizeof(reason)));
+    test.scene.scattering = NEPH_SCATTERING_MULTIPLE;
+    assert_false(neph_march_can_render(&test.scene, reason, sizeof(reason)));
+    assert_string_equal(reason, "multiple scattering");
+    struct neph_image *frame = NULL;
+    struct neph_diag diag = {0};
+    assert_int_equal(neph_march_render(*state, &test.scene, &exact_48, &frame, NULL, &diag),
+                     NEPH_ERR_UNSUPPORTED);
+    assert_non_null(strstr(diag.message, "cannot: multiple scattering"));
+
+    test.scene.scattering = NEPH_SCATTERING_SINGLE;
+    test.scene.environment_light = true;
+    assert_false(neph_march_can_render(&test.scene, reason, sizeof(reason)));
+    test.scene.scattering = NEPH_SCATTERING_NONE; /* nothing is left that it could light */
+    assert_true(neph_march_can_render(&test.scene, reason, sizeof(reason)));
+    test_add_sphere(&test, (struct neph_vec3){0.0, 0.0, -5.0}, 1.0);
+    assert_false(neph_march_can_render(&test.scene, reason, sizeof(reason)));
+    test.scene.background_w_per_m2_sr = (struct neph_rgb){0.0, 0.0, 0.0};
+    assert_true(neph_march_can_render(&test.scene, reason, sizeof(reason)));
+}
+
+/* --- extremes ----------------------------------------------------------------------------- */
+
+static double pick(uint64_t *random, const double *values, size_t count)
+{
+    return values[neph_test_random(random) % count];
+}
+#define PICK(random, values) pick((random), (values), sizeof(values) / sizeof((values)[0]))
+
+static void build_extreme_scene(uint64_t *random, struct test_scene *test)
+{
+    static const double heights[] = {0.0, 1.6, -1e3, 1e3, 1e6, -1e6, 1e9};
+    static const double extinctions[] = {0.0, 1e-40, 1e-12, 1e-3, 0.1, 1e3, 1e20, 1e30};
+    static const double falloffs[] = {0.0, 1e-12, 1e-3, 0.1, 10.0, 1e4};
+    static const double components[] = {0.0, 1e-30, 1e-9, 1.0, -1.0, 0.3};
+    static const double sides[] = {INFINITY, 1e9, 100.0, 0.0, 1e-6};
+    static const double gs[] = {0.0, 0.999, -0.999, 0.9};
+    test_scene_init(test);
+    test->key.position_m.y = PICK(random, heights);
+    test->key.look_at_m = neph_vec3_add(
+        test->key.position_m,
+        (struct neph_vec3){PICK(random, components), PICK(random, components), -1.0});
+    test->scene.sun.direction = neph_vec3_normalize((struct neph_vec3){
+        PICK(random, components), PICK(random, components) + 1e-3, PICK(random, components)});
+    const int media = (int)(neph_test_random(random) % 4);
+    for (int i = 0; i < media; i++) {
+        struct neph_medium *medium = test_add_medium(test, PICK(random, extinctions),
+                                                     PICK(random, falloffs), PICK(random, heights));
+        if (neph_test_random(random) % 2)
+            test_add_layer(medium, PICK(random, extinctions), PICK(random, falloffs),
+                           PICK(random, heights));
+        medium->phase.g = PICK(random, gs);
+        medium->bounds.min_m.y = -PICK(random, sides);
+        medium->bounds.max_m.y = PICK(random, sides);
+        medium->bounds.min_m.x = -PICK(random, sides);
+        medium->bounds.max_m.z = PICK(random, sides);
+    }
+    if (neph_test_random(random) % 2)
+        test_add_box(test, (struct neph_vec3){-1e6, -1e6, -1e6}, (struct neph_vec3){1e6, 0.0, 1e6});
+    if (neph_test_random(random) % 2)
+        test_add_sphere(test, (struct neph_vec3){0.0, PICK(random, heights), -1e4}, 1e3);
+}
+
+/* How many samples of a layer are NaN, infinite, negative or above a maximum. */
+static size_t count_nonsense(const struct neph_image *frame, const char *layer, double maximum)
+{
+    float *samples[3];
+    assert_true(neph_image_rgb(frame, layer, samples));
+    size_t count = 0;
+    for (int c = 0; c < 3; c++)
+        for (size_t i = 0; i < neph_image_pixel_count(frame); i++)
+            count += !(samples[c][i] >= 0.0f && samples[c][i] <= maximum);
+    return count;
+}
+
+static void test_extreme_inputs_give_no_nonsense(void **state)
+{
+    uint64_t random = seed;
+    size_t nonsense = 0, samples = 0;
+    for (int round = 0; round < 400; round++) {
+        struct test_scene test;
+        build_extreme_scene(&random, &test);
+        struct neph_march_params params = {
+            .width_px = 9,
+            .height_px = 7,
+            .steps = 1 + (int)(neph_test_random(&random) % 40),
+            .transmittance = (enum neph_march_mode)(neph_test_random(&random) % 2),
+            .sun = (enum neph_march_mode)(neph_test_random(&random) % 2),
+            .sun_steps = 1 + (int)(neph_test_random(&random) % 10),
+        };
+        struct neph_image *frame = render(*state, &test, &params, NULL);
+        /* No source function exceeds p E <= 10 W/m^2 times the peak of g = 0.999, 1.6e5 / sr. */
+        const size_t bad = count_nonsense(frame, NULL, 2e6) + count_nonsense(frame, "volume", 2e6) +
+                           count_nonsense(frame, "transmittance", 1.0);
+        const float *depth_m = neph_image_channel(frame, "Z");
+        for (size_t i = 0; i < neph_image_pixel_count(frame); i++)
+            nonsense += !(depth_m[i] > 0.0f);
+        if (bad > 0)
+            print_error("round %d of seed %llu: %zu samples\n", round, (unsigned long long)seed,
+                        bad);
+        nonsense += bad;
+        samples += 10 * neph_image_pixel_count(frame);
+        neph_image_destroy(frame);
+    }
+    print_message("%zu of %zu samples are nonsense\n", nonsense, samples);
+    assert_int_equal(nonsense, 0);
+}
+
+/* --- cost --------------------------------------------------------------------------------- */
+
+/* A number for people; nothing depends on it. */
+static void test_cost_of_a_small_frame(void **state)
+{
+    (void)state;
+    struct neph_vulkan *vulkan = NULL;
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_vulkan_create(NULL, &vulkan, &diag), &diag);
+    struct test_scene test;
+    test_scene_init(&test);
+    scene_fog_two_layers(&test);
+    struct neph_march_params params = exact_48;
+    params.width_px = 192;
+    params.height_px = 108;
+    for (int mode = 0; mode < 3; mode++) {
+        params.transmittance = mode > 0 ? NEPH_MARCH_MARCHED : NEPH_MARCH_EXACT;
+        params.sun = mode > 1 ? NEPH_MARCH_MARCHED : NEPH_MARCH_EXACT;
+        params.sun_steps = 8;
+        struct neph_march_stats best = {.gpu_s = INFINITY}, stats;
+        for (int i = 0; i < 5; i++) {
+            neph_image_destroy(render(vulkan, &test, &params, &stats));
+            if (stats.gpu_s < best.gpu_s)
+                best = stats;
+        }
+        print_message("192x108, 64 steps, T %s, sun %s: %.1f ms GPU, %.1f ms wall, %.3g "
+                      "evaluations/s\n",
+                      mode > 0 ? "marched" : "exact", mode > 1 ? "marched (8)" : "exact",
+                      1e3 * best.gpu_s, 1e3 * best.wall_s,
+                      (double)best.density_evaluations / best.gpu_s);
+    }
+    neph_vulkan_destroy(vulkan);
+}
+
+/* Last: the flag stays up. */
+static void test_interruption_is_heard(void **state)
+{
+    struct test_scene test;
+    test_scene_init(&test);
+    scene_fog(&test);
+    neph_interrupt_install();
+    raise(SIGINT);
+    struct neph_image *frame = NULL;
+    struct neph_diag diag = {0};
+    assert_int_equal(neph_march_render(*state, &test.scene, &exact_48, &frame, NULL, &diag),
+                     NEPH_ERR_INTERRUPTED);
+    assert_null(frame);
+}
+
+int main(void)
+{
+    print_message("seed %llu\n", (unsigned long long)seed);
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_transmittance_is_the_closed_form),
+        cmocka_unit_test(test_marched_transmittance),
+        cmocka_unit_test(test_volume_converges_at_second_order),
+        cmocka_unit_test(test_volume_has_no_floor_but_float32),
+        cmocka_unit_test(test_solids_are_lit_through_the_media),
+        cmocka_unit_test(test_shadows_in_the_air),
+        cmocka_unit_test(test_many_solids),
+        cmocka_unit_test(test_evaluations_are_counted),
+        cmocka_unit_test(test_same_inputs_give_the_same_bits),
+        cmocka_unit_test(test_all_sizes),
+        cmocka_unit_test(test_a_frame_of_many_dispatches),
+        cmocka_unit_test(test_parameters_out_of_range_are_refused),
+        cmocka_unit_test(test_says_what_it_cannot),
+        cmocka_unit_test(test_extreme_inputs_give_no_nonsense),
+        cmocka_unit_test(test_cost_of_a_small_frame),
+        cmocka_unit_test(test_interruption_is_heard),
+    };
+    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
+}

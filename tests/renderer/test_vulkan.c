@@ -1,0 +1,171 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The device: what is found, what is said when something is missing, and that validation really
+ * listens.
+ */
+#include "tests/renderer/renderer_test.h"
+
+#include "renderer/compute.h"
+
+static void test_describes_the_device(void **state)
+{
+    (void)state;
+    struct neph_vulkan *vulkan = test_vulkan_open();
+    const struct neph_vulkan_description description = neph_vulkan_describe(vulkan);
+    print_message("%s, %s, Vulkan %s, subgroup %u, cpu %d\n", description.device,
+                  description.driver, description.api_version, description.subgroup_size,
+                  description.is_cpu);
+    assert_true(description.device[0] != '\0');
+    assert_true(description.driver[0] != '\0');
+    assert_true(description.subgroup_size > 0);
+    assert_int_equal(neph_vulkan_message_count(vulkan), 0);
+    assert_int_equal(neph_vulkan_destroy(vulkan), 0);
+}
+
+static void test_two_devices_live_side_by_side(void **state)
+{
+    (void)state;
+    struct neph_vulkan *first = test_vulkan_open();
+    struct neph_vulkan *second = NULL;
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_vulkan_create(NULL, &second, &diag), &diag);
+    assert_int_equal(neph_vulkan_destroy(first), 0);
+    struct neph_buffer buffer = {0};
+    neph_assert_ok(neph_buffer_create(second, NEPH_BUFFER_UPLOAD, 64, "buffer", &buffer, &diag),
+                   &diag);
+    neph_buffer_destroy(second, &buffer);
+    assert_int_equal(neph_vulkan_destroy(second), 0);
+}
+
+static void test_destroy_takes_null(void **state)
+{
+    (void)state;
+    assert_int_equal(neph_vulkan_destroy(NULL), 0);
+}
+
+static void assert_unavailable(const struct neph_vulkan_params *params, const char *in_message,
+                               const char *in_hint)
+{
+    struct neph_vulkan *vulkan = NULL;
+    struct neph_diag diag = {0};
+    assert_int_equal(neph_vulkan_create(params, &vulkan, &diag), NEPH_ERR_UNAVAILABLE);
+    assert_null(vulkan);
+    print_message("%s (%s)\n", diag.message, diag.hint);
+    assert_non_null(strstr(diag.message, in_message));
+    assert_non_null(strstr(diag.hint, in_hint));
+}
+
+/* Run with environment variables that hide what is installed. */
+static void with_environment(const char *name, const char *value,
+                             const struct neph_vulkan_params *params, const char *in_message,
+                             const char *in_hint)
+{
+    char *before = getenv(name) ? strdup(getenv(name)) : NULL;
+    setenv(name, value, 1);
+    assert_unavailable(params, in_message, in_hint);
+    if (before)
+        setenv(name, before, 1);
+    else
+        unsetenv(name);
+    free(before);
+}
+
+static void test_no_driver_is_said_with_the_install_line(void **state)
+{
+    (void)state;
+    with_environment("VK_ICD_FILENAMES", "/nonexistent/icd.json", NULL, "Vulkan",
+                     "apt-get install mesa-vulkan-drivers");
+}
+
+static void test_no_validation_layer_is_said_with_the_install_line(void **state)
+{
+    (void)state;
+    with_environment("VK_LAYER_PATH", "/nonexistent",
+                     &(struct neph_vulkan_params){.validation = true}, "validation",
+                     "apt-get install vulkan-validationlayers");
+}
+
+static void test_unknown_device_lists_what_there_is(void **state)
+{
+    (void)state;
+    struct neph_vulkan *vulkan = test_vulkan_open();
+    char device[256];
+    snprintf(device, sizeof(device), "%s", neph_vulkan_describe(vulkan).device);
+    neph_vulkan_destroy(vulkan);
+    assert_unavailable(&(struct neph_vulkan_params){.device = "abacus"}, "abacus", device);
+}
+
+static void test_device_is_found_by_part_of_its_name(void **state)
+{
+    (void)state;
+    struct neph_vulkan *vulkan = test_vulkan_open();
+    char device[256];
+    snprintf(device, sizeof(device), "%s", neph_vulkan_describe(vulkan).device);
+    neph_vulkan_destroy(vulkan);
+    for (char *c = device; *c; c++)
+        *c = (char)(*c >= 'a' && *c <= 'z' ? *c - 'a' + 'A' : *c); /* any case will do */
+    struct neph_diag diag = {0};
+    neph_assert_ok(
+        neph_vulkan_create(&(struct neph_vulkan_params){.device = device}, &vulkan, &diag), &diag);
+    neph_vulkan_destroy(vulkan);
+}
+
+static void test_validation_hears_a_mistake(void **state)
+{
+    (void)state;
+    struct neph_vulkan *vulkan = test_vulkan_open();
+    const VkBufferCreateInfo no_usage = {
+        .sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
+        .size = 64,
+    };
+    VkBuffer buffer = VK_NULL_HANDLE;
+    if (vulkan->api.vkCreateBuffer(vulkan->device, &no_usage, NULL, &buffer) == VK_SUCCESS)
+        vulkan->api.vkDestroyBuffer(vulkan->device, buffer, NULL);
+    struct neph_diag diag = {0};
+    assert_true(neph_vulkan_message_count(vulkan) > 0);
+    assert_int_equal(neph_vulkan_check(vulkan, &diag), NEPH_ERR_INTERNAL);
+    assert_non_null(strstr(diag.message, "VUID-VkBufferCreateInfo-usage"));
+    neph_vulkan_destroy(vulkan);
+}
+
+static void test_validation_hears_a_leak(void **state)
+{
+    (void)state;
+    struct neph_vulkan *vulkan = test_vulkan_open();
+    struct neph_buffer leaked = {0};
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_buffer_create(vulkan, NEPH_BUFFER_UPLOAD, 64, "leaked", &leaked, &diag),
+                   &diag);
+    assert_int_equal(neph_vulkan_message_count(vulkan), 0);
+    assert_true(neph_vulkan_destroy(vulkan) > 0);
+}
+
+static void test_too_large_a_buffer_is_refused(void **state)
+{
+    (void)state;
+    struct neph_vulkan *vulkan = test_vulkan_open();
+    struct neph_buffer buffer = {0};
+    struct neph_diag diag = {0};
+    assert_int_equal(
+        neph_buffer_create(vulkan, NEPH_BUFFER_DEVICE, (size_t)1 << 40, "huge", &buffer, &diag),
+        NEPH_ERR_UNSUPPORTED);
+    assert_non_null(strstr(diag.message, "huge"));
+    assert_int_equal(neph_vulkan_destroy(vulkan), 0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_describes_the_device),
+        cmocka_unit_test(test_two_devices_live_side_by_side),
+        cmocka_unit_test(test_destroy_takes_null),
+        cmocka_unit_test(test_no_driver_is_said_with_the_install_line),
+        cmocka_unit_test(test_no_validation_layer_is_said_with_the_install_line),
+        cmocka_unit_test(test_unknown_device_lists_what_there_is),
+        cmocka_unit_test(test_device_is_found_by_part_of_its_name),
+        cmocka_unit_test(test_validation_hears_a_mistake),
+        cmocka_unit_test(test_validation_hears_a_leak),
+        cmocka_unit_test(test_too_large_a_buffer_is_refused),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
