@@ -206,7 +206,7 @@ static enum neph_status render_and_publish(const struct neph_job *job, struct ne
         return status;
     struct neph_job placed = *job;
     placed.shot.scratch_directory = scratch;
-    struct neph_diag engine_diag = {{0}};
+    struct neph_diag engine_diag = {.line = 0};
     status = neph_job_render(&placed, &frame, &result->cost, &engine_diag);
     bool ends_run;
     result->outcome = outcome_of(status, &ends_run);

@@ -44,7 +44,7 @@ const char *neph_scattering_name(enum neph_scattering scattering)
     return scattering_names[scattering];
 }
 
-const char *neph_quantity_name(enum neph_quantity quantity)
+const char *neph_gate_quantity_name(enum neph_gate_quantity quantity)
 {
     return quantity_names[quantity];
 }

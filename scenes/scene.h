@@ -98,7 +98,7 @@ struct neph_camera {
     double vertical_fov_rad;
 };
 
-enum neph_quantity {
+enum neph_gate_quantity {
     NEPH_QUANTITY_RADIANCE,
     NEPH_QUANTITY_TRANSMITTANCE,
     NEPH_QUANTITY_DEPTH,
@@ -107,7 +107,7 @@ enum neph_quantity {
 /* A pass/fail limit that comes from physics, written in the scene file with its reason. */
 struct neph_gate {
     char *engine; /* owned */
-    enum neph_quantity quantity;
+    enum neph_gate_quantity quantity;
     char *metric;   /* owned: a name of the metrics module, such as "rel_bias" */
     char *mask;     /* owned: "all", "sky", "medium", "depth_edge" */
     double maximum; /* |value| <= maximum passes */
@@ -163,6 +163,6 @@ struct neph_vec3 neph_camera_ray(const struct neph_camera *camera, int width_px,
                                  double i, double j);
 
 const char *neph_scattering_name(enum neph_scattering scattering);
-const char *neph_quantity_name(enum neph_quantity quantity);
+const char *neph_gate_quantity_name(enum neph_gate_quantity quantity);
 
 #endif

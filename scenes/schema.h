@@ -112,7 +112,7 @@ struct neph_raw_display {
 
 struct neph_raw_gate {
     char *engine;
-    enum neph_quantity quantity;
+    enum neph_gate_quantity quantity;
     int metric; /* index into the schema's words; neph_schema_metric_name() */
     int *mask;
     double maximum;

@@ -39,8 +39,9 @@ FORMAT = 1  # of the spec; raised together with cycles.c
 ALL_BOUNCES = 1024  # the furnace reads 1.00000 with it, 0.967 with Cycles' default of 12
 CLIP_START = 1e-6  # Blender units; what is nearer is clipped, media included
 CLIP_END = 1e9
-STEP_RATE_MIN, STEP_RATE_MAX = 0.001, 1000.0  # of a material
-STEPS_MAX = 65536  # the largest that Blender takes
+# More steps are not better: their transmittances are multiplied in single precision, and a step of
+# optical depth below 6e-8 is lost. Measured at 16384: 5e-5 rms, 3e-4 at most.
+STEPS_MAX = 16384
 
 # Only what makes the image physical and reproducible; the reason for each is its bad default.
 CYCLES_SETTINGS = {
@@ -176,6 +177,7 @@ def medium_material(medium: dict, scatters: bool, units: Units):
 
 
 def set_step(material, medium: dict, step_m: float) -> None:
+    """Written past the property, which stops at 0.001 (a step of 14 m in a box of 100 km)."""
     edges_m = [b - a for a, b in zip(medium["min_m"], medium["max_m"])]
     material.cycles.volume_step_rate = 1.0
     material["cycles"]["volume_step_rate"] = step_m / (0.1 * sum(edges_m) / 3.0)

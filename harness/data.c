@@ -1,0 +1,91 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/data.h"
+
+#include "base/files.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+
+const char *neph_data_directory(void)
+{
+    const char *directory = getenv("NEPH_DATA_DIR");
+    return directory && directory[0] ? directory : NEPH_SOURCE_DIR;
+}
+
+char *neph_data_path(const char *relative)
+{
+    return neph_path_join(neph_data_directory(), relative);
+}
+
+static bool is_plain_name(const char *text)
+{
+    return text[0] && strspn(text, "abcdefghijklmnopqrstuvwxyz0123456789_") == strlen(text);
+}
+
+enum neph_status neph_data_load_scene(const char *path_or_name, struct neph_scene **scene,
+                                      struct neph_diag *diag)
+{
+    if (!is_plain_name(path_or_name) || neph_path_exists(path_or_name))
+        return neph_scene_load(path_or_name, scene, diag);
+    char *path = neph_format("%s/scenes/catalog/%s.yaml", neph_data_directory(), path_or_name);
+    if (!path)
+        return neph_fail_memory(diag);
+    enum neph_status status;
+    if (neph_path_exists(path)) {
+        status = neph_scene_load(path, scene, diag);
+    } else {
+        status = neph_fail(diag, NEPH_ERR_NOT_FOUND,
+                           "no file and no scene of the catalogue is "
+                           "called '%s'",
+                           path_or_name);
+        neph_hint(diag, "`neph scenes` lists the catalogue");
+    }
+    free(path);
+    return status;
+}
+
+static int keep_yaml(const struct dirent *entry)
+{
+    const char *dot = strrchr(entry->d_name, '.');
+    return entry->d_name[0] != '.' && dot && strcmp(dot, ".yaml") == 0;
+}
+
+enum neph_status neph_data_catalog(char ***names, int *count, struct neph_diag *diag)
+{
+    char *folder = neph_data_path("scenes/catalog");
+    struct dirent **entries = NULL;
+    const int found = folder ? scandir(folder, &entries, keep_yaml, alphasort) : -1;
+    if (found < 0) {
+        enum neph_status status = neph_fail(diag, NEPH_ERR_NOT_FOUND, "no catalogue at '%s': %s",
+                                            folder ? folder : "?", strerror(errno));
+        neph_hint(diag, "set NEPH_DATA_DIR to the folder that holds scenes/ and scripts/");
+        free(folder);
+        return status;
+    }
+    char **list = calloc((size_t)found + 1, sizeof(*list));
+    bool complete = list != NULL;
+    for (int i = 0; i < found; i++) {
+        if (complete)
+            complete = (list[i] = strndup(entries[i]->d_name,
+                                          strlen(entries[i]->d_name) - strlen(".yaml")));
+        free(entries[i]);
+    }
+    free(entries);
+    free(folder);
+    if (!complete) {
+        neph_data_free_names(list);
+        return neph_fail_memory(diag);
+    }
+    *names = list;
+    *count = found;
+    return NEPH_OK;
+}
+
+void neph_data_free_names(char **names)
+{
+    for (int i = 0; names && names[i]; i++)
+        free(names[i]);
+    free(names);
+}

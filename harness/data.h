@@ -1,0 +1,25 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Where the project's own files lie: scenes, scripts, the report's page.
+ */
+#ifndef NEPH_HARNESS_DATA_H
+#define NEPH_HARNESS_DATA_H
+
+#include "base/status.h"
+#include "scenes/scene.h"
+
+/* NEPH_DATA_DIR from the environment, else the folder the program was built from. */
+const char *neph_data_directory(void);
+
+/* "<data>/<relative>" for the caller to free; NULL when memory is short. */
+char *neph_data_path(const char *relative);
+
+/* Load a scene by path, or by its name in the catalogue. */
+enum neph_status neph_data_load_scene(const char *path_or_name, struct neph_scene **scene,
+                                      struct neph_diag *diag);
+
+/* The names of the catalogue, sorted, NULL-terminated. Free with neph_data_free_names. */
+enum neph_status neph_data_catalog(char ***names, int *count, struct neph_diag *diag);
+void neph_data_free_names(char **names);
+
+#endif

@@ -1,0 +1,130 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Engine `march`: our Vulkan ray marcher at full resolution. The device is the first CPU device
+ * (lavapipe) unless NEPH_VULKAN_DEVICE names part of another's name; NEPH_VULKAN_VALIDATION=1
+ * turns the validation layers on, and then any message fails the frame.
+ */
+#include "harness/engines/engines.h"
+
+#include "base/clock.h"
+#include "renderer/march.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+
+static const char *const modes[] = {"exact", "marched", NULL};
+
+enum { OPTION_STEPS, OPTION_TRANSMITTANCE, OPTION_SUN, OPTION_SUN_STEPS };
+
+static const struct neph_option options[] = {
+    [OPTION_STEPS] = {"steps", NEPH_OPTION_INTEGER, 64, 1, NEPH_MARCH_STEPS_MAX, NULL,
+                      "steps per view ray"},
+    [OPTION_TRANSMITTANCE] = {"transmittance", NEPH_OPTION_CHOICE, NEPH_MARCH_EXACT, 0, 1, modes,
+                              "optical depth of view rays: closed form, or summed over the steps"},
+    [OPTION_SUN] = {"sun", NEPH_OPTION_CHOICE, NEPH_MARCH_EXACT, 0, 1, modes,
+                    "optical depth towards the sun: closed form, or marched"},
+    [OPTION_SUN_STEPS] = {"sun_steps", NEPH_OPTION_INTEGER, 16, 1, NEPH_MARCH_STEPS_MAX, NULL,
+                          "steps per marched sun ray"},
+    {.name = NULL},
+};
+
+static struct neph_vulkan_params device_params(void)
+{
+    const char *validation = getenv("NEPH_VULKAN_VALIDATION");
+    const char *device = getenv("NEPH_VULKAN_DEVICE");
+    return (struct neph_vulkan_params){
+        .validation = validation && strcmp(validation, "1") == 0,
+        .device = device && device[0] ? device : NULL,
+    };
+}
+
+static void probe(struct neph_engine_info *info)
+{
+    *info = (struct neph_engine_info){.available = false};
+    struct neph_diag diag = {.line = 0};
+    struct neph_vulkan *vulkan = NULL;
+    const struct neph_vulkan_params params = device_params();
+    if (neph_vulkan_create(&params, &vulkan, &diag)) {
+        snprintf(info->missing, sizeof(info->missing), "%s", diag.message);
+        snprintf(info->install_line, sizeof(info->install_line), "%.255s", diag.hint);
+        return;
+    }
+    const struct neph_vulkan_description description = neph_vulkan_describe(vulkan);
+    info->available = true;
+    snprintf(info->version, sizeof(info->version), "Vulkan %s, %.90s", description.api_version,
+             description.driver);
+    snprintf(info->device, sizeof(info->device), "%.100s, subgroup %u", description.device,
+             (unsigned)description.subgroup_size);
+    neph_vulkan_destroy(vulkan);
+}
+
+static enum neph_status label(struct neph_image *frame, const struct neph_march_stats *stats,
+                              struct neph_diag *diag)
+{
+    const double pixels = (double)neph_image_pixel_count(frame);
+    enum neph_status status = neph_image_set_attribute(
+        frame, "neph.march.density_evaluations", diag, "%llu",
+        (unsigned long long)stats->density_evaluations);
+    if (!status)
+        status = neph_image_set_attribute(frame, "neph.march.density_evaluations_per_pixel", diag,
+                                          "%.6g", (double)stats->density_evaluations / pixels);
+    if (!status)
+        status = neph_image_set_attribute(frame, "neph.march.closed_forms", diag, "%llu",
+                                          (unsigned long long)stats->closed_forms);
+    return status;
+}
+
+static enum neph_status render(const struct neph_shot *shot, struct neph_image **frame,
+                               struct neph_cost *cost, struct neph_diag *diag)
+{
+    const double wall_start_s = neph_wall_s(), cpu_start_s = neph_cpu_s();
+    const struct neph_vulkan_params device = device_params();
+    const double *values = shot->settings.values;
+    const struct neph_march_params params = {
+        .width_px = shot->width_px,
+        .height_px = shot->height_px,
+        .frame = shot->frame,
+        .steps = (int)values[OPTION_STEPS],
+        .transmittance = (enum neph_march_mode)values[OPTION_TRANSMITTANCE],
+        .sun = (enum neph_march_mode)values[OPTION_SUN],
+        .sun_steps = (int)values[OPTION_SUN_STEPS],
+    };
+    struct neph_vulkan *vulkan = NULL;
+    struct neph_image *image = NULL;
+    struct neph_march_stats stats = {.gpu_s = NAN};
+    enum neph_status status = neph_vulkan_create(&device, &vulkan, diag);
+    if (!status)
+        status = neph_march_render(vulkan, shot->scene, &params, &image, &stats, diag);
+    if (!status)
+        status = label(image, &stats, diag);
+    neph_vulkan_destroy(vulkan);
+    if (status) {
+        neph_image_destroy(image);
+        return status;
+    }
+    struct rusage usage;
+    getrusage(RUSAGE_SELF, &usage);
+    *cost = (struct neph_cost){
+        .render_s = isfinite(stats.gpu_s) ? stats.gpu_s : stats.wall_s,
+        .wall_s = neph_wall_s() - wall_start_s,
+        .cpu_s = neph_cpu_s() - cpu_start_s,
+        .peak_memory_bytes = (int64_t)usage.ru_maxrss * 1024,
+    };
+    *frame = image;
+    return NEPH_OK;
+}
+
+const struct neph_engine neph_engine_march = {
+    .name = "march",
+    .summary = "our Vulkan ray marcher: full resolution, fixed steps, single scattering",
+    .rung = NEPH_RUNG_MODEL,
+    .bias = "step error of order 2 where the scene is smooth, of order 1 at the edges of shadows",
+    .options = options,
+    .version = 1,
+    .probe = probe,
+    .can_render = neph_march_can_render,
+    .render = render,
+};

@@ -1,0 +1,347 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/validate.h"
+
+#include "base/clock.h"
+#include "base/exr.h"
+#include "base/threads.h"
+#include "harness/data.h"
+#include "harness/job.h"
+#include "harness/measure.h"
+#include "harness/progress.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+enum { ENGINES_MAX = 16 };
+
+/* One row of engines, probed once for the whole run. */
+struct field {
+    int count;
+    const struct neph_engine *engines[ENGINES_MAX];
+    struct neph_engine_info infos[ENGINES_MAX];
+};
+
+static enum neph_status choose_engines(const struct neph_validate_params *params,
+                                       struct field *field, struct neph_diag *diag)
+{
+    int known;
+    const struct neph_engine *const *engines = neph_engines(&known);
+    for (int i = 0; i < params->engine_count; i++)
+        if (!neph_engine_find(params->engines[i])) {
+            neph_fail(diag, NEPH_ERR_USAGE, "there is no engine '%s'", params->engines[i]);
+            neph_hint(diag, "`neph engines` lists them");
+            return NEPH_ERR_USAGE;
+        }
+    for (int i = 0; i < known; i++) {
+        bool wanted = params->engine_count == 0;
+        for (int j = 0; j < params->engine_count; j++)
+            wanted |= strcmp(params->engines[j], engines[i]->name) == 0;
+        if (!wanted)
+            continue;
+        field->engines[field->count] = engines[i];
+        engines[i]->probe(&field->infos[field->count++]);
+    }
+    return NEPH_OK;
+}
+
+static json_t *engines_json(const struct field *field)
+{
+    json_t *list = json_array();
+    for (int i = 0; i < field->count; i++) {
+        const struct neph_engine *engine = field->engines[i];
+        const struct neph_engine_info *info = &field->infos[i];
+        json_array_append_new(list, json_pack("{s:s, s:s, s:s, s:s?, s:b, s:s, s:s, s:s, s:s}",
+                                              "name", engine->name, "summary", engine->summary,
+                                              "rung", neph_rung_name(engine->rung), "bias",
+                                              engine->bias, "available", info->available, "version",
+                                              info->version, "device", info->device, "missing",
+                                              info->missing, "install_line", info->install_line));
+    }
+    return list;
+}
+
+static json_t *frame_json(const struct neph_engine *engine, const struct neph_job_result *result)
+{
+    return json_pack("{s:s, s:s, s:s, s:s, s:s, s:b, s:f, s:f, s:f, s:I, s:s?, s:n, s:{s:n, s:n}, "
+                     "s:[]}",
+                     "engine", engine->name, "rung", neph_rung_name(engine->rung), "status",
+                     neph_outcome_name(result->outcome), "reason", result->reason, "settings",
+                     result->settings, "reused", result->reused, "render_s", result->cost.render_s,
+                     "wall_s", result->cost.wall_s, "cpu_s", result->cost.cpu_s,
+                     "peak_memory_bytes", (json_int_t)result->cost.peak_memory_bytes, "exr",
+                     result->frame_path, "picture", "difference", "radiance", "transmittance",
+                     "measurements");
+}
+
+/* Measure one rendered frame, against the truth when there is one. */
+static enum neph_status measure_frame(json_t *frame, const struct neph_image *truth,
+                                      struct neph_diag *diag)
+{
+    const char *path = json_string_value(json_object_get(frame, "exr"));
+    if (!path)
+        return NEPH_OK;
+    struct neph_image *image = NULL;
+    enum neph_status status = neph_exr_read(path, &image, diag);
+    json_t *measurements = json_object_get(frame, "measurements");
+    if (!status)
+        status = neph_measure_validity(image, measurements, diag);
+    if (!status && truth)
+        status = neph_measure(truth, image, measurements, diag);
+    neph_image_destroy(image);
+    return status;
+}
+
+/* The rendered frame of the highest rung that is truth (exact or a tracer); NULL when none is. */
+static const json_t *find_truth(const json_t *frames)
+{
+    for (size_t i = 0; i < json_array_size(frames); i++) {
+        const json_t *frame = json_array_get(frames, i);
+        const char *rung = json_string_value(json_object_get(frame, "rung"));
+        if (json_is_string(json_object_get(frame, "exr")) &&
+            (strcmp(rung, neph_rung_name(NEPH_RUNG_EXACT)) == 0 ||
+             strcmp(rung, neph_rung_name(NEPH_RUNG_TRACER)) == 0))
+            return frame;
+    }
+    return NULL;
+}
+
+static const json_t *frame_of_engine(const json_t *frames, const char *engine)
+{
+    for (size_t i = 0; i < json_array_size(frames); i++) {
+        const json_t *frame = json_array_get(frames, i);
+        if (strcmp(json_string_value(json_object_get(frame, "engine")), engine) == 0)
+            return frame;
+    }
+    return NULL;
+}
+
+static json_t *gate_json(const struct neph_gate *gate, const json_t *frames)
+{
+    const char *quantity = neph_gate_quantity_name(gate->quantity);
+    const json_t *frame = frame_of_engine(frames, gate->engine);
+    const json_t *measurement = neph_measurement_find(json_object_get(frame, "measurements"),
+                                                      quantity, gate->metric, gate->mask);
+    const json_t *value = json_object_get(measurement, "value");
+    const bool measured = json_is_number(value);
+    const char *verdict = !measured                                         ? "not_measured"
+                          : fabs(json_number_value(value)) <= gate->maximum ? "pass"
+                                                                            : "fail";
+    return json_pack("{s:s, s:s, s:s, s:s, s:o, s:f, s:s, s:s}", "engine", gate->engine, "quantity",
+                     quantity, "metric", gate->metric, "mask", gate->mask, "value",
+                     measured ? json_real(json_number_value(value)) : json_null(), "maximum",
+                     gate->maximum, "verdict", verdict, "reason", gate->reason);
+}
+
+/* The colour scale of difference maps, the same in every run: 2 % of the display's white for
+ * radiance, 0.002 for transmittance, a few times what the gates of the catalogue allow. */
+static json_t *difference_scale_json(const struct neph_scene *scene)
+{
+    return json_pack("{s:f, s:f}", "radiance", 0.02 * exp2(-scene->exposure_ev), "transmittance",
+                     0.002);
+}
+
+static enum neph_status scene_document(const struct neph_scene *scene, json_t *frames,
+                                       json_t **document, struct neph_diag *diag)
+{
+    const json_t *truth = find_truth(frames);
+    struct neph_image *truth_image = NULL;
+    enum neph_status status = NEPH_OK;
+    if (truth)
+        status = neph_exr_read(json_string_value(json_object_get(truth, "exr")), &truth_image,
+                               diag);
+    for (size_t i = 0; i < json_array_size(frames) && !status; i++) {
+        json_t *frame = json_array_get(frames, i);
+        status = measure_frame(frame, frame == truth ? NULL : truth_image, diag);
+    }
+    neph_image_destroy(truth_image);
+    if (status)
+        return status;
+    json_t *gates = json_array();
+    for (int i = 0; i < scene->gate_count; i++)
+        json_array_append_new(gates, gate_json(&scene->gates[i], frames));
+    json_t *truth_json = truth ? json_pack("{s:O, s:O}", "engine", json_object_get(truth, "engine"),
+                                           "rung", json_object_get(truth, "rung"))
+                               : json_null();
+    *document = json_pack("{s:s, s:s, s:s, s:f, s:s, s:o, s:o, s:O, s:o}", "name", scene->name,
+                          "title", scene->title, "physics", scene->physics, "exposure_ev",
+                          scene->exposure_ev, "hash", scene->hash, "truth", truth_json,
+                          "difference_scale", difference_scale_json(scene), "frames", frames,
+                          "gates", gates);
+    return *document ? NEPH_OK : neph_fail_memory(diag);
+}
+
+static enum neph_status run_scene(const struct neph_validate_params *params,
+                                  const struct field *field, const struct neph_scene *scene,
+                                  struct neph_store *store, struct neph_progress *progress,
+                                  json_t **document, struct neph_diag *diag)
+{
+    json_t *frames = json_array();
+    enum neph_status status = NEPH_OK;
+    for (int i = 0; i < field->count && !status; i++) {
+        const struct neph_engine *engine = field->engines[i];
+        const struct neph_job job = {
+            .engine = engine,
+            .info = &field->infos[i],
+            .shot = {.scene = scene,
+                     .settings = neph_settings_default(engine),
+                     .width_px = params->width_px,
+                     .height_px = params->height_px,
+                     .frame = params->frame < scene->frame_count ? params->frame
+                                                                 : scene->frame_count - 1,
+                     .layers = NEPH_LAYERS_ALL,
+                     .seed = 1,
+                     .time_limit_s = params->time_limit_s},
+        };
+        char what[256];
+        snprintf(what, sizeof(what), "%s with %s", scene->name, engine->name);
+        neph_progress_begin(progress, what);
+        const double start_s = neph_wall_s();
+        struct neph_job_result result;
+        status = neph_job_run(&job, store, &result, diag);
+        if (!status) {
+            json_array_append_new(frames, frame_json(engine, &result));
+            neph_progress_step(progress, what,
+                               result.reused ? "reused" : neph_outcome_name(result.outcome),
+                               neph_wall_s() - start_s);
+        }
+        neph_job_result_finish(&result);
+    }
+    if (!status)
+        status = scene_document(scene, frames, document, diag);
+    json_decref(frames);
+    return status;
+}
+
+/* A failed gate or an engine that broke fails the run; a missing one does not. */
+static bool document_passes(const json_t *scenes)
+{
+    for (size_t i = 0; i < json_array_size(scenes); i++) {
+        const json_t *scene = json_array_get(scenes, i);
+        const json_t *gates = json_object_get(scene, "gates");
+        for (size_t j = 0; j < json_array_size(gates); j++)
+            if (strcmp(json_string_value(json_object_get(json_array_get(gates, j), "verdict")),
+                       "fail") == 0)
+                return false;
+        const json_t *frames = json_object_get(scene, "frames");
+        for (size_t j = 0; j < json_array_size(frames); j++) {
+            const char *outcome = json_string_value(
+                json_object_get(json_array_get(frames, j), "status"));
+            if (strcmp(outcome, neph_outcome_name(NEPH_OUTCOME_FAILED)) == 0 ||
+                strcmp(outcome, neph_outcome_name(NEPH_OUTCOME_TIMEOUT)) == 0)
+                return false;
+        }
+    }
+    return true;
+}
+
+json_t *neph_host_json(void)
+{
+    char line[512], cpu[256] = "unknown";
+    FILE *file = fopen("/proc/cpuinfo", "re");
+    while (file && fgets(line, sizeof(line), file))
+        if (sscanf(line, "model name : %255[^\n]", cpu) == 1)
+            break;
+    if (file)
+        fclose(file);
+    const json_int_t memory_bytes = (json_int_t)sysconf(_SC_PHYS_PAGES) *
+                                    (json_int_t)sysconf(_SC_PAGE_SIZE);
+    return json_pack("{s:s, s:i, s:I}", "cpu", cpu, "cores", neph_processor_count(), "memory_bytes",
+                     memory_bytes);
+}
+
+enum neph_status neph_validate(const struct neph_validate_params *params, struct neph_store *store,
+                               json_t **document, struct neph_diag *diag)
+{
+    const double start_s = neph_wall_s();
+    struct field field = {.count = 0};
+    enum neph_status status = choose_engines(params, &field, diag);
+    if (status)
+        return status;
+    struct neph_progress progress = neph_progress_start(params->quiet,
+                                                        params->scene_count * field.count);
+    json_t *scenes = json_array();
+    for (int i = 0; i < params->scene_count && !status; i++) {
+        struct neph_scene *scene = NULL;
+        json_t *part = NULL;
+        status = neph_data_load_scene(params->scenes[i], &scene, diag);
+        if (!status)
+            status = run_scene(params, &field, scene, store, &progress, &part, diag);
+        if (!status)
+            json_array_append_new(scenes, part);
+        neph_scene_destroy(scene);
+    }
+    neph_progress_end(&progress);
+    if (status) {
+        json_decref(scenes);
+        return status;
+    }
+    char created[32];
+    const time_t now = time(NULL);
+    struct tm utc;
+    strftime(created, sizeof(created), "%Y-%m-%dT%H:%M:%SZ", gmtime_r(&now, &utc));
+    *document = json_pack(
+        "{s:s, s:s, s:s, s:s, s:o, s:[i,i], s:s, s:f, s:o, s:o, s:[]}", "format", "neph-report-1",
+        "title", "Nephelometer validation", "created_utc", created, "neph_version", NEPH_VERSION,
+        "host", neph_host_json(), "size_px", params->width_px, params->height_px, "verdict",
+        document_passes(scenes) ? "pass" : "fail", "seconds", neph_wall_s() - start_s, "engines",
+        engines_json(&field), "scenes", scenes, "charts");
+    return *document ? NEPH_OK : neph_fail_memory(diag);
+}
+
+static void print_number(const json_t *measurements, const char *quantity, const char *metric)
+{
+    const json_t *value = json_object_get(
+        neph_measurement_find(measurements, quantity, metric, "all"), "value");
+    if (json_is_number(value))
+        printf(" %11.3e", json_number_value(value));
+    else
+        printf(" %11s", "-");
+}
+
+static const char *gates_of_engine(const json_t *gates, const char *engine, char text[32])
+{
+    int passed = 0, failed = 0;
+    for (size_t i = 0; i < json_array_size(gates); i++) {
+        const json_t *gate = json_array_get(gates, i);
+        const char *verdict = json_string_value(json_object_get(gate, "verdict"));
+        if (strcmp(json_string_value(json_object_get(gate, "engine")), engine) != 0)
+            continue;
+        passed += strcmp(verdict, "pass") == 0;
+        failed += strcmp(verdict, "fail") == 0;
+    }
+    if (passed + failed == 0)
+        return "-";
+    if (failed > 0)
+        snprintf(text, 32, "FAIL %d of %d", failed, passed + failed);
+    else
+        snprintf(text, 32, "pass %d", passed);
+    return text;
+}
+
+void neph_validate_print(const json_t *document)
+{
+    printf("%-24s %-8s %-9s %11s %11s %11s %8s  %s\n", "scene", "engine", "outcome", "L rel_bias",
+           "L rel_rmse", "T max_abs", "seconds", "gates");
+    const json_t *scenes = json_object_get(document, "scenes");
+    for (size_t i = 0; i < json_array_size(scenes); i++) {
+        const json_t *scene = json_array_get(scenes, i);
+        const json_t *frames = json_object_get(scene, "frames");
+        for (size_t j = 0; j < json_array_size(frames); j++) {
+            const json_t *frame = json_array_get(frames, j);
+            const json_t *measurements = json_object_get(frame, "measurements");
+            const char *engine = json_string_value(json_object_get(frame, "engine"));
+            char gates[32];
+            printf("%-24s %-8s %-9s", json_string_value(json_object_get(scene, "name")), engine,
+                   json_string_value(json_object_get(frame, "status")));
+            print_number(measurements, "radiance", "rel_bias");
+            print_number(measurements, "radiance", "rel_rmse");
+            print_number(measurements, "transmittance", "max_abs");
+            printf(" %8.2f  %s\n", json_number_value(json_object_get(frame, "wall_s")),
+                   gates_of_engine(json_object_get(scene, "gates"), engine, gates));
+        }
+    }
+}

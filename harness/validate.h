@@ -1,0 +1,38 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The main job: scenes over engines, measured against the highest rung of truth, with gates. Its
+ * result is one JSON document, from which alone the report is made (the form is written down in
+ * scripts/report/README.md).
+ */
+#ifndef NEPH_HARNESS_VALIDATE_H
+#define NEPH_HARNESS_VALIDATE_H
+
+#include "harness/store.h"
+
+#include <jansson.h>
+#include <stdbool.h>
+
+struct neph_validate_params {
+    const char *const *scenes; /* paths or names of the catalogue */
+    int scene_count;
+    const char *const *engines; /* names; engine_count 0: all */
+    int engine_count;
+    int width_px, height_px;
+    int frame;           /* of every scene; the last frame of a shorter one */
+    double time_limit_s; /* per child process */
+    bool quiet;
+};
+
+/* Run and measure. NEPH_OK also when gates failed: the document's "verdict" says so. On
+ * NEPH_ERR_INTERRUPTED everything finished is in the store, and a new run goes on from there.
+ * `*document` is the caller's. */
+enum neph_status neph_validate(const struct neph_validate_params *params, struct neph_store *store,
+                               json_t **document, struct neph_diag *diag);
+
+/* The document's table for a terminal, on stdout. */
+void neph_validate_print(const json_t *document);
+
+/* Facts about this machine for reports: {"cpu", "cores", "memory_bytes"}. */
+json_t *neph_host_json(void);
+
+#endif
