@@ -1,0 +1,43 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/cli.h"
+
+#include "base/image.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+enum neph_status neph_cli_parse_size(const char *text, int *width_px, int *height_px,
+                                     struct neph_diag *diag)
+{
+    char rest;
+    int width, height;
+    if (sscanf(text, "%5dx%5d%c", &width, &height, &rest) != 2 || width < 1 || height < 1 ||
+        width > NEPH_IMAGE_SIDE_MAX_PX || height > NEPH_IMAGE_SIDE_MAX_PX)
+        return neph_fail(diag, NEPH_ERR_USAGE,
+                         "size '%s' is not WIDTHxHEIGHT with sides of 1..%d pixels", text,
+                         NEPH_IMAGE_SIDE_MAX_PX);
+    *width_px = width;
+    *height_px = height;
+    return NEPH_OK;
+}
+
+enum neph_status neph_cli_parse_int(const char *what, const char *text, long minimum, long maximum,
+                                    int *value, struct neph_diag *diag)
+{
+    char *end;
+    errno = 0;
+    const long parsed = strtol(text, &end, 10);
+    if (end == text || *end || errno || parsed < minimum || parsed > maximum)
+        return neph_fail(diag, NEPH_ERR_USAGE, "%s '%s' is not an integer in %ld..%ld", what, text,
+                         minimum, maximum);
+    *value = (int)parsed;
+    return NEPH_OK;
+}
+
+void neph_cli_print_json(json_t *json)
+{
+    json_dumpf(json, stdout, JSON_INDENT(2));
+    putchar('\n');
+    json_decref(json);
+}

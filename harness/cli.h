@@ -1,0 +1,35 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The command line: one function per verb, each with its own argp parser. stdout carries results
+ * alone; progress and problems go to stderr.
+ */
+#ifndef NEPH_HARNESS_CLI_H
+#define NEPH_HARNESS_CLI_H
+
+#include "base/status.h"
+
+#include <jansson.h>
+
+/* Run a verb on its own arguments (argv[0] is "neph VERB"). */
+typedef enum neph_status neph_verb(int argc, char **argv, struct neph_diag *diag);
+
+neph_verb neph_cli_render;
+neph_verb neph_cli_export;
+neph_verb neph_cli_compare;
+neph_verb neph_cli_validate;
+neph_verb neph_cli_scenes;
+neph_verb neph_cli_engines;
+neph_verb neph_cli_doctor;
+
+/* Parse "WIDTHxHEIGHT". */
+enum neph_status neph_cli_parse_size(const char *text, int *width_px, int *height_px,
+                                     struct neph_diag *diag);
+
+/* Parse an integer in minimum..maximum; `what` names it in the error. */
+enum neph_status neph_cli_parse_int(const char *what, const char *text, long minimum, long maximum,
+                                    int *value, struct neph_diag *diag);
+
+/* Print JSON on stdout, indented, with a newline at the end; consumes the reference. */
+void neph_cli_print_json(json_t *json);
+
+#endif

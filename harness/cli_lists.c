@@ -1,0 +1,288 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * `neph scenes`, `neph engines` and `neph doctor`: what there is.
+ */
+#include "harness/cli.h"
+
+#include "base/child.h"
+#include "base/files.h"
+#include "harness/data.h"
+#include "harness/engine.h"
+#include "harness/validate.h"
+#include "scenes/media.h"
+
+#include <argp.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+enum { KEY_JSON = 1 };
+
+struct request {
+    const char *name;
+    bool json;
+};
+
+static const struct argp_option options[] = {
+    {"json", KEY_JSON, NULL, 0, "Results as JSON on stdout", 0},
+    {"quiet", 'q', NULL, 0, "Accepted; these verbs print results alone", 0},
+    {0},
+};
+
+static error_t parse(int key, char *argument, struct argp_state *state)
+{
+    struct request *request = state->input;
+    switch (key) {
+    case 'q':
+        return 0;
+    case KEY_JSON:
+        request->json = true;
+        return 0;
+    case ARGP_KEY_ARG:
+        if (request->name)
+            argp_error(state, "one name, not '%s' as well", argument);
+        request->name = argument;
+        return 0;
+    }
+    return ARGP_ERR_UNKNOWN;
+}
+
+static json_t *layer_json(const struct neph_fog_layer *layer)
+{
+    const struct neph_unreal_fog unreal = neph_fog_layer_to_unreal(layer);
+    return json_pack("{s:f, s:f, s:f, s:{s:f, s:f}}", "extinction_per_m", layer->extinction_per_m,
+                     "falloff_per_m", layer->falloff_per_m, "height_m", layer->height_m, "unreal",
+                     "fog_density", unreal.fog_density, "fog_height_falloff",
+                     unreal.fog_height_falloff);
+}
+
+static json_t *scene_json(const struct neph_scene *scene)
+{
+    json_t *layers = json_array(), *engines = json_array();
+    for (int m = 0; m < scene->medium_count; m++)
+        for (int l = 0; l < scene->media[m].layer_count; l++)
+            json_array_append_new(layers, layer_json(&scene->media[m].layers[l]));
+    int count;
+    const struct neph_engine *const *list = neph_engines(&count);
+    for (int i = 0; i < count; i++) {
+        char reason[512] = "";
+        const bool can = list[i]->can_render(scene, reason, sizeof(reason));
+        json_array_append_new(engines, json_pack("{s:s, s:b, s:s}", "engine", list[i]->name,
+                                                 "can_render", can, "reason", reason));
+    }
+    return json_pack("{s:s, s:s, s:s, s:s, s:s, s:i, s:i, s:i, s:o, s:o}", "name", scene->name,
+                     "title", scene->title, "physics", scene->physics, "hash", scene->hash,
+                     "scattering", neph_scattering_name(scene->scattering), "frames",
+                     scene->frame_count, "solids", scene->solid_count, "gates", scene->gate_count,
+                     "layers", layers, "engines", engines);
+}
+
+static void print_scene(const struct neph_scene *scene)
+{
+    printf("%s: %s\n\n%s\n\nhash        %s\nscattering  %s\nframes      %d\nsolids      %d\n",
+           scene->name, scene->title, scene->physics, scene->hash,
+           neph_scattering_name(scene->scattering), scene->frame_count, scene->solid_count);
+    for (int m = 0; m < scene->medium_count; m++)
+        for (int l = 0; l < scene->media[m].layer_count; l++) {
+            const struct neph_fog_layer *layer = &scene->media[m].layers[l];
+            const struct neph_unreal_fog unreal = neph_fog_layer_to_unreal(layer);
+            printf("medium %d    extinction %g /m, falloff %g /m, height %g m"
+                   " (Unreal: density %g, falloff %g)\n",
+                   m, layer->extinction_per_m, layer->falloff_per_m, layer->height_m,
+                   unreal.fog_density, unreal.fog_height_falloff);
+        }
+    int count;
+    const struct neph_engine *const *engines = neph_engines(&count);
+    for (int i = 0; i < count; i++) {
+        char reason[512];
+        if (engines[i]->can_render(scene, reason, sizeof(reason)))
+            printf("%-11s can\n", engines[i]->name);
+        else
+            printf("%-11s cannot: %s\n", engines[i]->name, reason);
+    }
+}
+
+static enum neph_status show_scene(const struct request *request, struct neph_diag *diag)
+{
+    struct neph_scene *scene = NULL;
+    enum neph_status status = neph_data_load_scene(request->name, &scene, diag);
+    if (status)
+        return status;
+    if (request->json)
+        neph_cli_print_json(scene_json(scene));
+    else
+        print_scene(scene);
+    neph_scene_destroy(scene);
+    return NEPH_OK;
+}
+
+enum neph_status neph_cli_scenes(int argc, char **argv, struct neph_diag *diag)
+{
+    static const struct argp argp = {
+        .options = options,
+        .parser = parse,
+        .args_doc = "[SCENE]",
+        .doc = "List the catalogue, or check and describe one scene (a file or a name).\v"
+               "Examples:\n  neph scenes\n  neph scenes two_layer_fog\n  neph scenes my_fog.yaml",
+    };
+    struct request request = {0};
+    argp_parse(&argp, argc, argv, 0, NULL, &request);
+    if (request.name)
+        return show_scene(&request, diag);
+    char **names = NULL;
+    int count = 0;
+    enum neph_status status = neph_data_catalog(&names, &count, diag);
+    json_t *list = json_array();
+    for (int i = 0; i < count && !status; i++) {
+        struct neph_scene *scene = NULL;
+        status = neph_data_load_scene(names[i], &scene, diag);
+        if (status)
+            break;
+        if (request.json)
+            json_array_append_new(list, scene_json(scene));
+        else
+            printf("%-24s %s\n", scene->name, scene->title);
+        neph_scene_destroy(scene);
+    }
+    if (!status && request.json)
+        neph_cli_print_json(json_incref(list));
+    json_decref(list);
+    neph_data_free_names(names);
+    return status;
+}
+
+static json_t *options_json(const struct neph_engine *engine)
+{
+    json_t *list = json_array();
+    for (const struct neph_option *o = engine->options; o->name; o++) {
+        json_t *item = json_pack("{s:s, s:s}", "name", o->name, "help", o->help);
+        if (o->kind == NEPH_OPTION_CHOICE) {
+            json_t *choices = json_array();
+            for (int i = 0; o->choices[i]; i++)
+                json_array_append_new(choices, json_string(o->choices[i]));
+            json_object_set_new(item, "choices", choices);
+            json_object_set_new(item, "default", json_string(o->choices[(int)o->default_value]));
+        } else {
+            json_object_set_new(item, "default", json_real(o->default_value));
+            json_object_set_new(item, "minimum", json_real(o->minimum));
+            json_object_set_new(item, "maximum", json_real(o->maximum));
+        }
+        json_array_append_new(list, item);
+    }
+    return list;
+}
+
+static void print_options(const struct neph_engine *engine)
+{
+    for (const struct neph_option *o = engine->options; o->name; o++) {
+        printf("    %-14s %s\n", o->name, o->help);
+        if (o->kind == NEPH_OPTION_CHOICE) {
+            printf("    %-14s one of:", "");
+            for (int i = 0; o->choices[i]; i++)
+                printf(" %s%s", o->choices[i], i == (int)o->default_value ? " (default)" : "");
+            printf("\n");
+        } else {
+            printf("    %-14s %g..%g, default %g\n", "", o->minimum, o->maximum, o->default_value);
+        }
+    }
+}
+
+enum neph_status neph_cli_engines(int argc, char **argv, struct neph_diag *diag)
+{
+    static const struct argp argp = {
+        .options = options,
+        .parser = parse,
+        .args_doc = "[ENGINE]",
+        .doc = "List the engines with their rung of truth, version and settings.\v"
+               "Examples:\n  neph engines\n  neph engines march --json",
+    };
+    struct request request = {0};
+    argp_parse(&argp, argc, argv, 0, NULL, &request);
+    if (request.name && !neph_engine_find(request.name))
+        return neph_fail(diag, NEPH_ERR_USAGE, "there is no engine '%s'; `neph engines` lists them",
+                         request.name);
+    json_t *list = json_array();
+    int count;
+    const struct neph_engine *const *engines = neph_engines(&count);
+    for (int i = 0; i < count; i++) {
+        const struct neph_engine *engine = engines[i];
+        if (request.name && neph_engine_find(request.name) != engine)
+            continue;
+        struct neph_engine_info info;
+        engine->probe(&info);
+        if (request.json) {
+            json_array_append_new(
+                list, json_pack("{s:s, s:s, s:s, s:s?, s:b, s:s, s:s, s:s, s:s, s:o}", "name",
+                                engine->name, "summary", engine->summary, "rung",
+                                neph_rung_name(engine->rung), "bias", engine->bias, "available",
+                                info.available, "version", info.version, "device", info.device,
+                                "missing", info.missing, "install_line", info.install_line,
+                                "options", options_json(engine)));
+            continue;
+        }
+        printf("%s (%s): %s\n    %s%s\n", engine->name, neph_rung_name(engine->rung),
+               engine->summary,
+               info.available ? info.version : "missing: ", info.available ? "" : info.missing);
+        if (engine->bias)
+            printf("    known bias: %s\n", engine->bias);
+        print_options(engine);
+    }
+    if (request.json)
+        neph_cli_print_json(json_incref(list));
+    json_decref(list);
+    return NEPH_OK;
+}
+
+/* Beside the engines: what the report and the tests need. */
+static const struct {
+    const char *program, *needed_for, *install_line;
+} tools[] = {
+    {"node", "static charts in the report", "apt-get install nodejs npm"},
+    {"chromium", "the browser test of the report", "apt-get install chromium"},
+};
+
+enum neph_status neph_cli_doctor(int argc, char **argv, struct neph_diag *diag)
+{
+    (void)diag;
+    static const struct argp argp = {
+        .options = options,
+        .parser = parse,
+        .doc = "What is installed, on which device, and how to get what is missing.\v"
+               "Exit code 69 when an engine is missing.\n\nExample:\n  neph doctor",
+    };
+    struct request request = {0};
+    argp_parse(&argp, argc, argv, 0, NULL, &request);
+    json_t *list = json_array();
+    int count, missing = 0;
+    const struct neph_engine *const *engines = neph_engines(&count);
+    for (int i = 0; i < count; i++) {
+        struct neph_engine_info info;
+        engines[i]->probe(&info);
+        missing += !info.available;
+        json_array_append_new(
+            list, json_pack("{s:s, s:b, s:s, s:s, s:s, s:s}", "name", engines[i]->name, "available",
+                            info.available, "version", info.version, "device", info.device,
+                            "missing", info.missing, "install_line", info.install_line));
+        if (!request.json && info.available)
+            printf("ok       %-9s %s; %s\n", engines[i]->name, info.version, info.device);
+        else if (!request.json)
+            printf("missing  %-9s %s\n         get it:   %s\n", engines[i]->name, info.missing,
+                   info.install_line);
+    }
+    for (size_t i = 0; i < sizeof(tools) / sizeof(tools[0]); i++) {
+        const bool there = neph_child_program_exists(tools[i].program);
+        json_array_append_new(list, json_pack("{s:s, s:b, s:s, s:s}", "name", tools[i].program,
+                                              "available", there, "needed_for", tools[i].needed_for,
+                                              "install_line", tools[i].install_line));
+        if (!request.json)
+            printf("%-8s %-9s for %s%s%s\n", there ? "ok" : "missing", tools[i].program,
+                   tools[i].needed_for,
+                   there ? "" : "\n         get it:   ", there ? "" : tools[i].install_line);
+    }
+    if (request.json)
+        neph_cli_print_json(
+            json_pack("{s:o, s:o}", "host", neph_host_json(), "parts", json_incref(list)));
+    else
+        printf("data     %s\n", neph_data_directory());
+    json_decref(list);
+    return missing ? NEPH_ERR_UNAVAILABLE : NEPH_OK;
+}

@@ -1,0 +1,280 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * `neph render` and `neph export`: one scene, one engine.
+ */
+#include "harness/cli.h"
+
+#include "base/clock.h"
+#include "base/exr.h"
+#include "base/files.h"
+#include "harness/data.h"
+#include "harness/job.h"
+#include "harness/progress.h"
+
+#include <argp.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+enum { SETTINGS_MAX = 32, KEY_SIZE = 1, KEY_FRAME, KEY_FRAMES, KEY_SEED, KEY_TIME_LIMIT, KEY_JSON };
+
+struct request {
+    const char *scene, *engine, *output;
+    const char *assignments[SETTINGS_MAX];
+    int assignment_count;
+    const char *size, *frame, *frames, *seed, *time_limit;
+    bool json, quiet;
+};
+
+static const struct argp_option render_options[] = {
+    {"engine", 'e', "NAME", 0, "Engine; `neph engines` lists them (default: march)", 0},
+    {"set", 's', "KEY=VALUE", 0, "A setting of the engine; may be given several times", 0},
+    {"size", KEY_SIZE, "WxH", 0, "Size in pixels (default: 192x108)", 0},
+    {"frame", KEY_FRAME, "N", 0, "First frame, 0-based (default: 0)", 0},
+    {"frames", KEY_FRAMES, "N", 0, "How many frames (default: 1)", 0},
+    {"seed", KEY_SEED, "N", 0, "Random seed (default: 1)", 0},
+    {"time-limit", KEY_TIME_LIMIT, "S", 0, "Seconds per child process (default: 600)", 0},
+    {"output", 'o', "DIR", 0, "Folder to write to (default: .)", 0},
+    {"json", KEY_JSON, NULL, 0, "Results as JSON on stdout", 0},
+    {"quiet", 'q', NULL, 0, "No progress", 0},
+    {0},
+};
+
+static error_t parse(int key, char *argument, struct argp_state *state)
+{
+    struct request *request = state->input;
+    switch (key) {
+    case 'e':
+        request->engine = argument;
+        return 0;
+    case 's':
+        if (request->assignment_count == SETTINGS_MAX)
+            argp_error(state, "more than %d settings", SETTINGS_MAX);
+        request->assignments[request->assignment_count++] = argument;
+        return 0;
+    case 'o':
+        request->output = argument;
+        return 0;
+    case 'q':
+        request->quiet = true;
+        return 0;
+    case KEY_JSON:
+        request->json = true;
+        return 0;
+    case KEY_SIZE:
+        request->size = argument;
+        return 0;
+    case KEY_FRAME:
+        request->frame = argument;
+        return 0;
+    case KEY_FRAMES:
+        request->frames = argument;
+        return 0;
+    case KEY_SEED:
+        request->seed = argument;
+        return 0;
+    case KEY_TIME_LIMIT:
+        request->time_limit = argument;
+        return 0;
+    case ARGP_KEY_ARG:
+        if (request->scene)
+            argp_error(state, "one scene, not '%s' as well", argument);
+        request->scene = argument;
+        return 0;
+    case ARGP_KEY_END:
+        if (!request->scene)
+            argp_error(state, "which scene? `neph scenes` lists the catalogue");
+        return 0;
+    }
+    return ARGP_ERR_UNKNOWN;
+}
+
+static const struct argp render_argp = {
+    .options = render_options,
+    .parser = parse,
+    .args_doc = "SCENE",
+    .doc = "Render a scene (a file, or a name of the catalogue) with one engine.\v"
+           "Writes DIR/SCENE_ENGINE_FRAME.exr: R G B, volume.*, transmittance.* and Z, 32-bit "
+           "float, with the settings as attributes.\n\n"
+           "Examples:\n"
+           "  neph render height_fog_level -o out\n"
+           "  neph render my_fog.yaml --engine cycles --set samples=256 --size 640x360 -o out\n"
+           "  neph render camera_dolly --engine march --frames 8 -o out",
+};
+
+static const struct argp export_argp = {
+    .options = render_options,
+    .parser = parse,
+    .args_doc = "SCENE",
+    .doc = "Leave a scene as files that open in Blender or render with POV-Ray by hand.\v"
+           "Prints the one-line command to run inside DIR.\n\n"
+           "Examples:\n"
+           "  neph export fence_backlit --engine povray -o fence_pov\n"
+           "  neph export fence_backlit --engine cycles -o fence_blend",
+};
+
+/* The shot that a request asks for; `*frame_count` from --frames. */
+static enum neph_status make_job(const struct request *request, const struct neph_scene *scene,
+                                 struct neph_engine_info *info, struct neph_job *job,
+                                 int *frame_count, struct neph_diag *diag)
+{
+    const struct neph_engine *engine = neph_engine_find(request->engine);
+    if (!engine) {
+        neph_fail(diag, NEPH_ERR_USAGE, "there is no engine '%s'", request->engine);
+        neph_hint(diag, "`neph engines` lists them");
+        return NEPH_ERR_USAGE;
+    }
+    int first = 0, seed = 1, limit_s = 600;
+    *job = (struct neph_job){.engine = engine,
+                             .info = info,
+                             .shot = {.scene = scene,
+                                      .settings = neph_settings_default(engine),
+                                      .layers = NEPH_LAYERS_ALL}};
+    enum neph_status status = neph_cli_parse_size(request->size, &job->shot.width_px,
+                                                  &job->shot.height_px, diag);
+    if (!status)
+        status = neph_cli_parse_int("frame", request->frame, 0, scene->frame_count - 1, &first,
+                                    diag);
+    if (!status)
+        status = neph_cli_parse_int("number of frames", request->frames, 1,
+                                    scene->frame_count - first, frame_count, diag);
+    if (!status)
+        status = neph_cli_parse_int("seed", request->seed, 0, 0x7fffffff, &seed, diag);
+    if (!status)
+        status = neph_cli_parse_int("time limit", request->time_limit, 1, 1000000, &limit_s, diag);
+    for (int i = 0; i < request->assignment_count && !status; i++)
+        status = neph_settings_set(engine, &job->shot.settings, request->assignments[i], diag);
+    job->shot.frame = first;
+    job->shot.seed = (uint64_t)seed;
+    job->shot.time_limit_s = limit_s;
+    if (!status)
+        engine->probe(info);
+    return status;
+}
+
+/* A scratch folder inside the output folder; engines keep their logs there when they fail. */
+static enum neph_status render_one(const struct request *request, struct neph_job *job,
+                                   json_t *results, struct neph_diag *diag)
+{
+    char *path = neph_format("%s/%s_%s_%04d.exr", request->output, job->shot.scene->name,
+                             job->engine->name, job->shot.frame);
+    char *scratch = neph_format("%s/.neph-scratch.%ld", request->output, (long)getpid());
+    struct neph_image *frame = NULL;
+    struct neph_cost cost = {0};
+    enum neph_status status = path && scratch ? NEPH_OK : neph_fail_memory(diag);
+    if (!status)
+        status = neph_dir_create(scratch, diag);
+    job->shot.scratch_directory = scratch;
+    if (!status)
+        status = neph_job_render(job, &frame, &cost, diag);
+    if (!status)
+        status = neph_exr_write(path, frame, diag);
+    if (!status)
+        json_array_append_new(results,
+                              json_pack("{s:s, s:i, s:f, s:f, s:f, s:I}", "exr", path, "frame",
+                                        job->shot.frame, "render_s", cost.render_s, "wall_s",
+                                        cost.wall_s, "cpu_s", cost.cpu_s, "peak_memory_bytes",
+                                        (json_int_t)cost.peak_memory_bytes));
+    if (!status && !request->json)
+        printf("%s\n", path);
+    if (status != NEPH_ERR_ENGINE && status != NEPH_ERR_TIMEOUT)
+        neph_dir_remove(scratch, NULL);
+    else if (diag && !diag->hint[0])
+        neph_hint(diag, "its logs are in %s", scratch);
+    neph_image_destroy(frame);
+    free(path);
+    free(scratch);
+    return status;
+}
+
+static enum neph_status render_frames(const struct request *request, struct neph_job *job,
+                                      int frame_count, struct neph_diag *diag)
+{
+    json_t *results = json_array();
+    struct neph_progress progress = neph_progress_start(request->quiet || request->json,
+                                                        frame_count);
+    enum neph_status status = neph_dir_create(request->output, diag);
+    for (int i = 0; i < frame_count && !status; i++) {
+        char what[128];
+        snprintf(what, sizeof(what), "frame %d", job->shot.frame);
+        neph_progress_begin(&progress, what);
+        const double start_s = neph_wall_s();
+        status = render_one(request, job, results, diag);
+        neph_progress_step(&progress, what, neph_status_name(status), neph_wall_s() - start_s);
+        job->shot.frame++;
+    }
+    neph_progress_end(&progress);
+    if (request->json)
+        neph_cli_print_json(results);
+    else
+        json_decref(results);
+    return status;
+}
+
+static struct request default_request(const char *engine)
+{
+    return (struct request){.engine = engine,
+                            .output = ".",
+                            .size = "192x108",
+                            .frame = "0",
+                            .frames = "1",
+                            .seed = "1",
+                            .time_limit = "600"};
+}
+
+enum neph_status neph_cli_render(int argc, char **argv, struct neph_diag *diag)
+{
+    struct request request = default_request("march");
+    argp_parse(&render_argp, argc, argv, 0, NULL, &request);
+    struct neph_scene *scene = NULL;
+    struct neph_engine_info info;
+    struct neph_job job;
+    int frame_count = 1;
+    enum neph_status status = neph_data_load_scene(request.scene, &scene, diag);
+    if (!status)
+        status = make_job(&request, scene, &info, &job, &frame_count, diag);
+    if (!status)
+        status = render_frames(&request, &job, frame_count, diag);
+    neph_scene_destroy(scene);
+    return status;
+}
+
+static enum neph_status export_files(const struct request *request, struct neph_job *job,
+                                     struct neph_diag *diag)
+{
+    char reason[512], command[1024];
+    if (!job->engine->export_scene)
+        return neph_fail(diag, NEPH_ERR_USAGE,
+                         "engine %s has nothing to export; use --engine cycles or povray",
+                         job->engine->name);
+    if (!job->engine->can_render(job->shot.scene, reason, sizeof(reason)))
+        return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "%s cannot: %s", job->engine->name, reason);
+    enum neph_status status = neph_dir_create(request->output, diag);
+    if (!status)
+        status = job->engine->export_scene(&job->shot, request->output, command, sizeof(command),
+                                           diag);
+    if (status)
+        return status;
+    if (request->json)
+        neph_cli_print_json(json_pack("{s:s, s:s}", "folder", request->output, "command", command));
+    else
+        printf("in %s: %s\n", request->output, command);
+    return NEPH_OK;
+}
+
+enum neph_status neph_cli_export(int argc, char **argv, struct neph_diag *diag)
+{
+    struct request request = default_request("povray");
+    argp_parse(&export_argp, argc, argv, 0, NULL, &request);
+    struct neph_scene *scene = NULL;
+    struct neph_engine_info info;
+    struct neph_job job;
+    int frame_count = 1;
+    enum neph_status status = neph_data_load_scene(request.scene, &scene, diag);
+    if (!status)
+        status = make_job(&request, scene, &info, &job, &frame_count, diag);
+    if (!status)
+        status = export_files(&request, &job, diag);
+    neph_scene_destroy(scene);
+    return status;
+}

@@ -1,0 +1,151 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * `neph validate`: the main job.
+ */
+#include "harness/cli.h"
+
+#include "base/files.h"
+#include "harness/charts.h"
+#include "harness/data.h"
+#include "harness/report.h"
+#include "harness/validate.h"
+
+#include <argp.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { KEY_JSON = 1, KEY_SIZE, KEY_TIME_LIMIT, KEY_NO_CHARTS, LIST_MAX = 256 };
+
+struct request {
+    const char *scenes[LIST_MAX], *engines[LIST_MAX];
+    int scene_count, engine_count;
+    const char *output, *size, *time_limit;
+    bool json, quiet, no_charts;
+};
+
+static const struct argp_option options[] = {
+    {"engine", 'e', "NAME", 0, "Only this engine; may be given several times (default: all)", 0},
+    {"size", KEY_SIZE, "WxH", 0, "Size in pixels (default: 192x108)", 0},
+    {"output", 'o', "DIR", 0, "Folder of the store and the report (default: out)", 0},
+    {"no-charts", KEY_NO_CHARTS, NULL, 0, "Leave out the speed-against-accuracy charts", 0},
+    {"time-limit", KEY_TIME_LIMIT, "S", 0, "Seconds per child process (default: 300)", 0},
+    {"json", KEY_JSON, NULL, 0, "The whole document as JSON on stdout", 0},
+    {"quiet", 'q', NULL, 0, "No progress", 0},
+    {0},
+};
+
+static error_t parse(int key, char *argument, struct argp_state *state)
+{
+    struct request *request = state->input;
+    switch (key) {
+    case 'e':
+        if (request->engine_count == LIST_MAX)
+            argp_error(state, "more than %d engines", LIST_MAX);
+        request->engines[request->engine_count++] = argument;
+        return 0;
+    case 'o':
+        request->output = argument;
+        return 0;
+    case 'q':
+        request->quiet = true;
+        return 0;
+    case KEY_SIZE:
+        request->size = argument;
+        return 0;
+    case KEY_TIME_LIMIT:
+        request->time_limit = argument;
+        return 0;
+    case KEY_NO_CHARTS:
+        request->no_charts = true;
+        return 0;
+    case KEY_JSON:
+        request->json = true;
+        return 0;
+    case ARGP_KEY_ARG:
+        if (request->scene_count == LIST_MAX)
+            argp_error(state, "more than %d scenes", LIST_MAX);
+        request->scenes[request->scene_count++] = argument;
+        return 0;
+    }
+    return ARGP_ERR_UNKNOWN;
+}
+
+static const struct argp argp = {
+    .options = options,
+    .parser = parse,
+    .args_doc = "[SCENE...]",
+    .doc = "Run scenes (default: the whole catalogue) over all engines, measure each against the "
+           "highest rung of truth, check the gates, and write DIR/report/index.html.\v"
+           "Finished frames are kept in DIR/store and used again; an interrupted or killed run "
+           "goes on where it stopped. A missing engine is reported as missing and the others go "
+           "on. Exit code 1: a gate failed or an engine broke.\n\n"
+           "Examples:\n"
+           "  neph validate\n"
+           "  neph validate fence_backlit --size 320x180 --no-charts\n"
+           "  neph validate my_fog.yaml -e exact -e march -o /tmp/fog",
+};
+
+static enum neph_status run(const struct request *request, const char *const *scenes,
+                            int scene_count, struct neph_diag *diag)
+{
+    struct neph_validate_params params = {.scenes = scenes,
+                                          .scene_count = scene_count,
+                                          .engines = request->engines,
+                                          .engine_count = request->engine_count,
+                                          .quiet = request->quiet};
+    int limit_s = 0;
+    enum neph_status status = neph_cli_parse_size(request->size, &params.width_px,
+                                                  &params.height_px, diag);
+    if (!status)
+        status = neph_cli_parse_int("time limit", request->time_limit, 1, 1000000, &limit_s, diag);
+    if (status)
+        return status;
+    params.time_limit_s = limit_s;
+    const struct neph_charts_params charts = {.time_limit_s = limit_s, .quiet = request->quiet};
+    struct neph_store *store = NULL;
+    json_t *document = NULL;
+    char *store_folder = neph_path_join(request->output, "store");
+    char *report_folder = neph_path_join(request->output, "report");
+    status = store_folder && report_folder ? neph_store_open(store_folder, &store, diag)
+                                           : neph_fail_memory(diag);
+    if (!status)
+        status = neph_validate(&params, store, &document, diag);
+    if (!status && !request->no_charts)
+        status = neph_charts_run(&charts, store, json_object_get(document, "charts"), diag);
+    if (!status)
+        status = neph_report_write(document, report_folder, diag);
+    if (!status) {
+        if (request->json)
+            neph_cli_print_json(json_incref(document));
+        else
+            neph_validate_print(document);
+        FILE *out = request->json ? stderr : stdout;
+        const char *verdict = json_string_value(json_object_get(document, "verdict"));
+        fprintf(out, "verdict: %s\nreport: %s/index.html\n", verdict, report_folder);
+        if (strcmp(verdict, "pass") != 0)
+            status = neph_fail(diag, NEPH_ERR_GATE,
+                               "a gate failed or an engine broke; the report "
+                               "names it");
+    }
+    json_decref(document);
+    neph_store_close(store);
+    free(store_folder);
+    free(report_folder);
+    return status;
+}
+
+enum neph_status neph_cli_validate(int argc, char **argv, struct neph_diag *diag)
+{
+    struct request request = {.output = "out", .size = "192x108", .time_limit = "300"};
+    argp_parse(&argp, argc, argv, 0, NULL, &request);
+    if (request.scene_count > 0)
+        return run(&request, request.scenes, request.scene_count, diag);
+    char **names = NULL;
+    int count = 0;
+    enum neph_status status = neph_data_catalog(&names, &count, diag);
+    if (!status)
+        status = run(&request, (const char *const *)names, count, diag);
+    neph_data_free_names(names);
+    return status;
+}

@@ -1,0 +1,87 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/cli.h"
+
+#include "base/interrupt.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static const struct {
+    const char *name;
+    neph_verb *run;
+    const char *help;
+} verbs[] = {
+    {"validate", neph_cli_validate, "run scenes over all engines, gate the errors, write a report"},
+    {"render", neph_cli_render, "render a scene with one engine"},
+    {"export", neph_cli_export, "leave a scene as files for Blender or POV-Ray"},
+    {"compare", neph_cli_compare, "measure the error of one EXR frame against another"},
+    {"scenes", neph_cli_scenes, "list the catalogue, or show and check one scene"},
+    {"engines", neph_cli_engines, "list the engines, or explain the settings of one"},
+    {"doctor", neph_cli_doctor, "what is installed, what is missing and how to get it"},
+};
+enum { VERB_COUNT = sizeof(verbs) / sizeof(verbs[0]) };
+
+static void print_help(FILE *out)
+{
+    fprintf(out, "Usage: neph VERB [ARGUMENT...]\n"
+                 "A validation harness for volumetric rendering.\n\n");
+    for (int i = 0; i < VERB_COUNT; i++)
+        fprintf(out, "  %-9s %s\n", verbs[i].name, verbs[i].help);
+    fprintf(
+        out,
+        "\n`neph VERB --help` teaches each with examples.\n\n"
+        "Exit codes: 0 done; 1 a gate failed or a difference is too large; 2 the engine cannot\n"
+        "model the scene; 3 an engine failed; 64 wrong usage; 65 wrong input; 66 no such file;\n"
+        "69 engine or driver missing; 70 a bug in neph; 71 out of memory; 74 reading or writing\n"
+        "failed; 124 time limit; 130 interrupted.\n");
+}
+
+static void print_diag(const char *verb, enum neph_status status, const struct neph_diag *diag)
+{
+    if (diag->file[0] && diag->line > 0)
+        fprintf(stderr, "%s:%d:%d: %s\n", diag->file, diag->line, diag->column, diag->message);
+    else
+        fprintf(stderr, "neph %s: %s\n", verb,
+                diag->message[0] ? diag->message : neph_status_name(status));
+    if (diag->hint[0])
+        fprintf(stderr, "  hint: %s\n", diag->hint);
+}
+
+static int run_verb(int index, int argc, char **argv)
+{
+    char name[64];
+    struct neph_diag diag = {.line = 0};
+    snprintf(name, sizeof(name), "neph %s", verbs[index].name);
+    argv[0] = name;
+    const enum neph_status status = verbs[index].run(argc, argv, &diag);
+    if (status != NEPH_OK && diag.message[0])
+        print_diag(verbs[index].name, status, &diag);
+    if (fflush(stdout) != 0 && status == NEPH_OK) {
+        perror("neph: stdout");
+        return neph_status_exit_code(NEPH_ERR_IO);
+    }
+    return neph_status_exit_code(status);
+}
+
+int main(int argc, char **argv)
+{
+    if (argc < 2) {
+        print_help(stderr);
+        return neph_status_exit_code(NEPH_ERR_USAGE);
+    }
+    if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0 ||
+        strcmp(argv[1], "help") == 0) {
+        print_help(stdout);
+        return 0;
+    }
+    if (strcmp(argv[1], "--version") == 0) {
+        printf("neph %s\n", NEPH_VERSION);
+        return 0;
+    }
+    neph_interrupt_install();
+    for (int i = 0; i < VERB_COUNT; i++)
+        if (strcmp(argv[1], verbs[i].name) == 0)
+            return run_verb(i, argc - 1, argv + 1);
+    fprintf(stderr, "neph: there is no verb '%s'; `neph --help` lists them\n", argv[1]);
+    return neph_status_exit_code(NEPH_ERR_USAGE);
+}
