@@ -25,6 +25,7 @@ static const double optical_depth_per_unit = 10.0;
 static const double thinnest_of_densest = 1e-6;
 
 static const double sphere_error_px = 0.01;
+static const double sensor_mm = 24.0; /* height; in blender_render.py too */
 
 /* ---- adapting the scene ---------------------------------------------------------------------- */
 
@@ -109,6 +110,9 @@ enum neph_status neph_cycles_world(const struct neph_scene *scene, struct neph_c
 {
     struct neph_cycles_world adapted = {.unit_m = 1.0};
     enum neph_status status = NEPH_OK;
+    const double lens_mm = sensor_mm / 2.0 / tan(scene->vertical_fov_rad / 2.0);
+    if (!(lens_mm >= 1.0 && lens_mm <= 5000.0)) /* Blender would clamp it without a word */
+        return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "a field of view outside 0.3..170 degrees");
     for (int i = 0; i < scene->medium_count && !status; i++)
         if (has_extinction(&scene->media[i]))
             status = adapt_medium(scene, i, &adapted, diag);

@@ -264,6 +264,8 @@ static void test_can_render(void **state)
     medium->phase = (struct neph_phase){NEPH_PHASE_ISOTROPIC, 0.0};
     add_medium(&stage, medium->bounds, 1e-8, 0.0);
     assert_cannot(&stage, "1e6");
+    stage.scene.vertical_fov_rad = 3.1;
+    assert_cannot(&stage, "field of view");
 }
 
 static void test_tiny_frames_are_refused(void **state)

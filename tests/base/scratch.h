@@ -1,0 +1,66 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * A folder of its own for each test that touches the disk, and a look at what is in it.
+ */
+#ifndef NEPH_TESTS_BASE_SCRATCH_H
+#define NEPH_TESTS_BASE_SCRATCH_H
+
+#include "tests/neph_test.h"
+
+#include "base/files.h"
+
+#include <dirent.h>
+
+#define SCRATCH_PATH_MAX 512
+
+struct scratch {
+    char folder[SCRATCH_PATH_MAX / 2];
+};
+
+static inline int scratch_setup(void **state)
+{
+    struct scratch *scratch = calloc(1, sizeof(*scratch));
+    const char *parent = getenv("TMPDIR");
+    snprintf(scratch->folder, sizeof(scratch->folder), "%s/neph-test-XXXXXX",
+             parent && *parent ? parent : "/tmp");
+    if (!mkdtemp(scratch->folder))
+        return -1;
+    *state = scratch;
+    return 0;
+}
+
+static inline int scratch_teardown(void **state)
+{
+    struct scratch *scratch = *state;
+    enum neph_status status = neph_dir_remove(scratch->folder, NULL);
+    free(scratch);
+    return status == NEPH_OK ? 0 : -1;
+}
+
+/* The path of a name in the folder of the test. */
+static inline const char *scratch_path(void **state, char path[SCRATCH_PATH_MAX], const char *name)
+{
+    const struct scratch *scratch = *state;
+    snprintf(path, SCRATCH_PATH_MAX, "%s/%.200s", scratch->folder, name);
+    return path;
+}
+
+/* The number of things in the folder of the test, hidden ones too: temporary files that were left
+ * behind show up here. */
+static inline int scratch_count(void **state)
+{
+    const struct scratch *scratch = *state;
+    DIR *folder = opendir(scratch->folder);
+    assert_non_null(folder);
+    int count = 0;
+    for (const struct dirent *entry; (entry = readdir(folder));)
+        if (strcmp(entry->d_name, ".") != 0 && strcmp(entry->d_name, "..") != 0)
+            count++;
+    closedir(folder);
+    return count;
+}
+
+#define scratch_test(function)                                                                     \
+    cmocka_unit_test_setup_teardown(function, scratch_setup, scratch_teardown)
+
+#endif

@@ -1,0 +1,322 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Solids: hits and shadows known by hand, and the exact shadow interval against brute force.
+ */
+#include "tests/neph_test.h"
+
+#include "scenes/solids.h"
+
+#define COUNT(array) (sizeof(array) / sizeof((array)[0]))
+
+static const double pi = 3.14159265358979323846264338328;
+
+static struct neph_solid box(double x0, double y0, double z0, double x1, double y1, double z1)
+{
+    return (struct neph_solid){.kind = NEPH_SOLID_BOX, .box = {{x0, y0, z0}, {x1, y1, z1}}};
+}
+
+static struct neph_solid sphere(double x, double y, double z, double radius_m)
+{
+    return (struct neph_solid){
+        .kind = NEPH_SOLID_SPHERE, .center_m = {x, y, z}, .radius_m = radius_m};
+}
+
+static struct neph_hit hit_one(struct neph_solid solid, struct neph_vec3 origin,
+                               struct neph_vec3 direction)
+{
+    struct neph_scene scene = {.solid_count = 1, .solids = &solid};
+    return neph_scene_hit(&scene, origin, direction);
+}
+
+static void assert_hit(struct neph_hit hit, double t_m, double nx, double ny, double nz)
+{
+    neph_assert_close(hit.t_m, t_m, 1e-14, 1e-14);
+    neph_assert_close(hit.normal.x, nx, 0.0, 1e-14);
+    neph_assert_close(hit.normal.y, ny, 0.0, 1e-14);
+    neph_assert_close(hit.normal.z, nz, 0.0, 1e-14);
+}
+
+static void test_hits_by_hand(void **state)
+{
+    (void)state;
+    const struct neph_solid unit_box = box(-1, -1, -1, 1, 1, 1), ball = sphere(0, 0, 0, 2);
+    assert_hit(hit_one(unit_box, (struct neph_vec3){-5, 0.3, 0.2}, (struct neph_vec3){1, 0, 0}),
+               4.0, -1, 0, 0);
+    assert_hit(hit_one(unit_box, (struct neph_vec3){0.2, 5, 0.2}, (struct neph_vec3){0, -1, 0}),
+               4.0, 0, 1, 0);
+    assert_hit(hit_one(ball, (struct neph_vec3){0, 0, 7}, (struct neph_vec3){0, 0, -1}), 5.0, 0, 0,
+               1);
+    assert_hit(hit_one(ball, (struct neph_vec3){-7, 1.2, 0}, (struct neph_vec3){1, 0, 0}), 5.4,
+               -0.8, 0.6, 0);
+    /* From inside: the far side. */
+    assert_hit(hit_one(unit_box, (struct neph_vec3){0, 0, 0}, (struct neph_vec3){0, 0, 1}), 1.0, 0,
+               0, 1);
+    assert_hit(hit_one(ball, (struct neph_vec3){0, 1, 0}, (struct neph_vec3){0, 1, 0}), 1.0, 0, 1,
+               0);
+    /* Beside, behind, and along a face plane of it. */
+    assert_true(isinf(
+        hit_one(unit_box, (struct neph_vec3){-5, 1.1, 0}, (struct neph_vec3){1, 0, 0}).t_m));
+    assert_true(
+        isinf(hit_one(unit_box, (struct neph_vec3){5, 0, 0}, (struct neph_vec3){1, 0, 0}).t_m));
+    assert_true(
+        isinf(hit_one(ball, (struct neph_vec3){0, 0, 7}, (struct neph_vec3){0, 0, 1}).t_m));
+    assert_null(hit_one(ball, (struct neph_vec3){0, 3, 7}, (struct neph_vec3){0, 0, -1}).solid);
+}
+
+static void test_the_nearest_solid_is_hit(void **state)
+{
+    (void)state;
+    struct neph_solid solids[] = {box(8, -1, -1, 9, 1, 1), sphere(4, 0, 0, 1),
+                                  box(6, -1, -1, 7, 1, 1)};
+    const struct neph_scene scene = {.solid_count = 3, .solids = solids};
+    const struct neph_hit hit =
+        neph_scene_hit(&scene, (struct neph_vec3){0, 0, 0}, (struct neph_vec3){1, 0, 0});
+    assert_hit(hit, 3.0, -1, 0, 0);
+    assert_ptr_equal(hit.solid, &solids[1]);
+}
+
+/* From 1000 km the hit is right to the rounding of the distance. */
+static void test_hit_from_far_away(void **state)
+{
+    (void)state;
+    const double down = -0.8, across = 0.6;
+    const struct neph_hit ground =
+        hit_one(box(-1e7, -1, -1e7, 1e7, 0, 1e7), (struct neph_vec3){0, 1e6, 0},
+                (struct neph_vec3){across, down, 0});
+    neph_assert_close(ground.t_m, 1.25e6, 4e-16, 0.0);
+    assert_true(ground.normal.y == 1.0);
+    const struct neph_hit ball = hit_one(sphere(0, 0, 0, 1), (struct neph_vec3){0.6, 1e6, 0},
+                                         (struct neph_vec3){0, -1, 0});
+    neph_assert_close(ball.t_m, 1e6 - 0.8, 0.0, 1e-9);
+    neph_assert_close(ball.normal.x, 0.6, 0.0, 1e-9);
+}
+
+static void assert_shadow(struct neph_solid solid, struct neph_vec3 sun, struct neph_vec3 origin,
+                          struct neph_vec3 direction, double low_m, double high_m)
+{
+    double t0_m = NAN, t1_m = NAN;
+    const bool any = neph_solid_shadow(&solid, sun, origin, direction, 0.0, 100.0, &t0_m, &t1_m);
+    assert_true(any == (low_m < high_m));
+    if (!any)
+        return;
+    neph_assert_close(t0_m, low_m, 1e-14, 1e-14);
+    neph_assert_close(t1_m, high_m, 1e-14, 1e-14);
+}
+
+static void test_shadows_by_hand(void **state)
+{
+    (void)state;
+    const struct neph_vec3 origin = {0, 0, 0}, x = {1, 0, 0}, up = {0, 1, 0}, left = {-1, 0, 0};
+    const struct neph_vec3 slanted = {0.6, 0.8, 0}; /* 3 m sideways for 4 m up */
+    const struct neph_solid roof = box(5, 4, -1, 7, 8, 1), ball = sphere(6, 10, 0.6, 1);
+
+    assert_shadow(roof, up, origin, x, 5, 7);
+    assert_shadow(ball, up, origin, x, 5.2, 6.8); /* half chord sqrt(1 - 0.36) */
+    /* Slanted: the lower left edge throws its shadow 3 m to the left from 4 m up, the upper left
+     * one 6 m from 8 m up; the right end is the lower right edge's. */
+    assert_shadow(roof, slanted, origin, x, 0, 7 - 3);
+    assert_shadow(roof, slanted, (struct neph_vec3){-4, 0, 0}, x, -1 + 4, 4 + 4);
+    assert_shadow(ball, slanted, (struct neph_vec3){1, 0, 0}, x, 1, 0); /* behind the origin */
+    assert_shadow(ball, slanted, (struct neph_vec3){-9, 0, 0.6}, x, 7.5 - 1.25, 7.5 + 1.25);
+    /* The sun below, the ray above the solid, beside it, the solid on the far side of the sun. */
+    assert_shadow(roof, (struct neph_vec3){0, -1, 0}, origin, x, 1, 0);
+    assert_shadow(roof, up, (struct neph_vec3){0, 9, 0}, x, 1, 0);
+    assert_shadow(roof, up, (struct neph_vec3){0, 0, 2}, x, 1, 0);
+    /* A sun along the ray: all points before the solid, or all behind it. */
+    assert_shadow(roof, x, (struct neph_vec3){0, 5, 0}, x, 0, 7);
+    assert_shadow(roof, left, (struct neph_vec3){0, 5, 0}, x, 5, 100);
+    assert_shadow(sphere(6, 0, 0.6, 1), x, origin, x, 0, 6.8);
+    assert_shadow(sphere(6, 0, 0.6, 1), left, origin, x, 5.2, 100);
+    /* Along the sun but beside the solid. */
+    assert_shadow(roof, up, origin, up, 1, 0);
+    assert_shadow(ball, up, origin, up, 1, 0);
+}
+
+/* ---- brute force: is there a point of the solid on the sun's side? ---- */
+
+/* Solved here anew, by the quadratic and by the slabs, in long double. */
+static bool hides(const struct neph_solid *solid, struct neph_vec3 p, struct neph_vec3 s)
+{
+    if (solid->kind == NEPH_SOLID_SPHERE) {
+        const long double x = (long double)p.x - solid->center_m.x;
+        const long double y = (long double)p.y - solid->center_m.y;
+        const long double z = (long double)p.z - solid->center_m.z;
+        const long double a = (long double)s.x * s.x + (long double)s.y * s.y +
+                              (long double)s.z * s.z;
+        const long double half_b = x * s.x + y * s.y + z * s.z;
+        const long double c = x * x + y * y + z * z - (long double)solid->radius_m *
+                                                          solid->radius_m;
+        const long double discriminant = half_b * half_b - a * c;
+        return discriminant > 0.0L && (-half_b + sqrtl(discriminant)) / a > 0.0L;
+    }
+    const double low[3] = {solid->box.min_m.x, solid->box.min_m.y, solid->box.min_m.z};
+    const double high[3] = {solid->box.max_m.x, solid->box.max_m.y, solid->box.max_m.z};
+    const double from[3] = {p.x, p.y, p.z}, sun[3] = {s.x, s.y, s.z};
+    long double t0 = 0.0L, t1 = HUGE_VALL;
+    for (int axis = 0; axis < 3; axis++) {
+        if (sun[axis] == 0.0) {
+            if (from[axis] <= low[axis] || from[axis] >= high[axis])
+                return false;
+            continue;
+        }
+        const long double a = ((long double)low[axis] - from[axis]) / sun[axis];
+        const long double b = ((long double)high[axis] - from[axis]) / sun[axis];
+        t0 = fmaxl(t0, fminl(a, b));
+        t1 = fminl(t1, fmaxl(a, b));
+    }
+    return t0 < t1;
+}
+
+static struct neph_vec3 random_direction(uint64_t *seed)
+{
+    static const struct neph_vec3 axes[6] = {{1, 0, 0},  {-1, 0, 0}, {0, 1, 0},
+                                             {0, -1, 0}, {0, 0, 1},  {0, 0, -1}};
+    const double kind = neph_test_uniform(seed, 0, 1);
+    if (kind < 0.2) /* along an axis */
+        return axes[neph_test_random(seed) % 6];
+    const double y = neph_test_uniform(seed, -1, 1), across = sqrt(1.0 - y * y);
+    const double azimuth = neph_test_uniform(seed, 0, 2.0 * pi);
+    struct neph_vec3 d = {across * cos(azimuth), y, across * sin(azimuth)};
+    if (kind < 0.3) /* in a coordinate plane */
+        d = neph_vec3_normalize((struct neph_vec3){d.x, 0.0, d.z});
+    else if (kind < 0.4) /* the pi/2 of a user's degrees: all but along an axis */
+        d = (struct neph_vec3){cos(pi / 2.0), 1.0, 0.0};
+    return d;
+}
+
+static struct neph_vec3 random_point(uint64_t *seed, double size)
+{
+    return (struct neph_vec3){neph_test_uniform(seed, -size, size),
+                              neph_test_uniform(seed, -size, size),
+                              neph_test_uniform(seed, -size, size)};
+}
+
+static struct neph_solid random_solid(uint64_t *seed)
+{
+    const struct neph_vec3 p = random_point(seed, 4.0);
+    if (neph_test_uniform(seed, 0, 1) < 0.5)
+        return sphere(p.x, p.y, p.z, neph_test_uniform(seed, 0.05, 3.0));
+    return box(p.x, p.y, p.z, p.x + neph_test_uniform(seed, 0.02, 4.0),
+               p.y + neph_test_uniform(seed, 0.02, 4.0), p.z + neph_test_uniform(seed, 0.02, 4.0));
+}
+
+struct ray {
+    struct neph_vec3 origin_m, direction;
+};
+
+/* A ray through the neighbourhood of the shadow; parallel or opposite to the sun, or all but, in a
+ * third of the trials. */
+static struct ray random_view(uint64_t *seed, const struct neph_solid *solid, struct neph_vec3 sun)
+{
+    const double kind = neph_test_uniform(seed, 0, 1);
+    struct neph_vec3 d = random_direction(seed);
+    if (kind < 0.1)
+        d = sun;
+    else if (kind < 0.2)
+        d = neph_vec3_scale(sun, -1.0);
+    else if (kind < 0.3)
+        d = neph_vec3_normalize(
+            neph_vec3_along(sun, d, pow(10.0, neph_test_uniform(seed, -14, -2))));
+    const struct neph_vec3 middle =
+        solid->kind == NEPH_SOLID_SPHERE
+            ? solid->center_m
+            : neph_vec3_scale(neph_vec3_add(solid->box.min_m, solid->box.max_m), 0.5);
+    const struct neph_vec3 shaded = neph_vec3_along(middle, sun, -neph_test_uniform(seed, -2, 12));
+    const struct neph_vec3 target = neph_vec3_add(shaded, random_point(seed, 1.0));
+    return (struct ray){neph_vec3_along(target, d, -neph_test_uniform(seed, 0, 15)), d};
+}
+
+/* Inside the interval the sun is hidden, outside it is not: 40 random distances per pair, except
+ * within 1e-7 m of an end, or of grazing along it. */
+static void test_shadow_interval_against_brute_force(void **state)
+{
+    (void)state;
+    const uint64_t first_seed = 31415;
+    long hidden = 0, tested = 0;
+    for (uint64_t trial = 0; trial < 30000; trial++) {
+        uint64_t seed = first_seed + trial;
+        const struct neph_solid solid = random_solid(&seed);
+        const struct neph_vec3 sun = random_direction(&seed);
+        const struct ray view = random_view(&seed, &solid, sun);
+        const struct neph_vec3 origin = view.origin_m, d = view.direction;
+        double low_m = INFINITY, high_m = -INFINITY;
+        if (neph_solid_shadow(&solid, sun, origin, d, 0.0, 20.0, &low_m, &high_m))
+            assert_true(0.0 <= low_m && low_m < high_m && high_m <= 20.0);
+        struct neph_solid scene_solid = solid;
+        const struct neph_scene scene = {
+            .solid_count = 1, .solids = &scene_solid, .sun = {.present = true, .direction = sun}};
+        for (int i = 0; i < 40; i++) {
+            const double t_m = neph_test_uniform(&seed, 0.0, 20.0);
+            if (fabs(t_m - low_m) < 1e-7 || fabs(t_m - high_m) < 1e-7)
+                continue;
+            const struct neph_vec3 p = neph_vec3_along(origin, d, t_m);
+            const bool expected = hides(&solid, p, sun);
+            const bool interval = t_m > low_m && t_m < high_m;
+            if (interval != expected || neph_scene_sees_sun(&scene, p) == expected)
+                print_error("seed %llu, t %.17g, shadow [%.17g, %.17g], hidden %d\n",
+                            (unsigned long long)(first_seed + trial), t_m, low_m, high_m, expected);
+            assert_true(interval == expected);
+            assert_true(neph_scene_sees_sun(&scene, p) == !expected);
+            hidden += expected;
+            tested++;
+        }
+    }
+    print_message("%ld points, %.0f %% hidden\n", tested, 100.0 * (double)hidden / (double)tested);
+    assert_true(hidden > tested / 10);
+}
+
+/* The range asked for only cuts: no memory of what lies outside it. */
+static void test_shadow_range_only_cuts(void **state)
+{
+    (void)state;
+    const uint64_t first_seed = 2718;
+    for (uint64_t trial = 0; trial < 5000; trial++) {
+        uint64_t seed = first_seed + trial;
+        const struct neph_solid solid = random_solid(&seed);
+        const struct neph_vec3 sun = random_direction(&seed);
+        const struct ray view = random_view(&seed, &solid, sun);
+        const struct neph_vec3 origin = view.origin_m, d = view.direction;
+        const double t0_m = neph_test_uniform(&seed, 0, 10);
+        const double t1_m = t0_m + neph_test_uniform(&seed, 0.1, 10);
+        double whole0_m = 0, whole1_m = 0, part0_m = 0, part1_m = 0;
+        const bool whole = neph_solid_shadow(&solid, sun, origin, d, 0.0, INFINITY, &whole0_m,
+                                             &whole1_m);
+        const bool part = neph_solid_shadow(&solid, sun, origin, d, t0_m, t1_m, &part0_m, &part1_m);
+        const double low_m = fmax(t0_m, whole0_m), high_m = fmin(t1_m, whole1_m);
+        if (part != (whole && low_m < high_m))
+            print_error("seed %llu\n", (unsigned long long)(first_seed + trial));
+        assert_true(part == (whole && low_m < high_m));
+        if (part) {
+            neph_assert_close(part0_m, low_m, 1e-12, 1e-12);
+            neph_assert_close(part1_m, high_m, 1e-12, 1e-12);
+        }
+    }
+}
+
+/* A point on a face that looks at the sun is lit: the solid does not shade itself. */
+static void test_a_lit_face_sees_the_sun(void **state)
+{
+    (void)state;
+    struct neph_solid solid = box(-1, -1, -1, 1, 1, 1);
+    const struct neph_scene scene = {.solid_count = 1,
+                                     .solids = &solid,
+                                     .sun = {.present = true, .direction = {0.6, 0.8, 0.0}}};
+    assert_true(neph_scene_sees_sun(&scene, (struct neph_vec3){0.3, 1.0, 0.2}));
+    assert_true(neph_scene_sees_sun(&scene, (struct neph_vec3){1.0, 0.1, 0.2}));
+    assert_false(neph_scene_sees_sun(&scene, (struct neph_vec3){-1.0, 0.1, 0.2}));
+    assert_false(neph_scene_sees_sun(&scene, (struct neph_vec3){0.3, -1.0, 0.2}));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_hits_by_hand),
+        cmocka_unit_test(test_the_nearest_solid_is_hit),
+        cmocka_unit_test(test_hit_from_far_away),
+        cmocka_unit_test(test_shadows_by_hand),
+        cmocka_unit_test(test_shadow_interval_against_brute_force),
+        cmocka_unit_test(test_shadow_range_only_cuts),
+        cmocka_unit_test(test_a_lit_face_sees_the_sun),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
