@@ -4,10 +4,10 @@
  *   L = integral of sum_m sigma_s,m(t) p_m(cos) E exp(-tau_view(t) - tau_sun(t)) V(t) dt,
  * with V the sun's visibility, 0 or 1. V is exact (the shadow of each solid is one interval), so
  * the lit part of the ray is a set of intervals. Each is cut further where a sun ray changes the
- * face by which it leaves a medium; between cuts the integrand is analytic. With homogeneous media
- * alone both optical depths are linear there and the integral is a phi (closed form). With height
- * fog it is quadrature; cuts at chosen optical depths keep a thin fog far away from falling
- * between the nodes.
+ * face by which it leaves a medium; between cuts the integrand is analytic. Where the exponent is
+ * affine in the optical depth from the camera (homogeneous media; one height fog without sides) the
+ * integral is a phi, in closed form. Else it is quadrature; cuts at chosen optical depths keep a
+ * thin fog far away from falling between the nodes.
  */
 #include "scenes/transport.h"
 
@@ -140,8 +140,9 @@ static double useful_end_m(const struct ray *ray)
     double end_m = ray->end_m;
     if (isinf(end_m)) {
         end_m = 1.0;
+        /* An infinite rest is never negligible, not even beside an infinite whole. */
         while (end_m < 1e300 && view_optical_depth(ray, 0.0, end_m) < opaque_optical_depth &&
-               view_optical_depth(ray, end_m, INFINITY) > 1e-16 * whole)
+               view_optical_depth(ray, end_m, INFINITY) > 1e-16 * fmin(whole, 1e300))
             end_m *= 2.0;
     }
     if (whole > opaque_optical_depth)
@@ -170,26 +171,71 @@ static bool all_homogeneous(const struct neph_scene *scene)
     return true;
 }
 
-/* Integral over [t0, t1] when the exponent is linear on it: value at the brighter end times phi. */
-static void add_linear_piece(const struct ray *ray, double t0_m, double t1_m,
+/* One height fog of one falloff that sun rays leave by its top or bottom, or never: on a straight
+ * ray both optical depths are affine in the density, so the one is affine in the other. */
+static bool one_fog_without_sides(const struct neph_scene *scene)
+{
+    const struct neph_medium *fog = &scene->media[0];
+    if (scene->medium_count != 1)
+        return false;
+    for (int l = 1; l < fog->layer_count; l++)
+        if (fog->layers[l].falloff_per_m != fog->layers[0].falloff_per_m)
+            return false;
+    return isinf(fog->bounds.min_m.x) && isinf(fog->bounds.max_m.x) && isinf(fog->bounds.min_m.z) &&
+           isinf(fog->bounds.max_m.z);
+}
+
+/* The optical depth of the whole way of light that is scattered at distance t. */
+static double way_optical_depth(const struct ray *ray, double t_m)
+{
+    return view_optical_depth(ray, 0.0, t_m) + sun_optical_depth(ray->scene, ray_point(ray, t_m));
+}
+
+/* Radiance per optical depth along the ray, before any of it is lost on the way. */
+static struct neph_rgb scattered_per_depth(const struct ray *ray, double t_m)
+{
+    struct neph_rgb scattered = {0, 0, 0};
+    double extinction_per_m = 0.0;
+    for (int m = 0; m < ray->scene->medium_count; m++) {
+        const struct neph_medium *medium = &ray->scene->media[m];
+        /* One medium is the whole of itself, even where its density underflows. */
+        const double part_per_m = ray->scene->medium_count == 1
+                                      ? 1.0
+                                      : neph_medium_extinction_per_m(medium, ray_point(ray, t_m));
+        extinction_per_m += part_per_m;
+        scattered = neph_rgb_add(scattered,
+                                 neph_rgb_scale(medium->albedo, part_per_m * ray->phase_per_sr[m]));
+    }
+    if (extinction_per_m == 0.0)
+        return (struct neph_rgb){0, 0, 0};
+    return neph_rgb_mul(neph_rgb_scale(scattered, 1.0 / extinction_per_m),
+                        ray->scene->sun.irradiance_w_per_m2);
+}
+
+/* The integral of e^-x over [t0, t1] where x, the depth of the way, is affine in the optical depth
+ * from the camera: the value at the brighter end, times phi of the difference. */
+static void add_closed_piece(const struct ray *ray, double t0_m, double t1_m, bool homogeneous,
                              struct neph_rgb *volume)
 {
-    const double length_m = t1_m - t0_m;
-    /* Evaluate just inside: a face belongs to the medium on either side of it. */
-    const double a_m = t0_m + 1e-3 * length_m, b_m = t1_m - 1e-3 * length_m;
-    const struct neph_scene *scene = ray->scene;
-    const double exponent_a = view_optical_depth(ray, 0.0, a_m) +
-                              sun_optical_depth(scene, ray_point(ray, a_m));
-    const double exponent_b = view_optical_depth(ray, 0.0, b_m) +
-                              sun_optical_depth(scene, ray_point(ray, b_m));
-    const double slope = (exponent_b - exponent_a) / (b_m - a_m);
-    double at_a[3];
-    source(a_m, (void *)ray, at_a);
-    /* source(t) = at_a e^{-slope (t - a)}: move to t0, then integrate. */
-    const double factor = exp(slope * (a_m - t0_m)) * length_m * neph_phi(slope * length_m);
-    volume->r += at_a[0] * factor;
-    volume->g += at_a[1] * factor;
-    volume->b += at_a[2] * factor;
+    const double length_m = t1_m - t0_m, middle_m = t0_m + 0.5 * length_m;
+    if (isinf(way_optical_depth(ray, middle_m)))
+        return;
+    double way0 = way_optical_depth(ray, t0_m), way1 = way_optical_depth(ray, t1_m);
+    if (homogeneous) {
+        /* A sun ray along a face may be inside the medium or not: look from just inside the piece
+         * and continue linearly. Height fog without sides has no such faces. */
+        const double a_m = t0_m + 1e-3 * length_m, b_m = t1_m - 1e-3 * length_m;
+        const double way_a = way_optical_depth(ray, a_m), way_b = way_optical_depth(ray, b_m);
+        const double slope_per_m = (way_b - way_a) / (b_m - a_m);
+        way0 = way_a - slope_per_m * (a_m - t0_m);
+        way1 = way_b + slope_per_m * (t1_m - b_m);
+    }
+    const double light = exp(-fmin(way0, way1));
+    if (light == 0.0)
+        return;
+    const double depth = view_optical_depth(ray, t0_m, t1_m);
+    *volume = neph_rgb_add(*volume, neph_rgb_scale(scattered_per_depth(ray, middle_m),
+                                                   depth * light * neph_phi(fabs(way1 - way0))));
 }
 
 /* The part of [0, end] that lies in any medium at all: nothing else can scatter. */
@@ -226,7 +272,7 @@ static int shadows_on_ray(const struct ray *ray, const struct cuts *cuts,
 
 /* All places where the integrand is not analytic, and the ladder; sorted, ends included. */
 static void make_cuts(struct cuts *cuts, const struct ray *ray, const struct neph_interval *shadows,
-                      int shadow_count, bool linear)
+                      int shadow_count, bool closed)
 {
     const struct neph_scene *scene = ray->scene;
     for (int m = 0; m < scene->medium_count; m++) {
@@ -242,7 +288,7 @@ static void make_cuts(struct cuts *cuts, const struct ray *ray, const struct nep
         cut(cuts, shadows[i].low);
         cut(cuts, shadows[i].high);
     }
-    if (!linear)
+    if (!closed)
         cut_ladder(cuts, ray);
     cuts->at_m[cuts->count++] = cuts->t0_m;
     cuts->at_m[cuts->count++] = cuts->t1_m;
@@ -272,14 +318,15 @@ static double integrate_volume(const struct ray *ray, struct neph_rgb *volume)
     struct cuts cuts = {.count = 0};
     if (!scattering_range(ray, useful_end_m(ray), &cuts.t0_m, &cuts.t1_m))
         return 0.0;
-    const bool linear = all_homogeneous(ray->scene);
+    const bool homogeneous = all_homogeneous(ray->scene);
+    const bool closed = homogeneous || one_fog_without_sides(ray->scene);
     struct neph_interval shadows[NEPH_SCENE_SOLIDS_MAX], pieces[CUTS_MAX];
     const int shadow_count = shadows_on_ray(ray, &cuts, shadows);
-    make_cuts(&cuts, ray, shadows, shadow_count, linear);
+    make_cuts(&cuts, ray, shadows, shadow_count, closed);
     const int piece_count = lit_pieces(&cuts, shadows, shadow_count, pieces);
-    if (linear) {
+    if (closed) {
         for (int i = 0; i < piece_count; i++)
-            add_linear_piece(ray, pieces[i].low, pieces[i].high, volume);
+            add_closed_piece(ray, pieces[i].low, pieces[i].high, homogeneous, volume);
         return 0.0;
     }
     double result[3];

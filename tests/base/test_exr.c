@@ -1,0 +1,618 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Round trips are bit-exact, files of other kinds are refused by name, and no broken file crashes
+ * the reader (the sanitizers watch). NEPH_TEST_SEED repeats a run of the random tests.
+ */
+#include "tests/base/scratch.h"
+
+#include "base/exr.h"
+
+#include <OpenEXR/openexr.h>
+
+static uint64_t test_seed(void)
+{
+    const char *seed = getenv("NEPH_TEST_SEED");
+    return seed ? strtoull(seed, NULL, 0) : 20240229;
+}
+
+/* All kinds of floats: random bits are NaNs with payloads, denormals and infinities too. */
+static void fill_with_random_bits(struct neph_image *image, uint64_t *random)
+{
+    static const float special[] = {0.0f, -0.0f,     1.0f,      -1.0f,    INFINITY,       -INFINITY,
+                                    NAN,  0x1p-149f, 0x1p-126f, 65504.0f, 0x1.fffffep127f};
+    size_t special_count = sizeof(special) / sizeof(special[0]);
+    for (int c = 0; c < image->channel_count; c++) {
+        for (size_t i = 0; i < neph_image_pixel_count(image); i++) {
+            uint32_t bits = (uint32_t)neph_test_random(random);
+            memcpy(&image->channels[c].samples[i], &bits, sizeof(bits));
+            if (bits % 4 == 0)
+                image->channels[c].samples[i] = special[(bits / 4) % special_count];
+        }
+    }
+}
+
+/* The channels of a frame, in an order that is not the alphabetical one of the file. */
+static struct neph_image *make_frame(int width_px, int height_px, uint64_t *random)
+{
+    struct neph_image *image = NULL;
+    float *rgb[3];
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_image_create(width_px, height_px, &image, &diag), &diag);
+    neph_assert_ok(neph_image_add_rgb(image, NULL, rgb, &diag), &diag);
+    neph_assert_ok(neph_image_add_rgb(image, "volume", rgb, &diag), &diag);
+    neph_assert_ok(neph_image_add_rgb(image, "transmittance", rgb, &diag), &diag);
+    neph_assert_ok(neph_image_add_channel(image, "Z", NULL, &diag), &diag);
+    fill_with_random_bits(image, random);
+    return image;
+}
+
+static void assert_same_image(const struct neph_image *a, const struct neph_image *b)
+{
+    assert_int_equal(a->width_px, b->width_px);
+    assert_int_equal(a->height_px, b->height_px);
+    assert_int_equal(a->channel_count, b->channel_count);
+    for (int c = 0; c < a->channel_count; c++) {
+        const float *samples = neph_image_channel(b, a->channels[c].name);
+        assert_non_null(samples);
+        assert_memory_equal(a->channels[c].samples, samples,
+                            neph_image_pixel_count(a) * sizeof(float));
+    }
+    assert_int_equal(a->attribute_count, b->attribute_count);
+    for (int i = 0; i < a->attribute_count; i++) {
+        const char *value = neph_image_attribute(b, a->attributes[i].name);
+        assert_non_null(value);
+        assert_string_equal(a->attributes[i].value, value);
+    }
+}
+
+static void assert_round_trip(const char *path, const struct neph_image *image)
+{
+    struct neph_image *back = NULL;
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_exr_write(path, image, &diag), &diag);
+    neph_assert_ok(neph_exr_read(path, &back, &diag), &diag);
+    assert_same_image(image, back);
+    neph_image_destroy(back);
+}
+
+static void assert_refused(const char *path, enum neph_status expected, const char *words)
+{
+    struct neph_image *image = NULL;
+    struct neph_diag diag = {0};
+    enum neph_status status = neph_exr_read(path, &image, &diag);
+    if (status != expected || !strstr(diag.message, words))
+        print_error("%s: '%s' instead of '%s'\n", neph_status_name(status), diag.message, words);
+    assert_int_equal(status, expected);
+    assert_non_null(strstr(diag.message, words));
+    assert_null(image);
+    assert_int_equal(neph_exr_read(path, &image, NULL), expected); /* without a diag too */
+}
+
+/* ---- round trips ----------------------------------------------------------------------------- */
+
+/* ZIP packs 16 rows into a chunk: heights around that, odd widths, and a single pixel. */
+static void test_round_trip_is_bit_exact(void **state)
+{
+    static const int sizes[][2] = {{1, 1},   {1, 2},    {2, 1},   {3, 15},  {7, 16},   {5, 17},
+                                   {31, 33}, {127, 48}, {1, 100}, {100, 1}, {641, 359}};
+    char path[SCRATCH_PATH_MAX];
+    scratch_path(state, path, "frame.exr");
+    uint64_t random = test_seed();
+    for (size_t i = 0; i < sizeof(sizes) / sizeof(sizes[0]); i++) {
+        struct neph_image *image = make_frame(sizes[i][0], sizes[i][1], &random);
+        assert_round_trip(path, image);
+        neph_image_destroy(image);
+    }
+    assert_int_equal(scratch_count(state), 1);
+}
+
+static void test_smooth_image_is_compressed(void **state)
+{
+    char path[SCRATCH_PATH_MAX], *data = NULL;
+    size_t size = 0;
+    struct neph_image *image = NULL;
+    float *samples = NULL;
+    neph_assert_ok(neph_image_create(256, 256, &image, NULL), NULL);
+    neph_assert_ok(neph_image_add_channel(image, "Y", &samples, NULL), NULL);
+    for (int i = 0; i < 256 * 256; i++)
+        samples[i] = (float)(i / 256);
+    assert_round_trip(scratch_path(state, path, "smooth.exr"), image);
+    neph_assert_ok(neph_file_read(path, SIZE_MAX, &data, &size, NULL), NULL);
+    assert_true(size < 256 * 256 * sizeof(float) / 10);
+    free(data);
+    neph_image_destroy(image);
+}
+
+static void test_same_image_gives_same_bytes(void **state)
+{
+    char paths[2][SCRATCH_PATH_MAX], *data[2];
+    size_t sizes[2];
+    for (int i = 0; i < 2; i++) {
+        uint64_t random = 5;
+        struct neph_image *image = make_frame(40, 30, &random);
+        scratch_path(state, paths[i], i ? "b.exr" : "a.exr");
+        neph_assert_ok(neph_exr_write(paths[i], image, NULL), NULL);
+        neph_assert_ok(neph_file_read(paths[i], SIZE_MAX, &data[i], &sizes[i], NULL), NULL);
+        neph_image_destroy(image);
+    }
+    assert_int_equal(sizes[0], sizes[1]);
+    assert_memory_equal(data[0], data[1], sizes[0]);
+    free(data[0]);
+    free(data[1]);
+}
+
+static void test_attributes_both_ways(void **state)
+{
+    char path[SCRATCH_PATH_MAX], long_name[NEPH_IMAGE_NAME_MAX], *long_value = NULL;
+    memset(long_name, 'n', sizeof(long_name) - 1);
+    long_name[sizeof(long_name) - 1] = '\0';
+    long_value = calloc(1, 100001);
+    memset(long_value, 'v', 100000);
+    uint64_t random = 3;
+    struct neph_image *image = make_frame(4, 4, &random);
+    neph_assert_ok(neph_image_set_attribute(image, "neph.engine", NULL, "cycles %d", 3), NULL);
+    neph_assert_ok(neph_image_set_attribute(image, "neph.empty", NULL, "%s", ""), NULL);
+    neph_assert_ok(neph_image_set_attribute(image, "neph.text", NULL, "%s",
+                                            "two\nlines, 100% \xc3\xbc \xe2\x88\x9e"),
+                   NULL);
+    assert_round_trip(scratch_path(state, path, "short.exr"), image);
+    neph_assert_ok(neph_image_set_attribute(image, long_name, NULL, "%s", "x"), NULL);
+    neph_assert_ok(neph_image_set_attribute(image, "neph.long", NULL, "%s", long_value), NULL);
+    assert_round_trip(scratch_path(state, path, "long.exr"), image);
+    neph_image_destroy(image);
+    free(long_value);
+}
+
+static void test_long_channel_names(void **state)
+{
+    char path[SCRATCH_PATH_MAX];
+    struct neph_image *image = NULL;
+    float *rgb[3];
+    neph_assert_ok(neph_image_create(3, 3, &image, NULL), NULL);
+    neph_assert_ok(
+        neph_image_add_rgb(image, "a_layer_with_a_name_of_more_than_31_bytes", rgb, NULL), NULL);
+    rgb[1][4] = 42.0f;
+    assert_round_trip(scratch_path(state, path, "names.exr"), image);
+    neph_image_destroy(image);
+}
+
+static void test_what_cannot_be_written(void **state)
+{
+    char path[SCRATCH_PATH_MAX];
+    struct neph_image *image = NULL;
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_image_create(3, 3, &image, NULL), NULL);
+    scratch_path(state, path, "x.exr");
+    assert_int_equal(neph_exr_write(path, image, &diag), NEPH_ERR_INPUT);
+    assert_non_null(strstr(diag.message, "no channels"));
+    neph_assert_ok(neph_image_add_channel(image, "Y", NULL, NULL), NULL);
+    neph_assert_ok(neph_image_set_attribute(image, "compression", NULL, "x"), NULL);
+    assert_int_equal(neph_exr_write(path, image, &diag), NEPH_ERR_INPUT);
+    assert_non_null(strstr(diag.message, "'compression'"));
+    neph_image_destroy(image);
+    assert_int_equal(scratch_count(state), 0);
+}
+
+static void test_failed_write_keeps_the_old_file(void **state)
+{
+    char path[SCRATCH_PATH_MAX];
+    uint64_t random = 3;
+    struct neph_image *image = make_frame(4, 4, &random);
+    struct neph_diag diag = {0};
+    assert_int_equal(neph_exr_write(scratch_path(state, path, "no/such.exr"), image, &diag),
+                     NEPH_ERR_IO);
+    assert_non_null(strstr(diag.message, path));
+    neph_assert_ok(neph_dir_create(scratch_path(state, path, "taken.exr/x"), NULL), NULL);
+    assert_int_equal(neph_exr_write(scratch_path(state, path, "taken.exr"), image, &diag),
+                     NEPH_ERR_IO);
+    assert_int_equal(scratch_count(state), 1);
+    neph_image_destroy(image);
+}
+
+/* ---- files that other programs write --------------------------------------------------------- */
+
+enum {
+    OTHER_WIDTH = 5,
+    OTHER_HEIGHT = 35,
+};
+
+struct other_file {
+    exr_storage_t storage;
+    exr_compression_t compression;
+    exr_lineorder_t line_order;
+    exr_pixel_type_t type;
+    int part_count;
+    int sampling;
+    exr_attr_box2i_t window;
+};
+
+/* Sample values that half, float and uint all hold exactly. */
+static float other_value(int x, int y)
+{
+    return (float)(x + 7 * y);
+}
+
+static void encode_other_chunk(exr_context_t context, int part, const exr_chunk_info_t *chunk,
+                               const float *pixels)
+{
+    exr_encode_pipeline_t encoder = EXR_ENCODE_PIPELINE_INITIALIZER;
+    assert_int_equal(exr_encoding_initialize(context, part, chunk, &encoder), EXR_ERR_SUCCESS);
+    uint32_t whole[OTHER_WIDTH * OTHER_HEIGHT];
+    for (int i = 0; i < OTHER_WIDTH * OTHER_HEIGHT; i++)
+        whole[i] = (uint32_t)pixels[i];
+    /* The library converts float to half, but integers it wants as integers. */
+    bool is_uint = encoder.channels[0].data_type == EXR_PIXEL_UINT;
+    encoder.channels[0].encode_from_ptr = is_uint ? (const uint8_t *)whole
+                                                  : (const uint8_t *)pixels;
+    encoder.channels[0].user_data_type = is_uint ? EXR_PIXEL_UINT : EXR_PIXEL_FLOAT;
+    encoder.channels[0].user_bytes_per_element = 4;
+    encoder.channels[0].user_pixel_stride = 4;
+    encoder.channels[0].user_line_stride = 4 * OTHER_WIDTH;
+    assert_int_equal(exr_encoding_choose_default_routines(context, part, &encoder),
+                     EXR_ERR_SUCCESS);
+    assert_int_equal(exr_encoding_run(context, part, &encoder), EXR_ERR_SUCCESS);
+    exr_encoding_destroy(context, &encoder);
+}
+
+static void write_other_scanlines(exr_context_t context, int part, const struct other_file *other)
+{
+    float pixels[OTHER_WIDTH * OTHER_HEIGHT];
+    int32_t rows = 0;
+    assert_int_equal(exr_get_scanlines_per_chunk(context, part, &rows), EXR_ERR_SUCCESS);
+    int chunk_count = (OTHER_HEIGHT + rows - 1) / rows;
+    for (int i = 0; i < chunk_count; i++) {
+        bool upwards = other->line_order == EXR_LINEORDER_DECREASING_Y;
+        int top = (upwards ? chunk_count - 1 - i : i) * rows;
+        for (int y = 0; y < rows && top + y < OTHER_HEIGHT; y++)
+            for (int x = 0; x < OTHER_WIDTH; x++)
+                pixels[y * OTHER_WIDTH + x] = other_value(x, top + y);
+        exr_chunk_info_t chunk;
+        assert_int_equal(
+            exr_write_scanline_chunk_info(context, part, other->window.min.y + top, &chunk),
+            EXR_ERR_SUCCESS);
+        encode_other_chunk(context, part, &chunk, pixels);
+    }
+}
+
+static void write_other_tile(exr_context_t context, int part)
+{
+    float pixels[OTHER_WIDTH * OTHER_HEIGHT] = {0};
+    exr_chunk_info_t chunk;
+    assert_int_equal(exr_write_tile_chunk_info(context, part, 0, 0, 0, 0, &chunk), EXR_ERR_SUCCESS);
+    encode_other_chunk(context, part, &chunk, pixels);
+}
+
+static void declare_other_part(exr_context_t context, int part, const struct other_file *other)
+{
+    const exr_attr_v2f_t centre = {0};
+    exr_attr_box2i_t window = other->window;
+    assert_int_equal(exr_initialize_required_attr(context, part, &window, &window, 1.0f, &centre,
+                                                  1.0f, other->line_order, other->compression),
+                     EXR_ERR_SUCCESS);
+    assert_int_equal(exr_add_channel(context, part, "Y", other->type, EXR_PERCEPTUALLY_LINEAR,
+                                     other->sampling ? other->sampling : 1,
+                                     other->sampling ? other->sampling : 1),
+                     EXR_ERR_SUCCESS);
+    if (other->storage == EXR_STORAGE_TILED)
+        assert_int_equal(
+            exr_set_tile_descriptor(context, part, 64, 64, EXR_TILE_ONE_LEVEL, EXR_TILE_ROUND_DOWN),
+            EXR_ERR_SUCCESS);
+}
+
+/* A file as another program would write it; the window defaults to one at the origin. */
+static void write_other(const char *path, struct other_file other)
+{
+    if (other.window.max.x == 0)
+        other.window.max = (exr_attr_v2i_t){{{OTHER_WIDTH - 1, OTHER_HEIGHT - 1}}};
+    exr_context_initializer_t setup = EXR_DEFAULT_CONTEXT_INITIALIZER;
+    exr_context_t context = NULL;
+    assert_int_equal(exr_start_write(&context, path, EXR_WRITE_FILE_DIRECTLY, &setup),
+                     EXR_ERR_SUCCESS);
+    int part_count = other.part_count ? other.part_count : 1;
+    for (int i = 0; i < part_count; i++) {
+        int part = -1;
+        const char *name = i ? "second" : "first";
+        assert_int_equal(exr_add_part(context, name, other.storage, &part), EXR_ERR_SUCCESS);
+        declare_other_part(context, part, &other);
+    }
+    assert_int_equal(exr_write_header(context), EXR_ERR_SUCCESS);
+    for (int part = 0; part < part_count; part++) {
+        if (other.storage == EXR_STORAGE_TILED)
+            write_other_tile(context, part);
+        else if (!other.sampling)
+            write_other_scanlines(context, part, &other);
+    }
+    exr_finish(&context);
+}
+
+static void assert_reads_other(const char *path)
+{
+    struct neph_image *image = NULL;
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_exr_read(path, &image, &diag), &diag);
+    assert_int_equal(image->width_px, OTHER_WIDTH);
+    assert_int_equal(image->height_px, OTHER_HEIGHT);
+    const float *samples = neph_image_channel(image, "Y");
+    assert_non_null(samples);
+    for (int y = 0; y < OTHER_HEIGHT; y++)
+        for (int x = 0; x < OTHER_WIDTH; x++)
+            assert_true(samples[y * OTHER_WIDTH + x] == other_value(x, y));
+    assert_int_equal(image->attribute_count, 0); /* "name" and "type" belong to the format */
+    neph_image_destroy(image);
+}
+
+static void test_reads_types_compressions_and_orders(void **state)
+{
+    char path[SCRATCH_PATH_MAX];
+    scratch_path(state, path, "other.exr");
+    for (int type = 0; type < EXR_PIXEL_LAST_TYPE; type++) {
+        for (int compression = 0; compression <= EXR_COMPRESSION_PIZ; compression++) {
+            for (int order = 0; order <= EXR_LINEORDER_DECREASING_Y; order++) {
+                write_other(path, (struct other_file){.type = (exr_pixel_type_t)type,
+                                                      .compression = (exr_compression_t)compression,
+                                                      .line_order = (exr_lineorder_t)order});
+                assert_reads_other(path);
+            }
+        }
+    }
+}
+
+static void test_window_need_not_start_at_zero(void **state)
+{
+    char path[SCRATCH_PATH_MAX];
+    scratch_path(state, path, "window.exr");
+    write_other(path, (struct other_file){
+                          .type = EXR_PIXEL_FLOAT,
+                          .compression = EXR_COMPRESSION_ZIP,
+                          .window = {{{{-100, -20}}},
+                                     {{{-100 + OTHER_WIDTH - 1, -20 + OTHER_HEIGHT - 1}}}}});
+    assert_reads_other(path);
+}
+
+static void test_half_infinities_and_nan(void **state)
+{
+    char path[SCRATCH_PATH_MAX], *data = NULL;
+    size_t size = 0;
+    scratch_path(state, path, "half.exr");
+    write_other(path,
+                (struct other_file){.type = EXR_PIXEL_HALF, .compression = EXR_COMPRESSION_NONE});
+    neph_assert_ok(neph_file_read(path, SIZE_MAX, &data, &size, NULL), NULL);
+    /* The last row is at the end of an uncompressed file: five halves. */
+    static const uint16_t halves[OTHER_WIDTH] = {0x7c00, 0xfc00, 0x7e01, 0x0001, 0x7bff};
+    memcpy(data + size - sizeof(halves), halves, sizeof(halves));
+    neph_assert_ok(neph_file_write(path, data, size, NULL), NULL);
+    free(data);
+
+    struct neph_image *image = NULL;
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_exr_read(path, &image, &diag), &diag);
+    const float *row = neph_image_channel(image, "Y") + (OTHER_HEIGHT - 1) * OTHER_WIDTH;
+    assert_true(isinf(row[0]) && row[0] > 0.0f);
+    assert_true(isinf(row[1]) && row[1] < 0.0f);
+    assert_true(isnan(row[2]));
+    assert_true(row[3] == 0x1p-24f);
+    assert_true(row[4] == 65504.0f);
+    neph_image_destroy(image);
+}
+
+static void test_other_kinds_are_refused_by_name(void **state)
+{
+    char path[SCRATCH_PATH_MAX];
+    scratch_path(state, path, "kind.exr");
+    write_other(path, (struct other_file){.storage = EXR_STORAGE_TILED, .type = EXR_PIXEL_FLOAT});
+    assert_refused(path, NEPH_ERR_INPUT, "tiled");
+    write_other(path, (struct other_file){.part_count = 2, .type = EXR_PIXEL_FLOAT});
+    assert_refused(path, NEPH_ERR_INPUT, "multi-part");
+    write_other(path, (struct other_file){.sampling = 5, .type = EXR_PIXEL_FLOAT});
+    assert_refused(path, NEPH_ERR_INPUT, "sample per pixel");
+}
+
+/* ---- broken files ---------------------------------------------------------------------------- */
+
+/* A good small file with attributes, as bytes. */
+static char *good_file(void **state, size_t *size)
+{
+    char path[SCRATCH_PATH_MAX], *data = NULL;
+    uint64_t random = 11;
+    struct neph_image *image = make_frame(23, 37, &random);
+    neph_assert_ok(neph_image_set_attribute(image, "neph.scene", NULL, "slab"), NULL);
+    neph_assert_ok(neph_exr_write(scratch_path(state, path, "good.exr"), image, NULL), NULL);
+    neph_assert_ok(neph_file_read(path, SIZE_MAX, &data, size, NULL), NULL);
+    neph_image_destroy(image);
+    return data;
+}
+
+/* Where `name`, a NUL, `type` and a NUL are in the header; the value starts 4 bytes later. */
+static char *attribute_value(char *data, size_t size, const char *name, const char *type)
+{
+    char key[64];
+    size_t length = (size_t)snprintf(key, sizeof(key), "%s%c%s", name, 0, type) + 1;
+    char *at = memmem(data, size, key, length);
+    assert_non_null(at);
+    return at + length + 4;
+}
+
+static void put_32(char *at, uint32_t value)
+{
+    for (int i = 0; i < 4; i++)
+        at[i] = (char)(value >> (8 * i));
+}
+
+static void test_missing_and_foreign_files(void **state)
+{
+    char path[SCRATCH_PATH_MAX];
+    assert_refused(scratch_path(state, path, "none.exr"), NEPH_ERR_NOT_FOUND, "none.exr");
+    assert_refused(scratch_path(state, path, ""), NEPH_ERR_IO, "not a regular file");
+    neph_assert_ok(neph_file_write(scratch_path(state, path, "empty.exr"), "", 0, NULL), NULL);
+    assert_refused(path, NEPH_ERR_INPUT, "not an OpenEXR file");
+    const char png[] = "\x89PNG\r\n\x1a\n and so on";
+    neph_assert_ok(neph_file_write(path, png, sizeof(png), NULL), NULL);
+    assert_refused(path, NEPH_ERR_INPUT, "not an OpenEXR file");
+}
+
+static void test_deep_flag_is_refused(void **state)
+{
+    char path[SCRATCH_PATH_MAX];
+    size_t size = 0;
+    char *data = good_file(state, &size);
+    data[5] |= 0x08;
+    neph_assert_ok(neph_file_write(scratch_path(state, path, "deep.exr"), data, size, NULL), NULL);
+    assert_refused(path, NEPH_ERR_INPUT, "deep");
+    free(data);
+}
+
+static void test_dwa_is_refused(void **state)
+{
+    char path[SCRATCH_PATH_MAX];
+    size_t size = 0;
+    char *data = good_file(state, &size);
+    *attribute_value(data, size, "compression", "compression") = EXR_COMPRESSION_DWAA;
+    neph_assert_ok(neph_file_write(scratch_path(state, path, "dwa.exr"), data, size, NULL), NULL);
+    assert_refused(path, NEPH_ERR_INPUT, "DWA");
+    free(data);
+}
+
+static void test_oversized_is_refused(void **state)
+{
+    char path[SCRATCH_PATH_MAX];
+    size_t size = 0;
+    char *data = good_file(state, &size);
+    char *window = attribute_value(data, size, "dataWindow", "box2i");
+    put_32(window + 8, NEPH_IMAGE_SIDE_MAX_PX); /* max.x: one column too many */
+    neph_assert_ok(neph_file_write(scratch_path(state, path, "big.exr"), data, size, NULL), NULL);
+    assert_refused(path, NEPH_ERR_INPUT, "16385x37 pixels");
+    /* The largest image that is allowed, promised by a file of a few kilobytes. */
+    put_32(window + 8, NEPH_IMAGE_SIDE_MAX_PX - 1);
+    put_32(window + 12, NEPH_IMAGE_SIDE_MAX_PX - 1);
+    neph_assert_ok(neph_file_write(path, data, size, NULL), NULL);
+    assert_refused(path, NEPH_ERR_INPUT, "truncated or damaged");
+    free(data);
+}
+
+/* No prefix of a good file passes for a good file. */
+static void test_truncated_at_every_length(void **state)
+{
+    char path[SCRATCH_PATH_MAX];
+    size_t size = 0;
+    char *data = good_file(state, &size);
+    scratch_path(state, path, "cut.exr");
+    for (size_t length = 0; length < size; length += length < 1200 || length + 40 > size ? 1 : 97) {
+        FILE *file = fopen(path, "wb"); /* not neph_file_write: an fsync each would take long */
+        assert_non_null(file);
+        assert_int_equal(fwrite(data, 1, length, file), length);
+        fclose(file);
+        struct neph_image *image = NULL;
+        struct neph_diag diag = {0};
+        enum neph_status status = neph_exr_read(path, &image, &diag);
+        if (status != NEPH_ERR_INPUT)
+            print_error("%zu of %zu bytes: %s\n", length, size, neph_status_name(status));
+        assert_int_equal(status, NEPH_ERR_INPUT);
+        assert_non_null(strstr(diag.message, length < 8 ? "not an OpenEXR" : "truncated"));
+        assert_null(image);
+    }
+    free(data);
+}
+
+/* Read what may be anything: no crash, and an image or an error, never both or neither. */
+static void read_anything(const char *path, const char *data, size_t size)
+{
+    FILE *file = fopen(path, "wb");
+    assert_non_null(file);
+    assert_int_equal(fwrite(data, 1, size, file), size);
+    fclose(file);
+    struct neph_image *image = NULL;
+    struct neph_diag diag = {0};
+    enum neph_status status = neph_exr_read(path, &image, &diag);
+    assert_true((status == NEPH_OK) == (image != NULL));
+    assert_true(status == NEPH_OK || diag.message[0] != '\0');
+    neph_image_destroy(image);
+}
+
+static void test_random_garbage(void **state)
+{
+    char path[SCRATCH_PATH_MAX], data[4096];
+    scratch_path(state, path, "garbage.exr");
+    uint64_t random = test_seed();
+    print_message("NEPH_TEST_SEED=%llu\n", (unsigned long long)random);
+    for (int i = 0; i < 500; i++) {
+        size_t size = neph_test_random(&random) % sizeof(data);
+        for (size_t k = 0; k < size; k++)
+            data[k] = (char)neph_test_random(&random);
+        if (i % 2) /* let it through the first door */
+            memcpy(data, "\x76\x2f\x31\x01\x02\0\0\0", 8);
+        read_anything(path, data, size);
+    }
+}
+
+static void flip_bytes(const char *path, char *data, size_t size, size_t first, size_t last,
+                       uint64_t *random)
+{
+    char *broken = malloc(size);
+    memcpy(broken, data, size);
+    int count = 1 + (int)(neph_test_random(random) % 4);
+    for (int i = 0; i < count; i++) {
+        size_t at = first + neph_test_random(random) % (last - first);
+        broken[at] = (char)(broken[at] ^ (1 + neph_test_random(random) % 255));
+    }
+    read_anything(path, broken, size);
+    free(broken);
+}
+
+static void test_flipped_bytes(void **state)
+{
+    char path[SCRATCH_PATH_MAX];
+    size_t size = 0;
+    char *data = good_file(state, &size);
+    uint64_t random = test_seed();
+    print_message("NEPH_TEST_SEED=%llu\n", (unsigned long long)random);
+    scratch_path(state, path, "flipped.exr");
+    for (int i = 0; i < 1500; i++) /* header and table of chunks */
+        flip_bytes(path, data, size, 8, 700, &random);
+    for (int i = 0; i < 500; i++)
+        flip_bytes(path, data, size, 8, size, &random);
+    free(data);
+}
+
+static void test_flipped_bytes_in_every_compression(void **state)
+{
+    char path[SCRATCH_PATH_MAX];
+    uint64_t random = test_seed();
+    print_message("NEPH_TEST_SEED=%llu\n", (unsigned long long)random);
+    scratch_path(state, path, "flipped.exr");
+    for (int compression = 0; compression <= EXR_COMPRESSION_B44A; compression++) {
+        write_other(path, (struct other_file){.type = EXR_PIXEL_HALF,
+                                              .compression = (exr_compression_t)compression});
+        char *data = NULL;
+        size_t size = 0;
+        neph_assert_ok(neph_file_read(path, SIZE_MAX, &data, &size, NULL), NULL);
+        for (int i = 0; i < 400; i++)
+            flip_bytes(path, data, size, 8, size, &random);
+        free(data);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        scratch_test(test_round_trip_is_bit_exact),
+        scratch_test(test_smooth_image_is_compressed),
+        scratch_test(test_same_image_gives_same_bytes),
+        scratch_test(test_attributes_both_ways),
+        scratch_test(test_long_channel_names),
+        scratch_test(test_what_cannot_be_written),
+        scratch_test(test_failed_write_keeps_the_old_file),
+        scratch_test(test_reads_types_compressions_and_orders),
+        scratch_test(test_window_need_not_start_at_zero),
+        scratch_test(test_half_infinities_and_nan),
+        scratch_test(test_other_kinds_are_refused_by_name),
+        scratch_test(test_missing_and_foreign_files),
+        scratch_test(test_deep_flag_is_refused),
+        scratch_test(test_dwa_is_refused),
+        scratch_test(test_oversized_is_refused),
+        scratch_test(test_truncated_at_every_length),
+        scratch_test(test_random_garbage),
+        scratch_test(test_flipped_bytes),
+        scratch_test(test_flipped_bytes_in_every_compression),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
