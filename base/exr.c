@@ -188,8 +188,39 @@ static void set_sources(exr_encode_pipeline_t *encoder, const struct neph_image 
     }
 }
 
+/* What choose_default_routines() found; lives as long as the encoder. */
+struct compressor {
+    exr_result_t (*run)(exr_encode_pipeline_t *encoder);
+};
+
+/* A chunk that compresses to just its own size: OpenEXRCore 3.1.5 writes the compressed bytes,
+ * which every reader takes for plain ones because the sizes are equal, and decodes to garbage
+ * without an error. Write the plain bytes instead, as later versions do. */
+static exr_result_t compress_or_keep_plain(exr_encode_pipeline_t *encoder)
+{
+    const struct compressor *compressor = encoder->encoding_user_data;
+    exr_result_t result = compressor->run(encoder);
+    if (!result && encoder->compressed_bytes == encoder->packed_bytes &&
+        encoder->compressed_buffer != encoder->packed_buffer)
+        memcpy(encoder->compressed_buffer, encoder->packed_buffer, encoder->packed_bytes);
+    return result;
+}
+
+static exr_result_t choose_routines(exr_context_t context, exr_encode_pipeline_t *encoder,
+                                    struct compressor *compressor)
+{
+    exr_result_t result = exr_encoding_choose_default_routines(context, ONLY_PART, encoder);
+    if (result)
+        return result;
+    compressor->run = encoder->compress_fn;
+    encoder->encoding_user_data = compressor;
+    encoder->compress_fn = compress_or_keep_plain;
+    return EXR_ERR_SUCCESS;
+}
+
 static exr_result_t write_chunk(exr_context_t context, exr_encode_pipeline_t *encoder,
-                                const struct neph_image *image, int y)
+                                struct compressor *compressor, const struct neph_image *image,
+                                int y)
 {
     exr_chunk_info_t chunk;
     exr_result_t result = exr_write_scanline_chunk_info(context, ONLY_PART, y, &chunk);
@@ -202,17 +233,18 @@ static exr_result_t write_chunk(exr_context_t context, exr_encode_pipeline_t *en
         return result;
     set_sources(encoder, image, y);
     if (first)
-        result = exr_encoding_choose_default_routines(context, ONLY_PART, encoder);
+        result = choose_routines(context, encoder, compressor);
     return result ? result : exr_encoding_run(context, ONLY_PART, encoder);
 }
 
 static exr_result_t write_pixels(exr_context_t context, const struct neph_image *image)
 {
     exr_encode_pipeline_t encoder = EXR_ENCODE_PIPELINE_INITIALIZER;
+    struct compressor compressor = {NULL};
     int32_t rows_per_chunk = 0;
     exr_result_t result = exr_get_scanlines_per_chunk(context, ONLY_PART, &rows_per_chunk);
     for (int y = 0; y < image->height_px && !result; y += rows_per_chunk)
-        result = write_chunk(context, &encoder, image, y);
+        result = write_chunk(context, &encoder, &compressor, image, y);
     exr_encoding_destroy(context, &encoder);
     return result;
 }

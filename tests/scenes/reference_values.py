@@ -283,7 +283,8 @@ def slab_views():
          seen from below  w p (tau0/mu) e^{-tau0/mu0} phi(tau0 (1/mu - 1/mu0))"""
     thickness, wide = 8.0, 1e9
     bounds = ((-wide, 0.0, -wide), (wide, thickness, wide))
-    angles = ((0.7, 0.7), (0.9, 0.3), (0.3, 0.9), (1.0, 1.0), (0.02, 0.5), (0.7, 0.7000000007))
+    angles = ((0.7, 0.7), (0.9, 0.3), (0.3, 0.9), (1.0, 1.0), (0.02, 0.5), (0.7, 0.7000000007),
+              (1.0, 0.02))
     phases = itertools.cycle(PHASES)
     for depth in (1e-10, 1e-3, 0.5, 5.0, 60.0, 1e3):
         for mu, mu0 in angles:
@@ -381,6 +382,8 @@ def bounded_views():
                    sun, (3.0, 15.0, 1.0), towards(k, 0.9))
     # Far away: a fog of 2 m seen from 1e6 m, in a thin sheet and in an exponential.
     sheet = ((-INFINITE, 0.0, -INFINITE), (INFINITE, 2.0, INFINITE))
+    yield View("two layers from 1e6 m", [Medium(layers, EVERYWHERE, 0.9, PHASES[1])], sun,
+               (0.0, 1e6, 0.0), towards(-0.4, 0.9))
     for k in (-1.0, -0.6, -0.05):
         yield View("thin fog far below, view %g" % k,
                    [Medium([(1e-4, 0.7, 0.0)], sheet, 1.0, PHASES[0])], sun, (0.0, 1e6, 0.0),

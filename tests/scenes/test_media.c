@@ -200,8 +200,9 @@ static void test_bounds_clip(void **state)
         const struct neph_vec3 origin = random_point(&seed, 80.0), d = random_direction(&seed);
         double t0_m = 0.0, t1_m = 300.0;
         const bool inside = neph_bounds_clip(&medium.bounds, origin, d, &t0_m, &t1_m);
-        const double expected =
-            inside ? neph_medium_optical_depth(&unbounded, origin, d, t0_m, t1_m) : 0.0;
+        const double expected = inside
+                                    ? neph_medium_optical_depth(&unbounded, origin, d, t0_m, t1_m)
+                                    : 0.0;
         neph_assert_close(neph_medium_optical_depth(&medium, origin, d, 0.0, 300.0), expected, 0.0,
                           0.0);
 
@@ -219,23 +220,19 @@ static void test_clip_by_hand(void **state)
     (void)state;
     const struct neph_bounds box = {{-1, 0, -1}, {1, 2, 1}};
     double t0_m = 0.0, t1_m = INFINITY;
-    assert_true(
-        neph_bounds_clip(&box, (struct neph_vec3){-5, 1, 0}, (struct neph_vec3){1, 0, 0}, &t0_m,
-                         &t1_m));
+    assert_true(neph_bounds_clip(&box, (struct neph_vec3){-5, 1, 0}, (struct neph_vec3){1, 0, 0},
+                                 &t0_m, &t1_m));
     assert_true(t0_m == 4.0 && t1_m == 6.0);
     t0_m = 0.0, t1_m = INFINITY; /* from inside */
-    assert_true(
-        neph_bounds_clip(&box, (struct neph_vec3){0, 1, 0}, (struct neph_vec3){0, -1, 0}, &t0_m,
-                         &t1_m));
+    assert_true(neph_bounds_clip(&box, (struct neph_vec3){0, 1, 0}, (struct neph_vec3){0, -1, 0},
+                                 &t0_m, &t1_m));
     assert_true(t0_m == 0.0 && t1_m == 1.0);
     t0_m = 0.0, t1_m = INFINITY; /* behind */
-    assert_false(
-        neph_bounds_clip(&box, (struct neph_vec3){5, 1, 0}, (struct neph_vec3){1, 0, 0}, &t0_m,
-                         &t1_m));
+    assert_false(neph_bounds_clip(&box, (struct neph_vec3){5, 1, 0}, (struct neph_vec3){1, 0, 0},
+                                  &t0_m, &t1_m));
     t0_m = 0.0, t1_m = 3.0; /* ends before it */
-    assert_false(
-        neph_bounds_clip(&box, (struct neph_vec3){-5, 1, 0}, (struct neph_vec3){1, 0, 0}, &t0_m,
-                         &t1_m));
+    assert_false(neph_bounds_clip(&box, (struct neph_vec3){-5, 1, 0}, (struct neph_vec3){1, 0, 0},
+                                  &t0_m, &t1_m));
     t0_m = 0.0, t1_m = INFINITY; /* all open */
     assert_true(neph_bounds_clip(&everywhere, (struct neph_vec3){5, 1, 0},
                                  (struct neph_vec3){0, 1e-300, -1}, &t0_m, &t1_m));
@@ -247,12 +244,10 @@ static void test_scene_adds_media(void **state)
 {
     (void)state;
     struct neph_scene scene = {.medium_count = 2};
-    scene.media[0] = (struct neph_medium){.bounds = {{0, 0, 0}, {2, 2, 2}},
-                                          .layer_count = 1,
-                                          .layers = {{.extinction_per_m = 0.5}}};
-    scene.media[1] = (struct neph_medium){.bounds = {{1, 0, 0}, {5, 2, 2}},
-                                          .layer_count = 1,
-                                          .layers = {{.extinction_per_m = 0.25}}};
+    scene.media[0] = (struct neph_medium){
+        .bounds = {{0, 0, 0}, {2, 2, 2}}, .layer_count = 1, .layers = {{.extinction_per_m = 0.5}}};
+    scene.media[1] = (struct neph_medium){
+        .bounds = {{1, 0, 0}, {5, 2, 2}}, .layer_count = 1, .layers = {{.extinction_per_m = 0.25}}};
     const struct neph_vec3 origin = {-1, 1, 1}, direction = {1, 0, 0};
     neph_assert_close(neph_scene_optical_depth(&scene, origin, direction, 0.0, INFINITY), 2.0,
                       1e-15, 0.0);
@@ -340,7 +335,8 @@ static double unreal_transmittance(const struct neph_unreal_fog *ui, double eye_
     const double height_cm = 100.0 * ui->fog_height_m;
     const double f = falloff * k_y * length_cm;
     const double at_eye = density * exp2(-falloff * (eye_cm - height_cm));
-    const double mean = fabs(f) > 1e-6 ? (1.0 - exp2(-f)) / f : log(2.0) * (1.0 - 0.5 * f * log(2.0));
+    const double mean = fabs(f) > 1e-6 ? (1.0 - exp2(-f)) / f
+                                       : log(2.0) * (1.0 - 0.5 * f * log(2.0));
     return exp2(-at_eye * mean * length_cm);
 }
 
@@ -390,8 +386,7 @@ static void test_unreal_formula(void **state)
         const double k_y = trial % 10 ? neph_test_uniform(&seed, -1, 1) : 0.0;
         const double length_m = pow(10.0, neph_test_uniform(&seed, -1, 3));
         const double expected = unreal_transmittance(&ui, eye_m, k_y, length_m);
-        const double actual =
-            exp(-neph_fog_layer_optical_depth(&layer, eye_m, k_y, length_m));
+        const double actual = exp(-neph_fog_layer_optical_depth(&layer, eye_m, k_y, length_m));
         if (expected < 1e-100)
             continue;
         neph_assert_close(actual, expected, 1e-9, 0.0);

@@ -88,7 +88,7 @@ static const struct known analytic[] = {
     /* A bell much narrower than the nodes' 0.15 would not be seen at all: the caller's cuts. */
     {"bell of width 1/30", bell, 30.0, -1.0, 1.0, 0.083554275821033350080},
     {"peak of width 1e-2", lorentz, 1e-2, -1.0, 1.0, 0.99363401447018348970}, /* 2/pi atan 100 */
-    {"cos 30x", wave, 30.0, 0.0, 1.0, -0.032934387469762059656}, /* sin(30)/30 */
+    {"cos 30x", wave, 30.0, 0.0, 1.0, -0.032934387469762059656},              /* sin(30)/30 */
 };
 
 /* Not analytic: sqrt at its branch, a step and a kink inside a piece. What 20 halvings leave. */
@@ -149,8 +149,9 @@ static void test_error_estimate_where_signs_cancel(void **state)
 {
     (void)state;
     for (double frequency = 10.0; frequency < 200.0; frequency += 0.37) {
-        const struct known known = {"wave", wave, frequency, -0.5, 1.0,
-                                    (sin(frequency) + sin(0.5 * frequency)) / frequency};
+        const struct known known = {"wave",    wave,
+                                    frequency, -0.5,
+                                    1.0,       (sin(frequency) + sin(0.5 * frequency)) / frequency};
         double result[3];
         long evaluations;
         const double estimate = integrate(&known, result, &evaluations);
@@ -173,7 +174,8 @@ static void test_rough_integrands_end(void **state)
     }
 }
 
-/* Pieces add, gaps count nothing, and a piece that is negligible beside the others is not refined. */
+/* Pieces add, gaps count nothing, and a piece that is negligible beside the others is not refined.
+ */
 static void test_union_of_pieces(void **state)
 {
     (void)state;

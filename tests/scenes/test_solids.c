@@ -54,12 +54,11 @@ static void test_hits_by_hand(void **state)
     assert_hit(hit_one(ball, (struct neph_vec3){0, 1, 0}, (struct neph_vec3){0, 1, 0}), 1.0, 0, 1,
                0);
     /* Beside, behind, and along a face plane of it. */
-    assert_true(isinf(
-        hit_one(unit_box, (struct neph_vec3){-5, 1.1, 0}, (struct neph_vec3){1, 0, 0}).t_m));
+    assert_true(
+        isinf(hit_one(unit_box, (struct neph_vec3){-5, 1.1, 0}, (struct neph_vec3){1, 0, 0}).t_m));
     assert_true(
         isinf(hit_one(unit_box, (struct neph_vec3){5, 0, 0}, (struct neph_vec3){1, 0, 0}).t_m));
-    assert_true(
-        isinf(hit_one(ball, (struct neph_vec3){0, 0, 7}, (struct neph_vec3){0, 0, 1}).t_m));
+    assert_true(isinf(hit_one(ball, (struct neph_vec3){0, 0, 7}, (struct neph_vec3){0, 0, 1}).t_m));
     assert_null(hit_one(ball, (struct neph_vec3){0, 3, 7}, (struct neph_vec3){0, 0, -1}).solid);
 }
 
@@ -69,8 +68,8 @@ static void test_the_nearest_solid_is_hit(void **state)
     struct neph_solid solids[] = {box(8, -1, -1, 9, 1, 1), sphere(4, 0, 0, 1),
                                   box(6, -1, -1, 7, 1, 1)};
     const struct neph_scene scene = {.solid_count = 3, .solids = solids};
-    const struct neph_hit hit =
-        neph_scene_hit(&scene, (struct neph_vec3){0, 0, 0}, (struct neph_vec3){1, 0, 0});
+    const struct neph_hit hit = neph_scene_hit(&scene, (struct neph_vec3){0, 0, 0},
+                                               (struct neph_vec3){1, 0, 0});
     assert_hit(hit, 3.0, -1, 0, 0);
     assert_ptr_equal(hit.solid, &solids[1]);
 }
@@ -80,9 +79,9 @@ static void test_hit_from_far_away(void **state)
 {
     (void)state;
     const double down = -0.8, across = 0.6;
-    const struct neph_hit ground =
-        hit_one(box(-1e7, -1, -1e7, 1e7, 0, 1e7), (struct neph_vec3){0, 1e6, 0},
-                (struct neph_vec3){across, down, 0});
+    const struct neph_hit ground = hit_one(box(-1e7, -1, -1e7, 1e7, 0, 1e7),
+                                           (struct neph_vec3){0, 1e6, 0},
+                                           (struct neph_vec3){across, down, 0});
     neph_assert_close(ground.t_m, 1.25e6, 4e-16, 0.0);
     assert_true(ground.normal.y == 1.0);
     const struct neph_hit ball = hit_one(sphere(0, 0, 0, 1), (struct neph_vec3){0.6, 1e6, 0},
@@ -144,8 +143,8 @@ static bool hides(const struct neph_solid *solid, struct neph_vec3 p, struct nep
         const long double a = (long double)s.x * s.x + (long double)s.y * s.y +
                               (long double)s.z * s.z;
         const long double half_b = x * s.x + y * s.y + z * s.z;
-        const long double c = x * x + y * y + z * z - (long double)solid->radius_m *
-                                                          solid->radius_m;
+        const long double c = x * x + y * y + z * z -
+                              (long double)solid->radius_m * solid->radius_m;
         const long double discriminant = half_b * half_b - a * c;
         return discriminant > 0.0L && (-half_b + sqrtl(discriminant)) / a > 0.0L;
     }
@@ -298,9 +297,8 @@ static void test_a_lit_face_sees_the_sun(void **state)
 {
     (void)state;
     struct neph_solid solid = box(-1, -1, -1, 1, 1, 1);
-    const struct neph_scene scene = {.solid_count = 1,
-                                     .solids = &solid,
-                                     .sun = {.present = true, .direction = {0.6, 0.8, 0.0}}};
+    const struct neph_scene scene = {
+        .solid_count = 1, .solids = &solid, .sun = {.present = true, .direction = {0.6, 0.8, 0.0}}};
     assert_true(neph_scene_sees_sun(&scene, (struct neph_vec3){0.3, 1.0, 0.2}));
     assert_true(neph_scene_sees_sun(&scene, (struct neph_vec3){1.0, 0.1, 0.2}));
     assert_false(neph_scene_sees_sun(&scene, (struct neph_vec3){-1.0, 0.1, 0.2}));

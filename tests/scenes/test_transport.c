@@ -90,10 +90,528 @@ static void test_single_scattering_against_reference(void **state)
     assert_int_equal(failures, 0);
 }
 
+/* ---- shadows known by hand ---- */
+
+/* Integral of sigma e^{-sigma t} over [low, high]: what an evenly lit stretch shows. */
+static double stretch(double extinction_per_m, double low_m, double high_m)
+{
+    return exp(-extinction_per_m * low_m) - exp(-extinction_per_m * high_m);
+}
+
+static const struct neph_bounds layer_10m = {{-INFINITY, 0, -INFINITY}, {INFINITY, 10, INFINITY}};
+
+/* Looking along x at height 4 in a layer of 10 m, the sun `slant` to the side per metre up; the
+ * light that reaches a point has crossed 6 m of height. */
+static void assert_one_shadow(struct neph_solid solid, double slant, double low_m, double high_m)
+{
+    const double sigma = 0.07, secant = sqrt(1.0 + slant * slant);
+    const struct neph_vec3 sun = {slant / secant, 1.0 / secant, 0.0};
+    struct neph_scene scene = sunny(homogeneous(sigma, layer_10m), sun);
+    scene.solid_count = 1;
+    scene.solids = &solid;
+    const struct neph_ray_light light = neph_transport_ray(&scene, (struct neph_vec3){0, 4, 0},
+                                                           (struct neph_vec3){1, 0, 0});
+    const double lit = stretch(sigma, 0.0, low_m) + stretch(sigma, high_m, INFINITY);
+    neph_assert_close(light.volume.r, exp(-sigma * 6.0 * secant) / (4.0 * pi) * lit, 1e-13, 0.0);
+}
+
+static void test_shadow_of_one_solid(void **state)
+{
+    (void)state;
+    /* Above the layer, from 20 to 24 m: 16 and 20 m over the ray. */
+    assert_one_shadow(box(30, 20, -1, 33, 24, 1), 0.0, 30, 33);
+    assert_one_shadow(box(30, 20, -1, 33, 24, 1), 0.75, 30 - 15, 33 - 12);
+    assert_one_shadow(box(30, 20, -1, 33, 24, 1), -0.75, 30 + 12, 33 + 15);
+    assert_one_shadow(box(30, 20, 1, 33, 24, 2), 0.0, 30, 30); /* beside it: nothing */
+    struct neph_solid ball = {.kind = NEPH_SOLID_SPHERE, .center_m = {30, 20, 0.6}, .radius_m = 1};
+    assert_one_shadow(ball, 0.0, 30 - 0.8, 30 + 0.8);
+    /* A cylinder cut aslant: longer by the secant of the sun, 1.25. */
+    assert_one_shadow(ball, 0.75, 30 - 12 - 1.0, 30 - 12 + 1.0);
+}
+
+/* Two overlapping shadows count once; a solid hit by the ray ends it. */
+static void test_shadows_overlap_and_rays_end(void **state)
+{
+    (void)state;
+    const double sigma = 0.07;
+    struct neph_solid solids[] = {box(10, 20, -1, 14, 24, 1), box(12, 15, -1, 17, 16, 1),
+                                  box(11, 30, -1, 13, 31, 1), box(40, 0, -9, 50, 5, 9)};
+    struct neph_scene scene = sunny(homogeneous(sigma, layer_10m),
+                                    (struct neph_vec3){0.0, 1.0, 0.0});
+    scene.solid_count = 4;
+    scene.solids = solids;
+    const struct neph_ray_light light = neph_transport_ray(&scene, (struct neph_vec3){0, 4, 0},
+                                                           (struct neph_vec3){1, 0, 0});
+    neph_assert_close(light.volume.r,
+                      exp(-sigma * 6.0) / (4.0 * pi) *
+                          (stretch(sigma, 0, 10) + stretch(sigma, 17, 40)),
+                      1e-13, 0.0);
+    neph_assert_close(light.transmittance, exp(-40.0 * sigma), 1e-14, 0.0);
+    assert_true(light.hit_m == 40.0);
+}
+
+/* Height fog, sun overhead, a roof over part of a level ray: density is constant along it. */
+static void test_shadow_in_height_fog(void **state)
+{
+    (void)state;
+    struct neph_solid roof = box(30, 20, -1, 33, 24, 1);
+    struct neph_scene scene = sunny(height_fog(0.02, 0.05), (struct neph_vec3){0.0, 1.0, 0.0});
+    scene.solid_count = 1;
+    scene.solids = &roof;
+    const struct neph_ray_light light = neph_transport_ray(&scene, (struct neph_vec3){0, 4, 0},
+                                                           (struct neph_vec3){1, 0, 0});
+    const double sigma = 0.02 * exp(-0.05 * 4.0);
+    neph_assert_close(light.volume.r,
+                      exp(-sigma / 0.05) / (4.0 * pi) *
+                          (stretch(sigma, 0, 30) + stretch(sigma, 33, INFINITY)),
+                      1e-13, 0.0);
+}
+
+/* ---- brute force ---- */
+
+enum { BRUTE_STEPS = 200000 };
+
+/* The midpoint rule on the definition, with the textbook density, and visibility by asking each
+ * point. Returns the radiance and a bound of the rule's error: half a step's worst change at each
+ * edge of light, and h^2/24 times the integral of |f''|, taken from second differences. */
+static double brute_force(const struct neph_scene *scene, struct neph_vec3 origin,
+                          struct neph_vec3 direction, double end_m, double *error)
+{
+    const double step_m = end_m / BRUTE_STEPS;
+    const double cosine = neph_vec3_dot(direction, scene->sun.direction);
+    double sum = 0.0, curvature = 0.0, jumps = 0.0, before = 0.0, before2 = 0.0;
+    for (int i = 0; i < BRUTE_STEPS; i++) {
+        const double t_m = (i + 0.5) * step_m;
+        const struct neph_vec3 p = neph_vec3_along(origin, direction, t_m);
+        double scattered = 0.0;
+        if (neph_scene_sees_sun(scene, p)) {
+            for (int m = 0; m < scene->medium_count; m++)
+                scattered += scene->media[m].albedo.r *
+                             neph_phase_per_sr(&scene->media[m].phase, cosine) *
+                             neph_medium_extinction_per_m(&scene->media[m], p);
+            scattered *= exp(
+                -neph_scene_optical_depth(scene, origin, direction, 0.0, t_m) -
+                neph_scene_optical_depth(scene, p, scene->sun.direction, 0.0, INFINITY));
+        }
+        sum += scattered;
+        const double second = fabs(scattered - 2.0 * before + before2);
+        if (second > 0.01 * fmax(scattered, before2))
+            jumps += second;
+        else
+            curvature += second;
+        before2 = before;
+        before = scattered;
+    }
+    *error = step_m * (jumps + curvature / 12.0) + 1e-11 * sum * step_m;
+    return sum * step_m;
+}
+
+static const int bar_count = 60;
+
+/* Bars of 10 cm every half metre, 2 m high, 8 m ahead. */
+static void build_fence(struct neph_solid *bars)
+{
+    for (int i = 0; i < bar_count; i++) {
+        const double x = -15.0 + 0.5 * i;
+        bars[i] = box(x, 0, -8.05, x + 0.1, 2, -8);
+        bars[i].thin = true;
+    }
+}
+
+struct fence {
+    const char *name;
+    struct neph_scene scene;
+    struct neph_solid bars[60];
+};
+
+/* The low sun stands behind the fence, so that a ray meets up to 60 shadows. */
+static void make_fence(struct fence *fence, const char *name, struct neph_medium medium)
+{
+    fence->name = name;
+    fence->scene = sunny(medium, neph_vec3_normalize((struct neph_vec3){0.4, 0.35, -0.8}));
+    fence->scene.solid_count = bar_count;
+    fence->scene.solids = fence->bars;
+    fence->scene.sun.present = true;
+    build_fence(fence->bars);
+}
+
+static struct neph_medium two_layers(void)
+{
+    struct neph_medium fog = height_fog(9.609e-3, 0.0139);
+    fog.layer_count = 2;
+    fog.layers[1] = (struct neph_fog_layer){0.02, 0.4, 0.5};
+    return fog;
+}
+
+static struct neph_medium fog_in_a_box(void)
+{
+    struct neph_medium fog = height_fog(0.02, 0.2);
+    fog.bounds = (struct neph_bounds){{-20, 0, -30}, {20, 6, 20}};
+    return fog;
+}
+
+static void make_fences(struct fence fences[4])
+{
+    make_fence(&fences[0], "one height fog", height_fog(9.609e-3, 0.0139));
+    make_fence(&fences[1], "two layers", two_layers());
+    make_fence(&fences[2], "fog in a box", fog_in_a_box());
+    make_fence(&fences[3], "homogeneous box",
+               homogeneous(0.02, (struct neph_bounds){{-20, 0, -30}, {20, 6, 20}}));
+}
+
+/* Along the fence just in front of it, across its shadows, and past its end. */
+static void test_fence_against_brute_force(void **state)
+{
+    (void)state;
+    struct fence *fences = test_malloc(4 * sizeof(*fences));
+    make_fences(fences);
+    static const struct neph_vec3 origins[] = {{-18, 0.8, -7.5}, {0, 1.7, 0}, {-18, 1.2, -3}};
+    static const struct neph_vec3 targets[] = {{20, 1.1, -7}, {9, 0.2, -7}, {15, 0.4, -6}};
+    for (int f = 0; f < 4; f++)
+        for (size_t i = 0; i < COUNT(origins); i++) {
+            const struct neph_vec3 d = neph_vec3_normalize(neph_vec3_sub(targets[i], origins[i]));
+            /* A wall ends the ray where brute force can go. */
+            fences[f].scene.solid_count = bar_count;
+            const struct neph_ray_light light = neph_transport_ray(&fences[f].scene, origins[i], d);
+            const double end_m = fmin(light.hit_m, 2e3);
+            double allowed;
+            const double expected = brute_force(&fences[f].scene, origins[i], d, end_m, &allowed);
+            /* Of what lies beyond 2 km no more than its transmittance is seen. */
+            allowed += exp(-neph_scene_optical_depth(&fences[f].scene, origins[i], d, 0.0, end_m)) *
+                       (isinf(light.hit_m) ? 1.0 : 0.0);
+            print_message("%-16s ray %zu: relative difference %8.1e, allowed %7.1e\n",
+                          fences[f].name, i, light.volume.r / expected - 1.0, allowed / expected);
+            neph_assert_close(light.volume.r, expected, 0.0, allowed);
+            assert_true(allowed < 1e-3 * expected);
+        }
+    test_free(fences);
+}
+
+static struct neph_vec3 random_direction(uint64_t *seed)
+{
+    const double y = neph_test_uniform(seed, -1.0, 1.0), across = sqrt(1.0 - y * y);
+    const double azimuth = neph_test_uniform(seed, 0.0, 2.0 * pi);
+    return (struct neph_vec3){across * cos(azimuth), y, across * sin(azimuth)};
+}
+
+static struct neph_vec3 random_point(uint64_t *seed, double size)
+{
+    return (struct neph_vec3){neph_test_uniform(seed, -size, size),
+                              neph_test_uniform(seed, -size, size),
+                              neph_test_uniform(seed, -size, size)};
+}
+
+static struct neph_medium random_medium(uint64_t *seed)
+{
+    const struct neph_vec3 low = random_point(seed, 6.0);
+    const struct neph_vec3 size = {neph_test_uniform(seed, 1, 9), neph_test_uniform(seed, 1, 9),
+                                   neph_test_uniform(seed, 1, 9)};
+    struct neph_medium medium = homogeneous(pow(10.0, neph_test_uniform(seed, -3, 0.5)),
+                                            (struct neph_bounds){low, neph_vec3_add(low, size)});
+    medium.phase = (struct neph_phase){NEPH_PHASE_HENYEY_GREENSTEIN, 0.5};
+    medium.albedo.r = neph_test_uniform(seed, 0, 1);
+    if (neph_test_uniform(seed, 0, 1) < 0.5) {
+        medium.kind = NEPH_MEDIUM_HEIGHT_FOG;
+        medium.layers[0].falloff_per_m = neph_test_uniform(seed, 0, 1);
+    }
+    return medium;
+}
+
+/* Media that overlap, boxes and spheres, any sun, any ray. */
+static void test_random_scenes_against_brute_force(void **state)
+{
+    (void)state;
+    const uint64_t first_seed = 161803;
+    double worst = 0.0;
+    for (uint64_t trial = 0; trial < 60; trial++) {
+        uint64_t seed = first_seed + trial;
+        struct neph_solid solids[4];
+        for (int i = 0; i < 4; i++) {
+            const struct neph_vec3 p = random_point(&seed, 8.0);
+            solids[i] = box(p.x, p.y, p.z, p.x + neph_test_uniform(&seed, 0.1, 3),
+                            p.y + neph_test_uniform(&seed, 0.1, 3),
+                            p.z + neph_test_uniform(&seed, 0.1, 3));
+            if (i % 2)
+                solids[i] = (struct neph_solid){.kind = NEPH_SOLID_SPHERE,
+                                                .center_m = p,
+                                                .radius_m = neph_test_uniform(&seed, 0.1, 3)};
+        }
+        struct neph_scene scene = sunny(random_medium(&seed), random_direction(&seed));
+        scene.medium_count = 2;
+        scene.media[1] = random_medium(&seed);
+        scene.solid_count = 4;
+        scene.solids = solids;
+        const struct neph_vec3 origin = random_point(&seed, 9.0);
+        const struct neph_vec3 d = neph_vec3_normalize(
+            neph_vec3_sub(random_point(&seed, 4.0), origin));
+        const struct neph_ray_light light = neph_transport_ray(&scene, origin, d);
+        double allowed;
+        const double expected = brute_force(&scene, origin, d, fmin(light.hit_m, 60.0), &allowed);
+        if (!(fabs(light.volume.r - expected) <= allowed))
+            print_error("seed %llu\n", (unsigned long long)(first_seed + trial));
+        neph_assert_close(light.volume.r, expected, 0.0, allowed);
+        if (expected > 1e-6)
+            worst = fmax(worst, fabs(light.volume.r / expected - 1.0));
+    }
+    print_message("worst relative difference from 2e5 midpoints, random scenes: %.2g\n", worst);
+}
+
+/* ---- surfaces, switches, furnace ---- */
+
+/* albedo / pi E cos(theta) T_sun, seen through T_view. */
+static void test_lambert_through_fog(void **state)
+{
+    (void)state;
+    const double a = 0.02, b = 0.05, mu0 = 0.8, k = -0.6;
+    struct neph_solid ground = box(-1e6, -1, -1e6, 1e6, 0, 1e6);
+    ground.albedo = (struct neph_rgb){0.5, 0.25, 0.125};
+    struct neph_scene scene = sunny(height_fog(a, b), (struct neph_vec3){0.6, mu0, 0.0});
+    scene.sun.irradiance_w_per_m2 = (struct neph_rgb){3.0, 2.0, 1.0};
+    scene.solid_count = 1;
+    scene.solids = &ground;
+    scene.scattering = NEPH_SCATTERING_NONE;
+    scene.background_w_per_m2_sr = white; /* seen by the sky alone */
+    const struct neph_ray_light light = neph_transport_ray(&scene, (struct neph_vec3){1, 12, 2},
+                                                           (struct neph_vec3){0.8, k, 0.0});
+    const double to_sun = exp(-a / (b * mu0));
+    const double to_eye = exp(-a / b * (exp(-b * 12.0) - 1.0) / k);
+    neph_assert_close(light.hit_m, 20.0, 1e-15, 0.0);
+    neph_assert_close(light.transmittance, to_eye, 1e-13, 0.0);
+    neph_assert_close(light.radiance.r, 0.5 / pi * 3.0 * mu0 * to_sun * to_eye, 1e-11, 0.0);
+    neph_assert_close(light.radiance.g, 0.25 / pi * 2.0 * mu0 * to_sun * to_eye, 1e-11, 0.0);
+    neph_assert_close(light.radiance.b, 0.125 / pi * 1.0 * mu0 * to_sun * to_eye, 1e-11, 0.0);
+    assert_true(light.volume.r == 0.0 && light.volume.g == 0.0 && light.volume.b == 0.0);
+}
+
+static void test_a_surface_turned_away_or_shaded_is_black(void **state)
+{
+    (void)state;
+    struct neph_solid solids[] = {box(-9, -1, -9, 9, 0, 9), box(-1, 3, -1, 1, 4, 1)};
+    solids[0].albedo = solids[1].albedo = white;
+    struct neph_scene scene = sunny(height_fog(0.0, 0.0), (struct neph_vec3){0, 1, 0});
+    scene.solid_count = 2;
+    scene.solids = solids;
+    const struct neph_vec3 eye = {0, 1, 5};
+    const struct neph_vec3 shaded = neph_vec3_normalize((struct neph_vec3){0, -1, -5});
+    const struct neph_vec3 lit = neph_vec3_normalize((struct neph_vec3){3, -1, -5});
+    const struct neph_vec3 underside = neph_vec3_normalize((struct neph_vec3){0, 2, -5});
+    const struct neph_vec3 side = neph_vec3_normalize((struct neph_vec3){0, 2.5, -4});
+    neph_assert_close(neph_transport_ray(&scene, eye, shaded).radiance.r, 0.0, 0.0, 0.0);
+    neph_assert_close(neph_transport_ray(&scene, eye, lit).radiance.r, 1.0 / pi, 1e-14, 0.0);
+    neph_assert_close(neph_transport_ray(&scene, eye, underside).radiance.r, 0.0, 0.0, 0.0);
+    neph_assert_close(neph_transport_ray(&scene, eye, side).radiance.r, 0.0, 0.0, 0.0);
+}
+
+/* The ground under 1000 km of air is not shaded by its own rounding. */
+static void test_a_surface_far_away_is_lit(void **state)
+{
+    (void)state;
+    struct neph_solid ground = box(-1e7, -10, -1e7, 1e7, 0, 1e7);
+    ground.albedo = white;
+    struct neph_scene scene = sunny(height_fog(0.0, 0.0), (struct neph_vec3){0.6, 0.8, 0});
+    scene.solid_count = 1;
+    scene.solids = &ground;
+    uint64_t seed = 8;
+    for (int i = 0; i < 1000; i++) {
+        struct neph_vec3 d = random_direction(&seed);
+        d.y = -fabs(d.y) - 0.3;
+        d = neph_vec3_normalize(d);
+        const struct neph_ray_light light = neph_transport_ray(&scene,
+                                                               (struct neph_vec3){3, 1e6, 7}, d);
+        neph_assert_close(light.radiance.r, 0.8 / pi, 1e-13, 0.0);
+    }
+}
+
+/* radiance = volume + T background; each channel has its albedo and its sun. */
+static void test_parts_add_up(void **state)
+{
+    (void)state;
+    struct neph_medium fog = homogeneous(0.3, (struct neph_bounds){{-1, -1, -1}, {1, 1, 1}});
+    struct neph_scene scene = sunny(fog, (struct neph_vec3){0, 1, 0});
+    const struct neph_vec3 eye = {-3, 0.2, 0.1}, d = {1, 0, 0};
+    const double grey = neph_transport_ray(&scene, eye, d).volume.r;
+    scene.media[0].albedo = (struct neph_rgb){0.5, 0.25, 0.0};
+    scene.sun.irradiance_w_per_m2 = (struct neph_rgb){1, 3, 5};
+    scene.background_w_per_m2_sr = (struct neph_rgb){0.1, 0.2, 0.3};
+    const struct neph_ray_light light = neph_transport_ray(&scene, eye, d);
+    neph_assert_close(light.transmittance, exp(-0.6), 1e-15, 0.0);
+    assert_true(isinf(light.hit_m));
+    neph_assert_close(light.volume.r, 0.5 * grey, 1e-15, 0.0);
+    neph_assert_close(light.volume.g, 0.75 * grey, 1e-15, 0.0);
+    neph_assert_close(light.volume.b, 0.0, 0.0, 0.0);
+    neph_assert_close(light.radiance.r, light.volume.r + 0.1 * light.transmittance, 1e-15, 0.0);
+    neph_assert_close(light.radiance.g, light.volume.g + 0.2 * light.transmittance, 1e-15, 0.0);
+    neph_assert_close(light.radiance.b, 0.3 * light.transmittance, 1e-15, 0.0);
+
+    scene.sun.present = false;
+    assert_true(neph_transport_ray(&scene, eye, d).volume.g == 0.0);
+    scene.sun.present = true;
+    scene.scattering = NEPH_SCATTERING_NONE;
+    assert_true(neph_transport_ray(&scene, eye, d).volume.g == 0.0);
+    /* Looking away from it. */
+    scene.scattering = NEPH_SCATTERING_SINGLE;
+    const struct neph_ray_light away = neph_transport_ray(&scene, eye,
+                                                          (struct neph_vec3){-1, 0, 0});
+    assert_true(away.transmittance == 1.0 && away.volume.r == 0.0 && away.radiance.r == 0.1);
+}
+
+static void test_white_furnace(void **state)
+{
+    (void)state;
+    struct neph_solid ball = {
+        .kind = NEPH_SOLID_SPHERE, .center_m = {0, 0, -5}, .radius_m = 1, .albedo = white};
+    struct neph_scene scene = {.scattering = NEPH_SCATTERING_MULTIPLE,
+                               .environment_light = true,
+                               .background_w_per_m2_sr = {1, 2, 3},
+                               .solid_count = 1,
+                               .solids = &ball,
+                               .medium_count = 1,
+                               .media = {height_fog(0.1, 0.2)}};
+    char reason[100] = "untouched";
+    assert_true(neph_transport_is_exact(&scene, reason, sizeof(reason)));
+    assert_string_equal(reason, "untouched");
+    for (int i = 0; i < 2; i++) {
+        const struct neph_vec3 d = {0, i, i - 1}; /* onto the ball, and up into the sky */
+        const struct neph_ray_light light = neph_transport_ray(&scene, (struct neph_vec3){0}, d);
+        assert_true(light.radiance.r == 1.0 && light.radiance.g == 2.0 && light.radiance.b == 3.0);
+        neph_assert_close(light.transmittance, i ? exp(-0.5) : exp(-0.4), 1e-14, 0.0);
+        neph_assert_close(light.volume.g, 2.0 * (1.0 - light.transmittance), 1e-14, 0.0);
+    }
+}
+
+static void assert_refused(const struct neph_scene *scene, const char *because)
+{
+    char reason[100] = "";
+    assert_false(neph_transport_is_exact(scene, reason, sizeof(reason)));
+    assert_non_null(strstr(reason, because));
+}
+
+static void test_what_is_refused(void **state)
+{
+    (void)state;
+    char reason[100];
+    struct neph_solid wall = box(0, 0, 0, 1, 1, 1);
+    wall.albedo = white;
+    struct neph_scene scene = sunny(height_fog(0.1, 0.2), (struct neph_vec3){0, 1, 0});
+    scene.solid_count = 1;
+    scene.solids = &wall;
+    assert_true(neph_transport_is_exact(&scene, reason, sizeof(reason)));
+    scene.scattering = NEPH_SCATTERING_MULTIPLE;
+    assert_refused(&scene, "multiple scattering");
+    scene.environment_light = true; /* a furnace but for its sun */
+    assert_refused(&scene, "multiple scattering");
+    scene.sun.present = false; /* a furnace but for a grey wall */
+    wall.albedo.g = 0.99;
+    assert_refused(&scene, "multiple scattering");
+    wall.albedo.g = 1.0; /* a furnace but for a grey fog */
+    scene.media[0].albedo.b = 0.5;
+    assert_refused(&scene, "multiple scattering");
+    scene.scattering = NEPH_SCATTERING_SINGLE;
+    assert_refused(&scene, "surroundings");
+    scene.scattering = NEPH_SCATTERING_NONE; /* the wall is still lit */
+    assert_refused(&scene, "surroundings");
+    /* Only attenuation is left: exact whatever the switch says. */
+    wall.albedo = scene.media[0].albedo = (struct neph_rgb){0, 0, 0};
+    for (int s = NEPH_SCATTERING_NONE; s <= NEPH_SCATTERING_MULTIPLE; s++) {
+        scene.scattering = (enum neph_scattering)s;
+        assert_true(neph_transport_is_exact(&scene, reason, sizeof(reason)));
+    }
+}
+
+/* Finite, not negative, T in [0, 1], volume no more than all the sun's light: any corner. */
+static void test_never_nonsense(void **state)
+{
+    (void)state;
+    static const double extinctions[] = {0.0, 1e-300, 1e-10, 1e-3, 1.0, 1e3, 1e300};
+    static const double falloffs[] = {0.0, 1e-300, 1e-4, 0.1, 10.0};
+    static const double heights[] = {-1e6, -100.0, 0.0, 2.0, 1e3, 1e6};
+    static const double slopes[] = {0.0,   1e-300, -1e-300, 1e-9, -1e-9, 0.01,
+                                    -0.01, 0.6,    -0.6,    1,    -1};
+    static const double suns[] = {1.0, 0.6, 0.05, 1e-9, 1e-300, 0.0, -0.3, -1.0};
+    struct neph_solid ground = box(-1e5, -10, -1e5, 1e5, -1, 1e5);
+    ground.albedo = white;
+    for (size_t n = 0; n < COUNT(extinctions) * COUNT(falloffs) * COUNT(heights); n++)
+        for (size_t k = 0; k < COUNT(slopes) * COUNT(suns); k++) {
+            const size_t a = n % COUNT(extinctions), b = n / COUNT(extinctions) % COUNT(falloffs);
+            const double eye_m = heights[n / (COUNT(extinctions) * COUNT(falloffs))];
+            const double k_y = slopes[k % COUNT(slopes)], s_y = suns[k / COUNT(slopes)];
+            struct neph_scene scene = sunny(height_fog(extinctions[a], falloffs[b]),
+                                            (struct neph_vec3){sqrt(1.0 - s_y * s_y), s_y, 0.0});
+            scene.solid_count = (int)(k % 2);
+            scene.solids = &ground;
+            if (k % 3 == 0) { /* and a second layer, for the quadrature */
+                scene.media[0].layer_count = 2;
+                scene.media[0].layers[1] = (struct neph_fog_layer){1e-3, 0.02, 5.0};
+            }
+            const struct neph_ray_light light = neph_transport_ray(
+                &scene, (struct neph_vec3){0.5, eye_m, 0.25},
+                (struct neph_vec3){0.0, k_y, -sqrt(1.0 - k_y * k_y)});
+            const bool sane = light.transmittance >= 0.0 && light.transmittance <= 1.0 &&
+                              light.volume.r >= 0.0 && light.volume.r <= 1.0 / (4.0 * pi) + 1e-12 &&
+                              light.radiance.r >= light.volume.r && light.radiance.r <= 1.0 &&
+                              light.quadrature_error >= 0.0 && light.quadrature_error < 1e-9;
+            if (!sane)
+                print_error(
+                    "a %g, b %g, eye %g, view %g, sun %g, %d layers, %d solids: T %g, L %g, "
+                    "error %g\n",
+                    extinctions[a], falloffs[b], eye_m, k_y, s_y, scene.media[0].layer_count,
+                    scene.solid_count, light.transmittance, light.volume.r, light.quadrature_error);
+            assert_true(sane);
+        }
+}
+
+/* ---- cost (printed, not asserted) ---- */
+
+static double seconds(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+static void test_cost_of_a_fence(void **state)
+{
+    (void)state;
+    enum { WIDTH = 48, HEIGHT = 27 };
+    struct fence *fences = test_malloc(4 * sizeof(*fences));
+    make_fences(fences);
+    for (int f = 0; f < 4; f++) {
+        const double start_s = seconds();
+        double sum = 0.0, error = 0.0;
+        for (int i = 0; i < WIDTH * HEIGHT; i++) {
+            const struct neph_vec3 d = neph_vec3_normalize((struct neph_vec3){
+                (i % WIDTH + 0.5) / WIDTH * 2.0 - 1.0,
+                (0.5 - (i / WIDTH + 0.5) / HEIGHT) * 2.0 * HEIGHT / WIDTH, -1.2});
+            const struct neph_ray_light light = neph_transport_ray(
+                &fences[f].scene, (struct neph_vec3){0, 1.2, 0}, d);
+            sum += light.volume.r;
+            error = fmax(error, light.quadrature_error);
+        }
+        const double per_ray_s = (seconds() - start_s) / (WIDTH * HEIGHT);
+        print_message("60 bars in %-16s %7.1f us/ray, %5.2f s for 192x108, mean %.6f, error %.1g\n",
+                      fences[f].name, 1e6 * per_ray_s, 192 * 108 * per_ray_s,
+                      sum / (WIDTH * HEIGHT), error);
+    }
+    test_free(fences);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_single_scattering_against_reference),
+        cmocka_unit_test(test_shadow_of_one_solid),
+        cmocka_unit_test(test_shadows_overlap_and_rays_end),
+        cmocka_unit_test(test_shadow_in_height_fog),
+        cmocka_unit_test(test_fence_against_brute_force),
+        cmocka_unit_test(test_random_scenes_against_brute_force),
+        cmocka_unit_test(test_lambert_through_fog),
+        cmocka_unit_test(test_a_surface_turned_away_or_shaded_is_black),
+        cmocka_unit_test(test_a_surface_far_away_is_lit),
+        cmocka_unit_test(test_parts_add_up),
+        cmocka_unit_test(test_white_furnace),
+        cmocka_unit_test(test_what_is_refused),
+        cmocka_unit_test(test_never_nonsense),
+        cmocka_unit_test(test_cost_of_a_fence),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

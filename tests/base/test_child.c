@@ -1,0 +1,520 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Children of all kinds. `test_child eat-memory MIB SECONDS` and `test_child burn-cpu SECONDS` are
+ * the programs whose use of resources is known.
+ */
+#include "tests/base/scratch.h"
+
+#include "base/child.h"
+#include "base/clock.h"
+
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+static const char self[] = "/proc/self/exe";
+
+static void pause_s(double duration_s)
+{
+    struct timespec pause = {(time_t)duration_s,
+                             (long)(1e9 * (duration_s - (double)(time_t)duration_s))};
+    nanosleep(&pause, NULL);
+}
+
+static int eat_memory(const char *mib, const char *duration)
+{
+    size_t size = (size_t)atoi(mib) << 20;
+    volatile char *memory = malloc(size);
+    for (size_t i = 0; i < size; i += 4096)
+        memory[i] = 1;
+    pause_s(atof(duration));
+    free((void *)memory);
+    return 0;
+}
+
+static int burn_cpu(const char *duration)
+{
+    while (neph_cpu_s() < atof(duration))
+        ;
+    return 0;
+}
+
+/* Run a shell script. `log_path` and `result` may be NULL. */
+static enum neph_status run_shell(const char *script, const char *log_path, double time_limit_s,
+                                  struct neph_child_result *result, struct neph_diag *diag)
+{
+    const char *const argv[] = {"sh", "-c", script, NULL};
+    struct neph_child_params params = {
+        .argv = argv, .log_path = log_path, .time_limit_s = time_limit_s};
+    struct neph_child_result ignored;
+    return neph_child_run(&params, result ? result : &ignored, diag);
+}
+
+static void assert_log(const char *path, const char *expected)
+{
+    char *text = NULL;
+    size_t size = 0;
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_file_read(path, 1 << 20, &text, &size, &diag), &diag);
+    assert_string_equal(text, expected);
+    free(text);
+}
+
+/* A process that is gone or waits to be reaped by an init that may not care. */
+static bool is_dead(pid_t pid)
+{
+    char path[64], text[512] = "";
+    snprintf(path, sizeof(path), "/proc/%d/stat", (int)pid);
+    int fd = open(path, O_RDONLY);
+    if (fd < 0)
+        return true;
+    ssize_t got = read(fd, text, sizeof(text) - 1);
+    close(fd);
+    const char *name_end = strrchr(text, ')');
+    return got <= 0 || !name_end || name_end[2] == 'Z' || name_end[2] == 'X';
+}
+
+static void assert_dies(pid_t pid)
+{
+    for (int i = 0; i < 500 && !is_dead(pid); i++)
+        pause_s(0.01);
+    assert_true(is_dead(pid));
+}
+
+/* The number that a script has written into a file, waiting for it. */
+static pid_t read_pid(const char *path)
+{
+    for (int i = 0; i < 1000; i++) {
+        FILE *file = fopen(path, "r");
+        int pid = 0;
+        char end = '\0'; /* the newline says that the number is complete */
+        int found = file ? fscanf(file, "%d%c", &pid, &end) : 0;
+        if (file)
+            fclose(file);
+        if (found == 2)
+            return pid;
+        pause_s(0.01);
+    }
+    fail_msg("no process number in '%s'", path);
+    return -1;
+}
+
+/* ---- how it ends ----------------------------------------------------------------------------- */
+
+static void test_success_and_log(void **state)
+{
+    char log[SCRATCH_PATH_MAX];
+    scratch_path(state, log, "log");
+    neph_assert_ok(neph_file_write(log, "of an earlier run", 17, NULL), NULL);
+    struct neph_child_result result = {.exit_code = 99};
+    struct neph_diag diag = {0};
+    neph_assert_ok(run_shell("echo out; echo err >&2; echo out again", log, 0.0, &result, &diag),
+                   &diag);
+    assert_int_equal(result.exit_code, 0);
+    assert_int_equal(result.signal, 0);
+    assert_log(log, "out\nerr\nout again\n");
+}
+
+static void test_exit_codes(void **state)
+{
+    (void)state;
+    static const int codes[] = {1, 2, 42, 126, 127, 255};
+    for (size_t i = 0; i < sizeof(codes) / sizeof(codes[0]); i++) {
+        char script[32], words[32];
+        snprintf(script, sizeof(script), "exit %d", codes[i]);
+        snprintf(words, sizeof(words), "exit code %d", codes[i]);
+        struct neph_child_result result = {0};
+        struct neph_diag diag = {0};
+        assert_int_equal(run_shell(script, NULL, 0.0, &result, &diag), NEPH_ERR_ENGINE);
+        assert_int_equal(result.exit_code, codes[i]);
+        assert_int_equal(result.signal, 0);
+        assert_non_null(strstr(diag.message, words));
+    }
+}
+
+static void test_end_by_signal(void **state)
+{
+    (void)state;
+    struct neph_child_result result = {.exit_code = 99};
+    struct neph_diag diag = {0};
+    assert_int_equal(run_shell("kill -SEGV $$", NULL, 0.0, &result, &diag), NEPH_ERR_ENGINE);
+    assert_int_equal(result.signal, SIGSEGV);
+    assert_int_equal(result.exit_code, 0);
+    assert_non_null(strstr(diag.message, "signal 11 (Segmentation fault)"));
+    assert_int_equal(run_shell("exit 3", NULL, 0.0, &result, NULL), NEPH_ERR_ENGINE); /* no diag */
+}
+
+static void test_failure_quotes_the_end_of_the_log(void **state)
+{
+    char log[SCRATCH_PATH_MAX];
+    scratch_path(state, log, "log");
+    struct neph_diag diag = {0};
+    assert_int_equal(run_shell("for i in $(seq 1000); do echo line $i of the log; done;"
+                               "printf 'render 10%%\\rrender 20%%\\r\\033[31mout of cheese\\n\\n';"
+                               "exit 1",
+                               log, 0.0, NULL, &diag),
+                     NEPH_ERR_ENGINE);
+    assert_non_null(strstr(diag.message, "line 1000 of the log\nrender 10%\nrender 20%\n"));
+    assert_non_null(strstr(diag.message, "?[31mout of cheese"));
+    assert_non_null(strstr(diag.message, "line 996 of"));
+    assert_null(strstr(diag.message, "line 995 of")); /* eight lines */
+    assert_non_null(strstr(diag.hint, log));
+}
+
+/* One endless line, cut in the middle of a two-byte character. */
+static void test_quote_fits_and_stays_utf8(void **state)
+{
+    char log[SCRATCH_PATH_MAX];
+    scratch_path(state, log, "log");
+    for (int shift = 0; shift < 2; shift++) {
+        char script[128];
+        snprintf(script, sizeof(script),
+                 "printf '%%s' %s; i=0; while [ $i -lt 900 ]; do printf '\303\274'; i=$((i+1));"
+                 "done; exit 1",
+                 shift ? "x" : "''");
+        struct neph_diag diag = {0};
+        assert_int_equal(run_shell(script, log, 0.0, NULL, &diag), NEPH_ERR_ENGINE);
+        const char *quote = strstr(diag.message, ":\n");
+        assert_non_null(quote);
+        assert_int_equal((unsigned char)quote[2], 0xc3);
+        assert_int_equal((unsigned char)diag.message[strlen(diag.message) - 1], 0xbc);
+    }
+}
+
+/* ---- what it is given ------------------------------------------------------------------------ */
+
+static void test_missing_programs(void **state)
+{
+    char path[SCRATCH_PATH_MAX];
+    scratch_path(state, path, "program");
+    const char *names[] = {"neph-no-such-program", "/no/such/program", "", path, "/tmp"};
+    neph_assert_ok(neph_file_write(path, "#!/bin/sh\n", 10, NULL), NULL); /* not executable */
+    for (size_t i = 0; i < sizeof(names) / sizeof(names[0]); i++) {
+        const char *const argv[] = {names[i], NULL};
+        struct neph_child_params params = {.argv = argv};
+        struct neph_child_result result = {.exit_code = 99};
+        struct neph_diag diag = {0};
+        assert_false(neph_child_program_exists(names[i]));
+        assert_int_equal(neph_child_run(&params, &result, &diag), NEPH_ERR_UNAVAILABLE);
+        assert_non_null(strstr(diag.message, names[i]));
+        assert_int_equal(result.exit_code, 99);
+    }
+    assert_true(neph_child_program_exists("sh"));
+    assert_true(neph_child_program_exists("/bin/sh"));
+}
+
+/* They exist and may be executed, but execve() fails, which only the child can find out. */
+static void test_programs_that_cannot_start(void **state)
+{
+    static const char *const contents[] = {"#!/no/such/interpreter\n", "neither script nor ELF"};
+    char path[SCRATCH_PATH_MAX];
+    scratch_path(state, path, "program");
+    for (size_t i = 0; i < sizeof(contents) / sizeof(contents[0]); i++) {
+        neph_assert_ok(neph_file_write(path, contents[i], strlen(contents[i]), NULL), NULL);
+        assert_int_equal(chmod(path, 0755), 0);
+        const char *const argv[] = {path, NULL};
+        struct neph_child_params params = {.argv = argv};
+        struct neph_child_result result = {.exit_code = 99};
+        struct neph_diag diag = {0};
+        assert_true(neph_child_program_exists(path));
+        assert_int_equal(neph_child_run(&params, &result, &diag), NEPH_ERR_UNAVAILABLE);
+        assert_int_equal(result.exit_code, 99);
+    }
+}
+
+static void test_working_directory(void **state)
+{
+    const struct scratch *scratch = *state;
+    char log[SCRATCH_PATH_MAX];
+    const char *const argv[] = {"pwd", NULL};
+    struct neph_child_params params = {.argv = argv,
+                                       .working_directory = scratch->folder,
+                                       .log_path = scratch_path(state, log, "log")};
+    struct neph_child_result result;
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_child_run(&params, &result, &diag), &diag);
+    char *expected = neph_format("%s\n", scratch->folder);
+    assert_log(log, expected);
+    free(expected);
+
+    params.working_directory = "/no/such/folder";
+    assert_int_equal(neph_child_run(&params, &result, &diag), NEPH_ERR_IO);
+    assert_non_null(strstr(diag.message, "/no/such/folder"));
+}
+
+/* A relative path is meant from here, also when the child works elsewhere. */
+static void test_relative_program(void **state)
+{
+    const struct scratch *scratch = *state;
+    char path[SCRATCH_PATH_MAX];
+    static const char script[] = "#!/bin/sh\nexit 5\n";
+    neph_assert_ok(
+        neph_file_write(scratch_path(state, path, "program"), script, sizeof(script) - 1, NULL),
+        NULL);
+    assert_int_equal(chmod(path, 0755), 0);
+    char *before = getcwd(NULL, 0);
+    assert_int_equal(chdir(scratch->folder), 0);
+    const char *const argv[] = {"./program", NULL};
+    struct neph_child_params params = {.argv = argv, .working_directory = "/"};
+    struct neph_child_result result = {0};
+    enum neph_status status = neph_child_run(&params, &result, NULL);
+    assert_int_equal(chdir(before), 0);
+    free(before);
+    assert_int_equal(status, NEPH_ERR_ENGINE);
+    assert_int_equal(result.exit_code, 5);
+}
+
+static void test_environment(void **state)
+{
+    char log[SCRATCH_PATH_MAX];
+    const char *const argv[] = {"env", NULL};
+    const char *const environment[] = {"NEPH_ONLY=this", NULL};
+    struct neph_child_params params = {
+        .argv = argv, .environment = environment, .log_path = scratch_path(state, log, "log")};
+    struct neph_child_result result;
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_child_run(&params, &result, &diag), &diag);
+    assert_log(log, "NEPH_ONLY=this\n");
+
+    setenv("NEPH_TEST_INHERITED", "yes", 1);
+    neph_assert_ok(run_shell("test \"$NEPH_TEST_INHERITED\" = yes", NULL, 0.0, &result, &diag),
+                   &diag);
+}
+
+static void test_log_that_cannot_be_written(void **state)
+{
+    char log[SCRATCH_PATH_MAX];
+    struct neph_diag diag = {0};
+    assert_int_equal(run_shell("true", scratch_path(state, log, "no/log"), 0.0, NULL, &diag),
+                     NEPH_ERR_IO);
+    assert_non_null(strstr(diag.message, log));
+}
+
+/* No terminal, no signals blocked or ignored, no open files of ours but the three. */
+static void test_child_starts_clean(void **state)
+{
+    char log[SCRATCH_PATH_MAX];
+    scratch_path(state, log, "log");
+    int leaked_fd = dup2(open("/dev/null", O_RDONLY), 77); /* without O_CLOEXEC */
+    assert_int_equal(leaked_fd, 77);
+    sigset_t blocked, before;
+    sigemptyset(&blocked);
+    sigaddset(&blocked, SIGUSR1);
+    sigprocmask(SIG_BLOCK, &blocked, &before);
+    void (*sigpipe)(int) = signal(SIGPIPE, SIG_IGN);
+    struct neph_diag diag = {0};
+    enum neph_status status = run_shell("test ! -e /proc/self/fd/77 || echo file;"
+                                        "grep SigBlk /proc/self/status | tr -d '\\t';"
+                                        "grep SigIgn /proc/self/status | tr -d '\\t';"
+                                        "readlink /proc/self/fd/0",
+                                        log, 0.0, NULL, &diag);
+    signal(SIGPIPE, sigpipe);
+    sigprocmask(SIG_SETMASK, &before, NULL);
+    close(leaked_fd);
+    neph_assert_ok(status, &diag);
+    assert_log(log, "SigBlk:0000000000000000\nSigIgn:0000000000000000\n/dev/null\n");
+}
+
+/* ---- how it is ended ------------------------------------------------------------------------- */
+
+static void test_timeout(void **state)
+{
+    char log[SCRATCH_PATH_MAX];
+    struct neph_child_result result = {0};
+    struct neph_diag diag = {0};
+    double start_s = neph_wall_s();
+    assert_int_equal(run_shell("echo started; exec sleep 60", scratch_path(state, log, "log"), 0.3,
+                               &result, &diag),
+                     NEPH_ERR_TIMEOUT);
+    assert_true(neph_wall_s() - start_s < 30.0);
+    assert_int_equal(result.signal, SIGTERM);
+    assert_true(result.wall_s >= 0.3);
+    assert_non_null(strstr(diag.message, "time limit of 0.3 s"));
+    assert_non_null(strstr(diag.message, "started"));
+    assert_log(log, "started\n");
+}
+
+static void test_no_timeout_when_in_time(void **state)
+{
+    (void)state;
+    struct neph_child_result result = {0};
+    struct neph_diag diag = {0};
+    neph_assert_ok(run_shell("sleep 0.1", NULL, 60.0, &result, &diag), &diag);
+    assert_true(result.wall_s >= 0.1);
+    assert_true(result.wall_s < 30.0);
+}
+
+/* What ends in good order on SIGTERM has still outlived its time. */
+static void test_exit_0_on_sigterm_is_still_a_timeout(void **state)
+{
+    (void)state;
+    struct neph_child_result result = {.exit_code = 99};
+    assert_int_equal(
+        run_shell("trap 'exit 0' TERM; while :; do sleep 0.05; done", NULL, 0.3, &result, NULL),
+        NEPH_ERR_TIMEOUT);
+    assert_int_equal(result.exit_code, 0);
+    assert_int_equal(result.signal, 0);
+}
+
+static void test_sigkill_after_two_seconds(void **state)
+{
+    (void)state;
+    struct neph_child_result result = {0};
+    assert_int_equal(
+        run_shell("trap '' TERM; while :; do sleep 0.05; done", NULL, 0.2, &result, NULL),
+        NEPH_ERR_TIMEOUT);
+    assert_int_equal(result.signal, SIGKILL);
+    assert_true(result.wall_s >= 2.2);
+    assert_true(result.wall_s < 30.0);
+}
+
+static void test_timeout_kills_grandchildren(void **state)
+{
+    char path[SCRATCH_PATH_MAX], script[SCRATCH_PATH_MAX + 128];
+    scratch_path(state, path, "pid");
+    snprintf(script, sizeof(script), "(trap '' TERM; exec sleep 61) & echo $! > %s; wait", path);
+    assert_int_equal(run_shell(script, NULL, 0.5, NULL, NULL), NEPH_ERR_TIMEOUT);
+    assert_dies(read_pid(path));
+}
+
+/* A daemon that the program leaves behind would eat the processors of the next job. */
+static void test_leftovers_are_killed(void **state)
+{
+    char path[SCRATCH_PATH_MAX], script[SCRATCH_PATH_MAX + 128];
+    struct neph_diag diag = {0};
+    scratch_path(state, path, "pid");
+    snprintf(script, sizeof(script), "sleep 62 & echo $! > %s", path);
+    double start_s = neph_wall_s();
+    neph_assert_ok(run_shell(script, NULL, 0.0, NULL, &diag), &diag);
+    assert_true(neph_wall_s() - start_s < 30.0);
+    assert_dies(read_pid(path));
+}
+
+/* kill -9 of neph: a process between us and the child plays it. */
+static void test_child_dies_with_us(void **state)
+{
+    char path[SCRATCH_PATH_MAX], script[SCRATCH_PATH_MAX + 64];
+    scratch_path(state, path, "pid");
+    snprintf(script, sizeof(script), "echo $$ > %s; exec sleep 63", path);
+    pid_t neph = fork();
+    if (neph == 0) {
+        run_shell(script, NULL, 0.0, NULL, NULL);
+        _exit(0);
+    }
+    pid_t child = read_pid(path);
+    assert_false(is_dead(child));
+    assert_int_equal(kill(neph, SIGKILL), 0);
+    assert_int_equal(waitpid(neph, NULL, 0), neph);
+    assert_dies(child);
+}
+
+/* ---- what it used ---------------------------------------------------------------------------- */
+
+static void run_self(const char *const *argv, struct neph_child_result *result)
+{
+    struct neph_child_params params = {.argv = argv, .time_limit_s = 60.0};
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_child_run(&params, result, &diag), &diag);
+}
+
+static void test_cpu_time(void **state)
+{
+    (void)state;
+    struct neph_child_result result;
+    const char *const burn[] = {self, "burn-cpu", "0.3", NULL};
+    run_self(burn, &result);
+    assert_true(result.cpu_s >= 0.28); /* the two clocks of the kernel differ by a tick */
+    assert_true(result.cpu_s < 3.0);
+    assert_true(result.wall_s >= 0.28);
+    const char *const idle[] = {"sleep", "0.3", NULL};
+    run_self(idle, &result);
+    assert_true(result.cpu_s < 0.1);
+    assert_true(result.wall_s >= 0.3);
+}
+
+static void test_cpu_time_of_grandchildren(void **state)
+{
+    (void)state;
+    struct neph_child_result result;
+    struct neph_diag diag = {0};
+    char *script = NULL, *program = realpath(self, NULL);
+    script = neph_format("'%s' burn-cpu 0.2; '%s' burn-cpu 0.2; true", program, program);
+    neph_assert_ok(run_shell(script, NULL, 60.0, &result, &diag), &diag);
+    assert_true(result.cpu_s >= 0.36);
+    free(script);
+    free(program);
+}
+
+static void test_peak_memory(void **state)
+{
+    (void)state;
+    static const int64_t mib = 1 << 20;
+    struct neph_child_result small, large;
+    const char *const small_argv[] = {self, "eat-memory", "1", "0", NULL};
+    const char *const large_argv[] = {self, "eat-memory", "200", "0", NULL};
+    run_self(small_argv, &small);
+    run_self(large_argv, &large);
+    assert_true(small.peak_memory_bytes > mib / 2);
+    assert_true(large.peak_memory_bytes > 200 * mib);
+    assert_true(large.peak_memory_bytes - small.peak_memory_bytes > 150 * mib);
+    assert_true(large.peak_memory_bytes - small.peak_memory_bytes < 250 * mib);
+}
+
+/* The kernel counts the memory of the process that forked; a job must not pay for its neph. */
+static void test_our_own_memory_is_not_the_childs(void **state)
+{
+    (void)state;
+    static const int64_t mib = 1 << 20;
+    size_t size = (size_t)(300 * mib);
+    volatile char *ours = malloc(size);
+    for (size_t i = 0; i < size; i += 4096)
+        ours[i] = 1;
+    struct neph_child_result result;
+    const char *const small[] = {"sleep", "0.4", NULL};
+    run_self(small, &result);
+    int64_t small_bytes = result.peak_memory_bytes;
+    const char *const large[] = {self, "eat-memory", "450", "0.4", NULL};
+    run_self(large, &result);
+    int64_t large_bytes = result.peak_memory_bytes;
+    free((void *)ours);
+    assert_true(small_bytes > 0);
+    assert_true(small_bytes < 100 * mib);
+    assert_true(large_bytes > 450 * mib);
+}
+
+int main(int argc, char **argv)
+{
+    if (argc == 4 && strcmp(argv[1], "eat-memory") == 0)
+        return eat_memory(argv[2], argv[3]);
+    if (argc == 3 && strcmp(argv[1], "burn-cpu") == 0)
+        return burn_cpu(argv[2]);
+    const struct CMUnitTest tests[] = {
+        scratch_test(test_success_and_log),
+        cmocka_unit_test(test_exit_codes),
+        cmocka_unit_test(test_end_by_signal),
+        scratch_test(test_failure_quotes_the_end_of_the_log),
+        scratch_test(test_quote_fits_and_stays_utf8),
+        scratch_test(test_missing_programs),
+        scratch_test(test_programs_that_cannot_start),
+        scratch_test(test_working_directory),
+        scratch_test(test_relative_program),
+        scratch_test(test_environment),
+        scratch_test(test_log_that_cannot_be_written),
+        scratch_test(test_child_starts_clean),
+        scratch_test(test_timeout),
+        cmocka_unit_test(test_no_timeout_when_in_time),
+        cmocka_unit_test(test_exit_0_on_sigterm_is_still_a_timeout),
+        cmocka_unit_test(test_sigkill_after_two_seconds),
+        scratch_test(test_timeout_kills_grandchildren),
+        scratch_test(test_leftovers_are_killed),
+        scratch_test(test_child_dies_with_us),
+        cmocka_unit_test(test_cpu_time),
+        cmocka_unit_test(test_cpu_time_of_grandchildren),
+        cmocka_unit_test(test_peak_memory),
+        cmocka_unit_test(test_our_own_memory_is_not_the_childs),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,136 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""The command line, run as a user would: results, errors, exit codes, kill -9, missing engines."""
+import json
+import os
+import pathlib
+import signal
+import subprocess
+import tempfile
+import time
+import unittest
+
+NEPH = os.environ["NEPH"]
+ROOT = pathlib.Path(os.environ["NEPH_SOURCE_DIR"])
+EXACT_ONLY = ["-e", "exact", "-e", "march", "--no-charts", "--size", "48x27", "-q"]
+
+
+def neph(*arguments, **environment):
+    return subprocess.run([NEPH, *map(str, arguments)], capture_output=True, text=True, timeout=600,
+                          env={**os.environ, "NEPH_VULKAN_VALIDATION": "1", **environment})
+
+
+class CommandLine(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+
+    def test_help_of_every_verb_has_an_example(self):
+        for verb in ("validate", "render", "export", "compare", "scenes", "engines", "doctor"):
+            done = neph(verb, "--help")
+            self.assertEqual(done.returncode, 0, verb)
+            self.assertIn("Example", done.stdout, verb)
+
+    def test_unknown_verb_engine_setting_and_scene_are_usage_errors_that_help(self):
+        self.assertEqual(neph("fly").returncode, 64)
+        done = neph("render", "absorbing_slab", "-e", "magic")
+        self.assertEqual((done.returncode, "neph engines" in done.stderr), (64, True))
+        done = neph("render", "absorbing_slab", "-s", "steps=0")
+        self.assertEqual(done.returncode, 64)
+        self.assertIn("1..", done.stderr)
+        done = neph("render", "no_such_scene")
+        self.assertEqual((done.returncode, "neph scenes" in done.stderr), (66, True))
+
+    def test_wrong_value_names_file_line_column_and_range(self):
+        text = (ROOT / "scenes/catalog/scattering_slab_above.yaml").read_text()
+        scene = self.folder / "scattering_slab_above.yaml"
+        scene.write_text(text.replace("extinction_per_m: 1", "extinction_per_m: -1"))
+        line = next(i for i, row in enumerate(scene.read_text().splitlines(), 1) if ": -1" in row)
+        done = neph("scenes", scene)
+        self.assertEqual(done.returncode, 65)
+        self.assertIn(f"{scene}:{line}:", done.stderr)
+        self.assertIn("-1", done.stderr)
+        self.assertIn("0", done.stderr)
+
+    def test_march_agrees_with_exact_where_the_form_is_closed(self):
+        for engine in ("exact", "march"):
+            done = neph("render", "height_fog_level", "-e", engine, "--size", "64x36", "-o", self.folder)
+            self.assertEqual(done.returncode, 0, done.stderr)
+        pair = [self.folder / f"height_fog_level_{e}_0000.exr" for e in ("exact", "march")]
+        done = neph("compare", *pair, "--json", "--fail-above", "transmittance:max_rel=1e-5")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        values = {(m["quantity"], m["metric"], m["mask"]): m["value"] for m in json.loads(done.stdout)}
+        self.assertLess(abs(values["radiance", "rel_bias", "all"]), 1e-3)
+        self.assertEqual(neph("compare", *pair, "--fail-above", "radiance:max_abs=0").returncode, 1)
+
+    def test_same_job_same_bits(self):
+        for name in ("a", "b"):
+            self.assertEqual(neph("render", "fence_backlit", "--size", "64x36", "-o", self.folder / name).returncode, 0)
+        done = neph("compare", *(self.folder / n / "fence_backlit_march_0000.exr" for n in ("a", "b")), "--json")
+        self.assertEqual({m["value"] for m in json.loads(done.stdout) if m["metric"] == "max_abs"}, {0.0})
+
+    def test_validate_reuses_finished_frames(self):
+        first = neph("validate", "scattering_slab_above", *EXACT_ONLY, "-o", self.folder, "--json")
+        second = neph("validate", "scattering_slab_above", *EXACT_ONLY, "-o", self.folder, "--json")
+        self.assertEqual((first.returncode, second.returncode), (0, 0), first.stderr + second.stderr)
+        reused = [[f["reused"] for f in json.loads(run.stdout)["scenes"][0]["frames"]] for run in (first, second)]
+        self.assertEqual(reused, [[False, False], [True, True]])
+        report = self.folder / "report"
+        self.assertTrue((report / "index.html").exists())
+        self.assertEqual(json.loads((report / "data.json").read_text())["format"], "neph-report-1")
+
+    def test_failing_gate_exits_with_1_and_is_named(self):
+        text = (ROOT / "scenes/catalog/scattering_slab_above.yaml").read_text()
+        scene = self.folder / "scattering_slab_above.yaml"
+        scene.write_text(text.replace("maximum: 1.0e-5", "maximum: 0"))
+        done = neph("validate", scene, *EXACT_ONLY, "-o", self.folder, "--json")
+        self.assertEqual(done.returncode, 1)
+        verdicts = [g["verdict"] for g in json.loads(done.stdout)["scenes"][0]["gates"]]
+        self.assertIn("fail", verdicts)
+
+    def test_missing_engines_are_reported_and_the_others_go_on(self):
+        done = neph("validate", "scattering_slab_above", "--no-charts", "--size", "32x18", "-q", "-o",
+                    self.folder, "--json", PATH="/nonexistent", VK_ICD_FILENAMES="/nonexistent.json")
+        frames = {f["engine"]: f for f in json.loads(done.stdout)["scenes"][0]["frames"]}
+        self.assertEqual(frames["exact"]["status"], "rendered")
+        for engine in ("march", "cycles", "povray"):
+            self.assertEqual(frames[engine]["status"], "missing")
+            self.assertIn("apt-get install", frames[engine]["reason"])
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(neph("doctor", PATH="/nonexistent").returncode, 69)
+
+    def test_kill_leaves_nothing_that_looks_finished(self):
+        command = [NEPH, "validate", *EXACT_ONLY, "-o", str(self.folder)]
+        for delay_s in (0.1, 0.4, 0.9, 1.7):
+            child = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            time.sleep(delay_s)
+            child.send_signal(signal.SIGKILL)
+            child.wait()
+            for entry in (self.folder / "store/frames").glob("*"):
+                record = json.loads((entry / "job.json").read_text())
+                digest = subprocess.run(["b2sum", "-l", "256", entry / "frame.exr"], capture_output=True, text=True)
+                self.assertEqual(digest.stdout.split()[0], record["frame_blake2b"])
+        done = subprocess.run(command, capture_output=True, text=True, timeout=600)
+        self.assertIn(done.returncode, (0, 1), done.stderr)
+        self.assertEqual(list((self.folder / "store/tmp").iterdir()), [])
+        self.assertTrue((self.folder / "report/index.html").exists())
+
+    def test_interrupt_stops_with_130_and_keeps_what_is_finished(self):
+        child = subprocess.Popen([NEPH, "validate", "--no-charts", "-q", "-e", "exact", "--size", "640x360",
+                                  "-o", str(self.folder)], stdout=subprocess.DEVNULL)
+        time.sleep(2)
+        child.send_signal(signal.SIGINT)
+        self.assertEqual(child.wait(timeout=20), 130)
+        self.assertEqual(list((self.folder / "store/tmp").iterdir()), [])
+
+    def test_hostile_names_are_data(self):
+        hostile = self.folder / "$(touch pwned); import os #.yaml"
+        hostile.write_text((ROOT / "scenes/catalog/absorbing_slab.yaml").read_text())
+        neph("scenes", hostile)
+        neph("export", hostile, "-e", "povray", "-o", self.folder / "x; touch pwned")
+        self.assertFalse(list(self.folder.rglob("pwned")) or pathlib.Path("pwned").exists())
+
+
+if __name__ == "__main__":
+    unittest.main()

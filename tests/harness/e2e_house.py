@@ -1,0 +1,32 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""The arrows of the house: an include names a folder, and never one above its own."""
+import os
+import pathlib
+import re
+import unittest
+
+ROOT = pathlib.Path(os.environ["NEPH_SOURCE_DIR"])
+MAY_INCLUDE = {
+    "base": {"base"},
+    "scenes": {"scenes", "base"},
+    "metrics": {"metrics", "base"},
+    "renderer": {"renderer", "scenes", "base"},
+    "harness": {"harness", "renderer", "metrics", "scenes", "base"},
+}
+
+
+class House(unittest.TestCase):
+    def test_includes_never_point_up(self):
+        seen = 0
+        for folder, allowed in MAY_INCLUDE.items():
+            for path in sorted((ROOT / folder).rglob("*.[ch]")):
+                for name in re.findall(r'^#include "([a-z]+)/', path.read_text(), re.MULTILINE):
+                    seen += 1
+                    if name in MAY_INCLUDE:
+                        self.assertIn(name, allowed, f"{path.relative_to(ROOT)} includes {name}/")
+        self.assertGreater(seen, 100)
+
+
+if __name__ == "__main__":
+    unittest.main()
