@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
  * The library reads through pread() and writes into memory, both behind its stream callbacks. So
- * one place (base/files.h) knows how to put a file on disk safely, and a read that runs past the
- * end of the file is seen here, which tells a truncated file from a damaged one.
+ * one place (base/files.h) knows how to put a file on disk safely, and the system's reason for a
+ * failed read is not lost.
  */
 #include "base/exr.h"
 
@@ -38,7 +38,6 @@ enum {
 struct stream {
     int fd;              /* reading */
     uint64_t size_bytes; /* reading: of the file; writing: of what has been written */
-    bool past_end;       /* the library wanted bytes beyond the end of the file */
     int io_error;        /* errno of a failed read, or ENOMEM of a failed write */
     char *data;          /* writing */
     size_t capacity;     /* writing */
@@ -296,10 +295,8 @@ static int64_t read_bytes(exr_const_context_t context, void *userdata, void *buf
             stream->io_error = errno;
             return -1;
         }
-        if (got == 0) {
-            stream->past_end = true;
-            break;
-        }
+        if (got == 0)
+            break; /* the library reads ahead, so this says nothing yet */
         done_bytes += (uint64_t)got;
     }
     return (int64_t)done_bytes;
@@ -321,9 +318,8 @@ static enum neph_status fail_read(const char *path, const struct stream *stream,
     if (stream->io_error)
         return neph_fail(diag, NEPH_ERR_IO, "cannot read '%s': %s", path,
                          strerror(stream->io_error));
-    enum neph_status status = neph_fail(diag, NEPH_ERR_INPUT, "'%s' is %s: %s", path,
-                                        stream->past_end ? "truncated" : "truncated or damaged",
-                                        reason(stream, result));
+    enum neph_status status = neph_fail(diag, NEPH_ERR_INPUT, "'%s' is truncated or damaged: %s",
+                                        path, reason(stream, result));
     neph_hint(diag, "was the program that wrote it interrupted? Make the file again");
     return status;
 }

@@ -9,12 +9,17 @@
 #include "base/image.h"
 
 /* Write all channels as 32-bit float and all attributes as strings. The file appears under `path`
- * only when it is complete and on disk (temporary name, fsync, rename). */
+ * only when it is complete and on disk (temporary name, fsync, rename). The same image gives the
+ * same bytes. NEPH_ERR_INPUT: no channels, or an attribute named like one of the format's own
+ * ("channels", "type", ...). NEPH_ERR_IO: disk full, no such folder, ... */
 enum neph_status neph_exr_write(const char *path, const struct neph_image *image,
                                 struct neph_diag *diag);
 
-/* Read all channels (converted to float) and all string attributes. Deep, tiled, multi-part,
- * truncated or oversized files are refused with a message that says which. */
+/* Read all channels (converted to float; uint above 2^24 is rounded) and all string attributes but
+ * the format's own. The image is the data window; channels come in the order of the file, which is
+ * alphabetical. Deep, tiled, multi-part, subsampled, DWA-compressed, oversized, and truncated or
+ * damaged files are refused with NEPH_ERR_INPUT and a message that says which. NEPH_ERR_NOT_FOUND:
+ * no such file. NEPH_ERR_IO: it is there but cannot be read. */
 enum neph_status neph_exr_read(const char *path, struct neph_image **image, struct neph_diag *diag);
 
 #endif

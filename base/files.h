@@ -10,12 +10,14 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* Read a whole file of at most `limit_bytes`. `*data` is NUL-terminated (the NUL is not counted in
- * `*size`) and freed by the caller with free(). */
+/* Read a whole file (or pipe) of at most `limit_bytes`. `*data` is NUL-terminated (the NUL is not
+ * counted in `*size`) and freed by the caller with free(). NEPH_ERR_NOT_FOUND: no such file.
+ * NEPH_ERR_INPUT: larger than the limit. NEPH_ERR_IO: anything else. */
 enum neph_status neph_file_read(const char *path, size_t limit_bytes, char **data, size_t *size,
                                 struct neph_diag *diag);
 
-/* Write a file under a temporary name in the same folder, fsync it, rename it into place. */
+/* Write a file under a temporary name (.neph-*.tmp) in the same folder, fsync it, rename it into
+ * place, fsync the folder. On failure, NEPH_ERR_IO, an old file of that name is still whole. */
 enum neph_status neph_file_write(const char *path, const void *data, size_t size,
                                  struct neph_diag *diag);
 
@@ -25,13 +27,16 @@ enum neph_status neph_file_copy(const char *from, const char *to, struct neph_di
 /* mkdir -p. */
 enum neph_status neph_dir_create(const char *path, struct neph_diag *diag);
 
-/* rm -rf, without following symbolic links. A path that is not there is fine. */
+/* rm -rf, without following symbolic links. A path that is not there is fine. Paths of dots and
+ * slashes alone ("", "/", "..") are refused: NEPH_ERR_INTERNAL. */
 enum neph_status neph_dir_remove(const char *path, struct neph_diag *diag);
 
+/* Both follow symbolic links. */
 bool neph_path_exists(const char *path);
 bool neph_path_is_dir(const char *path);
 
-/* "folder/name" as a new string for the caller to free; NULL when memory is short. */
+/* "folder/name" ("name" for the folder "") as a new string for the caller to free; NULL when memory
+ * is short. */
 char *neph_path_join(const char *folder, const char *name);
 
 /* printf into a new string for the caller to free; NULL when memory is short. */

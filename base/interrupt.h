@@ -8,7 +8,9 @@
 
 #include <stdbool.h>
 
-/* Install the handlers. Call once, from main. A second Ctrl-C ends the program at once. */
+/* Install the handlers. Call once, from main, before any thread or child. A second Ctrl-C ends the
+ * program at once. A SIGINT that was ignored at the start (`neph &` in a script) stays ignored.
+ * Also undoes an inherited SIG_IGN of SIGCHLD, which would lose the exit codes of children. */
 void neph_interrupt_install(void);
 
 /* True once a signal has come. */

@@ -15,7 +15,8 @@ enum neph_status neph_png_write_rgb8(const char *path, int width_px, int height_
                                      const uint8_t *rgb, struct neph_diag *diag);
 
 /* Read the raw code values of a 16-bit RGB PNG, without any gamma or colour conversion.
- * `*rgb` holds width * height * 3 values 0..65535 and is freed by the caller with free(). */
+ * `*rgb` holds width * height * 3 values 0..65535 and is freed by the caller with free().
+ * NEPH_ERR_INPUT: not a PNG, of another kind (the message names it), oversized or damaged. */
 enum neph_status neph_png_read_rgb16(const char *path, int *width_px, int *height_px,
                                      uint16_t **rgb, struct neph_diag *diag);
 

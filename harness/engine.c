@@ -142,16 +142,25 @@ double neph_setting(const struct neph_engine *engine, const struct neph_settings
     return index < 0 ? NAN : settings->values[index];
 }
 
+/* The shortest text that reads back as the same double. */
+static void print_number(char text[32], double value)
+{
+    snprintf(text, 32, "%.15g", value);
+    if (strtod(text, NULL) != value)
+        snprintf(text, 32, "%.17g", value);
+}
+
 char *neph_settings_text(const struct neph_engine *engine, const struct neph_settings *settings)
 {
     char *text = neph_format("%s", "");
     for (int i = 0; text && engine->options[i].name; i++) {
         const struct neph_option *option = &engine->options[i];
-        const double value = settings->values[i];
-        char *longer = option->kind == NEPH_OPTION_CHOICE
-                           ? neph_format("%s%s%s=%s", text, i ? " " : "", option->name,
-                                         option->choices[(int)value])
-                           : neph_format("%s%s%s=%.17g", text, i ? " " : "", option->name, value);
+        char number[32];
+        print_number(number, settings->values[i]);
+        const char *value = option->kind == NEPH_OPTION_CHOICE
+                                ? option->choices[(int)settings->values[i]]
+                                : number;
+        char *longer = neph_format("%s%s%s=%s", text, i ? " " : "", option->name, value);
         free(text);
         text = longer;
     }

@@ -107,8 +107,8 @@ static enum neph_status label_frame(const struct neph_job *job, const struct nep
     return status;
 }
 
-enum neph_status neph_job_render(const struct neph_job *job, struct neph_image **frame,
-                                 struct neph_cost *cost, struct neph_diag *diag)
+/* Is the engine there, and does it model the scene? */
+static enum neph_status check_possible(const struct neph_job *job, struct neph_diag *diag)
 {
     char reason[512];
     if (!job->info->available) {
@@ -118,9 +118,17 @@ enum neph_status neph_job_render(const struct neph_job *job, struct neph_image *
         return NEPH_ERR_UNAVAILABLE;
     }
     if (!job->engine->can_render(job->shot.scene, reason, sizeof(reason)))
-        return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "%s cannot: %s", job->engine->name, reason);
+        return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "cannot: %s", reason);
+    return NEPH_OK;
+}
+
+enum neph_status neph_job_render(const struct neph_job *job, struct neph_image **frame,
+                                 struct neph_cost *cost, struct neph_diag *diag)
+{
     struct neph_image *rendered = NULL;
-    enum neph_status status = job->engine->render(&job->shot, &rendered, cost, diag);
+    enum neph_status status = check_possible(job, diag);
+    if (!status)
+        status = job->engine->render(&job->shot, &rendered, cost, diag);
     if (!status)
         status = check_frame(job, rendered, diag);
     if (!status)
@@ -254,6 +262,13 @@ enum neph_status neph_job_run(const struct neph_job *job, struct neph_store *sto
         result->reused = true;
         result->cost = cost_of_record(record);
         json_decref(record);
+        return NEPH_OK;
+    }
+    struct neph_diag why = {.line = 0};
+    bool ends_run;
+    result->outcome = outcome_of(check_possible(job, &why), &ends_run);
+    if (result->outcome != NEPH_OUTCOME_RENDERED) {
+        explain(result, &why, NULL);
         return NEPH_OK;
     }
     status = render_and_publish(job, store, key, result, diag);

@@ -281,6 +281,18 @@ static enum neph_status write_data(const char *folder, const json_t *document,
     return status;
 }
 
+/* The stops of the difference maps, evenly spaced from -scale to +scale, for the page's legend. */
+static json_t *difference_colours_json(void)
+{
+    const struct neph_display_legend *legend = neph_display_difference_legend();
+    json_t *colours = json_array();
+    for (int i = 0; i < legend->stop_count; i++) {
+        const uint8_t *rgb = legend->stops[i].rgb;
+        json_array_append_new(colours, json_sprintf("#%02x%02x%02x", rgb[0], rgb[1], rgb[2]));
+    }
+    return colours;
+}
+
 static enum neph_status fill_folder(const char *folder, json_t *document, struct neph_diag *diag)
 {
     static const char *const folders[] = {"images", "charts", "vendor"};
@@ -298,6 +310,7 @@ static enum neph_status fill_folder(const char *folder, json_t *document, struct
     for (size_t i = 0; i < json_array_size(charts) && !status; i++)
         status = draw_chart(folder, json_array_get(charts, i), diag);
     json_object_set_new(document, "interactive", json_boolean(with_vendor));
+    json_object_set_new(document, "difference_colours", difference_colours_json());
     if (!status)
         status = copy_page(folder, with_vendor, diag);
     if (!status)

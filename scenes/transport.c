@@ -6,8 +6,8 @@
  * the lit part of the ray is a set of intervals. Each is cut further where a sun ray changes the
  * face by which it leaves a medium; between cuts the integrand is analytic. Where the exponent is
  * affine in the optical depth from the camera (homogeneous media; one height fog without sides) the
- * integral is a phi, in closed form. Else it is quadrature; cuts at chosen optical depths keep a
- * thin fog far away from falling between the nodes.
+ * integral is a phi, in closed form. Else it is quadrature; cuts at chosen optical depths of each
+ * layer keep a thin fog far away from falling between the nodes.
  */
 #include "scenes/transport.h"
 
@@ -15,6 +15,7 @@
 #include "scenes/quadrature.h"
 #include "scenes/solids.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -25,11 +26,12 @@ static const double pi = 3.14159265358979323846264338328;
 /* Beyond this optical depth less than 1e-19 of the light is left: nothing in double. */
 static const double opaque_optical_depth = 45.0;
 
-/* The two ends of the ray; per medium its two ends and the 21 crossings of at most 7 affine bounds
- * of its sun path (6 faces and the start); two ends per shadow; the optical-depth ladder. */
+/* The two ends of the ray; per medium its two ends, the 21 crossings of at most 7 affine bounds of
+ * its sun path (6 faces and the start) and the ladders of its layers; two ends per shadow. */
 enum {
-    LADDER_COUNT = 10,
-    CUTS_MAX = 2 + NEPH_SCENE_MEDIA_MAX * (2 + 21) + 2 * NEPH_SCENE_SOLIDS_MAX + 2 * LADDER_COUNT,
+    LADDER_COUNT = 9,
+    CUTS_MAX = 2 + NEPH_SCENE_MEDIA_MAX * (2 + 21 + 2 * LADDER_COUNT * NEPH_FOG_LAYERS_MAX) +
+               2 * NEPH_SCENE_SOLIDS_MAX,
 };
 
 struct ray {
@@ -123,7 +125,10 @@ static void cut_sun_kinks(struct cuts *cuts, const struct ray *ray,
 static double distance_at_optical_depth(const struct ray *ray, double target, double t0_m,
                                         double t1_m)
 {
-    while (t1_m - t0_m > 1e-7 * t1_m) {
+    /* Nearer than any renderer's surface is at the camera: ends the search in an infinite density.
+     */
+    const double nearest_m = 1e-12;
+    while (t1_m - t0_m > 1e-7 * t1_m && t1_m > nearest_m) {
         const double middle_m = 0.5 * (t0_m + t1_m);
         if (view_optical_depth(ray, 0.0, middle_m) < target)
             t0_m = middle_m;
@@ -150,15 +155,38 @@ static double useful_end_m(const struct ray *ray)
     return end_m;
 }
 
-/* Cuts at optical depths whole / 2 * 4^-k from either end: wherever in the fog the light is, near
- * the camera, near the far end or in a thin layer far away, some piece has its scale. */
-static void cut_ladder(struct cuts *cuts, const struct ray *ray)
+/* How far from height y along k_y until a layer has given an optical depth: the inverse of its
+ * closed form, in logarithms, for the density at y may underflow. NaN or +inf when it never has. */
+static double layer_distance_m(const struct neph_fog_layer *layer, double y_m, double k_y,
+                               double optical_depth)
 {
-    const double whole = view_optical_depth(ray, 0.0, cuts->t1_m);
-    double step = 0.5 * whole;
-    for (int k = 0; k < LADDER_COUNT && step > 0.0; k++, step *= 0.25) {
-        cut(cuts, distance_at_optical_depth(ray, step, 0.0, cuts->t1_m));
-        cut(cuts, distance_at_optical_depth(ray, whole - step, 0.0, cuts->t1_m));
+    const double rate_per_m = layer->falloff_per_m * fabs(k_y);
+    const double exponent = log(optical_depth * rate_per_m / layer->extinction_per_m) +
+                            layer->falloff_per_m * (y_m - layer->height_m);
+    if (k_y > 0.0)
+        return -log1p(-exp(exponent)) / rate_per_m;
+    return (exponent > 36.0 ? exponent : log1p(exp(exponent))) / rate_per_m;
+}
+
+/* Cuts where a layer has given its whole / 2 * 64^-k from either end: between two of them its
+ * density changes 64-fold at most, or it gives less than 1e-14 of its whole. However far away or
+ * thin a layer is, some piece has its scale. */
+static void cut_ladder(struct cuts *cuts, const struct ray *ray, const struct neph_medium *medium)
+{
+    double near_m = cuts->t0_m, far_m = cuts->t1_m;
+    if (!neph_bounds_clip(&medium->bounds, ray->origin_m, ray->direction, &near_m, &far_m))
+        return;
+    const double k_y = ray->direction.y;
+    const double near_y_m = ray_point(ray, near_m).y, far_y_m = ray_point(ray, far_m).y;
+    for (int l = 0; l < medium->layer_count; l++) {
+        const struct neph_fog_layer *layer = &medium->layers[l];
+        double step = 0.5 * neph_fog_layer_optical_depth(layer, near_y_m, k_y, far_m - near_m);
+        if (layer->falloff_per_m * k_y == 0.0)
+            continue; /* even along the ray */
+        for (int k = 0; k < LADDER_COUNT && step > 0.0; k++, step /= 64.0) {
+            cut(cuts, near_m + layer_distance_m(layer, near_y_m, k_y, step));
+            cut(cuts, far_m - layer_distance_m(layer, far_y_m, -k_y, step));
+        }
     }
 }
 
@@ -283,13 +311,13 @@ static void make_cuts(struct cuts *cuts, const struct ray *ray, const struct nep
             cut(cuts, far_m);
         }
         cut_sun_kinks(cuts, ray, bounds);
+        if (!closed)
+            cut_ladder(cuts, ray, &scene->media[m]);
     }
     for (int i = 0; i < shadow_count; i++) {
         cut(cuts, shadows[i].low);
         cut(cuts, shadows[i].high);
     }
-    if (!closed)
-        cut_ladder(cuts, ray);
     cuts->at_m[cuts->count++] = cuts->t0_m;
     cuts->at_m[cuts->count++] = cuts->t1_m;
     qsort(cuts->at_m, (size_t)cuts->count, sizeof(cuts->at_m[0]), compare_doubles);

@@ -11,7 +11,7 @@
 
 /* The transmittance pass is one sample per pixel with steps this many times finer: the noise of a
  * single random step offset falls with the step itself, and one sample is exactly centred. */
-#define NEPH_CYCLES_FINE_STEPS 64
+#define NEPH_CYCLES_FINE_STEPS 160
 
 /* How the scene was adapted; goes into the attributes of the frame. */
 struct neph_cycles_world {

@@ -517,7 +517,7 @@ static enum neph_status add_volume(struct session *session, struct light *volume
     for (int i = 0; !status && i < scene->medium_count; i++) {
         if (!session->world.containers[i].used || is_repeated(session, i))
             continue;
-        char name[16];
+        char name[32];
         struct neph_povray_pass pass = {.kind = NEPH_POVRAY_VOLUME, .phase = scene->media[i].phase};
         struct sources sources = scattering_sources(session, &pass.phase);
         snprintf(name, sizeof(name), "volume%d", i + 1);

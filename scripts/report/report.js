@@ -344,7 +344,7 @@
         entry("Gates", "A gate is a limit set beforehand for one number of one engine. ✓ is within it, ✗ is over it, ○ could not be measured and says why."),
         entry("Pictures", "All pictures of a scene share one frozen exposure, so brighter means brighter. Move over a picture, or use the slider below it, to wipe to the reference; ",
           "a click swaps the two. Numbers are taken from linear data, never from these pictures."),
-        entry("Difference maps", "Engine minus reference on a scale fixed per scene: blue is below the reference, red is above it, white agrees. What lies beyond the scale keeps the colour of the end; black is not a number."),
+        entry("Difference maps", "Engine minus reference on a scale fixed per scene: blue is below the reference, red is above it, white agrees. Cyan and yellow lie beyond the scale below and above; magenta is not a number."),
         entry("Numbers", "1.2e−4 means 0.00012. In [brackets]: the 95\u00a0% interval. A dash was not measured. ",
           "“Cannot” is an honest refusal: the engine does not model what the scene asks for. Point at a number for all its digits.")));
   }

@@ -540,7 +540,7 @@ static void test_truncated_at_every_length(void **state)
         if (status != NEPH_ERR_INPUT)
             print_error("%zu of %zu bytes: %s\n", length, size, neph_status_name(status));
         assert_int_equal(status, NEPH_ERR_INPUT);
-        assert_non_null(strstr(diag.message, length < 8 ? "not an OpenEXR" : "truncated"));
+        assert_non_null(strstr(diag.message, length < 8 ? "not an OpenEXR" : "is truncated"));
         assert_null(image);
     }
     free(data);

@@ -15,6 +15,7 @@
 
 #include <ctype.h>
 #include <stdlib.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 static const double pi = 3.14159265358979323846;
@@ -648,26 +649,90 @@ static void test_export_runs_by_hand(void **state)
     neph_dir_remove(directory, NULL);
 }
 
-static void test_failure_names_the_log(void **state)
+/* ---- A POV-Ray that fails: a shell script of the same name, first in PATH ------------------- */
+
+struct impostor {
+    char directory[64];
+    char *path; /* PATH as it was */
+};
+
+static void set_impostor(struct impostor *impostor, const char *script)
 {
-    (void)state;
-    if (!has_povray())
-        skip();
+    strcpy(impostor->directory, "/tmp/neph-impostor-XXXXXX");
+    assert_non_null(mkdtemp(impostor->directory));
+    char *file = neph_path_join(impostor->directory, "povray");
+    neph_assert_ok(neph_file_write(file, script, strlen(script), NULL), NULL);
+    assert_int_equal(chmod(file, 0755), 0);
+    free(file);
+    impostor->path = strdup(getenv("PATH") ? getenv("PATH") : "/usr/bin:/bin");
+    char *path = neph_format("%s:%s", impostor->directory, impostor->path);
+    setenv("PATH", path, 1);
+    free(path);
+}
+
+static void remove_impostor(struct impostor *impostor)
+{
+    setenv("PATH", impostor->path, 1);
+    free(impostor->path);
+    neph_dir_remove(impostor->directory, NULL);
+}
+
+/* Render the depth of a scene with the impostor; returns the status. */
+static enum neph_status render_with(const char *script, double time_limit_s, char message[1024])
+{
     struct neph_diag diag = {0};
     struct neph_cost cost;
     struct neph_image *frame = NULL;
     struct stage stage;
+    struct impostor impostor;
     set_full_stage(&stage);
+    set_impostor(&impostor, script);
+    char scratch[] = "/tmp/neph-scratch-XXXXXX";
+    assert_non_null(mkdtemp(scratch));
     struct neph_shot shot = {.scene = &stage.scene,
                              .settings = neph_settings_default(&neph_engine_povray),
                              .width_px = WIDTH,
                              .height_px = HEIGHT,
                              .layers = NEPH_LAYER_DEPTH,
-                             .scratch_directory = "/nonexistent/folder",
-                             .time_limit_s = 10.0};
-    assert_int_not_equal(neph_engine_povray.render(&shot, &frame, &cost, &diag), NEPH_OK);
+                             .scratch_directory = scratch,
+                             .time_limit_s = time_limit_s};
+    enum neph_status status = neph_engine_povray.render(&shot, &frame, &cost, &diag);
     assert_null(frame);
-    assert_true(diag.message[0] != '\0');
+    strcpy(message, diag.message);
+    neph_dir_remove(scratch, NULL);
+    remove_impostor(&impostor);
+    return status;
+}
+
+static void test_failures_are_told(void **state)
+{
+    (void)state;
+    char message[1024];
+    assert_int_equal(render_with("#!/bin/sh\nexit 0\n", 10.0, message), NEPH_ERR_ENGINE);
+    assert_non_null(strstr(message, "wrote no image"));
+    assert_int_equal(render_with("#!/bin/sh\necho broken >depth.png\n", 10.0, message),
+                     NEPH_ERR_ENGINE);
+    assert_int_equal(render_with("#!/bin/sh\necho 'Parse Error: x' >&2; exit 1\n", 10.0, message),
+                     NEPH_ERR_ENGINE);
+    assert_non_null(strstr(message, "Parse Error"));
+    assert_int_equal(render_with("#!/bin/sh\nexec sleep 60\n", 0.3, message), NEPH_ERR_TIMEOUT);
+}
+
+static void test_probe_refuses_other_versions(void **state)
+{
+    (void)state;
+    struct impostor impostor;
+    struct neph_engine_info info;
+    set_impostor(&impostor, "#!/bin/sh\necho 'POV-Ray 3.8.0-alpha' >&2\n");
+    neph_engine_povray.probe(&info);
+    remove_impostor(&impostor);
+    assert_false(info.available);
+    assert_non_null(strstr(info.missing, "3.8.0"));
+    set_impostor(&impostor, "#!/bin/sh\necho 'POV-Ray 3.7.0.10.unofficial' >&2\n");
+    neph_engine_povray.probe(&info);
+    remove_impostor(&impostor);
+    assert_true(info.available);
+    assert_string_equal(info.version, "POV-Ray 3.7.0.10");
 }
 
 int main(void)
@@ -692,7 +757,8 @@ int main(void)
         cmocka_unit_test(test_no_scattering),
         cmocka_unit_test(test_empty_scene),
         cmocka_unit_test(test_export_runs_by_hand),
-        cmocka_unit_test(test_failure_names_the_log),
+        cmocka_unit_test(test_failures_are_told),
+        cmocka_unit_test(test_probe_refuses_other_versions),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

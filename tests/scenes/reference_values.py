@@ -213,8 +213,14 @@ class View:
             while self.depth(mpf(0), high) < 120 and \
                     self.depth(high, inf) > mpf("1e-30") * self.depth(mpf(0), high):
                 high *= 2
-        while self.depth(mpf(0), high) > 300:
-            high = low + (high - low) * mpf("0.8")
+        if self.depth(mpf(0), high) > 300:
+            clear, dark = low, high
+            while not 120 <= self.depth(mpf(0), high) <= 300:
+                high = (clear + dark) / 2
+                if self.depth(mpf(0), high) > 300:
+                    dark = high
+                else:
+                    clear = high
         cuts = {low, high}
         for r in ranges:
             cuts.update(r)
@@ -245,21 +251,27 @@ class View:
         return value
 
     def condition(self):
-        """Rounding a coordinate of the ray by 2^-53 of itself moves the radiance by 2^-53 times
-        this, relatively: coordinates times the steepest rate of change along the ray."""
-        points = self.breaks()
-        reach = max(abs(v) for t in points for v in (*along(self.o, self.d, t), t)) if points else 1
-        rate = mpf(0)
-        for m in self.media:
-            inside = m.clip(self.o, self.d, mpf(0), points[-1] if points else mpf(1))
-            if inside:
-                rate = max(rate, 1 / (inside[1] - inside[0]))
-            for a, b, h in m.exact_layers():
-                rate = max(rate, b)
-            densest = max(m.extinction(along(self.o, self.d, t)) for t in points) if points else 0
-            # Radiance behind an optical depth of more than 50 is not looked at.
-            rate = max(rate, densest)
-        return reach * rate
+        """Rounding the coordinates of the ray and of its points by 2^-53 moves the radiance by
+        2^-53 times this, relatively: heights times falloff, the depth towards the sun per height,
+        and faces crossed per length inside. What an optical depth of 50 hides does not count."""
+        worst = mpf(0)
+        points = [t for t in self.breaks() if self.depth(mpf(0), t) <= 50]
+        for m, t in itertools.product(self.media, points):
+            inside = m.clip(self.o, self.d, mpf(0), points[-1])
+            if not inside:
+                continue
+            height = abs(self.o[1]) + t * abs(self.d[1])
+            extinction = m.extinction(along(self.o, self.d, t))
+            value = sum(b * (height + abs(h)) for _, b, h in m.exact_layers())
+            per_length = 1 / (inside[1] - inside[0]) + extinction
+            if m.bounds[1][0] < 1e8:
+                value += max(abs(v) for v in (*along(self.o, self.d, t), t)) * per_length
+            else:
+                value += height * extinction / max(abs(self.s[1]), mpf("1e-300"))
+                if m.bounds[1][1] < 1e8 and self.d[1] != 0:
+                    value += height / abs(self.d[1]) * per_length
+            worst = max(worst, value)
+        return worst
 
 
 def unit(x, y, z):
