@@ -16,7 +16,7 @@ double neph_phi(double x)
 {
     if (x == 0.0)
         return 1.0;
-    if (x < -700.0) { /* e^-x may overflow where e^-x / -x does not */
+    if (x < -700.0) {                        /* e^-x may overflow where e^-x / -x does not */
         const double size = fmin(-x, 800.0); /* e^800/800 is infinite */
         const double half = exp(0.5 * size);
         return half / size * half;
