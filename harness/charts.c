@@ -146,14 +146,15 @@ static enum neph_status measure_point(const struct sweep *sweep, const struct ne
     return status;
 }
 
-static json_t *point_json(const struct series *series, const struct point *point)
+/* `place`: rank of the setting in its series, by which the points are joined. */
+static json_t *point_json(const struct series *series, const struct point *point, int place)
 {
-    return json_pack("{s:s, s:s, s:s, s:f, s:f, s:f, s:f, s:f, s:f, s:s}", "series", series->name,
-                     "engine", series->engine, "label", point->label, "seconds",
-                     point->seconds[REPEATS / 2], "seconds_low", point->seconds[0], "seconds_high",
-                     point->seconds[REPEATS - 1], "error", point->error[REPEATS / 2], "error_low",
-                     point->error[0], "error_high", point->error[REPEATS - 1], "unit",
-                     "relative RMSE of radiance");
+    return json_pack("{s:s, s:s, s:s, s:i, s:f, s:f, s:f, s:f, s:f, s:f, s:s}", "series",
+                     series->name, "engine", series->engine, "label", point->label, "place", place,
+                     "seconds", point->seconds[REPEATS / 2], "seconds_low", point->seconds[0],
+                     "seconds_high", point->seconds[REPEATS - 1], "error",
+                     point->error[REPEATS / 2], "error_low", point->error[0], "error_high",
+                     point->error[REPEATS - 1], "unit", "relative RMSE of radiance");
 }
 
 /* The ideal line of a series starts at half the error of its first point and ends at the time of
@@ -190,7 +191,7 @@ static enum neph_status run_series(const struct sweep *sweep, const struct serie
                                &rendered, diag);
         if (status || !rendered)
             continue;
-        json_array_append_new(points, point_json(series, &measured[count]));
+        json_array_append_new(points, point_json(series, &measured[count], i));
         count++;
     }
     if (count >= 2)

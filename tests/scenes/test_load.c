@@ -1,0 +1,234 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Scene files: what is wrong is named with its line, column and value; what is right gets every
+ * default; the hash follows the physics and nothing else; damaged files never crash.
+ */
+#include "tests/neph_test.h"
+
+#include "base/files.h"
+#include "scenes/media.h"
+#include "scenes/scene.h"
+
+#include <dirent.h>
+#include <unistd.h>
+
+static const char good[] =
+    "name: probe\n"
+    "title: a probe\n"
+    "physics: none\n"
+    "camera: {position_m: [0, 1, 5], look_at_m: [0, 1, 0], vertical_fov_deg: 40}\n"
+    "sun: {direction: [0, 2, 0], irradiance_w_per_m2: [3, 3, 3]}\n"
+    "scattering: single\n"
+    "media:\n"
+    "  - homogeneous:\n"
+    "      extinction_per_m: 0.5\n"
+    "      albedo: [1, 0.5, 0]\n"
+    "      bounds: {min_m: [-1, 0, -1], max_m: [1, 2, 1]}\n";
+
+/* Write `text` as probe.yaml in a fresh folder, load it, remove it. */
+static enum neph_status load_text(const char *text, size_t size, struct neph_scene **scene,
+                                  struct neph_diag *diag)
+{
+    char folder[] = "/tmp/neph-load-XXXXXX";
+    assert_non_null(mkdtemp(folder));
+    char *path = neph_path_join(folder, "probe.yaml");
+    assert_int_equal(neph_file_write(path, text, size, NULL), NEPH_OK);
+    *scene = NULL;
+    const enum neph_status status = neph_scene_load(path, scene, diag);
+    free(path);
+    neph_dir_remove(folder, NULL);
+    return status;
+}
+
+/* `good` with the first `from` replaced by `to`. */
+static char *edited(const char *from, const char *to)
+{
+    const char *at = strstr(good, from);
+    assert_non_null(at);
+    return neph_format("%.*s%s%s", (int)(at - good), good, to, at + strlen(from));
+}
+
+static const struct bad {
+    const char *from, *to;
+    int line;
+    const char *words; /* must be in the message or the hint */
+} bad[] = {
+    {"extinction_per_m: 0.5", "extinction_per_m: -0.5", 9, "-0.5"},
+    {"extinction_per_m: 0.5", "extinction_per_m: nan", 9, "nan"},
+    {"extinction_per_m: 0.5", "extinction_per_m: 1e999", 9, "1e999"},
+    {"extinction_per_m: 0.5", "extinction_per_m: thick", 9, "thick"},
+    {"extinction_per_m: 0.5", "extinktion_per_m: 0.5", 9, "extinction_per_m"},
+    {"albedo: [1, 0.5, 0]", "albedo: [1, 1.5, 0]", 10, "1.5"},
+    {"albedo: [1, 0.5, 0]", "albedo: [1, 0.5]", 10, "3"},
+    {"vertical_fov_deg: 40", "vertical_fov_deg: 180", 4, "180"},
+    {"scattering: single", "scattering: double", 6, "multiple"},
+    {"direction: [0, 2, 0]", "direction: [0, 0, 0]", 5, "direction"},
+    {"look_at_m: [0, 1, 0]", "look_at_m: [0, 1, 5]", 4, "look_at_m"},
+    {"max_m: [1, 2, 1]", "max_m: [1, -2, 1]", 11, "max_m"},
+    {"title: a probe", "title: a probe\ntitle: again", 3, "title"},
+    {"name: probe", "name: Pro be", 1, "name"},
+    {"name: probe", "name: other", 1, "other"},
+};
+
+static void test_what_is_wrong_is_named(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < sizeof(bad) / sizeof(bad[0]); i++) {
+        struct neph_diag diag = {.line = 0};
+        struct neph_scene *scene;
+        char *text = edited(bad[i].from, bad[i].to);
+        const enum neph_status status = load_text(text, strlen(text), &scene, &diag);
+        if (status != NEPH_ERR_INPUT || diag.line != bad[i].line || diag.column < 1 ||
+            !(strstr(diag.message, bad[i].words) || strstr(diag.hint, bad[i].words)))
+            fail_msg("'%s': status %s, %d:%d: %s; hint: %s", bad[i].to, neph_status_name(status),
+                     diag.line, diag.column, diag.message, diag.hint);
+        free(text);
+    }
+}
+
+static void test_defaults_and_units(void **state)
+{
+    (void)state;
+    struct neph_diag diag = {.line = 0};
+    struct neph_scene *scene;
+    neph_assert_ok(load_text(good, strlen(good), &scene, &diag), &diag);
+    assert_string_equal(scene->name, "probe");
+    assert_int_equal(scene->frame_count, 1);
+    assert_false(scene->environment_light);
+    neph_assert_close(scene->vertical_fov_rad, 40.0 * acos(-1.0) / 180.0, 1e-15, 0.0);
+    neph_assert_close(scene->sun.direction.y, 1.0, 0.0, 0.0); /* made a unit vector */
+    assert_int_equal(scene->media[0].phase.kind, NEPH_PHASE_ISOTROPIC);
+    neph_assert_close(scene->media[0].albedo.g, 0.5, 0.0, 0.0);
+    neph_assert_close(scene->background_w_per_m2_sr.r, 0.0, 0.0, 0.0);
+    neph_scene_destroy(scene);
+}
+
+static void hash_of(const char *from, const char *to, char hash[NEPH_HASH_HEX_SIZE])
+{
+    struct neph_diag diag = {.line = 0};
+    struct neph_scene *scene;
+    char *text = edited(from, to);
+    neph_assert_ok(load_text(text, strlen(text), &scene, &diag), &diag);
+    memcpy(hash, scene->hash, NEPH_HASH_HEX_SIZE);
+    neph_scene_destroy(scene);
+    free(text);
+}
+
+static void test_hash_follows_the_physics(void **state)
+{
+    (void)state;
+    char base[NEPH_HASH_HEX_SIZE], other[NEPH_HASH_HEX_SIZE];
+    hash_of("name: probe", "name: probe", base);
+    hash_of("title: a probe", "title: another # and a comment", other);
+    assert_string_equal(base, other);
+    hash_of("scattering: single", "scattering: single\ndisplay: {exposure_ev: 3}", other);
+    assert_string_equal(base, other);
+    static const char *const changes[][2] = {
+        {"extinction_per_m: 0.5", "extinction_per_m: 0.50000000000000011"},
+        {"position_m: [0, 1, 5]", "position_m: [0, 1, 5.5]"},
+        {"direction: [0, 2, 0]", "direction: [0, 2, 1]"},
+        {"scattering: single", "scattering: multiple"},
+        {"scattering: single", "scattering: single\nenvironment_light: true"},
+        {"max_m: [1, 2, 1]", "max_m: [1, 2, 1.5]"},
+    };
+    for (size_t i = 0; i < sizeof(changes) / sizeof(changes[0]); i++) {
+        hash_of(changes[i][0], changes[i][1], other);
+        assert_string_not_equal(base, other);
+    }
+}
+
+static void test_unreal_layers_are_mapped(void **state)
+{
+    (void)state;
+    static const char fog[] =
+        "name: probe\ntitle: t\nphysics: p\n"
+        "camera: {position_m: [0, 1, 5], look_at_m: [0, 1, 0], vertical_fov_deg: 40}\n"
+        "scattering: none\n"
+        "media:\n  - height_fog:\n      albedo: [0, 0, 0]\n      unreal_layers:\n"
+        "        - {fog_density: 0.02, fog_height_falloff: 0.2, fog_height_m: 3}\n";
+    struct neph_diag diag = {.line = 0};
+    struct neph_scene *scene;
+    neph_assert_ok(load_text(fog, strlen(fog), &scene, &diag), &diag);
+    /* Unreal's defaults: 9.609e-4 /m and 0.01386 /m, to the digits published. */
+    neph_assert_close(scene->media[0].layers[0].extinction_per_m, 9.609e-4, 1e-4, 0.0);
+    neph_assert_close(scene->media[0].layers[0].falloff_per_m, 0.01386, 5e-4, 0.0);
+    assert_true(isinf(scene->media[0].bounds.max_m.y));
+    neph_scene_destroy(scene);
+}
+
+static void test_damaged_files_never_crash(void **state)
+{
+    (void)state;
+    uint64_t seed = 20261121;
+    print_message("seed %llu\n", (unsigned long long)seed);
+    char text[sizeof(good)];
+    for (int i = 0; i < 2000; i++) {
+        memcpy(text, good, sizeof(good));
+        size_t size = sizeof(good) - 1;
+        for (int edits = 1 + (int)(neph_test_random(&seed) % 4); edits > 0; edits--)
+            text[neph_test_random(&seed) % size] = (char)neph_test_random(&seed);
+        if (neph_test_random(&seed) % 4 == 0)
+            size = neph_test_random(&seed) % size;
+        struct neph_diag diag = {.line = 0};
+        struct neph_scene *scene;
+        if (load_text(text, size, &scene, &diag))
+            assert_true(diag.message[0]);
+        else
+            neph_scene_destroy(scene);
+    }
+}
+
+static void test_catalogue_loads_whole(void **state)
+{
+    (void)state;
+    DIR *directory = opendir(NEPH_SOURCE_DIR "/scenes/catalog");
+    assert_non_null(directory);
+    int count = 0;
+    for (struct dirent *entry; (entry = readdir(directory));) {
+        if (entry->d_name[0] == '.')
+            continue;
+        char *path = neph_path_join(NEPH_SOURCE_DIR "/scenes/catalog", entry->d_name);
+        struct neph_diag diag = {.line = 0};
+        struct neph_scene *scene = NULL;
+        neph_assert_ok(neph_scene_load(path, &scene, &diag), &diag);
+        assert_true(scene->gate_count > 0);
+        assert_true(strncmp(entry->d_name, scene->name, strlen(scene->name)) == 0);
+        neph_scene_destroy(scene);
+        free(path);
+        count++;
+    }
+    closedir(directory);
+    assert_true(count >= 8);
+}
+
+static void test_camera_rays(void **state)
+{
+    (void)state;
+    struct neph_diag diag = {.line = 0};
+    struct neph_scene *scene;
+    neph_assert_ok(load_text(good, strlen(good), &scene, &diag), &diag);
+    const struct neph_camera camera = neph_scene_camera(scene, 0);
+    neph_assert_close(camera.forward.z, -1.0, 1e-15, 0.0);
+    neph_assert_close(camera.right.x, 1.0, 1e-15, 0.0);
+    /* x = (2 (i + .5) / w - 1) t w / h, y = (1 - 2 (j + .5) / h) t, t = tan(fov / 2) */
+    const double t = tan(0.5 * scene->vertical_fov_rad), w = 16, h = 9;
+    const struct neph_vec3 ray = neph_camera_ray(&camera, 16, 9, 3, 1);
+    neph_assert_close(ray.x / -ray.z, (2 * 3.5 / w - 1) * t * w / h, 1e-14, 0.0);
+    neph_assert_close(ray.y / -ray.z, (1 - 2 * 1.5 / h) * t, 1e-14, 0.0);
+    neph_assert_close(neph_vec3_length(ray), 1.0, 1e-15, 0.0);
+    neph_scene_destroy(scene);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_what_is_wrong_is_named),
+        cmocka_unit_test(test_defaults_and_units),
+        cmocka_unit_test(test_hash_follows_the_physics),
+        cmocka_unit_test(test_unreal_layers_are_mapped),
+        cmocka_unit_test(test_damaged_files_never_crash),
+        cmocka_unit_test(test_catalogue_loads_whole),
+        cmocka_unit_test(test_camera_rays),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
