@@ -645,6 +645,7 @@
           mode: "vega-lite",
           renderer: "svg",
           ast: true, // expressions are interpreted: nothing in the data is ever run as code
+          logLevel: window.vega.Error, // a layer with no rows (no interval reaches zero) is not news
           actions: false,
           defaultStyle: false,
           tooltip: showTooltip,
