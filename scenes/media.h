@@ -54,9 +54,10 @@ struct neph_fog_layer neph_fog_layer_from_unreal(const struct neph_unreal_fog *u
 struct neph_unreal_fog neph_fog_layer_to_unreal(const struct neph_fog_layer *layer);
 
 /* A finite box that an engine without unbounded media can use for `medium` in place of its bounds,
- * as seen by the cameras of all frames: cut where the optical depth left out is below 1e-7 or
- * where less than e^-16 of the light arrives. `*cut_error` is a bound on the absolute error in
- * transmittance that the cut makes (0 when the bounds were finite already). */
+ * as seen by the cameras of all frames. `*cut_error` is the absolute error in transmittance that
+ * the cut makes: the largest found over slopes and heights of view rays, times 1.1, at most 1; 0
+ * when the bounds were finite already. Level rays through thin fog may need more than the 1000 km
+ * that the box may reach: then it says so by a value near 1. */
 struct neph_bounds neph_medium_container(const struct neph_scene *scene,
                                          const struct neph_medium *medium, double *cut_error);
 
