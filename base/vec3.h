@@ -68,6 +68,14 @@ static inline struct neph_rgb neph_rgb_mul(struct neph_rgb a, struct neph_rgb b)
     return (struct neph_rgb){a.r * b.r, a.g * b.g, a.b * b.b};
 }
 
+/* Optical depth per channel; a channel of colour 0 stays 0 at an infinite depth. */
+static inline struct neph_rgb neph_rgb_attenuation(struct neph_rgb color, double optical_depth)
+{
+    return (struct neph_rgb){color.r > 0.0 ? color.r * optical_depth : 0.0,
+                             color.g > 0.0 ? color.g * optical_depth : 0.0,
+                             color.b > 0.0 ? color.b * optical_depth : 0.0};
+}
+
 static inline struct neph_rgb neph_rgb_scale(struct neph_rgb a, double s)
 {
     return (struct neph_rgb){a.r * s, a.g * s, a.b * s};

@@ -2,7 +2,7 @@
  *
  * The ray marcher at full resolution: fixed steps, one ray through the centre of each pixel, no
  * antialiasing, single scattering from the sun. It is the "same model at full quality" that
- * shortcuts are measured against, and itself measured against scenes/transport.h.
+ * shortcuts are measured against, and itself measured against truth/transport.h.
  *
  * Method: energy-conserving integration of each step, S (1 - e^(-sigma dt)) / sigma with S at the
  * middle of the step (S. Hillaire, "Physically Based and Unified Volumetric Rendering in

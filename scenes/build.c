@@ -64,6 +64,7 @@ static void build_light(const struct neph_raw_scene *raw, struct neph_scene *sce
         scene->background_w_per_m2_sr = rgb(raw->background_w_per_m2_sr);
     scene->environment_light = raw->environment_light;
     scene->scattering = raw->scattering;
+    scene->octaves = (struct neph_octaves){8, 0.5, 0.5, 0.5};
 }
 
 /* --- Solids --- */
@@ -194,6 +195,7 @@ static struct neph_medium build_homogeneous(const struct neph_raw_homogeneous *r
         .albedo = rgb(raw->albedo),
         .phase = build_phase(raw->phase, raw->asymmetry_g),
         .layer_count = 1,
+        .extinction_color = {1, 1, 1},
         .layers = {{.extinction_per_m = raw->extinction_per_m}},
     };
 }
@@ -206,6 +208,7 @@ static struct neph_medium build_height_fog(const struct neph_raw_height_fog *raw
         .albedo = rgb(raw->albedo),
         .phase = build_phase(raw->phase, raw->asymmetry_g),
         .layer_count = (int)(raw->layers ? raw->layers_count : raw->unreal_layers_count),
+        .extinction_color = {1, 1, 1},
     };
     for (int i = 0; i < medium.layer_count; i++) {
         if (raw->layers) {

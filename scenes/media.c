@@ -105,14 +105,18 @@ double neph_medium_optical_depth(const struct neph_medium *medium, struct neph_v
     return optical_depth;
 }
 
-double neph_scene_optical_depth(const struct neph_scene *scene, struct neph_vec3 origin_m,
-                                struct neph_vec3 direction, double t0_m, double t1_m)
+struct neph_rgb neph_scene_optical_depth(const struct neph_scene *scene, struct neph_vec3 origin_m,
+                                         struct neph_vec3 direction, double t0_m, double t1_m)
 {
-    double optical_depth = 0.0;
-    for (int i = 0; i < scene->medium_count; i++)
-        optical_depth += neph_medium_optical_depth(&scene->media[i], origin_m, direction, t0_m,
-                                                   t1_m);
-    return optical_depth;
+    struct neph_rgb sum = {0, 0, 0};
+    for (int i = 0; i < scene->medium_count; i++) {
+        const struct neph_medium *medium = &scene->media[i];
+        const double optical_depth = neph_medium_optical_depth(medium, origin_m, direction, t0_m,
+                                                               t1_m);
+        if (optical_depth > 0.0) /* 0 * inf: a channel that is not attenuated stays so */
+            sum = neph_rgb_add(sum, neph_rgb_attenuation(medium->extinction_color, optical_depth));
+    }
+    return sum;
 }
 
 static double henyey_greenstein_per_sr(double g, double cosine)

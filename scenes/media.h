@@ -20,14 +20,28 @@ double neph_fog_layer_optical_depth(const struct neph_fog_layer *layer, double y
 /* Extinction [1/m] at a point; 0 outside the bounds. */
 double neph_medium_extinction_per_m(const struct neph_medium *medium, struct neph_vec3 point_m);
 
-/* Exact optical depth [1] of a medium along origin + t direction, t in [t0_m, t1_m] (t1 may be
- * +inf). `direction` is unit. The segment is clipped to the bounds. */
+/* No smaller than the extinction [1/m] anywhere in the box: the majorant of tracking methods. Not
+ * always the smallest such number. */
+double neph_medium_extinction_bound_per_m(const struct neph_medium *medium,
+                                          const struct neph_bounds *box);
+
+/* Whether neph_medium_optical_depth() is a closed form or a finite sum of exact pieces (all kinds
+ * but HORIZON, where it is quadrature to a relative 1e-10 of its own error estimate, and slow). */
+bool neph_medium_has_closed_form(const struct neph_medium *medium);
+
+/* The finite box that holds all of the medium: its bounds, narrowed to the support of its density
+ * (grids) or to where extinction falls below 1e-12 of its largest (Gaussian). Infinite sides stay
+ * infinite where there is no such end (height fog, homogeneous, shell). */
+struct neph_bounds neph_medium_support(const struct neph_medium *medium);
+
+/* Optical depth [1] (of extinction_color 1) of a medium along origin + t direction, t in [t0_m,
+ * t1_m] (t1 may be +inf). `direction` is unit. The segment is clipped to the bounds. */
 double neph_medium_optical_depth(const struct neph_medium *medium, struct neph_vec3 origin_m,
                                  struct neph_vec3 direction, double t0_m, double t1_m);
 
-/* The sum over all media of a scene. */
-double neph_scene_optical_depth(const struct neph_scene *scene, struct neph_vec3 origin_m,
-                                struct neph_vec3 direction, double t0_m, double t1_m);
+/* The sum over all media of a scene, per channel: each medium's times its extinction_color. */
+struct neph_rgb neph_scene_optical_depth(const struct neph_scene *scene, struct neph_vec3 origin_m,
+                                         struct neph_vec3 direction, double t0_m, double t1_m);
 
 /* Phase function [1/sr], normalised over the sphere; cosine between the directions of travel
  * before and after. */

@@ -38,6 +38,11 @@ struct neph_phase {
 enum neph_medium_kind {
     NEPH_MEDIUM_HOMOGENEOUS,
     NEPH_MEDIUM_HEIGHT_FOG,
+    NEPH_MEDIUM_GAUSSIAN, /* a blob: extinction * exp(-r^2 / (2 width^2)) */
+    NEPH_MEDIUM_SHELL,    /* an atmosphere: extinction * exp(-(r - radius) / scale height) */
+    NEPH_MEDIUM_GRID,     /* voxels, trilinear (scenes/grid.h) */
+    NEPH_MEDIUM_HORIZON,  /* procedural clouds (scenes/horizon.h) */
+    NEPH_MEDIUM_KIND_COUNT,
 };
 
 /* sigma_t(y) = extinction * exp(-falloff * (y - height)); falloff >= 0, 0 is homogeneous. */
@@ -47,11 +52,37 @@ struct neph_fog_layer {
     double height_m;
 };
 
+/* Infinitely wide in principle; the medium's bounds cut it. */
+struct neph_gaussian {
+    struct neph_vec3 center_m;
+    double
+        width_m; /* > 0: the standard deviation of the density along any line through the centre */
+};
+
+/* Nothing below the radius. */
+struct neph_shell {
+    struct neph_vec3 center_m;
+    double radius_m; /* of the ground, > 0 */
+    double scale_height_m;
+};
+
+struct neph_grid;    /* scenes/grid.h */
+struct neph_horizon; /* scenes/horizon.h */
+
+/* sigma_t(x, channel) = extinction_color[channel] * extinction(x), sigma_s = albedo * sigma_t. All
+ * functions of scenes/media.h speak of the scalar extinction(x); only transmittance has colour. */
 struct neph_medium {
     enum neph_medium_kind kind;
-    struct neph_bounds bounds; /* the medium exists inside only */
-    struct neph_rgb albedo;    /* 0..1 per channel */
+    struct neph_bounds bounds;        /* the medium exists inside only */
+    struct neph_rgb extinction_color; /* >= 0 per channel; 1 1 1 is grey */
+    struct neph_rgb albedo;           /* 0..1 per channel */
     struct neph_phase phase;
+    /* Gaussian: at the centre. Shell: at its radius. Grid and Horizon: per unit of density. */
+    double extinction_per_m;
+    struct neph_gaussian gaussian;
+    struct neph_shell shell;
+    struct neph_grid *grid;       /* owned by the scene; kind GRID alone */
+    struct neph_horizon *horizon; /* owned by the scene; kind HORIZON alone */
     /* Homogeneous: one layer with falloff 0. Height fog: the layers add. */
     int layer_count;
     struct neph_fog_layer layers[NEPH_FOG_LAYERS_MAX];
@@ -83,6 +114,16 @@ enum neph_scattering {
     NEPH_SCATTERING_NONE,     /* media only attenuate; solids are lit by the attenuated sun */
     NEPH_SCATTERING_SINGLE,   /* plus sunlight scattered exactly once by a medium */
     NEPH_SCATTERING_MULTIPLE, /* everything: all orders, surface bounces included */
+};
+
+/* Multiple scattering as a sum of scaled single scatterings, a look and not physics: octave i has
+ * sigma_s a^i, phase asymmetry g c^i and extinction towards the sun sigma_t b^i (Wrenninge, Kulla,
+ * Lundqvist, "Oz: The Great and Volumetric", SIGGRAPH 2013; Hillaire, SIGGRAPH 2016). */
+struct neph_octaves {
+    int count;           /* 1..16; 1 is single scattering */
+    double contribution; /* a, 0..1 */
+    double attenuation;  /* b, 0..1 */
+    double eccentricity; /* c, 0..1 */
 };
 
 struct neph_camera_key {
@@ -133,6 +174,7 @@ struct neph_scene {
     struct neph_rgb background_w_per_m2_sr; /* uniform radiance of the sky */
     bool environment_light; /* the background lights media and solids; else it is only seen */
     enum neph_scattering scattering;
+    struct neph_octaves octaves; /* for lighting models that use them; physics does not */
 
     int solid_count;
     struct neph_solid *solids; /* owned */

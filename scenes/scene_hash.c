@@ -81,6 +81,7 @@ static void put_medium(FILE *text, const struct neph_medium *medium)
     put_number(text, "medium", medium->kind);
     put_vec3(text, "min_m", medium->bounds.min_m);
     put_vec3(text, "max_m", medium->bounds.max_m);
+    put_rgb(text, "extinction_color", medium->extinction_color);
     put_rgb(text, "albedo", medium->albedo);
     put_number(text, "phase", medium->phase.kind);
     put_number(text, "g", medium->phase.g);

@@ -8,7 +8,7 @@
 
 #include "base/clock.h"
 #include "base/threads.h"
-#include "scenes/transport.h"
+#include "truth/transport.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -45,8 +45,7 @@ static void render_row(int row, void *context)
         const size_t pixel = (size_t)row * (size_t)shot->width_px + (size_t)column;
         store_rgb(job->radiance, pixel, light.radiance);
         store_rgb(job->volume, pixel, light.volume);
-        const double t = light.transmittance;
-        store_rgb(job->transmittance, pixel, (struct neph_rgb){t, t, t});
+        store_rgb(job->transmittance, pixel, light.transmittance);
         if (job->depth)
             job->depth[pixel] = (float)(light.hit_m *
                                         neph_vec3_dot(direction, job->camera.forward));

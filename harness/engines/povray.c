@@ -473,8 +473,8 @@ static double brightest_scattering_per_sr(const struct session *session,
         size_t width = (size_t)shot->width_px;
         struct neph_vec3 ray = neph_camera_ray(camera, shot->width_px, shot->height_px,
                                                (double)(pixel % width), (double)(pixel / width));
-        double depth = neph_scene_optical_depth(shot->scene, camera->position_m, ray, 0.0,
-                                                INFINITY);
+        double depth =
+            neph_scene_optical_depth(shot->scene, camera->position_m, ray, 0.0, INFINITY).r;
         double phase_per_sr = neph_phase_per_sr(phase,
                                                 neph_vec3_dot(shot->scene->sun.direction, ray));
         brightest = fmax(brightest, phase_per_sr * -expm1(-depth));

@@ -10,9 +10,10 @@ ROOT = pathlib.Path(os.environ["NEPH_SOURCE_DIR"])
 MAY_INCLUDE = {
     "base": {"base"},
     "scenes": {"scenes", "base"},
+    "truth": {"truth", "scenes", "base"},
     "metrics": {"metrics", "base"},
     "renderer": {"renderer", "scenes", "base"},
-    "harness": {"harness", "renderer", "metrics", "scenes", "base"},
+    "harness": {"harness", "renderer", "truth", "metrics", "scenes", "base"},
 }
 
 

@@ -12,7 +12,7 @@
 #include "harness/engines/engines.h"
 #include "scenes/media.h"
 #include "scenes/solids.h"
-#include "scenes/transport.h"
+#include "truth/transport.h"
 
 #include <stdlib.h>
 #include <sys/stat.h>
@@ -74,6 +74,7 @@ static struct neph_medium *add_medium(struct stage *stage, struct neph_bounds bo
         .bounds = bounds,
         .albedo = {0.9, 0.5, 0.2},
         .layer_count = 1,
+        .extinction_color = {1, 1, 1},
         .layers = {{extinction_per_m, falloff_per_m, 0.0}},
     };
     return medium;
@@ -342,7 +343,8 @@ static void transmittance_errors(const struct stage *stage, double floor, double
     *absolute = *relative = 0.0;
     for (int i = 0; i < PIXELS; i++) {
         const double tau = neph_scene_optical_depth(&stage->scene, stage->key.position_m,
-                                                    ray_of(stage, i), 0.0, INFINITY);
+                                                    ray_of(stage, i), 0.0, INFINITY)
+                               .r;
         const double off = fabs(samples[i] - exp(-tau));
         *absolute = fmax(*absolute, off);
         if (exp(-tau) > floor) {
@@ -382,7 +384,8 @@ static void test_transmittance_is_cut(void **state)
     int below = 0;
     for (int i = 0; i < PIXELS; i++) {
         const double tau = neph_scene_optical_depth(&stage.scene, stage.key.position_m,
-                                                    ray_of(&stage, i), 0.0, INFINITY);
+                                                    ray_of(&stage, i), 0.0, INFINITY)
+                               .r;
         if (tau < 13.7)
             neph_assert_close(samples[i], exp(-tau), 1e-4, 0.0);
         if (tau < 13.9)

@@ -11,7 +11,7 @@
 #include "harness/engines/povray_exposure.h"
 #include "harness/engines/povray_scene.h"
 #include "scenes/media.h"
-#include "scenes/transport.h"
+#include "truth/transport.h"
 
 #include <ctype.h>
 #include <stdlib.h>
@@ -65,6 +65,7 @@ static struct neph_medium *add_medium(struct stage *stage, struct neph_bounds bo
         .albedo = grey(albedo),
         .phase = {NEPH_PHASE_ISOTROPIC, 0.0},
         .layer_count = 1,
+        .extinction_color = {1, 1, 1},
         .layers = {{extinction_per_m, falloff_per_m, 0.0}},
     };
     return medium;
@@ -417,7 +418,7 @@ static double truth_of(const struct stage *stage, enum quantity quantity, int ch
     case VOLUME:
         return value_of(light.volume, channel);
     case TRANSMITTANCE:
-        return light.transmittance;
+        return light.transmittance.r;
     case DEPTH:
         return light.hit_m * neph_vec3_dot(ray, camera.forward);
     }

@@ -80,6 +80,7 @@ static inline struct neph_medium *test_add_medium(struct test_scene *test, doubl
         .albedo = {0.9, 0.8, 0.7},
         .phase = {.kind = NEPH_PHASE_HENYEY_GREENSTEIN, .g = 0.4},
         .layer_count = 1,
+        .extinction_color = {1, 1, 1},
         .layers = {{extinction_per_m, falloff_per_m, height_m}},
     };
     return medium;

@@ -10,7 +10,7 @@
 #include "renderer/march.h"
 #include "scenes/media.h"
 #include "scenes/solids.h"
-#include "scenes/transport.h"
+#include "truth/transport.h"
 
 #include <signal.h>
 
@@ -147,7 +147,7 @@ static struct worst compare_transmittance(const struct test_scene *test,
                                                          i, j);
             const double end_m = neph_scene_hit(&test->scene, camera.position_m, ray).t_m;
             const double expected = exp(
-                -neph_scene_optical_depth(&test->scene, camera.position_m, ray, 0.0, end_m));
+                -neph_scene_optical_depth(&test->scene, camera.position_m, ray, 0.0, end_m).r);
             const double error = fabs(actual[j * frame->width_px + i] - expected);
             worst.absolute = fmax(worst.absolute, error);
             if (expected > 0.01)

@@ -436,7 +436,8 @@ def c_list(values):
 def c_medium(medium):
     layers = ", ".join(c_list(layer) for layer in medium.layers)
     kind = "HEIGHT_FOG" if any(layer[1] for layer in medium.layers) else "HOMOGENEOUS"
-    return ("{NEPH_MEDIUM_%s, {%s, %s}, %s, {NEPH_PHASE_%s, %s}, %d, {%s}}" %
+    return ("{.kind = NEPH_MEDIUM_%s, .bounds = {%s, %s}, .extinction_color = {1, 1, 1}, .albedo = %s, "
+            ".phase = {NEPH_PHASE_%s, %s}, .layer_count = %d, .layers = {%s}}" %
             (kind, c_list(medium.bounds[0]), c_list(medium.bounds[1]), c_list([medium.albedo] * 3),
              medium.phase[0], c_number(medium.phase[1]), len(medium.layers), layers))
 

@@ -141,8 +141,10 @@ static struct neph_vec3 random_point(uint64_t *seed, double size_m)
 
 static struct neph_medium random_medium(uint64_t *seed)
 {
-    struct neph_medium medium = {
-        .kind = NEPH_MEDIUM_HEIGHT_FOG, .bounds = everywhere, .layer_count = 2};
+    struct neph_medium medium = {.kind = NEPH_MEDIUM_HEIGHT_FOG,
+                                 .bounds = everywhere,
+                                 .layer_count = 2,
+                                 .extinction_color = {1, 1, 1}};
     for (int i = 0; i < 2; i++)
         medium.layers[i] = (struct neph_fog_layer){pow(10.0, neph_test_uniform(seed, -5, -1)),
                                                    pow(10.0, neph_test_uniform(seed, -4, -1)),
@@ -244,14 +246,18 @@ static void test_scene_adds_media(void **state)
 {
     (void)state;
     struct neph_scene scene = {.medium_count = 2};
-    scene.media[0] = (struct neph_medium){
-        .bounds = {{0, 0, 0}, {2, 2, 2}}, .layer_count = 1, .layers = {{.extinction_per_m = 0.5}}};
-    scene.media[1] = (struct neph_medium){
-        .bounds = {{1, 0, 0}, {5, 2, 2}}, .layer_count = 1, .layers = {{.extinction_per_m = 0.25}}};
+    scene.media[0] = (struct neph_medium){.bounds = {{0, 0, 0}, {2, 2, 2}},
+                                          .layer_count = 1,
+                                          .extinction_color = {1, 1, 1},
+                                          .layers = {{.extinction_per_m = 0.5}}};
+    scene.media[1] = (struct neph_medium){.bounds = {{1, 0, 0}, {5, 2, 2}},
+                                          .layer_count = 1,
+                                          .extinction_color = {1, 1, 1},
+                                          .layers = {{.extinction_per_m = 0.25}}};
     const struct neph_vec3 origin = {-1, 1, 1}, direction = {1, 0, 0};
-    neph_assert_close(neph_scene_optical_depth(&scene, origin, direction, 0.0, INFINITY), 2.0,
+    neph_assert_close(neph_scene_optical_depth(&scene, origin, direction, 0.0, INFINITY).r, 2.0,
                       1e-15, 0.0);
-    neph_assert_close(neph_scene_optical_depth(&scene, origin, direction, 0.0, 2.5), 0.875, 1e-15,
+    neph_assert_close(neph_scene_optical_depth(&scene, origin, direction, 0.0, 2.5).r, 0.875, 1e-15,
                       0.0);
 }
 

@@ -9,7 +9,7 @@
  * integral is a phi, in closed form. Else it is quadrature; cuts at chosen optical depths of each
  * layer keep a thin fog far away from falling between the nodes.
  */
-#include "scenes/transport.h"
+#include "truth/transport.h"
 
 #include "scenes/media.h"
 #include "scenes/quadrature.h"
@@ -48,12 +48,12 @@ static struct neph_vec3 ray_point(const struct ray *ray, double t_m)
 
 static double view_optical_depth(const struct ray *ray, double t0_m, double t1_m)
 {
-    return neph_scene_optical_depth(ray->scene, ray->origin_m, ray->direction, t0_m, t1_m);
+    return neph_scene_optical_depth(ray->scene, ray->origin_m, ray->direction, t0_m, t1_m).r;
 }
 
 static double sun_optical_depth(const struct neph_scene *scene, struct neph_vec3 point_m)
 {
-    return neph_scene_optical_depth(scene, point_m, scene->sun.direction, 0.0, INFINITY);
+    return neph_scene_optical_depth(scene, point_m, scene->sun.direction, 0.0, INFINITY).r;
 }
 
 /* In-scattered radiance per metre at distance t, lit. */
@@ -444,7 +444,8 @@ struct neph_ray_light neph_transport_ray(const struct neph_scene *scene, struct 
         .scene = scene, .origin_m = origin_m, .direction = direction, .end_m = hit.t_m};
     struct neph_ray_light light = {.hit_m = hit.t_m};
     const double optical_depth = view_optical_depth(&ray, 0.0, hit.t_m);
-    light.transmittance = exp(-optical_depth);
+    light.transmittance = (struct neph_rgb){exp(-optical_depth), exp(-optical_depth),
+                                            exp(-optical_depth)};
 
     if (is_white_furnace(scene)) {
         light.radiance = scene->background_w_per_m2_sr;
@@ -461,6 +462,6 @@ struct neph_ray_light neph_transport_ray(const struct neph_scene *scene, struct 
     const struct neph_rgb behind = hit.solid
                                        ? surface_radiance(scene, &hit, ray_point(&ray, hit.t_m))
                                        : scene->background_w_per_m2_sr;
-    light.radiance = neph_rgb_add(light.volume, neph_rgb_scale(behind, light.transmittance));
+    light.radiance = neph_rgb_add(light.volume, neph_rgb_mul(behind, light.transmittance));
     return light;
 }

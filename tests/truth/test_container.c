@@ -6,7 +6,7 @@
 #include "tests/neph_test.h"
 
 #include "scenes/media.h"
-#include "scenes/transport.h"
+#include "truth/transport.h"
 
 static const double pi = 3.14159265358979323846264338328;
 
@@ -38,6 +38,7 @@ static struct neph_medium height_fog(double extinction_per_m, double falloff_per
                                 .bounds = everywhere,
                                 .albedo = {1, 1, 1},
                                 .layer_count = 1,
+                                .extinction_color = {1, 1, 1},
                                 .layers = {{extinction_per_m, falloff_per_m, height_m}}};
 }
 

@@ -5,17 +5,17 @@
  * over pieces on which the integrand is analytic (cut at the faces of media and at the exact edges
  * of the shadows of solids). The white furnace is known in closed form too.
  */
-#ifndef NEPH_SCENES_TRANSPORT_H
-#define NEPH_SCENES_TRANSPORT_H
+#ifndef NEPH_TRUTH_TRANSPORT_H
+#define NEPH_TRUTH_TRANSPORT_H
 
 #include "scenes/scene.h"
 
 struct neph_ray_light {
-    struct neph_rgb radiance; /* with everything [W m^-2 sr^-1] */
-    struct neph_rgb volume;   /* in-scattered alone [W m^-2 sr^-1] */
-    double transmittance;     /* to the first solid, or to infinity */
-    double hit_m;             /* distance to the first solid; +inf for the sky */
-    double quadrature_error;  /* estimated absolute error of `volume`, largest channel */
+    struct neph_rgb radiance;      /* with everything [W m^-2 sr^-1] */
+    struct neph_rgb volume;        /* in-scattered alone [W m^-2 sr^-1] */
+    struct neph_rgb transmittance; /* to the first solid, or to infinity */
+    double hit_m;                  /* distance to the first solid; +inf for the sky */
+    double quadrature_error;       /* estimated absolute error of `volume`, largest channel */
 };
 
 /* False, with the reason in words, when no exact answer is known for this scene (multiple

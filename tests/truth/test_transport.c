@@ -7,8 +7,8 @@
 
 #include "scenes/media.h"
 #include "scenes/solids.h"
-#include "scenes/transport.h"
 #include "tests/scenes/reference_values.h"
+#include "truth/transport.h"
 
 #include <time.h>
 
@@ -28,6 +28,7 @@ static struct neph_medium homogeneous(double extinction_per_m, struct neph_bound
                                 .bounds = bounds,
                                 .albedo = white,
                                 .layer_count = 1,
+                                .extinction_color = {1, 1, 1},
                                 .layers = {{.extinction_per_m = extinction_per_m}}};
 }
 
@@ -146,7 +147,7 @@ static void test_shadows_overlap_and_rays_end(void **state)
                       exp(-sigma * 6.0) / (4.0 * pi) *
                           (stretch(sigma, 0, 10) + stretch(sigma, 17, 40)),
                       1e-13, 0.0);
-    neph_assert_close(light.transmittance, exp(-40.0 * sigma), 1e-14, 0.0);
+    neph_assert_close(light.transmittance.r, exp(-40.0 * sigma), 1e-14, 0.0);
     assert_true(light.hit_m == 40.0);
 }
 
@@ -190,8 +191,8 @@ static double brute_force(const struct neph_scene *scene, struct neph_vec3 origi
                              neph_phase_per_sr(&scene->media[m].phase, cosine) *
                              neph_medium_extinction_per_m(&scene->media[m], p);
             scattered *= exp(
-                -neph_scene_optical_depth(scene, origin, direction, 0.0, t_m) -
-                neph_scene_optical_depth(scene, p, scene->sun.direction, 0.0, INFINITY));
+                -neph_scene_optical_depth(scene, origin, direction, 0.0, t_m).r -
+                neph_scene_optical_depth(scene, p, scene->sun.direction, 0.0, INFINITY).r);
         }
         sum += scattered;
         const double second = fabs(scattered - 2.0 * before + before2);
@@ -373,7 +374,7 @@ static void test_lambert_through_fog(void **state)
     const double to_sun = exp(-a / (b * mu0));
     const double to_eye = exp(-a / b * (exp(-b * 12.0) - 1.0) / k);
     neph_assert_close(light.hit_m, 20.0, 1e-15, 0.0);
-    neph_assert_close(light.transmittance, to_eye, 1e-13, 0.0);
+    neph_assert_close(light.transmittance.r, to_eye, 1e-13, 0.0);
     neph_assert_close(light.radiance.r, 0.5 / pi * 3.0 * mu0 * to_sun * to_eye, 1e-11, 0.0);
     neph_assert_close(light.radiance.g, 0.25 / pi * 2.0 * mu0 * to_sun * to_eye, 1e-11, 0.0);
     neph_assert_close(light.radiance.b, 0.125 / pi * 1.0 * mu0 * to_sun * to_eye, 1e-11, 0.0);
@@ -431,14 +432,14 @@ static void test_parts_add_up(void **state)
     scene.sun.irradiance_w_per_m2 = (struct neph_rgb){1, 3, 5};
     scene.background_w_per_m2_sr = (struct neph_rgb){0.1, 0.2, 0.3};
     const struct neph_ray_light light = neph_transport_ray(&scene, eye, d);
-    neph_assert_close(light.transmittance, exp(-0.6), 1e-15, 0.0);
+    neph_assert_close(light.transmittance.r, exp(-0.6), 1e-15, 0.0);
     assert_true(isinf(light.hit_m));
     neph_assert_close(light.volume.r, 0.5 * grey, 1e-15, 0.0);
     neph_assert_close(light.volume.g, 0.75 * grey, 1e-15, 0.0);
     neph_assert_close(light.volume.b, 0.0, 0.0, 0.0);
-    neph_assert_close(light.radiance.r, light.volume.r + 0.1 * light.transmittance, 1e-15, 0.0);
-    neph_assert_close(light.radiance.g, light.volume.g + 0.2 * light.transmittance, 1e-15, 0.0);
-    neph_assert_close(light.radiance.b, 0.3 * light.transmittance, 1e-15, 0.0);
+    neph_assert_close(light.radiance.r, light.volume.r + 0.1 * light.transmittance.r, 1e-15, 0.0);
+    neph_assert_close(light.radiance.g, light.volume.g + 0.2 * light.transmittance.r, 1e-15, 0.0);
+    neph_assert_close(light.radiance.b, 0.3 * light.transmittance.r, 1e-15, 0.0);
 
     scene.sun.present = false;
     assert_true(neph_transport_ray(&scene, eye, d).volume.g == 0.0);
@@ -449,7 +450,7 @@ static void test_parts_add_up(void **state)
     scene.scattering = NEPH_SCATTERING_SINGLE;
     const struct neph_ray_light away = neph_transport_ray(&scene, eye,
                                                           (struct neph_vec3){-1, 0, 0});
-    assert_true(away.transmittance == 1.0 && away.volume.r == 0.0 && away.radiance.r == 0.1);
+    assert_true(away.transmittance.r == 1.0 && away.volume.r == 0.0 && away.radiance.r == 0.1);
 }
 
 static void test_white_furnace(void **state)
@@ -471,8 +472,8 @@ static void test_white_furnace(void **state)
         const struct neph_vec3 d = {0, i, i - 1}; /* onto the ball, and up into the sky */
         const struct neph_ray_light light = neph_transport_ray(&scene, (struct neph_vec3){0}, d);
         assert_true(light.radiance.r == 1.0 && light.radiance.g == 2.0 && light.radiance.b == 3.0);
-        neph_assert_close(light.transmittance, i ? exp(-0.5) : exp(-0.4), 1e-14, 0.0);
-        neph_assert_close(light.volume.g, 2.0 * (1.0 - light.transmittance), 1e-14, 0.0);
+        neph_assert_close(light.transmittance.r, i ? exp(-0.5) : exp(-0.4), 1e-14, 0.0);
+        neph_assert_close(light.volume.g, 2.0 * (1.0 - light.transmittance.r), 1e-14, 0.0);
     }
 }
 
@@ -543,7 +544,7 @@ static void test_never_nonsense(void **state)
             const struct neph_ray_light light = neph_transport_ray(
                 &scene, (struct neph_vec3){0.5, eye_m, 0.25},
                 (struct neph_vec3){0.0, k_y, -sqrt(1.0 - k_y * k_y)});
-            const bool sane = light.transmittance >= 0.0 && light.transmittance <= 1.0 &&
+            const bool sane = light.transmittance.r >= 0.0 && light.transmittance.r <= 1.0 &&
                               light.volume.r >= 0.0 && light.volume.r <= 1.0 / (4.0 * pi) + 1e-12 &&
                               light.radiance.r >= light.volume.r && light.radiance.r <= 1.0 &&
                               light.quadrature_error >= 0.0 && light.quadrature_error < 1e-9;
@@ -552,7 +553,8 @@ static void test_never_nonsense(void **state)
                     "a %g, b %g, eye %g, view %g, sun %g, %d layers, %d solids: T %g, L %g, "
                     "error %g\n",
                     extinctions[a], falloffs[b], eye_m, k_y, s_y, scene.media[0].layer_count,
-                    scene.solid_count, light.transmittance, light.volume.r, light.quadrature_error);
+                    scene.solid_count, light.transmittance.r, light.volume.r,
+                    light.quadrature_error);
             assert_true(sane);
         }
 }

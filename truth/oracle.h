@@ -1,0 +1,56 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The oracle: an unbiased path tracer of participating media in double precision on the CPU. No
+ * clamp, no limit on bounces, roulette only at low throughput. It judges everything that has no
+ * closed form, and is itself judged by those (truth/transport.h, truth/slab.h).
+ *
+ * Estimator. Per pixel: the unscattered light (background or surface seen through the media) is
+ * exact, by closed-form transmittance; in-scattered light is sampled. Collisions: per medium, by
+ * delta tracking through its majorant grid (Woodcock 1965) or by inverting the closed form (fog);
+ * the nearest collision of all media counts (superposition of Poisson processes). At each collision
+ * the sun is sampled with exact transmittance; where a medium has no closed form (Horizon), by
+ * ratio tracking (Novak et al. 2014). Colour: one path serves all channels; a channel is chosen for
+ * tracking and the probabilities of the path in every channel are carried along (spectral MIS of
+ * Miller, Georgiev, Jarosz, "A null-scattering path integral formulation of light transport",
+ * SIGGRAPH 2019).
+ */
+#ifndef NEPH_TRUTH_ORACLE_H
+#define NEPH_TRUTH_ORACLE_H
+
+#include "base/image.h"
+#include "scenes/scene.h"
+
+#include <stdint.h>
+
+struct neph_oracle_params {
+    int width_px, height_px;
+    double frame;
+    uint64_t seed;
+    int samples;         /* paths per pixel, >= 2; the most when there is a target */
+    double target_error; /* stop when the rms over pixels of the standard error of the mean divided
+                            by the rms radiance of volume light is below this; 0: all samples */
+    double time_limit_s; /* stop in time, with what there is; +inf: none */
+    const char *checkpoint; /* file to resume from and to leave sums in; NULL: none */
+};
+
+struct neph_oracle_stats {
+    int samples;  /* taken of every pixel */
+    double error; /* as target_error, reached */
+    double wall_s;
+    uint64_t collisions, lookups;
+};
+
+/* False, with the reason in words, for what the estimator cannot do (an unbounded homogeneous
+ * medium, ...). */
+bool neph_oracle_can_render(const struct neph_scene *scene, char *reason, size_t reason_size);
+
+/* Render: R G B, volume.*, order1.* (light scattered exactly once by a medium, before any surface),
+ * transmittance.*, Z, variance.* (of the mean of R G B: the square of its standard error), in
+ * base/image.h's names. Same params and scene: same bits, on any number of threads.
+ * NEPH_ERR_INTERRUPTED leaves the checkpoint, if there is one. */
+enum neph_status neph_oracle_render(const struct neph_scene *scene,
+                                    const struct neph_oracle_params *params,
+                                    struct neph_image **frame, struct neph_oracle_stats *stats,
+                                    struct neph_diag *diag);
+
+#endif
