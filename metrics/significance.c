@@ -1,0 +1,54 @@
+/* SPDX-License-Identifier: MIT */
+#include "metrics/significance.h"
+
+#include "metrics/statistics.h"
+
+#include <math.h>
+
+double neph_normal_p(double z)
+{
+    return erfc(fabs(z) / sqrt(2.0));
+}
+
+double neph_normal_critical(double alpha)
+{
+    /* neph_normal_p falls monotonically from 1 at 0 to 0 (in double) at 39. */
+    double low = 0.0, high = 39.0;
+    for (int i = 0; i < 100; i++) {
+        const double middle = 0.5 * (low + high);
+        if (neph_normal_p(middle) > alpha)
+            low = middle;
+        else
+            high = middle;
+    }
+    return 0.5 * (low + high);
+}
+
+double neph_sidak_alpha(double family_alpha, int count)
+{
+    return -expm1(log1p(-family_alpha) / count);
+}
+
+struct neph_z_moments neph_z_scores(const float *test, const float *truth, const float *variance,
+                                    size_t count)
+{
+    struct neph_sum sum = {0.0, 0.0}, squares = {0.0, 0.0};
+    struct neph_z_moments moments = {0, NAN, NAN};
+    for (size_t i = 0; i < count; i++) {
+        const double difference = (double)test[i] - (double)truth[i];
+        if (difference == 0.0 && variance[i] == 0.0f)
+            continue;
+        if (variance[i] == 0.0f)
+            return (struct neph_z_moments){count, INFINITY, INFINITY};
+        const double z = difference / sqrt((double)variance[i]);
+        moments.count++;
+        neph_sum_add(&sum, z);
+        neph_sum_add(&squares, z * z);
+    }
+    if (moments.count == 0)
+        return moments;
+    const double n = (double)moments.count;
+    moments.mean = neph_sum_value(&sum) / n;
+    moments.variance = neph_sum_value(&squares) / n - moments.mean * moments.mean;
+    return moments;
+}
