@@ -29,6 +29,9 @@ double neph_medium_extinction_bound_per_m(const struct neph_medium *medium,
  * but HORIZON, where it is quadrature to a relative 1e-10 of its own error estimate, and slow). */
 bool neph_medium_has_closed_form(const struct neph_medium *medium);
 
+/* "height fog", "voxel grid", ...: for messages. */
+const char *neph_medium_kind_name(enum neph_medium_kind kind);
+
 /* The finite box that holds all of the medium: its bounds, narrowed to the support of its density
  * (grids) or to where extinction falls below 1e-12 of its largest (Gaussian). Infinite sides stay
  * infinite where there is no such end (height fog, homogeneous, shell). */

@@ -1,0 +1,87 @@
+/* SPDX-License-Identifier: MIT */
+#include "scenes/majorant.h"
+
+#include "scenes/grid.h"
+#include "scenes/media.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* As near to cubes as whole numbers allow. */
+static void choose_size(const struct neph_medium *medium, const double extent_m[3], int cell_count,
+                        int size[3])
+{
+    const double side_m = cbrt(extent_m[0] * extent_m[1] * extent_m[2] / cell_count);
+    for (int axis = 0; axis < 3; axis++) {
+        size[axis] = (int)fmax(1.0, fmin(NEPH_GRID_SIDE_MAX, round(extent_m[axis] / side_m)));
+        if (medium->kind == NEPH_MEDIUM_GRID) /* cells of the lattice: one more than its nodes */
+            size[axis] = size[axis] <= medium->grid->size[axis] ? size[axis]
+                                                                : medium->grid->size[axis] + 1;
+    }
+}
+
+static struct neph_bounds cell_box(const struct neph_majorants *majorants, const int cell[3])
+{
+    const double low[3] = {majorants->box.min_m.x, majorants->box.min_m.y, majorants->box.min_m.z};
+    const double high[3] = {majorants->box.max_m.x, majorants->box.max_m.y, majorants->box.max_m.z};
+    double a[3], b[3];
+    for (int axis = 0; axis < 3; axis++) {
+        const double side = (high[axis] - low[axis]) / majorants->size[axis];
+        /* A hair wider than the cell: a tracker's own rounding may put a point of the face into
+         * either neighbour. */
+        a[axis] = low[axis] + (cell[axis] - 1e-5) * side;
+        b[axis] = low[axis] + (cell[axis] + 1 + 1e-5) * side;
+    }
+    return (struct neph_bounds){{a[0], a[1], a[2]}, {b[0], b[1], b[2]}};
+}
+
+static void fill(struct neph_majorants *majorants, const struct neph_medium *medium)
+{
+    const int *n = majorants->size;
+    size_t at = 0;
+    for (int k = 0; k < n[2]; k++)
+        for (int j = 0; j < n[1]; j++)
+            for (int i = 0; i < n[0]; i++) {
+                const struct neph_bounds box = cell_box(majorants, (const int[3]){i, j, k});
+                const double bound_per_m = neph_medium_extinction_bound_per_m(medium, &box);
+                /* Trackers evaluate the density in float32, which may round above it. */
+                majorants->extinction_per_m[at++] =
+                    bound_per_m > 0.0 ? nextafterf((float)(bound_per_m * (1.0 + 1e-5)), INFINITY)
+                                      : 0.0f;
+            }
+}
+
+enum neph_status neph_majorants_create(const struct neph_medium *medium,
+                                       const struct neph_bounds *box, int cell_count,
+                                       struct neph_majorants **majorants, struct neph_diag *diag)
+{
+    const double extent_m[3] = {box->max_m.x - box->min_m.x, box->max_m.y - box->min_m.y,
+                                box->max_m.z - box->min_m.z};
+    for (int axis = 0; axis < 3; axis++)
+        if (!(extent_m[axis] > 0.0) || isinf(extent_m[axis]))
+            return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
+                             "a %s without finite bounds has no majorant grid",
+                             neph_medium_kind_name(medium->kind));
+    struct neph_majorants *made = calloc(1, sizeof(*made));
+    if (!made)
+        return neph_fail_memory(diag);
+    made->box = *box;
+    choose_size(medium, extent_m, cell_count, made->size);
+    const size_t count = (size_t)made->size[0] * (size_t)made->size[1] * (size_t)made->size[2];
+    made->extinction_per_m = malloc(count * sizeof(*made->extinction_per_m));
+    if (!made->extinction_per_m) {
+        free(made);
+        return neph_fail_memory(diag);
+    }
+    fill(made, medium);
+    *majorants = made;
+    return NEPH_OK;
+}
+
+void neph_majorants_destroy(struct neph_majorants *majorants)
+{
+    if (!majorants)
+        return;
+    free(majorants->extinction_per_m);
+    free(majorants);
+}
