@@ -65,7 +65,8 @@ static json_t *scene_json(const struct neph_scene *scene)
     const struct neph_engine *const *list = neph_engines(&count);
     for (int i = 0; i < count; i++) {
         char reason[512] = "";
-        const bool can = list[i]->can_render(scene, reason, sizeof(reason));
+        const struct neph_settings settings = neph_settings_default(list[i]);
+        const bool can = list[i]->can_render(scene, &settings, reason, sizeof(reason));
         json_array_append_new(engines, json_pack("{s:s, s:b, s:s}", "engine", list[i]->name,
                                                  "can_render", can, "reason", reason));
     }
@@ -94,7 +95,8 @@ static void print_scene(const struct neph_scene *scene)
     const struct neph_engine *const *engines = neph_engines(&count);
     for (int i = 0; i < count; i++) {
         char reason[512];
-        if (engines[i]->can_render(scene, reason, sizeof(reason)))
+        const struct neph_settings settings = neph_settings_default(engines[i]);
+        if (engines[i]->can_render(scene, &settings, reason, sizeof(reason)))
             printf("%-11s can\n", engines[i]->name);
         else
             printf("%-11s cannot: %s\n", engines[i]->name, reason);

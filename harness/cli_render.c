@@ -247,7 +247,7 @@ static enum neph_status export_files(const struct request *request, struct neph_
         return neph_fail(diag, NEPH_ERR_USAGE,
                          "engine %s has nothing to export; use --engine cycles or povray",
                          job->engine->name);
-    if (!job->engine->can_render(job->shot.scene, reason, sizeof(reason)))
+    if (!job->engine->can_render(job->shot.scene, &job->shot.settings, reason, sizeof(reason)))
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "%s cannot: %s", job->engine->name, reason);
     enum neph_status status = neph_dir_create(request->output, diag);
     if (!status)

@@ -91,9 +91,10 @@ struct neph_engine {
     /* Look for the engine. Never fails: `available` and `missing` say how it is. */
     void (*probe)(struct neph_engine_info *info);
 
-    /* Fills `reason` with what it cannot model ("multiple scattering") and returns false, or
-     * returns true. */
-    bool (*can_render)(const struct neph_scene *scene, char *reason, size_t reason_size);
+    /* Fills `reason` with what it cannot model with these settings ("multiple scattering") and
+     * returns false, or returns true. */
+    bool (*can_render)(const struct neph_scene *scene, const struct neph_settings *settings,
+                       char *reason, size_t reason_size);
 
     /* Render one frame. The caller adds the common attributes (scene hash, engine, settings, seed,
      * seconds) and checks the frame; the engine adds only what it alone knows. */

@@ -117,7 +117,7 @@ static enum neph_status check_possible(const struct neph_job *job, struct neph_d
         neph_hint(diag, "%s", job->info->install_line);
         return NEPH_ERR_UNAVAILABLE;
     }
-    if (!job->engine->can_render(job->shot.scene, reason, sizeof(reason)))
+    if (!job->engine->can_render(job->shot.scene, &job->shot.settings, reason, sizeof(reason)))
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "cannot: %s", reason);
     return NEPH_OK;
 }

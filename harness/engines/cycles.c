@@ -202,8 +202,10 @@ static void probe(struct neph_engine_info *info)
     free(text);
 }
 
-static bool can_render(const struct neph_scene *scene, char *reason, size_t reason_size)
+static bool can_render(const struct neph_scene *scene, const struct neph_settings *settings,
+                       char *reason, size_t reason_size)
 {
+    (void)settings;
     struct neph_diag diag = {0};
     struct neph_cycles_world world;
     if (!neph_cycles_world(scene, &world, &diag))

@@ -118,6 +118,13 @@ static void probe(struct neph_engine_info *info)
     snprintf(info->device, sizeof(info->device), "CPU, double precision");
 }
 
+static bool can_render(const struct neph_scene *scene, const struct neph_settings *settings,
+                       char *reason, size_t reason_size)
+{
+    (void)settings;
+    return neph_transport_is_exact(scene, reason, reason_size);
+}
+
 const struct neph_engine neph_engine_exact = {
     .name = "exact",
     .summary = "closed forms and adaptive quadrature in double precision",
@@ -125,6 +132,6 @@ const struct neph_engine neph_engine_exact = {
     .options = no_options,
     .version = 1,
     .probe = probe,
-    .can_render = neph_transport_is_exact,
+    .can_render = can_render,
     .render = render,
 };

@@ -117,6 +117,13 @@ static enum neph_status render(const struct neph_shot *shot, struct neph_image *
     return NEPH_OK;
 }
 
+static bool can_render(const struct neph_scene *scene, const struct neph_settings *settings,
+                       char *reason, size_t reason_size)
+{
+    (void)settings;
+    return neph_march_can_render(scene, reason, reason_size);
+}
+
 const struct neph_engine neph_engine_march = {
     .name = "march",
     .summary = "our Vulkan ray marcher: full resolution, fixed steps, single scattering",
@@ -125,6 +132,6 @@ const struct neph_engine neph_engine_march = {
     .options = options,
     .version = 1,
     .probe = probe,
-    .can_render = neph_march_can_render,
+    .can_render = can_render,
     .render = render,
 };

@@ -146,8 +146,10 @@ static bool has_scatterer(const struct neph_scene *scene)
     return false;
 }
 
-static bool can_render(const struct neph_scene *scene, char *reason, size_t reason_size)
+static bool can_render(const struct neph_scene *scene, const struct neph_settings *settings,
+                       char *reason, size_t reason_size)
 {
+    (void)settings;
     const char *cannot = NULL;
     struct neph_diag diag = {0};
     struct neph_povray_world world;
@@ -652,7 +654,7 @@ static enum neph_status start(const struct neph_shot *shot, struct session *sess
     *session = (struct session){.shot = shot, .threads = thread_count()};
     session->pixel_count = (size_t)shot->width_px * (size_t)shot->height_px;
     char reason[256] = "";
-    if (!can_render(shot->scene, reason, sizeof(reason)))
+    if (!can_render(shot->scene, &shot->settings, reason, sizeof(reason)))
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "POV-Ray cannot: %s", reason);
     int intervals = (int)neph_setting(&neph_engine_povray, &shot->settings, "intervals");
     return neph_povray_world(shot->scene, shot->frame, shot->width_px, shot->height_px, intervals,

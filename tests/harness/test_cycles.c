@@ -241,10 +241,16 @@ static void test_probe_refuses_another_version(void **state)
     assert_non_null(strstr(info.missing, "wrong version: 'blender' is 5.0.1"));
 }
 
+static bool can_render(const struct neph_scene *scene, char *reason, size_t reason_size)
+{
+    const struct neph_settings settings = neph_settings_default(&neph_engine_cycles);
+    return neph_engine_cycles.can_render(scene, &settings, reason, reason_size);
+}
+
 static void assert_cannot(const struct stage *stage, const char *word)
 {
     char reason[256] = "";
-    assert_false(neph_engine_cycles.can_render(&stage->scene, reason, sizeof(reason)));
+    assert_false(can_render(&stage->scene, reason, sizeof(reason)));
     if (!strstr(reason, word))
         fail_msg("'%s' does not say '%s'", reason, word);
 }
@@ -257,9 +263,9 @@ static void test_can_render(void **state)
     struct neph_medium *medium = set_box_stage(&stage, 0.3);
     stage.scene.environment_light = true;
     stage.scene.scattering = NEPH_SCATTERING_MULTIPLE;
-    assert_true(neph_engine_cycles.can_render(&stage.scene, reason, sizeof(reason)));
+    assert_true(can_render(&stage.scene, reason, sizeof(reason)));
     medium->phase = (struct neph_phase){NEPH_PHASE_HENYEY_GREENSTEIN, 0.85};
-    assert_true(neph_engine_cycles.can_render(&stage.scene, reason, sizeof(reason)));
+    assert_true(can_render(&stage.scene, reason, sizeof(reason)));
     medium->phase = (struct neph_phase){NEPH_PHASE_RAYLEIGH, 0.0};
     assert_cannot(&stage, "Rayleigh");
     medium->phase = (struct neph_phase){NEPH_PHASE_ISOTROPIC, 0.0};

@@ -325,23 +325,29 @@ static void test_faces_of_containers_stand_alone(void **state)
 
 /* ---- What it can model ---------------------------------------------------------------------- */
 
+static bool can_render(const struct neph_scene *scene, char *reason, size_t reason_size)
+{
+    const struct neph_settings settings = neph_settings_default(&neph_engine_povray);
+    return neph_engine_povray.can_render(scene, &settings, reason, reason_size);
+}
+
 static void test_can_render(void **state)
 {
     (void)state;
     char reason[128] = "";
     struct stage stage;
     set_full_stage(&stage);
-    assert_true(neph_engine_povray.can_render(&stage.scene, reason, sizeof(reason)));
+    assert_true(can_render(&stage.scene, reason, sizeof(reason)));
     stage.scene.scattering = NEPH_SCATTERING_MULTIPLE;
-    assert_false(neph_engine_povray.can_render(&stage.scene, reason, sizeof(reason)));
+    assert_false(can_render(&stage.scene, reason, sizeof(reason)));
     assert_string_equal(reason, "multiple scattering");
     stage.scene.scattering = NEPH_SCATTERING_SINGLE;
     stage.scene.environment_light = true;
-    assert_false(neph_engine_povray.can_render(&stage.scene, reason, sizeof(reason)));
+    assert_false(can_render(&stage.scene, reason, sizeof(reason)));
     assert_string_equal(reason, "environment light on media or solids");
     stage.scene.environment_light = false;
     stage.solids[1].radius_m = 1e-12;
-    assert_false(neph_engine_povray.can_render(&stage.scene, reason, sizeof(reason)));
+    assert_false(can_render(&stage.scene, reason, sizeof(reason)));
     assert_non_null(strstr(reason, "solids of"));
 }
 
