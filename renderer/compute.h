@@ -11,8 +11,8 @@
 #include <stddef.h>
 #include <volk.h>
 
-#define NEPH_KERNEL_BUFFERS_MAX 4
-#define NEPH_KERNEL_CONSTANTS_MAX 4
+#define NEPH_KERNEL_BUFFERS_MAX 12
+#define NEPH_KERNEL_CONSTANTS_MAX 12
 #define NEPH_KERNEL_PUSH_BYTES_MAX 128 /* what every device has */
 
 /* Loop turns that one thread may make in one dispatch, all its loops together, the last failing

@@ -1,0 +1,136 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Engine `tracer`: our unbiased path tracer on a Vulkan device; the same device and environment
+ * variables as engine `march`.
+ */
+#include "harness/engines/engines.h"
+
+#include "base/clock.h"
+#include "renderer/tracer.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+
+enum { OPTION_SAMPLES, OPTION_TARGET_ERROR, OPTION_TIME_LIMIT };
+
+static const struct neph_option options[] = {
+    [OPTION_SAMPLES] = {"samples", NEPH_OPTION_INTEGER, 256, 2, NEPH_TRACER_SAMPLES_MAX, NULL,
+                        "paths per pixel, rounded up to whole batches; the most with a target"},
+    [OPTION_TARGET_ERROR] = {"target_error", NEPH_OPTION_REAL, 0, 0, 1e3, NULL,
+                             "stop at this rms standard error / rms volume radiance; 0: never"},
+    [OPTION_TIME_LIMIT] = {"time_limit", NEPH_OPTION_REAL, 0, 0, 1e9, NULL,
+                           "stop in this time [s]; 0: never"},
+    {.name = NULL},
+};
+
+static struct neph_vulkan_params device_params(void)
+{
+    const char *validation = getenv("NEPH_VULKAN_VALIDATION");
+    const char *device = getenv("NEPH_VULKAN_DEVICE");
+    return (struct neph_vulkan_params){
+        .validation = validation && strcmp(validation, "1") == 0,
+        .device = device && device[0] ? device : NULL,
+    };
+}
+
+static void probe(struct neph_engine_info *info)
+{
+    *info = (struct neph_engine_info){.available = false};
+    struct neph_diag diag = {.line = 0};
+    struct neph_vulkan *vulkan = NULL;
+    const struct neph_vulkan_params params = device_params();
+    if (neph_vulkan_create(&params, &vulkan, &diag)) {
+        snprintf(info->missing, sizeof(info->missing), "%s", diag.message);
+        snprintf(info->install_line, sizeof(info->install_line), "%.255s", diag.hint);
+        return;
+    }
+    const struct neph_vulkan_description description = neph_vulkan_describe(vulkan);
+    info->available = true;
+    snprintf(info->version, sizeof(info->version), "Vulkan %s, %.90s", description.api_version,
+             description.driver);
+    snprintf(info->device, sizeof(info->device), "%.100s, subgroup %u", description.device,
+             (unsigned)description.subgroup_size);
+    neph_vulkan_destroy(vulkan);
+}
+
+static enum neph_status label(struct neph_image *frame, const struct neph_tracer_stats *stats,
+                              struct neph_diag *diag)
+{
+    const struct {
+        const char *name;
+        uint64_t value;
+    } counts[] = {
+        {"neph.tracer.samples", (uint64_t)stats->samples},
+        {"neph.tracer.collisions", stats->collisions},
+        {"neph.tracer.density_lookups", stats->lookups},
+        {"neph.tracer.closed_forms", stats->closed_forms},
+    };
+    enum neph_status status = neph_image_set_attribute(frame, "neph.tracer.error", diag, "%.6g",
+                                                       stats->error);
+    for (size_t i = 0; !status && i < sizeof(counts) / sizeof(counts[0]); i++)
+        status = neph_image_set_attribute(frame, counts[i].name, diag, "%llu",
+                                          (unsigned long long)counts[i].value);
+    return status;
+}
+
+static enum neph_status render(const struct neph_shot *shot, struct neph_image **frame,
+                               struct neph_cost *cost, struct neph_diag *diag)
+{
+    const double wall_start_s = neph_wall_s(), cpu_start_s = neph_cpu_s();
+    const struct neph_vulkan_params device = device_params();
+    const double *values = shot->settings.values;
+    const struct neph_tracer_params params = {
+        .width_px = shot->width_px,
+        .height_px = shot->height_px,
+        .frame = shot->frame,
+        .seed = shot->seed,
+        .samples = (int)values[OPTION_SAMPLES],
+        .target_error = values[OPTION_TARGET_ERROR],
+        .time_limit_s = values[OPTION_TIME_LIMIT] > 0.0 ? values[OPTION_TIME_LIMIT] : INFINITY,
+    };
+    struct neph_vulkan *vulkan = NULL;
+    struct neph_image *image = NULL;
+    struct neph_tracer_stats stats;
+    enum neph_status status = neph_vulkan_create(&device, &vulkan, diag);
+    if (!status)
+        status = neph_tracer_render(vulkan, shot->scene, &params, &image, &stats, diag);
+    if (!status)
+        status = label(image, &stats, diag);
+    neph_vulkan_destroy(vulkan);
+    if (status) {
+        neph_image_destroy(image);
+        return status;
+    }
+    struct rusage usage;
+    getrusage(RUSAGE_SELF, &usage);
+    *cost = (struct neph_cost){
+        .render_s = stats.wall_s,
+        .wall_s = neph_wall_s() - wall_start_s,
+        .cpu_s = neph_cpu_s() - cpu_start_s,
+        .peak_memory_bytes = (int64_t)usage.ru_maxrss * 1024,
+    };
+    *frame = image;
+    return NEPH_OK;
+}
+
+static bool can_render(const struct neph_scene *scene, const struct neph_settings *settings,
+                       char *reason, size_t reason_size)
+{
+    (void)settings;
+    return neph_tracer_can_render(scene, reason, reason_size);
+}
+
+const struct neph_engine neph_engine_tracer = {
+    .name = "tracer",
+    .summary = "our Vulkan path tracer: all orders of scattering, without bias, with its variance",
+    .rung = NEPH_RUNG_TRACER,
+    .bias = NULL,
+    .options = options,
+    .version = 1,
+    .probe = probe,
+    .can_render = can_render,
+    .render = render,
+};

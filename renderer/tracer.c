@@ -1,0 +1,737 @@
+/* SPDX-License-Identifier: MIT */
+#include "renderer/tracer.h"
+
+#include "base/checkpoint.h"
+#include "base/clock.h"
+#include "base/files.h"
+#include "base/interrupt.h"
+#include "renderer/compute.h"
+#include "renderer/gpu_scene.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const uint32_t path_spirv[] = {
+#include "shaders/tracer.comp.inc"
+};
+static const uint32_t view_spirv[] = {
+#include "shaders/tracer_view.comp.inc"
+};
+static const uint32_t first_spirv[] = {
+#include "shaders/tracer_first.comp.inc"
+};
+static const uint32_t sum_spirv[] = {
+#include "shaders/tracer_sum.comp.inc"
+};
+
+/* push_constant Run of shaders/tracer.glsl */
+struct gpu_run {
+    uint32_t seed_low, seed_high;
+    uint32_t first_pixel, pixel_count;
+    uint32_t first_sample;
+    uint32_t first_pool;
+    uint32_t turns;
+    uint32_t is_fresh;
+};
+
+/* struct Pixel of shaders/tracer.glsl */
+struct gpu_pixel {
+    float behind[3], eye_depth_m;
+    float transmittance[4];
+    float sums[3][4]; /* order1, higher, surface */
+    float spread[4];
+    float padding[4];
+};
+_Static_assert(sizeof(struct gpu_pixel) == 112, "std430 Pixel");
+
+/* buffer Progress of shaders/tracer.glsl */
+struct gpu_progress {
+    uint32_t items_done, collisions, lookups, closed_forms;
+};
+
+enum {
+    first_bytes = 16, /* struct First of shaders/tracer.glsl */
+    absorbed_bytes = 4 * NEPH_SCENE_MEDIA_MAX * NEPH_FOG_LAYERS_MAX,
+    state_bytes = 208, /* struct State of shaders/tracer.comp */
+    result_bytes = 48, /* struct Result of shaders/tracer.glsl */
+    pool_pixels = 8,   /* POOL_PIXELS of shaders/tracer.glsl */
+    pool_items = pool_pixels * NEPH_TRACER_BATCH_SAMPLES,
+    pixel_local_size = 64, /* of tracer_view.comp and tracer_sum.comp */
+    chunk_pixels_max = 1 << 16,
+    window_pools_max = 1 << 12,
+};
+
+/* --- what can be rendered ----------------------------------------------------------------- */
+
+static bool is_positive(struct neph_rgb rgb)
+{
+    return rgb.r > 0.0 || rgb.g > 0.0 || rgb.b > 0.0;
+}
+
+static bool is_white(struct neph_rgb rgb)
+{
+    return rgb.r >= 1.0 || rgb.g >= 1.0 || rgb.b >= 1.0;
+}
+
+/* Light that is never absorbed and never finds a way out walks for ever. */
+static bool is_endless(const struct neph_medium *medium)
+{
+    if ((medium->kind != NEPH_MEDIUM_HOMOGENEOUS && medium->kind != NEPH_MEDIUM_HEIGHT_FOG) ||
+        !is_white(medium->albedo))
+        return false;
+    const struct neph_bounds *b = &medium->bounds;
+    return isinf(b->min_m.x) && isinf(b->max_m.x) && isinf(b->min_m.z) && isinf(b->max_m.z) &&
+           isinf(b->min_m.y);
+}
+
+bool neph_tracer_can_render(const struct neph_scene *scene, char *reason, size_t reason_size)
+{
+    for (int i = 0; i < scene->medium_count; i++) {
+        const struct neph_medium *medium = &scene->media[i];
+        const struct neph_rgb color = medium->extinction_color;
+        const bool is_layered = medium->kind == NEPH_MEDIUM_HOMOGENEOUS ||
+                                medium->kind == NEPH_MEDIUM_HEIGHT_FOG;
+        if (!is_layered || color.r != 1.0 || color.g != 1.0 || color.b != 1.0) {
+            snprintf(reason, reason_size, "%s",
+                     is_layered ? "coloured extinction" : "media other than homogeneous and fog");
+            return false;
+        }
+    }
+    if (scene->scattering == NEPH_SCATTERING_MULTIPLE && scene->solid_count == 0)
+        for (int i = 0; i < scene->medium_count; i++)
+            if (is_endless(&scene->media[i])) {
+                snprintf(reason, reason_size,
+                         "multiple scattering in an unbounded medium of albedo 1");
+                return false;
+            }
+    return true;
+}
+
+static enum neph_status check(const struct neph_scene *scene,
+                              const struct neph_tracer_params *params, struct neph_diag *diag)
+{
+    const struct {
+        const char *name;
+        int value, minimum, maximum;
+    } ranges[] = {
+        {"width", params->width_px, 1, NEPH_TRACER_SIDE_MAX_PX},
+        {"height", params->height_px, 1, NEPH_TRACER_SIDE_MAX_PX},
+        {"samples", params->samples, 2, NEPH_TRACER_SAMPLES_MAX},
+    };
+    for (size_t i = 0; i < sizeof(ranges) / sizeof(ranges[0]); i++)
+        if (ranges[i].value < ranges[i].minimum || ranges[i].value > ranges[i].maximum)
+            return neph_fail(diag, NEPH_ERR_USAGE, "tracer: %s is %d, outside %d..%d",
+                             ranges[i].name, ranges[i].value, ranges[i].minimum, ranges[i].maximum);
+    if (!(params->target_error >= 0.0) || !(params->time_limit_s > 0.0))
+        return neph_fail(diag, NEPH_ERR_USAGE,
+                         "tracer: the target error is %g (>= 0), the time limit %g s (> 0)",
+                         params->target_error, params->time_limit_s);
+    char reason[256];
+    if (!neph_tracer_can_render(scene, reason, sizeof(reason)))
+        return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "tracer: cannot: %s", reason);
+    return NEPH_OK;
+}
+
+/* --- sums in double ----------------------------------------------------------------------- */
+
+/* Per pixel: order1, higher, surface, spread; three channels each. */
+enum { sums_per_pixel = 12 };
+
+/* Values before the pixels in a checkpoint. */
+enum { head_samples, head_collisions, head_lookups, head_closed_forms, head_count };
+
+/* One array, as it goes to the checkpoint: a head, then the pixels. */
+struct sums {
+    double *values;
+    size_t pixel_count;
+};
+
+static double *sums_of(const struct sums *sums, size_t pixel)
+{
+    return sums->values + head_count + pixel * sums_per_pixel;
+}
+
+static size_t sums_count(const struct sums *sums)
+{
+    return head_count + sums->pixel_count * sums_per_pixel;
+}
+
+static void add_pixel(double *sums, const struct gpu_pixel *pixel)
+{
+    for (int c = 0; c < 3; c++) {
+        for (int layer = 0; layer < 3; layer++)
+            sums[3 * layer + c] += (double)pixel->sums[layer][c];
+        sums[9 + c] += (double)pixel->spread[c];
+    }
+}
+
+/* All that decides the value of a sum. */
+static char *identity_of(const struct neph_scene *scene, const struct neph_tracer_params *params,
+                         const struct neph_vulkan *vulkan)
+{
+    return neph_format("tracer 1, scene %s, frame %.17g, %d x %d, seed %llu, on %s, %s",
+                       scene->hash, params->frame, params->width_px, params->height_px,
+                       (unsigned long long)params->seed, vulkan->description.device,
+                       vulkan->description.driver);
+}
+
+/* --- one render --------------------------------------------------------------------------- */
+
+enum binding {
+    BINDING_FRAME,
+    BINDING_SOLIDS,
+    BINDING_STATES = 5,
+    BINDING_RESULTS,
+    BINDING_POOLS,
+    BINDING_PIXELS,
+    BINDING_PROGRESS,
+    BINDING_FIRSTS,
+    BINDING_ABSORBED,
+    BINDING_COUNT,
+};
+
+struct render {
+    struct neph_vulkan *vulkan;
+    const struct neph_tracer_params *params;
+    double start_s;
+    const struct neph_kernel *path, *view, *first, *sum;
+    struct neph_buffer buffers[BINDING_COUNT], pixels_readback, progress_readback;
+    uint32_t local_size; /* of the path kernel */
+    bool needs_paths;    /* more than light that was scattered once */
+    uint32_t turns;      /* of one dispatch, at most */
+    uint32_t window;     /* pools in one dispatch; follows the device's speed */
+    size_t pixel_count, chunk_pixels;
+    size_t viewed_first; /* first pixel of the chunk that the device holds; SIZE_MAX: none */
+    struct gpu_progress progress;
+    struct sums sums;
+    struct sums batch; /* counts whole or not at all */
+    float *view_light; /* per pixel: behind, eye depth, transmittance */
+    char *identity;
+    struct neph_tracer_stats stats;
+};
+
+enum { view_floats = 8 };
+
+/* Upper bound of the loop turns (compute.h) in one turn of the path kernel's main loop. */
+static uint32_t turns_within(const struct neph_scene *scene)
+{
+    uint32_t turns = 1 + 2 * ((uint32_t)scene->solid_count + 1) + 1;
+    for (int i = 0; i < scene->medium_count; i++)
+        turns += 2 + (uint32_t)scene->media[i].layer_count;
+    return turns;
+}
+
+static uint32_t choose_turns(const struct neph_scene *scene,
+                             const struct neph_tracer_params *params)
+{
+    const uint32_t comfortable = 4096; /* a few milliseconds of a work group on a CPU core */
+    uint32_t turns = (NEPH_KERNEL_LOOP_TURNS_MAX - 1) / turns_within(scene);
+    if (turns > comfortable)
+        turns = comfortable;
+    if (params->dispatch_turns > 0 && params->dispatch_turns < turns)
+        turns = params->dispatch_turns;
+    return turns;
+}
+
+static bool reflects(const struct neph_scene *scene)
+{
+    for (int i = 0; i < scene->solid_count; i++)
+        if (is_positive(scene->solids[i].albedo))
+            return true;
+    return false;
+}
+
+static bool lights(const struct neph_scene *scene)
+{
+    return scene->environment_light && is_positive(scene->background_w_per_m2_sr);
+}
+
+static enum neph_status get_kernels(struct render *render, const struct neph_scene *scene,
+                                    struct neph_diag *diag)
+{
+    const struct neph_vulkan_description *device = &render->vulkan->description;
+    const bool multiple = scene->scattering == NEPH_SCATTERING_MULTIPLE;
+    render->local_size = device->is_cpu ? device->subgroup_size : 64;
+    const struct {
+        const struct neph_kernel **kernel;
+        const char *name;
+        const uint32_t *spirv;
+        size_t spirv_size_bytes;
+        int constant_count;
+        uint32_t constants[NEPH_KERNEL_CONSTANTS_MAX];
+    } wanted[] = {
+        {&render->view, "tracer_view", view_spirv, sizeof(view_spirv), 0, {0}},
+        {&render->first, "tracer_first", first_spirv, sizeof(first_spirv), 0, {0}},
+        {&render->path,
+         "tracer",
+         path_spirv,
+         sizeof(path_spirv),
+         6,
+         {render->local_size, multiple, reflects(scene), lights(scene), false, true}},
+        {&render->sum, "tracer_sum", sum_spirv, sizeof(sum_spirv), 0, {0}},
+    };
+    enum neph_status status = NEPH_OK;
+    for (size_t i = 0; !status && i < sizeof(wanted) / sizeof(wanted[0]); i++) {
+        struct neph_kernel_params params = {
+            .name = wanted[i].name,
+            .spirv = wanted[i].spirv,
+            .spirv_size_bytes = wanted[i].spirv_size_bytes,
+            .buffer_count = BINDING_COUNT,
+            .push_size_bytes = sizeof(struct gpu_run),
+            .constant_count = wanted[i].constant_count,
+        };
+        memcpy(params.constants, wanted[i].constants, sizeof(params.constants));
+        status = neph_kernel_get(render->vulkan, &params, wanted[i].kernel, diag);
+    }
+    render->needs_paths = multiple || lights(scene);
+    return status;
+}
+
+static enum neph_status create_buffers(struct render *render, struct neph_diag *diag)
+{
+    const size_t pools = (render->chunk_pixels + pool_pixels - 1) / pool_pixels;
+    const size_t threads = (pools < window_pools_max ? pools : window_pools_max) *
+                           render->local_size;
+    const size_t pixels_bytes = render->chunk_pixels * sizeof(struct gpu_pixel);
+    const struct {
+        struct neph_buffer *buffer;
+        enum neph_buffer_use use;
+        size_t size_bytes;
+        const char *name;
+    } wanted[] = {
+        {&render->buffers[BINDING_STATES], NEPH_BUFFER_DEVICE, threads * state_bytes,
+         "tracer states"},
+        {&render->buffers[BINDING_RESULTS], NEPH_BUFFER_DEVICE, pools * pool_items * result_bytes,
+         "tracer results"},
+        {&render->buffers[BINDING_FIRSTS], NEPH_BUFFER_DEVICE, pools * pool_items * first_bytes,
+         "tracer first collisions"},
+        {&render->buffers[BINDING_ABSORBED], NEPH_BUFFER_DEVICE,
+         render->chunk_pixels * absorbed_bytes, "tracer absorbed parts"},
+        {&render->buffers[BINDING_POOLS], NEPH_BUFFER_DEVICE, pools * sizeof(uint32_t),
+         "tracer pools"},
+        {&render->buffers[BINDING_PIXELS], NEPH_BUFFER_DEVICE, pixels_bytes, "tracer pixels"},
+        {&render->buffers[BINDING_PROGRESS], NEPH_BUFFER_DEVICE, sizeof(struct gpu_progress),
+         "tracer progress"},
+        {&render->pixels_readback, NEPH_BUFFER_READBACK, pixels_bytes, "tracer pixels readback"},
+        {&render->progress_readback, NEPH_BUFFER_READBACK, sizeof(struct gpu_progress),
+         "tracer progress readback"},
+    };
+    enum neph_status status = NEPH_OK;
+    for (size_t i = 0; !status && i < sizeof(wanted) / sizeof(wanted[0]); i++)
+        status = neph_buffer_create(render->vulkan, wanted[i].use, wanted[i].size_bytes,
+                                    wanted[i].name, wanted[i].buffer, diag);
+    return status;
+}
+
+static enum neph_status upload_scene(struct render *render, const struct neph_scene *scene,
+                                     struct neph_diag *diag)
+{
+    const struct neph_camera camera = neph_scene_camera(scene, render->params->frame);
+    const struct neph_gpu_frame frame = neph_gpu_frame_from(
+        scene, render->params->frame, render->params->width_px, render->params->height_px);
+    const size_t count = scene->solid_count > 0 ? (size_t)scene->solid_count : 1;
+    enum neph_status status = neph_buffer_create(render->vulkan, NEPH_BUFFER_UPLOAD, sizeof(frame),
+                                                 "tracer frame", &render->buffers[BINDING_FRAME],
+                                                 diag);
+    if (!status)
+        status = neph_buffer_create(render->vulkan, NEPH_BUFFER_UPLOAD,
+                                    count * sizeof(struct neph_gpu_solid), "tracer solids",
+                                    &render->buffers[BINDING_SOLIDS], diag);
+    if (status)
+        return status;
+    memcpy(render->buffers[BINDING_FRAME].mapped, &frame, sizeof(frame));
+    struct neph_gpu_solid *solids = render->buffers[BINDING_SOLIDS].mapped;
+    for (int i = 0; i < scene->solid_count; i++)
+        solids[i] = neph_gpu_solid_from(&scene->solids[i], camera.position_m);
+    return NEPH_OK;
+}
+
+static enum neph_status create_sums(struct render *render, const struct neph_scene *scene,
+                                    struct neph_diag *diag)
+{
+    render->sums.pixel_count = render->batch.pixel_count = render->pixel_count;
+    render->sums.values = calloc(sums_count(&render->sums), sizeof(double));
+    render->batch.values = calloc(sums_count(&render->sums), sizeof(double));
+    render->view_light = calloc(render->pixel_count * view_floats, sizeof(float));
+    render->identity = identity_of(scene, render->params, render->vulkan);
+    if (!render->sums.values || !render->batch.values || !render->view_light || !render->identity)
+        return neph_fail_memory(diag);
+    const char *checkpoint = render->params->checkpoint;
+    if (!checkpoint || !neph_path_exists(checkpoint))
+        return NEPH_OK;
+    return neph_checkpoint_read(checkpoint, render->identity, render->sums.values,
+                                sums_count(&render->sums), diag);
+}
+
+static enum neph_status prepare(struct render *render, const struct neph_scene *scene,
+                                struct neph_diag *diag)
+{
+    const struct neph_tracer_params *params = render->params;
+    render->pixel_count = (size_t)params->width_px * (size_t)params->height_px;
+    render->chunk_pixels = render->pixel_count < chunk_pixels_max ? render->pixel_count
+                                                                  : chunk_pixels_max;
+    render->viewed_first = SIZE_MAX;
+    render->turns = choose_turns(scene, params);
+    render->window = 64;
+    enum neph_status status = create_sums(render, scene, diag);
+    if (!status)
+        status = get_kernels(render, scene, diag);
+    if (!status)
+        status = upload_scene(render, scene, diag);
+    if (!status)
+        status = create_buffers(render, diag);
+    return status;
+}
+
+static void finish(struct render *render)
+{
+    for (int i = 0; i < BINDING_COUNT; i++)
+        neph_buffer_destroy(render->vulkan, &render->buffers[i]);
+    neph_buffer_destroy(render->vulkan, &render->pixels_readback);
+    neph_buffer_destroy(render->vulkan, &render->progress_readback);
+    free(render->sums.values);
+    free(render->batch.values);
+    free(render->view_light);
+    free(render->identity);
+}
+
+/* --- dispatches --------------------------------------------------------------------------- */
+
+static enum neph_status run_kernel(struct render *render, const struct neph_kernel *kernel,
+                                   const struct gpu_run *run, uint32_t group_count,
+                                   enum binding copy_from, struct neph_buffer *copy_to,
+                                   struct neph_diag *diag)
+{
+    if (neph_interrupted())
+        return neph_fail(diag, NEPH_ERR_INTERRUPTED, "tracer: interrupted");
+    struct neph_dispatch dispatch = {
+        .push = run,
+        .group_count = group_count,
+        .copy_from = &render->buffers[copy_from],
+        .copy_to = copy_to,
+        .copy_size_bytes = copy_to ? copy_to->size_bytes : 0,
+    };
+    for (int i = 0; i < BINDING_COUNT; i++) /* unused bindings must be bound too */
+        dispatch.buffers[i] = render->buffers[i].handle ? &render->buffers[i]
+                                                        : &render->buffers[BINDING_FRAME];
+    double gpu_s;
+    const enum neph_status status = neph_kernel_run(render->vulkan, kernel, &dispatch, &gpu_s,
+                                                    diag);
+    if (status)
+        return status;
+    render->stats.gpu_s += gpu_s;
+    render->stats.dispatches++;
+    return NEPH_OK;
+}
+
+static uint32_t pixel_groups(uint32_t pixel_count)
+{
+    return (pixel_count + pixel_local_size - 1) / pixel_local_size;
+}
+
+/* Make a chunk the one that the device holds. */
+static enum neph_status view_chunk(struct render *render, const struct gpu_run *run,
+                                   struct neph_diag *diag)
+{
+    if (render->viewed_first == run->first_pixel)
+        return NEPH_OK;
+    const enum neph_status status = run_kernel(render, render->view, run,
+                                               pixel_groups(run->pixel_count), BINDING_PIXELS,
+                                               &render->pixels_readback, diag);
+    if (status)
+        return status;
+    render->viewed_first = run->first_pixel;
+    render->progress = (struct gpu_progress){0}; /* the kernel has set it to 0 */
+    const struct gpu_pixel *pixels = render->pixels_readback.mapped;
+    for (size_t i = 0; i < run->pixel_count; i++)
+        memcpy(render->view_light + (run->first_pixel + i) * view_floats, &pixels[i],
+               view_floats * sizeof(float));
+    return NEPH_OK;
+}
+
+/* One dispatch of the path kernel; `*items_done` grows by what it finished. */
+static enum neph_status run_window(struct render *render, const struct gpu_run *run,
+                                   uint32_t pool_count, uint32_t *items_done,
+                                   struct neph_diag *diag)
+{
+    const enum neph_status status = run_kernel(render, render->path, run, pool_count,
+                                               BINDING_PROGRESS, &render->progress_readback, diag);
+    if (status)
+        return status;
+    /* Counters only grow, modulo 2^32. */
+    const struct gpu_progress *now = render->progress_readback.mapped;
+    double *head = render->batch.values;
+    *items_done += now->items_done - render->progress.items_done;
+    head[head_collisions] += now->collisions - render->progress.collisions;
+    head[head_lookups] += now->lookups - render->progress.lookups;
+    head[head_closed_forms] += now->closed_forms - render->progress.closed_forms;
+    render->progress = *now;
+    return NEPH_OK;
+}
+
+/* Long enough to pay for itself, short enough for Ctrl-C. */
+static void adapt_window(struct render *render, double dispatch_s)
+{
+    if (dispatch_s < 0.08 && render->window < window_pools_max)
+        render->window *= 2;
+    if (dispatch_s > 0.3 && render->window > 2)
+        render->window /= 2;
+}
+
+/* All paths of a batch for the pools of the chunk. */
+static enum neph_status trace_paths(struct render *render, struct gpu_run run,
+                                    struct neph_diag *diag)
+{
+    const uint32_t pools = (run.pixel_count + pool_pixels - 1) / pool_pixels;
+    for (uint32_t first = 0, count; first < pools; first += count) {
+        count = pools - first < render->window ? pools - first : render->window;
+        const uint32_t pixels_left = run.pixel_count - first * pool_pixels;
+        const uint32_t pixels = pixels_left < count * pool_pixels ? pixels_left
+                                                                  : count * pool_pixels;
+        uint32_t items_done = 0;
+        run.first_pool = first;
+        for (run.is_fresh = 1; items_done < pixels * NEPH_TRACER_BATCH_SAMPLES; run.is_fresh = 0) {
+            const double start_s = neph_wall_s();
+            const enum neph_status status = run_window(render, &run, count, &items_done, diag);
+            if (status)
+                return status;
+            if (run.is_fresh)
+                adapt_window(render, neph_wall_s() - start_s);
+        }
+    }
+    return NEPH_OK;
+}
+
+static enum neph_status trace_chunk(struct render *render, const struct gpu_run *run,
+                                    struct neph_diag *diag)
+{
+    enum neph_status status = view_chunk(render, run, diag);
+    if (!status)
+        status = run_kernel(render, render->first, run,
+                            pixel_groups(run->pixel_count * NEPH_TRACER_BATCH_SAMPLES),
+                            BINDING_PIXELS, NULL, diag);
+    if (!status && render->needs_paths)
+        status = trace_paths(render, *run, diag);
+    if (!status)
+        status = run_kernel(render, render->sum, run, pixel_groups(run->pixel_count),
+                            BINDING_PIXELS, &render->pixels_readback, diag);
+    return status;
+}
+
+static struct gpu_run chunk_run(const struct render *render, size_t first)
+{
+    const size_t left = render->pixel_count - first;
+    return (struct gpu_run){
+        .seed_low = (uint32_t)render->params->seed,
+        .seed_high = (uint32_t)(render->params->seed >> 32),
+        .first_pixel = (uint32_t)first,
+        .pixel_count = (uint32_t)(left < render->chunk_pixels ? left : render->chunk_pixels),
+        .first_sample = (uint32_t)render->sums.values[head_samples],
+        .turns = render->turns,
+    };
+}
+
+static enum neph_status view_all(struct render *render, struct neph_diag *diag)
+{
+    enum neph_status status = NEPH_OK;
+    for (size_t first = 0; !status && first < render->pixel_count; first += render->chunk_pixels) {
+        const struct gpu_run run = chunk_run(render, first);
+        status = view_chunk(render, &run, diag);
+    }
+    return status;
+}
+
+static enum neph_status trace_batch(struct render *render, struct neph_diag *diag)
+{
+    double *values = render->batch.values;
+    memset(values, 0, sums_count(&render->batch) * sizeof(*values));
+    for (size_t first = 0; first < render->pixel_count; first += render->chunk_pixels) {
+        const struct gpu_run run = chunk_run(render, first);
+        const enum neph_status status = trace_chunk(render, &run, diag);
+        if (status)
+            return status;
+        const struct gpu_pixel *pixels = render->pixels_readback.mapped;
+        for (size_t i = 0; i < run.pixel_count; i++)
+            add_pixel(sums_of(&render->batch, first + i), &pixels[i]);
+    }
+    values[head_samples] = NEPH_TRACER_BATCH_SAMPLES;
+    for (size_t i = 0; i < sums_count(&render->sums); i++)
+        render->sums.values[i] += values[i];
+    return NEPH_OK;
+}
+
+/* --- progress ----------------------------------------------------------------------------- */
+
+/* The variance of the mean of all light: each pair's squared difference / 4 estimates that of the
+ * pair's mean, and the mean is that of `pairs` of them. */
+static double variance_of(const double *sums, int channel, double samples)
+{
+    const double pairs = 0.5 * samples;
+    return 0.25 * sums[9 + channel] / (pairs * pairs);
+}
+
+static double error_of(const struct sums *sums)
+{
+    const double samples = sums->values[head_samples];
+    double variance = 0.0, radiance = 0.0;
+    for (size_t i = 0; i < sums->pixel_count; i++)
+        for (int c = 0; c < 3; c++) {
+            const double *pixel = sums_of(sums, i);
+            const double volume = (pixel[c] + pixel[3 + c]) / samples;
+            variance += variance_of(pixel, c, samples);
+            radiance += volume * volume;
+        }
+    return radiance > 0.0 ? sqrt(variance / radiance) : variance > 0.0 ? INFINITY : 0.0;
+}
+
+static enum neph_status save(const struct render *render, struct neph_diag *diag)
+{
+    if (!render->params->checkpoint)
+        return NEPH_OK;
+    return neph_checkpoint_write(render->params->checkpoint, render->identity, render->sums.values,
+                                 sums_count(&render->sums), diag);
+}
+
+static bool is_done(struct render *render, double batch_s)
+{
+    const struct neph_tracer_params *params = render->params;
+    const double samples = render->sums.values[head_samples];
+    if (samples <= 0.0)
+        return false;
+    if (samples >= params->samples)
+        return true;
+    if (params->target_error > 0.0 && error_of(&render->sums) <= params->target_error)
+        return true;
+    return neph_wall_s() - render->start_s + batch_s > params->time_limit_s;
+}
+
+static enum neph_status trace_batches(struct render *render, struct neph_diag *diag)
+{
+    const double save_every_s = 60.0;
+    double saved_s = neph_wall_s();
+    for (double batch_s = 0.0; !is_done(render, batch_s);) {
+        const double start_s = neph_wall_s();
+        enum neph_status status = trace_batch(render, diag);
+        if (!status && neph_wall_s() - saved_s > save_every_s) {
+            status = save(render, diag);
+            saved_s = neph_wall_s();
+        }
+        if (status)
+            return status;
+        batch_s = neph_wall_s() - start_s;
+    }
+    return NEPH_OK;
+}
+
+static enum neph_status trace(struct render *render, struct neph_diag *diag)
+{
+    enum neph_status status = view_all(render, diag);
+    if (!status)
+        status = trace_batches(render, diag);
+    if (!status)
+        return save(render, diag);
+    if (status == NEPH_ERR_INTERRUPTED && render->sums.values[head_samples] > 0.0 &&
+        save(render, NULL))
+        return neph_fail(diag, NEPH_ERR_IO, "tracer: interrupted, and cannot write '%s'",
+                         render->params->checkpoint);
+    return status;
+}
+
+/* --- the frame ---------------------------------------------------------------------------- */
+
+static const char *const rgb_layers[] = {NULL, "volume", "order1", "transmittance", "variance"};
+enum {
+    LAYER_RADIANCE,
+    LAYER_VOLUME,
+    LAYER_ORDER1,
+    LAYER_TRANSMITTANCE,
+    LAYER_VARIANCE,
+    LAYER_COUNT
+};
+
+static enum neph_status create_image(const struct neph_tracer_params *params,
+                                     struct neph_image **image, float *layers[LAYER_COUNT][3],
+                                     float **eye_depth_m, struct neph_diag *diag)
+{
+    enum neph_status status = neph_image_create(params->width_px, params->height_px, image, diag);
+    for (int i = 0; !status && i < LAYER_COUNT; i++)
+        status = neph_image_add_rgb(*image, rgb_layers[i], layers[i], diag);
+    if (!status)
+        status = neph_image_add_channel(*image, "Z", eye_depth_m, diag);
+    return status;
+}
+
+static enum neph_status make_frame(const struct render *render, struct neph_image **frame,
+                                   struct neph_diag *diag)
+{
+    struct neph_image *image = NULL;
+    float *layers[LAYER_COUNT][3], *eye_depth_m;
+    const enum neph_status status = create_image(render->params, &image, layers, &eye_depth_m,
+                                                 diag);
+    if (status) {
+        neph_image_destroy(image);
+        return status;
+    }
+    const double samples = render->sums.values[head_samples];
+    for (size_t i = 0; i < render->pixel_count; i++) {
+        const double *sums = sums_of(&render->sums, i);
+        const float *view = render->view_light + i * view_floats;
+        eye_depth_m[i] = view[3] < NEPH_GPU_FAR_M ? view[3] : INFINITY;
+        for (int c = 0; c < 3; c++) {
+            const double transmittance = (double)view[4 + c];
+            const double order1 = sums[c] / samples, surface = sums[6 + c] / samples;
+            const double volume = order1 + sums[3 + c] / samples;
+            layers[LAYER_RADIANCE][c][i] = (float)(volume +
+                                                   transmittance * ((double)view[c] + surface));
+            layers[LAYER_VOLUME][c][i] = (float)volume;
+            layers[LAYER_ORDER1][c][i] = (float)order1;
+            layers[LAYER_TRANSMITTANCE][c][i] = (float)transmittance;
+            layers[LAYER_VARIANCE][c][i] = (float)variance_of(sums, c, samples);
+        }
+    }
+    *frame = image;
+    return NEPH_OK;
+}
+
+static void count(struct render *render)
+{
+    const double *head = render->sums.values;
+    struct neph_tracer_stats *stats = &render->stats;
+    stats->samples = (int)head[head_samples];
+    stats->collisions = (uint64_t)head[head_collisions];
+    stats->lookups = (uint64_t)head[head_lookups];
+    stats->closed_forms = (uint64_t)head[head_closed_forms];
+    stats->error = error_of(&render->sums);
+    stats->wall_s = neph_wall_s() - render->start_s;
+}
+
+enum neph_status neph_tracer_render(struct neph_vulkan *vulkan, const struct neph_scene *scene,
+                                    const struct neph_tracer_params *params,
+                                    struct neph_image **frame, struct neph_tracer_stats *stats,
+                                    struct neph_diag *diag)
+{
+    enum neph_status status = check(scene, params, diag);
+    if (status)
+        return status;
+    struct render render = {.vulkan = vulkan, .params = params, .start_s = neph_wall_s()};
+    struct neph_image *image = NULL;
+    status = prepare(&render, scene, diag);
+    if (!status)
+        status = trace(&render, diag);
+    if (!status)
+        status = make_frame(&render, &image, diag);
+    if (!status)
+        status = neph_vulkan_check(vulkan, diag);
+    if (!status) {
+        count(&render);
+        *frame = image;
+        if (stats)
+            *stats = render.stats;
+    } else {
+        neph_image_destroy(image);
+    }
+    finish(&render);
+    return status;
+}

@@ -1,0 +1,76 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The path tracer on the device: the estimator of truth/oracle.h in float32, without bias, for
+ * lavapipe and GPUs alike. No clamp, no limit on bounces, roulette only below a twentieth of the
+ * first throughput; float32 within a batch of 8 samples, double across batches.
+ *
+ * Estimator. What reaches the camera unscattered is exact. Free paths: by inversion of the closed
+ * form (homogeneous, fog), by delta tracking through local majorants elsewhere (E. R. Woodcock et
+ * al. 1965); the nearest of all media's collisions counts. At each event the sun is sampled, its
+ * transmittance in closed form or by ratio tracking (J. Novak et al., "Residual Ratio Tracking",
+ * SIGGRAPH Asia 2014). One path serves all three channels, with the balance heuristic over the
+ * channels (B. Miller, I. Georgiev, W. Jarosz, "A Null-Scattering Path Integral Formulation of
+ * Light Transport", SIGGRAPH 2019).
+ *
+ * What the scene's switches mean: `none` and `single` know one event: sunlight and, where there is
+ * environment light, the background reach a surface (or, in `single`, a medium) without having been
+ * scattered before. `multiple` knows all.
+ *
+ * Variance. Samples come in pairs; the two of a pair lie in the same stratum and differ by chance
+ * alone, so their squared differences estimate the variance of the mean, stratified or not
+ * (W. G. Cochran, "Sampling Techniques", 5A.12). Degrees of freedom: half the number of samples.
+ */
+#ifndef NEPH_RENDERER_TRACER_H
+#define NEPH_RENDERER_TRACER_H
+
+#include "base/image.h"
+#include "renderer/vulkan.h"
+#include "scenes/scene.h"
+
+#include <stdint.h>
+
+#define NEPH_TRACER_SIDE_MAX_PX 4096
+#define NEPH_TRACER_STRATA 4
+#define NEPH_TRACER_BATCH_SAMPLES (2 * NEPH_TRACER_STRATA)
+#define NEPH_TRACER_SAMPLES_MAX (1 << 28)
+
+struct neph_tracer_params {
+    int width_px, height_px; /* 1..NEPH_TRACER_SIDE_MAX_PX */
+    double frame;            /* of the scene; may be fractional */
+    uint64_t seed;
+    int samples;         /* per pixel, >= 2, rounded up to whole batches; the most with a target */
+    double target_error; /* as in truth/oracle.h: stop when the rms over pixels of the standard
+                            error of the mean divided by the rms radiance of volume light is below
+                            this; 0: all samples */
+    double time_limit_s; /* stop at the end of a batch when there is no time for another (there is
+                            always one); +inf: none */
+    const char *checkpoint;  /* file to resume from and to leave the sums in; NULL: none */
+    uint32_t dispatch_turns; /* most turns of a dispatch; 0: chosen here. Changes no bit. */
+};
+
+struct neph_tracer_stats {
+    int samples;  /* taken of every pixel */
+    double error; /* as target_error, reached */
+    double gpu_s; /* device time of all dispatches; NaN when the device has no clock */
+    double wall_s;
+    uint64_t collisions;   /* real ones */
+    uint64_t lookups;      /* densities looked up at a point */
+    uint64_t closed_forms; /* optical depths of one medium in closed form */
+    int dispatches;
+};
+
+/* False, with the reason in words, for what this estimator cannot do. */
+bool neph_tracer_can_render(const struct neph_scene *scene, char *reason, size_t reason_size);
+
+/* Render a frame: R G B, volume.*, order1.* (scattered exactly once, by a medium), transmittance.*,
+ * variance.* (of the mean of R G B: the square of its standard error), Z. Same scene, params and
+ * device: same bits, with or without a rest at a checkpoint. `*frame` is the caller's; `stats` may
+ * be NULL. NEPH_ERR_USAGE: a parameter is out of range. NEPH_ERR_UNSUPPORTED:
+ * neph_tracer_can_render() says no. NEPH_ERR_INPUT: the checkpoint is damaged or of another render.
+ * NEPH_ERR_INTERRUPTED: within about a second; leaves the checkpoint, if there is one. */
+enum neph_status neph_tracer_render(struct neph_vulkan *vulkan, const struct neph_scene *scene,
+                                    const struct neph_tracer_params *params,
+                                    struct neph_image **frame, struct neph_tracer_stats *stats,
+                                    struct neph_diag *diag);
+
+#endif

@@ -1,0 +1,541 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The path tracer on the device against truth that knows no chance: exact single scattering, slabs
+ * by adding and doubling, the white furnace. A comparison is of z-scores over the pixels of a frame
+ * (their mean and variance test the image and its reported variance) and of the frame's sum.
+ */
+#include "tests/base/scratch.h"
+#include "tests/renderer/renderer_test.h"
+
+#include "base/interrupt.h"
+#include "renderer/tracer.h"
+#include "truth/slab.h"
+#include "truth/transport.h"
+
+#include <signal.h>
+
+static const uint64_t seed = 20240611;
+static const double pi = 3.14159265358979323846;
+
+static struct neph_tracer_params params_of(int width_px, int height_px, int samples)
+{
+    return (struct neph_tracer_params){.width_px = width_px,
+                                       .height_px = height_px,
+                                       .seed = seed,
+                                       .samples = samples,
+                                       .time_limit_s = INFINITY};
+}
+
+static struct neph_image *render(struct neph_vulkan *vulkan, const struct test_scene *test,
+                                 const struct neph_tracer_params *params,
+                                 struct neph_tracer_stats *stats)
+{
+    struct neph_image *frame = NULL;
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_tracer_render(vulkan, &test->scene, params, &frame, stats, &diag), &diag);
+    assert_int_equal(frame->channel_count, 16);
+    for (int c = 0; c < frame->channel_count; c++)
+        for (size_t i = 0; i < neph_image_pixel_count(frame); i++) {
+            const float value = frame->channels[c].samples[i];
+            if (!(value >= 0.0f) || (isinf(value) && strcmp(frame->channels[c].name, "Z") != 0))
+                fail_msg("%s of pixel %zu is %g", frame->channels[c].name, i, (double)value);
+        }
+    return frame;
+}
+
+/* --- comparison --------------------------------------------------------------------------- */
+
+/* What a pixel of column i should be. */
+typedef double truth_of_ray(const struct test_scene *test, struct neph_vec3 ray, int i, int channel,
+                            const void *context);
+
+struct verdict {
+    int count; /* of z-scores */
+    double z_mean, z_variance;
+    double bias, bias_error; /* of the frame's sum, relative */
+    double exact_error;      /* relative, of pixels that know no chance */
+};
+
+/* float32 knows a radiance that is a sum of products to about this part of itself; where chance is
+ * smaller still, rounding decides. */
+static const double rounding = 2e-6;
+
+static struct verdict compare(const struct test_scene *test, const struct neph_image *frame,
+                              truth_of_ray *truth, const void *context)
+{
+    const struct neph_camera camera = neph_scene_camera(&test->scene, 0.0);
+    float *radiance[3], *variance[3];
+    assert_true(neph_image_rgb(frame, NULL, radiance));
+    assert_true(neph_image_rgb(frame, "variance", variance));
+    struct verdict v = {0};
+    double sum = 0.0, expected_sum = 0.0, variance_sum = 0.0, square_sum = 0.0;
+    for (int j = 0; j < frame->height_px; j++)
+        for (int i = 0; i < frame->width_px; i++) {
+            const int channel = (i + j) % 3, at = j * frame->width_px + i;
+            const struct neph_vec3 ray = neph_camera_ray(&camera, frame->width_px, frame->height_px,
+                                                         i, j);
+            const double expected = truth(test, ray, i, channel, context);
+            const double found = (double)radiance[channel][at];
+            const double spread = (double)variance[channel][at];
+            sum += found;
+            expected_sum += expected;
+            variance_sum += spread;
+            if (spread <= 0.0) {
+                v.exact_error = fmax(v.exact_error, fabs(found - expected) / expected);
+                continue;
+            }
+            const double z = (found - expected) / hypot(sqrt(spread), rounding * expected);
+            v.z_mean += z;
+            square_sum += z * z;
+            v.count++;
+        }
+    if (v.count > 0)
+        v.z_mean /= v.count;
+    v.z_variance = v.count > 1 ? square_sum / v.count - v.z_mean * v.z_mean : 1.0;
+    v.bias = sum / expected_sum - 1.0;
+    v.bias_error = sqrt(variance_sum) / expected_sum + rounding;
+    return v;
+}
+
+/* `variance_slack`: how far the variance of the z-scores may lie from 1 besides its own chance
+ * (sqrt(2 / count), four of them): a score made with an estimated variance of n degrees of freedom
+ * has variance n / (n - 2) = 1 + 2 / n or so. */
+static void judge(const char *name, struct verdict v, double variance_slack)
+{
+    print_message("%-22s z: %5d, mean %+.3f, variance %.3f; sum off by %+.1e +- %.1e; exact to "
+                  "%.0e\n",
+                  name, v.count, v.z_mean, v.z_variance, v.bias, v.bias_error, v.exact_error);
+    if (fabs(v.bias) > 4.0 * v.bias_error || v.exact_error > 2.0 * rounding)
+        fail_msg("%s is biased", name);
+    if (v.count < 20)
+        return;
+    const double chance = 4.0 / sqrt(v.count);
+    if (fabs(v.z_mean) > chance || fabs(v.z_variance - 1.0) > sqrt(2.0) * chance + variance_slack)
+        fail_msg("%s: its variance is not what it says", name);
+}
+
+static double exact_single(const struct test_scene *test, struct neph_vec3 ray, int i, int channel,
+                           const void *context)
+{
+    (void)i, (void)context;
+    const struct neph_rgb light =
+        neph_transport_ray(&test->scene, test->key.position_m, ray).radiance;
+    return channel == 0 ? light.r : channel == 1 ? light.g : light.b;
+}
+
+/* --- single scattering -------------------------------------------------------------------- */
+
+static void scene_box(struct test_scene *test)
+{
+    struct neph_medium *box = test_add_medium(test, 0.4, 0.0, 0.0);
+    box->bounds = (struct neph_bounds){{-3.0, -1.0, -12.0}, {4.0, 5.0, -6.0}};
+}
+
+static void scene_fog(struct test_scene *test)
+{
+    test_add_medium(test, 0.03, 0.05, 0.0);
+}
+
+static void scene_fog_down(struct test_scene *test)
+{
+    test_add_medium(test, 0.2, 0.08, 2.0);
+    test_add_box(test, (struct neph_vec3){-1e3, -1.0, -1e3}, (struct neph_vec3){1e3, 0.0, 1e3});
+    test->key.position_m = (struct neph_vec3){10.0, 120.0, 30.0};
+    test->key.look_at_m = (struct neph_vec3){0.0, 0.0, 0.0};
+}
+
+static void scene_two_layers_up(struct test_scene *test)
+{
+    struct neph_medium *fog = test_add_medium(test, 0.01, 0.02, 0.0);
+    test_add_layer(fog, 0.04, 0.1, 1.0);
+    test->key.look_at_m = (struct neph_vec3){3.0, 9.0, -5.0};
+}
+
+static void scene_overlapping_media(struct test_scene *test)
+{
+    scene_fog(test);
+    test->scene.media[0].phase.g = -0.3;
+    struct neph_medium *cube = test_add_medium(test, 0.3, 0.0, 0.0);
+    cube->bounds = (struct neph_bounds){{-4.0, -1.0, -20.0}, {2.0, 6.0, -10.0}};
+    cube->albedo = (struct neph_rgb){0.2, 0.9, 1.0};
+    cube->phase = (struct neph_phase){.kind = NEPH_PHASE_RAYLEIGH};
+}
+
+static void scene_solids_in_fog(struct test_scene *test)
+{
+    scene_fog(test);
+    test_add_box(test, (struct neph_vec3){-1e3, -1.0, -1e3}, (struct neph_vec3){1e3, 0.0, 1e3});
+    test_add_sphere(test, (struct neph_vec3){2.0, 3.0, -20.0}, 4.0);
+}
+
+/* The slack of the variance is 2 / n for n pairs in the one stratum that may have most of it. Where
+ * a solid hides the sun from one part in a thousand of a ray, thousands of samples must have met
+ * it before their spread can know. */
+static const struct {
+    const char *name;
+    void (*build)(struct test_scene *);
+    int samples;
+} single_scenes[] = {
+    {"box", scene_box, 512},
+    {"fog", scene_fog, 512},
+    {"fog, down", scene_fog_down, 512},
+    {"two layers, up", scene_two_layers_up, 512},
+    {"overlapping media", scene_overlapping_media, 512},
+    {"solids in fog", scene_solids_in_fog, 4096},
+};
+
+static void test_single_scattering_is_exact_transport(void **state)
+{
+    for (size_t s = 0; s < sizeof(single_scenes) / sizeof(single_scenes[0]); s++) {
+        struct test_scene test;
+        test_scene_init(&test);
+        single_scenes[s].build(&test);
+        const struct neph_tracer_params params = params_of(48, 27, single_scenes[s].samples);
+        struct neph_image *frame = render(*state, &test, &params, NULL);
+        judge(single_scenes[s].name, compare(&test, frame, exact_single, NULL),
+              2.0 / (single_scenes[s].samples / NEPH_TRACER_BATCH_SAMPLES));
+        neph_image_destroy(frame);
+    }
+}
+
+/* --- multiple scattering: slabs ----------------------------------------------------------- */
+
+/* A slab from y = 0 to 1, wide as the world. */
+static void slab_scene(struct test_scene *test, const struct neph_slab_params *slab,
+                       bool from_below)
+{
+    test_scene_init(test);
+    struct neph_medium *medium = test_add_medium(test, slab->optical_depth, 0.0, 0.0);
+    medium->bounds.min_m.y = 0.0;
+    medium->bounds.max_m.y = 1.0;
+    medium->albedo = (struct neph_rgb){slab->albedo, slab->albedo, slab->albedo};
+    medium->phase = slab->phase;
+    test->scene.background_w_per_m2_sr = (struct neph_rgb){0.0, 0.0, 0.0};
+    test->scene.scattering = NEPH_SCATTERING_MULTIPLE;
+    const double sine = sqrt(1.0 - slab->sun_cosine * slab->sun_cosine);
+    test->scene.sun.direction = (struct neph_vec3){sine, slab->sun_cosine, 0.0};
+    test->scene.sun.irradiance_w_per_m2 = (struct neph_rgb){1.0, 1.0, 1.0};
+    test->scene.vertical_fov_rad = 0.04; /* 48 pixels wide */
+    test->key.position_m = (struct neph_vec3){0.0, from_below ? -0.5 : 1.5, 0.0};
+    test->key.look_at_m = (struct neph_vec3){0.7, from_below ? 0.5 : 0.5, 0.3};
+}
+
+/* Frames of slabs are one row: each pixel is a view that must be solved for. */
+enum { slab_width_px = 48 };
+
+static struct neph_slab *solve_slab(const struct test_scene *test,
+                                    const struct neph_slab_params *of)
+{
+    const struct neph_camera camera = neph_scene_camera(&test->scene, 0.0);
+    double cosines[slab_width_px];
+    for (int i = 0; i < slab_width_px; i++)
+        cosines[i] = fabs(neph_camera_ray(&camera, slab_width_px, 1, i, 0).y);
+    struct neph_slab_params params = *of;
+    params.view_count = slab_width_px;
+    params.view_cosines = cosines;
+    struct neph_slab *slab = NULL;
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_slab_create(&params, &slab, &diag), &diag);
+    return slab;
+}
+
+static double slab_truth(const struct test_scene *test, struct neph_vec3 ray, int i, int channel,
+                         const void *context)
+{
+    (void)channel;
+    const struct neph_slab *slab = context;
+    /* Light travels to the camera along -ray, sunlight along -x: azimuth between the two. */
+    const double azimuth = atan2(ray.z, ray.x);
+    return test->key.position_m.y > 1.0 ? neph_slab_reflected_per_sr(slab, i, azimuth)
+                                        : neph_slab_transmitted_per_sr(slab, i, azimuth);
+}
+
+static const struct {
+    const char *name;
+    struct neph_slab_params slab;
+    int samples;
+} slabs[] = {
+    {"isotropic, tau 0.5", {0.5, 1.0, {NEPH_PHASE_ISOTROPIC, 0.0}, 0.6, 0, NULL, 0}, 512},
+    {"isotropic, tau 8", {8.0, 0.9, {NEPH_PHASE_ISOTROPIC, 0.0}, 0.6, 0, NULL, 0}, 256},
+    {"Rayleigh, tau 1", {1.0, 1.0, {NEPH_PHASE_RAYLEIGH, 0.0}, 0.8, 0, NULL, 0}, 512},
+    {"HG 0.6, tau 4", {4.0, 0.95, {NEPH_PHASE_HENYEY_GREENSTEIN, 0.6}, 0.7, 0, NULL, 0}, 512},
+    {"HG -0.4, tau 2", {2.0, 1.0, {NEPH_PHASE_HENYEY_GREENSTEIN, -0.4}, 0.5, 0, NULL, 0}, 512},
+};
+
+static void test_slabs_are_those_of_adding_and_doubling(void **state)
+{
+    for (size_t s = 0; s < sizeof(slabs) / sizeof(slabs[0]); s++)
+        for (int below = 0; below < 2; below++) {
+            const struct neph_tracer_params params = params_of(slab_width_px, 1, slabs[s].samples);
+            struct test_scene test;
+            slab_scene(&test, &slabs[s].slab, below);
+            struct neph_slab *slab = solve_slab(&test, &slabs[s].slab);
+            struct neph_image *frame = render(*state, &test, &params, NULL);
+            judge(slabs[s].name, compare(&test, frame, slab_truth, slab), 0.1);
+            neph_image_destroy(frame);
+            neph_slab_destroy(slab);
+        }
+}
+
+/* Chandrasekhar's half-space, and how deep a slab has to be to stand for it: albedo 0.9 and an
+ * optical depth of 40 let e^-(0.5 * 40) through. */
+static double half_space(const struct test_scene *test, struct neph_vec3 ray, int i, int channel,
+                         const void *context)
+{
+    (void)i, (void)channel, (void)context;
+    const double mu0 = test->scene.sun.direction.y, mu = -ray.y;
+    return 0.9 / (4.0 * pi) * mu0 / (mu + mu0) * neph_chandrasekhar_h(0.9, mu) *
+           neph_chandrasekhar_h(0.9, mu0);
+}
+
+static void test_the_half_space_is_chandrasekhars(void **state)
+{
+    const struct neph_slab_params slab = {40.0, 0.9, {NEPH_PHASE_ISOTROPIC, 0.0}, 0.6, 0, NULL, 0};
+    const struct neph_tracer_params params = params_of(32, 18, 512);
+    struct test_scene test;
+    slab_scene(&test, &slab, false);
+    struct neph_image *frame = render(*state, &test, &params, NULL);
+    judge("half-space", compare(&test, frame, half_space, NULL), 0.1);
+    neph_image_destroy(frame);
+}
+
+/* --- the white furnace -------------------------------------------------------------------- */
+
+static double one(const struct test_scene *test, struct neph_vec3 ray, int i, int channel,
+                  const void *context)
+{
+    (void)test, (void)ray, (void)i, (void)channel, (void)context;
+    return 1.0;
+}
+
+/* With forced collisions and no loss anywhere every sample brings home the same light: one path
+ * that got lost would show as 1 / samples. */
+static void test_white_furnace(void **state)
+{
+    for (double optical_depth = 1.0; optical_depth <= 64.0; optical_depth *= 8.0) {
+        struct test_scene test;
+        test_scene_init(&test);
+        scene_box(&test);
+        test.scene.media[0].layers[0].extinction_per_m = optical_depth / 6.0;
+        test.scene.media[0].albedo = (struct neph_rgb){1.0, 1.0, 1.0};
+        test.scene.media[0].phase.g = 0.85;
+        test_add_sphere(&test, (struct neph_vec3){1.0, 2.0, -9.0}, 1.5);
+        test.scene.solids[0].albedo = (struct neph_rgb){1.0, 1.0, 1.0};
+        test.scene.sun.present = false;
+        test.scene.environment_light = true;
+        test.scene.background_w_per_m2_sr = (struct neph_rgb){1.0, 1.0, 1.0};
+        test.scene.scattering = NEPH_SCATTERING_MULTIPLE;
+        const struct neph_tracer_params params = params_of(48, 27, 64);
+        struct neph_image *frame = render(*state, &test, &params, NULL);
+        const struct verdict v = compare(&test, frame, one, NULL);
+        judge("furnace", v, 0.0);
+        assert_int_equal(v.count, 0);
+        neph_image_destroy(frame);
+    }
+}
+
+/* --- same bits ---------------------------------------------------------------------------- */
+
+static void build_multiple(struct test_scene *test)
+{
+    test_scene_init(test);
+    scene_overlapping_media(test);
+    test_add_sphere(test, (struct neph_vec3){-1.0, 3.0, -14.0}, 2.0);
+    test->scene.scattering = NEPH_SCATTERING_MULTIPLE;
+    test->scene.environment_light = true;
+}
+
+static void assert_same_bits(const struct neph_image *a, const struct neph_image *b)
+{
+    const size_t bytes = neph_image_pixel_count(a) * sizeof(float);
+    for (int c = 0; c < a->channel_count; c++)
+        assert_memory_equal(a->channels[c].samples, b->channels[c].samples, bytes);
+}
+
+static void test_dispatches_change_no_bit(void **state)
+{
+    static const uint32_t turns[] = {0, 1, 7, 100};
+    struct test_scene test;
+    build_multiple(&test);
+    struct neph_image *first = NULL;
+    struct neph_tracer_stats of_first;
+    for (size_t i = 0; i < sizeof(turns) / sizeof(turns[0]); i++) {
+        struct neph_tracer_params params = params_of(21, 13, 16);
+        params.dispatch_turns = turns[i];
+        struct neph_tracer_stats stats;
+        struct neph_image *frame = render(*state, &test, &params, &stats);
+        if (first) {
+            assert_same_bits(first, frame);
+            assert_int_equal(of_first.collisions, stats.collisions);
+            assert_int_equal(of_first.lookups, stats.lookups);
+            assert_int_equal(of_first.closed_forms, stats.closed_forms);
+            neph_image_destroy(frame);
+        } else {
+            first = frame;
+            of_first = stats;
+        }
+    }
+    neph_image_destroy(first);
+}
+
+/* Two seeds: z-scores of their difference are those of independent frames. */
+static void test_seeds_are_independent(void **state)
+{
+    struct test_scene test;
+    build_multiple(&test);
+    struct neph_tracer_params params = params_of(48, 27, 256);
+    struct neph_image *a = render(*state, &test, &params, NULL);
+    params.seed++;
+    struct neph_image *b = render(*state, &test, &params, NULL);
+    double sum = 0.0, square_sum = 0.0;
+    int count = 0;
+    for (size_t i = 0; i < neph_image_pixel_count(a); i++) {
+        const double variance = (double)neph_image_channel(a, "variance.G")[i] +
+                                (double)neph_image_channel(b, "variance.G")[i];
+        const double z = ((double)neph_image_channel(a, "G")[i] -
+                          (double)neph_image_channel(b, "G")[i]) /
+                         sqrt(variance);
+        if (!(variance > 0.0))
+            continue;
+        sum += z;
+        square_sum += z * z;
+        count++;
+    }
+    print_message("two seeds: %d z-scores, mean %+.3f, variance %.3f\n", count, sum / count,
+                  square_sum / count);
+    assert_true(count > 1000);
+    assert_true(fabs(sum / count) < 4.0 / sqrt(count));
+    assert_true(fabs(square_sum / count - 1.0) < 4.0 * sqrt(2.0 / count) + 0.1);
+    neph_image_destroy(a);
+    neph_image_destroy(b);
+}
+
+/* --- checkpoints, targets, limits --------------------------------------------------------- */
+
+static void test_a_rest_at_a_checkpoint_changes_no_bit(void **state)
+{
+    struct test_scene test;
+    build_multiple(&test);
+    char folder[] = "/tmp/neph-test-XXXXXX";
+    assert_non_null(mkdtemp(folder));
+    char *path = neph_path_join(folder, "sums");
+    struct neph_tracer_params params = params_of(24, 16, 32);
+    struct neph_tracer_stats straight_stats, rested_stats;
+    struct neph_image *straight = render(*state, &test, &params, &straight_stats);
+    params.checkpoint = path;
+    params.samples = 8;
+    neph_image_destroy(render(*state, &test, &params, NULL));
+    params.samples = 32;
+    struct neph_image *rested = render(*state, &test, &params, &rested_stats);
+    assert_same_bits(straight, rested);
+    assert_int_equal(straight_stats.collisions, rested_stats.collisions);
+    assert_int_equal(rested_stats.samples, 32);
+    struct neph_image *again = render(*state, &test, &params, NULL); /* nothing is left to do */
+    assert_same_bits(straight, again);
+
+    struct neph_diag diag = {0};
+    struct neph_image *none = NULL;
+    params.seed++;
+    assert_int_equal(neph_tracer_render(*state, &test.scene, &params, &none, NULL, &diag),
+                     NEPH_ERR_INPUT);
+    params.seed--;
+    neph_assert_ok(neph_file_write(path, "neph-checkpoint 1 ", 18, &diag), &diag);
+    assert_int_equal(neph_tracer_render(*state, &test.scene, &params, &none, NULL, &diag),
+                     NEPH_ERR_INPUT);
+    assert_null(none);
+    neph_assert_ok(neph_dir_remove(folder, &diag), &diag);
+    free(path);
+    neph_image_destroy(straight);
+    neph_image_destroy(rested);
+    neph_image_destroy(again);
+}
+
+static void test_targets_and_time_limits_stop(void **state)
+{
+    struct test_scene test;
+    build_multiple(&test);
+    struct neph_tracer_params params = params_of(24, 16, 1 << 20);
+    struct neph_tracer_stats stats;
+    params.target_error = 0.05;
+    neph_image_destroy(render(*state, &test, &params, &stats));
+    assert_true(stats.error <= 0.05 && stats.samples < 4096);
+    params.target_error = 0.0;
+    params.time_limit_s = 0.3;
+    neph_image_destroy(render(*state, &test, &params, &stats));
+    assert_true(stats.wall_s < 3.0 && stats.samples >= NEPH_TRACER_BATCH_SAMPLES);
+}
+
+static void test_all_sizes(void **state)
+{
+    static const int sizes[][2] = {{1, 1}, {1, 9}, {7, 1}, {13, 11}, {65, 3}};
+    struct test_scene test;
+    build_multiple(&test);
+    for (size_t i = 0; i < sizeof(sizes) / sizeof(sizes[0]); i++) {
+        const struct neph_tracer_params params = params_of(sizes[i][0], sizes[i][1], 2);
+        struct neph_tracer_stats stats;
+        struct neph_image *frame = render(*state, &test, &params, &stats);
+        assert_int_equal(frame->width_px, sizes[i][0]);
+        assert_int_equal(frame->height_px, sizes[i][1]);
+        assert_int_equal(stats.samples, NEPH_TRACER_BATCH_SAMPLES);
+        neph_image_destroy(frame);
+    }
+}
+
+static void test_refusals(void **state)
+{
+    struct test_scene test;
+    build_multiple(&test);
+    struct neph_image *frame = NULL;
+    struct neph_diag diag = {0};
+    const struct neph_tracer_params good = params_of(4, 4, 8);
+    struct neph_tracer_params bad[] = {good, good, good, good, good};
+    bad[0].width_px = 0;
+    bad[1].height_px = NEPH_TRACER_SIDE_MAX_PX + 1;
+    bad[2].samples = 1;
+    bad[3].target_error = NAN;
+    bad[4].time_limit_s = 0.0;
+    for (size_t i = 0; i < sizeof(bad) / sizeof(bad[0]); i++)
+        assert_int_equal(neph_tracer_render(*state, &test.scene, &bad[i], &frame, NULL, &diag),
+                         NEPH_ERR_USAGE);
+    test_scene_init(&test);
+    test_add_medium(&test, 0.1, 0.0, 0.0)->albedo = (struct neph_rgb){1.0, 1.0, 1.0};
+    test.scene.scattering = NEPH_SCATTERING_MULTIPLE;
+    assert_int_equal(neph_tracer_render(*state, &test.scene, &good, &frame, NULL, &diag),
+                     NEPH_ERR_UNSUPPORTED);
+    assert_non_null(strstr(diag.message, "unbounded"));
+    assert_null(frame);
+}
+
+/* Last, because the flag stays up. */
+static void test_interruption_is_heard(void **state)
+{
+    struct test_scene test;
+    build_multiple(&test);
+    struct neph_image *frame = NULL;
+    struct neph_diag diag = {0};
+    const struct neph_tracer_params params = params_of(8, 8, 1 << 20);
+    neph_interrupt_install();
+    raise(SIGINT);
+    assert_int_equal(neph_tracer_render(*state, &test.scene, &params, &frame, NULL, &diag),
+                     NEPH_ERR_INTERRUPTED);
+    assert_null(frame);
+}
+
+int main(void)
+{
+    print_message("seed %llu\n", (unsigned long long)seed);
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_single_scattering_is_exact_transport),
+        cmocka_unit_test(test_slabs_are_those_of_adding_and_doubling),
+        cmocka_unit_test(test_the_half_space_is_chandrasekhars),
+        cmocka_unit_test(test_white_furnace),
+        cmocka_unit_test(test_dispatches_change_no_bit),
+        cmocka_unit_test(test_seeds_are_independent),
+        cmocka_unit_test(test_a_rest_at_a_checkpoint_changes_no_bit),
+        cmocka_unit_test(test_targets_and_time_limits_stop),
+        cmocka_unit_test(test_all_sizes),
+        cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_interruption_is_heard),
+    };
+    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
+}
