@@ -12,11 +12,12 @@ static const struct {
     VkBufferUsageFlags usage;
     VkMemoryPropertyFlags needed, liked;
 } buffer_uses[] = {
-    [NEPH_BUFFER_UPLOAD] = {VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
+    [NEPH_BUFFER_UPLOAD] = {VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT,
                             VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT |
                                 VK_MEMORY_PROPERTY_HOST_COHERENT_BIT,
                             VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT},
-    [NEPH_BUFFER_DEVICE] = {VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT,
+    [NEPH_BUFFER_DEVICE] = {VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT |
+                                VK_BUFFER_USAGE_TRANSFER_DST_BIT,
                             0, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT},
     [NEPH_BUFFER_READBACK] = {VK_BUFFER_USAGE_TRANSFER_DST_BIT,
                               VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT |
@@ -373,6 +374,50 @@ static VkResult read_timestamps(const struct neph_vulkan *vulkan, double *gpu_s)
         *gpu_s = (double)((ticks[1] - ticks[0]) & vulkan->timestamp_mask) *
                  vulkan->timestamp_period_s;
     return result;
+}
+
+/* --- uploads ------------------------------------------------------------------------------ */
+
+static VkResult record_upload(const struct neph_vulkan *vulkan, const struct neph_buffer *staging,
+                              const struct neph_buffer *buffer, size_t offset_bytes,
+                              size_t size_bytes)
+{
+    const struct VolkDeviceTable *api = &vulkan->api;
+    const VkCommandBufferBeginInfo begin = {
+        .sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
+        .flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT,
+    };
+    const VkResult result = api->vkBeginCommandBuffer(vulkan->commands, &begin);
+    if (result != VK_SUCCESS)
+        return result;
+    const VkBufferCopy region = {.dstOffset = offset_bytes, .size = size_bytes};
+    api->vkCmdCopyBuffer(vulkan->commands, staging->handle, buffer->handle, 1, &region);
+    memory_barrier(vulkan, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_WRITE_BIT,
+                   VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_ACCESS_SHADER_READ_BIT);
+    return api->vkEndCommandBuffer(vulkan->commands);
+}
+
+enum neph_status neph_buffer_upload(const struct neph_vulkan *vulkan,
+                                    const struct neph_buffer *buffer, size_t offset_bytes,
+                                    const void *data, size_t size_bytes, struct neph_diag *diag)
+{
+    const size_t chunk_max_bytes = (size_t)16 << 20;
+    const size_t chunk_bytes = size_bytes < chunk_max_bytes ? size_bytes : chunk_max_bytes;
+    struct neph_buffer staging = {0};
+    enum neph_status status = neph_buffer_create(vulkan, NEPH_BUFFER_UPLOAD, chunk_bytes, "staging",
+                                                 &staging, diag);
+    for (size_t done = 0; done < size_bytes && !status; done += chunk_bytes) {
+        const size_t left = size_bytes - done;
+        const size_t now = left < chunk_bytes ? left : chunk_bytes;
+        memcpy(staging.mapped, (const char *)data + done, now);
+        VkResult result = record_upload(vulkan, &staging, buffer, offset_bytes + done, now);
+        if (result == VK_SUCCESS)
+            result = submit_and_wait(vulkan);
+        if (result != VK_SUCCESS)
+            status = neph_vulkan_fail(result, "upload", diag);
+    }
+    neph_buffer_destroy(vulkan, &staging);
+    return status;
 }
 
 enum neph_status neph_kernel_run(const struct neph_vulkan *vulkan, const struct neph_kernel *kernel,

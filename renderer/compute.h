@@ -60,8 +60,8 @@ void neph_vulkan_name(const struct neph_vulkan *vulkan, VkObjectType type, uint6
 /* --- buffers ------------------------------------------------------------------------------ */
 
 enum neph_buffer_use {
-    NEPH_BUFFER_UPLOAD,   /* written by the CPU, read by kernels */
-    NEPH_BUFFER_DEVICE,   /* written and read by kernels, source of copies */
+    NEPH_BUFFER_UPLOAD,   /* written by the CPU, read by kernels, source of copies */
+    NEPH_BUFFER_DEVICE,   /* written and read by kernels, source and target of copies */
     NEPH_BUFFER_READBACK, /* target of copies, read by the CPU */
 };
 
@@ -78,6 +78,12 @@ struct neph_buffer {
 enum neph_status neph_buffer_create(const struct neph_vulkan *vulkan, enum neph_buffer_use use,
                                     size_t size_bytes, const char *name, struct neph_buffer *buffer,
                                     struct neph_diag *diag);
+
+/* Copy `size_bytes` from the CPU to `offset_bytes` of a NEPH_BUFFER_DEVICE buffer, through a
+ * staging buffer of at most 16 MiB, and wait. */
+enum neph_status neph_buffer_upload(const struct neph_vulkan *vulkan,
+                                    const struct neph_buffer *buffer, size_t offset_bytes,
+                                    const void *data, size_t size_bytes, struct neph_diag *diag);
 
 /* A zero buffer is fine. */
 void neph_buffer_destroy(const struct neph_vulkan *vulkan, struct neph_buffer *buffer);

@@ -1,7 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 #include "renderer/gpu_scene.h"
 
+#include "scenes/grid.h"
+#include "scenes/majorant.h"
+#include "scenes/media.h"
+
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* No float32 leaves the shaders' finite world. */
@@ -76,17 +81,60 @@ struct neph_gpu_solid neph_gpu_solid_from(const struct neph_solid *solid,
     return gpu;
 }
 
+static struct neph_gpu_gaussian gaussian_from(const struct neph_gaussian *gaussian,
+                                              struct neph_vec3 camera_m)
+{
+    struct neph_gpu_gaussian gpu = {.width_m = (float)gaussian->width_m};
+    set_position(gpu.center_m, gaussian->center_m, camera_m);
+    return gpu;
+}
+
+static struct neph_gpu_shell shell_from(const struct neph_shell *shell, struct neph_vec3 camera_m)
+{
+    const struct neph_vec3 from_center_m = neph_vec3_sub(camera_m, shell->center_m);
+    const double radius_m = fmax(neph_vec3_length(from_center_m), 1e-3 * shell->radius_m);
+    struct neph_gpu_shell gpu = {
+        .camera_radius_m = (float)radius_m,
+        .camera_altitude_m = (float)(radius_m - shell->radius_m),
+        .scale_height_m = (float)shell->scale_height_m,
+    };
+    set_direction(gpu.up, neph_vec3_scale(from_center_m, 1.0 / radius_m));
+    return gpu;
+}
+
+/* With the layer of zeros that shaders/grid.glsl expects. */
+static struct neph_gpu_grid grid_from(const struct neph_grid *grid, struct neph_vec3 camera_m)
+{
+    struct neph_gpu_grid gpu = {.nodes_per_m = {(float)(1.0 / grid->spacing_m.x),
+                                                (float)(1.0 / grid->spacing_m.y),
+                                                (float)(1.0 / grid->spacing_m.z)}};
+    set_position(gpu.origin_m, neph_vec3_sub(grid->origin_m, grid->spacing_m), camera_m);
+    for (int axis = 0; axis < 3; axis++)
+        gpu.size[axis] = (uint32_t)grid->size[axis] + 2;
+    return gpu;
+}
+
 /* Layers without extinction are left out: nothing in the shaders has to expect a 0. */
 static struct neph_gpu_medium medium_from(const struct neph_medium *medium,
                                           struct neph_vec3 camera_position_m)
 {
+    const struct neph_bounds support = neph_medium_support(medium);
     struct neph_gpu_medium gpu = {
+        .kind = (uint32_t)medium->kind,
         .phase_kind = (uint32_t)medium->phase.kind,
         .g = (float)medium->phase.g,
+        .extinction_per_m = (float)medium->extinction_per_m,
     };
-    set_position(gpu.low_m, medium->bounds.min_m, camera_position_m);
-    set_position(gpu.high_m, medium->bounds.max_m, camera_position_m);
+    set_position(gpu.low_m, support.min_m, camera_position_m);
+    set_position(gpu.high_m, support.max_m, camera_position_m);
     set_rgb(gpu.albedo, medium->albedo);
+    set_rgb(gpu.extinction_color, medium->extinction_color);
+    if (medium->kind == NEPH_MEDIUM_GAUSSIAN)
+        gpu.gaussian = gaussian_from(&medium->gaussian, camera_position_m);
+    if (medium->kind == NEPH_MEDIUM_SHELL)
+        gpu.shell = shell_from(&medium->shell, camera_position_m);
+    if (medium->kind == NEPH_MEDIUM_GRID)
+        gpu.grid = grid_from(medium->grid, camera_position_m);
     for (int i = 0; i < medium->layer_count; i++)
         if (medium->layers[i].extinction_per_m > 0.0)
             gpu.layers[gpu.layer_count++] = neph_gpu_fog_layer_from(&medium->layers[i],
@@ -94,16 +142,32 @@ static struct neph_gpu_medium medium_from(const struct neph_medium *medium,
     return gpu;
 }
 
+static bool is_fog(const struct neph_medium *medium)
+{
+    return medium->kind == NEPH_MEDIUM_HOMOGENEOUS || medium->kind == NEPH_MEDIUM_HEIGHT_FOG;
+}
+
+/* Media that do nothing are left out. */
+static bool is_there(const struct neph_medium *medium)
+{
+    const struct neph_rgb color = medium->extinction_color;
+    double extinction_per_m = is_fog(medium) ? 0.0 : medium->extinction_per_m;
+    for (int i = 0; i < medium->layer_count; i++)
+        extinction_per_m = fmax(extinction_per_m, medium->layers[i].extinction_per_m);
+    return extinction_per_m > 0.0 && (color.r > 0.0 || color.g > 0.0 || color.b > 0.0);
+}
+
 static bool is_black(const float rgb[3])
 {
     return rgb[0] <= 0.0f && rgb[1] <= 0.0f && rgb[2] <= 0.0f;
 }
 
-struct neph_gpu_frame neph_gpu_frame_from(const struct neph_scene *scene, double frame,
-                                          int width_px, int height_px)
+/* The camera, the sun and the sky. */
+static struct neph_gpu_frame frame_from(const struct neph_scene *scene,
+                                        const struct neph_camera *camera, int width_px,
+                                        int height_px)
 {
-    const struct neph_camera camera = neph_scene_camera(scene, frame);
-    const double tan_half_height = tan(0.5 * camera.vertical_fov_rad);
+    const double tan_half_height = tan(0.5 * camera->vertical_fov_rad);
     struct neph_gpu_frame gpu = {
         .tan_half_width = (float)(tan_half_height * width_px / height_px),
         .tan_half_height = (float)tan_half_height,
@@ -111,23 +175,226 @@ struct neph_gpu_frame neph_gpu_frame_from(const struct neph_scene *scene, double
         .height_px = (uint32_t)height_px,
         .solid_count = (uint32_t)scene->solid_count,
     };
-    set_direction(gpu.camera_right, camera.right);
-    set_direction(gpu.camera_up, camera.up);
-    set_direction(gpu.camera_forward, camera.forward);
+    set_direction(gpu.camera_right, camera->right);
+    set_direction(gpu.camera_up, camera->up);
+    set_direction(gpu.camera_forward, camera->forward);
     set_rgb(gpu.background, scene->background_w_per_m2_sr);
     if (scene->sun.present) {
         set_direction(gpu.sun_direction, scene->sun.direction);
         set_rgb(gpu.sun_irradiance, scene->sun.irradiance_w_per_m2);
     }
-    bool scatters = false;
-    for (int i = 0; i < scene->medium_count; i++) {
-        const struct neph_gpu_medium medium = medium_from(&scene->media[i], camera.position_m);
-        if (medium.layer_count == 0)
-            continue;
-        scatters = scatters || !is_black(medium.albedo);
-        gpu.media[gpu.medium_count++] = medium;
-    }
-    gpu.single_scattering = scatters && scene->scattering == NEPH_SCATTERING_SINGLE &&
-                            !is_black(gpu.sun_irradiance);
     return gpu;
+}
+
+/* --- buffers ------------------------------------------------------------------------------ */
+
+/* A device buffer of at least one element: nothing may be bound that is empty. */
+static enum neph_status upload(const struct neph_vulkan *vulkan, const void *data, size_t count,
+                               size_t element_bytes, const char *name, struct neph_buffer *buffer,
+                               struct neph_diag *diag)
+{
+    const size_t bytes = (count > 0 ? count : 1) * element_bytes;
+    enum neph_status status = neph_buffer_create(vulkan, NEPH_BUFFER_DEVICE, bytes, name, buffer,
+                                                 diag);
+    if (!status && count > 0)
+        status = neph_buffer_upload(vulkan, buffer, 0, data, bytes, diag);
+    return status;
+}
+
+static enum neph_status upload_solids(const struct neph_vulkan *vulkan,
+                                      const struct neph_scene *scene, struct neph_vec3 camera_m,
+                                      struct neph_gpu_scene *gpu, struct neph_diag *diag)
+{
+    const size_t count = (size_t)scene->solid_count;
+    struct neph_gpu_solid *solids = calloc(count + 1, sizeof(*solids));
+    if (!solids)
+        return neph_fail_memory(diag);
+    for (size_t i = 0; i < count; i++)
+        solids[i] = neph_gpu_solid_from(&scene->solids[i], camera_m);
+    const enum neph_status status = upload(vulkan, solids, count, sizeof(*solids), "scene solids",
+                                           &gpu->buffers[1], diag);
+    free(solids);
+    return status;
+}
+
+static size_t padded_count(const struct neph_grid *grid)
+{
+    return (size_t)(grid->size[0] + 2) * (size_t)(grid->size[1] + 2) * (size_t)(grid->size[2] + 2);
+}
+
+/* One slab of the padded lattice after the other: no second copy of the grid in memory. */
+static enum neph_status upload_grid(const struct neph_vulkan *vulkan, const struct neph_grid *grid,
+                                    size_t first, const struct neph_buffer *buffer,
+                                    struct neph_diag *diag)
+{
+    const size_t nx = (size_t)grid->size[0], ny = (size_t)grid->size[1], nz = (size_t)grid->size[2];
+    const size_t slab_count = (nx + 2) * (ny + 2);
+    float *slab = malloc(slab_count * sizeof(*slab));
+    enum neph_status status = slab ? NEPH_OK : neph_fail_memory(diag);
+    for (size_t z = 0; z < nz + 2 && !status; z++) {
+        memset(slab, 0, slab_count * sizeof(*slab));
+        for (size_t y = 0; z > 0 && z <= nz && y < ny; y++)
+            memcpy(slab + (y + 1) * (nx + 2) + 1, grid->values + ((z - 1) * ny + y) * nx,
+                   nx * sizeof(*slab));
+        status = neph_buffer_upload(vulkan, buffer, (first + z * slab_count) * sizeof(*slab), slab,
+                                    slab_count * sizeof(*slab), diag);
+    }
+    free(slab);
+    return status;
+}
+
+static enum neph_status upload_grids(const struct neph_vulkan *vulkan,
+                                     const struct neph_scene *scene, struct neph_gpu_scene *gpu,
+                                     struct neph_diag *diag)
+{
+    size_t count = 0, first = 0;
+    for (int i = 0; i < scene->medium_count; i++)
+        if (scene->media[i].kind == NEPH_MEDIUM_GRID)
+            count += padded_count(scene->media[i].grid);
+    if (count > UINT32_MAX / sizeof(float))
+        return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
+                         "the voxel grids of scene %s hold %zu nodes; a shader can address %u",
+                         scene->name, count, (unsigned)(UINT32_MAX / sizeof(float)));
+    enum neph_status status = upload(vulkan, NULL, 0, sizeof(float) * (count > 0 ? count : 1),
+                                     "scene grids", &gpu->buffers[2], diag);
+    for (int i = 0; i < scene->medium_count && !status; i++) {
+        const struct neph_grid *grid = scene->media[i].grid;
+        if (scene->media[i].kind != NEPH_MEDIUM_GRID)
+            continue;
+        status = upload_grid(vulkan, grid, first, &gpu->buffers[2], diag);
+        first += padded_count(grid);
+    }
+    return status;
+}
+
+/* Measured on a 64^3 cloud: finer grids cost more steps than they save collisions. */
+static const int majorant_cells = 16 * 16 * 16;
+
+/* All majorant grids, one after the other; sizes and places go into the media. */
+static enum neph_status upload_majorants(const struct neph_vulkan *vulkan,
+                                         const struct neph_medium *const *media,
+                                         struct neph_gpu_scene *gpu, struct neph_diag *diag)
+{
+    float *values = NULL;
+    size_t count = 0;
+    enum neph_status status = NEPH_OK;
+    for (uint32_t m = 0; m < gpu->frame->medium_count && !status; m++) {
+        struct neph_gpu_medium *medium = &gpu->frame->media[m];
+        struct neph_majorants *majorants = NULL;
+        const struct neph_bounds box = neph_medium_support(media[m]);
+        if (is_fog(media[m]))
+            continue;
+        status = neph_majorants_create(media[m], &box, majorant_cells, &majorants, diag);
+        if (status)
+            break;
+        const size_t cells = (size_t)majorants->size[0] * (size_t)majorants->size[1] *
+                             (size_t)majorants->size[2];
+        float *grown = realloc(values, (count + cells) * sizeof(*values));
+        if (grown) {
+            values = grown;
+            memcpy(values + count, majorants->extinction_per_m, cells * sizeof(*values));
+            medium->majorant_first = (uint32_t)count;
+            for (int axis = 0; axis < 3; axis++)
+                medium->majorant_size[axis] = (uint32_t)majorants->size[axis];
+            count += cells;
+        } else {
+            status = neph_fail_memory(diag);
+        }
+        neph_majorants_destroy(majorants);
+    }
+    if (!status)
+        status = upload(vulkan, values, count, sizeof(float), "scene majorants", &gpu->buffers[3],
+                        diag);
+    free(values);
+    return status;
+}
+
+/* --- the scene ---------------------------------------------------------------------------- */
+
+/* Upper bound of the loop turns of medium_optical_depth(), following shaders/ loop by loop. */
+static uint64_t depth_turns(const struct neph_medium *medium)
+{
+    switch (medium->kind) {
+    case NEPH_MEDIUM_GRID:
+        return (uint64_t)(medium->grid->size[0] + medium->grid->size[1] + medium->grid->size[2]) +
+               12;
+    case NEPH_MEDIUM_SHELL:
+        return 2 * 7 * 5;
+    default:
+        return (uint64_t)medium->layer_count + 16; /* loops of other kinds turn at least once */
+    }
+}
+
+static bool is_coloured(const struct neph_medium *medium)
+{
+    const struct neph_rgb color = medium->extinction_color;
+    return color.r != color.g || color.g != color.b;
+}
+
+/* Media of the frame, and for each where it came from. */
+static void fill_media(const struct neph_scene *scene, struct neph_vec3 camera_m,
+                       struct neph_gpu_scene *gpu,
+                       const struct neph_medium *media[NEPH_SCENE_MEDIA_MAX])
+{
+    struct neph_gpu_frame *frame = gpu->frame;
+    bool scatters = false;
+    uint32_t first = 0;
+    gpu->optical_depth_turns = 1;
+    for (int i = 0; i < scene->medium_count; i++) {
+        const struct neph_medium *medium = &scene->media[i];
+        struct neph_gpu_medium made = medium_from(medium, camera_m);
+        if (medium->kind == NEPH_MEDIUM_GRID) {
+            made.grid.first = first;
+            first += (uint32_t)padded_count(medium->grid);
+        }
+        if (!is_there(medium))
+            continue;
+        scatters = scatters || !is_black(made.albedo);
+        gpu->constants[0] |= 1u << medium->kind;
+        gpu->constants[1] |= is_coloured(medium);
+        gpu->optical_depth_turns += 1 + depth_turns(medium);
+        media[frame->medium_count] = medium;
+        frame->media[frame->medium_count++] = made;
+    }
+    frame->single_scattering = scatters && scene->scattering == NEPH_SCATTERING_SINGLE &&
+                               !is_black(frame->sun_irradiance);
+}
+
+enum neph_status neph_gpu_scene_create(const struct neph_vulkan *vulkan,
+                                       const struct neph_scene *scene, double frame, int width_px,
+                                       int height_px, bool with_majorants,
+                                       struct neph_gpu_scene *gpu, struct neph_diag *diag)
+{
+    const struct neph_camera camera = neph_scene_camera(scene, frame);
+    const struct neph_medium *media[NEPH_SCENE_MEDIA_MAX];
+    enum neph_status status = neph_buffer_create(vulkan, NEPH_BUFFER_UPLOAD, sizeof(*gpu->frame),
+                                                 "scene frame", &gpu->buffers[0], diag);
+    if (status)
+        return status;
+    gpu->frame = gpu->buffers[0].mapped;
+    *gpu->frame = frame_from(scene, &camera, width_px, height_px);
+    fill_media(scene, camera.position_m, gpu, media);
+    status = upload_solids(vulkan, scene, camera.position_m, gpu, diag);
+    if (!status)
+        status = upload_grids(vulkan, scene, gpu, diag);
+    if (!status && with_majorants)
+        status = upload_majorants(vulkan, media, gpu, diag);
+    else if (!status)
+        status = upload(vulkan, NULL, 0, sizeof(float), "scene majorants", &gpu->buffers[3], diag);
+    if (!status)
+        status = upload(vulkan, NULL, 0, sizeof(float), "scene textures", &gpu->buffers[4], diag);
+    return status;
+}
+
+void neph_gpu_scene_destroy(const struct neph_vulkan *vulkan, struct neph_gpu_scene *gpu)
+{
+    for (int i = 0; i < NEPH_GPU_SCENE_BUFFERS; i++)
+        neph_buffer_destroy(vulkan, &gpu->buffers[i]);
+    gpu->frame = NULL;
+}
+
+void neph_gpu_scene_bind(const struct neph_gpu_scene *gpu, struct neph_dispatch *dispatch)
+{
+    for (int i = 0; i < NEPH_GPU_SCENE_BUFFERS; i++)
+        dispatch->buffers[i] = &gpu->buffers[i];
 }

@@ -9,6 +9,7 @@
 #ifndef NEPH_RENDERER_GPU_SCENE_H
 #define NEPH_RENDERER_GPU_SCENE_H
 
+#include "renderer/compute.h"
 #include "scenes/scene.h"
 
 #include <stddef.h>
@@ -25,15 +26,49 @@ struct neph_gpu_fog_layer {
     float exponent_max;
 };
 
+/* struct Gaussian of shaders/gaussian.glsl */
+struct neph_gpu_gaussian {
+    float center_m[3];
+    float width_m;
+};
+
+/* struct Shell of shaders/shell.glsl */
+struct neph_gpu_shell {
+    float up[3];
+    float camera_radius_m;
+    float camera_altitude_m;
+    float scale_height_m;
+    uint32_t padding[2];
+};
+
+/* struct Grid of shaders/grid.glsl */
+struct neph_gpu_grid {
+    float origin_m[3];
+    uint32_t first;
+    float nodes_per_m[3];
+    uint32_t padding;
+    uint32_t size[3];
+    uint32_t padding_2;
+};
+
 /* struct Medium of shaders/scene.glsl */
 struct neph_gpu_medium {
     float low_m[3];
-    uint32_t phase_kind;
+    uint32_t kind;
     float high_m[3];
-    float g;
+    uint32_t phase_kind;
     float albedo[3];
-    uint32_t layer_count;
+    float g;
+    float extinction_color[3];
+    float extinction_per_m;
     struct neph_gpu_fog_layer layers[NEPH_FOG_LAYERS_MAX];
+    struct neph_gpu_gaussian gaussian;
+    struct neph_gpu_shell shell;
+    struct neph_gpu_grid grid;
+    uint32_t majorant_size[3];
+    uint32_t majorant_first;
+    uint32_t layer_count;
+    uint32_t padding[3];
 };
 
 /* struct Solid of shaders/solids.glsl */
@@ -69,8 +104,12 @@ struct neph_gpu_frame {
 _Static_assert(sizeof(struct neph_gpu_fog_layer) == 16, "std430 FogLayer");
 _Static_assert(offsetof(struct neph_gpu_medium, high_m) == 16, "std430 Medium.high_m");
 _Static_assert(offsetof(struct neph_gpu_medium, albedo) == 32, "std430 Medium.albedo");
-_Static_assert(offsetof(struct neph_gpu_medium, layers) == 48, "std430 Medium.layers");
-_Static_assert(sizeof(struct neph_gpu_medium) == 80, "std430 Medium");
+_Static_assert(offsetof(struct neph_gpu_medium, layers) == 64, "std430 Medium.layers");
+_Static_assert(offsetof(struct neph_gpu_medium, gaussian) == 96, "std430 Medium.gaussian");
+_Static_assert(offsetof(struct neph_gpu_medium, shell) == 112, "std430 Medium.shell");
+_Static_assert(offsetof(struct neph_gpu_medium, grid) == 144, "std430 Medium.grid");
+_Static_assert(offsetof(struct neph_gpu_medium, majorant_size) == 192, "std430 Medium.majorants");
+_Static_assert(sizeof(struct neph_gpu_medium) == 224, "std430 Medium");
 _Static_assert(offsetof(struct neph_gpu_solid, high_m) == 16, "std430 Solid.high_m");
 _Static_assert(offsetof(struct neph_gpu_solid, albedo) == 32, "std430 Solid.albedo");
 _Static_assert(sizeof(struct neph_gpu_solid) == 48, "std430 Solid");
@@ -81,7 +120,7 @@ _Static_assert(offsetof(struct neph_gpu_frame, sun_irradiance) == 64, "std430 Fr
 _Static_assert(offsetof(struct neph_gpu_frame, background) == 80, "std430 Frame.background");
 _Static_assert(offsetof(struct neph_gpu_frame, steps) == 96, "std430 Frame.steps");
 _Static_assert(offsetof(struct neph_gpu_frame, media) == 112, "std430 Frame.media");
-_Static_assert(sizeof(struct neph_gpu_frame) == 112 + 80 * NEPH_SCENE_MEDIA_MAX, "std430 Frame");
+_Static_assert(sizeof(struct neph_gpu_frame) == 112 + 224 * NEPH_SCENE_MEDIA_MAX, "std430 Frame");
 _Static_assert(NEPH_SCENE_MEDIA_MAX == 8 && NEPH_FOG_LAYERS_MAX == 2, "scene.glsl's counts");
 _Static_assert(NEPH_PHASE_ISOTROPIC == 0 && NEPH_PHASE_HENYEY_GREENSTEIN == 1 &&
                    NEPH_PHASE_RAYLEIGH == 2,
@@ -95,8 +134,32 @@ struct neph_gpu_fog_layer neph_gpu_fog_layer_from(const struct neph_fog_layer *l
 struct neph_gpu_solid neph_gpu_solid_from(const struct neph_solid *solid,
                                           struct neph_vec3 camera_position_m);
 
-/* Everything of the scene but its solids, for a frame. `steps` and `sun_steps` are left 0. */
-struct neph_gpu_frame neph_gpu_frame_from(const struct neph_scene *scene, double frame,
-                                          int width_px, int height_px);
+/* A scene on the device, for one frame: the buffers at bindings 0 to 4 of every kernel that
+ * includes shaders/scene.glsl. */
+enum { NEPH_GPU_SCENE_BUFFERS = 5, NEPH_GPU_SCENE_CONSTANTS = 2 };
+
+struct neph_gpu_scene {
+    struct neph_gpu_frame *frame; /* in the mapped memory of buffers[0]; may be changed between
+                                     dispatches. `steps` and `sun_steps` are left 0 */
+    /* Frame, solids, grid values, majorants, textures of Horizon clouds. */
+    struct neph_buffer buffers[NEPH_GPU_SCENE_BUFFERS];
+    /* Specialization constants 0 and 1 of every such kernel: the kinds of media that are there, and
+     * whether some medium's extinction differs between the channels. */
+    uint32_t constants[NEPH_GPU_SCENE_CONSTANTS];
+    /* Loop turns (compute.h) of one exact optical depth through all media, at most. */
+    uint64_t optical_depth_turns;
+};
+
+/* Zero-initialise `gpu`; free with _destroy, also after an error. `with_majorants`: build majorant
+ * grids for the media that have no free path in closed form. NEPH_ERR_UNSUPPORTED: a grid is larger
+ * than the device lets a kernel see; a medium needs majorants and has no end. */
+enum neph_status neph_gpu_scene_create(const struct neph_vulkan *vulkan,
+                                       const struct neph_scene *scene, double frame, int width_px,
+                                       int height_px, bool with_majorants,
+                                       struct neph_gpu_scene *gpu, struct neph_diag *diag);
+void neph_gpu_scene_destroy(const struct neph_vulkan *vulkan, struct neph_gpu_scene *gpu);
+
+/* Fill in the first buffers of a dispatch. */
+void neph_gpu_scene_bind(const struct neph_gpu_scene *gpu, struct neph_dispatch *dispatch);
 
 #endif

@@ -20,13 +20,12 @@ struct gpu_pixel {
     float radiance[3];
     float eye_depth_m;
     float volume[3];
-    float transmittance;
     uint32_t density_evaluations;
+    float transmittance[3];
     uint32_t closed_forms;
-    uint32_t padding[2];
 };
 _Static_assert(offsetof(struct gpu_pixel, volume) == 16, "std430 Pixel.volume");
-_Static_assert(offsetof(struct gpu_pixel, density_evaluations) == 32, "std430 Pixel.counts");
+_Static_assert(offsetof(struct gpu_pixel, transmittance) == 32, "std430 Pixel.transmittance");
 _Static_assert(sizeof(struct gpu_pixel) == 48, "std430 Pixel");
 
 /* push_constant Run of shaders/march.comp */
@@ -38,7 +37,7 @@ struct gpu_run {
 };
 
 /* Bytes of struct State of shaders/march.comp */
-enum { gpu_state_bytes = 48 };
+enum { gpu_state_bytes = 80 };
 
 enum { local_size = 64 }; /* of shaders/march.comp */
 
@@ -126,25 +125,28 @@ struct plan {
 };
 
 /* Upper bound of loop turns (compute.h) of the shader, following its loops one by one. */
-static void count_turns(const struct neph_scene *scene, const struct neph_march_params *params,
-                        uint64_t *per_step, uint64_t *per_dispatch)
+static void count_turns(const struct neph_scene *scene, const struct neph_gpu_scene *gpu,
+                        const struct neph_march_params *params, uint64_t *per_step,
+                        uint64_t *per_dispatch)
 {
     const uint64_t solids = (uint64_t)scene->solid_count + 1;
+    const uint64_t exact = gpu->optical_depth_turns;
     uint64_t media = (uint64_t)scene->medium_count + 1;
     for (int i = 0; i < scene->medium_count; i++)
         media += (uint64_t)scene->media[i].layer_count + 1;
     const uint64_t sun_steps = (uint64_t)sun_steps_of(params);
-    const uint64_t sunlight = solids + media + sun_steps * (1 + media) + 1;
-    *per_step = 1 + 2 * media + sunlight;
-    *per_dispatch = solids + 3 * media + sunlight + 1;
+    const uint64_t sunlight = solids + media + exact + sun_steps * (1 + media) + 1;
+    *per_step = 1 + 2 * media + exact + sunlight;
+    *per_dispatch = solids + 3 * media + exact + sunlight + 1;
 }
 
 static enum neph_status make_plan(const struct neph_vulkan *vulkan, const struct neph_scene *scene,
+                                  const struct neph_gpu_scene *gpu,
                                   const struct neph_march_params *params, struct plan *plan,
                                   struct neph_diag *diag)
 {
     uint64_t turns_per_step, turns_per_dispatch;
-    count_turns(scene, params, &turns_per_step, &turns_per_dispatch);
+    count_turns(scene, gpu, params, &turns_per_step, &turns_per_dispatch);
     if (turns_per_dispatch + turns_per_step > NEPH_KERNEL_LOOP_TURNS_MAX)
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
                          "march: one step with %d sun steps, %d media and %d solids takes %llu "
@@ -172,37 +174,9 @@ struct render {
     struct neph_vulkan *vulkan;
     const struct neph_kernel *kernel;
     struct plan plan;
-    struct neph_buffer frame, solids, pixels, states, readback;
+    struct neph_gpu_scene scene;
+    struct neph_buffer pixels, states, readback;
 };
-
-static enum neph_status upload_solids(struct render *render, const struct neph_scene *scene,
-                                      struct neph_vec3 camera_position_m, struct neph_diag *diag)
-{
-    const size_t count = scene->solid_count > 0 ? (size_t)scene->solid_count : 1;
-    const enum neph_status status = neph_buffer_create(render->vulkan, NEPH_BUFFER_UPLOAD,
-                                                       count * sizeof(struct neph_gpu_solid),
-                                                       "march solids", &render->solids, diag);
-    if (status)
-        return status;
-    struct neph_gpu_solid *solids = render->solids.mapped;
-    for (int i = 0; i < scene->solid_count; i++)
-        solids[i] = neph_gpu_solid_from(&scene->solids[i], camera_position_m);
-    return NEPH_OK;
-}
-
-static enum neph_status upload_frame(struct render *render, const struct neph_scene *scene,
-                                     const struct neph_march_params *params, struct neph_diag *diag)
-{
-    struct neph_gpu_frame frame = neph_gpu_frame_from(scene, params->frame, params->width_px,
-                                                      params->height_px);
-    frame.steps = (uint32_t)params->steps;
-    frame.sun_steps = (uint32_t)sun_steps_of(params);
-    const enum neph_status status = neph_buffer_create(
-        render->vulkan, NEPH_BUFFER_UPLOAD, sizeof(frame), "march frame", &render->frame, diag);
-    if (!status)
-        memcpy(render->frame.mapped, &frame, sizeof(frame));
-    return status;
-}
 
 static enum neph_status create_buffers(struct render *render, struct neph_diag *diag)
 {
@@ -222,26 +196,27 @@ static enum neph_status create_buffers(struct render *render, struct neph_diag *
 static enum neph_status prepare(struct render *render, const struct neph_scene *scene,
                                 const struct neph_march_params *params, struct neph_diag *diag)
 {
+    enum neph_status status = neph_gpu_scene_create(render->vulkan, scene, params->frame,
+                                                    params->width_px, params->height_px, false,
+                                                    &render->scene, diag);
+    if (!status)
+        status = make_plan(render->vulkan, scene, &render->scene, params, &render->plan, diag);
+    if (status)
+        return status;
+    render->scene.frame->steps = (uint32_t)params->steps;
+    render->scene.frame->sun_steps = (uint32_t)sun_steps_of(params);
     const struct neph_kernel_params kernel = {
         .name = "march",
         .spirv = march_spirv,
         .spirv_size_bytes = sizeof(march_spirv),
-        .buffer_count = 4,
+        .buffer_count = NEPH_GPU_SCENE_BUFFERS + 2,
         .push_size_bytes = sizeof(struct gpu_run),
-        .constant_count = 2,
-        .constants = {params->transmittance, params->sun},
+        .constant_count = NEPH_GPU_SCENE_CONSTANTS + 2,
+        .constants = {render->scene.constants[0], render->scene.constants[1], params->transmittance,
+                      params->sun},
     };
-    const struct neph_camera camera = neph_scene_camera(scene, params->frame);
-    enum neph_status status = make_plan(render->vulkan, scene, params, &render->plan, diag);
-    if (!status)
-        status = neph_kernel_get(render->vulkan, &kernel, &render->kernel, diag);
-    if (!status)
-        status = upload_frame(render, scene, params, diag);
-    if (!status)
-        status = upload_solids(render, scene, camera.position_m, diag);
-    if (!status)
-        status = create_buffers(render, diag);
-    return status;
+    status = neph_kernel_get(render->vulkan, &kernel, &render->kernel, diag);
+    return status ? status : create_buffers(render, diag);
 }
 
 static void finish(struct render *render)
@@ -249,8 +224,7 @@ static void finish(struct render *render)
     neph_buffer_destroy(render->vulkan, &render->readback);
     neph_buffer_destroy(render->vulkan, &render->states);
     neph_buffer_destroy(render->vulkan, &render->pixels);
-    neph_buffer_destroy(render->vulkan, &render->solids);
-    neph_buffer_destroy(render->vulkan, &render->frame);
+    neph_gpu_scene_destroy(render->vulkan, &render->scene);
 }
 
 /* The channels of the frame; they point into the image. */
@@ -288,7 +262,7 @@ static void unpack(const struct gpu_pixel *pixel, size_t index, const struct lay
     for (int c = 0; c < 3; c++) {
         layers->radiance[c][index] = pixel->radiance[c];
         layers->volume[c][index] = pixel->volume[c];
-        layers->transmittance[c][index] = pixel->transmittance; /* extinction is grey */
+        layers->transmittance[c][index] = pixel->transmittance[c];
     }
     layers->eye_depth_m[index] = pixel->eye_depth_m < NEPH_GPU_FAR_M ? pixel->eye_depth_m
                                                                      : INFINITY;
@@ -303,14 +277,16 @@ static enum neph_status dispatch_run(struct render *render, struct gpu_run run,
     if (neph_interrupted())
         return neph_fail(diag, NEPH_ERR_INTERRUPTED, "march: interrupted");
     const bool is_last = run.end_step == render->plan.step_count;
-    const struct neph_dispatch dispatch = {
-        .buffers = {&render->frame, &render->solids, &render->pixels, &render->states},
+    struct neph_dispatch dispatch = {
         .push = &run,
         .group_count = (run.pixel_count + local_size - 1) / local_size,
         .copy_from = &render->pixels,
         .copy_to = is_last ? &render->readback : NULL,
         .copy_size_bytes = run.pixel_count * sizeof(struct gpu_pixel),
     };
+    neph_gpu_scene_bind(&render->scene, &dispatch);
+    dispatch.buffers[NEPH_GPU_SCENE_BUFFERS] = &render->pixels;
+    dispatch.buffers[NEPH_GPU_SCENE_BUFFERS + 1] = &render->states;
     double gpu_s;
     const enum neph_status status = neph_kernel_run(render->vulkan, render->kernel, &dispatch,
                                                     &gpu_s, diag);

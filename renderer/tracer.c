@@ -180,9 +180,7 @@ static char *identity_of(const struct neph_scene *scene, const struct neph_trace
 /* --- one render --------------------------------------------------------------------------- */
 
 enum binding {
-    BINDING_FRAME,
-    BINDING_SOLIDS,
-    BINDING_STATES = 5,
+    BINDING_STATES = NEPH_GPU_SCENE_BUFFERS,
     BINDING_RESULTS,
     BINDING_POOLS,
     BINDING_PIXELS,
@@ -197,6 +195,7 @@ struct render {
     const struct neph_tracer_params *params;
     double start_s;
     const struct neph_kernel *path, *view, *first, *sum;
+    struct neph_gpu_scene scene;
     struct neph_buffer buffers[BINDING_COUNT], pixels_readback, progress_readback;
     uint32_t local_size; /* of the path kernel */
     bool needs_paths;    /* more than light that was scattered once */
@@ -253,6 +252,7 @@ static enum neph_status get_kernels(struct render *render, const struct neph_sce
 {
     const struct neph_vulkan_description *device = &render->vulkan->description;
     const bool multiple = scene->scattering == NEPH_SCATTERING_MULTIPLE;
+    const uint32_t kinds = render->scene.constants[0], coloured = render->scene.constants[1];
     render->local_size = device->is_cpu ? device->subgroup_size : 64;
     const struct {
         const struct neph_kernel **kernel;
@@ -262,15 +262,15 @@ static enum neph_status get_kernels(struct render *render, const struct neph_sce
         int constant_count;
         uint32_t constants[NEPH_KERNEL_CONSTANTS_MAX];
     } wanted[] = {
-        {&render->view, "tracer_view", view_spirv, sizeof(view_spirv), 0, {0}},
-        {&render->first, "tracer_first", first_spirv, sizeof(first_spirv), 0, {0}},
+        {&render->view, "tracer_view", view_spirv, sizeof(view_spirv), 2, {kinds, coloured}},
+        {&render->first, "tracer_first", first_spirv, sizeof(first_spirv), 2, {kinds, coloured}},
         {&render->path,
          "tracer",
          path_spirv,
          sizeof(path_spirv),
-         6,
-         {render->local_size, multiple, reflects(scene), lights(scene), false, true}},
-        {&render->sum, "tracer_sum", sum_spirv, sizeof(sum_spirv), 0, {0}},
+         7,
+         {kinds, coloured, render->local_size, multiple, reflects(scene), lights(scene), true}},
+        {&render->sum, "tracer_sum", sum_spirv, sizeof(sum_spirv), 2, {kinds, coloured}},
     };
     enum neph_status status = NEPH_OK;
     for (size_t i = 0; !status && i < sizeof(wanted) / sizeof(wanted[0]); i++) {
@@ -325,29 +325,6 @@ static enum neph_status create_buffers(struct render *render, struct neph_diag *
     return status;
 }
 
-static enum neph_status upload_scene(struct render *render, const struct neph_scene *scene,
-                                     struct neph_diag *diag)
-{
-    const struct neph_camera camera = neph_scene_camera(scene, render->params->frame);
-    const struct neph_gpu_frame frame = neph_gpu_frame_from(
-        scene, render->params->frame, render->params->width_px, render->params->height_px);
-    const size_t count = scene->solid_count > 0 ? (size_t)scene->solid_count : 1;
-    enum neph_status status = neph_buffer_create(render->vulkan, NEPH_BUFFER_UPLOAD, sizeof(frame),
-                                                 "tracer frame", &render->buffers[BINDING_FRAME],
-                                                 diag);
-    if (!status)
-        status = neph_buffer_create(render->vulkan, NEPH_BUFFER_UPLOAD,
-                                    count * sizeof(struct neph_gpu_solid), "tracer solids",
-                                    &render->buffers[BINDING_SOLIDS], diag);
-    if (status)
-        return status;
-    memcpy(render->buffers[BINDING_FRAME].mapped, &frame, sizeof(frame));
-    struct neph_gpu_solid *solids = render->buffers[BINDING_SOLIDS].mapped;
-    for (int i = 0; i < scene->solid_count; i++)
-        solids[i] = neph_gpu_solid_from(&scene->solids[i], camera.position_m);
-    return NEPH_OK;
-}
-
 static enum neph_status create_sums(struct render *render, const struct neph_scene *scene,
                                     struct neph_diag *diag)
 {
@@ -377,9 +354,10 @@ static enum neph_status prepare(struct render *render, const struct neph_scene *
     render->window = 64;
     enum neph_status status = create_sums(render, scene, diag);
     if (!status)
-        status = get_kernels(render, scene, diag);
+        status = neph_gpu_scene_create(render->vulkan, scene, params->frame, params->width_px,
+                                       params->height_px, true, &render->scene, diag);
     if (!status)
-        status = upload_scene(render, scene, diag);
+        status = get_kernels(render, scene, diag);
     if (!status)
         status = create_buffers(render, diag);
     return status;
@@ -387,6 +365,7 @@ static enum neph_status prepare(struct render *render, const struct neph_scene *
 
 static void finish(struct render *render)
 {
+    neph_gpu_scene_destroy(render->vulkan, &render->scene);
     for (int i = 0; i < BINDING_COUNT; i++)
         neph_buffer_destroy(render->vulkan, &render->buffers[i]);
     neph_buffer_destroy(render->vulkan, &render->pixels_readback);
@@ -413,9 +392,9 @@ static enum neph_status run_kernel(struct render *render, const struct neph_kern
         .copy_to = copy_to,
         .copy_size_bytes = copy_to ? copy_to->size_bytes : 0,
     };
-    for (int i = 0; i < BINDING_COUNT; i++) /* unused bindings must be bound too */
-        dispatch.buffers[i] = render->buffers[i].handle ? &render->buffers[i]
-                                                        : &render->buffers[BINDING_FRAME];
+    neph_gpu_scene_bind(&render->scene, &dispatch);
+    for (int i = NEPH_GPU_SCENE_BUFFERS; i < BINDING_COUNT; i++)
+        dispatch.buffers[i] = &render->buffers[i];
     double gpu_s;
     const enum neph_status status = neph_kernel_run(render->vulkan, kernel, &dispatch, &gpu_s,
                                                     diag);

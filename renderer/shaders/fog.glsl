@@ -56,15 +56,15 @@ float fog_distance_to(FogLayer layer, float y_m, float k_y, float optical_depth)
     return min(log_1_plus_z / abs(rate_per_m), FAR_M);
 }
 
-// Where the optical depth still to come falls to THIN on a ray that leaves the fog upwards
+// Where the optical depth still to come falls to `thin` on a ray that leaves the fog upwards
 // (<= 0: it is less already); FAR_M on other rays.
-float fog_distance_to_thin_end(FogLayer layer, float y_m, float k_y)
+float fog_distance_to_thin_end(FogLayer layer, float y_m, float k_y, float thin)
 {
     float rate_per_m = layer.falloff_per_m * k_y;
     if (rate_per_m <= 1e-30)
         return FAR_M;
     float log_extinction = log(layer.extinction_per_m) - layer.falloff_per_m * (y_m - layer.height_m);
-    return min((log_extinction - log(rate_per_m) - log(THIN)) / rate_per_m, FAR_M);
+    return min((log_extinction - log(rate_per_m) - log(thin)) / rate_per_m, FAR_M);
 }
 
 #endif

@@ -23,8 +23,8 @@ layout(local_size_x = 64) in;
 // enum neph_march_mode: where an optical depth comes from.
 const uint EXACT = 0;   // closed form
 const uint MARCHED = 1; // sum over steps of extinction at the middle of the step
-layout(constant_id = 0) const uint TRANSMITTANCE = EXACT; // along the view ray
-layout(constant_id = 1) const uint SUN = EXACT;           // towards the sun
+layout(constant_id = 2) const uint TRANSMITTANCE = EXACT; // along the view ray
+layout(constant_id = 3) const uint SUN = EXACT;           // towards the sun
 
 layout(push_constant) uniform Run {
     uint first_pixel;
@@ -37,24 +37,28 @@ struct Pixel {
     vec3 radiance; // with everything
     float eye_depth_m; // FAR_M for the sky
     vec3 volume; // in-scattered alone
-    float transmittance;
     uint density_evaluations;
+    vec3 transmittance;
     uint closed_forms;
-    uvec2 padding;
 };
 
-layout(std430, binding = 2) writeonly buffer Pixels {
+layout(std430, binding = 5) writeonly buffer Pixels {
     Pixel pixels[];
 };
 
+// In-scattered radiance and optical depth so far.
+struct Sums {
+    Sum scattered, depth;
+};
+
 struct State {
-    Sum sum; // in-scattered radiance (xyz) and optical depth (w) so far
+    Sums sums;
     uint density_evaluations;
     uint closed_forms;
     uvec2 padding;
 };
 
-layout(std430, binding = 3) buffer States {
+layout(std430, binding = 6) buffer States {
     State states[];
 };
 
@@ -62,32 +66,43 @@ layout(std430, binding = 3) buffer States {
 uint density_evaluations = 0;
 uint closed_forms = 0;
 
-float exact_optical_depth(vec3 origin_m, vec3 direction, float length_m)
+// Grey extinction needs one exponential, not three.
+vec3 fraction_through(vec3 optical_depth)
+{
+    return COLOURED ? transmittance(optical_depth) : vec3(transmittance(optical_depth.x));
+}
+
+vec3 fraction_lost(vec3 optical_depth)
+{
+    return COLOURED ? absorbed_fraction(optical_depth) : vec3(absorbed_fraction(optical_depth.x));
+}
+
+vec3 exact_optical_depth(vec3 origin_m, vec3 direction, float length_m)
 {
     closed_forms++;
     return scene_optical_depth(origin_m, direction, length_m);
 }
 
-float marched_optical_depth(vec3 origin_m, vec3 direction, uint steps)
+vec3 marched_optical_depth(vec3 origin_m, vec3 direction, uint steps)
 {
     Stretch stretch = scene_stretch(origin_m, direction, FAR_M);
     if (stretch.t1_m <= stretch.t0_m)
-        return 0.0;
+        return vec3(0.0);
     float step_m = (stretch.t1_m - stretch.t0_m) / float(steps);
     Sum sum = sum_zero();
     for (uint i = 0; i < steps; i++) {
         float middle_m = stretch.t0_m + (float(i) + 0.5) * step_m;
-        sum_add(sum, vec4(scene_extinction_per_m(origin_m + middle_m * direction) * step_m));
+        sum_add(sum, vec4(scene_extinction_per_m(origin_m + middle_m * direction) * step_m, 0.0));
     }
     density_evaluations += steps;
-    return sum.value.x;
+    return sum.value.xyz;
 }
 
-float sun_transmittance(vec3 point_m)
+vec3 sun_transmittance(vec3 point_m)
 {
     if (SUN == EXACT)
-        return transmittance(exact_optical_depth(point_m, frame.sun_direction, FAR_M));
-    return transmittance(marched_optical_depth(point_m, frame.sun_direction, frame.sun_steps));
+        return fraction_through(exact_optical_depth(point_m, frame.sun_direction, FAR_M));
+    return fraction_through(marched_optical_depth(point_m, frame.sun_direction, frame.sun_steps));
 }
 
 // Sunlight that reaches a point [W/m^2].
@@ -100,7 +115,7 @@ vec3 sunlight(vec3 point_m, uint on_solid)
 
 // What the media are at a point, all of them together.
 struct Mixture {
-    float extinction_per_m;
+    vec3 extinction_per_m;
     vec3 scattering; // sum of scattering coefficient times phase function [1/(m sr)]
 };
 
@@ -110,9 +125,10 @@ float phase_towards_camera_per_sr[MEDIA_MAX];
 Mixture mixture_at(vec3 point_m)
 {
     density_evaluations++;
-    Mixture mixture = Mixture(0.0, vec3(0.0));
+    Mixture mixture = Mixture(vec3(0.0), vec3(0.0));
     for (uint m = 0; m < frame.medium_count; m++) {
-        float extinction_per_m = medium_extinction_per_m(m, point_m);
+        vec3 extinction_per_m =
+            frame.media[m].extinction_color * medium_extinction_per_m(m, point_m);
         mixture.extinction_per_m += extinction_per_m;
         mixture.scattering +=
             extinction_per_m * phase_towards_camera_per_sr[m] * frame.media[m].albedo;
@@ -121,21 +137,22 @@ Mixture mixture_at(vec3 point_m)
 }
 
 // The source function J = scattering / extinction * sunlight. Where there is no extinction there
-// is nothing to scatter: that guard is the only division by it.
+// is nothing to scatter: LEAST guards the only division by it.
 vec3 source_function(Mixture mixture, vec3 point_m)
 {
-    if (mixture.extinction_per_m <= 0.0 || mixture.scattering == vec3(0.0))
+    const vec3 LEAST = vec3(1e-37);
+    if (mixture.scattering == vec3(0.0))
         return vec3(0.0);
-    return mixture.scattering / mixture.extinction_per_m * sunlight(point_m, NO_SOLID);
+    return mixture.scattering / max(mixture.extinction_per_m, LEAST) *
+           sunlight(point_m, NO_SOLID);
 }
 
-// March the steps of this run along a view ray of some length, onto the sum of in-scattered
-// radiance (xyz) and optical depth (w).
+// March the steps of this run along a view ray of some length, onto the sums.
 //
 // The transmittance to a step is always that of the steps before it, never an independent closed
 // form of the whole distance: adjacent closed forms add up to it anyway, and so the weights of the
 // source function telescope to 1 - T in both modes.
-void march(vec3 direction, float length_m, inout Sum sum)
+void march(vec3 direction, float length_m, inout Sums sums)
 {
     Stretch stretch = scene_stretch(vec3(0.0), direction, length_m);
     if (stretch.t1_m <= stretch.t0_m)
@@ -149,14 +166,14 @@ void march(vec3 direction, float length_m, inout Sum sum)
         vec3 start_m = (stretch.t0_m + float(i) * step_m) * direction;
         vec3 middle_m = (stretch.t0_m + (float(i) + 0.5) * step_m) * direction;
         Mixture mixture = mixture_at(middle_m);
-        float step_depth = TRANSMITTANCE == EXACT
-                               ? exact_optical_depth(start_m, direction, step_m)
-                               : mixture.extinction_per_m * step_m;
-        vec3 scattered = vec3(0.0);
+        vec3 step_depth = TRANSMITTANCE == EXACT ? exact_optical_depth(start_m, direction, step_m)
+                                                : mixture.extinction_per_m * step_m;
         if (frame.single_scattering != 0)
-            scattered = source_function(mixture, middle_m) *
-                        (transmittance(sum.value.w) * absorbed_fraction(step_depth));
-        sum_add(sum, vec4(scattered, step_depth));
+            sum_add(sums.scattered,
+                    vec4(source_function(mixture, middle_m) *
+                             (fraction_through(sums.depth.value.xyz) * fraction_lost(step_depth)),
+                         0.0));
+        sum_add(sums.depth, vec4(step_depth, 0.0));
     }
 }
 
@@ -170,22 +187,21 @@ vec3 surface_radiance(Hit hit, vec3 point_m)
     return albedo / PI * cosine * sunlight(point_m, hit.solid);
 }
 
-Pixel finished_pixel(vec3 direction, Hit hit, vec4 marched)
+Pixel finished_pixel(vec3 direction, Hit hit, Sums sums)
 {
-    float optical_depth = TRANSMITTANCE == EXACT
-                              ? exact_optical_depth(vec3(0.0), direction, hit.t_m)
-                              : marched.w;
+    vec3 optical_depth = TRANSMITTANCE == EXACT
+                             ? exact_optical_depth(vec3(0.0), direction, hit.t_m)
+                             : sums.depth.value.xyz;
     vec3 behind = hit.solid == NO_SOLID ? frame.background
                                         : surface_radiance(hit, hit.t_m * direction);
     Pixel pixel;
-    pixel.volume = marched.xyz;
-    pixel.transmittance = transmittance(optical_depth);
+    pixel.volume = sums.scattered.value.xyz;
+    pixel.transmittance = fraction_through(optical_depth);
     pixel.radiance = pixel.volume + pixel.transmittance * behind;
     pixel.eye_depth_m =
         hit.solid == NO_SOLID ? FAR_M : hit.t_m * dot(direction, frame.camera_forward);
     pixel.density_evaluations = density_evaluations;
     pixel.closed_forms = closed_forms;
-    pixel.padding = uvec2(0);
     return pixel;
 }
 
@@ -198,18 +214,18 @@ void main()
     vec3 direction = camera_ray(pixel % frame.width_px, pixel / frame.width_px);
     Hit hit = scene_hit(vec3(0.0), direction);
 
-    Sum sum = sum_zero();
+    Sums sums = Sums(sum_zero(), sum_zero());
     if (run.first_step > 0) {
-        sum = states[thread].sum;
+        sums = states[thread].sums;
         density_evaluations = states[thread].density_evaluations;
         closed_forms = states[thread].closed_forms;
     }
     // With a closed-form transmittance and no scattering there is nothing to march for.
     if (TRANSMITTANCE == MARCHED || frame.single_scattering != 0)
-        march(direction, hit.t_m, sum);
+        march(direction, hit.t_m, sums);
 
     if (run.end_step < frame.steps)
-        states[thread] = State(sum, density_evaluations, closed_forms, uvec2(0));
+        states[thread] = State(sums, density_evaluations, closed_forms, uvec2(0));
     else
-        pixels[thread] = finished_pixel(direction, hit, sum.value);
+        pixels[thread] = finished_pixel(direction, hit, sums);
 }

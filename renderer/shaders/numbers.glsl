@@ -37,6 +37,18 @@ float absorbed_fraction(float optical_depth)
     return optical_depth * phi(optical_depth);
 }
 
+vec3 transmittance(vec3 optical_depth)
+{
+    return vec3(transmittance(optical_depth.x), transmittance(optical_depth.y),
+                transmittance(optical_depth.z));
+}
+
+vec3 absorbed_fraction(vec3 optical_depth)
+{
+    return vec3(absorbed_fraction(optical_depth.x), absorbed_fraction(optical_depth.y),
+                absorbed_fraction(optical_depth.z));
+}
+
 // A running sum that carries its own rounding error (Kahan 1965, CACM 8(1)): 4096 steps cost no
 // more precision than one. `precise` keeps the compiler from proving the error to be zero.
 struct Sum {

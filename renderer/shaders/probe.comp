@@ -59,7 +59,7 @@ vec4 answer(Probe p)
     }
     case PROBE_DISTANCE:
         return vec4(fog_distance_to(layer, p.b.x, p.b.y, p.b.z),
-                    fog_distance_to_thin_end(layer, p.b.x, p.b.y), 0.0, 0.0);
+                    fog_distance_to_thin_end(layer, p.b.x, p.b.y, THIN), 0.0, 0.0);
     case PROBE_SOLID: {
         Solid solid = Solid(p.a.xyz, p.kind, p.b.xyz, p.b.w, vec4(0.0));
         float t0, t1;

@@ -6,22 +6,54 @@
 #ifndef NEPH_SCENE_GLSL
 #define NEPH_SCENE_GLSL
 
+// What the scene is made of, known before the shader is compiled: code for what is not there costs
+// nothing, not even the loop turns (renderer/compute.h) of loops that no thread takes.
+layout(constant_id = 0) const uint KINDS = 0xffffffffu; // bit k: a medium of kind k
+layout(constant_id = 1) const bool COLOURED = true;     // extinction depends on the channel
+
+layout(std430, binding = 2) readonly buffer GridValues {
+    float grid_values[]; // of all voxel grids, one after the other
+};
+
 #include "fog.glsl"
+#include "gaussian.glsl"
+#include "grid.glsl"
 #include "phase.glsl"
+#include "shell.glsl"
 #include "solids.glsl"
 
 const uint MEDIA_MAX = 8;
 const uint LAYERS_MAX = 2;
 const uint NO_SOLID = 0xffffffffu;
 
+// enum neph_medium_kind
+const uint MEDIUM_HOMOGENEOUS = 0;
+const uint MEDIUM_HEIGHT_FOG = 1;
+const uint MEDIUM_GAUSSIAN = 2;
+const uint MEDIUM_SHELL = 3;
+const uint MEDIUM_GRID = 4;
+const uint MEDIUM_HORIZON = 5;
+
+bool has_kind(uint kind) { return (KINDS & (1u << kind)) != 0u; }
+
+// Fog has `layers`; every other kind is `extinction_per_m` times a density.
 struct Medium {
-    vec3 low_m; // bounds; open sides lie at -FAR_M and FAR_M
-    uint phase_kind;
+    vec3 low_m; // where it may be: bounds and support; open sides lie at -FAR_M and FAR_M
+    uint kind;
     vec3 high_m;
-    float g;
+    uint phase_kind;
     vec3 albedo;
-    uint layer_count;
+    float g;
+    vec3 extinction_color;
+    float extinction_per_m;
     FogLayer layers[LAYERS_MAX];
+    Gaussian gaussian;
+    Shell shell;
+    Grid grid;
+    uvec3 majorant_size; // cells of the majorant grid over low_m..high_m; 0 when there is none
+    uint majorant_first; // their place in majorants[]
+    uint layer_count;
+    uint padding[3];
 };
 
 layout(std430, binding = 0) readonly buffer Frame {
@@ -43,6 +75,11 @@ layout(std430, binding = 0) readonly buffer Frame {
     uint padding;
     Medium media[MEDIA_MAX];
 } frame;
+
+// Upper bounds of the extinction (of extinction_color 1) per cell, x fastest [1/m].
+layout(std430, binding = 3) readonly buffer Majorants {
+    float majorants[];
+};
 
 layout(std430, binding = 1) readonly buffer Solids {
     Solid solids[];
@@ -106,37 +143,82 @@ bool medium_contains(uint m, vec3 point_m)
            all(lessThanEqual(point_m, frame.media[m].high_m));
 }
 
-float medium_extinction_per_m(uint m, vec3 point_m)
+float fog_medium_extinction_per_m(uint m, vec3 point_m)
 {
-    if (!medium_contains(m, point_m))
-        return 0.0;
     float extinction_per_m = 0.0;
     for (uint l = 0; l < frame.media[m].layer_count; l++)
         extinction_per_m += fog_extinction_per_m(frame.media[m].layers[l], point_m.y);
     return extinction_per_m;
 }
 
-float scene_extinction_per_m(vec3 point_m)
+// Of extinction_color 1.
+float medium_extinction_per_m(uint m, vec3 point_m)
 {
     float extinction_per_m = 0.0;
-    for (uint m = 0; m < frame.medium_count; m++)
-        extinction_per_m += medium_extinction_per_m(m, point_m);
+    if (medium_contains(m, point_m)) {
+        uint kind = frame.media[m].kind;
+        float scale_per_m = frame.media[m].extinction_per_m;
+        if (kind <= MEDIUM_HEIGHT_FOG)
+            extinction_per_m = fog_medium_extinction_per_m(m, point_m);
+        else if (has_kind(MEDIUM_GAUSSIAN) && kind == MEDIUM_GAUSSIAN)
+            extinction_per_m = scale_per_m * gaussian_density(frame.media[m].gaussian, point_m);
+        else if (has_kind(MEDIUM_SHELL) && kind == MEDIUM_SHELL)
+            extinction_per_m = scale_per_m * shell_density(frame.media[m].shell, point_m);
+        else if (has_kind(MEDIUM_GRID) && kind == MEDIUM_GRID)
+            extinction_per_m = scale_per_m * grid_density(frame.media[m].grid, point_m);
+    }
     return extinction_per_m;
 }
 
-// Exact optical depth of everything along origin + t direction, t in [0, length].
-float scene_optical_depth(vec3 origin_m, vec3 direction, float length_m)
+vec3 scene_extinction_per_m(vec3 point_m)
 {
+    vec3 extinction_per_m = vec3(0.0);
+    for (uint m = 0; m < frame.medium_count; m++)
+        extinction_per_m +=
+            frame.media[m].extinction_color * medium_extinction_per_m(m, point_m);
+    return extinction_per_m;
+}
+
+float fog_medium_optical_depth(uint m, vec3 origin_m, vec3 direction, float t0_m, float t1_m)
+{
+    float y_m = origin_m.y + t0_m * direction.y;
     float optical_depth = 0.0;
-    for (uint m = 0; m < frame.medium_count; m++) {
-        float t0_m = 0.0, t1_m = length_m;
-        if (!clip_box(frame.media[m].low_m, frame.media[m].high_m, origin_m, direction, t0_m, t1_m))
-            continue;
-        float y_m = origin_m.y + t0_m * direction.y;
-        for (uint l = 0; l < frame.media[m].layer_count; l++)
-            optical_depth +=
-                fog_optical_depth(frame.media[m].layers[l], y_m, direction.y, t1_m - t0_m);
+    for (uint l = 0; l < frame.media[m].layer_count; l++)
+        optical_depth += fog_optical_depth(frame.media[m].layers[l], y_m, direction.y, t1_m - t0_m);
+    return optical_depth;
+}
+
+// Exact optical depth of a medium (of extinction_color 1) along origin + t direction, t in
+// [0, length].
+float medium_optical_depth(uint m, vec3 origin_m, vec3 direction, float length_m)
+{
+    float t0_m = 0.0, t1_m = length_m;
+    float optical_depth = 0.0;
+    if (clip_box(frame.media[m].low_m, frame.media[m].high_m, origin_m, direction, t0_m, t1_m)) {
+        uint kind = frame.media[m].kind;
+        float scale_per_m = frame.media[m].extinction_per_m;
+        if (kind <= MEDIUM_HEIGHT_FOG)
+            optical_depth = fog_medium_optical_depth(m, origin_m, direction, t0_m, t1_m);
+        else if (has_kind(MEDIUM_GAUSSIAN) && kind == MEDIUM_GAUSSIAN)
+            optical_depth = scale_per_m * gaussian_integral_m(frame.media[m].gaussian, origin_m,
+                                                              direction, t0_m, t1_m);
+        else if (has_kind(MEDIUM_SHELL) && kind == MEDIUM_SHELL)
+            optical_depth = scale_per_m * shell_integral_m(frame.media[m].shell, origin_m,
+                                                           direction, t0_m, t1_m);
+        else if (has_kind(MEDIUM_GRID) && kind == MEDIUM_GRID)
+            optical_depth = scale_per_m * grid_integral_m(frame.media[m].grid, origin_m,
+                                                          direction, t0_m, t1_m);
     }
+    return optical_depth;
+}
+
+// Of everything, per channel.
+vec3 scene_optical_depth(vec3 origin_m, vec3 direction, float length_m)
+{
+    vec3 optical_depth = vec3(0.0);
+    for (uint m = 0; m < frame.medium_count; m++)
+        optical_depth += frame.media[m].extinction_color *
+                         medium_optical_depth(m, origin_m, direction, length_m);
     return optical_depth;
 }
 
@@ -148,27 +230,48 @@ struct Stretch {
 // ends where no layer has THIN optical depth left and without what lies behind OPAQUE of one
 // layer. For unbounded fog this is what makes the march finite. What it leaves out changes the
 // optical depth by less than 1e-7 per layer, or lies where 1.1e-7 of the light comes through.
+void include(inout Stretch hull, float start_m, float end_m)
+{
+    if (start_m < end_m) {
+        hull.t0_m = min(hull.t0_m, start_m);
+        hull.t1_m = max(hull.t1_m, end_m);
+    }
+}
+
+// What is thin must be so in the strongest channel, what is opaque in the weakest.
+void include_fog(uint m, vec3 origin_m, vec3 direction, Stretch inside, inout Stretch hull,
+                 inout float opaque_m)
+{
+    vec3 color = frame.media[m].extinction_color;
+    float least = min(color.r, min(color.g, color.b)), most = max(color.r, max(color.g, color.b));
+    float y_m = origin_m.y + inside.t0_m * direction.y;
+    for (uint l = 0; l < frame.media[m].layer_count; l++) {
+        FogLayer layer = frame.media[m].layers[l];
+        float start_m = inside.t0_m;
+        if (layer.falloff_per_m * direction.y < 0.0)
+            start_m += fog_distance_to(layer, y_m, direction.y, THIN / most);
+        float end_m = min(inside.t1_m,
+                          inside.t0_m + fog_distance_to_thin_end(layer, y_m, direction.y, THIN / most));
+        if (least > 0.0)
+            opaque_m = min(opaque_m, inside.t0_m + fog_distance_to(layer, y_m, direction.y,
+                                                                   OPAQUE / least));
+        include(hull, start_m, end_m);
+    }
+}
+
 Stretch scene_stretch(vec3 origin_m, vec3 direction, float length_m)
 {
     Stretch hull = Stretch(length_m, 0.0);
     float opaque_m = length_m;
     for (uint m = 0; m < frame.medium_count; m++) {
-        float t0_m = 0.0, t1_m = length_m;
-        if (!clip_box(frame.media[m].low_m, frame.media[m].high_m, origin_m, direction, t0_m, t1_m))
+        Stretch inside = Stretch(0.0, length_m);
+        if (!clip_box(frame.media[m].low_m, frame.media[m].high_m, origin_m, direction,
+                      inside.t0_m, inside.t1_m))
             continue;
-        float y_m = origin_m.y + t0_m * direction.y;
-        for (uint l = 0; l < frame.media[m].layer_count; l++) {
-            FogLayer layer = frame.media[m].layers[l];
-            float start_m = t0_m;
-            if (layer.falloff_per_m * direction.y < 0.0)
-                start_m += fog_distance_to(layer, y_m, direction.y, THIN);
-            float end_m = min(t1_m, t0_m + fog_distance_to_thin_end(layer, y_m, direction.y));
-            opaque_m = min(opaque_m, t0_m + fog_distance_to(layer, y_m, direction.y, OPAQUE));
-            if (start_m < end_m) {
-                hull.t0_m = min(hull.t0_m, start_m);
-                hull.t1_m = max(hull.t1_m, end_m);
-            }
-        }
+        if (frame.media[m].kind <= MEDIUM_HEIGHT_FOG)
+            include_fog(m, origin_m, direction, inside, hull, opaque_m);
+        else
+            include(hull, inside.t0_m, inside.t1_m);
     }
     hull.t1_m = min(hull.t1_m, opaque_m);
     return hull;

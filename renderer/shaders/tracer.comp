@@ -14,12 +14,11 @@
 
 #include "tracer.glsl"
 
-layout(local_size_x_id = 0) in;
-layout(constant_id = 1) const bool MULTIPLE = true;     // all orders of scattering
-layout(constant_id = 2) const bool SURFACES = true;     // a solid reflects
-layout(constant_id = 3) const bool ENVIRONMENT = true;  // the background lights media and solids
-layout(constant_id = 4) const bool COLOURED = true;     // extinction depends on the channel
-layout(constant_id = 5) const bool FORCED = true;       // tracer_first.comp has been here
+layout(local_size_x_id = 2) in;
+layout(constant_id = 3) const bool MULTIPLE = true;     // all orders of scattering
+layout(constant_id = 4) const bool SURFACES = true;     // a solid reflects
+layout(constant_id = 5) const bool ENVIRONMENT = true;  // the background lights media and solids
+layout(constant_id = 6) const bool FORCED = true;       // tracer_first.comp has been here
 
 // Below this part of its first throughput a path lives on by chance alone (Russian roulette).
 const float ROULETTE = 0.05;

@@ -86,7 +86,7 @@ vec3 scattered_once(First first, vec3 direction)
     uint m = first.medium;
     float phase = phase_per_sr(frame.media[m].phase_kind, frame.media[m].g, direction,
                                frame.sun_direction);
-    float arriving = transmittance(scene_optical_depth(point_m, frame.sun_direction, FAR_M));
+    vec3 arriving = transmittance(scene_optical_depth(point_m, frame.sun_direction, FAR_M));
     return frame.media[m].albedo * frame.sun_irradiance * (first.weight * phase * arriving);
 }
 

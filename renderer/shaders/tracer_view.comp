@@ -16,8 +16,8 @@ vec3 surface_sunlight(Hit hit, vec3 point_m)
     if (cosine <= 0.0 || albedo == vec3(0.0) || frame.sun_irradiance == vec3(0.0) ||
         !sees_sun(point_m, hit.solid))
         return vec3(0.0);
-    float arriving = transmittance(scene_optical_depth(point_m, frame.sun_direction, FAR_M));
-    return albedo / PI * (cosine * arriving) * frame.sun_irradiance;
+    vec3 arriving = transmittance(scene_optical_depth(point_m, frame.sun_direction, FAR_M));
+    return albedo / PI * cosine * arriving * frame.sun_irradiance;
 }
 
 // The parts that the layers take out of the view ray.
@@ -55,7 +55,7 @@ void main()
                                         : surface_sunlight(hit, hit.t_m * direction);
     float eye_depth_m =
         hit.solid == NO_SOLID ? FAR_M : hit.t_m * dot(direction, frame.camera_forward);
-    vec3 arriving = vec3(transmittance(scene_optical_depth(vec3(0.0), direction, hit.t_m)));
+    vec3 arriving = transmittance(scene_optical_depth(vec3(0.0), direction, hit.t_m));
     find_absorbed(thread, direction, hit.t_m);
     pixels[thread].behind = vec4(behind, eye_depth_m);
     pixels[thread].transmittance = vec4(arriving, 0.0);
