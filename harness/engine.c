@@ -16,6 +16,7 @@
 
 static const struct neph_engine *const registry[] = {
     &neph_engine_exact,
+    &neph_engine_oracle,
     &neph_engine_tracer,
     &neph_engine_march,
     &neph_engine_cycles,

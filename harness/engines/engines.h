@@ -8,6 +8,7 @@
 #include "harness/engine.h"
 
 extern const struct neph_engine neph_engine_exact;
+extern const struct neph_engine neph_engine_oracle;
 extern const struct neph_engine neph_engine_tracer;
 extern const struct neph_engine neph_engine_march;
 extern const struct neph_engine neph_engine_cycles;

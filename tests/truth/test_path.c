@@ -1,0 +1,451 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Single paths of the tracer against truths without noise: exact single scattering, slabs by
+ * doubling, Chandrasekhar's half-space, the white furnace.
+ *
+ * Tolerances: 4.5 standard errors of the estimate itself (wrong once in 150 000 for a normal
+ * variable; the seeds are fixed, so a test that passes stays passing), plus the truth's own error.
+ */
+#include "tests/neph_test.h"
+
+#include "scenes/grid.h"
+#include "scenes/media.h"
+#include "truth/directions.h"
+#include "truth/path.h"
+#include "truth/slab.h"
+#include "truth/transport.h"
+
+#define COUNT(array) (sizeof(array) / sizeof((array)[0]))
+
+static const double pi = 3.14159265358979323846264338328;
+static const double sigmas = 4.5;
+static const struct neph_rgb white = {1, 1, 1};
+static const struct neph_bounds everywhere = {{-INFINITY, -INFINITY, -INFINITY},
+                                              {INFINITY, INFINITY, INFINITY}};
+
+/* ---- estimates ---- */
+
+struct estimate {
+    double mean[3], error[3]; /* standard error of the mean */
+};
+
+enum part { PART_ALL, PART_ORDER1 };
+
+/* The view of sample n. */
+typedef struct neph_view view_maker(const struct neph_scene *scene, struct neph_random *random,
+                                    const void *context);
+
+static struct estimate estimate(const struct neph_scene *scene, view_maker *make,
+                                const void *context, enum part part, int samples)
+{
+    struct neph_diag diag = {0};
+    struct neph_tracker *tracker;
+    neph_assert_ok(neph_tracker_create(scene, &tracker, &diag), &diag);
+    struct neph_tracking_cost cost = {0, 0};
+    double sum[3] = {0}, squares[3] = {0};
+    for (int n = 0; n < samples; n++) {
+        struct neph_random random = neph_random_stream(5, 0, (uint64_t)n);
+        const struct neph_view view = make(scene, &random, context);
+        const struct neph_path_light light = neph_path_trace(scene, tracker, &view, &random, &cost);
+        struct neph_rgb rgb = light.order1;
+        if (part == PART_ALL)
+            rgb = neph_rgb_add(view.unscattered, neph_rgb_add(light.volume, light.surface));
+        const double value[3] = {rgb.r, rgb.g, rgb.b};
+        for (int j = 0; j < 3; j++) {
+            assert_true(isfinite(value[j]) && value[j] >= 0.0);
+            sum[j] += value[j];
+            squares[j] += value[j] * value[j];
+        }
+    }
+    neph_tracker_destroy(tracker);
+    struct estimate result;
+    for (int j = 0; j < 3; j++) {
+        result.mean[j] = sum[j] / samples;
+        result.error[j] = sqrt(fmax(0.0, squares[j] / samples - result.mean[j] * result.mean[j]) /
+                               (samples - 1));
+    }
+    return result;
+}
+
+struct line {
+    struct neph_vec3 origin_m, direction;
+};
+
+static struct neph_view fixed_view(const struct neph_scene *scene, struct neph_random *random,
+                                   const void *context)
+{
+    (void)random;
+    const struct line *line = context;
+    return neph_view_create(scene, line->origin_m, line->direction);
+}
+
+/* Lines from a point with directions by the cosine law about an axis: pi times the mean radiance is
+ * the flux through a plane across the axis. */
+static struct neph_view flux_view(const struct neph_scene *scene, struct neph_random *random,
+                                  const void *context)
+{
+    const struct line *axis = context;
+    return neph_view_create(scene, axis->origin_m, neph_cosine_sample(axis->direction, random));
+}
+
+/* ---- media ---- */
+
+static struct neph_medium homogeneous(double extinction_per_m, struct neph_bounds bounds)
+{
+    return (struct neph_medium){.kind = NEPH_MEDIUM_HOMOGENEOUS,
+                                .bounds = bounds,
+                                .albedo = white,
+                                .extinction_color = white,
+                                .layer_count = 1,
+                                .layers = {{.extinction_per_m = extinction_per_m}}};
+}
+
+static struct neph_medium two_fogs(void)
+{
+    struct neph_medium fog = homogeneous(0.2, everywhere);
+    fog.kind = NEPH_MEDIUM_HEIGHT_FOG;
+    fog.layers[0] = (struct neph_fog_layer){0.2, 0.5, 0.0};
+    fog.layers[1] = (struct neph_fog_layer){0.05, 0.1, 1.0};
+    fog.layer_count = 2;
+    return fog;
+}
+
+static struct neph_medium gaussian(struct neph_vec3 center_m, double width_m,
+                                   double extinction_per_m)
+{
+    return (struct neph_medium){.kind = NEPH_MEDIUM_GAUSSIAN,
+                                .bounds = everywhere,
+                                .albedo = white,
+                                .extinction_color = white,
+                                .extinction_per_m = extinction_per_m,
+                                .gaussian = {center_m, width_m}};
+}
+
+/* A planet of 100 m, the ground at y = -1. */
+static struct neph_medium shell(void)
+{
+    return (struct neph_medium){.kind = NEPH_MEDIUM_SHELL,
+                                .bounds = everywhere,
+                                .albedo = white,
+                                .extinction_color = white,
+                                .extinction_per_m = 0.2,
+                                .shell = {{0, -101, 0}, 100, 3}};
+}
+
+/* Rough voxels, a third of them empty. */
+static struct neph_medium voxels(struct neph_vec3 origin_m, double spacing_m,
+                                 double extinction_per_m)
+{
+    struct neph_diag diag = {0};
+    struct neph_grid *grid;
+    neph_assert_ok(neph_grid_create((const int[3]){7, 6, 5}, origin_m,
+                                    (struct neph_vec3){spacing_m, spacing_m, spacing_m}, &grid,
+                                    &diag),
+                   &diag);
+    uint64_t random = 99;
+    for (int i = 0; i < 7 * 6 * 5; i++)
+        grid->values[i] = (float)fmax(0.0, neph_test_uniform(&random, -0.5, 1.0));
+    neph_assert_ok(neph_grid_seal(grid, &diag), &diag);
+    return (struct neph_medium){.kind = NEPH_MEDIUM_GRID,
+                                .bounds = everywhere,
+                                .albedo = white,
+                                .extinction_color = white,
+                                .extinction_per_m = extinction_per_m,
+                                .grid = grid};
+}
+
+static void free_media(struct neph_scene *scene)
+{
+    for (int m = 0; m < scene->medium_count; m++)
+        neph_grid_destroy(scene->media[m].grid);
+}
+
+static const struct neph_bounds cube = {{-2, -1, -2}, {2, 2, 2}};
+static const struct neph_phase forward = {NEPH_PHASE_HENYEY_GREENSTEIN, 0.6};
+static const struct neph_phase rayleigh = {NEPH_PHASE_RAYLEIGH, 0.0};
+
+static struct neph_scene sunny(enum neph_scattering scattering)
+{
+    return (struct neph_scene){
+        .scattering = scattering,
+        .sun = {true, neph_vec3_normalize((struct neph_vec3){0.5, 0.7, 0.3}), {3, 2, 1}},
+        .background_w_per_m2_sr = {0.02, 0.03, 0.05},
+    };
+}
+
+static void add_medium(struct neph_scene *scene, struct neph_medium medium,
+                       const struct neph_phase *phase, struct neph_rgb color,
+                       struct neph_rgb albedo)
+{
+    medium.extinction_color = color;
+    medium.albedo = albedo;
+    if (phase)
+        medium.phase = *phase;
+    scene->media[scene->medium_count++] = medium;
+}
+
+/* What one channel of a coloured scene is: a grey scene. Shares the grids. */
+static struct neph_scene one_channel(const struct neph_scene *scene, int channel)
+{
+    struct neph_scene grey = *scene;
+    for (int m = 0; m < scene->medium_count; m++) {
+        struct neph_medium *medium = &grey.media[m];
+        const double color[3] = {medium->extinction_color.r, medium->extinction_color.g,
+                                 medium->extinction_color.b};
+        medium->extinction_color = white;
+        medium->extinction_per_m *= color[channel];
+        for (int l = 0; l < medium->layer_count; l++)
+            medium->layers[l].extinction_per_m *= color[channel];
+    }
+    return grey;
+}
+
+static double channel_of(struct neph_rgb rgb, int channel)
+{
+    return channel == 0 ? rgb.r : channel == 1 ? rgb.g : rgb.b;
+}
+
+/* ---- single scattering ---- */
+
+static const struct line lines[] = {
+    {{-6, 1.5, 0.5}, {0.98, -0.17, -0.1}}, /* through all from outside */
+    {{0.2, 0.3, 0.4}, {0.1, 0.2, 1}},      /* from inside, upwards */
+    {{1, 6, 0}, {-0.2, -1, 0.1}},          /* from above */
+    {{0.1, 0.5, 0.1}, {1, 0, 0}},          /* level */
+};
+
+/* Each channel of the tracer's single scattering against the exact one of its grey scene. */
+static void check_single_scattering(const char *name, const struct neph_scene *scene)
+{
+    enum { SAMPLES = 20000 };
+    for (size_t i = 0; i < COUNT(lines); i++) {
+        const struct line line = {lines[i].origin_m, neph_vec3_normalize(lines[i].direction)};
+        const struct estimate found = estimate(scene, fixed_view, &line, PART_ALL, SAMPLES);
+        double most = 0.0, error = 0.0;
+        for (int j = 0; j < 3; j++) {
+            const struct neph_scene grey = one_channel(scene, j);
+            const struct neph_ray_light light = neph_transport_ray(&grey, line.origin_m,
+                                                                   line.direction);
+            const double truth = channel_of(light.radiance, j);
+            const double allowed = sigmas * found.error[j] + light.quadrature_error + 1e-12;
+            if (!(fabs(found.mean[j] - truth) <= allowed))
+                print_error("%s, line %zu, channel %d: %.9g +- %.2g, expected %.9g\n", name, i, j,
+                            found.mean[j], found.error[j], truth);
+            assert_true(fabs(found.mean[j] - truth) <= allowed);
+            most = fmax(most, truth);
+            error = fmax(error, found.error[j]);
+        }
+        assert_true(error < 0.03 * most); /* the test can fail */
+    }
+}
+
+static void check_one_medium(const char *name, struct neph_medium medium)
+{
+    struct neph_scene scene = sunny(NEPH_SCATTERING_SINGLE);
+    add_medium(&scene, medium, &forward, white, (struct neph_rgb){0.9, 0.5, 1});
+    check_single_scattering(name, &scene);
+    scene.media[0].extinction_color = (struct neph_rgb){0.5, 1, 2.5};
+    check_single_scattering(name, &scene);
+    free_media(&scene);
+}
+
+static void test_single_scattering_of_one_medium(void **state)
+{
+    (void)state;
+    check_one_medium("homogeneous", homogeneous(0.7, cube));
+    check_one_medium("two fogs", two_fogs());
+}
+
+/* A wall in view and a bar that shades. */
+static void add_solids(struct neph_scene *scene, struct neph_solid solids[2])
+{
+    solids[0] = (struct neph_solid){
+        .kind = NEPH_SOLID_BOX, .box = {{3, -5, -9}, {4, 1, 9}}, .albedo = {0.5, 0.6, 0.7}};
+    solids[1] = (struct neph_solid){
+        .kind = NEPH_SOLID_SPHERE, .center_m = {0.6, 3.0, 0.5}, .radius_m = 0.8};
+    scene->solid_count = 2;
+    scene->solids = solids;
+}
+
+/* Overlapping, each of another colour, phase and albedo; one channel sees nothing of one. */
+static void test_single_scattering_of_coloured_media_and_solids(void **state)
+{
+    (void)state;
+    struct neph_solid solids[2];
+    struct neph_scene scene = sunny(NEPH_SCATTERING_SINGLE);
+    add_solids(&scene, solids);
+    add_medium(&scene, homogeneous(0.3, cube), &forward, (struct neph_rgb){0.4, 1, 2},
+               (struct neph_rgb){0.9, 0.8, 0.7});
+    add_medium(&scene, two_fogs(), NULL, (struct neph_rgb){2, 1, 0}, (struct neph_rgb){1, 1, 1});
+    check_single_scattering("two analytic media", &scene);
+}
+
+/* ---- all orders ---- */
+
+static const struct neph_bounds layer = {{-INFINITY, 0, -INFINITY}, {INFINITY, 1, INFINITY}};
+static const struct neph_vec3 above_m = {0, 2, 0}, below_m = {0, -1, 0};
+static const struct neph_vec3 up = {0, 1, 0}, down = {0, -1, 0};
+
+/* A layer of 1 m under a sun of irradiance 1. */
+static struct neph_scene slab_scene(double optical_depth, double albedo, struct neph_phase phase,
+                                    double sun_cosine)
+{
+    struct neph_scene scene = {.scattering = NEPH_SCATTERING_MULTIPLE};
+    const double sine = sqrt(1.0 - sun_cosine * sun_cosine);
+    scene.sun = (struct neph_sun){true, {sine, sun_cosine, 0}, white};
+    add_medium(&scene, homogeneous(optical_depth, layer), &phase, white,
+               (struct neph_rgb){albedo, albedo, albedo});
+    return scene;
+}
+
+/* Light that enters along the sun's direction and ends in the surroundings, which are seen above
+ * (or below) alone, for a black plane closes the other side: reflectance (transmittance). */
+static struct estimate share_that_leaves(const struct neph_scene *slab, bool upwards, int samples)
+{
+    struct neph_solid plane = {.kind = NEPH_SOLID_BOX};
+    plane.box = upwards ? (struct neph_bounds){{-1e9, -2, -1e9}, {1e9, -1, 1e9}}
+                        : (struct neph_bounds){{-1e9, 3, -1e9}, {1e9, 4, 1e9}};
+    struct neph_scene scene = *slab;
+    scene.sun.present = false;
+    scene.environment_light = true;
+    scene.background_w_per_m2_sr = white;
+    scene.solid_count = 1;
+    scene.solids = &plane;
+    const struct line line = {above_m, neph_vec3_scale(slab->sun.direction, -1.0)};
+    return estimate(&scene, fixed_view, &line, PART_ALL, samples);
+}
+
+static void check_fluxes(const struct neph_scene *scene, double reflected, double transmitted,
+                         int samples)
+{
+    const struct estimate r = share_that_leaves(scene, true, samples);
+    const struct estimate t = share_that_leaves(scene, false, samples);
+    print_message("tau %4g: R %.4f +- %.4f, truth %.4f; T %.4f +- %.4f, truth %.4f\n",
+                  scene->media[0].layers[0].extinction_per_m, r.mean[0], r.error[0], reflected,
+                  t.mean[0], t.error[0], transmitted);
+    neph_assert_close(r.mean[0], reflected, 0.0, sigmas * r.error[0] + 5e-5);
+    neph_assert_close(t.mean[0], transmitted, 0.0, sigmas * t.error[0] + 5e-5);
+}
+
+/* R and T = 1 - R of Henyey-Greenstein 0.85, no absorption, sun cosine 0.7, to the digits given
+ * (doubling of 128 streams, checked against DISORT); and the same from sunlight. */
+static void test_conservative_slabs(void **state)
+{
+    (void)state;
+    static const struct {
+        double optical_depth, reflected;
+        int samples;
+    } rows[] = {{1, 0.0907, 200000}, {4, 0.3109, 100000}, {16, 0.6397, 40000}, {64, 0.8749, 10000}};
+    const struct neph_phase phase = {NEPH_PHASE_HENYEY_GREENSTEIN, 0.85};
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        const struct neph_scene scene = slab_scene(rows[i].optical_depth, 1.0, phase, 0.7);
+        check_fluxes(&scene, rows[i].reflected, 1.0 - rows[i].reflected, rows[i].samples);
+        const struct line top = {above_m, down}, bottom = {below_m, up};
+        const int samples = rows[i].samples / 10;
+        const struct estimate r = estimate(&scene, flux_view, &top, PART_ALL, samples);
+        const struct estimate t = estimate(&scene, flux_view, &bottom, PART_ALL, samples);
+        const double direct = exp(-rows[i].optical_depth / 0.7), per_flux = pi / 0.7;
+        neph_assert_close(per_flux * r.mean[0], rows[i].reflected, 0.0,
+                          sigmas * per_flux * r.error[0] + 5e-5);
+        neph_assert_close(per_flux * t.mean[0] + direct, 1.0 - rows[i].reflected, 0.0,
+                          sigmas * per_flux * t.error[0] + 5e-5);
+    }
+}
+
+/* Radiances up and down against doubling. */
+static void check_slab(double optical_depth, double albedo, struct neph_phase phase, int samples)
+{
+    static const double cosines[] = {0.25, 0.8};
+    const struct neph_slab_params params = {.optical_depth = optical_depth,
+                                            .albedo = albedo,
+                                            .phase = phase,
+                                            .sun_cosine = 0.6,
+                                            .view_count = COUNT(cosines),
+                                            .view_cosines = cosines,
+                                            .node_count = 24};
+    struct neph_diag diag = {0};
+    struct neph_slab *slab;
+    neph_assert_ok(neph_slab_create(&params, &slab, &diag), &diag);
+    const struct neph_scene scene = slab_scene(optical_depth, albedo, phase, params.sun_cosine);
+    for (int v = 0; v < params.view_count; v++) {
+        const double sine = sqrt(1.0 - cosines[v] * cosines[v]), azimuth = 2.0;
+        /* Light leaves upwards with azimuth `azimuth` against the sunlight's travel, along -x; the
+         * camera looks against it. */
+        const struct neph_vec3 side = {sine * cos(azimuth), 0, -sine * sin(azimuth)};
+        const struct line from_top = {above_m, {side.x, -cosines[v], side.z}};
+        const struct line from_bottom = {below_m, {side.x, cosines[v], side.z}};
+        const struct estimate r = estimate(&scene, fixed_view, &from_top, PART_ALL, samples);
+        const struct estimate t = estimate(&scene, fixed_view, &from_bottom, PART_ALL, samples);
+        neph_assert_close(r.mean[0], neph_slab_reflected_per_sr(slab, v, azimuth), 1e-5,
+                          sigmas * r.error[0]);
+        neph_assert_close(t.mean[0], neph_slab_transmitted_per_sr(slab, v, azimuth), 1e-5,
+                          sigmas * t.error[0]);
+    }
+    neph_slab_destroy(slab);
+}
+
+static void test_slabs_against_doubling(void **state)
+{
+    (void)state;
+    check_slab(0.5, 1.0, (struct neph_phase){NEPH_PHASE_ISOTROPIC, 0.0}, 30000);
+    check_slab(3.0, 0.9, rayleigh, 30000);
+    check_slab(8.0, 0.99, (struct neph_phase){NEPH_PHASE_HENYEY_GREENSTEIN, 0.5}, 20000);
+    check_slab(2.0, 0.95, (struct neph_phase){NEPH_PHASE_HENYEY_GREENSTEIN, -0.4}, 20000);
+}
+
+/* A half-space of absorbing fog that thickens downwards without end. */
+static void test_half_space_against_chandrasekhar(void **state)
+{
+    (void)state;
+    const double albedo = 0.9, view_cosine = 0.7, sun_cosine = 0.5;
+    struct neph_scene scene = slab_scene(1.0, albedo, (struct neph_phase){0}, sun_cosine);
+    scene.media[0].kind = NEPH_MEDIUM_HEIGHT_FOG;
+    scene.media[0].bounds = everywhere;
+    scene.media[0].layers[0] = (struct neph_fog_layer){0.5, 0.8, 0.0};
+    const double sine = sqrt(1.0 - view_cosine * view_cosine);
+    const struct line line = {{3, 60, 4}, {0, -view_cosine, sine}};
+    const struct estimate found = estimate(&scene, fixed_view, &line, PART_ALL, 100000);
+    const double truth = albedo / (4.0 * pi) * sun_cosine / (view_cosine + sun_cosine) *
+                         neph_chandrasekhar_h(albedo, view_cosine) *
+                         neph_chandrasekhar_h(albedo, sun_cosine);
+    neph_assert_close(found.mean[0], truth, 0.0, sigmas * found.error[0]);
+}
+
+/* ---- furnace ---- */
+
+/* No light is lost: solids and media of albedo 1 in uniform surroundings. */
+static void test_white_furnace(void **state)
+{
+    (void)state;
+    struct neph_solid solids[2];
+    struct neph_scene scene = sunny(NEPH_SCATTERING_MULTIPLE);
+    add_solids(&scene, solids);
+    solids[0].albedo = solids[1].albedo = white;
+    scene.sun.present = false;
+    scene.environment_light = true;
+    scene.background_w_per_m2_sr = (struct neph_rgb){1, 2, 3};
+    add_medium(&scene, homogeneous(2.0, cube), &forward, (struct neph_rgb){0.3, 1, 2}, white);
+    for (size_t i = 0; i < COUNT(lines); i++) {
+        const struct line line = {lines[i].origin_m, neph_vec3_normalize(lines[i].direction)};
+        const struct estimate found = estimate(&scene, fixed_view, &line, PART_ALL, 10000);
+        for (int j = 0; j < 3; j++)
+            neph_assert_close(found.mean[j] / (j + 1.0), 1.0, 0.0,
+                              sigmas * found.error[j] / (j + 1.0) + 1e-12);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_single_scattering_of_one_medium),
+        cmocka_unit_test(test_single_scattering_of_coloured_media_and_solids),
+        cmocka_unit_test(test_conservative_slabs),
+        cmocka_unit_test(test_slabs_against_doubling),
+        cmocka_unit_test(test_half_space_against_chandrasekhar),
+        cmocka_unit_test(test_white_furnace),
+    };
+    (void)gaussian;
+    (void)shell;
+    (void)voxels;
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

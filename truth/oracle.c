@@ -1,0 +1,425 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Paths are added up in rounds, row by row, each pixel's samples in their order: the sums do not
+ * depend on the threads, nor on where a render was interrupted.
+ */
+#include "truth/oracle.h"
+
+#include "base/checkpoint.h"
+#include "base/clock.h"
+#include "base/files.h"
+#include "base/interrupt.h"
+#include "base/threads.h"
+#include "scenes/media.h"
+#include "truth/path.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Raise it when the same scene and params give other bits. */
+static const int estimator_version = 1;
+
+enum {
+    ROUND_SAMPLES = 16,
+    SAMPLES_MAX = 1 << 30,
+    ROW_NUMBERS = 3, /* per row in a checkpoint: samples, collisions, lookups */
+};
+
+static const double checkpoint_interval_s = 10.0;
+
+/* Sums over the samples of a pixel; nothing but doubles, for the checkpoint. */
+struct sums {
+    double light[3];   /* volume and surface */
+    double squares[3]; /* of that, per sample */
+    double volume[3];
+    double order1[3];
+};
+enum { SUMS_NUMBERS = sizeof(struct sums) / sizeof(double) };
+
+struct render {
+    const struct neph_scene *scene;
+    const struct neph_oracle_params *params;
+    struct neph_camera camera;
+    struct neph_tracker *tracker; /* owned */
+    double *numbers; /* owned: what a checkpoint holds, ROW_NUMBERS per row, then the sums */
+    char *identity;  /* owned: whose checkpoint it is */
+    int round_end;   /* samples that every pixel has when the present round is done */
+    double start_s, saved_s;
+};
+
+static size_t number_count(const struct neph_oracle_params *params)
+{
+    const size_t rows = (size_t)params->height_px, columns = (size_t)params->width_px;
+    return ROW_NUMBERS * rows + SUMS_NUMBERS * rows * columns;
+}
+
+static double *row_numbers(const struct render *render, int row)
+{
+    return render->numbers + (size_t)ROW_NUMBERS * (size_t)row;
+}
+
+static struct sums load_sums(const struct render *render, size_t pixel)
+{
+    struct sums sums;
+    memcpy(&sums,
+           render->numbers + ROW_NUMBERS * (size_t)render->params->height_px + SUMS_NUMBERS * pixel,
+           sizeof(sums));
+    return sums;
+}
+
+static void save_sums(struct render *render, size_t pixel, const struct sums *sums)
+{
+    memcpy(render->numbers + ROW_NUMBERS * (size_t)render->params->height_px + SUMS_NUMBERS * pixel,
+           sums, sizeof(*sums));
+}
+
+/* ---- what can be rendered ---- */
+
+static bool is_white(struct neph_rgb albedo)
+{
+    return albedo.r >= 1.0 || albedo.g >= 1.0 || albedo.b >= 1.0;
+}
+
+/* Nothing stops light that goes straight down from the cameras, ever. */
+static bool has_no_ground(const struct neph_scene *scene)
+{
+    for (int i = 0; i < scene->camera_key_count; i++)
+        if (!neph_scene_hit(scene, scene->camera_keys[i].position_m, (struct neph_vec3){0, -1, 0})
+                 .solid)
+            return true;
+    return false;
+}
+
+static bool is_cut(double minimum_m, double maximum_m)
+{
+    return isfinite(minimum_m) && isfinite(maximum_m);
+}
+
+/* Light in a half-space without absorption always comes out, but after infinitely many events on
+ * the average (a recurrent random walk): no program can follow it. */
+static bool is_bottomless(const struct neph_scene *scene, const struct neph_medium *medium)
+{
+    if (medium->layer_count == 0 || !is_white(medium->albedo))
+        return false;
+    const struct neph_bounds *b = &medium->bounds;
+    if (is_cut(b->min_m.x, b->max_m.x) || is_cut(b->min_m.z, b->max_m.z))
+        return false;
+    bool thins_out = true;
+    for (int l = 0; l < medium->layer_count; l++)
+        thins_out = thins_out && medium->layers[l].falloff_per_m > 0.0;
+    const bool top = isfinite(b->max_m.y) || thins_out;
+    const bool bottom = isfinite(b->min_m.y) || !has_no_ground(scene);
+    return !top || !bottom;
+}
+
+bool neph_oracle_can_render(const struct neph_scene *scene, char *reason, size_t reason_size)
+{
+    for (int m = 0; m < scene->medium_count; m++)
+        if (scene->scattering == NEPH_SCATTERING_MULTIPLE &&
+            is_bottomless(scene, &scene->media[m])) {
+            snprintf(reason, reason_size,
+                     "multiple scattering without absorption in a fog that has no end: paths of "
+                     "infinite mean length (give it bounds, a ground, or an albedo below 1)");
+            return false;
+        }
+    return true;
+}
+
+static enum neph_status check_params(const struct neph_oracle_params *params,
+                                     struct neph_diag *diag)
+{
+    if (params->width_px < 1 || params->width_px > NEPH_IMAGE_SIDE_MAX_PX ||
+        params->height_px < 1 || params->height_px > NEPH_IMAGE_SIDE_MAX_PX)
+        return neph_fail(diag, NEPH_ERR_USAGE, "a frame of %d x %d pixels: each side must be 1..%d",
+                         params->width_px, params->height_px, NEPH_IMAGE_SIDE_MAX_PX);
+    if (params->samples < 2 || params->samples > SAMPLES_MAX)
+        return neph_fail(diag, NEPH_ERR_USAGE, "%d samples: must be 2..%d", params->samples,
+                         SAMPLES_MAX);
+    if (!(params->target_error >= 0.0))
+        return neph_fail(diag, NEPH_ERR_USAGE, "a target error of %g: must be 0 or more",
+                         params->target_error);
+    if (!(params->time_limit_s > 0.0))
+        return neph_fail(diag, NEPH_ERR_USAGE, "a time limit of %g s: must be above 0",
+                         params->time_limit_s);
+    return NEPH_OK;
+}
+
+/* ---- rounds ---- */
+
+static struct neph_view pixel_view(const struct render *render, int column, int row)
+{
+    const struct neph_oracle_params *params = render->params;
+    return neph_view_create(
+        render->scene, render->camera.position_m,
+        neph_camera_ray(&render->camera, params->width_px, params->height_px, column, row));
+}
+
+static void add_light(struct sums *sums, const struct neph_path_light *light)
+{
+    const struct neph_rgb all = neph_rgb_add(light->volume, light->surface);
+    const double value[3] = {all.r, all.g, all.b};
+    const double volume[3] = {light->volume.r, light->volume.g, light->volume.b};
+    const double order1[3] = {light->order1.r, light->order1.g, light->order1.b};
+    for (int j = 0; j < 3; j++) {
+        sums->light[j] += value[j];
+        sums->squares[j] += value[j] * value[j];
+        sums->volume[j] += volume[j];
+        sums->order1[j] += order1[j];
+    }
+}
+
+/* Bring a row up to the round's end. */
+static void render_row(int row, void *context)
+{
+    struct render *render = context;
+    double *numbers = row_numbers(render, row);
+    const int first = (int)numbers[0];
+    struct neph_tracking_cost cost = {0, 0};
+    for (int column = 0; column < render->params->width_px; column++) {
+        const size_t pixel = (size_t)row * (size_t)render->params->width_px + (size_t)column;
+        const struct neph_view view = pixel_view(render, column, row);
+        struct sums sums = load_sums(render, pixel);
+        for (int sample = first; sample < render->round_end; sample++) {
+            struct neph_random random = neph_random_stream(render->params->seed, pixel,
+                                                           (uint64_t)sample);
+            const struct neph_path_light light = neph_path_trace(render->scene, render->tracker,
+                                                                 &view, &random, &cost);
+            add_light(&sums, &light);
+        }
+        save_sums(render, pixel, &sums);
+    }
+    numbers[0] = fmax(first, render->round_end);
+    numbers[1] += (double)cost.collisions;
+    numbers[2] += (double)cost.lookups;
+}
+
+/* Short rounds first, so that a time limit is met. Always the same ends, whatever was resumed: a
+ * target is met at the same one. */
+static int next_round_end(int done, int samples)
+{
+    int end = 2;
+    while (end <= done)
+        end = end < ROUND_SAMPLES ? 2 * end : (done / ROUND_SAMPLES + 1) * ROUND_SAMPLES;
+    return end < samples ? end : samples;
+}
+
+static int samples_done(const struct render *render)
+{
+    double least = INFINITY;
+    for (int row = 0; row < render->params->height_px; row++)
+        least = fmin(least, row_numbers(render, row)[0]);
+    return (int)least;
+}
+
+/* The square of the standard error of the mean of n samples. */
+static double variance_of_mean(double sum, double squares, int n)
+{
+    const double mean = sum / n;
+    return fmax(0.0, squares / n - mean * mean) / (n - 1);
+}
+
+/* As params.target_error. */
+static double relative_error(const struct render *render, int n)
+{
+    const size_t pixels = (size_t)render->params->width_px * (size_t)render->params->height_px;
+    double variance = 0.0, power = 0.0;
+    for (size_t pixel = 0; pixel < pixels; pixel++) {
+        const struct sums sums = load_sums(render, pixel);
+        for (int j = 0; j < 3; j++) {
+            variance += variance_of_mean(sums.light[j], sums.squares[j], n);
+            power += sums.volume[j] / n * (sums.volume[j] / n);
+        }
+    }
+    if (variance == 0.0)
+        return 0.0;
+    return sqrt(variance / power);
+}
+
+/* ---- checkpoints ---- */
+
+static char *make_identity(const struct neph_scene *scene, const struct neph_oracle_params *params)
+{
+    return neph_format("oracle %d, scene %s, %dx%d, frame %.17g, seed %llu", estimator_version,
+                       scene->hash, params->width_px, params->height_px, params->frame,
+                       (unsigned long long)params->seed);
+}
+
+static enum neph_status resume(struct render *render, struct neph_diag *diag)
+{
+    const char *path = render->params->checkpoint;
+    if (!path || !neph_path_exists(path))
+        return NEPH_OK;
+    return neph_checkpoint_read(path, render->identity, render->numbers,
+                                number_count(render->params), diag);
+}
+
+static enum neph_status leave_checkpoint(struct render *render, struct neph_diag *diag)
+{
+    if (!render->params->checkpoint)
+        return NEPH_OK;
+    render->saved_s = neph_wall_s();
+    return neph_checkpoint_write(render->params->checkpoint, render->identity, render->numbers,
+                                 number_count(render->params), diag);
+}
+
+/* ---- the whole ---- */
+
+/* Whether another round is wanted; `round_s` is what the last sample of all pixels took. */
+static bool goes_on(const struct render *render, int done, double sample_s)
+{
+    const struct neph_oracle_params *params = render->params;
+    if (done >= params->samples)
+        return false;
+    if (done < 2)
+        return true;
+    /* Fewer samples cannot tell their own error. */
+    if (params->target_error > 0.0 && done >= ROUND_SAMPLES &&
+        relative_error(render, done) <= params->target_error)
+        return false;
+    const double round_s = sample_s * (next_round_end(done, params->samples) - done);
+    return neph_wall_s() - render->start_s + round_s < params->time_limit_s;
+}
+
+static enum neph_status run_rounds(struct render *render, struct neph_diag *diag)
+{
+    double sample_s = 0.0;
+    enum neph_status status = NEPH_OK;
+    for (int done = samples_done(render); !status && goes_on(render, done, sample_s);) {
+        const double start_s = neph_wall_s();
+        render->round_end = next_round_end(done, render->params->samples);
+        status = neph_parallel_rows(render->params->height_px, render_row, render, diag);
+        sample_s = (neph_wall_s() - start_s) / (render->round_end - done);
+        done = samples_done(render);
+        if (!status && neph_wall_s() - render->saved_s > checkpoint_interval_s)
+            status = leave_checkpoint(render, diag);
+    }
+    if (status && status != NEPH_ERR_INTERRUPTED)
+        return status;
+    const enum neph_status saved = leave_checkpoint(render, status ? NULL : diag);
+    return status ? status : saved;
+}
+
+struct layers {
+    float *radiance[3], *volume[3], *order1[3], *transmittance[3], *variance[3], *depth;
+};
+
+static enum neph_status add_layers(struct neph_image *frame, struct layers *layers,
+                                   struct neph_diag *diag)
+{
+    enum neph_status status = neph_image_add_rgb(frame, NULL, layers->radiance, diag);
+    if (!status)
+        status = neph_image_add_rgb(frame, "volume", layers->volume, diag);
+    if (!status)
+        status = neph_image_add_rgb(frame, "order1", layers->order1, diag);
+    if (!status)
+        status = neph_image_add_rgb(frame, "transmittance", layers->transmittance, diag);
+    if (!status)
+        status = neph_image_add_rgb(frame, "variance", layers->variance, diag);
+    if (!status)
+        status = neph_image_add_channel(frame, "Z", &layers->depth, diag);
+    return status;
+}
+
+struct finish {
+    struct render *render;
+    struct layers layers;
+    int samples;
+};
+
+static void finish_row(int row, void *context)
+{
+    struct finish *finish = context;
+    const struct render *render = finish->render;
+    const struct layers *layers = &finish->layers;
+    const int n = finish->samples;
+    for (int column = 0; column < render->params->width_px; column++) {
+        const size_t pixel = (size_t)row * (size_t)render->params->width_px + (size_t)column;
+        const struct neph_view view = pixel_view(render, column, row);
+        const struct sums sums = load_sums(render, pixel);
+        const struct neph_rgb t = view.transmittance, u = view.unscattered;
+        const double transmittance[3] = {t.r, t.g, t.b}, unscattered[3] = {u.r, u.g, u.b};
+        for (int j = 0; j < 3; j++) {
+            layers->radiance[j][pixel] = (float)(unscattered[j] + sums.light[j] / n);
+            layers->volume[j][pixel] = (float)(sums.volume[j] / n);
+            layers->order1[j][pixel] = (float)(sums.order1[j] / n);
+            layers->transmittance[j][pixel] = (float)transmittance[j];
+            layers->variance[j][pixel] = (float)variance_of_mean(sums.light[j], sums.squares[j], n);
+        }
+        layers->depth[pixel] = (float)(view.hit.t_m *
+                                       neph_vec3_dot(view.direction, render->camera.forward));
+    }
+}
+
+static enum neph_status make_frame(struct render *render, struct neph_image **frame,
+                                   struct neph_diag *diag)
+{
+    struct finish finish = {.render = render, .samples = samples_done(render)};
+    struct neph_image *image = NULL;
+    enum neph_status status = neph_image_create(render->params->width_px, render->params->height_px,
+                                                &image, diag);
+    if (!status)
+        status = add_layers(image, &finish.layers, diag);
+    if (!status)
+        status = neph_parallel_rows(render->params->height_px, finish_row, &finish, diag);
+    if (status) {
+        neph_image_destroy(image);
+        return status;
+    }
+    *frame = image;
+    return NEPH_OK;
+}
+
+static struct neph_oracle_stats make_stats(const struct render *render)
+{
+    struct neph_oracle_stats stats = {.samples = samples_done(render)};
+    stats.error = relative_error(render, stats.samples);
+    for (int row = 0; row < render->params->height_px; row++) {
+        stats.collisions += (uint64_t)row_numbers(render, row)[1];
+        stats.lookups += (uint64_t)row_numbers(render, row)[2];
+    }
+    stats.wall_s = neph_wall_s() - render->start_s;
+    return stats;
+}
+
+/* All that `render` owns. */
+static enum neph_status prepare(struct render *render, struct neph_diag *diag)
+{
+    render->identity = make_identity(render->scene, render->params);
+    render->numbers = calloc(number_count(render->params), sizeof(*render->numbers));
+    if (!render->identity || !render->numbers)
+        return neph_fail_memory(diag);
+    return neph_tracker_create(render->scene, &render->tracker, diag);
+}
+
+enum neph_status neph_oracle_render(const struct neph_scene *scene,
+                                    const struct neph_oracle_params *params,
+                                    struct neph_image **frame, struct neph_oracle_stats *stats,
+                                    struct neph_diag *diag)
+{
+    char reason[256];
+    enum neph_status status = check_params(params, diag);
+    if (status)
+        return status;
+    if (!neph_oracle_can_render(scene, reason, sizeof(reason)))
+        return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "the oracle cannot: %s", reason);
+    struct render render = {.scene = scene,
+                            .params = params,
+                            .camera = neph_scene_camera(scene, params->frame),
+                            .start_s = neph_wall_s(),
+                            .saved_s = neph_wall_s()};
+    status = prepare(&render, diag);
+    if (!status)
+        status = resume(&render, diag);
+    if (!status)
+        status = run_rounds(&render, diag);
+    if (!status)
+        status = make_frame(&render, frame, diag);
+    if (!status && stats)
+        *stats = make_stats(&render);
+    free(render.identity);
+    free(render.numbers);
+    neph_tracker_destroy(render.tracker);
+    return status;
+}

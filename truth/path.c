@@ -1,0 +1,274 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Colour. A path is made as light of one channel, chosen at random, meets the media. Its value in
+ * channel j is f_j / mean_k p_k: f_j is what the path brings in channel j, p_k the probability that
+ * channel k would have made it (balance heuristic). Both are kept divided by the mean of p, so that
+ * neither leaves the range of a double. In a grey scene all p are 1.
+ */
+#include "truth/path.h"
+
+#include "scenes/media.h"
+#include "truth/directions.h"
+
+#include <math.h>
+
+static const double pi = 3.14159265358979323846264338328;
+
+/* A path that can still bring less than this part of its start may be ended (and is worth more when
+ * it is not). */
+static const double roulette_below = 0.05;
+
+struct path {
+    const struct neph_scene *scene;
+    const struct neph_tracker *tracker;
+    struct neph_random *random;
+    struct neph_tracking_cost *cost;
+    struct neph_vec3 at_m, direction; /* away from the camera */
+    int channel;
+    double value[3];       /* f / mean p */
+    double probability[3]; /* p / mean p */
+};
+
+static const struct neph_rgb black = {0, 0, 0};
+
+static struct neph_rgb path_value(const struct path *path)
+{
+    return (struct neph_rgb){path->value[0], path->value[1], path->value[2]};
+}
+
+static void add(struct neph_rgb *sum, struct neph_rgb light)
+{
+    *sum = neph_rgb_add(*sum, light);
+}
+
+/* Both f and p take the factor by which the channels differ in the last flight. */
+static void weigh(struct path *path, const double ratio[3])
+{
+    double mean = 0.0;
+    for (int j = 0; j < 3; j++) {
+        path->value[j] *= ratio[j];
+        path->probability[j] *= ratio[j];
+        mean += path->probability[j] / 3.0;
+    }
+    for (int j = 0; j < 3; j++) {
+        path->value[j] /= mean;
+        path->probability[j] /= mean;
+    }
+}
+
+/* False when nothing is left. */
+static bool reflect(struct path *path, struct neph_rgb albedo)
+{
+    path->value[0] *= albedo.r;
+    path->value[1] *= albedo.g;
+    path->value[2] *= albedo.b;
+    return path->value[0] > 0.0 || path->value[1] > 0.0 || path->value[2] > 0.0;
+}
+
+static bool survives(struct path *path)
+{
+    const double most = fmax(path->value[0], fmax(path->value[1], path->value[2]));
+    if (most >= roulette_below)
+        return true;
+    if (neph_random_uniform(path->random) * roulette_below >= most)
+        return false;
+    for (int j = 0; j < 3; j++)
+        path->value[j] *= roulette_below / most;
+    return true;
+}
+
+/* ---- light that arrives at a point ---- */
+
+static struct neph_rgb transmittance(const struct path *path, struct neph_vec3 direction)
+{
+    const struct neph_ray ray = {path->at_m, direction, INFINITY};
+    return neph_tracker_transmittance(path->tracker, &ray, path->random, path->cost);
+}
+
+/* Sunlight that the path brings when the point scatters `per_sr` of it towards the camera. */
+static struct neph_rgb sunlight(const struct path *path, double per_sr)
+{
+    const struct neph_sun *sun = &path->scene->sun;
+    if (!sun->present || per_sr == 0.0 || !neph_scene_sees_sun(path->scene, path->at_m))
+        return black;
+    const struct neph_rgb light = neph_rgb_mul(sun->irradiance_w_per_m2,
+                                               transmittance(path, sun->direction));
+    return neph_rgb_scale(neph_rgb_mul(path_value(path), light), per_sr);
+}
+
+/* Light of the surroundings along the path's direction, not scattered on its way. */
+static struct neph_rgb surroundings(const struct path *path)
+{
+    if (!path->scene->environment_light ||
+        neph_scene_hit(path->scene, path->at_m, path->direction).solid)
+        return black;
+    const struct neph_rgb light = neph_rgb_mul(path->scene->background_w_per_m2_sr,
+                                               transmittance(path, path->direction));
+    return neph_rgb_mul(path_value(path), light);
+}
+
+/* ---- events ---- */
+
+/* Each adds the sunlight that its scattering brings, and turns the path; false when it ends. */
+static bool meet_medium(struct path *path, const struct neph_collision *collision,
+                        struct neph_rgb *light)
+{
+    const struct neph_medium *medium = &path->scene->media[collision->medium];
+    path->at_m = neph_vec3_along(path->at_m, path->direction, collision->t_m);
+    if (!reflect(path, medium->albedo))
+        return false;
+    const double cosine = neph_vec3_dot(path->direction, path->scene->sun.direction);
+    add(light, sunlight(path, neph_phase_per_sr(&medium->phase, cosine)));
+    path->direction = neph_phase_sample(&medium->phase, path->direction, path->random);
+    return true;
+}
+
+/* Off the surface by more than the rounding of the hit point, whatever the world's scale. */
+static struct neph_vec3 outside_m(struct neph_vec3 point_m, const struct neph_hit *hit)
+{
+    const double scale_m = fmax(1.0, neph_vec3_length(point_m) + hit->t_m);
+    return neph_vec3_along(point_m, hit->normal, 1e-12 * scale_m);
+}
+
+/* Without the sunlight. */
+static bool leave_surface(struct path *path, const struct neph_hit *hit)
+{
+    if (!reflect(path, hit->solid->albedo))
+        return false;
+    const struct neph_vec3 point_m = neph_vec3_along(path->at_m, path->direction, hit->t_m);
+    path->at_m = outside_m(point_m, hit);
+    path->direction = neph_cosine_sample(hit->normal, path->random);
+    return true;
+}
+
+static bool meet_surface(struct path *path, const struct neph_hit *hit, struct neph_rgb *light)
+{
+    if (!leave_surface(path, hit))
+        return false;
+    const double cosine = neph_vec3_dot(hit->normal, path->scene->sun.direction);
+    add(light, sunlight(path, fmax(0.0, cosine) / pi));
+    return true;
+}
+
+/* From an event to the end of the path. `*direct` receives what comes from the surroundings without
+ * a further event, `*light` the rest. */
+static void follow(struct path *path, struct neph_rgb *direct, struct neph_rgb *light)
+{
+    for (struct neph_rgb *escaped = direct; survives(path); escaped = light) {
+        const struct neph_hit hit = neph_scene_hit(path->scene, path->at_m, path->direction);
+        const struct neph_ray ray = {path->at_m, path->direction, hit.t_m};
+        const struct neph_collision collision = neph_tracker_collide(
+            path->tracker, &ray, path->channel, path->random, path->cost);
+        if (!neph_tracker_is_grey(path->tracker))
+            weigh(path, collision.ratio);
+        if (collision.medium < 0 && !hit.solid) {
+            if (path->scene->environment_light)
+                add(escaped, neph_rgb_mul(path_value(path), path->scene->background_w_per_m2_sr));
+            return;
+        }
+        if (!(collision.medium < 0 ? meet_surface(path, &hit, light)
+                                   : meet_medium(path, &collision, light)))
+            return;
+    }
+}
+
+/* ---- the two kinds of paths from a camera ---- */
+
+static struct path path_start(const struct neph_scene *scene, const struct neph_tracker *tracker,
+                              const struct neph_view *view, struct neph_random *random,
+                              struct neph_tracking_cost *cost)
+{
+    struct path path = {.scene = scene,
+                        .tracker = tracker,
+                        .random = random,
+                        .cost = cost,
+                        .at_m = view->origin_m,
+                        .direction = view->direction,
+                        .value = {1.0, 1.0, 1.0},
+                        .probability = {1.0, 1.0, 1.0}};
+    if (!neph_tracker_is_grey(tracker))
+        path.channel = (int)(3.0 * neph_random_uniform(random));
+    return path;
+}
+
+static void trace_volume(struct path *path, const struct neph_view *view,
+                         struct neph_path_light *light)
+{
+    const struct neph_ray ray = {path->at_m, path->direction, view->hit.t_m};
+    const struct neph_collision collision = neph_tracker_collide(path->tracker, &ray, path->channel,
+                                                                 path->random, path->cost);
+    if (collision.medium < 0)
+        return; /* unscattered: known already */
+    if (!neph_tracker_is_grey(path->tracker))
+        weigh(path, collision.ratio);
+    if (!meet_medium(path, &collision, &light->order1))
+        return;
+    if (path->scene->scattering == NEPH_SCATTERING_MULTIPLE)
+        follow(path, &light->order1, &light->volume);
+    else
+        add(&light->order1, surroundings(path));
+    add(&light->volume, light->order1);
+}
+
+/* The surface in view, lit by all but direct sunlight. */
+static void trace_surface(struct path *path, const struct neph_view *view,
+                          struct neph_path_light *light)
+{
+    if (!reflect(path, view->transmittance) || !leave_surface(path, &view->hit))
+        return;
+    if (path->scene->scattering == NEPH_SCATTERING_MULTIPLE)
+        follow(path, &light->surface, &light->surface);
+    else
+        add(&light->surface, surroundings(path));
+}
+
+struct neph_path_light neph_path_trace(const struct neph_scene *scene,
+                                       const struct neph_tracker *tracker,
+                                       const struct neph_view *view, struct neph_random *random,
+                                       struct neph_tracking_cost *cost)
+{
+    struct neph_path_light light = {black, black, black};
+    if (scene->scattering != NEPH_SCATTERING_NONE && scene->medium_count > 0) {
+        struct path path = path_start(scene, tracker, view, random, cost);
+        trace_volume(&path, view, &light);
+    }
+    const bool lit = scene->environment_light || scene->scattering == NEPH_SCATTERING_MULTIPLE;
+    if (view->hit.solid && lit) {
+        struct path path = path_start(scene, tracker, view, random, cost);
+        trace_surface(&path, view, &light);
+    }
+    return light;
+}
+
+/* Lambertian, lit by the sun through the media: albedo / pi * E cos(theta) T V. */
+static struct neph_rgb sunlit_surface(const struct neph_scene *scene, const struct neph_view *view)
+{
+    const double cosine = neph_vec3_dot(view->hit.normal, scene->sun.direction);
+    if (!scene->sun.present || cosine <= 0.0)
+        return black;
+    const struct neph_vec3 point_m = outside_m(
+        neph_vec3_along(view->origin_m, view->direction, view->hit.t_m), &view->hit);
+    if (!neph_scene_sees_sun(scene, point_m))
+        return black;
+    const struct neph_rgb depth = neph_scene_optical_depth(scene, point_m, scene->sun.direction,
+                                                           0.0, INFINITY);
+    const struct neph_rgb light = {exp(-depth.r), exp(-depth.g), exp(-depth.b)};
+    return neph_rgb_scale(
+        neph_rgb_mul(neph_rgb_mul(view->hit.solid->albedo, scene->sun.irradiance_w_per_m2), light),
+        cosine / pi);
+}
+
+struct neph_view neph_view_create(const struct neph_scene *scene, struct neph_vec3 origin_m,
+                                  struct neph_vec3 direction)
+{
+    struct neph_view view = {.origin_m = origin_m,
+                             .direction = direction,
+                             .hit = neph_scene_hit(scene, origin_m, direction)};
+    const struct neph_rgb depth = neph_scene_optical_depth(scene, origin_m, direction, 0.0,
+                                                           view.hit.t_m);
+    view.transmittance = (struct neph_rgb){exp(-depth.r), exp(-depth.g), exp(-depth.b)};
+    const struct neph_rgb behind = view.hit.solid ? sunlit_surface(scene, &view)
+                                                  : scene->background_w_per_m2_sr;
+    view.unscattered = neph_rgb_mul(behind, view.transmittance);
+    return view;
+}

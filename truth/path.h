@@ -1,0 +1,37 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * One path: the estimator of truth/oracle.h for one sample of one view.
+ */
+#ifndef NEPH_TRUTH_PATH_H
+#define NEPH_TRUTH_PATH_H
+
+#include "scenes/solids.h"
+#include "truth/tracking.h"
+
+/* What of a view needs no random numbers. */
+struct neph_view {
+    struct neph_vec3 origin_m, direction;
+    struct neph_hit hit;
+    struct neph_rgb transmittance; /* to the hit, or to infinity */
+    struct neph_rgb unscattered; /* background, or the surface in direct sunlight [W m^-2 sr^-1] */
+};
+
+/* The light of one path, over and above the unscattered [W m^-2 sr^-1]; its mean is the truth. */
+struct neph_path_light {
+    struct neph_rgb volume; /* scattered last, before the camera, by a medium */
+    struct neph_rgb order1; /* of that: scattered only once, by that medium */
+    struct neph_rgb
+        surface; /* off the surface in view, beyond the direct sunlight in `unscattered` */
+};
+
+/* Everything exact about the view along a ray. */
+struct neph_view neph_view_create(const struct neph_scene *scene, struct neph_vec3 origin_m,
+                                  struct neph_vec3 direction);
+
+/* Trace one path. */
+struct neph_path_light neph_path_trace(const struct neph_scene *scene,
+                                       const struct neph_tracker *tracker,
+                                       const struct neph_view *view, struct neph_random *random,
+                                       struct neph_tracking_cost *cost);
+
+#endif

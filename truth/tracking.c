@@ -1,0 +1,334 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Several media that need candidates are walked side by side, always the one whose candidate is the
+ * nearest. So nothing is sampled behind the collision that counts, and the ratios hold only what
+ * happened before it.
+ */
+#include "truth/tracking.h"
+
+#include "scenes/majorant.h"
+#include "scenes/media.h"
+#include "truth/segments.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* Cells of a majorant grid: fewer cost more candidates, more cost more steps. */
+static const int majorant_cells = 16 * 16 * 16;
+
+/* How collisions are found. */
+enum method {
+    METHOD_INVERSION,  /* of each fog layer's closed form */
+    METHOD_CANDIDATES, /* of a majorant */
+};
+
+struct tracked {
+    const struct neph_medium *medium;
+    enum method method;
+    struct neph_majorants *majorants; /* owned; NULL for shells and fogs */
+    double color[3], color_max;       /* extinction_color */
+    bool grey;
+    bool exact; /* has a closed form */
+};
+
+struct neph_tracker {
+    const struct neph_scene *scene;
+    int count;
+    bool grey;
+    struct tracked media[NEPH_SCENE_MEDIA_MAX];
+};
+
+/* ---- set-up ---- */
+
+static enum method method_of(enum neph_medium_kind kind)
+{
+    return kind == NEPH_MEDIUM_HOMOGENEOUS || kind == NEPH_MEDIUM_HEIGHT_FOG ? METHOD_INVERSION
+                                                                             : METHOD_CANDIDATES;
+}
+
+static enum neph_status prepare(struct tracked *tracked, const struct neph_medium *medium,
+                                struct neph_diag *diag)
+{
+    const struct neph_rgb color = medium->extinction_color;
+    *tracked = (struct tracked){
+        .medium = medium,
+        .method = method_of(medium->kind),
+        .color = {color.r, color.g, color.b},
+        .color_max = fmax(color.r, fmax(color.g, color.b)),
+        .grey = color.r == color.g && color.g == color.b,
+        .exact = neph_medium_has_closed_form(medium),
+    };
+    if (tracked->method == METHOD_INVERSION || medium->kind == NEPH_MEDIUM_SHELL)
+        return NEPH_OK;
+    const struct neph_bounds box = neph_medium_support(medium);
+    if (!(box.min_m.x < box.max_m.x && box.min_m.y < box.max_m.y && box.min_m.z < box.max_m.z)) {
+        tracked->color_max = 0.0; /* its bounds leave nothing of it */
+        return NEPH_OK;
+    }
+    return neph_majorants_create(medium, &box, majorant_cells, &tracked->majorants, diag);
+}
+
+enum neph_status neph_tracker_create(const struct neph_scene *scene, struct neph_tracker **tracker,
+                                     struct neph_diag *diag)
+{
+    struct neph_tracker *made = calloc(1, sizeof(*made));
+    if (!made)
+        return neph_fail_memory(diag);
+    made->scene = scene;
+    made->grey = true;
+    for (int m = 0; m < scene->medium_count; m++) {
+        const enum neph_status status = prepare(&made->media[m], &scene->media[m], diag);
+        if (status) {
+            neph_tracker_destroy(made);
+            return status;
+        }
+        made->count++;
+        made->grey = made->grey && made->media[m].grey;
+    }
+    *tracker = made;
+    return NEPH_OK;
+}
+
+void neph_tracker_destroy(struct neph_tracker *tracker)
+{
+    if (!tracker)
+        return;
+    for (int m = 0; m < tracker->count; m++)
+        neph_majorants_destroy(tracker->media[m].majorants);
+    free(tracker);
+}
+
+bool neph_tracker_is_grey(const struct neph_tracker *tracker)
+{
+    return tracker->grey;
+}
+
+/* An optical depth at which light of colour 1 collides. */
+static double exponential(struct neph_random *random)
+{
+    return -log(neph_random_uniform(random));
+}
+
+/* ---- fog ---- */
+
+/* How far from height y along k_y until a layer has given an optical depth: its closed form,
+ * inverted in logarithms, for the density at y may underflow. +inf when it never has. */
+static double layer_distance_m(const struct neph_fog_layer *layer, double y_m, double k_y,
+                               double optical_depth)
+{
+    const double rate_per_m = layer->falloff_per_m * fabs(k_y);
+    const double folds = layer->falloff_per_m * (y_m - layer->height_m); /* density at y, as e^- */
+    /* The density changes by less than rounding over the way: even. */
+    if (!(rate_per_m > 1e-290))
+        return optical_depth / (layer->extinction_per_m * exp(-folds));
+    const double exponent = log(optical_depth * rate_per_m / layer->extinction_per_m) + folds;
+    if (exponent < -690.0)
+        return exp(exponent - log(rate_per_m)); /* even, too; e^exponent alone would underflow */
+    if (k_y > 0.0)
+        return exponent < 0.0 ? -log1p(-exp(exponent)) / rate_per_m : INFINITY;
+    return (exponent > 36.0 ? exponent : log1p(exp(exponent))) / rate_per_m;
+}
+
+/* The nearest collision with a fog before `collision`. */
+static void collide_fog(const struct tracked *tracked, int index, const struct neph_ray *ray,
+                        int channel, struct neph_random *random, struct neph_collision *collision)
+{
+    const struct neph_medium *medium = tracked->medium;
+    double t0_m = 0.0, t1_m = collision->t_m;
+    if (!neph_bounds_clip(&medium->bounds, ray->origin_m, ray->direction, &t0_m, &t1_m))
+        return;
+    const double y_m = ray->origin_m.y + t0_m * ray->direction.y;
+    for (int l = 0; l < medium->layer_count; l++) {
+        const struct neph_fog_layer *layer = &medium->layers[l];
+        if (layer->extinction_per_m == 0.0)
+            continue;
+        const double optical_depth = exponential(random) / tracked->color[channel];
+        const double t_m = t0_m + layer_distance_m(layer, y_m, ray->direction.y, optical_depth);
+        if (t_m < t1_m) {
+            t1_m = collision->t_m = t_m;
+            collision->medium = index;
+        }
+    }
+}
+
+/* ---- candidates of a majorant ---- */
+
+struct walk {
+    const struct tracked *tracked;
+    int index;
+    double t_m;            /* of the present candidate */
+    double majorant_per_m; /* there, of the channel of the most extinction */
+    struct neph_segments segments;
+};
+
+/* To the next candidate; false when there is none before the end. */
+static bool walk_next(struct walk *walk, struct neph_random *random)
+{
+    struct neph_segments *segments = &walk->segments;
+    const double scale = walk->tracked->color_max;
+    double left = exponential(random);
+    for (;;) {
+        const double majorant_per_m = segments->majorant_per_m * scale;
+        const double depth = majorant_per_m * (segments->t1_m - walk->t_m);
+        if (left < depth) {
+            walk->t_m += left / majorant_per_m;
+            walk->majorant_per_m = majorant_per_m;
+            return true;
+        }
+        left -= depth;
+        walk->t_m = segments->t1_m;
+        if (!neph_segments_next(segments))
+            return false;
+    }
+}
+
+static bool walk_start(struct walk *walk, const struct tracked *tracked, int index,
+                       const struct neph_ray *ray, double end_m, struct neph_random *random)
+{
+    walk->tracked = tracked;
+    walk->index = index;
+    if (!neph_segments_start(&walk->segments, tracked->medium, tracked->majorants, ray->origin_m,
+                             ray->direction, end_m))
+        return false;
+    walk->t_m = walk->segments.t0_m;
+    return walk_next(walk, random);
+}
+
+/* Extinction / majorant at the candidate, of the channel of the most extinction. */
+static double walk_density(const struct walk *walk, const struct neph_ray *ray,
+                           struct neph_tracking_cost *cost)
+{
+    const struct neph_vec3 point_m = neph_vec3_along(ray->origin_m, ray->direction, walk->t_m);
+    cost->lookups++;
+    return neph_medium_extinction_per_m(walk->tracked->medium, point_m) * walk->tracked->color_max /
+           walk->majorant_per_m;
+}
+
+/* Take the candidate, or leave it. */
+static bool walk_decide(const struct walk *walk, const struct neph_ray *ray, int channel,
+                        struct neph_random *random, struct neph_collision *collision,
+                        struct neph_tracking_cost *cost)
+{
+    const struct tracked *tracked = walk->tracked;
+    const double density = walk_density(walk, ray, cost) / tracked->color_max;
+    const double probability = density * tracked->color[channel];
+    if (neph_random_uniform(random) < probability) {
+        collision->t_m = walk->t_m;
+        collision->medium = walk->index;
+        return true;
+    }
+    if (!tracked->grey)
+        for (int j = 0; j < 3; j++)
+            collision->ratio[j] *= fmax(0.0, 1.0 - density * tracked->color[j]) /
+                                   (1.0 - probability);
+    return false;
+}
+
+static struct walk *nearest_walk(struct walk *walks, int count)
+{
+    struct walk *nearest = &walks[0];
+    for (int i = 1; i < count; i++)
+        if (walks[i].t_m < nearest->t_m)
+            nearest = &walks[i];
+    return nearest;
+}
+
+static void collide_candidates(const struct neph_tracker *tracker, const struct neph_ray *ray,
+                               int channel, struct neph_random *random,
+                               struct neph_collision *collision, struct neph_tracking_cost *cost)
+{
+    struct walk walks[NEPH_SCENE_MEDIA_MAX];
+    int count = 0;
+    for (int m = 0; m < tracker->count; m++) {
+        const struct tracked *tracked = &tracker->media[m];
+        if (tracked->method == METHOD_CANDIDATES && tracked->color_max > 0.0)
+            count += walk_start(&walks[count], tracked, m, ray, collision->t_m, random);
+    }
+    while (count > 0) {
+        struct walk *walk = nearest_walk(walks, count);
+        if (walk_decide(walk, ray, channel, random, collision, cost))
+            return;
+        if (!walk_next(walk, random))
+            *walk = walks[--count];
+    }
+}
+
+/* ---- all media ---- */
+
+/* What a coloured medium's part in the outcome is worth in the other channels: that of an inverted
+ * medium, whose candidates are not seen, and that of the collision itself. */
+static void weigh_channels(const struct neph_tracker *tracker, const struct neph_ray *ray,
+                           int channel, struct neph_collision *collision)
+{
+    for (int m = 0; m < tracker->count; m++) {
+        const struct tracked *tracked = &tracker->media[m];
+        if (tracked->grey)
+            continue;
+        const double depth = tracked->method == METHOD_INVERSION
+                                 ? neph_medium_optical_depth(tracked->medium, ray->origin_m,
+                                                             ray->direction, 0.0, collision->t_m)
+                                 : 0.0;
+        for (int j = 0; j < 3; j++) {
+            const double excess = tracked->color[j] - tracked->color[channel];
+            if (excess != 0.0 && depth > 0.0) /* 0 * inf */
+                collision->ratio[j] *= exp(-excess * depth);
+            if (m == collision->medium)
+                collision->ratio[j] *= tracked->color[j] / tracked->color[channel];
+        }
+    }
+}
+
+struct neph_collision neph_tracker_collide(const struct neph_tracker *tracker,
+                                           const struct neph_ray *ray, int channel,
+                                           struct neph_random *random,
+                                           struct neph_tracking_cost *cost)
+{
+    struct neph_collision collision = {ray->end_m, -1, {1.0, 1.0, 1.0}};
+    for (int m = 0; m < tracker->count; m++)
+        if (tracker->media[m].method == METHOD_INVERSION && tracker->media[m].color[channel] > 0.0)
+            collide_fog(&tracker->media[m], m, ray, channel, random, &collision);
+    collide_candidates(tracker, ray, channel, random, &collision, cost);
+    if (!tracker->grey)
+        weigh_channels(tracker, ray, channel, &collision);
+    cost->collisions += collision.medium >= 0;
+    return collision;
+}
+
+static void track_ratio(const struct tracked *tracked, const struct neph_ray *ray,
+                        struct neph_random *random, double transmittance[3],
+                        struct neph_tracking_cost *cost)
+{
+    struct walk walk;
+    bool more = walk_start(&walk, tracked, 0, ray, ray->end_m, random);
+    while (more) {
+        const double density = walk_density(&walk, ray, cost) / tracked->color_max;
+        for (int j = 0; j < 3; j++)
+            transmittance[j] *= fmax(0.0, 1.0 - density * tracked->color[j]);
+        more = walk_next(&walk, random);
+    }
+}
+
+struct neph_rgb neph_tracker_transmittance(const struct neph_tracker *tracker,
+                                           const struct neph_ray *ray, struct neph_random *random,
+                                           struct neph_tracking_cost *cost)
+{
+    struct neph_rgb depth = {0, 0, 0};
+    double ratio[3] = {1.0, 1.0, 1.0};
+    for (int m = 0; m < tracker->count; m++) {
+        const struct tracked *tracked = &tracker->media[m];
+        if (!tracked->exact) {
+            if (tracked->color_max > 0.0)
+                track_ratio(tracked, ray, random, ratio, cost);
+            continue;
+        }
+        const double own = neph_medium_optical_depth(tracked->medium, ray->origin_m, ray->direction,
+                                                     0.0, ray->end_m);
+        depth = neph_rgb_add(depth, neph_rgb_attenuation(tracked->medium->extinction_color, own));
+    }
+    if (tracker->grey) {
+        const double light = ratio[0] * exp(-depth.r);
+        return (struct neph_rgb){light, light, light};
+    }
+    return (struct neph_rgb){ratio[0] * exp(-depth.r), ratio[1] * exp(-depth.g),
+                             ratio[2] * exp(-depth.b)};
+}
