@@ -14,9 +14,6 @@ enum neph_status neph_scene_build(const struct neph_raw_scene *raw, const char *
 /* How many solids a fence makes: per row its bars and its rails. */
 int neph_fence_solid_count(const struct neph_raw_fence *fence);
 
-/* Fill scene->hash from everything that changes a rendered value. */
-enum neph_status neph_scene_hash(struct neph_scene *scene, struct neph_diag *diag);
-
 /* Position and target at a frame, between the keys. */
 struct neph_camera_key neph_camera_key_at(const struct neph_scene *scene, double frame);
 

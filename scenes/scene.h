@@ -193,6 +193,10 @@ struct neph_scene {
 enum neph_status neph_scene_load(const char *path, struct neph_scene **scene,
                                  struct neph_diag *diag);
 
+/* Fill scene->hash from everything that changes a rendered value: loading does it; a scene that was
+ * built in memory needs it before it is rendered through the store. */
+enum neph_status neph_scene_hash(struct neph_scene *scene, struct neph_diag *diag);
+
 /* NULL is fine. */
 void neph_scene_destroy(struct neph_scene *scene);
 

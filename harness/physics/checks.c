@@ -1,0 +1,193 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/physics/checks.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#define DEG (3.14159265358979323846 / 180.0)
+#define ISO                                                                                        \
+    {                                                                                              \
+        NEPH_PHASE_ISOTROPIC, 0.0                                                                  \
+    }
+#define RAYLEIGH                                                                                   \
+    {                                                                                              \
+        NEPH_PHASE_RAYLEIGH, 0.0                                                                   \
+    }
+#define HG(g)                                                                                      \
+    {                                                                                              \
+        NEPH_PHASE_HENYEY_GREENSTEIN, (g)                                                          \
+    }
+
+/* Which views a check is made of. */
+enum observable {
+    LOOK_DOWN,    /* one frame from above, or of a cube from above */
+    LOOK_UP,      /* one frame from below */
+    CONSERVATION, /* the hemispheres above and below a slab, by the faces of a cube */
+    RECIPROCITY,  /* camera and sun exchanged */
+};
+
+struct rung {
+    const char *name, *title;
+};
+
+enum { FURNACE, SINGLE, MULTIPLE, FOG, HALF_SPACE, CONSERVED, RECIPROCAL };
+static const struct rung rungs[] = {
+    [FURNACE] = {"furnace", "white furnace: albedo 1 in a uniform surround vanishes"},
+    [SINGLE] = {"single", "single scattering against closed forms and quadrature"},
+    [MULTIPLE] = {"slab", "slab, all orders, against adding-doubling"},
+    [FOG] = {"fog", "height fog over black ground, all orders, against adding-doubling"},
+    [HALF_SPACE] = {"half-space", "thick isotropic slab: Chandrasekhar's half-space"},
+    [CONSERVED] = {"conservation", "R + T + direct = 1 for conservative slabs"},
+    [RECIPROCAL] = {"reciprocity", "sun and camera exchanged"},
+};
+
+struct row {
+    const char *name;
+    int rung;
+    enum observable observable;
+    enum neph_stage_medium medium;
+    double optical_depth, albedo;
+    struct neph_phase phase;
+    double sun_cosine;
+};
+
+static const struct row rows[] = {
+    {"furnace_box_4", FURNACE, LOOK_DOWN, NEPH_STAGE_BOX, 4.0, 1.0, ISO, 0.7},
+    {"furnace_box_64", FURNACE, LOOK_DOWN, NEPH_STAGE_BOX, 64.0, 1.0, HG(0.85), 0.7},
+    {"furnace_gaussian_16", FURNACE, LOOK_DOWN, NEPH_STAGE_GAUSSIAN, 16.0, 1.0, HG(0.5), 0.7},
+    {"furnace_grid_16", FURNACE, LOOK_DOWN, NEPH_STAGE_GRID, 16.0, 1.0, RAYLEIGH, 0.7},
+    {"single_slab_thin", SINGLE, LOOK_DOWN, NEPH_STAGE_SLAB, 0.1, 1.0, ISO, 0.7},
+    {"single_slab_4_back", SINGLE, LOOK_DOWN, NEPH_STAGE_SLAB, 4.0, 0.9, HG(-0.3), 0.4},
+    {"single_box_1", SINGLE, LOOK_DOWN, NEPH_STAGE_BOX, 1.0, 1.0, RAYLEIGH, 0.7},
+    {"single_box_8", SINGLE, LOOK_UP, NEPH_STAGE_BOX, 8.0, 0.9, HG(0.85), 0.6},
+    {"single_fog_2", SINGLE, LOOK_DOWN, NEPH_STAGE_FOG, 2.0, 0.9, HG(0.6), 0.5},
+    {"single_gaussian_5", SINGLE, LOOK_DOWN, NEPH_STAGE_GAUSSIAN, 5.0, 1.0, HG(0.6), 0.7},
+    {"single_grid_5", SINGLE, LOOK_UP, NEPH_STAGE_GRID, 5.0, 1.0, ISO, 0.7},
+    {"slab_iso_thin", MULTIPLE, LOOK_DOWN, NEPH_STAGE_SLAB, 0.1, 1.0, ISO, 0.7},
+    {"slab_iso_1", MULTIPLE, LOOK_DOWN, NEPH_STAGE_SLAB, 1.0, 1.0, ISO, 0.7},
+    {"slab_iso_4", MULTIPLE, LOOK_UP, NEPH_STAGE_SLAB, 4.0, 0.9, ISO, 0.7},
+    {"slab_hg85_1", MULTIPLE, LOOK_DOWN, NEPH_STAGE_SLAB, 1.0, 1.0, HG(0.85), 0.7},
+    {"slab_hg85_4", MULTIPLE, LOOK_DOWN, NEPH_STAGE_SLAB, 4.0, 1.0, HG(0.85), 0.7},
+    {"slab_hg85_4_below", MULTIPLE, LOOK_UP, NEPH_STAGE_SLAB, 4.0, 1.0, HG(0.85), 0.7},
+    {"slab_hg85_16", MULTIPLE, LOOK_DOWN, NEPH_STAGE_SLAB, 16.0, 1.0, HG(0.85), 0.7},
+    {"slab_hg85_16_below", MULTIPLE, LOOK_UP, NEPH_STAGE_SLAB, 16.0, 0.99, HG(0.85), 0.7},
+    {"slab_hg50_64", MULTIPLE, LOOK_DOWN, NEPH_STAGE_SLAB, 64.0, 1.0, HG(0.5), 0.5},
+    {"fog_iso_1", FOG, LOOK_DOWN, NEPH_STAGE_FOG, 1.0, 1.0, ISO, 0.7},
+    {"fog_hg60_8", FOG, LOOK_DOWN, NEPH_STAGE_FOG, 8.0, 1.0, HG(0.6), 0.5},
+    {"half_space_90", HALF_SPACE, LOOK_DOWN, NEPH_STAGE_SLAB, 100.0, 0.9, ISO, 0.7},
+    {"conservation_4", CONSERVED, CONSERVATION, NEPH_STAGE_SLAB, 4.0, 1.0, HG(0.7), 0.7},
+    {"reciprocity_4", RECIPROCAL, RECIPROCITY, NEPH_STAGE_SLAB, 4.0, 1.0, HG(0.7), 0.7},
+};
+
+int neph_check_count(void)
+{
+    return (int)(sizeof(rows) / sizeof(rows[0]));
+}
+
+static enum neph_stage_truth truth_of(const struct row *row)
+{
+    return row->rung == FURNACE  ? NEPH_STAGE_TRUTH_FURNACE
+           : row->rung == SINGLE ? NEPH_STAGE_TRUTH_RAY
+                                 : NEPH_STAGE_TRUTH_SLAB;
+}
+
+/* A frame 40 degrees high, half-way between the sun's side and across it. */
+static struct neph_view look(const struct row *row, const char *name, double elevation_rad)
+{
+    return (struct neph_view){
+        .stage = {.name = name,
+                  .medium = row->medium,
+                  .truth = truth_of(row),
+                  .optical_depth = row->optical_depth,
+                  .albedo = row->albedo,
+                  .phase = row->phase,
+                  .sun_cosine = row->sun_cosine,
+                  .view_azimuth_rad = 60.0 * DEG,
+                  .view_elevation_rad = elevation_rad,
+                  .vertical_fov_rad = 40.0 * DEG},
+        .weight = NEPH_VIEW_MEAN,
+        .factor = 1.0,
+        .width_px = 24,
+        .height_px = 16,
+    };
+}
+
+/* One hemisphere by the faces of a cube: the one towards the slab, and the near halves of the level
+ * ones. The picture is symmetric about the plane of the sun: one face across it counts twice. */
+static void add_hemisphere(const struct row *row, struct neph_check *check, double side)
+{
+    const struct {
+        double azimuth_rad, elevation_rad, factor;
+    } faces[] = {
+        {0.0, 90.0 * DEG, 1.0}, {0.0, 0.0, 1.0}, {180.0 * DEG, 0.0, 1.0}, {90.0 * DEG, 0.0, 2.0}};
+    for (int i = 0; i < 4; i++) {
+        /* Level faces lean by 1e-9 rad to the slab's side: that is where their camera stands. */
+        const double elevation_rad = fmax(faces[i].elevation_rad, 1e-9);
+        struct neph_view view = look(row, check->name, side * fmin(elevation_rad, 89.99 * DEG));
+        view.stage.view_azimuth_rad = faces[i].azimuth_rad;
+        view.stage.vertical_fov_rad = 90.0 * DEG;
+        view.weight = NEPH_VIEW_FLUX;
+        view.factor = faces[i].factor;
+        view.width_px = view.height_px = 16;
+        check->views[check->view_count++] = view;
+    }
+}
+
+/* Two narrow frames, one with the cosines of sun and camera exchanged. */
+static void add_reciprocal(const struct row *row, struct neph_check *check)
+{
+    const double cosines[2] = {row->sun_cosine, 0.35};
+    for (int i = 0; i < 2; i++) {
+        struct neph_view view = look(row, check->name, -asin(cosines[1 - i]));
+        view.stage.sun_cosine = cosines[i];
+        view.stage.vertical_fov_rad = 4.0 * DEG;
+        view.factor = (i == 0 ? 1.0 : -1.0) / cosines[i];
+        check->views[check->view_count++] = view;
+    }
+}
+
+void neph_check_get(int index, struct neph_check *check)
+{
+    const struct row *row = &rows[index];
+    memset(check, 0, sizeof(*check));
+    snprintf(check->name, sizeof(check->name), "%s", row->name);
+    check->rung = rungs[row->rung].name;
+    check->title = rungs[row->rung].title;
+    check->uneven = row->medium != NEPH_STAGE_SLAB && row->medium != NEPH_STAGE_BOX;
+    check->truth_only = row->observable == CONSERVATION;
+    switch (row->observable) {
+    case LOOK_DOWN:
+    case LOOK_UP: {
+        const double side = row->observable == LOOK_DOWN ? -1.0 : 1.0;
+        check->views[check->view_count++] = look(row, check->name, side * 50.0 * DEG);
+        break;
+    }
+    case CONSERVATION:
+        add_hemisphere(row, check, -1.0);
+        add_hemisphere(row, check, 1.0);
+        break;
+    case RECIPROCITY:
+        add_reciprocal(row, check);
+        break;
+    }
+}
+
+double neph_view_pixel_weight(const struct neph_view *view, const struct neph_camera *camera,
+                              struct neph_vec3 direction)
+{
+    const double pixels = (double)view->width_px * (double)view->height_px;
+    if (view->weight == NEPH_VIEW_MEAN)
+        return 1.0 / pixels;
+    const double side = view->stage.view_elevation_rad < 0.0 ? -1.0 : 1.0;
+    const double cosine = side * direction.y;
+    if (cosine <= 0.0)
+        return 0.0;
+    /* A pixel of a flat sensor at distance 1: its area times the cube of the cosine off its axis.
+     */
+    const double height = 2.0 * tan(0.5 * view->stage.vertical_fov_rad);
+    const double width = height * view->width_px / view->height_px;
+    const double off_axis = neph_vec3_dot(direction, camera->forward);
+    const double solid_angle_sr = width * height / pixels * off_axis * off_axis * off_axis;
+    return cosine * solid_angle_sr / (view->stage.sun_cosine * NEPH_STAGE_IRRADIANCE_W_PER_M2);
+}

@@ -1,0 +1,48 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The checks of the physics suite, as data: what is looked at, and which sum over its pixels must
+ * agree with the truth.
+ */
+#ifndef NEPH_HARNESS_PHYSICS_CHECKS_H
+#define NEPH_HARNESS_PHYSICS_CHECKS_H
+
+#include "harness/physics/stage.h"
+
+enum { NEPH_CHECK_VIEWS_MAX = 8 };
+
+/* How the pixels of a view are added up. */
+enum neph_view_weight {
+    NEPH_VIEW_MEAN, /* the mean over the pixels [W m^-2 sr^-1] */
+    NEPH_VIEW_FLUX, /* the flux through the level [1], per vertical sunlight: sum of
+                       L |cos| d(solid angle) / (sun_cosine E) over the half on the slab's side */
+};
+
+struct neph_view {
+    struct neph_stage_params stage;
+    enum neph_view_weight weight;
+    double factor; /* of this view in the sum over the views */
+    int width_px, height_px;
+};
+
+/* deviation = sum over views of factor * weighted sum of (L - truth), as a fraction of the sum over
+ * views of |factor| * weighted sum of truth. */
+struct neph_check {
+    char name[64];
+    const char *rung;  /* what kind of truth: one of neph_check_rungs() */
+    const char *title; /* of the rung, one line */
+    struct neph_view views[NEPH_CHECK_VIEWS_MAX];
+    int view_count;
+    bool uneven; /* the medium is not homogeneous: renderers that march through it have a step */
+    bool truth_only; /* many frames: for our tracers alone */
+};
+
+int neph_check_count(void);
+
+/* By index; the names of its stages point into `check`. */
+void neph_check_get(int index, struct neph_check *check);
+
+/* The weight of a pixel whose ray has this direction, factor left out. */
+double neph_view_pixel_weight(const struct neph_view *view, const struct neph_camera *camera,
+                              struct neph_vec3 direction);
+
+#endif

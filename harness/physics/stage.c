@@ -1,0 +1,196 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/physics/stage.h"
+
+#include "scenes/media.h"
+#include "truth/transport.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+static const double slab_m = 10.0;
+static const double wide_m = 1e5;
+static const double fog_falloff_per_m = 0.1;
+/* Of the fog's 300 m below the camera e^-30 = 1e-13 lies above it. */
+static const double fog_camera_m = 300.0;
+static const double blob_width_m = 1.5;
+
+static struct neph_vec3 polar(double azimuth_rad, double elevation_rad)
+{
+    return (struct neph_vec3){cos(elevation_rad) * cos(azimuth_rad), sin(elevation_rad),
+                              cos(elevation_rad) * sin(azimuth_rad)};
+}
+
+static struct neph_bounds cube(void)
+{
+    return (struct neph_bounds){{-0.5 * slab_m, 0.0, -0.5 * slab_m},
+                                {0.5 * slab_m, slab_m, 0.5 * slab_m}};
+}
+
+static struct neph_vec3 cube_center(void)
+{
+    return (struct neph_vec3){0.0, 0.5 * slab_m, 0.0};
+}
+
+static void place_camera(struct neph_stage *stage)
+{
+    const struct neph_stage_params *params = &stage->params;
+    const struct neph_vec3 view = polar(params->view_azimuth_rad, params->view_elevation_rad);
+    const bool down = params->view_elevation_rad < 0.0;
+    struct neph_vec3 eye_m = {0.0, down ? 2.0 * slab_m : -slab_m, 0.0};
+    if (params->medium == NEPH_STAGE_FOG)
+        eye_m.y = fog_camera_m;
+    else if (params->medium != NEPH_STAGE_SLAB)
+        eye_m = neph_vec3_along(cube_center(), view, -2.0 * slab_m);
+    stage->key = (struct neph_camera_key){0.0, eye_m, neph_vec3_along(eye_m, view, slab_m)};
+}
+
+static void place_light(struct neph_stage *stage)
+{
+    struct neph_scene *scene = &stage->scene;
+    const bool furnace = stage->params.truth == NEPH_STAGE_TRUTH_FURNACE;
+    scene->scattering = stage->params.truth == NEPH_STAGE_TRUTH_RAY ? NEPH_SCATTERING_SINGLE
+                                                                    : NEPH_SCATTERING_MULTIPLE;
+    scene->sun.direction = (struct neph_vec3){0, 1, 0};
+    if (furnace) {
+        const double surround = NEPH_STAGE_SURROUND_W_PER_M2_SR;
+        scene->environment_light = true;
+        scene->background_w_per_m2_sr = (struct neph_rgb){surround, surround, surround};
+        return;
+    }
+    const double irradiance = NEPH_STAGE_IRRADIANCE_W_PER_M2;
+    scene->sun.present = true;
+    scene->sun.direction = polar(0.0, asin(stage->params.sun_cosine));
+    scene->sun.irradiance_w_per_m2 = (struct neph_rgb){irradiance, irradiance, irradiance};
+}
+
+/* Voxels of a fixed pattern between 0 and 1, without libm: the same on every machine. */
+static enum neph_status fill_grid(struct neph_stage *stage, struct neph_diag *diag)
+{
+    enum { SIDE = 4 };
+    const double spacing_m = slab_m / (SIDE + 1); /* the density is 0 on the faces of the cube */
+    const struct neph_vec3 first_m = {-0.5 * slab_m + spacing_m, spacing_m,
+                                      -0.5 * slab_m + spacing_m};
+    enum neph_status status = neph_grid_create((const int[3]){SIDE, SIDE, SIDE}, first_m,
+                                               (struct neph_vec3){spacing_m, spacing_m, spacing_m},
+                                               &stage->grid, diag);
+    if (status)
+        return status;
+    for (int i = 0; i < SIDE * SIDE * SIDE; i++)
+        stage->grid->values[i] = (float)((i * 37 + 11) % 64) / 64.0f;
+    return neph_grid_seal(stage->grid, diag);
+}
+
+static enum neph_status place_medium(struct neph_stage *stage, struct neph_diag *diag)
+{
+    const struct neph_stage_params *params = &stage->params;
+    const double a = params->albedo, depth = params->optical_depth;
+    struct neph_medium *medium = &stage->scene.media[0];
+    *medium = (struct neph_medium){.kind = NEPH_MEDIUM_HOMOGENEOUS,
+                                   .bounds = cube(),
+                                   .extinction_color = {1, 1, 1},
+                                   .albedo = {a, a, a},
+                                   .phase = params->phase,
+                                   .layer_count = 1,
+                                   .layers = {{.extinction_per_m = depth / slab_m}}};
+    stage->scene.medium_count = 1;
+    switch (params->medium) {
+    case NEPH_STAGE_BOX:
+        break;
+    case NEPH_STAGE_SLAB:
+        medium->bounds = (struct neph_bounds){{-wide_m, 0.0, -wide_m}, {wide_m, slab_m, wide_m}};
+        break;
+    case NEPH_STAGE_FOG:
+        medium->kind = NEPH_MEDIUM_HEIGHT_FOG;
+        medium->bounds = (struct neph_bounds){{-INFINITY, -INFINITY, -INFINITY},
+                                              {INFINITY, INFINITY, INFINITY}};
+        medium->layers[0].extinction_per_m = depth * fog_falloff_per_m;
+        medium->layers[0].falloff_per_m = fog_falloff_per_m;
+        stage->ground = (struct neph_solid){
+            .kind = NEPH_SOLID_BOX, .box = {{-wide_m, -slab_m, -wide_m}, {wide_m, 0.0, wide_m}}};
+        stage->scene.solids = &stage->ground;
+        stage->scene.solid_count = 1;
+        break;
+    case NEPH_STAGE_GAUSSIAN:
+        medium->kind = NEPH_MEDIUM_GAUSSIAN;
+        medium->layer_count = 0;
+        medium->gaussian = (struct neph_gaussian){cube_center(), blob_width_m};
+        medium->extinction_per_m = depth / (blob_width_m * sqrt(2.0 * acos(-1.0)));
+        break;
+    case NEPH_STAGE_GRID:
+        medium->kind = NEPH_MEDIUM_GRID;
+        medium->layer_count = 0;
+        medium->extinction_per_m = depth / (0.5 * slab_m); /* the pattern's mean is about 1/2 */
+        if (fill_grid(stage, diag))
+            return NEPH_ERR_MEMORY;
+        medium->grid = stage->grid;
+        break;
+    }
+    return NEPH_OK;
+}
+
+enum neph_status neph_stage_create(const struct neph_stage_params *params,
+                                   struct neph_stage **stage, struct neph_diag *diag)
+{
+    struct neph_stage *made = calloc(1, sizeof(*made));
+    if (!made)
+        return neph_fail_memory(diag);
+    made->params = *params;
+    struct neph_scene *scene = &made->scene;
+    scene->path = scene->title = scene->name = (char *)params->name;
+    scene->physics = (char *)"a scene of the physics suite";
+    scene->camera_key_count = 1;
+    scene->camera_keys = &made->key;
+    scene->camera_up = (struct neph_vec3){0, 1, 0};
+    scene->vertical_fov_rad = params->vertical_fov_rad;
+    scene->frame_count = 1;
+    scene->frame_rate_hz = 30.0;
+    scene->octaves = (struct neph_octaves){8, 0.5, 0.5, 0.5};
+    place_camera(made);
+    place_light(made);
+    enum neph_status status = place_medium(made, diag);
+    if (!status)
+        status = neph_scene_hash(scene, diag);
+    if (!status && params->truth == NEPH_STAGE_TRUTH_SLAB)
+        status = neph_slab_create(&(struct neph_slab_params){params->optical_depth, params->albedo,
+                                                             params->phase, params->sun_cosine},
+                                  &made->slab, diag);
+    if (status)
+        neph_stage_destroy(made);
+    else
+        *stage = made;
+    return status;
+}
+
+void neph_stage_destroy(struct neph_stage *stage)
+{
+    if (!stage)
+        return;
+    neph_slab_destroy(stage->slab);
+    neph_grid_destroy(stage->grid);
+    free(stage);
+}
+
+/* Light that reaches the camera travels along -direction, sunlight along -sun: their horizontal
+ * parts enclose the angle between the view's and the sun's azimuths. */
+static double slab_radiance(const struct neph_stage *stage, struct neph_vec3 direction)
+{
+    const double azimuth_rad = atan2(direction.z, direction.x);
+    const double cosine = fabs(direction.y);
+    const double per_sr = direction.y < 0.0
+                              ? neph_slab_reflected_per_sr(stage->slab, cosine, azimuth_rad)
+                              : neph_slab_transmitted_per_sr(stage->slab, cosine, azimuth_rad);
+    return per_sr * NEPH_STAGE_IRRADIANCE_W_PER_M2;
+}
+
+double neph_stage_truth_w_per_m2_sr(const struct neph_stage *stage, struct neph_vec3 direction)
+{
+    switch (stage->params.truth) {
+    case NEPH_STAGE_TRUTH_SLAB:
+        return slab_radiance(stage, direction);
+    case NEPH_STAGE_TRUTH_RAY:
+        return neph_transport_ray(&stage->scene, stage->key.position_m, direction).radiance.g;
+    case NEPH_STAGE_TRUTH_FURNACE:
+        break;
+    }
+    return NEPH_STAGE_SURROUND_W_PER_M2_SR;
+}

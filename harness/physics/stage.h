@@ -1,0 +1,63 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The scenes of the physics suite, made in memory: media whose light is known without any renderer,
+ * a camera that sees it at many angles at once, and the truth of every pixel.
+ */
+#ifndef NEPH_HARNESS_PHYSICS_STAGE_H
+#define NEPH_HARNESS_PHYSICS_STAGE_H
+
+#include "scenes/grid.h"
+#include "scenes/scene.h"
+#include "truth/slab.h"
+
+enum neph_stage_medium {
+    NEPH_STAGE_SLAB,     /* homogeneous, 10 m thick, 200 km wide; sun above, black below */
+    NEPH_STAGE_FOG,      /* height fog without end over black ground: the slab of its whole depth */
+    NEPH_STAGE_BOX,      /* a homogeneous cube of 10 m */
+    NEPH_STAGE_GAUSSIAN, /* a blob in a cube of 10 m */
+    NEPH_STAGE_GRID,     /* 4^3 voxels of seeded density in a cube of 10 m */
+};
+
+enum neph_stage_truth {
+    NEPH_STAGE_TRUTH_SLAB,    /* truth/slab.h: all orders */
+    NEPH_STAGE_TRUTH_RAY,     /* truth/transport.h: single scattering, exact */
+    NEPH_STAGE_TRUTH_FURNACE, /* the surround's radiance, everywhere */
+};
+
+/* What is on the stage. */
+struct neph_stage_params {
+    const char *name; /* of the scene; a plain identifier */
+    enum neph_stage_medium medium;
+    enum neph_stage_truth truth;
+    double optical_depth; /* vertical; through the middle for box, Gaussian and grid */
+    double albedo;
+    struct neph_phase phase;
+    double sun_cosine; /* of the sun's angle to the vertical; not used by the furnace */
+    /* Where the camera looks: azimuth from the sun's, elevation above the level. It stands above a
+     * slab or fog when it looks down and below when it looks up, and outside a cube on the far
+     * side of what it looks at. */
+    double view_azimuth_rad, view_elevation_rad, vertical_fov_rad;
+};
+
+/* Owns everything that its scene points to; do not copy. */
+struct neph_stage {
+    struct neph_stage_params params;
+    struct neph_scene scene;
+    struct neph_camera_key key;
+    struct neph_solid ground;
+    struct neph_grid *grid;
+    struct neph_slab *slab; /* the solved truth of NEPH_STAGE_TRUTH_SLAB */
+};
+
+#define NEPH_STAGE_IRRADIANCE_W_PER_M2 10.0
+#define NEPH_STAGE_SURROUND_W_PER_M2_SR 1.0 /* of the furnace */
+
+/* Free with neph_stage_destroy. */
+enum neph_status neph_stage_create(const struct neph_stage_params *params,
+                                   struct neph_stage **stage, struct neph_diag *diag);
+void neph_stage_destroy(struct neph_stage *stage); /* NULL is fine */
+
+/* The true radiance (all channels alike) along a ray of the camera. */
+double neph_stage_truth_w_per_m2_sr(const struct neph_stage *stage, struct neph_vec3 direction);
+
+#endif
