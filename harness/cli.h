@@ -17,6 +17,7 @@ neph_verb neph_cli_render;
 neph_verb neph_cli_export;
 neph_verb neph_cli_compare;
 neph_verb neph_cli_validate;
+neph_verb neph_cli_study;
 neph_verb neph_cli_scenes;
 neph_verb neph_cli_engines;
 neph_verb neph_cli_doctor;

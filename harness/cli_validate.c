@@ -7,6 +7,7 @@
 #include "base/files.h"
 #include "harness/charts.h"
 #include "harness/data.h"
+#include "harness/physics/physics.h"
 #include "harness/report.h"
 #include "harness/validate.h"
 
@@ -15,16 +16,33 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { KEY_JSON = 1, KEY_SIZE, KEY_TIME_LIMIT, KEY_NO_CHARTS, LIST_MAX = 256 };
+enum {
+    KEY_JSON = 1,
+    KEY_SIZE,
+    KEY_TIME_LIMIT,
+    KEY_NO_CHARTS,
+    KEY_SUITE,
+    KEY_CHECK,
+    KEY_SAMPLES,
+    LIST_MAX = 256
+};
 
 struct request {
     const char *scenes[LIST_MAX], *engines[LIST_MAX];
     int scene_count, engine_count;
-    const char *output, *size, *time_limit;
+    const char *output, *size, *time_limit, *suite, *check, *samples;
     bool json, quiet, no_charts;
 };
 
 static const struct argp_option options[] = {
+    {"suite", KEY_SUITE, "NAME", 0,
+     "catalog: scenes over engines (default); physics: every engine against truth that needs no "
+     "renderer",
+     0},
+    {"check", KEY_CHECK, "TEXT", 0,
+     "Of the physics suite: only checks whose name or rung contains TEXT", 0},
+    {"samples", KEY_SAMPLES, "N", 0,
+     "Of the physics suite: paths per pixel and seed of our tracers (default: 256)", 0},
     {"engine", 'e', "NAME", 0, "Only this engine; may be given several times (default: all)", 0},
     {"size", KEY_SIZE, "WxH", 0, "Size in pixels (default: 192x108)", 0},
     {"output", 'o', "DIR", 0, "Folder of the store and the report (default: out)", 0},
@@ -49,6 +67,17 @@ static error_t parse(int key, char *argument, struct argp_state *state)
         return 0;
     case 'q':
         request->quiet = true;
+        return 0;
+    case KEY_SUITE:
+        if (strcmp(argument, "catalog") != 0 && strcmp(argument, "physics") != 0)
+            argp_error(state, "there is no suite '%s'; there are catalog and physics", argument);
+        request->suite = argument;
+        return 0;
+    case KEY_CHECK:
+        request->check = argument;
+        return 0;
+    case KEY_SAMPLES:
+        request->samples = argument;
         return 0;
     case KEY_SIZE:
         request->size = argument;
@@ -83,14 +112,44 @@ static const struct argp argp = {
            "Examples:\n"
            "  neph validate\n"
            "  neph validate fence_backlit --size 320x180 --no-charts\n"
-           "  neph validate my_fog.yaml -e exact -e march -o /tmp/fog",
+           "  neph validate my_fog.yaml -e exact -e march -o /tmp/fog\n"
+           "  neph validate --suite physics -o out/physics\n"
+           "  neph validate --suite physics --check slab -e oracle -e tracer --samples 4096",
 };
 
-static enum neph_status run(const struct request *request, const char *const *scenes,
-                            int scene_count, struct neph_diag *diag)
+/* The document of the physics suite: the frame of a validation without scenes, and the checks. */
+static enum neph_status run_physics(const struct request *request, int time_limit_s,
+                                    struct neph_store *store, json_t *document,
+                                    struct neph_diag *diag)
 {
+    int samples = 0;
+    enum neph_status status = neph_cli_parse_int("samples", request->samples, 2, 1000000, &samples,
+                                                 diag);
+    if (status)
+        return status;
+    const struct neph_physics_params params = {.engines = request->engines,
+                                               .engine_count = request->engine_count,
+                                               .only = request->check,
+                                               .samples = samples,
+                                               .time_limit_s = time_limit_s,
+                                               .quiet = request->quiet};
+    json_t *physics = NULL;
+    status = neph_physics_run(&params, store, &physics, diag);
+    if (status)
+        return status;
+    json_object_set(document, "verdict", json_object_get(physics, "verdict"));
+    json_object_set(document, "seconds", json_object_get(physics, "seconds"));
+    json_object_set_new(document, "title", json_string("Nephelometer physics suite"));
+    return json_object_set_new(document, "physics", physics) ? neph_fail_memory(diag) : NEPH_OK;
+}
+
+static enum neph_status run_suite(const struct request *request, const char *const *scenes,
+                                  int scene_count, struct neph_store *store, json_t **document,
+                                  struct neph_diag *diag)
+{
+    const bool physics = strcmp(request->suite, "physics") == 0;
     struct neph_validate_params params = {.scenes = scenes,
-                                          .scene_count = scene_count,
+                                          .scene_count = physics ? 0 : scene_count,
                                           .engines = request->engines,
                                           .engine_count = request->engine_count,
                                           .quiet = request->quiet};
@@ -103,31 +162,51 @@ static enum neph_status run(const struct request *request, const char *const *sc
         return status;
     params.time_limit_s = limit_s;
     const struct neph_charts_params charts = {.time_limit_s = limit_s, .quiet = request->quiet};
+    status = neph_validate(&params, store, document, diag);
+    if (!status && physics)
+        status = run_physics(request, limit_s, store, *document, diag);
+    else if (!status && !request->no_charts)
+        status = neph_charts_run(&charts, store, json_object_get(*document, "charts"), diag);
+    return status;
+}
+
+static enum neph_status tell(const struct request *request, json_t *document,
+                             const char *report_folder, struct neph_diag *diag)
+{
+    const json_t *physics = json_object_get(document, "physics");
+    if (request->json)
+        neph_cli_print_json(json_incref(document));
+    else if (physics)
+        neph_physics_print(physics);
+    else
+        neph_validate_print(document);
+    FILE *out = request->json ? stderr : stdout;
+    const char *verdict = json_string_value(json_object_get(document, "verdict"));
+    fprintf(out, "verdict: %s\nreport: %s/index.html\n", verdict, report_folder);
+    if (strcmp(verdict, "pass") == 0)
+        return NEPH_OK;
+    return neph_fail(diag, NEPH_ERR_GATE,
+                     physics ? "an engine that claims to be the truth is off, or an engine broke; "
+                               "the report names it"
+                             : "a gate failed or an engine broke; the report names it");
+}
+
+static enum neph_status run(const struct request *request, const char *const *scenes,
+                            int scene_count, struct neph_diag *diag)
+{
     struct neph_store *store = NULL;
     json_t *document = NULL;
     char *store_folder = neph_path_join(request->output, "store");
     char *report_folder = neph_path_join(request->output, "report");
-    status = store_folder && report_folder ? neph_store_open(store_folder, &store, diag)
-                                           : neph_fail_memory(diag);
+    enum neph_status status = store_folder && report_folder
+                                  ? neph_store_open(store_folder, &store, diag)
+                                  : neph_fail_memory(diag);
     if (!status)
-        status = neph_validate(&params, store, &document, diag);
-    if (!status && !request->no_charts)
-        status = neph_charts_run(&charts, store, json_object_get(document, "charts"), diag);
+        status = run_suite(request, scenes, scene_count, store, &document, diag);
     if (!status)
         status = neph_report_write(document, report_folder, diag);
-    if (!status) {
-        if (request->json)
-            neph_cli_print_json(json_incref(document));
-        else
-            neph_validate_print(document);
-        FILE *out = request->json ? stderr : stdout;
-        const char *verdict = json_string_value(json_object_get(document, "verdict"));
-        fprintf(out, "verdict: %s\nreport: %s/index.html\n", verdict, report_folder);
-        if (strcmp(verdict, "pass") != 0)
-            status = neph_fail(diag, NEPH_ERR_GATE,
-                               "a gate failed or an engine broke; the report "
-                               "names it");
-    }
+    if (!status)
+        status = tell(request, document, report_folder, diag);
     json_decref(document);
     neph_store_close(store);
     free(store_folder);
@@ -137,7 +216,11 @@ static enum neph_status run(const struct request *request, const char *const *sc
 
 enum neph_status neph_cli_validate(int argc, char **argv, struct neph_diag *diag)
 {
-    struct request request = {.output = "out", .size = "192x108", .time_limit = "300"};
+    struct request request = {.output = "out",
+                              .size = "192x108",
+                              .time_limit = "300",
+                              .suite = "catalog",
+                              .samples = "256"};
     argp_parse(&argp, argc, argv, 0, NULL, &request);
     if (request.scene_count > 0)
         return run(&request, request.scenes, request.scene_count, diag);

@@ -80,6 +80,15 @@ struct neph_cost {
     int64_t peak_memory_bytes;
 };
 
+/* How an engine's march through uneven media is refined, for the step-halving study. */
+struct neph_engine_step {
+    const char *option; /* name in the table of options; NULL: no steps */
+    double coarsest;    /* setting of the first level */
+    double refine;      /* factor from one level to the next: 0.5 for lengths, 2 for counts */
+    int level_count;
+    double order; /* error ~ step^order */
+};
+
 struct neph_engine {
     const char *name;
     const char *summary; /* one line */
@@ -87,6 +96,8 @@ struct neph_engine {
     const char *bias; /* its known bias, in words, printed beside its numbers; NULL: none known */
     const struct neph_option *options; /* ends with a NULL name */
     uint32_t version;                  /* of our own driver; raise it when its output changes */
+    bool stochastic;                   /* another seed gives another frame of the same mean */
+    struct neph_engine_step step;
 
     /* Look for the engine. Never fails: `available` and `missing` say how it is. */
     void (*probe)(struct neph_engine_info *info);

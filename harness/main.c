@@ -12,6 +12,8 @@ static const struct {
     const char *help;
 } verbs[] = {
     {"validate", neph_cli_validate, "run scenes over all engines, gate the errors, write a report"},
+    {"study", neph_cli_study,
+     "how far an engine's steps are from their limit, and which are enough"},
     {"render", neph_cli_render, "render a scene with one engine"},
     {"export", neph_cli_export, "leave a scene as files for Blender or POV-Ray"},
     {"compare", neph_cli_compare, "measure the error of one EXR frame against another"},

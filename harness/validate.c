@@ -4,6 +4,7 @@
 #include "base/clock.h"
 #include "base/exr.h"
 #include "base/threads.h"
+#include "harness/attribution.h"
 #include "harness/data.h"
 #include "harness/job.h"
 #include "harness/measure.h"
@@ -66,15 +67,15 @@ static json_t *engines_json(const struct field *field)
 
 static json_t *frame_json(const struct neph_engine *engine, const struct neph_job_result *result)
 {
-    return json_pack("{s:s, s:s, s:s, s:s, s:s, s:b, s:f, s:f, s:f, s:I, s:s?, s:n, s:{s:n, s:n}, "
-                     "s:[]}",
-                     "engine", engine->name, "rung", neph_rung_name(engine->rung), "status",
-                     neph_outcome_name(result->outcome), "reason", result->reason, "settings",
-                     result->settings, "reused", result->reused, "render_s", result->cost.render_s,
-                     "wall_s", result->cost.wall_s, "cpu_s", result->cost.cpu_s,
-                     "peak_memory_bytes", (json_int_t)result->cost.peak_memory_bytes, "exr",
-                     result->frame_path, "picture", "difference", "radiance", "transmittance",
-                     "measurements");
+    return json_pack(
+        "{s:s, s:s, s:s, s:s, s:s, s:b, s:f, s:f, s:f, s:I, s:s?, s:n, s:n, s:{s:n, s:n}, "
+        "s:[]}",
+        "engine", engine->name, "rung", neph_rung_name(engine->rung), "status",
+        neph_outcome_name(result->outcome), "reason", result->reason, "settings", result->settings,
+        "reused", result->reused, "render_s", result->cost.render_s, "wall_s", result->cost.wall_s,
+        "cpu_s", result->cost.cpu_s, "peak_memory_bytes",
+        (json_int_t)result->cost.peak_memory_bytes, "exr", result->frame_path, "exr_second",
+        "picture", "difference", "radiance", "transmittance", "measurements");
 }
 
 /* Measure one rendered frame, against the truth when there is one. */
@@ -174,44 +175,94 @@ static enum neph_status scene_document(const struct neph_scene *scene, json_t *f
     return *document ? NEPH_OK : neph_fail_memory(diag);
 }
 
-static enum neph_status run_scene(const struct neph_validate_params *params,
-                                  const struct field *field, const struct neph_scene *scene,
-                                  struct neph_store *store, struct neph_progress *progress,
-                                  json_t **document, struct neph_diag *diag)
+static struct neph_job job_of(const struct neph_validate_params *params, const struct field *field,
+                              int index, const struct neph_scene *scene, uint64_t seed)
 {
-    json_t *frames = json_array();
+    const struct neph_engine *engine = field->engines[index];
+    return (struct neph_job){
+        .engine = engine,
+        .info = &field->infos[index],
+        .shot = {.scene = scene,
+                 .settings = neph_settings_default(engine),
+                 .width_px = params->width_px,
+                 .height_px = params->height_px,
+                 .frame = params->frame < scene->frame_count ? params->frame
+                                                             : scene->frame_count - 1,
+                 .layers = NEPH_LAYERS_ALL,
+                 .seed = seed,
+                 .time_limit_s = params->time_limit_s},
+    };
+}
+
+static enum neph_status run_frames(const struct neph_validate_params *params,
+                                   const struct field *field, const struct neph_scene *scene,
+                                   struct neph_store *store, struct neph_progress *progress,
+                                   json_t *frames, struct neph_diag *diag)
+{
     enum neph_status status = NEPH_OK;
     for (int i = 0; i < field->count && !status; i++) {
-        const struct neph_engine *engine = field->engines[i];
-        const struct neph_job job = {
-            .engine = engine,
-            .info = &field->infos[i],
-            .shot = {.scene = scene,
-                     .settings = neph_settings_default(engine),
-                     .width_px = params->width_px,
-                     .height_px = params->height_px,
-                     .frame = params->frame < scene->frame_count ? params->frame
-                                                                 : scene->frame_count - 1,
-                     .layers = NEPH_LAYERS_ALL,
-                     .seed = 1,
-                     .time_limit_s = params->time_limit_s},
-        };
+        const struct neph_job job = job_of(params, field, i, scene, 1);
         char what[256];
-        snprintf(what, sizeof(what), "%s with %s", scene->name, engine->name);
+        snprintf(what, sizeof(what), "%s with %s", scene->name, job.engine->name);
         neph_progress_begin(progress, what);
         const double start_s = neph_wall_s();
         struct neph_job_result result;
         status = neph_job_run(&job, store, &result, diag);
         if (!status) {
-            json_array_append_new(frames, frame_json(engine, &result));
+            json_array_append_new(frames, frame_json(job.engine, &result));
             neph_progress_step(progress, what,
                                result.reused ? "reused" : neph_outcome_name(result.outcome),
                                neph_wall_s() - start_s);
         }
         neph_job_result_finish(&result);
     }
+    return status;
+}
+
+/* A second seed of every stochastic engine, where there are three engines to tell apart. */
+static enum neph_status run_second_seeds(const struct neph_validate_params *params,
+                                         const struct field *field, const struct neph_scene *scene,
+                                         struct neph_store *store,
+                                         const struct neph_progress *progress, json_t *frames,
+                                         struct neph_diag *diag)
+{
+    int rendered = 0;
+    for (size_t i = 0; i < json_array_size(frames); i++)
+        rendered += json_is_string(json_object_get(json_array_get(frames, i), "exr"));
+    enum neph_status status = NEPH_OK;
+    for (int i = 0; i < field->count && rendered >= 3 && !status; i++) {
+        json_t *frame = json_array_get(frames, (size_t)i);
+        if (!field->engines[i]->stochastic || !json_is_string(json_object_get(frame, "exr")))
+            continue;
+        const struct neph_job job = job_of(params, field, i, scene, 2);
+        char what[256];
+        snprintf(what, sizeof(what), "%s with %s, second seed", scene->name, job.engine->name);
+        neph_progress_begin(progress, what);
+        struct neph_job_result result;
+        status = neph_job_run(&job, store, &result, diag);
+        if (!status && result.frame_path)
+            json_object_set_new(frame, "exr_second", json_string(result.frame_path));
+        neph_job_result_finish(&result);
+    }
+    return status;
+}
+
+static enum neph_status run_scene(const struct neph_validate_params *params,
+                                  const struct field *field, const struct neph_scene *scene,
+                                  struct neph_store *store, struct neph_progress *progress,
+                                  json_t **document, struct neph_diag *diag)
+{
+    json_t *frames = json_array(), *attribution = NULL;
+    enum neph_status status = run_frames(params, field, scene, store, progress, frames, diag);
+    if (!status)
+        status = run_second_seeds(params, field, scene, store, progress, frames, diag);
+    if (!status)
+        status = neph_attribute(frames, &attribution, diag);
     if (!status)
         status = scene_document(scene, frames, document, diag);
+    if (!status && json_object_set(*document, "attribution", attribution) != 0)
+        status = neph_fail_memory(diag);
+    json_decref(attribution);
     json_decref(frames);
     return status;
 }

@@ -131,6 +131,7 @@ const struct neph_engine neph_engine_march = {
     .bias = "step error of order 2 where the scene is smooth, of order 1 at the edges of shadows",
     .options = options,
     .version = 1,
+    .step = {.option = "steps", .coarsest = 16, .refine = 2, .level_count = 5, .order = 2},
     .probe = probe,
     .can_render = can_render,
     .render = render,

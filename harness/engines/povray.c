@@ -717,6 +717,8 @@ const struct neph_engine neph_engine_povray = {
             "or 1e-6 of the brightest, transmittance to 1e-8",
     .options = options,
     .version = 1,
+    /* At most 256 intervals: POV-Ray ends with an error beyond. */
+    .step = {.option = "intervals", .coarsest = 25, .refine = 2, .level_count = 4, .order = 2},
     .probe = probe,
     .can_render = can_render,
     .render = render,

@@ -1,0 +1,191 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * `neph study ENGINE SCENE`.
+ */
+#include "harness/cli.h"
+
+#include "base/files.h"
+#include "harness/data.h"
+#include "harness/study.h"
+
+#include <argp.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+enum { KEY_JSON = 1, KEY_SIZE, KEY_SET, KEY_TIME_LIMIT, ASSIGNMENTS_MAX = 16 };
+
+struct request {
+    const char *engine, *scene, *size, *output, *time_limit;
+    const char *assignments[ASSIGNMENTS_MAX];
+    int assignment_count;
+    bool json;
+};
+
+static const struct argp_option options[] = {
+    {"size", KEY_SIZE, "WxH", 0, "Size in pixels (default: 64x36)", 0},
+    {"set", KEY_SET, "KEY=VALUE", 0, "Another setting of the engine; may be given several times",
+     0},
+    {"output", 'o', "DIR", 0, "Folder of the store (default: out)", 0},
+    {"time-limit", KEY_TIME_LIMIT, "S", 0, "Seconds per child process (default: 300)", 0},
+    {"json", KEY_JSON, NULL, 0, "The study as JSON on stdout", 0},
+    {0},
+};
+
+static error_t parse(int key, char *argument, struct argp_state *state)
+{
+    struct request *request = state->input;
+    switch (key) {
+    case KEY_JSON:
+        request->json = true;
+        return 0;
+    case KEY_SIZE:
+        request->size = argument;
+        return 0;
+    case KEY_TIME_LIMIT:
+        request->time_limit = argument;
+        return 0;
+    case 'o':
+        request->output = argument;
+        return 0;
+    case KEY_SET:
+        if (request->assignment_count == ASSIGNMENTS_MAX)
+            argp_error(state, "more than %d settings", ASSIGNMENTS_MAX);
+        request->assignments[request->assignment_count++] = argument;
+        return 0;
+    case ARGP_KEY_ARG:
+        if (!request->engine)
+            request->engine = argument;
+        else if (!request->scene)
+            request->scene = argument;
+        else
+            argp_error(state, "one engine and one scene, not '%s' as well", argument);
+        return 0;
+    case ARGP_KEY_END:
+        if (!request->scene)
+            argp_error(state, "an engine and a scene are needed");
+        return 0;
+    }
+    return ARGP_ERR_UNKNOWN;
+}
+
+static const struct argp argp = {
+    .options = options,
+    .parser = parse,
+    .args_doc = "ENGINE SCENE",
+    .doc = "Halve the step of an engine that marches through uneven media until its bias is known: "
+           "the mean radiance at each step, the bias against the extrapolated limit of infinitely "
+           "small steps, and the coarsest setting that is good enough. Engines: cycles, povray, "
+           "march.\v"
+           "Step bias is not noise: more samples per pixel do not remove it. The limit is "
+           "Richardson's "
+           "extrapolation of the last two steps by the engine's known order; the observed order, "
+           "where "
+           "noise lets it be seen, says whether that was right.\n\n"
+           "Examples:\n"
+           "  neph study povray height_fog_up\n"
+           "  neph study cycles height_fog_down --size 96x54 --set samples=256 --json",
+};
+
+static void print_study(const struct neph_study *study, const struct request *request)
+{
+    printf("%s in %s: mean radiance by %s, %s\n", request->engine, request->scene, study->option,
+           request->size);
+    printf("%12s %14s %10s %12s %10s %9s\n", study->option, "radiance", "noise", "bias", "noise",
+           "seconds");
+    for (int i = 0; i < study->level_count; i++) {
+        const struct neph_study_level *level = &study->levels[i];
+        printf("%12.5g %14.7g %10.1e %+11.4f%% %9.4f%% %9.2f%s\n", level->setting, level->radiance,
+               level->noise, 100.0 * level->bias, 100.0 * level->bias_noise, level->wall_s,
+               i == study->chosen ? "  <- chosen" : "");
+    }
+    printf("limit %.7g by order %g", study->limit, study->order);
+    if (isfinite(study->observed_order))
+        printf("; observed order %.2f", study->observed_order);
+    printf("\n%s\n", study->within_tolerance
+                         ? "the chosen setting is within 0.1 % of the limit, noise included"
+                         : "noise hides whether any setting is within 0.1 %: the coarsest whose "
+                           "bias cannot be told from 0 is chosen");
+}
+
+static enum neph_status prepare(const struct request *request, const struct neph_scene *scene,
+                                struct neph_engine_info *info, struct neph_job *job,
+                                struct neph_diag *diag)
+{
+    const struct neph_engine *engine = neph_engine_find(request->engine);
+    int limit_s = 0;
+    if (!engine || !engine->step.option) {
+        neph_fail(diag, NEPH_ERR_USAGE,
+                  engine ? "engine '%s' has no step to halve" : "there is no engine '%s'",
+                  request->engine);
+        neph_hint(diag, "cycles, povray and march have one");
+        return NEPH_ERR_USAGE;
+    }
+    if (!neph_study_applies(engine, scene))
+        return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
+                         "scene %s holds homogeneous media alone: %s needs no steps there",
+                         scene->name, engine->name);
+    engine->probe(info);
+    *job = (struct neph_job){.engine = engine,
+                             .info = info,
+                             .shot = {.scene = scene,
+                                      .settings = neph_settings_default(engine),
+                                      .layers = NEPH_LAYER_RADIANCE,
+                                      .seed = 1}};
+    enum neph_status status = neph_cli_parse_size(request->size, &job->shot.width_px,
+                                                  &job->shot.height_px, diag);
+    if (!status)
+        status = neph_cli_parse_int("time limit", request->time_limit, 1, 1000000, &limit_s, diag);
+    job->shot.time_limit_s = limit_s;
+    for (int i = 0; i < request->assignment_count && !status; i++)
+        status = neph_settings_set(engine, &job->shot.settings, request->assignments[i], diag);
+    return status;
+}
+
+/* A frame that could not be had, as a status for the exit code. */
+static enum neph_status explain(enum neph_outcome outcome, const char *reason,
+                                struct neph_diag *diag)
+{
+    static const enum neph_status statuses[] = {
+        [NEPH_OUTCOME_RENDERED] = NEPH_OK,
+        [NEPH_OUTCOME_CANNOT] = NEPH_ERR_UNSUPPORTED,
+        [NEPH_OUTCOME_MISSING] = NEPH_ERR_UNAVAILABLE,
+        [NEPH_OUTCOME_FAILED] = NEPH_ERR_ENGINE,
+        [NEPH_OUTCOME_TIMEOUT] = NEPH_ERR_TIMEOUT,
+        [NEPH_OUTCOME_INTERRUPTED] = NEPH_ERR_INTERRUPTED,
+    };
+    return outcome == NEPH_OUTCOME_RENDERED ? NEPH_OK
+                                            : neph_fail(diag, statuses[outcome], "%s", reason);
+}
+
+enum neph_status neph_cli_study(int argc, char **argv, struct neph_diag *diag)
+{
+    struct request request = {.size = "64x36", .output = "out", .time_limit = "300"};
+    argp_parse(&argp, argc, argv, 0, NULL, &request);
+    struct neph_scene *scene = NULL;
+    struct neph_store *store = NULL;
+    struct neph_engine_info info;
+    struct neph_job job;
+    struct neph_study study;
+    enum neph_outcome outcome = NEPH_OUTCOME_RENDERED;
+    char reason[1600] = "";
+    char *folder = neph_path_join(request.output, "store");
+    enum neph_status status = folder ? neph_data_load_scene(request.scene, &scene, diag)
+                                     : neph_fail_memory(diag);
+    if (!status)
+        status = prepare(&request, scene, &info, &job, diag);
+    if (!status)
+        status = neph_store_open(folder, &store, diag);
+    if (!status)
+        status = neph_study_run(&job, store, &study, &outcome, reason, diag);
+    if (!status)
+        status = explain(outcome, reason, diag);
+    if (!status && request.json)
+        neph_cli_print_json(neph_study_json(&study));
+    else if (!status)
+        print_study(&study, &request);
+    neph_store_close(store);
+    neph_scene_destroy(scene);
+    free(folder);
+    return status;
+}
