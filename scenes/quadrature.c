@@ -33,7 +33,15 @@ struct piece {
     double error; /* of the worst channel */
 };
 
-static struct piece evaluate(neph_integrand *integrand, void *context, double a, double b)
+/* What is integrated, and how well. */
+struct task {
+    neph_integrand *integrand;
+    void *context;
+    bool rough;
+    double error_max; /* of a piece; found from the whole */
+};
+
+static struct piece evaluate(const struct task *task, double a, double b)
 {
     const double middle = 0.5 * (a + b), half = 0.5 * (b - a);
     double kronrod[3] = {0}, gauss[3] = {0};
@@ -41,7 +49,7 @@ static struct piece evaluate(neph_integrand *integrand, void *context, double a,
         const bool is_middle = i == NODE_COUNT - 1;
         for (int side = is_middle ? 1 : -1; side <= 1; side += 2) {
             double value[3];
-            integrand(middle + side * half * nodes[i], context, value);
+            task->integrand(middle + side * half * nodes[i], task->context, value);
             for (int c = 0; c < 3; c++) {
                 kronrod[c] += kronrod_weights[i] * value[c];
                 if (i % 2 == 1)
@@ -57,47 +65,62 @@ static struct piece evaluate(neph_integrand *integrand, void *context, double a,
         const double size = fabs(piece.kronrod[c]);
         const double difference = fabs(half * (kronrod[c] - gauss[c]));
         double error = difference;
-        if (size > 0.0 && difference > 0.0)
+        if (!task->rough && size > 0.0 && difference > 0.0)
             error = size * fmin(1.0, pow(200.0 * difference / size, 1.5));
         piece.error = fmax(piece.error, error);
     }
     return piece;
 }
 
-/* Sum the better of two halves until the error is small beside `scale`. */
-static double refine(neph_integrand *integrand, void *context, double a, double b,
-                     struct piece whole, double scale, int depth, double result[3])
+/* Sum the better of two halves until the error is small enough. */
+static double refine(const struct task *task, double a, double b, struct piece whole, int depth,
+                     double result[3])
 {
-    if (whole.error <= 1e-13 * scale || depth == DEPTH_MAX) {
+    if (whole.error <= task->error_max || depth == DEPTH_MAX) {
         for (int c = 0; c < 3; c++)
             result[c] += whole.kronrod[c];
         return whole.error;
     }
     const double middle = 0.5 * (a + b);
-    const struct piece left = evaluate(integrand, context, a, middle);
-    const struct piece right = evaluate(integrand, context, middle, b);
-    return refine(integrand, context, a, middle, left, scale, depth + 1, result) +
-           refine(integrand, context, middle, b, right, scale, depth + 1, result);
+    const struct piece left = evaluate(task, a, middle);
+    const struct piece right = evaluate(task, middle, b);
+    return refine(task, a, middle, left, depth + 1, result) +
+           refine(task, middle, b, right, depth + 1, result);
+}
+
+static double integrate(struct task *task, const struct neph_interval *pieces, int piece_count,
+                        double tolerance, double result[3])
+{
+    struct piece first[KEPT_COUNT];
+    double scale = DBL_MIN;
+    for (int i = 0; i < piece_count; i++) {
+        const struct piece piece = evaluate(task, pieces[i].low, pieces[i].high);
+        scale += fmax(fabs(piece.kronrod[0]), fmax(fabs(piece.kronrod[1]), fabs(piece.kronrod[2])));
+        if (i < KEPT_COUNT)
+            first[i] = piece;
+    }
+    task->error_max = tolerance * scale;
+    double error = 0.0;
+    result[0] = result[1] = result[2] = 0.0;
+    for (int i = 0; i < piece_count; i++) {
+        const double low = pieces[i].low, high = pieces[i].high;
+        const struct piece piece = i < KEPT_COUNT ? first[i] : evaluate(task, low, high);
+        error += refine(task, low, high, piece, 0, result);
+    }
+    return error;
 }
 
 double neph_integrate(neph_integrand *integrand, void *context, const struct neph_interval *pieces,
                       int piece_count, double result[3])
 {
-    struct piece first[KEPT_COUNT];
-    double scale = DBL_MIN;
-    for (int i = 0; i < piece_count; i++) {
-        const struct piece piece = evaluate(integrand, context, pieces[i].low, pieces[i].high);
-        scale += fmax(fabs(piece.kronrod[0]), fmax(fabs(piece.kronrod[1]), fabs(piece.kronrod[2])));
-        if (i < KEPT_COUNT)
-            first[i] = piece;
-    }
-    double error = 0.0;
-    result[0] = result[1] = result[2] = 0.0;
-    for (int i = 0; i < piece_count; i++) {
-        const double low = pieces[i].low, high = pieces[i].high;
-        const struct piece piece = i < KEPT_COUNT ? first[i]
-                                                  : evaluate(integrand, context, low, high);
-        error += refine(integrand, context, low, high, piece, scale, 0, result);
-    }
-    return error;
+    struct task task = {integrand, context, false, 0.0};
+    return integrate(&task, pieces, piece_count, 1e-13, result);
+}
+
+double neph_integrate_rough(neph_integrand *integrand, void *context,
+                            const struct neph_interval *pieces, int piece_count, double tolerance,
+                            double result[3])
+{
+    struct task task = {integrand, context, true, 0.0};
+    return integrate(&task, pieces, piece_count, tolerance, result);
 }
