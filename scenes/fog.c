@@ -46,6 +46,25 @@ double neph_fog_layer_optical_depth(const struct neph_fog_layer *layer, double y
     return density_per_m * (half * (length_m * neph_phi(decay)));
 }
 
+/* In logarithms, for the density at y may underflow. */
+double neph_fog_layer_distance_m(const struct neph_fog_layer *layer, double y_m, double k_y,
+                                 double optical_depth)
+{
+    if (layer->extinction_per_m == 0.0)
+        return INFINITY;
+    const double rate_per_m = layer->falloff_per_m * fabs(k_y);
+    const double folds = layer->falloff_per_m * (y_m - layer->height_m); /* density at y, as e^- */
+    /* The density changes by less than rounding over the way: even. */
+    if (!(rate_per_m > 1e-290))
+        return optical_depth / (layer->extinction_per_m * exp(-folds));
+    const double exponent = log(optical_depth * rate_per_m / layer->extinction_per_m) + folds;
+    if (exponent < -690.0)
+        return exp(exponent - log(rate_per_m)); /* even, too; e^exponent alone would underflow */
+    if (k_y > 0.0)
+        return exponent < 0.0 ? -log1p(-exp(exponent)) / rate_per_m : INFINITY;
+    return (exponent > 36.0 ? exponent : log1p(exp(exponent))) / rate_per_m;
+}
+
 static double extinction_per_m(const struct neph_medium *medium, struct neph_vec3 point_m)
 {
     double sum_per_m = 0.0;

@@ -17,6 +17,11 @@ double neph_phi(double x);
 double neph_fog_layer_optical_depth(const struct neph_fog_layer *layer, double y_m, double k_y,
                                     double length_m);
 
+/* Its inverse: how far from height y_m along k_y until the layer has given an optical depth > 0
+ * [m]; +inf when it never has. */
+double neph_fog_layer_distance_m(const struct neph_fog_layer *layer, double y_m, double k_y,
+                                 double optical_depth);
+
 /* Extinction [1/m] at a point; 0 outside the bounds. */
 double neph_medium_extinction_per_m(const struct neph_medium *medium, struct neph_vec3 point_m);
 

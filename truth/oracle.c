@@ -43,9 +43,10 @@ struct render {
     const struct neph_oracle_params *params;
     struct neph_camera camera;
     struct neph_tracker *tracker; /* owned */
-    double *numbers; /* owned: what a checkpoint holds, ROW_NUMBERS per row, then the sums */
-    char *identity;  /* owned: whose checkpoint it is */
-    int round_end;   /* samples that every pixel has when the present round is done */
+    double *numbers;  /* owned: what a checkpoint holds, ROW_NUMBERS per row, then the sums */
+    char *identity;   /* owned: whose checkpoint it is */
+    bool has_flights; /* first collisions are drawn from tables */
+    int round_end;    /* samples that every pixel has when the present round is done */
     double start_s, saved_s;
 };
 
@@ -170,6 +171,13 @@ static void add_light(struct sums *sums, const struct neph_path_light *light)
     }
 }
 
+static void init_flight(const struct render *render, const struct neph_view *view,
+                        struct neph_flight *flight)
+{
+    const struct neph_ray ray = {view->origin_m, view->direction, view->hit.t_m};
+    neph_flight_init(flight, render->scene, &ray);
+}
+
 /* Bring a row up to the round's end. */
 static void render_row(int row, void *context)
 {
@@ -177,15 +185,19 @@ static void render_row(int row, void *context)
     double *numbers = row_numbers(render, row);
     const int first = (int)numbers[0];
     struct neph_tracking_cost cost = {0, 0};
+    struct neph_flight flight;
     for (int column = 0; column < render->params->width_px; column++) {
         const size_t pixel = (size_t)row * (size_t)render->params->width_px + (size_t)column;
         const struct neph_view view = pixel_view(render, column, row);
         struct sums sums = load_sums(render, pixel);
+        if (render->has_flights)
+            init_flight(render, &view, &flight);
         for (int sample = first; sample < render->round_end; sample++) {
             struct neph_random random = neph_random_stream(render->params->seed, pixel,
                                                            (uint64_t)sample);
-            const struct neph_path_light light = neph_path_trace(render->scene, render->tracker,
-                                                                 &view, &random, &cost);
+            const struct neph_path_light light = neph_path_trace(
+                render->scene, render->tracker, &view, render->has_flights ? &flight : NULL,
+                &random, &cost);
             add_light(&sums, &light);
         }
         save_sums(render, pixel, &sums);
@@ -407,6 +419,8 @@ enum neph_status neph_oracle_render(const struct neph_scene *scene,
     struct render render = {.scene = scene,
                             .params = params,
                             .camera = neph_scene_camera(scene, params->frame),
+                            .has_flights = neph_flight_is_possible(scene) &&
+                                           scene->scattering != NEPH_SCATTERING_NONE,
                             .start_s = neph_wall_s(),
                             .saved_s = neph_wall_s()};
     status = prepare(&render, diag);

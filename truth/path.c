@@ -191,16 +191,30 @@ static struct path path_start(const struct neph_scene *scene, const struct neph_
     return path;
 }
 
-static void trace_volume(struct path *path, const struct neph_view *view,
-                         struct neph_path_light *light)
+/* The first collision on the view's ray; false when there is none. */
+static bool enter_volume(struct path *path, const struct neph_view *view,
+                         const struct neph_flight *flight, struct neph_collision *collision)
 {
     const struct neph_ray ray = {path->at_m, path->direction, view->hit.t_m};
-    const struct neph_collision collision = neph_tracker_collide(path->tracker, &ray, path->channel,
-                                                                 path->random, path->cost);
-    if (collision.medium < 0)
-        return; /* unscattered: known already */
+    *collision = flight ? neph_flight_collide(flight, path->channel, path->random)
+                        : neph_tracker_collide(path->tracker, &ray, path->channel, path->random,
+                                               path->cost);
+    if (collision->medium < 0)
+        return false; /* unscattered: known already */
     if (!neph_tracker_is_grey(path->tracker))
-        weigh(path, collision.ratio);
+        weigh(path, collision->ratio);
+    path->cost->collisions += flight != NULL;
+    for (int j = 0; flight && j < 3; j++)
+        path->value[j] *= flight->chance[j];
+    return true;
+}
+
+static void trace_volume(struct path *path, const struct neph_view *view,
+                         const struct neph_flight *flight, struct neph_path_light *light)
+{
+    struct neph_collision collision;
+    if (!enter_volume(path, view, flight, &collision))
+        return;
     if (!meet_medium(path, &collision, &light->order1))
         return;
     if (path->scene->scattering == NEPH_SCATTERING_MULTIPLE)
@@ -224,13 +238,14 @@ static void trace_surface(struct path *path, const struct neph_view *view,
 
 struct neph_path_light neph_path_trace(const struct neph_scene *scene,
                                        const struct neph_tracker *tracker,
-                                       const struct neph_view *view, struct neph_random *random,
+                                       const struct neph_view *view,
+                                       const struct neph_flight *flight, struct neph_random *random,
                                        struct neph_tracking_cost *cost)
 {
     struct neph_path_light light = {black, black, black};
     if (scene->scattering != NEPH_SCATTERING_NONE && scene->medium_count > 0) {
         struct path path = path_start(scene, tracker, view, random, cost);
-        trace_volume(&path, view, &light);
+        trace_volume(&path, view, flight, &light);
     }
     const bool lit = scene->environment_light || scene->scattering == NEPH_SCATTERING_MULTIPLE;
     if (view->hit.solid && lit) {

@@ -6,6 +6,7 @@
 #define NEPH_TRUTH_PATH_H
 
 #include "scenes/solids.h"
+#include "truth/flight.h"
 #include "truth/tracking.h"
 
 /* What of a view needs no random numbers. */
@@ -28,10 +29,12 @@ struct neph_path_light {
 struct neph_view neph_view_create(const struct neph_scene *scene, struct neph_vec3 origin_m,
                                   struct neph_vec3 direction);
 
-/* Trace one path. */
+/* Trace one path. `flight` is the table of the view's ray up to the hit, or NULL: then the first
+ * collision is looked for like all others, and most paths through thin media bring nothing. */
 struct neph_path_light neph_path_trace(const struct neph_scene *scene,
                                        const struct neph_tracker *tracker,
-                                       const struct neph_view *view, struct neph_random *random,
+                                       const struct neph_view *view,
+                                       const struct neph_flight *flight, struct neph_random *random,
                                        struct neph_tracking_cost *cost);
 
 #endif

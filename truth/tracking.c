@@ -111,24 +111,6 @@ static double exponential(struct neph_random *random)
 
 /* ---- fog ---- */
 
-/* How far from height y along k_y until a layer has given an optical depth: its closed form,
- * inverted in logarithms, for the density at y may underflow. +inf when it never has. */
-static double layer_distance_m(const struct neph_fog_layer *layer, double y_m, double k_y,
-                               double optical_depth)
-{
-    const double rate_per_m = layer->falloff_per_m * fabs(k_y);
-    const double folds = layer->falloff_per_m * (y_m - layer->height_m); /* density at y, as e^- */
-    /* The density changes by less than rounding over the way: even. */
-    if (!(rate_per_m > 1e-290))
-        return optical_depth / (layer->extinction_per_m * exp(-folds));
-    const double exponent = log(optical_depth * rate_per_m / layer->extinction_per_m) + folds;
-    if (exponent < -690.0)
-        return exp(exponent - log(rate_per_m)); /* even, too; e^exponent alone would underflow */
-    if (k_y > 0.0)
-        return exponent < 0.0 ? -log1p(-exp(exponent)) / rate_per_m : INFINITY;
-    return (exponent > 36.0 ? exponent : log1p(exp(exponent))) / rate_per_m;
-}
-
 /* The nearest collision with a fog before `collision`. */
 static void collide_fog(const struct tracked *tracked, int index, const struct neph_ray *ray,
                         int channel, struct neph_random *random, struct neph_collision *collision)
@@ -143,7 +125,8 @@ static void collide_fog(const struct tracked *tracked, int index, const struct n
         if (layer->extinction_per_m == 0.0)
             continue;
         const double optical_depth = exponential(random) / tracked->color[channel];
-        const double t_m = t0_m + layer_distance_m(layer, y_m, ray->direction.y, optical_depth);
+        const double t_m = t0_m +
+                           neph_fog_layer_distance_m(layer, y_m, ray->direction.y, optical_depth);
         if (t_m < t1_m) {
             t1_m = collision->t_m = t_m;
             collision->medium = index;

@@ -1,0 +1,211 @@
+/* SPDX-License-Identifier: MIT */
+#include "truth/flight.h"
+
+#include "scenes/media.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Optical depths at which a fog layer gets an edge. */
+static const double ladder[NEPH_FLIGHT_LADDER] = {0.05, 0.1, 0.2, 0.4, 0.8, 1.6, 3.0, 6.0, 12.0};
+
+/* A collision is placed to this part of an interval's optical depth. */
+static const double placement = 1e-12;
+
+bool neph_flight_is_possible(const struct neph_scene *scene)
+{
+    for (int m = 0; m < scene->medium_count; m++)
+        if (!neph_medium_has_closed_form(&scene->media[m]))
+            return false;
+    return true;
+}
+
+/* ---- the table ---- */
+
+/* Insert an edge inside the ray, in order. */
+static void add_edge(struct neph_flight *flight, double t_m)
+{
+    if (!(t_m > 0.0 && t_m < flight->ray.end_m))
+        return;
+    int at = flight->count;
+    while (at > 0 && flight->t_m[at - 1] >= t_m)
+        at--;
+    if (at < flight->count && flight->t_m[at] == t_m)
+        return;
+    memmove(&flight->t_m[at + 1], &flight->t_m[at],
+            (size_t)(flight->count - at) * sizeof(flight->t_m[0]));
+    flight->t_m[at] = t_m;
+    flight->count++;
+}
+
+static void add_medium_edges(struct neph_flight *flight, const struct neph_medium *medium)
+{
+    const struct neph_bounds support = neph_medium_support(medium);
+    const struct neph_ray *ray = &flight->ray;
+    double t0_m = 0.0, t1_m = ray->end_m;
+    if (!neph_bounds_clip(&support, ray->origin_m, ray->direction, &t0_m, &t1_m))
+        return;
+    add_edge(flight, t0_m);
+    add_edge(flight, t1_m);
+    if (medium->kind == NEPH_MEDIUM_HOMOGENEOUS)
+        return; /* interpolation is exact */
+    if (isfinite(t1_m))
+        for (int i = 1; i <= NEPH_FLIGHT_INNER_EDGES; i++)
+            add_edge(flight, t0_m + (t1_m - t0_m) * i / (NEPH_FLIGHT_INNER_EDGES + 1));
+    const double y_m = ray->origin_m.y + t0_m * ray->direction.y;
+    for (int l = 0; l < medium->layer_count; l++)
+        for (int i = 0; i < NEPH_FLIGHT_LADDER; i++)
+            add_edge(flight, t0_m + neph_fog_layer_distance_m(&medium->layers[l], y_m,
+                                                              ray->direction.y, ladder[i]));
+}
+
+static struct neph_rgb depth_between(const struct neph_flight *flight, double t0_m, double t1_m)
+{
+    return neph_scene_optical_depth(flight->scene, flight->ray.origin_m, flight->ray.direction,
+                                    t0_m, t1_m);
+}
+
+void neph_flight_init(struct neph_flight *flight, const struct neph_scene *scene,
+                      const struct neph_ray *ray)
+{
+    flight->scene = scene;
+    flight->ray = *ray;
+    flight->t_m[0] = 0.0;
+    flight->count = 1;
+    for (int m = 0; m < scene->medium_count; m++)
+        add_medium_edges(flight, &scene->media[m]);
+    flight->t_m[flight->count++] = ray->end_m;
+    double sum[3] = {0.0, 0.0, 0.0};
+    for (int i = 0; i < flight->count; i++) {
+        if (i > 0) {
+            const struct neph_rgb own = depth_between(flight, flight->t_m[i - 1], flight->t_m[i]);
+            sum[0] += own.r;
+            sum[1] += own.g;
+            sum[2] += own.b;
+        }
+        for (int j = 0; j < 3; j++)
+            flight->depth[j][i] = sum[j];
+    }
+    for (int j = 0; j < 3; j++)
+        flight->chance[j] = -expm1(-sum[j]);
+}
+
+/* ---- sampling ---- */
+
+static double channel_of(struct neph_rgb rgb, int channel)
+{
+    return channel == 0 ? rgb.r : channel == 1 ? rgb.g : rgb.b;
+}
+
+/* Extinction of one medium in one channel. */
+static double extinction_per_m(const struct neph_flight *flight, int medium, int channel,
+                               double t_m)
+{
+    const struct neph_medium *m = &flight->scene->media[medium];
+    return channel_of(m->extinction_color, channel) *
+           neph_medium_extinction_per_m(
+               m, neph_vec3_along(flight->ray.origin_m, flight->ray.direction, t_m));
+}
+
+static double extinction_sum_per_m(const struct neph_flight *flight, int channel, double t_m)
+{
+    double sum = 0.0;
+    for (int m = 0; m < flight->scene->medium_count; m++)
+        sum += extinction_per_m(flight, m, channel, t_m);
+    return sum;
+}
+
+/* The last edge before a depth. */
+static int find_interval(const double *depth, int count, double target)
+{
+    int low = 0, high = count - 1;
+    while (high - low > 1) {
+        const int middle = (low + high) / 2;
+        if (depth[middle] <= target)
+            low = middle;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+/* A finite distance beyond t0 before which the depth from t0 reaches the target. */
+static double finite_end_m(const struct neph_flight *flight, int channel, double t0_m,
+                           double target)
+{
+    double step_m = target / extinction_sum_per_m(flight, channel, t0_m);
+    if (!(step_m > 0.0 && step_m < 1e300))
+        step_m = 1.0;
+    while (step_m < 1e300 &&
+           channel_of(depth_between(flight, t0_m, t0_m + step_m), channel) < target)
+        step_m *= 2.0;
+    return t0_m + step_m;
+}
+
+/* Where the depth from t0 reaches the target, within an interval of that whole depth: Newton's
+ * method, halving the bracket when it leaves that. */
+static double place_m(const struct neph_flight *flight, int channel, double t0_m, double t1_m,
+                      double target, double whole)
+{
+    double low_m = t0_m;
+    double high_m = isinf(t1_m) ? finite_end_m(flight, channel, t0_m, target) : t1_m;
+    double t_m = isinf(t1_m) ? 0.5 * (low_m + high_m) : t0_m + (t1_m - t0_m) * (target / whole);
+    for (int i = 0; i < 100; i++) {
+        const double excess = channel_of(depth_between(flight, t0_m, t_m), channel) - target;
+        if (fabs(excess) <= placement * fmin(whole, 1.0) || high_m - low_m <= 1e-15 * high_m)
+            break;
+        if (excess > 0.0)
+            high_m = t_m;
+        else
+            low_m = t_m;
+        t_m -= excess / extinction_sum_per_m(flight, channel, t_m);
+        if (!(t_m > low_m && t_m < high_m))
+            t_m = 0.5 * (low_m + high_m);
+    }
+    return t_m;
+}
+
+/* Which medium it is that collides, by its share of the extinction. */
+static int pick_medium(const struct neph_flight *flight, int channel, double t_m,
+                       struct neph_random *random)
+{
+    const int count = flight->scene->medium_count;
+    if (count == 1)
+        return 0;
+    double left = neph_random_uniform(random) * extinction_sum_per_m(flight, channel, t_m);
+    int last = 0;
+    for (int m = 0; m < count; m++) {
+        const double own = extinction_per_m(flight, m, channel, t_m);
+        if (own <= 0.0)
+            continue;
+        last = m;
+        left -= own;
+        if (left < 0.0)
+            break;
+    }
+    return last;
+}
+
+struct neph_collision neph_flight_collide(const struct neph_flight *flight, int channel,
+                                          struct neph_random *random)
+{
+    struct neph_collision collision = {flight->ray.end_m, -1, {1.0, 1.0, 1.0}};
+    if (!(flight->chance[channel] > 0.0))
+        return collision;
+    const double *depth = flight->depth[channel];
+    const double target = -log1p(-flight->chance[channel] * neph_random_uniform(random));
+    const int i = find_interval(depth, flight->count, target);
+    collision.t_m = place_m(flight, channel, flight->t_m[i], flight->t_m[i + 1], target - depth[i],
+                            depth[i + 1] - depth[i]);
+    collision.medium = pick_medium(flight, channel, collision.t_m, random);
+    const struct neph_rgb way = depth_between(flight, flight->t_m[i], collision.t_m);
+    const struct neph_rgb color = flight->scene->media[collision.medium].extinction_color;
+    for (int j = 0; j < 3; j++) {
+        const double excess = flight->depth[j][i] + channel_of(way, j) - target;
+        collision.ratio[j] = 0.0;
+        if (flight->chance[j] > 0.0)
+            collision.ratio[j] = channel_of(color, j) / channel_of(color, channel) * exp(-excess) *
+                                 flight->chance[channel] / flight->chance[j];
+    }
+    return collision;
+}
