@@ -10,7 +10,7 @@
  * The error that comes with the box is not derived but measured: the largest difference in
  * transmittance over views of all slopes from the eyes.
  */
-#include "scenes/media.h"
+#include "scenes/medium_kind.h"
 
 #include <math.h>
 
@@ -166,13 +166,6 @@ static void reach_towards_sun(struct neph_bounds *box, const struct neph_sun *su
     box->max_m.z += fmax(0.0, reach_z_m);
 }
 
-static struct neph_bounds intersect(struct neph_bounds a, struct neph_bounds b)
-{
-    return (struct neph_bounds){
-        {fmax(a.min_m.x, b.min_m.x), fmax(a.min_m.y, b.min_m.y), fmax(a.min_m.z, b.min_m.z)},
-        {fmin(a.max_m.x, b.max_m.x), fmin(a.max_m.y, b.max_m.y), fmin(a.max_m.z, b.max_m.z)}};
-}
-
 static bool is_finite(const struct neph_bounds *bounds)
 {
     return isfinite(bounds->min_m.x) && isfinite(bounds->min_m.y) && isfinite(bounds->min_m.z) &&
@@ -187,8 +180,8 @@ static void set_sides(struct neph_bounds *box, const struct eyes *eyes, double s
     box->max_m.z = eyes->z1_m + side_m;
 }
 
-struct neph_bounds neph_medium_container(const struct neph_scene *scene,
-                                         const struct neph_medium *medium, double *cut_error)
+struct neph_bounds neph_fog_container(const struct neph_scene *scene,
+                                      const struct neph_medium *medium, double *cut_error)
 {
     *cut_error = 0.0;
     if (is_finite(&medium->bounds))
@@ -197,17 +190,18 @@ struct neph_bounds neph_medium_container(const struct neph_scene *scene,
     struct neph_bounds box;
     cut_heights(&box, scene, medium, &eyes);
     set_sides(&box, &eyes, INFINITY);
-    const struct neph_bounds without_sides = intersect(box, medium->bounds);
+    const struct neph_bounds without_sides = neph_bounds_intersect(box, medium->bounds);
 
     double side_m = reach_min_m, error = INFINITY;
     while (side_m < reach_max_m && error > side_error) {
         side_m = fmin(1.25 * side_m, reach_max_m);
         set_sides(&box, &eyes, side_m);
-        error = largest_difference(medium, without_sides, intersect(box, medium->bounds), &eyes,
-                                   1.25, side_error);
+        error = largest_difference(medium, without_sides,
+                                   neph_bounds_intersect(box, medium->bounds), &eyes, 1.25,
+                                   side_error);
     }
     reach_towards_sun(&box, &scene->sun, eyes.low_m);
-    box = intersect(box, medium->bounds);
+    box = neph_bounds_intersect(box, medium->bounds);
     /* A tenth more than was found between steps of 3 % in slope, and the rounding of T. */
     const double found = largest_difference(medium, medium->bounds, box, &eyes, 1.03, 1.0);
     *cut_error = fmin(1.0, 1e-15 + 1.1 * found);

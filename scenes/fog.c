@@ -65,15 +65,19 @@ double neph_fog_layer_distance_m(const struct neph_fog_layer *layer, double y_m,
     return (exponent > 36.0 ? exponent : log1p(exp(exponent))) / rate_per_m;
 }
 
+/* Of one layer at a height, which may be infinite in a bound. */
+static double layer_extinction_per_m(const struct neph_fog_layer *layer, double y_m)
+{
+    if (layer->extinction_per_m == 0.0 || layer->falloff_per_m == 0.0)
+        return layer->extinction_per_m; /* keeps 0 * inf out */
+    return layer->extinction_per_m * exp(-layer->falloff_per_m * (y_m - layer->height_m));
+}
+
 static double extinction_per_m(const struct neph_medium *medium, struct neph_vec3 point_m)
 {
     double sum_per_m = 0.0;
-    for (int i = 0; i < medium->layer_count; i++) {
-        const struct neph_fog_layer *layer = &medium->layers[i];
-        if (layer->extinction_per_m > 0.0)
-            sum_per_m += layer->extinction_per_m *
-                         exp(-layer->falloff_per_m * (point_m.y - layer->height_m));
-    }
+    for (int i = 0; i < medium->layer_count; i++)
+        sum_per_m += layer_extinction_per_m(&medium->layers[i], point_m.y);
     return sum_per_m;
 }
 
@@ -105,6 +109,7 @@ const struct neph_medium_kind_ops neph_medium_fog = {
     .optical_depth = optical_depth,
     .bound_per_m = bound_per_m,
     .support = support,
+    .container = neph_fog_container,
 };
 
 /* The UI divides density and falloff by 1000 and counts in centimetres: /10 per metre. */

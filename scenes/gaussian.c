@@ -1,77 +1,99 @@
 /* SPDX-License-Identifier: MIT
  *
- * A Gaussian blob, extinction e^{-r^2 / 2 w^2}. Along a line at impact parameter p the density is
- * e^{-p^2 / 2 w^2} times a Gaussian in the distance from the nearest point, whose integral is a
- * difference of error functions.
+ * A Gaussian blob. Along a line the density is a Gaussian again, of the same width, times that of
+ * the impact parameter, so the optical depth is a difference of error functions. Three forms, none
+ * of which cancels: across the centre a sum of two erf; on one side a difference of erfc; and over
+ * a stretch too short for that, Gauss quadrature.
  */
 #include "scenes/medium_kind.h"
+#include "scenes/quadrature.h"
+#include "scenes/radial.h"
 
 #include <math.h>
 
-static const double sqrt_half = 0.707106781186547524400844362105;
-static const double sqrt_half_pi = 1.25331413731550025120788264241;
+static const double pi = 3.14159265358979323846264338328;
 
-static double extinction_per_m(const struct neph_medium *medium, struct neph_vec3 point_m)
+/* In widths: e^{-r^2/2} = support_level. */
+static const double support_level = 1e-12;
+static const double support_radius = 7.43384437769967690; /* sqrt(2 ln 1e12) */
+
+/* Over stretches on which x^2 grows by less than this, erfc(a) - erfc(b) would lose digits, and the
+ * quadrature rule is exact to rounding. */
+static const double short_stretch = 2.0;
+
+/* e^{-(x^2 - a^2)} at x = a + w. */
+static double decay(double w, const void *context)
 {
-    const struct neph_gaussian *blob = &medium->gaussian;
-    const struct neph_vec3 r = neph_vec3_scale(neph_vec3_sub(point_m, blob->center_m),
-                                               1.0 / blob->width_m);
-    return medium->extinction_per_m * exp(-0.5 * neph_vec3_dot(r, r));
+    const double *a = context;
+    return exp(-w * (w + 2.0 * *a));
 }
 
-/* erf(b) - erf(a) for a <= b, without cancellation when both lie on one side of 0. */
-static double erf_between(double a, double b)
+/* The integral of e^{-x^2} over [a, a + width], a >= 0. */
+static double one_sided_integral(double a, double width)
 {
-    if (a > 0.0)
-        return erfc(a) - erfc(b);
-    if (b < 0.0)
-        return erfc(-b) - erfc(-a);
-    return erf(b) - erf(a);
+    if (width * (2.0 * a + width) > short_stretch)
+        return 0.5 * sqrt(pi) * (erfc(a) - erfc(a + width));
+    return exp(-a * a) * neph_gauss(decay, &a, 0.0, width);
+}
+
+/* The same over [a, b] of any signs; width = b - a, found before either was rounded. */
+static double integral(double a, double b, double width)
+{
+    if (a >= 0.0)
+        return one_sided_integral(a, width);
+    if (b <= 0.0)
+        return one_sided_integral(-b, width);
+    return 0.5 * sqrt(pi) * (erf(b) + erf(-a));
+}
+
+static double extinction_at(const struct neph_medium *medium, struct neph_vec3 point_m)
+{
+    const struct neph_vec3 offset_m = neph_vec3_sub(point_m, medium->gaussian.center_m);
+    const double r = neph_vec3_length(offset_m) / medium->gaussian.width_m;
+    return medium->extinction_per_m * exp(-0.5 * r * r);
 }
 
 static double optical_depth(const struct neph_medium *medium, struct neph_vec3 origin_m,
                             struct neph_vec3 direction, double t0_m, double t1_m)
 {
-    const struct neph_gaussian *blob = &medium->gaussian;
-    const struct neph_vec3 to_center_m = neph_vec3_sub(blob->center_m, origin_m);
-    const double nearest_m = neph_vec3_dot(to_center_m, direction);
-    /* The vector of the impact, not sqrt(|c|^2 - t^2): that cancels for a blob far away. */
-    const struct neph_vec3 impact = neph_vec3_scale(
-        neph_vec3_along(to_center_m, direction, -nearest_m), 1.0 / blob->width_m);
-    const double a = (t0_m - nearest_m) / blob->width_m * sqrt_half;
-    const double b = (t1_m - nearest_m) / blob->width_m * sqrt_half;
-    return medium->extinction_per_m * exp(-0.5 * neph_vec3_dot(impact, impact)) * blob->width_m *
-           sqrt_half_pi * erf_between(a, b);
-}
-
-static double distance_to_range(double x, double low, double high)
-{
-    return fmax(0.0, fmax(low - x, x - high));
+    const struct neph_radial_line line = neph_radial_line(medium->gaussian.center_m, origin_m,
+                                                          direction, t0_m, t1_m);
+    const double width_m = medium->gaussian.width_m, unit_m = sqrt(2.0) * width_m;
+    const double impact = (double)line.impact_m / width_m;
+    const double a = (double)(line.s0_m / unit_m), b = (double)(line.s1_m / unit_m);
+    return medium->extinction_per_m * exp(-0.5 * impact * impact) *
+           (unit_m * integral(a, b, (double)(line.length_m / unit_m)));
 }
 
 static double bound_per_m(const struct neph_medium *medium, const struct neph_bounds *box)
 {
-    const struct neph_vec3 c = medium->gaussian.center_m;
-    const struct neph_vec3 nearest_m = {c.x + distance_to_range(c.x, box->min_m.x, box->max_m.x),
-                                        c.y + distance_to_range(c.y, box->min_m.y, box->max_m.y),
-                                        c.z + distance_to_range(c.z, box->min_m.z, box->max_m.z)};
-    return extinction_per_m(medium, nearest_m);
+    return extinction_at(medium, neph_bounds_nearest(box, medium->gaussian.center_m));
 }
 
-/* Beyond 7.44 widths less than 1e-12 of the density is left. */
 static struct neph_bounds support(const struct neph_medium *medium)
 {
-    const struct neph_vec3 c = medium->gaussian.center_m;
-    const double reach_m = 7.44 * medium->gaussian.width_m;
-    return (struct neph_bounds){{c.x - reach_m, c.y - reach_m, c.z - reach_m},
-                                {c.x + reach_m, c.y + reach_m, c.z + reach_m}};
+    return neph_bounds_around(medium->gaussian.center_m, support_radius * medium->gaussian.width_m);
+}
+
+/* A ray that misses the box has an impact beyond its half side c; one that crosses it loses two
+ * tails of at most e^{-c^2/2} erfc(0) / 2 each. Neither is more than the optical depth of a whole
+ * line at impact c, and transmittance changes by no more than optical depth does. */
+static struct neph_bounds container(const struct neph_scene *scene,
+                                    const struct neph_medium *medium, double *cut_error)
+{
+    (void)scene;
+    const struct neph_rgb c = medium->extinction_color;
+    const double line_m = sqrt(2.0 * pi) * medium->gaussian.width_m;
+    *cut_error = support_level * medium->extinction_per_m * line_m * fmax(c.r, fmax(c.g, c.b));
+    return support(medium);
 }
 
 const struct neph_medium_kind_ops neph_medium_gaussian = {
     .name = "Gaussian blob",
     .closed_form = true,
-    .extinction_per_m = extinction_per_m,
+    .extinction_per_m = extinction_at,
     .optical_depth = optical_depth,
     .bound_per_m = bound_per_m,
     .support = support,
+    .container = container,
 };

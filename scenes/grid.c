@@ -1,49 +1,66 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * All geometry is done in lattice coordinates u = (x - origin) / spacing: node i is at u = i, cell
+ * i spans [i, i + 1]. Cells -1 and size - 1 are the ramps to the zeros beyond the lattice.
+ *
+ * The density is continuous, so a ray that runs in a face, or a place that rounding puts into the
+ * neighbouring cell, needs no rule of its own.
+ */
 #include "scenes/grid.h"
 
 #include "scenes/media.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
-enum neph_status neph_grid_create(const int size[3], struct neph_vec3 origin_m,
-                                  struct neph_vec3 spacing_m, struct neph_grid **grid,
-                                  struct neph_diag *diag)
+struct lattice_point {
+    double u[3];
+};
+
+static struct lattice_point to_lattice(const struct neph_grid *grid, struct neph_vec3 point_m)
 {
-    size_t count = 1;
-    for (int axis = 0; axis < 3; axis++) {
+    return (struct lattice_point){{(point_m.x - grid->origin_m.x) / grid->spacing_m.x,
+                                   (point_m.y - grid->origin_m.y) / grid->spacing_m.y,
+                                   (point_m.z - grid->origin_m.z) / grid->spacing_m.z}};
+}
+
+static enum neph_status check_size(const int size[3], struct neph_diag *diag)
+{
+    for (int axis = 0; axis < 3; axis++)
         if (size[axis] < 1 || size[axis] > NEPH_GRID_SIDE_MAX)
             return neph_fail(diag, NEPH_ERR_INPUT,
-                             "a grid of %d x %d x %d nodes: each side must be 1..%d", size[0],
+                             "a grid of %d x %d x %d nodes: each side may have 1 to %d", size[0],
                              size[1], size[2], NEPH_GRID_SIDE_MAX);
-        count *= (size_t)size[axis];
-    }
+    const size_t count = (size_t)size[0] * (size_t)size[1] * (size_t)size[2];
     if (count > NEPH_GRID_NODES_MAX)
         return neph_fail(diag, NEPH_ERR_INPUT,
-                         "a grid of %d x %d x %d nodes is larger than %zu nodes", size[0], size[1],
-                         size[2], NEPH_GRID_NODES_MAX);
-    const bool placed = isfinite(origin_m.x) && isfinite(origin_m.y) && isfinite(origin_m.z);
-    const bool spaced = spacing_m.x > 0.0 && spacing_m.y > 0.0 && spacing_m.z > 0.0 &&
-                        isfinite(spacing_m.x) && isfinite(spacing_m.y) && isfinite(spacing_m.z);
-    if (!placed || !spaced)
-        return neph_fail(
-            diag, NEPH_ERR_INPUT,
-            "a grid at (%g, %g, %g) m with nodes (%g, %g, %g) m apart: must be finite, "
-            "and the spacing above 0",
-            origin_m.x, origin_m.y, origin_m.z, spacing_m.x, spacing_m.y, spacing_m.z);
-    struct neph_grid *made = calloc(1, sizeof(*made));
-    if (made)
-        made->values = calloc(count, sizeof(*made->values));
-    if (!made || !made->values) {
-        free(made);
-        return neph_fail_memory(diag);
-    }
-    for (int axis = 0; axis < 3; axis++)
-        made->size[axis] = size[axis];
-    made->origin_m = origin_m;
-    made->spacing_m = spacing_m;
-    *grid = made;
+                         "a grid of %d x %d x %d nodes needs %zu MiB; the most is %zu MiB", size[0],
+                         size[1], size[2], count * sizeof(float) >> 20,
+                         NEPH_GRID_NODES_MAX * sizeof(float) >> 20);
     return NEPH_OK;
+}
+
+/* Both ends of the support must be finite and apart from each other. */
+static bool axis_is_sound(double origin_m, double spacing_m, int size)
+{
+    const double low_m = origin_m - spacing_m, high_m = origin_m + spacing_m * size;
+    return spacing_m > 0.0 && isfinite(low_m) && isfinite(high_m) && low_m < origin_m &&
+           origin_m < high_m;
+}
+
+static enum neph_status check_place(const int size[3], struct neph_vec3 origin_m,
+                                    struct neph_vec3 spacing_m, struct neph_diag *diag)
+{
+    if (axis_is_sound(origin_m.x, spacing_m.x, size[0]) &&
+        axis_is_sound(origin_m.y, spacing_m.y, size[1]) &&
+        axis_is_sound(origin_m.z, spacing_m.z, size[2]))
+        return NEPH_OK;
+    return neph_fail(diag, NEPH_ERR_INPUT,
+                     "a grid with origin (%g, %g, %g) m and spacing (%g, %g, %g) m: both must be "
+                     "finite, the spacing above 0 and not lost beside the origin",
+                     origin_m.x, origin_m.y, origin_m.z, spacing_m.x, spacing_m.y, spacing_m.z);
 }
 
 static size_t node_count(const struct neph_grid *grid)
@@ -51,20 +68,28 @@ static size_t node_count(const struct neph_grid *grid)
     return (size_t)grid->size[0] * (size_t)grid->size[1] * (size_t)grid->size[2];
 }
 
-enum neph_status neph_grid_seal(struct neph_grid *grid, struct neph_diag *diag)
+enum neph_status neph_grid_create(const int size[3], struct neph_vec3 origin_m,
+                                  struct neph_vec3 spacing_m, struct neph_grid **grid,
+                                  struct neph_diag *diag)
 {
-    const size_t count = node_count(grid), nx = (size_t)grid->size[0], ny = (size_t)grid->size[1];
-    grid->maximum = 0.0f;
-    for (size_t i = 0; i < count; i++) {
-        const float value = grid->values[i];
-        if (!isfinite(value) || value < 0.0f)
-            return neph_fail(diag, NEPH_ERR_INPUT,
-                             "the density at node (%zu, %zu, %zu) is %g; it must be finite and not "
-                             "negative",
-                             i % nx, i / nx % ny, i / nx / ny, (double)value);
-        grid->maximum = fmaxf(grid->maximum, value);
+    enum neph_status status = check_size(size, diag);
+    if (!status)
+        status = check_place(size, origin_m, spacing_m, diag);
+    if (status)
+        return status;
+    struct neph_grid *made = calloc(1, sizeof(*made));
+    if (!made)
+        return neph_fail_memory(diag);
+    memcpy(made->size, size, sizeof(made->size));
+    made->origin_m = origin_m;
+    made->spacing_m = spacing_m;
+    made->values = calloc(node_count(made), sizeof(*made->values));
+    if (!made->values) {
+        neph_grid_destroy(made);
+        return neph_fail_memory(diag);
     }
-    return neph_hash(grid->values, count * sizeof(*grid->values), grid->hash, diag);
+    *grid = made;
+    return NEPH_OK;
 }
 
 void neph_grid_destroy(struct neph_grid *grid)
@@ -75,118 +100,198 @@ void neph_grid_destroy(struct neph_grid *grid)
     free(grid);
 }
 
+static enum neph_status check_value(const struct neph_grid *grid, size_t node,
+                                    struct neph_diag *diag)
+{
+    const float value = grid->values[node];
+    if (isfinite(value) && value >= 0.0f)
+        return NEPH_OK;
+    const size_t row = (size_t)grid->size[0], plane = row * (size_t)grid->size[1];
+    return neph_fail(diag, NEPH_ERR_INPUT,
+                     "density %g at node (%zu, %zu, %zu) of a grid of %d x %d x %d: it must be "
+                     "finite and not negative",
+                     (double)value, node % row, node % plane / row, node / plane, grid->size[0],
+                     grid->size[1], grid->size[2]);
+}
+
+/* The values are hashed where they are, without a copy, and their hash with the size. */
+static enum neph_status hash_grid(const struct neph_grid *grid, char hash[NEPH_HASH_HEX_SIZE],
+                                  struct neph_diag *diag)
+{
+    char values[NEPH_HASH_HEX_SIZE], text[NEPH_HASH_HEX_SIZE + 48];
+    const enum neph_status status = neph_hash(
+        grid->values, node_count(grid) * sizeof(*grid->values), values, diag);
+    if (status)
+        return status;
+    const int length = snprintf(text, sizeof(text), "%d %d %d %s", grid->size[0], grid->size[1],
+                                grid->size[2], values);
+    return neph_hash(text, (size_t)length, hash, diag);
+}
+
+enum neph_status neph_grid_seal(struct neph_grid *grid, struct neph_diag *diag)
+{
+    const size_t count = node_count(grid);
+    float maximum = 0.0f;
+    for (size_t node = 0; node < count; node++) {
+        const enum neph_status status = check_value(grid, node, diag);
+        if (status)
+            return status;
+        maximum = fmaxf(maximum, grid->values[node]);
+    }
+    const enum neph_status status = hash_grid(grid, grid->hash, diag);
+    if (!status)
+        grid->maximum = maximum;
+    return status;
+}
+
 struct neph_bounds neph_grid_support(const struct neph_grid *grid)
 {
-    const struct neph_vec3 o = grid->origin_m, h = grid->spacing_m;
+    const struct neph_vec3 o = grid->origin_m, s = grid->spacing_m;
     return (struct neph_bounds){
-        {o.x - h.x, o.y - h.y, o.z - h.z},
-        {o.x + grid->size[0] * h.x, o.y + grid->size[1] * h.y, o.z + grid->size[2] * h.z}};
+        neph_vec3_sub(o, s),
+        {o.x + s.x * grid->size[0], o.y + s.y * grid->size[1], o.z + s.z * grid->size[2]}};
 }
 
-/* A node of the lattice that goes on with zeros. */
-static double node(const struct neph_grid *grid, int i, int j, int k)
+static bool is_within(int index, int size)
 {
-    if (i < 0 || j < 0 || k < 0 || i >= grid->size[0] || j >= grid->size[1] || k >= grid->size[2])
+    return (unsigned)index < (unsigned)size; /* a negative index becomes a huge one */
+}
+
+static double node_value(const struct neph_grid *grid, int i, int j, int k)
+{
+    if (!is_within(i, grid->size[0]) || !is_within(j, grid->size[1]) ||
+        !is_within(k, grid->size[2]))
         return 0.0;
-    const size_t nx = (size_t)grid->size[0], ny = (size_t)grid->size[1];
-    return (double)grid->values[((size_t)k * ny + (size_t)j) * nx + (size_t)i];
+    return (double)
+        grid->values[((size_t)k * (size_t)grid->size[1] + (size_t)j) * (size_t)grid->size[0] +
+                     (size_t)i];
 }
 
-static double mix(double a, double b, double s)
+/* The eight corners of a cell, x fastest. */
+struct cell {
+    int index[3];
+    double corner[8];
+    bool is_empty;
+};
+
+static void load_corners_inside(const struct neph_grid *grid, struct cell *cell)
 {
-    return a + s * (b - a);
+    const size_t row = (size_t)grid->size[0], plane = row * (size_t)grid->size[1];
+    const float *first = grid->values + (size_t)cell->index[2] * plane +
+                         (size_t)cell->index[1] * row + (size_t)cell->index[0];
+    for (size_t n = 0; n < 8; n++)
+        cell->corner[n] = (double)first[(n & 1) + (n >> 1 & 1) * row + (n >> 2) * plane];
 }
 
-/* The eight nodes of the cell whose lowest corner is node (i, j, k), x fastest. */
-static void load_cell(const struct neph_grid *grid, const int cell[3], double corners[8])
+static void load_corners(const struct neph_grid *grid, struct cell *cell)
 {
-    for (int c = 0; c < 8; c++)
-        corners[c] = node(grid, cell[0] + (c & 1), cell[1] + (c >> 1 & 1), cell[2] + (c >> 2));
+    const int *c = cell->index;
+    if (is_within(c[0], grid->size[0] - 1) && is_within(c[1], grid->size[1] - 1) &&
+        is_within(c[2], grid->size[2] - 1)) {
+        load_corners_inside(grid, cell);
+    } else {
+        for (int n = 0; n < 8; n++)
+            cell->corner[n] = node_value(grid, c[0] + (n & 1), c[1] + (n >> 1 & 1),
+                                         c[2] + (n >> 2));
+    }
+    cell->is_empty = true;
+    for (int n = 0; n < 8; n++)
+        cell->is_empty = cell->is_empty && cell->corner[n] == 0.0;
 }
 
-/* Trilinear between eight corners; x, y, z in 0..1 within the cell. */
-static double blend(const double corners[8], double x, double y, double z)
+/* Weights that are both >= 0: a + (b - a) f may come out below 0 or, by cancellation, wrong. */
+static double mix(double a, double b, double f)
 {
-    const double low = mix(mix(corners[0], corners[1], x), mix(corners[2], corners[3], x), y);
-    const double high = mix(mix(corners[4], corners[5], x), mix(corners[6], corners[7], x), y);
-    return mix(low, high, z);
+    return a * (1.0 - f) + b * f;
 }
 
-/* A point in units of nodes. */
-static void to_lattice(const struct neph_grid *grid, struct neph_vec3 point_m, double at[3])
+/* The density at a lattice point that lies in the cell, but for rounding. */
+static double cell_density(const struct cell *cell, const double u[3])
 {
-    at[0] = (point_m.x - grid->origin_m.x) / grid->spacing_m.x;
-    at[1] = (point_m.y - grid->origin_m.y) / grid->spacing_m.y;
-    at[2] = (point_m.z - grid->origin_m.z) / grid->spacing_m.z;
+    double f[3];
+    for (int axis = 0; axis < 3; axis++)
+        f[axis] = fmin(1.0, fmax(0.0, u[axis] - cell->index[axis]));
+    const double *c = cell->corner;
+    return mix(mix(mix(c[0], c[1], f[0]), mix(c[2], c[3], f[0]), f[1]),
+               mix(mix(c[4], c[5], f[0]), mix(c[6], c[7], f[0]), f[1]), f[2]);
 }
 
 double neph_grid_density(const struct neph_grid *grid, struct neph_vec3 point_m)
 {
-    double at[3], corners[8];
-    int cell[3];
-    to_lattice(grid, point_m, at);
+    const struct lattice_point point = to_lattice(grid, point_m);
+    struct cell cell;
     for (int axis = 0; axis < 3; axis++) {
-        if (!(at[axis] > -1.0 && at[axis] < grid->size[axis])) /* NaN is outside, too */
+        const double u = point.u[axis];
+        if (!(u > -1.0 && u < grid->size[axis])) /* NaN is outside, too */
             return 0.0;
-        cell[axis] = (int)floor(at[axis]);
+        cell.index[axis] = (int)floor(u);
     }
-    load_cell(grid, cell, corners);
-    return blend(corners, at[0] - cell[0], at[1] - cell[1], at[2] - cell[2]);
+    load_corners(grid, &cell);
+    return cell_density(&cell, point.u);
 }
 
-/* A ray in units of nodes, on its way through the cells. */
+/* A ray in lattice coordinates, start + t step, and the cell that it has come to. */
 struct walk {
-    double origin[3], direction[3]; /* per metre of the ray */
-    int cell[3], step[3];
-    double next_m[3], delta_m[3]; /* to the next face, and between faces, per axis */
+    double start[3], step[3];
+    double next_t[3]; /* where the ray meets the next face across each axis */
+    struct cell cell;
 };
 
-static struct walk walk_start(const struct neph_grid *grid, struct neph_vec3 origin_m,
-                              struct neph_vec3 direction, double t0_m)
+static void find_next_face(struct walk *walk, int axis)
 {
-    struct walk walk;
-    to_lattice(grid, origin_m, walk.origin);
-    walk.direction[0] = direction.x / grid->spacing_m.x;
-    walk.direction[1] = direction.y / grid->spacing_m.y;
-    walk.direction[2] = direction.z / grid->spacing_m.z;
+    const int face = walk->cell.index[axis] + (walk->step[axis] > 0.0 ? 1 : 0);
+    walk->next_t[axis] = walk->step[axis] == 0.0 ? INFINITY
+                                                 : (face - walk->start[axis]) / walk->step[axis];
+}
+
+/* t = 0 is the place `from_m`, which lies in the support, but for rounding. */
+static void start_walk(struct walk *walk, const struct neph_grid *grid, struct neph_vec3 from_m,
+                       struct neph_vec3 direction)
+{
+    const struct lattice_point start = to_lattice(grid, from_m);
+    const double step[3] = {direction.x / grid->spacing_m.x, direction.y / grid->spacing_m.y,
+                            direction.z / grid->spacing_m.z};
     for (int axis = 0; axis < 3; axis++) {
-        const double slope = walk.direction[axis];
-        const double start = walk.origin[axis] + t0_m * slope;
-        /* A start on a face belongs to the cell that the ray goes on into. */
-        const double low = slope < 0.0 ? ceil(start) - 1.0 : floor(start);
-        walk.cell[axis] = (int)fmax(-1.0, fmin(grid->size[axis] - 1.0, low));
-        walk.step[axis] = slope < 0.0 ? -1 : 1;
-        const double face = walk.cell[axis] + (slope < 0.0 ? 0.0 : 1.0);
-        walk.next_m[axis] = slope == 0.0 ? INFINITY : (face - walk.origin[axis]) / slope;
-        walk.delta_m[axis] = slope == 0.0 ? INFINITY : 1.0 / fabs(slope);
+        walk->start[axis] = start.u[axis];
+        walk->step[axis] = step[axis];
+        const double last = grid->size[axis] - 1;
+        walk->cell.index[axis] = (int)fmin(last, fmax(-1.0, floor(start.u[axis])));
+        find_next_face(walk, axis);
     }
-    return walk;
 }
 
-/* Two-point Gauss: exact for the cubic that a trilinear function is along a line. */
-static double integrate_cell_m(const struct neph_grid *grid, const struct walk *walk, double t0_m,
-                               double t1_m)
+static int nearest_axis(const struct walk *walk)
 {
-    static const double offset = 0.288675134594812882254574390251; /* 1 / sqrt(12) */
-    double corners[8], sum = 0.0;
-    load_cell(grid, walk->cell, corners);
-    const double middle_m = 0.5 * (t0_m + t1_m), length_m = t1_m - t0_m;
+    const double *t = walk->next_t;
+    if (t[0] <= t[1])
+        return t[0] <= t[2] ? 0 : 2;
+    return t[1] <= t[2] ? 1 : 2;
+}
+
+/* Through the nearest face; false when that leads out of the support. */
+static bool advance(struct walk *walk, const struct neph_grid *grid)
+{
+    const int axis = nearest_axis(walk);
+    int *index = &walk->cell.index[axis];
+    *index += walk->step[axis] > 0.0 ? 1 : -1;
+    find_next_face(walk, axis);
+    return *index >= -1 && *index < grid->size[axis];
+}
+
+/* Two-point Gauss over [t0, t1] within the cell: exact for cubics. */
+static double cell_integral(const struct walk *walk, double t0, double t1)
+{
+    static const double gauss_node = 0.577350269189625764509148780502; /* 1 / sqrt 3 */
+    const double middle = 0.5 * (t0 + t1), half = 0.5 * (t1 - t0);
+    double sum = 0.0;
     for (int side = -1; side <= 1; side += 2) {
-        const double t_m = middle_m + side * offset * length_m;
-        double at[3];
-        for (int axis = 0; axis < 3; axis++) {
-            const double x = walk->origin[axis] + t_m * walk->direction[axis] - walk->cell[axis];
-            at[axis] = fmax(0.0, fmin(1.0, x)); /* a rounding outside would extrapolate */
-        }
-        sum += blend(corners, at[0], at[1], at[2]);
+        const double t = middle + side * half * gauss_node;
+        double u[3];
+        for (int axis = 0; axis < 3; axis++)
+            u[axis] = walk->start[axis] + t * walk->step[axis];
+        sum += cell_density(&walk->cell, u);
     }
-    return 0.5 * length_m * sum;
-}
-
-static int nearest_axis(const double next_m[3])
-{
-    const int xy = next_m[0] <= next_m[1] ? 0 : 1;
-    return next_m[xy] <= next_m[2] ? xy : 2;
+    return half * sum;
 }
 
 double neph_grid_integral_m(const struct neph_grid *grid, struct neph_vec3 origin_m,
@@ -195,36 +300,48 @@ double neph_grid_integral_m(const struct neph_grid *grid, struct neph_vec3 origi
     const struct neph_bounds support = neph_grid_support(grid);
     if (!neph_bounds_clip(&support, origin_m, direction, &t0_m, &t1_m))
         return 0.0;
-    struct walk walk = walk_start(grid, origin_m, direction, t0_m);
-    double sum_m = 0.0;
-    while (t0_m < t1_m) {
-        const int axis = nearest_axis(walk.next_m);
-        const double end_m = fmin(walk.next_m[axis], t1_m);
-        if (end_m > t0_m) {
-            sum_m += integrate_cell_m(grid, &walk, t0_m, end_m);
-            t0_m = end_m;
-        }
-        walk.cell[axis] += walk.step[axis];
-        walk.next_m[axis] += walk.delta_m[axis];
-        if (walk.cell[axis] < -1 || walk.cell[axis] >= grid->size[axis])
-            break;
-    }
-    return fmax(sum_m, 0.0);
+    /* From the place of entry: a far origin must not round the places of the faces. */
+    struct walk walk;
+    start_walk(&walk, grid, neph_vec3_along(origin_m, direction, t0_m), direction);
+    const double end = t1_m - t0_m;
+    double t = 0.0, sum_m = 0.0;
+    do {
+        const double face = fmin(end, walk.next_t[nearest_axis(&walk)]);
+        if (face <= t)
+            continue; /* a corner, or a start in a face */
+        load_corners(grid, &walk.cell);
+        if (!walk.cell.is_empty)
+            sum_m += cell_integral(&walk, t, face);
+        t = face;
+    } while (t < end && advance(&walk, grid));
+    return sum_m;
+}
+
+/* The nodes whose density reaches into [low, high] of one axis; false when none does. */
+static bool node_range(double low, double high, int size, int range[2])
+{
+    if (!(low <= high && high > -1.0 && low < size))
+        return false;
+    range[0] = (int)fmax(0.0, floor(low));
+    range[1] = (int)fmin(size - 1.0, ceil(high));
+    return true;
 }
 
 double neph_grid_maximum_in(const struct neph_grid *grid, const struct neph_bounds *box)
 {
-    double low[3], high[3], maximum = 0.0;
-    int first[3], last[3];
-    to_lattice(grid, box->min_m, low);
-    to_lattice(grid, box->max_m, high);
-    for (int axis = 0; axis < 3; axis++) {
-        first[axis] = (int)fmax(0.0, fmin(floor(low[axis]), grid->size[axis]));
-        last[axis] = (int)fmax(-1.0, fmin(ceil(high[axis]), grid->size[axis] - 1.0));
-    }
-    for (int k = first[2]; k <= last[2]; k++)
-        for (int j = first[1]; j <= last[1]; j++)
-            for (int i = first[0]; i <= last[0]; i++)
-                maximum = fmax(maximum, node(grid, i, j, k));
-    return maximum;
+    const struct lattice_point low = to_lattice(grid, box->min_m);
+    const struct lattice_point high = to_lattice(grid, box->max_m);
+    int range[3][2];
+    for (int axis = 0; axis < 3; axis++)
+        if (!node_range(low.u[axis], high.u[axis], grid->size[axis], range[axis]))
+            return 0.0;
+    float maximum = 0.0f;
+    for (int k = range[2][0]; k <= range[2][1]; k++)
+        for (int j = range[1][0]; j <= range[1][1]; j++) {
+            const float *row = grid->values + ((size_t)k * (size_t)grid->size[1] + (size_t)j) *
+                                                  (size_t)grid->size[0];
+            for (int i = range[0][0]; i <= range[0][1]; i++)
+                maximum = row[i] > maximum ? row[i] : maximum;
+        }
+    return (double)maximum;
 }

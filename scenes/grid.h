@@ -22,7 +22,7 @@ struct neph_grid {
     struct neph_vec3 spacing_m; /* between nodes, > 0 */
     float *values;              /* owned; x fastest, then y, then z; finite, >= 0; dimensionless */
     float maximum;              /* of values */
-    char hash[NEPH_HASH_HEX_SIZE]; /* of the values; set by neph_grid_seal */
+    char hash[NEPH_HASH_HEX_SIZE]; /* of size and values; set by neph_grid_seal */
 };
 
 /* A grid of zeros. NEPH_ERR_INPUT: a side or the product is out of range, in words. */

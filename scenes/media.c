@@ -83,11 +83,34 @@ bool neph_bounds_clip(const struct neph_bounds *bounds, struct neph_vec3 origin_
            neph_clip_axis(bounds->min_m.z, bounds->max_m.z, origin_m.z, direction.z, t0_m, t1_m);
 }
 
-static struct neph_bounds intersection(const struct neph_bounds *a, const struct neph_bounds *b)
+struct neph_bounds neph_bounds_intersect(struct neph_bounds a, struct neph_bounds b)
 {
     return (struct neph_bounds){
-        {fmax(a->min_m.x, b->min_m.x), fmax(a->min_m.y, b->min_m.y), fmax(a->min_m.z, b->min_m.z)},
-        {fmin(a->max_m.x, b->max_m.x), fmin(a->max_m.y, b->max_m.y), fmin(a->max_m.z, b->max_m.z)}};
+        {fmax(a.min_m.x, b.min_m.x), fmax(a.min_m.y, b.min_m.y), fmax(a.min_m.z, b.min_m.z)},
+        {fmin(a.max_m.x, b.max_m.x), fmin(a.max_m.y, b.max_m.y), fmin(a.max_m.z, b.max_m.z)}};
+}
+
+/* The same, shrunk to a point where there is nothing. */
+static struct neph_bounds narrow(struct neph_bounds a, struct neph_bounds b)
+{
+    struct neph_bounds box = neph_bounds_intersect(a, b);
+    box.max_m.x = fmax(box.min_m.x, box.max_m.x);
+    box.max_m.y = fmax(box.min_m.y, box.max_m.y);
+    box.max_m.z = fmax(box.min_m.z, box.max_m.z);
+    return box;
+}
+
+struct neph_vec3 neph_bounds_nearest(const struct neph_bounds *box, struct neph_vec3 point_m)
+{
+    return (struct neph_vec3){fmin(box->max_m.x, fmax(box->min_m.x, point_m.x)),
+                              fmin(box->max_m.y, fmax(box->min_m.y, point_m.y)),
+                              fmin(box->max_m.z, fmax(box->min_m.z, point_m.z))};
+}
+
+struct neph_bounds neph_bounds_around(struct neph_vec3 center_m, double radius_m)
+{
+    const struct neph_vec3 reach_m = {radius_m, radius_m, radius_m};
+    return (struct neph_bounds){neph_vec3_sub(center_m, reach_m), neph_vec3_add(center_m, reach_m)};
 }
 
 static bool is_empty(const struct neph_bounds *bounds)
@@ -113,11 +136,16 @@ double neph_medium_optical_depth(const struct neph_medium *medium, struct neph_v
     return kinds[medium->kind]->optical_depth(medium, origin_m, direction, t0_m, t1_m);
 }
 
+/* A bound is computed at one place and the extinction at another: this covers the roundings of
+ * both. The largest are those of the argument of exp, up to 745 * 2^-53 each. */
+static const double bound_margin = 1.0 + 1e-12;
+
 double neph_medium_extinction_bound_per_m(const struct neph_medium *medium,
                                           const struct neph_bounds *box)
 {
-    const struct neph_bounds inside = intersection(&medium->bounds, box);
-    return is_empty(&inside) ? 0.0 : kinds[medium->kind]->bound_per_m(medium, &inside);
+    const struct neph_bounds inside = neph_bounds_intersect(medium->bounds, *box);
+    return is_empty(&inside) ? 0.0
+                             : bound_margin * kinds[medium->kind]->bound_per_m(medium, &inside);
 }
 
 bool neph_medium_has_closed_form(const struct neph_medium *medium)
@@ -127,8 +155,22 @@ bool neph_medium_has_closed_form(const struct neph_medium *medium)
 
 struct neph_bounds neph_medium_support(const struct neph_medium *medium)
 {
-    const struct neph_bounds support = kinds[medium->kind]->support(medium);
-    return intersection(&medium->bounds, &support);
+    return narrow(medium->bounds, kinds[medium->kind]->support(medium));
+}
+
+struct neph_bounds neph_medium_container(const struct neph_scene *scene,
+                                         const struct neph_medium *medium, double *cut_error)
+{
+    const struct neph_medium_kind_ops *kind = kinds[medium->kind];
+    *cut_error = 0.0;
+    if (!kind->container)
+        return neph_medium_support(medium);
+    double error;
+    const struct neph_bounds box = kind->container(scene, medium, &error);
+    if (bounds_contain(&box, medium->bounds.min_m) && bounds_contain(&box, medium->bounds.max_m))
+        return medium->bounds;
+    *cut_error = fmin(1.0, error);
+    return narrow(medium->bounds, box);
 }
 
 const char *neph_medium_kind_name(enum neph_medium_kind kind)

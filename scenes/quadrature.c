@@ -4,6 +4,7 @@
 #include <float.h>
 #include <math.h>
 #include <stdbool.h>
+#include <stddef.h>
 
 /* The first evaluation of so many pieces is kept; that of further ones is made twice. */
 enum { NODE_COUNT = 11, DEPTH_MAX = 20, KEPT_COUNT = 256 };
@@ -123,4 +124,29 @@ double neph_integrate_rough(neph_integrand *integrand, void *context,
 {
     struct task task = {integrand, context, true, 0.0};
     return integrate(&task, pieces, piece_count, tolerance, result);
+}
+
+double neph_gauss(double (*integrand)(double x, const void *context), const void *context, double a,
+                  double b)
+{
+    static const struct {
+        double node, weight;
+    } rule[] = {
+        {0.993128599185094924786122388471320, 0.0176140071391521183118619623518528},
+        {0.963971927277913791267666131197277, 0.0406014298003869413310399522749321},
+        {0.912234428251325905867752441203298, 0.0626720483341090635695065351870416},
+        {0.839116971822218823394529061701521, 0.0832767415767047487247581432220462},
+        {0.746331906460150792614305070355642, 0.101930119817240435036750135480350},
+        {0.636053680726515025452836696226286, 0.118194531961518417312377377711382},
+        {0.510867001950827098004364050955251, 0.131688638449176626898494499748163},
+        {0.373706088715419560672548177024927, 0.142096109318382051329298325067165},
+        {0.227785851141645078080496195368575, 0.149172986472603746787828737001969},
+        {0.0765265211334973337546404093988382, 0.152753387130725850698084331955098},
+    };
+    const double middle = 0.5 * (a + b), half = 0.5 * (b - a);
+    double sum = 0.0;
+    for (size_t i = 0; i < sizeof(rule) / sizeof(rule[0]); i++)
+        sum += rule[i].weight * (integrand(middle - half * rule[i].node, context) +
+                                 integrand(middle + half * rule[i].node, context));
+    return half * sum;
 }

@@ -1,133 +1,170 @@
 /* SPDX-License-Identifier: MIT
  *
- * An exponential atmosphere around a sphere: extinction e^{-(r - R) / H} outside, nothing inside.
+ * An exponential atmosphere on a sphere, nothing below. A line is cut into legs on which the
+ * distance r from the centre grows; with p its impact, X = p / H and r = p + H v^2, the optical
+ * depth of a leg from v1 is a Chapman function of finite length (S. Chapman, Proc. Phys. Soc. 43,
+ * 1931) without its singularity at the nearest point:
  *
- * A ray is measured from its lowest point: with x the distance from it, r - r_low =
- * x^2 / (r + r_low), which does not cancel (at Earth's size, sqrt(r_low^2 + x^2) - r_low would lose
- * nine digits). One leg of a ray, from x0 to x1 on one side of the lowest point, is the integral of
- * e^{-(r(x) - r0) / H} from the denser end r0: analytic, monotone and of known scale, so that
- * 16-point Gauss-Legendre over pieces of at most two e-foldings is exact to rounding (tested).
- * Chapman's function (Proc. Phys. Soc. 43, 1931) is the leg to infinity, divided by H.
+ *   tau = sigma(r1) H Int_0^W e^{-w (w + 2 v1)} 2 g(v1 + w) dw,   g(v) = (X + v^2)/sqrt(2X + v^2).
+ *
+ * The exponential of the altitude is taken at the leg's lowest place, so it cannot overflow, and
+ * the rest is a Gauss rule on few pieces. Why quadrature and not erfcx: g is all but a straight
+ * line for a planet (X ~ 800), but the series about that fails for small X, and a short stretch
+ * would cancel; the rule does neither and is good to rounding (tests/scenes/test_shell.c).
  */
 #include "scenes/medium_kind.h"
+#include "scenes/quadrature.h"
+#include "scenes/radial.h"
 
 #include <math.h>
 
-static const double nodes[8] = {0.0950125098376374402, 0.2816035507792589132, 0.4580167776572273863,
-                                0.6178762444026437484, 0.7554044083550030339, 0.8656312023878317439,
-                                0.9445750230732325761, 0.9894009349916499326};
-static const double weights[8] = {
-    0.1894506104550684963, 0.1826034150449235889, 0.1691565193950025382, 0.1495959888165767321,
-    0.1246289712555338720, 0.0951585116824927848, 0.0622535239386478929, 0.0271524594117540949};
+/* Beyond e^-42 of its start a leg adds nothing in double. */
+static const double decay_end = 42.0;
+/* What the rule takes at once: so much of the exponent, and so many times the distance to the
+ * branch points of g at v = +-i sqrt(2X). */
+static const double decay_of_piece = 14.0;
+static const double branch_distances_of_piece = 2.0;
+static const double branch_distance_min = 1e-150; /* the pieces must come to an end */
 
-/* After 42 e-foldings nothing is left in double. */
-static const double folds_max = 42.0;
-static const double folds_per_piece = 2.0;
+struct leg {
+    double v1, x;
+};
 
-static double extinction_per_m(const struct neph_medium *medium, struct neph_vec3 point_m)
+static double leg_integrand(double w, const void *context)
 {
-    const struct neph_shell *shell = &medium->shell;
-    const double r_m = neph_vec3_length(neph_vec3_sub(point_m, shell->center_m));
-    if (r_m < shell->radius_m)
-        return 0.0;
-    return medium->extinction_per_m * exp(-(r_m - shell->radius_m) / shell->scale_height_m);
+    const struct leg *leg = context;
+    const double v = leg->v1 + w, v2 = v * v;
+    return exp(-w * (w + 2.0 * leg->v1)) * (leg->x + v2) / sqrt(2.0 * leg->x + v2);
 }
 
-/* A ray by its lowest point: radius `low_m`, the radius at a distance x from it. */
-static double radius_m(double low_m, double x_m)
+/* Int_0^W of the head comment, W where the exponent w (w + 2 v1) has come to `decay`. */
+static double leg_integral(const struct leg *leg, double decay)
 {
-    return hypot(low_m, x_m);
-}
-
-/* r(x) - r(x0), without cancellation. */
-static double climb_m(double low_m, double x0_m, double x_m)
-{
-    return (x_m - x0_m) * (x_m + x0_m) / (radius_m(low_m, x_m) + radius_m(low_m, x0_m));
-}
-
-/* The x at which the ray has climbed `height_m` above x0 >= 0. */
-static double x_at_climb_m(double low_m, double x0_m, double height_m)
-{
-    return sqrt(x0_m * x0_m + height_m * (2.0 * radius_m(low_m, x0_m) + height_m));
-}
-
-/* The integral of e^{-climb / H} over x in [x0, x1], 0 <= x0 <= x1 [m]. */
-static double leg_m(double low_m, double scale_height_m, double x0_m, double x1_m)
-{
-    double sum_m = 0.0, from_m = x0_m;
-    for (double folds = folds_per_piece; folds <= folds_max && from_m < x1_m;
-         folds += folds_per_piece) {
-        const double to_m = fmin(x_at_climb_m(low_m, x0_m, folds * scale_height_m), x1_m);
-        const double middle_m = 0.5 * (from_m + to_m), half_m = 0.5 * (to_m - from_m);
-        for (int i = 0; i < 8; i++)
-            for (int side = -1; side <= 1; side += 2)
-                sum_m += half_m * weights[i] *
-                         exp(-climb_m(low_m, x0_m, middle_m + side * nodes[i] * half_m) /
-                             scale_height_m);
-        from_m = to_m;
+    const double v1 = leg->v1, total = fmin(decay, decay_end);
+    double sum = 0.0, from = 0.0, done = 0.0;
+    while (done < total) {
+        const double branch = fmax(branch_distance_min,
+                                   sqrt((v1 + from) * (v1 + from) + 2.0 * leg->x));
+        const double reach = from + branch_distances_of_piece * branch;
+        const double next = fmin(fmin(total, done + decay_of_piece), reach * (reach + 2.0 * v1));
+        const double to = next / (v1 + sqrt(v1 * v1 + next));
+        sum += neph_gauss(leg_integrand, leg, from, to);
+        from = to;
+        done = next;
     }
-    return sum_m;
+    return 2.0 * sum;
 }
 
-/* Optical depth over x in [x0, x1], 0 <= x0 <= x1, of which what is below the radius is empty. */
-static double leg_depth(const struct neph_medium *medium, double low_m, double x0_m, double x1_m)
+/* Optical depth from s = near_m >= 0 over length_m; `altitude_m` is that of the near end. */
+static double leg_optical_depth(const struct neph_medium *medium, long double impact_m,
+                                long double near_m, long double length_m, long double altitude_m)
 {
-    const struct neph_shell *shell = &medium->shell;
-    if (low_m < shell->radius_m) {
-        const double floor_m = sqrt((shell->radius_m - low_m) * (shell->radius_m + low_m));
-        x0_m = fmax(x0_m, floor_m);
+    const long double height_m = medium->shell.scale_height_m;
+    const long double near_r_m = sqrtl(impact_m * impact_m + near_m * near_m);
+    const long double far_m = near_m + length_m;
+    const long double far_r_m = sqrtl(impact_m * impact_m + far_m * far_m);
+    /* r - r1 over H, as a product. */
+    const double decay = isinf(far_m) ? INFINITY
+                                      : (double)(length_m / height_m *
+                                                 ((far_m + near_m) / (far_r_m + near_r_m)));
+    const struct leg leg = {
+        .v1 = (double)(near_m / sqrtl(height_m * (near_r_m + impact_m))),
+        .x = (double)(impact_m / height_m),
+    };
+    return medium->extinction_per_m * exp((double)(-altitude_m / height_m)) *
+           (medium->shell.scale_height_m * leg_integral(&leg, decay));
+}
+
+/* What of a line lies on one side of its nearest point, |s| from low_m to high_m, and above the
+ * ground. */
+static double side_optical_depth(const struct neph_medium *medium,
+                                 const struct neph_radial_line *line, long double low_m,
+                                 long double high_m)
+{
+    const long double radius_m = medium->shell.radius_m, impact_m = line->impact_m;
+    const long double rise_m = (radius_m - impact_m) * (radius_m + impact_m);
+    const long double ground_m = rise_m > 0.0L ? sqrtl(rise_m) : 0.0L;
+    if (low_m >= ground_m) {
+        const long double r_m = sqrtl(impact_m * impact_m + low_m * low_m);
+        const long double altitude_m = fmaxl(r_m - radius_m, 0.0L);
+        return leg_optical_depth(medium, impact_m, low_m, line->length_m, altitude_m);
     }
-    if (!(x0_m < x1_m))
+    if (!(high_m > ground_m))
         return 0.0;
-    const double height_m = fmax(0.0, radius_m(low_m, x0_m) - shell->radius_m);
-    return medium->extinction_per_m * exp(-height_m / shell->scale_height_m) *
-           leg_m(low_m, shell->scale_height_m, x0_m, x1_m);
+    const long double lowest_m = fmaxl(radius_m, impact_m);
+    return leg_optical_depth(medium, impact_m, ground_m, high_m - ground_m, lowest_m - radius_m);
 }
 
 static double optical_depth(const struct neph_medium *medium, struct neph_vec3 origin_m,
                             struct neph_vec3 direction, double t0_m, double t1_m)
 {
-    const struct neph_vec3 from_center_m = neph_vec3_sub(origin_m, medium->shell.center_m);
-    const double nearest_m = -neph_vec3_dot(from_center_m, direction);
-    const double low_m = neph_vec3_length(neph_vec3_along(from_center_m, direction, nearest_m));
-    const double x0_m = t0_m - nearest_m, x1_m = t1_m - nearest_m;
-    if (x0_m >= 0.0)
-        return leg_depth(medium, low_m, x0_m, x1_m);
-    if (x1_m <= 0.0)
-        return leg_depth(medium, low_m, -x1_m, -x0_m);
-    return leg_depth(medium, low_m, 0.0, -x0_m) + leg_depth(medium, low_m, 0.0, x1_m);
+    const struct neph_radial_line line = neph_radial_line(medium->shell.center_m, origin_m,
+                                                          direction, t0_m, t1_m);
+    return side_optical_depth(medium, &line, -line.s1_m, -line.s0_m) +
+           side_optical_depth(medium, &line, line.s0_m, line.s1_m);
 }
 
-static double distance_to_range(double x, double low, double high)
+static double extinction_at_radius(const struct neph_medium *medium, long double r_m)
 {
-    return fmax(0.0, fmax(low - x, x - high));
+    const long double altitude_m = r_m - medium->shell.radius_m;
+    if (altitude_m < 0.0L)
+        return 0.0;
+    return medium->extinction_per_m * exp((double)(-altitude_m / medium->shell.scale_height_m));
 }
 
-static double farther_end(double x, double low, double high)
+static double extinction_per_m(const struct neph_medium *medium, struct neph_vec3 point_m)
 {
-    return fmax(fabs(low - x), fabs(high - x));
+    return extinction_at_radius(medium, neph_radial_distance_m(medium->shell.center_m, point_m));
 }
 
-/* Densest at the smallest radius of the box, but for what lies below the ground. */
+static double farther(double center, double low, double high)
+{
+    return center - low > high - center ? low : high;
+}
+
+/* The density is largest at the place nearest to the ground, from above. */
 static double bound_per_m(const struct neph_medium *medium, const struct neph_bounds *box)
 {
-    const struct neph_shell *shell = &medium->shell;
-    const struct neph_vec3 c = shell->center_m;
-    const struct neph_vec3 near_m = {distance_to_range(c.x, box->min_m.x, box->max_m.x),
-                                     distance_to_range(c.y, box->min_m.y, box->max_m.y),
-                                     distance_to_range(c.z, box->min_m.z, box->max_m.z)};
-    const struct neph_vec3 far_m = {farther_end(c.x, box->min_m.x, box->max_m.x),
-                                    farther_end(c.y, box->min_m.y, box->max_m.y),
-                                    farther_end(c.z, box->min_m.z, box->max_m.z)};
-    if (neph_vec3_length(far_m) < shell->radius_m)
+    const struct neph_vec3 c = medium->shell.center_m, low = box->min_m, high = box->max_m;
+    const struct neph_vec3 nearest_m = neph_bounds_nearest(box, c);
+    const struct neph_vec3 farthest_m = {farther(c.x, low.x, high.x), farther(c.y, low.y, high.y),
+                                         farther(c.z, low.z, high.z)};
+    if (neph_radial_distance_m(c, farthest_m) < medium->shell.radius_m)
         return 0.0;
-    const double height_m = fmax(0.0, neph_vec3_length(near_m) - shell->radius_m);
-    return medium->extinction_per_m * exp(-height_m / shell->scale_height_m);
+    return extinction_at_radius(
+        medium, fmaxl(neph_radial_distance_m(c, nearest_m), medium->shell.radius_m));
 }
 
 static struct neph_bounds support(const struct neph_medium *medium)
 {
     return medium->bounds;
+}
+
+/* The largest optical depth of a line that stays above an altitude: it is level at its lowest. */
+static double level_optical_depth(const struct neph_medium *medium, double altitude_m)
+{
+    const long double lowest_m = (long double)medium->shell.radius_m + altitude_m;
+    return 2.0 * leg_optical_depth(medium, lowest_m, 0.0L, INFINITY, altitude_m);
+}
+
+/* The cube around the sphere above which nothing that matters is left. A line that misses it stays
+ * above that sphere; one that crosses it loses two ends of at most half a level line each. */
+static struct neph_bounds container(const struct neph_scene *scene,
+                                    const struct neph_medium *medium, double *cut_error)
+{
+    (void)scene;
+    static const double lost_optical_depth = 1e-8, step_scale_heights = 0.125;
+    const struct neph_vec3 c = medium->shell.center_m;
+    const struct neph_rgb color = medium->extinction_color;
+    const double strongest = fmax(color.r, fmax(color.g, color.b));
+    double altitude_m = medium->shell.scale_height_m;
+    double lost = strongest * level_optical_depth(medium, altitude_m);
+    while (lost > lost_optical_depth) {
+        altitude_m += step_scale_heights * medium->shell.scale_height_m;
+        lost = strongest * level_optical_depth(medium, altitude_m);
+    }
+    *cut_error = lost;
+    return neph_bounds_around(c, medium->shell.radius_m + altitude_m);
 }
 
 const struct neph_medium_kind_ops neph_medium_shell = {
@@ -137,4 +174,5 @@ const struct neph_medium_kind_ops neph_medium_shell = {
     .optical_depth = optical_depth,
     .bound_per_m = bound_per_m,
     .support = support,
+    .container = container,
 };
