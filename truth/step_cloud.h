@@ -1,0 +1,56 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Clouds of homogeneous columns that repeat for ever, like the step cloud of the Intercomparison of
+ * 3D Radiation Codes (R. F. Cahalan et al., "The I3RC: bringing together the most advanced
+ * radiative transfer tools for cloudy atmospheres", BAMS 86, 2005): light enters the sides of a
+ * column, which no slab can tell. By a Monte Carlo of its own: free paths by exact inversion from
+ * column to column, without majorants, and light followed from the sun, so that it shares nothing
+ * with the path tracers that it judges but the sampling of phase functions.
+ */
+#ifndef NEPH_TRUTH_STEP_CLOUD_H
+#define NEPH_TRUTH_STEP_CLOUD_H
+
+#include "scenes/scene.h"
+
+#include <stdint.h>
+
+#define NEPH_STEP_CLOUD_COLUMNS_MAX 1024
+
+/* Columns side by side along x, infinite along z, periodic; black below, no light but the sun. */
+struct neph_step_cloud_params {
+    int column_count;             /* 1..NEPH_STEP_CLOUD_COLUMNS_MAX */
+    const double *optical_depths; /* vertical, one per column, >= 0, finite */
+    double column_width_m, thickness_m;
+    double albedo; /* single scattering, 0..1 */
+    struct neph_phase phase;
+    double sun_cosine; /* (0, 1]; the sunlight travels towards +x and down */
+    uint64_t seed;
+    int64_t photons; /* >= NEPH_STEP_CLOUD_BATCHES */
+};
+
+/* Photons go in so many batches, whose scatter is the standard error. */
+#define NEPH_STEP_CLOUD_BATCHES 64
+
+struct neph_estimate {
+    double mean, standard_error;
+};
+
+/* Means over the period. Fluxes / (sun_cosine * E); transmitted includes what comes straight
+ * through. Absorbed is counted on its own: the sum is 1 but for roulette. */
+struct neph_step_cloud_fluxes {
+    struct neph_estimate reflected, transmitted, absorbed;
+};
+
+/* Follow the photons, on all processors; the same bits on any number of them. `nadir_per_sr`, if
+ * not NULL, receives for each column the mean radiance / E that leaves its top straight up (every
+ * scattering gives its expected share). NEPH_ERR_INPUT: a parameter is out of range. */
+enum neph_status neph_step_cloud_solve(const struct neph_step_cloud_params *params,
+                                       struct neph_step_cloud_fluxes *fluxes,
+                                       struct neph_estimate *nadir_per_sr, struct neph_diag *diag);
+
+/* Case 1 of the intercomparison: 16 columns of optical depth 2, 16 of 18, over 500 m, 250 m thick,
+ * Henyey-Greenstein 0.85. Experiments 1..4: sun at 0 and 60 degrees with albedo 1, then with 0.99.
+ * `optical_depths` holds 32. Seed and photons are left to the caller. */
+struct neph_step_cloud_params neph_step_cloud_i3rc(int experiment, double optical_depths[32]);
+
+#endif
