@@ -1,0 +1,167 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Gaussian blobs, shells and voxel grids in the ray marcher, against the exact transport in double
+ * precision: the GLSL twins of scenes/media.h at work.
+ */
+#include "tests/renderer/renderer_test.h"
+
+#include "renderer/march.h"
+#include "scenes/grid.h"
+#include "truth/transport.h"
+
+static const struct neph_march_params params_48 = {.width_px = 48, .height_px = 27, .steps = 64};
+
+static struct neph_medium *add_medium(struct test_scene *test, enum neph_medium_kind kind)
+{
+    struct neph_medium *medium = &test->scene.media[test->scene.medium_count++];
+    *medium = (struct neph_medium){.kind = kind,
+                                   .bounds = test_unbounded,
+                                   .extinction_color = {1, 1, 1},
+                                   .albedo = {0.9, 0.8, 0.7},
+                                   .phase = {NEPH_PHASE_HENYEY_GREENSTEIN, 0.4}};
+    return medium;
+}
+
+static void add_blob(struct test_scene *test)
+{
+    struct neph_medium *blob = add_medium(test, NEPH_MEDIUM_GAUSSIAN);
+    blob->extinction_per_m = 0.8;
+    blob->gaussian = (struct neph_gaussian){{0.5, 2.0, -12.0}, 1.5};
+}
+
+/* From the ground of a small planet, low over the horizon, where the path is longest. */
+static void add_shell(struct test_scene *test)
+{
+    struct neph_medium *shell = add_medium(test, NEPH_MEDIUM_SHELL);
+    shell->extinction_per_m = 2e-4;
+    shell->shell = (struct neph_shell){{0.0, -6.371e6, 0.0}, 6.371e6, 8000.0};
+    shell->bounds = (struct neph_bounds){{-3e6, -1e6, -3e6}, {3e6, 1.5e5, 3e6}};
+}
+
+static struct neph_grid *add_grid(struct test_scene *test)
+{
+    struct neph_diag diag = {0};
+    struct neph_medium *medium = add_medium(test, NEPH_MEDIUM_GRID);
+    uint64_t random = 11;
+    neph_assert_ok(neph_grid_create((const int[3]){7, 6, 5}, (struct neph_vec3){-3.0, -1.0, -15.0},
+                                    (struct neph_vec3){1.0, 0.9, 1.3}, &medium->grid, &diag),
+                   &diag);
+    for (int i = 0; i < 210; i++)
+        medium->grid->values[i] = (float)fmax(0.0, neph_test_uniform(&random, -0.4, 1.0));
+    neph_assert_ok(neph_grid_seal(medium->grid, &diag), &diag);
+    medium->extinction_per_m = 0.9;
+    return medium->grid;
+}
+
+struct difference {
+    double transmittance, volume; /* largest; volume in parts of the largest radiance */
+};
+
+static struct difference compare(struct neph_vulkan *vulkan, struct test_scene *test,
+                                 const struct neph_march_params *params)
+{
+    struct neph_diag diag = {0};
+    struct neph_image *frame = NULL;
+    struct difference worst = {0.0, 0.0};
+    double brightest = 0.0;
+    neph_assert_ok(neph_march_render(vulkan, &test->scene, params, &frame, NULL, &diag), &diag);
+    const struct neph_camera camera = neph_scene_camera(&test->scene, 0.0);
+    float *transmittance[3], *volume[3];
+    assert_true(neph_image_rgb(frame, "transmittance", transmittance));
+    assert_true(neph_image_rgb(frame, "volume", volume));
+    for (int p = 0; p < params->width_px * params->height_px; p++) {
+        const struct neph_vec3 ray = neph_camera_ray(&camera, params->width_px, params->height_px,
+                                                     p % params->width_px, p / params->width_px);
+        const struct neph_ray_light light = neph_transport_ray(&test->scene, camera.position_m,
+                                                               ray);
+        const double t[3] = {light.transmittance.r, light.transmittance.g, light.transmittance.b};
+        const double v[3] = {light.volume.r, light.volume.g, light.volume.b};
+        for (int c = 0; c < 3; c++) {
+            const double dt = fabs((double)transmittance[c][p] - t[c]);
+            const double dv = fabs((double)volume[c][p] - v[c]);
+            assert_true(isfinite(dt) && isfinite(dv));
+            worst.transmittance = fmax(worst.transmittance, dt);
+            worst.volume = fmax(worst.volume, dv);
+            brightest = fmax(brightest, v[c]);
+        }
+    }
+    worst.volume /= brightest;
+    neph_image_destroy(frame);
+    return worst;
+}
+
+/* Transmittance is float32's; in-scattering converges with the square of the step. */
+static void check(struct neph_vulkan *vulkan, struct test_scene *test, const char *name,
+                  double order_min)
+{
+    struct neph_march_params params = params_48;
+    test->scene.scattering = NEPH_SCATTERING_SINGLE;
+    const struct difference coarse = compare(vulkan, test, &params);
+    params.steps *= 4;
+    const struct difference fine = compare(vulkan, test, &params);
+    const double order = log2(coarse.volume / fine.volume) / 2.0;
+    print_message("%-9s T off by %.1e; volume by %.1e, %.1e: order %.2f\n", name,
+                  fine.transmittance, coarse.volume, fine.volume, order);
+    assert_true(fine.transmittance < 3e-6);
+    assert_true(fine.volume < 2e-3 && order > order_min);
+}
+
+static void test_gaussian(void **state)
+{
+    struct test_scene test;
+    test_scene_init(&test);
+    add_blob(&test);
+    check(*state, &test, "Gaussian", 1.8);
+}
+
+static void test_shell(void **state)
+{
+    struct test_scene test;
+    test_scene_init(&test);
+    add_shell(&test);
+    test.key.look_at_m = (struct neph_vec3){0.0, 6.6, -10.0}; /* all rays rise */
+    check(*state, &test, "shell", 1.8);
+}
+
+/* Trilinear densities have kinks at the faces of their cells. */
+static void test_grid(void **state)
+{
+    struct test_scene test;
+    test_scene_init(&test);
+    struct neph_grid *grid = add_grid(&test);
+    check(*state, &test, "grid", 1.5);
+    neph_grid_destroy(grid);
+}
+
+static void test_all_at_once_and_coloured(void **state)
+{
+    struct test_scene test;
+    test_scene_init(&test);
+    add_blob(&test);
+    struct neph_grid *grid = add_grid(&test);
+    test_add_medium(&test, 0.01, 0.02, 0.0);
+    test.scene.media[0].extinction_color = (struct neph_rgb){0.4, 1.0, 2.0};
+    test.scene.media[2].extinction_color = (struct neph_rgb){1.0, 0.5, 0.0};
+    test.scene.scattering = NEPH_SCATTERING_NONE;
+    struct neph_march_params params = params_48;
+    const struct difference exact = compare(*state, &test, &params);
+    assert_true(exact.transmittance < 3e-6);
+    params.transmittance = NEPH_MARCH_MARCHED;
+    params.steps = 2048;
+    const struct difference marched = compare(*state, &test, &params);
+    print_message("coloured: T off by %.1e exact, %.1e marched\n", exact.transmittance,
+                  marched.transmittance);
+    assert_true(marched.transmittance < 1e-4);
+    neph_grid_destroy(grid);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_gaussian),
+        cmocka_unit_test(test_shell),
+        cmocka_unit_test(test_grid),
+        cmocka_unit_test(test_all_at_once_and_coloured),
+    };
+    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
+}
