@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "scenes/build.h"
+
+#include "scenes/grid.h"
 #include "scenes/media.h"
 
 #include <stdlib.h>
@@ -64,7 +66,6 @@ static void build_light(const struct neph_raw_scene *raw, struct neph_scene *sce
         scene->background_w_per_m2_sr = rgb(raw->background_w_per_m2_sr);
     scene->environment_light = raw->environment_light;
     scene->scattering = raw->scattering;
-    scene->octaves = (struct neph_octaves){8, 0.5, 0.5, 0.5};
 }
 
 /* --- Solids --- */
@@ -175,11 +176,6 @@ static enum neph_status build_solids(const struct neph_raw_scene *raw, struct ne
 
 /* --- Media --- */
 
-static struct neph_phase build_phase(const enum neph_phase_kind *kind, const double *asymmetry_g)
-{
-    return (struct neph_phase){kind ? *kind : NEPH_PHASE_ISOTROPIC, asymmetry_g ? *asymmetry_g : 0};
-}
-
 static struct neph_bounds build_bounds(const struct neph_raw_bounds *bounds)
 {
     if (bounds)
@@ -187,29 +183,34 @@ static struct neph_bounds build_bounds(const struct neph_raw_bounds *bounds)
     return (struct neph_bounds){{-INFINITY, -INFINITY, -INFINITY}, {INFINITY, INFINITY, INFINITY}};
 }
 
+/* What all kinds have; the rest is left 0. `bounds` may be NULL. */
+static struct neph_medium start_medium(enum neph_medium_kind kind,
+                                       const struct neph_raw_optics *optics,
+                                       const struct neph_raw_bounds *bounds)
+{
+    const double *color = optics->extinction_color;
+    return (struct neph_medium){
+        .kind = kind,
+        .bounds = build_bounds(bounds),
+        .extinction_color = color ? rgb(color) : (struct neph_rgb){1, 1, 1},
+        .albedo = rgb(optics->albedo),
+        .phase = {optics->phase ? *optics->phase : NEPH_PHASE_ISOTROPIC,
+                  optics->asymmetry_g ? *optics->asymmetry_g : 0},
+    };
+}
+
 static struct neph_medium build_homogeneous(const struct neph_raw_homogeneous *raw)
 {
-    return (struct neph_medium){
-        .kind = NEPH_MEDIUM_HOMOGENEOUS,
-        .bounds = build_bounds(&raw->bounds),
-        .albedo = rgb(raw->albedo),
-        .phase = build_phase(raw->phase, raw->asymmetry_g),
-        .layer_count = 1,
-        .extinction_color = {1, 1, 1},
-        .layers = {{.extinction_per_m = raw->extinction_per_m}},
-    };
+    struct neph_medium medium = start_medium(NEPH_MEDIUM_HOMOGENEOUS, &raw->optics, &raw->bounds);
+    medium.layer_count = 1;
+    medium.layers[0].extinction_per_m = raw->extinction_per_m;
+    return medium;
 }
 
 static struct neph_medium build_height_fog(const struct neph_raw_height_fog *raw)
 {
-    struct neph_medium medium = {
-        .kind = NEPH_MEDIUM_HEIGHT_FOG,
-        .bounds = build_bounds(raw->bounds),
-        .albedo = rgb(raw->albedo),
-        .phase = build_phase(raw->phase, raw->asymmetry_g),
-        .layer_count = (int)(raw->layers ? raw->layers_count : raw->unreal_layers_count),
-        .extinction_color = {1, 1, 1},
-    };
+    struct neph_medium medium = start_medium(NEPH_MEDIUM_HEIGHT_FOG, &raw->optics, raw->bounds);
+    medium.layer_count = (int)(raw->layers ? raw->layers_count : raw->unreal_layers_count);
     for (int i = 0; i < medium.layer_count; i++) {
         if (raw->layers) {
             medium.layers[i] = raw->layers[i];
@@ -222,12 +223,67 @@ static struct neph_medium build_height_fog(const struct neph_raw_height_fog *raw
     return medium;
 }
 
-static void build_media(const struct neph_raw_scene *raw, struct neph_scene *scene)
+static struct neph_medium build_gaussian(const struct neph_raw_gaussian *raw)
 {
-    scene->medium_count = (int)raw->media_count;
-    for (unsigned i = 0; i < raw->media_count; i++)
-        scene->media[i] = raw->media[i].homogeneous ? build_homogeneous(raw->media[i].homogeneous)
-                                                    : build_height_fog(raw->media[i].height_fog);
+    struct neph_medium medium = start_medium(NEPH_MEDIUM_GAUSSIAN, &raw->optics, raw->bounds);
+    medium.extinction_per_m = raw->extinction_per_m;
+    medium.gaussian = (struct neph_gaussian){vec3(raw->center_m), raw->width_m};
+    return medium;
+}
+
+static struct neph_medium build_shell(const struct neph_raw_shell *raw)
+{
+    struct neph_medium medium = start_medium(NEPH_MEDIUM_SHELL, &raw->optics, &raw->bounds);
+    medium.extinction_per_m = raw->extinction_per_m;
+    medium.shell = (struct neph_shell){vec3(raw->center_m), raw->radius_m, raw->scale_height_m};
+    return medium;
+}
+
+static enum neph_status build_grid(const struct neph_raw_grid *raw, struct neph_medium *medium,
+                                   struct neph_diag *diag)
+{
+    *medium = start_medium(NEPH_MEDIUM_GRID, &raw->optics, NULL);
+    medium->extinction_per_m = raw->extinction_per_m;
+    enum neph_status status = neph_grid_create(raw->size, vec3(raw->origin_m), vec3(raw->spacing_m),
+                                               &medium->grid, diag);
+    for (unsigned i = 0; i < raw->values_count && !status; i++)
+        medium->grid->values[i] = (float)raw->values[i];
+    return status ? status : neph_grid_seal(medium->grid, diag);
+}
+
+static enum neph_status build_medium(const struct neph_raw_medium *raw, struct neph_medium *medium,
+                                     struct neph_diag *diag)
+{
+    if (raw->grid)
+        return build_grid(raw->grid, medium, diag);
+    *medium = raw->homogeneous  ? build_homogeneous(raw->homogeneous)
+              : raw->height_fog ? build_height_fog(raw->height_fog)
+              : raw->gaussian   ? build_gaussian(raw->gaussian)
+                                : build_shell(raw->shell);
+    return NEPH_OK;
+}
+
+static enum neph_status build_media(const struct neph_raw_scene *raw, struct neph_scene *scene,
+                                    struct neph_diag *diag)
+{
+    enum neph_status status = NEPH_OK;
+    for (unsigned i = 0; i < raw->media_count && !status; i++) {
+        scene->medium_count++; /* what is half made is freed with the scene */
+        status = build_medium(&raw->media[i], &scene->media[i], diag);
+    }
+    return status;
+}
+
+static void build_octaves(const struct neph_raw_octaves *raw, struct neph_scene *scene)
+{
+    struct neph_octaves *octaves = &scene->octaves;
+    *octaves = (struct neph_octaves){8, 0.5, 0.5, 0.5};
+    if (!raw)
+        return;
+    octaves->count = raw->count ? *raw->count : octaves->count;
+    octaves->contribution = raw->contribution ? *raw->contribution : octaves->contribution;
+    octaves->attenuation = raw->attenuation ? *raw->attenuation : octaves->attenuation;
+    octaves->eccentricity = raw->eccentricity ? *raw->eccentricity : octaves->eccentricity;
 }
 
 /* --- Gates --- */
@@ -266,8 +322,10 @@ enum neph_status neph_scene_build(const struct neph_raw_scene *raw, const char *
     made->frame_rate_hz = frames && frames->rate_hz ? *frames->rate_hz : 30;
     made->exposure_ev = raw->display ? raw->display->exposure_ev : 0;
     build_light(raw, made);
-    build_media(raw, made);
-    enum neph_status status = build_texts(raw, path, made, diag);
+    build_octaves(raw->octaves, made);
+    enum neph_status status = build_media(raw, made, diag);
+    if (!status)
+        status = build_texts(raw, path, made, diag);
     if (!status)
         status = build_camera(&raw->camera, made, diag);
     if (!status)

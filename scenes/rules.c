@@ -111,16 +111,20 @@ static enum neph_status check_extent(const struct rules *rules, const char *owne
     return NEPH_OK;
 }
 
-static enum neph_status check_phase(const struct rules *rules, const char *owner,
-                                    const enum neph_phase_kind *phase, const double *asymmetry_g)
+static enum neph_status check_optics(const struct rules *rules, const char *owner,
+                                     const struct neph_raw_optics *optics)
 {
-    bool wants_g = phase && *phase == NEPH_PHASE_HENYEY_GREENSTEIN;
-    if (wants_g && !asymmetry_g)
+    bool wants_g = optics->phase && *optics->phase == NEPH_PHASE_HENYEY_GREENSTEIN;
+    if (wants_g && !optics->asymmetry_g)
         return FAIL(rules, at("%s.phase", owner), "henyey_greenstein needs the key asymmetry_g");
-    if (!wants_g && asymmetry_g) {
+    if (!wants_g && optics->asymmetry_g) {
         return FAIL(rules, at("%s.asymmetry_g", owner),
                     "only phase: henyey_greenstein has an asymmetry");
     }
+    const double *color = optics->extinction_color;
+    if (color && color[0] + color[1] + color[2] == 0.0)
+        return FAIL(rules, at("%s.extinction_color", owner),
+                    "a medium that no channel sees; leave it out instead");
     return NEPH_OK;
 }
 
@@ -240,7 +244,7 @@ static enum neph_status check_homogeneous(const struct rules *rules, const char 
 {
     enum neph_status status = check_extent(rules, at("%s.bounds", owner).text, medium->bounds.min_m,
                                            medium->bounds.max_m);
-    return status ? status : check_phase(rules, owner, medium->phase, medium->asymmetry_g);
+    return status ? status : check_optics(rules, owner, &medium->optics);
 }
 
 static enum neph_status refuse_level_fog(const struct rules *rules, const char *owner,
@@ -275,21 +279,60 @@ static enum neph_status check_height_fog(const struct rules *rules, const char *
     enum neph_status status = fog->bounds ? check_extent(rules, at("%s.bounds", owner).text,
                                                          fog->bounds->min_m, fog->bounds->max_m)
                                           : check_unbounded(rules, owner, fog);
-    return status ? status : check_phase(rules, owner, fog->phase, fog->asymmetry_g);
+    return status ? status : check_optics(rules, owner, &fog->optics);
+}
+
+static enum neph_status check_gaussian(const struct rules *rules, const char *owner,
+                                       const struct neph_raw_gaussian *gaussian)
+{
+    const struct neph_raw_bounds *bounds = gaussian->bounds;
+    enum neph_status status = bounds ? check_extent(rules, at("%s.bounds", owner).text,
+                                                    bounds->min_m, bounds->max_m)
+                                     : NEPH_OK;
+    return status ? status : check_optics(rules, owner, &gaussian->optics);
+}
+
+static enum neph_status check_shell(const struct rules *rules, const char *owner,
+                                    const struct neph_raw_shell *shell)
+{
+    enum neph_status status = check_extent(rules, at("%s.bounds", owner).text, shell->bounds.min_m,
+                                           shell->bounds.max_m);
+    return status ? status : check_optics(rules, owner, &shell->optics);
+}
+
+static enum neph_status check_grid(const struct rules *rules, const char *owner,
+                                   const struct neph_raw_grid *grid)
+{
+    const long wanted = (long)grid->size[0] * grid->size[1] * grid->size[2];
+    if (wanted != (long)grid->values_count)
+        return FAIL(rules, at("%s.values", owner), "%u values for %d x %d x %d = %ld nodes",
+                    grid->values_count, grid->size[0], grid->size[1], grid->size[2], wanted);
+    return check_optics(rules, owner, &grid->optics);
+}
+
+static enum neph_status check_medium(const struct rules *rules, const char *owner,
+                                     const struct neph_raw_medium *medium)
+{
+    if (!!medium->homogeneous + !!medium->height_fog + !!medium->gaussian + !!medium->shell +
+            !!medium->grid !=
+        1)
+        return FAIL(rules, at("%s", owner),
+                    "a medium is exactly one of homogeneous, height_fog, gaussian, shell, grid");
+    if (medium->homogeneous)
+        return check_homogeneous(rules, at("%s.homogeneous", owner).text, medium->homogeneous);
+    if (medium->height_fog)
+        return check_height_fog(rules, at("%s.height_fog", owner).text, medium->height_fog);
+    if (medium->gaussian)
+        return check_gaussian(rules, at("%s.gaussian", owner).text, medium->gaussian);
+    if (medium->shell)
+        return check_shell(rules, at("%s.shell", owner).text, medium->shell);
+    return check_grid(rules, at("%s.grid", owner).text, medium->grid);
 }
 
 static enum neph_status check_media(const struct rules *rules, const struct neph_raw_scene *raw)
 {
     for (unsigned i = 0; i < raw->media_count; i++) {
-        const struct neph_raw_medium *medium = &raw->media[i];
-        if (!medium->homogeneous == !medium->height_fog) {
-            return FAIL(rules, at("media[%u]", i),
-                        "a medium is exactly one of homogeneous, height_fog");
-        }
-        enum neph_status status =
-            medium->homogeneous
-                ? check_homogeneous(rules, at("media[%u].homogeneous", i).text, medium->homogeneous)
-                : check_height_fog(rules, at("media[%u].height_fog", i).text, medium->height_fog);
+        enum neph_status status = check_medium(rules, at("media[%u]", i).text, &raw->media[i]);
         if (status)
             return status;
     }

@@ -4,6 +4,7 @@
  */
 #include "scenes/scene.h"
 #include "scenes/build.h"
+#include "scenes/grid.h"
 
 #include <stdlib.h>
 
@@ -18,6 +19,8 @@ void neph_scene_destroy(struct neph_scene *scene)
         free(scene->gates[i].reason);
     }
     free(scene->gates);
+    for (int i = 0; i < scene->medium_count; i++)
+        neph_grid_destroy(scene->media[i].grid);
     free(scene->solids);
     free(scene->camera_keys);
     free(scene->physics);

@@ -6,6 +6,7 @@
  * what it came to.
  */
 #include "scenes/build.h"
+#include "scenes/grid.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -76,6 +77,14 @@ static void put_solid(FILE *text, const struct neph_solid *solid)
     put_number(text, "thin", solid->thin); /* it changes the thin-object mask of a frame */
 }
 
+static void put_grid(FILE *text, const struct neph_grid *grid)
+{
+    put_three(text, "size", grid->size[0], grid->size[1], grid->size[2]);
+    put_vec3(text, "origin_m", grid->origin_m);
+    put_vec3(text, "spacing_m", grid->spacing_m);
+    fprintf(text, "values %s\n", grid->hash);
+}
+
 static void put_medium(FILE *text, const struct neph_medium *medium)
 {
     put_number(text, "medium", medium->kind);
@@ -88,6 +97,26 @@ static void put_medium(FILE *text, const struct neph_medium *medium)
     for (int i = 0; i < medium->layer_count; i++)
         put_three(text, "layer", medium->layers[i].extinction_per_m,
                   medium->layers[i].falloff_per_m, medium->layers[i].height_m);
+    if (medium->layer_count == 0)
+        put_number(text, "extinction_per_m", medium->extinction_per_m);
+    if (medium->kind == NEPH_MEDIUM_GAUSSIAN) {
+        put_vec3(text, "center_m", medium->gaussian.center_m);
+        put_number(text, "width_m", medium->gaussian.width_m);
+    }
+    if (medium->kind == NEPH_MEDIUM_SHELL) {
+        put_vec3(text, "center_m", medium->shell.center_m);
+        put_number(text, "radius_m", medium->shell.radius_m);
+        put_number(text, "scale_height_m", medium->shell.scale_height_m);
+    }
+    if (medium->kind == NEPH_MEDIUM_GRID)
+        put_grid(text, medium->grid);
+}
+
+static void put_octaves(FILE *text, const struct neph_octaves *octaves)
+{
+    put_number(text, "octaves", octaves->count);
+    put_three(text, "contribution attenuation eccentricity", octaves->contribution,
+              octaves->attenuation, octaves->eccentricity);
 }
 
 enum neph_status neph_scene_hash(struct neph_scene *scene, struct neph_diag *diag)
@@ -104,6 +133,7 @@ enum neph_status neph_scene_hash(struct neph_scene *scene, struct neph_diag *dia
         put_solid(text, &scene->solids[i]);
     for (int i = 0; i < scene->medium_count; i++)
         put_medium(text, &scene->media[i]);
+    put_octaves(text, &scene->octaves);
     int failed = ferror(text);
     failed |= fclose(text);
     enum neph_status status = failed ? neph_fail_memory(diag)

@@ -146,11 +146,16 @@ static const cyaml_schema_value_t solid = {
     CYAML_VALUE_MAPPING(CYAML_FLAG_DEFAULT, struct neph_raw_solid, solid_fields),
 };
 
+/* struct neph_raw_optics within a medium. */
+#define FIELDS_OPTICS(type)                                                                        \
+    FIELD_VEC3_OPTIONAL("extinction_color", type, optics.extinction_color),                        \
+        FIELD_VEC3("albedo", type, optics.albedo),                                                 \
+        FIELD_WORD_OPTIONAL("phase", type, optics.phase, phase_words),                             \
+        FIELD_NUMBER_OPTIONAL("asymmetry_g", type, optics.asymmetry_g)
+
 static const cyaml_schema_field_t homogeneous_fields[] = {
     FIELD_NUMBER("extinction_per_m", struct neph_raw_homogeneous, extinction_per_m),
-    FIELD_VEC3("albedo", struct neph_raw_homogeneous, albedo),
-    FIELD_WORD_OPTIONAL("phase", struct neph_raw_homogeneous, phase, phase_words),
-    FIELD_NUMBER_OPTIONAL("asymmetry_g", struct neph_raw_homogeneous, asymmetry_g),
+    FIELDS_OPTICS(struct neph_raw_homogeneous),
     CYAML_FIELD_MAPPING("bounds", CYAML_FLAG_DEFAULT, struct neph_raw_homogeneous, bounds,
                         bounds_fields),
     CYAML_FIELD_END,
@@ -182,11 +187,42 @@ static const cyaml_schema_field_t height_fog_fields[] = {
     FIELD_LIST("layers", struct neph_raw_height_fog, layers, &layer, 1, NEPH_FOG_LAYERS_MAX),
     FIELD_LIST("unreal_layers", struct neph_raw_height_fog, unreal_layers, &unreal_layer, 1,
                NEPH_FOG_LAYERS_MAX),
-    FIELD_VEC3("albedo", struct neph_raw_height_fog, albedo),
-    FIELD_WORD_OPTIONAL("phase", struct neph_raw_height_fog, phase, phase_words),
-    FIELD_NUMBER_OPTIONAL("asymmetry_g", struct neph_raw_height_fog, asymmetry_g),
+    FIELDS_OPTICS(struct neph_raw_height_fog),
     CYAML_FIELD_MAPPING_PTR("bounds", CYAML_FLAG_OPTIONAL, struct neph_raw_height_fog, bounds,
                             bounds_fields),
+    CYAML_FIELD_END,
+};
+
+static const cyaml_schema_field_t gaussian_fields[] = {
+    FIELD_VEC3("center_m", struct neph_raw_gaussian, center_m),
+    FIELD_NUMBER("width_m", struct neph_raw_gaussian, width_m),
+    FIELD_NUMBER("extinction_per_m", struct neph_raw_gaussian, extinction_per_m),
+    FIELDS_OPTICS(struct neph_raw_gaussian),
+    CYAML_FIELD_MAPPING_PTR("bounds", CYAML_FLAG_OPTIONAL, struct neph_raw_gaussian, bounds,
+                            bounds_fields),
+    CYAML_FIELD_END,
+};
+
+static const cyaml_schema_field_t shell_fields[] = {
+    FIELD_VEC3("center_m", struct neph_raw_shell, center_m),
+    FIELD_NUMBER("radius_m", struct neph_raw_shell, radius_m),
+    FIELD_NUMBER("scale_height_m", struct neph_raw_shell, scale_height_m),
+    FIELD_NUMBER("extinction_per_m", struct neph_raw_shell, extinction_per_m),
+    FIELDS_OPTICS(struct neph_raw_shell),
+    CYAML_FIELD_MAPPING("bounds", CYAML_FLAG_DEFAULT, struct neph_raw_shell, bounds, bounds_fields),
+    CYAML_FIELD_END,
+};
+
+static const cyaml_schema_value_t side = {CYAML_VALUE_INT(CYAML_FLAG_DEFAULT, int)};
+
+static const cyaml_schema_field_t grid_fields[] = {
+    CYAML_FIELD_SEQUENCE_FIXED("size", CYAML_FLAG_DEFAULT, struct neph_raw_grid, size, &side, 3),
+    FIELD_VEC3("origin_m", struct neph_raw_grid, origin_m),
+    FIELD_VEC3("spacing_m", struct neph_raw_grid, spacing_m),
+    CYAML_FIELD_SEQUENCE("values", CYAML_FLAG_POINTER, struct neph_raw_grid, values, &number, 1,
+                         NEPH_SCENE_VOXELS_MAX),
+    FIELD_NUMBER("extinction_per_m", struct neph_raw_grid, extinction_per_m),
+    FIELDS_OPTICS(struct neph_raw_grid),
     CYAML_FIELD_END,
 };
 
@@ -195,6 +231,11 @@ static const cyaml_schema_field_t medium_fields[] = {
                             homogeneous_fields),
     CYAML_FIELD_MAPPING_PTR("height_fog", CYAML_FLAG_OPTIONAL, struct neph_raw_medium, height_fog,
                             height_fog_fields),
+    CYAML_FIELD_MAPPING_PTR("gaussian", CYAML_FLAG_OPTIONAL, struct neph_raw_medium, gaussian,
+                            gaussian_fields),
+    CYAML_FIELD_MAPPING_PTR("shell", CYAML_FLAG_OPTIONAL, struct neph_raw_medium, shell,
+                            shell_fields),
+    CYAML_FIELD_MAPPING_PTR("grid", CYAML_FLAG_OPTIONAL, struct neph_raw_medium, grid, grid_fields),
     CYAML_FIELD_END,
 };
 
@@ -221,6 +262,14 @@ static const cyaml_schema_value_t gate = {
     CYAML_VALUE_MAPPING(CYAML_FLAG_DEFAULT, struct neph_raw_gate, gate_fields),
 };
 
+static const cyaml_schema_field_t octaves_fields[] = {
+    CYAML_FIELD_INT_PTR("count", CYAML_FLAG_OPTIONAL, struct neph_raw_octaves, count),
+    FIELD_NUMBER_OPTIONAL("contribution", struct neph_raw_octaves, contribution),
+    FIELD_NUMBER_OPTIONAL("attenuation", struct neph_raw_octaves, attenuation),
+    FIELD_NUMBER_OPTIONAL("eccentricity", struct neph_raw_octaves, eccentricity),
+    CYAML_FIELD_END,
+};
+
 static const cyaml_schema_field_t scene_fields[] = {
     CYAML_FIELD_STRING_PTR("name", CYAML_FLAG_DEFAULT, struct neph_raw_scene, name, 1, 64),
     CYAML_FIELD_STRING_PTR("title", CYAML_FLAG_DEFAULT, struct neph_raw_scene, title, 1,
@@ -234,6 +283,8 @@ static const cyaml_schema_field_t scene_fields[] = {
     CYAML_FIELD_BOOL("environment_light", CYAML_FLAG_OPTIONAL, struct neph_raw_scene,
                      environment_light),
     FIELD_WORD("scattering", struct neph_raw_scene, scattering, scattering_words),
+    CYAML_FIELD_MAPPING_PTR("octaves", CYAML_FLAG_OPTIONAL, struct neph_raw_scene, octaves,
+                            octaves_fields),
     FIELD_LIST("solids", struct neph_raw_scene, solids, &solid, 0, NEPH_SCENE_SOLIDS_MAX),
     FIELD_LIST("media", struct neph_raw_scene, media, &medium, 0, NEPH_SCENE_MEDIA_MAX),
     CYAML_FIELD_MAPPING_PTR("display", CYAML_FLAG_OPTIONAL, struct neph_raw_scene, display,
@@ -251,6 +302,7 @@ static const cyaml_schema_value_t scene = {
 #define BRIGHT 1e9 /* one float32 pixel still holds the sum of 1e29 of them */
 
 static const char albedo_note[] = "an albedo above 1 would make light out of nothing";
+static const char color_note[] = "extinction per channel, in parts of extinction_per_m";
 static const char g_note[] = "beyond 0.999 the phase function is a spike that Cycles clamps";
 
 static const struct neph_field fields[] = {
@@ -303,6 +355,39 @@ static const struct neph_field fields[] = {
     {"media[].height_fog.asymmetry_g", "", -0.999, 0.999, g_note},
     {"media[].height_fog.bounds.min_m[]", "m", -FAR_M, FAR_M, NULL},
     {"media[].height_fog.bounds.max_m[]", "m", -FAR_M, FAR_M, NULL},
+    {"media[].homogeneous.extinction_color[]", "", 0, 1e3, color_note},
+    {"media[].height_fog.extinction_color[]", "", 0, 1e3, color_note},
+    {"media[].gaussian.center_m[]", "m", -FAR_M, FAR_M, NULL},
+    {"media[].gaussian.width_m", "m", 1e-3, FAR_M, NULL},
+    {"media[].gaussian.extinction_per_m", "1/m", 0, 1e4, NULL},
+    {"media[].gaussian.extinction_color[]", "", 0, 1e3, color_note},
+    {"media[].gaussian.albedo[]", "", 0, 1, albedo_note},
+    {"media[].gaussian.asymmetry_g", "", -0.999, 0.999, g_note},
+    {"media[].gaussian.bounds.min_m[]", "m", -FAR_M, FAR_M, NULL},
+    {"media[].gaussian.bounds.max_m[]", "m", -FAR_M, FAR_M, NULL},
+    {"media[].shell.center_m[]", "m", -1e8, 1e8, NULL},
+    {"media[].shell.radius_m", "m", 1, 1e8, NULL},
+    {"media[].shell.scale_height_m", "m", 1e-2, 1e7, NULL},
+    {"media[].shell.extinction_per_m", "1/m", 0, 1e4, NULL},
+    {"media[].shell.extinction_color[]", "", 0, 1e3, color_note},
+    {"media[].shell.albedo[]", "", 0, 1, albedo_note},
+    {"media[].shell.asymmetry_g", "", -0.999, 0.999, g_note},
+    {"media[].shell.bounds", "", 0, 0,
+     "an atmosphere needs finite bounds: trackers and other engines must know where it ends"},
+    {"media[].shell.bounds.min_m[]", "m", -1e8, 1e8, NULL},
+    {"media[].shell.bounds.max_m[]", "m", -1e8, 1e8, NULL},
+    {"media[].grid.size[]", "nodes", 1, 1024, NULL},
+    {"media[].grid.origin_m[]", "m", -FAR_M, FAR_M, NULL},
+    {"media[].grid.spacing_m[]", "m", 1e-4, FAR_M, NULL},
+    {"media[].grid.values[]", "", 0, 1e6, NULL},
+    {"media[].grid.extinction_per_m", "1/m", 0, 1e4, NULL},
+    {"media[].grid.extinction_color[]", "", 0, 1e3, color_note},
+    {"media[].grid.albedo[]", "", 0, 1, albedo_note},
+    {"media[].grid.asymmetry_g", "", -0.999, 0.999, g_note},
+    {"octaves.count", "", 1, 16, NULL},
+    {"octaves.contribution", "", 0, 1, NULL},
+    {"octaves.attenuation", "", 0, 1, NULL},
+    {"octaves.eccentricity", "", 0, 1, NULL},
     {"display.exposure_ev", "EV", -40, 40, NULL},
     {"gates[].maximum", "", 0, BRIGHT, NULL},
 };

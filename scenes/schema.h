@@ -14,6 +14,7 @@
 #define NEPH_SCENE_DEPTH_MAX 16 /* the schema itself needs 6 */
 #define NEPH_SCENE_KEYS_MAX 1024
 #define NEPH_SCENE_GATES_MAX 64
+#define NEPH_SCENE_VOXELS_MAX 4096 /* written out in a scene file */
 #define NEPH_SCENE_TITLE_MAX 120
 #define NEPH_SCENE_PATH_MAX 160 /* of a value inside a file: "media[0].height_fog.albedo[2]" */
 
@@ -78,12 +79,41 @@ struct neph_raw_solid {
     struct neph_raw_fence *fence;
 };
 
-struct neph_raw_homogeneous {
-    double extinction_per_m;
+/* What every medium has. */
+struct neph_raw_optics {
+    double *extinction_color;
     double albedo[3];
     enum neph_phase_kind *phase;
     double *asymmetry_g;
+};
+
+struct neph_raw_homogeneous {
+    double extinction_per_m;
+    struct neph_raw_optics optics;
     struct neph_raw_bounds bounds;
+};
+
+struct neph_raw_gaussian {
+    double center_m[3];
+    double width_m, extinction_per_m;
+    struct neph_raw_optics optics;
+    struct neph_raw_bounds *bounds;
+};
+
+struct neph_raw_shell {
+    double center_m[3];
+    double radius_m, scale_height_m, extinction_per_m;
+    struct neph_raw_optics optics;
+    struct neph_raw_bounds bounds;
+};
+
+struct neph_raw_grid {
+    int size[3];
+    double origin_m[3], spacing_m[3];
+    double *values;
+    unsigned values_count;
+    double extinction_per_m;
+    struct neph_raw_optics optics;
 };
 
 struct neph_raw_unreal_layer {
@@ -95,15 +125,21 @@ struct neph_raw_height_fog {
     unsigned layers_count;
     struct neph_raw_unreal_layer *unreal_layers;
     unsigned unreal_layers_count;
-    double albedo[3];
-    enum neph_phase_kind *phase;
-    double *asymmetry_g;
+    struct neph_raw_optics optics;
     struct neph_raw_bounds *bounds;
 };
 
 struct neph_raw_medium {
     struct neph_raw_homogeneous *homogeneous;
     struct neph_raw_height_fog *height_fog;
+    struct neph_raw_gaussian *gaussian;
+    struct neph_raw_shell *shell;
+    struct neph_raw_grid *grid;
+};
+
+struct neph_raw_octaves {
+    int *count;
+    double *contribution, *attenuation, *eccentricity;
 };
 
 struct neph_raw_display {
@@ -127,6 +163,7 @@ struct neph_raw_scene {
     double *background_w_per_m2_sr;
     bool environment_light;
     enum neph_scattering scattering;
+    struct neph_raw_octaves *octaves;
     struct neph_raw_solid *solids;
     unsigned solids_count;
     struct neph_raw_medium *media;
