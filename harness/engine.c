@@ -7,6 +7,7 @@
 #include "harness/engines/engines.h"
 
 #include "base/files.h"
+#include "scenes/media.h"
 
 #include <errno.h>
 #include <math.h>
@@ -15,12 +16,8 @@
 #include <string.h>
 
 static const struct neph_engine *const registry[] = {
-    &neph_engine_exact,
-    &neph_engine_oracle,
-    &neph_engine_tracer,
-    &neph_engine_march,
-    &neph_engine_cycles,
-    &neph_engine_povray,
+    &neph_engine_exact, &neph_engine_oracle, &neph_engine_tracer,
+    &neph_engine_march, &neph_engine_cycles, &neph_engine_povray,
 };
 
 static const char *const rung_names[] = {
@@ -167,4 +164,23 @@ char *neph_settings_text(const struct neph_engine *engine, const struct neph_set
         text = longer;
     }
     return text;
+}
+
+bool neph_engine_models_media(const struct neph_scene *scene, unsigned kinds, bool colour,
+                              char *reason, size_t reason_size)
+{
+    for (int m = 0; m < scene->medium_count; m++) {
+        const struct neph_medium *medium = &scene->media[m];
+        const struct neph_rgb color = medium->extinction_color;
+        const bool grey = color.r == color.g && color.g == color.b;
+        if ((kinds & (1u << medium->kind)) != 0 && (colour || grey))
+            continue;
+        if ((kinds & (1u << medium->kind)) == 0)
+            snprintf(reason, reason_size, "medium %d: a %s", m + 1,
+                     neph_medium_kind_name(medium->kind));
+        else
+            snprintf(reason, reason_size, "medium %d: coloured extinction", m + 1);
+        return false;
+    }
+    return true;
 }

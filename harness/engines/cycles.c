@@ -208,6 +208,9 @@ static bool can_render(const struct neph_scene *scene, const struct neph_setting
     (void)settings;
     struct neph_diag diag = {0};
     struct neph_cycles_world world;
+    const unsigned kinds = 1u << NEPH_MEDIUM_HOMOGENEOUS | 1u << NEPH_MEDIUM_HEIGHT_FOG;
+    if (!neph_engine_models_media(scene, kinds, false, reason, reason_size))
+        return false;
     if (!neph_cycles_world(scene, &world, &diag))
         return true;
     if (reason_size > 0)

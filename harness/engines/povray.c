@@ -153,6 +153,9 @@ static bool can_render(const struct neph_scene *scene, const struct neph_setting
     const char *cannot = NULL;
     struct neph_diag diag = {0};
     struct neph_povray_world world;
+    const unsigned kinds = 1u << NEPH_MEDIUM_HOMOGENEOUS | 1u << NEPH_MEDIUM_HEIGHT_FOG;
+    if (!neph_engine_models_media(scene, kinds, false, reason, reason_size))
+        return false;
     if (scene->scattering == NEPH_SCATTERING_MULTIPLE && has_scatterer(scene))
         cannot = "multiple scattering";
     else if (scene->environment_light && has_scatterer(scene))

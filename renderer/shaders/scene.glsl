@@ -238,24 +238,32 @@ void include(inout Stretch hull, float start_m, float end_m)
     }
 }
 
-// What is thin must be so in the strongest channel, what is opaque in the weakest.
+float least_positive(vec3 color)
+{
+    vec3 seen = mix(vec3(FAR_M), color, greaterThan(color, vec3(0.0)));
+    return min(seen.r, min(seen.g, seen.b));
+}
+
+// What is thin must be so in the strongest channel, what is opaque in the weakest; a channel that
+// does not see the fog at all does not make it longer, but sees what is behind.
 void include_fog(uint m, vec3 origin_m, vec3 direction, Stretch inside, inout Stretch hull,
                  inout float opaque_m)
 {
     vec3 color = frame.media[m].extinction_color;
-    float least = min(color.r, min(color.g, color.b)), most = max(color.r, max(color.g, color.b));
+    float most = max(color.r, max(color.g, color.b));
+    bool all_see_it = all(greaterThan(color, vec3(0.0)));
     float y_m = origin_m.y + inside.t0_m * direction.y;
     for (uint l = 0; l < frame.media[m].layer_count; l++) {
         FogLayer layer = frame.media[m].layers[l];
         float start_m = inside.t0_m;
         if (layer.falloff_per_m * direction.y < 0.0)
             start_m += fog_distance_to(layer, y_m, direction.y, THIN / most);
-        float end_m = min(inside.t1_m,
-                          inside.t0_m + fog_distance_to_thin_end(layer, y_m, direction.y, THIN / most));
-        if (least > 0.0)
-            opaque_m = min(opaque_m, inside.t0_m + fog_distance_to(layer, y_m, direction.y,
-                                                                   OPAQUE / least));
-        include(hull, start_m, end_m);
+        float thin_m = fog_distance_to_thin_end(layer, y_m, direction.y, THIN / most);
+        float dark_m = inside.t0_m + fog_distance_to(layer, y_m, direction.y,
+                                                     OPAQUE / least_positive(color));
+        if (all_see_it)
+            opaque_m = min(opaque_m, dark_m);
+        include(hull, start_m, min(min(inside.t1_m, inside.t0_m + thin_m), dark_m));
     }
 }
 

@@ -91,10 +91,11 @@ static struct difference compare(struct neph_vulkan *vulkan, struct test_scene *
 }
 
 /* Transmittance is float32's; in-scattering converges with the square of the step. */
-static void check(struct neph_vulkan *vulkan, struct test_scene *test, const char *name,
+static void check(struct neph_vulkan *vulkan, struct test_scene *test, const char *name, int steps,
                   double order_min)
 {
     struct neph_march_params params = params_48;
+    params.steps = steps;
     test->scene.scattering = NEPH_SCATTERING_SINGLE;
     const struct difference coarse = compare(vulkan, test, &params);
     params.steps *= 4;
@@ -111,7 +112,7 @@ static void test_gaussian(void **state)
     struct test_scene test;
     test_scene_init(&test);
     add_blob(&test);
-    check(*state, &test, "Gaussian", 1.8);
+    check(*state, &test, "Gaussian", 64, 1.8);
 }
 
 static void test_shell(void **state)
@@ -120,7 +121,7 @@ static void test_shell(void **state)
     test_scene_init(&test);
     add_shell(&test);
     test.key.look_at_m = (struct neph_vec3){0.0, 6.6, -10.0}; /* all rays rise */
-    check(*state, &test, "shell", 1.8);
+    check(*state, &test, "shell", 512, 1.8);
 }
 
 /* Trilinear densities have kinks at the faces of their cells. */
@@ -129,7 +130,7 @@ static void test_grid(void **state)
     struct test_scene test;
     test_scene_init(&test);
     struct neph_grid *grid = add_grid(&test);
-    check(*state, &test, "grid", 1.5);
+    check(*state, &test, "grid", 64, 1.5);
     neph_grid_destroy(grid);
 }
 
@@ -139,7 +140,9 @@ static void test_all_at_once_and_coloured(void **state)
     test_scene_init(&test);
     add_blob(&test);
     struct neph_grid *grid = add_grid(&test);
-    test_add_medium(&test, 0.01, 0.02, 0.0);
+    /* Bounded: fixed steps over kilometres of fog would step across the blob. */
+    test_add_medium(&test, 0.01, 0.02, 0.0)->bounds = (struct neph_bounds){{-20, -9, -30},
+                                                                           {20, 12, 5}};
     test.scene.media[0].extinction_color = (struct neph_rgb){0.4, 1.0, 2.0};
     test.scene.media[2].extinction_color = (struct neph_rgb){1.0, 0.5, 0.0};
     test.scene.scattering = NEPH_SCATTERING_NONE;
@@ -147,11 +150,11 @@ static void test_all_at_once_and_coloured(void **state)
     const struct difference exact = compare(*state, &test, &params);
     assert_true(exact.transmittance < 3e-6);
     params.transmittance = NEPH_MARCH_MARCHED;
-    params.steps = 2048;
+    params.steps = 1024;
     const struct difference marched = compare(*state, &test, &params);
     print_message("coloured: T off by %.1e exact, %.1e marched\n", exact.transmittance,
                   marched.transmittance);
-    assert_true(marched.transmittance < 1e-4);
+    assert_true(marched.transmittance < 1e-3 /* faces within a step */);
     neph_grid_destroy(grid);
 }
 
