@@ -7,16 +7,45 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* As near to cubes as whole numbers allow. */
+/* The side of cubes of which `cell_count` fill the box. A side of the box that is shorter than that
+ * gets one cell, and the others share the rest: hence once more for each. */
+static double cube_side_m(const double extent_m[3], int cell_count)
+{
+    double side_m = INFINITY;
+    bool is_thin[3] = {false, false, false};
+    for (int round = 0; round < 3; round++) {
+        double product = 1.0 / cell_count;
+        int count = 0;
+        for (int axis = 0; axis < 3; axis++)
+            if (!is_thin[axis]) {
+                product *= extent_m[axis];
+                count++;
+            }
+        if (count == 0)
+            break;
+        side_m = pow(product, 1.0 / count);
+        for (int axis = 0; axis < 3; axis++)
+            is_thin[axis] = extent_m[axis] < side_m;
+    }
+    return side_m;
+}
+
 static void choose_size(const struct neph_medium *medium, const double extent_m[3], int cell_count,
                         int size[3])
 {
-    const double side_m = cbrt(extent_m[0] * extent_m[1] * extent_m[2] / cell_count);
+    const double side_m = cube_side_m(extent_m, cell_count);
+    double thinnest_m[3] = {0.0, 0.0, 0.0};
+    if (medium->kind == NEPH_MEDIUM_GRID) {
+        thinnest_m[0] = medium->grid->spacing_m.x;
+        thinnest_m[1] = medium->grid->spacing_m.y;
+        thinnest_m[2] = medium->grid->spacing_m.z;
+    }
     for (int axis = 0; axis < 3; axis++) {
-        size[axis] = (int)fmax(1.0, fmin(NEPH_GRID_SIDE_MAX, round(extent_m[axis] / side_m)));
-        if (medium->kind == NEPH_MEDIUM_GRID) /* cells of the lattice: one more than its nodes */
-            size[axis] = size[axis] <= medium->grid->size[axis] ? size[axis]
-                                                                : medium->grid->size[axis] + 1;
+        double cells = fmin(NEPH_GRID_SIDE_MAX, round(extent_m[axis] / side_m));
+        if (thinnest_m[axis] >
+            0.0) /* the box of a whole lattice has whole cells but for rounding */
+            cells = fmin(cells, floor(extent_m[axis] / thinnest_m[axis] + 1e-6));
+        size[axis] = (int)fmax(1.0, cells);
     }
 }
 
@@ -57,11 +86,18 @@ enum neph_status neph_majorants_create(const struct neph_medium *medium,
 {
     const double extent_m[3] = {box->max_m.x - box->min_m.x, box->max_m.y - box->min_m.y,
                                 box->max_m.z - box->min_m.z};
-    for (int axis = 0; axis < 3; axis++)
-        if (!(extent_m[axis] > 0.0) || isinf(extent_m[axis]))
+    if (cell_count < 1)
+        return neph_fail(diag, NEPH_ERR_INTERNAL, "a majorant grid of %d cells", cell_count);
+    for (int axis = 0; axis < 3; axis++) {
+        if (!isfinite(extent_m[axis]))
             return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
                              "a %s without finite bounds has no majorant grid",
                              neph_medium_kind_name(medium->kind));
+        if (!(extent_m[axis] > 0.0))
+            return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
+                             "the bounds of a %s leave nothing of it: no majorant grid",
+                             neph_medium_kind_name(medium->kind));
+    }
     struct neph_majorants *made = calloc(1, sizeof(*made));
     if (!made)
         return neph_fail_memory(diag);

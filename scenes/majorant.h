@@ -15,7 +15,8 @@ struct neph_majorants {
 };
 
 /* Over a box (finite; normally the medium's support) with about `cell_count` cells that are as near
- * to cubes as whole numbers allow, none thinner than a grid medium's own cells. */
+ * to cubes as whole numbers allow, none thinner than a grid medium's own cells.
+ * NEPH_ERR_UNSUPPORTED: the box is infinite or has no inside. */
 enum neph_status neph_majorants_create(const struct neph_medium *medium,
                                        const struct neph_bounds *box, int cell_count,
                                        struct neph_majorants **majorants, struct neph_diag *diag);
