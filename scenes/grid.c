@@ -205,12 +205,18 @@ static double mix(double a, double b, double f)
     return a * (1.0 - f) + b * f;
 }
 
+/* To 0..1. Not fmin and fmax: calls, in the innermost loop, for the sake of NaN. */
+static double clamp(double f)
+{
+    return f < 0.0 ? 0.0 : f > 1.0 ? 1.0 : f;
+}
+
 /* The density at a lattice point that lies in the cell, but for rounding. */
 static double cell_density(const struct cell *cell, const double u[3])
 {
     double f[3];
     for (int axis = 0; axis < 3; axis++)
-        f[axis] = fmin(1.0, fmax(0.0, u[axis] - cell->index[axis]));
+        f[axis] = clamp(u[axis] - cell->index[axis]);
     const double *c = cell->corner;
     return mix(mix(mix(c[0], c[1], f[0]), mix(c[2], c[3], f[0]), f[1]),
                mix(mix(c[4], c[5], f[0]), mix(c[6], c[7], f[0]), f[1]), f[2]);
@@ -306,7 +312,7 @@ double neph_grid_integral_m(const struct neph_grid *grid, struct neph_vec3 origi
     const double end = t1_m - t0_m;
     double t = 0.0, sum_m = 0.0;
     do {
-        const double face = fmin(end, walk.next_t[nearest_axis(&walk)]);
+        const double next = walk.next_t[nearest_axis(&walk)], face = next < end ? next : end;
         if (face <= t)
             continue; /* a corner, or a start in a face */
         load_corners(grid, &walk.cell);
