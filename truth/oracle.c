@@ -217,12 +217,19 @@ static int next_round_end(int done, int samples)
     return end < samples ? end : samples;
 }
 
+/* Rows may differ after an interruption. */
+static int row_samples(const struct render *render, int row)
+{
+    return (int)row_numbers(render, row)[0];
+}
+
 static int samples_done(const struct render *render)
 {
-    double least = INFINITY;
-    for (int row = 0; row < render->params->height_px; row++)
-        least = fmin(least, row_numbers(render, row)[0]);
-    return (int)least;
+    int least = row_samples(render, 0);
+    for (int row = 1; row < render->params->height_px; row++)
+        if (row_samples(render, row) < least)
+            least = row_samples(render, row);
+    return least;
 }
 
 /* The square of the standard error of the mean of n samples. */
@@ -233,11 +240,12 @@ static double variance_of_mean(double sum, double squares, int n)
 }
 
 /* As params.target_error. */
-static double relative_error(const struct render *render, int n)
+static double relative_error(const struct render *render)
 {
-    const size_t pixels = (size_t)render->params->width_px * (size_t)render->params->height_px;
+    const size_t columns = (size_t)render->params->width_px;
     double variance = 0.0, power = 0.0;
-    for (size_t pixel = 0; pixel < pixels; pixel++) {
+    for (size_t pixel = 0; pixel < columns * (size_t)render->params->height_px; pixel++) {
+        const int n = row_samples(render, (int)(pixel / columns));
         const struct sums sums = load_sums(render, pixel);
         for (int j = 0; j < 3; j++) {
             variance += variance_of_mean(sums.light[j], sums.squares[j], n);
@@ -288,7 +296,7 @@ static bool goes_on(const struct render *render, int done, double sample_s)
         return true;
     /* Fewer samples cannot tell their own error. */
     if (params->target_error > 0.0 && done >= ROUND_SAMPLES &&
-        relative_error(render, done) <= params->target_error)
+        relative_error(render) <= params->target_error)
         return false;
     const double round_s = sample_s * (next_round_end(done, params->samples) - done);
     return neph_wall_s() - render->start_s + round_s < params->time_limit_s;
@@ -337,7 +345,6 @@ static enum neph_status add_layers(struct neph_image *frame, struct layers *laye
 struct finish {
     struct render *render;
     struct layers layers;
-    int samples;
 };
 
 static void finish_row(int row, void *context)
@@ -345,7 +352,7 @@ static void finish_row(int row, void *context)
     struct finish *finish = context;
     const struct render *render = finish->render;
     const struct layers *layers = &finish->layers;
-    const int n = finish->samples;
+    const int n = row_samples(render, row);
     for (int column = 0; column < render->params->width_px; column++) {
         const size_t pixel = (size_t)row * (size_t)render->params->width_px + (size_t)column;
         const struct neph_view view = pixel_view(render, column, row);
@@ -367,7 +374,7 @@ static void finish_row(int row, void *context)
 static enum neph_status make_frame(struct render *render, struct neph_image **frame,
                                    struct neph_diag *diag)
 {
-    struct finish finish = {.render = render, .samples = samples_done(render)};
+    struct finish finish = {.render = render};
     struct neph_image *image = NULL;
     enum neph_status status = neph_image_create(render->params->width_px, render->params->height_px,
                                                 &image, diag);
@@ -386,7 +393,7 @@ static enum neph_status make_frame(struct render *render, struct neph_image **fr
 static struct neph_oracle_stats make_stats(const struct render *render)
 {
     struct neph_oracle_stats stats = {.samples = samples_done(render)};
-    stats.error = relative_error(render, stats.samples);
+    stats.error = relative_error(render);
     for (int row = 0; row < render->params->height_px; row++) {
         stats.collisions += (uint64_t)row_numbers(render, row)[1];
         stats.lookups += (uint64_t)row_numbers(render, row)[2];
