@@ -118,10 +118,10 @@ static void cut_fog(struct cuts *cuts, const struct ray *ray, const struct neph_
 
 /* ---- Gaussian ---- */
 
-/* At every width, to where e^-40 of the density is left. */
+/* At every second width, to where e^-50 of the density is left. */
 static void cut_widths(struct cuts *cuts, double middle_m, double width_m)
 {
-    for (int k = -9; k <= 9; k++)
+    for (int k = -10; k <= 10; k += 2)
         cut(cuts, middle_m + k * width_m);
 }
 
@@ -134,7 +134,7 @@ static void cut_gaussian(struct cuts *cuts, const struct ray *ray, const struct 
     const struct neph_vec3 across = neph_vec3_along(d, s, -neph_vec3_dot(d, s));
     const double slope2 = neph_vec3_dot(across, across);
     cut_widths(cuts, neph_vec3_dot(to_center_m, d), medium->gaussian.width_m);
-    if (slope2 > 0.0)
+    if (slope2 > 0.0 && ray->scene->medium_count > 1) /* its own density has its own scale */
         cut_widths(cuts, neph_vec3_dot(to_center_m, across) / slope2,
                    medium->gaussian.width_m / sqrt(slope2));
 }
@@ -200,6 +200,8 @@ static void cut_grid_shadow(struct cuts *cuts, const struct ray *ray,
     const int cells = size[0] > size[1] ? size[0] : size[1];
     const int pieces = 1 + (cells > size[2] ? cells : size[2]) / 8;
     double low_m, high_m;
+    if (ray->scene->medium_count == 1) /* its own cells are cut finer */
+        return;
     if (!neph_solid_shadow(&box, ray->scene->sun.direction, ray->origin_m, ray->direction,
                            cuts->t0_m, cuts->t1_m, &low_m, &high_m))
         return;
