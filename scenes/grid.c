@@ -222,18 +222,22 @@ static double cell_density(const struct cell *cell, const double u[3])
                mix(mix(c[4], c[5], f[0]), mix(c[6], c[7], f[0]), f[1]), f[2]);
 }
 
+static double lattice_density(const struct neph_grid *grid, const double u[3])
+{
+    struct cell cell;
+    for (int axis = 0; axis < 3; axis++) {
+        if (!(u[axis] > -1.0 && u[axis] < grid->size[axis])) /* NaN is outside, too */
+            return 0.0;
+        cell.index[axis] = (int)floor(u[axis]);
+    }
+    load_corners(grid, &cell);
+    return cell_density(&cell, u);
+}
+
 double neph_grid_density(const struct neph_grid *grid, struct neph_vec3 point_m)
 {
     const struct lattice_point point = to_lattice(grid, point_m);
-    struct cell cell;
-    for (int axis = 0; axis < 3; axis++) {
-        const double u = point.u[axis];
-        if (!(u > -1.0 && u < grid->size[axis])) /* NaN is outside, too */
-            return 0.0;
-        cell.index[axis] = (int)floor(u);
-    }
-    load_corners(grid, &cell);
-    return cell_density(&cell, point.u);
+    return lattice_density(grid, point.u);
 }
 
 /* A ray in lattice coordinates, start + t step, and the cell that it has come to. */
@@ -323,31 +327,57 @@ double neph_grid_integral_m(const struct neph_grid *grid, struct neph_vec3 origi
     return sum_m;
 }
 
-/* The nodes whose density reaches into [low, high] of one axis; false when none does. */
-static bool node_range(double low, double high, int size, int range[2])
+/* A stretch of one axis and the nodes around it. */
+struct stretch {
+    double low, high;
+    int first, last; /* first <= low, high <= last */
+};
+
+static bool find_stretch(double low, double high, int size, struct stretch *stretch)
 {
     if (!(low <= high && high > -1.0 && low < size))
         return false;
-    range[0] = (int)fmax(0.0, floor(low));
-    range[1] = (int)fmin(size - 1.0, ceil(high));
+    stretch->low = fmax(-1.0, low);
+    stretch->high = fmin(size, high);
+    stretch->first = (int)floor(stretch->low);
+    stretch->last = (int)ceil(stretch->high);
     return true;
 }
 
+/* Node i, or the end of the stretch if the node lies beyond it. */
+static double place_in(const struct stretch *stretch, int i)
+{
+    return fmin(stretch->high, fmax(stretch->low, i));
+}
+
+/* Along x at the given y and z. */
+static double row_maximum(const struct neph_grid *grid, const struct stretch *x, double v, double w)
+{
+    const double low[3] = {x->low, v, w}, high[3] = {x->high, v, w};
+    double maximum = fmax(lattice_density(grid, low), lattice_density(grid, high));
+    const bool is_on_nodes = v == floor(v) && w == floor(w); /* most are, in a large box */
+    for (int i = x->first + 1; i < x->last; i++) {
+        const double at[3] = {i, v, w};
+        const double density = is_on_nodes ? node_value(grid, i, (int)v, (int)w)
+                                           : lattice_density(grid, at);
+        maximum = fmax(maximum, density);
+    }
+    return maximum;
+}
+
+/* A trilinear function is largest at a corner of whatever part of its cell the box cuts out. */
 double neph_grid_maximum_in(const struct neph_grid *grid, const struct neph_bounds *box)
 {
     const struct lattice_point low = to_lattice(grid, box->min_m);
     const struct lattice_point high = to_lattice(grid, box->max_m);
-    int range[3][2];
+    struct stretch stretch[3];
     for (int axis = 0; axis < 3; axis++)
-        if (!node_range(low.u[axis], high.u[axis], grid->size[axis], range[axis]))
+        if (!find_stretch(low.u[axis], high.u[axis], grid->size[axis], &stretch[axis]))
             return 0.0;
-    float maximum = 0.0f;
-    for (int k = range[2][0]; k <= range[2][1]; k++)
-        for (int j = range[1][0]; j <= range[1][1]; j++) {
-            const float *row = grid->values + ((size_t)k * (size_t)grid->size[1] + (size_t)j) *
-                                                  (size_t)grid->size[0];
-            for (int i = range[0][0]; i <= range[0][1]; i++)
-                maximum = row[i] > maximum ? row[i] : maximum;
-        }
-    return (double)maximum;
+    double maximum = 0.0;
+    for (int k = stretch[2].first; k <= stretch[2].last; k++)
+        for (int j = stretch[1].first; j <= stretch[1].last; j++)
+            maximum = fmax(maximum, row_maximum(grid, &stretch[0], place_in(&stretch[1], j),
+                                                place_in(&stretch[2], k)));
+    return maximum;
 }

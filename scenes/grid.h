@@ -49,7 +49,9 @@ double neph_grid_density(const struct neph_grid *grid, struct neph_vec3 point_m)
 double neph_grid_integral_m(const struct neph_grid *grid, struct neph_vec3 origin_m,
                             struct neph_vec3 direction, double t0_m, double t1_m);
 
-/* The largest density in a box: the maximum over all nodes of the cells that it touches. */
+/* The largest density in a box (to rounding), sides included; they may be infinite. Not only the
+ * largest node around it, which is a quarter more in cells of 4 nodes of a cloud: tracking methods
+ * pay for every bit of that. */
 double neph_grid_maximum_in(const struct neph_grid *grid, const struct neph_bounds *box);
 
 #endif

@@ -49,6 +49,8 @@ static void choose_size(const struct neph_medium *medium, const double extent_m[
     }
 }
 
+static const double hair = 1e-3; /* of a cell */
+
 static struct neph_bounds cell_box(const struct neph_majorants *majorants, const int cell[3])
 {
     const double low[3] = {majorants->box.min_m.x, majorants->box.min_m.y, majorants->box.min_m.z};
@@ -57,9 +59,9 @@ static struct neph_bounds cell_box(const struct neph_majorants *majorants, const
     for (int axis = 0; axis < 3; axis++) {
         const double side = (high[axis] - low[axis]) / majorants->size[axis];
         /* A hair wider than the cell: a tracker's own rounding may put a point of the face into
-         * either neighbour. */
-        a[axis] = low[axis] + (cell[axis] - 1e-5) * side;
-        b[axis] = low[axis] + (cell[axis] + 1 + 1e-5) * side;
+         * either neighbour. In float32 it is 1e-3 of a cell where the coordinates are 10^4 cells. */
+        a[axis] = low[axis] + (cell[axis] - hair) * side;
+        b[axis] = low[axis] + (cell[axis] + 1 + hair) * side;
     }
     return (struct neph_bounds){{a[0], a[1], a[2]}, {b[0], b[1], b[2]}};
 }
