@@ -81,25 +81,59 @@ struct neph_gpu_solid neph_gpu_solid_from(const struct neph_solid *solid,
     return gpu;
 }
 
-static struct neph_gpu_gaussian gaussian_from(const struct neph_gaussian *gaussian,
-                                              struct neph_vec3 camera_m)
+struct neph_gpu_globe neph_gpu_globe_from(struct neph_vec3 center_m, double radius_m,
+                                          struct neph_vec3 camera_position_m)
 {
-    struct neph_gpu_gaussian gpu = {.width_m = (float)gaussian->width_m};
-    set_position(gpu.center_m, gaussian->center_m, camera_m);
+    const struct neph_vec3 from_center_m = neph_vec3_sub(camera_position_m, center_m);
+    const double distance_m = neph_vec3_length(from_center_m);
+    struct neph_gpu_globe globe = {
+        .up = {0.0f, 1.0f, 0.0f}, /* any direction will do at the centre */
+        .camera_radius_m = (float)fmin(distance_m, NEPH_GPU_FAR_M),
+        .camera_altitude_m = relative_m(distance_m, radius_m),
+        .radius_m = (float)radius_m,
+    };
+    if (distance_m > 0.0)
+        set_direction(globe.up, neph_vec3_scale(from_center_m, 1.0 / distance_m));
+    return globe;
+}
+
+/* What a march may leave out, THIN of shaders/fog.glsl. */
+static const double thin_optical_depth = 1e-7;
+
+/* The extinction beyond which a medium is opaque within any step, and which times FAR_M is still a
+ * float32. */
+static const double extinction_max_per_m = 1e20;
+
+static struct neph_gpu_gaussian gaussian_from(const struct neph_medium *medium,
+                                              struct neph_vec3 camera_position_m)
+{
+    const double width_m = medium->gaussian.width_m;
+    /* A line outside a sphere of radius r meets at most the whole line's depth at impact r. */
+    const double central = medium->extinction_per_m * width_m * sqrt(2.0 * acos(-1.0));
+    const double widths = sqrt(2.0 * log(fmax(1.0, central / thin_optical_depth)));
+    struct neph_gpu_gaussian gpu = {
+        .width_m = (float)width_m,
+        .reach_m = relative_m(widths * width_m, 0.0),
+    };
+    set_position(gpu.center_m, medium->gaussian.center_m, camera_position_m);
     return gpu;
 }
 
-static struct neph_gpu_shell shell_from(const struct neph_shell *shell, struct neph_vec3 camera_m)
+static struct neph_gpu_shell shell_from(const struct neph_medium *medium,
+                                        struct neph_vec3 camera_position_m)
 {
-    const struct neph_vec3 from_center_m = neph_vec3_sub(camera_m, shell->center_m);
-    const double radius_m = fmax(neph_vec3_length(from_center_m), 1e-3 * shell->radius_m);
-    struct neph_gpu_shell gpu = {
-        .camera_radius_m = (float)radius_m,
-        .camera_altitude_m = (float)(radius_m - shell->radius_m),
+    const struct neph_shell *shell = &medium->shell;
+    /* The whole of a level line, Chapman's sqrt(2 pi r H), bounds what is above its height; r is
+     * taken where it matters, a few scale heights up, and the excess of 1 covers the rest. */
+    const double level_m = sqrt(2.0 * acos(-1.0) *
+                                (shell->radius_m + 40.0 * shell->scale_height_m) *
+                                shell->scale_height_m);
+    const double folds = log(fmax(1.0, medium->extinction_per_m * level_m / thin_optical_depth));
+    return (struct neph_gpu_shell){
+        .globe = neph_gpu_globe_from(shell->center_m, shell->radius_m, camera_position_m),
         .scale_height_m = (float)shell->scale_height_m,
+        .reach_m = relative_m((folds + 1.0) * shell->scale_height_m, 0.0),
     };
-    set_direction(gpu.up, neph_vec3_scale(from_center_m, 1.0 / radius_m));
-    return gpu;
 }
 
 /* With the layer of zeros that shaders/grid.glsl expects. */
@@ -115,24 +149,24 @@ static struct neph_gpu_grid grid_from(const struct neph_grid *grid, struct neph_
 }
 
 /* Layers without extinction are left out: nothing in the shaders has to expect a 0. */
-static struct neph_gpu_medium medium_from(const struct neph_medium *medium,
-                                          struct neph_vec3 camera_position_m)
+struct neph_gpu_medium neph_gpu_medium_from(const struct neph_medium *medium,
+                                            struct neph_vec3 camera_position_m)
 {
     const struct neph_bounds support = neph_medium_support(medium);
     struct neph_gpu_medium gpu = {
         .kind = (uint32_t)medium->kind,
         .phase_kind = (uint32_t)medium->phase.kind,
         .g = (float)medium->phase.g,
-        .extinction_per_m = (float)medium->extinction_per_m,
+        .extinction_per_m = (float)fmin(medium->extinction_per_m, extinction_max_per_m),
     };
     set_position(gpu.low_m, support.min_m, camera_position_m);
     set_position(gpu.high_m, support.max_m, camera_position_m);
     set_rgb(gpu.albedo, medium->albedo);
     set_rgb(gpu.extinction_color, medium->extinction_color);
     if (medium->kind == NEPH_MEDIUM_GAUSSIAN)
-        gpu.gaussian = gaussian_from(&medium->gaussian, camera_position_m);
+        gpu.gaussian = gaussian_from(medium, camera_position_m);
     if (medium->kind == NEPH_MEDIUM_SHELL)
-        gpu.shell = shell_from(&medium->shell, camera_position_m);
+        gpu.shell = shell_from(medium, camera_position_m);
     if (medium->kind == NEPH_MEDIUM_GRID)
         gpu.grid = grid_from(medium->grid, camera_position_m);
     for (int i = 0; i < medium->layer_count; i++)
@@ -223,10 +257,12 @@ static size_t padded_count(const struct neph_grid *grid)
 }
 
 /* One slab of the padded lattice after the other: no second copy of the grid in memory. */
-static enum neph_status upload_grid(const struct neph_vulkan *vulkan, const struct neph_grid *grid,
-                                    size_t first, const struct neph_buffer *buffer,
-                                    struct neph_diag *diag)
+static enum neph_status upload_grid(const struct neph_vulkan *vulkan,
+                                    const struct neph_medium *medium, size_t first,
+                                    const struct neph_buffer *buffer, struct neph_diag *diag)
 {
+    const struct neph_grid *grid = medium->grid;
+    const float value_max = (float)(extinction_max_per_m / fmax(1.0, medium->extinction_per_m));
     const size_t nx = (size_t)grid->size[0], ny = (size_t)grid->size[1], nz = (size_t)grid->size[2];
     const size_t slab_count = (nx + 2) * (ny + 2);
     float *slab = malloc(slab_count * sizeof(*slab));
@@ -234,8 +270,9 @@ static enum neph_status upload_grid(const struct neph_vulkan *vulkan, const stru
     for (size_t z = 0; z < nz + 2 && !status; z++) {
         memset(slab, 0, slab_count * sizeof(*slab));
         for (size_t y = 0; z > 0 && z <= nz && y < ny; y++)
-            memcpy(slab + (y + 1) * (nx + 2) + 1, grid->values + ((z - 1) * ny + y) * nx,
-                   nx * sizeof(*slab));
+            for (size_t x = 0; x < nx; x++)
+                slab[(y + 1) * (nx + 2) + 1 + x] = fminf(grid->values[((z - 1) * ny + y) * nx + x],
+                                                         value_max);
         status = neph_buffer_upload(vulkan, buffer, (first + z * slab_count) * sizeof(*slab), slab,
                                     slab_count * sizeof(*slab), diag);
     }
@@ -258,11 +295,11 @@ static enum neph_status upload_grids(const struct neph_vulkan *vulkan,
     enum neph_status status = upload(vulkan, NULL, 0, sizeof(float) * (count > 0 ? count : 1),
                                      "scene grids", &gpu->buffers[2], diag);
     for (int i = 0; i < scene->medium_count && !status; i++) {
-        const struct neph_grid *grid = scene->media[i].grid;
-        if (scene->media[i].kind != NEPH_MEDIUM_GRID)
+        const struct neph_medium *medium = &scene->media[i];
+        if (medium->kind != NEPH_MEDIUM_GRID)
             continue;
-        status = upload_grid(vulkan, grid, first, &gpu->buffers[2], diag);
-        first += padded_count(grid);
+        status = upload_grid(vulkan, medium, first, &gpu->buffers[2], diag);
+        first += padded_count(medium->grid);
     }
     return status;
 }
@@ -318,8 +355,6 @@ static uint64_t depth_turns(const struct neph_medium *medium)
     case NEPH_MEDIUM_GRID:
         return (uint64_t)(medium->grid->size[0] + medium->grid->size[1] + medium->grid->size[2]) +
                12;
-    case NEPH_MEDIUM_SHELL:
-        return 2 * 7 * 5;
     default:
         return (uint64_t)medium->layer_count + 16; /* loops of other kinds turn at least once */
     }
@@ -342,7 +377,7 @@ static void fill_media(const struct neph_scene *scene, struct neph_vec3 camera_m
     gpu->optical_depth_turns = 1;
     for (int i = 0; i < scene->medium_count; i++) {
         const struct neph_medium *medium = &scene->media[i];
-        struct neph_gpu_medium made = medium_from(medium, camera_m);
+        struct neph_gpu_medium made = neph_gpu_medium_from(medium, camera_m);
         if (medium->kind == NEPH_MEDIUM_GRID) {
             made.grid.first = first;
             first += (uint32_t)padded_count(medium->grid);

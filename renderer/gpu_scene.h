@@ -30,15 +30,25 @@ struct neph_gpu_fog_layer {
 struct neph_gpu_gaussian {
     float center_m[3];
     float width_m;
+    float reach_m;
+    float padding[3];
+};
+
+/* struct Globe of shaders/globe.glsl */
+struct neph_gpu_globe {
+    float up[3];
+    float camera_radius_m;
+    float camera_altitude_m;
+    float radius_m;
+    float padding[2];
 };
 
 /* struct Shell of shaders/shell.glsl */
 struct neph_gpu_shell {
-    float up[3];
-    float camera_radius_m;
-    float camera_altitude_m;
+    struct neph_gpu_globe globe;
     float scale_height_m;
-    uint32_t padding[2];
+    float reach_m;
+    float padding[2];
 };
 
 /* struct Grid of shaders/grid.glsl */
@@ -106,10 +116,11 @@ _Static_assert(offsetof(struct neph_gpu_medium, high_m) == 16, "std430 Medium.hi
 _Static_assert(offsetof(struct neph_gpu_medium, albedo) == 32, "std430 Medium.albedo");
 _Static_assert(offsetof(struct neph_gpu_medium, layers) == 64, "std430 Medium.layers");
 _Static_assert(offsetof(struct neph_gpu_medium, gaussian) == 96, "std430 Medium.gaussian");
-_Static_assert(offsetof(struct neph_gpu_medium, shell) == 112, "std430 Medium.shell");
-_Static_assert(offsetof(struct neph_gpu_medium, grid) == 144, "std430 Medium.grid");
-_Static_assert(offsetof(struct neph_gpu_medium, majorant_size) == 192, "std430 Medium.majorants");
-_Static_assert(sizeof(struct neph_gpu_medium) == 224, "std430 Medium");
+_Static_assert(sizeof(struct neph_gpu_globe) == 32, "std430 Globe");
+_Static_assert(offsetof(struct neph_gpu_medium, shell) == 128, "std430 Medium.shell");
+_Static_assert(offsetof(struct neph_gpu_medium, grid) == 176, "std430 Medium.grid");
+_Static_assert(offsetof(struct neph_gpu_medium, majorant_size) == 224, "std430 Medium.majorants");
+_Static_assert(sizeof(struct neph_gpu_medium) == 256, "std430 Medium");
 _Static_assert(offsetof(struct neph_gpu_solid, high_m) == 16, "std430 Solid.high_m");
 _Static_assert(offsetof(struct neph_gpu_solid, albedo) == 32, "std430 Solid.albedo");
 _Static_assert(sizeof(struct neph_gpu_solid) == 48, "std430 Solid");
@@ -120,7 +131,7 @@ _Static_assert(offsetof(struct neph_gpu_frame, sun_irradiance) == 64, "std430 Fr
 _Static_assert(offsetof(struct neph_gpu_frame, background) == 80, "std430 Frame.background");
 _Static_assert(offsetof(struct neph_gpu_frame, steps) == 96, "std430 Frame.steps");
 _Static_assert(offsetof(struct neph_gpu_frame, media) == 112, "std430 Frame.media");
-_Static_assert(sizeof(struct neph_gpu_frame) == 112 + 224 * NEPH_SCENE_MEDIA_MAX, "std430 Frame");
+_Static_assert(sizeof(struct neph_gpu_frame) == 112 + 256 * NEPH_SCENE_MEDIA_MAX, "std430 Frame");
 _Static_assert(NEPH_SCENE_MEDIA_MAX == 8 && NEPH_FOG_LAYERS_MAX == 2, "scene.glsl's counts");
 _Static_assert(NEPH_PHASE_ISOTROPIC == 0 && NEPH_PHASE_HENYEY_GREENSTEIN == 1 &&
                    NEPH_PHASE_RAYLEIGH == 2,
@@ -130,6 +141,14 @@ _Static_assert(NEPH_SOLID_BOX == 0 && NEPH_SOLID_SPHERE == 1, "solids.glsl's kin
 /* The layer as seen from a height; its extinction must be above 0. */
 struct neph_gpu_fog_layer neph_gpu_fog_layer_from(const struct neph_fog_layer *layer,
                                                   double camera_y_m);
+
+/* A sphere as large as a planet, as seen from the camera. */
+struct neph_gpu_globe neph_gpu_globe_from(struct neph_vec3 center_m, double radius_m,
+                                          struct neph_vec3 camera_position_m);
+
+/* One medium; the places of its grid and majorants are left 0. */
+struct neph_gpu_medium neph_gpu_medium_from(const struct neph_medium *medium,
+                                            struct neph_vec3 camera_position_m);
 
 struct neph_gpu_solid neph_gpu_solid_from(const struct neph_solid *solid,
                                           struct neph_vec3 camera_position_m);

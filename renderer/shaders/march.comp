@@ -46,10 +46,23 @@ layout(std430, binding = 5) writeonly buffer Pixels {
     Pixel pixels[];
 };
 
-// In-scattered radiance and optical depth so far.
+// What a march has come to: in-scattered radiance (xyz of `scattered`) and optical depth (its w when
+// that is the same in all channels, else xyz of `depth`).
 struct Sums {
     Sum scattered, depth;
 };
+
+void sums_add(inout Sums sums, vec3 scattered, vec3 step_depth)
+{
+    sum_add(sums.scattered, vec4(scattered, step_depth.x));
+    if (COLOURED)
+        sum_add(sums.depth, vec4(step_depth, 0.0));
+}
+
+vec3 marched_depth(Sums sums)
+{
+    return COLOURED ? sums.depth.value.xyz : sums.scattered.value.www;
+}
 
 struct State {
     Sums sums;
@@ -95,7 +108,7 @@ vec3 marched_optical_depth(vec3 origin_m, vec3 direction, uint steps)
         sum_add(sum, vec4(scene_extinction_per_m(origin_m + middle_m * direction) * step_m, 0.0));
     }
     density_evaluations += steps;
-    return sum.value.xyz;
+    return grey(sum.value.xyz);
 }
 
 vec3 sun_transmittance(vec3 point_m)
@@ -128,11 +141,12 @@ Mixture mixture_at(vec3 point_m)
     Mixture mixture = Mixture(vec3(0.0), vec3(0.0));
     for (uint m = 0; m < frame.medium_count; m++) {
         vec3 extinction_per_m =
-            frame.media[m].extinction_color * medium_extinction_per_m(m, point_m);
+            grey(frame.media[m].extinction_color) * medium_extinction_per_m(m, point_m);
         mixture.extinction_per_m += extinction_per_m;
         mixture.scattering +=
             extinction_per_m * phase_towards_camera_per_sr[m] * frame.media[m].albedo;
     }
+    mixture.extinction_per_m = grey(mixture.extinction_per_m);
     return mixture;
 }
 
@@ -168,12 +182,11 @@ void march(vec3 direction, float length_m, inout Sums sums)
         Mixture mixture = mixture_at(middle_m);
         vec3 step_depth = TRANSMITTANCE == EXACT ? exact_optical_depth(start_m, direction, step_m)
                                                 : mixture.extinction_per_m * step_m;
+        vec3 scattered = vec3(0.0);
         if (frame.single_scattering != 0)
-            sum_add(sums.scattered,
-                    vec4(source_function(mixture, middle_m) *
-                             (fraction_through(sums.depth.value.xyz) * fraction_lost(step_depth)),
-                         0.0));
-        sum_add(sums.depth, vec4(step_depth, 0.0));
+            scattered = source_function(mixture, middle_m) *
+                        (fraction_through(marched_depth(sums)) * fraction_lost(step_depth));
+        sums_add(sums, scattered, step_depth);
     }
 }
 
@@ -191,7 +204,7 @@ Pixel finished_pixel(vec3 direction, Hit hit, Sums sums)
 {
     vec3 optical_depth = TRANSMITTANCE == EXACT
                              ? exact_optical_depth(vec3(0.0), direction, hit.t_m)
-                             : sums.depth.value.xyz;
+                             : marched_depth(sums);
     vec3 behind = hit.solid == NO_SOLID ? frame.background
                                         : surface_radiance(hit, hit.t_m * direction);
     Pixel pixel;

@@ -1,0 +1,43 @@
+#version 450
+// SPDX-License-Identifier: MIT
+//
+// The media of a scene as shaders/scene.glsl answers for them, value by value, for
+// tests/renderer/test_shader_media.c: one thread is one ray. Not used by any renderer.
+#extension GL_GOOGLE_include_directive : require
+
+#include "scene.glsl"
+
+layout(local_size_x = 64) in;
+
+struct Probe {
+    vec3 origin_m; // relative to the camera
+    float length_m;
+    vec3 direction;
+    uint medium;
+};
+
+struct Answer {
+    float extinction_per_m; // at the origin
+    float optical_depth;    // over the length
+    float stretch_t0_m, stretch_t1_m; // of the scene
+};
+
+layout(std430, binding = 5) readonly buffer Probes {
+    Probe probes[];
+};
+
+layout(std430, binding = 6) writeonly buffer Answers {
+    Answer answers[];
+};
+
+void main()
+{
+    uint i = gl_GlobalInvocationID.x;
+    if (i >= probes.length())
+        return;
+    Probe p = probes[i];
+    Stretch stretch = scene_stretch(p.origin_m, p.direction, p.length_m);
+    answers[i] = Answer(medium_extinction_per_m(p.medium, p.origin_m),
+                        medium_optical_depth(p.medium, p.origin_m, p.direction, p.length_m),
+                        stretch.t0_m, stretch.t1_m);
+}

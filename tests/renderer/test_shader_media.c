@@ -1,0 +1,594 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The GLSL twins of the media, value by value through shaders/probe_media.comp, against
+ * scenes/media.h in double precision. A ray is rounded to float32 first and given to both sides. A
+ * tolerance is what float32 can know: positions to `place` roundings of their size, each function
+ * to a few roundings, both times the slope of the answer.
+ */
+#include "tests/renderer/renderer_test.h"
+
+#include "renderer/compute.h"
+#include "renderer/gpu_scene.h"
+#include "scenes/grid.h"
+#include "scenes/media.h"
+
+static const uint32_t probe_spirv[] = {
+#include "shaders/probe_media.comp.inc"
+};
+
+/* of shaders/probe_media.comp */
+struct probe {
+    float origin_m[3];
+    float length_m;
+    float direction[3];
+    uint32_t medium;
+};
+
+struct answer {
+    float extinction_per_m, optical_depth, stretch_t0_m, stretch_t1_m;
+};
+
+static const double epsilon = 0x1p-24;   /* unit roundoff */
+static const double smallest = 0x1p-126; /* densities below it may be flushed to 0 */
+static const uint64_t seed = 20240611;
+
+enum { PROBES_MAX = 4000 };
+
+/* The camera of a test scene: the origin of all probes. */
+static void look_from(struct test_scene *test, struct neph_vec3 camera_m)
+{
+    test_scene_init(test);
+    test->key.position_m = camera_m;
+    test->key.look_at_m = neph_vec3_add(camera_m, (struct neph_vec3){0.0, 0.0, -1.0});
+}
+
+static struct neph_medium *add_medium(struct test_scene *test, enum neph_medium_kind kind,
+                                      double extinction_per_m)
+{
+    struct neph_medium *medium = &test->scene.media[test->scene.medium_count++];
+    *medium = (struct neph_medium){.kind = kind,
+                                   .bounds = test_unbounded,
+                                   .extinction_color = {1, 1, 1},
+                                   .albedo = {1, 1, 1},
+                                   .extinction_per_m = extinction_per_m};
+    return medium;
+}
+
+static void create_buffers(struct neph_vulkan *vulkan, const struct probe *probes, int count,
+                           struct neph_buffer *in, struct neph_buffer *out,
+                           struct neph_buffer *readback)
+{
+    struct neph_diag diag = {0};
+    const size_t answer_bytes = (size_t)count * sizeof(struct answer);
+    neph_assert_ok(neph_buffer_create(vulkan, NEPH_BUFFER_UPLOAD, (size_t)count * sizeof(*probes),
+                                      "probes", in, &diag),
+                   &diag);
+    neph_assert_ok(
+        neph_buffer_create(vulkan, NEPH_BUFFER_DEVICE, answer_bytes, "answers", out, &diag), &diag);
+    neph_assert_ok(
+        neph_buffer_create(vulkan, NEPH_BUFFER_READBACK, answer_bytes, "readback", readback, &diag),
+        &diag);
+    memcpy(in->mapped, probes, (size_t)count * sizeof(*probes));
+}
+
+/* For the caller to free. */
+static struct answer *ask(struct neph_vulkan *vulkan, const struct test_scene *test,
+                          const struct probe *probes, int count)
+{
+    struct neph_diag diag = {0};
+    struct neph_gpu_scene gpu = {0};
+    neph_assert_ok(neph_gpu_scene_create(vulkan, &test->scene, 0.0, 8, 8, false, &gpu, &diag),
+                   &diag);
+    const struct neph_kernel_params params = {
+        .name = "probe_media",
+        .spirv = probe_spirv,
+        .spirv_size_bytes = sizeof(probe_spirv),
+        .buffer_count = NEPH_GPU_SCENE_BUFFERS + 2,
+        .constant_count = NEPH_GPU_SCENE_CONSTANTS,
+        .constants = {gpu.constants[0], gpu.constants[1]},
+    };
+    const struct neph_kernel *kernel;
+    neph_assert_ok(neph_kernel_get(vulkan, &params, &kernel, &diag), &diag);
+    struct neph_buffer in = {0}, out = {0}, readback = {0};
+    create_buffers(vulkan, probes, count, &in, &out, &readback);
+    const size_t answer_bytes = (size_t)count * sizeof(struct answer);
+    struct neph_dispatch dispatch = {
+        .buffers = {[NEPH_GPU_SCENE_BUFFERS] = &in, &out},
+        .group_count = ((uint32_t)count + 63) / 64,
+        .copy_from = &out,
+        .copy_to = &readback,
+        .copy_size_bytes = answer_bytes,
+    };
+    neph_gpu_scene_bind(&gpu, &dispatch);
+    neph_assert_ok(neph_kernel_run(vulkan, kernel, &dispatch, NULL, &diag), &diag);
+    struct answer *answers = malloc(answer_bytes);
+    assert_non_null(answers);
+    memcpy(answers, readback.mapped, answer_bytes);
+    neph_buffer_destroy(vulkan, &readback);
+    neph_buffer_destroy(vulkan, &out);
+    neph_buffer_destroy(vulkan, &in);
+    neph_gpu_scene_destroy(vulkan, &gpu);
+    return answers;
+}
+
+/* --- rays --------------------------------------------------------------------------------- */
+
+static double pick(uint64_t *random, const double *values, size_t count)
+{
+    return values[neph_test_random(random) % count];
+}
+#define PICK(random, values) pick((random), (values), sizeof(values) / sizeof((values)[0]))
+
+static struct neph_vec3 random_direction(uint64_t *random)
+{
+    static const double components[] = {0.0, 0.0, 1.0, -1.0, 1e-7, -1e-7, 1e-30, 0.5};
+    struct neph_vec3 v;
+    do {
+        const bool special = neph_test_random(random) % 3 == 0;
+        v.x = special ? PICK(random, components) : neph_test_uniform(random, -1, 1);
+        v.y = special ? PICK(random, components) : neph_test_uniform(random, -1, 1);
+        v.z = special ? PICK(random, components) : neph_test_uniform(random, -1, 1);
+    } while (neph_vec3_length(v) < 1e-3);
+    return neph_vec3_normalize(v);
+}
+
+static struct neph_vec3 random_point(uint64_t *random, struct neph_vec3 center_m, double reach_m)
+{
+    return (struct neph_vec3){center_m.x + reach_m * neph_test_uniform(random, -1, 1),
+                              center_m.y + reach_m * neph_test_uniform(random, -1, 1),
+                              center_m.z + reach_m * neph_test_uniform(random, -1, 1)};
+}
+
+/* A ray from a world point, rounded to float32 relative to the camera. */
+static struct probe probe_from(const struct test_scene *test, struct neph_vec3 origin_m,
+                               struct neph_vec3 direction, double length_m)
+{
+    const struct neph_vec3 from_m = neph_vec3_sub(origin_m, test->key.position_m);
+    return (struct probe){
+        .origin_m = {(float)from_m.x, (float)from_m.y, (float)from_m.z},
+        .length_m = (float)length_m,
+        .direction = {(float)direction.x, (float)direction.y, (float)direction.z},
+    };
+}
+
+static struct neph_vec3 vec3(const float v[3])
+{
+    return (struct neph_vec3){v[0], v[1], v[2]};
+}
+
+/* The ray as the truth sees it. A rounded direction is not quite unit: the double side stretches
+ * the ray by its length, which is 6e-8. */
+struct ray {
+    struct neph_vec3 origin_m, direction;
+    double length_m;
+    double place_m; /* what float32 knows of places near its ends */
+};
+
+static struct ray ray_of(const struct test_scene *test, const struct probe *p)
+{
+    const double size_m = fabs((double)p->origin_m[0]) + fabs((double)p->origin_m[1]) +
+                          fabs((double)p->origin_m[2]);
+    return (struct ray){neph_vec3_add(test->key.position_m, vec3(p->origin_m)),
+                        neph_vec3_normalize(vec3(p->direction)), p->length_m,
+                        4.0 * epsilon * size_m};
+}
+
+/* Worst error in parts of what is allowed, for people. */
+struct worst {
+    double extinction, depth;
+};
+
+static void hold(double actual, double expected, double allowed, double *worst, const char *what,
+                 int i)
+{
+    if (!(actual >= 0.0) || isinf(actual))
+        fail_msg("probe %d: %s is %g", i, what, actual);
+    if (!(fabs(actual - expected) <= allowed))
+        fail_msg("probe %d: %s is %.9g, expected %.9g +- %.2g", i, what, actual, expected, allowed);
+    if (allowed > 0.0)
+        *worst = fmax(*worst, fabs(actual - expected) / allowed);
+}
+
+/* Marching may leave out 1e-7 of optical depth per medium, and more only to rounding. */
+static void hold_stretch(const struct answer *answer, const struct ray *ray,
+                         const struct neph_medium *medium, double allowed, int i)
+{
+    const double t0_m = fmin(answer->stretch_t0_m, ray->length_m), t1_m = answer->stretch_t1_m;
+    double left_out = neph_medium_optical_depth(medium, ray->origin_m, ray->direction, 0.0,
+                                                t1_m > t0_m ? t0_m : ray->length_m);
+    if (t1_m > t0_m && t1_m < ray->length_m)
+        left_out += neph_medium_optical_depth(medium, ray->origin_m, ray->direction, t1_m,
+                                              ray->length_m);
+    if (!(left_out <= 2e-7 + allowed))
+        fail_msg("probe %d: the stretch %g..%g leaves out %.3g", i, t0_m, t1_m, left_out);
+}
+
+/* --- Gaussian blobs ----------------------------------------------------------------------- */
+
+/* neph_medium_support() ends where extinction has fallen to this. */
+static const double support_cut = 1e-12;
+
+static void check_gaussian(struct neph_vulkan *vulkan, const struct test_scene *test,
+                           uint64_t *random, struct worst *worst)
+{
+    const struct neph_medium *medium = &test->scene.media[0];
+    const double w_m = medium->gaussian.width_m;
+    static const double lengths[] = {1e-4, 0.01, 0.3, 1.0, 3.0, 20.0, 1e4, 1e12};
+    struct probe *probes = calloc(PROBES_MAX, sizeof(*probes));
+    assert_non_null(probes);
+    for (int i = 0; i < PROBES_MAX; i++) {
+        const double reach_m = w_m * (i % 3 ? 3.0 : 10.0);
+        const struct neph_vec3 origin_m = i % 50 ? random_point(random, medium->gaussian.center_m,
+                                                                reach_m)
+                                                 : medium->gaussian.center_m;
+        probes[i] = probe_from(test, origin_m, random_direction(random),
+                               w_m * PICK(random, lengths));
+    }
+    struct answer *answers = ask(vulkan, test, probes, PROBES_MAX);
+    const struct neph_vec3 far_m = neph_vec3_sub(medium->gaussian.center_m, test->key.position_m);
+    for (int i = 0; i < PROBES_MAX; i++) {
+        const struct ray ray = ray_of(test, &probes[i]);
+        const struct neph_vec3 to_center_m = neph_vec3_sub(medium->gaussian.center_m, ray.origin_m);
+        const double place_m = ray.place_m + 4.0 * epsilon * neph_vec3_length(far_m);
+        const double r = neph_vec3_length(to_center_m) / w_m;
+        const double extinction = neph_medium_extinction_per_m(medium, ray.origin_m);
+        /* e^-x: its own rounding, the rounding of x = r^2 / 2, and the slope r / w of x. */
+        const double relative = epsilon * (16.0 + 8.0 * r * r) + place_m / w_m * r;
+        hold(answers[i].extinction_per_m, extinction,
+             extinction * expm1(relative) + support_cut * medium->extinction_per_m,
+             &worst->extinction, "extinction", i);
+        const double depth = neph_medium_optical_depth(medium, ray.origin_m, ray.direction, 0.0,
+                                                       ray.length_m);
+        const double nearest_m = fmax(
+            0.0, fmin(ray.length_m, neph_vec3_dot(to_center_m, ray.direction)));
+        const double peak = neph_medium_extinction_per_m(
+            medium, neph_vec3_along(ray.origin_m, ray.direction, nearest_m));
+        const double q = log(medium->extinction_per_m / fmax(peak, 1e-300));
+        const double here_m = place_m + 8.0 * epsilon * fmin(ray.length_m, r * w_m + 6.0 * w_m);
+        /* Ends and line are off by `here`: the ends cost their density, the line its slope. */
+        const double allowed = depth * epsilon * (24.0 + 8.0 * q) +
+                               here_m * (2.0 * peak + depth / w_m * sqrt(2.0 * q)) +
+                               8.0 * support_cut * medium->extinction_per_m * w_m;
+        hold(answers[i].optical_depth, depth, allowed, &worst->depth, "optical depth", i);
+        hold_stretch(&answers[i], &ray, medium, allowed + depth * 1e-6, i);
+    }
+    free(answers);
+    free(probes);
+}
+
+static void test_gaussian_blobs(void **state)
+{
+    uint64_t random = seed;
+    struct worst worst = {0.0, 0.0};
+    static const double widths_m[] = {0.01, 3.0, 500.0};
+    static const double depths[] = {1e-9, 0.5, 300.0};
+    for (int round = 0; round < 9; round++) {
+        struct test_scene test;
+        look_from(&test, (struct neph_vec3){round < 6 ? 3.0 : 1e6, 2.0, round % 2 ? -5.0 : -3e5});
+        const double width_m = widths_m[round % 3];
+        struct neph_medium *blob = add_medium(&test, NEPH_MEDIUM_GAUSSIAN,
+                                              depths[round / 3] / width_m);
+        blob->gaussian = (struct neph_gaussian){
+            random_point(&random, test.key.position_m, 20.0 * width_m), width_m};
+        check_gaussian(*state, &test, &random, &worst);
+    }
+    print_message("Gaussian: worst error is %.2f of what is allowed at points, %.2f on rays\n",
+                  worst.extinction, worst.depth);
+}
+
+/* --- shells ------------------------------------------------------------------------------- */
+
+/* How far along a ray from its lowest part the density matters, and so positions do. */
+static double relevant_m(const struct neph_shell *shell, double r_m, double lowest_m,
+                         double length_m)
+{
+    const double reach_m = sqrt(2.0 * 20.0 * shell->scale_height_m *
+                                (r_m + 20.0 * shell->scale_height_m));
+    return fmin(length_m, fabs(lowest_m) + reach_m);
+}
+
+static void check_shell(struct neph_vulkan *vulkan, const struct test_scene *test, uint64_t *random,
+                        struct worst *worst)
+{
+    const struct neph_medium *medium = &test->scene.media[0];
+    const struct neph_shell *shell = &medium->shell;
+    const double r_m = shell->radius_m, h_m = shell->scale_height_m;
+    static const double lengths[] = {1e-3, 0.1, 1.0, 10.0, 1e3, 1e12};
+    struct probe *probes = calloc(PROBES_MAX, sizeof(*probes));
+    assert_non_null(probes);
+    for (int i = 0; i < PROBES_MAX; i++) {
+        const double reach_m = i % 7 == 0 ? 0.0 : i % 3 ? 5.0 * h_m : 2.0 * sqrt(r_m * h_m);
+        probes[i] = probe_from(test, random_point(random, test->key.position_m, reach_m),
+                               random_direction(random), h_m * PICK(random, lengths));
+    }
+    struct answer *answers = ask(vulkan, test, probes, PROBES_MAX);
+    int grazing = 0;
+    for (int i = 0; i < PROBES_MAX; i++) {
+        const struct ray ray = ray_of(test, &probes[i]);
+        const struct neph_vec3 from_center_m = neph_vec3_sub(ray.origin_m, shell->center_m);
+        const double height_m = neph_vec3_length(from_center_m) - r_m;
+        const double lowest_m = -neph_vec3_dot(from_center_m, ray.direction);
+        const double low_m =
+            neph_vec3_length(neph_vec3_along(from_center_m, ray.direction, lowest_m)) - r_m;
+        const double extinction = neph_medium_extinction_per_m(medium, ray.origin_m);
+        const double place_m = 2.0 * ray.place_m + 4.0 * epsilon * fabs(height_m);
+        if (fabs(height_m) > place_m)
+            hold(answers[i].extinction_per_m, extinction,
+                 extinction * expm1(epsilon * (16.0 + 4.0 * fabs(height_m) / h_m) + place_m / h_m) +
+                     smallest,
+                 &worst->extinction, "extinction", i);
+        const double seen_m = relevant_m(shell, r_m, lowest_m, ray.length_m);
+        const double here_m = place_m + 16.0 * epsilon * seen_m;
+        assert_true(answers[i].optical_depth >= 0.0f && isfinite(answers[i].optical_depth));
+        /* Tangent to the ground within a rounding: in the densest air, or under the ground. */
+        if (fabs(low_m) <= 4.0 * here_m || fabs(height_m) <= 4.0 * here_m) {
+            grazing++;
+            continue;
+        }
+        const double depth = neph_medium_optical_depth(medium, ray.origin_m, ray.direction, 0.0,
+                                                       ray.length_m);
+        const double ends = extinction +
+                            neph_medium_extinction_per_m(
+                                medium, neph_vec3_along(ray.origin_m, ray.direction, ray.length_m));
+        /* Where a ray meets the ground at a slant, a height off by `here` moves the place by
+         * here / slant. */
+        const double slant = low_m < 0.0 ? sqrt(-low_m * (2.0 * r_m + low_m)) / r_m : 1.0;
+        const double ground = low_m < 0.0 ? medium->extinction_per_m / slant : 0.0;
+        const double allowed = depth * (1e-6 + expm1(2.0 * here_m / h_m)) +
+                               here_m * (ends + 2.0 * ground) + smallest * seen_m;
+        hold(answers[i].optical_depth, depth, allowed, &worst->depth, "optical depth", i);
+        hold_stretch(&answers[i], &ray, medium, allowed + depth * 1e-6, i);
+    }
+    print_message("shell of %g m, %g m high, from %g m: %d of %d graze the ground\n", r_m, h_m,
+                  neph_vec3_length(neph_vec3_sub(test->key.position_m, shell->center_m)) - r_m,
+                  grazing, PROBES_MAX);
+    assert_true(grazing < PROBES_MAX / 2);
+    free(answers);
+    free(probes);
+}
+
+static void test_shells(void **state)
+{
+    uint64_t random = seed;
+    struct worst worst = {0.0, 0.0};
+    static const struct {
+        double radius_m, scale_height_m, altitude_m;
+    } cases[] = {
+        {6.371e6, 8000.0, 1.6},   {6.371e6, 8000.0, 12000.0}, {6.371e6, 8000.0, 4e5},
+        {6.371e6, 1200.0, 500.0}, {2e5, 100.0, 50.0},         {1000.0, 100.0, 30.0},
+        {100.0, 100.0, 20.0},     {6.371e6, 8000.0, -50.0},
+    };
+    for (size_t c = 0; c < sizeof(cases) / sizeof(cases[0]); c++) {
+        struct test_scene test;
+        const struct neph_vec3 center_m = {c % 2 ? 3e6 : 0.0, -cases[c].radius_m, 0.0};
+        const struct neph_vec3 up = c % 3 == 2 ? neph_vec3_normalize((struct neph_vec3){1, 2, -1})
+                                               : (struct neph_vec3){0, 1, 0};
+        look_from(&test, neph_vec3_along(center_m, up, cases[c].radius_m + cases[c].altitude_m));
+        struct neph_medium *medium = add_medium(&test, NEPH_MEDIUM_SHELL,
+                                                0.3 / cases[c].scale_height_m);
+        medium->shell = (struct neph_shell){center_m, cases[c].radius_m, cases[c].scale_height_m};
+        check_shell(*state, &test, &random, &worst);
+    }
+    print_message("shells: worst error is %.2f of what is allowed at points, %.2f on rays\n",
+                  worst.extinction, worst.depth);
+}
+
+/* --- grids -------------------------------------------------------------------------------- */
+
+static struct neph_grid *random_grid(uint64_t *random, const int size[3], struct neph_vec3 origin_m,
+                                     struct neph_vec3 spacing_m)
+{
+    struct neph_diag diag = {0};
+    struct neph_grid *grid;
+    neph_assert_ok(neph_grid_create(size, origin_m, spacing_m, &grid, &diag), &diag);
+    for (int i = 0; i < size[0] * size[1] * size[2]; i++)
+        grid->values[i] = (float)fmax(0.0, neph_test_uniform(random, -0.5, 1.0));
+    neph_assert_ok(neph_grid_seal(grid, &diag), &diag);
+    return grid;
+}
+
+static struct neph_vec3 random_node(uint64_t *random, const struct neph_grid *grid)
+{
+    const double half[] = {0.0, 0.5};
+    return (struct neph_vec3){
+        grid->origin_m.x +
+            grid->spacing_m.x *
+                ((double)(neph_test_random(random) % (uint64_t)grid->size[0]) + PICK(random, half)),
+        grid->origin_m.y +
+            grid->spacing_m.y *
+                ((double)(neph_test_random(random) % (uint64_t)grid->size[1]) + PICK(random, half)),
+        grid->origin_m.z +
+            grid->spacing_m.z * ((double)(neph_test_random(random) % (uint64_t)grid->size[2]) +
+                                 PICK(random, half))};
+}
+
+static bool is_near_face(const struct neph_bounds *bounds, struct neph_vec3 p, double place_m)
+{
+    return fabs(p.x - bounds->min_m.x) < place_m || fabs(p.x - bounds->max_m.x) < place_m ||
+           fabs(p.y - bounds->min_m.y) < place_m || fabs(p.y - bounds->max_m.y) < place_m ||
+           fabs(p.z - bounds->min_m.z) < place_m || fabs(p.z - bounds->max_m.z) < place_m;
+}
+
+/* What moving the faces of the bounds out and in does to an optical depth: a ray along a face. */
+static double edge_effect(const struct neph_medium *medium, const struct ray *ray, double by_m)
+{
+    struct neph_medium wide = *medium, narrow = *medium;
+    const struct neph_vec3 by = {by_m, by_m, by_m};
+    wide.bounds.min_m = neph_vec3_sub(wide.bounds.min_m, by);
+    wide.bounds.max_m = neph_vec3_add(wide.bounds.max_m, by);
+    narrow.bounds.min_m = neph_vec3_add(narrow.bounds.min_m, by);
+    narrow.bounds.max_m = neph_vec3_sub(narrow.bounds.max_m, by);
+    return neph_medium_optical_depth(&wide, ray->origin_m, ray->direction, 0.0, ray->length_m) -
+           neph_medium_optical_depth(&narrow, ray->origin_m, ray->direction, 0.0, ray->length_m);
+}
+
+static void check_grid(struct neph_vulkan *vulkan, const struct test_scene *test, uint64_t *random,
+                       struct worst *worst)
+{
+    const struct neph_medium *medium = &test->scene.media[0];
+    const struct neph_grid *grid = medium->grid;
+    const struct neph_bounds support = neph_grid_support(grid);
+    const struct neph_vec3 center_m = neph_vec3_scale(neph_vec3_add(support.min_m, support.max_m),
+                                                      0.5);
+    const double extent_m = neph_vec3_length(neph_vec3_sub(support.max_m, support.min_m));
+    static const double lengths[] = {1e-4, 0.03, 0.2, 1.0, 3.0, 1e6};
+    struct probe *probes = calloc(PROBES_MAX, sizeof(*probes));
+    assert_non_null(probes);
+    for (int i = 0; i < PROBES_MAX; i++) {
+        struct neph_vec3 origin_m = i % 4 ? random_point(random, center_m, 0.6 * extent_m)
+                                          : random_node(random, grid); /* on faces and edges */
+        struct neph_vec3 direction = random_direction(random);
+        if (i % 5 == 0) /* from outside, aimed at a node */
+            direction = neph_vec3_normalize(
+                neph_vec3_sub(random_node(random, grid),
+                              origin_m = random_point(random, center_m, 3.0 * extent_m)));
+        probes[i] = probe_from(test, origin_m, direction, extent_m * PICK(random, lengths));
+    }
+    struct answer *answers = ask(vulkan, test, probes, PROBES_MAX);
+    const struct neph_vec3 h = grid->spacing_m;
+    const double per_m = 1.0 / h.x + 1.0 / h.y + 1.0 / h.z;
+    const double nodes = grid->size[0] + grid->size[1] + grid->size[2] + 6.0;
+    const double peak = medium->extinction_per_m * (double)grid->maximum;
+    const double corner_m = neph_vec3_length(neph_vec3_sub(center_m, test->key.position_m)) +
+                            extent_m;
+    for (int i = 0; i < PROBES_MAX; i++) {
+        const struct ray ray = ray_of(test, &probes[i]);
+        /* A place is off by a few roundings of its size and of the corner's, and by one of its
+         * number among the nodes; that moves the density by at most its largest slope. */
+        const double place_m = ray.place_m + 4.0 * epsilon * corner_m;
+        const double slope = peak * (place_m * per_m + 4.0 * epsilon * nodes);
+        if (!is_near_face(&medium->bounds, ray.origin_m, place_m)) /* in or out */
+            hold(answers[i].extinction_per_m, neph_medium_extinction_per_m(medium, ray.origin_m),
+                 slope + 8.0 * epsilon * peak, &worst->extinction, "extinction", i);
+        const double depth = neph_medium_optical_depth(medium, ray.origin_m, ray.direction, 0.0,
+                                                       ray.length_m);
+        const double inside_m = fmin(ray.length_m, extent_m);
+        const double allowed = slope * inside_m + 4.0 * place_m * peak + 24.0 * epsilon * depth +
+                               edge_effect(medium, &ray, 2.0 * place_m);
+        hold(answers[i].optical_depth, depth, allowed, &worst->depth, "optical depth", i);
+        hold_stretch(&answers[i], &ray, medium, allowed, i);
+    }
+    free(answers);
+    free(probes);
+}
+
+static void test_grids(void **state)
+{
+    uint64_t random = seed;
+    static const struct {
+        int size[3];
+        struct neph_vec3 spacing_m;
+        double distance_m; /* of the camera */
+    } cases[] = {
+        {{7, 6, 5}, {1.0, 0.9, 1.3}, 10.0},      {{1, 1, 1}, {2.0, 3.0, 4.0}, 5.0},
+        {{64, 64, 64}, {0.5, 0.5, 0.5}, 100.0},  {{300, 2, 1}, {0.1, 7.0, 3.0}, 20.0},
+        {{40, 30, 20}, {25.0, 50.0, 25.0}, 1e5},
+    };
+    struct worst worst = {0.0, 0.0};
+    for (size_t c = 0; c < sizeof(cases) / sizeof(cases[0]); c++) {
+        struct test_scene test;
+        const struct neph_vec3 origin_m = {1000.0 + (double)c, 17.0, -3.0};
+        look_from(&test, neph_vec3_add(origin_m, neph_vec3_scale(random_direction(&random),
+                                                                 cases[c].distance_m)));
+        struct neph_medium *medium = add_medium(&test, NEPH_MEDIUM_GRID, 0.7);
+        medium->grid = random_grid(&random, cases[c].size, origin_m, cases[c].spacing_m);
+        if (c == 2) /* bounds that cut the lattice */
+            medium->bounds = (struct neph_bounds){{1005.0, 20.0, -INFINITY}, {1030.0, 40.0, 20.0}};
+        check_grid(*state, &test, &random, &worst);
+        neph_grid_destroy(medium->grid);
+    }
+    print_message("grids: worst error is %.2f of what is allowed at points, %.2f on rays\n",
+                  worst.extinction, worst.depth);
+}
+
+/* Several media with data: each finds its own. */
+static void test_grids_beside_each_other(void **state)
+{
+    uint64_t random = seed;
+    struct test_scene test;
+    look_from(&test, (struct neph_vec3){0.0, 0.0, 0.0});
+    for (int m = 0; m < 4; m++) {
+        struct neph_medium *medium = add_medium(&test, NEPH_MEDIUM_GRID, 1.0 + m);
+        medium->grid = random_grid(&random, (const int[3]){3 + m, 4, 5},
+                                   (struct neph_vec3){-2.0, -2.0, -2.0},
+                                   (struct neph_vec3){1.0, 1.0, 1.0});
+    }
+    struct probe probes[400];
+    for (int i = 0; i < 400; i++) {
+        probes[i] = probe_from(&test, random_point(&random, (struct neph_vec3){0, 0, 0}, 3.0),
+                               random_direction(&random), 4.0);
+        probes[i].medium = (uint32_t)i % 4;
+    }
+    struct answer *answers = ask(*state, &test, probes, 400);
+    for (int i = 0; i < 400; i++) {
+        const struct ray ray = ray_of(&test, &probes[i]);
+        const struct neph_medium *medium = &test.scene.media[i % 4];
+        neph_assert_close(answers[i].extinction_per_m,
+                          neph_medium_extinction_per_m(medium, ray.origin_m), 0.0, 3e-5);
+        neph_assert_close(answers[i].optical_depth,
+                          neph_medium_optical_depth(medium, ray.origin_m, ray.direction, 0.0, 4.0),
+                          0.0, 3e-5);
+    }
+    free(answers);
+    for (int m = 0; m < 4; m++)
+        neph_grid_destroy(test.scene.media[m].grid);
+}
+
+/* --- hostile media ------------------------------------------------------------------------ */
+
+/* Extremes of every number: whatever they mean, the answers are numbers. */
+static void test_extreme_media_give_no_nonsense(void **state)
+{
+    static const double sizes[] = {1e-9, 1e-3, 1.0, 1e5, 1e12};
+    static const double extinctions[] = {1e-40, 1e-12, 1.0, 1e20, 1e30};
+    static const double places[] = {0.0, 1.0, -1e3, 1e7, -1e12};
+    uint64_t random = seed;
+    for (int round = 0; round < 60; round++) {
+        struct test_scene test;
+        look_from(&test, (struct neph_vec3){PICK(&random, places), PICK(&random, places), 0.0});
+        const enum neph_medium_kind kinds[] = {NEPH_MEDIUM_GAUSSIAN, NEPH_MEDIUM_SHELL,
+                                               NEPH_MEDIUM_GRID};
+        struct neph_medium *medium = add_medium(&test, kinds[round % 3],
+                                                PICK(&random, extinctions));
+        const struct neph_vec3 center_m = {PICK(&random, places), PICK(&random, places),
+                                           PICK(&random, places)};
+        medium->gaussian = (struct neph_gaussian){center_m, PICK(&random, sizes)};
+        medium->shell = (struct neph_shell){center_m, PICK(&random, sizes), PICK(&random, sizes)};
+        if (kinds[round % 3] == NEPH_MEDIUM_GRID) {
+            const double spacing_m = PICK(&random, sizes);
+            medium->grid = random_grid(&random, (const int[3]){3, 2, 4}, center_m,
+                                       (struct neph_vec3){spacing_m, spacing_m, 2.0 * spacing_m});
+            medium->grid->values[3] = 3e38f;
+        }
+        struct probe probes[256];
+        for (int i = 0; i < 256; i++)
+            probes[i] = probe_from(&test,
+                                   random_point(&random, i % 2 ? center_m : test.key.position_m,
+                                                i % 4 ? PICK(&random, sizes) : 0.0),
+                                   random_direction(&random), i % 3 ? PICK(&random, sizes) : 1e15);
+        struct answer *answers = ask(*state, &test, probes, 256);
+        for (int i = 0; i < 256; i++)
+            if (!(answers[i].extinction_per_m >= 0.0f) || isinf(answers[i].extinction_per_m) ||
+                !(answers[i].optical_depth >= 0.0f) || isnan(answers[i].stretch_t0_m) ||
+                isnan(answers[i].stretch_t1_m))
+                fail_msg("round %d, probe %d: extinction %g, optical depth %g, stretch %g..%g",
+                         round, i, (double)answers[i].extinction_per_m,
+                         (double)answers[i].optical_depth, (double)answers[i].stretch_t0_m,
+                         (double)answers[i].stretch_t1_m);
+        free(answers);
+        neph_grid_destroy(medium->grid);
+    }
+}
+
+int main(void)
+{
+    print_message("seed %llu\n", (unsigned long long)seed);
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_gaussian_blobs),
+        cmocka_unit_test(test_shells),
+        cmocka_unit_test(test_grids),
+        cmocka_unit_test(test_grids_beside_each_other),
+        cmocka_unit_test(test_extreme_media_give_no_nonsense),
+    };
+    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
+}
