@@ -4,6 +4,19 @@
  * Horizon: Zero Dawn", SIGGRAPH 2015; shape functions after F. Haggstrom, "Real-time rendering of
  * volumetric clouds", 2018): a spherical shell whose density is base noise, carved by a weather
  * map, a height profile and detail noise. Noise and weather are made here from a seed.
+ *
+ * With R(v, a, b, c, d) = c + (v - a) (d - c) / (b - a), sat() a clamp to 0..1, p the height within
+ * the layer 0..1, gc and gd coverage and density of the whole sky, and from the weather map low and
+ * high coverage w0 w1, peak height wh, density wd:
+ *
+ *   coverage      w = gc max(w0, 2 w1 sat(gc - 0.5))
+ *   height shape  SA = sat(R(p, 0, .07, 0, 1)) sat(R(p, .2 wh, wh, 1, .1))
+ *   height mass   DA = 2 gd wd p sat(R(p, 0, .15, 0, 1)) sat(R(p, .9, 1, 1, .2))
+ *   base noise    B = R(red, .625 green + .25 blue + .125 alpha - 1, 1, 0, 1)
+ *   shape         S = sat(R(B SA, 1 - w, 1, 0, 1)); 0 where w = 0
+ *   detail noise  D = sat(R(red, 1 - (.625 red + .25 green + .125 blue), 1, 0, 1))
+ *   erosion       E = .8 e^(-.75 gc) lerp(D, 1 - D, sat(1.8 p))
+ *   density       sat(R(S, E, 1, 0, 1)) DA; without detail S DA
  */
 #ifndef NEPH_SCENES_HORIZON_H
 #define NEPH_SCENES_HORIZON_H
@@ -15,19 +28,20 @@
 #define NEPH_HORIZON_BASE_SIDE 64     /* base noise: side^3 texels of 4 channels, periodic */
 #define NEPH_HORIZON_DETAIL_SIDE 32   /* detail noise: side^3 texels of 3 channels, periodic */
 #define NEPH_HORIZON_WEATHER_SIDE 256 /* weather map: side^2 texels of 4 channels, periodic */
+#define NEPH_HORIZON_BLOCK 4          /* texels along a side of a block of the bound's tables */
 
 /* What a scene may choose. */
 struct neph_horizon_params {
     uint64_t seed;
-    double planet_radius_m;  /* of the bottom of the cloud layer; 2e5 in the article */
+    double planet_radius_m;  /* of the bottom of the cloud layer; > 0 */
     double bottom_m;         /* world height of the bottom at x = z = 0 */
-    double thickness_m;      /* of the layer; 280 */
+    double thickness_m;      /* of the layer; > 0 */
     double coverage;         /* gc, 0..1 */
     double density;          /* gd, >= 0 */
-    double texture_scale_m;  /* world metres of one repeat of the weather map; 6e3 */
-    double base_repeats;     /* of the base noise within texture_scale_m; 40 */
-    double detail_repeats;   /* of the detail noise within texture_scale_m; 60 */
-    struct neph_vec3 wind_m; /* the textures' displacement */
+    double texture_scale_m;  /* world metres of one repeat of the weather map; > 0 */
+    double base_repeats;     /* of the base noise within texture_scale_m; > 0 */
+    double detail_repeats;   /* of the detail noise within texture_scale_m; > 0 */
+    struct neph_vec3 wind_m; /* the textures' displacement: clouds that were at x are at x + wind */
 };
 
 /* Textures are float32 on both sides: the shader reads the same numbers. Texel (i, j, k) is at
@@ -37,16 +51,21 @@ struct neph_horizon {
     float *base;    /* owned; [z][y][x][4]: Perlin-Worley, three octaves of Worley; 0..1 */
     float *detail;  /* owned; [z][y][x][3]: three octaves of Worley; 0..1 */
     float *weather; /* owned; [z][x][4]: low coverage, high coverage, peak height, density; 0..1 */
+    /* For the bound. Per block of texels and its far neighbours: what makes most density of it. */
+    float *base_blocks;    /* owned; [z][y][x][2]: largest Perlin-Worley, smallest sum of octaves */
+    float *weather_blocks; /* owned; [z][x][4]: the largest of each channel */
 };
 
-/* Generate the textures: deterministic in the seed, the same bits on every machine. */
+/* Generate the textures: deterministic in the seed, the same bits on every machine. Takes some
+ * tenths of a second. NEPH_ERR_INPUT: a parameter outside its range. */
 enum neph_status neph_horizon_create(const struct neph_horizon_params *params,
                                      struct neph_horizon **horizon, struct neph_diag *diag);
 
 /* NULL is fine. */
 void neph_horizon_destroy(struct neph_horizon *horizon);
 
-/* The article's values where it gives them. */
+/* The article's values: planet 2e5 m, layer from 80 m to 360 m, coverage 0.58, density 1.5, weather
+ * over 6 km, 40 and 60 repeats. Seed 1, no wind. */
 struct neph_horizon_params neph_horizon_defaults(void);
 
 /* Density (dimensionless, >= 0) at a point. `*without_detail` receives the density before the
@@ -57,12 +76,20 @@ double neph_horizon_density(const struct neph_horizon *horizon, struct neph_vec3
 /* Height within the layer, 0 at the bottom, 1 at the top, clamped; the article's ph. */
 double neph_horizon_height(const struct neph_horizon *horizon, struct neph_vec3 point_m);
 
-/* No smaller than the density anywhere in the box. */
+/* No smaller than the density anywhere in the box (sides may be infinite), and 0 where the box
+ * lies outside the layer or under clear sky. */
 double neph_horizon_bound(const struct neph_horizon *horizon, const struct neph_bounds *box);
 
-/* The integral of the density along origin + t direction over [t0_m, t1_m] [m], by adaptive
- * quadrature between the surfaces of the shell. `*error_m` receives the estimated absolute error
- * (NULL is fine). */
+/* The part of the bounds that the layer may lie in: the sphere around it; without what is below the
+ * layer everywhere, when the bounds keep to the upper half of the planet. */
+struct neph_bounds neph_horizon_support(const struct neph_horizon *horizon,
+                                        const struct neph_bounds *bounds);
+
+/* The integral of the density along origin + t direction over [t0_m, t1_m] [m]; t1 may be +inf,
+ * `direction` is unit. Cut at the surfaces of the shell and at the faces of all texels, between
+ * which the density is smooth but for its clamps; there by Gauss-Kronrod quadrature with bisection.
+ * `*error_m` receives the sum of the differences between the two rules, which the true error stays
+ * far below (NULL is fine). */
 double neph_horizon_integral_m(const struct neph_horizon *horizon, struct neph_vec3 origin_m,
                                struct neph_vec3 direction, double t0_m, double t1_m,
                                double *error_m);

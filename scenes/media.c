@@ -4,6 +4,7 @@
  * functions.
  */
 #include "scenes/grid.h"
+#include "scenes/horizon.h"
 #include "scenes/medium_kind.h"
 
 #include <math.h>
@@ -43,10 +44,43 @@ const struct neph_medium_kind_ops neph_medium_grid = {
     .support = grid_support,
 };
 
+/* --- Horizon clouds, which have theirs ------------------------------------------------------- */
+
+static double horizon_extinction_per_m(const struct neph_medium *medium, struct neph_vec3 point_m)
+{
+    return medium->extinction_per_m * neph_horizon_density(medium->horizon, point_m, NULL);
+}
+
+static double horizon_optical_depth(const struct neph_medium *medium, struct neph_vec3 origin_m,
+                                    struct neph_vec3 direction, double t0_m, double t1_m)
+{
+    return medium->extinction_per_m *
+           neph_horizon_integral_m(medium->horizon, origin_m, direction, t0_m, t1_m, NULL);
+}
+
+static double horizon_bound_per_m(const struct neph_medium *medium, const struct neph_bounds *box)
+{
+    return medium->extinction_per_m * neph_horizon_bound(medium->horizon, box);
+}
+
+static struct neph_bounds horizon_support(const struct neph_medium *medium)
+{
+    return neph_horizon_support(medium->horizon, &medium->bounds);
+}
+
+const struct neph_medium_kind_ops neph_medium_horizon = {
+    .name = "Horizon cloud layer",
+    .closed_form = false,
+    .extinction_per_m = horizon_extinction_per_m,
+    .optical_depth = horizon_optical_depth,
+    .bound_per_m = horizon_bound_per_m,
+    .support = horizon_support,
+};
+
 static const struct neph_medium_kind_ops *const kinds[NEPH_MEDIUM_KIND_COUNT] = {
     [NEPH_MEDIUM_HOMOGENEOUS] = &neph_medium_fog,   [NEPH_MEDIUM_HEIGHT_FOG] = &neph_medium_fog,
     [NEPH_MEDIUM_GAUSSIAN] = &neph_medium_gaussian, [NEPH_MEDIUM_SHELL] = &neph_medium_shell,
-    [NEPH_MEDIUM_GRID] = &neph_medium_grid,
+    [NEPH_MEDIUM_GRID] = &neph_medium_grid,         [NEPH_MEDIUM_HORIZON] = &neph_medium_horizon,
 };
 
 /* --- bounds ---------------------------------------------------------------------------------- */

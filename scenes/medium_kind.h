@@ -28,7 +28,7 @@ struct neph_medium_kind_ops {
 };
 
 extern const struct neph_medium_kind_ops neph_medium_fog, neph_medium_gaussian, neph_medium_shell,
-    neph_medium_grid;
+    neph_medium_grid, neph_medium_horizon;
 
 /* The part of `a` that lies in `b`; where nothing does, a minimum is above its maximum. */
 struct neph_bounds neph_bounds_intersect(struct neph_bounds a, struct neph_bounds b);

@@ -1,0 +1,499 @@
+/* SPDX-License-Identifier: MIT */
+#include "scenes/horizon.h"
+
+#include "scenes/horizon_density.h"
+#include "scenes/horizon_textures.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#define BASE_TEXELS (NEPH_HORIZON_BASE_SIDE * NEPH_HORIZON_BASE_SIDE * NEPH_HORIZON_BASE_SIDE)
+#define DETAIL_TEXELS                                                                              \
+    (NEPH_HORIZON_DETAIL_SIDE * NEPH_HORIZON_DETAIL_SIDE * NEPH_HORIZON_DETAIL_SIDE)
+#define WEATHER_TEXELS (NEPH_HORIZON_WEATHER_SIDE * NEPH_HORIZON_WEATHER_SIDE)
+
+enum {
+    BASE_BLOCKS = NEPH_HORIZON_BASE_SIDE / NEPH_HORIZON_BLOCK,
+    WEATHER_BLOCKS = NEPH_HORIZON_WEATHER_SIDE / NEPH_HORIZON_BLOCK,
+};
+
+static double clamp01(double x)
+{
+    return fmin(1.0, fmax(0.0, x));
+}
+
+/* The weights of the octaves of noise, everywhere. */
+static double octave_sum(const double octaves[3])
+{
+    return 0.625 * octaves[0] + 0.25 * octaves[1] + 0.125 * octaves[2];
+}
+
+/* --- the formulas of horizon.h, each with its limits ----------------------------------------- */
+
+struct weather {
+    double low, high, peak, density;
+};
+
+static double coverage_of(const struct neph_horizon_params *params, double low, double high)
+{
+    return params->coverage * fmax(low, 2.0 * high * clamp01(params->coverage - 0.5));
+}
+
+/* Below a peak of 0 there is no room for a cloud: the limit of the falling side. */
+static double shape_below_peak(double height, double peak)
+{
+    return peak > 0.0 ? clamp01(1.0 - 1.125 * (height / peak - 0.2)) : 0.0;
+}
+
+static double shape_above_bottom(double height)
+{
+    return clamp01(height / 0.07);
+}
+
+static double mass_above_bottom(double height)
+{
+    return height * clamp01(height / 0.15);
+}
+
+static double mass_below_top(double height)
+{
+    return clamp01(1.0 - 8.0 * (height - 0.9));
+}
+
+static double base_noise(double perlin_worley, double octaves)
+{
+    return (perlin_worley + 1.0 - octaves) / (2.0 - octaves);
+}
+
+/* 1 - w is where `base` starts to be cloud; nothing does as w goes to 0, for base < 1. */
+static double shape_of(double base, double coverage)
+{
+    return coverage > 0.0 ? clamp01((base - 1.0 + coverage) / coverage) : 0.0;
+}
+
+/* Where the sum is 0 so is its first octave: nothing is left of the detail. */
+static double detail_noise(const double octaves[3])
+{
+    const double sum = octave_sum(octaves);
+    return sum > 0.0 ? clamp01((octaves[0] - 1.0 + sum) / sum) : 0.0;
+}
+
+static double erosion(const struct neph_horizon_params *params, double detail, double height)
+{
+    const double turned = clamp01(1.8 * height);
+    return 0.8 * exp(-0.75 * params->coverage) * (detail + turned * (1.0 - 2.0 * detail));
+}
+
+/* --- lookups --------------------------------------------------------------------------------- */
+
+/* Two neighbouring texels along one axis and how far the place is from the first to the second.
+ * `repeats` is a coordinate in repeats of the texture. `side` is a power of two. */
+struct pair {
+    int texel[2];
+    double between;
+};
+
+static struct pair pair_at(double repeats, int side)
+{
+    const double at = (repeats - floor(repeats)) * side - 0.5;
+    const double first = floor(at);
+    const int texel = (int)first;
+    return (struct pair){{texel & (side - 1), (texel + 1) & (side - 1)}, at - first};
+}
+
+static double lerp(double a, double b, double t)
+{
+    return a + t * (b - a);
+}
+
+/* All channels at a place given in repeats along x, z. */
+static void lookup_2d(const float *texels, int side, int channels, const double repeats[2],
+                      double values[4])
+{
+    const struct pair x = pair_at(repeats[0], side), z = pair_at(repeats[1], side);
+    const float *rows[2] = {texels + (size_t)(z.texel[0] * side * channels),
+                            texels + (size_t)(z.texel[1] * side * channels)};
+    const int a = x.texel[0] * channels, b = x.texel[1] * channels;
+    for (int c = 0; c < channels; c++)
+        values[c] = lerp(lerp(rows[0][a + c], rows[0][b + c], x.between),
+                         lerp(rows[1][a + c], rows[1][b + c], x.between), z.between);
+}
+
+/* Along x, y, z. */
+static void lookup_3d(const float *texels, int side, int channels, const double repeats[3],
+                      double values[4])
+{
+    const struct pair y = pair_at(repeats[1], side), z = pair_at(repeats[2], side);
+    const struct pair x = pair_at(repeats[0], side);
+    const int a = x.texel[0] * channels, b = x.texel[1] * channels;
+    const float *rows[4];
+    for (int row = 0; row < 4; row++)
+        rows[row] = texels +
+                    (size_t)((z.texel[row >> 1] * side + y.texel[row & 1]) * side * channels);
+    for (int c = 0; c < channels; c++) {
+        double along_x[4];
+        for (int row = 0; row < 4; row++)
+            along_x[row] = lerp(rows[row][a + c], rows[row][b + c], x.between);
+        values[c] = lerp(lerp(along_x[0], along_x[1], y.between),
+                         lerp(along_x[2], along_x[3], y.between), z.between);
+    }
+}
+
+static void noise_at(const struct neph_horizon *horizon, const float *texels, int side,
+                     int channels, double repeats_per_scale, struct neph_vec3 point_m,
+                     double values[4])
+{
+    const struct neph_horizon_params *params = &horizon->params;
+    const struct neph_vec3 repeats = neph_vec3_scale(neph_vec3_sub(point_m, params->wind_m),
+                                                     repeats_per_scale / params->texture_scale_m);
+    lookup_3d(texels, side, channels, (const double[3]){repeats.x, repeats.y, repeats.z}, values);
+}
+
+static struct weather weather_at(const struct neph_horizon *horizon, struct neph_vec3 point_m)
+{
+    const struct neph_horizon_params *params = &horizon->params;
+    const double repeats[2] = {(point_m.x - params->wind_m.x) / params->texture_scale_m,
+                               (point_m.z - params->wind_m.z) / params->texture_scale_m};
+    double values[4];
+    lookup_2d(horizon->weather, NEPH_HORIZON_WEATHER_SIDE, 4, repeats, values);
+    return (struct weather){values[0], values[1], values[2], values[3]};
+}
+
+/* --- density --------------------------------------------------------------------------------- */
+
+/* |p - c| - r as a quotient, whose numerator does not cancel:
+ * with y from the bottom, |p - c|^2 - r^2 = x^2 + z^2 + y (y + 2 r). */
+double neph_horizon_altitude_m(const struct neph_horizon_params *params, struct neph_vec3 point_m)
+{
+    const double r_m = params->planet_radius_m, y_m = point_m.y - params->bottom_m;
+    const double level_squared = point_m.x * point_m.x + point_m.z * point_m.z;
+    return (level_squared + y_m * (y_m + 2.0 * r_m)) /
+           (sqrt(level_squared + (y_m + r_m) * (y_m + r_m)) + r_m);
+}
+
+double neph_horizon_height(const struct neph_horizon *horizon, struct neph_vec3 point_m)
+{
+    return clamp01(neph_horizon_altitude_m(&horizon->params, point_m) /
+                   horizon->params.thickness_m);
+}
+
+void neph_horizon_sample(const struct neph_horizon *horizon, struct neph_vec3 point_m,
+                         struct neph_horizon_sample *sample)
+{
+    const struct neph_horizon_params *params = &horizon->params;
+    *sample = (struct neph_horizon_sample){.margin = -1.0};
+    const double height = neph_horizon_altitude_m(params, point_m) / params->thickness_m;
+    if (!(height >= 0.0 && height <= 1.0))
+        return;
+    const struct weather weather = weather_at(horizon, point_m);
+    const double coverage = coverage_of(params, weather.low, weather.high);
+    const double profile = shape_above_bottom(height) * shape_below_peak(height, weather.peak);
+    sample->margin = profile - 1.0 + coverage; /* base noise is at most 1 */
+    if (sample->margin <= 0.0)
+        return;
+    double noise[4];
+    noise_at(horizon, horizon->base, NEPH_HORIZON_BASE_SIDE, 4, params->base_repeats, point_m,
+             noise);
+    const double base = profile * base_noise(noise[0], octave_sum(&noise[1]));
+    sample->margin = base - 1.0 + coverage;
+    if (sample->margin <= 0.0)
+        return;
+    double octaves[4];
+    noise_at(horizon, horizon->detail, NEPH_HORIZON_DETAIL_SIDE, 3, params->detail_repeats, point_m,
+             octaves);
+    const double shape = shape_of(base, coverage);
+    const double eroded = erosion(params, detail_noise(octaves), height);
+    const double mass = 2.0 * params->density * weather.density * mass_above_bottom(height) *
+                        mass_below_top(height);
+    sample->margin -= eroded * coverage;
+    sample->density = clamp01((shape - eroded) / (1.0 - eroded)) * mass;
+    sample->without_detail = shape * mass;
+}
+
+double neph_horizon_density(const struct neph_horizon *horizon, struct neph_vec3 point_m,
+                            double *without_detail)
+{
+    struct neph_horizon_sample sample;
+    neph_horizon_sample(horizon, point_m, &sample);
+    if (without_detail)
+        *without_detail = sample.without_detail;
+    return sample.density;
+}
+
+/* --- bound ----------------------------------------------------------------------------------- */
+
+struct range {
+    double low, high;
+};
+
+static double nearest_to_0(struct range range)
+{
+    return fmax(0.0, fmax(range.low, -range.high));
+}
+
+static double farthest_from_0(struct range range)
+{
+    return fmax(fabs(range.low), fabs(range.high));
+}
+
+/* Of the altitude over a box: at its points nearest to and farthest from the planet's centre. */
+static struct range altitude_range_m(const struct neph_horizon_params *params,
+                                     const struct neph_bounds *box)
+{
+    const double center_y_m = params->bottom_m - params->planet_radius_m;
+    const struct range x = {box->min_m.x, box->max_m.x}, z = {box->min_m.z, box->max_m.z};
+    const struct range y = {box->min_m.y - center_y_m, box->max_m.y - center_y_m};
+    /* On the axis the sides that the altitude is measured from keep their digits. */
+    const double near_y_m = y.low > 0.0 ? box->min_m.y : y.high < 0.0 ? box->max_m.y : center_y_m;
+    const double far_y_m = fabs(y.high) >= fabs(y.low) ? box->max_m.y : box->min_m.y;
+    const struct neph_vec3 near_m = {nearest_to_0(x), near_y_m, nearest_to_0(z)};
+    const struct neph_vec3 far_m = {farthest_from_0(x), far_y_m, farthest_from_0(z)};
+    const bool endless = isinf(far_m.x) || isinf(far_m.y) || isinf(far_m.z);
+    return (struct range){neph_horizon_altitude_m(params, near_m),
+                          endless ? INFINITY : neph_horizon_altitude_m(params, far_m)};
+}
+
+/* The blocks that lookups between two coordinates touch: `count` of them from `first` on, round
+ * the corner if need be. A hair wider than the range, for the rounding of the lookups. */
+struct blocks {
+    int first, count;
+};
+
+static struct blocks blocks_over(double low_m, double high_m, double repeats_per_m, int block_count)
+{
+    const double per_m = repeats_per_m * block_count;
+    const double half_texel = 0.5 / NEPH_HORIZON_BLOCK, hair = 1e-6;
+    if (!((high_m - low_m) * per_m < block_count - 1))
+        return (struct blocks){0, block_count};
+    const double first = floor(low_m * per_m - half_texel - hair);
+    const double last = floor(high_m * per_m - half_texel + hair);
+    const double turns = floor(first / block_count);
+    return (struct blocks){(int)(first - turns * block_count), (int)(last - first) + 1};
+}
+
+/* The greatest of what a block's channels are, with the smaller of the second if asked. */
+static struct weather weather_over(const struct neph_horizon *horizon,
+                                   const struct neph_bounds *box)
+{
+    const struct neph_horizon_params *params = &horizon->params;
+    const double per_m = 1.0 / params->texture_scale_m;
+    const struct blocks x = blocks_over(box->min_m.x - params->wind_m.x,
+                                        box->max_m.x - params->wind_m.x, per_m, WEATHER_BLOCKS);
+    const struct blocks z = blocks_over(box->min_m.z - params->wind_m.z,
+                                        box->max_m.z - params->wind_m.z, per_m, WEATHER_BLOCKS);
+    double most[4] = {0, 0, 0, 0};
+    for (int k = 0; k < z.count; k++)
+        for (int i = 0; i < x.count; i++) {
+            const int at = (z.first + k) % WEATHER_BLOCKS * WEATHER_BLOCKS +
+                           (x.first + i) % WEATHER_BLOCKS;
+            for (int c = 0; c < 4; c++)
+                most[c] = fmax(most[c], horizon->weather_blocks[4 * at + c]);
+        }
+    return (struct weather){most[0], most[1], most[2], most[3]};
+}
+
+static double base_noise_over(const struct neph_horizon *horizon, const struct neph_bounds *box)
+{
+    const struct neph_horizon_params *params = &horizon->params;
+    const double per_m = params->base_repeats / params->texture_scale_m;
+    const struct neph_vec3 wind_m = params->wind_m;
+    const struct blocks x = blocks_over(box->min_m.x - wind_m.x, box->max_m.x - wind_m.x, per_m,
+                                        BASE_BLOCKS);
+    const struct blocks y = blocks_over(box->min_m.y - wind_m.y, box->max_m.y - wind_m.y, per_m,
+                                        BASE_BLOCKS);
+    const struct blocks z = blocks_over(box->min_m.z - wind_m.z, box->max_m.z - wind_m.z, per_m,
+                                        BASE_BLOCKS);
+    double most = 0.0;
+    for (int k = 0; k < z.count; k++)
+        for (int j = 0; j < y.count; j++)
+            for (int i = 0; i < x.count; i++) {
+                const int at = ((z.first + k) % BASE_BLOCKS * BASE_BLOCKS +
+                                (y.first + j) % BASE_BLOCKS) *
+                                   BASE_BLOCKS +
+                               (x.first + i) % BASE_BLOCKS;
+                const float *block = &horizon->base_blocks[2 * at];
+                most = fmax(most, base_noise(block[0], block[1]));
+            }
+    return most;
+}
+
+/* Every factor of the density is monotone in every quantity of the box: the shape grows with
+ * coverage, peak and base noise (which falls with the octaves); both profiles are a rising and a
+ * falling factor of the height; detail only takes away. */
+double neph_horizon_bound(const struct neph_horizon *horizon, const struct neph_bounds *box)
+{
+    const struct neph_horizon_params *params = &horizon->params;
+    const double margin = 1e-9; /* far above the rounding of all that follows */
+    const struct range altitude = altitude_range_m(params, box);
+    const struct range height = {altitude.low / params->thickness_m - margin,
+                                 altitude.high / params->thickness_m + margin};
+    if (!(height.low <= 1.0 && height.high >= 0.0))
+        return 0.0;
+    const double low = fmax(0.0, height.low), high = fmin(1.0, height.high);
+    const struct weather weather = weather_over(horizon, box);
+    const double coverage = coverage_of(params, weather.low, weather.high);
+    const double profile = shape_above_bottom(high) * shape_below_peak(low, weather.peak);
+    if (profile * (1.0 + margin) <= 1.0 - coverage)
+        return 0.0;
+    const double shape = shape_of(profile * base_noise_over(horizon, box) + margin, coverage);
+    return (1.0 + margin) * shape * 2.0 * params->density * weather.density *
+           mass_above_bottom(high) * mass_below_top(low);
+}
+
+struct neph_bounds neph_horizon_support(const struct neph_horizon *horizon,
+                                        const struct neph_bounds *bounds)
+{
+    const struct neph_horizon_params *params = &horizon->params;
+    const double center_y_m = params->bottom_m - params->planet_radius_m;
+    const double top_m = params->planet_radius_m + params->thickness_m;
+    struct neph_bounds support = {{-top_m, center_y_m - top_m, -top_m},
+                                  {top_m, params->bottom_m + params->thickness_m, top_m}};
+    const double x_m = farthest_from_0((struct range){bounds->min_m.x, bounds->max_m.x});
+    const double z_m = farthest_from_0((struct range){bounds->min_m.z, bounds->max_m.z});
+    const double level_squared = x_m * x_m + z_m * z_m;
+    const double r_m = params->planet_radius_m;
+    if (bounds->min_m.y >= center_y_m && level_squared < r_m * r_m) /* the layer falls off by */
+        support.min_m.y = params->bottom_m -
+                          level_squared / (r_m + sqrt(r_m * r_m - level_squared));
+    return support;
+}
+
+/* --- tables of the bound --------------------------------------------------------------------- */
+
+/* Largest red and smallest sum of the other channels over a block's texels and the next ones. */
+static void base_block(const float *base, const int block[3], float out[2])
+{
+    enum { SIDE = NEPH_HORIZON_BASE_SIDE, BLOCK = NEPH_HORIZON_BLOCK };
+    double most = 0.0, least = 1.0;
+    for (int k = 0; k <= BLOCK; k++)
+        for (int j = 0; j <= BLOCK; j++)
+            for (int i = 0; i <= BLOCK; i++) {
+                const int x = (block[0] * BLOCK + i) % SIDE, y = (block[1] * BLOCK + j) % SIDE,
+                          z = (block[2] * BLOCK + k) % SIDE;
+                const float *texel = &base[4 * ((z * SIDE + y) * SIDE + x)];
+                most = fmax(most, texel[0]);
+                least = fmin(least, octave_sum((const double[3]){texel[1], texel[2], texel[3]}));
+            }
+    out[0] = (float)most;
+    out[1] = nextafterf((float)least, -1.0f);
+}
+
+static void weather_block(const float *weather, const int block[2], float out[4])
+{
+    enum { SIDE = NEPH_HORIZON_WEATHER_SIDE, BLOCK = NEPH_HORIZON_BLOCK };
+    for (int c = 0; c < 4; c++)
+        out[c] = 0.0f;
+    for (int k = 0; k <= BLOCK; k++)
+        for (int i = 0; i <= BLOCK; i++)
+            for (int c = 0; c < 4; c++)
+                out[c] = fmaxf(out[c], weather[4 * ((block[1] * BLOCK + k) % SIDE * SIDE +
+                                                    (block[0] * BLOCK + i) % SIDE) +
+                                               c]);
+}
+
+static void fill_blocks(struct neph_horizon *horizon)
+{
+    float *out = horizon->base_blocks;
+    for (int k = 0; k < BASE_BLOCKS; k++)
+        for (int j = 0; j < BASE_BLOCKS; j++)
+            for (int i = 0; i < BASE_BLOCKS; i++, out += 2)
+                base_block(horizon->base, (const int[3]){i, j, k}, out);
+    out = horizon->weather_blocks;
+    for (int k = 0; k < WEATHER_BLOCKS; k++)
+        for (int i = 0; i < WEATHER_BLOCKS; i++, out += 4)
+            weather_block(horizon->weather, (const int[2]){i, k}, out);
+}
+
+/* --- life ------------------------------------------------------------------------------------ */
+
+struct neph_horizon_params neph_horizon_defaults(void)
+{
+    return (struct neph_horizon_params){
+        .seed = 1,
+        .planet_radius_m = 2e5,
+        .bottom_m = 80.0,
+        .thickness_m = 280.0,
+        .coverage = 0.58,
+        .density = 1.5,
+        .texture_scale_m = 6e3,
+        .base_repeats = 40.0,
+        .detail_repeats = 60.0,
+    };
+}
+
+static enum neph_status check(const struct neph_horizon_params *params, struct neph_diag *diag)
+{
+    const struct {
+        const char *name;
+        double value, low, high;
+        bool low_too; /* whether `low` itself is allowed */
+    } rules[] = {
+        {"planet radius [m]", params->planet_radius_m, 0.0, 1e9, false},
+        {"bottom height [m]", params->bottom_m, -1e9, 1e9, true},
+        {"thickness [m]", params->thickness_m, 0.0, 1e9, false},
+        {"coverage", params->coverage, 0.0, 1.0, true},
+        {"density", params->density, 0.0, 1e9, true},
+        {"texture scale [m]", params->texture_scale_m, 0.0, 1e9, false},
+        {"repeats of the base noise", params->base_repeats, 0.0, 1e6, false},
+        {"repeats of the detail noise", params->detail_repeats, 0.0, 1e6, false},
+        {"wind along x [m]", params->wind_m.x, -1e9, 1e9, true},
+        {"wind along y [m]", params->wind_m.y, -1e9, 1e9, true},
+        {"wind along z [m]", params->wind_m.z, -1e9, 1e9, true},
+    };
+    for (size_t i = 0; i < sizeof(rules) / sizeof(rules[0]); i++) {
+        const bool low_enough = rules[i].value <= rules[i].high;
+        const bool high_enough = rules[i].low_too ? rules[i].value >= rules[i].low
+                                                  : rules[i].value > rules[i].low;
+        if (!low_enough || !high_enough)
+            return neph_fail(diag, NEPH_ERR_INPUT,
+                             "Horizon clouds: %s is %g, must be %s %g and at most %g",
+                             rules[i].name, rules[i].value, rules[i].low_too ? "at least" : "above",
+                             rules[i].low, rules[i].high);
+    }
+    return NEPH_OK;
+}
+
+static float *array_of(size_t texels, size_t channels)
+{
+    return calloc(texels * channels, sizeof(float));
+}
+
+enum neph_status neph_horizon_create(const struct neph_horizon_params *params,
+                                     struct neph_horizon **horizon, struct neph_diag *diag)
+{
+    const enum neph_status status = check(params, diag);
+    if (status)
+        return status;
+    struct neph_horizon *made = calloc(1, sizeof(*made));
+    if (!made)
+        return neph_fail_memory(diag);
+    made->params = *params;
+    made->base = array_of(BASE_TEXELS, 4);
+    made->detail = array_of(DETAIL_TEXELS, 3);
+    made->weather = array_of(WEATHER_TEXELS, 4);
+    made->base_blocks = array_of(BASE_BLOCKS * BASE_BLOCKS * BASE_BLOCKS, 2);
+    made->weather_blocks = array_of(WEATHER_BLOCKS * WEATHER_BLOCKS, 4);
+    if (!made->base || !made->detail || !made->weather || !made->base_blocks ||
+        !made->weather_blocks) {
+        neph_horizon_destroy(made);
+        return neph_fail_memory(diag);
+    }
+    neph_horizon_fill_base(params->seed, made->base);
+    neph_horizon_fill_detail(params->seed, made->detail);
+    neph_horizon_fill_weather(params->seed, made->weather);
+    fill_blocks(made);
+    *horizon = made;
+    return NEPH_OK;
+}
+
+void neph_horizon_destroy(struct neph_horizon *horizon)
+{
+    if (!horizon)
+        return;
+    free(horizon->base);
+    free(horizon->detail);
+    free(horizon->weather);
+    free(horizon->base_blocks);
+    free(horizon->weather_blocks);
+    free(horizon);
+}

@@ -1,0 +1,25 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * What the line integral needs to know of the density of Horizon clouds. Private to
+ * scenes/horizon*.c.
+ */
+#ifndef NEPH_SCENES_HORIZON_DENSITY_H
+#define NEPH_SCENES_HORIZON_DENSITY_H
+
+#include "scenes/horizon.h"
+
+struct neph_horizon_sample {
+    double density, without_detail;
+    /* There is cloud where it is above 0. Elsewhere at least (and between clamps, smoothly) how far
+     * base noise, coverage and detail are from making some. */
+    double margin;
+};
+
+/* At a point of the layer; all 0 but for a margin of -1 outside. */
+void neph_horizon_sample(const struct neph_horizon *horizon, struct neph_vec3 point_m,
+                         struct neph_horizon_sample *sample);
+
+/* Above the bottom of the layer, negative below it; keeps its digits near it. */
+double neph_horizon_altitude_m(const struct neph_horizon_params *params, struct neph_vec3 point_m);
+
+#endif
