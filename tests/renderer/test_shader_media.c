@@ -555,7 +555,8 @@ static void test_extreme_media_give_no_nonsense(void **state)
         medium->gaussian = (struct neph_gaussian){center_m, PICK(&random, sizes)};
         medium->shell = (struct neph_shell){center_m, PICK(&random, sizes), PICK(&random, sizes)};
         if (kinds[round % 3] == NEPH_MEDIUM_GRID) {
-            const double spacing_m = PICK(&random, sizes);
+            const double spacing_m = fmax(PICK(&random, sizes), /* finer is refused */
+                                          1e-12 * neph_vec3_length(center_m));
             medium->grid = random_grid(&random, (const int[3]){3, 2, 4}, center_m,
                                        (struct neph_vec3){spacing_m, spacing_m, 2.0 * spacing_m});
             medium->grid->values[3] = 3e38f;
