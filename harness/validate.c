@@ -9,6 +9,7 @@
 #include "harness/job.h"
 #include "harness/measure.h"
 #include "harness/progress.h"
+#include "harness/study.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -65,17 +66,20 @@ static json_t *engines_json(const struct field *field)
     return list;
 }
 
-static json_t *frame_json(const struct neph_engine *engine, const struct neph_job_result *result)
+/* `study` is taken over; NULL: none was made. */
+static json_t *frame_json(const struct neph_engine *engine, const struct neph_job_result *result,
+                          json_t *study)
 {
     return json_pack(
         "{s:s, s:s, s:s, s:s, s:s, s:b, s:f, s:f, s:f, s:I, s:s?, s:n, s:n, s:{s:n, s:n}, "
-        "s:[]}",
+        "s:[], s:o}",
         "engine", engine->name, "rung", neph_rung_name(engine->rung), "status",
         neph_outcome_name(result->outcome), "reason", result->reason, "settings", result->settings,
         "reused", result->reused, "render_s", result->cost.render_s, "wall_s", result->cost.wall_s,
         "cpu_s", result->cost.cpu_s, "peak_memory_bytes",
         (json_int_t)result->cost.peak_memory_bytes, "exr", result->frame_path, "exr_second",
-        "picture", "difference", "radiance", "transmittance", "measurements");
+        "picture", "difference", "radiance", "transmittance", "measurements", "study",
+        study ? study : json_null());
 }
 
 /* Measure one rendered frame, against the truth when there is one. */
@@ -194,22 +198,53 @@ static struct neph_job job_of(const struct neph_validate_params *params, const s
     };
 }
 
+/* Other people's renderers march in steps of our choice: a study at a small size chooses them, and
+ * its bias stands beside the frame. `*study` is NULL where there is nothing to study. */
+static enum neph_status choose_step(struct neph_job *job, struct neph_store *store, json_t **study,
+                                    struct neph_diag *diag)
+{
+    struct neph_job small = *job;
+    struct neph_study found;
+    enum neph_outcome outcome;
+    char reason[1600];
+    *study = NULL;
+    if (job->engine->rung != NEPH_RUNG_WITNESS || !job->info->available ||
+        !neph_study_applies(job->engine, job->shot.scene))
+        return NEPH_OK;
+    small.shot.width_px = 32;
+    small.shot.height_px = 18;
+    small.shot.layers = NEPH_LAYER_RADIANCE;
+    const enum neph_status status = neph_study_run(&small, store, &found, &outcome, reason, diag);
+    if (status || outcome != NEPH_OUTCOME_RENDERED)
+        return status; /* the frame itself will say why */
+    neph_study_apply(&found, job->engine, &job->shot.settings);
+    *study = neph_study_json(&found);
+    return *study ? NEPH_OK : neph_fail_memory(diag);
+}
+
 static enum neph_status run_frames(const struct neph_validate_params *params,
                                    const struct field *field, const struct neph_scene *scene,
                                    struct neph_store *store, struct neph_progress *progress,
-                                   json_t *frames, struct neph_diag *diag)
+                                   json_t *frames, struct neph_settings chosen[ENGINES_MAX],
+                                   struct neph_diag *diag)
 {
     enum neph_status status = NEPH_OK;
     for (int i = 0; i < field->count && !status; i++) {
-        const struct neph_job job = job_of(params, field, i, scene, 1);
+        struct neph_job job = job_of(params, field, i, scene, 1);
         char what[256];
         snprintf(what, sizeof(what), "%s with %s", scene->name, job.engine->name);
         neph_progress_begin(progress, what);
         const double start_s = neph_wall_s();
-        struct neph_job_result result;
-        status = neph_job_run(&job, store, &result, diag);
+        struct neph_job_result result = {.outcome = NEPH_OUTCOME_FAILED};
+        json_t *study = NULL;
+        status = choose_step(&job, store, &study, diag);
+        if (!status)
+            status = neph_job_run(&job, store, &result, diag);
+        if (status)
+            json_decref(study);
         if (!status) {
-            json_array_append_new(frames, frame_json(job.engine, &result));
+            chosen[i] = job.shot.settings;
+            json_array_append_new(frames, frame_json(job.engine, &result, study));
             neph_progress_step(progress, what,
                                result.reused ? "reused" : neph_outcome_name(result.outcome),
                                neph_wall_s() - start_s);
@@ -224,6 +259,7 @@ static enum neph_status run_second_seeds(const struct neph_validate_params *para
                                          const struct field *field, const struct neph_scene *scene,
                                          struct neph_store *store,
                                          const struct neph_progress *progress, json_t *frames,
+                                         const struct neph_settings chosen[ENGINES_MAX],
                                          struct neph_diag *diag)
 {
     int rendered = 0;
@@ -234,7 +270,8 @@ static enum neph_status run_second_seeds(const struct neph_validate_params *para
         json_t *frame = json_array_get(frames, (size_t)i);
         if (!field->engines[i]->stochastic || !json_is_string(json_object_get(frame, "exr")))
             continue;
-        const struct neph_job job = job_of(params, field, i, scene, 2);
+        struct neph_job job = job_of(params, field, i, scene, 2);
+        job.shot.settings = chosen[i];
         char what[256];
         snprintf(what, sizeof(what), "%s with %s, second seed", scene->name, job.engine->name);
         neph_progress_begin(progress, what);
@@ -253,9 +290,11 @@ static enum neph_status run_scene(const struct neph_validate_params *params,
                                   json_t **document, struct neph_diag *diag)
 {
     json_t *frames = json_array(), *attribution = NULL;
-    enum neph_status status = run_frames(params, field, scene, store, progress, frames, diag);
+    struct neph_settings chosen[ENGINES_MAX];
+    enum neph_status status = run_frames(params, field, scene, store, progress, frames, chosen,
+                                         diag);
     if (!status)
-        status = run_second_seeds(params, field, scene, store, progress, frames, diag);
+        status = run_second_seeds(params, field, scene, store, progress, frames, chosen, diag);
     if (!status)
         status = neph_attribute(frames, &attribution, diag);
     if (!status)

@@ -577,7 +577,7 @@ const struct neph_engine neph_engine_cycles = {
     .options = options,
     .version = 1,
     .stochastic = true,
-    .step = {.option = "step", .coarsest = 0.4, .refine = 0.5, .level_count = 4, .order = 2},
+    .step = {.option = "step", .coarsest = 0.4, .refine = 0.5, .level_count = 3, .order = 2},
     .probe = probe,
     .can_render = can_render,
     .render = render,

@@ -102,6 +102,7 @@ const struct neph_engine neph_engine_oracle = {
     .name = "oracle",
     .summary = "unbiased path tracer in double precision on the CPU, with its noise per pixel",
     .rung = NEPH_RUNG_TRACER,
+    .stochastic = true,
     .options = options,
     .version = 1,
     .probe = probe,

@@ -127,6 +127,7 @@ const struct neph_engine neph_engine_tracer = {
     .name = "tracer",
     .summary = "our Vulkan path tracer: all orders of scattering, without bias, with its variance",
     .rung = NEPH_RUNG_TRACER,
+    .stochastic = true,
     .bias = NULL,
     .options = options,
     .version = 1,
