@@ -6,6 +6,7 @@
 #include "base/files.h"
 #include "base/png.h"
 #include "harness/data.h"
+#include "harness/physics/pictures.h"
 #include "metrics/display.h"
 
 #include <errno.h>
@@ -306,6 +307,8 @@ static enum neph_status fill_folder(const char *folder, json_t *document, struct
     json_t *scenes = json_object_get(document, "scenes");
     for (size_t i = 0; i < json_array_size(scenes) && !status; i++)
         status = write_scene_pictures(folder, json_array_get(scenes, i), diag);
+    if (!status)
+        status = neph_physics_pictures(json_object_get(document, "physics"), folder, diag);
     json_t *charts = json_object_get(document, "charts");
     for (size_t i = 0; i < json_array_size(charts) && !status; i++)
         status = draw_chart(folder, json_array_get(charts, i), diag);

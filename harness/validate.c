@@ -219,7 +219,12 @@ static enum neph_status choose_step(struct neph_job *job, struct neph_store *sto
         return status; /* the frame itself will say why */
     neph_study_apply(&found, job->engine, &job->shot.settings);
     *study = neph_study_json(&found);
-    return *study ? NEPH_OK : neph_fail_memory(diag);
+    if (json_object_set_new(*study, "size_px",
+                            json_pack("[i,i]", small.shot.width_px, small.shot.height_px)) == 0)
+        return NEPH_OK;
+    json_decref(*study);
+    *study = NULL;
+    return neph_fail_memory(diag);
 }
 
 static enum neph_status run_frames(const struct neph_validate_params *params,

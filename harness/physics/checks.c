@@ -149,10 +149,44 @@ static void add_reciprocal(const struct row *row, struct neph_check *check)
     }
 }
 
+static void describe_phase(struct neph_phase phase, char text[64])
+{
+    if (phase.kind == NEPH_PHASE_HENYEY_GREENSTEIN)
+        snprintf(text, 64, "Henyey-Greenstein scattering, g = %g", phase.g);
+    else
+        snprintf(text, 64, "%s scattering",
+                 phase.kind == NEPH_PHASE_RAYLEIGH ? "Rayleigh" : "isotropic");
+}
+
+static void describe(const struct row *row, char *text, size_t size)
+{
+    static const char *const media[] = {
+        [NEPH_STAGE_SLAB] = "a homogeneous slab, endless sideways, black below",
+        [NEPH_STAGE_FOG] = "height fog without end over black ground",
+        [NEPH_STAGE_BOX] = "a homogeneous cube",
+        [NEPH_STAGE_GAUSSIAN] = "a Gaussian blob",
+        [NEPH_STAGE_GRID] = "a cube of 4 x 4 x 4 uneven voxels",
+    };
+    static const char *const observables[] = {
+        [LOOK_DOWN] = "seen from above",
+        [LOOK_UP] = "seen from below",
+        [CONSERVATION] =
+            "all light that leaves it, above and below, by the faces of two half cubes",
+        [RECIPROCITY] = "two narrow views, one with the places of camera and sun exchanged",
+    };
+    char phase[64], light[64] = "lit evenly from all sides";
+    describe_phase(row->phase, phase);
+    if (row->rung != FURNACE)
+        snprintf(light, sizeof(light), "sun %.0f degrees high", asin(row->sun_cosine) / DEG);
+    snprintf(text, size, "%s: optical depth %g, albedo %g, %s; %s; %s", media[row->medium],
+             row->optical_depth, row->albedo, phase, light, observables[row->observable]);
+}
+
 void neph_check_get(int index, struct neph_check *check)
 {
     const struct row *row = &rows[index];
     memset(check, 0, sizeof(*check));
+    describe(row, check->what, sizeof(check->what));
     snprintf(check->name, sizeof(check->name), "%s", row->name);
     check->rung = rungs[row->rung].name;
     check->title = rungs[row->rung].title;

@@ -30,6 +30,7 @@ struct neph_check {
     char name[64];
     const char *rung;  /* what kind of truth: one of neph_check_rungs() */
     const char *title; /* of the rung, one line */
+    char what[320];    /* what is on the stage, in words */
     struct neph_view views[NEPH_CHECK_VIEWS_MAX];
     int view_count;
     bool uneven; /* the medium is not homogeneous: renderers that march through it have a step */

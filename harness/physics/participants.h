@@ -8,6 +8,8 @@
 #include "harness/engine.h"
 #include "harness/physics/checks.h"
 
+#include <stdbool.h>
+
 enum { NEPH_PARTICIPANT_SETTINGS_MAX = 2 };
 
 struct neph_participant {
@@ -20,6 +22,8 @@ struct neph_participant {
     int order;
     /* Its numbers are rounded: what a mean may be off by, relative, for that alone. */
     double rounding;
+    bool look; /* a lighting model that is no physics and does not claim to be: its deviations are
+                  gaps of a model, shown as such */
 };
 
 int neph_participant_count(void);

@@ -6,6 +6,7 @@
 #include "harness/job.h"
 #include "harness/physics/checks.h"
 #include "harness/physics/participants.h"
+#include "harness/physics/pictures.h"
 #include "harness/progress.h"
 #include "metrics/significance.h"
 #include "scenes/media.h"
@@ -34,7 +35,7 @@ struct scenery {
 struct finding {
     struct neph_job_result result; /* of the first frame that is not rendered, else of the first */
     bool rendered, lowered;
-    char *exr; /* of the first view; owned */
+    json_t *exr; /* the first pass of every view */
     double deviation;
     bool stochastic;
     double standard_error; /* stochastic: of the deviation */
@@ -203,6 +204,7 @@ static enum neph_status try_views(const struct entrant *entrant, const struct sc
 {
     struct sums sums = {.truth = 0.0, .pixels = {0, NAN, NAN}};
     const bool one_pass = entrant->participant->refined && entrant->participant->order == 0;
+    json_array_clear(finding->exr);
     for (int v = 0; v < scenery->check.view_count; v++) {
         const struct seen *seen = &scenery->views[v];
         struct neph_image *frames[2] = {NULL, NULL};
@@ -214,8 +216,8 @@ static enum neph_status try_views(const struct entrant *entrant, const struct sc
             if (status || finding->result.outcome != NEPH_OUTCOME_RENDERED)
                 break;
             status = neph_exr_read(finding->result.frame_path, &frames[pass], diag);
-            if (!status && !finding->exr)
-                finding->exr = strdup(finding->result.frame_path);
+            if (!status && pass == 0)
+                json_array_append_new(finding->exr, json_string(finding->result.frame_path));
         }
         if (!status && frames[0] && (one_pass || frames[1]))
             add_view(seen, (struct neph_image *const[2]){frames[0], frames[!one_pass]},
@@ -263,21 +265,32 @@ static json_t *finding_json(const struct entrant *entrant, const struct scenery 
     const double error = finding->standard_error;
     const char *cause = neph_participant_cause(entrant->participant, check, finding->lowered);
     return json_pack(
-        "{s:s, s:s, s:s, s:s, s:s, s:s, s:s, s:b, s:o, s:o, s:o, s:o, s:o, s:o, s:s?, s:f, s:f, "
-        "s:s?, s:n}",
+        "{s:s, s:s, s:s, s:s, s:s, s:s, s:s, s:b, s:b, s:o, s:o, s:o, s:o, s:o, s:o, s:s?, s:f, "
+        "s:f, s:O, s:[], s:[]}",
         "check", check->name, "rung", check->rung, "participant", entrant->participant->name,
         "engine", entrant->engine->name, "status", neph_outcome_name(finding->result.outcome),
         "reason", finding->result.reason, "settings",
         finding->result.settings ? finding->result.settings : "", "lowered", finding->lowered,
-        "deviation", number_or_null(there, finding->deviation), "standard_error",
-        number_or_null(there && finding->stochastic, error), "step_bound",
+        "look", entrant->participant->look, "deviation", number_or_null(there, finding->deviation),
+        "standard_error", number_or_null(there && finding->stochastic, error), "step_bound",
         number_or_null(there && !finding->stochastic, finding->step_bound), "z",
         number_or_null(there && finding->stochastic && error > 0.0, finding->deviation / error),
         "pixel_z_mean", number_or_null(there && finding->pixels.count > 0, finding->pixels.mean),
         "pixel_z_variance",
         number_or_null(there && finding->pixels.count > 0, finding->pixels.variance), "cause",
         cause, "rounding", entrant->participant->rounding, "wall_s", finding->wall_s, "exr",
-        finding->exr, "picture");
+        finding->exr, "pictures", "differences");
+}
+
+static json_t *check_json(const struct scenery *scenery)
+{
+    const struct neph_check *check = &scenery->check;
+    json_t *views = json_array();
+    for (int v = 0; v < check->view_count; v++)
+        json_array_append_new(views,
+                              neph_physics_view_json(&check->views[v], scenery->views[v].truth));
+    return json_pack("{s:s, s:s, s:s, s:o}", "name", check->name, "rung", check->rung, "what",
+                     check->what, "views", views);
 }
 
 /* What a deviation may be off by chance, step and rounding. */
@@ -312,9 +325,12 @@ static void judge(json_t *rows, double critical_z)
         if (!json_is_number(deviation)) {
             json_object_set_new(row, "verdict", json_string("not_measured"));
             json_object_set_new(row, "sentence", json_string(""));
+            json_object_set_new(row, "interval", json_null());
             continue;
         }
-        const bool agrees = fabs(json_number_value(deviation)) <= allowed(row, critical_z);
+        const double value = json_number_value(deviation), width = allowed(row, critical_z);
+        const bool agrees = fabs(value) <= width;
+        json_object_set_new(row, "interval", json_pack("[f,f]", value - width, value + width));
         char *text = sentence(row, critical_z, agrees);
         json_object_set_new(row, "verdict", json_string(agrees ? "agrees" : "off"));
         json_object_set_new(row, "sentence", json_string(text ? text : ""));
@@ -354,7 +370,7 @@ static json_t *rungs_json(void)
     return list;
 }
 
-static json_t *document_of(json_t *rows, double seconds)
+static json_t *document_of(json_t *checks, json_t *rows, double seconds)
 {
     int tests = 0;
     for (size_t i = 0; i < json_array_size(rows); i++)
@@ -362,10 +378,10 @@ static json_t *document_of(json_t *rows, double seconds)
     const double alpha = neph_sidak_alpha(NEPH_PHYSICS_FAMILY_ALPHA, tests > 0 ? tests : 1);
     const double critical_z = neph_normal_critical(alpha);
     judge(rows, critical_z);
-    return json_pack("{s:f, s:i, s:f, s:s, s:f, s:o, s:O}", "family_alpha",
+    return json_pack("{s:f, s:i, s:f, s:s, s:f, s:o, s:O, s:O}", "family_alpha",
                      NEPH_PHYSICS_FAMILY_ALPHA, "tests", tests, "critical_z", critical_z, "verdict",
                      truth_holds(rows) ? "pass" : "fail", "seconds", seconds, "rungs", rungs_json(),
-                     "rows", rows);
+                     "checks", checks, "rows", rows);
 }
 
 /* --- the run ------------------------------------------------------------------------------- */
@@ -415,12 +431,14 @@ static bool is_chosen(const struct neph_physics_params *params, int index)
 static enum neph_status run_check(const struct neph_physics_params *params, int index,
                                   const struct entrant *entrants, int entrant_count,
                                   struct neph_store *store, struct neph_progress *progress,
-                                  json_t *rows, struct neph_diag *diag)
+                                  json_t *checks, json_t *rows, struct neph_diag *diag)
 {
     struct scenery *scenery = calloc(1, sizeof(*scenery));
     if (!scenery)
         return neph_fail_memory(diag);
     enum neph_status status = enter(index, scenery, diag);
+    if (!status)
+        json_array_append_new(checks, check_json(scenery));
     for (int i = 0; i < entrant_count && !status; i++) {
         const struct entrant *entrant = &entrants[i];
         const bool ours = entrant->engine->rung <= NEPH_RUNG_TRACER;
@@ -431,7 +449,7 @@ static enum neph_status run_check(const struct neph_physics_params *params, int 
             continue;
         }
         neph_progress_begin(progress, what);
-        struct finding finding = {.rendered = false};
+        struct finding finding = {.rendered = false, .exr = json_array()};
         const double start_s = neph_wall_s();
         status = find(entrant, scenery, params->time_limit_s, store, &finding, diag);
         if (!status) {
@@ -440,7 +458,7 @@ static enum neph_status run_check(const struct neph_physics_params *params, int 
                                neph_wall_s() - start_s);
         }
         neph_job_result_finish(&finding.result);
-        free(finding.exr);
+        json_decref(finding.exr);
     }
     leave(scenery);
     free(scenery);
@@ -472,13 +490,15 @@ enum neph_status neph_physics_run(const struct neph_physics_params *params,
         return neph_fail(diag, NEPH_ERR_USAGE, "no check of the physics suite is called '%s'",
                          params->only);
     struct neph_progress progress = neph_progress_start(params->quiet, check_count * entrant_count);
-    json_t *rows = json_array();
+    json_t *checks = json_array(), *rows = json_array();
     for (int i = 0; i < neph_check_count() && !status; i++)
         if (is_chosen(params, i))
-            status = run_check(params, i, entrants, entrant_count, store, &progress, rows, diag);
+            status = run_check(params, i, entrants, entrant_count, store, &progress, checks, rows,
+                               diag);
     neph_progress_end(&progress);
     if (!status)
-        *document = document_of(rows, neph_wall_s() - start_s);
+        *document = document_of(checks, rows, neph_wall_s() - start_s);
+    json_decref(checks);
     json_decref(rows);
     return status || *document ? status : neph_fail_memory(diag);
 }
