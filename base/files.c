@@ -196,6 +196,32 @@ enum neph_status neph_file_write(const char *path, const void *data, size_t size
     return status;
 }
 
+enum neph_status neph_file_temporary(const char *path, char **temporary, struct neph_diag *diag)
+{
+    struct temporary file;
+    enum neph_status status = temporary_open(&file, path, diag);
+    if (!status) {
+        close(file.fd);
+        file.fd = -1;
+        *temporary = file.path;
+        file.path = NULL;
+    }
+    temporary_finish(&file);
+    return status;
+}
+
+enum neph_status neph_file_commit(const char *temporary, const char *path, struct neph_diag *diag)
+{
+    struct temporary file = {.folder = folder_of(path), .path = strdup(temporary), .fd = -1};
+    enum neph_status status = file.folder && file.path ? NEPH_OK : neph_fail_memory(diag);
+    if (!status && (file.fd = open(temporary, O_RDONLY | O_CLOEXEC)) < 0)
+        status = fail_write(path, diag);
+    if (!status)
+        status = temporary_commit(&file, path, diag);
+    temporary_finish(&file);
+    return status;
+}
+
 static enum neph_status copy_bytes(int from_fd, const char *from, int to_fd, const char *to,
                                    struct neph_diag *diag)
 {

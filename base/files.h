@@ -21,6 +21,14 @@ enum neph_status neph_file_read(const char *path, size_t limit_bytes, char **dat
 enum neph_status neph_file_write(const char *path, const void *data, size_t size,
                                  struct neph_diag *diag);
 
+/* For writers that need a path or write in pieces: make an empty file (.neph-*.tmp) in the folder
+ * of `path`, to be filled and given to neph_file_commit(). `*temporary` is its path, for the caller
+ * to unlink() (harmless after the commit) and free(). */
+enum neph_status neph_file_temporary(const char *path, char **temporary, struct neph_diag *diag);
+
+/* fsync it, rename it to `path`, fsync the folder: the promise of neph_file_write(). */
+enum neph_status neph_file_commit(const char *temporary, const char *path, struct neph_diag *diag);
+
 /* Copy a file with neph_file_write's promise. */
 enum neph_status neph_file_copy(const char *from, const char *to, struct neph_diag *diag);
 
