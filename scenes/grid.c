@@ -92,6 +92,17 @@ enum neph_status neph_grid_create(const int size[3], struct neph_vec3 origin_m,
     return NEPH_OK;
 }
 
+enum neph_status neph_grid_place(struct neph_grid *grid, struct neph_vec3 origin_m,
+                                 struct neph_vec3 spacing_m, struct neph_diag *diag)
+{
+    enum neph_status status = check_place(grid->size, origin_m, spacing_m, diag);
+    if (status)
+        return status;
+    grid->origin_m = origin_m;
+    grid->spacing_m = spacing_m;
+    return NEPH_OK;
+}
+
 void neph_grid_destroy(struct neph_grid *grid)
 {
     if (!grid)

@@ -34,6 +34,11 @@ enum neph_status neph_grid_create(const int size[3], struct neph_vec3 origin_m,
  * node), find the maximum and the hash. */
 enum neph_status neph_grid_seal(struct neph_grid *grid, struct neph_diag *diag);
 
+/* Put it somewhere else, stretched or not; sealed or not. NEPH_ERR_INPUT as for neph_grid_create(),
+ * and then it stays where it was. */
+enum neph_status neph_grid_place(struct neph_grid *grid, struct neph_vec3 origin_m,
+                                 struct neph_vec3 spacing_m, struct neph_diag *diag);
+
 /* NULL is fine. */
 void neph_grid_destroy(struct neph_grid *grid);
 
