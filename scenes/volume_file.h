@@ -24,13 +24,28 @@ enum neph_status neph_volume_read(const char *path, const char *grid_name,
 /* The names of the extensions that neph_volume_read() knows: ".vdb", ".df3". */
 bool neph_volume_has_known_extension(const char *path);
 
-/* Write .vdb (float, zip) with a grid named "density" whose transform puts node (0,0,0) at origin.
- * The outermost layer of zeros that the density falls to beyond the nodes is written as active
- * voxels of 1e-9, so that engines that clip to active voxels do not cut the ramp. */
-enum neph_status neph_volume_write_vdb(const char *path, const struct neph_grid *grid,
-                                       struct neph_diag *diag);
+/* Where a .vdb puts the nodes. */
+enum neph_vdb_layout {
+    /* OpenVDB's own convention: axes of the world, the transform takes the index of a node to its
+     * position, and exactly the nodes are active. Reads back as the same grid, to the bit. */
+    NEPH_VDB_WORLD,
+    /* What Blender 3.4 (Cycles) renders as the same density in its coordinates (x, -z, y): it takes
+     * the value of index i to be at transform(i + 0.5), so the transform takes 0 to the lower
+     * corner of the voxel; and it cuts the volume to active voxels, so that the ramp from the
+     * outermost nodes down to 0 is kept alive by one more layer of active voxels of 1e-9 on every
+     * side. */
+    NEPH_VDB_BLENDER,
+};
 
-/* Write a 32-bit .df3 of values / maximum, with one layer of zeros on every side. */
+/* Write a sealed grid as .vdb (float, zip, a fog volume named "density"). The same grid gives the
+ * same bytes. Whole or not at all. */
+enum neph_status neph_volume_write_vdb(const char *path, const struct neph_grid *grid,
+                                       enum neph_vdb_layout layout, struct neph_diag *diag);
+
+/* Write the values of a sealed grid / its maximum as a 32-bit .df3, with one layer of zeros on
+ * every side (size + 2): POV-Ray puts node i of N, trilinear, at i / N of the unit cube and wraps
+ * from the last to the first. So `scale (size + 2) * spacing translate origin - spacing` puts it in
+ * place, and the maximum belongs into the scattering colour. Whole or not at all. */
 enum neph_status neph_volume_write_df3(const char *path, const struct neph_grid *grid,
                                        struct neph_diag *diag);
 

@@ -1,0 +1,120 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Volume files: which reader for which extension, and what is checked for all of them.
+ */
+#include "scenes/volume_file.h"
+
+#include "scenes/volume_format.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static const struct {
+    const char *extension;
+    neph_volume_reader *read;
+} formats[] = {
+    {".vdb", neph_volume_read_vdb},
+    {".df3", neph_volume_read_df3},
+};
+enum { FORMAT_COUNT = sizeof(formats) / sizeof(formats[0]) };
+
+static neph_volume_reader *find_reader(const char *path)
+{
+    const char *name = strrchr(path, '/');
+    const char *extension = strrchr(name ? name : path, '.');
+    for (int i = 0; extension && i < FORMAT_COUNT; i++)
+        if (strcasecmp(extension, formats[i].extension) == 0)
+            return formats[i].read;
+    return NULL;
+}
+
+bool neph_volume_has_known_extension(const char *path)
+{
+    return find_reader(path) != NULL;
+}
+
+enum neph_status neph_volume_check_size(const struct neph_volume_request *request,
+                                        const int size[3], struct neph_diag *diag)
+{
+    const double nodes = (double)size[0] * size[1] * size[2];
+    if (nodes * sizeof(float) <= (double)request->memory_limit_bytes)
+        return NEPH_OK;
+    neph_fail(diag, NEPH_ERR_INPUT,
+              "%d x %d x %d nodes need %.0f MiB of memory, and the limit is %.0f MiB", size[0],
+              size[1], size[2], nodes * sizeof(float) / 0x1p20,
+              (double)request->memory_limit_bytes / 0x1p20);
+    neph_hint(diag, "resample the volume to fewer nodes");
+    return NEPH_ERR_INPUT;
+}
+
+/* O_NONBLOCK: a named pipe must be refused and not waited for. */
+static enum neph_status open_file(const char *path, FILE **file, size_t *size_bytes,
+                                  struct neph_diag *diag)
+{
+    const int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    if (fd < 0)
+        return neph_fail(diag, errno == ENOENT ? NEPH_ERR_NOT_FOUND : NEPH_ERR_IO, "%s",
+                         strerror(errno));
+    struct stat info;
+    FILE *opened = NULL;
+    enum neph_status status = NEPH_OK;
+    if (fstat(fd, &info) != 0)
+        status = neph_fail(diag, NEPH_ERR_IO, "%s", strerror(errno));
+    else if (!S_ISREG(info.st_mode))
+        status = neph_fail(diag, NEPH_ERR_INPUT, "not a regular file");
+    else if (!(opened = fdopen(fd, "rb")))
+        status = neph_fail_memory(diag);
+    if (status) {
+        close(fd);
+        return status;
+    }
+    *file = opened;
+    *size_bytes = (size_t)info.st_size;
+    return NEPH_OK;
+}
+
+static enum neph_status read_and_seal(neph_volume_reader *read,
+                                      const struct neph_volume_request *request, FILE *file,
+                                      struct neph_grid **grid, struct neph_diag *diag)
+{
+    struct neph_grid *made = NULL;
+    enum neph_status status = read(request, file, &made, diag);
+    if (!status)
+        status = neph_grid_seal(made, diag);
+    if (status)
+        neph_grid_destroy(made);
+    else
+        *grid = made;
+    return status;
+}
+
+enum neph_status neph_volume_read(const char *path, const char *grid_name,
+                                  size_t memory_limit_bytes, struct neph_grid **grid,
+                                  struct neph_diag *diag)
+{
+    neph_volume_reader *read = find_reader(path);
+    if (!read) {
+        neph_fail(diag, NEPH_ERR_INPUT, "'%s' is no volume file that neph knows", path);
+        neph_hint(diag, "its name must end in .vdb or .df3");
+        return NEPH_ERR_INPUT;
+    }
+    struct neph_volume_request request = {path, grid_name, memory_limit_bytes, 0};
+    struct neph_diag inner = {.line = 0};
+    FILE *file = NULL;
+    enum neph_status status = open_file(path, &file, &request.file_bytes, &inner);
+    if (!status)
+        status = read_and_seal(read, &request, file, grid, &inner);
+    if (file)
+        fclose(file);
+    if (status) {
+        neph_fail(diag, status, "cannot read the volume '%s': %s", path, inner.message);
+        if (inner.hint[0])
+            neph_hint(diag, "%s", inner.hint);
+    }
+    return status;
+}

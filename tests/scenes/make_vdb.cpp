@@ -1,0 +1,189 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The program make_vdb FOLDER: OpenVDB files of all sorts for test_volume_file.c, among them those
+ * that neph itself never writes.
+ */
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <string>
+
+#include <openvdb/openvdb.h>
+#include <openvdb/tools/LevelSetSphere.h>
+
+namespace
+{
+
+using openvdb::Coord;
+using openvdb::FloatGrid;
+using openvdb::math::Transform;
+
+/* 5 x 4 x 3 nodes from index (-3, 2, 7): values of the nodes i, j, k are i + 10 j + 100 k. */
+FloatGrid::Ptr ramp(const char *name)
+{
+    const FloatGrid::Ptr grid = FloatGrid::create(0.0f);
+    for (int k = 0; k < 3; k++)
+        for (int j = 0; j < 4; j++)
+            for (int i = 0; i < 5; i++)
+                grid->tree().setValue(Coord(i - 3, j + 2, k + 7),
+                                      static_cast<float>(i + 10 * j + 100 * k));
+    grid->setName(name);
+    return grid;
+}
+
+FloatGrid::Ptr with_value(float value)
+{
+    const FloatGrid::Ptr grid = ramp("density");
+    grid->tree().setValue(Coord(-2, 3, 7), value);
+    return grid;
+}
+
+openvdb::GridPtrVec placed()
+{
+    const FloatGrid::Ptr grid = ramp("density");
+    const Transform::Ptr transform = Transform::createLinearTransform();
+    transform->postScale(openvdb::Vec3d(0.5, 2.0, 0.25));
+    transform->postTranslate(openvdb::Vec3d(10.0, -20.0, 30.0));
+    grid->setTransform(transform);
+    return {grid};
+}
+
+openvdb::GridPtrVec rotated()
+{
+    const FloatGrid::Ptr grid = ramp("density");
+    const Transform::Ptr transform = Transform::createLinearTransform();
+    transform->postRotate(0.3, openvdb::math::Y_AXIS);
+    grid->setTransform(transform);
+    return {grid};
+}
+
+openvdb::GridPtrVec mirrored()
+{
+    const FloatGrid::Ptr grid = ramp("density");
+    const Transform::Ptr transform = Transform::createLinearTransform();
+    transform->postScale(openvdb::Vec3d(1.0, -1.0, 1.0));
+    grid->setTransform(transform);
+    return {grid};
+}
+
+openvdb::GridPtrVec frustum()
+{
+    const FloatGrid::Ptr grid = ramp("density");
+    grid->setTransform(Transform::createFrustumTransform(
+        openvdb::BBoxd(openvdb::Vec3d(-4.0), openvdb::Vec3d(12.0)), 0.5, 2.0));
+    return {grid};
+}
+
+openvdb::GridPtrVec half()
+{
+    const FloatGrid::Ptr grid = ramp("density");
+    grid->setSaveFloatAsHalf(true);
+    return {grid};
+}
+
+/* An active tile of 8^3 beside one voxel. */
+openvdb::GridPtrVec tile()
+{
+    const FloatGrid::Ptr grid = FloatGrid::create(0.0f);
+    grid->tree().fill(openvdb::CoordBBox(Coord(0), Coord(7)), 0.5f);
+    grid->tree().setValue(Coord(8, 0, 0), 0.25f);
+    grid->setName("density");
+    grid->tree().prune();
+    return {grid};
+}
+
+/* Two voxels, so far apart that the box around them has 2^60 nodes. */
+openvdb::GridPtrVec vast()
+{
+    const FloatGrid::Ptr grid = ramp("density");
+    grid->tree().setValue(Coord(1 << 20), 1.0f);
+    return {grid};
+}
+
+openvdb::GridPtrVec outside()
+{
+    const FloatGrid::Ptr grid = FloatGrid::create(0.125f);
+    grid->tree().setValue(Coord(0), 1.0f);
+    grid->setName("density");
+    return {grid};
+}
+
+openvdb::GridPtrVec empty()
+{
+    const FloatGrid::Ptr grid = FloatGrid::create(0.0f);
+    grid->setName("density");
+    return {grid};
+}
+
+openvdb::GridPtrVec vectors()
+{
+    const openvdb::Vec3SGrid::Ptr grid = openvdb::Vec3SGrid::create();
+    grid->tree().setValue(Coord(0), openvdb::Vec3s(1.0f));
+    grid->setName("density");
+    return {grid};
+}
+
+openvdb::GridPtrVec level_set()
+{
+    const FloatGrid::Ptr grid = openvdb::tools::createLevelSetSphere<FloatGrid>(
+        3.0f, openvdb::Vec3f(0.0f), 1.0f);
+    grid->setName("density");
+    return {grid};
+}
+
+openvdb::GridPtrVec instance()
+{
+    const FloatGrid::Ptr first = ramp("density");
+    const FloatGrid::Ptr second = FloatGrid::create(*first); /* shares the tree */
+    second->setTree(first->treePtr());
+    second->setName("again");
+    return {first, second};
+}
+
+const struct {
+    const char *name;
+    std::function<openvdb::GridPtrVec()> make;
+} samples[] = {
+    {"plain", [] { return openvdb::GridPtrVec{ramp("density")}; }},
+    {"placed", placed},
+    {"half", half},
+    {"tile", tile},
+    {"one_of_another_name", [] { return openvdb::GridPtrVec{ramp("smoke")}; }},
+    {"several",
+     [] {
+         return openvdb::GridPtrVec{ramp("heat"), half()[0], ramp("smoke")};
+     }},
+    {"several_without_density",
+     [] {
+         return openvdb::GridPtrVec{ramp("heat"), ramp("smoke")};
+     }},
+    {"none", [] { return openvdb::GridPtrVec{}; }},
+    {"rotated", rotated},
+    {"mirrored", mirrored},
+    {"frustum", frustum},
+    {"vast", vast},
+    {"outside", outside},
+    {"empty", empty},
+    {"vectors", vectors},
+    {"level_set", level_set},
+    {"instance", instance},
+    {"nan", [] { return openvdb::GridPtrVec{with_value(std::nanf(""))}; }},
+    {"infinite",
+     [] { return openvdb::GridPtrVec{with_value(std::numeric_limits<float>::infinity())}; }},
+    {"negative", [] { return openvdb::GridPtrVec{with_value(-0.5f)}; }},
+};
+
+} // namespace
+
+int main(int argc, char **argv)
+{
+    if (argc != 2)
+        return 64;
+    openvdb::initialize();
+    for (const auto &sample : samples) {
+        openvdb::io::File file(std::string(argv[1]) + "/" + sample.name + ".vdb");
+        file.write(sample.make());
+        file.close();
+    }
+    return 0;
+}
