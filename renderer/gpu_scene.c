@@ -2,6 +2,7 @@
 #include "renderer/gpu_scene.h"
 
 #include "scenes/grid.h"
+#include "scenes/horizon.h"
 #include "scenes/majorant.h"
 #include "scenes/media.h"
 
@@ -148,6 +149,46 @@ static struct neph_gpu_grid grid_from(const struct neph_grid *grid, struct neph_
     return gpu;
 }
 
+_Static_assert(NEPH_HORIZON_BASE_SIDE == 64 && NEPH_HORIZON_DETAIL_SIDE == 32 &&
+                   NEPH_HORIZON_WEATHER_SIDE == 256,
+               "horizon.glsl's sides");
+
+/* A place along one axis of a periodic texture [texels], from the first texel's. */
+static float texel_at(double place_m, double repeats_per_m, int side)
+{
+    const double repeats = place_m * repeats_per_m;
+    return (float)((repeats - floor(repeats)) * side - 0.5);
+}
+
+static struct neph_gpu_horizon horizon_from(const struct neph_horizon_params *params,
+                                            struct neph_vec3 camera_position_m)
+{
+    enum { BASE = NEPH_HORIZON_BASE_SIDE, DETAIL = NEPH_HORIZON_DETAIL_SIDE };
+    const struct neph_vec3 center_m = {0.0, params->bottom_m - params->planet_radius_m, 0.0};
+    const struct neph_vec3 from_m = neph_vec3_sub(camera_position_m, params->wind_m);
+    const double from[3] = {from_m.x, from_m.y, from_m.z};
+    const double weather_per_m = 1.0 / params->texture_scale_m;
+    const double base_per_m = params->base_repeats * weather_per_m;
+    const double detail_per_m = params->detail_repeats * weather_per_m;
+    struct neph_gpu_horizon gpu = {
+        .globe = neph_gpu_globe_from(center_m, params->planet_radius_m, camera_position_m),
+        .base_per_m = (float)(base_per_m * BASE),
+        .detail_per_m = (float)(detail_per_m * DETAIL),
+        .weather_at = {texel_at(from_m.x, weather_per_m, NEPH_HORIZON_WEATHER_SIDE),
+                       texel_at(from_m.z, weather_per_m, NEPH_HORIZON_WEATHER_SIDE)},
+        .weather_per_m = (float)(weather_per_m * NEPH_HORIZON_WEATHER_SIDE),
+        .thickness_m = (float)params->thickness_m,
+        .coverage = (float)params->coverage,
+        .density = (float)params->density,
+        .erosion = (float)(0.8 * exp(-0.75 * params->coverage)),
+    };
+    for (int axis = 0; axis < 3; axis++) {
+        gpu.base_at[axis] = texel_at(from[axis], base_per_m, BASE);
+        gpu.detail_at[axis] = texel_at(from[axis], detail_per_m, DETAIL);
+    }
+    return gpu;
+}
+
 /* Layers without extinction are left out: nothing in the shaders has to expect a 0. */
 struct neph_gpu_medium neph_gpu_medium_from(const struct neph_medium *medium,
                                             struct neph_vec3 camera_position_m)
@@ -169,6 +210,13 @@ struct neph_gpu_medium neph_gpu_medium_from(const struct neph_medium *medium,
         gpu.shell = shell_from(medium, camera_position_m);
     if (medium->kind == NEPH_MEDIUM_GRID)
         gpu.grid = grid_from(medium->grid, camera_position_m);
+    if (medium->kind == NEPH_MEDIUM_HORIZON) {
+        const struct neph_horizon_params *params = &medium->horizon->params;
+        const double density_max = fmax(1.0, 2.0 * params->density);
+        gpu.horizon = horizon_from(params, camera_position_m);
+        gpu.extinction_per_m = fminf(gpu.extinction_per_m,
+                                     (float)(extinction_max_per_m / density_max));
+    }
     for (int i = 0; i < medium->layer_count; i++)
         if (medium->layers[i].extinction_per_m > 0.0)
             gpu.layers[gpu.layer_count++] = neph_gpu_fog_layer_from(&medium->layers[i],
@@ -304,6 +352,49 @@ static enum neph_status upload_grids(const struct neph_vulkan *vulkan,
     return status;
 }
 
+enum {
+    base_texels = NEPH_HORIZON_BASE_SIDE * NEPH_HORIZON_BASE_SIDE * NEPH_HORIZON_BASE_SIDE,
+    detail_texels = NEPH_HORIZON_DETAIL_SIDE * NEPH_HORIZON_DETAIL_SIDE * NEPH_HORIZON_DETAIL_SIDE,
+    weather_texels = NEPH_HORIZON_WEATHER_SIDE * NEPH_HORIZON_WEATHER_SIDE,
+    horizon_texels = base_texels + detail_texels + weather_texels,
+};
+
+/* Shaders read four channels of every texture. */
+static void four_channels(const float *texels, int count, int channels, float *out)
+{
+    for (int i = 0; i < count; i++)
+        for (int c = 0; c < 4; c++)
+            *out++ = c < channels ? texels[i * channels + c] : 0.0f;
+}
+
+static enum neph_status upload_horizons(const struct neph_vulkan *vulkan,
+                                        const struct neph_scene *scene, struct neph_gpu_scene *gpu,
+                                        struct neph_diag *diag)
+{
+    const size_t texel_bytes = 4 * sizeof(float);
+    size_t count = 0;
+    for (int i = 0; i < scene->medium_count; i++)
+        if (scene->media[i].kind == NEPH_MEDIUM_HORIZON)
+            count += horizon_texels;
+    float *texels = malloc((count + 1) * texel_bytes);
+    if (!texels)
+        return neph_fail_memory(diag);
+    float *out = texels;
+    for (int i = 0; i < scene->medium_count; i++) {
+        const struct neph_horizon *horizon = scene->media[i].horizon;
+        if (scene->media[i].kind != NEPH_MEDIUM_HORIZON)
+            continue;
+        four_channels(horizon->base, base_texels, 4, out);
+        four_channels(horizon->detail, detail_texels, 3, out + 4 * base_texels);
+        four_channels(horizon->weather, weather_texels, 4, out + 4 * (base_texels + detail_texels));
+        out += 4 * horizon_texels;
+    }
+    const enum neph_status status = upload(vulkan, texels, count, texel_bytes, "scene textures",
+                                           &gpu->buffers[4], diag);
+    free(texels);
+    return status;
+}
+
 /* Measured on a 64^3 cloud: finer grids cost more steps than they save collisions. */
 static const int majorant_cells = 16 * 16 * 16;
 
@@ -373,7 +464,7 @@ static void fill_media(const struct neph_scene *scene, struct neph_vec3 camera_m
 {
     struct neph_gpu_frame *frame = gpu->frame;
     bool scatters = false;
-    uint32_t first = 0;
+    uint32_t first = 0, first_texel = 0;
     gpu->optical_depth_turns = 1;
     for (int i = 0; i < scene->medium_count; i++) {
         const struct neph_medium *medium = &scene->media[i];
@@ -381,6 +472,10 @@ static void fill_media(const struct neph_scene *scene, struct neph_vec3 camera_m
         if (medium->kind == NEPH_MEDIUM_GRID) {
             made.grid.first = first;
             first += (uint32_t)padded_count(medium->grid);
+        }
+        if (medium->kind == NEPH_MEDIUM_HORIZON) {
+            made.horizon.first = first_texel;
+            first_texel += horizon_texels;
         }
         if (!is_there(medium))
             continue;
@@ -417,7 +512,7 @@ enum neph_status neph_gpu_scene_create(const struct neph_vulkan *vulkan,
     else if (!status)
         status = upload(vulkan, NULL, 0, sizeof(float), "scene majorants", &gpu->buffers[3], diag);
     if (!status)
-        status = upload(vulkan, NULL, 0, sizeof(float), "scene textures", &gpu->buffers[4], diag);
+        status = upload_horizons(vulkan, scene, gpu, diag);
     return status;
 }
 

@@ -61,6 +61,22 @@ struct neph_gpu_grid {
     uint32_t padding_2;
 };
 
+/* struct Horizon of shaders/horizon.glsl */
+struct neph_gpu_horizon {
+    struct neph_gpu_globe globe;
+    float base_at[3];
+    float base_per_m;
+    float detail_at[3];
+    float detail_per_m;
+    float weather_at[2];
+    float weather_per_m;
+    float thickness_m;
+    float coverage;
+    float density;
+    float erosion;
+    uint32_t first;
+};
+
 /* struct Medium of shaders/scene.glsl */
 struct neph_gpu_medium {
     float low_m[3];
@@ -75,6 +91,7 @@ struct neph_gpu_medium {
     struct neph_gpu_gaussian gaussian;
     struct neph_gpu_shell shell;
     struct neph_gpu_grid grid;
+    struct neph_gpu_horizon horizon;
     uint32_t majorant_size[3];
     uint32_t majorant_first;
     uint32_t layer_count;
@@ -119,8 +136,10 @@ _Static_assert(offsetof(struct neph_gpu_medium, gaussian) == 96, "std430 Medium.
 _Static_assert(sizeof(struct neph_gpu_globe) == 32, "std430 Globe");
 _Static_assert(offsetof(struct neph_gpu_medium, shell) == 128, "std430 Medium.shell");
 _Static_assert(offsetof(struct neph_gpu_medium, grid) == 176, "std430 Medium.grid");
-_Static_assert(offsetof(struct neph_gpu_medium, majorant_size) == 224, "std430 Medium.majorants");
-_Static_assert(sizeof(struct neph_gpu_medium) == 256, "std430 Medium");
+_Static_assert(offsetof(struct neph_gpu_medium, horizon) == 224, "std430 Medium.horizon");
+_Static_assert(sizeof(struct neph_gpu_horizon) == 96, "std430 Horizon");
+_Static_assert(offsetof(struct neph_gpu_medium, majorant_size) == 320, "std430 Medium.majorants");
+_Static_assert(sizeof(struct neph_gpu_medium) == 352, "std430 Medium");
 _Static_assert(offsetof(struct neph_gpu_solid, high_m) == 16, "std430 Solid.high_m");
 _Static_assert(offsetof(struct neph_gpu_solid, albedo) == 32, "std430 Solid.albedo");
 _Static_assert(sizeof(struct neph_gpu_solid) == 48, "std430 Solid");
@@ -131,7 +150,7 @@ _Static_assert(offsetof(struct neph_gpu_frame, sun_irradiance) == 64, "std430 Fr
 _Static_assert(offsetof(struct neph_gpu_frame, background) == 80, "std430 Frame.background");
 _Static_assert(offsetof(struct neph_gpu_frame, steps) == 96, "std430 Frame.steps");
 _Static_assert(offsetof(struct neph_gpu_frame, media) == 112, "std430 Frame.media");
-_Static_assert(sizeof(struct neph_gpu_frame) == 112 + 256 * NEPH_SCENE_MEDIA_MAX, "std430 Frame");
+_Static_assert(sizeof(struct neph_gpu_frame) == 112 + 352 * NEPH_SCENE_MEDIA_MAX, "std430 Frame");
 _Static_assert(NEPH_SCENE_MEDIA_MAX == 8 && NEPH_FOG_LAYERS_MAX == 2, "scene.glsl's counts");
 _Static_assert(NEPH_PHASE_ISOTROPIC == 0 && NEPH_PHASE_HENYEY_GREENSTEIN == 1 &&
                    NEPH_PHASE_RAYLEIGH == 2,
@@ -146,7 +165,7 @@ struct neph_gpu_fog_layer neph_gpu_fog_layer_from(const struct neph_fog_layer *l
 struct neph_gpu_globe neph_gpu_globe_from(struct neph_vec3 center_m, double radius_m,
                                           struct neph_vec3 camera_position_m);
 
-/* One medium; the places of its grid and majorants are left 0. */
+/* One medium; the places of its grid, textures and majorants are left 0. */
 struct neph_gpu_medium neph_gpu_medium_from(const struct neph_medium *medium,
                                             struct neph_vec3 camera_position_m);
 

@@ -5,6 +5,7 @@
 #include "base/interrupt.h"
 #include "renderer/compute.h"
 #include "renderer/gpu_scene.h"
+#include "scenes/media.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -89,9 +90,18 @@ static enum neph_status check_range(const char *name, int value, int maximum,
     return neph_fail(diag, NEPH_ERR_USAGE, "march: %s is %d, outside 1..%d", name, value, maximum);
 }
 
-static int sun_steps_of(const struct neph_march_params *params)
+static bool marches_towards_sun(const struct neph_scene *scene,
+                                const struct neph_march_params *params)
 {
-    return params->sun == NEPH_MARCH_MARCHED ? params->sun_steps : 0;
+    for (int i = 0; i < scene->medium_count; i++)
+        if (!neph_medium_has_closed_form(&scene->media[i]))
+            return true;
+    return params->sun == NEPH_MARCH_MARCHED;
+}
+
+static int sun_steps_of(const struct neph_scene *scene, const struct neph_march_params *params)
+{
+    return marches_towards_sun(scene, params) ? params->sun_steps : 0;
 }
 
 static enum neph_status check(const struct neph_scene *scene,
@@ -102,11 +112,11 @@ static enum neph_status check(const struct neph_scene *scene,
         status = check_range("height", params->height_px, NEPH_MARCH_SIDE_MAX_PX, diag);
     if (!status)
         status = check_range("steps", params->steps, NEPH_MARCH_STEPS_MAX, diag);
-    if (!status && params->sun == NEPH_MARCH_MARCHED)
+    if (!status && marches_towards_sun(scene, params))
         status = check_range("sun_steps", params->sun_steps, NEPH_MARCH_STEPS_MAX, diag);
     if (status)
         return status;
-    if ((uint64_t)params->steps * (uint64_t)(1 + sun_steps_of(params)) > UINT32_MAX / 2)
+    if ((uint64_t)params->steps * (uint64_t)(1 + sun_steps_of(scene, params)) > UINT32_MAX / 2)
         return neph_fail(diag, NEPH_ERR_USAGE,
                          "march: %d steps of %d sun steps each are more than a pixel can count",
                          params->steps, params->sun_steps);
@@ -134,7 +144,7 @@ static void count_turns(const struct neph_scene *scene, const struct neph_gpu_sc
     uint64_t media = (uint64_t)scene->medium_count + 1;
     for (int i = 0; i < scene->medium_count; i++)
         media += (uint64_t)scene->media[i].layer_count + 1;
-    const uint64_t sun_steps = (uint64_t)sun_steps_of(params);
+    const uint64_t sun_steps = (uint64_t)sun_steps_of(scene, params);
     const uint64_t sunlight = solids + media + exact + sun_steps * (1 + media) + 1;
     *per_step = 1 + 2 * media + exact + sunlight;
     *per_dispatch = solids + 3 * media + exact + sunlight + 1;
@@ -151,7 +161,7 @@ static enum neph_status make_plan(const struct neph_vulkan *vulkan, const struct
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
                          "march: one step with %d sun steps, %d media and %d solids takes %llu "
                          "loop turns; a dispatch has %d",
-                         sun_steps_of(params), scene->medium_count, scene->solid_count,
+                         sun_steps_of(scene, params), scene->medium_count, scene->solid_count,
                          (unsigned long long)(turns_per_dispatch + turns_per_step),
                          NEPH_KERNEL_LOOP_TURNS_MAX);
     plan->pixel_count = (uint64_t)params->width_px * (uint64_t)params->height_px;
@@ -204,7 +214,7 @@ static enum neph_status prepare(struct render *render, const struct neph_scene *
     if (status)
         return status;
     render->scene.frame->steps = (uint32_t)params->steps;
-    render->scene.frame->sun_steps = (uint32_t)sun_steps_of(params);
+    render->scene.frame->sun_steps = (uint32_t)sun_steps_of(scene, params);
     const struct neph_kernel_params kernel = {
         .name = "march",
         .spirv = march_spirv,

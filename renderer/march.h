@@ -30,7 +30,7 @@
 
 /* Where an optical depth comes from. */
 enum neph_march_mode {
-    NEPH_MARCH_EXACT,   /* the closed form of homogeneous and height fog */
+    NEPH_MARCH_EXACT, /* closed forms; Horizon clouds, which have none, are marched all the same */
     NEPH_MARCH_MARCHED, /* the sum over steps of extinction at the middle of the step */
 };
 
@@ -43,7 +43,7 @@ struct neph_march_params {
     int steps;                          /* per view ray, 1..NEPH_MARCH_STEPS_MAX */
     enum neph_march_mode transmittance; /* along the view ray: layer and in-scattering alike */
     enum neph_march_mode sun;           /* towards the sun */
-    int sun_steps; /* per sun ray, 1..NEPH_MARCH_STEPS_MAX; not used with an exact sun */
+    int sun_steps; /* per sun ray, 1..NEPH_MARCH_STEPS_MAX; not used where none is marched */
 };
 
 struct neph_march_stats {

@@ -22,10 +22,13 @@ enum { OPTION_STEPS, OPTION_TRANSMITTANCE, OPTION_SUN, OPTION_SUN_STEPS };
 static const struct neph_option options[] = {
     [OPTION_STEPS] = {"steps", NEPH_OPTION_INTEGER, 64, 1, NEPH_MARCH_STEPS_MAX, NULL,
                       "steps per view ray"},
-    [OPTION_TRANSMITTANCE] = {"transmittance", NEPH_OPTION_CHOICE, NEPH_MARCH_EXACT, 0, 1, modes,
-                              "optical depth of view rays: closed form, or summed over the steps"},
-    [OPTION_SUN] = {"sun", NEPH_OPTION_CHOICE, NEPH_MARCH_EXACT, 0, 1, modes,
-                    "optical depth towards the sun: closed form, or marched"},
+    [OPTION_TRANSMITTANCE] =
+        {"transmittance", NEPH_OPTION_CHOICE, NEPH_MARCH_EXACT, 0, 1, modes,
+         "optical depth of view rays: closed form (but for Horizon clouds), or summed over the "
+         "steps"},
+    [OPTION_SUN] =
+        {"sun", NEPH_OPTION_CHOICE, NEPH_MARCH_EXACT, 0, 1, modes,
+         "optical depth towards the sun: closed form (but for Horizon clouds), or marched"},
     [OPTION_SUN_STEPS] = {"sun_steps", NEPH_OPTION_INTEGER, 16, 1, NEPH_MARCH_STEPS_MAX, NULL,
                           "steps per marched sun ray"},
     {.name = NULL},

@@ -21,10 +21,16 @@
 layout(local_size_x = 64) in;
 
 // enum neph_march_mode: where an optical depth comes from.
-const uint EXACT = 0;   // closed form
+const uint EXACT = 0;   // closed form, of the kinds that have one
 const uint MARCHED = 1; // sum over steps of extinction at the middle of the step
 layout(constant_id = 2) const uint TRANSMITTANCE = EXACT; // along the view ray
 layout(constant_id = 3) const uint SUN = EXACT;           // towards the sun
+
+// The kinds of media of which optical depths are summed over steps; of the others they are closed
+// forms.
+const uint VIEW_MARCHED = KINDS & (TRANSMITTANCE == EXACT ? OPEN_KINDS : ~0u);
+const bool IS_SOLVED = TRANSMITTANCE == EXACT && VIEW_MARCHED == 0u; // the view without a march
+const uint SUN_MARCHED = KINDS & (SUN == EXACT ? OPEN_KINDS : ~0u);
 
 layout(push_constant) uniform Run {
     uint first_pixel;
@@ -96,16 +102,17 @@ vec3 exact_optical_depth(vec3 origin_m, vec3 direction, float length_m)
     return scene_optical_depth(origin_m, direction, length_m);
 }
 
-vec3 marched_optical_depth(vec3 origin_m, vec3 direction, uint steps)
+vec3 marched_optical_depth(uint kinds, vec3 origin_m, vec3 direction, uint steps)
 {
-    Stretch stretch = scene_stretch(origin_m, direction, FAR_M);
+    Stretch stretch = scene_stretch(kinds, origin_m, direction, FAR_M);
     if (stretch.t1_m <= stretch.t0_m)
         return vec3(0.0);
     float step_m = (stretch.t1_m - stretch.t0_m) / float(steps);
     Sum sum = sum_zero();
     for (uint i = 0; i < steps; i++) {
         float middle_m = stretch.t0_m + (float(i) + 0.5) * step_m;
-        sum_add(sum, vec4(scene_extinction_per_m(origin_m + middle_m * direction) * step_m, 0.0));
+        vec3 middle = origin_m + middle_m * direction;
+        sum_add(sum, vec4(scene_extinction_per_m(kinds, middle) * step_m, 0.0));
     }
     density_evaluations += steps;
     return grey(sum.value.xyz);
@@ -113,9 +120,13 @@ vec3 marched_optical_depth(vec3 origin_m, vec3 direction, uint steps)
 
 vec3 sun_transmittance(vec3 point_m)
 {
+    vec3 optical_depth = vec3(0.0);
     if (SUN == EXACT)
-        return fraction_through(exact_optical_depth(point_m, frame.sun_direction, FAR_M));
-    return fraction_through(marched_optical_depth(point_m, frame.sun_direction, frame.sun_steps));
+        optical_depth = exact_optical_depth(point_m, frame.sun_direction, FAR_M);
+    if (SUN_MARCHED != 0u)
+        optical_depth += marched_optical_depth(SUN_MARCHED, point_m, frame.sun_direction,
+                                               frame.sun_steps);
+    return fraction_through(optical_depth);
 }
 
 // Sunlight that reaches a point [W/m^2].
@@ -129,6 +140,7 @@ vec3 sunlight(vec3 point_m, uint on_solid)
 // What the media are at a point, all of them together.
 struct Mixture {
     vec3 extinction_per_m;
+    vec3 marched_per_m; // the part of it that VIEW_MARCHED has
     vec3 scattering; // sum of scattering coefficient times phase function [1/(m sr)]
 };
 
@@ -138,15 +150,18 @@ float phase_towards_camera_per_sr[MEDIA_MAX];
 Mixture mixture_at(vec3 point_m)
 {
     density_evaluations++;
-    Mixture mixture = Mixture(vec3(0.0), vec3(0.0));
+    Mixture mixture = Mixture(vec3(0.0), vec3(0.0), vec3(0.0));
     for (uint m = 0; m < frame.medium_count; m++) {
         vec3 extinction_per_m =
             grey(frame.media[m].extinction_color) * medium_extinction_per_m(m, point_m);
         mixture.extinction_per_m += extinction_per_m;
+        if ((VIEW_MARCHED & (1u << frame.media[m].kind)) != 0u)
+            mixture.marched_per_m += extinction_per_m;
         mixture.scattering +=
             extinction_per_m * phase_towards_camera_per_sr[m] * frame.media[m].albedo;
     }
     mixture.extinction_per_m = grey(mixture.extinction_per_m);
+    mixture.marched_per_m = grey(mixture.marched_per_m);
     return mixture;
 }
 
@@ -180,8 +195,9 @@ void march(vec3 direction, float length_m, inout Sums sums)
         vec3 start_m = (stretch.t0_m + float(i) * step_m) * direction;
         vec3 middle_m = (stretch.t0_m + (float(i) + 0.5) * step_m) * direction;
         Mixture mixture = mixture_at(middle_m);
-        vec3 step_depth = TRANSMITTANCE == EXACT ? exact_optical_depth(start_m, direction, step_m)
-                                                : mixture.extinction_per_m * step_m;
+        vec3 step_depth = mixture.marched_per_m * step_m;
+        if (TRANSMITTANCE == EXACT)
+            step_depth += exact_optical_depth(start_m, direction, step_m);
         vec3 scattered = vec3(0.0);
         if (frame.single_scattering != 0)
             scattered = source_function(mixture, middle_m) *
@@ -202,9 +218,8 @@ vec3 surface_radiance(Hit hit, vec3 point_m)
 
 Pixel finished_pixel(vec3 direction, Hit hit, Sums sums)
 {
-    vec3 optical_depth = TRANSMITTANCE == EXACT
-                             ? exact_optical_depth(vec3(0.0), direction, hit.t_m)
-                             : marched_depth(sums);
+    vec3 optical_depth = IS_SOLVED ? exact_optical_depth(vec3(0.0), direction, hit.t_m)
+                                   : marched_depth(sums);
     vec3 behind = hit.solid == NO_SOLID ? frame.background
                                         : surface_radiance(hit, hit.t_m * direction);
     Pixel pixel;
@@ -234,7 +249,7 @@ void main()
         closed_forms = states[thread].closed_forms;
     }
     // With a closed-form transmittance and no scattering there is nothing to march for.
-    if (TRANSMITTANCE == MARCHED || frame.single_scattering != 0)
+    if (!IS_SOLVED || frame.single_scattering != 0)
         march(direction, hit.t_m, sums);
 
     if (run.end_step < frame.steps)

@@ -20,6 +20,7 @@ struct Answer {
     float extinction_per_m; // at the origin
     float optical_depth;    // over the length
     float stretch_t0_m, stretch_t1_m; // of the scene
+    float without_detail, height; // of a Horizon cloud at the origin
 };
 
 layout(std430, binding = 5) readonly buffer Probes {
@@ -37,7 +38,10 @@ void main()
         return;
     Probe p = probes[i];
     Stretch stretch = scene_stretch(p.origin_m, p.direction, p.length_m);
+    HorizonSample cloud = HorizonSample(0.0, 0.0, 0.0);
+    if (has_kind(MEDIUM_HORIZON) && frame.media[p.medium].kind == MEDIUM_HORIZON)
+        cloud = horizon_sample(frame.media[p.medium].horizon, p.origin_m);
     answers[i] = Answer(medium_extinction_per_m(p.medium, p.origin_m),
                         medium_optical_depth(p.medium, p.origin_m, p.direction, p.length_m),
-                        stretch.t0_m, stretch.t1_m);
+                        stretch.t0_m, stretch.t1_m, cloud.without_detail, cloud.height);
 }

@@ -22,9 +22,14 @@ layout(std430, binding = 2) readonly buffer GridValues {
     float grid_values[]; // of all voxel grids, one after the other
 };
 
+layout(std430, binding = 4) readonly buffer HorizonTexels {
+    vec4 horizon_texels[]; // of all Horizon clouds, one after the other
+};
+
 #include "fog.glsl"
 #include "gaussian.glsl"
 #include "grid.glsl"
+#include "horizon.glsl"
 #include "phase.glsl"
 #include "shell.glsl"
 #include "solids.glsl"
@@ -43,6 +48,9 @@ const uint MEDIUM_HORIZON = 5;
 
 bool has_kind(uint kind) { return (KINDS & (1u << kind)) != 0u; }
 
+// Kinds whose optical depth has no closed form.
+const uint OPEN_KINDS = 1u << MEDIUM_HORIZON;
+
 // Fog has `layers`; every other kind is `extinction_per_m` times a density.
 struct Medium {
     vec3 low_m; // where it may be: bounds and support; open sides lie at -FAR_M and FAR_M
@@ -57,6 +65,7 @@ struct Medium {
     Gaussian gaussian;
     Shell shell;
     Grid grid;
+    Horizon horizon;
     uvec3 majorant_size; // cells of the majorant grid over low_m..high_m; 0 when there is none
     uint majorant_first; // their place in majorants[]
     uint layer_count;
@@ -173,16 +182,20 @@ float medium_extinction_per_m(uint m, vec3 point_m)
             extinction_per_m = scale_per_m * shell_density(frame.media[m].shell, point_m);
         else if (has_kind(MEDIUM_GRID) && kind == MEDIUM_GRID)
             extinction_per_m = scale_per_m * grid_density(frame.media[m].grid, point_m);
+        else if (has_kind(MEDIUM_HORIZON) && kind == MEDIUM_HORIZON)
+            extinction_per_m = scale_per_m * horizon_density(frame.media[m].horizon, point_m);
     }
     return extinction_per_m;
 }
 
-vec3 scene_extinction_per_m(vec3 point_m)
+// Of the media whose kind is among `kinds`.
+vec3 scene_extinction_per_m(uint kinds, vec3 point_m)
 {
     vec3 extinction_per_m = vec3(0.0);
     for (uint m = 0; m < frame.medium_count; m++)
-        extinction_per_m +=
-            frame.media[m].extinction_color * medium_extinction_per_m(m, point_m);
+        if ((kinds & (1u << frame.media[m].kind)) != 0u)
+            extinction_per_m +=
+                frame.media[m].extinction_color * medium_extinction_per_m(m, point_m);
     return grey(extinction_per_m);
 }
 
@@ -196,7 +209,7 @@ float fog_medium_optical_depth(uint m, vec3 origin_m, vec3 direction, float t0_m
 }
 
 // Exact optical depth of a medium (of extinction_color 1) along origin + t direction, t in
-// [0, length].
+// [0, length]; 0 for OPEN_KINDS.
 float medium_optical_depth(uint m, vec3 origin_m, vec3 direction, float length_m)
 {
     float t0_m = 0.0, t1_m = length_m;
@@ -219,7 +232,7 @@ float medium_optical_depth(uint m, vec3 origin_m, vec3 direction, float length_m
     return optical_depth;
 }
 
-// Of everything, per channel.
+// Of everything that has a closed form, per channel.
 vec3 scene_optical_depth(vec3 origin_m, vec3 direction, float length_m)
 {
     vec3 optical_depth = vec3(0.0);
@@ -285,19 +298,24 @@ void narrow(uint m, vec3 origin_m, vec3 direction, inout Stretch inside)
     if (has_kind(MEDIUM_SHELL) && kind == MEDIUM_SHELL)
         globe_hull(frame.media[m].shell.globe, origin_m, direction, 0.0,
                    frame.media[m].shell.reach_m, inside.t0_m, inside.t1_m);
+    if (has_kind(MEDIUM_HORIZON) && kind == MEDIUM_HORIZON)
+        globe_hull(frame.media[m].horizon.globe, origin_m, direction, 0.0,
+                   frame.media[m].horizon.thickness_m, inside.t0_m, inside.t1_m);
 }
 
 // The stretch of a ray on which fixed steps are well spent: the hull of all media, without the
 // ends where no medium has THIN optical depth left and without what lies behind OPAQUE of one fog
 // layer. For unbounded media this is what makes the march finite. What it leaves out changes the
 // optical depth by less than 1e-7 per medium or layer, or lies where 1.1e-7 of the light comes
-// through.
-Stretch scene_stretch(vec3 origin_m, vec3 direction, float length_m)
+// through. `kinds` says which media count, as KINDS does.
+Stretch scene_stretch(uint kinds, vec3 origin_m, vec3 direction, float length_m)
 {
     Stretch hull = Stretch(length_m, 0.0);
     float opaque_m = length_m;
     for (uint m = 0; m < frame.medium_count; m++) {
         Stretch inside = Stretch(0.0, length_m);
+        if ((kinds & (1u << frame.media[m].kind)) == 0u)
+            continue;
         if (!clip_box(frame.media[m].low_m, frame.media[m].high_m, origin_m, direction,
                       inside.t0_m, inside.t1_m))
             continue;
@@ -310,6 +328,11 @@ Stretch scene_stretch(vec3 origin_m, vec3 direction, float length_m)
     }
     hull.t1_m = min(hull.t1_m, opaque_m);
     return hull;
+}
+
+Stretch scene_stretch(vec3 origin_m, vec3 direction, float length_m)
+{
+    return scene_stretch(KINDS, origin_m, direction, length_m);
 }
 
 #endif

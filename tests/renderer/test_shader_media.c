@@ -10,6 +10,7 @@
 #include "renderer/compute.h"
 #include "renderer/gpu_scene.h"
 #include "scenes/grid.h"
+#include "scenes/horizon.h"
 #include "scenes/media.h"
 
 static const uint32_t probe_spirv[] = {
@@ -26,6 +27,7 @@ struct probe {
 
 struct answer {
     float extinction_per_m, optical_depth, stretch_t0_m, stretch_t1_m;
+    float without_detail, height;
 };
 
 static const double epsilon = 0x1p-24;   /* unit roundoff */
@@ -534,6 +536,139 @@ static void test_grids_beside_each_other(void **state)
         neph_grid_destroy(test.scene.media[m].grid);
 }
 
+/* --- Horizon clouds ----------------------------------------------------------------------- */
+
+/* At an altitude above the bottom of the layer, level distances from its pole. */
+static struct neph_vec3 point_in_layer(const struct neph_horizon_params *params, double x_m,
+                                       double z_m, double altitude_m)
+{
+    const double r_m = params->planet_radius_m + altitude_m;
+    const double level_squared = x_m * x_m + z_m * z_m;
+    const double sag_m = level_squared / (r_m + sqrt(r_m * r_m - level_squared));
+    return (struct neph_vec3){x_m, params->bottom_m + altitude_m - sag_m, z_m};
+}
+
+/* Of the weather map at a place: what shapes are divided by, but for gc. */
+static double coverage_at(const struct neph_horizon *horizon, struct neph_vec3 point_m)
+{
+    enum { SIDE = NEPH_HORIZON_WEATHER_SIDE };
+    const struct neph_horizon_params *params = &horizon->params;
+    const double x = (point_m.x - params->wind_m.x) / params->texture_scale_m * SIDE - 0.5;
+    const double z = (point_m.z - params->wind_m.z) / params->texture_scale_m * SIDE - 0.5;
+    double sum = 0.0;
+    for (int corner = 0; corner < 4; corner++) {
+        const double i = floor(x) + (corner & 1), k = floor(z) + (corner >> 1);
+        const double weight = (1.0 - fabs(x - i)) * (1.0 - fabs(z - k));
+        const int at_x = (int)(i - SIDE * floor(i / SIDE)),
+                  at_z = (int)(k - SIDE * floor(k / SIDE));
+        sum += weight * (double)horizon->weather[4 * (at_z * SIDE + at_x)];
+    }
+    return sum;
+}
+
+/* How much the density changes, with and without detail, among the places that float32 may take
+ * for a point. */
+static void change_nearby(const struct neph_horizon *horizon, struct neph_vec3 point_m,
+                          double place_m, double change[2])
+{
+    double without_detail;
+    const double density = neph_horizon_density(horizon, point_m, &without_detail);
+    change[0] = change[1] = 0.0;
+    for (int i = 0; i < 27; i++) {
+        const struct neph_vec3 step = {i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1};
+        double near_without_detail;
+        const double near = neph_horizon_density(horizon, neph_vec3_along(point_m, step, place_m),
+                                                 &near_without_detail);
+        change[0] = fmax(change[0], fabs(near - density));
+        change[1] = fmax(change[1], fabs(near_without_detail - without_detail));
+    }
+}
+
+/* Positions: a few roundings of the distance from the camera, of its height and of one repeat of
+ * the weather map. Formulas: a few roundings of numbers up to 1, divided by the coverage and by
+ * 1 - erosion, which is at least 0.2; times the most mass there is. */
+static void check_horizon(struct neph_vulkan *vulkan, const struct test_scene *test,
+                          uint64_t *random, double reach_m, struct worst *worst)
+{
+    const struct neph_medium *medium = &test->scene.media[0];
+    const struct neph_horizon *horizon = medium->horizon;
+    const struct neph_horizon_params *params = &horizon->params;
+    struct probe *probes = calloc(PROBES_MAX, sizeof(*probes));
+    assert_non_null(probes);
+    for (int i = 0; i < PROBES_MAX; i++) {
+        const double altitude_m = params->thickness_m * neph_test_uniform(random, -0.05, 1.05);
+        const double reach = i % 3 ? reach_m : 0.05 * reach_m;
+        const struct neph_vec3 origin_m = point_in_layer(
+            params, test->key.position_m.x + reach * neph_test_uniform(random, -1, 1),
+            test->key.position_m.z + reach * neph_test_uniform(random, -1, 1), altitude_m);
+        probes[i] = probe_from(test, origin_m, random_direction(random), 1e4);
+    }
+    struct answer *answers = ask(vulkan, test, probes, PROBES_MAX);
+    const double camera_m = fabs(test->key.position_m.y - params->bottom_m);
+    int clouds = 0;
+    for (int i = 0; i < PROBES_MAX; i++) {
+        const struct ray ray = ray_of(test, &probes[i]);
+        const double place_m = 2.0 * ray.place_m +
+                               8.0 * epsilon * (camera_m + params->texture_scale_m);
+        double without_detail, change[2];
+        const double density = neph_horizon_density(horizon, ray.origin_m, &without_detail);
+        change_nearby(horizon, ray.origin_m, place_m, change);
+        const double coverage = params->coverage * coverage_at(horizon, ray.origin_m);
+        const double rounding = 64.0 * epsilon * 2.0 * params->density *
+                                (1.0 + 1.0 / fmax(coverage, epsilon));
+        const double scale = medium->extinction_per_m;
+        hold(answers[i].extinction_per_m, scale * density, scale * (2.0 * change[0] + rounding),
+             &worst->extinction, "extinction", i);
+        hold(answers[i].without_detail, without_detail, 2.0 * change[1] + rounding,
+             &worst->extinction, "density without detail", i);
+        hold(answers[i].height, neph_horizon_height(horizon, ray.origin_m),
+             place_m / params->thickness_m + 4.0 * epsilon, &worst->extinction, "height", i);
+        clouds += density > 0.0;
+        if (i % 20 == 0)
+            hold_stretch(&answers[i], &ray, medium, 4.0 * place_m * scale * params->density + 1e-6,
+                         i);
+    }
+    print_message("Horizon clouds of coverage %g: density in %d of %d points\n", params->coverage,
+                  clouds, PROBES_MAX);
+    assert_true(clouds > PROBES_MAX / 100);
+    free(answers);
+    free(probes);
+}
+
+static void test_horizon_clouds(void **state)
+{
+    static const struct {
+        double planet_radius_m, bottom_m, thickness_m, coverage, texture_scale_m;
+        struct neph_vec3 wind_m, camera_m;
+        double reach_m;
+    } cases[] = {
+        {2e5, 80.0, 280.0, 0.58, 6e3, {0, 0, 0}, {0.0, 2.0, 0.0}, 1e4},
+        {2e5, 80.0, 280.0, 1.0, 6e3, {123.0, -7.0, 4e4}, {900.0, 200.0, 50.0}, 3e3},
+        {6.371e6, 1500.0, 2500.0, 0.7, 4e4, {0, 0, 0}, {1e5, 9000.0, -2e5}, 5e4},
+        {1e4, 0.0, 500.0, 0.9, 1e3, {1e7, 1e7, 1e7}, {5e3, 100.0, 0.0}, 4e3},
+    };
+    uint64_t random = seed;
+    struct worst worst = {0.0, 0.0};
+    for (size_t c = 0; c < sizeof(cases) / sizeof(cases[0]); c++) {
+        struct test_scene test;
+        struct neph_diag diag = {0};
+        look_from(&test, cases[c].camera_m);
+        struct neph_medium *medium = add_medium(&test, NEPH_MEDIUM_HORIZON, 0.05);
+        struct neph_horizon_params params = neph_horizon_defaults();
+        params.planet_radius_m = cases[c].planet_radius_m;
+        params.bottom_m = cases[c].bottom_m;
+        params.thickness_m = cases[c].thickness_m;
+        params.coverage = cases[c].coverage;
+        params.texture_scale_m = cases[c].texture_scale_m;
+        params.wind_m = cases[c].wind_m;
+        params.seed = c + 1;
+        neph_assert_ok(neph_horizon_create(&params, &medium->horizon, &diag), &diag);
+        check_horizon(*state, &test, &random, cases[c].reach_m, &worst);
+        neph_horizon_destroy(medium->horizon);
+    }
+    print_message("Horizon clouds: worst error is %.2f of what is allowed\n", worst.extinction);
+}
+
 /* --- hostile media ------------------------------------------------------------------------ */
 
 /* Extremes of every number: whatever they mean, the answers are numbers. */
@@ -581,6 +716,69 @@ static void test_extreme_media_give_no_nonsense(void **state)
     }
 }
 
+static struct neph_horizon_params extreme_horizon_params(uint64_t *random)
+{
+    static const double sizes_m[] = {1e-9, 1e-3, 1.0, 1e5, 1e9};
+    static const double repeats[] = {1e-9, 1.0, 40.0, 1e6};
+    static const double heights_m[] = {0.0, 80.0, -1e9, 1e9};
+    static const double parts[] = {0.0, 1e-30, 0.5, 1.0};
+    static const double densities[] = {0.0, 1e-30, 1.0, 1e9};
+    return (struct neph_horizon_params){
+        .seed = 1,
+        .planet_radius_m = PICK(random, sizes_m),
+        .bottom_m = PICK(random, heights_m),
+        .thickness_m = PICK(random, sizes_m),
+        .coverage = PICK(random, parts),
+        .density = PICK(random, densities),
+        .texture_scale_m = PICK(random, sizes_m),
+        .base_repeats = PICK(random, repeats),
+        .detail_repeats = PICK(random, repeats),
+        .wind_m = {PICK(random, heights_m), PICK(random, heights_m), PICK(random, heights_m)},
+    };
+}
+
+/* All parameters within their ranges, most of them absurd. */
+static void test_extreme_horizon_clouds_give_no_nonsense(void **state)
+{
+    static const double sizes_m[] = {1e-6, 1.0, 300.0, 1e6};
+    static const double extinctions[] = {1e-40, 0.05, 1e30};
+    uint64_t random = seed;
+    struct neph_diag diag = {0};
+    const struct neph_horizon_params defaults = neph_horizon_defaults();
+    struct neph_horizon *horizon; /* its textures depend on the seed alone */
+    neph_assert_ok(neph_horizon_create(&defaults, &horizon, &diag), &diag);
+    for (int round = 0; round < 60; round++) {
+        struct test_scene test;
+        horizon->params = extreme_horizon_params(&random);
+        const double y_m = horizon->params.bottom_m;
+        look_from(&test, (struct neph_vec3){0.0, round % 4 ? y_m : 0.0, round % 3 ? 0.0 : 1e12});
+        struct neph_medium *medium = add_medium(&test, NEPH_MEDIUM_HORIZON,
+                                                PICK(&random, extinctions));
+        medium->horizon = horizon;
+        struct probe probes[256];
+        for (int i = 0; i < 256; i++)
+            probes[i] = probe_from(
+                &test,
+                random_point(&random, test.key.position_m, i % 4 ? PICK(&random, sizes_m) : 0.0),
+                random_direction(&random), i % 3 ? 1e3 : 1e15);
+        struct answer *answers = ask(*state, &test, probes, 256);
+        for (int i = 0; i < 256; i++) {
+            const double depth_max = (double)answers[i].extinction_per_m * 1e15;
+            if (!(answers[i].extinction_per_m >= 0.0f && depth_max < 3e38) ||
+                !(answers[i].without_detail >= 0.0f && answers[i].without_detail < 3e9f) ||
+                !(answers[i].height >= 0.0f && answers[i].height <= 1.0f) ||
+                isnan(answers[i].stretch_t0_m) || isnan(answers[i].stretch_t1_m))
+                fail_msg("round %d, probe %d: extinction %g, %g without detail, height %g, stretch "
+                         "%g..%g",
+                         round, i, (double)answers[i].extinction_per_m,
+                         (double)answers[i].without_detail, (double)answers[i].height,
+                         (double)answers[i].stretch_t0_m, (double)answers[i].stretch_t1_m);
+        }
+        free(answers);
+    }
+    neph_horizon_destroy(horizon);
+}
+
 int main(void)
 {
     print_message("seed %llu\n", (unsigned long long)seed);
@@ -589,7 +787,9 @@ int main(void)
         cmocka_unit_test(test_shells),
         cmocka_unit_test(test_grids),
         cmocka_unit_test(test_grids_beside_each_other),
+        cmocka_unit_test(test_horizon_clouds),
         cmocka_unit_test(test_extreme_media_give_no_nonsense),
+        cmocka_unit_test(test_extreme_horizon_clouds_give_no_nonsense),
     };
     return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
 }
