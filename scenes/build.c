@@ -2,11 +2,13 @@
 #include "scenes/build.h"
 
 #include "scenes/grid.h"
+#include "scenes/horizon.h"
 #include "scenes/media.h"
 
 #include <stdlib.h>
 #include <string.h>
 
+#define BAKE_RESOLUTION_DEFAULT 64
 #define RAD_PER_DEG (3.14159265358979323846 / 180.0)
 
 static struct neph_vec3 vec3(const double v[3])
@@ -251,11 +253,40 @@ static enum neph_status build_grid(const struct neph_raw_grid *raw, struct neph_
     return status ? status : neph_grid_seal(medium->grid, diag);
 }
 
+static double number_or(const double *value, double otherwise)
+{
+    return value ? *value : otherwise;
+}
+
+static enum neph_status build_horizon(const struct neph_raw_horizon *raw,
+                                      struct neph_medium *medium, struct neph_diag *diag)
+{
+    const struct neph_horizon_params article = neph_horizon_defaults();
+    *medium = start_medium(NEPH_MEDIUM_HORIZON, &raw->optics, &raw->bounds);
+    medium->extinction_per_m = raw->extinction_per_m;
+    return neph_horizon_create(
+        &(struct neph_horizon_params){
+            .seed = raw->seed ? (uint64_t)*raw->seed : article.seed,
+            .planet_radius_m = number_or(raw->planet_radius_m, article.planet_radius_m),
+            .bottom_m = number_or(raw->bottom_m, article.bottom_m),
+            .thickness_m = number_or(raw->thickness_m, article.thickness_m),
+            .coverage = number_or(raw->coverage, article.coverage),
+            .density = number_or(raw->density, article.density),
+            .texture_scale_m = number_or(raw->texture_scale_m, article.texture_scale_m),
+            .base_repeats = number_or(raw->base_repeats, article.base_repeats),
+            .detail_repeats = number_or(raw->detail_repeats, article.detail_repeats),
+            .wind_m = raw->wind_m ? vec3(raw->wind_m) : article.wind_m,
+        },
+        &medium->horizon, diag);
+}
+
 static enum neph_status build_medium(const struct neph_raw_medium *raw, struct neph_medium *medium,
                                      struct neph_diag *diag)
 {
     if (raw->grid)
         return build_grid(raw->grid, medium, diag);
+    if (raw->horizon)
+        return build_horizon(raw->horizon, medium, diag);
     *medium = raw->homogeneous  ? build_homogeneous(raw->homogeneous)
               : raw->height_fog ? build_height_fog(raw->height_fog)
               : raw->gaussian   ? build_gaussian(raw->gaussian)
@@ -320,6 +351,7 @@ enum neph_status neph_scene_build(const struct neph_raw_scene *raw, const char *
     const struct neph_raw_frames *frames = raw->frames;
     made->frame_count = frames && frames->count ? *frames->count : 1;
     made->frame_rate_hz = frames && frames->rate_hz ? *frames->rate_hz : 30;
+    made->bake_resolution = raw->bake_resolution ? *raw->bake_resolution : BAKE_RESOLUTION_DEFAULT;
     made->exposure_ev = raw->display ? raw->display->exposure_ev : 0;
     build_light(raw, made);
     build_octaves(raw->octaves, made);

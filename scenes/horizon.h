@@ -25,6 +25,9 @@
 
 #include <stdint.h>
 
+/* Raise it when the same parameters come to mean another density: stored frames know it. */
+#define NEPH_HORIZON_VERSION 1
+
 #define NEPH_HORIZON_BASE_SIDE 64     /* base noise: side^3 texels of 4 channels, periodic */
 #define NEPH_HORIZON_DETAIL_SIDE 32   /* detail noise: side^3 texels of 3 channels, periodic */
 #define NEPH_HORIZON_WEATHER_SIDE 256 /* weather map: side^2 texels of 4 channels, periodic */

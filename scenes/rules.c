@@ -310,14 +310,23 @@ static enum neph_status check_grid(const struct rules *rules, const char *owner,
     return check_optics(rules, owner, &grid->optics);
 }
 
+static enum neph_status check_horizon(const struct rules *rules, const char *owner,
+                                      const struct neph_raw_horizon *horizon)
+{
+    enum neph_status status = check_extent(rules, at("%s.bounds", owner).text,
+                                           horizon->bounds.min_m, horizon->bounds.max_m);
+    return status ? status : check_optics(rules, owner, &horizon->optics);
+}
+
 static enum neph_status check_medium(const struct rules *rules, const char *owner,
                                      const struct neph_raw_medium *medium)
 {
     if (!!medium->homogeneous + !!medium->height_fog + !!medium->gaussian + !!medium->shell +
-            !!medium->grid !=
+            !!medium->grid + !!medium->horizon !=
         1)
         return FAIL(rules, at("%s", owner),
-                    "a medium is exactly one of homogeneous, height_fog, gaussian, shell, grid");
+                    "a medium is exactly one of homogeneous, height_fog, gaussian, shell, grid, "
+                    "horizon");
     if (medium->homogeneous)
         return check_homogeneous(rules, at("%s.homogeneous", owner).text, medium->homogeneous);
     if (medium->height_fog)
@@ -326,6 +335,8 @@ static enum neph_status check_medium(const struct rules *rules, const char *owne
         return check_gaussian(rules, at("%s.gaussian", owner).text, medium->gaussian);
     if (medium->shell)
         return check_shell(rules, at("%s.shell", owner).text, medium->shell);
+    if (medium->horizon)
+        return check_horizon(rules, at("%s.horizon", owner).text, medium->horizon);
     return check_grid(rules, at("%s.grid", owner).text, medium->grid);
 }
 

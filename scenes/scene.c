@@ -5,6 +5,7 @@
 #include "scenes/scene.h"
 #include "scenes/build.h"
 #include "scenes/grid.h"
+#include "scenes/horizon.h"
 
 #include <stdlib.h>
 
@@ -19,8 +20,10 @@ void neph_scene_destroy(struct neph_scene *scene)
         free(scene->gates[i].reason);
     }
     free(scene->gates);
-    for (int i = 0; i < scene->medium_count; i++)
+    for (int i = 0; i < scene->medium_count; i++) {
         neph_grid_destroy(scene->media[i].grid);
+        neph_horizon_destroy(scene->media[i].horizon);
+    }
     free(scene->solids);
     free(scene->camera_keys);
     free(scene->physics);

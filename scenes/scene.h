@@ -175,6 +175,8 @@ struct neph_scene {
     bool environment_light; /* the background lights media and solids; else it is only seen */
     enum neph_scattering scattering;
     struct neph_octaves octaves; /* for lighting models that use them; physics does not */
+    int bake_resolution; /* nodes along the longest side of a grid made for engines without formulas
+                          */
 
     int solid_count;
     struct neph_solid *solids; /* owned */

@@ -7,6 +7,7 @@
  */
 #include "scenes/build.h"
 #include "scenes/grid.h"
+#include "scenes/horizon.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -85,6 +86,19 @@ static void put_grid(FILE *text, const struct neph_grid *grid)
     fprintf(text, "values %s\n", grid->hash);
 }
 
+static void put_horizon(FILE *text, const struct neph_horizon_params *horizon)
+{
+    put_number(text, "horizon_version", NEPH_HORIZON_VERSION);
+    put_number(text, "seed", (double)horizon->seed);
+    put_three(text, "planet_radius_m bottom_m thickness_m", horizon->planet_radius_m,
+              horizon->bottom_m, horizon->thickness_m);
+    put_three(text, "texture_scale_m base_repeats detail_repeats", horizon->texture_scale_m,
+              horizon->base_repeats, horizon->detail_repeats);
+    put_number(text, "coverage", horizon->coverage);
+    put_number(text, "density", horizon->density);
+    put_vec3(text, "wind_m", horizon->wind_m);
+}
+
 static void put_medium(FILE *text, const struct neph_medium *medium)
 {
     put_number(text, "medium", medium->kind);
@@ -110,6 +124,8 @@ static void put_medium(FILE *text, const struct neph_medium *medium)
     }
     if (medium->kind == NEPH_MEDIUM_GRID)
         put_grid(text, medium->grid);
+    if (medium->kind == NEPH_MEDIUM_HORIZON)
+        put_horizon(text, &medium->horizon->params);
 }
 
 static void put_octaves(FILE *text, const struct neph_octaves *octaves)
@@ -134,6 +150,7 @@ enum neph_status neph_scene_hash(struct neph_scene *scene, struct neph_diag *dia
     for (int i = 0; i < scene->medium_count; i++)
         put_medium(text, &scene->media[i]);
     put_octaves(text, &scene->octaves);
+    put_number(text, "bake_resolution", scene->bake_resolution);
     int failed = ferror(text);
     failed |= fclose(text);
     enum neph_status status = failed ? neph_fail_memory(diag)

@@ -5,6 +5,8 @@
  */
 #include "scenes/schema.h"
 
+#include "scenes/grid.h"
+
 #include <stddef.h>
 #include <string.h>
 
@@ -226,6 +228,24 @@ static const cyaml_schema_field_t grid_fields[] = {
     CYAML_FIELD_END,
 };
 
+static const cyaml_schema_field_t horizon_fields[] = {
+    CYAML_FIELD_INT_PTR("seed", CYAML_FLAG_OPTIONAL, struct neph_raw_horizon, seed),
+    FIELD_NUMBER_OPTIONAL("planet_radius_m", struct neph_raw_horizon, planet_radius_m),
+    FIELD_NUMBER_OPTIONAL("bottom_m", struct neph_raw_horizon, bottom_m),
+    FIELD_NUMBER_OPTIONAL("thickness_m", struct neph_raw_horizon, thickness_m),
+    FIELD_NUMBER_OPTIONAL("coverage", struct neph_raw_horizon, coverage),
+    FIELD_NUMBER_OPTIONAL("density", struct neph_raw_horizon, density),
+    FIELD_NUMBER_OPTIONAL("texture_scale_m", struct neph_raw_horizon, texture_scale_m),
+    FIELD_NUMBER_OPTIONAL("base_repeats", struct neph_raw_horizon, base_repeats),
+    FIELD_NUMBER_OPTIONAL("detail_repeats", struct neph_raw_horizon, detail_repeats),
+    FIELD_VEC3_OPTIONAL("wind_m", struct neph_raw_horizon, wind_m),
+    FIELD_NUMBER("extinction_per_m", struct neph_raw_horizon, extinction_per_m),
+    FIELDS_OPTICS(struct neph_raw_horizon),
+    CYAML_FIELD_MAPPING("bounds", CYAML_FLAG_DEFAULT, struct neph_raw_horizon, bounds,
+                        bounds_fields),
+    CYAML_FIELD_END,
+};
+
 static const cyaml_schema_field_t medium_fields[] = {
     CYAML_FIELD_MAPPING_PTR("homogeneous", CYAML_FLAG_OPTIONAL, struct neph_raw_medium, homogeneous,
                             homogeneous_fields),
@@ -236,6 +256,8 @@ static const cyaml_schema_field_t medium_fields[] = {
     CYAML_FIELD_MAPPING_PTR("shell", CYAML_FLAG_OPTIONAL, struct neph_raw_medium, shell,
                             shell_fields),
     CYAML_FIELD_MAPPING_PTR("grid", CYAML_FLAG_OPTIONAL, struct neph_raw_medium, grid, grid_fields),
+    CYAML_FIELD_MAPPING_PTR("horizon", CYAML_FLAG_OPTIONAL, struct neph_raw_medium, horizon,
+                            horizon_fields),
     CYAML_FIELD_END,
 };
 
@@ -285,6 +307,8 @@ static const cyaml_schema_field_t scene_fields[] = {
     FIELD_WORD("scattering", struct neph_raw_scene, scattering, scattering_words),
     CYAML_FIELD_MAPPING_PTR("octaves", CYAML_FLAG_OPTIONAL, struct neph_raw_scene, octaves,
                             octaves_fields),
+    CYAML_FIELD_INT_PTR("bake_resolution", CYAML_FLAG_OPTIONAL, struct neph_raw_scene,
+                        bake_resolution),
     FIELD_LIST("solids", struct neph_raw_scene, solids, &solid, 0, NEPH_SCENE_SOLIDS_MAX),
     FIELD_LIST("media", struct neph_raw_scene, media, &medium, 0, NEPH_SCENE_MEDIA_MAX),
     CYAML_FIELD_MAPPING_PTR("display", CYAML_FLAG_OPTIONAL, struct neph_raw_scene, display,
@@ -384,6 +408,26 @@ static const struct neph_field fields[] = {
     {"media[].grid.extinction_color[]", "", 0, 1e3, color_note},
     {"media[].grid.albedo[]", "", 0, 1, albedo_note},
     {"media[].grid.asymmetry_g", "", -0.999, 0.999, g_note},
+    {"media[].horizon.seed", "", 0, 1e9, NULL},
+    {"media[].horizon.planet_radius_m", "m", 1e3, 1e8, NULL},
+    {"media[].horizon.bottom_m", "m", -FAR_M, FAR_M, NULL},
+    {"media[].horizon.thickness_m", "m", 1, 1e5, NULL},
+    {"media[].horizon.coverage", "", 0, 1, NULL},
+    {"media[].horizon.density", "", 0, 1e3, NULL},
+    {"media[].horizon.texture_scale_m", "m", 1, FAR_M, NULL},
+    {"media[].horizon.base_repeats", "", 1e-2, 1e4, NULL},
+    {"media[].horizon.detail_repeats", "", 1e-2, 1e4, NULL},
+    {"media[].horizon.wind_m[]", "m", -FAR_M, FAR_M, NULL},
+    {"media[].horizon.extinction_per_m", "1/m", 0, 1e4, NULL},
+    {"media[].horizon.extinction_color[]", "", 0, 1e3, color_note},
+    {"media[].horizon.albedo[]", "", 0, 1, albedo_note},
+    {"media[].horizon.asymmetry_g", "", -0.999, 0.999, g_note},
+    {"media[].horizon.bounds", "", 0, 0,
+     "a cloud layer needs finite bounds: trackers and other engines must know where it ends"},
+    {"media[].horizon.bounds.min_m[]", "m", -FAR_M, FAR_M, NULL},
+    {"media[].horizon.bounds.max_m[]", "m", -FAR_M, FAR_M, NULL},
+    {"bake_resolution", "nodes", 2, NEPH_GRID_SIDE_MAX,
+     "of the grid that engines without formulas get, along its longest side"},
     {"octaves.count", "", 1, 16, NULL},
     {"octaves.contribution", "", 0, 1, NULL},
     {"octaves.attenuation", "", 0, 1, NULL},

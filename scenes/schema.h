@@ -116,6 +116,18 @@ struct neph_raw_grid {
     struct neph_raw_optics optics;
 };
 
+/* NULL: the article's value, neph_horizon_defaults(). */
+struct neph_raw_horizon {
+    int *seed;
+    double *planet_radius_m, *bottom_m, *thickness_m;
+    double *coverage, *density;
+    double *texture_scale_m, *base_repeats, *detail_repeats;
+    double *wind_m;
+    double extinction_per_m;
+    struct neph_raw_optics optics;
+    struct neph_raw_bounds bounds;
+};
+
 struct neph_raw_unreal_layer {
     double fog_density, fog_height_falloff, fog_height_m;
 };
@@ -135,6 +147,7 @@ struct neph_raw_medium {
     struct neph_raw_gaussian *gaussian;
     struct neph_raw_shell *shell;
     struct neph_raw_grid *grid;
+    struct neph_raw_horizon *horizon;
 };
 
 struct neph_raw_octaves {
@@ -164,6 +177,7 @@ struct neph_raw_scene {
     bool environment_light;
     enum neph_scattering scattering;
     struct neph_raw_octaves *octaves;
+    int *bake_resolution;
     struct neph_raw_solid *solids;
     unsigned solids_count;
     struct neph_raw_medium *media;

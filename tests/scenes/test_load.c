@@ -86,6 +86,74 @@ static void test_what_is_wrong_is_named(void **state)
     }
 }
 
+#define OPTICS "extinction_per_m: 2, albedo: [1, 1, 1]"
+#define BOUNDS "bounds: {min_m: [-1, 0, -1], max_m: [1, 2, 1]}"
+
+/* Media beside the homogeneous one of `good`, on its line 12; NULL: it loads. */
+static const struct row {
+    const char *medium, *words;
+} media[] = {
+    {"gaussian: {center_m: [0, 1, 0], width_m: 0.5, " OPTICS "}", NULL},
+    {"gaussian: {center_m: [0, 1, 0], width_m: 0.5, " OPTICS ", " BOUNDS "}", NULL},
+    {"gaussian: {center_m: [0, 1, 0], width_m: 0, " OPTICS "}", "width_m"},
+    {"gaussian: {width_m: 1, " OPTICS "}", "center_m"},
+    {"gaussian: {center_m: [0, 1, 0], width_m: 0.5, asymmetry_g: 0.5, " OPTICS "}", "phase"},
+    {"gaussian: {center_m: [0, 1, 0], width_m: 0.5, extinction_color: [1, -1, 1], " OPTICS "}",
+     "extinction_color[1]"},
+    {"shell: {center_m: [0, -10, 0], radius_m: 9, scale_height_m: 1, " OPTICS ", " BOUNDS "}",
+     NULL},
+    {"shell: {center_m: [0, -10, 0], radius_m: 9, scale_height_m: 1, " OPTICS "}", "bounds"},
+    {"shell: {center_m: [0, -10, 0], radius_m: 0, scale_height_m: 1, " OPTICS ", " BOUNDS "}",
+     "radius_m"},
+    {"grid: {size: [2, 1, 1], origin_m: [0, 0, 0], spacing_m: [1, 1, 1], values: [0, 1], " OPTICS
+     "}",
+     NULL},
+    {"grid: {size: [2, 1, 1], origin_m: [0, 0, 0], spacing_m: [1, 1, 1], values: [0], " OPTICS "}",
+     "1 values for 2 x 1 x 1 = 2 nodes"},
+    {"grid: {size: [2, 1, 0], origin_m: [0, 0, 0], spacing_m: [1, 1, 1], values: [0], " OPTICS "}",
+     "size[2]"},
+    {"grid: {size: [2, 1, 1], origin_m: [0, 0, 0], spacing_m: [1, 1, 1], values: [0, nan], " OPTICS
+     "}",
+     "nan"},
+    {"grid: {size: [2, 1, 1], origin_m: [0, 0, 0], spacing_m: [1, 0, 1], values: [0, 1], " OPTICS
+     "}",
+     "spacing_m[1]"},
+    {"horizon: {" OPTICS ", " BOUNDS "}", NULL},
+    {"horizon: {seed: 7, coverage: 0.3, thickness_m: 900, wind_m: [1, 0, 2], " OPTICS ", " BOUNDS
+     "}",
+     NULL},
+    {"horizon: {" OPTICS "}", "bounds"},
+    {"horizon: {coverage: 1.5, " OPTICS ", " BOUNDS "}", "coverage"},
+    {"horizon: {seed: -1, " OPTICS ", " BOUNDS "}", "seed"},
+    {"horizon: {thickness: 1, " OPTICS ", " BOUNDS "}", "thickness_m"},
+};
+
+static void test_media_of_all_kinds(void **state)
+{
+    (void)state;
+    char hashes[sizeof(media) / sizeof(media[0])][NEPH_HASH_HEX_SIZE] = {{0}};
+    for (size_t i = 0; i < sizeof(media) / sizeof(media[0]); i++) {
+        struct neph_diag diag = {.line = 0};
+        struct neph_scene *scene;
+        char *text = neph_format("%s  - %s\n", good, media[i].medium);
+        const enum neph_status status = load_text(text, strlen(text), &scene, &diag);
+        free(text);
+        if (media[i].words) {
+            if (status != NEPH_ERR_INPUT || diag.line != 12 || diag.column < 1 ||
+                !(strstr(diag.message, media[i].words) || strstr(diag.hint, media[i].words)))
+                fail_msg("'%s': status %s, %d:%d: %s; hint: %s", media[i].medium,
+                         neph_status_name(status), diag.line, diag.column, diag.message, diag.hint);
+            continue;
+        }
+        neph_assert_ok(status, &diag);
+        assert_int_equal(scene->medium_count, 2);
+        memcpy(hashes[i], scene->hash, NEPH_HASH_HEX_SIZE);
+        for (size_t k = 0; k < i; k++) /* what differs in the file differs in the frame */
+            assert_string_not_equal(hashes[i], hashes[k]);
+        neph_scene_destroy(scene);
+    }
+}
+
 static void test_defaults_and_units(void **state)
 {
     (void)state;
@@ -223,6 +291,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_what_is_wrong_is_named),
+        cmocka_unit_test(test_media_of_all_kinds),
         cmocka_unit_test(test_defaults_and_units),
         cmocka_unit_test(test_hash_follows_the_physics),
         cmocka_unit_test(test_unreal_layers_are_mapped),
