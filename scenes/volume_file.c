@@ -14,28 +14,48 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-static const struct {
+static enum neph_status write_vdb(const char *path, const struct neph_grid *grid,
+                                  struct neph_diag *diag)
+{
+    return neph_volume_write_vdb(path, grid, NEPH_VDB_WORLD, diag);
+}
+
+struct format {
     const char *extension;
     neph_volume_reader *read;
-} formats[] = {
-    {".vdb", neph_volume_read_vdb},
-    {".df3", neph_volume_read_df3},
+    enum neph_status (*write)(const char *path, const struct neph_grid *grid,
+                              struct neph_diag *diag);
+};
+
+static const struct format formats[] = {
+    {".vdb", neph_volume_read_vdb, write_vdb},
+    {".df3", neph_volume_read_df3, neph_volume_write_df3},
 };
 enum { FORMAT_COUNT = sizeof(formats) / sizeof(formats[0]) };
 
-static neph_volume_reader *find_reader(const char *path)
+/* NULL, and the words in `diag`, when the extension is unknown. */
+static const struct format *find_format(const char *path, struct neph_diag *diag)
 {
     const char *name = strrchr(path, '/');
     const char *extension = strrchr(name ? name : path, '.');
     for (int i = 0; extension && i < FORMAT_COUNT; i++)
         if (strcasecmp(extension, formats[i].extension) == 0)
-            return formats[i].read;
+            return &formats[i];
+    neph_fail(diag, NEPH_ERR_INPUT, "'%s' is no volume file that neph knows", path);
+    neph_hint(diag, "its name must end in .vdb or .df3");
     return NULL;
 }
 
 bool neph_volume_has_known_extension(const char *path)
 {
-    return find_reader(path) != NULL;
+    return find_format(path, NULL) != NULL;
+}
+
+enum neph_status neph_volume_write(const char *path, const struct neph_grid *grid,
+                                   struct neph_diag *diag)
+{
+    const struct format *format = find_format(path, diag);
+    return format ? format->write(path, grid, diag) : NEPH_ERR_INPUT;
 }
 
 enum neph_status neph_volume_check_size(const struct neph_volume_request *request,
@@ -97,18 +117,15 @@ enum neph_status neph_volume_read(const char *path, const char *grid_name,
                                   size_t memory_limit_bytes, struct neph_grid **grid,
                                   struct neph_diag *diag)
 {
-    neph_volume_reader *read = find_reader(path);
-    if (!read) {
-        neph_fail(diag, NEPH_ERR_INPUT, "'%s' is no volume file that neph knows", path);
-        neph_hint(diag, "its name must end in .vdb or .df3");
+    const struct format *format = find_format(path, diag);
+    if (!format)
         return NEPH_ERR_INPUT;
-    }
     struct neph_volume_request request = {path, grid_name, memory_limit_bytes, 0};
     struct neph_diag inner = {.line = 0};
     FILE *file = NULL;
     enum neph_status status = open_file(path, &file, &request.file_bytes, &inner);
     if (!status)
-        status = read_and_seal(read, &request, file, grid, &inner);
+        status = read_and_seal(format->read, &request, file, grid, &inner);
     if (file)
         fclose(file);
     if (status) {

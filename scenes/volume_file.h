@@ -49,4 +49,8 @@ enum neph_status neph_volume_write_vdb(const char *path, const struct neph_grid 
 enum neph_status neph_volume_write_df3(const char *path, const struct neph_grid *grid,
                                        struct neph_diag *diag);
 
+/* One of the two above, by the extension; a .vdb as NEPH_VDB_WORLD. NEPH_ERR_INPUT: neither. */
+enum neph_status neph_volume_write(const char *path, const struct neph_grid *grid,
+                                   struct neph_diag *diag);
+
 #endif
