@@ -16,6 +16,7 @@ static const struct {
      "how far an engine's steps are from their limit, and which are enough"},
     {"render", neph_cli_render, "render a scene with one engine"},
     {"export", neph_cli_export, "leave a scene as files for Blender or POV-Ray"},
+    {"bake", neph_cli_bake, "a medium of a scene as a volume file, with what that costs"},
     {"compare", neph_cli_compare, "measure the error of one EXR frame against another"},
     {"scenes", neph_cli_scenes, "list the catalogue, or show and check one scene"},
     {"engines", neph_cli_engines, "list the engines, or explain the settings of one"},
