@@ -157,10 +157,11 @@ static enum neph_status conclude(const struct field *field, json_t **attribution
     }
     if (!status) {
         const int odd = neph_odd_one_out(names, field->count, verdicts, sentence);
-        *attribution = json_pack("{s:s, s:I, s:O, s:s?, s:s}", "mask", field->mask->name,
-                                 "pixel_count", (json_int_t)field->mask->pixel_count, "pairs",
-                                 pairs, "odd_one_out", odd < 0 ? NULL : names[odd], "sentence",
-                                 sentence);
+        *attribution = json_pack(
+            "{s:s, s:I, s:f, s:f, s:f, s:O, s:s?, s:s}", "mask", field->mask->name, "pixel_count",
+            (json_int_t)field->mask->pixel_count, "family_alpha", NEPH_ATTRIBUTION_FAMILY_ALPHA,
+            "mean_meant", NEPH_PAIR_MEAN_MEANT, "rms_meant", NEPH_PAIR_RMS_MEANT, "pairs", pairs,
+            "odd_one_out", odd < 0 ? NULL : names[odd], "sentence", sentence);
         status = *attribution ? NEPH_OK : neph_fail_memory(diag);
     }
     json_decref(pairs);

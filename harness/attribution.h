@@ -16,9 +16,9 @@
 
 /* `frames`: the "frames" of a scene's document, of which those with an "exr" take part
  * ("exr_second" is the second seed of a stochastic engine, null of a deterministic one).
- * `*attribution` (the caller's) receives {"mask", "pairs": [...], "odd_one_out": name or null,
- * "sentence"}, or JSON null when fewer than three engines rendered. The mask is "medium" of the
- * first frame that has a transmittance, else "all". */
+ * `*attribution` (the caller's) receives the "attribution" of scripts/report/README.md, or JSON
+ * null when fewer than three engines rendered or there is nothing to compare. The mask is "medium"
+ * of the first frame that has a transmittance, else "all". */
 enum neph_status neph_attribute(const json_t *frames, json_t **attribution, struct neph_diag *diag);
 
 /* The rule alone, for tests: `verdicts[i * count + j]` of metrics/pair.h, symmetric. The index of

@@ -19,6 +19,9 @@ const FLAGS = ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-ru
 const STATUSES = ["rendered", "cannot", "missing", "failed", "timeout", "interrupted"];
 const VERDICTS = ["pass", "fail", "not_measured"];
 const RUNGS = ["exact", "tracer", "witness", "model"];
+const FINDINGS = ["agrees", "off", "not_measured"];
+const PAIRS = ["agree", "differ", "cannot tell: noise"];
+const BROKEN = ["failed", "timeout", "interrupted"];
 const COSTS = ["render_s", "wall_s", "cpu_s", "peak_memory_bytes"];
 const SHOWN_MOST = 40; // findings; one mistake often repeats in every scene
 
@@ -75,6 +78,7 @@ function checkForm(data, folder) {
       file(frame.picture, `${at}picture`);
       file(frame.difference?.radiance ?? null, `${at}difference/radiance`);
       file(frame.difference?.transmittance ?? null, `${at}difference/transmittance`);
+      checkStudy(frame.study ?? null, `${at}study/`, { need, text, numeric, list });
       list(frame.measurements, `${at}measurements`).forEach((row, m) => {
         const here = `${at}measurements/${m}/`;
         text(row, here, "quantity", "metric", "mask", "unit");
@@ -82,6 +86,7 @@ function checkForm(data, folder) {
         need(row.interval === null || (Array.isArray(row.interval) && row.interval.length === 2 && row.interval.every(isNumber)), `${here}interval`, "is neither null nor [low, high]");
       });
     });
+    checkAttribution(scene.attribution ?? null, `${path}attribution/`, seen, { need, text, numeric, list });
     need(scene.truth === null || seen.has(scene.truth?.engine), `${path}truth`, "names no frame of the scene");
     list(scene.gates, `${path}gates`).forEach((gate, g) => {
       const at = `${path}gates/${g}/`;
@@ -92,11 +97,87 @@ function checkForm(data, folder) {
       need(gate.verdict !== "fail" || data.verdict === "fail", "verdict", `is ${data.verdict} though ${at.slice(0, -1)} fails`);
     });
   });
+  if (data.physics) checkPhysics(data, names, { need, text, numeric, list, file });
   list(data.charts, "charts").forEach((chart, c) => {
     text(chart, `charts/${c}/`, "id", "title", "caption");
     file(chart.svg, `charts/${c}/svg`);
     need(chart.svg !== null || typeof chart.missing === "string", `charts/${c}/missing`, "does not say why there is no static chart");
   });
+}
+
+const isInterval = (value) => Array.isArray(value) && value.length === 2 && value.every(isNumber) && value[0] <= value[1];
+
+function checkAttribution(found, path, engines, { need, text, list }) {
+  if (found === null) return;
+  text(found, path, "mask", "sentence");
+  need(found.odd_one_out === null || engines.has(found.odd_one_out), `${path}odd_one_out`, `is no engine of the scene: ${found.odd_one_out}`);
+  list(found.pairs, `${path}pairs`).forEach((pair, n) => {
+    const at = `${path}pairs/${n}/`;
+    for (const key of ["first", "second"]) need(engines.has(pair[key]), `${at}${key}`, `is no engine of the scene: ${pair[key]}`);
+    for (const key of ["mean_difference", "rms_difference", "noise_floor"]) need(isNumber(pair[key]), `${at}${key}`, "is not a number");
+    need(isInterval(pair.interval), `${at}interval`, "is not [low, high]");
+    need(PAIRS.includes(pair.verdict), `${at}verdict`, `is not a verdict: ${pair.verdict}`);
+    const rows = found.pairs.filter((other) => [other.first, other.second].includes(found.odd_one_out));
+    need(rows.every((other) => other.verdict === "differ"), `${path}odd_one_out`, "does not differ from all others");
+  });
+}
+
+function checkStudy(study, path, { need, text, numeric, list }) {
+  if (study === null) return;
+  text(study, path, "option");
+  numeric(study, path, "order", "observed_order", "limit", "tolerance");
+  const levels = list(study.levels, `${path}levels`);
+  levels.forEach((level, n) => numeric(level, `${path}levels/${n}/`, "setting", "radiance", "noise", "bias", "bias_noise", "wall_s"));
+  need(Number.isInteger(study.chosen) && study.chosen >= 0 && study.chosen < levels.length, `${path}chosen`, `is not one of the levels: ${study.chosen}`);
+}
+
+function checkPhysics(data, engines, { need, text, numeric, list, file }) {
+  const { physics } = data;
+  numeric(physics, "physics/", "family_alpha", "tests", "critical_z", "seconds");
+  const rungs = list(physics.rungs, "physics/rungs").map((rung) => rung.name);
+  const views = new Map();
+  list(physics.checks, "physics/checks").forEach((check, c) => {
+    const path = `physics/checks/${c}/`;
+    text(check, path, "name", "rung", "what");
+    need(!views.has(check.name), `${path}name`, `stands twice: ${check.name}`);
+    need(rungs.includes(check.rung), `${path}rung`, `is none of the rungs: ${check.rung}`);
+    views.set(check.name, list(check.views, `${path}views`));
+    check.views.forEach((view, v) => {
+      need(Array.isArray(view.size_px) && view.size_px.length === 2 && view.size_px.every(Number.isInteger), `${path}views/${v}/size_px`, "is not [width, height]");
+      numeric(view, `${path}views/${v}/`, "exposure_ev", "difference_scale");
+      file(view.picture, `${path}views/${v}/picture`);
+    });
+  });
+  let tests = 0;
+  list(physics.rows, "physics/rows").forEach((row, r) => {
+    const path = `physics/rows/${r}/`;
+    text(row, path, "check", "rung", "participant", "engine", "reason", "settings", "sentence");
+    numeric(row, path, "deviation", "standard_error", "step_bound", "rounding", "z", "pixel_z_mean", "pixel_z_variance", "wall_s");
+    need(engines.has(row.engine), `${path}engine`, `is not among the engines: ${row.engine}`);
+    need(views.has(row.check), `${path}check`, `is none of the checks: ${row.check}`);
+    need(STATUSES.includes(row.status), `${path}status`, `is not a status: ${row.status}`);
+    need(FINDINGS.includes(row.verdict), `${path}verdict`, `is not a verdict: ${row.verdict}`);
+    need(row.status === "rendered" || row.reason !== "", `${path}reason`, `does not say why: ${row.participant} ${row.status}`);
+    need((row.deviation === null) === (row.verdict === "not_measured"), `${path}verdict`, `is ${row.verdict} though the deviation is ${row.deviation}`);
+    tests += row.deviation !== null;
+    if (row.deviation !== null) {
+      need(isInterval(row.interval), `${path}interval`, "is not [low, high]");
+      if (isInterval(row.interval)) need((row.interval[0] <= 0 && row.interval[1] >= 0) === (row.verdict === "agrees"), `${path}interval`, `does not go with the verdict ${row.verdict}`);
+      for (const kind of ["pictures", "differences"]) need(row[kind]?.length === views.get(row.check)?.length, `${path}${kind}`, "are not one per view");
+    }
+    for (const kind of ["pictures", "differences"]) list(row[kind], `${path}${kind}`).forEach((name, v) => file(name, `${path}${kind}/${v}`));
+    const broken = BROKEN.includes(row.status) && row.status !== "interrupted";
+    need(!(broken || finding(data, row) === "wrong" && isOurs(data, row.engine)) || data.verdict === "fail", "verdict", `is ${data.verdict} though ${row.participant} is ${row.verdict} in ${row.check}`);
+  });
+  need(physics.tests === tests, "physics/tests", `is ${physics.tests}, there are ${tests} deviations`);
+}
+
+const isOurs = (data, name) => ["exact", "tracer"].includes(data.engines.find((engine) => engine.name === name)?.rung);
+
+/** What the page must call a row of the physics suite. */
+function finding(data, row) {
+  if (row.verdict !== "off") return row.verdict;
+  return isOurs(data, row.engine) ? "wrong" : row.lowered || row.look ? "gap" : row.cause ? "known" : "wrong";
 }
 
 const isRecord = (value) => typeof value === "object" && value !== null;
@@ -115,7 +196,8 @@ const lookUp = (data, path) => path.split("/").reduce((node, key) => node?.[key]
 
 /** Every number of the data that a reader must be able to find on the page. */
 function numbersToShow(data) {
-  const paths = ["seconds", "host/cores", "host/memory_bytes", "size_px/0", "size_px/1"];
+  const paths = ["seconds", "host/cores", "host/memory_bytes"];
+  if ((data.scenes ?? []).length > 0) paths.push("size_px/0", "size_px/1");
   (data.scenes ?? []).forEach((scene, s) => {
     paths.push(`scenes/${s}/exposure_ev`);
     for (const kind of ["radiance", "transmittance"]) {
@@ -127,10 +209,29 @@ function numbersToShow(data) {
         paths.push(`scenes/${s}/frames/${f}/measurements/${m}/value`);
         if (row.interval) paths.push(`scenes/${s}/frames/${f}/measurements/${m}/interval/0`, `scenes/${s}/frames/${f}/measurements/${m}/interval/1`);
       });
+      paths.push(...numbersWithin(frame.bake, `scenes/${s}/frames/${f}/bake`));
+      if (!frame.study) return;
+      paths.push(...["limit", "order", "tolerance"].map((key) => `scenes/${s}/frames/${f}/study/${key}`));
+      paths.push(...numbersWithin(frame.study.levels, `scenes/${s}/frames/${f}/study/levels`));
     });
+    paths.push(...numbersWithin(scene.attribution, `scenes/${s}/attribution`));
     scene.gates.forEach((_, g) => paths.push(`scenes/${s}/gates/${g}/value`, `scenes/${s}/gates/${g}/maximum`));
   });
+  if (!data.physics) return paths;
+  for (const key of ["family_alpha", "tests", "critical_z"]) paths.push(`physics/${key}`);
+  data.physics.checks.forEach((check, c) => check.views.forEach((view, v) => {
+    for (const key of ["exposure_ev", ...(view.picture ? ["difference_scale"] : [])]) paths.push(`physics/checks/${c}/views/${v}/${key}`);
+  }));
+  data.physics.rows.forEach((row, r) => {
+    paths.push(...numbersWithin(row, `physics/rows/${r}`).filter((path) => row.deviation !== null || !path.endsWith("/rounding")));
+  });
   return paths;
+}
+
+/** The paths of all numbers inside a value of the data. */
+function numbersWithin(value, path) {
+  if (isNumber(value)) return [path];
+  return isRecord(value) ? Object.entries(value).flatMap(([key, inner]) => numbersWithin(inner, `${path}/${key}`)) : [];
 }
 
 /** Every string that must stand on the page, letter for letter. */
@@ -141,7 +242,11 @@ function stringsToShow(data) {
     texts.push(scene.title, scene.physics, scene.name, scene.truth?.engine);
     for (const frame of scene.frames) texts.push(frame.reason.replace(/^cannot:\s*/, ""), frame.settings, ...frame.measurements.map((row) => row.unit).filter((unit) => unit !== "1"));
     for (const gate of scene.gates) texts.push(gate.reason);
+    texts.push(scene.attribution?.sentence, ...(scene.attribution?.pairs ?? []).map((pair) => `${pair.first} − ${pair.second}`));
+    for (const frame of scene.frames) if (frame.study) texts.push(frame.study.option);
   }
+  for (const check of data.physics?.checks ?? []) texts.push(check.name, check.what.slice(1), ...check.views.map((view) => view.what?.slice(1)));
+  for (const row of data.physics?.rows ?? []) texts.push(row.participant, row.settings, row.verdict === "off" ? row.cause : row.reason.replace(/^cannot:\s*/, ""));
   for (const chart of data.charts) texts.push(chart.title, chart.caption, chart.svg === null ? chart.missing : "");
   return [...new Set(texts.filter(Boolean))];
 }
@@ -183,8 +288,15 @@ function checkCounts(data, counted) {
     gates: gates.length,
     "gates.fail": gates.filter((gate) => gate.verdict === "fail").length,
     "gates.not_measured": gates.filter((gate) => gate.verdict === "not_measured").length,
-    "frames.broken": data.scenes.flatMap((scene) => scene.frames).filter((frame) => ["failed", "timeout", "interrupted"].includes(frame.status)).length,
+    "frames.broken": data.scenes.flatMap((scene) => scene.frames).filter((frame) => BROKEN.includes(frame.status)).length,
   };
+  const rows = data.physics?.rows ?? [];
+  for (const [name, side] of [["ours", true], ["others", false]]) {
+    const list = rows.filter((row) => isOurs(data, row.engine) === side && row.verdict !== "not_measured");
+    truth[`physics.${name}`] = list.length;
+    for (const state of ["agrees", "known", "gap", "wrong"]) truth[`physics.${name}.${state}`] = list.filter((row) => finding(data, row) === state).length;
+  }
+  truth["physics.open"] = rows.filter((row) => row.verdict === "not_measured").length;
   for (const { what, value, text } of counted) {
     if (truth[what] === undefined) find(`the page counts "${what}", which this check does not know`);
     else if (Number(value) !== truth[what] || text !== String(truth[what])) find(`the page counts ${text} ${what}, the data have ${truth[what]}`);
@@ -266,6 +378,8 @@ async function open(browser, folder, where, options) {
   const context = await browser.newContext({ viewport: { width: 1280, height: 900 }, ...options });
   await context.setOffline(true);
   const page = await context.newPage();
+  // The page without scripts names a chart that a report may lack; its alternative text says so.
+  if (!existsSync(join(folder, "charts/speed_accuracy.svg"))) await page.route("**/charts/speed_accuracy.svg", (route) => route.fulfill({ contentType: "image/svg+xml", body: '<svg xmlns="http://www.w3.org/2000/svg"/>' }));
   page.on("console", (message) => { if (["error", "warning"].includes(message.type())) find(`${where}: console ${message.type()}: ${message.text()}`); });
   page.on("pageerror", (error) => find(`${where}: script error: ${error.message}`));
   page.on("dialog", (dialog) => { find(`${where}: a dialog opened: ${dialog.message()}`); dialog.dismiss(); });
@@ -303,12 +417,24 @@ function checkContent(data, seen) {
   const sources = new Set(seen.images.map((image) => image.src));
   const expected = new Set();
   for (const scene of data.scenes) for (const frame of scene.frames) for (const path of [frame.picture, frame.difference?.radiance, frame.difference?.transmittance]) if (path) expected.add(path);
+  const sizes = new Map(); // of pictures with a size of their own
+  for (const check of data.physics?.checks ?? []) {
+    check.views.forEach((view, v) => {
+      const own = data.physics.rows.filter((row) => row.check === check.name);
+      for (const path of [view.picture, ...own.flatMap((row) => [row.pictures?.[v], row.differences?.[v]])]) {
+        if (!path) continue;
+        expected.add(path);
+        sizes.set(path, view.size_px);
+      }
+    });
+  }
   for (const path of expected) if (!sources.has(path)) find(`${path} is in the data and not on the page`);
   for (const chart of data.charts) if (chart.svg) expected.add(chart.svg);
   for (const image of seen.images) {
     if (!expected.has(image.src)) find(`an image that the data do not name: ${image.src}`);
     if (image.alt === null) find(`${image.src} has no alternative text`);
-    if (image.pixels && image.width > 0 && (image.width !== data.size_px[0] || image.height !== data.size_px[1])) find(`${image.src} has ${image.width} x ${image.height} pixels, not ${data.size_px.join(" x ")}`);
+    const size = sizes.get(image.src) ?? data.size_px;
+    if (image.pixels && image.width > 0 && (image.width !== size[0] || image.height !== size[1])) find(`${image.src} has ${image.width} x ${image.height} pixels, not ${size.join(" x ")}`);
   }
 
   const interactive = data.interactive !== false;

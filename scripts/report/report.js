@@ -18,17 +18,21 @@
     witness: "witness: another project's renderer",
     model: "model: a real-time method under test",
   };
-  const QUANTITIES = { radiance: "Radiance", transmittance: "Transmittance", depth: "Depth" };
-  const MASKS = { all: "whole picture", sky: "sky", medium: "inside the medium", depth_edge: "at edges in depth" };
+  const QUANTITIES = { radiance: "Radiance", transmittance: "Transmittance", depth: "Depth", volume: "Light of the medium alone" };
+  const MASKS = { all: "whole picture", sky: "sky", medium: "inside the medium", depth_edge: "at edges in depth", solid: "solids" };
   const METRICS = {
     rel_bias: ["relative bias", "bias ÷ mean of the reference"],
     bias: ["bias", "mean of engine − reference"],
+    rel_rmse: ["relative RMSE", "RMSE ÷ mean of the reference"],
     rel_mse: ["relative MSE", "mean of squared error ÷ squared reference"],
     rmse: ["RMSE", "root of the mean squared error"],
+    mae: ["mean error", "mean of the absolute error"],
     max_abs: ["largest error", "in any one pixel"],
+    max_rel: ["largest relative error", "in any one pixel"],
     p50: ["median error", "half of the pixels are better"],
     p95: ["95\u00a0% error", "one pixel in 20 is worse"],
     p99: ["99\u00a0% error", "one pixel in 100 is worse"],
+    hit_mismatch: ["misses", "share of pixels that are sky in one picture alone"],
     non_finite: ["not finite", "pixels with NaN or infinity"],
     negative: ["negative", "pixels below zero"],
   };
@@ -45,6 +49,31 @@
     fail: ["✗ fail", "fail-word"],
     not_measured: ["○ not measured", "open-word"],
   };
+  // What a participant of the physics suite made of a check.
+  const FINDINGS = {
+    agrees: ["✓ agrees", "pass-word"],
+    known: ["△ off, cause known", "open-word"],
+    gap: ["◇ model gap", "open-word"],
+    wrong: ["✗ off", "fail-word"],
+  };
+  const PAIRS = {
+    agree: ["✓ agree", "pass-word"],
+    differ: ["≠ differ", "open-word"],
+    "cannot tell: noise": ["○ cannot tell: noise", "soft"],
+  };
+  // What a rung of the physics suite asks, in plain words.
+  const QUESTIONS = {
+    furnace: "A medium that absorbs nothing and is lit evenly from all sides cannot be seen: as much light is scattered into every ray as out of it. "
+      + "Every pixel must show the surround. An engine that makes or loses energy shows the medium.",
+    single: "Light that is scattered exactly once has formulas and integrals that can be worked out to many digits. This tests extinction, phase functions, "
+      + "the sun's own path through the medium, and the sum along the view.",
+    slab: "Light scattered any number of times. In an endless slab this is solved by adding thin layers and doubling thick ones: another road than following "
+      + "light paths, so both cannot share a mistake.",
+    fog: "The same for fog that thins out with height: it holds as much matter as a slab of the same optical depth, and must reflect the same light.",
+    "half-space": "A slab so thick that nothing comes out below. Its light was solved with pen and paper by S. Chandrasekhar (1950).",
+    conservation: "What enters a medium that absorbs nothing must leave it: reflected, transmitted and unscattered light add up to all there was.",
+    reciprocity: "Light goes the same way back. When camera and sun change places, the reflection must stay what it was.",
+  };
   // The one error of a scene and engine in the summary: the first of these that was measured.
   const HEADLINES = [
     ["radiance", "rel_mse", "all"],
@@ -55,6 +84,7 @@
   ];
   // From minus to plus the scale; the program's maps interpolate these linearly in sRGB code values.
   const DIFFERENCE_COLOURS = ["#053061", "#4393c3", "#f7f7f7", "#d6604d", "#67001f"];
+  const BROKEN = ["failed", "timeout", "interrupted"];
   const LISTED = 12; // troubles in the verdict before the rest is folded away
   const VENDORED = ["vendor/vega.min.js", "vendor/vega-lite.min.js", "vendor/vega-embed.min.js"];
 
@@ -75,6 +105,13 @@
       if (child === null || child === undefined || child === false) continue;
       element.append(child instanceof Node ? child : document.createTextNode(String(child)));
     }
+  }
+
+  function svg(tag, attributes, ...children) {
+    const element = document.createElementNS("http://www.w3.org/2000/svg", tag);
+    for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, String(value));
+    append(element, children);
+    return element;
   }
 
   const hidden = (text) => el("span", { class: "hidden" }, text);
@@ -107,17 +144,17 @@
 
   const grouped = (digits) => digits.replace(/\B(?=(\d{3})+(?!\d))/g, "\u202f");
 
-  /** Three significant digits; whole numbers in full. */
-  function written(value, exact) {
+  /** Three significant digits, or as many as asked for; whole numbers in full. */
+  function written(value, exact, digits = 3) {
     const magnitude = Math.abs(value);
     let text;
     if (Number.isInteger(value) && magnitude < 1e6) {
       text = magnitude < 10000 ? String(magnitude) : grouped(String(magnitude));
     } else {
-      const rounded = Number(magnitude.toPrecision(3));
-      if (rounded < 1e-3 || rounded >= 1e6) text = magnitude.toExponential(2).replace("e+", "e");
+      const rounded = Number(magnitude.toPrecision(digits));
+      if (rounded < 1e-3 || rounded >= 1e6) text = magnitude.toExponential(digits - 1).replace("e+", "e");
       else if (rounded >= 1000) text = rounded >= 10000 ? grouped(magnitude.toFixed(0)) : magnitude.toFixed(0);
-      else text = magnitude.toFixed(Math.max(0, 2 - Math.floor(Math.log10(rounded) + 1e-12)));
+      else text = magnitude.toFixed(Math.max(0, digits - 1 - Math.floor(Math.log10(rounded) + 1e-12)));
       // A limit is what somebody chose, not a measurement: it has no trailing zeros.
       if (exact && text.includes(".")) text = text.replace(/\.?0+(?=e|$)/, "");
     }
@@ -126,9 +163,9 @@
 
   const at = (path) => path.split("/").reduce((node, key) => (node === null || node === undefined ? undefined : node[key]), report);
 
-  /** The number at `path` of the data. Options: scale, unit, signed, exact. */
+  /** The number at `path` of the data. Options: scale, unit, signed, exact, digits. */
   function number(path, options) {
-    const { scale = 1, unit = "", signed = false, exact = false } = options ?? {};
+    const { scale = 1, unit = "", signed = false, exact = false, digits = 3 } = options ?? {};
     const value = at(path);
     if (typeof value !== "number" || !Number.isFinite(value)) {
       const dash = absent();
@@ -138,7 +175,7 @@
     }
     const shown = value * scale;
     const sign = shown < 0 ? "−" : signed && shown > 0 ? "+" : "";
-    const element = el("data", { value, "data-path": path, "data-value": value, title: `${value}${scale === 1 ? "" : ` × ${scale}`}` }, sign + written(Math.abs(shown), exact));
+    const element = el("data", { value, "data-path": path, "data-value": value, title: `${value}${scale === 1 ? "" : ` × ${scale}`}` }, sign + written(Math.abs(shown), exact, digits));
     if (scale !== 1) element.setAttribute("data-scale", scale);
     return unit ? [element, unitText(unit)] : element;
   }
@@ -161,7 +198,11 @@
   const engines = report?.engines ?? [];
   const framesOf = (scene) => scene.frames ?? [];
   const gatesOf = (scene) => scene.gates ?? [];
+  const physics = report?.physics ?? null;
+  const rows = physics?.rows ?? [];
   const sceneIds = scenes.map((scene) => anchor("scene", scene.name));
+  const checks = (physics?.checks ?? []).map((check, c) => ({ check, c, id: anchor("check", check.name) }));
+  const rungs = (physics?.rungs ?? []).filter((rung) => checks.some(({ check }) => check.rung === rung.name)).map((rung) => ({ ...rung, id: anchor("rung", rung.name) }));
   const isTruth = (scene, engine) => scene.truth?.engine === engine;
   const engineNamed = (name) => engines.find((engine) => engine.name === name);
 
@@ -202,7 +243,7 @@
         fact("Took", number("seconds", { unit: "s" })),
         fact("Version", ["neph ", report.neph_version]),
         fact("Host", [report.host?.cpu, " · ", number("host/cores"), " cores · ", number("host/memory_bytes", { scale: 1 / 2 ** 30, unit: "GiB" })]),
-        fact("Pictures", size.length ? [number("size_px/0"), " × ", number("size_px/1"), " pixels"] : absent())));
+        scenes.length > 0 && fact("Pictures", size.length ? [number("size_px/0"), " × ", number("size_px/1"), " pixels"] : absent())));
   }
 
   const fact = (name, value) => el("div", {}, el("dt", {}, name), el("dd", {}, value));
@@ -211,7 +252,7 @@
     const all = scenes.flatMap((scene, s) => gatesOf(scene).map((gate, g) => ({ gate, s, g })));
     const failing = all.filter(({ gate }) => gate.verdict === "fail");
     const open = all.filter(({ gate }) => gate.verdict === "not_measured");
-    const broken = scenes.flatMap((scene, s) => framesOf(scene).filter((frame) => ["failed", "timeout", "interrupted"].includes(frame.status)).map((frame) => ({ frame, s })));
+    const broken = scenes.flatMap((scene, s) => framesOf(scene).filter((frame) => BROKEN.includes(frame.status)).map((frame) => ({ frame, s })));
     const passed = report.verdict === "pass";
 
     const lines = [];
@@ -225,10 +266,15 @@
     for (const { gate, s } of open) {
       lines.push(el("li", {}, word(VERDICTS, "not_measured"), " ", sceneLink(s), " · ", el("b", {}, gate.engine), " · ", measured(gate), gate.reason ? `: ${gate.reason}` : ""));
     }
+    for (const r of rows.keys()) {
+      const state = findingOf(rows[r]);
+      if (state === "wrong") lines.push(el("li", {}, word(FINDINGS, state), " ", checkLink(rows[r].check), " · ", el("b", {}, rows[r].participant), " by ", deviation(r)));
+      else if (BROKEN.includes(rows[r].status)) lines.push(el("li", {}, word(STATUSES, rows[r].status), " ", checkLink(rows[r].check), " · ", el("b", {}, rows[r].participant), why(rows[r]) ? `: ${why(rows[r])}` : ""));
+    }
     const total = derived("gates", all.length);
     return el("section", { class: `verdict ${passed ? "pass" : "fail"}`, "aria-label": "Verdict" },
       el("p", { class: "word" }, passed ? "Pass" : "Fail"),
-      el("p", {},
+      el("div", { class: "said" }, physics && physicsVerdict(), (scenes.length > 0 || !physics) && el("p", {},
         all.length === 0
           ? [total, " gates: nothing was held to a limit."]
           : failing.length > 0
@@ -237,7 +283,7 @@
               ? [plural(all.length, "The one gate is", "All gates are"), " within the limit (", total, ")."]
               : ["No gate is over its limit (", total, " in all)."],
         open.length > 0 && [" ", derived("gates.not_measured", open.length), " could not be measured."],
-        broken.length > 0 && [" ", derived("frames.broken", broken.length), plural(broken.length, " rendering", " renderings"), " did not finish."]),
+        broken.length > 0 && [" ", derived("frames.broken", broken.length), plural(broken.length, " rendering", " renderings"), " did not finish."])),
       lines.length > 0 && el("ul", { class: "small" }, lines.slice(0, LISTED)),
       lines.length > LISTED && el("details", { class: "small" }, el("summary", {}, "The rest of the list"), el("ul", {}, lines.slice(LISTED))));
   }
@@ -246,7 +292,9 @@
 
   function contents() {
     return el("nav", { "aria-label": "Contents" }, el("ul", {},
-      el("li", {}, el("a", { href: "#summary" }, "Summary")),
+      physics && el("li", {}, el("a", { href: "#physics" }, "Physics: who agrees")),
+      (scenes.length > 0 || !physics) && el("li", {}, el("a", { href: "#summary" }, "Summary")),
+      rungs.map((rung) => el("li", {}, el("a", { href: `#${rung.id}` }, rungName(rung.name)))),
       scenes.map((_, s) => el("li", {}, sceneLink(s))),
       (report.charts ?? []).length > 0 && el("li", {}, el("a", { href: "#charts" }, "Charts")),
       el("li", {}, el("a", { href: "#engines" }, "Engines"))));
@@ -265,21 +313,31 @@
   }
 
   function summary() {
+    if (scenes.length === 0 && physics) return null;
     const common = commonHeadline();
     const order = [common, ...HEADLINES.filter((headline) => headline !== common)];
     const units = scenes.map((scene) => unitOf(scene, common[0], common[1])).filter((unit) => !isRatio(unit));
     const unit = units[0] ?? "";
+    const attributed = scenes.some((scene) => scene.attribution);
     return el("section", { "aria-labelledby": "summary" },
       el("h2", { id: "summary" }, "Summary"),
       scrolling("Summary", el("table", { class: "wide matrix" },
         el("thead", {}, el("tr", {}, el("th", { scope: "col" }, "Scene"),
-          engines.map((engine) => el("th", { scope: "col", class: "num" }, engine.name, el("small", {}, engine.available ? engine.rung : "not installed"))))),
+          engines.map((engine) => el("th", { scope: "col", class: "num" }, engine.name, el("small", {}, engine.available ? engine.rung : "not installed"))),
+          attributed && el("th", { scope: "col" }, "Stands alone"))),
         el("tbody", {}, scenes.map((scene, s) => el("tr", {},
           el("th", { scope: "row" }, sceneLink(s), el("small", { class: "mono" }, scene.name)),
-          engines.map((engine) => summaryCell(s, engine, order, unit)))))),
+          engines.map((engine) => summaryCell(s, engine, order, unit)), attributed && el("td", {}, standsAlone(scene)))))),
       [`The number is the ${metricName(common[1])} of the ${common[0]} over the ${maskName(common[2])}${unit ? `, in ${unit},` : ""} against the reference of `,
         "the scene; where another one stands, it says which. Below it, the relative bias (+ is too bright) and the word of the gates. ",
+        attributed && "“Stands alone” is who differs from all others, without any reference. ",
         "A dash is a number that was not measured."]));
+  }
+
+  function standsAlone(scene) {
+    if (!scene.attribution) return absent("not asked");
+    if (scene.attribution.odd_one_out) return el("span", { class: "open-word" }, `≠ ${scene.attribution.odd_one_out}`);
+    return el("span", { class: "soft small" }, scene.attribution.sentence);
   }
 
   function gateWord(scene, engine) {
@@ -319,6 +377,8 @@
       headline !== order[0] && el("small", {}, `${headline[0]} ${metricName(headline[1])}`),
       !isRatio(unit) && unit !== commonUnit && el("small", { class: "unit" }, unit),
       bias && el("small", {}, "bias ", number(bias.path, reading("rel_bias", bias.unit))),
+      stepBias(s, f, headline[0]),
+      frame.bake && el("small", {}, "saw a baked grid"),
       gateWord(scene, engine.name)]);
     return cell;
   }
@@ -337,16 +397,26 @@
     return el("aside", { class: "help", "aria-labelledby": "help" },
       el("h2", { id: "help" }, "How to read this"),
       el("dl", {},
-        entry("What is compared", "Each scene isolates one piece of the physics of light in fog or cloud. Several engines render it from the same file, ",
+        physics && physicsHelp(entry),
+        (scenes.length > 0 || !physics) && sceneHelp(entry),
+        entry("Difference maps", "Engine minus reference on a fixed scale: blue is below the reference, red is above it, white agrees. Cyan and yellow lie beyond the scale below and above; magenta is not a number."),
+        entry("Numbers", "1.2e−4 means 0.00012. In [brackets]: the 95\u00a0% interval, unless another one is named. A dash was not measured. ",
+          "“Cannot” is an honest refusal: the engine does not model what the scene asks for. Point at a number for all its digits.")));
+  }
+
+  function sceneHelp(entry) {
+    return [
+      entry("What is compared", "Each scene isolates one piece of the physics of light in fog or cloud. Several engines render it from the same file, ",
           "camera and light, and each is measured against the scene's reference."),
         entry("Reference and rung", "The reference is the highest rung of the ladder of truth that can do the scene: exact (closed form), then tracer (our unbiased path tracer). ",
           "Witnesses (other projects' renderers) and models (real-time methods) are never the truth."),
         entry("Gates", "A gate is a limit set beforehand for one number of one engine. ✓ is within it, ✗ is over it, ○ could not be measured and says why."),
         entry("Pictures", "All pictures of a scene share one frozen exposure, so brighter means brighter. Move over a picture, or use the slider below it, to wipe to the reference; ",
           "a click swaps the two. Numbers are taken from linear data, never from these pictures."),
-        entry("Difference maps", "Engine minus reference on a scale fixed per scene: blue is below the reference, red is above it, white agrees. Cyan and yellow lie beyond the scale below and above; magenta is not a number."),
-        entry("Numbers", "1.2e−4 means 0.00012. In [brackets]: the 95\u00a0% interval. A dash was not measured. ",
-          "“Cannot” is an honest refusal: the engine does not model what the scene asks for. Point at a number for all its digits.")));
+        entry("Who stands alone", "Every pair of engines is also held against each other, without any reference, with the noise taken out by two independent frames each. ",
+          "The odd one out differs from all others while these do not differ among themselves."),
+        entry("Step bias", "Witnesses march through uneven media in steps. More samples do not mend that error, smaller steps do: a study halves the step, extrapolates to none, and says what is left."),
+    ];
   }
 
   // --------------------------------------------------------------------------------------- scenes
@@ -363,6 +433,9 @@
         fact("Hash", el("span", { class: "mono", title: scene.hash }, String(scene.hash ?? "").slice(0, 16)))),
       pictures(scene, s),
       numbers(scene, s),
+      baked(framesOf(scene).map((frame, f) => ({ name: frame.engine, path: `scenes/${s}/frames/${f}/bake` }))),
+      attribution(scene, s),
+      studies(scene, s),
       runs(scene, s),
       gates(scene, s));
   }
@@ -385,14 +458,17 @@
   }
 
   function legend(scene, s, kind) {
-    const path = `scenes/${s}/difference_scale/${kind}`;
     const unit = isRatio(unitOf(scene, kind, "bias")) ? "" : unitOf(scene, kind, "bias");
+    return colourScale(`scenes/${s}/difference_scale/${kind}`, `${QUANTITIES[kind]}: engine − reference${unit ? ` [${unit}]` : ""}`);
+  }
+
+  function colourScale(path, title) {
     const given = report.difference_colours;
     const colours = Array.isArray(given) && given.length > 1 && given.every((c) => /^#[0-9a-f]{6}$/i.test(c)) ? given : DIFFERENCE_COLOURS;
     const bar = el("div", { class: "bar", role: "img", "aria-label": "Colour scale from below the reference to above it" });
     bar.style.background = `linear-gradient(to right, ${colours.join(", ")})`;
     return el("figure", {},
-      el("figcaption", {}, `${QUANTITIES[kind]}: engine − reference${unit ? ` [${unit}]` : ""}`),
+      el("figcaption", {}, title),
       bar,
       el("div", { class: "ticks" }, el("span", {}, number(path, { scale: -1, exact: true }), " below"), el("span", {}, "agrees"), el("span", {}, "above ", number(path, { signed: true, exact: true }))));
   }
@@ -401,8 +477,8 @@
     return el("div", { class: "hole" }, el("span", {}, text));
   }
 
-  function pixels(path, alt, className) {
-    const image = el("img", { class: `pixels${className ? ` ${className}` : ""}`, src: path, alt, width: report.size_px[0], height: report.size_px[1], draggable: "false" });
+  function pixels(path, alt, className, size = report.size_px) {
+    const image = el("img", { class: `pixels${className ? ` ${className}` : ""}`, src: path, alt, width: size[0], height: size[1], draggable: "false" });
     image.addEventListener("error", () => image.replaceWith(hole(`${path} is not in this report's folder`)));
     return image;
   }
@@ -433,10 +509,10 @@
     return hole(`no difference: ${frame.engine} or the reference gives no ${kind}`);
   }
 
-  function wipe(own, other, engine, truth, title) {
-    const over = pixels(other, "", "over");
+  function wipe(own, other, engine, truth, title, size) {
+    const over = pixels(other, "", "over", size);
     const stack = el("div", { class: "stack wipes", title: `Move: wipe to ${truth}. Click: swap.` },
-      pixels(own, `${title}, by ${engine}`), over, el("span", { class: "edge" }),
+      pixels(own, `${title}, by ${engine}`, "", size), over, el("span", { class: "edge" }),
       el("span", { class: "tag left", "aria-hidden": "true" }, truth), el("span", { class: "tag right", "aria-hidden": "true" }, engine));
     const slider = el("input", { type: "range", min: 0, max: 100, value: 0, "aria-label": `Wipe the picture of ${engine} to that of ${truth}` });
     const show = (percent) => {
@@ -545,8 +621,140 @@
     return [
       g < 0 ? value : el("span", { class: "fail-word" }, "✗ ", value),
       row.interval && el("small", {}, "[", number(`${path}/interval/0`, { scale }), ", ", number(`${path}/interval/1`, { scale }), "]"),
+      row.metric === "rel_bias" && row.mask === "all" && stepBias(s, f, row.quantity),
       g >= 0 && el("small", {}, "limit ", number(`scenes/${s}/gates/${g}/maximum`, { scale, exact: true })),
       row.pixel_count !== usualCount && el("small", {}, "over ", number(`${path}/pixel_count`), " px"),
+    ];
+  }
+
+  // ------------------------------------------------------------------ who disagrees, steps, baking
+
+  // The axis of all interval plots: linear within ±0.01 %, logarithmic beyond, ±100 % at its ends.
+  const AXIS = { width: 168, height: 16, fine: 1e-4, most: 1, ticks: [-1, -0.1, -0.01, -0.001, 0, 0.001, 0.01, 0.1, 1] };
+  const across = (value) => {
+    const place = Math.asinh(value / AXIS.fine) / Math.asinh(AXIS.most / AXIS.fine);
+    return (AXIS.width / 2) * (1 + 0.94 * Math.max(-1, Math.min(1, place)));
+  };
+
+  const grid = () => AXIS.ticks.map((tick) => svg("line", { class: tick === 0 ? "zero" : "tick", x1: across(tick), x2: across(tick), y1: 0, y2: AXIS.height }));
+
+  /** Head of a column of interval plots: where the ticks stand. */
+  function axisHead() {
+    const label = (tick, text) => svg("text", { x: across(tick), y: 11, "text-anchor": "middle" }, text);
+    return el("th", { scope: "col", class: "plot" }, hidden("Picture of the interval"),
+      svg("svg", { class: "whisker", width: AXIS.width, height: AXIS.height, viewBox: `0 0 ${AXIS.width} ${AXIS.height}`, "aria-hidden": "true" },
+        label(-0.1, "−10 %"), label(-0.001, "−0.1"), label(0.001, "0.1"), label(0.1, "10 %")));
+  }
+
+  /** A value and its interval against zero; the numbers stand beside it in the same row. */
+  function whisker(value, interval, state, zone) {
+    const cell = el("td", { class: "plot" });
+    if (typeof value !== "number") return cell;
+    const middle = AXIS.height / 2;
+    const [low, high] = Array.isArray(interval) ? interval : [value, value];
+    append(cell, [svg("svg", { class: `whisker ${state}`, width: AXIS.width, height: AXIS.height, viewBox: `0 0 ${AXIS.width} ${AXIS.height}`, "aria-hidden": "true" },
+      zone > 0 && svg("rect", { class: "zone", x: across(-zone), y: 0, width: across(zone) - across(-zone), height: AXIS.height }),
+      grid(),
+      svg("line", { class: "range", x1: across(low), x2: across(high), y1: middle, y2: middle }),
+      [low, high].map((end) => svg("line", { class: "range", x1: across(end), x2: across(end), y1: middle - 3, y2: middle + 3 })),
+      svg("circle", { class: "value", cx: across(value), cy: middle, r: 3.2 }))]);
+    return cell;
+  }
+
+  const percent = (path, options) => number(path, { scale: 100, signed: true, ...options });
+
+  function attribution(scene, s) {
+    const title = el("h3", {}, "Who disagrees with whom");
+    if (scene.attribution === undefined) return null;
+    if (scene.attribution === null) {
+      return [title, el("p", { class: "soft" }, "Fewer than three engines rendered this scene, or too little of it is lit: nobody can be called the odd one out.")];
+    }
+    const found = scene.attribution;
+    const path = `scenes/${s}/attribution`;
+    const silent = /^cannot tell/.test(found.sentence);
+    return [
+      title,
+      el("p", { class: `finding ${found.odd_one_out ? "odd" : silent ? "silent" : "calm"}` }, el("b", { "aria-hidden": "true" }, found.odd_one_out ? "≠ " : silent ? "○ " : "· "), found.sentence),
+      scrolling("Who disagrees with whom", el("table", { class: "wide" },
+        el("thead", {}, el("tr", {}, el("th", { scope: "col" }, "Pair"), el("th", { scope: "col" }, "Finding"),
+          [["Mean difference", "%"], ["Interval", "%"]].map(([name, unit]) => el("th", { scope: "col", class: "num" }, name, el("small", {}, unit))), axisHead(),
+          [["Pixel by pixel", "RMS, noise taken out, %"], ["Noise", "RMS of a pixel, %"]].map(([name, unit]) => el("th", { scope: "col", class: "num" }, name, el("small", {}, unit))))),
+        el("tbody", {}, (found.pairs ?? []).map((pair, n) => el("tr", {},
+          el("th", { scope: "row" }, `${pair.first} − ${pair.second}`),
+          el("td", { class: "tight" }, word(PAIRS, pair.verdict)),
+          el("td", { class: "num" }, percent(`${path}/pairs/${n}/mean_difference`)),
+          el("td", { class: "num" }, "[", percent(`${path}/pairs/${n}/interval/0`), ", ", percent(`${path}/pairs/${n}/interval/1`), "]"),
+          whisker(pair.mean_difference, pair.interval, pair.verdict === "differ" ? "known" : pair.verdict === "agree" ? "agrees" : "open", found.mean_meant),
+          el("td", { class: "num" }, percent(`${path}/pairs/${n}/rms_difference`, { signed: false })),
+          el("td", { class: "num" }, percent(`${path}/pairs/${n}/noise_floor`, { signed: false }))))))),
+      el("p", { class: "note small soft" }, "Radiance over ", number(`${path}/pixel_count`), ` pixels (${maskName(found.mask)}), relative to its mean. `,
+        typeof found.mean_meant === "number" && ["Engines agree when they are certainly closer than ", percent(`${path}/mean_meant`, { signed: false, unit: "%", exact: true }), " in the mean (the band in the plots) and ",
+          percent(`${path}/rms_meant`, { signed: false, unit: "%", exact: true }), " pixel by pixel; they differ when they are certainly farther apart; else noise leaves it open. "],
+        typeof found.family_alpha === "number" && ["The intervals are wide enough that engines which all agree are told apart in ", percent(`${path}/family_alpha`, { signed: false, unit: "%", exact: true }), " of runs."]),
+    ];
+  }
+
+  /** What the step study says about a frame, beside its number. */
+  function stepBias(s, f, quantity) {
+    const study = scenes[s].frames[f].study;
+    if (quantity !== "radiance" || !study?.levels?.[study.chosen]) return null;
+    const path = `scenes/${s}/frames/${f}/study/levels/${study.chosen}`;
+    return el("small", {}, "of its step ", percent(`${path}/bias`, { unit: "%" }), at(`${path}/bias_noise`) > 0 && [" ± ", percent(`${path}/bias_noise`, { signed: false })]);
+  }
+
+  function studies(scene, s) {
+    const studied = framesOf(scene).map((frame, f) => ({ frame, f })).filter(({ frame }) => frame.study?.levels?.length > 0);
+    if (studied.length === 0) return null;
+    return [
+      el("h3", {}, "Step error of the witnesses"),
+      el("p", { class: "small soft" }, "Brightness of the picture at finer and finer steps, against the extrapolated limit of no step at all. The first setting that is good enough was used for the frame."),
+      studied.map(({ frame, f }) => study(frame, s, f)),
+    ];
+  }
+
+  function study(frame, s, f) {
+    const { study } = frame;
+    const path = `scenes/${s}/frames/${f}/study`;
+    const chosen = `${path}/levels/${study.chosen}`;
+    return [
+      el("p", {}, el("b", {}, frame.engine), ` was rendered with ${study.option} = `, number(`${chosen}/setting`, { exact: true }), ", which is off by ", percent(`${chosen}/bias`, { unit: "%" }), " ± ",
+        percent(`${chosen}/bias_noise`, { signed: false, unit: "%" }), " for its step alone: ",
+        study.within_tolerance
+          ? [el("span", { class: "pass-word" }, "✓ within "), percent(`${path}/tolerance`, { signed: false, unit: "%", exact: true }), ", noise included."]
+          : [el("span", { class: "open-word" }, "○ not certain"), ": noise hides whether it is within ", percent(`${path}/tolerance`, { signed: false, unit: "%", exact: true }), "."]),
+      scrolling(`Step error of ${frame.engine}`, el("table", {},
+        el("thead", {}, el("tr", {}, el("th", { scope: "col" }, study.option), el("th", { scope: "col", class: "num" }, "Mean radiance", el("small", {}, "± noise")),
+          el("th", { scope: "col", class: "num" }, "Bias", el("small", {}, "% ± noise")), axisHead(), el("th", { scope: "col", class: "num" }, "Wall", el("small", {}, "s")))),
+        el("tbody", {}, study.levels.map((level, n) => el("tr", { class: n === study.chosen ? "chosen" : null },
+          el("th", { scope: "row" }, number(`${path}/levels/${n}/setting`, { exact: true }), n === study.chosen && el("small", {}, "▸ chosen")),
+          el("td", { class: "num" }, number(`${path}/levels/${n}/radiance`, { digits: 5 }), " ± ", number(`${path}/levels/${n}/noise`)),
+          el("td", { class: "num" }, percent(`${path}/levels/${n}/bias`), " ± ", percent(`${path}/levels/${n}/bias_noise`, { signed: false })),
+          whisker(level.bias, [level.bias - 2 * level.bias_noise, level.bias + 2 * level.bias_noise], "known", study.tolerance),
+          el("td", { class: "num" }, number(`${path}/levels/${n}/wall_s`))))))),
+      el("p", { class: "note small soft" }, "Limit ", number(`${path}/limit`, { digits: 5 }), " by order ", number(`${path}/order`, { exact: true }),
+        typeof study.observed_order === "number" ? [" (observed ", number(`${path}/observed_order`), ")"] : " (noise hides the observed one)",
+        Array.isArray(study.size_px) && ["; pictures of ", number(`${path}/size_px/0`), " × ", number(`${path}/size_px/1`), " pixels"], ". Plots: ± twice the noise; band: good enough."),
+    ];
+  }
+
+  const spoken = (key) => String(key).replace(/_/g, " ");
+
+  /** Any value of the data in words: numbers keep their place, the rest is text. */
+  function told(path, value) {
+    if (typeof value === "number") return number(path);
+    if (Array.isArray(value)) return value.map((item, n) => [n > 0 && " × ", told(`${path}/${n}`, item)]);
+    if (typeof value === "object" && value !== null) return Object.entries(value).map(([key, item], n) => [n > 0 && ", ", spoken(key), " ", told(`${path}/${key}`, item)]);
+    return value === true ? "yes" : value === false ? "no" : value ?? absent();
+  }
+
+  /** Media that were baked to a grid for an engine: what that cost. `places`: {name, path}. */
+  function baked(places) {
+    const list = places.filter(({ path }) => at(path));
+    if (list.length === 0) return null;
+    return [
+      el("h3", {}, "Baked media"),
+      el("p", { class: "small soft" }, "These engines cannot evaluate the medium themselves and saw it on a grid. What the grid differs by from the medium is part of their difference above:"),
+      el("ul", { class: "small" }, list.map(({ name, path }) => el("li", {}, el("b", {}, name), ": ", told(path, at(path))))),
     ];
   }
 
@@ -592,6 +800,177 @@
           el("td", { class: "num" }, gateValue(s, g, "maximum")),
           el("td", { class: "words" }, gate.reason || el("span", { class: "soft" }, "none given"))))))),
     ];
+  }
+
+  // ------------------------------------------------------------------------------- physics suite
+
+  const isOurs = (engine) => ["exact", "tracer"].includes(engineNamed(engine)?.rung);
+  const rungName = (name) => name.charAt(0).toUpperCase() + name.slice(1);
+
+  /** agrees, known, gap, wrong (FINDINGS) or open. */
+  function findingOf(row) {
+    if (row.verdict === "agrees") return "agrees";
+    if (row.verdict !== "off") return "open";
+    if (isOurs(row.engine)) return "wrong";
+    return row.lowered || row.look ? "gap" : row.cause ? "known" : "wrong";
+  }
+
+  const findingWord = (row) => (findingOf(row) === "open" ? word(STATUSES, row.status === "rendered" ? "not measured" : row.status) : word(FINDINGS, findingOf(row)));
+  const deviation = (r) => percent(`physics/rows/${r}/deviation`, { unit: "%" });
+  function checkLink(name) {
+    const found = checks.find(({ check }) => check.name === name);
+    return found ? el("a", { href: `#${found.id}` }, name) : name;
+  }
+
+  const participants = () => [...new Map(rows.map((row) => [row.participant, row])).values()];
+  const enumerated = (items) => items.map((item, n) => [n > 0 && (n === items.length - 1 ? " and " : ", "), item]);
+
+  function physicsVerdict() {
+    const ours = rows.filter((row) => isOurs(row.engine) && row.verdict !== "not_measured");
+    const others = rows.filter((row) => !isOurs(row.engine) && row.verdict !== "not_measured");
+    const counted = (list, state) => list.filter((row) => findingOf(row) === state).length;
+    const names = participants().filter((row) => isOurs(row.engine)).map((row) => row.participant);
+    const wrong = counted(ours, "wrong");
+    const open = rows.filter((row) => row.verdict === "not_measured").length;
+    return [
+      el("p", {}, "Light that is known without any renderer is asked of every engine. ",
+        names.length > 0 && ["Those that claim to be the truth (", enumerated(names.map((name) => el("b", {}, name))), ") ",
+          wrong === 0 ? ["agree with it in all ", derived("physics.ours", ours.length), " measurements. "]
+            : ["are off in ", derived("physics.ours.wrong", wrong), " of ", derived("physics.ours", ours.length), " measurements. "]],
+        others.length > 0 && ["Of ", derived("physics.others", others.length), " measurements of the others ",
+          enumerated([["agrees", " agree"], ["known", " are off for a known cause"], ["gap", " show light that the engine does not model"], ["wrong", " are off and nobody knows why"]]
+            .map(([state, text]) => [state, text, counted(others, state)]).filter(([, , count]) => count > 0)
+            .map(([state, text, count]) => [derived(`physics.others.${state}`, count), text])), ". "],
+        open > 0 && [derived("physics.open", open), " could not be measured, and say why."]),
+      el("p", { class: "small soft" }, "With ", number("physics/tests"), " measurements at once chance must not cry wolf: off is what lies more than ", number("physics/critical_z"),
+        " standard errors from the truth (on top of bounded step and rounding errors), so that a run in which all are right calls anyone off with a probability of ",
+        percent("physics/family_alpha", { signed: false, unit: "%", exact: true }), " (Šidák)."),
+    ];
+  }
+
+  function physicsHelp(entry) {
+    return [
+      entry("What is compared", "Scenes so simple that their light is known from formulas, integrals or a solution by other means. The truth of every pixel is computed without any renderer."),
+      entry("Findings", "✓ agrees: the interval holds 0. △ off, and the cause is known. ◇ model gap: the engine does not claim this physics; it was given single scattering alone, or is a look. ",
+        "✗ off: nobody knows why, or the engine claims to be the truth."),
+      entry("z", "The difference in standard errors of chance. Engines without chance have a bound of their step error instead, from two step sizes."),
+      entry("Interval plots", "The dot is the difference, the bar what chance, step and rounding allow. The scale is logarithmic: ticks at 0.1, 1, 10 and 100\u00a0% on both sides of zero."),
+      entry("Small pictures", "A mean over a few hundred pixels tests more than a large picture: these are shown large, pixel by pixel. Wipe to the truth with the pointer or the slider. Noise averages out in the number, not in the picture."),
+    ];
+  }
+
+  function physicsMatrix() {
+    if (!physics) return null;
+    const who = participants();
+    return el("section", { "aria-labelledby": "physics" },
+      el("h2", { id: "physics" }, "Physics: who agrees with what"),
+      scrolling("Physics: who agrees with what", el("table", { class: "wide matrix findings" },
+        el("thead", {}, el("tr", {}, el("th", { scope: "col" }, "Check"),
+          who.map((row) => el("th", { scope: "col", class: "num" }, row.participant, el("small", {}, row.look ? "a look" : engineNamed(row.engine)?.rung ?? row.engine))))),
+        rungs.map((rung) => el("tbody", {},
+          el("tr", { class: "group" }, el("th", { scope: "rowgroup", colspan: who.length + 1 }, el("a", { href: `#${rung.id}` }, rungName(rung.name)), `: ${rung.title}`)),
+          checks.filter(({ check }) => check.rung === rung.name).map(({ check, id }) => el("tr", {},
+            el("th", { scope: "row" }, el("a", { href: `#${id}`, class: "mono", title: check.what }, check.name)),
+            who.map((column) => physicsCell(rows.findIndex((row) => row.check === check.name && row.participant === column.participant)))))))),
+      "Difference from the truth over the whole check (+ is too bright), and the finding. Point at a check for what it is; empty: does not take part."));
+  }
+
+  function physicsCell(r) {
+    if (r < 0) return el("td", { class: "num" });
+    const row = rows[r];
+    return el("td", { class: `num ${findingOf(row)}` }, row.verdict !== "not_measured" && [deviation(r), el("br")], findingWord(row));
+  }
+
+  function rungSection(rung) {
+    return el("section", { "aria-labelledby": rung.id },
+      el("h2", { id: rung.id }, `${rungName(rung.name)}: ${rung.title}`),
+      QUESTIONS[rung.name] && el("p", {}, QUESTIONS[rung.name]),
+      checks.filter(({ check }) => check.rung === rung.name).map(checkSection));
+  }
+
+  function checkSection({ check, c, id }) {
+    const own = [...rows.keys()].filter((r) => rows[r].check === check.name);
+    return el("section", { class: "check", "aria-labelledby": id },
+      el("h3", { id, class: "mono" }, check.name),
+      check.what && el("p", {}, sentenceCase(check.what), "."),
+      checkTable(check, own),
+      baked(own.map((r) => ({ name: rows[r].participant, path: `physics/rows/${r}/bake` }))),
+      checkPictures(check, c, own));
+  }
+
+  const sentenceCase = (text) => text.charAt(0).toUpperCase() + text.slice(1);
+
+  function checkTable(check, own) {
+    return scrolling(`Check ${check.name}`, el("table", { class: "wide" },
+      el("thead", {}, el("tr", {}, el("th", { scope: "col" }, "Participant"), el("th", { scope: "col" }, "Finding"),
+        [["Difference", "% [interval]"]].map(([name, unit]) => el("th", { scope: "col", class: "num" }, name, el("small", {}, unit))), axisHead(),
+        [["Error", "%: one σ, or step"], ["z", "of pixels: mean, variance"], ["Wall", "s"]].map(([name, unit]) => el("th", { scope: "col", class: "num" }, name, el("small", {}, unit))),
+        el("th", { scope: "col" }, "In words"))),
+      el("tbody", {}, own.map((r) => checkRow(r)))));
+  }
+
+  function checkRow(r) {
+    const row = rows[r];
+    const path = `physics/rows/${r}`;
+    const state = findingOf(row);
+    const there = typeof row.deviation === "number";
+    const stochastic = typeof row.standard_error === "number";
+    return el("tr", { class: state === "wrong" ? "failing" : null },
+      el("th", { scope: "row" }, row.participant, el("small", {}, row.look ? "a look, not physics" : engineNamed(row.engine)?.rung)),
+      el("td", { class: "tight" }, findingWord(row)),
+      el("td", { class: "num" }, percent(`${path}/deviation`), there && Array.isArray(row.interval) && el("small", {}, "[", percent(`${path}/interval/0`), ", ", percent(`${path}/interval/1`), "]")),
+      whisker(row.deviation, row.interval, state, 0),
+      el("td", { class: "num" }, there ? [percent(`${path}/${stochastic ? "standard_error" : "step_bound"}`, { signed: false }), unitText(stochastic ? "σ" : "step")] : absent(),
+        there && typeof row.rounding === "number" && el("small", {}, "rounding ", percent(`${path}/rounding`, { signed: false, exact: true }))),
+      el("td", { class: "num" }, number(`${path}/z`, { signed: true }),
+        typeof row.pixel_z_mean === "number" && el("small", {}, number(`${path}/pixel_z_mean`, { signed: true }), ", ", number(`${path}/pixel_z_variance`))),
+      el("td", { class: "num" }, number(`${path}/wall_s`)),
+      el("td", { class: "words" }, rowWords(row), row.settings && el("div", { class: "small soft" }, row.settings)));
+  }
+
+  function rowWords(row) {
+    if (row.verdict === "not_measured") return why(row) || "no reason is given";
+    return [
+      row.verdict === "agrees" ? "" : row.cause ? `${row.participant} is off because ${row.cause}.` : `${row.participant} is off and the cause is not known.`,
+      row.lowered && el("div", { class: "small" }, "It was given single scattering from the sun alone, since it refuses the rest."),
+    ];
+  }
+
+  function checkPictures(check, c, own) {
+    const views = (check.views ?? []).map((view, v) => viewPictures(check, c, v, own));
+    if (views.length <= 2) return views;
+    return [views[0], el("details", {}, el("summary", {}, "The other views of this check"), views.slice(1))];
+  }
+
+  function viewPictures(check, c, v, own) {
+    const view = check.views[v];
+    const path = `physics/checks/${c}/views/${v}`;
+    const truth = inside(view.picture);
+    const title = `${check.name}, view ${v + 1}`;
+    const drawn = own.filter((r) => inside(rows[r].pictures?.[v]));
+    const cards = el("div", { class: "pictures small-pictures" },
+      truth && pictureCard("truth", "no renderer: computed", el("div", { class: "stack" }, pixels(truth, `${title}, the truth`, "", view.size_px)), el("div", { class: "wipe" }, "what the others are held against"),
+        el("figure", {}, el("div", { class: "scale" }, colourScale(`${path}/difference_scale`, "Radiance: engine − truth [W m⁻² sr⁻¹]")), el("figcaption", {}, "scale of the differences"))),
+      drawn.map((r) => {
+        const row = rows[r];
+        const map = inside(row.differences?.[v]);
+        return pictureCard(row.participant, [findingWord(row), " ", deviation(r)],
+          truth ? wipe(inside(row.pictures[v]), truth, row.participant, "truth", title, view.size_px) : [el("div", { class: "stack" }, pixels(inside(row.pictures[v]), `${title}, by ${row.participant}`, "", view.size_px)), el("div", { class: "wipe" })],
+          el("figure", {}, map ? pixels(map, `${title}: signed difference of ${row.participant} from the truth`, "", view.size_px) : hole("no difference map"), el("figcaption", {}, `${row.participant} − truth`)));
+      }));
+    smallPictures.push({ element: cards, size: view.size_px });
+    return [
+      el("p", { class: "small soft" }, check.views.length > 1 && `View ${v + 1} of ${check.views.length}. `, view.what && `${sentenceCase(view.what)}. `, "Exposure ", number(`${path}/exposure_ev`, { signed: true, unit: "EV", exact: true }), "."),
+      cards,
+    ];
+  }
+
+  const smallPictures = []; // {element, size}: pictures of a size of their own
+
+  function pictureCard(title, subtitle, ...parts) {
+    const card = el("article", { class: "card" }, el("header", {}, el("h4", {}, title), el("p", {}, subtitle)), parts);
+    card.style.gridRow = `span ${card.childElementCount}`;
+    return card;
   }
 
   // --------------------------------------------------------------------------------------- charts
@@ -714,6 +1093,11 @@
     root.setProperty("--image-width", width);
     root.setProperty("--image-height", height);
     root.setProperty("--scale", Math.max(1, Math.floor((room * dots) / width)) / dots);
+    for (const { element, size } of smallPictures) {
+      element.style.setProperty("--image-width", size[0]);
+      element.style.setProperty("--image-height", size[1]);
+      element.style.setProperty("--scale", Math.max(1, Math.floor((Math.min(room, 216) * dots) / size[0])) / dots);
+    }
   }
 
   function printWhole() {
@@ -742,10 +1126,10 @@
   }
   try {
     document.title = `${report.title}: ${report.verdict}`;
-    fitPictures(main);
     window.addEventListener("resize", () => fitPictures(main));
     main.replaceChildren();
-    append(main, [head(), contents(), summary(), help(), scenes.map(sceneSection), charts(), engineTable(), foot()]);
+    append(main, [head(), contents(), physicsMatrix(), summary(), help(), rungs.map(rungSection), scenes.map(sceneSection), charts(), engineTable(), foot()]);
+    fitPictures(main);
     printWhole();
     if (location.hash) document.getElementById(decodeURIComponent(location.hash.slice(1)))?.scrollIntoView();
     upgrade([...main.querySelectorAll(".chart-figure")]).finally(() => { document.documentElement.dataset.ready = "yes"; });

@@ -40,15 +40,15 @@ UNIT = "W m⁻² sr⁻¹"
 
 # ------------------------------------------------------------------------------------- pictures
 
-def write_png(path, pixel):
+def write_png(path, pixel, width=WIDTH, height=HEIGHT):
     """An 8-bit RGB picture of `pixel(i, j)`, by the letter of the PNG specification."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    rows = b"".join(b"\0" + bytes(c for i in range(WIDTH) for c in pixel(i, j)) for j in range(HEIGHT))
+    rows = b"".join(b"\0" + bytes(c for i in range(width) for c in pixel(i, j)) for j in range(height))
 
     def chunk(kind, body):
         return struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body))
 
-    header = struct.pack(">IIBBBBB", WIDTH, HEIGHT, 8, 2, 0, 0, 0)
+    header = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
     path.write_bytes(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
 
 
@@ -134,6 +134,73 @@ def find(frames, name, quantity, metric, mask="all"):
     return next(r["value"] for r in rows if (r["quantity"], r["metric"], r["mask"]) == (quantity, metric, mask))
 
 
+def study(option, chosen, certain, noise):
+    """A step study that converges by its order, down to `noise`."""
+    levels = [{"setting": 25.0 * 2 ** k, "radiance": 0.2926 * (1 + 0.027 / 4 ** k), "noise": noise * 0.29, "bias": 0.027 / 4 ** k,
+               "bias_noise": noise, "wall_s": 1.5 * 1.4 ** k} for k in range(4)]
+    return {"option": option, "order": 2.0, "observed_order": None if noise else 1.98, "limit": 0.2926, "size_px": [32, 18], "levels": levels,
+            "chosen": chosen, "within_tolerance": certain, "tolerance": 1e-3}
+
+
+def pair(first, second, mean, width, verdict, noise=0.003):
+    return {"first": first, "second": second, "mean_difference": mean, "interval": [mean - width, mean + width], "rms_difference": abs(mean) * 1.3,
+            "noise_floor": noise, "verdict": verdict}
+
+
+ATTRIBUTION = {
+    "mask": "medium", "pixel_count": 11520, "family_alpha": 0.01, "mean_meant": 1e-3, "rms_meant": 1e-2, "odd_one_out": "realtime",
+    "sentence": "realtime is the odd one out: it differs from all others, and they do not differ beyond noise",
+    "pairs": [pair("exact", "march", -2e-4, 1e-5, "agree", 0), pair("exact", "realtime", 0.021, 0.0008, "differ"), pair("exact", "cycles", -8e-4, 0.0031, "cannot tell: noise"),
+              pair("march", "realtime", 0.0212, 0.0008, "differ"), pair("march", "cycles", -6e-4, 0.0031, "cannot tell: noise"), pair("realtime", "cycles", -0.022, 0.0032, "differ")],
+}
+SILENT = {"mask": "all", "pixel_count": 20736, "pairs": [pair("tracer", "march", 1e-4, 0.01, "cannot tell: noise")], "odd_one_out": None,
+          "sentence": f"cannot tell: noise hides whether all agree {HOSTILE}"}
+
+
+def finding(check, name, deviation=None, error=None, status="rendered", reason="", cause=None, views=1, participant=None, **more):
+    """A row of the physics suite; an engine without chance has a step bound."""
+    chance = name in ("tracer", "cycles")
+    width = None if deviation is None else (3.6 * error if chance else error) + 1e-6
+    verdict = "not_measured" if deviation is None else "agrees" if abs(deviation) <= width else "off"
+    who = participant or name
+    there = deviation is not None
+    path = "images/physics/" + check["name"] + "/" + "".join(c if c.isalnum() else "_" for c in who)
+    return {"check": check["name"], "rung": check["rung"], "participant": who, "engine": name, "status": status, "reason": reason, "settings": "samples=256" if chance else "",
+            "lowered": False, "look": False, "deviation": deviation, "interval": [deviation - width, deviation + width] if there else None,
+            "standard_error": error if chance else None, "step_bound": None if chance else error, "rounding": 1e-6, "z": deviation / error if there and chance else None,
+            "pixel_z_mean": -0.03 if name == "tracer" and there else None, "pixel_z_variance": 1.04 if name == "tracer" and there else None, "verdict": verdict, "cause": cause,
+            "sentence": "" if not there else f"{who} {verdict}", "wall_s": 0.31,
+            "pictures": [f"{path}_{v}.png" for v in range(views if there else 0)], "differences": [f"{path}_{v}_difference.png" for v in range(views if there else 0)], **more}
+
+
+def physics_check(name, rung, what, views=1):
+    return {"name": name, "rung": rung, "what": what, "views": [
+        {"what": f"camera looks {50 + v}° down", "size_px": [24, 16], "exposure_ev": -0.5, "difference_scale": 0.1, "picture": f"images/physics/{name}/truth_{v}.png"} for v in range(views)]}
+
+
+def physics_data():
+    furnace, slab, budget = checks = [
+        physics_check("furnace_box_4", "furnace", "a homogeneous cube: optical depth 4, albedo 1, isotropic scattering; lit evenly from all sides; seen from above"),
+        physics_check("slab_iso_4", "slab", "a homogeneous slab, endless sideways, black below: optical depth 4"),
+        physics_check("hostile_5", "of tomorrow", f"a rung that the page does not know {HOSTILE}", views=4)]
+    rows = [
+        finding(furnace, "exact", 0.0, 0.0), finding(furnace, "tracer", -2e-6, 1e-5), finding(furnace, "march", -0.522, 0.0, cause="it models single scattering only", lowered=True),
+        finding(furnace, "march", 0.34, 0.001, participant="march octaves", look=True, cause="a sum of octaves is a look: it does not conserve energy"),
+        finding(furnace, "povray", status="missing", reason="the command povray is not on the path"),
+        finding(slab, "exact", status="cannot", reason="cannot: multiple scattering"), finding(slab, "tracer", 0.0008, 0.0005),
+        finding(slab, "cycles", 0.0021, 0.0001, cause="it marches through uneven media in steps", bake={"grid": [64, 64, 64], "mean_error": 2.4e-4, "kind": HOSTILE, "exact": False, "worst": None}),
+        finding(slab, "march", 0.04, 0.001), finding(slab, "realtime", status="timeout", reason="stopped after 300 s"),
+        finding(budget, "tracer", 0.001, 0.0006, views=4), finding(budget, "march", -0.9, 0.2, views=4, cause=HOSTILE)]
+    tests = sum(row["deviation"] is not None for row in rows)
+    # A row of an older or newer program: optional fields are missing, unknown ones are there.
+    del rows[1]["look"]
+    rows[1]["unheard_of"] = {"of": "by this page"}
+    return {"family_alpha": 0.01, "tests": tests, "critical_z": 3.37, "verdict": "fail", "seconds": 13.5,
+            "rungs": [{"name": "furnace", "title": "albedo 1 in a uniform surround vanishes"}, {"name": "single", "title": "not in this run"},
+                      {"name": "slab", "title": "slab, all orders, against adding-doubling"}, {"name": "of tomorrow", "title": HOSTILE}],
+            "checks": checks, "rows": rows}
+
+
 def chart_spec():
     spec = json.loads((PAGE / "speed_accuracy.vl.json").read_text())
     rows = []
@@ -181,6 +248,9 @@ def report_data():
         row["value"] = row["interval"] = None
     odd[0]["measurements"][2].update({"value": 1.5e-13, "unit": HOSTILE})
     odd[0]["measurements"].append({"quantity": "radiance", "metric": "flip_" + HOSTILE, "mask": "wire " + HOSTILE, "value": 123456789.5, "unit": "1", "interval": [0, 999.96], "pixel_count": 3})
+    fog[4]["study"] = study("step", 1, False, 0.0017)
+    fog[2]["study"] = study("steps", 3, True, 0.0)
+    fog[4]["bake"] = {"voxels": 262144, "largest_error": {"radiance": 0.0021, "transmittance": 3e-5}}
     scene = {"difference_scale": {"radiance": 0.25, "transmittance": 0.05}}
     return {
         "format": "neph-report-1", "title": "Nightly of main, all scenes", "created_utc": "2026-11-21T02:00:00Z", "neph_version": "0.1.0 (079f69e)",
@@ -190,19 +260,20 @@ def report_data():
             {"name": "height_fog", "title": "Height fog under a low sun", "exposure_ev": -1.5, "hash": "5f1c9d0e77ab34c2a1907733e2d94b58", **scene,
              "physics": "Extinction falls off exponentially with height; single scattering of a Henyey-Greenstein phase function (g = 0.6). "
                         "Isolates the path integral of an inhomogeneous medium, which has a closed form for transmittance.",
-             "truth": {"engine": "exact", "rung": "exact"}, "frames": fog,
+             "truth": {"engine": "exact", "rung": "exact"}, "frames": fog, "attribution": copy.deepcopy(ATTRIBUTION),
              "gates": [gate("march", "rel_mse", find(fog, "march", "radiance", "rel_mse"), 1e-4), gate("march", "max_abs", find(fog, "march", "transmittance", "max_abs"), 0.01, "transmittance"),
                        gate("realtime", "rel_mse", find(fog, "realtime", "radiance", "rel_mse"), 0.0025), gate("tracer", "rel_bias", find(fog, "tracer", "radiance", "rel_bias"), 0.005, reason="three standard errors of 1024 samples"),
                        gate("cycles", "rel_bias", find(fog, "cycles", "radiance", "rel_bias"), 0.02, reason="known bias of the step rate")]},
             {"name": "cloud_bank", "title": "A bank of cloud, all orders of scattering", "exposure_ev": 0.5, "hash": "0b77e0cc1f5d4b7f9b2e6a10c4d8e3aa", **scene,
              "physics": "A heterogeneous cloud of albedo 0.999 with all orders of scattering. Isolates what a single-scattering model leaves out.",
-             "truth": {"engine": "tracer", "rung": "tracer"}, "frames": bank,
+             "truth": {"engine": "tracer", "rung": "tracer"}, "frames": bank, "attribution": copy.deepcopy(SILENT),
              "gates": [gate("march", "rel_mse", find(bank, "march", "radiance", "rel_mse"), 0.004), gate("realtime", "rel_mse", find(bank, "realtime", "radiance", "rel_mse"), 0.004, reason="model gap, agreed in the scene file"),
                        gate("cycles", "rel_bias", None, 0.02, reason="the rendering timed out")]},
             {"name": "odd", "title": f"Hostile {HOSTILE}", "exposure_ev": None, "hash": HOSTILE, "difference_scale": {"radiance": 1, "transmittance": 1},
-             "physics": f"Strings that must stay text: {HOSTILE} {HOSTILE_SCRIPT} &amp; “quotes” '\"", "truth": None, "frames": odd,
+             "physics": f"Strings that must stay text: {HOSTILE} {HOSTILE_SCRIPT} &amp; “quotes” '\"", "truth": None, "frames": odd, "attribution": None,
              "gates": [gate("march", "rmse", None, 0.1, mask=HOSTILE, reason=HOSTILE)]},
         ],
+        "physics": physics_data(),
         "charts": [
             {"id": "speed_accuracy", "title": "What accuracy costs", "caption": "Error against render time in the height fog. Each line halves or doubles one setting; dashed lines are ideal rates of convergence.",
              "svg": "charts/speed_accuracy.svg", "missing": None, "spec": chart_spec()},
@@ -244,6 +315,11 @@ def build(folder, data=None):
             for kind, scaling in (("radiance", 1), ("transmittance", -0.6)):
                 if item["difference"][kind]:
                     write_png(folder / item["difference"][kind], difference(shift, scaling * gain))
+    physics = data.get("physics") or {"checks": [], "rows": []}
+    for path in [view["picture"] for check in physics["checks"] for view in check["views"]] + [path for row in physics["rows"] for path in row["pictures"]]:
+        write_png(folder / path, lambda i, j: (9 * i, 9 * i, 16 * j), 24, 16)
+    for path in [path for row in physics["rows"] for path in row["differences"]]:
+        write_png(folder / path, lambda i, j: STOPS[(i + j) % 5], 24, 16)
     (folder / "charts").mkdir(exist_ok=True)
     for chart in data["charts"]:
         if chart["svg"]:
@@ -363,10 +439,62 @@ class Page(unittest.TestCase):
     def test_a_report_of_nothing_still_reads(self):
         folder = pathlib.Path(self.temporary.name, "empty")
         data = report_data()
+        del data["physics"]
         data.update(scenes=[], charts=[], engines=[], verdict="pass", host={"cpu": None, "cores": None, "memory_bytes": None}, seconds=None)
         build(folder, data)
         result = self.check(folder, "--quick")
         self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
+
+    def test_a_report_of_the_physics_suite_alone_reads(self):
+        folder = pathlib.Path(self.temporary.name, "physics")
+        data = report_data()
+        data.update(scenes=[], charts=[])
+        build(folder, data)
+        result = self.check(folder, "--quick")
+        self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
+
+    def changed_data(self, name, change):
+        """A good page of data that are wrong in themselves."""
+        def rewrite(folder):
+            data = report_data()
+            change(data)
+            write_data(folder, data)
+        result = self.broken(name, rewrite)
+        self.assertEqual(result.returncode, 1)
+        return result.stdout
+
+    def test_an_interval_that_contradicts_its_verdict_is_found(self):
+        found = self.changed_data("interval", lambda data: data["physics"]["rows"][8].update(interval=[-0.01, 0.09]))
+        self.assertIn("physics/rows/8/interval does not go with the verdict off", found)
+
+    def test_a_truth_that_is_off_cannot_pass(self):
+        def change(data):
+            data["physics"]["rows"] = [row for row in data["physics"]["rows"] if row["status"] != "timeout"]
+            data["scenes"] = []
+            data["verdict"] = "pass"
+            row = data["physics"]["rows"][1]
+            row.update(deviation=0.1, interval=[0.09, 0.11], verdict="off")
+        self.assertIn("verdict is pass though tracer is off", self.changed_data("false_pass", change))
+
+    def test_an_odd_one_out_that_agrees_with_somebody_is_found(self):
+        found = self.changed_data("odd", lambda data: data["scenes"][0]["attribution"]["pairs"][1].update(verdict="agree"))
+        self.assertIn("does not differ from all others", found)
+
+    def test_a_hidden_picture_of_a_check_is_found(self):
+        def change(folder):
+            script = folder / "report.js"
+            script.write_text(script.read_text().replace("const drawn = own.filter((r) => inside(rows[r].pictures?.[v]));", "const drawn = own.slice(0, 1);"))
+        result = self.broken("unseen", change)
+        self.assertEqual(result.returncode, 1)
+        self.assertIn("images/physics/furnace_box_4/tracer_0.png", result.stdout)
+
+    def test_a_finding_that_is_counted_wrongly_is_found(self):
+        def change(folder):
+            script = folder / "report.js"
+            script.write_text(script.read_text().replace('row.lowered || row.look ? "gap"', 'row.lowered ? "gap"'))
+        result = self.broken("miscounted", change)
+        self.assertEqual(result.returncode, 1)
+        self.assertIn("physics.others.gap", result.stdout)
 
     def test_a_number_that_differs_is_found(self):
         def change(folder):
