@@ -27,6 +27,7 @@ struct path {
     int channel;
     double value[3];       /* f / mean p */
     double probability[3]; /* p / mean p */
+    double roulette;       /* played below this value */
 };
 
 static const struct neph_rgb black = {0, 0, 0};
@@ -65,15 +66,20 @@ static bool reflect(struct path *path, struct neph_rgb albedo)
     return path->value[0] > 0.0 || path->value[1] > 0.0 || path->value[2] > 0.0;
 }
 
+static double most_of(const struct path *path)
+{
+    return fmax(path->value[0], fmax(path->value[1], path->value[2]));
+}
+
 static bool survives(struct path *path)
 {
-    const double most = fmax(path->value[0], fmax(path->value[1], path->value[2]));
-    if (most >= roulette_below)
+    const double most = most_of(path);
+    if (most >= path->roulette)
         return true;
-    if (neph_random_uniform(path->random) * roulette_below >= most)
+    if (neph_random_uniform(path->random) * path->roulette >= most)
         return false;
     for (int j = 0; j < 3; j++)
-        path->value[j] *= roulette_below / most;
+        path->value[j] *= path->roulette / most;
     return true;
 }
 
@@ -154,6 +160,8 @@ static bool meet_surface(struct path *path, const struct neph_hit *hit, struct n
  * a further event, `*light` the rest. */
 static void follow(struct path *path, struct neph_rgb *direct, struct neph_rgb *light)
 {
+    /* Of a thin ray's first collision the value is small: it is what counts there. */
+    path->roulette = roulette_below * most_of(path);
     for (struct neph_rgb *escaped = direct; survives(path); escaped = light) {
         const struct neph_hit hit = neph_scene_hit(path->scene, path->at_m, path->direction);
         const struct neph_ray ray = {path->at_m, path->direction, hit.t_m};
