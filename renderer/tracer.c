@@ -7,6 +7,7 @@
 #include "base/interrupt.h"
 #include "renderer/compute.h"
 #include "renderer/gpu_scene.h"
+#include "scenes/media.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -52,10 +53,11 @@ struct gpu_progress {
 };
 
 enum {
-    first_bytes = 16, /* struct First of shaders/tracer.glsl */
-    absorbed_bytes = 4 * NEPH_SCENE_MEDIA_MAX * NEPH_FOG_LAYERS_MAX,
+    first_bytes = 32, /* struct First of shaders/tracer.glsl */
+    depths_bytes = 4 * NEPH_SCENE_MEDIA_MAX * NEPH_FOG_LAYERS_MAX,
     state_bytes = 208, /* struct State of shaders/tracer.comp */
     result_bytes = 48, /* struct Result of shaders/tracer.glsl */
+    track_steps = 8,   /* of a turn, through majorant cells */
     pool_pixels = 8,   /* POOL_PIXELS of shaders/tracer.glsl */
     pool_items = pool_pixels * NEPH_TRACER_BATCH_SAMPLES,
     pixel_local_size = 64, /* of tracer_view.comp and tracer_sum.comp */
@@ -75,38 +77,63 @@ static bool is_white(struct neph_rgb rgb)
     return rgb.r >= 1.0 || rgb.g >= 1.0 || rgb.b >= 1.0;
 }
 
+static bool is_fog(const struct neph_medium *medium)
+{
+    return medium->kind == NEPH_MEDIUM_HOMOGENEOUS || medium->kind == NEPH_MEDIUM_HEIGHT_FOG;
+}
+
+static bool is_coloured(const struct neph_medium *medium)
+{
+    const struct neph_rgb color = medium->extinction_color;
+    return color.r != color.g || color.g != color.b;
+}
+
+static bool lights(const struct neph_scene *scene)
+{
+    return scene->environment_light && is_positive(scene->background_w_per_m2_sr);
+}
+
+/* More than light that was scattered once. */
+static bool needs_paths(const struct neph_scene *scene)
+{
+    return scene->scattering == NEPH_SCATTERING_MULTIPLE || lights(scene);
+}
+
 /* Light that is never absorbed and never finds a way out walks for ever. */
 static bool is_endless(const struct neph_medium *medium)
 {
-    if ((medium->kind != NEPH_MEDIUM_HOMOGENEOUS && medium->kind != NEPH_MEDIUM_HEIGHT_FOG) ||
-        !is_white(medium->albedo))
-        return false;
     const struct neph_bounds *b = &medium->bounds;
-    return isinf(b->min_m.x) && isinf(b->max_m.x) && isinf(b->min_m.z) && isinf(b->max_m.z) &&
-           isinf(b->min_m.y);
+    return is_fog(medium) && is_white(medium->albedo) && isinf(b->min_m.x) && isinf(b->max_m.x) &&
+           isinf(b->min_m.z) && isinf(b->max_m.z) && isinf(b->min_m.y);
+}
+
+static bool is_bounded(const struct neph_medium *medium)
+{
+    const struct neph_bounds b = neph_medium_support(medium);
+    return isfinite(b.min_m.x) && isfinite(b.min_m.y) && isfinite(b.min_m.z) &&
+           isfinite(b.max_m.x) && isfinite(b.max_m.y) && isfinite(b.max_m.z);
 }
 
 bool neph_tracer_can_render(const struct neph_scene *scene, char *reason, size_t reason_size)
 {
+    const char *cannot = NULL;
+    int coloured_clouds = 0;
     for (int i = 0; i < scene->medium_count; i++) {
         const struct neph_medium *medium = &scene->media[i];
-        const struct neph_rgb color = medium->extinction_color;
-        const bool is_layered = medium->kind == NEPH_MEDIUM_HOMOGENEOUS ||
-                                medium->kind == NEPH_MEDIUM_HEIGHT_FOG;
-        if (!is_layered || color.r != 1.0 || color.g != 1.0 || color.b != 1.0) {
-            snprintf(reason, reason_size, "%s",
-                     is_layered ? "coloured extinction" : "media other than homogeneous and fog");
-            return false;
-        }
+        coloured_clouds += !is_fog(medium) && is_coloured(medium);
+        if (medium->kind == NEPH_MEDIUM_HORIZON)
+            cannot = "Horizon clouds";
+        else if (scene->scattering == NEPH_SCATTERING_MULTIPLE && scene->solid_count == 0 &&
+                 is_endless(medium))
+            cannot = "multiple scattering in an unbounded medium of albedo 1";
+        else if (needs_paths(scene) && !is_fog(medium) && !is_bounded(medium))
+            cannot = "more than single scattering in a shell without finite bounds";
     }
-    if (scene->scattering == NEPH_SCATTERING_MULTIPLE && scene->solid_count == 0)
-        for (int i = 0; i < scene->medium_count; i++)
-            if (is_endless(&scene->media[i])) {
-                snprintf(reason, reason_size,
-                         "multiple scattering in an unbounded medium of albedo 1");
-                return false;
-            }
-    return true;
+    if (needs_paths(scene) && coloured_clouds > 1)
+        cannot = "more than single scattering in several clouds of coloured extinction";
+    if (cannot)
+        snprintf(reason, reason_size, "%s", cannot);
+    return !cannot;
 }
 
 static enum neph_status check(const struct neph_scene *scene,
@@ -186,7 +213,7 @@ enum binding {
     BINDING_PIXELS,
     BINDING_PROGRESS,
     BINDING_FIRSTS,
-    BINDING_ABSORBED,
+    BINDING_DEPTHS,
     BINDING_COUNT,
 };
 
@@ -198,9 +225,9 @@ struct render {
     struct neph_gpu_scene scene;
     struct neph_buffer buffers[BINDING_COUNT], pixels_readback, progress_readback;
     uint32_t local_size; /* of the path kernel */
-    bool needs_paths;    /* more than light that was scattered once */
-    uint32_t turns;      /* of one dispatch, at most */
-    uint32_t window;     /* pools in one dispatch; follows the device's speed */
+    bool needs_paths;
+    uint32_t turns;  /* of one dispatch, at most */
+    uint32_t window; /* pools in one dispatch; follows the device's speed */
     size_t pixel_count, chunk_pixels;
     size_t viewed_first; /* first pixel of the chunk that the device holds; SIZE_MAX: none */
     struct gpu_progress progress;
@@ -213,13 +240,14 @@ struct render {
 
 enum { view_floats = 8 };
 
-/* Upper bound of the loop turns (compute.h) in one turn of the path kernel's main loop. */
+/* Upper bound of the loop turns (compute.h) in one turn of the path kernel's main loop: three loops
+ * over the solids, two over fog, and tracking, each of whose steps may choose a node in a loop. */
 static uint32_t turns_within(const struct neph_scene *scene)
 {
-    uint32_t turns = 1 + 2 * ((uint32_t)scene->solid_count + 1) + 1;
+    uint32_t fog = 1;
     for (int i = 0; i < scene->medium_count; i++)
-        turns += 2 + (uint32_t)scene->media[i].layer_count;
-    return turns;
+        fog += 3 + 2 * (uint32_t)scene->media[i].layer_count;
+    return 1 + 3 * ((uint32_t)scene->solid_count + 1) + 2 * fog + track_steps * 5 + 1;
 }
 
 static uint32_t choose_turns(const struct neph_scene *scene,
@@ -242,50 +270,56 @@ static bool reflects(const struct neph_scene *scene)
     return false;
 }
 
-static bool lights(const struct neph_scene *scene)
+/* The media that are tracked, for the constants 7 and 8 of shaders/tracer.glsl: the coloured one
+ * last, so that nothing of its path lies beyond a collision that is found later. */
+static uint32_t tracked_media(const struct neph_gpu_frame *frame, uint32_t *order)
 {
-    return scene->environment_light && is_positive(scene->background_w_per_m2_sr);
+    uint32_t count = 0;
+    *order = 0;
+    for (int coloured = 0; coloured < 2; coloured++)
+        for (uint32_t m = 0; m < frame->medium_count; m++) {
+            const struct neph_gpu_medium *medium = &frame->media[m];
+            const float *color = medium->extinction_color;
+            if (medium->majorant_size[0] > 0 &&
+                (color[0] != color[1] || color[1] != color[2]) == coloured)
+                *order |= m << (4 * count++);
+        }
+    return count;
 }
 
 static enum neph_status get_kernels(struct render *render, const struct neph_scene *scene,
                                     struct neph_diag *diag)
 {
     const struct neph_vulkan_description *device = &render->vulkan->description;
-    const bool multiple = scene->scattering == NEPH_SCATTERING_MULTIPLE;
-    const uint32_t kinds = render->scene.constants[0], coloured = render->scene.constants[1];
     render->local_size = device->is_cpu ? device->subgroup_size : 64;
+    uint32_t tracked_order;
+    const uint32_t tracked_count = tracked_media(render->scene.frame, &tracked_order);
+    struct neph_kernel_params params = {
+        .buffer_count = BINDING_COUNT,
+        .push_size_bytes = sizeof(struct gpu_run),
+        .constant_count = 10,
+        .constants = {render->scene.constants[0], render->scene.constants[1], render->local_size,
+                      scene->scattering == NEPH_SCATTERING_MULTIPLE, reflects(scene), lights(scene),
+                      true, tracked_count, tracked_order, track_steps},
+    };
     const struct {
         const struct neph_kernel **kernel;
         const char *name;
         const uint32_t *spirv;
         size_t spirv_size_bytes;
-        int constant_count;
-        uint32_t constants[NEPH_KERNEL_CONSTANTS_MAX];
     } wanted[] = {
-        {&render->view, "tracer_view", view_spirv, sizeof(view_spirv), 2, {kinds, coloured}},
-        {&render->first, "tracer_first", first_spirv, sizeof(first_spirv), 2, {kinds, coloured}},
-        {&render->path,
-         "tracer",
-         path_spirv,
-         sizeof(path_spirv),
-         7,
-         {kinds, coloured, render->local_size, multiple, reflects(scene), lights(scene), true}},
-        {&render->sum, "tracer_sum", sum_spirv, sizeof(sum_spirv), 2, {kinds, coloured}},
+        {&render->view, "tracer_view", view_spirv, sizeof(view_spirv)},
+        {&render->first, "tracer_first", first_spirv, sizeof(first_spirv)},
+        {&render->path, "tracer", path_spirv, sizeof(path_spirv)},
+        {&render->sum, "tracer_sum", sum_spirv, sizeof(sum_spirv)},
     };
     enum neph_status status = NEPH_OK;
     for (size_t i = 0; !status && i < sizeof(wanted) / sizeof(wanted[0]); i++) {
-        struct neph_kernel_params params = {
-            .name = wanted[i].name,
-            .spirv = wanted[i].spirv,
-            .spirv_size_bytes = wanted[i].spirv_size_bytes,
-            .buffer_count = BINDING_COUNT,
-            .push_size_bytes = sizeof(struct gpu_run),
-            .constant_count = wanted[i].constant_count,
-        };
-        memcpy(params.constants, wanted[i].constants, sizeof(params.constants));
+        params.name = wanted[i].name;
+        params.spirv = wanted[i].spirv;
+        params.spirv_size_bytes = wanted[i].spirv_size_bytes;
         status = neph_kernel_get(render->vulkan, &params, wanted[i].kernel, diag);
     }
-    render->needs_paths = multiple || lights(scene);
     return status;
 }
 
@@ -307,8 +341,8 @@ static enum neph_status create_buffers(struct render *render, struct neph_diag *
          "tracer results"},
         {&render->buffers[BINDING_FIRSTS], NEPH_BUFFER_DEVICE, pools * pool_items * first_bytes,
          "tracer first collisions"},
-        {&render->buffers[BINDING_ABSORBED], NEPH_BUFFER_DEVICE,
-         render->chunk_pixels * absorbed_bytes, "tracer absorbed parts"},
+        {&render->buffers[BINDING_DEPTHS], NEPH_BUFFER_DEVICE, render->chunk_pixels * depths_bytes,
+         "tracer depths"},
         {&render->buffers[BINDING_POOLS], NEPH_BUFFER_DEVICE, pools * sizeof(uint32_t),
          "tracer pools"},
         {&render->buffers[BINDING_PIXELS], NEPH_BUFFER_DEVICE, pixels_bytes, "tracer pixels"},
@@ -352,10 +386,11 @@ static enum neph_status prepare(struct render *render, const struct neph_scene *
     render->viewed_first = SIZE_MAX;
     render->turns = choose_turns(scene, params);
     render->window = 64;
+    render->needs_paths = needs_paths(scene);
     enum neph_status status = create_sums(render, scene, diag);
     if (!status)
         status = neph_gpu_scene_create(render->vulkan, scene, params->frame, params->width_px,
-                                       params->height_px, true, &render->scene, diag);
+                                       params->height_px, needs_paths(scene), &render->scene, diag);
     if (!status)
         status = get_kernels(render, scene, diag);
     if (!status)

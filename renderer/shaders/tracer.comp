@@ -1,12 +1,13 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// The path tracer: light that was scattered at least once, without bias.
+// The path tracer: light that was scattered more than once, without bias.
 //
 // One work group works on a pool of items, an item being one sample of one pixel. Every thread
 // carries one path; where it ends, the thread takes the next item. A turn of the main loop takes
 // every thread one segment further: a ray towards the sun or the next stretch of the path. So all
-// threads have something to do in every part of the loop, whatever state their paths are in. Paths
+// threads have something to do in every part of the loop, whatever state their paths are in. (On
+// drivers without branches, lavapipe above all, every part of the loop costs every thread.) Paths
 // that are not at their end when the turns are over wait in a buffer for the next dispatch.
 //
 // An item's result depends on (seed, pixel, sample) alone, not on the thread or the dispatch.
@@ -15,22 +16,24 @@
 #include "tracer.glsl"
 
 layout(local_size_x_id = 2) in;
-layout(constant_id = 3) const bool MULTIPLE = true;     // all orders of scattering
-layout(constant_id = 4) const bool SURFACES = true;     // a solid reflects
-layout(constant_id = 5) const bool ENVIRONMENT = true;  // the background lights media and solids
-layout(constant_id = 6) const bool FORCED = true;       // tracer_first.comp has been here
 
 // Below this part of its first throughput a path lives on by chance alone (Russian roulette).
 const float ROULETTE = 0.05;
 
+// Steps through majorant cells in a turn.
+layout(constant_id = 9) const uint STEPS = 8;
+
 // What the thread is about to do.
-const uint STAGE_IDLE = 0;     // take an item
-const uint STAGE_PATH = 1;     // send a stretch of the path from `origin` along `direction`
-const uint STAGE_MEDIUM = 2;   // scatter in `medium` at `origin`
-const uint STAGE_SURFACE = 3;  // reflect from `solid` at `origin`
-const uint STAGE_BEHIND = 4;   // start the path of the surface behind the media
-const uint STAGE_NONE = 5;     // hand in the item
-const uint STAGE_DONE = 6;     // no items are left
+const uint STAGE_IDLE = 0;    // take an item
+const uint STAGE_MEDIUM = 1;  // scatter in `medium` at `origin`
+const uint STAGE_SURFACE = 2; // reflect from `solid` at `origin`
+const uint STAGE_LEAVE = 3;   // send a segment from `origin` along `direction`
+const uint STAGE_ENTER = 4;   // the next tracked medium
+const uint STAGE_TRACK = 5;   // step through its cells
+const uint STAGE_ARRIVE = 6;  // the segment is at its end
+const uint STAGE_BEHIND = 7;  // start the path of the surface behind the media
+const uint STAGE_NONE = 8;    // hand in the item
+const uint STAGE_DONE = 9;    // no items are left
 
 struct State {
     vec3 origin_m;
@@ -43,7 +46,7 @@ struct State {
     uint medium;
     vec3 next_direction; // of the path, after the ray to the sun
     uint solid;          // that `origin` lies on, or NO_SOLID
-    vec3 channels;       // probability density of the path in each channel, up to a factor
+    vec3 channels;       // probability density of the path in each channel, relative to the hero
     uint hero;           // the channel that distances are drawn for
     uvec3 key;
     uint events; // scatterings and reflections
@@ -53,6 +56,15 @@ struct State {
     uint is_towards_sun;
     vec3 surface;
     float roulette; // the throughput below which it is played
+    // The segment in work.
+    vec3 sun_fraction; // of a ray to the sun: the part that arrives
+    float end_m;       // the nearest event so far
+    uint end_medium;   // that has a collision there, or MEDIA_MAX
+    uint end_solid;    // that is met there, or NO_SOLID
+    uint tracked;      // place in TRACKED_ORDER
+    float t_m;         // where tracking is
+    ivec3 cell;
+    float depth_left; // majorant optical depth to the next tentative collision
 };
 
 layout(std430, binding = 5) buffer States {
@@ -83,17 +95,16 @@ void start_path()
     path.solid = NO_SOLID;
     path.channels = vec3(1.0);
     path.events = 0;
-    path.is_surface_first = 0;
     path.is_towards_sun = 0;
 }
 
 // Straight to the surface behind the media, if light can come from there that is not known yet.
 void start_at_surface()
 {
-    start_path();
     path.stage = STAGE_NONE;
     if (!SURFACES || !(MULTIPLE || ENVIRONMENT))
         return;
+    start_path();
     Hit hit = scene_hit(vec3(0.0), path.direction);
     if (hit.solid == NO_SOLID || solids[hit.solid].albedo.rgb == vec3(0.0))
         return;
@@ -107,10 +118,12 @@ void start_at_first_collision()
     First first = firsts[pool() * POOL_ITEMS + path.item];
     start_path();
     path.origin_m = first.t_m * path.direction;
-    path.throughput = vec3(first.weight);
-    path.roulette = ROULETTE * first.weight;
+    path.throughput = first.weight;
+    path.roulette = ROULETTE * max(first.weight.r, max(first.weight.g, first.weight.b));
     path.medium = first.medium;
-    path.stage = first.weight > 0.0 ? STAGE_MEDIUM : STAGE_BEHIND;
+    path.stage = path.roulette > 0.0 ? STAGE_MEDIUM : STAGE_BEHIND;
+    if (COLOURED)
+        path.channels = first.channels;
 }
 
 void take_item()
@@ -120,27 +133,21 @@ void take_item()
         path.stage = STAGE_DONE;
         return;
     }
-    uint result = pool() * POOL_ITEMS + path.item;
     path.key = sample_key(run.first_pixel + item_pixel(),
                           run.first_sample + path.item % BATCH_SAMPLES).xyz;
     path.drawn = 0;
-    path.hero = COLOURED ? min(uint(3.0 * uniform_from(draw()).x), 2u) : 0;
-    path.order1 = FORCED ? results[result].order1.rgb : vec3(0.0);
+    path.hero = hero_of(draw());
+    path.order1 = results[pool() * POOL_ITEMS + path.item].order1.rgb;
     path.higher = vec3(0.0);
     path.surface = vec3(0.0);
-    if (FORCED) {
-        start_at_first_collision();
-    } else {
-        start_path();
-        path.stage = STAGE_PATH;
-    }
+    path.is_surface_first = 0;
+    start_at_first_collision();
 }
 
-// A path is at its end. With forced collisions an item has two: one from the media and one from
-// the surface behind them.
+// A path is at its end. An item has two: one from the media and one from the surface behind them.
 void finish_path()
 {
-    path.stage = FORCED && path.is_surface_first == 0 ? STAGE_BEHIND : STAGE_NONE;
+    path.stage = path.is_surface_first == 0 ? STAGE_BEHIND : STAGE_NONE;
 }
 
 void finish_item()
@@ -151,17 +158,12 @@ void finish_item()
     items_done++;
 }
 
-// Light that arrives along the path. The path stands for all three channels: its density is the
-// mean of theirs (single-sample multiple importance sampling; Miller, Georgiev, Jarosz 2019).
 void add_light(vec3 light)
 {
-    if (COLOURED)
-        light *= path.channels * (3.0 / (path.channels.r + path.channels.g + path.channels.b));
-    if (path.is_surface_first != 0) {
+    light *= channel_weights(path.channels);
+    if (path.is_surface_first != 0)
         path.surface += light;
-        return;
-    }
-    if (path.events == 1)
+    else if (path.events == 1)
         path.order1 += light;
     else
         path.higher += light;
@@ -182,46 +184,32 @@ void prepare_next(vec3 direction, float u)
         path.throughput /= survival;
 }
 
-void scatter()
-{
-    uvec3 bits = draw();
-    vec3 u = uniform_from(bits);
-    uint m = path.medium;
-    path.events++;
-    path.solid = NO_SOLID;
-    path.throughput *= frame.media[m].albedo;
-    float phase = phase_per_sr(frame.media[m].phase_kind, frame.media[m].g, path.direction,
-                               frame.sun_direction);
-    bool is_lit = FORCED && path.events == 1; // by tracer_first.comp
-    path.pending = is_lit ? vec3(0.0) : path.throughput * frame.sun_irradiance * phase;
-    prepare_next(sample_phase(frame.media[m].phase_kind, frame.media[m].g, path.direction, u.xy),
-                 u.z);
-}
-
-// The sunlight that the first surface reflects is known without chance and not sampled.
-void reflect_light()
-{
-    vec3 u = uniform_from(draw());
-    vec3 normal = solid_normal(solids[path.solid], path.origin_m);
-    path.events++;
-    path.throughput *= solids[path.solid].albedo.rgb;
-    float cosine = max(0.0, dot(normal, frame.sun_direction));
-    bool is_first = path.events == 1;
-    path.pending = is_first ? vec3(0.0) : path.throughput * frame.sun_irradiance * (cosine / PI);
-    path.is_surface_first |= uint(is_first);
-    prepare_next(sample_cosine(normal, u.xy), u.z);
-}
-
+// At a first collision order 1 is known already (tracer_first.comp), and at a first surface the
+// sunlight that it reflects (tracer_view.comp).
 void happen()
 {
-    if (path.stage == STAGE_MEDIUM)
-        scatter();
-    else
-        reflect_light();
-    path.is_towards_sun =
-        uint(path.pending != vec3(0.0) && sees_sun(path.origin_m, path.solid));
+    vec3 u = uniform_from(draw());
+    vec3 light = path.throughput, next;
+    path.events++;
+    if (path.stage == STAGE_MEDIUM) {
+        uint m = path.medium;
+        path.solid = NO_SOLID;
+        path.throughput *= frame.media[m].albedo;
+        light = path.throughput * phase_per_sr(frame.media[m].phase_kind, frame.media[m].g,
+                                               path.direction, frame.sun_direction);
+        next = sample_phase(frame.media[m].phase_kind, frame.media[m].g, path.direction, u.xy);
+    } else {
+        vec3 normal = solid_normal(solids[path.solid], path.origin_m);
+        path.is_surface_first |= uint(path.events == 1);
+        path.throughput *= solids[path.solid].albedo.rgb;
+        light = path.throughput * (max(0.0, dot(normal, frame.sun_direction)) / PI);
+        next = sample_cosine(normal, u.xy);
+    }
+    path.pending = path.events == 1 ? vec3(0.0) : light * frame.sun_irradiance;
+    prepare_next(next, u.z);
+    path.is_towards_sun = uint(path.pending != vec3(0.0) && sees_sun(path.origin_m, path.solid));
     path.direction = path.is_towards_sun != 0 ? frame.sun_direction : path.next_direction;
-    path.stage = STAGE_PATH;
+    path.stage = STAGE_LEAVE;
 }
 
 // --- segments -----------------------------------------------------------------------------------
@@ -241,89 +229,230 @@ Hit nearest_hit(vec3 origin_m, vec3 direction, uint except)
     return hit;
 }
 
-// What a segment has come to.
-float end_m;        // of the segment: the nearest event so far
-uint end_medium;    // that has a collision there, or MEDIA_MAX
-uint end_solid;     // that is met there, or NO_SOLID
-vec3 sun_fraction;  // of a ray to the sun: the part that arrives
-
-// Media with closed forms: free paths by inversion, transmittance exact.
-void cross_closed_forms()
+// Fog: free paths by inversion, transmittance to the sun exact.
+void cross_fog()
 {
     for (uint m = 0; m < frame.medium_count; m++) {
-        float t0_m = 0.0, t1_m = end_m;
-        if (!clip_box(frame.media[m].low_m, frame.media[m].high_m, path.origin_m, path.direction,
-                      t0_m, t1_m))
+        float t0_m = 0.0, t1_m = path.end_m;
+        if (!is_fog(m) || !clip_medium(m, path.origin_m, path.direction, t0_m, t1_m))
             continue;
+        vec3 color = frame.media[m].extinction_color;
         float y_m = path.origin_m.y + t0_m * path.direction.y;
         for (uint l = 0; l < frame.media[m].layer_count; l++) {
             FogLayer layer = frame.media[m].layers[l];
             if (path.is_towards_sun != 0) {
-                sun_fraction *=
-                    transmittance(fog_optical_depth(layer, y_m, path.direction.y, t1_m - t0_m));
+                path.sun_fraction *= colour_transmittance(
+                    color * fog_optical_depth(layer, y_m, path.direction.y, t1_m - t0_m));
                 closed_forms++;
                 continue;
             }
-            float t_m = t0_m + fog_free_path(layer, y_m, path.direction.y,
-                                             exponential_from(draw().x));
-            if (t_m < min(t1_m, end_m)) {
-                end_m = t_m;
-                end_medium = m;
-                end_solid = NO_SOLID;
+            float depth = exponential_from(draw().x) / max(color[path.hero], 1e-20);
+            float t_m = t0_m + fog_free_path(layer, y_m, path.direction.y, depth);
+            if (t_m < min(t1_m, path.end_m)) {
+                path.end_m = t_m;
+                path.end_medium = m;
+                path.end_solid = NO_SOLID;
             }
         }
     }
 }
 
-void end_segment()
+// The density of paths in each channel, after fog: e^-((color - color of the hero) depth), and the
+// color where fog has scattered.
+void weigh_fog()
 {
-    if (path.is_towards_sun != 0) {
-        add_light(path.pending * sun_fraction);
-        path.is_towards_sun = 0;
-        path.direction = path.next_direction;
-        return;
+    for (uint m = 0; m < frame.medium_count; m++) {
+        if (!is_fog(m))
+            continue;
+        vec3 color = frame.media[m].extinction_color;
+        float depth = medium_optical_depth(m, path.origin_m, path.direction, path.end_m);
+        path.channels *= exp(clamp((color[path.hero] - color) * depth, EXPONENT_MIN, 30.0));
+        if (path.end_medium == m)
+            path.channels *= color / color[path.hero];
     }
-    if (end_medium == MEDIA_MAX && end_solid == NO_SOLID) { // out into the sky
-        if (ENVIRONMENT && path.events > 0)
-            add_light(path.throughput * frame.background);
-        finish_path();
-        return;
-    }
-    // Single scattering and single reflection know one event only.
-    bool may_happen = MULTIPLE || path.events == 0;
-    if (end_medium != MEDIA_MAX) {
-        collisions++;
-        path.medium = end_medium;
-        path.stage = STAGE_MEDIUM;
-    } else {
-        path.solid = end_solid;
-        path.stage = STAGE_SURFACE;
-        may_happen = may_happen && SURFACES && (MULTIPLE || ENVIRONMENT) &&
-                     solids[end_solid].albedo.rgb != vec3(0.0);
-    }
-    path.origin_m += end_m * path.direction;
-    if (!may_happen)
-        finish_path();
 }
 
-void segment()
+void leave()
 {
-    end_m = FAR_M;
-    end_medium = MEDIA_MAX;
-    end_solid = NO_SOLID;
-    sun_fraction = vec3(1.0);
+    path.end_m = FAR_M;
+    path.end_medium = MEDIA_MAX;
+    path.end_solid = NO_SOLID;
+    path.sun_fraction = vec3(1.0);
+    path.tracked = 0;
+    path.stage = TRACKED_COUNT > 0 ? STAGE_ENTER : STAGE_ARRIVE;
     if (path.is_towards_sun == 0) {
         if (path.throughput == vec3(0.0)) {
             finish_path();
             return;
         }
         Hit hit = nearest_hit(path.origin_m, path.direction, path.solid);
-        end_m = hit.t_m;
-        end_solid = hit.solid;
+        path.end_m = hit.t_m;
+        path.end_solid = hit.solid;
     }
-    cross_closed_forms();
-    end_segment();
+    if (has_fog())
+        cross_fog();
 }
+
+void arrive()
+{
+    if (path.is_towards_sun != 0) {
+        add_light(path.pending * path.sun_fraction);
+        path.is_towards_sun = 0;
+        path.direction = path.next_direction;
+        path.stage = STAGE_LEAVE;
+        return;
+    }
+    if (COLOURED && has_fog())
+        weigh_fog();
+    bool is_sky = path.end_medium == MEDIA_MAX && path.end_solid == NO_SOLID;
+    if (is_sky && ENVIRONMENT)
+        add_light(path.throughput * frame.background);
+    path.origin_m += path.end_m * path.direction;
+    bool is_collision = path.end_medium != MEDIA_MAX;
+    collisions += uint(is_collision);
+    path.medium = path.end_medium;
+    path.solid = path.end_solid;
+    path.stage = is_collision ? STAGE_MEDIUM : STAGE_SURFACE;
+    // Single scattering and single reflection know one event only.
+    bool may_happen = MULTIPLE && (is_collision || (SURFACES && !is_sky));
+    if (!may_happen)
+        finish_path();
+}
+
+// --- tracking -----------------------------------------------------------------------------------
+
+uint tracked_medium()
+{
+    return (TRACKED_ORDER >> (4 * (TRACKED_COUNT > 1 ? path.tracked : 0))) & 0xfu;
+}
+
+// Of the medium that the thread tracks, in this turn.
+uvec3 majorant_size;
+uint majorant_first;
+vec3 cells_start, cells_slope; // the ray in units of majorant cells
+
+void find_tracked()
+{
+    uint m = tracked_medium();
+    majorant_size = frame.media[m].majorant_size;
+    majorant_first = frame.media[m].majorant_first;
+    vec3 low_m = frame.media[m].low_m;
+    vec3 cells_per_m = vec3(majorant_size) / (frame.media[m].high_m - low_m);
+    cells_start = (path.origin_m - low_m) * cells_per_m;
+    cells_slope = path.direction * cells_per_m;
+}
+
+void next_tracked()
+{
+    path.tracked++;
+    path.stage = path.tracked < TRACKED_COUNT ? STAGE_ENTER : STAGE_ARRIVE;
+}
+
+void enter()
+{
+    float t0_m = 0.0, t1_m = path.end_m;
+    if (!clip_medium(tracked_medium(), path.origin_m, path.direction, t0_m, t1_m)) {
+        next_tracked();
+        return;
+    }
+    path.t_m = t0_m;
+    path.cell = ivec3(
+        clamp(floor(cells_start + t0_m * cells_slope), vec3(0.0), vec3(majorant_size) - 1.0));
+    path.depth_left = exponential_from(draw().x);
+    path.stage = STAGE_TRACK;
+}
+
+// One of the eight nodes around a point, with the probability of its trilinear weight: its
+// expectation is the trilinear value, and so is whatever is linear in it (the chance of a
+// collision, the factor of ratio tracking), for one load instead of eight.
+float grid_random_node(Grid grid, vec3 point_m, float u)
+{
+    vec3 at = clamp((point_m - grid.origin_m) * grid.nodes_per_m, vec3(0.0),
+                    vec3(grid.size - 1) * 0.9999999);
+    vec3 weight = fract(at);
+    uvec3 node = uvec3(at);
+    for (int axis = 0; axis < 3; axis++) {
+        bool is_high = u < weight[axis];
+        node[axis] += uint(is_high);
+        u = is_high ? u / weight[axis] : (u - weight[axis]) / (1.0 - weight[axis]);
+    }
+    return grid_values[grid.first + node.x + grid.size.x * (node.y + grid.size.y * node.z)];
+}
+
+float random_extinction_per_m(uint m, vec3 point_m, float u)
+{
+    if (has_kind(MEDIUM_GRID) && frame.media[m].kind == MEDIUM_GRID)
+        return frame.media[m].extinction_per_m *
+               grid_random_node(frame.media[m].grid, point_m, u);
+    return medium_extinction_per_m(m, point_m);
+}
+
+// A tentative collision: a real one with the probability extinction / majorant (Woodcock 1965); on
+// a ray to the sun, the part that is not extinguished (ratio tracking, Novak et al. 2014).
+void collide(float majorant_per_m)
+{
+    uint m = tracked_medium();
+    uvec3 bits = draw();
+    vec2 u = uniform_from(bits).xy;
+    lookups++;
+    path.depth_left = exponential_from(bits.z);
+    float extinction_per_m =
+        random_extinction_per_m(m, path.origin_m + path.t_m * path.direction, u.x);
+    vec3 chance = min(frame.media[m].extinction_color * (extinction_per_m / majorant_per_m),
+                      vec3(1.0));
+    if (path.is_towards_sun != 0) {
+        path.sun_fraction *= 1.0 - chance;
+        if (path.sun_fraction == vec3(0.0))
+            next_tracked();
+        return;
+    }
+    bool is_real = u.y < chance[path.hero];
+    if (COLOURED)
+        path.channels *= is_real ? chance / max(chance[path.hero], 1e-30)
+                                 : (1.0 - chance) / (1.0 - chance[path.hero]);
+    if (!is_real)
+        return;
+    path.end_m = path.t_m;
+    path.end_medium = m;
+    path.end_solid = NO_SOLID;
+    next_tracked();
+}
+
+// To the end of a majorant cell, or to a tentative collision before it.
+void track_step(vec3 per_slope, ivec3 side)
+{
+    vec3 faces_m = (vec3(path.cell + side) - cells_start) * per_slope;
+    float face_m = min(faces_m.x, min(faces_m.y, faces_m.z));
+    float exit_m = max(path.t_m, min(face_m, path.end_m));
+    uvec3 cell = uvec3(path.cell);
+    vec3 color = frame.media[tracked_medium()].extinction_color;
+    float majorant_per_m = max(color.r, max(color.g, color.b)) *
+                           majorants[majorant_first + cell.x +
+                                     majorant_size.x * (cell.y + majorant_size.y * cell.z)];
+    float depth = majorant_per_m * (exit_m - path.t_m);
+    if (path.depth_left < depth) {
+        path.t_m = min(path.t_m + path.depth_left / majorant_per_m, exit_m);
+        collide(majorant_per_m);
+        return;
+    }
+    path.depth_left -= depth;
+    path.t_m = exit_m;
+    path.cell += mix(ivec3(0), 2 * side - 1, lessThanEqual(faces_m, vec3(face_m)));
+    if (exit_m >= path.end_m ||
+        !all(lessThan(uvec3(path.cell), majorant_size))) // -1 is a large number
+        next_tracked();
+}
+
+void track()
+{
+    bvec3 parallel = lessThan(abs(cells_slope), vec3(1e-20));
+    vec3 per_slope = mix(1.0 / cells_slope, vec3(FAR_M), parallel);
+    ivec3 side = ivec3(greaterThanEqual(cells_slope, vec3(0.0)));
+    for (uint step = 0; step < STEPS && path.stage == STAGE_TRACK; step++)
+        track_step(per_slope, side);
+}
+
+// --- main ---------------------------------------------------------------------------------------
 
 void main()
 {
@@ -341,8 +470,16 @@ void main()
             take_item();
         if (path.stage == STAGE_MEDIUM || path.stage == STAGE_SURFACE)
             happen();
-        if (path.stage == STAGE_PATH)
-            segment();
+        if (path.stage == STAGE_LEAVE)
+            leave();
+        if (TRACKED_COUNT > 0) {
+            find_tracked();
+            if (path.stage == STAGE_ENTER)
+                enter();
+            track();
+        }
+        if (path.stage == STAGE_ARRIVE)
+            arrive();
     }
     states[thread] = path;
     atomicAdd(progress.items_done, items_done);

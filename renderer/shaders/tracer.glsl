@@ -7,6 +7,16 @@
 #include "scene.glsl"
 #include "sampling.glsl"
 
+// All kernels get all constants (renderer/tracer.c), the first two being those of scene.glsl.
+layout(constant_id = 3) const bool MULTIPLE = true;    // all orders of scattering
+layout(constant_id = 4) const bool SURFACES = true;    // a solid reflects
+layout(constant_id = 5) const bool ENVIRONMENT = true; // the background lights media and solids
+layout(constant_id = 6) const bool FORCED = true;      // every medium has a closed form
+// Media that are tracked through their majorant grids: how many, and a hexadecimal digit for each,
+// the first one lowest.
+layout(constant_id = 7) const uint TRACKED_COUNT = 0;
+layout(constant_id = 8) const uint TRACKED_ORDER = 0x76543210;
+
 layout(push_constant) uniform Run {
     uint seed_low;
     uint seed_high;
@@ -52,7 +62,7 @@ layout(std430, binding = 8) buffer Pixels {
     Pixel pixels[];
 };
 
-// What a batch has cost and how far it is. Only ever added to.
+// What the batches have cost and how far they are. Only ever added to.
 layout(std430, binding = 9) buffer Progress {
     uint items_done;
     uint collisions;
@@ -62,29 +72,69 @@ layout(std430, binding = 9) buffer Progress {
 
 // A sample's first collision on the view ray, when it is chosen where it counts (forced collision).
 struct First {
+    vec3 weight; // f / p per channel; 0: there is none
     float t_m;
-    float weight; // 0: there is none
+    vec3 channels; // p per channel, relative to the hero
     uint medium;
-    uint padding;
 };
 
 layout(std430, binding = 10) buffer Firsts {
     First firsts[];
 };
 
-// Per pixel and layer of a medium: the part of a beam along the view ray that the layer alone would
-// take out.
+// Per pixel and layer of a medium (one of a medium without layers): the scalar optical depth of the
+// view ray.
 const uint PARTS = MEDIA_MAX * LAYERS_MAX;
-layout(std430, binding = 11) buffer Absorbed {
-    float absorbed[];
+layout(std430, binding = 11) buffer Depths {
+    float depths[];
 };
-
-// The numbers of a sample that do not belong to its path.
-const uint KEY_FIRST = 0x46697273u; // apart from the path's own numbers
 
 uvec4 sample_key(uint pixel, uint sample_index)
 {
     return pcg4d(uvec4(pixel, sample_index, run.seed_low, run.seed_high));
+}
+
+// The channel that distances are drawn for, from the first numbers of a sample.
+uint hero_of(uvec3 bits)
+{
+    return COLOURED ? min(uint(3.0 * uniform_from(bits).z), 2u) : 0u;
+}
+
+// One path stands for all three channels: its density is the mean of theirs (single-sample multiple
+// importance sampling; Miller, Georgiev, Jarosz 2019).
+vec3 channel_weights(vec3 channels)
+{
+    return COLOURED ? channels * (3.0 / (channels.r + channels.g + channels.b)) : vec3(1.0);
+}
+
+// The same in all channels of a scene without colour: one exponential instead of three.
+vec3 colour_transmittance(vec3 optical_depth)
+{
+    return COLOURED ? transmittance(optical_depth) : vec3(transmittance(optical_depth.r));
+}
+
+vec3 colour_absorbed_fraction(vec3 optical_depth)
+{
+    return COLOURED ? absorbed_fraction(optical_depth) : vec3(absorbed_fraction(optical_depth.r));
+}
+
+bool has_fog() { return has_kind(MEDIUM_HOMOGENEOUS) || has_kind(MEDIUM_HEIGHT_FOG); }
+
+bool is_fog(uint m) { return has_fog() && frame.media[m].kind <= MEDIUM_HEIGHT_FOG; }
+
+bool clip_medium(uint m, vec3 origin_m, vec3 direction, inout float t0_m, inout float t1_m)
+{
+    return clip_box(frame.media[m].low_m, frame.media[m].high_m, origin_m, direction, t0_m, t1_m);
+}
+
+// Scalar optical depth of the first length of a ray in one layer of a fog.
+float layer_optical_depth(uint m, uint l, vec3 origin_m, vec3 direction, float length_m)
+{
+    float t0_m = 0.0, t1_m = length_m;
+    if (!clip_medium(m, origin_m, direction, t0_m, t1_m))
+        return 0.0;
+    return fog_optical_depth(frame.media[m].layers[l], origin_m.y + t0_m * direction.y, direction.y,
+                             t1_m - t0_m);
 }
 
 vec3 pixel_ray(uint pixel)

@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: MIT
 //
 // The path tracer's first kernel: the light that comes to the camera without scattering, exact, one
-// thread per pixel; and every pool at its first item.
+// thread per pixel; the optical depth of each medium on the view ray; and every pool at its first
+// item.
 #extension GL_GOOGLE_include_directive : require
 
 #include "tracer.glsl"
@@ -16,24 +17,28 @@ vec3 surface_sunlight(Hit hit, vec3 point_m)
     if (cosine <= 0.0 || albedo == vec3(0.0) || frame.sun_irradiance == vec3(0.0) ||
         !sees_sun(point_m, hit.solid))
         return vec3(0.0);
-    vec3 arriving = transmittance(scene_optical_depth(point_m, frame.sun_direction, FAR_M));
+    vec3 arriving = colour_transmittance(scene_optical_depth(point_m, frame.sun_direction, FAR_M));
     return albedo / PI * cosine * arriving * frame.sun_irradiance;
 }
 
-// The parts that the layers take out of the view ray.
-void find_absorbed(uint pixel, vec3 direction, float length_m)
+// Returns the sum over the media, per channel.
+vec3 find_depths(uint pixel, vec3 direction, float length_m)
 {
+    vec3 sum = vec3(0.0);
     for (uint m = 0; m < frame.medium_count; m++) {
-        float t0_m = 0.0, t1_m = length_m;
-        bool is_met = clip_box(frame.media[m].low_m, frame.media[m].high_m, vec3(0.0), direction,
-                               t0_m, t1_m);
+        uint part = pixel * PARTS + m * LAYERS_MAX;
+        float depth = 0.0;
         for (uint l = 0; l < frame.media[m].layer_count; l++) {
-            float depth = is_met ? fog_optical_depth(frame.media[m].layers[l], t0_m * direction.y,
-                                                     direction.y, t1_m - t0_m)
-                                 : 0.0;
-            absorbed[pixel * PARTS + m * LAYERS_MAX + l] = absorbed_fraction(depth);
+            depths[part + l] = layer_optical_depth(m, l, vec3(0.0), direction, length_m);
+            depth += depths[part + l];
         }
+        if (!is_fog(m)) {
+            depth = medium_optical_depth(m, vec3(0.0), direction, length_m);
+            depths[part] = depth;
+        }
+        sum += frame.media[m].extinction_color * depth;
     }
+    return sum;
 }
 
 void main()
@@ -55,8 +60,7 @@ void main()
                                         : surface_sunlight(hit, hit.t_m * direction);
     float eye_depth_m =
         hit.solid == NO_SOLID ? FAR_M : hit.t_m * dot(direction, frame.camera_forward);
-    vec3 arriving = transmittance(scene_optical_depth(vec3(0.0), direction, hit.t_m));
-    find_absorbed(thread, direction, hit.t_m);
+    vec3 arriving = colour_transmittance(find_depths(thread, direction, hit.t_m));
     pixels[thread].behind = vec4(behind, eye_depth_m);
     pixels[thread].transmittance = vec4(arriving, 0.0);
 }

@@ -9,6 +9,10 @@
 
 #include "base/interrupt.h"
 #include "renderer/tracer.h"
+#include "scenes/grid.h"
+#include "scenes/media.h"
+#include "scenes/solids.h"
+#include "truth/oracle.h"
 #include "truth/slab.h"
 #include "truth/transport.h"
 
@@ -53,12 +57,13 @@ struct verdict {
     int count; /* of z-scores */
     double z_mean, z_variance;
     double bias, bias_error; /* of the frame's sum, relative */
-    double exact_error;      /* relative, of pixels that know no chance */
+    double exact_error;      /* relative, of pixels that know next to no chance */
 };
 
-/* float32 knows a radiance that is a sum of products to about this part of itself; where chance is
- * smaller still, rounding decides. */
-static const double rounding = 2e-6;
+/* float32 knows a radiance that is a sum of products to about this part of itself. A pixel has a
+ * z-score when its standard error is this many times as large (and so adds 1 / 100 at most to the
+ * variance of the scores); else it is held to rounding and four standard errors. */
+static const double rounding = 2e-6, noisy = 10.0;
 
 static struct verdict compare(const struct test_scene *test, const struct neph_image *frame,
                               truth_of_ray *truth, const void *context)
@@ -80,11 +85,12 @@ static struct verdict compare(const struct test_scene *test, const struct neph_i
             sum += found;
             expected_sum += expected;
             variance_sum += spread;
-            if (spread <= 0.0) {
-                v.exact_error = fmax(v.exact_error, fabs(found - expected) / expected);
+            if (sqrt(spread) < noisy * rounding * expected) {
+                v.exact_error = fmax(v.exact_error,
+                                     (fabs(found - expected) - 4.0 * sqrt(spread)) / expected);
                 continue;
             }
-            const double z = (found - expected) / hypot(sqrt(spread), rounding * expected);
+            const double z = (found - expected) / sqrt(spread);
             v.z_mean += z;
             square_sum += z * z;
             v.count++;
@@ -198,6 +204,181 @@ static void test_single_scattering_is_exact_transport(void **state)
     }
 }
 
+/* --- clouds -------------------------------------------------------------------------------- */
+
+static void teardown(struct test_scene *test)
+{
+    for (int i = 0; i < test->scene.medium_count; i++)
+        neph_grid_destroy(test->scene.media[i].grid);
+}
+
+static struct neph_medium *add_cloud(struct test_scene *test, enum neph_medium_kind kind,
+                                     double extinction_per_m)
+{
+    struct neph_medium *medium = test_add_medium(test, extinction_per_m, 0.0, 0.0);
+    medium->kind = kind;
+    medium->layer_count = 0;
+    medium->extinction_per_m = extinction_per_m;
+    return medium;
+}
+
+/* Smooth and lumpy, zero in places; 2.2 x 1.4 x 2.2 m ahead of the camera. */
+static void scene_grid(struct test_scene *test)
+{
+    struct neph_medium *medium = add_cloud(test, NEPH_MEDIUM_GRID, 6.0);
+    struct neph_diag diag = {0};
+    const int size[3] = {12, 8, 12};
+    neph_assert_ok(neph_grid_create(size, (struct neph_vec3){-1.0, 1.0, -4.0},
+                                    (struct neph_vec3){0.18, 0.18, 0.18}, &medium->grid, &diag),
+                   &diag);
+    uint64_t random = seed;
+    for (int i = 0; i < 12 * 8 * 12; i++)
+        medium->grid->values[i] = (float)fmax(0.0, neph_test_uniform(&random, -0.3, 1.0));
+    neph_assert_ok(neph_grid_seal(medium->grid, &diag), &diag);
+}
+
+static void scene_gaussian(struct test_scene *test)
+{
+    struct neph_medium *medium = add_cloud(test, NEPH_MEDIUM_GAUSSIAN, 2.0);
+    medium->gaussian = (struct neph_gaussian){{0.3, 1.8, -5.0}, 0.6};
+}
+
+/* A planet of 50 m with an atmosphere, seen from the side. */
+static void scene_shell(struct test_scene *test)
+{
+    struct neph_medium *medium = add_cloud(test, NEPH_MEDIUM_SHELL, 0.1);
+    medium->shell = (struct neph_shell){{0.0, -20.0, -100.0}, 50.0, 6.0};
+    medium->bounds = (struct neph_bounds){{-150.0, -170.0, -250.0}, {150.0, 130.0, 50.0}};
+    test_add_sphere(test, (struct neph_vec3){0.0, -20.0, -100.0}, 50.0);
+    test->scene.solids[0].albedo = (struct neph_rgb){0.0, 0.0, 0.0};
+}
+
+static void scene_coloured_grid(struct test_scene *test)
+{
+    scene_grid(test);
+    test->scene.media[0].extinction_color = (struct neph_rgb){0.3, 1.0, 2.5};
+}
+
+static void scene_all(struct test_scene *test)
+{
+    scene_coloured_grid(test);
+    scene_gaussian(test);
+    test->scene.media[1].phase = (struct neph_phase){.kind = NEPH_PHASE_RAYLEIGH};
+    test_add_medium(test, 0.05, 0.3, 0.0);
+    test->scene.media[2].extinction_color = (struct neph_rgb){2.0, 1.0, 0.5};
+    test->scene.media[2].bounds.min_m.y = 0.0;
+    test_add_box(test, (struct neph_vec3){-30.0, 0.0, -30.0}, (struct neph_vec3){30.0, 0.5, 30.0});
+    test_add_sphere(test, (struct neph_vec3){0.8, 1.5, -3.2}, 0.4);
+}
+
+static const struct {
+    const char *name;
+    void (*build)(struct test_scene *);
+} clouds[] = {
+    {"grid", scene_grid},     {"Gaussian", scene_gaussian},
+    {"shell", scene_shell},   {"coloured grid", scene_coloured_grid},
+    {"all media", scene_all},
+};
+
+static void test_clouds_in_single_scattering(void **state)
+{
+    for (size_t s = 0; s < 4; s++) {
+        struct test_scene test;
+        test_scene_init(&test);
+        clouds[s].build(&test);
+        const struct neph_tracer_params params = params_of(32, 18, 512);
+        struct neph_image *frame = render(*state, &test, &params, NULL);
+        judge(clouds[s].name, compare(&test, frame, exact_single, NULL), 2.0 / 64.0);
+        neph_image_destroy(frame);
+        teardown(&test);
+    }
+}
+
+/* Two independent estimates: z-scores of their difference. */
+static void judge_pair(const char *name, const struct neph_image *a, const struct neph_image *b,
+                       double variance_slack)
+{
+    struct verdict v = {0};
+    double square_sum = 0.0, sum = 0.0, difference = 0.0, variance_sum = 0.0;
+    float *of_a[3], *of_b[3], *variance_a[3], *variance_b[3];
+    assert_true(neph_image_rgb(a, NULL, of_a) && neph_image_rgb(b, NULL, of_b));
+    assert_true(neph_image_rgb(a, "variance", variance_a) &&
+                neph_image_rgb(b, "variance", variance_b));
+    for (size_t i = 0; i < neph_image_pixel_count(a); i++) {
+        const int c = (int)(i % 3);
+        const double variance = (double)variance_a[c][i] + (double)variance_b[c][i];
+        const double off = (double)of_a[c][i] - (double)of_b[c][i];
+        sum += (double)of_b[c][i];
+        difference += off;
+        variance_sum += variance;
+        if (sqrt(variance) < noisy * rounding * (double)of_b[c][i])
+            continue;
+        v.z_mean += off / sqrt(variance);
+        square_sum += off * off / variance;
+        v.count++;
+    }
+    v.z_mean /= v.count;
+    v.z_variance = square_sum / v.count - v.z_mean * v.z_mean;
+    v.bias = difference / sum;
+    v.bias_error = sqrt(variance_sum) / sum;
+    judge(name, v, variance_slack);
+}
+
+static void test_clouds_are_those_of_the_oracle(void **state)
+{
+    for (size_t s = 0; s < sizeof(clouds) / sizeof(clouds[0]); s++) {
+        struct test_scene test;
+        test_scene_init(&test);
+        clouds[s].build(&test);
+        test.scene.scattering = NEPH_SCATTERING_MULTIPLE;
+        test.scene.environment_light = s % 2 == 1;
+        struct neph_diag diag = {0};
+        const struct neph_tracer_params params = params_of(24, 14, 1024);
+        const struct neph_oracle_params of_oracle = {
+            .width_px = 24, .height_px = 14, .seed = 5, .samples = 256, .time_limit_s = INFINITY};
+        struct neph_image *frame = render(*state, &test, &params, NULL), *truth = NULL;
+        neph_assert_ok(neph_oracle_render(&test.scene, &of_oracle, &truth, NULL, &diag), &diag);
+        judge_pair(clouds[s].name, frame, truth, 0.3);
+        neph_image_destroy(frame);
+        neph_image_destroy(truth);
+        teardown(&test);
+    }
+}
+
+static double one(const struct test_scene *test, struct neph_vec3 ray, int i, int channel,
+                  const void *context)
+{
+    (void)test, (void)ray, (void)i, (void)channel, (void)context;
+    return 1.0;
+}
+
+/* Every medium and every channel; where paths serve all channels at once their weights are by
+ * chance, else each path brings home 1. */
+static void test_clouds_in_the_white_furnace(void **state)
+{
+    const struct neph_rgb white = {1.0, 1.0, 1.0};
+    for (size_t s = 0; s < sizeof(clouds) / sizeof(clouds[0]); s++) {
+        struct test_scene test;
+        test_scene_init(&test);
+        clouds[s].build(&test);
+        for (int m = 0; m < test.scene.medium_count; m++)
+            test.scene.media[m].albedo = white;
+        for (int i = 0; i < test.scene.solid_count; i++)
+            test.scene.solids[i].albedo = white;
+        test.scene.sun.present = false;
+        test.scene.environment_light = true;
+        test.scene.background_w_per_m2_sr = white;
+        test.scene.scattering = NEPH_SCATTERING_MULTIPLE;
+        const struct neph_tracer_params params = params_of(24, 14, 128);
+        struct neph_image *frame = render(*state, &test, &params, NULL);
+        const struct verdict v = compare(&test, frame, one, NULL);
+        judge(clouds[s].name, v, 0.3);
+        assert_true(v.count == 0 || s >= 3);
+        neph_image_destroy(frame);
+        teardown(&test);
+    }
+}
+
 /* --- multiple scattering: slabs ----------------------------------------------------------- */
 
 /* A slab from y = 0 to 1, wide as the world. */
@@ -301,13 +482,6 @@ static void test_the_half_space_is_chandrasekhars(void **state)
 
 /* --- the white furnace -------------------------------------------------------------------- */
 
-static double one(const struct test_scene *test, struct neph_vec3 ray, int i, int channel,
-                  const void *context)
-{
-    (void)test, (void)ray, (void)i, (void)channel, (void)context;
-    return 1.0;
-}
-
 /* With forced collisions and no loss anywhere every sample brings home the same light: one path
  * that got lost would show as 1 / samples. */
 static void test_white_furnace(void **state)
@@ -352,11 +526,20 @@ static void assert_same_bits(const struct neph_image *a, const struct neph_image
         assert_memory_equal(a->channels[c].samples, b->channels[c].samples, bytes);
 }
 
-static void test_dispatches_change_no_bit(void **state)
+/* Nor does where a path rests: in the middle of a grid, for one. */
+static void build_clouds(struct test_scene *test)
+{
+    test_scene_init(test);
+    scene_all(test);
+    test->scene.scattering = NEPH_SCATTERING_MULTIPLE;
+    test->scene.environment_light = true;
+}
+
+static void dispatches_change_no_bit(void **state, void (*build)(struct test_scene *))
 {
     static const uint32_t turns[] = {0, 1, 7, 100};
     struct test_scene test;
-    build_multiple(&test);
+    build(&test);
     struct neph_image *first = NULL;
     struct neph_tracer_stats of_first;
     for (size_t i = 0; i < sizeof(turns) / sizeof(turns[0]); i++) {
@@ -376,6 +559,13 @@ static void test_dispatches_change_no_bit(void **state)
         }
     }
     neph_image_destroy(first);
+    teardown(&test);
+}
+
+static void test_dispatches_change_no_bit(void **state)
+{
+    dispatches_change_no_bit(state, build_multiple);
+    dispatches_change_no_bit(state, build_clouds);
 }
 
 /* Two seeds: z-scores of their difference are those of independent frames. */
@@ -526,6 +716,9 @@ int main(void)
     print_message("seed %llu\n", (unsigned long long)seed);
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_single_scattering_is_exact_transport),
+        cmocka_unit_test(test_clouds_in_single_scattering),
+        cmocka_unit_test(test_clouds_are_those_of_the_oracle),
+        cmocka_unit_test(test_clouds_in_the_white_furnace),
         cmocka_unit_test(test_slabs_are_those_of_adding_and_doubling),
         cmocka_unit_test(test_the_half_space_is_chandrasekhars),
         cmocka_unit_test(test_white_furnace),
