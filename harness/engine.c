@@ -16,8 +16,9 @@
 #include <string.h>
 
 static const struct neph_engine *const registry[] = {
-    &neph_engine_exact, &neph_engine_oracle, &neph_engine_tracer,
-    &neph_engine_march, &neph_engine_cycles, &neph_engine_povray,
+    &neph_engine_exact,  &neph_engine_oracle,        &neph_engine_tracer,
+    &neph_engine_march,  &neph_engine_march_octaves, &neph_engine_march_horizon,
+    &neph_engine_cycles, &neph_engine_povray,
 };
 
 static const char *const rung_names[] = {

@@ -96,7 +96,9 @@ struct neph_engine {
     const char *bias; /* its known bias, in words, printed beside its numbers; NULL: none known */
     const struct neph_option *options; /* ends with a NULL name */
     uint32_t version;                  /* of our own driver; raise it when its output changes */
-    bool stochastic;                   /* another seed gives another frame of the same mean */
+    bool look; /* a lighting model that is no physics and does not claim to be: what it is off by is
+                  the gap of a model */
+    bool stochastic; /* another seed gives another frame of the same mean */
     struct neph_engine_step step;
 
     /* Look for the engine. Never fails: `available` and `missing` say how it is. */

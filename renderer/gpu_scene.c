@@ -256,6 +256,9 @@ static struct neph_gpu_frame frame_from(const struct neph_scene *scene,
         .width_px = (uint32_t)width_px,
         .height_px = (uint32_t)height_px,
         .solid_count = (uint32_t)scene->solid_count,
+        .octave_count = (uint32_t)scene->octaves.count,
+        .octave_factors = {(float)scene->octaves.contribution, (float)scene->octaves.attenuation,
+                           (float)scene->octaves.eccentricity},
     };
     set_direction(gpu.camera_right, camera->right);
     set_direction(gpu.camera_up, camera->up);
@@ -486,8 +489,8 @@ static void fill_media(const struct neph_scene *scene, struct neph_vec3 camera_m
         media[frame->medium_count] = medium;
         frame->media[frame->medium_count++] = made;
     }
-    frame->single_scattering = scatters && scene->scattering == NEPH_SCATTERING_SINGLE &&
-                               !is_black(frame->sun_irradiance);
+    frame->scatters = scatters && scene->scattering != NEPH_SCATTERING_NONE &&
+                      !is_black(frame->sun_irradiance);
 }
 
 enum neph_status neph_gpu_scene_create(const struct neph_vulkan *vulkan,

@@ -123,8 +123,10 @@ struct neph_gpu_frame {
     uint32_t solid_count;
     uint32_t steps;
     uint32_t sun_steps;
-    uint32_t single_scattering;
-    uint32_t padding;
+    uint32_t scatters;
+    uint32_t octave_count;
+    float octave_factors[3];
+    float padding;
     struct neph_gpu_medium media[NEPH_SCENE_MEDIA_MAX];
 };
 
@@ -149,8 +151,9 @@ _Static_assert(offsetof(struct neph_gpu_frame, sun_direction) == 48, "std430 Fra
 _Static_assert(offsetof(struct neph_gpu_frame, sun_irradiance) == 64, "std430 Frame.irradiance");
 _Static_assert(offsetof(struct neph_gpu_frame, background) == 80, "std430 Frame.background");
 _Static_assert(offsetof(struct neph_gpu_frame, steps) == 96, "std430 Frame.steps");
-_Static_assert(offsetof(struct neph_gpu_frame, media) == 112, "std430 Frame.media");
-_Static_assert(sizeof(struct neph_gpu_frame) == 112 + 352 * NEPH_SCENE_MEDIA_MAX, "std430 Frame");
+_Static_assert(offsetof(struct neph_gpu_frame, octave_factors) == 112, "std430 Frame.octaves");
+_Static_assert(offsetof(struct neph_gpu_frame, media) == 128, "std430 Frame.media");
+_Static_assert(sizeof(struct neph_gpu_frame) == 128 + 352 * NEPH_SCENE_MEDIA_MAX, "std430 Frame");
 _Static_assert(NEPH_SCENE_MEDIA_MAX == 8 && NEPH_FOG_LAYERS_MAX == 2, "scene.glsl's counts");
 _Static_assert(NEPH_PHASE_ISOTROPIC == 0 && NEPH_PHASE_HENYEY_GREENSTEIN == 1 &&
                    NEPH_PHASE_RAYLEIGH == 2,

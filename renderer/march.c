@@ -69,17 +69,27 @@ static bool is_lit_by_environment(const struct neph_scene *scene)
     return false;
 }
 
-bool neph_march_can_render(const struct neph_scene *scene, char *reason, size_t reason_size)
+/* NULL when there is none. */
+static const char *find_obstacle(const struct neph_scene *scene, enum neph_march_lighting lighting)
 {
-    if (scene->scattering == NEPH_SCATTERING_MULTIPLE) {
-        snprintf(reason, reason_size, "multiple scattering");
-        return false;
-    }
-    if (is_lit_by_environment(scene)) {
-        snprintf(reason, reason_size, "background light on media and solids");
-        return false;
-    }
-    return true;
+    if (lighting == NEPH_MARCH_SINGLE && scene->scattering == NEPH_SCATTERING_MULTIPLE)
+        return "multiple scattering";
+    if (lighting != NEPH_MARCH_SINGLE && scene->scattering == NEPH_SCATTERING_SINGLE)
+        return "single scattering: this lighting stands for all orders";
+    for (int i = 0; lighting == NEPH_MARCH_HORIZON && i < scene->medium_count; i++)
+        if (scene->media[i].kind != NEPH_MEDIUM_HORIZON)
+            return "a medium without the heights and shapes of Horizon's clouds, which this "
+                   "lighting is made of";
+    return is_lit_by_environment(scene) ? "background light on media and solids" : NULL;
+}
+
+bool neph_march_can_render(const struct neph_scene *scene, enum neph_march_lighting lighting,
+                           char *reason, size_t reason_size)
+{
+    const char *obstacle = find_obstacle(scene, lighting);
+    if (obstacle)
+        snprintf(reason, reason_size, "%s", obstacle);
+    return !obstacle;
 }
 
 static enum neph_status check_range(const char *name, int value, int maximum,
@@ -121,7 +131,7 @@ static enum neph_status check(const struct neph_scene *scene,
                          "march: %d steps of %d sun steps each are more than a pixel can count",
                          params->steps, params->sun_steps);
     char reason[256];
-    if (!neph_march_can_render(scene, reason, sizeof(reason)))
+    if (!neph_march_can_render(scene, params->lighting, reason, sizeof(reason)))
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "march: cannot: %s", reason);
     return NEPH_OK;
 }
@@ -145,7 +155,10 @@ static void count_turns(const struct neph_scene *scene, const struct neph_gpu_sc
     for (int i = 0; i < scene->medium_count; i++)
         media += (uint64_t)scene->media[i].layer_count + 1;
     const uint64_t sun_steps = (uint64_t)sun_steps_of(scene, params);
-    const uint64_t sunlight = solids + media + exact + sun_steps * (1 + media) + 1;
+    const uint64_t octaves = params->lighting == NEPH_MARCH_OCTAVES
+                                 ? (uint64_t)scene->octaves.count * (1 + media)
+                                 : 0;
+    const uint64_t sunlight = solids + media + exact + sun_steps * (1 + media) + octaves + 1;
     *per_step = 1 + 2 * media + exact + sunlight;
     *per_dispatch = solids + 3 * media + exact + sunlight + 1;
 }
@@ -221,9 +234,9 @@ static enum neph_status prepare(struct render *render, const struct neph_scene *
         .spirv_size_bytes = sizeof(march_spirv),
         .buffer_count = NEPH_GPU_SCENE_BUFFERS + 2,
         .push_size_bytes = sizeof(struct gpu_run),
-        .constant_count = NEPH_GPU_SCENE_CONSTANTS + 2,
+        .constant_count = NEPH_GPU_SCENE_CONSTANTS + 3,
         .constants = {render->scene.constants[0], render->scene.constants[1], params->transmittance,
-                      params->sun},
+                      params->sun, params->lighting},
     };
     status = neph_kernel_get(render->vulkan, &kernel, &render->kernel, diag);
     return status ? status : create_buffers(render, diag);

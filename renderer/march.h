@@ -34,6 +34,13 @@ enum neph_march_mode {
     NEPH_MARCH_MARCHED, /* the sum over steps of extinction at the middle of the step */
 };
 
+/* How light gets to a point of a medium; the formulas are in shaders/march_light.glsl. */
+enum neph_march_lighting {
+    NEPH_MARCH_SINGLE,  /* sunlight scattered once */
+    NEPH_MARCH_OCTAVES, /* multiple scattering as scaled single scatterings: a look */
+    NEPH_MARCH_HORIZON, /* the light of Horizon's clouds, for their layers alone: a look */
+};
+
 #define NEPH_MARCH_SIDE_MAX_PX 4096
 #define NEPH_MARCH_STEPS_MAX 65536
 
@@ -43,6 +50,7 @@ struct neph_march_params {
     int steps;                          /* per view ray, 1..NEPH_MARCH_STEPS_MAX */
     enum neph_march_mode transmittance; /* along the view ray: layer and in-scattering alike */
     enum neph_march_mode sun;           /* towards the sun */
+    enum neph_march_lighting lighting;
     int sun_steps; /* per sun ray, 1..NEPH_MARCH_STEPS_MAX; not used where none is marched */
 };
 
@@ -57,9 +65,11 @@ struct neph_march_stats {
     int dispatches;
 };
 
-/* False, with the reason in words, when the scene asks for what this method leaves out: multiple
- * scattering; background light on media or solids. */
-bool neph_march_can_render(const struct neph_scene *scene, char *reason, size_t reason_size);
+/* False, with the reason in words, when the scene asks for what this lighting leaves out or has not
+ * got: multiple scattering of `single`, anything less of the others; background light on media or
+ * solids; another medium than Horizon's clouds in their light. */
+bool neph_march_can_render(const struct neph_scene *scene, enum neph_march_lighting lighting,
+                           char *reason, size_t reason_size);
 
 /* Render a frame: R G B, volume.*, transmittance.*, Z as in base/image.h, no attributes. Same
  * scene, params and device: same bits. `*frame` is the caller's; `stats` may be NULL.

@@ -11,6 +11,8 @@ extern const struct neph_engine neph_engine_exact;
 extern const struct neph_engine neph_engine_oracle;
 extern const struct neph_engine neph_engine_tracer;
 extern const struct neph_engine neph_engine_march;
+extern const struct neph_engine neph_engine_march_octaves;
+extern const struct neph_engine neph_engine_march_horizon;
 extern const struct neph_engine neph_engine_cycles;
 extern const struct neph_engine neph_engine_povray;
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Engine `march`: our Vulkan ray marcher at full resolution. The device is the first CPU device
+ * Engines `march`, `march_octaves` and `march_horizon`: our Vulkan ray marcher at full resolution,
+ * one engine for each of its lighting models. The device is the first CPU device
  * (lavapipe) unless NEPH_VULKAN_DEVICE names part of another's name; NEPH_VULKAN_VALIDATION=1
  * turns the validation layers on, and then any message fails the frame.
  */
@@ -80,8 +81,9 @@ static enum neph_status label(struct neph_image *frame, const struct neph_march_
     return status;
 }
 
-static enum neph_status render(const struct neph_shot *shot, struct neph_image **frame,
-                               struct neph_cost *cost, struct neph_diag *diag)
+static enum neph_status render(enum neph_march_lighting lighting, const struct neph_shot *shot,
+                               struct neph_image **frame, struct neph_cost *cost,
+                               struct neph_diag *diag)
 {
     const double wall_start_s = neph_wall_s(), cpu_start_s = neph_cpu_s();
     const struct neph_vulkan_params device = device_params();
@@ -93,6 +95,7 @@ static enum neph_status render(const struct neph_shot *shot, struct neph_image *
         .steps = (int)values[OPTION_STEPS],
         .transmittance = (enum neph_march_mode)values[OPTION_TRANSMITTANCE],
         .sun = (enum neph_march_mode)values[OPTION_SUN],
+        .lighting = lighting,
         .sun_steps = (int)values[OPTION_SUN_STEPS],
     };
     struct neph_vulkan *vulkan = NULL;
@@ -120,11 +123,20 @@ static enum neph_status render(const struct neph_shot *shot, struct neph_image *
     return NEPH_OK;
 }
 
-static bool can_render(const struct neph_scene *scene, const struct neph_settings *settings,
-                       char *reason, size_t reason_size)
+static const struct neph_engine_step step = {
+    .option = "steps", .coarsest = 16, .refine = 2, .level_count = 5, .order = 2};
+
+static bool can_render_single(const struct neph_scene *scene, const struct neph_settings *settings,
+                              char *reason, size_t reason_size)
 {
     (void)settings;
-    return neph_march_can_render(scene, reason, reason_size);
+    return neph_march_can_render(scene, NEPH_MARCH_SINGLE, reason, reason_size);
+}
+
+static enum neph_status render_single(const struct neph_shot *shot, struct neph_image **frame,
+                                      struct neph_cost *cost, struct neph_diag *diag)
+{
+    return render(NEPH_MARCH_SINGLE, shot, frame, cost, diag);
 }
 
 const struct neph_engine neph_engine_march = {
@@ -134,8 +146,62 @@ const struct neph_engine neph_engine_march = {
     .bias = "step error of order 2 where the scene is smooth, of order 1 at the edges of shadows",
     .options = options,
     .version = 1,
-    .step = {.option = "steps", .coarsest = 16, .refine = 2, .level_count = 5, .order = 2},
+    .step = step,
     .probe = probe,
-    .can_render = can_render,
-    .render = render,
+    .can_render = can_render_single,
+    .render = render_single,
+};
+
+static bool can_render_octaves(const struct neph_scene *scene, const struct neph_settings *settings,
+                               char *reason, size_t reason_size)
+{
+    (void)settings;
+    return neph_march_can_render(scene, NEPH_MARCH_OCTAVES, reason, reason_size);
+}
+
+static enum neph_status render_octaves(const struct neph_shot *shot, struct neph_image **frame,
+                                       struct neph_cost *cost, struct neph_diag *diag)
+{
+    return render(NEPH_MARCH_OCTAVES, shot, frame, cost, diag);
+}
+
+const struct neph_engine neph_engine_march_octaves = {
+    .name = "march_octaves",
+    .summary = "the same with multiple scattering as a sum of octaves: a look, not physics",
+    .rung = NEPH_RUNG_MODEL,
+    .look = true,
+    .bias = "a sum of octaves saturates with optical depth and does not conserve energy",
+    .options = options,
+    .version = 1,
+    .step = step,
+    .probe = probe,
+    .can_render = can_render_octaves,
+    .render = render_octaves,
+};
+
+static bool can_render_horizon(const struct neph_scene *scene, const struct neph_settings *settings,
+                               char *reason, size_t reason_size)
+{
+    (void)settings;
+    return neph_march_can_render(scene, NEPH_MARCH_HORIZON, reason, reason_size);
+}
+
+static enum neph_status render_horizon(const struct neph_shot *shot, struct neph_image **frame,
+                                       struct neph_cost *cost, struct neph_diag *diag)
+{
+    return render(NEPH_MARCH_HORIZON, shot, frame, cost, diag);
+}
+
+const struct neph_engine neph_engine_march_horizon = {
+    .name = "march_horizon",
+    .summary = "the same with the light of Horizon's clouds: a look, not physics",
+    .rung = NEPH_RUNG_MODEL,
+    .look = true,
+    .bias = "floored Beer, lobes that do not integrate to 1, light where there is no density",
+    .options = options,
+    .version = 1,
+    .step = step,
+    .probe = probe,
+    .can_render = can_render_horizon,
+    .render = render_horizon,
 };

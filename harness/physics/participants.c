@@ -17,6 +17,11 @@ static const struct neph_participant participants[] = {
      /* 16-bit pictures: half a step of a range that the brightest pixel fills. */
      .rounding = 2e-5},
     {.name = "march", .engine = "march", .refined = "steps=128", .order = 2, .rounding = 1e-6},
+    {.name = "march octaves",
+     .engine = "march_octaves",
+     .refined = "steps=128",
+     .order = 2,
+     .rounding = 1e-6},
 };
 
 int neph_participant_count(void)
@@ -41,9 +46,6 @@ static const struct {
     {NULL, true, false, "it models single scattering only"},
     {"march octaves", false, false,
      "a sum of octaves is a look: it saturates with optical depth and does not conserve energy"},
-    {"march horizon", false, false,
-     "the Horizon light is a look in units of its own: floored Beer, phase functions that do not "
-     "integrate to 1, no law of energy"},
     {"cycles", false, true,
      "it marches through uneven media in steps with one random offset: e^-tau of a noisy optical "
      "depth is too bright on average (Jensen), and less so with smaller steps"},

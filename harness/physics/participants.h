@@ -22,8 +22,6 @@ struct neph_participant {
     int order;
     /* Its numbers are rounded: what a mean may be off by, relative, for that alone. */
     double rounding;
-    bool look; /* a lighting model that is no physics and does not claim to be: its deviations are
-                  gaps of a model, shown as such */
 };
 
 int neph_participant_count(void);

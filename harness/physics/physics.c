@@ -238,8 +238,8 @@ static enum neph_status find(const struct entrant *entrant, struct scenery *scen
                              struct neph_diag *diag)
 {
     enum neph_status status = try_views(entrant, scenery, time_limit_s, store, finding, diag);
-    const bool ours = entrant->engine->rung <= NEPH_RUNG_TRACER;
-    if (status || finding->result.outcome != NEPH_OUTCOME_CANNOT || ours)
+    const bool whole = entrant->engine->rung <= NEPH_RUNG_TRACER || entrant->engine->look;
+    if (status || finding->result.outcome != NEPH_OUTCOME_CANNOT || whole)
         return status;
     const struct neph_scene before = scenery->views[0].stage->scene;
     if (lower(scenery, diag)) {
@@ -271,7 +271,7 @@ static json_t *finding_json(const struct entrant *entrant, const struct scenery 
         "engine", entrant->engine->name, "status", neph_outcome_name(finding->result.outcome),
         "reason", finding->result.reason, "settings",
         finding->result.settings ? finding->result.settings : "", "lowered", finding->lowered,
-        "look", entrant->participant->look, "deviation", number_or_null(there, finding->deviation),
+        "look", entrant->engine->look, "deviation", number_or_null(there, finding->deviation),
         "standard_error", number_or_null(there && finding->stochastic, error), "step_bound",
         number_or_null(there && !finding->stochastic, finding->step_bound), "z",
         number_or_null(there && finding->stochastic && error > 0.0, finding->deviation / error),

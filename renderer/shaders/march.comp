@@ -16,21 +16,9 @@
 // state of a march that is not at its end waits in a buffer.
 #extension GL_GOOGLE_include_directive : require
 
-#include "scene.glsl"
+#include "march_light.glsl"
 
 layout(local_size_x = 64) in;
-
-// enum neph_march_mode: where an optical depth comes from.
-const uint EXACT = 0;   // closed form, of the kinds that have one
-const uint MARCHED = 1; // sum over steps of extinction at the middle of the step
-layout(constant_id = 2) const uint TRANSMITTANCE = EXACT; // along the view ray
-layout(constant_id = 3) const uint SUN = EXACT;           // towards the sun
-
-// The kinds of media of which optical depths are summed over steps; of the others they are closed
-// forms.
-const uint VIEW_MARCHED = KINDS & (TRANSMITTANCE == EXACT ? OPEN_KINDS : ~0u);
-const bool IS_SOLVED = TRANSMITTANCE == EXACT && VIEW_MARCHED == 0u; // the view without a march
-const uint SUN_MARCHED = KINDS & (SUN == EXACT ? OPEN_KINDS : ~0u);
 
 layout(push_constant) uniform Run {
     uint first_pixel;
@@ -81,99 +69,13 @@ layout(std430, binding = 6) buffer States {
     State states[];
 };
 
-// What this pixel has cost.
-uint density_evaluations = 0;
-uint closed_forms = 0;
-
-// Grey extinction needs one exponential, not three.
-vec3 fraction_through(vec3 optical_depth)
+// What a step adds at its near end, by the chosen model.
+vec3 step_light(Mixture mixture, vec3 middle_m, float step_m, vec3 step_depth)
 {
-    return COLOURED ? transmittance(optical_depth) : vec3(transmittance(optical_depth.x));
-}
-
-vec3 fraction_lost(vec3 optical_depth)
-{
-    return COLOURED ? absorbed_fraction(optical_depth) : vec3(absorbed_fraction(optical_depth.x));
-}
-
-vec3 exact_optical_depth(vec3 origin_m, vec3 direction, float length_m)
-{
-    closed_forms++;
-    return scene_optical_depth(origin_m, direction, length_m);
-}
-
-vec3 marched_optical_depth(uint kinds, vec3 origin_m, vec3 direction, uint steps)
-{
-    Stretch stretch = scene_stretch(kinds, origin_m, direction, FAR_M);
-    if (stretch.t1_m <= stretch.t0_m)
-        return vec3(0.0);
-    float step_m = (stretch.t1_m - stretch.t0_m) / float(steps);
-    Sum sum = sum_zero();
-    for (uint i = 0; i < steps; i++) {
-        float middle_m = stretch.t0_m + (float(i) + 0.5) * step_m;
-        vec3 middle = origin_m + middle_m * direction;
-        sum_add(sum, vec4(scene_extinction_per_m(kinds, middle) * step_m, 0.0));
-    }
-    density_evaluations += steps;
-    return grey(sum.value.xyz);
-}
-
-vec3 sun_transmittance(vec3 point_m)
-{
-    vec3 optical_depth = vec3(0.0);
-    if (SUN == EXACT)
-        optical_depth = exact_optical_depth(point_m, frame.sun_direction, FAR_M);
-    if (SUN_MARCHED != 0u)
-        optical_depth += marched_optical_depth(SUN_MARCHED, point_m, frame.sun_direction,
-                                               frame.sun_steps);
-    return fraction_through(optical_depth);
-}
-
-// Sunlight that reaches a point [W/m^2].
-vec3 sunlight(vec3 point_m, uint on_solid)
-{
-    if (!sees_sun(point_m, on_solid))
-        return vec3(0.0);
-    return frame.sun_irradiance * sun_transmittance(point_m);
-}
-
-// What the media are at a point, all of them together.
-struct Mixture {
-    vec3 extinction_per_m;
-    vec3 marched_per_m; // the part of it that VIEW_MARCHED has
-    vec3 scattering; // sum of scattering coefficient times phase function [1/(m sr)]
-};
-
-// The sun is a direction: its phase functions are the same all along a ray.
-float phase_towards_camera_per_sr[MEDIA_MAX];
-
-Mixture mixture_at(vec3 point_m)
-{
-    density_evaluations++;
-    Mixture mixture = Mixture(vec3(0.0), vec3(0.0), vec3(0.0));
-    for (uint m = 0; m < frame.medium_count; m++) {
-        vec3 extinction_per_m =
-            grey(frame.media[m].extinction_color) * medium_extinction_per_m(m, point_m);
-        mixture.extinction_per_m += extinction_per_m;
-        if ((VIEW_MARCHED & (1u << frame.media[m].kind)) != 0u)
-            mixture.marched_per_m += extinction_per_m;
-        mixture.scattering +=
-            extinction_per_m * phase_towards_camera_per_sr[m] * frame.media[m].albedo;
-    }
-    mixture.extinction_per_m = grey(mixture.extinction_per_m);
-    mixture.marched_per_m = grey(mixture.marched_per_m);
-    return mixture;
-}
-
-// The source function J = scattering / extinction * sunlight. Where there is no extinction there
-// is nothing to scatter: LEAST guards the only division by it.
-vec3 source_function(Mixture mixture, vec3 point_m)
-{
-    const vec3 LEAST = vec3(1e-37);
-    if (mixture.scattering == vec3(0.0))
-        return vec3(0.0);
-    return mixture.scattering / max(mixture.extinction_per_m, LEAST) *
-           sunlight(point_m, NO_SOLID);
+    if (LIGHTING == HORIZON)
+        return horizon_light(middle_m) * step_m *
+               vec3(phi(step_depth.x), phi(step_depth.y), phi(step_depth.z));
+    return source_function(mixture, middle_m) * fraction_lost(step_depth);
 }
 
 // March the steps of this run along a view ray of some length, onto the sums.
@@ -186,10 +88,7 @@ void march(vec3 direction, float length_m, inout Sums sums)
     Stretch stretch = scene_stretch(vec3(0.0), direction, length_m);
     if (stretch.t1_m <= stretch.t0_m)
         return;
-    for (uint m = 0; m < frame.medium_count; m++)
-        phase_towards_camera_per_sr[m] = phase_per_sr(frame.media[m].phase_kind, frame.media[m].g,
-                                                      direction, frame.sun_direction);
-
+    look_along(direction);
     float step_m = (stretch.t1_m - stretch.t0_m) / float(frame.steps);
     for (uint i = run.first_step; i < run.end_step; i++) {
         vec3 start_m = (stretch.t0_m + float(i) * step_m) * direction;
@@ -199,9 +98,9 @@ void march(vec3 direction, float length_m, inout Sums sums)
         if (TRANSMITTANCE == EXACT)
             step_depth += exact_optical_depth(start_m, direction, step_m);
         vec3 scattered = vec3(0.0);
-        if (frame.single_scattering != 0)
-            scattered = source_function(mixture, middle_m) *
-                        (fraction_through(marched_depth(sums)) * fraction_lost(step_depth));
+        if (frame.scatters != 0)
+            scattered = step_light(mixture, middle_m, step_m, step_depth) *
+                        fraction_through(marched_depth(sums));
         sums_add(sums, scattered, step_depth);
     }
 }
@@ -225,6 +124,8 @@ Pixel finished_pixel(vec3 direction, Hit hit, Sums sums)
     Pixel pixel;
     pixel.volume = sums.scattered.value.xyz;
     pixel.transmittance = fraction_through(optical_depth);
+    if (LIGHTING == HORIZON)
+        pixel.volume *= fraction_lost(optical_depth);
     pixel.radiance = pixel.volume + pixel.transmittance * behind;
     pixel.eye_depth_m =
         hit.solid == NO_SOLID ? FAR_M : hit.t_m * dot(direction, frame.camera_forward);
@@ -249,7 +150,7 @@ void main()
         closed_forms = states[thread].closed_forms;
     }
     // With a closed-form transmittance and no scattering there is nothing to march for.
-    if (!IS_SOLVED || frame.single_scattering != 0)
+    if (!IS_SOLVED || frame.scatters != 0)
         march(direction, hit.t_m, sums);
 
     if (run.end_step < frame.steps)

@@ -87,8 +87,10 @@ layout(std430, binding = 0) readonly buffer Frame {
     uint solid_count;
     uint steps;
     uint sun_steps;
-    uint single_scattering; // 0 or 1
-    uint padding;
+    uint scatters; // 0 or 1: some medium scatters sunlight that the scene wants to see
+    uint octave_count;
+    vec3 octave_factors; // contribution, attenuation, eccentricity (struct neph_octaves)
+    float padding;
     Medium media[MEDIA_MAX];
 } frame;
 

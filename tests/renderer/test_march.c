@@ -556,9 +556,9 @@ static void test_says_what_it_cannot(void **state)
     test_scene_init(&test);
     scene_fog(&test);
     char reason[256] = "";
-    assert_true(neph_march_can_render(&test.scene, reason, sizeof(reason)));
+    assert_true(neph_march_can_render(&test.scene, NEPH_MARCH_SINGLE, reason, sizeof(reason)));
     test.scene.scattering = NEPH_SCATTERING_MULTIPLE;
-    assert_false(neph_march_can_render(&test.scene, reason, sizeof(reason)));
+    assert_false(neph_march_can_render(&test.scene, NEPH_MARCH_SINGLE, reason, sizeof(reason)));
     assert_string_equal(reason, "multiple scattering");
     struct neph_image *frame = NULL;
     struct neph_diag diag = {0};
@@ -568,13 +568,13 @@ static void test_says_what_it_cannot(void **state)
 
     test.scene.scattering = NEPH_SCATTERING_SINGLE;
     test.scene.environment_light = true;
-    assert_false(neph_march_can_render(&test.scene, reason, sizeof(reason)));
+    assert_false(neph_march_can_render(&test.scene, NEPH_MARCH_SINGLE, reason, sizeof(reason)));
     test.scene.scattering = NEPH_SCATTERING_NONE; /* nothing is left that it could light */
-    assert_true(neph_march_can_render(&test.scene, reason, sizeof(reason)));
+    assert_true(neph_march_can_render(&test.scene, NEPH_MARCH_SINGLE, reason, sizeof(reason)));
     test_add_sphere(&test, (struct neph_vec3){0.0, 0.0, -5.0}, 1.0);
-    assert_false(neph_march_can_render(&test.scene, reason, sizeof(reason)));
+    assert_false(neph_march_can_render(&test.scene, NEPH_MARCH_SINGLE, reason, sizeof(reason)));
     test.scene.background_w_per_m2_sr = (struct neph_rgb){0.0, 0.0, 0.0};
-    assert_true(neph_march_can_render(&test.scene, reason, sizeof(reason)));
+    assert_true(neph_march_can_render(&test.scene, NEPH_MARCH_SINGLE, reason, sizeof(reason)));
 }
 
 /* --- extremes ----------------------------------------------------------------------------- */

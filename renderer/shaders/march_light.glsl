@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: MIT
+//
+// What a ray marcher meets in a step: extinction, and light by one of three models.
+//
+// single   sunlight scattered once: physics, as far as it goes.
+// octaves  multiple scattering as a sum of scaled single scatterings: octave i has the scattering
+//          a^i, the sun's optical depth b^i and the phase function of g c^i; what the view loses is
+//          not scaled. (Wrenninge, Kulla, Lundqvist, "Oz: The Great and Volumetric", SIGGRAPH 2013;
+//          Hillaire, SIGGRAPH 2016 and 2020.) It does not conserve energy: a look.
+// horizon  the light of A. Schneider's Horizon clouds ("The Real-time Volumetric Cloudscapes of
+//          Horizon: Zero Dawn", SIGGRAPH 2015) as later written down for engines: see horizon_light.
+//          In units of its own: a look.
+#ifndef NEPH_MARCH_LIGHT_GLSL
+#define NEPH_MARCH_LIGHT_GLSL
+
+#include "scene.glsl"
+
+// enum neph_march_mode: where an optical depth comes from.
+const uint EXACT = 0;   // closed form, of the kinds that have one
+const uint MARCHED = 1; // sum over steps of extinction at the middle of the step
+layout(constant_id = 2) const uint TRANSMITTANCE = EXACT; // along the view ray
+layout(constant_id = 3) const uint SUN = EXACT;           // towards the sun
+
+// enum neph_march_lighting
+const uint SINGLE = 0;
+const uint OCTAVES = 1;
+const uint HORIZON = 2;
+layout(constant_id = 4) const uint LIGHTING = SINGLE;
+
+// The kinds of media of which optical depths are summed over steps; of the others they are closed
+// forms.
+const uint VIEW_MARCHED = KINDS & (TRANSMITTANCE == EXACT ? OPEN_KINDS : ~0u);
+const bool IS_SOLVED = TRANSMITTANCE == EXACT && VIEW_MARCHED == 0u; // the view without a march
+const uint SUN_MARCHED = KINDS & (SUN == EXACT ? OPEN_KINDS : ~0u);
+
+// What this pixel has cost.
+uint density_evaluations = 0;
+uint closed_forms = 0;
+
+// Grey extinction needs one exponential, not three.
+vec3 fraction_through(vec3 optical_depth)
+{
+    return COLOURED ? transmittance(optical_depth) : vec3(transmittance(optical_depth.x));
+}
+
+vec3 fraction_lost(vec3 optical_depth)
+{
+    return COLOURED ? absorbed_fraction(optical_depth) : vec3(absorbed_fraction(optical_depth.x));
+}
+
+vec3 exact_optical_depth(vec3 origin_m, vec3 direction, float length_m)
+{
+    closed_forms++;
+    return scene_optical_depth(origin_m, direction, length_m);
+}
+
+vec3 marched_optical_depth(uint kinds, vec3 origin_m, vec3 direction, uint steps)
+{
+    Stretch stretch = scene_stretch(kinds, origin_m, direction, FAR_M);
+    if (stretch.t1_m <= stretch.t0_m)
+        return vec3(0.0);
+    float step_m = (stretch.t1_m - stretch.t0_m) / float(steps);
+    Sum sum = sum_zero();
+    for (uint i = 0; i < steps; i++) {
+        float middle_m = stretch.t0_m + (float(i) + 0.5) * step_m;
+        vec3 middle = origin_m + middle_m * direction;
+        sum_add(sum, vec4(scene_extinction_per_m(kinds, middle) * step_m, 0.0));
+    }
+    density_evaluations += steps;
+    return grey(sum.value.xyz);
+}
+
+vec3 sun_optical_depth(vec3 point_m)
+{
+    vec3 optical_depth = vec3(0.0);
+    if (SUN == EXACT)
+        optical_depth = exact_optical_depth(point_m, frame.sun_direction, FAR_M);
+    if (SUN_MARCHED != 0u)
+        optical_depth += marched_optical_depth(SUN_MARCHED, point_m, frame.sun_direction,
+                                               frame.sun_steps);
+    return optical_depth;
+}
+
+// Sunlight that reaches a point [W/m^2].
+vec3 sunlight(vec3 point_m, uint on_solid)
+{
+    if (!sees_sun(point_m, on_solid))
+        return vec3(0.0);
+    return frame.sun_irradiance * fraction_through(sun_optical_depth(point_m));
+}
+
+// What the media are at a point, all of them together.
+struct Mixture {
+    vec3 extinction_per_m;
+    vec3 marched_per_m; // the part of it that VIEW_MARCHED has
+    vec3 scattering; // sum of scattering coefficient times phase function [1/(m sr)]
+};
+
+// The view ray of this pixel. The sun is a direction: phase functions are the same all along it.
+vec3 view_direction;
+float phase_towards_camera_per_sr[MEDIA_MAX];
+// The scattering coefficients at the point where mixture_at() was last [1/m]; OCTAVES alone.
+vec3 scattering_per_m[MEDIA_MAX];
+
+void look_along(vec3 direction)
+{
+    view_direction = direction;
+    for (uint m = 0; m < frame.medium_count; m++)
+        phase_towards_camera_per_sr[m] = phase_per_sr(frame.media[m].phase_kind, frame.media[m].g,
+                                                      direction, frame.sun_direction);
+}
+
+Mixture mixture_at(vec3 point_m)
+{
+    density_evaluations++;
+    Mixture mixture = Mixture(vec3(0.0), vec3(0.0), vec3(0.0));
+    for (uint m = 0; m < frame.medium_count; m++) {
+        vec3 extinction_per_m =
+            grey(frame.media[m].extinction_color) * medium_extinction_per_m(m, point_m);
+        vec3 scattered_per_m = extinction_per_m * frame.media[m].albedo;
+        mixture.extinction_per_m += extinction_per_m;
+        if ((VIEW_MARCHED & (1u << frame.media[m].kind)) != 0u)
+            mixture.marched_per_m += extinction_per_m;
+        mixture.scattering += scattered_per_m * phase_towards_camera_per_sr[m];
+        if (LIGHTING == OCTAVES)
+            scattering_per_m[m] = scattered_per_m;
+    }
+    mixture.extinction_per_m = grey(mixture.extinction_per_m);
+    mixture.marched_per_m = grey(mixture.marched_per_m);
+    return mixture;
+}
+
+// --- octaves --------------------------------------------------------------------------------
+
+// The phase function with its excess over isotropic cut to a part: for Henyey-Greenstein the mean
+// cosine is, as the authors have it.
+float flattened_phase_per_sr(uint m, float part)
+{
+    if (frame.media[m].phase_kind == PHASE_HENYEY_GREENSTEIN)
+        return henyey_greenstein_per_sr(part * frame.media[m].g, view_direction,
+                                        frame.sun_direction);
+    return mix(1.0 / (4.0 * PI), phase_towards_camera_per_sr[m], part);
+}
+
+// Sum over octaves of scattering times phase function times the sun's transmittance [1/(m sr)].
+vec3 octave_scattering(vec3 optical_depth)
+{
+    vec3 sum = vec3(0.0);
+    vec3 scale = vec3(1.0); // a^i, b^i, c^i
+    for (uint i = 0; i < frame.octave_count; i++) {
+        vec3 octave = vec3(0.0);
+        for (uint m = 0; m < frame.medium_count; m++)
+            octave += scattering_per_m[m] * flattened_phase_per_sr(m, scale.z);
+        sum += scale.x * octave * fraction_through(scale.y * optical_depth);
+        scale *= frame.octave_factors;
+    }
+    return sum;
+}
+
+// --- source functions -----------------------------------------------------------------------
+
+// The source function J = scattering / extinction * sunlight. Where there is no extinction there
+// is nothing to scatter: LEAST guards the only division by it.
+vec3 source_function(Mixture mixture, vec3 point_m)
+{
+    const vec3 LEAST = vec3(1e-37);
+    if (mixture.scattering == vec3(0.0) || !sees_sun(point_m, NO_SOLID))
+        return vec3(0.0);
+    vec3 optical_depth = sun_optical_depth(point_m);
+    vec3 scattered = LIGHTING == OCTAVES ? octave_scattering(optical_depth)
+                                         : mixture.scattering * fraction_through(optical_depth);
+    return frame.sun_irradiance * scattered / max(mixture.extinction_per_m, LEAST);
+}
+
+// --- horizon --------------------------------------------------------------------------------
+
+float remap(float x, float a, float b, float c, float d) { return c + (x - a) * (d - c) / (b - a); }
+
+// Beer's law with twice the density, never below 0.7 e^-0.5.
+float horizon_beer(float density_to_sun)
+{
+    return max(exp(-2.0 * density_to_sun), 0.7 * exp(-0.5));
+}
+
+float horizon_phase()
+{
+    float towards_sun = max(dot(view_direction, frame.sun_direction), 0.0);
+    float forward = max(henyey_greenstein_per_sr(0.5, view_direction, frame.sun_direction),
+                        towards_sun * towards_sun);
+    return mix(forward, henyey_greenstein_per_sr(-0.1, view_direction, frame.sun_direction), 0.5);
+}
+
+// In-scatter probability. Below a height of .0622 the article raises a negative number to .8; what
+// its GPU made of that was the floor of horizon_light, and so is 0 here.
+float horizon_inscatter(HorizonSample cloud)
+{
+    float depth = pow(cloud.without_detail, remap(cloud.height, 0.3, 0.85, 0.5, 1.3)) + 0.05;
+    return depth * pow(max(remap(cloud.height, 0.07, 0.14, 0.1, 1.0), 0.0), 0.8);
+}
+
+// Two points towards the sun, the first where we are, over 1/20 of the view's way through the layer.
+float horizon_density_to_sun(Horizon horizon, vec3 point_m, float density)
+{
+    float t0_m = 0.0, t1_m = FAR_M;
+    globe_hull(horizon.globe, vec3(0.0), view_direction, 0.0, horizon.thickness_m, t0_m, t1_m);
+    vec3 next_m = point_m + 0.025 * max(t1_m - t0_m, 0.0) * frame.sun_direction;
+    density_evaluations++;
+    return density + horizon_density(horizon, next_m);
+}
+
+// Radiance per metre before the view's extinction. The article adds one such term per step of its
+// march, with a step of optical depth `density`; so 1 / extinction_per_m is that step here, and the
+// march may have any other. Its light has no unit: 1 is a white surface in full sun here. Faithful
+// otherwise: the floor, the lobe that is no phase function, light where the density is 0 but the
+// layer is, and in the end the sum once more times what the layer hides (march.comp), which hides
+// that light again.
+vec3 horizon_light(vec3 point_m)
+{
+    vec3 light = vec3(0.0);
+    for (uint m = 0; m < frame.medium_count; m++) {
+        Horizon horizon = frame.media[m].horizon;
+        if (any(lessThan(point_m, frame.media[m].low_m)) ||
+            any(greaterThan(point_m, frame.media[m].high_m)))
+            continue;
+        HorizonSample cloud = horizon_sample(horizon, point_m);
+        float to_sun = horizon_density_to_sun(horizon, point_m, cloud.density);
+        float lit = max(0.4 * cloud.density,
+                        horizon_beer(to_sun) * horizon_phase() * horizon_inscatter(cloud));
+        light += lit * frame.media[m].extinction_per_m;
+    }
+    return frame.sun_irradiance / PI * light;
+}
+
+#endif
