@@ -1,0 +1,290 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The lighting models of the ray marcher that are no physics, against their own formulas in double
+ * precision: octaves in closed form over a slab, the Horizon light step by step.
+ */
+#include "tests/renderer/renderer_test.h"
+
+#include "renderer/march.h"
+#include "scenes/horizon.h"
+
+#define PI 3.14159265358979323846
+
+static const int width_px = 48, height_px = 27;
+
+/* A flat layer from y = -3 to 0, endless to all sides, seen from above. */
+static struct neph_medium *look_down_on_slab(struct test_scene *test, double extinction_per_m)
+{
+    test_scene_init(test);
+    test->scene.scattering = NEPH_SCATTERING_MULTIPLE;
+    test->key.position_m = (struct neph_vec3){0.0, 8.0, 0.0};
+    test->key.look_at_m = (struct neph_vec3){1.0, 0.0, -4.0};
+    struct neph_medium *slab = test_add_medium(test, extinction_per_m, 0.0, 0.0);
+    slab->bounds.min_m = (struct neph_vec3){-1e5, -3.0, -1e5};
+    slab->bounds.max_m = (struct neph_vec3){1e5, 0.0, 1e5};
+    return slab;
+}
+
+static struct neph_image *render(struct neph_vulkan *vulkan, const struct test_scene *test,
+                                 enum neph_march_lighting lighting, int steps, float *volume[3])
+{
+    struct neph_diag diag = {0};
+    struct neph_image *frame = NULL;
+    const struct neph_march_params params = {.width_px = width_px,
+                                             .height_px = height_px,
+                                             .steps = steps,
+                                             .sun_steps = 64,
+                                             .lighting = lighting};
+    neph_assert_ok(neph_march_render(vulkan, &test->scene, &params, &frame, NULL, &diag), &diag);
+    assert_true(neph_image_rgb(frame, "volume", volume));
+    return frame;
+}
+
+static double phase_per_sr(const struct neph_phase *phase, double part, double cosine)
+{
+    const double g = phase->g * part;
+    if (phase->kind == NEPH_PHASE_HENYEY_GREENSTEIN)
+        return (1.0 - g * g) / (4.0 * PI * pow(1.0 + g * g - 2.0 * g * cosine, 1.5));
+    return 1.0 / (4.0 * PI) +
+           part * (3.0 / (16.0 * PI) * (1.0 + cosine * cosine) - 1.0 / (4.0 * PI));
+}
+
+/* Integral over the slab of the octave sum: each octave is an exponential along the ray. */
+static double slab_octaves(const struct test_scene *test, struct neph_vec3 ray)
+{
+    const struct neph_medium *slab = &test->scene.media[0];
+    const struct neph_octaves *octaves = &test->scene.octaves;
+    const struct neph_vec3 sun = test->scene.sun.direction;
+    const double depth = slab->layers[0].extinction_per_m * 3.0 / -ray.y;
+    double sum = 0.0, a = 1.0, b = 1.0, c = 1.0;
+    for (int i = 0; i < octaves->count; i++) {
+        const double rate = 1.0 + b * -ray.y / sun.y;
+        sum += a * phase_per_sr(&slab->phase, c, neph_vec3_dot(ray, sun)) * -expm1(-rate * depth) /
+               rate;
+        a *= octaves->contribution;
+        b *= octaves->attenuation;
+        c *= octaves->eccentricity;
+    }
+    return slab->albedo.g * test->scene.sun.irradiance_w_per_m2.g * sum;
+}
+
+static void test_octaves_over_a_slab(void **state)
+{
+    static const struct neph_octaves octaves[] = {
+        {1, 0.5, 0.5, 0.5}, {8, 0.5, 0.5, 0.5}, {3, 0.8, 0.2, 0.9}, {16, 1.0, 0.0, 0.0}};
+    static const struct neph_phase phases[] = {{NEPH_PHASE_HENYEY_GREENSTEIN, 0.85},
+                                               {NEPH_PHASE_HENYEY_GREENSTEIN, 0.0},
+                                               {NEPH_PHASE_RAYLEIGH, 0.0}};
+    for (int round = 0; round < 12; round++) {
+        struct test_scene test;
+        float *volume[3];
+        struct neph_medium *slab = look_down_on_slab(&test, round % 2 ? 0.1 : 1.0);
+        slab->phase = phases[round % 3];
+        test.scene.octaves = octaves[round / 3];
+        struct neph_image *frame = render(*state, &test, NEPH_MARCH_OCTAVES, 512, volume);
+        const struct neph_camera camera = neph_scene_camera(&test.scene, 0.0);
+        /* The light at the middle of a step of optical depth h, where the sun's exponent has at
+         * most k = 1 / sun.y per unit of the view's: off by (h k)^2 / 24, and by h^2 k / 12 because
+         * the view's own weight has its centre nearer by h^2 / 12. */
+        for (int p = 0; p < width_px * height_px; p++) {
+            const struct neph_vec3 ray = neph_camera_ray(&camera, width_px, height_px, p % width_px,
+                                                         p / width_px);
+            const double h = slab->layers[0].extinction_per_m * 3.0 / -ray.y / 512.0;
+            const double k = 1.0 / test.scene.sun.direction.y;
+            neph_assert_close((double)volume[1][p], slab_octaves(&test, ray),
+                              h * h * k * (k / 24.0 + 1.0 / 12.0) + 5e-6, 0.0);
+        }
+        neph_image_destroy(frame);
+    }
+}
+
+static void test_one_octave_is_single_scattering(void **state)
+{
+    struct test_scene test;
+    float *octaves[3], *single[3];
+    look_down_on_slab(&test, 0.4);
+    test.scene.octaves = (struct neph_octaves){1, 0.3, 0.3, 0.3};
+    struct neph_image *a = render(*state, &test, NEPH_MARCH_OCTAVES, 64, octaves);
+    test.scene.scattering = NEPH_SCATTERING_SINGLE;
+    struct neph_image *b = render(*state, &test, NEPH_MARCH_SINGLE, 64, single);
+    for (int p = 0; p < width_px * height_px; p++) /* sums in another order */
+        neph_assert_close((double)octaves[0][p], (double)single[0][p], 1e-6, 0.0);
+    neph_image_destroy(b);
+    neph_image_destroy(a);
+}
+
+/* --- horizon ------------------------------------------------------------------------------- */
+
+static const struct neph_horizon_params cloudy = {
+    .seed = 3,
+    .planet_radius_m = 2e5,
+    .bottom_m = 80.0,
+    .thickness_m = 280.0,
+    .coverage = 0.9,
+    .density = 1.5,
+    .texture_scale_m = 6000.0,
+    .base_repeats = 10.0,
+    .detail_repeats = 40.0,
+};
+
+/* A box that lies within the layer on all sides, seen from below. */
+static struct neph_medium *look_up_at_clouds(struct test_scene *test,
+                                             const struct neph_horizon_params *params)
+{
+    struct neph_diag diag = {0};
+    test_scene_init(test);
+    test->scene.scattering = NEPH_SCATTERING_MULTIPLE;
+    test->key.position_m = (struct neph_vec3){0.0, 10.0, 0.0};
+    test->key.look_at_m = (struct neph_vec3){100.0, 120.0, -300.0};
+    struct neph_medium *layer = test_add_medium(test, 0.0, 0.0, 0.0);
+    *layer = (struct neph_medium){.kind = NEPH_MEDIUM_HORIZON,
+                                  .bounds = {{-600.0, 100.0, -900.0}, {900.0, 340.0, 100.0}},
+                                  .extinction_color = {1, 1, 1},
+                                  .albedo = {1, 1, 1},
+                                  .extinction_per_m = 0.02};
+    neph_assert_ok(neph_horizon_create(params, &layer->horizon, &diag), &diag);
+    return layer;
+}
+
+/* From below the layer up to its bottom or top. */
+static double way_to_sphere_m(struct neph_vec3 origin_m, struct neph_vec3 ray, double radius_m)
+{
+    const struct neph_vec3 center_m = {0.0, cloudy.bottom_m - cloudy.planet_radius_m, 0.0};
+    const struct neph_vec3 out_m = neph_vec3_sub(origin_m, center_m);
+    const double rise_m = neph_vec3_dot(out_m, ray);
+    return -rise_m + sqrt(rise_m * rise_m - neph_vec3_dot(out_m, out_m) + radius_m * radius_m);
+}
+
+static double remap(double x, double a, double b, double c, double d)
+{
+    return c + (x - a) * (d - c) / (b - a);
+}
+
+/* The article's CalculateLight at a point, 1 being a white surface in full sun. */
+static double article_light(const struct test_scene *test, struct neph_vec3 point_m,
+                            struct neph_vec3 ray, double chord_m)
+{
+    const struct neph_horizon *horizon = test->scene.media[0].horizon;
+    const struct neph_vec3 sun = test->scene.sun.direction;
+    const double cosine = neph_vec3_dot(ray, sun);
+    const struct neph_phase ahead = {NEPH_PHASE_HENYEY_GREENSTEIN, 0.5};
+    const struct neph_phase back = {NEPH_PHASE_HENYEY_GREENSTEIN, -0.1};
+    double whole;
+    const double density = neph_horizon_density(horizon, point_m, &whole);
+    const double height = neph_horizon_height(horizon, point_m);
+    const double to_sun = density +
+                          neph_horizon_density(
+                              horizon, neph_vec3_along(point_m, sun, 0.025 * chord_m), NULL);
+    const double beer = fmax(exp(-2.0 * to_sun), 0.7 * exp(-2.0 * 0.25));
+    const double lobe = cosine > 0.0 ? cosine * cosine : 0.0;
+    const double phase = 0.5 * fmax(phase_per_sr(&ahead, 1.0, cosine), lobe) +
+                         0.5 * phase_per_sr(&back, 1.0, cosine);
+    const double depth = pow(whole, remap(height, 0.3, 0.85, 0.5, 1.3)) + 0.05;
+    const double upright = pow(fmax(0.0, remap(height, 0.07, 0.14, 0.1, 1.0)), 0.8);
+    return fmax(0.4 * density, beer * phase * depth * upright);
+}
+
+static double article_sum(const struct test_scene *test, struct neph_vec3 ray, int steps)
+{
+    const struct neph_medium *layer = &test->scene.media[0];
+    const struct neph_vec3 eye_m = test->key.position_m;
+    double t0_m = 0.0, t1_m = INFINITY;
+    const double e[3] = {eye_m.x, eye_m.y, eye_m.z}, d[3] = {ray.x, ray.y, ray.z};
+    const double low[3] = {layer->bounds.min_m.x, layer->bounds.min_m.y, layer->bounds.min_m.z};
+    const double high[3] = {layer->bounds.max_m.x, layer->bounds.max_m.y, layer->bounds.max_m.z};
+    for (int k = 0; k < 3; k++) {
+        const double a = (low[k] - e[k]) / d[k], b = (high[k] - e[k]) / d[k];
+        t0_m = fmax(t0_m, fmin(a, b));
+        t1_m = fmin(t1_m, fmax(a, b));
+    }
+    if (t1_m <= t0_m)
+        return 0.0;
+    const double radius_m = cloudy.planet_radius_m;
+    const double chord_m = way_to_sphere_m(eye_m, ray, radius_m + cloudy.thickness_m) -
+                           way_to_sphere_m(eye_m, ray, radius_m);
+    const double step_m = (t1_m - t0_m) / steps;
+    double sum = 0.0, transmittance = 1.0;
+    for (int i = 0; i < steps; i++) {
+        const struct neph_vec3 point_m = neph_vec3_along(eye_m, ray, t0_m + (i + 0.5) * step_m);
+        const double depth = layer->extinction_per_m * step_m *
+                             neph_horizon_density(layer->horizon, point_m, NULL);
+        const double mean = depth > 0.0 ? -expm1(-depth) / depth : 1.0;
+        sum += article_light(test, point_m, ray, chord_m) * layer->extinction_per_m * step_m *
+               transmittance * mean;
+        transmittance *= exp(-depth);
+    }
+    return test->scene.sun.irradiance_w_per_m2.g / PI * sum * (1.0 - transmittance);
+}
+
+static void test_horizon_light_is_the_articles(void **state)
+{
+    struct test_scene test;
+    float *volume[3];
+    const int steps = 64;
+    struct neph_medium *layer = look_up_at_clouds(&test, &cloudy);
+    struct neph_image *frame = render(*state, &test, NEPH_MARCH_HORIZON, steps, volume);
+    const struct neph_camera camera = neph_scene_camera(&test.scene, 0.0);
+    double brightest = 0.0, darkest = INFINITY;
+    for (int p = 0; p < width_px * height_px; p++) {
+        const struct neph_vec3 ray = neph_camera_ray(&camera, width_px, height_px, p % width_px,
+                                                     p / width_px);
+        const double expected = article_sum(&test, ray, steps);
+        /* Both take the same steps; clamped noise amplifies float32 places, which are good to 1e-4
+         * of a texel a kilometre away. */
+        neph_assert_close((double)volume[1][p], expected, 2e-3, 2e-4);
+        brightest = fmax(brightest, expected);
+        darkest = fmin(darkest, expected);
+    }
+    print_message("radiance %g to %g W/m2/sr\n", darkest, brightest);
+    assert_true(brightest > 10.0 * darkest && brightest > 0.3);
+    neph_image_destroy(frame);
+    neph_horizon_destroy(layer->horizon);
+}
+
+/* What it adds where nothing is, its own blending hides again: an empty layer is the sky. */
+static void test_horizon_light_of_an_empty_layer(void **state)
+{
+    struct test_scene test;
+    float *volume[3], *radiance[3];
+    struct neph_horizon_params clear = cloudy;
+    clear.coverage = 0.0;
+    struct neph_medium *layer = look_up_at_clouds(&test, &clear);
+    struct neph_image *frame = render(*state, &test, NEPH_MARCH_HORIZON, 16, volume);
+    assert_true(neph_image_rgb(frame, NULL, radiance));
+    for (int p = 0; p < width_px * height_px; p++)
+        assert_true(volume[2][p] == 0.0f && radiance[2][p] == 0.4f);
+    neph_image_destroy(frame);
+    neph_horizon_destroy(layer->horizon);
+}
+
+static void test_what_each_model_cannot(void **state)
+{
+    (void)state;
+    struct test_scene test;
+    char reason[256];
+    look_down_on_slab(&test, 1.0);
+    struct neph_scene *scene = &test.scene;
+    assert_false(neph_march_can_render(scene, NEPH_MARCH_SINGLE, reason, sizeof(reason)));
+    assert_true(neph_march_can_render(scene, NEPH_MARCH_OCTAVES, reason, sizeof(reason)));
+    assert_false(neph_march_can_render(scene, NEPH_MARCH_HORIZON, reason, sizeof(reason)));
+    assert_non_null(strstr(reason, "Horizon"));
+    scene->scattering = NEPH_SCATTERING_SINGLE;
+    assert_true(neph_march_can_render(scene, NEPH_MARCH_SINGLE, reason, sizeof(reason)));
+    assert_false(neph_march_can_render(scene, NEPH_MARCH_OCTAVES, reason, sizeof(reason)));
+    assert_non_null(strstr(reason, "all orders"));
+    scene->scattering = NEPH_SCATTERING_MULTIPLE;
+    scene->environment_light = true;
+    assert_false(neph_march_can_render(scene, NEPH_MARCH_OCTAVES, reason, sizeof(reason)));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_octaves_over_a_slab),
+        cmocka_unit_test(test_one_octave_is_single_scattering),
+        cmocka_unit_test(test_horizon_light_is_the_articles),
+        cmocka_unit_test(test_horizon_light_of_an_empty_layer),
+        cmocka_unit_test(test_what_each_model_cannot),
+    };
+    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
+}
