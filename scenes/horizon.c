@@ -14,6 +14,7 @@
 
 enum {
     BASE_BLOCKS = NEPH_HORIZON_BASE_SIDE / NEPH_HORIZON_BLOCK,
+    DETAIL_BLOCKS = NEPH_HORIZON_DETAIL_SIDE / NEPH_HORIZON_BLOCK,
     WEATHER_BLOCKS = NEPH_HORIZON_WEATHER_SIDE / NEPH_HORIZON_BLOCK,
 };
 
@@ -82,6 +83,11 @@ static double erosion(const struct neph_horizon_params *params, double detail, d
 {
     const double turned = clamp01(1.8 * height);
     return 0.8 * exp(-0.75 * params->coverage) * (detail + turned * (1.0 - 2.0 * detail));
+}
+
+static double eroded_shape(double shape, double erosion)
+{
+    return clamp01((shape - erosion) / (1.0 - erosion));
 }
 
 /* --- lookups --------------------------------------------------------------------------------- */
@@ -177,6 +183,28 @@ double neph_horizon_height(const struct neph_horizon *horizon, struct neph_vec3 
                    horizon->params.thickness_m);
 }
 
+/* Of struct neph_horizon_sample. */
+static unsigned sides_of(const struct neph_horizon_params *params, const struct weather *weather,
+                         double height, double base, const double octaves[3])
+{
+    const double sum = octave_sum(octaves);
+    const bool sides[] = {
+        true,
+        weather->low > 2.0 * weather->high * clamp01(params->coverage - 0.5),
+        height > 0.07,
+        height > 0.2 * weather->peak,
+        height > 0.15,
+        height > 0.9,
+        1.8 * height > 1.0,
+        base > 1.0,
+        octaves[0] + sum > 1.0,
+    };
+    unsigned bits = 0;
+    for (size_t i = 0; i < sizeof(sides) / sizeof(sides[0]); i++)
+        bits |= (unsigned)sides[i] << i;
+    return bits;
+}
+
 void neph_horizon_sample(const struct neph_horizon *horizon, struct neph_vec3 point_m,
                          struct neph_horizon_sample *sample)
 {
@@ -206,8 +234,10 @@ void neph_horizon_sample(const struct neph_horizon *horizon, struct neph_vec3 po
     const double mass = 2.0 * params->density * weather.density * mass_above_bottom(height) *
                         mass_below_top(height);
     sample->margin -= eroded * coverage;
-    sample->density = clamp01((shape - eroded) / (1.0 - eroded)) * mass;
+    sample->density = eroded_shape(shape, eroded) * mass;
     sample->without_detail = shape * mass;
+    if (sample->density > 0.0)
+        sample->sides = sides_of(params, &weather, height, base, octaves);
 }
 
 double neph_horizon_density(const struct neph_horizon *horizon, struct neph_vec3 point_m,
@@ -271,7 +301,7 @@ static struct blocks blocks_over(double low_m, double high_m, double repeats_per
     return (struct blocks){(int)(first - turns * block_count), (int)(last - first) + 1};
 }
 
-/* The greatest of what a block's channels are, with the smaller of the second if asked. */
+/* The greatest of each channel over the blocks that a box touches. */
 static struct weather weather_over(const struct neph_horizon *horizon,
                                    const struct neph_bounds *box)
 {
@@ -292,34 +322,69 @@ static struct weather weather_over(const struct neph_horizon *horizon,
     return (struct weather){most[0], most[1], most[2], most[3]};
 }
 
+/* The blocks of a noise that a box touches, along x, y, z. */
+static void noise_blocks_over(const struct neph_horizon_params *params,
+                              const struct neph_bounds *box, double repeats, int block_count,
+                              struct blocks along[3])
+{
+    const double per_m = repeats / params->texture_scale_m;
+    const struct neph_vec3 low_m = neph_vec3_sub(box->min_m, params->wind_m);
+    const struct neph_vec3 high_m = neph_vec3_sub(box->max_m, params->wind_m);
+    along[0] = blocks_over(low_m.x, high_m.x, per_m, block_count);
+    along[1] = blocks_over(low_m.y, high_m.y, per_m, block_count);
+    along[2] = blocks_over(low_m.z, high_m.z, per_m, block_count);
+}
+
+static int block_at(const struct blocks along[3], int block_count, int i, int j, int k)
+{
+    const int x = (along[0].first + i) % block_count, y = (along[1].first + j) % block_count,
+              z = (along[2].first + k) % block_count;
+    return (z * block_count + y) * block_count + x;
+}
+
 static double base_noise_over(const struct neph_horizon *horizon, const struct neph_bounds *box)
 {
-    const struct neph_horizon_params *params = &horizon->params;
-    const double per_m = params->base_repeats / params->texture_scale_m;
-    const struct neph_vec3 wind_m = params->wind_m;
-    const struct blocks x = blocks_over(box->min_m.x - wind_m.x, box->max_m.x - wind_m.x, per_m,
-                                        BASE_BLOCKS);
-    const struct blocks y = blocks_over(box->min_m.y - wind_m.y, box->max_m.y - wind_m.y, per_m,
-                                        BASE_BLOCKS);
-    const struct blocks z = blocks_over(box->min_m.z - wind_m.z, box->max_m.z - wind_m.z, per_m,
-                                        BASE_BLOCKS);
-    double most = 0.0;
-    for (int k = 0; k < z.count; k++)
-        for (int j = 0; j < y.count; j++)
-            for (int i = 0; i < x.count; i++) {
-                const int at = ((z.first + k) % BASE_BLOCKS * BASE_BLOCKS +
-                                (y.first + j) % BASE_BLOCKS) *
-                                   BASE_BLOCKS +
-                               (x.first + i) % BASE_BLOCKS;
-                const float *block = &horizon->base_blocks[2 * at];
-                most = fmax(most, base_noise(block[0], block[1]));
-            }
+    struct blocks along[3];
+    noise_blocks_over(&horizon->params, box, horizon->params.base_repeats, BASE_BLOCKS, along);
+    float most = 0.0f;
+    for (int k = 0; k < along[2].count; k++)
+        for (int j = 0; j < along[1].count; j++)
+            for (int i = 0; i < along[0].count; i++)
+                most = fmaxf(most, horizon->base_blocks[block_at(along, BASE_BLOCKS, i, j, k)]);
     return most;
 }
 
+static struct range detail_noise_over(const struct neph_horizon *horizon,
+                                      const struct neph_bounds *box)
+{
+    struct blocks along[3];
+    noise_blocks_over(&horizon->params, box, horizon->params.detail_repeats, DETAIL_BLOCKS, along);
+    struct range range = {1.0, 0.0};
+    for (int k = 0; k < along[2].count; k++)
+        for (int j = 0; j < along[1].count; j++)
+            for (int i = 0; i < along[0].count; i++) {
+                const float *block =
+                    &horizon->detail_blocks[2 * block_at(along, DETAIL_BLOCKS, i, j, k)];
+                range.low = fmin(range.low, block[0]);
+                range.high = fmax(range.high, block[1]);
+            }
+    return range;
+}
+
+/* The least. It is linear in detail and in the height, but for the clamp, which is monotone: so it
+ * lies at a corner. */
+static double erosion_over(const struct neph_horizon *horizon, const struct neph_bounds *box,
+                           double low, double high)
+{
+    const struct neph_horizon_params *params = &horizon->params;
+    const struct range detail = detail_noise_over(horizon, box);
+    return fmin(fmin(erosion(params, detail.low, low), erosion(params, detail.low, high)),
+                fmin(erosion(params, detail.high, low), erosion(params, detail.high, high)));
+}
+
 /* Every factor of the density is monotone in every quantity of the box: the shape grows with
- * coverage, peak and base noise (which falls with the octaves); both profiles are a rising and a
- * falling factor of the height; detail only takes away. */
+ * coverage, peak and base noise and falls with the erosion; both profiles are a rising and a
+ * falling factor of the height. */
 double neph_horizon_bound(const struct neph_horizon *horizon, const struct neph_bounds *box)
 {
     const struct neph_horizon_params *params = &horizon->params;
@@ -335,8 +400,10 @@ double neph_horizon_bound(const struct neph_horizon *horizon, const struct neph_
     const double profile = shape_above_bottom(high) * shape_below_peak(low, weather.peak);
     if (profile * (1.0 + margin) <= 1.0 - coverage)
         return 0.0;
-    const double shape = shape_of(profile * base_noise_over(horizon, box) + margin, coverage);
-    return (1.0 + margin) * shape * 2.0 * params->density * weather.density *
+    const double base = profile * base_noise_over(horizon, box) + margin;
+    const double shape = fmin(1.0, shape_of(base, coverage) * (1.0 + margin));
+    const double eroded = fmax(0.0, erosion_over(horizon, box, low, high) - margin);
+    return (1.0 + margin) * eroded_shape(shape, eroded) * 2.0 * params->density * weather.density *
            mass_above_bottom(high) * mass_below_top(low);
 }
 
@@ -360,22 +427,37 @@ struct neph_bounds neph_horizon_support(const struct neph_horizon *horizon,
 
 /* --- tables of the bound --------------------------------------------------------------------- */
 
-/* Largest red and smallest sum of the other channels over a block's texels and the next ones. */
-static void base_block(const float *base, const int block[3], float out[2])
+/* B of a texel of the base noise, D of one of the detail noise. */
+typedef double (*noise_of_texel)(const float *texel);
+
+static double base_noise_of(const float *texel)
 {
-    enum { SIDE = NEPH_HORIZON_BASE_SIDE, BLOCK = NEPH_HORIZON_BLOCK };
-    double most = 0.0, least = 1.0;
-    for (int k = 0; k <= BLOCK; k++)
-        for (int j = 0; j <= BLOCK; j++)
-            for (int i = 0; i <= BLOCK; i++) {
-                const int x = (block[0] * BLOCK + i) % SIDE, y = (block[1] * BLOCK + j) % SIDE,
-                          z = (block[2] * BLOCK + k) % SIDE;
-                const float *texel = &base[4 * ((z * SIDE + y) * SIDE + x)];
-                most = fmax(most, texel[0]);
-                least = fmin(least, octave_sum((const double[3]){texel[1], texel[2], texel[3]}));
+    return base_noise(texel[0], octave_sum((const double[3]){texel[1], texel[2], texel[3]}));
+}
+
+static double detail_noise_of(const float *texel)
+{
+    return detail_noise((const double[3]){texel[0], texel[1], texel[2]});
+}
+
+/* Of a block's texels and the next ones. A lookup is a weighted mean of texels, and both noises
+ * are quotients of linear functions of them with a positive divisor: such a quotient lies between
+ * its values at the texels. A rounding to float32 outwards, and one for the lookup's own. */
+static struct range noise_block(const float *texels, int side, int channels, const int block[3],
+                                noise_of_texel noise)
+{
+    struct range range = {1.0, 0.0};
+    for (int k = 0; k <= NEPH_HORIZON_BLOCK; k++)
+        for (int j = 0; j <= NEPH_HORIZON_BLOCK; j++)
+            for (int i = 0; i <= NEPH_HORIZON_BLOCK; i++) {
+                const int x = (block[0] * NEPH_HORIZON_BLOCK + i) % side;
+                const int y = (block[1] * NEPH_HORIZON_BLOCK + j) % side;
+                const int z = (block[2] * NEPH_HORIZON_BLOCK + k) % side;
+                const double value = noise(&texels[channels * ((z * side + y) * side + x)]);
+                range.low = fmin(range.low, value);
+                range.high = fmax(range.high, value);
             }
-    out[0] = (float)most;
-    out[1] = nextafterf((float)least, -1.0f);
+    return (struct range){nextafterf((float)range.low, -1.0f), nextafterf((float)range.high, 2.0f)};
 }
 
 static void weather_block(const float *weather, const int block[2], float out[4])
@@ -396,8 +478,19 @@ static void fill_blocks(struct neph_horizon *horizon)
     float *out = horizon->base_blocks;
     for (int k = 0; k < BASE_BLOCKS; k++)
         for (int j = 0; j < BASE_BLOCKS; j++)
-            for (int i = 0; i < BASE_BLOCKS; i++, out += 2)
-                base_block(horizon->base, (const int[3]){i, j, k}, out);
+            for (int i = 0; i < BASE_BLOCKS; i++)
+                *out++ = (float)noise_block(horizon->base, NEPH_HORIZON_BASE_SIDE, 4,
+                                            (const int[3]){i, j, k}, base_noise_of)
+                             .high;
+    out = horizon->detail_blocks;
+    for (int k = 0; k < DETAIL_BLOCKS; k++)
+        for (int j = 0; j < DETAIL_BLOCKS; j++)
+            for (int i = 0; i < DETAIL_BLOCKS; i++) {
+                const struct range range = noise_block(horizon->detail, NEPH_HORIZON_DETAIL_SIDE, 3,
+                                                       (const int[3]){i, j, k}, detail_noise_of);
+                *out++ = (float)range.low;
+                *out++ = (float)range.high;
+            }
     out = horizon->weather_blocks;
     for (int k = 0; k < WEATHER_BLOCKS; k++)
         for (int i = 0; i < WEATHER_BLOCKS; i++, out += 4)
@@ -471,10 +564,11 @@ enum neph_status neph_horizon_create(const struct neph_horizon_params *params,
     made->base = array_of(BASE_TEXELS, 4);
     made->detail = array_of(DETAIL_TEXELS, 3);
     made->weather = array_of(WEATHER_TEXELS, 4);
-    made->base_blocks = array_of(BASE_BLOCKS * BASE_BLOCKS * BASE_BLOCKS, 2);
+    made->base_blocks = array_of(BASE_BLOCKS * BASE_BLOCKS * BASE_BLOCKS, 1);
+    made->detail_blocks = array_of(DETAIL_BLOCKS * DETAIL_BLOCKS * DETAIL_BLOCKS, 2);
     made->weather_blocks = array_of(WEATHER_BLOCKS * WEATHER_BLOCKS, 4);
     if (!made->base || !made->detail || !made->weather || !made->base_blocks ||
-        !made->weather_blocks) {
+        !made->detail_blocks || !made->weather_blocks) {
         neph_horizon_destroy(made);
         return neph_fail_memory(diag);
     }
@@ -494,6 +588,7 @@ void neph_horizon_destroy(struct neph_horizon *horizon)
     free(horizon->detail);
     free(horizon->weather);
     free(horizon->base_blocks);
+    free(horizon->detail_blocks);
     free(horizon->weather_blocks);
     free(horizon);
 }

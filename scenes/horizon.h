@@ -31,7 +31,7 @@
 #define NEPH_HORIZON_BASE_SIDE 64     /* base noise: side^3 texels of 4 channels, periodic */
 #define NEPH_HORIZON_DETAIL_SIDE 32   /* detail noise: side^3 texels of 3 channels, periodic */
 #define NEPH_HORIZON_WEATHER_SIDE 256 /* weather map: side^2 texels of 4 channels, periodic */
-#define NEPH_HORIZON_BLOCK 4          /* texels along a side of a block of the bound's tables */
+#define NEPH_HORIZON_BLOCK 2          /* texels along a side of a block of the bound's tables */
 
 /* What a scene may choose. */
 struct neph_horizon_params {
@@ -54,8 +54,9 @@ struct neph_horizon {
     float *base;    /* owned; [z][y][x][4]: Perlin-Worley, three octaves of Worley; 0..1 */
     float *detail;  /* owned; [z][y][x][3]: three octaves of Worley; 0..1 */
     float *weather; /* owned; [z][x][4]: low coverage, high coverage, peak height, density; 0..1 */
-    /* For the bound. Per block of texels and its far neighbours: what makes most density of it. */
-    float *base_blocks;    /* owned; [z][y][x][2]: largest Perlin-Worley, smallest sum of octaves */
+    /* For the bound. Per block of texels and its far neighbours: what lookups can come to. */
+    float *base_blocks;    /* owned; [z][y][x]: the largest B */
+    float *detail_blocks;  /* owned; [z][y][x][2]: the smallest and the largest D */
     float *weather_blocks; /* owned; [z][x][4]: the largest of each channel */
 };
 
@@ -91,8 +92,8 @@ struct neph_bounds neph_horizon_support(const struct neph_horizon *horizon,
 /* The integral of the density along origin + t direction over [t0_m, t1_m] [m]; t1 may be +inf,
  * `direction` is unit. Cut at the surfaces of the shell and at the faces of all texels, between
  * which the density is smooth but for its clamps; there by Gauss-Kronrod quadrature with bisection.
- * `*error_m` receives the sum of the differences between the two rules, which the true error stays
- * far below (NULL is fine). */
+ * `*error_m` receives the sum of the differences between the two rules and of what a clamp between
+ * their points is worth at most; the true error stays below it, but for rounding (NULL is fine). */
 double neph_horizon_integral_m(const struct neph_horizon *horizon, struct neph_vec3 origin_m,
                                struct neph_vec3 direction, double t0_m, double t1_m,
                                double *error_m);

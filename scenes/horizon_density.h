@@ -13,6 +13,9 @@ struct neph_horizon_sample {
     /* There is cloud where it is above 0. Elsewhere at least (and between clamps, smoothly) how far
      * base noise, coverage and detail are from making some. */
     double margin;
+    /* One bit for each clamp and maximum of the formulas: which side of it counts. Between faces
+     * of texels the density is smooth among points that agree on all bits. 0 where it is 0. */
+    unsigned sides;
 };
 
 /* At a point of the layer; all 0 but for a margin of -1 outside. */

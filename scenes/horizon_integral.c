@@ -35,47 +35,80 @@ static const int bisections_max = 40;
 struct rule {
     double kronrod, gauss;
     double lowest, highest; /* of the margin */
+    double least, most;     /* of the density */
+    unsigned any_sides, all_sides;
 };
+
+static void rule_see(struct rule *rule, const struct neph_horizon_sample *sample)
+{
+    rule->lowest = fmin(rule->lowest, sample->margin);
+    rule->highest = fmax(rule->highest, sample->margin);
+    rule->least = fmin(rule->least, sample->density);
+    rule->most = fmax(rule->most, sample->density);
+    rule->any_sides |= sample->sides;
+    rule->all_sides &= sample->sides;
+}
+
+static void sample_at(const struct quadrature *q, double t_m, struct neph_horizon_sample *sample)
+{
+    neph_horizon_sample(q->horizon, neph_vec3_along(q->origin_m, q->direction, t_m), sample);
+}
 
 static void rule_add(struct rule *rule, const struct quadrature *q, double t_m, int node)
 {
     struct neph_horizon_sample sample;
-    neph_horizon_sample(q->horizon, neph_vec3_along(q->origin_m, q->direction, t_m), &sample);
+    sample_at(q, t_m, &sample);
     rule->kronrod += kronrod_weights[node] * sample.density;
     rule->gauss += gauss_weights[node] * sample.density;
-    rule->lowest = fmin(rule->lowest, sample.margin);
-    rule->highest = fmax(rule->highest, sample.margin);
+    rule_see(rule, &sample);
 }
 
+/* Between faces, that is a hair inside them, lie the outermost points that are looked at. */
 static struct rule apply_rule(const struct quadrature *q, double t0_m, double t1_m)
 {
-    struct rule rule = {0.0, 0.0, INFINITY, -INFINITY};
+    struct rule rule = {0.0, 0.0, INFINITY, -INFINITY, INFINITY, 0.0, 0u, ~0u};
     const double middle_m = 0.5 * (t0_m + t1_m), half_m = 0.5 * (t1_m - t0_m);
     for (int i = 0; i < 7; i++)
         for (int side = -1; side <= 1; side += 2)
             rule_add(&rule, q, middle_m + side * nodes[i] * half_m, i);
     rule_add(&rule, q, middle_m, 7);
+    for (int side = -1; side <= 1; side += 2) {
+        struct neph_horizon_sample sample;
+        sample_at(q, middle_m + side * (1.0 - 1e-9) * half_m, &sample);
+        rule_see(&rule, &sample);
+    }
     rule.kronrod *= half_m;
     rule.gauss *= half_m;
     return rule;
 }
 
-/* A cloud thinner than the distance of two nodes may hide between them, but not where the smooth
- * margin stays clear of 0 by more than it can rise from one node to the next. */
-static bool may_hide_cloud(const struct rule *rule)
+/* A clamp sets in and ends again between two nodes where the margin comes this close to 0. */
+static bool may_hide_edge(const struct rule *rule)
 {
-    return rule->highest <= 0.0 && rule->highest > -0.05 * (rule->highest - rule->lowest);
+    const double nearness = 0.05 * (rule->highest - rule->lowest);
+    return (rule->highest <= 0.0 && rule->highest > -nearness) ||
+           (rule->lowest >= 0.0 && rule->lowest < nearness);
+}
+
+/* Of a piece whose points disagree on a clamp, or may: the rules see nothing of a kink that lies
+ * beyond their outermost nodes. It is worth at most its change of slope times the length squared,
+ * which is taken from the change of the density seen and, where the kink is not, from the change
+ * of the margin, which makes `steepness` as much density at most (but where coverage is slight). */
+static double kink_error_m(const struct quadrature *q, const struct rule *rule, double length_m)
+{
+    const double steepness = 20.0 * q->horizon->params.density;
+    if (rule->any_sides == rule->all_sides && !may_hide_edge(rule))
+        return 0.0;
+    return length_m * fmax(rule->most - rule->least, steepness * (rule->highest - rule->lowest));
 }
 
 static void integrate_smooth(struct quadrature *q, double t0_m, double t1_m, int bisections)
 {
     const struct rule rule = apply_rule(q, t0_m, t1_m);
-    const double error_m = fabs(rule.kronrod - rule.gauss);
+    const double error_m = fabs(rule.kronrod - rule.gauss) + kink_error_m(q, &rule, t1_m - t0_m);
     const double middle_m = 0.5 * (t0_m + t1_m);
-    const double hidden_m = q->horizon->params.density * (t1_m - t0_m); /* most that may hide */
-    const bool good = error_m <= q->tolerance_m + 1e-11 * rule.kronrod &&
-                      !(may_hide_cloud(&rule) && hidden_m * (t1_m - t0_m) > 1e-6 * q->leaf_m);
-    if (good || bisections == bisections_max || middle_m <= t0_m || middle_m >= t1_m) {
+    if (error_m <= q->tolerance_m + 1e-11 * rule.kronrod || bisections == bisections_max ||
+        middle_m <= t0_m || middle_m >= t1_m) {
         q->value_m += rule.kronrod;
         q->error_m += error_m;
         return;

@@ -31,7 +31,7 @@ double neph_medium_extinction_bound_per_m(const struct neph_medium *medium,
                                           const struct neph_bounds *box);
 
 /* Whether neph_medium_optical_depth() is a closed form or a finite sum of exact pieces (all kinds
- * but HORIZON, where it is quadrature to a relative 1e-10 of its own error estimate, and slow). A
+ * but HORIZON, where it is quadrature with an error below 1e-10 of a unit of density, and slow). A
  * shell's pieces are Gauss rules that are exact to rounding: within 1e-12 of 40-digit references,
  * plus R / H times the rounding of long double, plus, in metres at the ground, the rounding of the
  * place where a grazing ray meets it (a few R^2 / d times that, d from there to its lowest point).
