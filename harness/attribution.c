@@ -2,6 +2,7 @@
 #include "harness/attribution.h"
 
 #include "base/exr.h"
+#include "harness/engine.h"
 #include "metrics/pair.h"
 #include "metrics/significance.h"
 
@@ -42,7 +43,9 @@ static enum neph_status enrol(const json_t *frame, struct field *field, struct n
 {
     const char *path = text_of(frame, "exr"), *second = text_of(frame, "exr_second");
     struct entrant *entrant = &field->entrants[field->count];
-    if (!path || field->count == ENGINES_MAX)
+    const struct neph_engine *engine = neph_engine_find(text_of(frame, "engine"));
+    const bool look = engine && engine->look; /* it claims no physics to be right or wrong about */
+    if (!path || look || field->count == ENGINES_MAX)
         return NEPH_OK;
     entrant->name = text_of(frame, "engine");
     enum neph_status status = neph_exr_read(path, &entrant->frames[0], diag);

@@ -137,6 +137,16 @@ enum neph_status neph_cli_scenes(int argc, char **argv, struct neph_diag *diag)
     for (int i = 0; i < count && !status; i++) {
         struct neph_scene *scene = NULL;
         status = neph_data_load_scene(names[i], &scene, diag);
+        if (status == NEPH_ERR_NOT_FOUND) { /* its data is not on this machine */
+            if (request.json)
+                json_array_append_new(
+                    list, json_pack("{s:s, s:s}", "name", names[i], "absent", diag->message));
+            else
+                printf("%-24s not here: %s\n", names[i], diag->message);
+            *diag = (struct neph_diag){.line = 0};
+            status = NEPH_OK;
+            continue;
+        }
         if (status)
             break;
         if (request.json)

@@ -152,7 +152,8 @@ static enum neph_status run_suite(const struct request *request, const char *con
                                           .scene_count = physics ? 0 : scene_count,
                                           .engines = request->engines,
                                           .engine_count = request->engine_count,
-                                          .quiet = request->quiet};
+                                          .quiet = request->quiet,
+                                          .skip_absent = request->scene_count == 0};
     int limit_s = 0;
     enum neph_status status = neph_cli_parse_size(request->size, &params.width_px,
                                                   &params.height_px, diag);

@@ -72,14 +72,14 @@ static json_t *frame_json(const struct neph_engine *engine, const struct neph_jo
 {
     return json_pack(
         "{s:s, s:s, s:s, s:s, s:s, s:b, s:f, s:f, s:f, s:I, s:s?, s:n, s:n, s:{s:n, s:n}, "
-        "s:[], s:o}",
+        "s:[], s:o, s:b}",
         "engine", engine->name, "rung", neph_rung_name(engine->rung), "status",
         neph_outcome_name(result->outcome), "reason", result->reason, "settings", result->settings,
         "reused", result->reused, "render_s", result->cost.render_s, "wall_s", result->cost.wall_s,
         "cpu_s", result->cost.cpu_s, "peak_memory_bytes",
         (json_int_t)result->cost.peak_memory_bytes, "exr", result->frame_path, "exr_second",
         "picture", "difference", "radiance", "transmittance", "measurements", "study",
-        study ? study : json_null());
+        study ? study : json_null(), "look", engine->look);
 }
 
 /* Measure one rendered frame, against the truth when there is one. */
@@ -348,6 +348,15 @@ json_t *neph_host_json(void)
                      memory_bytes);
 }
 
+/* A scene whose data is not on this machine; the diag is used up. */
+static json_t *absent_json(const char *name, struct neph_diag *diag)
+{
+    json_t *absent = json_pack("{s:s, s:s, s:s}", "scene", name, "reason", diag->message, "hint",
+                               diag->hint);
+    *diag = (struct neph_diag){.line = 0};
+    return absent;
+}
+
 enum neph_status neph_validate(const struct neph_validate_params *params, struct neph_store *store,
                                json_t **document, struct neph_diag *diag)
 {
@@ -358,11 +367,16 @@ enum neph_status neph_validate(const struct neph_validate_params *params, struct
         return status;
     struct neph_progress progress = neph_progress_start(params->quiet,
                                                         params->scene_count * field.count);
-    json_t *scenes = json_array();
+    json_t *scenes = json_array(), *absent = json_array();
     for (int i = 0; i < params->scene_count && !status; i++) {
         struct neph_scene *scene = NULL;
         json_t *part = NULL;
         status = neph_data_load_scene(params->scenes[i], &scene, diag);
+        if (status == NEPH_ERR_NOT_FOUND && params->skip_absent) {
+            json_array_append_new(absent, absent_json(params->scenes[i], diag));
+            status = NEPH_OK;
+            continue;
+        }
         if (!status)
             status = run_scene(params, &field, scene, store, &progress, &part, diag);
         if (!status)
@@ -372,6 +386,7 @@ enum neph_status neph_validate(const struct neph_validate_params *params, struct
     neph_progress_end(&progress);
     if (status) {
         json_decref(scenes);
+        json_decref(absent);
         return status;
     }
     char created[32];
@@ -379,11 +394,11 @@ enum neph_status neph_validate(const struct neph_validate_params *params, struct
     struct tm utc;
     strftime(created, sizeof(created), "%Y-%m-%dT%H:%M:%SZ", gmtime_r(&now, &utc));
     *document = json_pack(
-        "{s:s, s:s, s:s, s:s, s:o, s:[i,i], s:s, s:f, s:o, s:o, s:[]}", "format", "neph-report-1",
-        "title", "Nephelometer validation", "created_utc", created, "neph_version", NEPH_VERSION,
-        "host", neph_host_json(), "size_px", params->width_px, params->height_px, "verdict",
-        document_passes(scenes) ? "pass" : "fail", "seconds", neph_wall_s() - start_s, "engines",
-        engines_json(&field), "scenes", scenes, "charts");
+        "{s:s, s:s, s:s, s:s, s:o, s:[i,i], s:s, s:f, s:o, s:o, s:o, s:[]}", "format",
+        "neph-report-1", "title", "Nephelometer validation", "created_utc", created, "neph_version",
+        NEPH_VERSION, "host", neph_host_json(), "size_px", params->width_px, params->height_px,
+        "verdict", document_passes(scenes) ? "pass" : "fail", "seconds", neph_wall_s() - start_s,
+        "engines", engines_json(&field), "scenes", scenes, "absent", absent, "charts");
     return *document ? NEPH_OK : neph_fail_memory(diag);
 }
 
@@ -419,7 +434,7 @@ static const char *gates_of_engine(const json_t *gates, const char *engine, char
 
 void neph_validate_print(const json_t *document)
 {
-    printf("%-24s %-8s %-9s %11s %11s %11s %8s  %s\n", "scene", "engine", "outcome", "L rel_bias",
+    printf("%-24s %-13s %-9s %11s %11s %11s %8s  %s\n", "scene", "engine", "outcome", "L rel_bias",
            "L rel_rmse", "T max_abs", "seconds", "gates");
     const json_t *scenes = json_object_get(document, "scenes");
     for (size_t i = 0; i < json_array_size(scenes); i++) {
@@ -430,7 +445,7 @@ void neph_validate_print(const json_t *document)
             const json_t *measurements = json_object_get(frame, "measurements");
             const char *engine = json_string_value(json_object_get(frame, "engine"));
             char gates[32];
-            printf("%-24s %-8s %-9s", json_string_value(json_object_get(scene, "name")), engine,
+            printf("%-24s %-13s %-9s", json_string_value(json_object_get(scene, "name")), engine,
                    json_string_value(json_object_get(frame, "status")));
             print_number(measurements, "radiance", "rel_bias");
             print_number(measurements, "radiance", "rel_rmse");
@@ -438,5 +453,11 @@ void neph_validate_print(const json_t *document)
             printf(" %8.2f  %s\n", json_number_value(json_object_get(frame, "wall_s")),
                    gates_of_engine(json_object_get(scene, "gates"), engine, gates));
         }
+    }
+    const json_t *list = json_object_get(document, "absent");
+    for (size_t i = 0; i < json_array_size(list); i++) {
+        const json_t *absent = json_array_get(list, i);
+        printf("%-24s not here: %s\n", json_string_value(json_object_get(absent, "scene")),
+               json_string_value(json_object_get(absent, "reason")));
     }
 }

@@ -21,6 +21,7 @@ struct neph_validate_params {
     int frame;           /* of every scene; the last frame of a shorter one */
     double time_limit_s; /* per child process */
     bool quiet;
+    bool skip_absent; /* a scene whose file or data is not there goes into "absent", not an error */
 };
 
 /* Run and measure. NEPH_OK also when gates failed: the document's "verdict" says so. On

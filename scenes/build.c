@@ -1,10 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "scenes/build.h"
 
-#include "scenes/grid.h"
-#include "scenes/horizon.h"
-#include "scenes/media.h"
-
 #include <stdlib.h>
 #include <string.h>
 
@@ -176,134 +172,7 @@ static enum neph_status build_solids(const struct neph_raw_scene *raw, struct ne
     return NEPH_OK;
 }
 
-/* --- Media --- */
-
-static struct neph_bounds build_bounds(const struct neph_raw_bounds *bounds)
-{
-    if (bounds)
-        return (struct neph_bounds){vec3(bounds->min_m), vec3(bounds->max_m)};
-    return (struct neph_bounds){{-INFINITY, -INFINITY, -INFINITY}, {INFINITY, INFINITY, INFINITY}};
-}
-
-/* What all kinds have; the rest is left 0. `bounds` may be NULL. */
-static struct neph_medium start_medium(enum neph_medium_kind kind,
-                                       const struct neph_raw_optics *optics,
-                                       const struct neph_raw_bounds *bounds)
-{
-    const double *color = optics->extinction_color;
-    return (struct neph_medium){
-        .kind = kind,
-        .bounds = build_bounds(bounds),
-        .extinction_color = color ? rgb(color) : (struct neph_rgb){1, 1, 1},
-        .albedo = rgb(optics->albedo),
-        .phase = {optics->phase ? *optics->phase : NEPH_PHASE_ISOTROPIC,
-                  optics->asymmetry_g ? *optics->asymmetry_g : 0},
-    };
-}
-
-static struct neph_medium build_homogeneous(const struct neph_raw_homogeneous *raw)
-{
-    struct neph_medium medium = start_medium(NEPH_MEDIUM_HOMOGENEOUS, &raw->optics, &raw->bounds);
-    medium.layer_count = 1;
-    medium.layers[0].extinction_per_m = raw->extinction_per_m;
-    return medium;
-}
-
-static struct neph_medium build_height_fog(const struct neph_raw_height_fog *raw)
-{
-    struct neph_medium medium = start_medium(NEPH_MEDIUM_HEIGHT_FOG, &raw->optics, raw->bounds);
-    medium.layer_count = (int)(raw->layers ? raw->layers_count : raw->unreal_layers_count);
-    for (int i = 0; i < medium.layer_count; i++) {
-        if (raw->layers) {
-            medium.layers[i] = raw->layers[i];
-            continue;
-        }
-        const struct neph_raw_unreal_layer *unreal = &raw->unreal_layers[i];
-        medium.layers[i] = neph_fog_layer_from_unreal(&(struct neph_unreal_fog){
-            unreal->fog_density, unreal->fog_height_falloff, unreal->fog_height_m});
-    }
-    return medium;
-}
-
-static struct neph_medium build_gaussian(const struct neph_raw_gaussian *raw)
-{
-    struct neph_medium medium = start_medium(NEPH_MEDIUM_GAUSSIAN, &raw->optics, raw->bounds);
-    medium.extinction_per_m = raw->extinction_per_m;
-    medium.gaussian = (struct neph_gaussian){vec3(raw->center_m), raw->width_m};
-    return medium;
-}
-
-static struct neph_medium build_shell(const struct neph_raw_shell *raw)
-{
-    struct neph_medium medium = start_medium(NEPH_MEDIUM_SHELL, &raw->optics, &raw->bounds);
-    medium.extinction_per_m = raw->extinction_per_m;
-    medium.shell = (struct neph_shell){vec3(raw->center_m), raw->radius_m, raw->scale_height_m};
-    return medium;
-}
-
-static enum neph_status build_grid(const struct neph_raw_grid *raw, struct neph_medium *medium,
-                                   struct neph_diag *diag)
-{
-    *medium = start_medium(NEPH_MEDIUM_GRID, &raw->optics, NULL);
-    medium->extinction_per_m = raw->extinction_per_m;
-    enum neph_status status = neph_grid_create(raw->size, vec3(raw->origin_m), vec3(raw->spacing_m),
-                                               &medium->grid, diag);
-    for (unsigned i = 0; i < raw->values_count && !status; i++)
-        medium->grid->values[i] = (float)raw->values[i];
-    return status ? status : neph_grid_seal(medium->grid, diag);
-}
-
-static double number_or(const double *value, double otherwise)
-{
-    return value ? *value : otherwise;
-}
-
-static enum neph_status build_horizon(const struct neph_raw_horizon *raw,
-                                      struct neph_medium *medium, struct neph_diag *diag)
-{
-    const struct neph_horizon_params article = neph_horizon_defaults();
-    *medium = start_medium(NEPH_MEDIUM_HORIZON, &raw->optics, &raw->bounds);
-    medium->extinction_per_m = raw->extinction_per_m;
-    return neph_horizon_create(
-        &(struct neph_horizon_params){
-            .seed = raw->seed ? (uint64_t)*raw->seed : article.seed,
-            .planet_radius_m = number_or(raw->planet_radius_m, article.planet_radius_m),
-            .bottom_m = number_or(raw->bottom_m, article.bottom_m),
-            .thickness_m = number_or(raw->thickness_m, article.thickness_m),
-            .coverage = number_or(raw->coverage, article.coverage),
-            .density = number_or(raw->density, article.density),
-            .texture_scale_m = number_or(raw->texture_scale_m, article.texture_scale_m),
-            .base_repeats = number_or(raw->base_repeats, article.base_repeats),
-            .detail_repeats = number_or(raw->detail_repeats, article.detail_repeats),
-            .wind_m = raw->wind_m ? vec3(raw->wind_m) : article.wind_m,
-        },
-        &medium->horizon, diag);
-}
-
-static enum neph_status build_medium(const struct neph_raw_medium *raw, struct neph_medium *medium,
-                                     struct neph_diag *diag)
-{
-    if (raw->grid)
-        return build_grid(raw->grid, medium, diag);
-    if (raw->horizon)
-        return build_horizon(raw->horizon, medium, diag);
-    *medium = raw->homogeneous  ? build_homogeneous(raw->homogeneous)
-              : raw->height_fog ? build_height_fog(raw->height_fog)
-              : raw->gaussian   ? build_gaussian(raw->gaussian)
-                                : build_shell(raw->shell);
-    return NEPH_OK;
-}
-
-static enum neph_status build_media(const struct neph_raw_scene *raw, struct neph_scene *scene,
-                                    struct neph_diag *diag)
-{
-    enum neph_status status = NEPH_OK;
-    for (unsigned i = 0; i < raw->media_count && !status; i++) {
-        scene->medium_count++; /* what is half made is freed with the scene */
-        status = build_medium(&raw->media[i], &scene->media[i], diag);
-    }
-    return status;
-}
+/* --- The rest --- */
 
 static void build_octaves(const struct neph_raw_octaves *raw, struct neph_scene *scene)
 {
@@ -342,8 +211,9 @@ static enum neph_status build_gates(const struct neph_raw_scene *raw, struct nep
     return NEPH_OK;
 }
 
-enum neph_status neph_scene_build(const struct neph_raw_scene *raw, const char *path,
-                                  struct neph_scene **scene, struct neph_diag *diag)
+enum neph_status neph_scene_build(const struct neph_raw_scene *raw, struct neph_document *document,
+                                  const char *path, struct neph_scene **scene,
+                                  struct neph_diag *diag)
 {
     struct neph_scene *made = calloc(1, sizeof(*made));
     if (!made)
@@ -355,7 +225,7 @@ enum neph_status neph_scene_build(const struct neph_raw_scene *raw, const char *
     made->exposure_ev = raw->display ? raw->display->exposure_ev : 0;
     build_light(raw, made);
     build_octaves(raw->octaves, made);
-    enum neph_status status = build_media(raw, made, diag);
+    enum neph_status status = neph_build_media(raw, document, path, made, diag);
     if (!status)
         status = build_texts(raw, path, made, diag);
     if (!status)

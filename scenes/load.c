@@ -108,7 +108,7 @@ static enum neph_status build_checked(struct neph_document *document,
                                    : neph_fail_memory(diag);
     free(stem);
     if (!status)
-        status = neph_scene_build(raw, path, &made, diag);
+        status = neph_scene_build(raw, document, path, &made, diag);
     if (!status)
         status = neph_check_scene(document, made, diag);
     if (!status)

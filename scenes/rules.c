@@ -4,6 +4,7 @@
  */
 #include "scenes/build.h"
 #include "scenes/check.h"
+#include "scenes/volume_file.h"
 
 #include <ctype.h>
 #include <stdio.h>
@@ -310,6 +311,14 @@ static enum neph_status check_grid(const struct rules *rules, const char *owner,
     return check_optics(rules, owner, &grid->optics);
 }
 
+static enum neph_status check_volume(const struct rules *rules, const char *owner,
+                                     const struct neph_raw_volume *volume)
+{
+    if (volume->file[0] != '$' && !neph_volume_has_known_extension(volume->file))
+        return FAIL(rules, at("%s.file", owner), "'%s' must end in .vdb or .df3", volume->file);
+    return check_optics(rules, owner, &volume->optics);
+}
+
 static enum neph_status check_horizon(const struct rules *rules, const char *owner,
                                       const struct neph_raw_horizon *horizon)
 {
@@ -321,12 +330,12 @@ static enum neph_status check_horizon(const struct rules *rules, const char *own
 static enum neph_status check_medium(const struct rules *rules, const char *owner,
                                      const struct neph_raw_medium *medium)
 {
-    if (!!medium->homogeneous + !!medium->height_fog + !!medium->gaussian + !!medium->shell +
-            !!medium->grid + !!medium->horizon !=
-        1)
+    const int kinds = !!medium->homogeneous + !!medium->height_fog + !!medium->gaussian +
+                      !!medium->shell + !!medium->grid + !!medium->volume + !!medium->horizon;
+    if (kinds != 1)
         return FAIL(rules, at("%s", owner),
                     "a medium is exactly one of homogeneous, height_fog, gaussian, shell, grid, "
-                    "horizon");
+                    "volume, horizon");
     if (medium->homogeneous)
         return check_homogeneous(rules, at("%s.homogeneous", owner).text, medium->homogeneous);
     if (medium->height_fog)
@@ -335,6 +344,8 @@ static enum neph_status check_medium(const struct rules *rules, const char *owne
         return check_gaussian(rules, at("%s.gaussian", owner).text, medium->gaussian);
     if (medium->shell)
         return check_shell(rules, at("%s.shell", owner).text, medium->shell);
+    if (medium->volume)
+        return check_volume(rules, at("%s.volume", owner).text, medium->volume);
     if (medium->horizon)
         return check_horizon(rules, at("%s.horizon", owner).text, medium->horizon);
     return check_grid(rules, at("%s.grid", owner).text, medium->grid);

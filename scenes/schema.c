@@ -228,6 +228,18 @@ static const cyaml_schema_field_t grid_fields[] = {
     CYAML_FIELD_END,
 };
 
+static const cyaml_schema_field_t volume_fields[] = {
+    CYAML_FIELD_STRING_PTR("file", CYAML_FLAG_DEFAULT, struct neph_raw_volume, file, 1, 1000),
+    CYAML_FIELD_STRING_PTR("grid", CYAML_FLAG_OPTIONAL, struct neph_raw_volume, grid, 1, 64),
+    FIELD_VEC3("center_m", struct neph_raw_volume, center_m),
+    FIELD_NUMBER("longest_side_m", struct neph_raw_volume, longest_side_m),
+    CYAML_FIELD_INT_PTR("memory_limit_mib", CYAML_FLAG_OPTIONAL, struct neph_raw_volume,
+                        memory_limit_mib),
+    FIELD_NUMBER("extinction_per_m", struct neph_raw_volume, extinction_per_m),
+    FIELDS_OPTICS(struct neph_raw_volume),
+    CYAML_FIELD_END,
+};
+
 static const cyaml_schema_field_t horizon_fields[] = {
     CYAML_FIELD_INT_PTR("seed", CYAML_FLAG_OPTIONAL, struct neph_raw_horizon, seed),
     FIELD_NUMBER_OPTIONAL("planet_radius_m", struct neph_raw_horizon, planet_radius_m),
@@ -256,6 +268,8 @@ static const cyaml_schema_field_t medium_fields[] = {
     CYAML_FIELD_MAPPING_PTR("shell", CYAML_FLAG_OPTIONAL, struct neph_raw_medium, shell,
                             shell_fields),
     CYAML_FIELD_MAPPING_PTR("grid", CYAML_FLAG_OPTIONAL, struct neph_raw_medium, grid, grid_fields),
+    CYAML_FIELD_MAPPING_PTR("volume", CYAML_FLAG_OPTIONAL, struct neph_raw_medium, volume,
+                            volume_fields),
     CYAML_FIELD_MAPPING_PTR("horizon", CYAML_FLAG_OPTIONAL, struct neph_raw_medium, horizon,
                             horizon_fields),
     CYAML_FIELD_END,
@@ -408,6 +422,14 @@ static const struct neph_field fields[] = {
     {"media[].grid.extinction_color[]", "", 0, 1e3, color_note},
     {"media[].grid.albedo[]", "", 0, 1, albedo_note},
     {"media[].grid.asymmetry_g", "", -0.999, 0.999, g_note},
+    {"media[].volume.center_m[]", "m", -FAR_M, FAR_M, NULL},
+    {"media[].volume.longest_side_m", "m", 1e-3, FAR_M, NULL},
+    {"media[].volume.memory_limit_mib", "MiB", 1, NEPH_GRID_NODES_MAX * sizeof(float) >> 20,
+     "of voxels in memory, 4 bytes each"},
+    {"media[].volume.extinction_per_m", "1/m", 0, 1e4, NULL},
+    {"media[].volume.extinction_color[]", "", 0, 1e3, color_note},
+    {"media[].volume.albedo[]", "", 0, 1, albedo_note},
+    {"media[].volume.asymmetry_g", "", -0.999, 0.999, g_note},
     {"media[].horizon.seed", "", 0, 1e9, NULL},
     {"media[].horizon.planet_radius_m", "m", 1e3, 1e8, NULL},
     {"media[].horizon.bottom_m", "m", -FAR_M, FAR_M, NULL},

@@ -116,6 +116,16 @@ struct neph_raw_grid {
     struct neph_raw_optics optics;
 };
 
+/* Voxels from a file, put in place by the block of them (nodes times spacing). */
+struct neph_raw_volume {
+    char *file, *grid;
+    double center_m[3];
+    double longest_side_m;
+    int *memory_limit_mib;
+    double extinction_per_m;
+    struct neph_raw_optics optics;
+};
+
 /* NULL: the article's value, neph_horizon_defaults(). */
 struct neph_raw_horizon {
     int *seed;
@@ -147,6 +157,7 @@ struct neph_raw_medium {
     struct neph_raw_gaussian *gaussian;
     struct neph_raw_shell *shell;
     struct neph_raw_grid *grid;
+    struct neph_raw_volume *volume;
     struct neph_raw_horizon *horizon;
 };
 

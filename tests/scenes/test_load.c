@@ -6,6 +6,7 @@
 #include "tests/neph_test.h"
 
 #include "base/files.h"
+#include "scenes/grid.h"
 #include "scenes/media.h"
 #include "scenes/scene.h"
 
@@ -118,6 +119,12 @@ static const struct row {
     {"grid: {size: [2, 1, 1], origin_m: [0, 0, 0], spacing_m: [1, 0, 1], values: [0, 1], " OPTICS
      "}",
      "spacing_m[1]"},
+    {"volume: {file: cloud.raw, center_m: [0, 0, 0], longest_side_m: 2, " OPTICS "}",
+     "must end in .vdb or .df3"},
+    {"volume: {file: x.vdb, center_m: [0, 0, 0], longest_side_m: 0, " OPTICS "}", "longest_side_m"},
+    {"volume: {file: x.vdb, center_m: [0, 0, 0], longest_side_m: 1, memory_limit_mib: 4096, " OPTICS
+     "}",
+     "memory_limit_mib"},
     {"horizon: {" OPTICS ", " BOUNDS "}", NULL},
     {"horizon: {seed: 7, coverage: 0.3, thickness_m: 900, wind_m: [1, 0, 2], " OPTICS ", " BOUNDS
      "}",
@@ -151,6 +158,72 @@ static void test_media_of_all_kinds(void **state)
         for (size_t k = 0; k < i; k++) /* what differs in the file differs in the frame */
             assert_string_not_equal(hashes[i], hashes[k]);
         neph_scene_destroy(scene);
+    }
+}
+
+/* 2 x 1 x 4 voxels of 8 bits, in the folder of the scene. */
+static const char df3[] = {0, 2, 0, 1, 0, 4, 0, 51, 102, (char)153, (char)204, (char)255, 0, 0};
+
+static enum neph_status load_volume(const char *file, struct neph_scene **scene,
+                                    struct neph_diag *diag)
+{
+    char folder[] = "/tmp/neph-load-XXXXXX";
+    assert_non_null(mkdtemp(folder));
+    char *scene_path = neph_path_join(folder, "probe.yaml");
+    char *volume_path = neph_path_join(folder, "voxels.df3");
+    char *text = neph_format("%s  - volume: {file: %s, center_m: [1, 2, 3], longest_side_m: 8, "
+                             "extinction_per_m: 2, albedo: [1, 1, 1]}\n",
+                             good, file);
+    assert_int_equal(neph_file_write(scene_path, text, strlen(text), NULL), NEPH_OK);
+    assert_int_equal(neph_file_write(volume_path, df3, sizeof(df3), NULL), NEPH_OK);
+    setenv("NEPH_TEST_VOLUMES", folder, 1);
+    const enum neph_status status = neph_scene_load(scene_path, scene, diag);
+    unsetenv("NEPH_TEST_VOLUMES");
+    free(text);
+    free(volume_path);
+    free(scene_path);
+    neph_dir_remove(folder, NULL);
+    return status;
+}
+
+static void test_volumes_are_read_and_put_in_place(void **state)
+{
+    (void)state;
+    static const char *const files[] = {"voxels.df3", "$NEPH_TEST_VOLUMES/voxels.df3"};
+    for (int i = 0; i < 2; i++) {
+        struct neph_diag diag = {.line = 0};
+        struct neph_scene *scene;
+        neph_assert_ok(load_volume(files[i], &scene, &diag), &diag);
+        const struct neph_grid *grid = scene->media[1].grid;
+        assert_true(grid->size[0] == 2 && grid->size[1] == 1 && grid->size[2] == 4);
+        /* The unit cube, so spacing 1/2, 1, 1/4: all sides are the longest. */
+        neph_assert_close(grid->spacing_m.x, 4.0, 1e-15, 0.0);
+        neph_assert_close(grid->spacing_m.y, 8.0, 1e-15, 0.0);
+        neph_assert_close(grid->spacing_m.z, 2.0, 1e-15, 0.0);
+        neph_assert_close(grid->origin_m.x, 1.0 - 2.0, 1e-15, 0.0);
+        neph_assert_close(grid->origin_m.y, 2.0, 1e-15, 0.0);
+        neph_assert_close(grid->origin_m.z, 3.0 - 3.0, 0.0, 1e-15);
+        neph_assert_close((double)grid->maximum, 1.0, 1e-6, 0.0);
+        neph_scene_destroy(scene);
+    }
+}
+
+static void test_volumes_that_are_not_there(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *file, *words;
+    } cases[] = {
+        {"other.df3", "other.df3"},
+        {"$NEPH_TEST_NOWHERE/voxels.df3", "NEPH_TEST_NOWHERE"},
+        {"/nowhere/voxels.vdb", "/nowhere/voxels.vdb"},
+    };
+    for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+        struct neph_diag diag = {.line = 0};
+        struct neph_scene *scene;
+        assert_int_equal(load_volume(cases[i].file, &scene, &diag), NEPH_ERR_NOT_FOUND);
+        assert_non_null(strstr(diag.message, cases[i].words));
+        assert_int_equal(diag.line, 12);
     }
 }
 
@@ -258,7 +331,13 @@ static void test_catalogue_loads_whole(void **state)
         char *path = neph_path_join(NEPH_SOURCE_DIR "/scenes/catalog", entry->d_name);
         struct neph_diag diag = {.line = 0};
         struct neph_scene *scene = NULL;
-        neph_assert_ok(neph_scene_load(path, &scene, &diag), &diag);
+        const enum neph_status status = neph_scene_load(path, &scene, &diag);
+        if (status == NEPH_ERR_NOT_FOUND && strstr(diag.message, "environment variable")) {
+            print_message("not loaded: %s\n", diag.message);
+            free(path);
+            continue;
+        }
+        neph_assert_ok(status, &diag);
         assert_true(scene->gate_count > 0);
         assert_true(strncmp(entry->d_name, scene->name, strlen(scene->name)) == 0);
         neph_scene_destroy(scene);
@@ -292,6 +371,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_what_is_wrong_is_named),
         cmocka_unit_test(test_media_of_all_kinds),
+        cmocka_unit_test(test_volumes_are_read_and_put_in_place),
+        cmocka_unit_test(test_volumes_that_are_not_there),
         cmocka_unit_test(test_defaults_and_units),
         cmocka_unit_test(test_hash_follows_the_physics),
         cmocka_unit_test(test_unreal_layers_are_mapped),
