@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 #include "scenes/build.h"
 
+#include "scenes/bake.h"
+
 #include <stdlib.h>
 #include <string.h>
 
-#define BAKE_RESOLUTION_DEFAULT 64
 #define RAD_PER_DEG (3.14159265358979323846 / 180.0)
 
 static struct neph_vec3 vec3(const double v[3])
@@ -221,7 +222,8 @@ enum neph_status neph_scene_build(const struct neph_raw_scene *raw, struct neph_
     const struct neph_raw_frames *frames = raw->frames;
     made->frame_count = frames && frames->count ? *frames->count : 1;
     made->frame_rate_hz = frames && frames->rate_hz ? *frames->rate_hz : 30;
-    made->bake_resolution = raw->bake_resolution ? *raw->bake_resolution : BAKE_RESOLUTION_DEFAULT;
+    made->bake_resolution = raw->bake_resolution ? *raw->bake_resolution
+                                                 : NEPH_BAKE_RESOLUTION_DEFAULT;
     made->exposure_ev = raw->display ? raw->display->exposure_ev : 0;
     build_light(raw, made);
     build_octaves(raw->octaves, made);

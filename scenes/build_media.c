@@ -5,6 +5,7 @@
 #include "scenes/build.h"
 
 #include "base/files.h"
+#include "scenes/bake.h"
 #include "scenes/grid.h"
 #include "scenes/horizon.h"
 #include "scenes/media.h"
@@ -183,20 +184,52 @@ static enum neph_status build_horizon(const struct neph_raw_horizon *raw,
         &medium->horizon, diag);
 }
 
+static const struct neph_raw_optics *optics_of(const struct neph_raw_medium *raw)
+{
+    return raw->homogeneous  ? &raw->homogeneous->optics
+           : raw->height_fog ? &raw->height_fog->optics
+           : raw->gaussian   ? &raw->gaussian->optics
+           : raw->shell      ? &raw->shell->optics
+           : raw->grid       ? &raw->grid->optics
+           : raw->volume     ? &raw->volume->optics
+                             : &raw->horizon->optics;
+}
+
+/* From here on the medium is its voxels, for all engines alike. */
+static enum neph_status make_voxels(struct neph_medium *medium, int nodes, struct neph_diag *diag)
+{
+    const struct neph_bounds box = neph_medium_support(medium);
+    struct neph_bake bake = {.grid = NULL};
+    enum neph_status status = neph_medium_bake(medium, &box, nodes, &bake, diag);
+    if (!status) {
+        const struct neph_medium voxels = neph_medium_from_bake(medium, &bake);
+        bake.grid = NULL; /* the medium has it */
+        neph_grid_destroy(medium->grid);
+        neph_horizon_destroy(medium->horizon);
+        *medium = voxels;
+        medium->horizon = NULL;
+    }
+    neph_bake_finish(&bake);
+    return status;
+}
+
 static enum neph_status build_medium(const struct neph_raw_medium *raw, const char *scene_path,
                                      struct neph_medium *medium, struct neph_diag *diag)
 {
+    const int *nodes = optics_of(raw)->voxels;
+    enum neph_status status = NEPH_OK;
     if (raw->volume)
-        return build_volume(raw->volume, scene_path, medium, diag);
-    if (raw->grid)
-        return build_grid(raw->grid, medium, diag);
-    if (raw->horizon)
-        return build_horizon(raw->horizon, medium, diag);
-    *medium = raw->homogeneous  ? build_homogeneous(raw->homogeneous)
-              : raw->height_fog ? build_height_fog(raw->height_fog)
-              : raw->gaussian   ? build_gaussian(raw->gaussian)
-                                : build_shell(raw->shell);
-    return NEPH_OK;
+        status = build_volume(raw->volume, scene_path, medium, diag);
+    else if (raw->grid)
+        status = build_grid(raw->grid, medium, diag);
+    else if (raw->horizon)
+        status = build_horizon(raw->horizon, medium, diag);
+    else
+        *medium = raw->homogeneous  ? build_homogeneous(raw->homogeneous)
+                  : raw->height_fog ? build_height_fog(raw->height_fog)
+                  : raw->gaussian   ? build_gaussian(raw->gaussian)
+                                    : build_shell(raw->shell);
+    return status || !nodes ? status : make_voxels(medium, *nodes, diag);
 }
 
 enum neph_status neph_build_media(const struct neph_raw_scene *raw, struct neph_document *document,

@@ -5,7 +5,7 @@
  */
 #include "scenes/schema.h"
 
-#include "scenes/grid.h"
+#include "scenes/bake.h"
 
 #include <stddef.h>
 #include <string.h>
@@ -153,7 +153,8 @@ static const cyaml_schema_value_t solid = {
     FIELD_VEC3_OPTIONAL("extinction_color", type, optics.extinction_color),                        \
         FIELD_VEC3("albedo", type, optics.albedo),                                                 \
         FIELD_WORD_OPTIONAL("phase", type, optics.phase, phase_words),                             \
-        FIELD_NUMBER_OPTIONAL("asymmetry_g", type, optics.asymmetry_g)
+        FIELD_NUMBER_OPTIONAL("asymmetry_g", type, optics.asymmetry_g),                            \
+        CYAML_FIELD_INT_PTR("voxels", CYAML_FLAG_OPTIONAL, type, optics.voxels)
 
 static const cyaml_schema_field_t homogeneous_fields[] = {
     FIELD_NUMBER("extinction_per_m", struct neph_raw_homogeneous, extinction_per_m),
@@ -341,6 +342,7 @@ static const cyaml_schema_value_t scene = {
 
 static const char albedo_note[] = "an albedo above 1 would make light out of nothing";
 static const char color_note[] = "extinction per channel, in parts of extinction_per_m";
+static const char voxels_note[] = "along the longest side of the grid that replaces the medium";
 static const char g_note[] = "beyond 0.999 the phase function is a spike that Cycles clamps";
 
 static const struct neph_field fields[] = {
@@ -376,6 +378,8 @@ static const struct neph_field fields[] = {
     {"solids[].fence.albedo[]", "", 0, 1, albedo_note},
     {"media[].homogeneous.extinction_per_m", "1/m", 0, 1e4, NULL},
     {"media[].homogeneous.albedo[]", "", 0, 1, albedo_note},
+    {"media[].homogeneous.voxels", "nodes", NEPH_BAKE_RESOLUTION_MIN, NEPH_GRID_SIDE_MAX,
+     voxels_note},
     {"media[].homogeneous.asymmetry_g", "", -0.999, 0.999, g_note},
     {"media[].homogeneous.bounds", "", 0, 0,
      "a homogeneous medium needs finite bounds: without them the sun, which is infinitely far "
@@ -390,6 +394,8 @@ static const struct neph_field fields[] = {
     {"media[].height_fog.unreal_layers[].fog_height_falloff", "(Unreal's UI value)", 0, 10, NULL},
     {"media[].height_fog.unreal_layers[].fog_height_m", "m", -1e5, 1e5, NULL},
     {"media[].height_fog.albedo[]", "", 0, 1, albedo_note},
+    {"media[].height_fog.voxels", "nodes", NEPH_BAKE_RESOLUTION_MIN, NEPH_GRID_SIDE_MAX,
+     voxels_note},
     {"media[].height_fog.asymmetry_g", "", -0.999, 0.999, g_note},
     {"media[].height_fog.bounds.min_m[]", "m", -FAR_M, FAR_M, NULL},
     {"media[].height_fog.bounds.max_m[]", "m", -FAR_M, FAR_M, NULL},
@@ -400,6 +406,7 @@ static const struct neph_field fields[] = {
     {"media[].gaussian.extinction_per_m", "1/m", 0, 1e4, NULL},
     {"media[].gaussian.extinction_color[]", "", 0, 1e3, color_note},
     {"media[].gaussian.albedo[]", "", 0, 1, albedo_note},
+    {"media[].gaussian.voxels", "nodes", NEPH_BAKE_RESOLUTION_MIN, NEPH_GRID_SIDE_MAX, voxels_note},
     {"media[].gaussian.asymmetry_g", "", -0.999, 0.999, g_note},
     {"media[].gaussian.bounds.min_m[]", "m", -FAR_M, FAR_M, NULL},
     {"media[].gaussian.bounds.max_m[]", "m", -FAR_M, FAR_M, NULL},
@@ -409,6 +416,7 @@ static const struct neph_field fields[] = {
     {"media[].shell.extinction_per_m", "1/m", 0, 1e4, NULL},
     {"media[].shell.extinction_color[]", "", 0, 1e3, color_note},
     {"media[].shell.albedo[]", "", 0, 1, albedo_note},
+    {"media[].shell.voxels", "nodes", NEPH_BAKE_RESOLUTION_MIN, NEPH_GRID_SIDE_MAX, voxels_note},
     {"media[].shell.asymmetry_g", "", -0.999, 0.999, g_note},
     {"media[].shell.bounds", "", 0, 0,
      "an atmosphere needs finite bounds: trackers and other engines must know where it ends"},
@@ -421,6 +429,7 @@ static const struct neph_field fields[] = {
     {"media[].grid.extinction_per_m", "1/m", 0, 1e4, NULL},
     {"media[].grid.extinction_color[]", "", 0, 1e3, color_note},
     {"media[].grid.albedo[]", "", 0, 1, albedo_note},
+    {"media[].grid.voxels", "nodes", NEPH_BAKE_RESOLUTION_MIN, NEPH_GRID_SIDE_MAX, voxels_note},
     {"media[].grid.asymmetry_g", "", -0.999, 0.999, g_note},
     {"media[].volume.center_m[]", "m", -FAR_M, FAR_M, NULL},
     {"media[].volume.longest_side_m", "m", 1e-3, FAR_M, NULL},
@@ -429,6 +438,7 @@ static const struct neph_field fields[] = {
     {"media[].volume.extinction_per_m", "1/m", 0, 1e4, NULL},
     {"media[].volume.extinction_color[]", "", 0, 1e3, color_note},
     {"media[].volume.albedo[]", "", 0, 1, albedo_note},
+    {"media[].volume.voxels", "nodes", NEPH_BAKE_RESOLUTION_MIN, NEPH_GRID_SIDE_MAX, voxels_note},
     {"media[].volume.asymmetry_g", "", -0.999, 0.999, g_note},
     {"media[].horizon.seed", "", 0, 1e9, NULL},
     {"media[].horizon.planet_radius_m", "m", 1e3, 1e8, NULL},
@@ -443,12 +453,13 @@ static const struct neph_field fields[] = {
     {"media[].horizon.extinction_per_m", "1/m", 0, 1e4, NULL},
     {"media[].horizon.extinction_color[]", "", 0, 1e3, color_note},
     {"media[].horizon.albedo[]", "", 0, 1, albedo_note},
+    {"media[].horizon.voxels", "nodes", NEPH_BAKE_RESOLUTION_MIN, NEPH_GRID_SIDE_MAX, voxels_note},
     {"media[].horizon.asymmetry_g", "", -0.999, 0.999, g_note},
     {"media[].horizon.bounds", "", 0, 0,
      "a cloud layer needs finite bounds: trackers and other engines must know where it ends"},
     {"media[].horizon.bounds.min_m[]", "m", -FAR_M, FAR_M, NULL},
     {"media[].horizon.bounds.max_m[]", "m", -FAR_M, FAR_M, NULL},
-    {"bake_resolution", "nodes", 2, NEPH_GRID_SIDE_MAX,
+    {"bake_resolution", "nodes", NEPH_BAKE_RESOLUTION_MIN, NEPH_GRID_SIDE_MAX,
      "of the grid that engines without formulas get, along its longest side"},
     {"octaves.count", "", 1, 16, NULL},
     {"octaves.contribution", "", 0, 1, NULL},

@@ -85,6 +85,7 @@ struct neph_raw_optics {
     double albedo[3];
     enum neph_phase_kind *phase;
     double *asymmetry_g;
+    int *voxels; /* nodes along the longest side; the medium is baked to a grid for all engines */
 };
 
 struct neph_raw_homogeneous {

@@ -125,6 +125,11 @@ static const struct row {
     {"volume: {file: x.vdb, center_m: [0, 0, 0], longest_side_m: 1, memory_limit_mib: 4096, " OPTICS
      "}",
      "memory_limit_mib"},
+    {"gaussian: {center_m: [0, 1, 0], width_m: 0.5, voxels: 9, " OPTICS ", " BOUNDS "}", NULL},
+    {"gaussian: {center_m: [0, 1, 0], width_m: 0.5, voxels: 1, " OPTICS ", " BOUNDS "}", "voxels"},
+    {"height_fog: {voxels: 8, layers: [{extinction_per_m: 1, falloff_per_m: 1, height_m: 0}], "
+     "albedo: [1, 1, 1]}",
+     "no end"},
     {"horizon: {" OPTICS ", " BOUNDS "}", NULL},
     {"horizon: {seed: 7, coverage: 0.3, thickness_m: 900, wind_m: [1, 0, 2], " OPTICS ", " BOUNDS
      "}",
