@@ -74,6 +74,8 @@ static error_t parse(int key, char *argument, struct argp_state *state)
         request->suite = argument;
         return 0;
     case KEY_CHECK:
+        if (argument[0] == '\0')
+            argp_error(state, "--check needs a part of the name of a check or rung");
         request->check = argument;
         return 0;
     case KEY_SAMPLES:
@@ -95,6 +97,15 @@ static error_t parse(int key, char *argument, struct argp_state *state)
         if (request->scene_count == LIST_MAX)
             argp_error(state, "more than %d scenes", LIST_MAX);
         request->scenes[request->scene_count++] = argument;
+        return 0;
+    case ARGP_KEY_END:
+        if (strcmp(request->suite, "physics") != 0 && (request->check || request->samples))
+            argp_error(state, "--check and --samples belong to --suite physics");
+        if (strcmp(request->suite, "physics") == 0 && request->scene_count > 0)
+            argp_error(state,
+                       "the physics suite makes its own scenes; '%s' cannot be given, "
+                       "--check chooses among them",
+                       request->scenes[0]);
         return 0;
     }
     return ARGP_ERR_UNKNOWN;
@@ -123,8 +134,8 @@ static enum neph_status run_physics(const struct request *request, int time_limi
                                     struct neph_diag *diag)
 {
     int samples = 0;
-    enum neph_status status = neph_cli_parse_int("samples", request->samples, 2, 1000000, &samples,
-                                                 diag);
+    enum neph_status status = neph_cli_parse_int(
+        "samples", request->samples ? request->samples : "256", 2, 1000000, &samples, diag);
     if (status)
         return status;
     const struct neph_physics_params params = {.engines = request->engines,
@@ -217,11 +228,8 @@ static enum neph_status run(const struct request *request, const char *const *sc
 
 enum neph_status neph_cli_validate(int argc, char **argv, struct neph_diag *diag)
 {
-    struct request request = {.output = "out",
-                              .size = "192x108",
-                              .time_limit = "300",
-                              .suite = "catalog",
-                              .samples = "256"};
+    struct request request = {
+        .output = "out", .size = "192x108", .time_limit = "300", .suite = "catalog"};
     argp_parse(&argp, argc, argv, 0, NULL, &request);
     if (request.scene_count > 0)
         return run(&request, request.scenes, request.scene_count, diag);

@@ -428,6 +428,21 @@ static bool is_chosen(const struct neph_physics_params *params, int index)
     return !params->only || strstr(check.name, params->only) || strstr(check.rung, params->only);
 }
 
+static enum neph_status refuse_check(const char *text, struct neph_diag *diag)
+{
+    char names[256] = "";
+    json_t *rungs = rungs_json();
+    for (size_t i = 0; i < json_array_size(rungs); i++) {
+        const size_t length = strlen(names);
+        snprintf(names + length, sizeof(names) - length, "%s%s", i > 0 ? ", " : "",
+                 json_string_value(json_object_get(json_array_get(rungs, i), "name")));
+    }
+    json_decref(rungs);
+    neph_fail(diag, NEPH_ERR_USAGE, "no check of the physics suite has '%s' in its name", text);
+    neph_hint(diag, "the rungs are %s; a run without --check shows all names", names);
+    return NEPH_ERR_USAGE;
+}
+
 static enum neph_status run_check(const struct neph_physics_params *params, int index,
                                   const struct entrant *entrants, int entrant_count,
                                   struct neph_store *store, struct neph_progress *progress,
@@ -487,8 +502,7 @@ enum neph_status neph_physics_run(const struct neph_physics_params *params,
     for (int i = 0; i < neph_check_count(); i++)
         check_count += is_chosen(params, i);
     if (!status && check_count == 0)
-        return neph_fail(diag, NEPH_ERR_USAGE, "no check of the physics suite is called '%s'",
-                         params->only);
+        return refuse_check(params->only, diag);
     struct neph_progress progress = neph_progress_start(params->quiet, check_count * entrant_count);
     json_t *checks = json_array(), *rows = json_array();
     for (int i = 0; i < neph_check_count() && !status; i++)

@@ -49,6 +49,11 @@
     fail: ["✗ fail", "fail-word"],
     not_measured: ["○ not measured", "open-word"],
   };
+  const BAKED = {
+    grid: "grid", extinction_rms_relative: "RMS error ÷ RMS of the extinction", extinction_max_relative: "largest error ÷ largest extinction",
+    optical_depth_rms: "optical depth of random chords, RMS error", optical_depth_max: "largest error", optical_depth_mean: "mean error",
+    transmittance_max: "transmittance of the chords, largest error",
+  };
   // What a participant of the physics suite made of a check.
   const FINDINGS = {
     agrees: ["✓ agrees", "pass-word"],
@@ -737,13 +742,13 @@
     ];
   }
 
-  const spoken = (key) => String(key).replace(/_/g, " ");
+  const spoken = (key) => BAKED[key] ?? String(key).replace(/_/g, " ");
 
   /** Any value of the data in words: numbers keep their place, the rest is text. */
   function told(path, value) {
     if (typeof value === "number") return number(path);
     if (Array.isArray(value)) return value.map((item, n) => [n > 0 && " × ", told(`${path}/${n}`, item)]);
-    if (typeof value === "object" && value !== null) return Object.entries(value).map(([key, item], n) => [n > 0 && ", ", spoken(key), " ", told(`${path}/${key}`, item)]);
+    if (typeof value === "object" && value !== null) return Object.entries(value).map(([key, item], n) => [n > 0 && "; ", spoken(key), " ", told(`${path}/${key}`, item)]);
     return value === true ? "yes" : value === false ? "no" : value ?? absent();
   }
 
@@ -904,7 +909,7 @@
     return scrolling(`Check ${check.name}`, el("table", { class: "wide" },
       el("thead", {}, el("tr", {}, el("th", { scope: "col" }, "Participant"), el("th", { scope: "col" }, "Finding"),
         [["Difference", "% [interval]"]].map(([name, unit]) => el("th", { scope: "col", class: "num" }, name, el("small", {}, unit))), axisHead(),
-        [["Error", "%: one σ, or step"], ["z", "of pixels: mean, variance"], ["Wall", "s"]].map(([name, unit]) => el("th", { scope: "col", class: "num" }, name, el("small", {}, unit))),
+        [["Error", "%: one σ, or step"], ["z", "pixels: mean, var."]].map(([name, unit]) => el("th", { scope: "col", class: "num" }, name, el("small", {}, unit))),
         el("th", { scope: "col" }, "In words"))),
       el("tbody", {}, own.map((r) => checkRow(r)))));
   }
@@ -924,8 +929,7 @@
         there && typeof row.rounding === "number" && el("small", {}, "rounding ", percent(`${path}/rounding`, { signed: false, exact: true }))),
       el("td", { class: "num" }, number(`${path}/z`, { signed: true }),
         typeof row.pixel_z_mean === "number" && el("small", {}, number(`${path}/pixel_z_mean`, { signed: true }), ", ", number(`${path}/pixel_z_variance`))),
-      el("td", { class: "num" }, number(`${path}/wall_s`)),
-      el("td", { class: "words" }, rowWords(row), row.settings && el("div", { class: "small soft" }, row.settings)));
+      el("td", { class: "words" }, rowWords(row), el("div", { class: "small soft" }, row.settings && `${row.settings} · `, number(`${path}/wall_s`, { unit: "s" }))));
   }
 
   function rowWords(row) {

@@ -1,0 +1,152 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""The physics suite and the step study, run as a user would, with few samples: results, exit codes,
+pictures, the page in a browser, and what a wrong command is told."""
+import json
+import os
+import pathlib
+import shutil
+import struct
+import subprocess
+import tempfile
+import unittest
+
+NEPH = os.environ["NEPH"]
+ROOT = pathlib.Path(os.environ["NEPH_SOURCE_DIR"])
+OURS = ["-e", "exact", "-e", "oracle", "-e", "tracer", "-e", "march"]
+SUITE = ["validate", "--suite", "physics", "-q", "--samples", "4"]
+
+
+def neph(*arguments):
+    return subprocess.run([NEPH, *map(str, arguments)], capture_output=True, text=True, timeout=60,
+                          env={**os.environ, "NEPH_VULKAN_VALIDATION": "1"})
+
+
+def png_size_px(path):
+    return list(struct.unpack(">II", path.read_bytes()[16:24]))
+
+
+class Furnace(unittest.TestCase):
+    """One run of the cheapest rung, looked at from all sides."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.temporary = tempfile.TemporaryDirectory()
+        cls.folder = pathlib.Path(cls.temporary.name)
+        cls.done = neph(*SUITE, *OURS, "--check", "furnace", "-o", cls.folder, "--json")
+        cls.physics = json.loads(cls.done.stdout)["physics"] if cls.done.returncode in (0, 1) else None
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.temporary.cleanup()
+
+    def rows(self, participant):
+        return [row for row in self.physics["rows"] if row["participant"] == participant]
+
+    def test_our_truth_holds_and_the_run_says_so(self):
+        self.assertEqual(self.done.returncode, 0, self.done.stderr)
+        self.assertEqual(self.physics["verdict"], "pass")
+        self.assertEqual({row["verdict"] for row in self.rows("exact") + self.rows("oracle")}, {"agrees"})
+
+    def test_a_single_scattering_march_is_off_and_the_cause_is_named(self):
+        for row in self.rows("march"):
+            self.assertEqual((row["verdict"], row["lowered"]), ("off", True))
+            self.assertLess(row["deviation"], -0.01)  # light that is not scattered in again is missing
+            self.assertIn("single scattering", row["cause"])
+            self.assertIn(row["cause"], row["sentence"])
+
+    def test_intervals_hold_zero_exactly_where_the_verdict_agrees(self):
+        measured = [row for row in self.physics["rows"] if row["deviation"] is not None]
+        self.assertEqual(self.physics["tests"], len(measured))
+        for row in measured:
+            low, high = row["interval"]
+            self.assertLessEqual(low, row["deviation"])
+            self.assertGreaterEqual(high, row["deviation"])
+            self.assertEqual(low <= 0.0 <= high, row["verdict"] == "agrees", row)
+
+    def test_what_was_not_measured_says_why(self):
+        for row in self.physics["rows"]:
+            if row["deviation"] is None:
+                self.assertEqual((row["verdict"], row["pictures"]), ("not_measured", []))
+                self.assertNotEqual(row["reason"], "")
+
+    def test_every_view_of_every_check_can_be_looked_at(self):
+        report = self.folder / "report"
+        for check in self.physics["checks"]:
+            self.assertIn("optical depth", check["what"])
+            rows = [row for row in self.physics["rows"] if row["check"] == check["name"] and row["deviation"] is not None]
+            self.assertGreaterEqual(len(rows), 3, check["name"])
+            for v, view in enumerate(check["views"]):
+                self.assertNotIn("truth", view)  # drawn, not carried along
+                for path in [view["picture"], *(row[kind][v] for row in rows for kind in ("pictures", "differences"))]:
+                    self.assertEqual(png_size_px(report / path), view["size_px"], path)
+
+    @unittest.skipUnless(shutil.which("chromium"), "chromium is not installed: the page is not looked at")
+    def test_the_page_holds_in_a_browser(self):
+        checked = subprocess.run(["node", ROOT / "scripts/report/check_report.mjs", "--quick", self.folder / "report"],
+                                 capture_output=True, text=True, timeout=300)
+        self.assertEqual(checked.returncode, 0, checked.stdout + checked.stderr)
+
+
+class OtherRuns(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+
+    def test_a_check_of_several_views_shows_them_all(self):
+        done = neph(*SUITE, "-e", "oracle", "--check", "reciprocity", "-o", self.folder, "--json")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        physics = json.loads(done.stdout)["physics"]
+        self.assertEqual([len(check["views"]) for check in physics["checks"]], [2])
+        self.assertEqual([len(row["pictures"]) for row in physics["rows"]], [2])
+        self.assertEqual(len(set(physics["rows"][0]["pictures"])), 2)
+
+    def test_the_table_for_people_names_check_participant_and_verdict(self):
+        done = neph(*SUITE, "-e", "exact", "--check", "furnace_box_4", "-o", self.folder)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        line = next(line for line in done.stdout.splitlines() if line.startswith("furnace_box_4"))
+        self.assertEqual([line.split()[k] for k in (1, 2, -1)], ["exact", "rendered", "agrees"])
+        self.assertIn("verdict: pass", done.stdout)
+
+    def test_a_study_of_march_finds_its_second_order(self):
+        done = neph("study", "march", "height_fog_up", "--size", "32x18", "--json", "-o", self.folder)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        study = json.loads(done.stdout)
+        # 5 % of the order: the levels are far from the limit of small steps by no more than that.
+        self.assertAlmostEqual(study["observed_order"], 2.0, delta=0.1)
+        biases = [abs(level["bias"]) for level in study["levels"]]
+        self.assertEqual(biases, sorted(biases, reverse=True))
+        chosen = study["levels"][study["chosen"]]
+        self.assertTrue(study["within_tolerance"])
+        self.assertLessEqual(abs(chosen["bias"]) + 2 * chosen["bias_noise"], study["tolerance"])
+
+    def test_wrong_commands_are_usage_errors_that_say_what_is_wrong(self):
+        suite = ["validate", "--suite", "physics", "-e", "exact", "-q", "-o", self.folder]
+        for arguments, told in [
+            ([*suite, "--check", "perpetuum"], ["perpetuum", "furnace"]),
+            ([*suite, "--check", ""], ["--check"]),
+            ([*suite, "-e", "magic"], ["magic", "neph engines"]),
+            ([*suite, "--samples", "-4"], ["-4", "2"]),
+            ([*suite, "--samples", "1"], ["samples", "2"]),
+            ([*suite, "--samples", "many"], ["many"]),
+            ([*suite, "height_fog_up"], ["height_fog_up", "--check"]),
+            (["validate", "--suite", "metaphysics"], ["metaphysics", "catalog", "physics"]),
+            (["validate", "--check", "furnace", "-o", self.folder], ["--suite physics"]),
+            (["validate", "--samples", "4", "-o", self.folder], ["--suite physics"]),
+            (["study", "magic", "height_fog_up", "-o", self.folder], ["magic", "cycles"]),
+            (["study", "exact", "height_fog_up", "-o", self.folder], ["exact", "no step"]),
+            (["study", "march"], ["scene"]),
+        ]:
+            with self.subTest(arguments=[str(a) for a in arguments]):
+                done = neph(*arguments)
+                self.assertEqual(done.returncode, 64, done.stdout + done.stderr)
+                self.assertEqual(done.stdout, "")
+                for word in told:
+                    self.assertIn(word, done.stderr)
+        done = neph("study", "march", "no_such_scene", "-o", self.folder)
+        self.assertEqual((done.returncode, "neph scenes" in done.stderr), (66, True), done.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
