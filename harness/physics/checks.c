@@ -25,13 +25,14 @@ enum observable {
     LOOK_UP,      /* one frame from below */
     CONSERVATION, /* the hemispheres above and below a slab, by the faces of a cube */
     RECIPROCITY,  /* camera and sun exchanged */
+    NADIR,        /* one frame from high above, as wide as half a period of the step cloud */
 };
 
 struct rung {
     const char *name, *title;
 };
 
-enum { FURNACE, SINGLE, MULTIPLE, FOG, HALF_SPACE, CONSERVED, RECIPROCAL };
+enum { FURNACE, SINGLE, MULTIPLE, FOG, HALF_SPACE, CONSERVED, RECIPROCAL, COLUMNS };
 static const struct rung rungs[] = {
     [FURNACE] = {"furnace", "white furnace: albedo 1 in a uniform surround vanishes"},
     [SINGLE] = {"single", "single scattering against closed forms and quadrature"},
@@ -40,6 +41,7 @@ static const struct rung rungs[] = {
     [HALF_SPACE] = {"half-space", "thick isotropic slab: Chandrasekhar's half-space"},
     [CONSERVED] = {"conservation", "R + T + direct = 1 for conservative slabs"},
     [RECIPROCAL] = {"reciprocity", "sun and camera exchanged"},
+    [COLUMNS] = {"step-cloud", "the I3RC step cloud: light through the sides of its columns"},
 };
 
 struct row {
@@ -64,6 +66,7 @@ static const struct row rows[] = {
     {"single_fog_2", SINGLE, LOOK_DOWN, NEPH_STAGE_FOG, 2.0, 0.9, HG(0.6), 0.5},
     {"single_gaussian_5", SINGLE, LOOK_DOWN, NEPH_STAGE_GAUSSIAN, 5.0, 1.0, HG(0.6), 0.7},
     {"single_grid_5", SINGLE, LOOK_UP, NEPH_STAGE_GRID, 5.0, 1.0, ISO, 0.7},
+    {"single_slab_spike", SINGLE, LOOK_UP, NEPH_STAGE_SLAB, 1.0, 1.0, HG(0.999), 0.7},
     {"slab_iso_thin", MULTIPLE, LOOK_DOWN, NEPH_STAGE_SLAB, 0.1, 1.0, ISO, 0.7},
     {"slab_iso_1", MULTIPLE, LOOK_DOWN, NEPH_STAGE_SLAB, 1.0, 1.0, ISO, 0.7},
     {"slab_iso_4", MULTIPLE, LOOK_UP, NEPH_STAGE_SLAB, 4.0, 0.9, ISO, 0.7},
@@ -78,6 +81,9 @@ static const struct row rows[] = {
     {"half_space_90", HALF_SPACE, LOOK_DOWN, NEPH_STAGE_SLAB, 100.0, 0.9, ISO, 0.7},
     {"conservation_4", CONSERVED, CONSERVATION, NEPH_STAGE_SLAB, 4.0, 1.0, HG(0.7), 0.7},
     {"reciprocity_4", RECIPROCAL, RECIPROCITY, NEPH_STAGE_SLAB, 4.0, 1.0, HG(0.7), 0.7},
+    {"step_cloud_thin_0", COLUMNS, NADIR, NEPH_STAGE_STEP_CLOUD, 2.0, 1.0, HG(0.85), 1.0},
+    {"step_cloud_thick_60", COLUMNS, NADIR, NEPH_STAGE_STEP_CLOUD, 18.0, 1.0, HG(0.85), 0.5},
+    {"step_cloud_thick_60_99", COLUMNS, NADIR, NEPH_STAGE_STEP_CLOUD, 18.0, 0.99, HG(0.85), 0.5},
 };
 
 int neph_check_count(void)
@@ -87,9 +93,10 @@ int neph_check_count(void)
 
 static enum neph_stage_truth truth_of(const struct row *row)
 {
-    return row->rung == FURNACE  ? NEPH_STAGE_TRUTH_FURNACE
-           : row->rung == SINGLE ? NEPH_STAGE_TRUTH_RAY
-                                 : NEPH_STAGE_TRUTH_SLAB;
+    return row->rung == FURNACE   ? NEPH_STAGE_TRUTH_FURNACE
+           : row->rung == SINGLE  ? NEPH_STAGE_TRUTH_RAY
+           : row->rung == COLUMNS ? NEPH_STAGE_TRUTH_COLUMNS
+                                  : NEPH_STAGE_TRUTH_SLAB;
 }
 
 /* A frame 40 degrees high, half-way between the sun's side and across it. */
@@ -136,6 +143,17 @@ static void add_hemisphere(const struct row *row, struct neph_check *check, doub
     }
 }
 
+/* Four rays to a column. */
+static void add_nadir(const struct row *row, struct neph_check *check)
+{
+    struct neph_view view = look(row, check->name, -90.0 * DEG);
+    view.width_px = 64;
+    view.height_px = 4;
+    view.stage.aspect = 16.0;
+    view.stage.vertical_fov_rad = 2.0 * atan(NEPH_STAGE_COLUMNS_TANGENT / view.stage.aspect);
+    check->views[check->view_count++] = view;
+}
+
 /* Two narrow frames, one with the cosines of sun and camera exchanged. */
 static void add_reciprocal(const struct row *row, struct neph_check *check)
 {
@@ -166,12 +184,14 @@ static void describe(const struct row *row, char *text, size_t size)
         [NEPH_STAGE_BOX] = "a homogeneous cube",
         [NEPH_STAGE_GAUSSIAN] = "a Gaussian blob",
         [NEPH_STAGE_GRID] = "a cube of 4 x 4 x 4 uneven voxels",
+        [NEPH_STAGE_STEP_CLOUD] = "columns of optical depth 2 and 18 in turn, 8 km of each",
     };
     static const char *const observables[] = {
         [LOOK_DOWN] = "seen from above",
         [LOOK_UP] = "seen from below",
         [CONSERVATION] =
             "all light that leaves it, above and below, by the faces of two half cubes",
+        [NADIR] = "from high above, straight down on 8 km of the depth named",
         [RECIPROCITY] = "two narrow views, one with the places of camera and sun exchanged",
     };
     char phase[64], light[64] = "lit evenly from all sides";
@@ -205,6 +225,9 @@ void neph_check_get(int index, struct neph_check *check)
         break;
     case RECIPROCITY:
         add_reciprocal(row, check);
+        break;
+    case NADIR:
+        add_nadir(row, check);
         break;
     }
 }

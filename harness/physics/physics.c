@@ -24,6 +24,7 @@ struct seen {
     struct neph_stage *stage;
     int pixel_count;
     double truth[PIXELS_MAX], weight[PIXELS_MAX];
+    double truth_error; /* relative, of the mean; 0: exact */
 };
 
 struct scenery {
@@ -51,6 +52,7 @@ static enum neph_status see(const struct neph_view *view, struct seen *seen, str
     enum neph_status status = neph_stage_create(&view->stage, &seen->stage, diag);
     if (status)
         return status;
+    seen->truth_error = neph_stage_truth_error(seen->stage);
     const struct neph_camera camera = neph_scene_camera(&seen->stage->scene, 0.0);
     for (int p = 0; p < seen->pixel_count; p++) {
         const struct neph_vec3 ray = neph_camera_ray(&camera, view->width_px, view->height_px,
@@ -150,7 +152,7 @@ static void add_pixel_scores(const struct seen *seen, const struct neph_image *f
 {
     const float *variance = neph_image_channel(frame, "variance.G");
     float truth[PIXELS_MAX];
-    if (!variance || seen->view->weight != NEPH_VIEW_MEAN)
+    if (!variance || seen->view->weight != NEPH_VIEW_MEAN || seen->truth_error > 0.0)
         return;
     for (int p = 0; p < seen->pixel_count; p++)
         truth[p] = (float)seen->truth[p];
@@ -165,11 +167,12 @@ static void add_view(const struct seen *seen, struct neph_image *const frames[2]
     const float *va = neph_image_channel(frames[0], "variance.G");
     const float *vb = neph_image_channel(frames[1], "variance.G");
     const double factor = seen->view->factor;
+    double truth = 0.0;
     for (int p = 0; p < seen->pixel_count; p++) {
         const double weight = factor * seen->weight[p];
         if (weight == 0.0)
             continue;
-        sums->truth += fabs(weight) * seen->truth[p];
+        truth += fabs(weight) * seen->truth[p];
         sums->deviation[0] += weight * ((double)a[p] - seen->truth[p]);
         sums->deviation[1] += weight * ((double)b[p] - seen->truth[p]);
         const double difference = (double)a[p] - (double)b[p];
@@ -177,6 +180,8 @@ static void add_view(const struct seen *seen, struct neph_image *const frames[2]
                                          : 0.25 * difference * difference;
         sums->variance += stochastic ? weight * weight * variance : 0.0;
     }
+    sums->truth += truth;
+    sums->variance += stochastic ? pow(truth * seen->truth_error, 2.0) : 0.0;
     add_pixel_scores(seen, frames[0], sums);
 }
 

@@ -14,6 +14,14 @@ static const double fog_falloff_per_m = 0.1;
 static const double fog_camera_m = 300.0;
 static const double blob_width_m = 1.5;
 
+/* The step cloud of truth/step_cloud.h, seen from so high that all rays are vertical to 0.6 degrees
+ * at the edges, which by symmetry about the middle costs 1e-4. */
+static const double columns_camera_m = 4e5;
+static const double column_m = 500.0;
+static const double cloud_m = 250.0;
+static const double column_depths[2] = {2.0, 18.0};
+static const int64_t column_photons = 4000000;
+
 static struct neph_vec3 polar(double azimuth_rad, double elevation_rad)
 {
     return (struct neph_vec3){cos(elevation_rad) * cos(azimuth_rad), sin(elevation_rad),
@@ -37,6 +45,14 @@ static void place_camera(struct neph_stage *stage)
     const struct neph_vec3 view = polar(params->view_azimuth_rad, params->view_elevation_rad);
     const bool down = params->view_elevation_rad < 0.0;
     struct neph_vec3 eye_m = {0.0, down ? 2.0 * slab_m : -slab_m, 0.0};
+    if (params->medium == NEPH_STAGE_STEP_CLOUD) {
+        const bool thick = params->optical_depth == column_depths[1];
+        eye_m = (struct neph_vec3){(thick ? 12.0 : 4.0) * 1000.0, columns_camera_m, 0.0};
+        stage->key = (struct neph_camera_key){
+            0.0, eye_m, neph_vec3_along(eye_m, (struct neph_vec3){0, -1, 0}, columns_camera_m)};
+        stage->scene.camera_up = (struct neph_vec3){0, 0, -1};
+        return;
+    }
     if (params->medium == NEPH_STAGE_FOG)
         eye_m.y = fog_camera_m;
     else if (params->medium != NEPH_STAGE_SLAB)
@@ -78,6 +94,22 @@ static enum neph_status fill_grid(struct neph_stage *stage, struct neph_diag *di
     for (int i = 0; i < SIDE * SIDE * SIDE; i++)
         stage->grid->values[i] = (float)((i * 37 + 11) % 64) / 64.0f;
     return neph_grid_seal(stage->grid, diag);
+}
+
+/* Thin and thick in turn, from x = -16 km; the middle period is 0 to 16 km. */
+static void place_columns(struct neph_stage *stage)
+{
+    struct neph_scene *scene = &stage->scene;
+    const struct neph_medium first = scene->media[0];
+    const double half_m = 0.5 * NEPH_STAGE_COLUMNS * column_m;
+    scene->medium_count = 6;
+    for (int i = 0; i < scene->medium_count; i++) {
+        const double low_m = (i - 2) * half_m;
+        scene->media[i] = first;
+        scene->media[i].bounds = (struct neph_bounds){{low_m, 0.0, -wide_m},
+                                                      {low_m + half_m, cloud_m, wide_m}};
+        scene->media[i].layers[0].extinction_per_m = column_depths[i % 2] / cloud_m;
+    }
 }
 
 static enum neph_status place_medium(struct neph_stage *stage, struct neph_diag *diag)
@@ -124,6 +156,9 @@ static enum neph_status place_medium(struct neph_stage *stage, struct neph_diag 
             return NEPH_ERR_MEMORY;
         medium->grid = stage->grid;
         break;
+    case NEPH_STAGE_STEP_CLOUD:
+        place_columns(stage);
+        break;
     }
     return NEPH_OK;
 }
@@ -166,6 +201,31 @@ static enum neph_status solve_slab(struct neph_stage *stage, struct neph_diag *d
                             &stage->slab, diag);
 }
 
+/* The stage's sun stands at +x, and so its light travels to -x: the mirror image of step_cloud.h.
+ * Thin columns come first here as well, so there they come last. */
+static enum neph_status solve_columns(struct neph_stage *stage, struct neph_diag *diag)
+{
+    double depths[NEPH_STAGE_COLUMNS];
+    struct neph_estimate mirrored[NEPH_STAGE_COLUMNS];
+    struct neph_step_cloud_fluxes fluxes;
+    for (int i = 0; i < NEPH_STAGE_COLUMNS; i++)
+        depths[i] = column_depths[i < NEPH_STAGE_COLUMNS / 2];
+    const enum neph_status status = neph_step_cloud_solve(
+        &(struct neph_step_cloud_params){.column_count = NEPH_STAGE_COLUMNS,
+                                         .optical_depths = depths,
+                                         .column_width_m = column_m,
+                                         .thickness_m = cloud_m,
+                                         .albedo = stage->params.albedo,
+                                         .phase = stage->params.phase,
+                                         .sun_cosine = stage->params.sun_cosine,
+                                         .seed = 1,
+                                         .photons = column_photons},
+        &fluxes, mirrored, diag);
+    for (int i = 0; i < NEPH_STAGE_COLUMNS && !status; i++)
+        stage->columns[i] = mirrored[NEPH_STAGE_COLUMNS - 1 - i];
+    return status;
+}
+
 enum neph_status neph_stage_create(const struct neph_stage_params *params,
                                    struct neph_stage **stage, struct neph_diag *diag)
 {
@@ -190,6 +250,8 @@ enum neph_status neph_stage_create(const struct neph_stage_params *params,
         status = neph_scene_hash(scene, diag);
     if (!status && params->truth == NEPH_STAGE_TRUTH_SLAB)
         status = solve_slab(made, diag);
+    if (!status && params->truth == NEPH_STAGE_TRUTH_COLUMNS)
+        status = solve_columns(made, diag);
     if (status)
         neph_stage_destroy(made);
     else
@@ -230,6 +292,28 @@ static double slab_radiance(const struct neph_stage *stage, struct neph_vec3 dir
     return sum / weights * NEPH_STAGE_IRRADIANCE_W_PER_M2;
 }
 
+static double column_radiance(const struct neph_stage *stage, struct neph_vec3 direction)
+{
+    const struct neph_vec3 eye_m = stage->key.position_m;
+    const double x_m = eye_m.x + (eye_m.y - cloud_m) * direction.x / -direction.y;
+    const int column = (int)fmin(NEPH_STAGE_COLUMNS - 1, fmax(0.0, floor(x_m / column_m)));
+    return stage->columns[column].mean * NEPH_STAGE_IRRADIANCE_W_PER_M2;
+}
+
+double neph_stage_truth_error(const struct neph_stage *stage)
+{
+    const int half = NEPH_STAGE_COLUMNS / 2;
+    const int first = stage->params.optical_depth == column_depths[1] ? half : 0;
+    double sum = 0.0, variance = 0.0;
+    if (stage->params.truth != NEPH_STAGE_TRUTH_COLUMNS)
+        return 0.0;
+    for (int i = first; i < first + half; i++) {
+        sum += stage->columns[i].mean;
+        variance += stage->columns[i].standard_error * stage->columns[i].standard_error;
+    }
+    return sqrt(variance) / sum;
+}
+
 double neph_stage_truth_w_per_m2_sr(const struct neph_stage *stage, struct neph_vec3 direction)
 {
     switch (stage->params.truth) {
@@ -237,6 +321,8 @@ double neph_stage_truth_w_per_m2_sr(const struct neph_stage *stage, struct neph_
         return slab_radiance(stage, direction);
     case NEPH_STAGE_TRUTH_RAY:
         return neph_transport_ray(&stage->scene, stage->key.position_m, direction).radiance.g;
+    case NEPH_STAGE_TRUTH_COLUMNS:
+        return column_radiance(stage, direction);
     case NEPH_STAGE_TRUTH_FURNACE:
         break;
     }

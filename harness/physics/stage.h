@@ -9,6 +9,7 @@
 #include "scenes/grid.h"
 #include "scenes/scene.h"
 #include "truth/slab.h"
+#include "truth/step_cloud.h"
 
 enum neph_stage_medium {
     NEPH_STAGE_SLAB,     /* homogeneous, 10 m thick, 200 km wide; sun above, black below */
@@ -16,12 +17,16 @@ enum neph_stage_medium {
     NEPH_STAGE_BOX,      /* a homogeneous cube of 10 m */
     NEPH_STAGE_GAUSSIAN, /* a blob in a cube of 10 m */
     NEPH_STAGE_GRID,     /* 4^3 voxels of seeded density in a cube of 10 m */
+    /* Half a period of 8 km of each optical depth of truth/step_cloud.h in turn, three periods of
+     * them: what lies beyond is far out of reach of light in 250 m of cloud. */
+    NEPH_STAGE_STEP_CLOUD,
 };
 
 enum neph_stage_truth {
     NEPH_STAGE_TRUTH_SLAB,    /* truth/slab.h: all orders */
     NEPH_STAGE_TRUTH_RAY,     /* truth/transport.h: single scattering, exact */
     NEPH_STAGE_TRUTH_FURNACE, /* the surround's radiance, everywhere */
+    NEPH_STAGE_TRUTH_COLUMNS, /* truth/step_cloud.h: all orders, with noise of its own */
 };
 
 /* What is on the stage. */
@@ -29,7 +34,8 @@ struct neph_stage_params {
     const char *name; /* of the scene; a plain identifier */
     enum neph_stage_medium medium;
     enum neph_stage_truth truth;
-    double optical_depth; /* vertical; through the middle for box, Gaussian and grid */
+    double optical_depth; /* vertical; through the middle for box, Gaussian and grid; of the half of
+                             the step cloud that is looked at */
     double albedo;
     struct neph_phase phase;
     double sun_cosine; /* of the sun's angle to the vertical; not used by the furnace */
@@ -42,7 +48,7 @@ struct neph_stage_params {
 
 /* Slabs are solved at these cosines of the view and interpolated between (Chebyshev points, so the
  * polynomial converges as fast as the radiance is smooth: a test says how well). */
-enum { NEPH_STAGE_COSINES = 32 };
+enum { NEPH_STAGE_COSINES = 32, NEPH_STAGE_COLUMNS = 32 };
 
 /* Owns everything that its scene points to; do not copy. */
 struct neph_stage {
@@ -53,7 +59,11 @@ struct neph_stage {
     struct neph_grid *grid;
     struct neph_slab *slab; /* the solved truth of NEPH_STAGE_TRUTH_SLAB */
     double cosines[NEPH_STAGE_COSINES];
+    struct neph_estimate columns[NEPH_STAGE_COLUMNS]; /* of NEPH_STAGE_TRUTH_COLUMNS [1/sr] */
 };
+
+/* From its camera, half the width of half a period of the step cloud over its distance. */
+#define NEPH_STAGE_COLUMNS_TANGENT (4e3 / (4e5 - 250.0))
 
 #define NEPH_STAGE_IRRADIANCE_W_PER_M2 10.0
 #define NEPH_STAGE_SURROUND_W_PER_M2_SR 1.0 /* of the furnace */
@@ -65,5 +75,9 @@ void neph_stage_destroy(struct neph_stage *stage); /* NULL is fine */
 
 /* The true radiance (all channels alike) along a ray of the camera. */
 double neph_stage_truth_w_per_m2_sr(const struct neph_stage *stage, struct neph_vec3 direction);
+
+/* The standard error of the mean of that over the picture, as a fraction of it; 0 but for
+ * NEPH_STAGE_TRUTH_COLUMNS. */
+double neph_stage_truth_error(const struct neph_stage *stage);
 
 #endif
