@@ -245,6 +245,8 @@ function stringsToShow(data) {
     texts.push(scene.attribution?.sentence, ...(scene.attribution?.pairs ?? []).map((pair) => `${pair.first} − ${pair.second}`));
     for (const frame of scene.frames) if (frame.study) texts.push(frame.study.option);
   }
+  const present = new Set((data.physics?.checks ?? []).map((check) => check.rung));
+  for (const rung of data.physics?.rungs ?? []) if (present.has(rung.name)) texts.push(rung.title);
   for (const check of data.physics?.checks ?? []) texts.push(check.name, check.what.slice(1), ...check.views.map((view) => view.what?.slice(1)));
   for (const row of data.physics?.rows ?? []) texts.push(row.participant, row.settings, row.verdict === "off" ? row.cause : row.reason.replace(/^cannot:\s*/, ""));
   for (const chart of data.charts) texts.push(chart.title, chart.caption, chart.svg === null ? chart.missing : "");
@@ -295,6 +297,11 @@ function checkCounts(data, counted) {
     const list = rows.filter((row) => isOurs(data, row.engine) === side && row.verdict !== "not_measured");
     truth[`physics.${name}`] = list.length;
     for (const state of ["agrees", "known", "gap", "wrong"]) truth[`physics.${name}.${state}`] = list.filter((row) => finding(data, row) === state).length;
+  }
+  for (const row of rows) {
+    const measured = rows.filter((other) => other.participant === row.participant && other.verdict !== "not_measured");
+    truth[`physics.of/${row.participant}`] = measured.length;
+    truth[`physics.of/${row.participant}/agrees`] = measured.filter((other) => other.verdict === "agrees").length;
   }
   truth["physics.open"] = rows.filter((row) => row.verdict === "not_measured").length;
   for (const { what, value, text } of counted) {

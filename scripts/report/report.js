@@ -299,7 +299,7 @@
     return el("nav", { "aria-label": "Contents" }, el("ul", {},
       physics && el("li", {}, el("a", { href: "#physics" }, "Physics: who agrees")),
       (scenes.length > 0 || !physics) && el("li", {}, el("a", { href: "#summary" }, "Summary")),
-      rungs.map((rung) => el("li", {}, el("a", { href: `#${rung.id}` }, rungName(rung.name)))),
+      rungs.map((rung) => el("li", {}, el("a", { href: `#${rung.id}` }, sentenceCase(rung.name)))),
       scenes.map((_, s) => el("li", {}, sceneLink(s))),
       (report.charts ?? []).length > 0 && el("li", {}, el("a", { href: "#charts" }, "Charts")),
       el("li", {}, el("a", { href: "#engines" }, "Engines"))));
@@ -810,7 +810,7 @@
   // ------------------------------------------------------------------------------- physics suite
 
   const isOurs = (engine) => ["exact", "tracer"].includes(engineNamed(engine)?.rung);
-  const rungName = (name) => name.charAt(0).toUpperCase() + name.slice(1);
+  const sentenceCase = (text) => text.charAt(0).toUpperCase() + text.slice(1);
 
   /** agrees, known, gap, wrong (FINDINGS) or open. */
   function findingOf(row) {
@@ -858,9 +858,10 @@
       entry("What is compared", "Scenes so simple that their light is known from formulas, integrals or a solution by other means. The truth of every pixel is computed without any renderer."),
       entry("Findings", "✓ agrees: the interval holds 0. △ off, and the cause is known. ◇ model gap: the engine does not claim this physics; it was given single scattering alone, or is a look. ",
         "✗ off: nobody knows why, or the engine claims to be the truth."),
-      entry("z", "The difference in standard errors of chance. Engines without chance have a bound of their step error instead, from two step sizes."),
+      entry("z", "The difference in standard errors of chance. Engines without chance have a bound of their step error instead, from two step sizes. "
+        + "A large z can agree all the same, where the rounding of an engine's own numbers is larger than its noise."),
       entry("Interval plots", "The dot is the difference, the bar what chance, step and rounding allow. The scale is logarithmic: ticks at 0.1, 1, 10 and 100\u00a0% on both sides of zero."),
-      entry("Small pictures", "A mean over a few hundred pixels tests more than a large picture: these are shown large, pixel by pixel. Wipe to the truth with the pointer or the slider. Noise averages out in the number, not in the picture."),
+      entry("Small pictures", "A mean over a few hundred pixels tests more than a large picture: these are shown large, pixel by pixel. Wipe to the truth with the pointer or the slider. Noise averages out in the number, not in the picture; difference maps end at a tenth of the mean truth."),
     ];
   }
 
@@ -872,8 +873,13 @@
       scrolling("Physics: who agrees with what", el("table", { class: "wide matrix findings" },
         el("thead", {}, el("tr", {}, el("th", { scope: "col" }, "Check"),
           who.map((row) => el("th", { scope: "col", class: "num" }, row.participant, el("small", {}, row.look ? "a look" : engineNamed(row.engine)?.rung ?? row.engine))))),
+        el("tbody", {}, el("tr", { class: "total" }, el("th", { scope: "row" }, "Agrees in"), who.map(({ participant }) => {
+          const measured = rows.filter((row) => row.participant === participant && row.verdict !== "not_measured");
+          const agreeing = measured.filter((row) => row.verdict === "agrees").length;
+          return el("td", { class: "num" }, derived(`physics.of/${participant}/agrees`, agreeing), " of ", derived(`physics.of/${participant}`, measured.length));
+        }))),
         rungs.map((rung) => el("tbody", {},
-          el("tr", { class: "group" }, el("th", { scope: "rowgroup", colspan: who.length + 1 }, el("a", { href: `#${rung.id}` }, rungName(rung.name)), `: ${rung.title}`)),
+          el("tr", { class: "group" }, el("th", { scope: "rowgroup", colspan: who.length + 1 }, el("a", { href: `#${rung.id}` }, sentenceCase(rung.name)), `: ${rung.title}`)),
           checks.filter(({ check }) => check.rung === rung.name).map(({ check, id }) => el("tr", {},
             el("th", { scope: "row" }, el("a", { href: `#${id}`, class: "mono", title: check.what }, check.name)),
             who.map((column) => physicsCell(rows.findIndex((row) => row.check === check.name && row.participant === column.participant)))))))),
@@ -888,7 +894,7 @@
 
   function rungSection(rung) {
     return el("section", { "aria-labelledby": rung.id },
-      el("h2", { id: rung.id }, `${rungName(rung.name)}: ${rung.title}`),
+      el("h2", { id: rung.id }, sentenceCase(rung.title)),
       QUESTIONS[rung.name] && el("p", {}, QUESTIONS[rung.name]),
       checks.filter(({ check }) => check.rung === rung.name).map(checkSection));
   }
@@ -902,8 +908,6 @@
       baked(own.map((r) => ({ name: rows[r].participant, path: `physics/rows/${r}/bake` }))),
       checkPictures(check, c, own));
   }
-
-  const sentenceCase = (text) => text.charAt(0).toUpperCase() + text.slice(1);
 
   function checkTable(check, own) {
     return scrolling(`Check ${check.name}`, el("table", { class: "wide" },
