@@ -143,13 +143,13 @@ static void add_hemisphere(const struct row *row, struct neph_check *check, doub
     }
 }
 
-/* Four rays to a column. */
+/* Three rays to a column; as high as Cycles' narrowest field of view. */
 static void add_nadir(const struct row *row, struct neph_check *check)
 {
     struct neph_view view = look(row, check->name, -90.0 * DEG);
-    view.width_px = 64;
-    view.height_px = 4;
-    view.stage.aspect = 16.0;
+    view.width_px = 48;
+    view.height_px = 16;
+    view.stage.aspect = 3.0;
     view.stage.vertical_fov_rad = 2.0 * atan(NEPH_STAGE_COLUMNS_TANGENT / view.stage.aspect);
     check->views[check->view_count++] = view;
 }
@@ -210,7 +210,8 @@ void neph_check_get(int index, struct neph_check *check)
     snprintf(check->name, sizeof(check->name), "%s", row->name);
     check->rung = rungs[row->rung].name;
     check->title = rungs[row->rung].title;
-    check->uneven = row->medium != NEPH_STAGE_SLAB && row->medium != NEPH_STAGE_BOX;
+    check->uneven = row->medium != NEPH_STAGE_SLAB && row->medium != NEPH_STAGE_BOX &&
+                    row->medium != NEPH_STAGE_STEP_CLOUD; /* of homogeneous boxes */
     check->truth_only = row->observable == CONSERVATION;
     switch (row->observable) {
     case LOOK_DOWN:

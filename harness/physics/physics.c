@@ -6,6 +6,7 @@
 #include "harness/job.h"
 #include "harness/physics/checks.h"
 #include "harness/physics/participants.h"
+#include "harness/physics/phases.h"
 #include "harness/physics/pictures.h"
 #include "harness/progress.h"
 #include "metrics/significance.h"
@@ -343,9 +344,15 @@ static void judge(json_t *rows, double critical_z)
     }
 }
 
-/* Engines that claim to be the truth must be right; others are only reported. */
-static bool truth_holds(const json_t *rows)
+/* Engines that claim to be the truth must be right, and so must phase functions; others are only
+ * reported. */
+static bool truth_holds(const json_t *rows, const json_t *phases)
 {
+    for (size_t i = 0; i < json_array_size(phases); i++) {
+        const json_t *phase = json_array_get(phases, i);
+        if (strcmp(json_string_value(json_object_get(phase, "verdict")), "off") == 0)
+            return false;
+    }
     for (size_t i = 0; i < json_array_size(rows); i++) {
         const json_t *row = json_array_get(rows, i);
         const struct neph_engine *engine = neph_engine_find(
@@ -383,10 +390,11 @@ static json_t *document_of(json_t *checks, json_t *rows, double seconds)
     const double alpha = neph_sidak_alpha(NEPH_PHYSICS_FAMILY_ALPHA, tests > 0 ? tests : 1);
     const double critical_z = neph_normal_critical(alpha);
     judge(rows, critical_z);
-    return json_pack("{s:f, s:i, s:f, s:s, s:f, s:o, s:O, s:O}", "family_alpha",
+    json_t *phases = neph_phases_json();
+    return json_pack("{s:f, s:i, s:f, s:s, s:f, s:o, s:o, s:O, s:O}", "family_alpha",
                      NEPH_PHYSICS_FAMILY_ALPHA, "tests", tests, "critical_z", critical_z, "verdict",
-                     truth_holds(rows) ? "pass" : "fail", "seconds", seconds, "rungs", rungs_json(),
-                     "checks", checks, "rows", rows);
+                     truth_holds(rows, phases) ? "pass" : "fail", "seconds", seconds, "rungs",
+                     rungs_json(), "phase_functions", phases, "checks", checks, "rows", rows);
 }
 
 /* --- the run ------------------------------------------------------------------------------- */
@@ -531,8 +539,25 @@ static void print_cell(const json_t *row, const char *key, const char *format, i
         printf(" %*s", width, "-");
 }
 
+static void print_phases(const json_t *phases)
+{
+    printf("%-22s %8s %14s %14s %14s  %s\n", "phase function", "g", "integral - 1", "cosine - g",
+           "sampled - g", "verdict");
+    for (size_t i = 0; i < json_array_size(phases); i++) {
+        const json_t *phase = json_array_get(phases, i);
+        const double g = json_number_value(json_object_get(phase, "g"));
+        printf("%-22s %8.3f %+14.1e %+14.1e %+14.1e  %s\n",
+               json_string_value(json_object_get(phase, "phase")), g,
+               json_number_value(json_object_get(phase, "integral")) - 1.0,
+               json_number_value(json_object_get(phase, "mean_cosine")) - g,
+               json_number_value(json_object_get(phase, "sampled_mean_cosine")) - g,
+               json_string_value(json_object_get(phase, "verdict")));
+    }
+}
+
 void neph_physics_print(const json_t *document)
 {
+    print_phases(json_object_get(document, "phase_functions"));
     printf("%-22s %-14s %-9s %11s %10s %8s  %s\n", "check", "participant", "outcome", "deviation",
            "error", "z", "verdict");
     const json_t *rows = json_object_get(document, "rows");

@@ -1,0 +1,90 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/physics/phases.h"
+
+#include "scenes/media.h"
+#include "scenes/quadrature.h"
+#include "truth/directions.h"
+
+#include <math.h>
+
+static const struct neph_phase phases[] = {
+    {NEPH_PHASE_ISOTROPIC, 0.0},
+    {NEPH_PHASE_RAYLEIGH, 0.0},
+    {NEPH_PHASE_HENYEY_GREENSTEIN, 0.0},
+    {NEPH_PHASE_HENYEY_GREENSTEIN, 0.3},
+    {NEPH_PHASE_HENYEY_GREENSTEIN, 0.85},
+    {NEPH_PHASE_HENYEY_GREENSTEIN, 0.95},
+    {NEPH_PHASE_HENYEY_GREENSTEIN, 0.99},
+    {NEPH_PHASE_HENYEY_GREENSTEIN, 0.999},
+    {NEPH_PHASE_HENYEY_GREENSTEIN, -0.3},
+    {NEPH_PHASE_HENYEY_GREENSTEIN, -0.85},
+    {NEPH_PHASE_HENYEY_GREENSTEIN, -0.999},
+};
+
+/* [0, length] in pieces that halve towards both ends, where the peaks are. */
+enum { HALVINGS = 30, PIECES = 2 * HALVINGS };
+
+static void cut(double length, struct neph_interval pieces[PIECES])
+{
+    double far = 0.5 * length;
+    for (int i = 0; i < HALVINGS; i++) {
+        const double near = i == HALVINGS - 1 ? 0.0 : 0.5 * far;
+        pieces[2 * i] = (struct neph_interval){near, far};
+        pieces[2 * i + 1] = (struct neph_interval){length - far, length - near};
+        far = near;
+    }
+}
+
+/* Over the versine v = 1 - cosine: the solid angle is 2 pi dv. */
+static void over_versine(double v, void *context, double value[3])
+{
+    const double density = 2.0 * acos(-1.0) * neph_phase_per_sr(context, 1.0 - v);
+    value[0] = density;
+    value[1] = density * (1.0 - v);
+    value[2] = 0.0;
+}
+
+static void over_number(double u, void *context, double value[3])
+{
+    value[0] = 1.0 - neph_phase_versine(context, u);
+    value[1] = value[2] = 0.0;
+}
+
+struct neph_phase_finding neph_phase_check(const struct neph_phase *phase)
+{
+    struct neph_phase copy = *phase;
+    struct neph_interval pieces[PIECES];
+    double density[3], drawn[3];
+    cut(2.0, pieces);
+    neph_integrate(over_versine, &copy, pieces, PIECES, density);
+    cut(1.0, pieces);
+    neph_integrate(over_number, &copy, pieces, PIECES, drawn);
+    const double g = phase->kind == NEPH_PHASE_HENYEY_GREENSTEIN ? phase->g : 0.0;
+    return (struct neph_phase_finding){
+        .integral = density[0],
+        .mean_cosine = density[1],
+        .sampled_mean_cosine = drawn[0],
+        .agrees = fabs(density[0] - 1.0) < NEPH_PHASE_TOLERANCE &&
+                  fabs(density[1] - g) < NEPH_PHASE_TOLERANCE &&
+                  fabs(drawn[0] - g) < NEPH_PHASE_TOLERANCE,
+    };
+}
+
+json_t *neph_phases_json(void)
+{
+    static const char *const names[] = {
+        [NEPH_PHASE_ISOTROPIC] = "isotropic",
+        [NEPH_PHASE_HENYEY_GREENSTEIN] = "henyey_greenstein",
+        [NEPH_PHASE_RAYLEIGH] = "rayleigh",
+    };
+    json_t *list = json_array();
+    for (size_t i = 0; i < sizeof(phases) / sizeof(phases[0]); i++) {
+        const struct neph_phase_finding found = neph_phase_check(&phases[i]);
+        json_array_append_new(list, json_pack("{s:s, s:f, s:f, s:f, s:f, s:s}", "phase",
+                                              names[phases[i].kind], "g", phases[i].g, "integral",
+                                              found.integral, "mean_cosine", found.mean_cosine,
+                                              "sampled_mean_cosine", found.sampled_mean_cosine,
+                                              "verdict", found.agrees ? "agrees" : "off"));
+    }
+    return list;
+}

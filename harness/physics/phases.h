@@ -1,0 +1,30 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Phase functions against what defines them: they integrate to 1 over the sphere, and their mean
+ * cosine is g; so is that of the directions that the oracle draws from them.
+ */
+#ifndef NEPH_HARNESS_PHYSICS_PHASES_H
+#define NEPH_HARNESS_PHYSICS_PHASES_H
+
+#include "scenes/scene.h"
+
+#include <jansson.h>
+
+/* Gauss-Kronrod quadrature of functions that are smooth between its pieces is good to 1e-12; the
+ * cosine, a double, resolves the peak of g = 0.999 to 1e-10 of its width. */
+#define NEPH_PHASE_TOLERANCE 1e-9
+
+struct neph_phase_finding {
+    double integral;            /* of the phase function over the sphere */
+    double mean_cosine;         /* of the phase function */
+    double sampled_mean_cosine; /* of the inverse that directions are drawn with */
+    bool agrees;                /* all three are as they should be, within NEPH_PHASE_TOLERANCE */
+};
+
+struct neph_phase_finding neph_phase_check(const struct neph_phase *phase);
+
+/* [{"phase", "g", "integral", "mean_cosine", "sampled_mean_cosine", "verdict"}] for all kinds, and
+ * g to 0.999 both ways. */
+json_t *neph_phases_json(void);
+
+#endif

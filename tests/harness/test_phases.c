@@ -1,0 +1,37 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The check of phase functions: passes what is one, and notices what is not.
+ */
+#include "tests/neph_test.h"
+
+#include "harness/physics/phases.h"
+
+static void test_all_kinds_pass(void **state)
+{
+    (void)state;
+    json_t *list = neph_phases_json();
+    assert_true(json_array_size(list) >= 9);
+    for (size_t i = 0; i < json_array_size(list); i++)
+        assert_string_equal(
+            json_string_value(json_object_get(json_array_get(list, i), "verdict")), "agrees");
+    json_decref(list);
+}
+
+/* Beyond g = 1 the formula integrates to -1 / g. */
+static void test_what_is_no_density_is_off(void **state)
+{
+    (void)state;
+    const struct neph_phase_finding found = neph_phase_check(
+        &(struct neph_phase){NEPH_PHASE_HENYEY_GREENSTEIN, 1.25});
+    neph_assert_close(found.integral, -0.8, 1e-9, 0.0);
+    assert_false(found.agrees);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_all_kinds_pass),
+        cmocka_unit_test(test_what_is_no_density_is_off),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
