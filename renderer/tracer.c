@@ -55,7 +55,7 @@ struct gpu_progress {
 enum {
     first_bytes = 32, /* struct First of shaders/tracer.glsl */
     depths_bytes = 4 * NEPH_SCENE_MEDIA_MAX * NEPH_FOG_LAYERS_MAX,
-    state_bytes = 208, /* struct State of shaders/tracer.comp */
+    state_bytes = 224, /* struct State of shaders/tracer.comp */
     result_bytes = 48, /* struct Result of shaders/tracer.glsl */
     track_steps = 8,   /* of a turn, through majorant cells */
     pool_pixels = 8,   /* POOL_PIXELS of shaders/tracer.glsl */
@@ -198,7 +198,7 @@ static void add_pixel(double *sums, const struct gpu_pixel *pixel)
 static char *identity_of(const struct neph_scene *scene, const struct neph_tracer_params *params,
                          const struct neph_vulkan *vulkan)
 {
-    return neph_format("tracer 1, scene %s, frame %.17g, %d x %d, seed %llu, on %s, %s",
+    return neph_format("tracer 2, scene %s, frame %.17g, %d x %d, seed %llu, on %s, %s",
                        scene->hash, params->frame, params->width_px, params->height_px,
                        (unsigned long long)params->seed, vulkan->description.device,
                        vulkan->description.driver);
@@ -297,10 +297,11 @@ static enum neph_status get_kernels(struct render *render, const struct neph_sce
     struct neph_kernel_params params = {
         .buffer_count = BINDING_COUNT,
         .push_size_bytes = sizeof(struct gpu_run),
-        .constant_count = 10,
+        .constant_count = 11,
         .constants = {render->scene.constants[0], render->scene.constants[1], render->local_size,
                       scene->scattering == NEPH_SCATTERING_MULTIPLE, reflects(scene), lights(scene),
-                      true, tracked_count, tracked_order, track_steps},
+                      render->scene.frame->medium_count, tracked_count, tracked_order, track_steps,
+                      scene->solid_count > 0},
     };
     const struct {
         const struct neph_kernel **kernel;

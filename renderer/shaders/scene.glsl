@@ -105,13 +105,31 @@ layout(std430, binding = 1) readonly buffer Solids {
 
 // --- camera ---------------------------------------------------------------------------------
 
-// Unit direction through the centre of a pixel; row 0 is on top.
-vec3 camera_ray(uint i, uint j)
+struct Camera {
+    vec3 right;
+    float tan_half_width;
+    vec3 up;
+    float tan_half_height;
+    vec3 forward;
+    uint width_px;
+    uint height_px;
+};
+
+Camera frame_camera()
 {
-    float x = (2.0 * (float(i) + 0.5) / float(frame.width_px) - 1.0) * frame.tan_half_width;
-    float y = (1.0 - 2.0 * (float(j) + 0.5) / float(frame.height_px)) * frame.tan_half_height;
-    return normalize(frame.camera_forward + x * frame.camera_right + y * frame.camera_up);
+    return Camera(frame.camera_right, frame.tan_half_width, frame.camera_up, frame.tan_half_height,
+                  frame.camera_forward, frame.width_px, frame.height_px);
 }
+
+// Unit direction through the centre of a pixel; row 0 is on top.
+vec3 camera_ray(Camera camera, uint i, uint j)
+{
+    float x = (2.0 * (float(i) + 0.5) / float(camera.width_px) - 1.0) * camera.tan_half_width;
+    float y = (1.0 - 2.0 * (float(j) + 0.5) / float(camera.height_px)) * camera.tan_half_height;
+    return normalize(camera.forward + x * camera.right + y * camera.up);
+}
+
+vec3 camera_ray(uint i, uint j) { return camera_ray(frame_camera(), i, j); }
 
 // --- solids ---------------------------------------------------------------------------------
 

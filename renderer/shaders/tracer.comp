@@ -20,6 +20,9 @@ layout(local_size_x_id = 2) in;
 // Below this part of its first throughput a path lives on by chance alone (Russian roulette).
 const float ROULETTE = 0.05;
 
+// The same of the sunlight that arrives at an event.
+const float SUN_ROULETTE = 0.2;
+
 // Steps through majorant cells in a turn.
 layout(constant_id = 9) const uint STEPS = 8;
 
@@ -65,6 +68,8 @@ struct State {
     float t_m;         // where tracking is
     ivec3 cell;
     float depth_left; // majorant optical depth to the next tentative collision
+    float sun_roulette; // the fraction below which it is played
+    float padding[3];
 };
 
 layout(std430, binding = 5) buffer States {
@@ -72,11 +77,80 @@ layout(std430, binding = 5) buffer States {
 };
 
 State path;
+
+// What every turn needs of the scene, read before there is any branch or loop: inside of one, lavapipe
+// reads a buffer lane by lane, even where all lanes want the same.
+struct Scatterer {
+    vec3 albedo;
+    uint phase_kind;
+    float g;
+};
+
+struct Tracked {
+    vec3 low_m, high_m;
+    vec3 cells_per_m; // of the majorant grid
+    uvec3 size;       // of it
+    uint first;
+    vec3 color;
+    float extinction_per_m;
+    uint kind;
+    Gaussian gaussian;
+    Shell shell;
+    Grid grid;
+};
+
+Camera camera;
+vec3 sun_direction, sun_irradiance, background;
+Scatterer only;  // of a scene with one medium
+Tracked tracked; // the medium that the thread tracks in this turn
+
 uint collisions = 0, lookups = 0, closed_forms = 0, items_done = 0;
+
+Scatterer scatterer_of(uint m)
+{
+    return Scatterer(frame.media[m].albedo, frame.media[m].phase_kind, frame.media[m].g);
+}
+
+Tracked tracked_of(uint m)
+{
+    Tracked of;
+    of.low_m = frame.media[m].low_m;
+    of.high_m = frame.media[m].high_m;
+    of.size = frame.media[m].majorant_size;
+    of.cells_per_m = vec3(of.size) / (of.high_m - of.low_m);
+    of.first = frame.media[m].majorant_first;
+    of.color = frame.media[m].extinction_color;
+    of.extinction_per_m = frame.media[m].extinction_per_m;
+    of.kind = frame.media[m].kind;
+    of.gaussian = frame.media[m].gaussian;
+    of.shell = frame.media[m].shell;
+    of.grid = frame.media[m].grid;
+    return of;
+}
+
+uint tracked_medium()
+{
+    return (TRACKED_ORDER >> (4 * (TRACKED_COUNT > 1 ? path.tracked : 0))) & 0xfu;
+}
+
+void read_scene()
+{
+    camera = frame_camera();
+    sun_direction = frame.sun_direction;
+    sun_irradiance = frame.sun_irradiance;
+    background = frame.background;
+    only = scatterer_of(0);
+    tracked = tracked_of(tracked_medium());
+}
 
 uvec3 draw()
 {
     return pcg3d(uvec3(path.key.xy, path.key.z + path.drawn++));
+}
+
+uvec4 draw4()
+{
+    return pcg4d(uvec4(path.key, path.drawn++));
 }
 
 // --- items --------------------------------------------------------------------------------------
@@ -89,7 +163,8 @@ uint item_pixel() { return pool() * POOL_PIXELS + path.item / BATCH_SAMPLES; } /
 void start_path()
 {
     path.origin_m = vec3(0.0);
-    path.direction = pixel_ray(run.first_pixel + item_pixel());
+    uint pixel = run.first_pixel + item_pixel();
+    path.direction = camera_ray(camera, pixel % camera.width_px, pixel / camera.width_px);
     path.throughput = vec3(1.0);
     path.roulette = ROULETTE;
     path.solid = NO_SOLID;
@@ -169,6 +244,14 @@ void add_light(vec3 light)
         path.higher += light;
 }
 
+// Sunlight that would bring little home goes on by chance alone.
+void play_sun_roulette(float u)
+{
+    float most = max(path.sun_fraction.r, max(path.sun_fraction.g, path.sun_fraction.b));
+    if (most < path.sun_roulette)
+        path.sun_fraction *= u * path.sun_roulette < most ? path.sun_roulette / most : 0.0;
+}
+
 // --- events -------------------------------------------------------------------------------------
 
 // Go on along `direction` with `throughput`, or end: there is nothing more to find, or by roulette.
@@ -184,31 +267,48 @@ void prepare_next(vec3 direction, float u)
         path.throughput /= survival;
 }
 
+// Sunlight at an event, as it would be if nothing were in its way. Roulette goes by what it is worth
+// beside isotropic scattering.
+void prepare_sunlight(float per_sr, float u)
+{
+    path.sun_fraction = vec3(1.0);
+    path.sun_roulette = SUN_ROULETTE / max(4.0 * PI * per_sr, 1e-30);
+    play_sun_roulette(u);
+    path.pending = path.throughput * sun_irradiance * (per_sr * path.sun_fraction);
+    path.sun_roulette /= max(path.sun_fraction.r, 1.0);
+    path.sun_fraction = vec3(1.0);
+    if (path.events == 1)
+        path.pending = vec3(0.0);
+}
+
 // At a first collision order 1 is known already (tracer_first.comp), and at a first surface the
 // sunlight that it reflects (tracer_view.comp).
 void happen()
 {
-    vec3 u = uniform_from(draw());
-    vec3 light = path.throughput, next;
+    uvec4 bits = draw4();
+    vec3 u = uniform_from(bits.xyz), next;
+    float light_per_sr; // of the sun's
     path.events++;
-    if (path.stage == STAGE_MEDIUM) {
-        uint m = path.medium;
+    if (!SURFACES || path.stage == STAGE_MEDIUM) {
+        Scatterer by = only;
+        if (MEDIA != 1)
+            by = scatterer_of(path.medium);
         path.solid = NO_SOLID;
-        path.throughput *= frame.media[m].albedo;
-        light = path.throughput * phase_per_sr(frame.media[m].phase_kind, frame.media[m].g,
-                                               path.direction, frame.sun_direction);
-        next = sample_phase(frame.media[m].phase_kind, frame.media[m].g, path.direction, u.xy);
+        path.throughput *= by.albedo;
+        light_per_sr = phase_per_sr(by.phase_kind, by.g, path.direction, sun_direction);
+        next = sample_phase(by.phase_kind, by.g, path.direction, u.xy);
     } else {
         vec3 normal = solid_normal(solids[path.solid], path.origin_m);
         path.is_surface_first |= uint(path.events == 1);
         path.throughput *= solids[path.solid].albedo.rgb;
-        light = path.throughput * (max(0.0, dot(normal, frame.sun_direction)) / PI);
+        light_per_sr = max(0.0, dot(normal, sun_direction)) / PI;
         next = sample_cosine(normal, u.xy);
     }
-    path.pending = path.events == 1 ? vec3(0.0) : light * frame.sun_irradiance;
+    prepare_sunlight(light_per_sr, uniform_from(bits.www).x);
     prepare_next(next, u.z);
-    path.is_towards_sun = uint(path.pending != vec3(0.0) && sees_sun(path.origin_m, path.solid));
-    path.direction = path.is_towards_sun != 0 ? frame.sun_direction : path.next_direction;
+    path.is_towards_sun = uint(path.pending != vec3(0.0) &&
+                               (!SOLIDS || sees_sun(path.origin_m, path.solid)));
+    path.direction = path.is_towards_sun != 0 ? sun_direction : path.next_direction;
     path.stage = STAGE_LEAVE;
 }
 
@@ -277,7 +377,6 @@ void leave()
     path.end_m = FAR_M;
     path.end_medium = MEDIA_MAX;
     path.end_solid = NO_SOLID;
-    path.sun_fraction = vec3(1.0);
     path.tracked = 0;
     path.stage = TRACKED_COUNT > 0 ? STAGE_ENTER : STAGE_ARRIVE;
     if (path.is_towards_sun == 0) {
@@ -285,9 +384,11 @@ void leave()
             finish_path();
             return;
         }
-        Hit hit = nearest_hit(path.origin_m, path.direction, path.solid);
-        path.end_m = hit.t_m;
-        path.end_solid = hit.solid;
+        if (SOLIDS) {
+            Hit hit = nearest_hit(path.origin_m, path.direction, path.solid);
+            path.end_m = hit.t_m;
+            path.end_solid = hit.solid;
+        }
     }
     if (has_fog())
         cross_fog();
@@ -306,7 +407,7 @@ void arrive()
         weigh_fog();
     bool is_sky = path.end_medium == MEDIA_MAX && path.end_solid == NO_SOLID;
     if (is_sky && ENVIRONMENT)
-        add_light(path.throughput * frame.background);
+        add_light(path.throughput * background);
     path.origin_m += path.end_m * path.direction;
     bool is_collision = path.end_medium != MEDIA_MAX;
     collisions += uint(is_collision);
@@ -321,26 +422,7 @@ void arrive()
 
 // --- tracking -----------------------------------------------------------------------------------
 
-uint tracked_medium()
-{
-    return (TRACKED_ORDER >> (4 * (TRACKED_COUNT > 1 ? path.tracked : 0))) & 0xfu;
-}
-
-// Of the medium that the thread tracks, in this turn.
-uvec3 majorant_size;
-uint majorant_first;
 vec3 cells_start, cells_slope; // the ray in units of majorant cells
-
-void find_tracked()
-{
-    uint m = tracked_medium();
-    majorant_size = frame.media[m].majorant_size;
-    majorant_first = frame.media[m].majorant_first;
-    vec3 low_m = frame.media[m].low_m;
-    vec3 cells_per_m = vec3(majorant_size) / (frame.media[m].high_m - low_m);
-    cells_start = (path.origin_m - low_m) * cells_per_m;
-    cells_slope = path.direction * cells_per_m;
-}
 
 void next_tracked()
 {
@@ -351,13 +433,13 @@ void next_tracked()
 void enter()
 {
     float t0_m = 0.0, t1_m = path.end_m;
-    if (!clip_medium(tracked_medium(), path.origin_m, path.direction, t0_m, t1_m)) {
+    if (!clip_box(tracked.low_m, tracked.high_m, path.origin_m, path.direction, t0_m, t1_m)) {
         next_tracked();
         return;
     }
     path.t_m = t0_m;
     path.cell = ivec3(
-        clamp(floor(cells_start + t0_m * cells_slope), vec3(0.0), vec3(majorant_size) - 1.0));
+        clamp(floor(cells_start + t0_m * cells_slope), vec3(0.0), vec3(tracked.size) - 1.0));
     path.depth_left = exponential_from(draw().x);
     path.stage = STAGE_TRACK;
 }
@@ -365,55 +447,64 @@ void enter()
 // One of the eight nodes around a point, with the probability of its trilinear weight: its
 // expectation is the trilinear value, and so is whatever is linear in it (the chance of a
 // collision, the factor of ratio tracking), for one load instead of eight.
-float grid_random_node(Grid grid, vec3 point_m, float u)
+float grid_random_node(vec3 point_m, vec3 u)
 {
+    Grid grid = tracked.grid;
     vec3 at = clamp((point_m - grid.origin_m) * grid.nodes_per_m, vec3(0.0),
                     vec3(grid.size - 1) * 0.9999999);
-    vec3 weight = fract(at);
-    uvec3 node = uvec3(at);
-    for (int axis = 0; axis < 3; axis++) {
-        bool is_high = u < weight[axis];
-        node[axis] += uint(is_high);
-        u = is_high ? u / weight[axis] : (u - weight[axis]) / (1.0 - weight[axis]);
-    }
+    uvec3 node = min(uvec3(at + u), grid.size - 1); // the sum may round up
     return grid_values[grid.first + node.x + grid.size.x * (node.y + grid.size.y * node.z)];
 }
 
-float random_extinction_per_m(uint m, vec3 point_m, float u)
+// Whether the medium in work is of a kind: known to the compiler where no other kind is tracked.
+bool is_tracked(uint kind)
 {
-    if (has_kind(MEDIUM_GRID) && frame.media[m].kind == MEDIUM_GRID)
-        return frame.media[m].extinction_per_m *
-               grid_random_node(frame.media[m].grid, point_m, u);
-    return medium_extinction_per_m(m, point_m);
+    uint tracked_kinds = KINDS & ~(1u << MEDIUM_HOMOGENEOUS | 1u << MEDIUM_HEIGHT_FOG);
+    return has_kind(kind) && (tracked_kinds == 1u << kind || tracked.kind == kind);
+}
+
+// A number whose expectation is the extinction.
+float random_extinction_per_m(vec3 point_m, uvec2 bits)
+{
+    float density = 0.0;
+    if (is_tracked(MEDIUM_GRID)) {
+        // 21 bits for each axis.
+        uvec3 thirds = uvec3(bits >> 11, (bits.x & 0x7ffu) << 10 | bits.y & 0x3ffu);
+        density = grid_random_node(point_m, vec3(thirds) * exp2(-21.0));
+    } else if (is_tracked(MEDIUM_GAUSSIAN)) {
+        density = gaussian_density(tracked.gaussian, point_m);
+    } else if (is_tracked(MEDIUM_SHELL)) {
+        density = shell_density(tracked.shell, point_m);
+    }
+    return tracked.extinction_per_m * density;
 }
 
 // A tentative collision: a real one with the probability extinction / majorant (Woodcock 1965); on
 // a ray to the sun, the part that is not extinguished (ratio tracking, Novak et al. 2014).
 void collide(float majorant_per_m)
 {
-    uint m = tracked_medium();
-    uvec3 bits = draw();
-    vec2 u = uniform_from(bits).xy;
+    uvec4 bits = draw4();
     lookups++;
-    path.depth_left = exponential_from(bits.z);
+    path.depth_left = exponential_from(bits.x);
+    float u = (float(bits.y >> 9) + 0.5) * exp2(-23.0);
     float extinction_per_m =
-        random_extinction_per_m(m, path.origin_m + path.t_m * path.direction, u.x);
-    vec3 chance = min(frame.media[m].extinction_color * (extinction_per_m / majorant_per_m),
-                      vec3(1.0));
+        random_extinction_per_m(path.origin_m + path.t_m * path.direction, bits.zw);
+    vec3 chance = grey(min(tracked.color * (extinction_per_m / majorant_per_m), vec3(1.0)));
     if (path.is_towards_sun != 0) {
         path.sun_fraction *= 1.0 - chance;
+        play_sun_roulette(u);
         if (path.sun_fraction == vec3(0.0))
             next_tracked();
         return;
     }
-    bool is_real = u.y < chance[path.hero];
+    bool is_real = u < chance[path.hero];
     if (COLOURED)
         path.channels *= is_real ? chance / max(chance[path.hero], 1e-30)
                                  : (1.0 - chance) / (1.0 - chance[path.hero]);
     if (!is_real)
         return;
     path.end_m = path.t_m;
-    path.end_medium = m;
+    path.end_medium = tracked_medium();
     path.end_solid = NO_SOLID;
     next_tracked();
 }
@@ -425,10 +516,9 @@ void track_step(vec3 per_slope, ivec3 side)
     float face_m = min(faces_m.x, min(faces_m.y, faces_m.z));
     float exit_m = max(path.t_m, min(face_m, path.end_m));
     uvec3 cell = uvec3(path.cell);
-    vec3 color = frame.media[tracked_medium()].extinction_color;
-    float majorant_per_m = max(color.r, max(color.g, color.b)) *
-                           majorants[majorant_first + cell.x +
-                                     majorant_size.x * (cell.y + majorant_size.y * cell.z)];
+    float majorant_per_m = max(tracked.color.r, max(tracked.color.g, tracked.color.b)) *
+                           majorants[tracked.first + cell.x +
+                                     tracked.size.x * (cell.y + tracked.size.y * cell.z)];
     float depth = majorant_per_m * (exit_m - path.t_m);
     if (path.depth_left < depth) {
         path.t_m = min(path.t_m + path.depth_left / majorant_per_m, exit_m);
@@ -439,7 +529,7 @@ void track_step(vec3 per_slope, ivec3 side)
     path.t_m = exit_m;
     path.cell += mix(ivec3(0), 2 * side - 1, lessThanEqual(faces_m, vec3(face_m)));
     if (exit_m >= path.end_m ||
-        !all(lessThan(uvec3(path.cell), majorant_size))) // -1 is a large number
+        !all(lessThan(uvec3(path.cell), tracked.size))) // -1 is a large number
         next_tracked();
 }
 
@@ -456,6 +546,7 @@ void track()
 
 void main()
 {
+    read_scene();
     uint thread = gl_GlobalInvocationID.x;
     if (run.is_fresh != 0)
         path.stage = STAGE_IDLE;
@@ -473,7 +564,10 @@ void main()
         if (path.stage == STAGE_LEAVE)
             leave();
         if (TRACKED_COUNT > 0) {
-            find_tracked();
+            if (TRACKED_COUNT > 1)
+                tracked = tracked_of(tracked_medium());
+            cells_start = (path.origin_m - tracked.low_m) * tracked.cells_per_m;
+            cells_slope = path.direction * tracked.cells_per_m;
             if (path.stage == STAGE_ENTER)
                 enter();
             track();

@@ -11,11 +11,12 @@
 layout(constant_id = 3) const bool MULTIPLE = true;    // all orders of scattering
 layout(constant_id = 4) const bool SURFACES = true;    // a solid reflects
 layout(constant_id = 5) const bool ENVIRONMENT = true; // the background lights media and solids
-layout(constant_id = 6) const bool FORCED = true;      // every medium has a closed form
+layout(constant_id = 6) const uint MEDIA = 0;          // how many there are; 0: any number
 // Media that are tracked through their majorant grids: how many, and a hexadecimal digit for each,
 // the first one lowest.
 layout(constant_id = 7) const uint TRACKED_COUNT = 0;
 layout(constant_id = 8) const uint TRACKED_ORDER = 0x76543210;
+layout(constant_id = 10) const bool SOLIDS = true; // there are some
 
 layout(push_constant) uniform Run {
     uint seed_low;

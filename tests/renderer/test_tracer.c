@@ -333,9 +333,9 @@ static void test_clouds_are_those_of_the_oracle(void **state)
         test.scene.scattering = NEPH_SCATTERING_MULTIPLE;
         test.scene.environment_light = s % 2 == 1;
         struct neph_diag diag = {0};
-        const struct neph_tracer_params params = params_of(24, 14, 1024);
+        const struct neph_tracer_params params = params_of(16, 9, 1024);
         const struct neph_oracle_params of_oracle = {
-            .width_px = 24, .height_px = 14, .seed = 5, .samples = 256, .time_limit_s = INFINITY};
+            .width_px = 16, .height_px = 9, .seed = 5, .samples = 256, .time_limit_s = INFINITY};
         struct neph_image *frame = render(*state, &test, &params, NULL), *truth = NULL;
         neph_assert_ok(neph_oracle_render(&test.scene, &of_oracle, &truth, NULL, &diag), &diag);
         judge_pair(clouds[s].name, frame, truth, 0.3);
