@@ -59,6 +59,9 @@ static const struct row rows[] = {
     {"furnace_box_64", FURNACE, LOOK_DOWN, NEPH_STAGE_BOX, 64.0, 1.0, HG(0.85), 0.7},
     {"furnace_gaussian_16", FURNACE, LOOK_DOWN, NEPH_STAGE_GAUSSIAN, 16.0, 1.0, HG(0.5), 0.7},
     {"furnace_grid_16", FURNACE, LOOK_DOWN, NEPH_STAGE_GRID, 16.0, 1.0, RAYLEIGH, 0.7},
+    {"furnace_fog_8", FURNACE, LOOK_DOWN, NEPH_STAGE_FOG_BOX, 8.0, 1.0, HG(0.5), 0.7},
+    {"furnace_shell_8", FURNACE, LOOK_DOWN, NEPH_STAGE_SHELL, 8.0, 1.0, RAYLEIGH, 0.7},
+    {"furnace_clouds_16", FURNACE, LOOK_DOWN, NEPH_STAGE_CLOUDS, 16.0, 1.0, HG(0.85), 0.7},
     {"single_slab_thin", SINGLE, LOOK_DOWN, NEPH_STAGE_SLAB, 0.1, 1.0, ISO, 0.7},
     {"single_slab_4_back", SINGLE, LOOK_DOWN, NEPH_STAGE_SLAB, 4.0, 0.9, HG(-0.3), 0.4},
     {"single_box_1", SINGLE, LOOK_DOWN, NEPH_STAGE_BOX, 1.0, 1.0, RAYLEIGH, 0.7},
@@ -66,6 +69,7 @@ static const struct row rows[] = {
     {"single_fog_2", SINGLE, LOOK_DOWN, NEPH_STAGE_FOG, 2.0, 0.9, HG(0.6), 0.5},
     {"single_gaussian_5", SINGLE, LOOK_DOWN, NEPH_STAGE_GAUSSIAN, 5.0, 1.0, HG(0.6), 0.7},
     {"single_grid_5", SINGLE, LOOK_UP, NEPH_STAGE_GRID, 5.0, 1.0, ISO, 0.7},
+    {"single_shell_5", SINGLE, LOOK_DOWN, NEPH_STAGE_SHELL, 5.0, 1.0, HG(0.6), 0.7},
     {"single_slab_spike", SINGLE, LOOK_UP, NEPH_STAGE_SLAB, 1.0, 1.0, HG(0.999), 0.7},
     {"slab_iso_thin", MULTIPLE, LOOK_DOWN, NEPH_STAGE_SLAB, 0.1, 1.0, ISO, 0.7},
     {"slab_iso_1", MULTIPLE, LOOK_DOWN, NEPH_STAGE_SLAB, 1.0, 1.0, ISO, 0.7},
@@ -184,6 +188,9 @@ static void describe(const struct row *row, char *text, size_t size)
         [NEPH_STAGE_BOX] = "a homogeneous cube",
         [NEPH_STAGE_GAUSSIAN] = "a Gaussian blob",
         [NEPH_STAGE_GRID] = "a cube of 4 x 4 x 4 uneven voxels",
+        [NEPH_STAGE_FOG_BOX] = "height fog in a cube",
+        [NEPH_STAGE_SHELL] = "an atmosphere around a small ball, in a cube",
+        [NEPH_STAGE_CLOUDS] = "Horizon clouds in a cube",
         [NEPH_STAGE_STEP_CLOUD] = "columns of optical depth 2 and 18 in turn, 8 km of each",
     };
     static const char *const observables[] = {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/physics/stage.h"
 
+#include "scenes/horizon.h"
 #include "scenes/media.h"
 #include "truth/transport.h"
 
@@ -13,6 +14,21 @@ static const double fog_falloff_per_m = 0.1;
 /* Of the fog's 300 m below the camera e^-30 = 1e-13 lies above it. */
 static const double fog_camera_m = 300.0;
 static const double blob_width_m = 1.5;
+static const double shell_radius_m = 2.0;
+static const double shell_scale_m = 1.5;
+
+/* As large as the cube; everywhere under cover. */
+static const struct neph_horizon_params small_clouds = {
+    .seed = 1,
+    .planet_radius_m = 1e4,
+    .bottom_m = 0.0,
+    .thickness_m = 10.0,
+    .coverage = 1.0,
+    .density = 1.0,
+    .texture_scale_m = 100.0,
+    .base_repeats = 8.0,
+    .detail_repeats = 40.0,
+};
 
 /* The step cloud of truth/step_cloud.h, seen from so high that all rays are vertical to 0.6 degrees
  * at the edges, which by symmetry about the middle costs 1e-4. */
@@ -156,6 +172,25 @@ static enum neph_status place_medium(struct neph_stage *stage, struct neph_diag 
             return NEPH_ERR_MEMORY;
         medium->grid = stage->grid;
         break;
+    case NEPH_STAGE_FOG_BOX:
+        medium->kind = NEPH_MEDIUM_HEIGHT_FOG;
+        medium->layers[0].falloff_per_m = 2.0 / slab_m;
+        medium->layers[0].extinction_per_m = depth * 2.0 / slab_m / -expm1(-2.0);
+        break;
+    case NEPH_STAGE_SHELL:
+        medium->kind = NEPH_MEDIUM_SHELL;
+        medium->layer_count = 0;
+        medium->shell = (struct neph_shell){cube_center(), shell_radius_m, shell_scale_m};
+        medium->extinction_per_m = 0.5 * depth / shell_scale_m; /* a column on either side */
+        break;
+    case NEPH_STAGE_CLOUDS:
+        medium->kind = NEPH_MEDIUM_HORIZON;
+        medium->layer_count = 0;
+        medium->extinction_per_m = depth / (0.5 * slab_m);
+        if (neph_horizon_create(&small_clouds, &stage->horizon, diag))
+            return NEPH_ERR_MEMORY;
+        medium->horizon = stage->horizon;
+        break;
     case NEPH_STAGE_STEP_CLOUD:
         place_columns(stage);
         break;
@@ -265,6 +300,7 @@ void neph_stage_destroy(struct neph_stage *stage)
         return;
     neph_slab_destroy(stage->slab);
     neph_grid_destroy(stage->grid);
+    neph_horizon_destroy(stage->horizon);
     free(stage);
 }
 

@@ -17,6 +17,9 @@ enum neph_stage_medium {
     NEPH_STAGE_BOX,      /* a homogeneous cube of 10 m */
     NEPH_STAGE_GAUSSIAN, /* a blob in a cube of 10 m */
     NEPH_STAGE_GRID,     /* 4^3 voxels of seeded density in a cube of 10 m */
+    NEPH_STAGE_FOG_BOX,  /* height fog in a cube of 10 m */
+    NEPH_STAGE_SHELL, /* an atmosphere around a ball of 2 m, in a cube of 10 m; the ball is empty */
+    NEPH_STAGE_CLOUDS, /* Horizon clouds of seed 1, made small, in a cube of 10 m */
     /* Half a period of 8 km of each optical depth of truth/step_cloud.h in turn, three periods of
      * them: what lies beyond is far out of reach of light in 250 m of cloud. */
     NEPH_STAGE_STEP_CLOUD,
@@ -34,7 +37,8 @@ struct neph_stage_params {
     const char *name; /* of the scene; a plain identifier */
     enum neph_stage_medium medium;
     enum neph_stage_truth truth;
-    double optical_depth; /* vertical; through the middle for box, Gaussian and grid; of the half of
+    double optical_depth; /* vertical; through the middle for box, Gaussian and grid;
+                             about that for shell and clouds; of the half of
                              the step cloud that is looked at */
     double albedo;
     struct neph_phase phase;
@@ -57,6 +61,7 @@ struct neph_stage {
     struct neph_camera_key key;
     struct neph_solid ground;
     struct neph_grid *grid;
+    struct neph_horizon *horizon;
     struct neph_slab *slab; /* the solved truth of NEPH_STAGE_TRUTH_SLAB */
     double cosines[NEPH_STAGE_COSINES];
     struct neph_estimate columns[NEPH_STAGE_COLUMNS]; /* of NEPH_STAGE_TRUTH_COLUMNS [1/sr] */
