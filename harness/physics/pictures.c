@@ -27,15 +27,21 @@ static const char *text_of(const json_t *object, const char *key)
 static void describe(const struct neph_stage_params *stage, char text[160])
 {
     const double elevation_deg = stage->view_elevation_rad / DEG;
+    const double sun_deg = asin(stage->sun_cosine) / DEG;
+    const bool upright = fabs(elevation_deg) > 89.5;
+    const char *side = elevation_deg < 0.0 ? "down" : "up";
     char height[48] = "level";
-    if (fabs(elevation_deg) > 0.5)
-        snprintf(height, sizeof(height), "%.0f° %s", fabs(elevation_deg),
-                 elevation_deg < 0.0 ? "down" : "up");
+    if (upright)
+        snprintf(height, sizeof(height), "straight %s", side);
+    else if (fabs(elevation_deg) > 0.5)
+        snprintf(height, sizeof(height), "%.0f° %s", fabs(elevation_deg), side);
     if (stage->truth == NEPH_STAGE_TRUTH_FURNACE)
         snprintf(text, 160, "camera looks %s", height);
+    else if (upright || sun_deg > 89.5)
+        snprintf(text, 160, "camera looks %s; the sun stands %.0f° high", height, sun_deg);
     else
         snprintf(text, 160, "camera looks %s, %.0f° aside from the sun, which stands %.0f° high",
-                 height, stage->view_azimuth_rad / DEG, asin(stage->sun_cosine) / DEG);
+                 height, stage->view_azimuth_rad / DEG, sun_deg);
 }
 
 /* Half stops: the same truth gives the same picture although its last bits differ. */

@@ -98,6 +98,7 @@ function checkForm(data, folder) {
     });
   });
   if (data.physics) checkPhysics(data, names, { need, text, numeric, list, file });
+  list(data.absent ?? [], "absent").forEach((entry, n) => text(entry, `absent/${n}/`, "scene", "reason", "hint"));
   list(data.charts, "charts").forEach((chart, c) => {
     text(chart, `charts/${c}/`, "id", "title", "caption");
     file(chart.svg, `charts/${c}/svg`);
@@ -245,6 +246,7 @@ function stringsToShow(data) {
     texts.push(scene.attribution?.sentence, ...(scene.attribution?.pairs ?? []).map((pair) => `${pair.first} − ${pair.second}`));
     for (const frame of scene.frames) if (frame.study) texts.push(frame.study.option);
   }
+  for (const entry of data.absent ?? []) texts.push(entry.scene, entry.reason, entry.hint);
   const present = new Set((data.physics?.checks ?? []).map((check) => check.rung));
   for (const rung of data.physics?.rungs ?? []) if (present.has(rung.name)) texts.push(rung.title);
   for (const check of data.physics?.checks ?? []) texts.push(check.name, check.what.slice(1), ...check.views.map((view) => view.what?.slice(1)));
@@ -287,6 +289,7 @@ function checkNumbers(data, shown) {
 function checkCounts(data, counted) {
   const gates = data.scenes.flatMap((scene) => scene.gates);
   const truth = {
+    absent: (data.absent ?? []).length,
     gates: gates.length,
     "gates.fail": gates.filter((gate) => gate.verdict === "fail").length,
     "gates.not_measured": gates.filter((gate) => gate.verdict === "not_measured").length,

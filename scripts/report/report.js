@@ -77,6 +77,8 @@
     fog: "The same for fog that thins out with height: it holds as much matter as a slab of the same optical depth, and must reflect the same light.",
     "half-space": "A slab so thick that nothing comes out below. Its light was solved with pen and paper by S. Chandrasekhar (1950).",
     conservation: "What enters a medium that absorbs nothing must leave it: reflected, transmitted and unscattered light add up to all there was.",
+    "step-cloud": "A cloud whose thin and thick columns stand side by side, an exercise of the Intercomparison of 3D Radiation Codes (I3RC): light leaks through "
+      + "their sides, which no engine gets right that thinks in layers. The truth is a Monte Carlo of its own for columns, whose noise is part of the error given.",
     reciprocity: "Light goes the same way back. When camera and sun change places, the reflection must stay what it was.",
   };
   // The one error of a scene and engine in the summary: the first of these that was measured.
@@ -276,6 +278,8 @@
       if (state === "wrong") lines.push(el("li", {}, word(FINDINGS, state), " ", checkLink(rows[r].check), " · ", el("b", {}, rows[r].participant), " by ", deviation(r)));
       else if (BROKEN.includes(rows[r].status)) lines.push(el("li", {}, word(STATUSES, rows[r].status), " ", checkLink(rows[r].check), " · ", el("b", {}, rows[r].participant), why(rows[r]) ? `: ${why(rows[r])}` : ""));
     }
+    const missing = report.absent ?? [];
+    for (const entry of missing) lines.push(el("li", {}, el("span", { class: "open-word" }, "○ left out"), " ", el("b", {}, entry.scene), entry.reason ? `: ${entry.reason}` : "", entry.hint && el("span", { class: "soft" }, ` (${entry.hint})`)));
     const total = derived("gates", all.length);
     return el("section", { class: `verdict ${passed ? "pass" : "fail"}`, "aria-label": "Verdict" },
       el("p", { class: "word" }, passed ? "Pass" : "Fail"),
@@ -288,7 +292,8 @@
               ? [plural(all.length, "The one gate is", "All gates are"), " within the limit (", total, ")."]
               : ["No gate is over its limit (", total, " in all)."],
         open.length > 0 && [" ", derived("gates.not_measured", open.length), " could not be measured."],
-        broken.length > 0 && [" ", derived("frames.broken", broken.length), plural(broken.length, " rendering", " renderings"), " did not finish."])),
+        broken.length > 0 && [" ", derived("frames.broken", broken.length), plural(broken.length, " rendering", " renderings"), " did not finish."],
+        missing.length > 0 && [" ", derived("absent", missing.length), plural(missing.length, " scene was", " scenes were"), " left out: its data are not on this machine."])),
       lines.length > 0 && el("ul", { class: "small" }, lines.slice(0, LISTED)),
       lines.length > LISTED && el("details", { class: "small" }, el("summary", {}, "The rest of the list"), el("ul", {}, lines.slice(LISTED))));
   }
@@ -1104,7 +1109,8 @@
     for (const { element, size } of smallPictures) {
       element.style.setProperty("--image-width", size[0]);
       element.style.setProperty("--image-height", size[1]);
-      element.style.setProperty("--scale", Math.max(1, Math.floor((Math.min(room, 216) * dots) / size[0])) / dots);
+      const wide = size[0] > 3 * size[1] ? 400 : 216; // a strip needs its length to be seen
+      element.style.setProperty("--scale", Math.max(1, Math.floor((Math.min(room, wide) * dots) / size[0])) / dots);
     }
   }
 

@@ -273,6 +273,7 @@ def report_data():
              "physics": f"Strings that must stay text: {HOSTILE} {HOSTILE_SCRIPT} &amp; “quotes” '\"", "truth": None, "frames": odd, "attribution": None,
              "gates": [gate("march", "rmse", None, 0.1, mask=HOSTILE, reason=HOSTILE)]},
         ],
+        "absent": [{"scene": "disney_cloud", "reason": f"no file cloud.vdb {HOSTILE}", "hint": "see scenes/README.md"}],
         "physics": physics_data(),
         "charts": [
             {"id": "speed_accuracy", "title": "What accuracy costs", "caption": "Error against render time in the height fog. Each line halves or doubles one setting; dashed lines are ideal rates of convergence.",
