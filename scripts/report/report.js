@@ -270,13 +270,13 @@
     for (const { frame, s } of broken) {
       lines.push(el("li", {}, word(STATUSES, frame.status), " ", sceneLink(s), " · ", el("b", {}, frame.engine), why(frame) ? `: ${why(frame)}` : ""));
     }
-    for (const { gate, s } of open) {
-      lines.push(el("li", {}, word(VERDICTS, "not_measured"), " ", sceneLink(s), " · ", el("b", {}, gate.engine), " · ", measured(gate), gate.reason ? `: ${gate.reason}` : ""));
-    }
     for (const r of rows.keys()) {
       const state = findingOf(rows[r]);
       if (state === "wrong") lines.push(el("li", {}, word(FINDINGS, state), " ", checkLink(rows[r].check), " · ", el("b", {}, rows[r].participant), " by ", deviation(r)));
       else if (BROKEN.includes(rows[r].status)) lines.push(el("li", {}, word(STATUSES, rows[r].status), " ", checkLink(rows[r].check), " · ", el("b", {}, rows[r].participant), why(rows[r]) ? `: ${why(rows[r])}` : ""));
+    }
+    for (const { gate, s } of open) {
+      lines.push(el("li", {}, word(VERDICTS, "not_measured"), " ", sceneLink(s), " · ", el("b", {}, gate.engine), " · ", measured(gate), gate.reason ? `: ${gate.reason}` : ""));
     }
     const missing = report.absent ?? [];
     for (const entry of missing) lines.push(el("li", {}, el("span", { class: "open-word" }, "○ left out"), " ", el("b", {}, entry.scene), entry.reason ? `: ${entry.reason}` : "", entry.hint && el("span", { class: "soft" }, ` (${entry.hint})`)));
@@ -848,9 +848,10 @@
           wrong === 0 ? ["agree with it in all ", derived("physics.ours", ours.length), " measurements. "]
             : ["are off in ", derived("physics.ours.wrong", wrong), " of ", derived("physics.ours", ours.length), " measurements. "]],
         others.length > 0 && ["Of ", derived("physics.others", others.length), " measurements of the others ",
-          enumerated([["agrees", " agree"], ["known", " are off for a known cause"], ["gap", " show light that the engine does not model"], ["wrong", " are off and nobody knows why"]]
-            .map(([state, text]) => [state, text, counted(others, state)]).filter(([, , count]) => count > 0)
-            .map(([state, text, count]) => [derived(`physics.others.${state}`, count), text])), ". "],
+          enumerated([["agrees", " agrees", " agree"], ["known", " is off for a known cause", " are off for a known cause"],
+            ["gap", " shows light that the engine does not model", " show light that the engine does not model"], ["wrong", " is off and nobody knows why", " are off and nobody knows why"]]
+            .map(([state, one, many]) => ({ state, count: counted(others, state), one, many })).filter(({ count }) => count > 0)
+            .map(({ state, count, one, many }) => [derived(`physics.others.${state}`, count), plural(count, one, many)])), ". "],
         open > 0 && [derived("physics.open", open), " could not be measured, and say why."]),
       el("p", { class: "small soft" }, "With ", number("physics/tests"), " measurements at once chance must not cry wolf: off is what lies more than ", number("physics/critical_z"),
         " standard errors from the truth (on top of bounded step and rounding errors), so that a run in which all are right calls anyone off with a probability of ",
@@ -881,7 +882,7 @@
         el("tbody", {}, el("tr", { class: "total" }, el("th", { scope: "row" }, "Agrees in"), who.map(({ participant }) => {
           const measured = rows.filter((row) => row.participant === participant && row.verdict !== "not_measured");
           const agreeing = measured.filter((row) => row.verdict === "agrees").length;
-          return el("td", { class: "num" }, derived(`physics.of/${participant}/agrees`, agreeing), " of ", derived(`physics.of/${participant}`, measured.length));
+          return el("td", { class: "num" }, measured.length === 0 ? absent() : [derived(`physics.of/${participant}/agrees`, agreeing), " of ", derived(`physics.of/${participant}`, measured.length)]);
         }))),
         rungs.map((rung) => el("tbody", {},
           el("tr", { class: "group" }, el("th", { scope: "rowgroup", colspan: who.length + 1 }, el("a", { href: `#${rung.id}` }, sentenceCase(rung.name)), `: ${rung.title}`)),
