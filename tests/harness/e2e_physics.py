@@ -46,7 +46,10 @@ class Furnace(unittest.TestCase):
     def test_our_truth_holds_and_the_run_says_so(self):
         self.assertEqual(self.done.returncode, 0, self.done.stderr)
         self.assertEqual(self.physics["verdict"], "pass")
-        self.assertEqual({row["verdict"] for row in self.rows("exact") + self.rows("oracle")}, {"agrees"})
+        unsure = [row for row in self.rows("exact") + self.rows("oracle") if row["verdict"] != "agrees"]
+        # Clouds have no closed form: `exact` leaves them to the tracers.
+        self.assertEqual([(row["participant"], row["check"], row["verdict"]) for row in unsure],
+                         [("exact", "furnace_clouds_16", "not_measured")])
 
     def test_a_single_scattering_march_is_off_and_the_cause_is_named(self):
         for row in self.rows("march"):
@@ -75,7 +78,7 @@ class Furnace(unittest.TestCase):
         for check in self.physics["checks"]:
             self.assertIn("optical depth", check["what"])
             rows = [row for row in self.physics["rows"] if row["check"] == check["name"] and row["deviation"] is not None]
-            self.assertGreaterEqual(len(rows), 3, check["name"])
+            self.assertGreaterEqual(len(rows), 2, check["name"])
             for v, view in enumerate(check["views"]):
                 self.assertNotIn("truth", view)  # drawn, not carried along
                 for path in [view["picture"], *(row[kind][v] for row in rows for kind in ("pictures", "differences"))]:
