@@ -149,6 +149,11 @@ function checkPhysics(data, engines, { need, text, numeric, list, file }) {
       file(view.picture, `${path}views/${v}/picture`);
     });
   });
+  list(physics.phase_functions ?? [], "physics/phase_functions").forEach((row, n) => {
+    text(row, `physics/phase_functions/${n}/`, "phase", "verdict");
+    numeric(row, `physics/phase_functions/${n}/`, "g", "integral", "mean_cosine", "sampled_mean_cosine");
+    need(FINDINGS.includes(row.verdict), `physics/phase_functions/${n}/verdict`, `is not a verdict: ${row.verdict}`);
+  });
   let tests = 0;
   list(physics.rows, "physics/rows").forEach((row, r) => {
     const path = `physics/rows/${r}/`;
@@ -223,6 +228,7 @@ function numbersToShow(data) {
   data.physics.checks.forEach((check, c) => check.views.forEach((view, v) => {
     for (const key of ["exposure_ev", ...(view.picture ? ["difference_scale"] : [])]) paths.push(`physics/checks/${c}/views/${v}/${key}`);
   }));
+  paths.push(...numbersWithin(data.physics.phase_functions, "physics/phase_functions"));
   data.physics.rows.forEach((row, r) => {
     paths.push(...numbersWithin(row, `physics/rows/${r}`).filter((path) => row.deviation !== null || !path.endsWith("/rounding")));
   });

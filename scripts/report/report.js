@@ -270,6 +270,9 @@
     for (const { frame, s } of broken) {
       lines.push(el("li", {}, word(STATUSES, frame.status), " ", sceneLink(s), " · ", el("b", {}, frame.engine), why(frame) ? `: ${why(frame)}` : ""));
     }
+    for (const row of physics?.phase_functions ?? []) {
+      if (row.verdict === "off") lines.push(el("li", {}, word(FINDINGS, "wrong"), " ", el("a", { href: "#phase-functions" }, "Phase function"), " ", String(row.phase).replace(/_/g, " ")));
+    }
     for (const r of rows.keys()) {
       const state = findingOf(rows[r]);
       if (state === "wrong") lines.push(el("li", {}, word(FINDINGS, state), " ", checkLink(rows[r].check), " · ", el("b", {}, rows[r].participant), " by ", deviation(r)));
@@ -304,6 +307,7 @@
     return el("nav", { "aria-label": "Contents" }, el("ul", {},
       physics && el("li", {}, el("a", { href: "#physics" }, "Physics: who agrees")),
       (scenes.length > 0 || !physics) && el("li", {}, el("a", { href: "#summary" }, "Summary")),
+      physics?.phase_functions?.length > 0 && el("li", {}, el("a", { href: "#phase-functions" }, "Phase functions")),
       rungs.map((rung) => el("li", {}, el("a", { href: `#${rung.id}` }, sentenceCase(rung.name)))),
       scenes.map((_, s) => el("li", {}, sceneLink(s))),
       (report.charts ?? []).length > 0 && el("li", {}, el("a", { href: "#charts" }, "Charts")),
@@ -815,6 +819,24 @@
   // ------------------------------------------------------------------------------- physics suite
 
   const isOurs = (engine) => ["exact", "tracer"].includes(engineNamed(engine)?.rung);
+  /** Before any medium: the functions that say where light is scattered to. */
+  function phaseFunctions() {
+    const list = physics?.phase_functions ?? [];
+    if (list.length === 0) return null;
+    const close = (path) => number(path, { digits: 10 });
+    return el("section", { "aria-labelledby": "phase-functions" },
+      el("h2", { id: "phase-functions" }, "Phase functions"),
+      el("p", {}, "A phase function says where light is scattered to. Over all directions it must add up to 1, and its mean cosine must be g; so must that of the directions that are drawn from it."),
+      scrolling("Phase functions", el("table", {},
+        el("thead", {}, el("tr", {}, el("th", { scope: "col" }, "Phase function"), el("th", { scope: "col" }, "Finding"),
+          [["g", ""], ["Integral", "must be 1"], ["Mean cosine", "must be g"], ["Drawn mean cosine", "must be g"]].map(([name, unit]) => el("th", { scope: "col", class: "num" }, name, el("small", {}, unit))))),
+        el("tbody", {}, list.map((row, n) => el("tr", { class: row.verdict === "off" ? "failing" : null },
+          el("th", { scope: "row" }, String(row.phase).replace(/_/g, " ")),
+          el("td", { class: "tight" }, word(FINDINGS, row.verdict === "off" ? "wrong" : row.verdict)),
+          el("td", { class: "num" }, number(`physics/phase_functions/${n}/g`, { exact: true })),
+          ["integral", "mean_cosine", "sampled_mean_cosine"].map((key) => el("td", { class: "num" }, close(`physics/phase_functions/${n}/${key}`)))))))));
+  }
+
   const sentenceCase = (text) => text.charAt(0).toUpperCase() + text.slice(1);
 
   /** agrees, known, gap, wrong (FINDINGS) or open. */
@@ -1143,7 +1165,7 @@
     document.title = `${report.title}: ${report.verdict}`;
     window.addEventListener("resize", () => fitPictures(main));
     main.replaceChildren();
-    append(main, [head(), contents(), physicsMatrix(), summary(), help(), rungs.map(rungSection), scenes.map(sceneSection), charts(), engineTable(), foot()]);
+    append(main, [head(), contents(), physicsMatrix(), summary(), help(), phaseFunctions(), rungs.map(rungSection), scenes.map(sceneSection), charts(), engineTable(), foot()]);
     fitPictures(main);
     printWhole();
     if (location.hash) document.getElementById(decodeURIComponent(location.hash.slice(1)))?.scrollIntoView();

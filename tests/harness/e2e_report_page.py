@@ -198,6 +198,7 @@ def physics_data():
     return {"family_alpha": 0.01, "tests": tests, "critical_z": 3.37, "verdict": "fail", "seconds": 13.5,
             "rungs": [{"name": "furnace", "title": "albedo 1 in a uniform surround vanishes"}, {"name": "single", "title": "not in this run"},
                       {"name": "slab", "title": "slab, all orders, against adding-doubling"}, {"name": "of tomorrow", "title": HOSTILE}],
+            "phase_functions": [{"phase": HOSTILE, "g": 0.85, "integral": 1.0000000000000004, "mean_cosine": 0.8500000000000002, "sampled_mean_cosine": -3.4e-18, "verdict": "off"}],
             "checks": checks, "rows": rows}
 
 
