@@ -17,6 +17,7 @@ static const struct {
     {"render", neph_cli_render, "render a scene with one engine"},
     {"export", neph_cli_export, "leave a scene as files for Blender or POV-Ray"},
     {"bake", neph_cli_bake, "a medium of a scene as a volume file, with what that costs"},
+    {"benchmark", neph_cli_benchmark, "how long engines take for the same noise"},
     {"compare", neph_cli_compare, "measure the error of one EXR frame against another"},
     {"scenes", neph_cli_scenes, "list the catalogue, or show and check one scene"},
     {"engines", neph_cli_engines, "list the engines, or explain the settings of one"},

@@ -1,0 +1,81 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""`neph benchmark`: what its numbers mean to each other. No absolute times: machines differ."""
+import json
+import os
+import subprocess
+import tempfile
+import unittest
+
+NEPH = os.environ["NEPH"]
+
+
+def benchmark(*arguments):
+    with tempfile.TemporaryDirectory() as folder:
+        done = subprocess.run([NEPH, "benchmark", *arguments, "-q", "-o", folder], timeout=300,
+                              capture_output=True, text=True)
+        left = os.listdir(folder)
+    return done, left
+
+
+class Benchmark(unittest.TestCase):
+    def test_two_unbiased_tracers(self):
+        done, left = benchmark("gaussian_blob", "--voxels", "12", "-e", "oracle,tracer", "--size",
+                               "32x18", "--seconds", "0.2", "--json")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(left, [])
+        document = json.loads(done.stdout)
+        self.assertEqual(document["format"], "neph-benchmark-1")
+        oracle, tracer = document["engines"]
+        self.assertEqual((oracle["engine"], tracer["engine"]), ("oracle", "tracer"))
+        self.assertEqual(oracle["times"], {"value": 1.0, "low": 1.0, "high": 1.0})
+        for engine in (oracle, tracer):
+            with self.subTest(engine["engine"]):
+                rungs = engine["rungs"]
+                self.assertEqual(len(rungs), 4)
+                for rung in rungs:
+                    # Noise alone; two seeds of 576 pixels know their variance to a tenth or so.
+                    self.assertLess(abs(rung["error2"] / rung["noise2"] - 1.0), 0.5)
+                    self.assertGreater(rung["render_s"], 0.0)
+                # Noise^2 x samples is the same on all rungs.
+                work = [rung["noise2"] * rung["samples"] for rung in rungs]
+                self.assertLess(max(work) / min(work), 2.0)
+                for name in ("cost_s", "times"):
+                    value = engine[name]
+                    self.assertTrue(0.0 < value["low"] <= value["value"] <= value["high"])
+                # Unbiased: Student with 7 degrees of freedom passes 3 x 2.4 standard errors once in 5000.
+                bias = engine["bias"]
+                half = bias["high"] - bias["value"]
+                self.assertLess(abs(bias["value"]), 3.0 * half)
+        ratio = tracer["cost_s"]["value"] / oracle["cost_s"]["value"]
+        self.assertAlmostEqual(tracer["times"]["value"] / ratio, 1.0, places=6)
+
+    def test_the_table_says_what_it_found(self):
+        done, _ = benchmark("slab_multiple_thin", "-e", "tracer,oracle", "--size", "16x9",
+                            "--seconds", "0.05", "--set", "oracle:samples=4")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("noise^2 x time", done.stdout)
+        self.assertIn("times the time of tracer for the same noise", done.stdout)
+
+    def test_wrong_requests_are_refused_in_words(self):
+        for arguments, code, word in (
+                (("slab_multiple_thin", "-e", "exact"), 64, "no chance"),
+                (("slab_multiple_thin", "-e", "magic"), 64, "neph engines"),
+                (("slab_multiple_thin", "--seconds", "nan"), 64, "0.01..10000"),
+                (("slab_multiple_thin", "--voxels", "1"), 64, "2.."),
+                (("slab_multiple_thin", "--set", "povray:samples=3"), 64, "ENGINE:KEY=VALUE"),
+                (("no_such_scene",), 66, "neph scenes")):
+            with self.subTest(arguments):
+                done, _ = benchmark(*arguments)
+                self.assertEqual(done.returncode, code, done.stderr)
+                self.assertIn(word, done.stderr)
+
+    def test_help_teaches(self):
+        done = subprocess.run([NEPH, "benchmark", "--help"], capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0)
+        for word in ("Example", "noise", "cores"):
+            self.assertIn(word, done.stdout)
+
+
+if __name__ == "__main__":
+    unittest.main()
