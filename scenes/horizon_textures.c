@@ -105,7 +105,7 @@ void neph_horizon_fill_detail(uint64_t seed, float *detail)
 static double field_at(uint64_t seed, const double point[3])
 {
     const struct neph_noise noise = noise_of(seed, PATTERN_FIELD, 2, 5);
-    return perlin_sum_at(&noise, 2, point);
+    return perlin_sum_at(&noise, 3, point);
 }
 
 /* The hill of the lobe in one cell, at a place: 1 at its middle, 0 at its rim and beyond. */
@@ -156,9 +156,10 @@ static void weather_texel(uint64_t seed, const double point[3], float texel[4])
     double bent[3];
     bend(seed, point, bent);
     const double field = field_at(seed, bent);
-    texel[0] = (float)lobes_at(seed, 18, bent);
+    const double lobe = lobes_at(seed, 18, bent);
+    texel[0] = (float)(lobe * (2.0 - lobe));
     texel[1] = (float)clamp01(0.5 + 0.6 * field + 0.6 * perlin_sum_at(&high, 3, point));
-    texel[2] = (float)clamp01(0.6 + 0.9 * field);
+    texel[2] = (float)clamp01((0.4 + 0.6 * lobe) * (0.9 + 0.6 * field));
     texel[3] = (float)clamp01(0.75 + 0.4 * perlin_sum_at(&density, 2, point));
 }
 

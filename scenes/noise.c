@@ -51,27 +51,22 @@ static const signed char edges[16][3] = {
     {0, 1, 1}, {0, -1, 1}, {0, 1, -1}, {0, -1, -1}, {1, 1, 0}, {0, -1, 1}, {-1, 1, 0}, {0, -1, -1},
 };
 
-/* All of length sqrt 2, so that the noise reaches from -1 to 1. */
-static const double root_2 = 1.41421356237309514547;
-static double gradient_2d(uint64_t hash, double x, double y)
-{
-    const double sign = hash & 1 ? 1.0 : -1.0;
-    switch (hash >> 1 & 3) {
-    case 0:
-        return sign * root_2 * x;
-    case 1:
-        return sign * root_2 * y;
-    case 2:
-        return sign * (x + y);
-    default:
-        return sign * (x - y);
-    }
-}
+/* In the plane: eight directions, none along an axis or a diagonal, which the eye would find. All
+ * of length sqrt 2, so that the noise reaches from -1 to 1: sqrt 2 cos and sin of 22.5 degrees. */
+#define LONG 1.30656296487637652
+#define SHORT 0.541196100146196985
+static const double plane_gradients[8][2] = {{LONG, SHORT},   {-LONG, SHORT}, {LONG, -SHORT},
+                                             {-LONG, -SHORT}, {SHORT, LONG},  {-SHORT, LONG},
+                                             {SHORT, -LONG},  {-SHORT, -LONG}};
+#undef LONG
+#undef SHORT
 
 static double gradient(int dimensions, uint64_t hash, const double offset[3])
 {
-    if (dimensions == 2)
-        return gradient_2d(hash, offset[0], offset[1]);
+    if (dimensions == 2) {
+        const double *g = plane_gradients[hash & 7];
+        return g[0] * offset[0] + g[1] * offset[1];
+    }
     const signed char *g = edges[hash & 15];
     return g[0] * offset[0] + g[1] * offset[1] + g[2] * offset[2];
 }

@@ -282,6 +282,20 @@ struct neph_collision neph_tracker_collide(const struct neph_tracker *tracker,
     return collision;
 }
 
+/* What is all but gone goes for good, or is worth `faint` again: most of the way through a thick
+ * cloud the estimate would only become smaller. False when it is gone. */
+static bool survives(double transmittance[3], struct neph_random *random)
+{
+    const double faint = 0.05;
+    const double most = fmax(transmittance[0], fmax(transmittance[1], transmittance[2]));
+    if (most >= faint)
+        return true;
+    const bool lives = neph_random_uniform(random) * faint < most;
+    for (int j = 0; j < 3; j++)
+        transmittance[j] *= lives ? faint / most : 0.0;
+    return lives;
+}
+
 static void track_ratio(const struct tracked *tracked, const struct neph_ray *ray,
                         struct neph_random *random, double transmittance[3],
                         struct neph_tracking_cost *cost)
@@ -292,7 +306,7 @@ static void track_ratio(const struct tracked *tracked, const struct neph_ray *ra
         const double density = walk_density(&walk, ray, cost) / tracked->color_max;
         for (int j = 0; j < 3; j++)
             transmittance[j] *= fmax(0.0, 1.0 - density * tracked->color[j]);
-        more = walk_next(&walk, random);
+        more = survives(transmittance, random) && walk_next(&walk, random);
     }
 }
 
@@ -305,7 +319,7 @@ struct neph_rgb neph_tracker_transmittance(const struct neph_tracker *tracker,
     for (int m = 0; m < tracker->count; m++) {
         const struct tracked *tracked = &tracker->media[m];
         if (!tracked->exact) {
-            if (tracked->color_max > 0.0)
+            if (tracked->color_max > 0.0 && fmax(ratio[0], fmax(ratio[1], ratio[2])) > 0.0)
                 track_ratio(tracked, ray, random, ratio, cost);
             continue;
         }
