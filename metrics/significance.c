@@ -30,17 +30,18 @@ double neph_sidak_alpha(double family_alpha, int count)
 }
 
 struct neph_z_moments neph_z_scores(const float *test, const float *truth, const float *variance,
-                                    size_t count)
+                                    size_t count, double floor)
 {
     struct neph_sum sum = {0.0, 0.0}, squares = {0.0, 0.0};
     struct neph_z_moments moments = {0, NAN, NAN};
     for (size_t i = 0; i < count; i++) {
         const double difference = (double)test[i] - (double)truth[i];
-        if (difference == 0.0 && variance[i] == 0.0f)
-            continue;
-        if (variance[i] == 0.0f)
+        const double error = sqrt((double)variance[i]);
+        if (error == 0.0 && fabs(difference) > floor)
             return (struct neph_z_moments){count, INFINITY, INFINITY};
-        const double z = difference / sqrt((double)variance[i]);
+        if (error == 0.0 || error < floor)
+            continue;
+        const double z = difference / error;
         moments.count++;
         neph_sum_add(&sum, z);
         neph_sum_add(&squares, z * z);

@@ -26,9 +26,10 @@ struct neph_z_moments {
 };
 
 /* z = (test - truth) / sqrt(variance) per sample; samples whose variance is 0 and whose difference
- * is 0 are left out (nothing random happened there); a difference without variance counts as
- * infinite and shows. */
+ * is 0 are left out (nothing random happened there), and so are those whose standard error is below
+ * `floor`: there the rounding of the numbers is seen and not their noise. A difference above the
+ * floor without any variance counts as infinite and shows. */
 struct neph_z_moments neph_z_scores(const float *test, const float *truth, const float *variance,
-                                    size_t count);
+                                    size_t count, double floor);
 
 #endif

@@ -3,6 +3,8 @@
 
 #include "renderer/compute.h"
 
+#include <dlfcn.h>
+#include <link.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -342,6 +344,23 @@ static enum neph_status create_commands(struct neph_vulkan *vulkan, struct neph_
     return NEPH_OK;
 }
 
+/* dl_iterate_phdr's callback: hold the library open for as long as the process lives. */
+static int hold_library(struct dl_phdr_info *info, size_t size, void *context)
+{
+    (void)size;
+    (void)context;
+    if (info->dlpi_name && strstr(info->dlpi_name, ".so"))
+        dlopen(info->dlpi_name, RTLD_LAZY | RTLD_NOLOAD | RTLD_NODELETE);
+    return 0;
+}
+
+/* The loader unloads a driver with the last instance. NVIDIA's takes static thread-local storage
+ * each time it is loaded and never gives it back: the 16th device of a process would find none. */
+static void hold_drivers(void)
+{
+    dl_iterate_phdr(hold_library, NULL);
+}
+
 enum neph_status neph_vulkan_create(const struct neph_vulkan_params *params,
                                     struct neph_vulkan **vulkan, struct neph_diag *diag)
 {
@@ -357,6 +376,7 @@ enum neph_status neph_vulkan_create(const struct neph_vulkan_params *params,
     if (!status)
         status = choose_device(created, params->device, diag);
     if (!status) {
+        hold_drivers();
         describe_device(created);
         status = create_device(created, &timestamp_bits, diag);
     }

@@ -148,26 +148,34 @@ struct sums {
     struct neph_z_moments pixels;
 };
 
+/* Noise this many times the rounding of the brightest pixel: z-scores' variance off by 1 %. */
+static const double noise_per_rounding = 10.0;
+
 static void add_pixel_scores(const struct seen *seen, const struct neph_image *frame,
-                             struct sums *sums)
+                             double rounding, struct sums *sums)
 {
     const float *variance = neph_image_channel(frame, "variance.G");
     float truth[PIXELS_MAX];
     if (!variance || seen->view->weight != NEPH_VIEW_MEAN || seen->truth_error > 0.0)
         return;
-    for (int p = 0; p < seen->pixel_count; p++)
+    double brightest = 0.0;
+    for (int p = 0; p < seen->pixel_count; p++) {
         truth[p] = (float)seen->truth[p];
+        brightest = fmax(brightest, seen->truth[p]);
+    }
     sums->pixels = neph_z_scores(neph_image_channel(frame, "G"), truth, variance,
-                                 (size_t)seen->pixel_count);
+                                 (size_t)seen->pixel_count,
+                                 noise_per_rounding * rounding * brightest);
 }
 
-static void add_view(const struct seen *seen, struct neph_image *const frames[2], bool stochastic,
-                     struct sums *sums)
+static void add_view(const struct seen *seen, struct neph_image *const frames[2],
+                     const struct neph_participant *participant, struct sums *sums)
 {
     const float *a = neph_image_channel(frames[0], "G"), *b = neph_image_channel(frames[1], "G");
     const float *va = neph_image_channel(frames[0], "variance.G");
     const float *vb = neph_image_channel(frames[1], "variance.G");
     const double factor = seen->view->factor;
+    const bool stochastic = !participant->refined;
     double truth = 0.0;
     for (int p = 0; p < seen->pixel_count; p++) {
         const double weight = factor * seen->weight[p];
@@ -183,8 +191,12 @@ static void add_view(const struct seen *seen, struct neph_image *const frames[2]
     }
     sums->truth += truth;
     sums->variance += stochastic ? pow(truth * seen->truth_error, 2.0) : 0.0;
-    add_pixel_scores(seen, frames[0], sums);
+    add_pixel_scores(seen, frames[0], participant->rounding, sums);
 }
+
+/* Roache's grid convergence index (P. J. Roache, J. Fluids Eng. 116, 1994): an extrapolated error
+ * is itself an estimate, and a bound of just its size would be met by chance. */
+static const double step_safety = 1.25;
 
 static void conclude(const struct entrant *entrant, const struct sums *sums,
                      struct finding *finding)
@@ -200,7 +212,7 @@ static void conclude(const struct entrant *entrant, const struct sums *sums,
     /* Richardson: halving the step leaves 2^-order of the error. */
     const double change = fabs(sums->deviation[1] - sums->deviation[0]) / sums->truth;
     const double kept = exp2(-entrant->participant->order);
-    finding->step_bound = entrant->participant->order ? change / (1.0 - kept) : 0.0;
+    finding->step_bound = entrant->participant->order ? step_safety * change / (1.0 - kept) : 0.0;
 }
 
 /* Render and add up all views; finding->rendered says whether there is a deviation. */
@@ -227,7 +239,7 @@ static enum neph_status try_views(const struct entrant *entrant, const struct sc
         }
         if (!status && frames[0] && (one_pass || frames[1]))
             add_view(seen, (struct neph_image *const[2]){frames[0], frames[!one_pass]},
-                     !entrant->participant->refined, &sums);
+                     entrant->participant, &sums);
         neph_image_destroy(frames[0]);
         neph_image_destroy(frames[1]);
         if (status || finding->result.outcome != NEPH_OUTCOME_RENDERED)

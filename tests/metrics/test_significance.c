@@ -43,14 +43,14 @@ static void test_moments_of_noise(void **state)
         variance[i] = (float)(sigma * sigma);
         test[i] = (float)(truth[i] + sigma * sqrt(-2.0 * log(u)) * cos(v));
     }
-    struct neph_z_moments moments = neph_z_scores(test, truth, variance, N);
+    struct neph_z_moments moments = neph_z_scores(test, truth, variance, N, 0.0);
     assert_int_equal(moments.count, N);
     /* Standard errors: 1 / sqrt(N) and sqrt(2 / N); four of them. */
     neph_assert_close(moments.mean, 0.0, 0.0, 4.0 / sqrt(N));
     neph_assert_close(moments.variance, 1.0, 0.0, 4.0 * sqrt(2.0 / N));
     for (int i = 0; i < N; i++)
         variance[i] *= 1.1f;
-    moments = neph_z_scores(test, truth, variance, N);
+    moments = neph_z_scores(test, truth, variance, N, 0.0);
     assert_true(moments.variance < 1.0 / 1.1 + 4.0 * sqrt(2.0 / N) && moments.variance < 0.95);
     free(test);
 }
@@ -59,8 +59,14 @@ static void test_nothing_random(void **state)
 {
     (void)state;
     const float same[2] = {1.0f, 2.0f}, zero[2] = {0.0f, 0.0f}, other[2] = {1.0f, 3.0f};
-    assert_int_equal(neph_z_scores(same, same, zero, 2).count, 0);
-    assert_true(isinf(neph_z_scores(other, same, zero, 2).mean));
+    assert_int_equal(neph_z_scores(same, same, zero, 2, 0.0).count, 0);
+    assert_true(isinf(neph_z_scores(other, same, zero, 2, 0.0).mean));
+    assert_true(isinf(neph_z_scores(other, same, zero, 2, 0.9).mean));
+    assert_int_equal(neph_z_scores(other, same, zero, 2, 1.1).count, 0);
+    /* 1 / 0.1 = 10 is left out with a floor of 0.2, and is all there is without. */
+    const float little[2] = {0.01f, 0.01f};
+    assert_int_equal(neph_z_scores(other, same, little, 2, 0.2).count, 0);
+    neph_assert_close(neph_z_scores(other, same, little, 2, 0.0).mean, 5.0, 1e-6, 0.0);
 }
 
 int main(void)
