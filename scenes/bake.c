@@ -9,8 +9,11 @@
 #include <string.h>
 
 /* Chords through media without closed form cost milliseconds each. */
-enum { POINTS = 1 << 16, CHORDS_CLOSED = 4096, CHORDS_QUADRATURE = 192 };
+enum { POINTS = 1 << 16, CHORDS_CLOSED = 1 << 14, CHORDS_QUADRATURE = 192, TRIES = 256 };
 static const uint64_t error_seed = 20150810;
+
+/* What is thinner than this part of the densest is not worth the nodes of a coarse grid. */
+static const double thinnest_of_densest = 1e-5;
 
 /* ---- the lattice ----------------------------------------------------------------------------- */
 
@@ -39,6 +42,40 @@ static enum neph_status check_request(const struct neph_bounds *box, int resolut
         return neph_fail(diag, NEPH_ERR_INPUT, "resolution %d: it must be %d..%d", resolution,
                          NEPH_BAKE_RESOLUTION_MIN, NEPH_GRID_SIDE_MAX);
     return NEPH_OK;
+}
+
+static double *axis_of(struct neph_vec3 *v, int axis)
+{
+    return axis == 0 ? &v->x : axis == 1 ? &v->y : &v->z;
+}
+
+/* How far a face can move towards the opposite one while all that it leaves is thinner than
+ * `limit_per_m`; found by halving. */
+static double trimmed_face_m(const struct neph_medium *medium, const struct neph_bounds *box,
+                             int axis, bool is_low, double limit_per_m)
+{
+    struct neph_bounds left = *box;
+    double *cut_m = axis_of(is_low ? &left.max_m : &left.min_m, axis);
+    double thin_m = *axis_of(is_low ? &left.min_m : &left.max_m, axis), dense_m = *cut_m;
+    for (int i = 0; i < 20; i++) {
+        *cut_m = 0.5 * (thin_m + dense_m);
+        if (neph_medium_extinction_bound_per_m(medium, &left) <= limit_per_m)
+            thin_m = *cut_m;
+        else
+            dense_m = *cut_m;
+    }
+    return thin_m;
+}
+
+static struct neph_bounds trim(const struct neph_medium *medium, struct neph_bounds box)
+{
+    const double densest_per_m = neph_medium_extinction_bound_per_m(medium, &box);
+    const double limit_per_m = thinnest_of_densest * densest_per_m;
+    for (int axis = 0; axis < 3 && densest_per_m > 0.0; axis++) {
+        *axis_of(&box.min_m, axis) = trimmed_face_m(medium, &box, axis, true, limit_per_m);
+        *axis_of(&box.max_m, axis) = trimmed_face_m(medium, &box, axis, false, limit_per_m);
+    }
+    return box;
 }
 
 static int nodes_along(double side_m, double longest_m, int resolution)
@@ -95,8 +132,10 @@ static enum neph_status sample(const struct neph_medium *medium, const struct ne
                                int resolution, struct neph_bake *bake, struct neph_diag *diag)
 {
     enum neph_status status = check_request(box, resolution, diag);
-    if (!status)
-        status = create_lattice(box, resolution, &bake->grid, diag);
+    if (status)
+        return status;
+    const struct neph_bounds trimmed = trim(medium, *box);
+    status = create_lattice(&trimmed, resolution, &bake->grid, diag);
     if (status)
         return status;
     bake->extinction_per_m = density_unit_per_m(medium, box);
@@ -139,8 +178,9 @@ static struct neph_vec3 next_point(uint64_t *state, const struct neph_bounds *re
                               region->min_m.z + z * (region->max_m.z - region->min_m.z)};
 }
 
-static void measure_extinction(const struct neph_medium *medium, const struct neph_medium *baked,
-                               const struct neph_bounds *region, struct neph_bake_error *error)
+/* The largest extinction that was met [1/m]. */
+static double measure_extinction(const struct neph_medium *medium, const struct neph_medium *baked,
+                                 const struct neph_bounds *region, struct neph_bake_error *error)
 {
     uint64_t state = error->seed;
     double squares = 0.0, difference_squares = 0.0, largest = 0.0, difference_largest = 0.0;
@@ -157,21 +197,36 @@ static void measure_extinction(const struct neph_medium *medium, const struct ne
         error->extinction_rms_relative = sqrt(difference_squares / squares);
         error->extinction_max_relative = difference_largest / largest;
     }
+    return largest;
 }
 
 struct chords {
     const struct neph_medium *medium, *baked;
     const struct neph_bounds *region;
+    double largest_per_m;
     uint64_t seed;
     double *medium_depths, *baked_depths;
 };
 
-/* A line through two random places, through all of the region. */
+/* A place drawn in proportion to the extinction, by rejection. */
+static struct neph_vec3 next_dense_point(uint64_t *state, const struct chords *chords)
+{
+    struct neph_vec3 point_m = next_point(state, chords->region);
+    for (int i = 0; i < TRIES; i++) {
+        const double level_per_m = next_uniform(state) * chords->largest_per_m;
+        if (level_per_m < neph_medium_extinction_per_m(chords->medium, point_m))
+            break;
+        point_m = next_point(state, chords->region);
+    }
+    return point_m;
+}
+
+/* A line through a dense place and any other, through all of the region. */
 static void measure_chord(int chord, void *context)
 {
     const struct chords *chords = context;
     uint64_t state = chords->seed + ((uint64_t)chord << 32);
-    const struct neph_vec3 a = next_point(&state, chords->region);
+    const struct neph_vec3 a = next_dense_point(&state, chords);
     const struct neph_vec3 b = next_point(&state, chords->region);
     const struct neph_vec3 d = neph_vec3_normalize(neph_vec3_sub(b, a));
     double t0_m = -INFINITY, t1_m = INFINITY;
@@ -204,7 +259,7 @@ static void summarize_chords(const struct chords *chords, struct neph_bake_error
 
 static enum neph_status measure_chords(const struct neph_medium *medium,
                                        const struct neph_medium *baked,
-                                       const struct neph_bounds *region,
+                                       const struct neph_bounds *region, double largest_per_m,
                                        struct neph_bake_error *error, struct neph_diag *diag)
 {
     double *depths = malloc(2 * (size_t)error->chord_count * sizeof(*depths));
@@ -213,6 +268,7 @@ static enum neph_status measure_chords(const struct neph_medium *medium,
     struct chords chords = {.medium = medium,
                             .baked = baked,
                             .region = region,
+                            .largest_per_m = largest_per_m,
                             .seed = error->seed,
                             .medium_depths = depths,
                             .baked_depths = depths + error->chord_count};
@@ -223,18 +279,28 @@ static enum neph_status measure_chords(const struct neph_medium *medium,
     return status;
 }
 
-/* Over the support of the grid: it holds the box and the ramps that stick out of it. */
-static enum neph_status measure(const struct neph_medium *medium, struct neph_bake *bake,
-                                struct neph_diag *diag)
+static struct neph_bounds join(struct neph_bounds a, struct neph_bounds b)
+{
+    for (int axis = 0; axis < 3; axis++) {
+        double *low_m = axis_of(&a.min_m, axis), *high_m = axis_of(&a.max_m, axis);
+        *low_m = fmin(*low_m, *axis_of(&b.min_m, axis));
+        *high_m = fmax(*high_m, *axis_of(&b.max_m, axis));
+    }
+    return a;
+}
+
+/* Over the box, trimmed or not, and the ramps of the grid that stick out of it. */
+static enum neph_status measure(const struct neph_medium *medium, const struct neph_bounds *box,
+                                struct neph_bake *bake, struct neph_diag *diag)
 {
     const struct neph_medium baked = neph_medium_from_bake(medium, bake);
-    const struct neph_bounds region = neph_grid_support(bake->grid);
+    const struct neph_bounds region = join(*box, neph_grid_support(bake->grid));
     bake->error = (struct neph_bake_error){
         .point_count = POINTS,
         .chord_count = neph_medium_has_closed_form(medium) ? CHORDS_CLOSED : CHORDS_QUADRATURE,
         .seed = error_seed};
-    measure_extinction(medium, &baked, &region, &bake->error);
-    return measure_chords(medium, &baked, &region, &bake->error, diag);
+    const double largest_per_m = measure_extinction(medium, &baked, &region, &bake->error);
+    return measure_chords(medium, &baked, &region, largest_per_m, &bake->error, diag);
 }
 
 /* ---------------------------------------------------------------------------------------------- */
@@ -250,7 +316,7 @@ enum neph_status neph_medium_bake(const struct neph_medium *medium, const struct
         status = sample(medium, box, resolution ? resolution : NEPH_BAKE_RESOLUTION_DEFAULT, &made,
                         diag);
         if (!status)
-            status = measure(medium, &made, diag);
+            status = measure(medium, box, &made, diag);
     }
     if (status)
         neph_bake_finish(&made);

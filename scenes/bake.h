@@ -15,7 +15,9 @@
 struct neph_bake_error {
     double extinction_rms_relative; /* rms difference / rms extinction */
     double extinction_max_relative; /* largest difference / largest extinction */
-    double optical_depth_rms;       /* over random chords, against the medium's exact integral */
+    /* Over random chords, against the medium's exact integral. Each runs through a place drawn in
+     * proportion to the extinction. */
+    double optical_depth_rms;
     double optical_depth_max;
     double optical_depth_mean; /* mean signed difference, baked - medium: the bias */
     double transmittance_max;  /* largest |e^-a - e^-b| over the chords */
@@ -33,11 +35,12 @@ struct neph_bake {
 /* Is this a grid that its bounds do not cut? */
 bool neph_medium_is_whole_grid(const struct neph_medium *medium);
 
-/* Sample the medium's extinction at the nodes of a lattice over `box` and measure the error. The
- * lattice has `resolution` nodes on the longest side and about the same spacing on all; nodes sit
- * in the middles of equal cells, so that the ramp to 0 beyond the outermost (scenes/grid.h) holds
- * as much as the half cell that it leaves short: a sharp face of the medium costs no optical depth
- * to first order. A whole grid with `resolution` 0 is copied unchanged; for other media 0 is
+/* Sample the medium's extinction at the nodes of a lattice over `box`, without margins that are
+ * thinner than 1e-5 of the densest, and measure the error over all of it. The lattice has
+ * `resolution` nodes on the longest side and about the same spacing on all; nodes sit in the
+ * middles of equal cells, so that the ramp to 0 beyond the outermost (scenes/grid.h) holds as much
+ * as the half cell that it leaves short: a sharp face of the medium costs no optical depth to first
+ * order. A whole grid with `resolution` 0 is copied unchanged; for other media 0 is
  * NEPH_BAKE_RESOLUTION_DEFAULT. Density 1 is the medium's extinction_per_m (of fog, which has none:
  * its largest extinction in the box).
  *
