@@ -17,7 +17,10 @@
 #include "base/exr.h"
 #include "base/files.h"
 #include "base/threads.h"
+#include "harness/bakes.h"
+#include "harness/engines/baked_scene.h"
 #include "harness/engines/cycles_spec.h"
+#include "scenes/volume_file.h"
 
 #include <errno.h>
 #include <math.h>
@@ -52,13 +55,15 @@ static const struct neph_option options[] = {
      .default_value = 0.2,
      .minimum = 0.01,
      .maximum = 10.0,
-     .help = "march step in height fog, in scale heights (transmittance pass: 1/160 of it)"},
+     .help = "march step: in fog in scale heights, in voxels in their spacings or mean free paths "
+             "(transmittance pass: 1/160 of it)"},
     {.name = "threads",
      .kind = NEPH_OPTION_INTEGER,
      .default_value = 0,
      .minimum = 0,
      .maximum = 1024,
      .help = "threads of Blender, 0 for one per processor (changes no bit of the frame)"},
+    NEPH_OPTION_BAKE_RESOLUTION,
     {.name = NULL},
 };
 
@@ -208,9 +213,6 @@ static bool can_render(const struct neph_scene *scene, const struct neph_setting
     (void)settings;
     struct neph_diag diag = {0};
     struct neph_cycles_world world;
-    const unsigned kinds = 1u << NEPH_MEDIUM_HOMOGENEOUS | 1u << NEPH_MEDIUM_HEIGHT_FOG;
-    if (!neph_engine_models_media(scene, kinds, false, reason, reason_size))
-        return false;
     if (!neph_cycles_world(scene, &world, &diag))
         return true;
     if (reason_size > 0)
@@ -221,26 +223,43 @@ static bool can_render(const struct neph_scene *scene, const struct neph_setting
 /* ---- one frame ------------------------------------------------------------------------------- */
 
 struct session {
-    const struct neph_shot *shot;
+    struct neph_shot shot; /* its scene is `baked` */
+    struct neph_baked_scene baked;
     const char *directory;
     struct neph_cycles_world world;
     struct neph_cycles_quality quality;
     double sphere_error_px;
 };
 
+static enum neph_status adapt_scene(const struct neph_shot *shot, struct session *session,
+                                    struct neph_diag *diag)
+{
+    const int resolution = (int)neph_setting(&neph_engine_cycles, &shot->settings,
+                                             "bake_resolution");
+    struct neph_diag why = {0};
+    enum neph_status status = neph_baked_scene_make(shot->scene, resolution, &session->baked, &why);
+    if (!status)
+        status = neph_cycles_world(&session->baked.scene, &session->world, &why);
+    if (status) {
+        neph_fail(diag, status, "%s%s", status == NEPH_ERR_UNSUPPORTED ? "Cycles cannot: " : "",
+                  why.message);
+        neph_hint(diag, "%s", why.hint);
+    }
+    session->shot.scene = &session->baked.scene;
+    session->world.cut_error += session->baked.cut_error;
+    return status;
+}
+
+/* close_session() whatever the status. */
 static enum neph_status open_session(const struct neph_shot *shot, const char *directory,
                                      struct session *session, struct neph_diag *diag)
 {
-    *session = (struct session){.shot = shot, .directory = directory};
+    *session = (struct session){.shot = *shot, .directory = directory};
     if (shot->width_px < SIDE_MIN_PX || shot->height_px < SIDE_MIN_PX)
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
                          "Cycles cannot: a frame of %d x %d pixels; Blender renders %d x %d at the "
                          "least",
                          shot->width_px, shot->height_px, SIDE_MIN_PX, SIDE_MIN_PX);
-    struct neph_diag why = {0};
-    enum neph_status status = neph_cycles_world(shot->scene, &session->world, &why);
-    if (status)
-        return neph_fail(diag, status, "Cycles cannot: %s", why.message);
     const struct neph_settings *settings = &shot->settings;
     const int threads = (int)neph_setting(&neph_engine_cycles, settings, "threads");
     session->quality = (struct neph_cycles_quality){
@@ -248,14 +267,44 @@ static enum neph_status open_session(const struct neph_shot *shot, const char *d
         .step = neph_setting(&neph_engine_cycles, settings, "step"),
         .threads = threads > 0 ? threads : neph_processor_count(),
     };
-    return NEPH_OK;
+    return adapt_scene(shot, session, diag);
+}
+
+static void close_session(struct session *session)
+{
+    neph_baked_scene_finish(&session->baked);
+}
+
+static enum neph_status write_grid(const struct session *session, int index, struct neph_diag *diag)
+{
+    const struct neph_scene *scene = session->shot.scene;
+    const struct neph_camera camera = neph_scene_camera(scene, session->shot.frame);
+    const struct neph_grid placed = neph_cycles_grid(scene->media[index].grid, &camera,
+                                                     session->world.unit_m);
+    char name[NEPH_CYCLES_FILE_NAME_MAX];
+    neph_cycles_grid_name(index, name);
+    char *path = neph_path_join(session->directory, name);
+    if (!path)
+        return neph_fail_memory(diag);
+    enum neph_status status = neph_volume_write_vdb(path, &placed, NEPH_VDB_BLENDER, diag);
+    free(path);
+    return status;
+}
+
+static enum neph_status write_grids(const struct session *session, struct neph_diag *diag)
+{
+    enum neph_status status = NEPH_OK;
+    for (int i = 0; i < session->shot.scene->medium_count && !status; i++)
+        if (session->world.used[i] && session->shot.scene->media[i].kind == NEPH_MEDIUM_GRID)
+            status = write_grid(session, i, diag);
+    return status;
 }
 
 /* spec.json and the script, side by side in the folder. */
 static enum neph_status write_inputs(struct session *session, struct neph_diag *diag)
 {
     json_t *spec = NULL;
-    enum neph_status status = neph_cycles_spec(session->shot, &session->world, &session->quality,
+    enum neph_status status = neph_cycles_spec(&session->shot, &session->world, &session->quality,
                                                &spec, &session->sphere_error_px, diag);
     if (status)
         return status;
@@ -266,10 +315,13 @@ static enum neph_status write_inputs(struct session *session, struct neph_diag *
     status = text && path && script && copy ? NEPH_OK : neph_fail_memory(diag);
     if (!status)
         status = neph_file_write(path, text, strlen(text), diag);
-    if (!status)
+    if (!status) {
         status = neph_file_copy(script, copy, diag);
-    if (status)
-        neph_hint(diag, "NEPH_DATA_DIR names the folder that holds scripts/%s", script_name);
+        if (status)
+            neph_hint(diag, "NEPH_DATA_DIR names the folder that holds scripts/%s", script_name);
+    }
+    if (!status)
+        status = write_grids(session, diag);
     json_decref(spec);
     free(text);
     free(path);
@@ -314,7 +366,7 @@ static enum neph_status run_script(const struct session *session, const char *bl
 static enum neph_status read_pass(const struct session *session, const char *kind,
                                   struct neph_image **image, struct neph_diag *diag)
 {
-    const struct neph_shot *shot = session->shot;
+    const struct neph_shot *shot = &session->shot;
     struct neph_image *read = NULL;
     char *path = neph_format("%s/%s.exr", session->directory, kind);
     if (!path)
@@ -357,32 +409,44 @@ static enum neph_status not_finite(const char *kind, size_t pixel, int width_px,
                      kind, pixel % (size_t)width_px, pixel / (size_t)width_px);
 }
 
-/* R = combined, volume = its direct and indirect part. */
-static enum neph_status radiance_layers(const struct session *session, struct neph_image *frame,
-                                        struct neph_diag *diag)
+/* R = combined, volume = its direct and indirect part; of one picture, in channels first..last. */
+static enum neph_status take_radiance(const struct session *session, const char *picture, int first,
+                                      int last, float *const all[3], float *const scattered[3],
+                                      struct neph_diag *diag)
 {
     struct neph_image *image = NULL;
-    float *combined[3], *direct[3], *indirect[3], *all[3], *scattered[3];
-    enum neph_status status = read_pass(session, "radiance", &image, diag);
+    float *combined[3], *direct[3], *indirect[3];
+    enum neph_status status = read_pass(session, picture, &image, diag);
     if (!status)
         status = find_layer(image, "pass.Combined", combined, diag);
     if (!status)
         status = find_layer(image, "pass.VolumeDir", direct, diag);
     if (!status)
         status = find_layer(image, "pass.VolumeInd", indirect, diag);
-    if (!status)
-        status = neph_image_add_rgb(frame, NULL, all, diag);
-    if (!status)
-        status = neph_image_add_rgb(frame, "volume", scattered, diag);
-    for (int channel = 0; channel < 3 && !status; channel++) {
-        for (size_t i = 0; i < neph_image_pixel_count(frame) && !status; i++) {
+    for (int channel = first; channel <= last && !status; channel++) {
+        for (size_t i = 0; i < neph_image_pixel_count(image) && !status; i++) {
             all[channel][i] = combined[channel][i];
             scattered[channel][i] = direct[channel][i] + indirect[channel][i];
             if (!isfinite(all[channel][i]) || !isfinite(scattered[channel][i]))
-                status = not_finite("radiance", i, frame->width_px, diag);
+                status = not_finite(picture, i, image->width_px, diag);
         }
     }
     neph_image_destroy(image);
+    return status;
+}
+
+static enum neph_status radiance_layers(const struct session *session, struct neph_image *frame,
+                                        struct neph_diag *diag)
+{
+    static const char *const pictures[3] = {"radiance0", "radiance1", "radiance2"};
+    float *all[3], *scattered[3];
+    enum neph_status status = neph_image_add_rgb(frame, NULL, all, diag);
+    if (!status)
+        status = neph_image_add_rgb(frame, "volume", scattered, diag);
+    if (!status && !neph_cycles_is_coloured(session->shot.scene))
+        return take_radiance(session, "radiance", 0, 2, all, scattered, diag);
+    for (int channel = 0; channel < 3 && !status; channel++)
+        status = take_radiance(session, pictures[channel], channel, channel, all, scattered, diag);
     return status;
 }
 
@@ -428,6 +492,20 @@ static enum neph_status depth_layer(const struct session *session, struct neph_i
     return status;
 }
 
+/* Seconds of all pictures of radiance; negative when there is none. */
+static double sum_radiance_s(const json_t *timing)
+{
+    static const char *const pictures[] = {"radiance", "radiance0", "radiance1", "radiance2"};
+    double sum_s = 0.0;
+    bool found = false;
+    for (size_t i = 0; i < sizeof(pictures) / sizeof(pictures[0]); i++) {
+        const json_t *seconds = json_object_get(timing, pictures[i]);
+        sum_s += json_number_value(seconds);
+        found |= json_is_number(seconds);
+    }
+    return found ? sum_s : -1.0;
+}
+
 /* Seconds that the radiance render took inside Blender. */
 static enum neph_status read_timing(const struct session *session, double *render_s,
                                     struct neph_diag *diag)
@@ -438,31 +516,31 @@ static enum neph_status read_timing(const struct session *session, double *rende
     enum neph_status status = path ? neph_file_read(path, 1 << 16, &text, &size, diag)
                                    : neph_fail_memory(diag);
     json_t *timing = status ? NULL : json_loadb(text, size, JSON_REJECT_DUPLICATES, NULL);
-    const json_t *seconds = json_object_get(timing, "radiance");
-    if (!status && (session->shot->layers & NEPH_LAYER_RADIANCE) && !json_is_number(seconds))
+    const double seconds = sum_radiance_s(timing);
+    if (!status && (session->shot.layers & NEPH_LAYER_RADIANCE) && seconds < 0.0)
         status = neph_fail(diag, NEPH_ERR_ENGINE, "'%s' does not tell the render time", path);
     if (!status)
-        *render_s = json_number_value(seconds);
+        *render_s = fmax(0.0, seconds);
     json_decref(timing);
     free(text);
     free(path);
     return status;
 }
 
-/* The shortest scale height of the scene; +inf when all media are homogeneous. */
-static double scale_height_m(const struct session *session)
+/* The shortest feature of the scene; +inf when all media are homogeneous. */
+static double shortest_feature_m(const struct session *session)
 {
     double shortest_m = INFINITY;
-    for (int i = 0; i < session->shot->scene->medium_count; i++)
+    for (int i = 0; i < session->shot.scene->medium_count; i++)
         if (session->world.used[i])
-            shortest_m = fmin(shortest_m, session->world.scale_height_m[i]);
+            shortest_m = fmin(shortest_m, session->world.feature_m[i]);
     return shortest_m;
 }
 
 static enum neph_status add_attributes(const struct session *session, struct neph_image *frame,
                                        struct neph_diag *diag)
 {
-    const double step_m = session->quality.step * scale_height_m(session);
+    const double step_m = session->quality.step * shortest_feature_m(session);
     enum neph_status status = neph_image_set_attribute(frame, "neph.cycles.samples", diag, "%d",
                                                        session->quality.samples);
     if (!status)
@@ -483,13 +561,15 @@ static enum neph_status add_attributes(const struct session *session, struct nep
     if (!status)
         status = neph_image_set_attribute(frame, "neph.cycles.sphere_error_px", diag, "%.3g",
                                           session->sphere_error_px);
+    if (!status)
+        status = neph_bakes_label(session->baked.bakes, session->baked.bake_count, frame, diag);
     return status;
 }
 
 static enum neph_status make_frame(const struct session *session, struct neph_image **frame,
                                    struct neph_diag *diag)
 {
-    const struct neph_shot *shot = session->shot;
+    const struct neph_shot *shot = &session->shot;
     struct neph_image *made = NULL;
     enum neph_status status = neph_image_create(shot->width_px, shot->height_px, &made, diag);
     if (!status && (shot->layers & NEPH_LAYER_RADIANCE))
@@ -525,6 +605,7 @@ static enum neph_status render(const struct neph_shot *shot, struct neph_image *
         status = read_timing(&session, &render_s, diag);
     if (!status)
         status = make_frame(&session, &made, diag);
+    close_session(&session);
     if (status)
         return status;
     *frame = made;
@@ -545,7 +626,7 @@ static enum neph_status save_blend(const struct session *session, struct neph_di
     struct neph_child_result result;
     if (!neph_child_program_exists("blender"))
         return NEPH_OK;
-    return run_script(session, "scene.blend", session->shot->time_limit_s, &result, diag);
+    return run_script(session, "scene.blend", session->shot.time_limit_s, &result, diag);
 }
 
 static enum neph_status export_scene(const struct neph_shot *shot, const char *directory,
@@ -562,6 +643,7 @@ static enum neph_status export_scene(const struct neph_shot *shot, const char *d
                  "blender -b --factory-startup -noaudio --python-exit-code 7 --python %s -- "
                  "spec.json",
                  script_name);
+    close_session(&session);
     return status;
 }
 
@@ -570,12 +652,13 @@ const struct neph_engine neph_engine_cycles = {
     .summary = "Blender 3.4 Cycles, all orders of scattering",
     .rung = NEPH_RUNG_WITNESS,
     .bias =
-        "exact in homogeneous media; ray-march step bias in height fog (step 0.1: 0.1 % of single "
-        "scattering, more where little sun arrives; 3e-4 of transmittance); throughput below "
+        "exact in homogeneous media; ray-march step bias in uneven ones (step 0.1: 0.1 % of single "
+        "scattering, more where little sun arrives; 3e-4 of transmittance); what it has no formula "
+        "for is baked to voxels; throughput below "
         "1e-6 is cut to 0 (optical depth > 13.8); air thinner than 1e-6 of the densest does not "
         "scatter",
     .options = options,
-    .version = 1,
+    .version = 2,
     .stochastic = true,
     .step = {.option = "step", .coarsest = 0.4, .refine = 0.5, .level_count = 3, .order = 2},
     .probe = probe,

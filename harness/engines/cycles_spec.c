@@ -4,14 +4,16 @@
  */
 #include "harness/engines/cycles_spec.h"
 
+#include "scenes/grid.h"
 #include "scenes/media.h"
 
 #include <math.h>
+#include <stdio.h>
 
 static const double pi = 3.14159265358979323846;
 
 enum {
-    SPEC_FORMAT = 1, /* raised together with blender_render.py */
+    SPEC_FORMAT = 2, /* raised together with blender_render.py */
     VOLUME_STACK = 31,
     SPHERE_SEGMENTS_MIN = 256,
     SPHERE_SEGMENTS_MAX = 2048,
@@ -23,6 +25,9 @@ _Static_assert(NEPH_SCENE_MEDIA_MAX <= VOLUME_STACK, "Cycles drops overlapping m
  * point, air thinner than 1e-6 of that does not scatter, and the clip costs at most 1e-5. */
 static const double optical_depth_per_unit = 10.0;
 static const double thinnest_of_densest = 1e-6;
+
+/* Some tens of the last place of single precision. */
+static const double face_step = 4e-6;
 
 static const double sphere_error_px = 0.01;
 static const double sensor_mm = 24.0; /* height; in blender_render.py too */
@@ -43,13 +48,25 @@ static double layer_at_per_m(const struct neph_fog_layer *layer, double y_m)
     return layer->extinction_per_m * exp(-layer->falloff_per_m * (y_m - layer->height_m));
 }
 
-/* The largest extinction of a medium: that of its bottom. */
+static bool is_fog(const struct neph_medium *medium)
+{
+    return medium->kind == NEPH_MEDIUM_HOMOGENEOUS || medium->kind == NEPH_MEDIUM_HEIGHT_FOG;
+}
+
+static double brightest(struct neph_rgb color)
+{
+    return fmax(color.r, fmax(color.g, color.b));
+}
+
+/* The largest extinction of a medium in any channel; of fog that of its bottom. */
 static double densest_per_m(const struct neph_medium *medium, const struct neph_bounds *container)
 {
     double densest = 0.0;
     for (int i = 0; i < medium->layer_count; i++)
         densest += layer_at_per_m(&medium->layers[i], container->min_m.y);
-    return densest;
+    if (!is_fog(medium))
+        densest = neph_medium_extinction_bound_per_m(medium, container);
+    return densest * brightest(medium->extinction_color);
 }
 
 static double shortest_scale_height_m(const struct neph_medium *medium)
@@ -61,12 +78,94 @@ static double shortest_scale_height_m(const struct neph_medium *medium)
     return 1.0 / falloff_per_m;
 }
 
+/* A march must resolve the cells, and its error grows with the optical depth of a step. */
+static double grid_feature_m(const struct neph_medium *medium, double densest)
+{
+    const struct neph_vec3 h = medium->grid->spacing_m;
+    return fmin(1.0 / densest, fmin(h.x, fmin(h.y, h.z)));
+}
+
+/* The length in which the extinction changes: the unit of the option `step`. Media that are yet to
+ * be baked have none. */
+static double feature_m(const struct neph_medium *medium, double densest)
+{
+    if (is_fog(medium))
+        return shortest_scale_height_m(medium);
+    return medium->kind == NEPH_MEDIUM_GRID ? grid_feature_m(medium, densest) : INFINITY;
+}
+
 static bool has_extinction(const struct neph_medium *medium)
 {
+    if (!is_fog(medium))
+        return medium->extinction_per_m > 0.0 && brightest(medium->extinction_color) > 0.0;
     for (int i = 0; i < medium->layer_count; i++)
         if (medium->layers[i].extinction_per_m > 0.0)
+            return brightest(medium->extinction_color) > 0.0;
+    return false;
+}
+
+static double *axis_of(struct neph_vec3 *v, int axis)
+{
+    return axis == 0 ? &v->x : axis == 1 ? &v->y : &v->z;
+}
+
+static bool boxes_overlap(const struct neph_bounds *a, const struct neph_bounds *b)
+{
+    return a->min_m.x < b->max_m.x && b->min_m.x < a->max_m.x && a->min_m.y < b->max_m.y &&
+           b->min_m.y < a->max_m.y && a->min_m.z < b->max_m.z && b->min_m.z < a->max_m.z;
+}
+
+static double asymmetry(const struct neph_phase *phase)
+{
+    return phase->kind == NEPH_PHASE_HENYEY_GREENSTEIN ? phase->g : 0.0;
+}
+
+/* Cycles 3.4 weighs the scattering of overlapping media by the plain sum of their phase functions
+ * where those differ: up to twice as bright (tests/harness/test_voxels.c). */
+static enum neph_status check_phases(const struct neph_scene *scene,
+                                     const struct neph_cycles_world *world, struct neph_diag *diag)
+{
+    for (int i = 0; i < scene->medium_count; i++)
+        for (int j = 0; j < i; j++) {
+            const struct neph_medium *a = &scene->media[i], *b = &scene->media[j];
+            if (world->used[i] && world->used[j] && brightest(a->albedo) > 0.0 &&
+                brightest(b->albedo) > 0.0 && asymmetry(&a->phase) != asymmetry(&b->phase) &&
+                boxes_overlap(&world->containers[i], &world->containers[j]))
+                return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
+                                 "media of different phase functions in one place (Cycles 3.4 adds "
+                                 "the functions up without weights)");
+        }
+    return NEPH_OK;
+}
+
+static bool face_is_taken(struct neph_cycles_world *world, int index, int axis, double plane_m,
+                          double gap_m)
+{
+    for (int i = 0; i < index; i++)
+        if (world->used[i] &&
+            (fabs(*axis_of(&world->containers[i].min_m, axis) - plane_m) < gap_m ||
+             fabs(*axis_of(&world->containers[i].max_m, axis) - plane_m) < gap_m))
             return true;
     return false;
+}
+
+/* Of two media with a common face Cycles loses one. So faces of fogs move outward by some 1e-6 of
+ * the box, until they are alone. */
+static void separate_faces(const struct neph_scene *scene, int index,
+                           struct neph_cycles_world *world)
+{
+    struct neph_bounds *box = &world->containers[index];
+    const double step_m = face_step * neph_vec3_length(neph_vec3_sub(box->max_m, box->min_m));
+    double moved_m = 0.0;
+    for (int axis = 0; axis < 3; axis++)
+        for (int side = -1; side <= 1; side += 2) {
+            double *face_m = axis_of(side < 0 ? &box->min_m : &box->max_m, axis);
+            const double from_m = *face_m;
+            while (face_is_taken(world, index, axis, *face_m, 0.5 * step_m))
+                *face_m += side * step_m;
+            moved_m = fmax(moved_m, fabs(*face_m - from_m));
+        }
+    world->cut_error += moved_m * densest_per_m(&scene->media[index], box);
 }
 
 static enum neph_status adapt_medium(const struct neph_scene *scene, int index,
@@ -79,8 +178,10 @@ static enum neph_status adapt_medium(const struct neph_scene *scene, int index,
     world->containers[index] = neph_medium_container(scene, medium, &cut_error);
     if (!is_box(&world->containers[index]))
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "a medium that cannot be cut to a finite box");
+    if (is_fog(medium))
+        separate_faces(scene, index, world);
     world->used[index] = true;
-    world->scale_height_m[index] = shortest_scale_height_m(medium);
+    world->feature_m[index] = feature_m(medium, densest_per_m(medium, &world->containers[index]));
     world->cut_error += cut_error;
     return NEPH_OK;
 }
@@ -116,6 +217,8 @@ enum neph_status neph_cycles_world(const struct neph_scene *scene, struct neph_c
     for (int i = 0; i < scene->medium_count && !status; i++)
         if (has_extinction(&scene->media[i]))
             status = adapt_medium(scene, i, &adapted, diag);
+    if (!status && scene->scattering != NEPH_SCATTERING_NONE)
+        status = check_phases(scene, &adapted, diag);
     if (!status)
         status = choose_unit(scene, &adapted, diag);
     if (!status)
@@ -198,15 +301,31 @@ static json_t *layers_json(const struct neph_medium *medium, double bottom_m)
     return layers;
 }
 
-static json_t *medium_json(const struct neph_medium *medium, const struct neph_bounds *container,
-                           double scale_height_m)
+/* Where the extinction comes from: layers, or a file beside the spec (neph_cycles_grid()). */
+static int set_source(json_t *json, int index, const struct neph_medium *medium, double bottom_m)
+{
+    char file[NEPH_CYCLES_FILE_NAME_MAX];
+    if (is_fog(medium))
+        return json_object_set_new(json, "layers", layers_json(medium, bottom_m));
+    neph_cycles_grid_name(index, file);
+    return json_object_set_new(
+        json, "grid",
+        json_pack("{s:s, s:f}", "file", file, "extinction_per_m", medium->extinction_per_m));
+}
+
+static json_t *medium_json(int index, const struct neph_medium *medium,
+                           const struct neph_bounds *container, double length_m)
 {
     const bool isotropic = medium->phase.kind == NEPH_PHASE_ISOTROPIC;
-    return json_pack("{s:o, s:o, s:o, s:f, s:o, s:o}", "min_m", vector_json(container->min_m),
-                     "max_m", vector_json(container->max_m), "albedo", color_json(medium->albedo),
-                     "g", isotropic ? 0.0 : medium->phase.g, "scale_height_m",
-                     isinf(scale_height_m) ? json_null() : json_real(scale_height_m), "layers",
-                     layers_json(medium, container->min_m.y));
+    json_t *json = json_pack("{s:o, s:o, s:o, s:o, s:f, s:o}", "min_m",
+                             vector_json(container->min_m), "max_m", vector_json(container->max_m),
+                             "extinction_color", color_json(medium->extinction_color), "albedo",
+                             color_json(medium->albedo), "g", isotropic ? 0.0 : medium->phase.g,
+                             "feature_m", isinf(length_m) ? json_null() : json_real(length_m));
+    if (!json || !set_source(json, index, medium, container->min_m.y))
+        return json;
+    json_decref(json);
+    return NULL;
 }
 
 static json_t *media_json(const struct neph_scene *scene, const struct neph_cycles_world *world)
@@ -215,8 +334,8 @@ static json_t *media_json(const struct neph_scene *scene, const struct neph_cycl
     for (int i = 0; i < scene->medium_count; i++) {
         if (!world->used[i])
             continue;
-        json_t *medium = medium_json(&scene->media[i], &world->containers[i],
-                                     world->scale_height_m[i]);
+        json_t *medium = medium_json(i, &scene->media[i], &world->containers[i],
+                                     world->feature_m[i]);
         if (json_array_append_new(media, medium)) {
             json_decref(media);
             return NULL;
@@ -246,10 +365,35 @@ static int fold_seed(uint64_t seed)
     return (int)((seed ^ (seed >> 31) ^ (seed >> 62)) & 0x7fffffff);
 }
 
-static json_t *pass_json(const char *kind, int samples, double step, uint64_t seed)
+/* `channel` below 0: all three at a time. */
+static json_t *pass_json(const char *kind, int channel, int samples, double step, double grid_step,
+                         uint64_t seed)
 {
-    return json_pack("{s:s, s:i, s:f, s:i}", "kind", kind, "samples", samples, "step", step, "seed",
-                     fold_seed(seed));
+    return json_pack("{s:s, s:o, s:i, s:f, s:f, s:i}", "kind", kind, "channel",
+                     channel < 0 ? json_null() : json_integer(channel), "samples", samples, "step",
+                     step, "grid_step", grid_step, "seed", fold_seed(seed));
+}
+
+bool neph_cycles_is_coloured(const struct neph_scene *scene)
+{
+    for (int i = 0; i < scene->medium_count; i++) {
+        const struct neph_rgb c = scene->media[i].extinction_color;
+        if (c.r != c.g || c.g != c.b)
+            return true;
+    }
+    return false;
+}
+
+static int append_radiance(json_t *passes, const struct neph_shot *shot,
+                           const struct neph_cycles_quality *quality)
+{
+    const bool coloured = neph_cycles_is_coloured(shot->scene);
+    int failed = 0;
+    for (int channel = coloured ? 0 : -1; channel < (coloured ? 3 : 0); channel++)
+        failed |= json_array_append_new(passes,
+                                        pass_json("radiance", channel, quality->samples,
+                                                  quality->step, quality->step, shot->seed));
+    return failed;
 }
 
 static json_t *passes_json(const struct neph_shot *shot, const struct neph_cycles_quality *quality)
@@ -257,14 +401,14 @@ static json_t *passes_json(const struct neph_shot *shot, const struct neph_cycle
     json_t *passes = json_array();
     int failed = 0;
     if (shot->layers & NEPH_LAYER_RADIANCE)
-        failed |= json_array_append_new(
-            passes, pass_json("radiance", quality->samples, quality->step, shot->seed));
+        failed |= append_radiance(passes, shot, quality);
     if (shot->layers & NEPH_LAYER_TRANSMITTANCE)
         failed |= json_array_append_new(
-            passes,
-            pass_json("transmittance", 1, quality->step / NEPH_CYCLES_FINE_STEPS, shot->seed));
+            passes, pass_json("transmittance", -1, 1, quality->step / NEPH_CYCLES_FINE_STEPS,
+                              quality->step / NEPH_CYCLES_FINE_GRID_STEPS, shot->seed));
     if (shot->layers & NEPH_LAYER_DEPTH)
-        failed |= json_array_append_new(passes, pass_json("depth", 1, quality->step, shot->seed));
+        failed |= json_array_append_new(
+            passes, pass_json("depth", -1, 1, quality->step, quality->step, shot->seed));
     if (!failed)
         return passes;
     json_decref(passes);
@@ -303,6 +447,21 @@ static bool fill_spec(json_t *spec, const struct neph_shot *shot,
         if (json_object_set_new(spec, members[i].key, members[i].value))
             complete = false;
     return complete;
+}
+
+void neph_cycles_grid_name(int index, char name[NEPH_CYCLES_FILE_NAME_MAX])
+{
+    snprintf(name, NEPH_CYCLES_FILE_NAME_MAX, "medium%d.vdb", index + 1);
+}
+
+struct neph_grid neph_cycles_grid(const struct neph_grid *grid, const struct neph_camera *camera,
+                                  double unit_m)
+{
+    struct neph_grid placed = *grid;
+    placed.origin_m = neph_vec3_scale(neph_vec3_sub(grid->origin_m, camera->position_m),
+                                      1.0 / unit_m);
+    placed.spacing_m = neph_vec3_scale(grid->spacing_m, 1.0 / unit_m);
+    return placed;
 }
 
 enum neph_status neph_cycles_spec(const struct neph_shot *shot,

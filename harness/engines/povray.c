@@ -17,9 +17,12 @@
 #include "base/files.h"
 #include "base/png.h"
 #include "base/threads.h"
+#include "harness/bakes.h"
+#include "harness/engines/baked_scene.h"
 #include "harness/engines/povray_exposure.h"
 #include "harness/engines/povray_scene.h"
 #include "scenes/media.h"
+#include "scenes/volume_file.h"
 
 #include <errno.h>
 #include <math.h>
@@ -42,6 +45,7 @@ static const struct neph_option options[] = {
      .minimum = 1,
      .maximum = NEPH_POVRAY_INTERVALS_MAX,
      .help = "samples of each ray and of each of its shadow rays (midpoint rule)"},
+    NEPH_OPTION_BAKE_RESOLUTION,
     {.name = NULL},
 };
 
@@ -153,9 +157,6 @@ static bool can_render(const struct neph_scene *scene, const struct neph_setting
     const char *cannot = NULL;
     struct neph_diag diag = {0};
     struct neph_povray_world world;
-    const unsigned kinds = 1u << NEPH_MEDIUM_HOMOGENEOUS | 1u << NEPH_MEDIUM_HEIGHT_FOG;
-    if (!neph_engine_models_media(scene, kinds, false, reason, reason_size))
-        return false;
     if (scene->scattering == NEPH_SCATTERING_MULTIPLE && has_scatterer(scene))
         cannot = "multiple scattering";
     else if (scene->environment_light && has_scatterer(scene))
@@ -171,7 +172,8 @@ static bool can_render(const struct neph_scene *scene, const struct neph_setting
 
 /* One frame in the making. */
 struct session {
-    const struct neph_shot *shot;
+    struct neph_shot shot; /* its scene is `baked` */
+    struct neph_baked_scene baked;
     struct neph_povray_world world;
     size_t pixel_count;
     int threads;
@@ -231,17 +233,17 @@ static enum neph_status run_povray(struct session *session, const struct files *
     char input[72], output[72], width[16], height[16], threads[16];
     snprintf(input, sizeof(input), "+I%s", files->scene);
     snprintf(output, sizeof(output), "+O%s", files->image);
-    snprintf(width, sizeof(width), "+W%d", session->shot->width_px);
-    snprintf(height, sizeof(height), "+H%d", session->shot->height_px);
+    snprintf(width, sizeof(width), "+W%d", session->shot.width_px);
+    snprintf(height, sizeof(height), "+H%d", session->shot.height_px);
     snprintf(threads, sizeof(threads), "+WT%d", session->threads);
     const char *argv[] = {"povray",     input, output, "+FN16", "File_Gamma=1.0",
                           "Dither=off", width, height, "+Q9",   "-A",
                           "-D",         "-P",  "-C",   "-GA",   "+BS8",
                           threads,      NULL};
     struct neph_child_params params = {.argv = argv,
-                                       .working_directory = session->shot->scratch_directory,
+                                       .working_directory = session->shot.scratch_directory,
                                        .log_path = files->log_path,
-                                       .time_limit_s = session->shot->time_limit_s};
+                                       .time_limit_s = session->shot.time_limit_s};
     struct neph_child_result result = {0};
     enum neph_status status = neph_child_run(&params, &result, diag);
     if (status == NEPH_ERR_UNAVAILABLE)
@@ -266,10 +268,10 @@ static enum neph_status read_image(const struct session *session, const struct f
                                                   diag);
     if (status)
         return status == NEPH_ERR_INPUT ? NEPH_ERR_ENGINE : status;
-    if (width_px != session->shot->width_px || height_px != session->shot->height_px) {
+    if (width_px != session->shot.width_px || height_px != session->shot.height_px) {
         free(read);
         return neph_fail(diag, NEPH_ERR_ENGINE, "POV-Ray's image is %d x %d pixels, not %d x %d",
-                         width_px, height_px, session->shot->width_px, session->shot->height_px);
+                         width_px, height_px, session->shot.width_px, session->shot.height_px);
     }
     *codes = read;
     return NEPH_OK;
@@ -281,7 +283,7 @@ static enum neph_status render_picture(struct session *session, const char *name
                                        double *wall_s, struct neph_diag *diag)
 {
     struct files files = {.scene_path = NULL};
-    enum neph_status status = name_files(session->shot->scratch_directory, name, &files, diag);
+    enum neph_status status = name_files(session->shot.scratch_directory, name, &files, diag);
     if (!status)
         status = write_scene(session, pass, files.scene_path, diag);
     if (!status && unlink(files.image_path) && errno != ENOENT)
@@ -376,9 +378,23 @@ static double brightest_source(const struct sources *sources, int channel)
     return brightest;
 }
 
-/* The factor from one colour to another, 0 when they are not proportional to rounding. */
-static double proportion(const struct sources *sources, int from, int to)
+/* Do all media attenuate two colours alike? */
+static bool same_extinction(const struct neph_scene *scene, int a, int b)
 {
+    for (int i = 0; i < scene->medium_count; i++) {
+        const struct neph_rgb color = scene->media[i].extinction_color;
+        if (neph_povray_component(color, a) != neph_povray_component(color, b))
+            return false;
+    }
+    return true;
+}
+
+/* The factor from one colour to another, 0 when they are not proportional to rounding. */
+static double proportion(const struct neph_scene *scene, const struct sources *sources, int from,
+                         int to)
+{
+    if (!same_extinction(scene, from, to))
+        return 0.0;
     double from_peak = brightest_source(sources, from), to_peak = brightest_source(sources, to);
     for (int i = 0; i < sources->count; i++) {
         double difference = sources->weights[to][i] / to_peak -
@@ -390,13 +406,14 @@ static double proportion(const struct sources *sources, int from, int to)
 }
 
 /* The colour among the rendered ones that can stand for `channel`, with its factor; else itself. */
-static int representative(const struct sources *sources, int channel,
-                          struct neph_povray_reading *const readings[3], double *factor)
+static int representative(const struct neph_scene *scene, const struct sources *sources,
+                          int channel, struct neph_povray_reading *const readings[3],
+                          double *factor)
 {
     for (int earlier = 0; earlier < channel; earlier++) {
         if (!readings[earlier])
             continue;
-        *factor = proportion(sources, earlier, channel);
+        *factor = proportion(scene, sources, earlier, channel);
         if (*factor > 0.0)
             return earlier;
     }
@@ -447,7 +464,7 @@ static enum neph_status add_picture(struct session *session, const char *name,
         double bound = bound_per_source * brightest_source(sources, channel);
         if (!(bound > 0.0))
             continue;
-        int shown = representative(sources, channel, readings, &factor);
+        int shown = representative(session->shot.scene, sources, channel, readings, &factor);
         if (shown == channel) {
             char file[32];
             snprintf(file, sizeof(file), "%.24s-%c", name, letters[channel]);
@@ -471,15 +488,16 @@ static enum neph_status add_picture(struct session *session, const char *name,
 static double brightest_scattering_per_sr(const struct session *session,
                                           const struct neph_phase *phase)
 {
-    const struct neph_shot *shot = session->shot;
+    const struct neph_shot *shot = &session->shot;
     const struct neph_camera *camera = &session->world.camera;
     double brightest = 0.0;
     for (size_t pixel = 0; pixel < session->pixel_count; pixel++) {
         size_t width = (size_t)shot->width_px;
         struct neph_vec3 ray = neph_camera_ray(camera, shot->width_px, shot->height_px,
                                                (double)(pixel % width), (double)(pixel / width));
-        double depth =
-            neph_scene_optical_depth(shot->scene, camera->position_m, ray, 0.0, INFINITY).r;
+        const struct neph_rgb depths = neph_scene_optical_depth(shot->scene, camera->position_m,
+                                                                ray, 0.0, INFINITY);
+        double depth = fmax(depths.r, fmax(depths.g, depths.b));
         double phase_per_sr = neph_phase_per_sr(phase,
                                                 neph_vec3_dot(shot->scene->sun.direction, ray));
         brightest = fmax(brightest, phase_per_sr * -expm1(-depth));
@@ -490,7 +508,7 @@ static double brightest_scattering_per_sr(const struct session *session,
 static struct sources scattering_sources(const struct session *session,
                                          const struct neph_phase *phase)
 {
-    const struct neph_scene *scene = session->shot->scene;
+    const struct neph_scene *scene = session->shot.scene;
     struct sources sources = {.count = 0};
     for (int i = 0; i < scene->medium_count; i++) {
         const struct neph_medium *medium = &scene->media[i];
@@ -503,7 +521,7 @@ static struct sources scattering_sources(const struct session *session,
 /* Was this medium's phase function the turn of an earlier medium? */
 static bool is_repeated(const struct session *session, int medium)
 {
-    const struct neph_scene *scene = session->shot->scene;
+    const struct neph_scene *scene = session->shot.scene;
     for (int i = 0; i < medium; i++) {
         if (session->world.containers[i].used &&
             neph_povray_same_phase(&scene->media[i].phase, &scene->media[medium].phase))
@@ -515,7 +533,7 @@ static bool is_repeated(const struct session *session, int medium)
 static enum neph_status add_volume(struct session *session, struct light *volume,
                                    struct neph_diag *diag)
 {
-    const struct neph_scene *scene = session->shot->scene;
+    const struct neph_scene *scene = session->shot.scene;
     enum neph_status status = NEPH_OK;
     if (!scene->sun.present || scene->scattering == NEPH_SCATTERING_NONE)
         return NEPH_OK;
@@ -535,7 +553,7 @@ static enum neph_status add_volume(struct session *session, struct light *volume
 static enum neph_status add_surface(struct session *session, struct light *surface,
                                     struct neph_diag *diag)
 {
-    const struct neph_scene *scene = session->shot->scene;
+    const struct neph_scene *scene = session->shot.scene;
     struct neph_povray_pass pass = {.kind = NEPH_POVRAY_SURFACE};
     struct sources sources = {.count = 0};
     add_source(&sources, scene->background_w_per_m2_sr);
@@ -578,30 +596,43 @@ static enum neph_status radiance_layers(struct session *session, struct neph_ima
 
 static bool has_media(const struct session *session)
 {
-    for (int i = 0; i < session->shot->scene->medium_count; i++) {
+    for (int i = 0; i < session->shot.scene->medium_count; i++) {
         if (session->world.containers[i].used)
             return true;
     }
     return false;
 }
 
+static void take_transmittance(const struct neph_povray_reading *readings, size_t count,
+                               float *layer)
+{
+    for (size_t i = 0; i < count; i++)
+        layer[i] = readings ? (float)fmin(readings[i].value, 1.0) : 1.0f;
+}
+
+/* A colour that is attenuated like an earlier one is not rendered again. */
 static enum neph_status transmittance_layer(struct session *session, struct neph_image *frame,
                                             struct neph_diag *diag)
 {
+    static const char *const names[3] = {"transmittance-r", "transmittance-g", "transmittance-b"};
     float *layer[3];
-    double wall_s = 0.0;
-    struct neph_povray_reading *readings = NULL;
     struct neph_povray_pass pass = {.kind = NEPH_POVRAY_TRANSMITTANCE};
     enum neph_status status = neph_image_add_rgb(frame, "transmittance", layer, diag);
-    if (!status && has_media(session))
-        status = expose(session, "transmittance", pass, 1.0, &transmittance_target, &readings,
-                        &wall_s, diag);
-    for (size_t i = 0; !status && i < session->pixel_count; i++) {
-        double transmittance = readings ? fmin(readings[i].value, 1.0) : 1.0;
-        for (int channel = 0; channel < 3; channel++)
-            layer[channel][i] = (float)transmittance;
+    for (int channel = 0; !status && channel < 3; channel++) {
+        double wall_s = 0.0;
+        struct neph_povray_reading *readings = NULL;
+        if (channel > 0 && same_extinction(session->shot.scene, channel - 1, channel)) {
+            memcpy(layer[channel], layer[channel - 1], session->pixel_count * sizeof(float));
+            continue;
+        }
+        pass.channel = channel;
+        if (has_media(session))
+            status = expose(session, names[channel], pass, 1.0, &transmittance_target, &readings,
+                            &wall_s, diag);
+        if (!status)
+            take_transmittance(readings, session->pixel_count, layer[channel]);
+        free(readings);
     }
-    free(readings);
     return status;
 }
 
@@ -646,22 +677,75 @@ static enum neph_status add_attributes(const struct session *session, struct nep
         status = neph_image_set_attribute(
             frame, "neph.povray.render_s", diag,
             "wall time of the last volume and surface processes, start-up of about 0.6 s included");
+    if (!status)
+        status = neph_bakes_label(session->baked.bakes, session->baked.bake_count, frame, diag);
     return status;
 }
 
 /* ---- The engine ----------------------------------------------------------------------------- */
 
-static enum neph_status start(const struct neph_shot *shot, struct session *session,
-                              struct neph_diag *diag)
+static enum neph_status write_grid(const struct session *session, int index, const char *directory,
+                                   struct neph_diag *diag)
 {
-    *session = (struct session){.shot = shot, .threads = thread_count()};
+    const struct neph_grid scaled = neph_povray_grid(session->shot.scene->media[index].grid);
+    char name[NEPH_POVRAY_FILE_NAME_MAX];
+    neph_povray_grid_name(index, name);
+    char *path = neph_path_join(directory, name);
+    if (!path)
+        return neph_fail_memory(diag);
+    enum neph_status status = neph_volume_write_df3(path, &scaled, diag);
+    free(path);
+    return status;
+}
+
+static enum neph_status write_grids(const struct session *session, const char *directory,
+                                    struct neph_diag *diag)
+{
+    enum neph_status status = NEPH_OK;
+    for (int i = 0; i < session->shot.scene->medium_count && !status; i++)
+        if (session->world.containers[i].used &&
+            session->shot.scene->media[i].kind == NEPH_MEDIUM_GRID)
+            status = write_grid(session, i, directory, diag);
+    return status;
+}
+
+static enum neph_status adapt_scene(const struct neph_shot *shot, struct session *session,
+                                    struct neph_diag *diag)
+{
+    const int intervals = (int)neph_setting(&neph_engine_povray, &shot->settings, "intervals");
+    const int resolution = (int)neph_setting(&neph_engine_povray, &shot->settings,
+                                             "bake_resolution");
+    struct neph_diag why = {0};
+    enum neph_status status = neph_baked_scene_make(shot->scene, resolution, &session->baked, &why);
+    session->shot.scene = &session->baked.scene;
+    if (!status)
+        status = neph_povray_world(session->shot.scene, shot->frame, shot->width_px,
+                                   shot->height_px, intervals, &session->world, &why);
+    if (status) {
+        neph_fail(diag, status, "%s%s", status == NEPH_ERR_UNSUPPORTED ? "POV-Ray cannot: " : "",
+                  why.message);
+        neph_hint(diag, "%s", why.hint);
+    }
+    session->world.cut_error += session->baked.cut_error;
+    return status;
+}
+
+/* Grids go to `directory`. finish() whatever the status. */
+static enum neph_status start(const struct neph_shot *shot, const char *directory,
+                              struct session *session, struct neph_diag *diag)
+{
+    *session = (struct session){.shot = *shot, .threads = thread_count()};
     session->pixel_count = (size_t)shot->width_px * (size_t)shot->height_px;
     char reason[256] = "";
     if (!can_render(shot->scene, &shot->settings, reason, sizeof(reason)))
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "POV-Ray cannot: %s", reason);
-    int intervals = (int)neph_setting(&neph_engine_povray, &shot->settings, "intervals");
-    return neph_povray_world(shot->scene, shot->frame, shot->width_px, shot->height_px, intervals,
-                             &session->world, diag);
+    enum neph_status status = adapt_scene(shot, session, diag);
+    return status ? status : write_grids(session, directory, diag);
+}
+
+static void finish(struct session *session)
+{
+    neph_baked_scene_finish(&session->baked);
 }
 
 static enum neph_status render(const struct neph_shot *shot, struct neph_image **frame,
@@ -670,7 +754,7 @@ static enum neph_status render(const struct neph_shot *shot, struct neph_image *
     double start_s = neph_wall_s();
     struct session session;
     struct neph_image *image = NULL;
-    enum neph_status status = start(shot, &session, diag);
+    enum neph_status status = start(shot, shot->scratch_directory, &session, diag);
     if (!status)
         status = neph_image_create(shot->width_px, shot->height_px, &image, diag);
     if (!status && (shot->layers & NEPH_LAYER_RADIANCE))
@@ -681,6 +765,7 @@ static enum neph_status render(const struct neph_shot *shot, struct neph_image *
         status = depth_layer(&session, image, diag);
     if (!status)
         status = add_attributes(&session, image, diag);
+    finish(&session);
     if (status) {
         neph_image_destroy(image);
         return status;
@@ -697,12 +782,12 @@ static enum neph_status export_scene(const struct neph_shot *shot, const char *d
     struct session session;
     struct neph_povray_pass beauty = {.kind = NEPH_POVRAY_BEAUTY,
                                       .gain = exp2(shot->scene->exposure_ev)};
-    enum neph_status status = start(shot, &session, diag);
-    if (status)
-        return status;
     char *path = neph_path_join(directory, "scene.pov");
-    status = path ? write_scene(&session, &beauty, path, diag) : neph_fail_memory(diag);
+    enum neph_status status = start(shot, directory, &session, diag);
+    if (!status)
+        status = path ? write_scene(&session, &beauty, path, diag) : neph_fail_memory(diag);
     free(path);
+    finish(&session);
     if (!status)
         snprintf(command, command_size,
                  "povray +Iscene.pov +Oscene.png +FN16 Dither=off +W%d +H%d -A -D -P -GA +WT%d "
@@ -717,9 +802,10 @@ const struct neph_engine neph_engine_povray = {
     .rung = NEPH_RUNG_WITNESS,
     .bias = "single scattering only; midpoint rule of its intervals, error ~ 1/intervals^2 (~ "
             "1/intervals at the edges of shadows); 16-bit output in brackets: 1e-4 of the value "
-            "or 1e-6 of the brightest, transmittance to 1e-8",
+            "or 1e-6 of the brightest, transmittance to 1e-8; what it has no formula for is baked "
+            "to voxels",
     .options = options,
-    .version = 1,
+    .version = 2,
     /* At most 256 intervals: POV-Ray ends with an error beyond. */
     .step = {.option = "intervals", .coarsest = 25, .refine = 2, .level_count = 4, .order = 2},
     .probe = probe,

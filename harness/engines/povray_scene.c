@@ -86,8 +86,15 @@ static bool is_finite(const struct neph_bounds *bounds)
     return isfinite(size.x) && isfinite(size.y) && isfinite(size.z);
 }
 
+static bool is_fog(const struct neph_medium *medium)
+{
+    return medium->kind == NEPH_MEDIUM_HOMOGENEOUS || medium->kind == NEPH_MEDIUM_HEIGHT_FOG;
+}
+
 static bool is_uniform(const struct neph_medium *medium)
 {
+    if (!is_fog(medium))
+        return false;
     for (int i = 0; i < medium->layer_count; i++) {
         if (medium->layers[i].extinction_per_m > 0.0 && medium->layers[i].falloff_per_m > 0.0)
             return false;
@@ -102,16 +109,21 @@ static double layer_extinction_per_m(const struct neph_fog_layer *layer, double 
     return layer->extinction_per_m * exp(-layer->falloff_per_m * (y_m - layer->height_m));
 }
 
-static double extinction_at_per_m(const struct neph_medium *medium, double y_m)
+static double densest_per_m(const struct neph_medium *medium, const struct neph_bounds *bounds)
 {
+    if (!is_fog(medium))
+        return neph_medium_extinction_bound_per_m(medium, bounds);
     double sum_per_m = 0.0;
     for (int i = 0; i < medium->layer_count; i++)
-        sum_per_m += layer_extinction_per_m(&medium->layers[i], y_m);
+        sum_per_m += layer_extinction_per_m(&medium->layers[i], bounds->min_m.y);
     return sum_per_m;
 }
 
 static bool is_empty(const struct neph_medium *medium)
 {
+    const struct neph_bounds support = neph_medium_support(medium);
+    if (!is_fog(medium))
+        return !(neph_medium_extinction_bound_per_m(medium, &support) > 0.0);
     for (int i = 0; i < medium->layer_count; i++) {
         if (medium->layers[i].extinction_per_m > 0.0)
             return !has_inside(&medium->bounds);
@@ -229,9 +241,9 @@ static void separate_faces(struct neph_povray_world *world)
             shift_m = fmax(shift_m, fmax(low_m - axis_of(bounds->min_m, axis),
                                          axis_of(bounds->max_m, axis) - high_m));
         }
-        double densest_per_m = extinction_at_per_m(&world->scene->media[i], bounds->min_m.y);
-        world->containers[i].extinction_per_m = densest_per_m;
-        world->shift_error = fmax(world->shift_error, densest_per_m * shift_m);
+        double per_m = densest_per_m(&world->scene->media[i], bounds);
+        world->containers[i].extinction_per_m = per_m;
+        world->shift_error = fmax(world->shift_error, per_m * shift_m);
     }
 }
 
@@ -506,15 +518,45 @@ static void write_scattering(struct writer *writer, const struct neph_medium *me
     bool scatters = neph_povray_same_phase(phase, &medium->phase);
     double scale = extinction_per_unit / (4.0 * neph_povray_phase_excess(phase->kind));
     named_number(writer, "    scattering { ", povray_phase_type(phase->kind), ", ");
-    property(writer, neph_rgb_scale(medium->albedo, scatters ? scale : 0.0));
+    property(writer, neph_rgb_scale(neph_rgb_mul(medium->albedo, medium->extinction_color),
+                                    scatters ? scale : 0.0));
     if (phase->kind == NEPH_PHASE_HENYEY_GREENSTEIN)
         named_number(writer, " eccentricity ", phase->g, "");
     words(writer, " extinction 0 }\n");
 }
 
+void neph_povray_grid_name(int index, char name[NEPH_POVRAY_FILE_NAME_MAX])
+{
+    snprintf(name, NEPH_POVRAY_FILE_NAME_MAX, "medium%d.df3", index + 1);
+}
+
+struct neph_grid neph_povray_grid(const struct neph_grid *grid)
+{
+    struct neph_grid scaled = *grid;
+    scaled.maximum = (float)(grid->maximum / density_peak);
+    return scaled;
+}
+
+/* The file has a layer of zeros on every side; POV-Ray puts node i of N at i / N of a unit cube and
+ * interpolates between nodes (notes in scenes/volume_file.h). */
+static void write_voxels(struct writer *writer, int index)
+{
+    const struct neph_grid *grid = writer->world->scene->media[index].grid;
+    const struct neph_vec3 h = grid->spacing_m;
+    char name[NEPH_POVRAY_FILE_NAME_MAX];
+    neph_povray_grid_name(index, name);
+    words(writer, "    density { density_file df3 \"");
+    words(writer, name);
+    words(writer, "\" interpolate 1\n      scale U*");
+    triple(writer, (grid->size[0] + 2) * h.x, (grid->size[1] + 2) * h.y, (grid->size[2] + 2) * h.z);
+    words(writer, " translate ");
+    position(writer, neph_vec3_sub(grid->origin_m, h));
+    words(writer, " }\n");
+}
+
 /* The sum of the layers, relative to its value at the bottom of the container. */
-static void write_density(struct writer *writer, const struct neph_medium *medium,
-                          const struct neph_povray_container *container)
+static void write_layers(struct writer *writer, const struct neph_medium *medium,
+                         const struct neph_povray_container *container)
 {
     const struct neph_povray_world *world = writer->world;
     double bottom_m = container->bounds.min_m.y;
@@ -532,14 +574,33 @@ static void write_density(struct writer *writer, const struct neph_medium *mediu
     words(writer, " } }\n");
 }
 
-static void write_medium(struct writer *writer, const struct neph_medium *medium,
-                         const struct neph_povray_container *container)
+static void write_comment(struct writer *writer, const struct neph_medium *medium,
+                          const struct neph_povray_container *container)
 {
-    double per_unit = container->extinction_per_m / writer->world->units_per_m;
-    if (!container->uniform)
-        per_unit /= density_peak;
-    named_number(writer, "// Extinction ", container->extinction_per_m,
-                 container->uniform ? " per metre.\n" : " per metre at the bottom, falling.\n");
+    const char *where = container->uniform ? " per metre.\n"
+                        : is_fog(medium)   ? " per metre at the bottom, falling.\n"
+                                           : " per metre at the densest.\n";
+    named_number(writer, "// Extinction ", container->extinction_per_m, where);
+}
+
+/* Extinction of density 1 as the density is written, per unit of length. */
+static double extinction_per_unit(const struct neph_povray_world *world, int index)
+{
+    const struct neph_medium *medium = &world->scene->media[index];
+    const struct neph_povray_container *container = &world->containers[index];
+    if (!is_fog(medium))
+        return medium->extinction_per_m * (double)neph_povray_grid(medium->grid).maximum /
+               world->units_per_m;
+    const double per_unit = container->extinction_per_m / world->units_per_m;
+    return container->uniform ? per_unit : per_unit / density_peak;
+}
+
+static void write_medium(struct writer *writer, int index)
+{
+    const struct neph_medium *medium = &writer->world->scene->media[index];
+    const struct neph_povray_container *container = &writer->world->containers[index];
+    const double per_unit = extinction_per_unit(writer->world, index);
+    write_comment(writer, medium, container);
     words(writer, "box { ");
     position(writer, container->bounds.min_m);
     words(writer, ", ");
@@ -548,10 +609,14 @@ static void write_medium(struct writer *writer, const struct neph_medium *medium
                   "  interior { media {\n");
     named_number(writer, "    method 2 intervals ", intervals_of(writer, container->uniform),
                  " samples 1,1\n");
-    named_number(writer, "    absorption rgb ", per_unit, "\n");
+    words(writer, "    absorption ");
+    property(writer, neph_rgb_scale(medium->extinction_color, per_unit));
+    words(writer, "\n");
     write_scattering(writer, medium, per_unit);
-    if (!container->uniform)
-        write_density(writer, medium, container);
+    if (!is_fog(medium))
+        write_voxels(writer, index);
+    else if (!container->uniform)
+        write_layers(writer, medium, container);
     words(writer, "  } }\n}\n\n");
 }
 
@@ -562,7 +627,7 @@ static void write_media(struct writer *writer)
         return;
     for (int i = 0; i < world->scene->medium_count; i++) {
         if (world->containers[i].used)
-            write_medium(writer, &world->scene->media[i], &world->containers[i]);
+            write_medium(writer, i);
     }
 }
 

@@ -6,6 +6,7 @@
 #ifndef NEPH_HARNESS_ENGINES_POVRAY_SCENE_H
 #define NEPH_HARNESS_ENGINES_POVRAY_SCENE_H
 
+#include "scenes/grid.h"
 #include "scenes/scene.h"
 
 #include <stdbool.h>
@@ -18,7 +19,9 @@ struct neph_povray_container {
     bool used; /* false: the medium is empty */
     bool uniform;
     struct neph_bounds bounds; /* finite */
-    double extinction_per_m;   /* uniform: everywhere; else at the lowest height of the box */
+    /* For extinction_color 1. Uniform: everywhere; fog: at the lowest height of the box; else the
+     * largest. */
+    double extinction_per_m;
 };
 
 /* A frame of a scene, prepared for POV-Ray. */
@@ -49,13 +52,14 @@ enum neph_povray_kind {
 /* One picture to render. All but BEAUTY and DEPTH are monochrome in three brackets. */
 struct neph_povray_pass {
     enum neph_povray_kind kind;
-    int channel; /* 0 R, 1 G, 2 B of albedos, sun and background; VOLUME and SURFACE */
+    int channel; /* 0 R, 1 G, 2 B of albedos, extinctions, sun and background; not DEPTH */
     double gain;
     struct neph_phase phase; /* VOLUME */
 };
 
 /* Prepare a frame. NEPH_ERR_UNSUPPORTED, with the reason in words, when its sizes are beyond
- * POV-Ray. Nothing to free; `scene` must outlive the world. */
+ * POV-Ray. Nothing to free; `scene` must outlive the world. Only scenes of fogs and grids
+ * (baked_scene.h) can be written as text. */
 enum neph_status neph_povray_world(const struct neph_scene *scene, int frame, int width_px,
                                    int height_px, int intervals, struct neph_povray_world *world,
                                    struct neph_diag *diag);
@@ -64,6 +68,14 @@ enum neph_status neph_povray_world(const struct neph_scene *scene, int frame, in
 enum neph_status neph_povray_text(const struct neph_povray_world *world,
                                   const struct neph_povray_pass *pass, char **text,
                                   struct neph_diag *diag);
+
+/* The name of the density file, beside the text, of a grid medium, by its index in the scene. */
+enum { NEPH_POVRAY_FILE_NAME_MAX = 32 };
+void neph_povray_grid_name(int index, char name[NEPH_POVRAY_FILE_NAME_MAX]);
+
+/* The grid for that file: its largest density stays below full scale, where POV-Ray's patterns wrap
+ * to 0. It shares the values of `grid`. */
+struct neph_grid neph_povray_grid(const struct neph_grid *grid);
 
 /* Do two phase functions have the same shape? */
 bool neph_povray_same_phase(const struct neph_phase *a, const struct neph_phase *b);

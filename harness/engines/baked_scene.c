@@ -1,0 +1,66 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/engines/baked_scene.h"
+
+#include "scenes/media.h"
+
+static const double rms_max = 0.5;
+
+static bool is_fog(const struct neph_medium *medium)
+{
+    return medium->kind == NEPH_MEDIUM_HOMOGENEOUS || medium->kind == NEPH_MEDIUM_HEIGHT_FOG;
+}
+
+static enum neph_status bake_medium(const struct neph_scene *scene, int index, int resolution,
+                                    struct neph_baked_scene *baked, struct neph_diag *diag)
+{
+    const struct neph_medium *medium = &scene->media[index];
+    struct neph_bake *bake = &baked->bakes[baked->bake_count];
+    double cut_error;
+    const struct neph_bounds box = neph_medium_container(scene, medium, &cut_error);
+    enum neph_status status = neph_medium_bake(
+        medium, &box, neph_medium_is_whole_grid(medium) ? 0 : resolution, bake, diag);
+    if (status)
+        return status;
+    baked->bake_count++;
+    baked->cut_error += cut_error;
+    baked->scene.media[baked->scene.medium_count++] = neph_medium_from_bake(medium, bake);
+    if (bake->error.extinction_rms_relative <= rms_max)
+        return NEPH_OK;
+    neph_fail(diag, NEPH_ERR_UNSUPPORTED,
+              "medium %d: a %s on a grid of %d x %d x %d nodes, which would miss %.0f %% of its "
+              "extinction (rms)",
+              index + 1, neph_medium_kind_name(medium->kind), bake->grid->size[0],
+              bake->grid->size[1], bake->grid->size[2],
+              100.0 * bake->error.extinction_rms_relative);
+    neph_hint(diag, "raise bake_resolution, or give the medium narrower bounds");
+    return NEPH_ERR_UNSUPPORTED;
+}
+
+enum neph_status neph_baked_scene_make(const struct neph_scene *scene, int resolution,
+                                       struct neph_baked_scene *baked, struct neph_diag *diag)
+{
+    enum neph_status status = NEPH_OK;
+    struct neph_baked_scene made = {.scene = *scene};
+    made.scene.medium_count = 0;
+    for (int i = 0; i < scene->medium_count && !status; i++) {
+        const struct neph_medium *medium = &scene->media[i];
+        const struct neph_bounds support = neph_medium_support(medium);
+        if (is_fog(medium))
+            made.scene.media[made.scene.medium_count++] = *medium;
+        else if (neph_medium_extinction_bound_per_m(medium, &support) > 0.0)
+            status = bake_medium(scene, i, resolution ? resolution : scene->bake_resolution, &made,
+                                 diag);
+    }
+    if (status)
+        neph_baked_scene_finish(&made);
+    else
+        *baked = made;
+    return status;
+}
+
+void neph_baked_scene_finish(struct neph_baked_scene *baked)
+{
+    for (int i = 0; i < baked->bake_count; i++)
+        neph_bake_finish(&baked->bakes[i]);
+    baked->bake_count = 0;
+}

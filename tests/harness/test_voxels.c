@@ -1,0 +1,355 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Media that other people's renderers have no formula for, handed to them as voxels, and media
+ * whose extinction has colour: their frames against exact transport. A grid is handed over as it
+ * is, so that half a voxel, an axis or a clipped skirt would show at full size; what is baked may
+ * differ by the error that the bake reports.
+ */
+#include "tests/neph_test.h"
+
+#include "base/files.h"
+#include "harness/bakes.h"
+#include "harness/engines/baked_scene.h"
+#include "harness/engines/engines.h"
+#include "scenes/grid.h"
+#include "scenes/media.h"
+#include "truth/transport.h"
+
+#include <stdlib.h>
+#include <unistd.h>
+
+enum { WIDTH = 32, HEIGHT = 18, PIXELS = WIDTH * HEIGHT };
+enum { CYCLES, POVRAY, ENGINES };
+
+static const struct neph_engine *const engines[ENGINES] = {
+    [CYCLES] = &neph_engine_cycles,
+    [POVRAY] = &neph_engine_povray,
+};
+
+/* The noise of the mean of 64 paths per pixel, or of none. */
+static const double noise[ENGINES] = {3e-3, 0.0};
+/* Of transmittance: the jitter of 1/160 of a step; 200 midpoints through a few large cells. */
+static const double march_error[ENGINES] = {1e-4, 2e-4};
+
+static bool has_engine(int e)
+{
+    struct neph_engine_info info;
+    engines[e]->probe(&info);
+    if (!info.available)
+        print_message("SKIPPED, %s is not measured here: %s\n", engines[e]->name, info.missing);
+    return info.available;
+}
+
+static struct neph_scene *load(const char *name)
+{
+    struct neph_diag diag = {0};
+    struct neph_scene *scene = NULL;
+    char *path = neph_format("%s/scenes/catalog/%s.yaml", NEPH_SOURCE_DIR, name);
+    neph_assert_ok(neph_scene_load(path, &scene, &diag), &diag);
+    free(path);
+    return scene;
+}
+
+/* The few large cells of the catalogue, stretched so that no two axes are alike. */
+static struct neph_scene *load_voxels(void)
+{
+    struct neph_scene *scene = load("voxel_grid");
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_grid_place(scene->media[0].grid, (struct neph_vec3){-0.8, 0.2, -1.3},
+                                   (struct neph_vec3){0.5, 0.7, 0.6}, &diag),
+                   &diag);
+    return scene;
+}
+
+static enum neph_status try_render(int e, const struct neph_scene *scene, unsigned layers,
+                                   int resolution, struct neph_image **frame,
+                                   struct neph_diag *diag)
+{
+    char scratch[] = "/tmp/neph test '$(touch x)' XXXXXX";
+    struct neph_cost cost;
+    struct neph_shot shot = {.scene = scene,
+                             .settings = neph_settings_default(engines[e]),
+                             .width_px = WIDTH,
+                             .height_px = HEIGHT,
+                             .layers = layers,
+                             .seed = 1,
+                             .scratch_directory = scratch,
+                             .time_limit_s = 120.0};
+    char *assignment = neph_format("bake_resolution=%d", resolution);
+    neph_assert_ok(neph_settings_set(engines[e], &shot.settings, assignment, diag), diag);
+    free(assignment);
+    assert_non_null(mkdtemp(scratch));
+    const enum neph_status status = engines[e]->render(&shot, frame, &cost, diag);
+    neph_dir_remove(scratch, NULL);
+    return status;
+}
+
+static struct neph_image *render(int e, const struct neph_scene *scene, unsigned layers,
+                                 int resolution)
+{
+    struct neph_diag diag = {0};
+    struct neph_image *frame = NULL;
+    neph_assert_ok(try_render(e, scene, layers, resolution, &frame, &diag), &diag);
+    return frame;
+}
+
+static struct neph_ray_light truth_of(const struct neph_scene *scene, int pixel)
+{
+    const struct neph_camera camera = neph_scene_camera(scene, 0.0);
+    const struct neph_vec3 ray = neph_camera_ray(&camera, WIDTH, HEIGHT, pixel % WIDTH,
+                                                 pixel / WIDTH);
+    return neph_transport_ray(scene, camera.position_m, ray);
+}
+
+/* The largest difference of the channels of transmittance. */
+static double transmittance_error(const struct neph_scene *scene, const struct neph_image *frame)
+{
+    float *samples[3];
+    double largest = 0.0;
+    assert_true(neph_image_rgb(frame, "transmittance", samples));
+    for (int i = 0; i < PIXELS; i++) {
+        const struct neph_rgb t = truth_of(scene, i).transmittance;
+        largest = fmax(largest, fabs((double)samples[0][i] - t.r));
+        largest = fmax(largest, fabs((double)samples[1][i] - t.g));
+        largest = fmax(largest, fabs((double)samples[2][i] - t.b));
+    }
+    print_message("  transmittance: off by %.2e\n", largest);
+    return largest;
+}
+
+/* The in-scattered light of the whole image, each channel. */
+static void assert_scattering(const struct neph_scene *scene, const struct neph_image *frame,
+                              double relative)
+{
+    float *samples[3];
+    double sum[3] = {0}, truth[3] = {0};
+    assert_true(neph_image_rgb(frame, "volume", samples));
+    for (int i = 0; i < PIXELS; i++) {
+        const struct neph_rgb volume = truth_of(scene, i).volume;
+        truth[0] += volume.r;
+        truth[1] += volume.g;
+        truth[2] += volume.b;
+        for (int channel = 0; channel < 3; channel++)
+            sum[channel] += (double)samples[channel][i];
+    }
+    for (int channel = 0; channel < 3; channel++) {
+        print_message("  volume %c: off by %+.2e\n", "RGB"[channel],
+                      sum[channel] / truth[channel] - 1.0);
+        neph_assert_close(sum[channel], truth[channel], relative, 0.0);
+    }
+}
+
+static double bake_value(const struct neph_image *frame, const char *key)
+{
+    json_t *bake = neph_bakes_of_frame(frame);
+    assert_true(json_is_object(bake));
+    const double value = json_number_value(json_object_get(bake, key));
+    json_decref(bake);
+    return value;
+}
+
+/* ---- grids ----------------------------------------------------------------------------------- */
+
+/* Step bias of the defaults: 4e-4 of radiance by the study, in cells as thick as these. */
+static void check_grid(int e)
+{
+    struct neph_scene *scene = load_voxels();
+    scene->media[0].extinction_color = (struct neph_rgb){0.5, 1.0, 0.25};
+    struct neph_image *frame = render(e, scene, NEPH_LAYER_RADIANCE | NEPH_LAYER_TRANSMITTANCE, 0);
+    assert_true(transmittance_error(scene, frame) < march_error[e]);
+    assert_scattering(scene, frame, 1e-3 + noise[e]);
+    assert_float_equal(bake_value(frame, "transmittance_max"), 0.0, 0.0); /* nothing was baked */
+    neph_image_destroy(frame);
+    neph_scene_destroy(scene);
+}
+
+/* From inside, cut by bounds: not whole any more, so it is baked. */
+static void check_cut_grid(int e)
+{
+    struct neph_scene *scene = load_voxels();
+    scene->camera_keys[0].position_m = (struct neph_vec3){0.1, 0.9, 0.2};
+    scene->camera_keys[0].look_at_m = (struct neph_vec3){0.0, 1.0, -0.5};
+    scene->media[0].bounds.max_m.x = 0.6;
+    struct neph_image *frame = render(e, scene, NEPH_LAYER_TRANSMITTANCE, 32);
+    assert_true(transmittance_error(scene, frame) <
+                1.25 * bake_value(frame, "transmittance_max") + march_error[e]);
+    neph_image_destroy(frame);
+    neph_scene_destroy(scene);
+}
+
+/* ---- what is baked --------------------------------------------------------------------------- */
+
+/* Twice the nodes, a quarter of the error, and no more than the bake itself says; but for a
+ * quarter: both are the largest of some thousand lines. */
+static void check_blob(int e)
+{
+    struct neph_scene *scene = load("gaussian_blob");
+    double errors[2];
+    for (int i = 0; i < 2; i++) {
+        struct neph_image *frame = render(e, scene, NEPH_LAYER_TRANSMITTANCE, 24 << i);
+        errors[i] = transmittance_error(scene, frame);
+        assert_true(errors[i] < 1.25 * bake_value(frame, "transmittance_max") + march_error[e]);
+        neph_image_destroy(frame);
+    }
+    assert_true(errors[1] < 0.35 * errors[0]);
+    neph_scene_destroy(scene);
+}
+
+/* A grid, a blob and a fog in one place; of different phase functions where that can be had. */
+static void check_mixture(int e)
+{
+    struct neph_scene *scene = load_voxels(), *blob = load("gaussian_blob");
+    if (e == CYCLES)
+        scene->media[0].phase = blob->media[0].phase;
+    scene->media[1] = blob->media[0];
+    scene->media[1].extinction_per_m = 0.5;
+    scene->media[2] = (struct neph_medium){.kind = NEPH_MEDIUM_HEIGHT_FOG,
+                                           .bounds = {{-4, -0.5, -4}, {4, 3, 4}},
+                                           .extinction_color = {1, 1, 1},
+                                           .albedo = {0.5, 0.5, 0.5},
+                                           .phase = scene->media[0].phase,
+                                           .layer_count = 1,
+                                           .layers = {{0.1, 0.5, 0.0}}};
+    scene->medium_count = 3;
+    struct neph_image *frame = render(e, scene, NEPH_LAYER_RADIANCE | NEPH_LAYER_TRANSMITTANCE, 32);
+    const double baked = bake_value(frame, "transmittance_max");
+    assert_true(transmittance_error(scene, frame) < baked + 5.0 * march_error[e]);
+    assert_scattering(scene, frame, 2.0 * baked + 1e-3 + noise[e]);
+    neph_image_destroy(frame);
+    scene->medium_count = 1;
+    neph_scene_destroy(scene);
+    neph_scene_destroy(blob);
+}
+
+/* In uneven media Cycles cannot do three extinctions at a time (scripts/blender_render.py). */
+static void check_coloured_fog(int e)
+{
+    struct neph_scene *scene = load("coloured_fog");
+    struct neph_image *frame = render(e, scene, NEPH_LAYER_RADIANCE | NEPH_LAYER_TRANSMITTANCE, 0);
+    assert_true(transmittance_error(scene, frame) < 2e-4);
+    assert_scattering(scene, frame, 1e-3 + noise[e]);
+    assert_null(neph_image_attribute(frame, NEPH_BAKES_ATTRIBUTE));
+    neph_image_destroy(frame);
+    neph_scene_destroy(scene);
+}
+
+static void on_both(void (*check)(int e))
+{
+    for (int e = 0; e < ENGINES; e++)
+        if (has_engine(e))
+            check(e);
+}
+
+static void test_grids(void **state)
+{
+    (void)state;
+    on_both(check_grid);
+}
+
+/* One engine is enough where the bake is to be judged, and POV-Ray starts faster. */
+static void test_what_is_baked(void **state)
+{
+    (void)state;
+    if (!has_engine(POVRAY))
+        skip();
+    check_cut_grid(POVRAY);
+    check_blob(POVRAY);
+}
+
+static void test_mixtures(void **state)
+{
+    (void)state;
+    on_both(check_mixture);
+}
+
+static void test_coloured_fog(void **state)
+{
+    (void)state;
+    on_both(check_coloured_fog);
+}
+
+/* ---- what cannot be had ---------------------------------------------------------------------- */
+
+/* 50 km of planet with a kilometre of air: the nodes would miss it. */
+static void test_what_does_not_fit_is_refused(void **state)
+{
+    (void)state;
+    struct neph_scene *scene = load("atmosphere_shell");
+    scene->media[0].phase.kind = NEPH_PHASE_ISOTROPIC;
+    for (int e = 0; e < ENGINES; e++) {
+        struct neph_diag diag = {0};
+        struct neph_image *frame = NULL;
+        assert_int_equal(try_render(e, scene, NEPH_LAYERS_ALL, 32, &frame, &diag),
+                         NEPH_ERR_UNSUPPORTED);
+        assert_non_null(strstr(diag.message, "medium 1: a spherical shell on a grid of 32 x"));
+        assert_non_null(strstr(diag.hint, "bake_resolution"));
+        assert_null(frame);
+    }
+    neph_scene_destroy(scene);
+}
+
+/* Where they overlap; side by side they are fine. */
+static void test_cycles_refuses_two_phases_in_one_place(void **state)
+{
+    (void)state;
+    char reason[256] = "";
+    struct neph_scene *scene = load_voxels(), *blob = load("gaussian_blob");
+    const struct neph_settings settings = neph_settings_default(&neph_engine_cycles);
+    scene->media[1] = blob->media[0];
+    scene->media[1].phase = (struct neph_phase){NEPH_PHASE_HENYEY_GREENSTEIN, -0.5};
+    scene->medium_count = 2;
+    assert_false(neph_engine_cycles.can_render(scene, &settings, reason, sizeof(reason)));
+    assert_non_null(strstr(reason, "different phase functions"));
+    scene->media[1].phase = scene->media[0].phase;
+    assert_true(neph_engine_cycles.can_render(scene, &settings, reason, sizeof(reason)));
+    scene->media[1].phase.g = -0.5;
+    scene->media[1].gaussian.center_m.x += 50.0;
+    assert_true(neph_engine_cycles.can_render(scene, &settings, reason, sizeof(reason)));
+    scene->medium_count = 1;
+    neph_scene_destroy(scene);
+    neph_scene_destroy(blob);
+}
+
+static void test_missing_neph_vdb_is_told(void **state)
+{
+    (void)state;
+    struct neph_scene *scene = load_voxels();
+    struct neph_diag diag = {0};
+    struct neph_image *frame = NULL;
+    setenv("NEPH_VDB", "/nowhere/neph-vdb", 1);
+    const enum neph_status status = try_render(CYCLES, scene, NEPH_LAYERS_ALL, 0, &frame, &diag);
+    unsetenv("NEPH_VDB");
+    assert_int_equal(status, NEPH_ERR_UNAVAILABLE);
+    assert_non_null(strstr(diag.message, "/nowhere/neph-vdb"));
+    assert_non_null(strstr(diag.hint, "copy it"));
+    neph_scene_destroy(scene);
+}
+
+static void test_media_without_extinction_are_left_out(void **state)
+{
+    (void)state;
+    struct neph_scene *scene = load("gaussian_blob");
+    struct neph_baked_scene baked;
+    struct neph_diag diag = {0};
+    scene->media[0].extinction_per_m = 0.0;
+    neph_assert_ok(neph_baked_scene_make(scene, 16, &baked, &diag), &diag);
+    assert_int_equal(baked.scene.medium_count, 0);
+    assert_int_equal(baked.bake_count, 0);
+    neph_baked_scene_finish(&baked);
+    neph_scene_destroy(scene);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_grids),
+        cmocka_unit_test(test_what_is_baked),
+        cmocka_unit_test(test_mixtures),
+        cmocka_unit_test(test_coloured_fog),
+        cmocka_unit_test(test_what_does_not_fit_is_refused),
+        cmocka_unit_test(test_cycles_refuses_two_phases_in_one_place),
+        cmocka_unit_test(test_missing_neph_vdb_is_told),
+        cmocka_unit_test(test_media_without_extinction_are_left_out),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
