@@ -5,6 +5,7 @@
 #include "base/exr.h"
 #include "base/threads.h"
 #include "harness/attribution.h"
+#include "harness/bakes.h"
 #include "harness/data.h"
 #include "harness/job.h"
 #include "harness/measure.h"
@@ -72,14 +73,14 @@ static json_t *frame_json(const struct neph_engine *engine, const struct neph_jo
 {
     return json_pack(
         "{s:s, s:s, s:s, s:s, s:s, s:b, s:f, s:f, s:f, s:I, s:s?, s:n, s:n, s:{s:n, s:n}, "
-        "s:[], s:o, s:b}",
+        "s:[], s:o, s:b, s:n}",
         "engine", engine->name, "rung", neph_rung_name(engine->rung), "status",
         neph_outcome_name(result->outcome), "reason", result->reason, "settings", result->settings,
         "reused", result->reused, "render_s", result->cost.render_s, "wall_s", result->cost.wall_s,
         "cpu_s", result->cost.cpu_s, "peak_memory_bytes",
         (json_int_t)result->cost.peak_memory_bytes, "exr", result->frame_path, "exr_second",
         "picture", "difference", "radiance", "transmittance", "measurements", "study",
-        study ? study : json_null(), "look", engine->look);
+        study ? study : json_null(), "look", engine->look, "bake");
 }
 
 /* Measure one rendered frame, against the truth when there is one. */
@@ -92,6 +93,8 @@ static enum neph_status measure_frame(json_t *frame, const struct neph_image *tr
     struct neph_image *image = NULL;
     enum neph_status status = neph_exr_read(path, &image, diag);
     json_t *measurements = json_object_get(frame, "measurements");
+    if (!status)
+        json_object_set_new(frame, "bake", neph_bakes_of_frame(image));
     if (!status)
         status = neph_measure_validity(image, measurements, diag);
     if (!status && truth)
@@ -432,6 +435,20 @@ static const char *gates_of_engine(const json_t *gates, const char *engine, char
     return text;
 }
 
+/* Below the numbers of a frame that was rendered from voxels: what the voxels alone cost. */
+static void print_bake(const json_t *bake)
+{
+    const double off = json_number_value(json_object_get(bake, "transmittance_max"));
+    if (!json_is_object(bake))
+        return;
+    printf("%38s of %s: ", "", json_string_value(json_object_get(bake, "grid")));
+    if (off > 0.0)
+        printf("off by up to %.1e of transmittance, extinction by %.1e rms\n", off,
+               json_number_value(json_object_get(bake, "extinction_rms_relative")));
+    else
+        printf("nothing is lost\n");
+}
+
 void neph_validate_print(const json_t *document)
 {
     printf("%-24s %-13s %-9s %11s %11s %11s %8s  %s\n", "scene", "engine", "outcome", "L rel_bias",
@@ -452,6 +469,7 @@ void neph_validate_print(const json_t *document)
             print_number(measurements, "transmittance", "max_abs");
             printf(" %8.2f  %s\n", json_number_value(json_object_get(frame, "wall_s")),
                    gates_of_engine(json_object_get(scene, "gates"), engine, gates));
+            print_bake(json_object_get(frame, "bake"));
         }
     }
     const json_t *list = json_object_get(document, "absent");
