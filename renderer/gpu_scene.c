@@ -398,9 +398,6 @@ static enum neph_status upload_horizons(const struct neph_vulkan *vulkan,
     return status;
 }
 
-/* Measured on a 64^3 cloud: finer grids cost more steps than they save collisions. */
-static const int majorant_cells = 16 * 16 * 16;
-
 /* All majorant grids, one after the other; sizes and places go into the media. */
 static enum neph_status upload_majorants(const struct neph_vulkan *vulkan,
                                          const struct neph_medium *const *media,
@@ -415,7 +412,8 @@ static enum neph_status upload_majorants(const struct neph_vulkan *vulkan,
         const struct neph_bounds box = neph_medium_support(media[m]);
         if (is_fog(media[m]))
             continue;
-        status = neph_majorants_create(media[m], &box, majorant_cells, &majorants, diag);
+        status = neph_majorants_create(media[m], &box, neph_majorants_cell_count(media[m]->kind),
+                                       &majorants, diag);
         if (status)
             break;
         const size_t cells = (size_t)majorants->size[0] * (size_t)majorants->size[1] *

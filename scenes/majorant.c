@@ -49,6 +49,11 @@ static void choose_size(const struct neph_medium *medium, const double extent_m[
     }
 }
 
+int neph_majorants_cell_count(enum neph_medium_kind kind)
+{
+    return kind == NEPH_MEDIUM_HORIZON ? 48 * 48 * 48 : 16 * 16 * 16;
+}
+
 static const double hair = 1e-3; /* of a cell */
 
 static struct neph_bounds cell_box(const struct neph_majorants *majorants, const int cell[3])
@@ -59,7 +64,8 @@ static struct neph_bounds cell_box(const struct neph_majorants *majorants, const
     for (int axis = 0; axis < 3; axis++) {
         const double side = (high[axis] - low[axis]) / majorants->size[axis];
         /* A hair wider than the cell: a tracker's own rounding may put a point of the face into
-         * either neighbour. In float32 it is 1e-3 of a cell where the coordinates are 10^4 cells. */
+         * either neighbour. In float32 it is 1e-3 of a cell where the coordinates are 10^4 cells.
+         */
         a[axis] = low[axis] + (cell[axis] - hair) * side;
         b[axis] = low[axis] + (cell[axis] + 1 + hair) * side;
     }

@@ -13,13 +13,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Cells of a majorant grid: fewer cost more candidates, more cost more steps. Horizon clouds are
- * finer than their layer is long. */
-static int majorant_cells_of(enum neph_medium_kind kind)
-{
-    return kind == NEPH_MEDIUM_HORIZON ? 48 * 48 * 48 : 16 * 16 * 16;
-}
-
 /* How collisions are found. */
 enum method {
     METHOD_INVERSION,  /* of each fog layer's closed form */
@@ -69,8 +62,8 @@ static enum neph_status prepare(struct tracked *tracked, const struct neph_mediu
         tracked->color_max = 0.0; /* its bounds leave nothing of it */
         return NEPH_OK;
     }
-    return neph_majorants_create(medium, &box, majorant_cells_of(medium->kind), &tracked->majorants,
-                                 diag);
+    return neph_majorants_create(medium, &box, neph_majorants_cell_count(medium->kind),
+                                 &tracked->majorants, diag);
 }
 
 enum neph_status neph_tracker_create(const struct neph_scene *scene, struct neph_tracker **tracker,
