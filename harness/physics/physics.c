@@ -3,6 +3,7 @@
 
 #include "base/clock.h"
 #include "base/exr.h"
+#include "harness/bakes.h"
 #include "harness/job.h"
 #include "harness/physics/checks.h"
 #include "harness/physics/participants.h"
@@ -37,7 +38,8 @@ struct scenery {
 struct finding {
     struct neph_job_result result; /* of the first frame that is not rendered, else of the first */
     bool rendered, lowered;
-    json_t *exr; /* the first pass of every view */
+    json_t *exr;  /* the first pass of every view */
+    json_t *bake; /* of the first frame; NULL: there is none */
     double deviation;
     bool stochastic;
     double standard_error; /* stochastic: of the deviation */
@@ -236,6 +238,8 @@ static enum neph_status try_views(const struct entrant *entrant, const struct sc
             status = neph_exr_read(finding->result.frame_path, &frames[pass], diag);
             if (!status && pass == 0)
                 json_array_append_new(finding->exr, json_string(finding->result.frame_path));
+            if (!status && !finding->bake)
+                finding->bake = neph_bakes_of_frame(frames[pass]);
         }
         if (!status && frames[0] && (one_pass || frames[1]))
             add_view(seen, (struct neph_image *const[2]){frames[0], frames[!one_pass]},
@@ -284,7 +288,7 @@ static json_t *finding_json(const struct entrant *entrant, const struct scenery 
     const char *cause = neph_participant_cause(entrant->participant, check, finding->lowered);
     return json_pack(
         "{s:s, s:s, s:s, s:s, s:s, s:s, s:s, s:b, s:b, s:o, s:o, s:o, s:o, s:o, s:o, s:s?, s:f, "
-        "s:f, s:O, s:[], s:[]}",
+        "s:f, s:O, s:[], s:[], s:O?}",
         "check", check->name, "rung", check->rung, "participant", entrant->participant->name,
         "engine", entrant->engine->name, "status", neph_outcome_name(finding->result.outcome),
         "reason", finding->result.reason, "settings",
@@ -297,7 +301,7 @@ static json_t *finding_json(const struct entrant *entrant, const struct scenery 
         "pixel_z_variance",
         number_or_null(there && finding->pixels.count > 0, finding->pixels.variance), "cause",
         cause, "rounding", entrant->participant->rounding, "wall_s", finding->wall_s, "exr",
-        finding->exr, "pictures", "differences");
+        finding->exr, "pictures", "differences", "bake", finding->bake);
 }
 
 static json_t *check_json(const struct scenery *scenery)
@@ -499,6 +503,7 @@ static enum neph_status run_check(const struct neph_physics_params *params, int 
         }
         neph_job_result_finish(&finding.result);
         json_decref(finding.exr);
+        json_decref(finding.bake);
     }
     leave(scenery);
     free(scenery);

@@ -58,6 +58,19 @@ class Bake(unittest.TestCase):
         self.assertEqual((node(0, 0, 0), node(-1, 0, 0), node(0, 2, 4)), (1.0, 0.0, 1.0))
         self.assertAlmostEqual(node(2, 0, 0), 0.2, delta=1e-7)  # a float32 in the grid
 
+    @unittest.skipUnless(shutil.which("povray"), "POV-Ray is not installed")
+    def test_the_cost_of_baking_stands_beside_the_frame(self):
+        request = ("validate", "gaussian_blob", "-e", "exact", "-e", "povray", "--size", "16x9", "--no-charts", "-q",
+                   "-o", self.folder)
+        done = neph(*request, "--json")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        bakes = {frame["engine"]: frame["bake"] for frame in json.loads(done.stdout)["scenes"][0]["frames"]}
+        self.assertIsNone(bakes["exact"])
+        self.assertEqual(bakes["povray"]["grid"], "64 x 64 x 64 nodes")
+        self.assertGreater(bakes["povray"]["transmittance_max"], 1e-5)
+        self.assertLess(bakes["povray"]["transmittance_max"], 1e-2)
+        self.assertIn("of 64 x 64 x 64 nodes: off by up to", neph(*request).stdout)  # now from the store
+
     def test_wrong_requests_say_the_way_out(self):
         out = self.folder / "out.vdb"
         for arguments, code, words in (
