@@ -5,6 +5,7 @@
 #include "metrics/statistics.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 bool neph_study_applies(const struct neph_engine *engine, const struct neph_scene *scene)
@@ -25,66 +26,93 @@ static int option_index(const struct neph_engine *engine, const char *name)
     return -1; /* a test holds every engine to naming an option of its own */
 }
 
-static double mean_radiance(const struct neph_image *frame)
+/* Pictures of all levels, channels averaged, by seed; seed 1 is missing where nothing is random. */
+struct pictures {
+    size_t pixel_count;
+    int seed_count;
+    double *grey[NEPH_STUDY_LEVELS_MAX][2];
+};
+
+static void free_pictures(struct pictures *pictures)
 {
-    float *planes[3];
-    struct neph_sum sum = {0.0, 0.0};
-    const size_t count = neph_image_pixel_count(frame);
-    if (!neph_image_rgb(frame, NULL, planes))
-        return NAN;
-    for (int c = 0; c < 3; c++)
-        for (size_t p = 0; p < count; p++)
-            neph_sum_add(&sum, (double)planes[c][p]);
-    return neph_sum_value(&sum) / (3.0 * (double)count);
+    for (int i = 0; i < NEPH_STUDY_LEVELS_MAX; i++) {
+        free(pictures->grey[i][0]);
+        free(pictures->grey[i][1]);
+    }
 }
 
-/* Standard error of the mean of two frames, from the differences of their pixels. */
-static double mean_noise(const struct neph_image *a, const struct neph_image *b)
+static enum neph_status take_picture(const struct neph_image *frame, struct pictures *pictures,
+                                     double **grey, struct neph_diag *diag)
 {
-    float *x[3], *y[3];
-    struct neph_sum sum = {0.0, 0.0};
-    const size_t count = neph_image_pixel_count(a);
-    if (!neph_image_rgb(a, NULL, x) || !neph_image_rgb(b, NULL, y))
-        return NAN;
-    for (size_t p = 0; p < count; p++) {
-        /* The channels of a pixel share their paths: one difference per pixel. */
-        double difference = 0.0;
-        for (int c = 0; c < 3; c++)
-            difference += ((double)x[c][p] - (double)y[c][p]) / 3.0;
-        neph_sum_add(&sum, difference * difference);
+    float *planes[3];
+    if (!neph_image_rgb(frame, NULL, planes))
+        return neph_fail(diag, NEPH_ERR_ENGINE, "the frame of a study has no radiance");
+    pictures->pixel_count = neph_image_pixel_count(frame);
+    *grey = malloc(pictures->pixel_count * sizeof(**grey));
+    if (!*grey)
+        return neph_fail_memory(diag);
+    for (size_t p = 0; p < pictures->pixel_count; p++)
+        (*grey)[p] = ((double)planes[0][p] + (double)planes[1][p] + (double)planes[2][p]) / 3.0;
+    return NEPH_OK;
+}
+
+/* A weighted sum of levels. */
+struct blend {
+    double weights[NEPH_STUDY_LEVELS_MAX];
+};
+
+static double blend_pixel(const struct pictures *pictures, const struct blend *blend, int seed,
+                          size_t pixel)
+{
+    double sum = 0.0;
+    for (int i = 0; i < NEPH_STUDY_LEVELS_MAX && pictures->grey[i][seed]; i++)
+        sum += blend->weights[i] * pictures->grey[i][seed][pixel];
+    return sum;
+}
+
+/* Its mean over the picture and the seeds, and the standard error of that: from the differences of
+ * the seeds, pixel by pixel. Levels share their seeds, and with them most of their noise, which
+ * therefore cancels from the difference of two levels. */
+static double blend_mean(const struct pictures *pictures, const struct blend *blend, double *noise)
+{
+    struct neph_sum sum = {0.0, 0.0}, squares = {0.0, 0.0};
+    const int seeds = pictures->seed_count;
+    for (size_t p = 0; p < pictures->pixel_count; p++) {
+        double values[2] = {0.0, 0.0};
+        for (int s = 0; s < seeds; s++)
+            values[s] = blend_pixel(pictures, blend, s, p);
+        neph_sum_add(&sum, values[0] + values[1]);
+        if (seeds == 2)
+            neph_sum_add(&squares, pow(values[0] - values[1], 2.0));
     }
-    return 0.5 * sqrt(neph_sum_value(&sum)) / (double)count;
+    const double count = (double)pictures->pixel_count;
+    *noise = 0.5 * sqrt(neph_sum_value(&squares)) / count;
+    return neph_sum_value(&sum) / (seeds * count);
 }
 
 static enum neph_status render_level(const struct neph_job *job, struct neph_store *store,
+                                     int index, struct pictures *pictures,
                                      struct neph_study_level *level, enum neph_outcome *outcome,
                                      char reason[1600], struct neph_diag *diag)
 {
-    struct neph_image *frames[2] = {NULL, NULL};
     struct neph_job placed = *job;
-    const int seeds = job->engine->stochastic ? 2 : 1;
     enum neph_status status = NEPH_OK;
     *outcome = NEPH_OUTCOME_RENDERED;
-    for (int s = 0; s < seeds && !status && *outcome == NEPH_OUTCOME_RENDERED; s++) {
+    for (int s = 0; s < pictures->seed_count && !status && *outcome == NEPH_OUTCOME_RENDERED; s++) {
         struct neph_job_result result;
+        struct neph_image *frame = NULL;
         placed.shot.seed = job->shot.seed + (uint64_t)s;
         status = neph_job_run(&placed, store, &result, diag);
         *outcome = result.outcome;
         level->wall_s += result.cost.wall_s;
         memcpy(reason, result.reason, sizeof(result.reason));
         if (!status && result.frame_path)
-            status = neph_exr_read(result.frame_path, &frames[s], diag);
+            status = neph_exr_read(result.frame_path, &frame, diag);
+        if (!status && frame)
+            status = take_picture(frame, pictures, &pictures->grey[index][s], diag);
+        neph_image_destroy(frame);
         neph_job_result_finish(&result);
     }
-    if (!status && *outcome == NEPH_OUTCOME_RENDERED) {
-        level->radiance = mean_radiance(frames[0]);
-        if (seeds == 2) {
-            level->radiance = 0.5 * (level->radiance + mean_radiance(frames[1]));
-            level->noise = mean_noise(frames[0], frames[1]);
-        }
-    }
-    neph_image_destroy(frames[0]);
-    neph_image_destroy(frames[1]);
     return status;
 }
 
@@ -108,29 +136,52 @@ static void choose(struct neph_study *study)
 }
 
 /* From the last two levels, by the known order. */
-static void extrapolate(struct neph_study *study, double factor)
+static struct blend limit_of(const struct neph_study *study, double factor)
 {
-    struct neph_study_level *levels = study->levels;
     const int last = study->level_count - 1;
     const double gain = last > 0 ? 1.0 / (pow(factor, study->order) - 1.0) : 0.0;
-    const double step = last > 0 ? levels[last].radiance - levels[last - 1].radiance : 0.0;
-    study->limit = levels[last].radiance + gain * step;
-    const double limit_noise = last > 0 ? hypot((1.0 + gain) * levels[last].noise,
-                                                gain * levels[last - 1].noise)
-                                        : levels[last].noise;
-    for (int i = 0; i <= last; i++) {
-        levels[i].bias = levels[i].radiance / study->limit - 1.0;
-        levels[i].bias_noise = hypot(levels[i].noise, limit_noise) / fabs(study->limit);
+    struct blend limit = {{0.0}};
+    limit.weights[last] = 1.0 + gain;
+    if (last > 0)
+        limit.weights[last - 1] = -gain;
+    return limit;
+}
+
+/* log of the ratio of the last two changes; NaN where they are lost in noise or rounding. */
+static double observe_order(const struct pictures *pictures, const struct neph_study *study,
+                            double factor)
+{
+    const int last = study->level_count - 1;
+    if (last < 2)
+        return NAN;
+    struct blend last_change = {{0.0}}, change_before = {{0.0}};
+    last_change.weights[last] = change_before.weights[last - 1] = 1.0;
+    last_change.weights[last - 1] = change_before.weights[last - 2] = -1.0;
+    double noise, noise_before;
+    const double step = blend_mean(pictures, &last_change, &noise);
+    const double before = blend_mean(pictures, &change_before, &noise_before);
+    const bool is_clear = fabs(step) > 4.0 * noise && fabs(before) > 4.0 * noise_before &&
+                          fabs(step) > 1e-7 * fabs(study->limit) && before / step > 0.0;
+    return is_clear ? log(before / step) / log(factor) : NAN;
+}
+
+static void extrapolate(const struct pictures *pictures, struct neph_study *study, double factor)
+{
+    const struct blend limit = limit_of(study, factor);
+    double noise;
+    study->limit = blend_mean(pictures, &limit, &noise);
+    for (int i = 0; i < study->level_count; i++) {
+        struct neph_study_level *level = &study->levels[i];
+        struct blend alone = {{0.0}}, difference = limit;
+        alone.weights[i] = 1.0;
+        for (int k = 0; k < study->level_count; k++)
+            difference.weights[k] = alone.weights[k] - limit.weights[k];
+        level->radiance = blend_mean(pictures, &alone, &level->noise);
+        level->bias = blend_mean(pictures, &difference, &level->bias_noise) / study->limit;
+        level->bias_noise /= fabs(study->limit);
     }
     choose(study);
-    study->observed_order = NAN;
-    if (last >= 2) {
-        const double before = levels[last - 1].radiance - levels[last - 2].radiance;
-        const double noise = hypot(levels[last].noise, levels[last - 1].noise);
-        if (fabs(step) > 4.0 * noise && fabs(step) > 1e-7 * fabs(study->limit) &&
-            before / step > 0.0)
-            study->observed_order = log(before / step) / log(factor);
-    }
+    study->observed_order = observe_order(pictures, study, factor);
 }
 
 enum neph_status neph_study_run(const struct neph_job *job, struct neph_store *store,
@@ -140,18 +191,22 @@ enum neph_status neph_study_run(const struct neph_job *job, struct neph_store *s
     const struct neph_engine_step *step = &job->engine->step;
     const int index = option_index(job->engine, step->option);
     struct neph_job placed = *job;
+    struct pictures pictures = {.seed_count = job->engine->stochastic ? 2 : 1};
+    enum neph_status status = NEPH_OK;
+    *outcome = NEPH_OUTCOME_RENDERED;
     *study = (struct neph_study){.option = step->option, .order = step->order};
-    for (int i = 0; i < step->level_count && i < NEPH_STUDY_LEVELS_MAX; i++) {
-        struct neph_study_level *level = &study->levels[i];
+    for (int i = 0; i < step->level_count && i < NEPH_STUDY_LEVELS_MAX && !status &&
+                    *outcome == NEPH_OUTCOME_RENDERED;
+         i++) {
+        struct neph_study_level *level = &study->levels[study->level_count++];
         level->setting = step->coarsest * pow(step->refine, i);
         placed.shot.settings.values[index] = level->setting;
-        enum neph_status status = render_level(&placed, store, level, outcome, reason, diag);
-        if (status || *outcome != NEPH_OUTCOME_RENDERED)
-            return status;
-        study->level_count++;
+        status = render_level(&placed, store, i, &pictures, level, outcome, reason, diag);
     }
-    extrapolate(study, fmax(step->refine, 1.0 / step->refine));
-    return NEPH_OK;
+    if (!status && *outcome == NEPH_OUTCOME_RENDERED)
+        extrapolate(&pictures, study, fmax(step->refine, 1.0 / step->refine));
+    free_pictures(&pictures);
+    return status;
 }
 
 json_t *neph_study_json(const struct neph_study *study)

@@ -20,7 +20,7 @@ struct neph_study_level {
     double radiance;   /* mean over the picture [W m^-2 sr^-1], channels averaged */
     double noise;      /* standard error of it; 0 for deterministic engines */
     double bias;       /* relative, against the extrapolated limit */
-    double bias_noise; /* standard error of the bias, the limit's own noise included */
+    double bias_noise; /* standard error of the bias: the noise that levels share cancels */
     double wall_s;
 };
 
