@@ -99,9 +99,17 @@ struct Tracked {
     Grid grid;
 };
 
+struct Fog {
+    vec3 low_m, high_m;
+    vec3 color;
+    FogLayer layers[LAYERS_MAX];
+    uint layer_count;
+};
+
 Camera camera;
 vec3 sun_direction, sun_irradiance, background;
 Scatterer only;  // of a scene with one medium
+Fog only_fog;    // if it is one
 Tracked tracked; // the medium that the thread tracks in this turn
 
 uint collisions = 0, lookups = 0, closed_forms = 0, items_done = 0;
@@ -128,6 +136,12 @@ Tracked tracked_of(uint m)
     return of;
 }
 
+Fog fog_of(uint m)
+{
+    return Fog(frame.media[m].low_m, frame.media[m].high_m, frame.media[m].extinction_color,
+               frame.media[m].layers, frame.media[m].layer_count);
+}
+
 uint tracked_medium()
 {
     return (TRACKED_ORDER >> (4 * (TRACKED_COUNT > 1 ? path.tracked : 0))) & 0xfu;
@@ -140,6 +154,7 @@ void read_scene()
     sun_irradiance = frame.sun_irradiance;
     background = frame.background;
     only = scatterer_of(0);
+    only_fog = fog_of(0);
     tracked = tracked_of(tracked_medium());
 }
 
@@ -329,32 +344,43 @@ Hit nearest_hit(vec3 origin_m, vec3 direction, uint except)
     return hit;
 }
 
-// Fog: free paths by inversion, transmittance to the sun exact.
+// One layer of a fog within [t0, t1]: transmittance to the sun exact, free paths by inversion.
+void cross_layer(uint m, FogLayer layer, vec3 color, float t0_m, float t1_m)
+{
+    float y_m = path.origin_m.y + t0_m * path.direction.y;
+    if (path.is_towards_sun != 0) {
+        path.sun_fraction *= colour_transmittance(
+            color * fog_optical_depth(layer, y_m, path.direction.y, t1_m - t0_m));
+        closed_forms++;
+        return;
+    }
+    float depth = exponential_from(draw().x) / max(color[path.hero], 1e-20);
+    float t_m = t0_m + fog_free_path(layer, y_m, path.direction.y, depth);
+    if (t_m < min(t1_m, path.end_m)) {
+        path.end_m = t_m;
+        path.end_medium = m;
+        path.end_solid = NO_SOLID;
+    }
+}
+
+void cross_fog_medium(uint m, Fog fog)
+{
+    const uint layers = has_kind(MEDIUM_HEIGHT_FOG) ? LAYERS_MAX : 1u;
+    float t0_m = 0.0, t1_m = path.end_m;
+    if (!clip_box(fog.low_m, fog.high_m, path.origin_m, path.direction, t0_m, t1_m))
+        return;
+    for (uint l = 0; l < layers; l++)
+        if (l < fog.layer_count)
+            cross_layer(m, fog.layers[l], fog.color, t0_m, t1_m);
+}
+
 void cross_fog()
 {
-    for (uint m = 0; m < frame.medium_count; m++) {
-        float t0_m = 0.0, t1_m = path.end_m;
-        if (!is_fog(m) || !clip_medium(m, path.origin_m, path.direction, t0_m, t1_m))
-            continue;
-        vec3 color = frame.media[m].extinction_color;
-        float y_m = path.origin_m.y + t0_m * path.direction.y;
-        for (uint l = 0; l < frame.media[m].layer_count; l++) {
-            FogLayer layer = frame.media[m].layers[l];
-            if (path.is_towards_sun != 0) {
-                path.sun_fraction *= colour_transmittance(
-                    color * fog_optical_depth(layer, y_m, path.direction.y, t1_m - t0_m));
-                closed_forms++;
-                continue;
-            }
-            float depth = exponential_from(draw().x) / max(color[path.hero], 1e-20);
-            float t_m = t0_m + fog_free_path(layer, y_m, path.direction.y, depth);
-            if (t_m < min(t1_m, path.end_m)) {
-                path.end_m = t_m;
-                path.end_medium = m;
-                path.end_solid = NO_SOLID;
-            }
-        }
-    }
+    if (MEDIA == 1)
+        cross_fog_medium(0, only_fog);
+    for (uint m = 0; MEDIA != 1 && m < frame.medium_count; m++)
+        if (is_fog(m))
+            cross_fog_medium(m, fog_of(m));
 }
 
 // The density of paths in each channel, after fog: e^-((color - color of the hero) depth), and the
