@@ -133,7 +133,8 @@ static enum neph_status time_of(const struct neph_job *job, double samples, doub
     return status;
 }
 
-/* From the time that few samples take to rungs that double up to `rung_s`. What the fewest samples
+/* From the time that few samples take to rungs that double up to `rung_s`, or beyond, when that is
+ * the fewest samples of a ladder. What the fewest samples
  * take beyond their share is the start: kernels compiled, grids read. (The very first render is
  * left out: it fills caches.) */
 static enum neph_status plan(const struct neph_job *job, double rung_s, struct ladder *ladder,
@@ -156,7 +157,8 @@ static enum neph_status plan(const struct neph_job *job, double rung_s, struct l
     const double last = fmin(most, rung_s / per_sample_s);
     for (int k = 0; k < NEPH_BENCHMARK_RUNGS; k++) {
         const double rung = last / (1 << (NEPH_BENCHMARK_RUNGS - 1 - k));
-        ladder->samples[k] = (int)fmax(FIRST_SAMPLES, FIRST_SAMPLES * round(rung / FIRST_SAMPLES));
+        const double least = FIRST_SAMPLES * (1 << k);
+        ladder->samples[k] = (int)fmax(least, FIRST_SAMPLES * round(rung / FIRST_SAMPLES));
     }
     return NEPH_OK;
 }
