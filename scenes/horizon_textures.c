@@ -108,32 +108,45 @@ static double field_at(uint64_t seed, const double point[3])
     return perlin_sum_at(&noise, 3, point);
 }
 
-/* The hill of the lobe in one cell, at a place: 1 at its middle, 0 at its rim and beyond. */
-static double lobe_at(uint64_t seed, const struct neph_noise *lobes, const int cell[2],
-                      const double at[2])
+/* A hill of round plan, in cells; one cell of the plane has one. */
+enum { LOBES = 18 }; /* along a side */
+struct lobe {
+    double middle[2]; /* within its cell */
+    double radius;    /* 1 at most: it reaches the next cells alone */
+    double height;
+};
+
+/* Where the air rises hills are high and wide, elsewhere there are none. */
+static void raise_lobes(uint64_t seed, struct lobe lobes[LOBES][LOBES])
 {
-    const double middle[3] = {cell[0] + neph_noise_cell_random(lobes, cell, 0),
-                              cell[1] + neph_noise_cell_random(lobes, cell, 1), 0.0};
-    const double point[3] = {middle[0] / lobes->period, middle[1] / lobes->period, 0.0};
-    const double strength = clamp01(0.35 + 2.4 * field_at(seed, point));
-    if (strength <= 0.0)
-        return 0.0;
-    const double radius = 0.3 + 0.7 * strength;
-    const double x = (at[0] - middle[0]) / radius, y = (at[1] - middle[1]) / radius;
-    return fmax(0.0, 1.0 - x * x - y * y) * (0.4 + 0.6 * strength);
+    const struct neph_noise noise = noise_of(seed, PATTERN_LOBES, 2, LOBES);
+    for (int y = 0; y < LOBES; y++)
+        for (int x = 0; x < LOBES; x++) {
+            const int cell[2] = {x, y};
+            const double middle[2] = {neph_noise_cell_random(&noise, cell, 0),
+                                      neph_noise_cell_random(&noise, cell, 1)};
+            const double point[3] = {(x + middle[0]) / LOBES, (y + middle[1]) / LOBES, 0.0};
+            const double strength = clamp01(0.35 + 2.4 * field_at(seed, point));
+            lobes[y][x] = (struct lobe){{middle[0], middle[1]},
+                                        0.3 + 0.7 * strength,
+                                        strength > 0.0 ? 0.4 + 0.6 * strength : 0.0};
+        }
 }
 
-/* The highest hill. A lobe reaches one cell far at most, its middle lies within its own cell. */
-static double lobes_at(uint64_t seed, int period, const double point[3])
+/* The highest hill at a place: the height of its lobe in the middle, 0 at the rim and beyond. */
+static double hill_at(struct lobe lobes[LOBES][LOBES], const double point[3])
 {
-    const struct neph_noise lobes = noise_of(seed, PATTERN_LOBES, 2, period);
-    double at[3];
-    to_cells(point, period, at);
-    double highest = 0.0;
+    double at[3], highest = 0.0;
+    to_cells(point, LOBES, at);
+    const double low[2] = {floor(at[0]), floor(at[1])};
     for (int y = -1; y <= 1; y++)
         for (int x = -1; x <= 1; x++) {
-            const int cell[2] = {(int)floor(at[0]) + x, (int)floor(at[1]) + y};
-            highest = fmax(highest, lobe_at(seed, &lobes, cell, at));
+            const int column = ((int)low[0] + x + LOBES) % LOBES;
+            const int row = ((int)low[1] + y + LOBES) % LOBES;
+            const struct lobe *lobe = &lobes[row][column];
+            const double dx = (at[0] - low[0] - x - lobe->middle[0]) / lobe->radius;
+            const double dy = (at[1] - low[1] - y - lobe->middle[1]) / lobe->radius;
+            highest = fmax(highest, (1.0 - dx * dx - dy * dy) * lobe->height);
         }
     return highest;
 }
@@ -149,25 +162,28 @@ static void bend(uint64_t seed, const double point[3], double bent[3])
     bent[2] = 0.0;
 }
 
-static void weather_texel(uint64_t seed, const double point[3], float texel[4])
+static void weather_texel(uint64_t seed, struct lobe lobes[LOBES][LOBES], const double point[3],
+                          float texel[4])
 {
     const struct neph_noise high = noise_of(seed, PATTERN_HIGH, 2, 6);
     const struct neph_noise density = noise_of(seed, PATTERN_DENSITY, 2, 8);
     double bent[3];
     bend(seed, point, bent);
     const double field = field_at(seed, bent);
-    const double lobe = lobes_at(seed, 18, bent);
-    texel[0] = (float)(lobe * (2.0 - lobe));
+    const double hill = hill_at(lobes, bent);
+    texel[0] = (float)(hill * (2.0 - hill));
     texel[1] = (float)clamp01(0.5 + 0.6 * field + 0.6 * perlin_sum_at(&high, 3, point));
-    texel[2] = (float)clamp01((0.4 + 0.6 * lobe) * (0.9 + 0.6 * field));
+    texel[2] = (float)clamp01((0.4 + 0.6 * hill) * (0.9 + 0.6 * field));
     texel[3] = (float)clamp01(0.75 + 0.4 * perlin_sum_at(&density, 2, point));
 }
 
 void neph_horizon_fill_weather(uint64_t seed, float *weather)
 {
     enum { SIDE = NEPH_HORIZON_WEATHER_SIDE };
+    struct lobe lobes[LOBES][LOBES];
+    raise_lobes(seed, lobes);
     for (int k = 0; k < SIDE; k++)
         for (int i = 0; i < SIDE; i++, weather += 4)
-            weather_texel(seed, (const double[3]){(i + 0.5) / SIDE, (k + 0.5) / SIDE, 0.0},
+            weather_texel(seed, lobes, (const double[3]){(i + 0.5) / SIDE, (k + 0.5) / SIDE, 0.0},
                           weather);
 }

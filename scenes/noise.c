@@ -137,20 +137,35 @@ static double point_distance_squared(const struct neph_noise *noise, const int c
     return sum;
 }
 
+/* From a place in a cell to the next cell one step away. */
+static double gap_squared(double inside, int step)
+{
+    const double gap = step < 0 ? inside : step > 0 ? 1.0 - inside : 0.0;
+    return gap * gap;
+}
+
+/* The steps to a cell and its neighbours: near ones first, which spare the others. */
+static const int outwards[3] = {0, -1, 1};
+
 double neph_noise_worley(const struct neph_noise *noise, const double *at)
 {
     int cell[3];
     double inside[3];
     locate(noise, at, cell, inside);
-    const int deep = noise->dimensions == 3;
+    const int layers = noise->dimensions == 3 ? 3 : 1;
     /* What lies beyond the nearest neighbours is at least 1 away, where the noise is 0. */
     double nearest_squared = 1.0;
-    for (int z = -deep; z <= deep; z++)
-        for (int y = -1; y <= 1; y++)
-            for (int x = -1; x <= 1; x++)
-                nearest_squared = fmin(
-                    nearest_squared,
-                    point_distance_squared(noise, cell, inside, (const int[3]){x, y, z}));
+    for (int k = 0; k < layers; k++)
+        for (int j = 0; j < 3; j++)
+            for (int i = 0; i < 3; i++) {
+                const int step[3] = {outwards[i], outwards[j], outwards[k]};
+                double gap = 0.0;
+                for (int axis = 0; axis < noise->dimensions; axis++)
+                    gap += gap_squared(inside[axis], step[axis]);
+                if (gap < nearest_squared)
+                    nearest_squared = fmin(nearest_squared,
+                                           point_distance_squared(noise, cell, inside, step));
+            }
     return 1.0 - sqrt(nearest_squared);
 }
 
