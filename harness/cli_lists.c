@@ -10,6 +10,7 @@
 #include "harness/engine.h"
 #include "harness/validate.h"
 #include "scenes/media.h"
+#include "scenes/volume_file.h"
 
 #include <argp.h>
 #include <stdio.h>
@@ -245,11 +246,26 @@ enum neph_status neph_cli_engines(int argc, char **argv, struct neph_diag *diag)
 }
 
 /* Beside the engines: what the report and the tests need. */
+static bool has_openvdb(const char *program)
+{
+    (void)program;
+    char *path = NULL;
+    const bool found = neph_volume_find_openvdb(&path, NULL) == NEPH_OK;
+    free(path);
+    return found;
+}
+
 static const struct {
-    const char *program, *needed_for, *install_line;
+    const char *program;
+    bool (*is_there)(const char *program);
+    const char *needed_for, *install_line;
 } tools[] = {
-    {"node", "static charts in the report", "apt-get install nodejs npm"},
-    {"chromium", "the browser test of the report", "apt-get install chromium"},
+    {"neph-vdb", has_openvdb, "OpenVDB files, and voxels in cycles",
+     "copy it from the build folder into that of neph, or let NEPH_VDB name it"},
+    {"node", neph_child_program_exists, "static charts in the report",
+     "apt-get install nodejs npm"},
+    {"chromium", neph_child_program_exists, "the browser test of the report",
+     "apt-get install chromium"},
 };
 
 enum neph_status neph_cli_doctor(int argc, char **argv, struct neph_diag *diag)
@@ -281,7 +297,7 @@ enum neph_status neph_cli_doctor(int argc, char **argv, struct neph_diag *diag)
                    info.install_line);
     }
     for (size_t i = 0; i < sizeof(tools) / sizeof(tools[0]); i++) {
-        const bool there = neph_child_program_exists(tools[i].program);
+        const bool there = tools[i].is_there(tools[i].program);
         json_array_append_new(list, json_pack("{s:s, s:b, s:s, s:s}", "name", tools[i].program,
                                               "available", there, "needed_for", tools[i].needed_for,
                                               "install_line", tools[i].install_line));

@@ -24,6 +24,11 @@ enum neph_status neph_volume_read(const char *path, const char *grid_name,
 /* The names of the extensions that neph_volume_read() knows: ".vdb", ".df3". */
 bool neph_volume_has_known_extension(const char *path);
 
+/* The path of the program that reads and writes .vdb for us, for the caller to free: what the
+ * variable NEPH_VDB names, or neph-vdb beside the running program, or where it was built.
+ * NEPH_ERR_UNAVAILABLE: it is not there. */
+enum neph_status neph_volume_find_openvdb(char **program, struct neph_diag *diag);
+
 /* Where a .vdb puts the nodes. */
 enum neph_vdb_layout {
     /* OpenVDB's own convention: axes of the world, the transform takes the index of a node to its

@@ -48,8 +48,7 @@ static char *program_beside_neph(void)
     return NULL;
 }
 
-/* What the environment names, or beside the running neph, or where it was built. */
-static enum neph_status find_program(char **program, struct neph_diag *diag)
+enum neph_status neph_volume_find_openvdb(char **program, struct neph_diag *diag)
 {
     const char *named = getenv("NEPH_VDB");
     char *path = named && named[0] ? strdup(named) : program_beside_neph();
@@ -138,7 +137,7 @@ static enum neph_status run_program(const char *argv[ARGUMENTS_MAX], double time
 {
     char *program = NULL;
     struct shared log;
-    enum neph_status status = find_program(&program, diag);
+    enum neph_status status = neph_volume_find_openvdb(&program, diag);
     if (status)
         return status;
     status = shared_create("neph-vdb-log", &log, diag);

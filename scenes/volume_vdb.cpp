@@ -20,6 +20,7 @@
 #include <vector>
 
 #include <fcntl.h>
+#include <malloc.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
@@ -30,6 +31,7 @@
 #include <openvdb/io/GridDescriptor.h>
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/Dense.h>
+#include <tbb/global_control.h>
 
 namespace
 {
@@ -389,6 +391,9 @@ void read_volume(const char *voxels, const char *path, uint64_t memory_limit_byt
 int run_read(int argc, char **argv)
 {
     const uint64_t memory_limit_bytes = strtoull(argv[4], nullptr, 10);
+    /* A thread asks for tens of MiB of addresses, and some machines have hundreds of processors. */
+    const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
+    mallopt(M_ARENA_MAX, 1);
     try {
         limit(RLIMIT_CORE, 0);
         limit(RLIMIT_CPU, strtoull(argv[5], nullptr, 10));
