@@ -146,7 +146,9 @@ static double hill_at(struct lobe lobes[LOBES][LOBES], const double point[3])
             const struct lobe *lobe = &lobes[row][column];
             const double dx = (at[0] - low[0] - x - lobe->middle[0]) / lobe->radius;
             const double dy = (at[1] - low[1] - y - lobe->middle[1]) / lobe->radius;
-            highest = fmax(highest, (1.0 - dx * dx - dy * dy) * lobe->height);
+            const double height = (1.0 - dx * dx - dy * dy) * lobe->height;
+            if (height > highest) /* fmax() may answer -0 where there is no hill */
+                highest = height;
         }
     return highest;
 }
