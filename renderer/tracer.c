@@ -93,10 +93,19 @@ static bool lights(const struct neph_scene *scene)
     return scene->environment_light && is_positive(scene->background_w_per_m2_sr);
 }
 
-/* More than light that was scattered once. */
+/* Some medium's optical depth has no closed form: the view ray is tracked too. */
+static bool is_open(const struct neph_scene *scene)
+{
+    for (int i = 0; i < scene->medium_count; i++)
+        if (!neph_medium_has_closed_form(&scene->media[i]))
+            return true;
+    return false;
+}
+
+/* More than light that was scattered once where all optical depths are known. */
 static bool needs_paths(const struct neph_scene *scene)
 {
-    return scene->scattering == NEPH_SCATTERING_MULTIPLE || lights(scene);
+    return scene->scattering == NEPH_SCATTERING_MULTIPLE || lights(scene) || is_open(scene);
 }
 
 /* Light that is never absorbed and never finds a way out walks for ever. */
@@ -121,10 +130,8 @@ bool neph_tracer_can_render(const struct neph_scene *scene, char *reason, size_t
     for (int i = 0; i < scene->medium_count; i++) {
         const struct neph_medium *medium = &scene->media[i];
         coloured_clouds += !is_fog(medium) && is_coloured(medium);
-        if (medium->kind == NEPH_MEDIUM_HORIZON)
-            cannot = "Horizon clouds";
-        else if (scene->scattering == NEPH_SCATTERING_MULTIPLE && scene->solid_count == 0 &&
-                 is_endless(medium))
+        if (scene->scattering == NEPH_SCATTERING_MULTIPLE && scene->solid_count == 0 &&
+            is_endless(medium))
             cannot = "multiple scattering in an unbounded medium of albedo 1";
         else if (needs_paths(scene) && !is_fog(medium) && !is_bounded(medium))
             cannot = "more than single scattering in a shell without finite bounds";
@@ -163,8 +170,9 @@ static enum neph_status check(const struct neph_scene *scene,
 
 /* --- sums in double ----------------------------------------------------------------------- */
 
-/* Per pixel: order1, higher, surface, spread; three channels each. */
-enum { sums_per_pixel = 12 };
+/* Per pixel: order1, higher, surface, spread, transmittance (0 unless open); three channels each.
+ */
+enum { sums_per_pixel = 15 };
 
 /* Values before the pixels in a checkpoint. */
 enum { head_samples, head_collisions, head_lookups, head_closed_forms, head_count };
@@ -191,6 +199,7 @@ static void add_pixel(double *sums, const struct gpu_pixel *pixel)
         for (int layer = 0; layer < 3; layer++)
             sums[3 * layer + c] += (double)pixel->sums[layer][c];
         sums[9 + c] += (double)pixel->spread[c];
+        sums[12 + c] += (double)pixel->sums[c][3];
     }
 }
 
@@ -198,7 +207,7 @@ static void add_pixel(double *sums, const struct gpu_pixel *pixel)
 static char *identity_of(const struct neph_scene *scene, const struct neph_tracer_params *params,
                          const struct neph_vulkan *vulkan)
 {
-    return neph_format("tracer 2, scene %s, frame %.17g, %d x %d, seed %llu, on %s, %s",
+    return neph_format("tracer 3, scene %s, frame %.17g, %d x %d, seed %llu, on %s, %s",
                        scene->hash, params->frame, params->width_px, params->height_px,
                        (unsigned long long)params->seed, vulkan->description.device,
                        vulkan->description.driver);
@@ -225,7 +234,7 @@ struct render {
     struct neph_gpu_scene scene;
     struct neph_buffer buffers[BINDING_COUNT], pixels_readback, progress_readback;
     uint32_t local_size; /* of the path kernel */
-    bool needs_paths;
+    bool needs_paths, is_open;
     uint32_t turns;  /* of one dispatch, at most */
     uint32_t window; /* pools in one dispatch; follows the device's speed */
     size_t pixel_count, chunk_pixels;
@@ -377,6 +386,25 @@ static enum neph_status create_sums(struct render *render, const struct neph_sce
                                 sums_count(&render->sums), diag);
 }
 
+static void scatter_nothing(struct neph_gpu_frame *frame)
+{
+    for (uint32_t m = 0; m < frame->medium_count; m++)
+        memset(frame->media[m].albedo, 0, sizeof(frame->media[m].albedo));
+}
+
+/* The kernel of first collisions walks through the grids thrice, the one of paths not at all. */
+static enum neph_status check_turns(const struct render *render, struct neph_diag *diag)
+{
+    const uint64_t turns = 3 * render->scene.optical_depth_turns +
+                           4 * ((uint64_t)render->scene.frame->solid_count + 1) + 64;
+    if (turns > NEPH_KERNEL_LOOP_TURNS_MAX)
+        return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
+                         "tracer: the voxel grids are too fine together: a ray may take %llu turns "
+                         "through loops, a kernel at most %d",
+                         (unsigned long long)turns, NEPH_KERNEL_LOOP_TURNS_MAX);
+    return NEPH_OK;
+}
+
 static enum neph_status prepare(struct render *render, const struct neph_scene *scene,
                                 struct neph_diag *diag)
 {
@@ -388,10 +416,15 @@ static enum neph_status prepare(struct render *render, const struct neph_scene *
     render->turns = choose_turns(scene, params);
     render->window = 64;
     render->needs_paths = needs_paths(scene);
+    render->is_open = is_open(scene);
     enum neph_status status = create_sums(render, scene, diag);
     if (!status)
         status = neph_gpu_scene_create(render->vulkan, scene, params->frame, params->width_px,
                                        params->height_px, needs_paths(scene), &render->scene, diag);
+    if (!status)
+        status = check_turns(render, diag);
+    if (!status && scene->scattering == NEPH_SCATTERING_NONE)
+        scatter_nothing(render->scene.frame);
     if (!status)
         status = get_kernels(render, scene, diag);
     if (!status)
@@ -523,7 +556,7 @@ static enum neph_status trace_chunk(struct render *render, const struct gpu_run 
                                     struct neph_diag *diag)
 {
     enum neph_status status = view_chunk(render, run, diag);
-    if (!status)
+    if (!status && !render->is_open)
         status = run_kernel(render, render->first, run,
                             pixel_groups(run->pixel_count * NEPH_TRACER_BATCH_SAMPLES),
                             BINDING_PIXELS, NULL, diag);
@@ -695,11 +728,13 @@ static enum neph_status make_frame(const struct render *render, struct neph_imag
         const float *view = render->view_light + i * view_floats;
         eye_depth_m[i] = view[3] < NEPH_GPU_FAR_M ? view[3] : INFINITY;
         for (int c = 0; c < 3; c++) {
-            const double transmittance = (double)view[4 + c];
+            const double transmittance = render->is_open ? sums[12 + c] / samples
+                                                         : (double)view[4 + c];
             const double order1 = sums[c] / samples, surface = sums[6 + c] / samples;
             const double volume = order1 + sums[3 + c] / samples;
-            layers[LAYER_RADIANCE][c][i] = (float)(volume +
-                                                   transmittance * ((double)view[c] + surface));
+            const double behind = render->is_open ? surface
+                                                  : transmittance * ((double)view[c] + surface);
+            layers[LAYER_RADIANCE][c][i] = (float)(volume + behind);
             layers[LAYER_VOLUME][c][i] = (float)volume;
             layers[LAYER_ORDER1][c][i] = (float)order1;
             layers[LAYER_TRANSMITTANCE][c][i] = (float)transmittance;

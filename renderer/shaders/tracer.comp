@@ -38,6 +38,11 @@ const uint STAGE_BEHIND = 7;  // start the path of the surface behind the media
 const uint STAGE_NONE = 8;    // hand in the item
 const uint STAGE_DONE = 9;    // no items are left
 
+// What the segment in work is.
+const uint RAY_PATH = 0;
+const uint RAY_SUN = 1;  // how much of the sunlight arrives
+const uint RAY_VIEW = 2; // how much arrives of the light behind the media, if OPEN
+
 struct State {
     vec3 origin_m;
     uint stage;
@@ -56,11 +61,11 @@ struct State {
     vec3 order1;
     uint is_surface_first;
     vec3 higher;
-    uint is_towards_sun;
+    uint ray;
     vec3 surface;
     float roulette; // the throughput below which it is played
     // The segment in work.
-    vec3 sun_fraction; // of a ray to the sun: the part that arrives
+    vec3 sun_fraction; // of a ray to the sun (or of the view): the part that arrives
     float end_m;       // the nearest event so far
     uint end_medium;   // that has a collision there, or MEDIA_MAX
     uint end_solid;    // that is met there, or NO_SOLID
@@ -68,8 +73,8 @@ struct State {
     float t_m;         // where tracking is
     ivec3 cell;
     float depth_left; // majorant optical depth to the next tentative collision
+    vec3 view_fraction; // if OPEN: of the light behind the media, the part that arrives
     float sun_roulette; // the fraction below which it is played
-    float padding[3];
 };
 
 layout(std430, binding = 5) buffer States {
@@ -97,6 +102,7 @@ struct Tracked {
     Gaussian gaussian;
     Shell shell;
     Grid grid;
+    Horizon horizon;
 };
 
 struct Fog {
@@ -133,6 +139,7 @@ Tracked tracked_of(uint m)
     of.gaussian = frame.media[m].gaussian;
     of.shell = frame.media[m].shell;
     of.grid = frame.media[m].grid;
+    of.horizon = frame.media[m].horizon;
     return of;
 }
 
@@ -157,6 +164,8 @@ void read_scene()
     only_fog = fog_of(0);
     tracked = tracked_of(tracked_medium());
 }
+
+float most_of(vec3 channels) { return max(channels.r, max(channels.g, channels.b)); }
 
 uvec3 draw()
 {
@@ -185,16 +194,22 @@ void start_path()
     path.solid = NO_SOLID;
     path.channels = vec3(1.0);
     path.events = 0;
-    path.is_towards_sun = 0;
+    path.ray = RAY_PATH;
 }
 
 // Straight to the surface behind the media, if light can come from there that is not known yet.
 void start_at_surface()
 {
     path.stage = STAGE_NONE;
-    if (!SURFACES || !(MULTIPLE || ENVIRONMENT))
+    if (!SURFACES || !(OPEN || MULTIPLE || ENVIRONMENT))
         return;
     start_path();
+    if (OPEN) {
+        path.throughput = path.view_fraction;
+        path.roulette *= most_of(path.view_fraction);
+        if (path.roulette <= 0.0)
+            return;
+    }
     Hit hit = scene_hit(vec3(0.0), path.direction);
     if (hit.solid == NO_SOLID || solids[hit.solid].albedo.rgb == vec3(0.0))
         return;
@@ -203,13 +218,23 @@ void start_at_surface()
     path.stage = STAGE_SURFACE;
 }
 
+// If OPEN: the ray of the view, then from the camera like any path.
+void start_at_camera()
+{
+    start_path();
+    path.ray = RAY_VIEW;
+    path.sun_fraction = vec3(1.0);
+    path.sun_roulette = 0.0;
+    path.stage = STAGE_LEAVE;
+}
+
 void start_at_first_collision()
 {
     First first = firsts[pool() * POOL_ITEMS + path.item];
     start_path();
     path.origin_m = first.t_m * path.direction;
     path.throughput = first.weight;
-    path.roulette = ROULETTE * max(first.weight.r, max(first.weight.g, first.weight.b));
+    path.roulette = ROULETTE * most_of(first.weight);
     path.medium = first.medium;
     path.stage = path.roulette > 0.0 ? STAGE_MEDIUM : STAGE_BEHIND;
     if (COLOURED)
@@ -227,11 +252,17 @@ void take_item()
                           run.first_sample + path.item % BATCH_SAMPLES).xyz;
     path.drawn = 0;
     path.hero = hero_of(draw());
-    path.order1 = results[pool() * POOL_ITEMS + path.item].order1.rgb;
+    path.order1 = vec3(0.0);
+    if (!OPEN)
+        path.order1 = results[pool() * POOL_ITEMS + path.item].order1.rgb;
     path.higher = vec3(0.0);
     path.surface = vec3(0.0);
     path.is_surface_first = 0;
-    start_at_first_collision();
+    path.view_fraction = vec3(0.0);
+    if (OPEN)
+        start_at_camera();
+    else
+        start_at_first_collision();
 }
 
 // A path is at its end. An item has two: one from the media and one from the surface behind them.
@@ -243,7 +274,8 @@ void finish_path()
 void finish_item()
 {
     results[pool() * POOL_ITEMS + path.item] =
-        Result(vec4(path.order1, 0.0), vec4(path.higher, 0.0), vec4(path.surface, 0.0));
+        Result(vec4(path.order1, path.view_fraction.r), vec4(path.higher, path.view_fraction.g),
+               vec4(path.surface, path.view_fraction.b));
     path.stage = STAGE_IDLE;
     items_done++;
 }
@@ -262,7 +294,7 @@ void add_light(vec3 light)
 // Sunlight that would bring little home goes on by chance alone.
 void play_sun_roulette(float u)
 {
-    float most = max(path.sun_fraction.r, max(path.sun_fraction.g, path.sun_fraction.b));
+    float most = most_of(path.sun_fraction);
     if (most < path.sun_roulette)
         path.sun_fraction *= u * path.sun_roulette < most ? path.sun_roulette / most : 0.0;
 }
@@ -274,8 +306,7 @@ void prepare_next(vec3 direction, float u)
 {
     path.next_direction = direction;
     bool goes_on = MULTIPLE || (ENVIRONMENT && path.events == 1);
-    float most = max(path.throughput.r, max(path.throughput.g, path.throughput.b));
-    float survival = min(1.0, most / path.roulette);
+    float survival = min(1.0, most_of(path.throughput) / path.roulette);
     if (!goes_on || u >= survival)
         path.throughput = vec3(0.0);
     else
@@ -292,11 +323,11 @@ void prepare_sunlight(float per_sr, float u)
     path.pending = path.throughput * sun_irradiance * (per_sr * path.sun_fraction);
     path.sun_roulette /= max(path.sun_fraction.r, 1.0);
     path.sun_fraction = vec3(1.0);
-    if (path.events == 1)
+    if (path.events == 1 && !OPEN)
         path.pending = vec3(0.0);
 }
 
-// At a first collision order 1 is known already (tracer_first.comp), and at a first surface the
+// Unless OPEN: at a first collision order 1 is known already (tracer_first.comp), and at a first surface the
 // sunlight that it reflects (tracer_view.comp).
 void happen()
 {
@@ -321,9 +352,9 @@ void happen()
     }
     prepare_sunlight(light_per_sr, uniform_from(bits.www).x);
     prepare_next(next, u.z);
-    path.is_towards_sun = uint(path.pending != vec3(0.0) &&
-                               (!SOLIDS || sees_sun(path.origin_m, path.solid)));
-    path.direction = path.is_towards_sun != 0 ? sun_direction : path.next_direction;
+    bool is_lit = path.pending != vec3(0.0) && (!SOLIDS || sees_sun(path.origin_m, path.solid));
+    path.ray = is_lit ? RAY_SUN : RAY_PATH;
+    path.direction = is_lit ? sun_direction : path.next_direction;
     path.stage = STAGE_LEAVE;
 }
 
@@ -348,7 +379,7 @@ Hit nearest_hit(vec3 origin_m, vec3 direction, uint except)
 void cross_layer(uint m, FogLayer layer, vec3 color, float t0_m, float t1_m)
 {
     float y_m = path.origin_m.y + t0_m * path.direction.y;
-    if (path.is_towards_sun != 0) {
+    if (path.ray != RAY_PATH) {
         path.sun_fraction *= colour_transmittance(
             color * fog_optical_depth(layer, y_m, path.direction.y, t1_m - t0_m));
         closed_forms++;
@@ -405,26 +436,37 @@ void leave()
     path.end_solid = NO_SOLID;
     path.tracked = 0;
     path.stage = TRACKED_COUNT > 0 ? STAGE_ENTER : STAGE_ARRIVE;
-    if (path.is_towards_sun == 0) {
-        if (path.throughput == vec3(0.0)) {
-            finish_path();
-            return;
-        }
-        if (SOLIDS) {
-            Hit hit = nearest_hit(path.origin_m, path.direction, path.solid);
-            path.end_m = hit.t_m;
-            path.end_solid = hit.solid;
-        }
+    if (path.ray == RAY_PATH && path.throughput == vec3(0.0)) {
+        finish_path();
+        return;
+    }
+    if (SOLIDS && path.ray != RAY_SUN) {
+        Hit hit = nearest_hit(path.origin_m, path.direction, path.solid);
+        path.end_m = hit.t_m;
+        path.end_solid = hit.solid;
     }
     if (has_fog())
         cross_fog();
 }
 
+// The ray of the view is at its end: what is behind the media comes from the sky, or will come from
+// a surface.
+void arrive_behind()
+{
+    path.view_fraction = path.sun_fraction;
+    if (path.end_solid == NO_SOLID)
+        path.surface = path.view_fraction * background;
+    path.next_direction = path.direction;
+}
+
 void arrive()
 {
-    if (path.is_towards_sun != 0) {
-        add_light(path.pending * path.sun_fraction);
-        path.is_towards_sun = 0;
+    if (path.ray != RAY_PATH) {
+        if (OPEN && path.ray == RAY_VIEW)
+            arrive_behind();
+        else
+            add_light(path.pending * path.sun_fraction);
+        path.ray = RAY_PATH;
         path.direction = path.next_direction;
         path.stage = STAGE_LEAVE;
         return;
@@ -432,7 +474,8 @@ void arrive()
     if (COLOURED && has_fog())
         weigh_fog();
     bool is_sky = path.end_medium == MEDIA_MAX && path.end_solid == NO_SOLID;
-    if (is_sky && ENVIRONMENT)
+    bool is_first = OPEN && path.events == 0;
+    if (is_sky && ENVIRONMENT && !is_first)
         add_light(path.throughput * background);
     path.origin_m += path.end_m * path.direction;
     bool is_collision = path.end_medium != MEDIA_MAX;
@@ -442,6 +485,8 @@ void arrive()
     path.stage = is_collision ? STAGE_MEDIUM : STAGE_SURFACE;
     // Single scattering and single reflection know one event only.
     bool may_happen = MULTIPLE && (is_collision || (SURFACES && !is_sky));
+    if (is_first) // what is behind the media has been seen
+        may_happen = is_collision;
     if (!may_happen)
         finish_path();
 }
@@ -501,6 +546,8 @@ float random_extinction_per_m(vec3 point_m, uvec2 bits)
         density = gaussian_density(tracked.gaussian, point_m);
     } else if (is_tracked(MEDIUM_SHELL)) {
         density = shell_density(tracked.shell, point_m);
+    } else if (is_tracked(MEDIUM_HORIZON)) {
+        density = horizon_density(tracked.horizon, point_m);
     }
     return tracked.extinction_per_m * density;
 }
@@ -516,7 +563,7 @@ void collide(float majorant_per_m)
     float extinction_per_m =
         random_extinction_per_m(path.origin_m + path.t_m * path.direction, bits.zw);
     vec3 chance = grey(min(tracked.color * (extinction_per_m / majorant_per_m), vec3(1.0)));
-    if (path.is_towards_sun != 0) {
+    if (path.ray != RAY_PATH) {
         path.sun_fraction *= 1.0 - chance;
         play_sun_roulette(u);
         if (path.sun_fraction == vec3(0.0))

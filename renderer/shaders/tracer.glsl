@@ -18,6 +18,9 @@ layout(constant_id = 7) const uint TRACKED_COUNT = 0;
 layout(constant_id = 8) const uint TRACKED_ORDER = 0x76543210;
 layout(constant_id = 10) const bool SOLIDS = true; // there are some
 
+// Some medium's optical depth has no closed form: then the view ray is a matter of chance too.
+const bool OPEN = (KINDS & OPEN_KINDS) != 0u;
+
 layout(push_constant) uniform Run {
     uint seed_low;
     uint seed_high;
@@ -34,11 +37,13 @@ const uint BATCH_SAMPLES = 2 * STRATA; // per pixel: a pair in each stratum
 const uint POOL_PIXELS = 8;            // the pixels that one work group works on
 const uint POOL_ITEMS = POOL_PIXELS * BATCH_SAMPLES;
 
-// One sample's light [W m^-2 sr^-1].
+// One sample's light [W m^-2 sr^-1]; the fourth components are its estimate of the view's
+// transmittance, red, green and blue, if OPEN.
 struct Result {
     vec4 order1;  // scattered once, by a medium
     vec4 higher;  // scattered by a medium first, and then again
-    vec4 surface; // from a surface first, without direct sunlight; before the view's transmittance
+    vec4 surface; // from a surface first, without direct sunlight, before the view's transmittance;
+                  // if OPEN, all that no medium has scattered first, as it arrives
 };
 
 layout(std430, binding = 6) buffer Results {
@@ -52,7 +57,8 @@ layout(std430, binding = 7) buffer Pools {
 
 // Per pixel of the chunk: what needs no chance, and the sums of a batch.
 struct Pixel {
-    vec4 behind;        // background, or sunlight reflected by the surface; w: eye depth [m]
+    vec4 behind;        // background, or sunlight reflected by the surface; black if OPEN;
+                        // w: eye depth [m]
     vec4 transmittance; // w: free
     vec4 sums[3];       // of the batch's results: order1, higher, surface
     vec4 spread;        // sum over the batch's pairs of their squared difference, all light

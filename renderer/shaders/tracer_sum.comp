@@ -19,7 +19,7 @@ void main()
         return;
     if (thread % POOL_PIXELS == 0)
         next_items[thread / POOL_PIXELS] = 0;
-    vec4 transmitted = pixels[thread].transmittance;
+    vec4 transmitted = OPEN ? vec4(1.0) : pixels[thread].transmittance;
     Sum order1 = sum_zero(), higher = sum_zero(), surface = sum_zero();
     vec4 spread = vec4(0.0);
     for (uint s = 0; s < STRATA; s++) {

@@ -56,8 +56,10 @@ void main()
         next_items[thread / POOL_PIXELS] = 0;
     vec3 direction = pixel_ray(run.first_pixel + thread);
     Hit hit = scene_hit(vec3(0.0), direction);
-    vec3 behind = hit.solid == NO_SOLID ? frame.background
-                                        : surface_sunlight(hit, hit.t_m * direction);
+    vec3 behind = vec3(0.0);
+    if (!OPEN)
+        behind = hit.solid == NO_SOLID ? frame.background
+                                       : surface_sunlight(hit, hit.t_m * direction);
     float eye_depth_m =
         hit.solid == NO_SOLID ? FAR_M : hit.t_m * dot(direction, frame.camera_forward);
     vec3 arriving = colour_transmittance(find_depths(thread, direction, hit.t_m));
