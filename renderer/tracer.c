@@ -126,18 +126,19 @@ static bool is_bounded(const struct neph_medium *medium)
 bool neph_tracer_can_render(const struct neph_scene *scene, char *reason, size_t reason_size)
 {
     const char *cannot = NULL;
-    int coloured_clouds = 0;
+    int coloured_clouds = 0, coloured_fogs = 0;
     for (int i = 0; i < scene->medium_count; i++) {
         const struct neph_medium *medium = &scene->media[i];
         coloured_clouds += !is_fog(medium) && is_coloured(medium);
+        coloured_fogs += is_fog(medium) && is_coloured(medium);
         if (scene->scattering == NEPH_SCATTERING_MULTIPLE && scene->solid_count == 0 &&
             is_endless(medium))
             cannot = "multiple scattering in an unbounded medium of albedo 1";
         else if (needs_paths(scene) && !is_fog(medium) && !is_bounded(medium))
             cannot = "more than single scattering in a shell without finite bounds";
     }
-    if (needs_paths(scene) && coloured_clouds > 1)
-        cannot = "more than single scattering in several clouds of coloured extinction";
+    if (needs_paths(scene) && coloured_clouds > 1 && coloured_fogs > 0)
+        cannot = "more than single scattering in a fog and several clouds of coloured extinction";
     if (cannot)
         snprintf(reason, reason_size, "%s", cannot);
     return !cannot;
@@ -279,8 +280,11 @@ static bool reflects(const struct neph_scene *scene)
     return false;
 }
 
-/* The media that are tracked, for the constants 7 and 8 of shaders/tracer.glsl: the coloured one
- * last, so that nothing of its path lies beyond a collision that is found later. */
+/* The media that are tracked, for the constants 7 and 8 of shaders/tracer.glsl: the coloured ones
+ * last, so that less of what the channels are weighed by lies beyond a collision that is found
+ * later. What lies there does no harm: it is part of the chance, and each channel's density of it
+ * integrates to 1. Only a coloured fog would: how far it lets others be tracked depends on the
+ * channel, and weigh_fog() leaves that out. */
 static uint32_t tracked_media(const struct neph_gpu_frame *frame, uint32_t *order)
 {
     uint32_t count = 0;

@@ -4,13 +4,16 @@
  * lavapipe and GPUs alike. No clamp, no limit on bounces, roulette only below a twentieth of the
  * first throughput; float32 within a batch of 8 samples, double across batches.
  *
- * Estimator. What reaches the camera unscattered is exact. Free paths: by inversion of the closed
- * form (homogeneous, fog), by delta tracking through local majorants elsewhere (E. R. Woodcock et
- * al. 1965); the nearest of all media's collisions counts. At each event the sun is sampled, its
- * transmittance in closed form or by ratio tracking (J. Novak et al., "Residual Ratio Tracking",
- * SIGGRAPH Asia 2014). One path serves all three channels, with the balance heuristic over the
- * channels (B. Miller, I. Georgiev, W. Jarosz, "A Null-Scattering Path Integral Formulation of
- * Light Transport", SIGGRAPH 2019).
+ * Estimator. What reaches the camera unscattered is exact, and every sample collides on the view
+ * ray, where the inverse of its optical depth says (forced collision). A scene with a medium of
+ * unknown optical depth (Horizon) has neither: there the view ray is tracked like any other. Later
+ * free paths: by inversion of the closed form (homogeneous, fog), by delta tracking through local
+ * majorants elsewhere (E. R. Woodcock et al. 1965); the nearest of all media's collisions counts.
+ * At each event the sun is sampled, its transmittance in closed form (fog; all media at the first
+ * collision) or by ratio tracking (J. Novak et al., "Residual Ratio Tracking", SIGGRAPH Asia 2014),
+ * with roulette where little of it would arrive. One path serves all three channels, with the
+ * balance heuristic over the channels (B. Miller, I. Georgiev, W. Jarosz, "A Null-Scattering Path
+ * Integral Formulation of Light Transport", SIGGRAPH 2019).
  *
  * What the scene's switches mean: `none` and `single` know one event: sunlight and, where there is
  * environment light, the background reach a surface (or, in `single`, a medium) without having been

@@ -264,6 +264,14 @@ static void scene_coloured_grid(struct test_scene *test)
     test->scene.media[0].extinction_color = (struct neph_rgb){0.3, 1.0, 2.5};
 }
 
+static void scene_two_coloured(struct test_scene *test)
+{
+    scene_coloured_grid(test);
+    struct neph_medium *blob = add_cloud(test, NEPH_MEDIUM_GAUSSIAN, 3.0);
+    blob->gaussian = (struct neph_gaussian){{0.2, 1.7, -3.2}, 0.4};
+    blob->extinction_color = (struct neph_rgb){2.0, 0.5, 1.0};
+}
+
 static void scene_all(struct test_scene *test)
 {
     scene_coloured_grid(test);
@@ -295,9 +303,13 @@ static const struct {
     const char *name;
     void (*build)(struct test_scene *);
 } clouds[] = {
-    {"grid", scene_grid},     {"Gaussian", scene_gaussian},
-    {"shell", scene_shell},   {"coloured grid", scene_coloured_grid},
-    {"all media", scene_all}, {"Horizon", scene_horizon},
+    {"grid", scene_grid},
+    {"Gaussian", scene_gaussian},
+    {"shell", scene_shell},
+    {"coloured grid", scene_coloured_grid},
+    {"two coloured", scene_two_coloured},
+    {"all media", scene_all},
+    {"Horizon", scene_horizon},
 };
 enum { FIRST_OF_CHANCE = 3 }; /* in the furnace: from here on weights are by chance */
 
@@ -372,7 +384,7 @@ static void test_clouds_are_those_of_the_oracle(void **state)
         test.scene.scattering = NEPH_SCATTERING_MULTIPLE;
         test.scene.environment_light = s % 2 == 1;
         struct neph_diag diag = {0};
-        const bool is_slow = s >= 4; /* on the CPU */
+        const bool is_slow = s >= 5; /* on the CPU */
         const struct neph_tracer_params params = params_of(16, 9, 1024);
         const struct neph_oracle_params of_oracle = {.width_px = 16,
                                                      .height_px = 9,
@@ -744,6 +756,14 @@ static void test_refusals(void **state)
     assert_int_equal(neph_tracer_render(*state, &test.scene, &good, &frame, NULL, &diag),
                      NEPH_ERR_UNSUPPORTED);
     assert_non_null(strstr(diag.message, "unbounded"));
+    test_scene_init(&test);
+    scene_two_coloured(&test);
+    test_add_medium(&test, 0.1, 0.1, 0.0)->extinction_color.r = 2.0;
+    test.scene.scattering = NEPH_SCATTERING_MULTIPLE;
+    assert_int_equal(neph_tracer_render(*state, &test.scene, &good, &frame, NULL, &diag),
+                     NEPH_ERR_UNSUPPORTED);
+    assert_non_null(strstr(diag.message, "coloured"));
+    teardown(&test);
     assert_null(frame);
 }
 
