@@ -107,7 +107,7 @@ static void integrate_smooth(struct quadrature *q, double t0_m, double t1_m, int
     const struct rule rule = apply_rule(q, t0_m, t1_m);
     const double error_m = fabs(rule.kronrod - rule.gauss) + kink_error_m(q, &rule, t1_m - t0_m);
     const double middle_m = 0.5 * (t0_m + t1_m);
-    if (error_m <= q->tolerance_m + 1e-11 * rule.kronrod || bisections == bisections_max ||
+    if (error_m <= q->tolerance_m + 1e-10 * rule.kronrod || bisections == bisections_max ||
         middle_m <= t0_m || middle_m >= t1_m) {
         q->value_m += rule.kronrod;
         q->error_m += error_m;
@@ -227,7 +227,7 @@ double neph_horizon_integral_m(const struct neph_horizon *horizon, struct neph_v
                            .origin_m = origin_m,
                            .direction = direction,
                            .leaf_m = NEPH_HORIZON_BLOCK * texel_m,
-                           .tolerance_m = 1e-13 * params->density * NEPH_HORIZON_BLOCK * texel_m};
+                           .tolerance_m = 1e-11 * params->density * NEPH_HORIZON_BLOCK * texel_m};
     const struct neph_vec3 center_m = {0.0, params->bottom_m - params->planet_radius_m, 0.0};
     const double nearest_m = -neph_vec3_dot(neph_vec3_sub(origin_m, center_m), direction);
     const double low_m = neph_horizon_altitude_m(params,

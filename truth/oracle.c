@@ -38,6 +38,11 @@ struct sums {
 };
 enum { SUMS_NUMBERS = sizeof(struct sums) / sizeof(double) };
 
+struct kept_view {
+    struct neph_view view;
+    bool is_known;
+};
+
 struct render {
     const struct neph_scene *scene;
     const struct neph_oracle_params *params;
@@ -46,7 +51,10 @@ struct render {
     double *numbers;  /* owned: what a checkpoint holds, ROW_NUMBERS per row, then the sums */
     char *identity;   /* owned: whose checkpoint it is */
     bool has_flights; /* first collisions are drawn from tables */
-    int round_end;    /* samples that every pixel has when the present round is done */
+    /* Owned: the views of all pixels where optical depths are slow, known when `is_known`; NULL:
+     * made anew for every round. */
+    struct kept_view *views;
+    int round_end; /* samples that every pixel has when the present round is done */
     double start_s, saved_s;
 };
 
@@ -149,12 +157,23 @@ static enum neph_status check_params(const struct neph_oracle_params *params,
 
 /* ---- rounds ---- */
 
-static struct neph_view pixel_view(const struct render *render, int column, int row)
+static struct neph_view make_view(const struct render *render, int column, int row)
 {
     const struct neph_oracle_params *params = render->params;
     return neph_view_create(
         render->scene, render->camera.position_m,
         neph_camera_ray(&render->camera, params->width_px, params->height_px, column, row));
+}
+
+static struct neph_view pixel_view(const struct render *render, int column, int row)
+{
+    if (!render->views)
+        return make_view(render, column, row);
+    struct kept_view *kept =
+        &render->views[(size_t)row * (size_t)render->params->width_px + (size_t)column];
+    if (!kept->is_known)
+        *kept = (struct kept_view){make_view(render, column, row), true};
+    return kept->view;
 }
 
 static void add_light(struct sums *sums, const struct neph_path_light *light)
@@ -402,6 +421,14 @@ static struct neph_oracle_stats make_stats(const struct render *render)
     return stats;
 }
 
+static bool has_slow_media(const struct neph_scene *scene)
+{
+    for (int m = 0; m < scene->medium_count; m++)
+        if (!neph_medium_has_closed_form(&scene->media[m]))
+            return true;
+    return false;
+}
+
 /* All that `render` owns. */
 static enum neph_status prepare(struct render *render, struct neph_diag *diag)
 {
@@ -409,6 +436,12 @@ static enum neph_status prepare(struct render *render, struct neph_diag *diag)
     render->numbers = calloc(number_count(render->params), sizeof(*render->numbers));
     if (!render->identity || !render->numbers)
         return neph_fail_memory(diag);
+    const size_t pixels = (size_t)render->params->width_px * (size_t)render->params->height_px;
+    if (has_slow_media(render->scene)) {
+        render->views = calloc(pixels, sizeof(*render->views));
+        if (!render->views)
+            return neph_fail_memory(diag);
+    }
     return neph_tracker_create(render->scene, &render->tracker, diag);
 }
 
@@ -441,6 +474,7 @@ enum neph_status neph_oracle_render(const struct neph_scene *scene,
         *stats = make_stats(&render);
     free(render.identity);
     free(render.numbers);
+    free(render.views);
     neph_tracker_destroy(render.tracker);
     return status;
 }
