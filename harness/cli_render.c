@@ -16,10 +16,19 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-enum { SETTINGS_MAX = 32, KEY_SIZE = 1, KEY_FRAME, KEY_FRAMES, KEY_SEED, KEY_TIME_LIMIT, KEY_JSON };
+enum {
+    SETTINGS_MAX = 32,
+    KEY_SIZE = 1,
+    KEY_FRAME,
+    KEY_FRAMES,
+    KEY_SEED,
+    KEY_TIME_LIMIT,
+    KEY_JSON,
+    KEY_CHECKPOINT
+};
 
 struct request {
-    const char *scene, *engine, *output;
+    const char *scene, *engine, *output, *checkpoint;
     const char *assignments[SETTINGS_MAX];
     int assignment_count;
     const char *size, *frame, *frames, *seed, *time_limit;
@@ -34,6 +43,11 @@ static const struct argp_option render_options[] = {
     {"frames", KEY_FRAMES, "N", 0, "How many frames (default: 1)", 0},
     {"seed", KEY_SEED, "N", 0, "Random seed (default: 1)", 0},
     {"time-limit", KEY_TIME_LIMIT, "S", 0, "Seconds per child process (default: 600)", 0},
+    {"checkpoint", KEY_CHECKPOINT, "FILE", 0,
+     "Engines oracle and tracer: go on from what FILE holds, if it is there, and leave all paths "
+     "in "
+     "it: an interrupted render loses seconds, and a finished one can be given more samples",
+     0},
     {"output", 'o', "DIR", 0, "Folder to write to (default: .)", 0},
     {"json", KEY_JSON, NULL, 0, "Results as JSON on stdout", 0},
     {"quiet", 'q', NULL, 0, "No progress", 0},
@@ -54,6 +68,9 @@ static error_t parse(int key, char *argument, struct argp_state *state)
         return 0;
     case 'o':
         request->output = argument;
+        return 0;
+    case KEY_CHECKPOINT:
+        request->checkpoint = argument;
         return 0;
     case 'q':
         request->quiet = true;
@@ -99,7 +116,8 @@ static const struct argp render_argp = {
            "Examples:\n"
            "  neph render height_fog_level -o out\n"
            "  neph render my_fog.yaml --engine cycles --set samples=256 --size 640x360 -o out\n"
-           "  neph render camera_dolly --engine march --frames 8 -o out",
+           "  neph render camera_dolly --engine march --frames 8 -o out\n"
+           "  neph render cloud_below -e tracer -s samples=65536 --checkpoint below.sums",
 };
 
 static const struct argp export_argp = {
@@ -144,6 +162,11 @@ static enum neph_status make_job(const struct request *request, const struct nep
         status = neph_cli_parse_int("time limit", request->time_limit, 1, 1000000, &limit_s, diag);
     for (int i = 0; i < request->assignment_count && !status; i++)
         status = neph_settings_set(engine, &job->shot.settings, request->assignments[i], diag);
+    if (!status && request->checkpoint && (!engine->rests || *frame_count > 1))
+        status = neph_fail(diag, NEPH_ERR_USAGE,
+                           "--checkpoint is for one frame of an engine that adds up paths (oracle, "
+                           "tracer)");
+    job->shot.checkpoint = request->checkpoint;
     job->shot.frame = first;
     job->shot.seed = (uint64_t)seed;
     job->shot.time_limit_s = limit_s;

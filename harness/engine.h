@@ -70,6 +70,8 @@ struct neph_shot {
     uint64_t seed;
     const char *scratch_directory; /* exists, empty, is ours: inputs, logs and outputs go there */
     double time_limit_s;           /* per child process */
+    const char *checkpoint; /* engines that `rests`: file to leave unfinished work in and to go on
+                               from; NULL: none */
 };
 
 /* What it cost. */
@@ -98,6 +100,7 @@ struct neph_engine {
     uint32_t version;                  /* of our own driver; raise it when its output changes */
     bool look; /* a lighting model that is no physics and does not claim to be: what it is off by is
                   the gap of a model */
+    bool rests;      /* it leaves its work in a checkpoint and goes on from there */
     bool stochastic; /* another seed gives another frame of the same mean */
     struct neph_engine_step step;
 

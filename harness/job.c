@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
+#include <unistd.h>
 
 static const char *const outcome_names[] = {
     [NEPH_OUTCOME_RENDERED] = "rendered", [NEPH_OUTCOME_CANNOT] = "cannot",
@@ -206,7 +207,7 @@ static enum neph_status render_and_publish(const struct neph_job *job, struct ne
                                            const char *key, struct neph_job_result *result,
                                            struct neph_diag *diag)
 {
-    char *scratch = NULL, *path = NULL, *kept = NULL;
+    char *scratch = NULL, *path = NULL, *kept = NULL, *resting = NULL;
     struct neph_image *frame = NULL;
     json_t *record = NULL;
     enum neph_status status = neph_store_begin(store, key, &scratch, diag);
@@ -214,10 +215,17 @@ static enum neph_status render_and_publish(const struct neph_job *job, struct ne
         return status;
     struct neph_job placed = *job;
     placed.shot.scratch_directory = scratch;
+    if (job->engine->rests && !(resting = neph_store_resting_place(store, key))) {
+        status = neph_fail_memory(diag);
+        goto done;
+    }
+    placed.shot.checkpoint = resting;
     struct neph_diag engine_diag = {.line = 0};
     status = neph_job_render(&placed, &frame, &result->cost, &engine_diag);
     bool ends_run;
     result->outcome = outcome_of(status, &ends_run);
+    if (resting && status != NEPH_ERR_INTERRUPTED)
+        unlink(resting); /* done, or good for nothing */
     if (status) {
         neph_store_abandon(store, key, scratch, &kept);
         explain(result, &engine_diag, kept);
@@ -238,6 +246,7 @@ static enum neph_status render_and_publish(const struct neph_job *job, struct ne
 done:
     json_decref(record);
     neph_image_destroy(frame);
+    free(resting);
     free(kept);
     free(path);
     free(scratch);

@@ -15,7 +15,7 @@
 static const size_t record_limit_bytes = 1 << 20;
 
 struct neph_store {
-    char *frames, *failed, *tmp;
+    char *frames, *failed, *tmp, *resting;
 };
 
 /* tmp/<key>.<pid>: whether the process that made it is gone. */
@@ -54,8 +54,9 @@ enum neph_status neph_store_open(const char *folder, struct neph_store **store,
     opened->frames = neph_path_join(folder, "frames");
     opened->failed = neph_path_join(folder, "failed");
     opened->tmp = neph_path_join(folder, "tmp");
+    opened->resting = neph_path_join(folder, "resting");
     enum neph_status status = NEPH_OK;
-    if (!opened->frames || !opened->failed || !opened->tmp)
+    if (!opened->frames || !opened->failed || !opened->tmp || !opened->resting)
         status = neph_fail_memory(diag);
     if (!status)
         status = neph_dir_create(opened->frames, diag);
@@ -63,6 +64,8 @@ enum neph_status neph_store_open(const char *folder, struct neph_store **store,
         status = neph_dir_create(opened->failed, diag);
     if (!status)
         status = neph_dir_create(opened->tmp, diag);
+    if (!status)
+        status = neph_dir_create(opened->resting, diag);
     if (status) {
         neph_store_close(opened);
         return status;
@@ -79,6 +82,7 @@ void neph_store_close(struct neph_store *store)
     free(store->frames);
     free(store->failed);
     free(store->tmp);
+    free(store->resting);
     free(store);
 }
 
@@ -123,6 +127,11 @@ bool neph_store_find(struct neph_store *store, const char *key, char **frame_pat
     }
     free(entry);
     return good;
+}
+
+char *neph_store_resting_place(const struct neph_store *store, const char *key)
+{
+    return neph_path_join(store->resting, key);
 }
 
 enum neph_status neph_store_begin(struct neph_store *store, const char *key, char **scratch,

@@ -4,6 +4,7 @@
  *
  *   STORE/frames/<key>/   frame.exr, job.json, logs: complete, or not there at all
  *   STORE/failed/<key>/   logs and leavings of the last failed try
+ *   STORE/resting/<key>   what an interrupted tracer had done
  *   STORE/tmp/            work in progress; what a killed run left is removed at the next opening
  *
  * A folder of frames/ appears by one rename after everything in it is on disk, and job.json holds
@@ -29,6 +30,10 @@ void neph_store_close(struct neph_store *store);
  * `*record` (to json_decref) are the caller's. A damaged entry is removed and reported as absent.
  */
 bool neph_store_find(struct neph_store *store, const char *key, char **frame_path, json_t **record);
+
+/* The file where unfinished work on a key may rest from one run to the next; to free. NULL: no
+ * memory. Whoever finishes the work removes it. */
+char *neph_store_resting_place(const struct neph_store *store, const char *key);
 
 /* Start work on a key: `*scratch` is a fresh, empty folder (to free) for neph_store_publish or
  * neph_store_abandon to end. */

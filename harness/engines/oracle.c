@@ -70,6 +70,7 @@ static enum neph_status render(const struct neph_shot *shot, struct neph_image *
         .samples = (int)neph_setting(&neph_engine_oracle, settings, "samples"),
         .target_error = neph_setting(&neph_engine_oracle, settings, "target_error"),
         .time_limit_s = limit_s > 0.0 ? limit_s : INFINITY,
+        .checkpoint = shot->checkpoint,
     };
     struct neph_image *image = NULL;
     struct neph_oracle_stats stats;
@@ -102,6 +103,7 @@ const struct neph_engine neph_engine_oracle = {
     .name = "oracle",
     .summary = "unbiased path tracer in double precision on the CPU, with its noise per pixel",
     .rung = NEPH_RUNG_TRACER,
+    .rests = true,
     .stochastic = true,
     .options = options,
     .version = 1,

@@ -90,6 +90,7 @@ static enum neph_status render(const struct neph_shot *shot, struct neph_image *
         .samples = (int)values[OPTION_SAMPLES],
         .target_error = values[OPTION_TARGET_ERROR],
         .time_limit_s = values[OPTION_TIME_LIMIT] > 0.0 ? values[OPTION_TIME_LIMIT] : INFINITY,
+        .checkpoint = shot->checkpoint,
     };
     struct neph_vulkan *vulkan = NULL;
     struct neph_image *image = NULL;
@@ -127,6 +128,7 @@ const struct neph_engine neph_engine_tracer = {
     .name = "tracer",
     .summary = "our Vulkan path tracer: all orders of scattering, without bias, with its variance",
     .rung = NEPH_RUNG_TRACER,
+    .rests = true,
     .stochastic = true,
     .bias = NULL,
     .options = options,

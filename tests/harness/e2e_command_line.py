@@ -28,7 +28,7 @@ class CommandLine(unittest.TestCase):
         self.folder = pathlib.Path(folder.name)
 
     def test_help_of_every_verb_has_an_example(self):
-        for verb in ("validate", "render", "export", "compare", "bake", "scenes", "engines", "doctor"):
+        for verb in ("validate", "render", "export", "compare", "bake", "study", "benchmark", "scenes", "engines", "doctor"):
             done = neph(verb, "--help")
             self.assertEqual(done.returncode, 0, verb)
             self.assertIn("Example", done.stdout, verb)
@@ -71,6 +71,35 @@ class CommandLine(unittest.TestCase):
         done = neph("compare", *(self.folder / n / "fence_backlit_march_0000.exr" for n in ("a", "b")), "--json")
         worst = {m["value"] for m in json.loads(done.stdout) if m["metric"] == "max_abs"}
         self.assertEqual(worst - {None}, {0.0})  # None: the depth of the sky
+
+    def test_tracers_go_on_from_a_checkpoint(self):
+        for engine, samples in (("oracle", (8, 24)), ("tracer", (64, 192))):
+            options = ["-e", engine, "--size", "16x9", "-q", "-o", self.folder]
+            sums = self.folder / f"{engine}.sums"
+            for count in samples:  # a finished render is given more samples
+                done = neph("render", "voxel_grid", *options, "-s", f"samples={count}", "--checkpoint", sums)
+                self.assertEqual(done.returncode, 0, done.stderr)
+            in_two = self.folder / f"{engine}_in_two.exr"
+            (self.folder / f"voxel_grid_{engine}_0000.exr").rename(in_two)
+            neph("render", "voxel_grid", *options, "-s", f"samples={samples[1]}")
+            done = neph("compare", in_two, self.folder / f"voxel_grid_{engine}_0000.exr", "--json")
+            worst = [row["value"] for row in json.loads(done.stdout)
+                     if row["metric"] == "max_abs"]
+            self.assertEqual(set(worst), {0.0})
+            sums.write_bytes(sums.read_bytes()[:-9])
+            done = neph("render", "voxel_grid", *options, "--checkpoint", sums)
+            self.assertEqual((done.returncode, str(sums) in done.stderr), (65, True), done.stderr)
+        done = neph("render", "voxel_grid", "-e", "march", "--checkpoint", sums)
+        self.assertEqual(done.returncode, 64)
+
+    def test_scenes_without_their_data_are_named_and_the_rest_goes_on(self):
+        environment = {"NEPH_DISNEY_CLOUD": ""}
+        listed = neph("scenes", **environment)
+        self.assertEqual(listed.returncode, 0, listed.stderr)
+        self.assertRegex(listed.stdout, r"disney_cloud +not here: .*NEPH_DISNEY_CLOUD")
+        self.assertIn("white_furnace", listed.stdout)
+        asked = neph("scenes", "disney_cloud", **environment)
+        self.assertEqual((asked.returncode, "export NEPH_DISNEY_CLOUD" in asked.stderr), (66, True))
 
     def test_validate_reuses_finished_frames(self):
         first = neph("validate", "scattering_slab_above", *EXACT_ONLY, "-o", self.folder, "--json")

@@ -12,8 +12,8 @@ static void test_all_kinds_pass(void **state)
     json_t *list = neph_phases_json();
     assert_true(json_array_size(list) >= 9);
     for (size_t i = 0; i < json_array_size(list); i++)
-        assert_string_equal(
-            json_string_value(json_object_get(json_array_get(list, i), "verdict")), "agrees");
+        assert_string_equal(json_string_value(json_object_get(json_array_get(list, i), "verdict")),
+                            "agrees");
     json_decref(list);
 }
 
