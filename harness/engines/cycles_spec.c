@@ -138,11 +138,22 @@ static enum neph_status check_phases(const struct neph_scene *scene,
     return NEPH_OK;
 }
 
+/* Do the faces of two boxes across an axis cover each other, seen along it? */
+static bool faces_cover(const struct neph_bounds *a, const struct neph_bounds *b, int axis)
+{
+    struct neph_bounds x = *a, y = *b; /* axis_of() gives places to write to */
+    for (int k = 0; k < 3; k++)
+        if (k != axis && (*axis_of(&x.min_m, k) >= *axis_of(&y.max_m, k) ||
+                          *axis_of(&y.min_m, k) >= *axis_of(&x.max_m, k)))
+            return false;
+    return true;
+}
+
 static bool face_is_taken(struct neph_cycles_world *world, int index, int axis, double plane_m,
                           double gap_m)
 {
     for (int i = 0; i < index; i++)
-        if (world->used[i] &&
+        if (world->used[i] && faces_cover(&world->containers[i], &world->containers[index], axis) &&
             (fabs(*axis_of(&world->containers[i].min_m, axis) - plane_m) < gap_m ||
              fabs(*axis_of(&world->containers[i].max_m, axis) - plane_m) < gap_m))
             return true;
