@@ -102,10 +102,15 @@ static void print_study(const struct neph_study *study, const struct request *re
     printf("limit %.7g by order %g", study->limit, study->order);
     if (isfinite(study->observed_order))
         printf("; observed order %.2f", study->observed_order);
-    printf("\n%s\n", study->within_tolerance
-                         ? "the chosen setting is within 0.1 % of the limit, noise included"
-                         : "noise hides whether any setting is within 0.1 %: the coarsest whose "
-                           "bias cannot be told from 0 is chosen");
+    static const char *const sentences[] = {
+        [NEPH_STUDY_WITHIN] = "the chosen setting is within 0.1 % of the limit, noise included",
+        [NEPH_STUDY_NOISE] = "noise hides whether any setting is within 0.1 %: the coarsest whose "
+                             "bias cannot be told from 0 is chosen",
+        [NEPH_STUDY_OFF] = "even the finest setting is off by more than 0.1 %, or its error does "
+                           "not shrink by the order that the limit assumes: take the bias as a "
+                           "guess, and smaller steps by hand",
+    };
+    printf("\n%s\n", sentences[study->verdict]);
 }
 
 static enum neph_status prepare(const struct request *request, const struct neph_scene *scene,

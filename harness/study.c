@@ -5,6 +5,7 @@
 #include "metrics/statistics.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -116,23 +117,31 @@ static enum neph_status render_level(const struct neph_job *job, struct neph_sto
     return status;
 }
 
-/* The coarsest level from which on all are good: certain to be within the tolerance, or, where the
- * noise allows no such certainty at any level, not to be told from the limit. */
+static enum neph_study_verdict judge(const struct neph_study *study)
+{
+    const struct neph_study_level *finest = &study->levels[study->level_count - 1];
+    const double bias = fabs(finest->bias), noise = 2.0 * finest->bias_noise;
+    if (fabs(study->observed_order - study->order) > NEPH_STUDY_ORDER_SLACK) /* not when NaN */
+        return NEPH_STUDY_OFF;
+    return bias + noise <= NEPH_STUDY_TOLERANCE ? NEPH_STUDY_WITHIN
+           : bias <= noise                      ? NEPH_STUDY_NOISE
+                                                : NEPH_STUDY_OFF;
+}
+
+static bool is_good(const struct neph_study_level *level, enum neph_study_verdict verdict)
+{
+    const double bias = fabs(level->bias), noise = 2.0 * level->bias_noise;
+    return verdict == NEPH_STUDY_WITHIN ? bias + noise <= NEPH_STUDY_TOLERANCE : bias <= noise;
+}
+
+/* The coarsest level from which on all are good. */
 static void choose(struct neph_study *study)
 {
-    const int last = study->level_count - 1;
-    const struct neph_study_level *finest = &study->levels[last];
-    study->within_tolerance = fabs(finest->bias) + 2.0 * finest->bias_noise <= NEPH_STUDY_TOLERANCE;
-    study->chosen = last;
-    for (int i = last; i >= 0; i--) {
-        const double bias = fabs(study->levels[i].bias);
-        const double noise = 2.0 * study->levels[i].bias_noise;
-        const bool good = study->within_tolerance ? bias + noise <= NEPH_STUDY_TOLERANCE
-                                                  : bias <= noise;
-        if (!good)
-            return;
-        study->chosen = i;
-    }
+    study->verdict = judge(study);
+    study->chosen = study->level_count - 1;
+    while (study->verdict != NEPH_STUDY_OFF && study->chosen > 0 &&
+           is_good(&study->levels[study->chosen - 1], study->verdict))
+        study->chosen--;
 }
 
 /* From the last two levels, by the known order. */
@@ -170,6 +179,8 @@ static void extrapolate(const struct pictures *pictures, struct neph_study *stud
     const struct blend limit = limit_of(study, factor);
     double noise;
     study->limit = blend_mean(pictures, &limit, &noise);
+    if (study->limit == 0.0)
+        return;
     for (int i = 0; i < study->level_count; i++) {
         struct neph_study_level *level = &study->levels[i];
         struct blend alone = {{0.0}}, difference = limit;
@@ -180,8 +191,8 @@ static void extrapolate(const struct pictures *pictures, struct neph_study *stud
         level->bias = blend_mean(pictures, &difference, &level->bias_noise) / study->limit;
         level->bias_noise /= fabs(study->limit);
     }
-    choose(study);
     study->observed_order = observe_order(pictures, study, factor);
+    choose(study);
 }
 
 enum neph_status neph_study_run(const struct neph_job *job, struct neph_store *store,
@@ -205,8 +216,19 @@ enum neph_status neph_study_run(const struct neph_job *job, struct neph_store *s
     }
     if (!status && *outcome == NEPH_OUTCOME_RENDERED)
         extrapolate(&pictures, study, fmax(step->refine, 1.0 / step->refine));
+    if (!status && *outcome == NEPH_OUTCOME_RENDERED && study->limit == 0.0) {
+        *outcome = NEPH_OUTCOME_CANNOT;
+        snprintf(reason, 1600, "the picture is black: there is nothing to be off from");
+    }
     free_pictures(&pictures);
     return status;
+}
+
+const char *neph_study_verdict_name(enum neph_study_verdict verdict)
+{
+    static const char *const names[] = {
+        [NEPH_STUDY_WITHIN] = "within", [NEPH_STUDY_NOISE] = "noise", [NEPH_STUDY_OFF] = "off"};
+    return names[verdict];
 }
 
 json_t *neph_study_json(const struct neph_study *study)
@@ -222,10 +244,10 @@ json_t *neph_study_json(const struct neph_study *study)
     }
     json_t *observed = isfinite(study->observed_order) ? json_real(study->observed_order)
                                                        : json_null();
-    return json_pack("{s:s, s:f, s:o, s:f, s:o, s:i, s:b, s:f}", "option", study->option, "order",
+    return json_pack("{s:s, s:f, s:o, s:f, s:o, s:i, s:s, s:f}", "option", study->option, "order",
                      study->order, "observed_order", observed, "limit", study->limit, "levels",
-                     levels, "chosen", study->chosen, "within_tolerance", study->within_tolerance,
-                     "tolerance", NEPH_STUDY_TOLERANCE);
+                     levels, "chosen", study->chosen, "verdict",
+                     neph_study_verdict_name(study->verdict), "tolerance", NEPH_STUDY_TOLERANCE);
 }
 
 void neph_study_apply(const struct neph_study *study, const struct neph_engine *engine,

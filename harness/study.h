@@ -15,6 +15,14 @@ enum { NEPH_STUDY_LEVELS_MAX = 8 };
 /* The bias, relative to the mean radiance, that a chosen setting may have. */
 #define NEPH_STUDY_TOLERANCE 1e-3
 
+/* What is known of the chosen level's bias. */
+enum neph_study_verdict {
+    NEPH_STUDY_WITHIN, /* within the tolerance for certain, noise included */
+    NEPH_STUDY_NOISE,  /* noise hides whether it is */
+    NEPH_STUDY_OFF,    /* even the finest step is off by more, or its error does not shrink by the
+                          known order, so that there is no limit to measure it by */
+};
+
 struct neph_study_level {
     double setting;    /* of the engine's step option */
     double radiance;   /* mean over the picture [W m^-2 sr^-1], channels averaged */
@@ -32,24 +40,31 @@ struct neph_study {
     struct neph_study_level levels[NEPH_STUDY_LEVELS_MAX]; /* coarse to fine */
     double limit;                                          /* extrapolated radiance */
     int chosen; /* the coarsest level from which on |bias| + 2 noise is within the tolerance; where
-                   noise hides that of all, from which on the bias cannot be told from 0 */
-    bool within_tolerance; /* of the chosen level, for certain */
+                   noise hides that of all, from which on the bias cannot be told from 0; the finest
+                   where that is off */
+    enum neph_study_verdict verdict;
 };
+
+/* How far the observed order may be from the known one for the extrapolation to hold. */
+#define NEPH_STUDY_ORDER_SLACK 1.0
 
 /* Whether there is anything to study: the engine has a step (engine.h) and the scene a medium that
  * is not homogeneous. */
 bool neph_study_applies(const struct neph_engine *engine, const struct neph_scene *scene);
 
 /* Run the levels of `job`'s engine on its scene at its size (frames go through the store).
- * `*outcome` and `reason` say what became of it when a frame could not be had; `study` is valid
- * only with NEPH_OUTCOME_RENDERED. */
+ * `*outcome` and `reason` say what became of it when a frame could not be had or is black, so that
+ * there is nothing to be off from (NEPH_OUTCOME_CANNOT); `study` is valid only with
+ * NEPH_OUTCOME_RENDERED. */
 enum neph_status neph_study_run(const struct neph_job *job, struct neph_store *store,
                                 struct neph_study *study, enum neph_outcome *outcome,
                                 char reason[1600], struct neph_diag *diag);
 
 /* The study for reports: {"option", "order", "observed_order", "limit", "levels": [...], "chosen",
- * "within_tolerance", "tolerance"}. */
+ * "verdict" ("within", "noise" or "off"), "tolerance"}. */
 json_t *neph_study_json(const struct neph_study *study);
+
+const char *neph_study_verdict_name(enum neph_study_verdict verdict);
 
 /* Set the step option of `settings` to the chosen level's. */
 void neph_study_apply(const struct neph_study *study, const struct neph_engine *engine,

@@ -449,6 +449,21 @@ static void print_bake(const json_t *bake)
         printf("nothing is lost\n");
 }
 
+/* The step that a study chose, and what it leaves. */
+static void print_study(const json_t *study)
+{
+    if (!json_is_object(study))
+        return;
+    const size_t chosen = (size_t)json_integer_value(json_object_get(study, "chosen"));
+    const json_t *level = json_array_get(json_object_get(study, "levels"), chosen);
+    printf("%38s %s = %g by a study: step bias %+.3f %% +- %.3f %% (%s)\n", "",
+           json_string_value(json_object_get(study, "option")),
+           json_number_value(json_object_get(level, "setting")),
+           100.0 * json_number_value(json_object_get(level, "bias")),
+           100.0 * json_number_value(json_object_get(level, "bias_noise")),
+           json_string_value(json_object_get(study, "verdict")));
+}
+
 void neph_validate_print(const json_t *document)
 {
     printf("%-24s %-13s %-9s %11s %11s %11s %8s  %s\n", "scene", "engine", "outcome", "L rel_bias",
@@ -470,6 +485,7 @@ void neph_validate_print(const json_t *document)
             printf(" %8.2f  %s\n", json_number_value(json_object_get(frame, "wall_s")),
                    gates_of_engine(json_object_get(scene, "gates"), engine, gates));
             print_bake(json_object_get(frame, "bake"));
+            print_study(json_object_get(frame, "study"));
         }
     }
     const json_t *list = json_object_get(document, "absent");

@@ -53,3 +53,17 @@ struct neph_z_moments neph_z_scores(const float *test, const float *truth, const
     moments.variance = neph_sum_value(&squares) / n - moments.mean * moments.mean;
     return moments;
 }
+
+struct neph_z_moments neph_z_merge(struct neph_z_moments a, struct neph_z_moments b)
+{
+    if (a.count == 0 || b.count == 0)
+        return a.count == 0 ? b : a;
+    const double n = (double)(a.count + b.count);
+    const double wa = (double)a.count / n, wb = (double)b.count / n;
+    const double apart = a.mean - b.mean;
+    return (struct neph_z_moments){
+        .count = a.count + b.count,
+        .mean = wa * a.mean + wb * b.mean,
+        .variance = wa * a.variance + wb * b.variance + wa * wb * apart * apart,
+    };
+}

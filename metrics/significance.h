@@ -32,4 +32,7 @@ struct neph_z_moments {
 struct neph_z_moments neph_z_scores(const float *test, const float *truth, const float *variance,
                                     size_t count, double floor);
 
+/* The moments of both sets together. */
+struct neph_z_moments neph_z_merge(struct neph_z_moments a, struct neph_z_moments b);
+
 #endif

@@ -34,31 +34,46 @@ const struct neph_participant *neph_participant_at(int index)
     return &participants[index];
 }
 
-/* The first row that fits speaks. NULL fits everything. */
+/* The first row that fits speaks. A NULL participant fits all. */
 static const struct {
     const char *participant;
-    bool lowered_only, uneven_only;
+    enum { ALWAYS, LOWERED, BAKED, STEPPED } when;
     const char *cause;
 } causes[] = {
-    {"povray", true, false,
+    {"povray", LOWERED,
      "it has single scattering from light sources only: no light of the surroundings and no higher "
      "orders"},
-    {NULL, true, false, "it models single scattering only"},
-    {"march octaves", false, false,
+    {NULL, LOWERED, "it models single scattering only"},
+    {"march octaves", ALWAYS,
      "a sum of octaves is a look: it saturates with optical depth and does not conserve energy"},
-    {"cycles", false, true,
+    {"cycles", STEPPED,
      "it marches through uneven media in steps with one random offset: e^-tau of a noisy optical "
      "depth is too bright on average (Jensen), and less so with smaller steps"},
-    {"povray", false, true, "its midpoint rule has a step error of second order"},
-    {"march", false, false, "it marches in steps"},
+    {NULL, STEPPED, "its steps are too long: the error shrinks with them as it should"},
+    {NULL, BAKED, "it was given voxels in place of the medium: the bake's own error is in the row"},
 };
 
+static bool applies(int when, const struct neph_check *check, const struct neph_participation *part)
+{
+    switch (when) {
+    case LOWERED:
+        return part->lowered;
+    case BAKED:
+        return part->baked;
+    case STEPPED:
+        return part->stepped && check->uneven;
+    default:
+        return true;
+    }
+}
+
 const char *neph_participant_cause(const struct neph_participant *participant,
-                                   const struct neph_check *check, bool lowered)
+                                   const struct neph_check *check,
+                                   const struct neph_participation *part)
 {
     for (size_t i = 0; i < sizeof(causes) / sizeof(causes[0]); i++)
         if ((!causes[i].participant || strcmp(causes[i].participant, participant->name) == 0) &&
-            (lowered || !causes[i].lowered_only) && (check->uneven || !causes[i].uneven_only))
+            applies((int)causes[i].when, check, part))
             return causes[i].cause;
     return NULL;
 }

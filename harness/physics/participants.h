@@ -27,9 +27,17 @@ struct neph_participant {
 int neph_participant_count(void);
 const struct neph_participant *neph_participant_at(int index);
 
+/* How a participant took part in a check. */
+struct neph_participation {
+    bool lowered; /* it was given the scene with single scattering from the sun alone */
+    bool baked;   /* it was given voxels that are not quite the medium */
+    bool stepped; /* its deviation is of the size of its own step error, as measured */
+};
+
 /* Why a participant is known to be off in a check, in words that follow "because"; NULL when
- * nothing is known. `lowered`: it was given the scene with single scattering from the sun alone. */
+ * nothing is known. */
 const char *neph_participant_cause(const struct neph_participant *participant,
-                                   const struct neph_check *check, bool lowered);
+                                   const struct neph_check *check,
+                                   const struct neph_participation *part);
 
 #endif

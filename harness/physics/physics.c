@@ -10,6 +10,7 @@
 #include "harness/physics/phases.h"
 #include "harness/physics/pictures.h"
 #include "harness/progress.h"
+#include "harness/study.h"
 #include "metrics/significance.h"
 #include "scenes/media.h"
 
@@ -38,8 +39,10 @@ struct scenery {
 struct finding {
     struct neph_job_result result; /* of the first frame that is not rendered, else of the first */
     bool rendered, lowered;
-    json_t *exr;  /* the first pass of every view */
-    json_t *bake; /* of the first frame; NULL: there is none */
+    json_t *exr;         /* the first pass of every view */
+    json_t *bake;        /* of the first frame; NULL: there is none */
+    json_t *study;       /* that chose the step; NULL: there was none */
+    double studied_bias; /* of the chosen step, noise included */
     double deviation;
     bool stochastic;
     double standard_error; /* stochastic: of the deviation */
@@ -165,9 +168,10 @@ static void add_pixel_scores(const struct seen *seen, const struct neph_image *f
         truth[p] = (float)seen->truth[p];
         brightest = fmax(brightest, seen->truth[p]);
     }
-    sums->pixels = neph_z_scores(neph_image_channel(frame, "G"), truth, variance,
-                                 (size_t)seen->pixel_count,
-                                 noise_per_rounding * rounding * brightest);
+    const struct neph_z_moments more = neph_z_scores(neph_image_channel(frame, "G"), truth,
+                                                     variance, (size_t)seen->pixel_count,
+                                                     noise_per_rounding * rounding * brightest);
+    sums->pixels = neph_z_merge(sums->pixels, more);
 }
 
 static void add_view(const struct seen *seen, struct neph_image *const frames[2],
@@ -254,12 +258,51 @@ static enum neph_status try_views(const struct entrant *entrant, const struct sc
     return NEPH_OK;
 }
 
+/* Cycles marches in steps of our choice: a study chooses them for each check with an uneven medium.
+ * Engines without noise are run with two steps anyway. */
+static enum neph_status choose_step(const struct entrant *entrant, const struct scenery *scenery,
+                                    double time_limit_s, struct neph_store *store,
+                                    struct neph_settings *settings, struct finding *finding,
+                                    struct neph_diag *diag)
+{
+    const struct seen *seen = &scenery->views[0];
+    const struct neph_engine *engine = entrant->engine;
+    struct neph_study study;
+    enum neph_outcome outcome;
+    char reason[1600];
+    if (engine->rung != NEPH_RUNG_WITNESS || !engine->stochastic || !scenery->check.uneven ||
+        !entrant->info.available || !neph_study_applies(engine, &seen->stage->scene))
+        return NEPH_OK;
+    const struct neph_job job = {.engine = engine,
+                                 .info = &entrant->info,
+                                 .shot = {.scene = &seen->stage->scene,
+                                          .settings = *settings,
+                                          .width_px = seen->view->width_px,
+                                          .height_px = seen->view->height_px,
+                                          .layers = NEPH_LAYER_RADIANCE,
+                                          .seed = 1,
+                                          .time_limit_s = time_limit_s}};
+    const enum neph_status status = neph_study_run(&job, store, &study, &outcome, reason, diag);
+    if (status || outcome != NEPH_OUTCOME_RENDERED)
+        return status; /* the frame itself will say why */
+    neph_study_apply(&study, engine, settings);
+    const struct neph_study_level *chosen = &study.levels[study.chosen];
+    finding->study = neph_study_json(&study);
+    finding->studied_bias = fabs(chosen->bias) + 2.0 * chosen->bias_noise;
+    return NEPH_OK;
+}
+
 /* An engine that cannot do all orders is shown with what it can do, and marked as lowered. */
 static enum neph_status find(const struct entrant *entrant, struct scenery *scenery,
                              double time_limit_s, struct neph_store *store, struct finding *finding,
                              struct neph_diag *diag)
 {
-    enum neph_status status = try_views(entrant, scenery, time_limit_s, store, finding, diag);
+    struct entrant placed = *entrant;
+    enum neph_status status = choose_step(entrant, scenery, time_limit_s, store, &placed.settings,
+                                          finding, diag);
+    entrant = &placed;
+    if (!status)
+        status = try_views(entrant, scenery, time_limit_s, store, finding, diag);
     const bool whole = entrant->engine->rung <= NEPH_RUNG_TRACER || entrant->engine->look;
     if (status || finding->result.outcome != NEPH_OUTCOME_CANNOT || whole)
         return status;
@@ -285,10 +328,18 @@ static json_t *finding_json(const struct entrant *entrant, const struct scenery 
     const struct neph_check *check = &scenery->check;
     const bool there = finding->rendered;
     const double error = finding->standard_error;
-    const char *cause = neph_participant_cause(entrant->participant, check, finding->lowered);
+    /* A deviation of up to thrice what steps are known to do is theirs. */
+    const double steps = finding->stochastic ? finding->studied_bias : finding->step_bound;
+    const json_t *lost = json_object_get(finding->bake, "transmittance_max");
+    const struct neph_participation part = {
+        .lowered = finding->lowered,
+        .baked = json_number_value(lost) > 0.0,
+        .stepped = fabs(finding->deviation) <= 3.0 * steps,
+    };
+    const char *cause = neph_participant_cause(entrant->participant, check, &part);
     return json_pack(
         "{s:s, s:s, s:s, s:s, s:s, s:s, s:s, s:b, s:b, s:o, s:o, s:o, s:o, s:o, s:o, s:s?, s:f, "
-        "s:f, s:O, s:[], s:[], s:O?}",
+        "s:f, s:O, s:[], s:[], s:O?, s:O?}",
         "check", check->name, "rung", check->rung, "participant", entrant->participant->name,
         "engine", entrant->engine->name, "status", neph_outcome_name(finding->result.outcome),
         "reason", finding->result.reason, "settings",
@@ -301,7 +352,7 @@ static json_t *finding_json(const struct entrant *entrant, const struct scenery 
         "pixel_z_variance",
         number_or_null(there && finding->pixels.count > 0, finding->pixels.variance), "cause",
         cause, "rounding", entrant->participant->rounding, "wall_s", finding->wall_s, "exr",
-        finding->exr, "pictures", "differences", "bake", finding->bake);
+        finding->exr, "pictures", "differences", "bake", finding->bake, "study", finding->study);
 }
 
 static json_t *check_json(const struct scenery *scenery)
@@ -504,6 +555,7 @@ static enum neph_status run_check(const struct neph_physics_params *params, int 
         neph_job_result_finish(&finding.result);
         json_decref(finding.exr);
         json_decref(finding.bake);
+        json_decref(finding.study);
     }
     leave(scenery);
     free(scenery);

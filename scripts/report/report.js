@@ -733,9 +733,11 @@
     return [
       el("p", {}, el("b", {}, frame.engine), ` was rendered with ${study.option} = `, number(`${chosen}/setting`, { exact: true }), ", which is off by ", percent(`${chosen}/bias`, { unit: "%" }), " ± ",
         percent(`${chosen}/bias_noise`, { signed: false, unit: "%" }), " for its step alone: ",
-        study.within_tolerance
+        study.verdict === "within"
           ? [el("span", { class: "pass-word" }, "✓ within "), percent(`${path}/tolerance`, { signed: false, unit: "%", exact: true }), ", noise included."]
-          : [el("span", { class: "open-word" }, "○ not certain"), ": noise hides whether it is within ", percent(`${path}/tolerance`, { signed: false, unit: "%", exact: true }), "."]),
+          : study.verdict === "noise"
+            ? [el("span", { class: "open-word" }, "○ not certain"), ": noise hides whether it is within ", percent(`${path}/tolerance`, { signed: false, unit: "%", exact: true }), "."]
+            : [el("span", { class: "fail-word" }, "✗ off"), ": even the finest step is not within ", percent(`${path}/tolerance`, { signed: false, unit: "%", exact: true }), ", or its error does not shrink as it should."]),
       scrolling(`Step error of ${frame.engine}`, el("table", {},
         el("thead", {}, el("tr", {}, el("th", { scope: "col" }, study.option), el("th", { scope: "col", class: "num" }, "Mean radiance", el("small", {}, "± noise")),
           el("th", { scope: "col", class: "num" }, "Bias", el("small", {}, "% ± noise")), axisHead(), el("th", { scope: "col", class: "num" }, "Wall", el("small", {}, "s")))),

@@ -121,7 +121,7 @@ class OtherRuns(unittest.TestCase):
         biases = [abs(level["bias"]) for level in study["levels"]]
         self.assertEqual(biases, sorted(biases, reverse=True))
         chosen = study["levels"][study["chosen"]]
-        self.assertTrue(study["within_tolerance"])
+        self.assertEqual(study["verdict"], "within")
         self.assertLessEqual(abs(chosen["bias"]) + 2 * chosen["bias_noise"], study["tolerance"])
 
     def test_wrong_commands_are_usage_errors_that_say_what_is_wrong(self):

@@ -139,7 +139,7 @@ def study(option, chosen, certain, noise):
     levels = [{"setting": 25.0 * 2 ** k, "radiance": 0.2926 * (1 + 0.027 / 4 ** k), "noise": noise * 0.29, "bias": 0.027 / 4 ** k,
                "bias_noise": noise, "wall_s": 1.5 * 1.4 ** k} for k in range(4)]
     return {"option": option, "order": 2.0, "observed_order": None if noise else 1.98, "limit": 0.2926, "size_px": [32, 18], "levels": levels,
-            "chosen": chosen, "within_tolerance": certain, "tolerance": 1e-3}
+            "chosen": chosen, "verdict": "within" if certain else "noise", "tolerance": 1e-3}
 
 
 def pair(first, second, mean, width, verdict, noise=0.003):

@@ -55,6 +55,23 @@ static void test_moments_of_noise(void **state)
     free(test);
 }
 
+static void test_moments_of_halves_are_those_of_the_whole(void **state)
+{
+    (void)state;
+    const float test[5] = {1.0f, -2.0f, 0.5f, 4.0f, -1.0f};
+    const float truth[5] = {0.0f}, variance[5] = {1.0f, 1.0f, 1.0f, 1.0f, 1.0f};
+    const struct neph_z_moments whole = neph_z_scores(test, truth, variance, 5, 0.0);
+    const struct neph_z_moments parts = neph_z_merge(
+        neph_z_scores(test, truth, variance, 2, 0.0),
+        neph_z_scores(test + 2, truth + 2, variance + 2, 3, 0.0));
+    assert_int_equal(parts.count, 5);
+    neph_assert_close(parts.mean, whole.mean, 1e-14, 0.0);
+    neph_assert_close(parts.variance, whole.variance, 1e-14, 0.0);
+    const struct neph_z_moments none = {0, NAN, NAN};
+    neph_assert_close(neph_z_merge(none, whole).variance, whole.variance, 0.0, 0.0);
+    neph_assert_close(neph_z_merge(whole, none).mean, whole.mean, 0.0, 0.0);
+}
+
 static void test_nothing_random(void **state)
 {
     (void)state;
@@ -75,6 +92,7 @@ int main(void)
         cmocka_unit_test(test_critical_values),
         cmocka_unit_test(test_sidak),
         cmocka_unit_test(test_moments_of_noise),
+        cmocka_unit_test(test_moments_of_halves_are_those_of_the_whole),
         cmocka_unit_test(test_nothing_random),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
