@@ -117,12 +117,19 @@ static enum neph_status render_level(const struct neph_job *job, struct neph_sto
     return status;
 }
 
-static enum neph_study_verdict judge(const struct neph_study *study)
+/* Of the finest level. Where the error does not shrink as it should, the limit is in doubt by the
+ * last change: first order is what is left to believe in. */
+static double worst_bias(const struct neph_study *study)
 {
     const struct neph_study_level *finest = &study->levels[study->level_count - 1];
-    const double bias = fabs(finest->bias), noise = 2.0 * finest->bias_noise;
-    if (fabs(study->observed_order - study->order) > NEPH_STUDY_ORDER_SLACK) /* not when NaN */
-        return NEPH_STUDY_OFF;
+    const bool doubtful = fabs(study->observed_order - study->order) > NEPH_STUDY_ORDER_SLACK;
+    return doubtful ? fabs(finest->bias - finest[-1].bias) : fabs(finest->bias); /* NaN: no */
+}
+
+static enum neph_study_verdict judge(const struct neph_study *study)
+{
+    const double bias = worst_bias(study);
+    const double noise = 2.0 * study->levels[study->level_count - 1].bias_noise;
     return bias + noise <= NEPH_STUDY_TOLERANCE ? NEPH_STUDY_WITHIN
            : bias <= noise                      ? NEPH_STUDY_NOISE
                                                 : NEPH_STUDY_OFF;

@@ -19,8 +19,8 @@ enum { NEPH_STUDY_LEVELS_MAX = 8 };
 enum neph_study_verdict {
     NEPH_STUDY_WITHIN, /* within the tolerance for certain, noise included */
     NEPH_STUDY_NOISE,  /* noise hides whether it is */
-    NEPH_STUDY_OFF,    /* even the finest step is off by more, or its error does not shrink by the
-                          known order, so that there is no limit to measure it by */
+    NEPH_STUDY_OFF,    /* even the finest step is off by more, or may be: its error does not shrink
+                          by the known order, and the last change was larger than the tolerance */
 };
 
 struct neph_study_level {
