@@ -416,6 +416,7 @@ static enum neph_status upload_majorants(const struct neph_vulkan *vulkan,
                                        &majorants, diag);
         if (status)
             break;
+        neph_majorants_cover_nodes(majorants, media[m]); /* what grid_random_node() looks up */
         const size_t cells = (size_t)majorants->size[0] * (size_t)majorants->size[1] *
                              (size_t)majorants->size[2];
         float *grown = realloc(values, (count + cells) * sizeof(*values));

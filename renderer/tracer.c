@@ -208,7 +208,7 @@ static void add_pixel(double *sums, const struct gpu_pixel *pixel)
 static char *identity_of(const struct neph_scene *scene, const struct neph_tracer_params *params,
                          const struct neph_vulkan *vulkan)
 {
-    return neph_format("tracer 3, scene %s, frame %.17g, %d x %d, seed %llu, on %s, %s",
+    return neph_format("tracer 4, scene %s, frame %.17g, %d x %d, seed %llu, on %s, %s",
                        scene->hash, params->frame, params->width_px, params->height_px,
                        (unsigned long long)params->seed, vulkan->description.device,
                        vulkan->description.driver);

@@ -392,3 +392,21 @@ double neph_grid_maximum_in(const struct neph_grid *grid, const struct neph_boun
                                                 place_in(&stretch[2], k)));
     return maximum;
 }
+
+double neph_grid_node_maximum_in(const struct neph_grid *grid, const struct neph_bounds *box)
+{
+    const double touch = 1e-6; /* a box that ends in a face has no part in the cells beyond it */
+    const struct lattice_point low = to_lattice(grid, box->min_m);
+    const struct lattice_point high = to_lattice(grid, box->max_m);
+    int first[3], last[3];
+    for (int axis = 0; axis < 3; axis++) {
+        first[axis] = (int)fmax(0.0, floor(low.u[axis] + touch));
+        last[axis] = (int)fmin(grid->size[axis] - 1, ceil(high.u[axis] - touch));
+    }
+    double maximum = 0.0;
+    for (int k = first[2]; k <= last[2]; k++)
+        for (int j = first[1]; j <= last[1]; j++)
+            for (int i = first[0]; i <= last[0]; i++)
+                maximum = fmax(maximum, node_value(grid, i, j, k));
+    return maximum;
+}

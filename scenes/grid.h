@@ -59,4 +59,8 @@ double neph_grid_integral_m(const struct neph_grid *grid, struct neph_vec3 origi
  * pay for every bit of that. */
 double neph_grid_maximum_in(const struct neph_grid *grid, const struct neph_bounds *box);
 
+/* The largest node of all cells that the box reaches into by more than rounding (1e-6 of a cell):
+ * for trackers that look up one node by chance in place of the density. */
+double neph_grid_node_maximum_in(const struct neph_grid *grid, const struct neph_bounds *box);
+
 #endif

@@ -54,22 +54,29 @@ int neph_majorants_cell_count(enum neph_medium_kind kind)
     return kind == NEPH_MEDIUM_HORIZON ? 48 * 48 * 48 : 16 * 16 * 16;
 }
 
-static const double hair = 1e-3; /* of a cell */
+/* Majorants hold a hair beyond the cell: a tracker's own rounding may put a point of the face into
+ * either neighbour. In float32 it is 1e-3 of a cell where the coordinates are 10^4 cells. */
+static const double hair = 1e-3;
 
-static struct neph_bounds cell_box(const struct neph_majorants *majorants, const int cell[3])
+/* A cell and `margin` of its sides on all sides. */
+static struct neph_bounds cell_box(const struct neph_majorants *majorants, const int cell[3],
+                                   double margin)
 {
     const double low[3] = {majorants->box.min_m.x, majorants->box.min_m.y, majorants->box.min_m.z};
     const double high[3] = {majorants->box.max_m.x, majorants->box.max_m.y, majorants->box.max_m.z};
     double a[3], b[3];
     for (int axis = 0; axis < 3; axis++) {
         const double side = (high[axis] - low[axis]) / majorants->size[axis];
-        /* A hair wider than the cell: a tracker's own rounding may put a point of the face into
-         * either neighbour. In float32 it is 1e-3 of a cell where the coordinates are 10^4 cells.
-         */
-        a[axis] = low[axis] + (cell[axis] - hair) * side;
-        b[axis] = low[axis] + (cell[axis] + 1 + hair) * side;
+        a[axis] = low[axis] + (cell[axis] - margin) * side;
+        b[axis] = low[axis] + (cell[axis] + 1 + margin) * side;
     }
     return (struct neph_bounds){{a[0], a[1], a[2]}, {b[0], b[1], b[2]}};
+}
+
+/* Trackers evaluate the density in float32, which may round above the bound. */
+static float rounded_up(double bound_per_m)
+{
+    return bound_per_m > 0.0 ? nextafterf((float)(bound_per_m * (1.0 + 1e-5)), INFINITY) : 0.0f;
 }
 
 static void fill(struct neph_majorants *majorants, const struct neph_medium *medium)
@@ -79,12 +86,9 @@ static void fill(struct neph_majorants *majorants, const struct neph_medium *med
     for (int k = 0; k < n[2]; k++)
         for (int j = 0; j < n[1]; j++)
             for (int i = 0; i < n[0]; i++) {
-                const struct neph_bounds box = cell_box(majorants, (const int[3]){i, j, k});
-                const double bound_per_m = neph_medium_extinction_bound_per_m(medium, &box);
-                /* Trackers evaluate the density in float32, which may round above it. */
-                majorants->extinction_per_m[at++] =
-                    bound_per_m > 0.0 ? nextafterf((float)(bound_per_m * (1.0 + 1e-5)), INFINITY)
-                                      : 0.0f;
+                const struct neph_bounds box = cell_box(majorants, (const int[3]){i, j, k}, hair);
+                majorants->extinction_per_m[at++] = rounded_up(
+                    neph_medium_extinction_bound_per_m(medium, &box));
             }
 }
 
@@ -120,6 +124,24 @@ enum neph_status neph_majorants_create(const struct neph_medium *medium,
     fill(made, medium);
     *majorants = made;
     return NEPH_OK;
+}
+
+/* Without the hair: a node beyond the face has next to no weight there, and where the cells are the
+ * grid's own it would bring in all nodes of the cells around. */
+void neph_majorants_cover_nodes(struct neph_majorants *majorants, const struct neph_medium *medium)
+{
+    if (medium->kind != NEPH_MEDIUM_GRID)
+        return;
+    float *majorant_per_m = majorants->extinction_per_m;
+    const int *n = majorants->size;
+    for (int k = 0; k < n[2]; k++)
+        for (int j = 0; j < n[1]; j++)
+            for (int i = 0; i < n[0]; i++, majorant_per_m++) {
+                const struct neph_bounds box = cell_box(majorants, (const int[3]){i, j, k}, 0.0);
+                const double bound_per_m = medium->extinction_per_m *
+                                           neph_grid_node_maximum_in(medium->grid, &box);
+                *majorant_per_m = fmaxf(*majorant_per_m, rounded_up(bound_per_m));
+            }
 }
 
 void neph_majorants_destroy(struct neph_majorants *majorants)

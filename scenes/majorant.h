@@ -25,6 +25,11 @@ enum neph_status neph_majorants_create(const struct neph_medium *medium,
                                        const struct neph_bounds *box, int cell_count,
                                        struct neph_majorants **majorants, struct neph_diag *diag);
 
+/* Raise the majorants of a grid medium to the largest node around each cell, as a tracker needs
+ * that looks up one of the eight nodes around a place by chance; nothing changes for other kinds.
+ * They are looser then: who knows the density itself does without. */
+void neph_majorants_cover_nodes(struct neph_majorants *majorants, const struct neph_medium *medium);
+
 /* NULL is fine. */
 void neph_majorants_destroy(struct neph_majorants *majorants);
 

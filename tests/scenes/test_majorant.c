@@ -135,6 +135,73 @@ static void test_no_extinction_passes_its_majorant(void **state)
     assert_true(tightest > 0.9999);
 }
 
+/* The largest of the eight nodes around a place, of those that have a weight. */
+static double node_maximum_at(const struct neph_grid *grid, struct neph_vec3 point_m)
+{
+    const double u[3] = {(point_m.x - grid->origin_m.x) / grid->spacing_m.x,
+                         (point_m.y - grid->origin_m.y) / grid->spacing_m.y,
+                         (point_m.z - grid->origin_m.z) / grid->spacing_m.z};
+    double maximum = 0.0;
+    for (int corner = 0; corner < 8; corner++) {
+        int node[3];
+        bool is_there = true;
+        for (int axis = 0; axis < 3; axis++) {
+            node[axis] = (int)floor(u[axis]) + (corner >> axis & 1);
+            is_there = is_there && node[axis] >= 0 && node[axis] < grid->size[axis] &&
+                       fabs(u[axis] - node[axis]) < 1.0 - 2e-6;
+        }
+        if (is_there)
+            maximum = fmax(
+                maximum,
+                (double)
+                    grid->values[(node[2] * grid->size[1] + node[1]) * grid->size[0] + node[0]]);
+    }
+    return maximum;
+}
+
+/* Where a tracker may draw any of the nodes around a place, cells of any size and in any part of
+ * the grid bound them all; none is larger than the largest node. */
+static void test_covered_nodes_pass_no_majorant(void **state)
+{
+    (void)state;
+    const uint64_t first_seed = 815;
+    int tight_fails = 0;
+    for (uint64_t trial = 0; trial < 500; trial++) {
+        uint64_t seed = first_seed + trial;
+        struct neph_grid *grid = random_grid(&seed);
+        const struct neph_medium medium = {.kind = NEPH_MEDIUM_GRID,
+                                           .bounds = everywhere,
+                                           .extinction_color = {1, 1, 1},
+                                           .extinction_per_m = 3.0,
+                                           .grid = grid};
+        const struct neph_bounds box = trial % 2 ? random_box(&seed) : neph_grid_support(grid);
+        const int cell_count = 1 + (int)(neph_test_random(&seed) % 300);
+        struct neph_majorants *tight = make(&medium, &box, cell_count);
+        struct neph_majorants *covered = make(&medium, &box, cell_count);
+        neph_majorants_cover_nodes(covered, &medium);
+        for (int n = 0; n < 200; n++) {
+            const double share[3] = {random_share(&seed, covered->size[0]),
+                                     random_share(&seed, covered->size[1]),
+                                     random_share(&seed, covered->size[2])};
+            const struct neph_vec3 p = {box.min_m.x + share[0] * (box.max_m.x - box.min_m.x),
+                                        box.min_m.y + share[1] * (box.max_m.y - box.min_m.y),
+                                        box.min_m.z + share[2] * (box.max_m.z - box.min_m.z)};
+            const double node = 3.0 * node_maximum_at(grid, p);
+            const double majorant = majorant_at(covered, share);
+            if (!(node <= majorant))
+                print_error("seed %llu: %.17g > %.17g\n", (unsigned long long)(first_seed + trial),
+                            node, majorant);
+            assert_true(node <= majorant && majorant >= majorant_at(tight, share));
+            assert_true(majorant <= 3.0 * (double)grid->maximum * (1.0 + 2e-5));
+            tight_fails += node > majorant_at(tight, share);
+        }
+        neph_majorants_destroy(tight);
+        neph_majorants_destroy(covered);
+        neph_grid_destroy(grid);
+    }
+    assert_true(tight_fails > 1000); /* else the places say nothing */
+}
+
 /* In double, without the room that float leaves: a grid of one value, whose interpolation may round
  * above it, in boxes as small as a place. */
 static void test_bound_of_even_density_and_small_boxes(void **state)
@@ -304,6 +371,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_no_extinction_passes_its_majorant),
+        cmocka_unit_test(test_covered_nodes_pass_no_majorant),
         cmocka_unit_test(test_bound_of_even_density_and_small_boxes),
         cmocka_unit_test(test_more_cells_are_tighter),
         cmocka_unit_test(test_cells_of_flat_and_long_boxes),
