@@ -45,8 +45,8 @@ static const struct argp_option render_options[] = {
     {"time-limit", KEY_TIME_LIMIT, "S", 0, "Seconds per child process (default: 600)", 0},
     {"checkpoint", KEY_CHECKPOINT, "FILE", 0,
      "Engines oracle and tracer: go on from what FILE holds, if it is there, and leave all paths "
-     "in "
-     "it: an interrupted render loses seconds, and a finished one can be given more samples",
+     "in it: an interrupted render loses seconds (oracle) or the batch in work (tracer), and a "
+     "finished one can be given more samples",
      0},
     {"output", 'o', "DIR", 0, "Folder to write to (default: .)", 0},
     {"json", KEY_JSON, NULL, 0, "Results as JSON on stdout", 0},
