@@ -8,6 +8,7 @@
 #include "renderer/compute.h"
 #include "renderer/gpu_scene.h"
 #include "scenes/media.h"
+#include "scenes/trapped_light.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -72,11 +73,6 @@ static bool is_positive(struct neph_rgb rgb)
     return rgb.r > 0.0 || rgb.g > 0.0 || rgb.b > 0.0;
 }
 
-static bool is_white(struct neph_rgb rgb)
-{
-    return rgb.r >= 1.0 || rgb.g >= 1.0 || rgb.b >= 1.0;
-}
-
 static bool is_fog(const struct neph_medium *medium)
 {
     return medium->kind == NEPH_MEDIUM_HOMOGENEOUS || medium->kind == NEPH_MEDIUM_HEIGHT_FOG;
@@ -108,14 +104,6 @@ static bool needs_paths(const struct neph_scene *scene)
     return scene->scattering == NEPH_SCATTERING_MULTIPLE || lights(scene) || is_open(scene);
 }
 
-/* Light that is never absorbed and never finds a way out walks for ever. */
-static bool is_endless(const struct neph_medium *medium)
-{
-    const struct neph_bounds *b = &medium->bounds;
-    return is_fog(medium) && is_white(medium->albedo) && isinf(b->min_m.x) && isinf(b->max_m.x) &&
-           isinf(b->min_m.z) && isinf(b->max_m.z) && isinf(b->min_m.y);
-}
-
 static bool is_bounded(const struct neph_medium *medium)
 {
     const struct neph_bounds b = neph_medium_support(medium);
@@ -131,14 +119,13 @@ bool neph_tracer_can_render(const struct neph_scene *scene, char *reason, size_t
         const struct neph_medium *medium = &scene->media[i];
         coloured_clouds += !is_fog(medium) && is_coloured(medium);
         coloured_fogs += is_fog(medium) && is_coloured(medium);
-        if (scene->scattering == NEPH_SCATTERING_MULTIPLE && scene->solid_count == 0 &&
-            is_endless(medium))
-            cannot = "multiple scattering in an unbounded medium of albedo 1";
-        else if (needs_paths(scene) && !is_fog(medium) && !is_bounded(medium))
+        if (needs_paths(scene) && !is_fog(medium) && !is_bounded(medium))
             cannot = "more than single scattering in a shell without finite bounds";
     }
     if (needs_paths(scene) && coloured_clouds > 1 && coloured_fogs > 0)
         cannot = "more than single scattering in a fog and several clouds of coloured extinction";
+    if (neph_scene_traps_light(scene))
+        cannot = neph_trapped_light_reason;
     if (cannot)
         snprintf(reason, reason_size, "%s", cannot);
     return !cannot;
@@ -236,6 +223,7 @@ struct render {
     struct neph_buffer buffers[BINDING_COUNT], pixels_readback, progress_readback;
     uint32_t local_size; /* of the path kernel */
     bool needs_paths, is_open;
+    bool is_lit;     /* media may scatter light at all */
     uint32_t turns;  /* of one dispatch, at most */
     uint32_t window; /* pools in one dispatch; follows the device's speed */
     size_t pixel_count, chunk_pixels;
@@ -624,8 +612,9 @@ static double variance_of(const double *sums, int channel, double samples)
     return 0.25 * sums[9 + channel] / (pairs * pairs);
 }
 
-static double error_of(const struct sums *sums)
+static double error_of(const struct render *render)
 {
+    const struct sums *sums = &render->sums;
     const double samples = sums->values[head_samples];
     double variance = 0.0, radiance = 0.0;
     for (size_t i = 0; i < sums->pixel_count; i++)
@@ -635,7 +624,9 @@ static double error_of(const struct sums *sums)
             variance += variance_of(pixel, c, samples);
             radiance += volume * volume;
         }
-    return radiance > 0.0 ? sqrt(variance / radiance) : variance > 0.0 ? INFINITY : 0.0;
+    if (radiance > 0.0)
+        return sqrt(variance / radiance);
+    return render->is_lit ? INFINITY : 0.0; /* nothing has been seen yet, or there is nothing */
 }
 
 static enum neph_status save(const struct render *render, struct neph_diag *diag)
@@ -646,6 +637,9 @@ static enum neph_status save(const struct render *render, struct neph_diag *diag
                                  sums_count(&render->sums), diag);
 }
 
+/* Fewer paths per pixel say nothing of their own scatter. */
+static const double samples_min = 16.0;
+
 static bool is_done(struct render *render, double batch_s)
 {
     const struct neph_tracer_params *params = render->params;
@@ -654,7 +648,8 @@ static bool is_done(struct render *render, double batch_s)
         return false;
     if (samples >= params->samples)
         return true;
-    if (params->target_error > 0.0 && error_of(&render->sums) <= params->target_error)
+    if (params->target_error > 0.0 && samples >= samples_min &&
+        error_of(render) <= params->target_error)
         return true;
     return neph_wall_s() - render->start_s + batch_s > params->time_limit_s;
 }
@@ -757,7 +752,7 @@ static void count(struct render *render)
     stats->collisions = (uint64_t)head[head_collisions];
     stats->lookups = (uint64_t)head[head_lookups];
     stats->closed_forms = (uint64_t)head[head_closed_forms];
-    stats->error = error_of(&render->sums);
+    stats->error = error_of(render);
     stats->wall_s = neph_wall_s() - render->start_s;
 }
 
@@ -769,7 +764,10 @@ enum neph_status neph_tracer_render(struct neph_vulkan *vulkan, const struct nep
     enum neph_status status = check(scene, params, diag);
     if (status)
         return status;
-    struct render render = {.vulkan = vulkan, .params = params, .start_s = neph_wall_s()};
+    struct render render = {.vulkan = vulkan,
+                            .params = params,
+                            .start_s = neph_wall_s(),
+                            .is_lit = scene->scattering != NEPH_SCATTERING_NONE};
     struct neph_image *image = NULL;
     status = prepare(&render, scene, diag);
     if (!status)

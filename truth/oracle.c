@@ -11,6 +11,7 @@
 #include "base/interrupt.h"
 #include "base/threads.h"
 #include "scenes/media.h"
+#include "scenes/trapped_light.h"
 #include "truth/path.h"
 
 #include <math.h>
@@ -86,54 +87,12 @@ static void save_sums(struct render *render, size_t pixel, const struct sums *su
 
 /* ---- what can be rendered ---- */
 
-static bool is_white(struct neph_rgb albedo)
-{
-    return albedo.r >= 1.0 || albedo.g >= 1.0 || albedo.b >= 1.0;
-}
-
-/* Nothing stops light that goes straight down from the cameras, ever. */
-static bool has_no_ground(const struct neph_scene *scene)
-{
-    for (int i = 0; i < scene->camera_key_count; i++)
-        if (!neph_scene_hit(scene, scene->camera_keys[i].position_m, (struct neph_vec3){0, -1, 0})
-                 .solid)
-            return true;
-    return false;
-}
-
-static bool is_cut(double minimum_m, double maximum_m)
-{
-    return isfinite(minimum_m) && isfinite(maximum_m);
-}
-
-/* Light in a half-space without absorption always comes out, but after infinitely many events on
- * the average (a recurrent random walk): no program can follow it. */
-static bool is_bottomless(const struct neph_scene *scene, const struct neph_medium *medium)
-{
-    if (medium->layer_count == 0 || !is_white(medium->albedo))
-        return false;
-    const struct neph_bounds *b = &medium->bounds;
-    if (is_cut(b->min_m.x, b->max_m.x) || is_cut(b->min_m.z, b->max_m.z))
-        return false;
-    bool thins_out = true;
-    for (int l = 0; l < medium->layer_count; l++)
-        thins_out = thins_out && medium->layers[l].falloff_per_m > 0.0;
-    const bool top = isfinite(b->max_m.y) || thins_out;
-    const bool bottom = isfinite(b->min_m.y) || !has_no_ground(scene);
-    return !top || !bottom;
-}
-
 bool neph_oracle_can_render(const struct neph_scene *scene, char *reason, size_t reason_size)
 {
-    for (int m = 0; m < scene->medium_count; m++)
-        if (scene->scattering == NEPH_SCATTERING_MULTIPLE &&
-            is_bottomless(scene, &scene->media[m])) {
-            snprintf(reason, reason_size,
-                     "multiple scattering without absorption in a fog that has no end: paths of "
-                     "infinite mean length (give it bounds, a ground, or an albedo below 1)");
-            return false;
-        }
-    return true;
+    if (!neph_scene_traps_light(scene))
+        return true;
+    snprintf(reason, reason_size, "%s", neph_trapped_light_reason);
+    return false;
 }
 
 static enum neph_status check_params(const struct neph_oracle_params *params,
@@ -271,6 +230,8 @@ static double relative_error(const struct render *render)
             power += sums.volume[j] / n * (sums.volume[j] / n);
         }
     }
+    if (variance == 0.0 && power == 0.0 && render->scene->scattering != NEPH_SCATTERING_NONE)
+        return INFINITY; /* nothing has been seen yet */
     if (variance == 0.0)
         return 0.0;
     return sqrt(variance / power);

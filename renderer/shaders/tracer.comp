@@ -583,9 +583,9 @@ void collide(float majorant_per_m)
 }
 
 // To the end of a majorant cell, or to a tentative collision before it.
-void track_step(vec3 per_slope, ivec3 side)
+void track_step(vec3 per_slope, ivec3 side, bvec3 parallel)
 {
-    vec3 faces_m = (vec3(path.cell + side) - cells_start) * per_slope;
+    vec3 faces_m = mix((vec3(path.cell + side) - cells_start) * per_slope, vec3(FAR_M), parallel);
     float face_m = min(faces_m.x, min(faces_m.y, faces_m.z));
     float exit_m = max(path.t_m, min(face_m, path.end_m));
     uvec3 cell = uvec3(path.cell);
@@ -609,10 +609,10 @@ void track_step(vec3 per_slope, ivec3 side)
 void track()
 {
     bvec3 parallel = lessThan(abs(cells_slope), vec3(1e-20));
-    vec3 per_slope = mix(1.0 / cells_slope, vec3(FAR_M), parallel);
+    vec3 per_slope = mix(1.0 / cells_slope, vec3(0.0), parallel);
     ivec3 side = ivec3(greaterThanEqual(cells_slope, vec3(0.0)));
     for (uint step = 0; step < STEPS && path.stage == STAGE_TRACK; step++)
-        track_step(per_slope, side);
+        track_step(per_slope, side, parallel);
 }
 
 // --- main ---------------------------------------------------------------------------------------
