@@ -437,6 +437,51 @@ static void test_spikes_are_those_of_the_oracle(void **state)
     teardown(&test);
 }
 
+/* Light is not seen at once in a breath of cloud: that is no error of 0. */
+static void test_no_light_is_no_target_reached(void **state)
+{
+    struct test_scene test;
+    test_scene_init(&test);
+    struct neph_medium *breath = test_add_medium(&test, 1e-9, 0.0, 0.0);
+    breath->bounds = (struct neph_bounds){{-1.0, 0.6, -4.0}, {1.0, 2.6, -2.0}};
+    test.scene.scattering = NEPH_SCATTERING_SINGLE;
+    test.scene.sun.irradiance_w_per_m2 = (struct neph_rgb){0.0, 0.0, 0.0};
+    struct neph_tracer_params params = params_of(4, 4, 64);
+    params.target_error = 0.1;
+    struct neph_tracer_stats stats;
+    struct neph_image *frame = NULL;
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_tracer_render(*state, &test.scene, &params, &frame, &stats, &diag), &diag);
+    assert_true(stats.samples >= 64 && isinf(stats.error));
+    neph_image_destroy(frame);
+    test.scene.scattering = NEPH_SCATTERING_NONE;
+    neph_assert_ok(neph_tracer_render(*state, &test.scene, &params, &frame, &stats, &diag), &diag);
+    assert_true(stats.error == 0.0);
+    neph_image_destroy(frame);
+}
+
+/* -cos 90 degrees is -6e-17 in double: a sun straight above all the same. */
+static void test_level_rays_stay_in_their_cells(void **state)
+{
+    static const double leanings[] = {0.0, 1e-23, -1e-23, -6.123e-17};
+    double sums[4] = {0.0};
+    for (int i = 0; i < 4; i++) {
+        struct test_scene test;
+        test_scene_init(&test);
+        scene_spikes(&test);
+        test.scene.scattering = NEPH_SCATTERING_MULTIPLE;
+        test.scene.sun.direction = (struct neph_vec3){leanings[i], 1.0, 0.0};
+        const struct neph_tracer_params params = params_of(16, 9, 64);
+        struct neph_image *frame = render(*state, &test, &params, NULL);
+        const float *green = neph_image_channel(frame, "G");
+        for (size_t p = 0; p < neph_image_pixel_count(frame); p++)
+            sums[i] += (double)green[p];
+        neph_image_destroy(frame);
+        teardown(&test);
+        neph_assert_close(sums[i], sums[0], 1e-5, 0.0);
+    }
+}
+
 static double one(const struct test_scene *test, struct neph_vec3 ray, int i, int channel,
                   const void *context)
 {
@@ -792,7 +837,14 @@ static void test_refusals(void **state)
     test.scene.scattering = NEPH_SCATTERING_MULTIPLE;
     assert_int_equal(neph_tracer_render(*state, &test.scene, &good, &frame, NULL, &diag),
                      NEPH_ERR_UNSUPPORTED);
-    assert_non_null(strstr(diag.message, "unbounded"));
+    assert_non_null(strstr(diag.message, "no end"));
+    /* A small ball in it is no ground; a fog that ends below but not above has no top. */
+    test_add_sphere(&test, (struct neph_vec3){5.0, 0.0, -9.0}, 1.0);
+    assert_int_equal(neph_tracer_render(*state, &test.scene, &good, &frame, NULL, &diag),
+                     NEPH_ERR_UNSUPPORTED);
+    test.scene.media[0].bounds.min_m.y = -10.0;
+    assert_int_equal(neph_tracer_render(*state, &test.scene, &good, &frame, NULL, &diag),
+                     NEPH_ERR_UNSUPPORTED);
     test_scene_init(&test);
     scene_two_coloured(&test);
     test_add_medium(&test, 0.1, 0.1, 0.0)->extinction_color.r = 2.0;
@@ -828,6 +880,8 @@ int main(void)
         cmocka_unit_test(test_without_scattering_the_rest_is_exact),
         cmocka_unit_test(test_clouds_are_those_of_the_oracle),
         cmocka_unit_test(test_spikes_are_those_of_the_oracle),
+        cmocka_unit_test(test_no_light_is_no_target_reached),
+        cmocka_unit_test(test_level_rays_stay_in_their_cells),
         cmocka_unit_test(test_clouds_in_the_white_furnace),
         cmocka_unit_test(test_slabs_are_those_of_adding_and_doubling),
         cmocka_unit_test(test_the_half_space_is_chandrasekhars),
