@@ -166,22 +166,3 @@ char *neph_settings_text(const struct neph_engine *engine, const struct neph_set
     }
     return text;
 }
-
-bool neph_engine_models_media(const struct neph_scene *scene, unsigned kinds, bool colour,
-                              char *reason, size_t reason_size)
-{
-    for (int m = 0; m < scene->medium_count; m++) {
-        const struct neph_medium *medium = &scene->media[m];
-        const struct neph_rgb color = medium->extinction_color;
-        const bool grey = color.r == color.g && color.g == color.b;
-        if ((kinds & (1u << medium->kind)) != 0 && (colour || grey))
-            continue;
-        if ((kinds & (1u << medium->kind)) == 0)
-            snprintf(reason, reason_size, "medium %d: a %s", m + 1,
-                     neph_medium_kind_name(medium->kind));
-        else
-            snprintf(reason, reason_size, "medium %d: coloured extinction", m + 1);
-        return false;
-    }
-    return true;
-}

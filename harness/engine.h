@@ -143,12 +143,6 @@ double neph_setting(const struct neph_engine *engine, const struct neph_settings
 /* "steps=64 sun=exact", canonical: all options, table order. For the caller to free. */
 char *neph_settings_text(const struct neph_engine *engine, const struct neph_settings *settings);
 
-/* For can_render: false, with the first medium in words, when the scene has a medium that is not
- * among `kinds` (bits 1 << enum neph_medium_kind), or coloured extinction where `colour` is false.
- */
-bool neph_engine_models_media(const struct neph_scene *scene, unsigned kinds, bool colour,
-                              char *reason, size_t reason_size);
-
 const char *neph_rung_name(enum neph_rung rung);
 
 #endif

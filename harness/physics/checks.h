@@ -28,7 +28,7 @@ struct neph_view {
  * views of |factor| * weighted sum of truth. */
 struct neph_check {
     char name[64];
-    const char *rung;  /* what kind of truth: one of neph_check_rungs() */
+    const char *rung;  /* what kind of truth, in a word */
     const char *title; /* of the rung, one line */
     char what[320];    /* what is on the stage, in words */
     struct neph_view views[NEPH_CHECK_VIEWS_MAX];
