@@ -7,6 +7,11 @@
  *   volume.R volume.G volume.B   in-scattered radiance alone
  *   transmittance.R .G .B    camera to the first solid or to infinity [1]
  *   Z                        linear eye depth along the camera axis [m], sky = +inf
+ * and may have further ones:
+ *   motion.x motion.y        where that which is seen here was in the frame before, minus where it
+ *                            is now [px], x to the right, y down
+ *   volume.distance          distance of what the medium shows, weighted by its contribution [m]
+ *   mask.NAME                a mask of the scene, above 0.5 inside: mask.cloud, mask.fog, mask.sun
  * A layer that an engine cannot give is absent, never filled in.
  */
 #ifndef NEPH_BASE_IMAGE_H

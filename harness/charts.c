@@ -96,11 +96,12 @@ static struct neph_job make_job(const struct sweep *sweep, const struct neph_eng
 static enum neph_status relative_rmse(const struct sweep *sweep, const char *frame_path,
                                       double *error, struct neph_diag *diag)
 {
+    const struct neph_viewing viewing = NEPH_VIEWING_DEFAULTS; /* linear errors do not ask for it */
     struct neph_image *image = NULL;
     json_t *measurements = json_array();
     enum neph_status status = neph_exr_read(frame_path, &image, diag);
     if (!status)
-        status = neph_measure(sweep->truth, image, measurements, diag);
+        status = neph_measure(sweep->truth, image, "error", &viewing, measurements, diag);
     if (!status)
         *error = json_number_value(json_object_get(
             neph_measurement_find(measurements, "radiance", "rel_rmse", "all"), "value"));

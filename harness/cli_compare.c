@@ -144,12 +144,13 @@ enum neph_status neph_cli_compare(int argc, char **argv, struct neph_diag *diag)
     struct request request = {0};
     argp_parse(&argp, argc, argv, 0, NULL, &request);
     struct neph_image *reference = NULL, *test = NULL;
+    const struct neph_viewing viewing = NEPH_VIEWING_DEFAULTS;
     json_t *list = json_array();
     enum neph_status status = read_valid(request.reference, &reference, diag);
     if (!status)
         status = read_valid(request.test, &test, diag);
     if (!status)
-        status = neph_measure(reference, test, list, diag);
+        status = neph_measure(reference, test, NULL, &viewing, list, diag);
     if (!status && json_array_size(list) == 0)
         status = neph_fail(diag, NEPH_ERR_UNSUPPORTED,
                            "the two images share none of: R G B, volume.*, transmittance.*, Z");

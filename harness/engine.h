@@ -8,11 +8,10 @@
 #define NEPH_HARNESS_ENGINE_H
 
 #include "base/image.h"
+#include "base/option.h"
 #include "scenes/scene.h"
 
 #include <stdint.h>
-
-#define NEPH_OPTIONS_MAX 16
 
 /* The rungs of the ladder of truth, highest first. */
 enum neph_rung {
@@ -20,27 +19,6 @@ enum neph_rung {
     NEPH_RUNG_TRACER,  /* our unbiased tracers */
     NEPH_RUNG_WITNESS, /* other people's renderers */
     NEPH_RUNG_MODEL,   /* our real-time models: the thing under test */
-};
-
-enum neph_option_kind {
-    NEPH_OPTION_INTEGER,
-    NEPH_OPTION_REAL,
-    NEPH_OPTION_CHOICE,
-};
-
-/* One setting of an engine: command line, help text, checks and job keys come from this table. */
-struct neph_option {
-    const char *name;
-    enum neph_option_kind kind;
-    double default_value;       /* CHOICE: index into choices */
-    double minimum, maximum;    /* INTEGER and REAL */
-    const char *const *choices; /* CHOICE: NULL-terminated */
-    const char *help;           /* one line, with the unit */
-};
-
-/* Values of an engine's options, by index in its table. */
-struct neph_settings {
-    double values[NEPH_OPTIONS_MAX];
 };
 
 /* What is installed. */

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/measure.h"
 
-#include "metrics/error.h"
-#include "metrics/mask.h"
 #include "metrics/validity.h"
 
 #include <string.h>
@@ -12,57 +10,108 @@ static enum neph_status append(json_t *list, json_t *item, struct neph_diag *dia
     return item && json_array_append_new(list, item) == 0 ? NEPH_OK : neph_fail_memory(diag);
 }
 
-static json_t *measurement_json(const struct neph_measurement *m)
+static const char *const interval_names[] = {
+    [NEPH_INTERVAL_NONE] = "none",
+    [NEPH_INTERVAL_DETERMINISTIC] = "deterministic",
+    [NEPH_INTERVAL_TILES] = "bootstrap over tiles",
+    [NEPH_INTERVAL_CYCLES] = "batch means over whole cycles",
+};
+
+json_t *neph_measurement_json(const struct neph_measurement *m, const struct neph_viewing *viewing)
 {
-    json_t *interval = m->has_interval ? json_pack("[f,f]", m->low, m->high) : json_null();
-    return json_pack("{s:s, s:s, s:s, s:o, s:s, s:o, s:I}", "quantity", m->quantity, "metric",
-                     m->metric, "mask", m->mask, "value",
-                     m->defined ? json_real(m->value) : json_null(), "unit", m->unit, "interval",
-                     interval, "pixel_count", (json_int_t)m->pixel_count);
+    const bool bounded = m->interval == NEPH_INTERVAL_TILES || m->interval == NEPH_INTERVAL_CYCLES;
+    json_t *item = json_pack(
+        "{s:s, s:s, s:s, s:o, s:s, s:o, s:s, s:i, s:I, s:s?, s:{s:f, s:f, s:f, s:f}}", "quantity",
+        m->quantity->name, "metric", m->metric->name, "mask", m->mask, "value",
+        m->defined ? json_real(m->value) : json_null(), "unit", m->unit, "interval",
+        bounded ? json_pack("[f,f]", m->low, m->high) : json_null(), "interval_kind",
+        interval_names[m->interval], "n", m->n, "pixel_count", (json_int_t)m->pixel_count,
+        "undefined_because", m->undefined_because, "viewing", "frame_rate_hz",
+        viewing->frame_rate_hz, "pixels_per_degree", viewing->pixels_per_degree, "exposure_ev",
+        viewing->exposure_ev, "white_cd_per_m2", viewing->white_cd_per_m2);
+    if (item && m->frame >= 0)
+        json_object_set_new(item, "frame", json_integer(m->frame));
+    return item;
 }
 
-static enum neph_status measure_mask(const struct neph_image *reference,
-                                     const struct neph_image *test, const struct neph_mask *mask,
-                                     json_t *list, struct neph_diag *diag)
+void neph_masks_destroy(struct neph_mask **masks, int count)
 {
-    for (int q = 0; q < neph_quantity_count(); q++) {
-        const struct neph_quantity *quantity = neph_quantity_at(q);
-        const float *planes[3];
-        if (!neph_quantity_planes(quantity, reference, planes) ||
-            !neph_quantity_planes(quantity, test, planes))
+    for (int i = 0; i < count; i++)
+        neph_mask_destroy(masks[i]);
+}
+
+enum neph_status neph_masks_of(const struct neph_image *reference,
+                               struct neph_mask *masks[NEPH_MASKS_MAX], int *count,
+                               struct neph_diag *diag)
+{
+    enum neph_status status = NEPH_OK;
+    const size_t pixel_count = neph_image_pixel_count(reference);
+    *count = 0;
+    for (int k = 0; k < neph_mask_kind_count() && !status; k++) {
+        struct neph_mask *mask = NULL;
+        status = neph_mask_create(reference, neph_mask_kind_at(k)->name, NULL, &mask, diag);
+        if (status == NEPH_ERR_UNSUPPORTED) { /* the layer that it is made from is not there */
+            status = NEPH_OK;
             continue;
-        struct neph_measurement measurements[NEPH_ERROR_METRIC_MAX];
-        int count = 0;
-        enum neph_status status = neph_error_measure(reference, test, quantity->name, mask,
-                                                     measurements, &count, diag);
-        for (int i = 0; i < count && !status; i++)
-            status = append(list, measurement_json(&measurements[i]), diag);
-        if (status)
-            return status;
+        }
+        const bool says_more = mask && mask->pixel_count > 0 && mask->pixel_count < pixel_count;
+        if (!status && (k == 0 || says_more))
+            masks[(*count)++] = mask;
+        else
+            neph_mask_destroy(mask);
     }
-    return NEPH_OK;
+    if (status)
+        neph_masks_destroy(masks, *count);
+    return status;
+}
+
+static enum neph_status take(struct neph_meter *meter, const struct neph_image *reference,
+                             const struct neph_image *test, const struct neph_viewing *viewing,
+                             json_t *list, struct neph_diag *diag)
+{
+    enum neph_status status = neph_meter_frame(meter, reference, NULL, test, diag);
+    int count = 0;
+    const struct neph_measurement *all = neph_meter_measurements(meter, &count);
+    for (int i = 0; i < count && !status; i++)
+        status = append(list, neph_measurement_json(&all[i], viewing), diag);
+    return status;
+}
+
+int neph_measure_usual(const char *only, struct neph_meter_choice *choices)
+{
+    int count = 0;
+    for (int i = 0; i < neph_extractor_count(); i++) {
+        const struct neph_extractor *extractor = neph_extractor_at(i);
+        if (only ? strcmp(extractor->name, only) == 0 : !extractor->costly && !extractor->temporal)
+            choices[count++] = (struct neph_meter_choice){extractor,
+                                                          neph_options_default(extractor->options)};
+    }
+    return count;
 }
 
 enum neph_status neph_measure(const struct neph_image *reference, const struct neph_image *test,
-                              json_t *list, struct neph_diag *diag)
+                              const char *only, const struct neph_viewing *viewing, json_t *list,
+                              struct neph_diag *diag)
 {
     enum neph_status status = neph_validity_same_size(reference, test, diag);
-    const size_t pixel_count = neph_image_pixel_count(reference);
-    for (int k = 0; k < neph_mask_kind_count() && !status; k++) {
-        const struct neph_mask_kind *kind = neph_mask_kind_at(k);
-        struct neph_mask *mask = NULL;
-        status = neph_mask_create(reference, kind->name, NULL, &mask, diag);
-        if (status == NEPH_ERR_UNSUPPORTED) {
-            status = NEPH_OK; /* the reference lacks the layer that this mask is made from */
-            continue;
-        }
-        if (status)
-            break;
-        const bool whole = k == 0;
-        if (mask->pixel_count > 0 && (whole || mask->pixel_count < pixel_count))
-            status = measure_mask(reference, test, mask, list, diag);
-        neph_mask_destroy(mask);
-    }
+    if (status)
+        return status;
+    struct neph_mask *masks[NEPH_MASKS_MAX];
+    struct neph_meter_choice choices[NEPH_CHOICES_MAX];
+    struct neph_meter_params params = {.choices = choices,
+                                       .choice_count = neph_measure_usual(only, choices),
+                                       .viewing = *viewing,
+                                       .masks = (const struct neph_mask *const *)masks,
+                                       .intervals = true};
+    status = neph_masks_of(reference, masks, &params.mask_count, diag);
+    if (status)
+        return status;
+    struct neph_meter *meter = NULL;
+    status = neph_meter_create(&params, &meter, diag);
+    if (!status)
+        status = take(meter, reference, test, viewing, list, diag);
+    neph_meter_destroy(meter);
+    neph_masks_destroy(masks, params.mask_count);
     return status;
 }
 

@@ -5,15 +5,31 @@
 #ifndef NEPH_HARNESS_MEASURE_H
 #define NEPH_HARNESS_MEASURE_H
 
-#include "base/image.h"
+#include "metrics/meter.h"
 
 #include <jansson.h>
 
-/* Measure every quantity that both frames have over every mask that the reference allows, and add
- * one object per number to the array `list` (the form of scripts/report/README.md). Masks without
- * a pixel, or equal to the whole image, are left out. */
+enum { NEPH_MASKS_MAX = 64, NEPH_CHOICES_MAX = 64 };
+
+/* Every mask that the reference allows, "all" first; masks without a pixel, or equal to the whole
+ * image, are left out. Destroy them with neph_masks_destroy(). */
+enum neph_status neph_masks_of(const struct neph_image *reference,
+                               struct neph_mask *masks[NEPH_MASKS_MAX], int *count,
+                               struct neph_diag *diag);
+void neph_masks_destroy(struct neph_mask **masks, int count);
+
+/* The extractors of single frames that are cheap enough to be taken always, or `only` the one of
+ * that name, at their defaults; room for NEPH_CHOICES_MAX. Returns their number. */
+int neph_measure_usual(const char *only, struct neph_meter_choice *choices);
+
+/* Measure every quantity that both frames have over all masks with neph_measure_usual(), and
+ * add one object per number to the array `list`. */
 enum neph_status neph_measure(const struct neph_image *reference, const struct neph_image *test,
-                              json_t *list, struct neph_diag *diag);
+                              const char *only, const struct neph_viewing *viewing, json_t *list,
+                              struct neph_diag *diag);
+
+/* One number in the form of scripts/report/README.md; NULL when memory is short. */
+json_t *neph_measurement_json(const struct neph_measurement *m, const struct neph_viewing *viewing);
 
 /* Counts of non-finite and negative values of a frame, in the same form. */
 enum neph_status neph_measure_validity(const struct neph_image *frame, json_t *list,

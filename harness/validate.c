@@ -85,7 +85,7 @@ static json_t *frame_json(const struct neph_engine *engine, const struct neph_jo
 
 /* Measure one rendered frame, against the truth when there is one. */
 static enum neph_status measure_frame(json_t *frame, const struct neph_image *truth,
-                                      struct neph_diag *diag)
+                                      const struct neph_viewing *viewing, struct neph_diag *diag)
 {
     const char *path = json_string_value(json_object_get(frame, "exr"));
     if (!path)
@@ -98,7 +98,7 @@ static enum neph_status measure_frame(json_t *frame, const struct neph_image *tr
     if (!status)
         status = neph_measure_validity(image, measurements, diag);
     if (!status && truth)
-        status = neph_measure(truth, image, measurements, diag);
+        status = neph_measure(truth, image, NULL, viewing, measurements, diag);
     neph_image_destroy(image);
     return status;
 }
@@ -156,6 +156,8 @@ static enum neph_status scene_document(const struct neph_scene *scene, json_t *f
                                        json_t **document, struct neph_diag *diag)
 {
     const json_t *truth = find_truth(frames);
+    struct neph_viewing viewing = NEPH_VIEWING_DEFAULTS;
+    viewing.exposure_ev = scene->exposure_ev;
     struct neph_image *truth_image = NULL;
     enum neph_status status = NEPH_OK;
     if (truth)
@@ -163,7 +165,7 @@ static enum neph_status scene_document(const struct neph_scene *scene, json_t *f
                                diag);
     for (size_t i = 0; i < json_array_size(frames) && !status; i++) {
         json_t *frame = json_array_get(frames, i);
-        status = measure_frame(frame, frame == truth ? NULL : truth_image, diag);
+        status = measure_frame(frame, frame == truth ? NULL : truth_image, &viewing, diag);
     }
     neph_image_destroy(truth_image);
     if (status)

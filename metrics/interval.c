@@ -42,7 +42,7 @@ static void add_tile(double *totals, const double *tile, int sum_count)
 
 /* `draws` holds one row of NEPH_BOOTSTRAP_RESAMPLES values per statistic. */
 static void resample(const double *tiles, int tile_count, int sum_count,
-                     neph_statistic *const *statistics, int statistic_count, double *draws)
+                     const struct neph_bootstrapped *statistics, int statistic_count, double *draws)
 {
     uint64_t state = resample_seed;
     for (int r = 0; r < NEPH_BOOTSTRAP_RESAMPLES; r++) {
@@ -52,7 +52,7 @@ static void resample(const double *tiles, int tile_count, int sum_count,
                      sum_count);
         for (int k = 0; k < statistic_count; k++) {
             double value = 0.0;
-            bool defined = statistics[k](totals, &value);
+            bool defined = statistics[k].value(statistics[k].context, totals, &value);
             draws[(size_t)k * NEPH_BOOTSTRAP_RESAMPLES + (size_t)r] = defined ? value : NAN;
         }
     }
@@ -69,8 +69,9 @@ static struct neph_bootstrap_bounds bounds_of(double *draws, double value)
 }
 
 enum neph_status neph_bootstrap_tiles(const double *tiles, int tile_count, int sum_count,
-                                      neph_statistic *const *statistics, int statistic_count,
-                                      struct neph_bootstrap_bounds *bounds, struct neph_diag *diag)
+                                      const struct neph_bootstrapped *statistics,
+                                      int statistic_count, struct neph_bootstrap_bounds *bounds,
+                                      struct neph_diag *diag)
 {
     if (sum_count < 1 || sum_count > NEPH_BOOTSTRAP_SUMS_MAX)
         return neph_fail(diag, NEPH_ERR_INTERNAL, "a bootstrap over %d sums, 1..%d are possible",
@@ -88,7 +89,7 @@ enum neph_status neph_bootstrap_tiles(const double *tiles, int tile_count, int s
         add_tile(totals, tiles + (size_t)t * (size_t)sum_count, sum_count);
     for (int k = 0; k < statistic_count; k++) {
         double value = 0.0;
-        if (statistics[k](totals, &value))
+        if (statistics[k].value(statistics[k].context, totals, &value))
             bounds[k] = bounds_of(draws + (size_t)k * NEPH_BOOTSTRAP_RESAMPLES, value);
     }
     free(draws);

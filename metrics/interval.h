@@ -36,7 +36,12 @@ struct neph_tiling {
 struct neph_tiling neph_tiling_of(int width_px, int height_px);
 
 /* A statistic as a function of sums over pixels: false when it is undefined for them. */
-typedef bool neph_statistic(const double *sums, double *value);
+typedef bool neph_statistic(const void *context, const double *sums, double *value);
+
+struct neph_bootstrapped {
+    neph_statistic *value;
+    const void *context;
+};
 
 struct neph_bootstrap_bounds {
     bool defined;
@@ -50,7 +55,8 @@ struct neph_bootstrap_bounds {
  * widened where need be to hold the statistic of the tiles themselves. They are undefined when
  * there are fewer than NEPH_BOOTSTRAP_TILES_MIN tiles or the statistic is undefined in any draw. */
 enum neph_status neph_bootstrap_tiles(const double *tiles, int tile_count, int sum_count,
-                                      neph_statistic *const *statistics, int statistic_count,
-                                      struct neph_bootstrap_bounds *bounds, struct neph_diag *diag);
+                                      const struct neph_bootstrapped *statistics,
+                                      int statistic_count, struct neph_bootstrap_bounds *bounds,
+                                      struct neph_diag *diag);
 
 #endif

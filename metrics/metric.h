@@ -1,18 +1,20 @@
 /* SPDX-License-Identifier: MIT
  *
- * What a metric, a quantity and a measurement are. A metric turns images into one number; a family
- * of metrics that share their work (error.h, later FLIP and flicker) is one file with one table,
- * and one line in metric.c.
+ * What a quantity, a map, a metric and a measurement are. An extractor (extractor.h) turns frames
+ * into maps, one value per pixel; a pool (pooling.h) turns a map into one number over a mask; a
+ * metric is the name of a pool of a map.
  */
 #ifndef NEPH_METRICS_METRIC_H
 #define NEPH_METRICS_METRIC_H
 
 #include "base/image.h"
 
-struct neph_metric {
-    const char *name;
-    const char *unit; /* NULL: the unit of the quantity that is measured */
-    const char *help; /* one line: the definition */
+enum neph_quantity_bit {
+    NEPH_RADIANCE = 1,
+    NEPH_VOLUME = 2,
+    NEPH_TRANSMITTANCE = 4,
+    NEPH_DEPTH = 8,
+    NEPH_LINEAR_RGB = NEPH_RADIANCE | NEPH_VOLUME | NEPH_TRANSMITTANCE,
 };
 
 /* What of a frame is measured. */
@@ -22,28 +24,62 @@ struct neph_quantity {
     const char *help;
     const char *layer; /* of the three channels, as for neph_image_rgb(); or the channel itself */
     int plane_count;   /* 3: R, G, B; 1: the channel `layer` alone */
+    enum neph_quantity_bit bit;
 };
 
-/* One number with everything that a report needs beside it. The strings are static: a measurement
- * owns nothing and outlives the images. No field is ever NaN or infinite. */
+/* How a map becomes a number over a mask. With v the values of the map at the pixels of the mask
+ * (all planes jointly), w those of a second map at the same places, p the parameter: */
+enum neph_pool {
+    NEPH_POOL_MEAN,                /* mean v */
+    NEPH_POOL_RMS,                 /* sqrt(mean v^2) */
+    NEPH_POOL_ROOT_MEAN,           /* sqrt(mean v), 0 when the mean is negative */
+    NEPH_POOL_MEAN_OVER,           /* mean v / mean w */
+    NEPH_POOL_RMS_OVER,            /* sqrt(mean v^2) / mean w */
+    NEPH_POOL_PSNR,                /* 10 log10(p^2 / mean v), v squared errors, p the peak [dB] */
+    NEPH_POOL_SHARE_ABOVE,         /* share of v > p */
+    NEPH_POOL_MAX,                 /* largest v */
+    NEPH_POOL_PERCENTILE,          /* type 7 at the share p of sorted v, see statistics.h */
+    NEPH_POOL_WEIGHTED_PERCENTILE, /* first of sorted v with running sum > p * sum (FLIP's tool) */
+    NEPH_POOL_TRIMMED_MEAN,        /* mean v without the ceil(p n) largest of n */
+    NEPH_POOL_SCALAR, /* not from a map: a number of the whole frame, from extractor->scalar */
+};
+
+struct neph_metric {
+    const char *name; /* unique over all extractors; NULL ends a table */
+    const char *unit; /* NULL: the unit of the quantity that is measured */
+    double low, high; /* range; +-INFINITY where there is no bound */
+    enum neph_pool pool;
+    double parameter;
+    int map;          /* v: index of the extractor's maps; SCALAR: passed to extractor->scalar */
+    int over;         /* w */
+    const char *help; /* one line: the definition */
+};
+
+/* What an interval speaks about. */
+enum neph_interval_kind {
+    NEPH_INTERVAL_NONE,          /* too few tiles or cycles, or none is defined for this metric */
+    NEPH_INTERVAL_DETERMINISTIC, /* the number is exact for these frames; nothing was drawn */
+    NEPH_INTERVAL_TILES,         /* bootstrap over tiles, see interval.h: n tiles */
+    NEPH_INTERVAL_CYCLES,        /* batch means over whole cycles, see series.h: n batches */
+};
+
+/* One number with everything that a report needs beside it. The pointers are static: a
+ * measurement owns nothing and outlives the images. No field is ever NaN or infinite. */
 struct neph_measurement {
-    const char *metric;
+    const struct neph_metric *metric;
+    const struct neph_quantity *quantity;
     const char *unit;
-    const char *quantity;
-    const char *mask;
+    char mask[NEPH_IMAGE_NAME_MAX];
+    int frame; /* of the sequence; -1: of all its frames together */
     bool defined;
     const char *undefined_because; /* NULL when defined */
     double value;                  /* 0 when undefined */
-    bool has_interval;
-    double low, high;   /* 95 %, see interval.h; they hold `value`; 0 without an interval */
+    enum neph_interval_kind interval;
+    double low, high;   /* 95 %; they hold `value`; 0 without bounds */
+    int n;              /* tiles or batches behind the interval; else frames behind the value */
     size_t pixel_count; /* that the number is taken over */
     size_t bad_count;   /* further pixels of the mask, not finite in one image or in both */
 };
-
-/* All metrics of all families, in the order of reports. NULL outside 0..count-1. */
-int neph_metric_count(void);
-const struct neph_metric *neph_metric_at(int index);
-const struct neph_metric *neph_metric_find(const char *name);
 
 /* All quantities: radiance, volume, transmittance, depth. NULL outside 0..count-1. */
 int neph_quantity_count(void);

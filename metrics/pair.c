@@ -8,21 +8,24 @@
 
 enum { SUM_COUNT, SUM_MEAN, SUM_DIFFERENCE, SUM_PRODUCT, SUM_NOISE, SUMS };
 
-static bool mean_difference(const double *sums, double *value)
+static bool mean_difference(const void *context, const double *sums, double *value)
 {
+    (void)context;
     *value = sums[SUM_DIFFERENCE] / sums[SUM_MEAN];
     return sums[SUM_MEAN] > 0.0;
 }
 
-static bool squared_difference(const double *sums, double *value)
+static bool squared_difference(const void *context, const double *sums, double *value)
 {
+    (void)context;
     const double mean = sums[SUM_MEAN] / sums[SUM_COUNT];
     *value = sums[SUM_PRODUCT] / sums[SUM_COUNT] / (mean * mean);
     return mean > 0.0;
 }
 
-static bool squared_noise(const double *sums, double *value)
+static bool squared_noise(const void *context, const double *sums, double *value)
 {
+    (void)context;
     const double mean = sums[SUM_MEAN] / sums[SUM_COUNT];
     *value = sums[SUM_NOISE] / sums[SUM_COUNT] / (mean * mean);
     return mean > 0.0;
@@ -98,8 +101,8 @@ enum neph_status neph_pair_compare(const struct neph_image *const frames[4],
                                    const struct neph_mask *mask, double critical_z,
                                    struct neph_pair *pair, struct neph_diag *diag)
 {
-    static neph_statistic *const statistics[3] = {mean_difference, squared_difference,
-                                                  squared_noise};
+    static const struct neph_bootstrapped statistics[3] = {
+        {mean_difference, NULL}, {squared_difference, NULL}, {squared_noise, NULL}};
     float *planes[4][3];
     for (int i = 0; i < 4; i++) {
         if (frames[i]->width_px != mask->width_px || frames[i]->height_px != mask->height_px)
@@ -128,7 +131,7 @@ enum neph_status neph_pair_compare(const struct neph_image *const frames[4],
     if (status)
         return status;
     for (int s = 0; s < 3; s++)
-        if (!bounds[s].defined || !statistics[s](whole, &values[s]))
+        if (!bounds[s].defined || !statistics[s].value(NULL, whole, &values[s]))
             return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
                              "%d tiles of the mask '%s' are too few for an interval, or dark",
                              tile_count, mask->name);

@@ -8,8 +8,7 @@
 #include "tests/neph_test.h"
 
 #include "base/image.h"
-#include "metrics/error.h"
-#include "metrics/mask.h"
+#include "metrics/meter.h"
 
 static inline struct neph_image *create_image(int width_px, int height_px)
 {
@@ -49,27 +48,51 @@ static inline struct neph_mask *create_mask(const struct neph_image *image, cons
     return mask;
 }
 
+enum { MEASURED_MAX = 256 };
+
 struct measured {
-    struct neph_measurement all[NEPH_ERROR_METRIC_MAX];
+    struct neph_measurement all[MEASURED_MAX];
     int count;
 };
+
+/* What one extractor at its defaults says of a pair of images over one mask. */
+static inline struct measured measure_with(const struct neph_extractor *extractor,
+                                           const struct neph_image *reference,
+                                           const struct neph_image *test, const char *quantity,
+                                           const struct neph_mask *mask)
+{
+    const struct neph_meter_choice choice = {extractor, neph_options_default(extractor->options)};
+    const struct neph_meter_params params = {.choices = &choice,
+                                             .choice_count = 1,
+                                             .viewing = NEPH_VIEWING_DEFAULTS,
+                                             .masks = &mask,
+                                             .mask_count = 1,
+                                             .intervals = true};
+    struct neph_meter *meter = NULL;
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_meter_create(&params, &meter, &diag), &diag);
+    neph_assert_ok(neph_meter_frame(meter, reference, NULL, test, &diag), &diag);
+    int count = 0;
+    const struct neph_measurement *all = neph_meter_measurements(meter, &count);
+    struct measured measured = {.count = 0};
+    for (int i = 0; i < count; i++)
+        if (strcmp(all[i].quantity->name, quantity) == 0 && measured.count < MEASURED_MAX)
+            measured.all[measured.count++] = all[i];
+    neph_meter_destroy(meter);
+    return measured;
+}
 
 static inline struct measured measure(const struct neph_image *reference,
                                       const struct neph_image *test, const char *quantity,
                                       const struct neph_mask *mask)
 {
-    struct measured measured = {.count = 0};
-    struct neph_diag diag = {0};
-    neph_assert_ok(
-        neph_error_measure(reference, test, quantity, mask, measured.all, &measured.count, &diag),
-        &diag);
-    return measured;
+    return measure_with(neph_extractor_find("error"), reference, test, quantity, mask);
 }
 
 static inline const struct neph_measurement *find(const struct measured *measured, const char *name)
 {
     for (int i = 0; i < measured->count; i++)
-        if (strcmp(measured->all[i].metric, name) == 0)
+        if (strcmp(measured->all[i].metric->name, name) == 0)
             return &measured->all[i];
     fail_msg("no measurement '%s'", name);
     return NULL;

@@ -5,6 +5,8 @@
  */
 #include "tests/metrics/metrics_test.h"
 
+#include "metrics/extractor.h"
+
 static const double tight = 1e-12;
 
 /* d = .5 -.25 0 | -.25 .25 1; the reference has a mean of 7.75 / 6, a scene mean of 1.10845. */
@@ -49,14 +51,14 @@ static void test_two_pixels_by_hand(void **state)
         struct neph_image *test = rgb_image(2, 1, cases[i].layer, two_pixels_test);
         struct neph_mask *all = create_mask(reference, "all");
         struct measured m = measure(reference, test, cases[i].quantity, all);
-        assert_int_equal(m.count, 11);
+        assert_int_equal(m.count, 12);
         assert_two_pixels(&m);
         for (int k = 0; k < m.count; k++) {
-            assert_string_equal(m.all[k].quantity, cases[i].quantity);
+            assert_string_equal(m.all[k].quantity->name, cases[i].quantity);
             assert_string_equal(m.all[k].mask, "all");
             assert_int_equal(m.all[k].pixel_count, 2);
             assert_int_equal(m.all[k].bad_count, 0);
-            assert_false(m.all[k].has_interval); /* two tiles are too few */
+            assert_int_equal(m.all[k].interval, NEPH_INTERVAL_NONE); /* two tiles are too few */
             assert_null(m.all[k].undefined_because);
         }
         assert_string_equal(find(&m, "rmse")->unit, cases[i].unit);
@@ -125,9 +127,10 @@ static void test_identical_images_are_exactly_zero(void **state)
         assert_true(m.all[i].value == 0.0);
         assert_true(m.all[i].low == 0.0 && m.all[i].high == 0.0);
     }
-    assert_true(find(&m, "bias")->has_interval);
-    assert_true(find(&m, "rel_mse")->has_interval);
-    assert_false(find(&m, "p95")->has_interval);
+    assert_int_equal(find(&m, "bias")->interval, NEPH_INTERVAL_TILES);
+    assert_int_equal(find(&m, "rel_mse")->interval, NEPH_INTERVAL_TILES);
+    assert_int_equal(find(&m, "p95")->interval, NEPH_INTERVAL_TILES);
+    assert_int_equal(find(&m, "max_abs")->interval, NEPH_INTERVAL_NONE);
     neph_mask_destroy(all);
     neph_image_destroy(image);
 }
@@ -141,7 +144,7 @@ static void test_depth_by_hand(void **state)
     add_channel(test, "Z", (float[]){2.5f, 3, INFINITY, INFINITY, 1});
     struct neph_mask *all = create_mask(reference, "all");
     struct measured m = measure(reference, test, "depth", all);
-    assert_int_equal(m.count, 12);
+    assert_int_equal(m.count, 13);
     neph_assert_close(value_of(&m, "bias"), -0.25, tight, 0);
     neph_assert_close(value_of(&m, "rel_bias"), -0.5 / 6, tight, 0);
     neph_assert_close(value_of(&m, "mae"), 0.75, tight, 0);
@@ -174,7 +177,7 @@ static void assert_all_undefined(const struct measured *m, const char *because, 
         assert_false(one->defined);
         assert_string_equal(one->undefined_because, because);
         assert_int_equal(one->bad_count, bad_count);
-        assert_false(one->has_interval);
+        assert_int_equal(one->interval, NEPH_INTERVAL_NONE);
         assert_true(one->value == 0.0 && one->low == 0.0 && one->high == 0.0);
     }
 }
@@ -209,9 +212,9 @@ static void test_bad_pixels_make_undefined(void **state)
         mask->pixel_count -= 2;
         m = measure(images[0], images[1], "radiance", mask);
         assert_true(value_of(&m, "bias") == 1.0);
-        assert_true(find(&m, "bias")->has_interval);
+        assert_int_equal(find(&m, "bias")->interval, NEPH_INTERVAL_TILES);
         assert_false(find(&m, "rel_mse")->defined);
-        assert_false(find(&m, "rel_mse")->has_interval);
+        assert_int_equal(find(&m, "rel_mse")->interval, NEPH_INTERVAL_NONE);
         assert_string_equal(find(&m, "max_rel")->undefined_because,
                             "the mean of the whole reference frame is not positive and finite");
         neph_mask_destroy(mask);
@@ -333,25 +336,32 @@ static void test_refusals(void **state)
     (void)state;
     struct neph_image *small = rgb_image(1, 1, NULL, (float[]){1, 1, 1});
     struct neph_image *large = rgb_image(2, 1, NULL, two_pixels_test);
-    struct neph_mask *mask = create_mask(small, "all");
-    struct measured m = {.count = -1};
+    const struct neph_mask *mask = create_mask(small, "all");
+    const struct neph_meter_choice choice = {neph_extractor_find("error"), {{0}}};
+    struct neph_meter_params params = {.choices = &choice,
+                                       .choice_count = 1,
+                                       .viewing = NEPH_VIEWING_DEFAULTS,
+                                       .masks = &mask,
+                                       .mask_count = 1};
+    struct neph_meter *meter = NULL;
     struct neph_diag diag = {0};
-    assert_int_equal(neph_error_measure(small, small, "colour", mask, m.all, &m.count, &diag),
-                     NEPH_ERR_USAGE);
-    assert_int_equal(neph_error_measure(small, large, "radiance", mask, m.all, &m.count, &diag),
-                     NEPH_ERR_INPUT);
-    assert_int_equal(neph_error_measure(large, large, "radiance", mask, m.all, &m.count, &diag),
-                     NEPH_ERR_INPUT);
+    params.viewing.pixels_per_degree = NAN;
+    assert_int_equal(neph_meter_create(&params, &meter, &diag), NEPH_ERR_INPUT);
+    assert_string_equal(diag.message, "the pixels per degree must be in 1..500, not nan");
+    params.viewing = NEPH_VIEWING_DEFAULTS;
+    neph_assert_ok(neph_meter_create(&params, &meter, &diag), &diag);
+    assert_int_equal(neph_meter_frame(meter, small, NULL, large, &diag), NEPH_ERR_INPUT);
+    assert_int_equal(neph_meter_frame(meter, large, NULL, large, &diag), NEPH_ERR_INPUT);
     assert_non_null(strstr(diag.message, "the mask 'all' is 1x1 pixels, the images 2x1"));
-    assert_int_equal(neph_error_measure(small, small, "depth", mask, m.all, &m.count, &diag),
-                     NEPH_ERR_UNSUPPORTED);
-    assert_string_equal(diag.message, "the reference has no depth to measure");
     add_channel(small, "transmittance.R", NULL); /* one of three is not the layer */
-    assert_int_equal(
-        neph_error_measure(small, small, "transmittance", mask, m.all, &m.count, &diag),
-        NEPH_ERR_UNSUPPORTED);
-    assert_int_equal(m.count, -1);
-    neph_mask_destroy(mask);
+    neph_assert_ok(neph_meter_frame(meter, small, NULL, small, &diag), &diag);
+    int count = 0;
+    const struct neph_measurement *all = neph_meter_measurements(meter, &count);
+    assert_true(count > 0);
+    for (int i = 0; i < count; i++)
+        assert_string_equal(all[i].quantity->name, "radiance");
+    neph_meter_destroy(meter);
+    neph_mask_destroy((struct neph_mask *)mask);
     neph_image_destroy(small);
     neph_image_destroy(large);
 }
@@ -359,15 +369,24 @@ static void test_refusals(void **state)
 static void test_tables(void **state)
 {
     (void)state;
-    assert_int_equal(neph_metric_count(), neph_error_metric_count());
-    for (int i = 0; i < neph_metric_count(); i++) {
-        const struct neph_metric *metric = neph_metric_at(i);
-        assert_ptr_equal(neph_metric_find(metric->name), metric);
-        assert_true(strlen(metric->help) > 0);
+    for (int i = 0; i < neph_extractor_count(); i++) {
+        const struct neph_extractor *extractor = neph_extractor_at(i);
+        assert_ptr_equal(neph_extractor_find(extractor->name), extractor);
+        assert_true(strlen(extractor->help) > 0 && strlen(extractor->source) > 0);
+        assert_in_range(extractor->map_count, 0, NEPH_MAPS_MAX);
+        for (const struct neph_metric *metric = extractor->metrics; metric->name; metric++) {
+            const struct neph_extractor *owner = NULL;
+            assert_ptr_equal(neph_metric_find(metric->name, &owner), metric); /* unique */
+            assert_ptr_equal(owner, extractor);
+            assert_true(strlen(metric->help) > 0);
+            assert_true(metric->low < metric->high);
+            assert_true(metric->pool == NEPH_POOL_SCALAR ||
+                        (metric->map >= 0 && metric->map < extractor->map_count));
+        }
     }
-    assert_null(neph_metric_at(-1));
-    assert_null(neph_metric_at(neph_metric_count()));
-    assert_null(neph_metric_find("vmaf"));
+    assert_null(neph_extractor_at(-1));
+    assert_null(neph_extractor_at(neph_extractor_count()));
+    assert_null(neph_metric_find("vmaf", NULL));
     assert_int_equal(neph_quantity_count(), 4);
     assert_string_equal(neph_quantity_at(3)->name, "depth");
     assert_string_equal(neph_quantity_find("transmittance")->unit, "1");

@@ -91,21 +91,24 @@ static void test_tiling_rule(void **state)
     }
 }
 
-static bool mean_of(const double *sums, double *value)
+static bool mean_of(const void *context, const double *sums, double *value)
 {
+    (void)context;
     *value = sums[1] / sums[0];
     return sums[0] > 0.0;
 }
 
-static bool never(const double *sums, double *value)
+static bool never(const void *context, const double *sums, double *value)
 {
+    (void)context;
     (void)sums;
     (void)value;
     return false;
 }
 
-static bool if_first_tile_is_drawn(const double *sums, double *value)
+static bool if_first_tile_is_drawn(const void *context, const double *sums, double *value)
 {
+    (void)context;
     *value = 1.0;
     return sums[2] > 0.0;
 }
@@ -127,7 +130,8 @@ static void test_bootstrap_of_a_mean(void **state)
         square += x * x;
     }
     double mean = sum / TILES, sigma = sqrt((square / TILES - mean * mean) / TILES);
-    neph_statistic *const statistics[] = {mean_of, never, if_first_tile_is_drawn};
+    const struct neph_bootstrapped statistics[] = {
+        {mean_of, NULL}, {never, NULL}, {if_first_tile_is_drawn, NULL}};
     struct neph_bootstrap_bounds bounds[3], again[3];
     struct neph_diag diag = {0};
     neph_assert_ok(neph_bootstrap_tiles(&tiles[0][0], TILES, 3, statistics, 3, bounds, &diag),
@@ -238,7 +242,7 @@ static void simulate(int side_px, struct blocks blocks, int image_count, uint64_
         struct measured m = measure(reference, test, "depth", all);
         for (int i = 0; i < COVERED_METRICS; i++) {
             const struct neph_measurement *one = find(&m, coverage[i].metric);
-            assert_true(one->has_interval);
+            assert_int_equal(one->interval, NEPH_INTERVAL_TILES);
             assert_true(one->low <= one->value && one->value <= one->high);
             if (one->low <= coverage[i].truth && coverage[i].truth <= one->high)
                 coverage[i].held++;

@@ -1,0 +1,124 @@
+/* SPDX-License-Identifier: MIT */
+#include "base/option.h"
+
+#include "base/files.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct neph_settings neph_options_default(const struct neph_option *options)
+{
+    struct neph_settings settings = {{0}};
+    for (int i = 0; options[i].name; i++)
+        settings.values[i] = options[i].default_value;
+    return settings;
+}
+
+/* Index of the option whose name is the first `length` bytes of `name`, or -1. */
+static int find(const struct neph_option *options, const char *name, size_t length)
+{
+    for (int i = 0; options[i].name; i++)
+        if (strlen(options[i].name) == length && strncmp(options[i].name, name, length) == 0)
+            return i;
+    return -1;
+}
+
+int neph_option_find(const struct neph_option *options, const char *name)
+{
+    return find(options, name, strlen(name));
+}
+
+static void hint_known(const struct neph_option *options, const char *owner, struct neph_diag *diag)
+{
+    char known[384] = "";
+    for (int i = 0; options[i].name; i++) {
+        size_t used = strlen(known);
+        snprintf(known + used, sizeof(known) - used, "%s%s", i ? ", " : "", options[i].name);
+    }
+    if (known[0])
+        neph_hint(diag, "settings of %s: %s", owner, known);
+    else
+        neph_hint(diag, "%s has no settings", owner);
+}
+
+static enum neph_status parse_choice(const struct neph_option *option, const char *text,
+                                     double *value, struct neph_diag *diag)
+{
+    char allowed[256] = "";
+    for (int i = 0; option->choices[i]; i++) {
+        if (strcmp(option->choices[i], text) == 0) {
+            *value = i;
+            return NEPH_OK;
+        }
+        size_t used = strlen(allowed);
+        snprintf(allowed + used, sizeof(allowed) - used, "%s%s", i ? ", " : "", option->choices[i]);
+    }
+    return neph_fail(diag, NEPH_ERR_USAGE, "setting %s: '%s' is not one of: %s", option->name, text,
+                     allowed);
+}
+
+static enum neph_status parse_number(const struct neph_option *option, const char *text,
+                                     double *value, struct neph_diag *diag)
+{
+    const bool integer = option->kind == NEPH_OPTION_INTEGER;
+    char *end;
+    errno = 0;
+    const double parsed = strtod(text, &end);
+    if (end == text || *end != '\0' || !isfinite(parsed) || (integer && parsed != trunc(parsed)))
+        return neph_fail(diag, NEPH_ERR_USAGE, "setting %s: '%s' is not %s", option->name, text,
+                         integer ? "an integer" : "a finite number");
+    if (parsed < option->minimum || parsed > option->maximum)
+        return neph_fail(diag, NEPH_ERR_USAGE, "setting %s: %s is outside %g..%g", option->name,
+                         text, option->minimum, option->maximum);
+    *value = parsed;
+    return NEPH_OK;
+}
+
+enum neph_status neph_options_set(const struct neph_option *options, const char *owner,
+                                  const char *assignment, struct neph_settings *settings,
+                                  struct neph_diag *diag)
+{
+    const char *equals = strchr(assignment, '=');
+    if (!equals)
+        return neph_fail(diag, NEPH_ERR_USAGE, "setting '%s' is not of the form key=value",
+                         assignment);
+    const int index = find(options, assignment, (size_t)(equals - assignment));
+    if (index < 0) {
+        neph_fail(diag, NEPH_ERR_USAGE, "%s has no setting '%.*s'", owner,
+                  (int)(equals - assignment), assignment);
+        hint_known(options, owner, diag);
+        return NEPH_ERR_USAGE;
+    }
+    double *value = &settings->values[index];
+    return options[index].kind == NEPH_OPTION_CHOICE
+               ? parse_choice(&options[index], equals + 1, value, diag)
+               : parse_number(&options[index], equals + 1, value, diag);
+}
+
+/* The shortest text that reads back as the same double. */
+static void print_number(char text[32], double value)
+{
+    snprintf(text, 32, "%.15g", value);
+    if (strtod(text, NULL) != value)
+        snprintf(text, 32, "%.17g", value);
+}
+
+char *neph_options_text(const struct neph_option *options, const struct neph_settings *settings)
+{
+    char *text = neph_format("%s", "");
+    for (int i = 0; text && options[i].name; i++) {
+        char number[32];
+        print_number(number, settings->values[i]);
+        const char *value = options[i].kind == NEPH_OPTION_CHOICE
+                                ? options[i].choices[(int)settings->values[i]]
+                                : number;
+        char *longer = neph_format("%s%s%s=%s", text, i ? " " : "", options[i].name, value);
+        free(text);
+        text = longer;
+    }
+    return text;
+}

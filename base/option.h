@@ -1,0 +1,50 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Declarative options: what an engine or a metric can be set to. The command line, the help text,
+ * the checks and the keys of stored work all come from one table.
+ */
+#ifndef NEPH_BASE_OPTION_H
+#define NEPH_BASE_OPTION_H
+
+#include "base/status.h"
+
+#define NEPH_OPTIONS_MAX 16
+
+enum neph_option_kind {
+    NEPH_OPTION_INTEGER,
+    NEPH_OPTION_REAL,
+    NEPH_OPTION_CHOICE,
+};
+
+/* One option. A table of them ends with a NULL name and has at most NEPH_OPTIONS_MAX. */
+struct neph_option {
+    const char *name;
+    enum neph_option_kind kind;
+    double default_value;       /* CHOICE: index into choices */
+    double minimum, maximum;    /* INTEGER and REAL */
+    const char *const *choices; /* CHOICE: NULL-terminated */
+    const char *help;           /* one line, with the unit */
+};
+
+/* Values of options, by index in their table. */
+struct neph_settings {
+    double values[NEPH_OPTIONS_MAX];
+};
+
+/* Every option at its default. */
+struct neph_settings neph_options_default(const struct neph_option *options);
+
+/* Index of an option by name, or -1. */
+int neph_option_find(const struct neph_option *options, const char *name);
+
+/* Apply "key=value". `owner` ("engine march") is named in errors, which also name the key, the
+ * value, the allowed range and the known keys: NEPH_ERR_USAGE. */
+enum neph_status neph_options_set(const struct neph_option *options, const char *owner,
+                                  const char *assignment, struct neph_settings *settings,
+                                  struct neph_diag *diag);
+
+/* "steps=64 sun=exact", canonical: all options, table order, numbers that read back as the same
+ * double. For the caller to free; NULL when memory is short. */
+char *neph_options_text(const struct neph_option *options, const struct neph_settings *settings);
+
+#endif

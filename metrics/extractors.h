@@ -1,0 +1,12 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The tables of the extractors, one file each; listed in extractor.c in the order of reports.
+ */
+#ifndef NEPH_METRICS_EXTRACTORS_H
+#define NEPH_METRICS_EXTRACTORS_H
+
+#include "metrics/extractor.h"
+
+extern const struct neph_extractor neph_extractor_error;
+
+#endif

@@ -1,0 +1,556 @@
+/* SPDX-License-Identifier: MIT */
+#include "metrics/meter.h"
+
+#include "metrics/interval.h"
+#include "metrics/pooling.h"
+#include "metrics/statistics.h"
+#include "metrics/validity.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* An extractor at work on a quantity. */
+struct run {
+    const struct neph_meter_choice *choice;
+    const struct neph_quantity *quantity;
+    const char *obstacle; /* why it gives nothing; NULL: it does */
+    void *state;          /* owned; NULL while an obstacle stands */
+};
+
+struct neph_meter {
+    struct neph_meter_choice *choices; /* owned */
+    int choice_count;
+    struct neph_viewing viewing;
+    struct neph_pool_mask *masks; /* owned; the masks themselves are borrowed */
+    int mask_count;
+    bool intervals;
+
+    int width_px, height_px; /* of the first frame; 0 before it */
+    int frame_count;
+    struct run *runs; /* owned; made at the first frame */
+    int run_count;
+    struct neph_measurement *measurements; /* owned */
+    int measurement_count, measurement_room;
+};
+
+/* ---- making one ------------------------------------------------------------------------------ */
+
+static enum neph_status check_viewing(const struct neph_viewing *viewing, struct neph_diag *diag)
+{
+    const struct {
+        const char *what;
+        double value, least, most;
+    } conditions[] = {
+        {"the frame rate [Hz]", viewing->frame_rate_hz, 1.0, 1000.0},
+        {"the pixels per degree", viewing->pixels_per_degree, 1.0, 500.0},
+        {"the exposure [EV]", viewing->exposure_ev, -64.0, 64.0},
+        {"the white [cd/m2]", viewing->white_cd_per_m2, 0.1, 1e5},
+    };
+    for (size_t i = 0; i < sizeof(conditions) / sizeof(conditions[0]); i++)
+        if (!(conditions[i].value >= conditions[i].least &&
+              conditions[i].value <= conditions[i].most))
+            return neph_fail(diag, NEPH_ERR_INPUT, "%s must be in %g..%g, not %g",
+                             conditions[i].what, conditions[i].least, conditions[i].most,
+                             conditions[i].value);
+    return NEPH_OK;
+}
+
+static enum neph_status copy_params(struct neph_meter *meter,
+                                    const struct neph_meter_params *params, struct neph_diag *diag)
+{
+    meter->viewing = params->viewing;
+    meter->intervals = params->intervals;
+    meter->choices = calloc((size_t)params->choice_count + 1, sizeof(*meter->choices));
+    meter->masks = calloc((size_t)params->mask_count + 1, sizeof(*meter->masks));
+    if (!meter->choices || !meter->masks)
+        return neph_fail_memory(diag);
+    for (int i = 0; i < params->choice_count; i++)
+        meter->choices[meter->choice_count++] = params->choices[i];
+    for (int i = 0; i < params->mask_count; i++) {
+        enum neph_status status = neph_pool_mask_create(params->masks[i],
+                                                        &meter->masks[meter->mask_count], diag);
+        if (status)
+            return status;
+        meter->mask_count++;
+    }
+    return NEPH_OK;
+}
+
+enum neph_status neph_meter_create(const struct neph_meter_params *params,
+                                   struct neph_meter **meter, struct neph_diag *diag)
+{
+    enum neph_status status = check_viewing(&params->viewing, diag);
+    if (status)
+        return status;
+    struct neph_meter *created = calloc(1, sizeof(*created));
+    if (!created)
+        return neph_fail_memory(diag);
+    status = copy_params(created, params, diag);
+    if (status) {
+        neph_meter_destroy(created);
+        return status;
+    }
+    *meter = created;
+    return NEPH_OK;
+}
+
+void neph_meter_destroy(struct neph_meter *meter)
+{
+    if (!meter)
+        return;
+    for (int i = 0; i < meter->run_count; i++) {
+        struct run *run = &meter->runs[i];
+        if (run->state && run->choice->extractor->close)
+            run->choice->extractor->close(run->state);
+        free(run->state);
+    }
+    for (int i = 0; i < meter->mask_count; i++)
+        neph_pool_mask_finish(&meter->masks[i]);
+    free(meter->runs);
+    free(meter->choices);
+    free(meter->masks);
+    free(meter->measurements);
+    free(meter);
+}
+
+/* ---- a pair of frames ------------------------------------------------------------------------ */
+
+/* S of extractor.h: NaN when there is none. */
+static double scene_mean(const struct neph_frame_pair *pair)
+{
+    const float *const *planes = pair->reference;
+    const bool is_depth = pair->quantity->bit == NEPH_DEPTH;
+    const size_t width = (size_t)pair->width_px;
+    struct neph_sum sum = {0};
+    size_t count = 0;
+    for (size_t row = 0; row < (size_t)pair->height_px; row++) {
+        double row_sum = 0.0;
+        for (size_t i = row * width; i < (row + 1) * width; i++) {
+            const double value = is_depth
+                                     ? (double)planes[0][i]
+                                     : neph_luminance((double)planes[0][i], (double)planes[1][i],
+                                                      (double)planes[2][i]);
+            const bool is_sky = is_depth && value == INFINITY;
+            row_sum += is_sky ? 0.0 : value;
+            count += !is_sky;
+        }
+        neph_sum_add(&sum, row_sum);
+    }
+    const double mean = count > 0 ? neph_sum_value(&sum) / (double)count : 0.0;
+    return mean > 0.0 && isfinite(mean) ? mean : NAN;
+}
+
+static bool pair_up(const struct neph_meter *meter, const struct neph_quantity *quantity,
+                    const struct neph_image *const images[3], struct neph_frame_pair *pair)
+{
+    *pair = (struct neph_frame_pair){
+        .quantity = quantity,
+        .width_px = images[0]->width_px,
+        .height_px = images[0]->height_px,
+        .plane_count = quantity->plane_count,
+        .reference_image = images[0],
+        .test_image = images[2],
+        .frame = meter->frame_count,
+        .viewing = &meter->viewing,
+    };
+    if (!neph_quantity_planes(quantity, images[0], pair->reference) ||
+        !neph_quantity_planes(quantity, images[2], pair->test))
+        return false;
+    if (images[1])
+        neph_quantity_planes(quantity, images[1], pair->reference_second);
+    pair->scene_mean = scene_mean(pair);
+    return true;
+}
+
+static bool is_good(const struct neph_frame_pair *pair, size_t pixel)
+{
+    const bool is_depth = pair->quantity->bit == NEPH_DEPTH;
+    bool good = true;
+    for (int p = 0; p < pair->plane_count; p++) {
+        const float reference = pair->reference[p][pixel], test = pair->test[p][pixel];
+        good &= isfinite(reference) || (is_depth && reference == INFINITY);
+        good &= isfinite(test) || (is_depth && test == INFINITY);
+    }
+    return good;
+}
+
+/* Whether all samples of a row are finite: then nothing in it is bad. The sum of finite floats is
+ * finite in double. */
+static bool row_is_finite(const struct neph_frame_pair *pair, size_t first)
+{
+    double sum = 0.0;
+    for (int p = 0; p < pair->plane_count; p++)
+        for (size_t i = first; i < first + (size_t)pair->width_px; i++)
+            sum += (double)pair->reference[p][i] * 0.0 + (double)pair->test[p][i] * 0.0;
+    return isfinite(sum);
+}
+
+/* Count the bad pixels of each mask; return those of the whole frame. */
+static size_t count_bad(struct neph_meter *meter, const struct neph_frame_pair *pair, size_t *bad)
+{
+    size_t all = 0;
+    const size_t width = (size_t)pair->width_px, count = width * (size_t)pair->height_px;
+    for (size_t first = 0; first < count; first += width) {
+        if (row_is_finite(pair, first))
+            continue;
+        for (size_t i = first; i < first + width; i++) {
+            if (is_good(pair, i))
+                continue;
+            all++;
+            for (int m = 0; m < meter->mask_count; m++)
+                bad[m] += meter->masks[m].mask->inside[i];
+        }
+    }
+    return all;
+}
+
+/* ---- numbers --------------------------------------------------------------------------------- */
+
+static enum neph_status append(struct neph_meter *meter, const struct neph_measurement *measured,
+                               struct neph_diag *diag)
+{
+    if (meter->measurement_count == meter->measurement_room) {
+        const int room = meter->measurement_room ? 2 * meter->measurement_room : 64;
+        struct neph_measurement *larger = realloc(meter->measurements,
+                                                  (size_t)room * sizeof(*larger));
+        if (!larger)
+            return neph_fail_memory(diag);
+        meter->measurements = larger;
+        meter->measurement_room = room;
+    }
+    meter->measurements[meter->measurement_count++] = *measured;
+    return NEPH_OK;
+}
+
+static struct neph_measurement blank(const struct run *run, const struct neph_metric *metric,
+                                     const struct neph_mask *mask, int frame)
+{
+    struct neph_measurement measured = {
+        .metric = metric,
+        .quantity = run->quantity,
+        .unit = metric->unit ? metric->unit : run->quantity->unit,
+        .frame = frame,
+        .n = 1,
+    };
+    snprintf(measured.mask, sizeof(measured.mask), "%s", mask->name);
+    return measured;
+}
+
+static enum neph_status append_pooled(struct neph_meter *meter, const struct run *run,
+                                      const struct neph_metric *metric, int mask, size_t bad_count,
+                                      int frame, const struct neph_pooled *pooled,
+                                      struct neph_diag *diag)
+{
+    struct neph_measurement measured = blank(run, metric, meter->masks[mask].mask, frame);
+    measured.defined = pooled->defined;
+    measured.undefined_because = pooled->undefined_because;
+    measured.value = pooled->value;
+    measured.bad_count = bad_count;
+    measured.pixel_count = meter->masks[mask].is_bad
+                               ? meter->masks[mask].mask->pixel_count - bad_count
+                               : pooled->pixel_count;
+    if (pooled->has_interval) {
+        measured.interval = NEPH_INTERVAL_TILES;
+        measured.low = pooled->low;
+        measured.high = pooled->high;
+        measured.n = pooled->tile_count;
+    }
+    return append(meter, &measured, diag);
+}
+
+static bool map_applies(const struct neph_map *map, const struct neph_quantity *quantity)
+{
+    return map->quantities == 0 || (map->quantities & (unsigned)quantity->bit) != 0;
+}
+
+static struct neph_pool_source source_of(const struct neph_meter *meter, const struct run *run,
+                                         int map)
+{
+    const struct neph_extractor *extractor = run->choice->extractor;
+    const int planes = extractor->maps[map].plane_count;
+    return (struct neph_pool_source){
+        .rows = extractor->rows,
+        .state = run->state,
+        .width_px = meter->width_px,
+        .height_px = meter->height_px,
+        .plane_count = planes ? planes : run->quantity->plane_count,
+        .empty_because = extractor->maps[map].empty_because,
+    };
+}
+
+enum { METRICS_OF_MAP_MAX = 32 };
+
+static enum neph_status pool_one_map(struct neph_meter *meter, const struct run *run, int map,
+                                     const size_t *bad, int frame, struct neph_diag *diag)
+{
+    const struct neph_metric *metrics[METRICS_OF_MAP_MAX];
+    int count = 0;
+    for (const struct neph_metric *m = run->choice->extractor->metrics; m->name; m++)
+        if (m->map == map && m->pool != NEPH_POOL_SCALAR && count < METRICS_OF_MAP_MAX)
+            metrics[count++] = m;
+    if (count == 0 || !map_applies(&run->choice->extractor->maps[map], run->quantity))
+        return NEPH_OK;
+    struct neph_pooled *pooled = calloc((size_t)(count * meter->mask_count), sizeof(*pooled));
+    if (!pooled)
+        return neph_fail_memory(diag);
+    const struct neph_pool_source source = source_of(meter, run, map);
+    enum neph_status status = neph_pool_map(&source, metrics, count, meter->masks,
+                                            meter->mask_count, meter->intervals, pooled, diag);
+    for (int k = 0; k < meter->mask_count; k++)
+        for (int m = 0; m < count && !status; m++)
+            status = append_pooled(meter, run, metrics[m], k, bad ? bad[k] : 0, frame,
+                                   &pooled[k * count + m], diag);
+    free(pooled);
+    return status;
+}
+
+static const char bad_frame[] = "a pixel of a frame is not finite";
+
+/* Numbers of the whole frame stand under the first mask, which is the whole frame. */
+static enum neph_status take_scalars(struct neph_meter *meter, const struct run *run, int frame,
+                                     struct neph_diag *diag)
+{
+    enum neph_status status = NEPH_OK;
+    for (const struct neph_metric *m = run->choice->extractor->metrics; m->name && !status; m++) {
+        if (m->pool != NEPH_POOL_SCALAR)
+            continue;
+        struct neph_measurement measured = blank(run, m, meter->masks[0].mask, frame);
+        double value = 0.0;
+        measured.undefined_because = meter->masks[0].is_bad ? bad_frame
+                                                            : run->choice->extractor->scalar(
+                                                                  run->state, m->map, &value);
+        measured.defined = !measured.undefined_because;
+        measured.value = measured.defined ? value : 0.0;
+        measured.interval = measured.defined ? NEPH_INTERVAL_DETERMINISTIC : NEPH_INTERVAL_NONE;
+        measured.pixel_count = meter->masks[0].mask->pixel_count;
+        status = append(meter, &measured, diag);
+    }
+    return status;
+}
+
+static enum neph_status take_numbers(struct neph_meter *meter, const struct run *run,
+                                     const size_t *bad, int frame, struct neph_diag *diag)
+{
+    enum neph_status status = NEPH_OK;
+    for (int map = 0; map < run->choice->extractor->map_count && !status; map++)
+        status = pool_one_map(meter, run, map, bad, frame, diag);
+    return status ? status : take_scalars(meter, run, frame, diag);
+}
+
+/* ---- the runs -------------------------------------------------------------------------------- */
+
+static enum neph_status start_run(struct run *run, const struct neph_frame_pair *pair,
+                                  struct neph_diag *diag)
+{
+    const struct neph_extractor *extractor = run->choice->extractor;
+    const struct neph_settings *settings = &run->choice->settings;
+    run->obstacle = extractor->obstacle ? extractor->obstacle(pair, settings) : NULL;
+    if (run->obstacle)
+        return NEPH_OK;
+    run->state = calloc(1, extractor->state_size);
+    if (!run->state)
+        return neph_fail_memory(diag);
+    return extractor->init ? extractor->init(run->state, pair, settings, diag) : NEPH_OK;
+}
+
+/* At the first frame: one run for each choice and each quantity that both images have. */
+static enum neph_status start_runs(struct neph_meter *meter,
+                                   const struct neph_image *const images[3], struct neph_diag *diag)
+{
+    const int room = neph_quantity_count() * meter->choice_count;
+    meter->runs = calloc((size_t)room + 1, sizeof(*meter->runs));
+    if (!meter->runs)
+        return neph_fail_memory(diag);
+    meter->width_px = images[0]->width_px;
+    meter->height_px = images[0]->height_px;
+    enum neph_status status = NEPH_OK;
+    for (int q = 0; q < neph_quantity_count(); q++) {
+        const struct neph_quantity *quantity = neph_quantity_at(q);
+        struct neph_frame_pair pair;
+        if (!pair_up(meter, quantity, images, &pair))
+            continue;
+        for (int c = 0; c < meter->choice_count && !status; c++) {
+            const struct neph_meter_choice *choice = &meter->choices[c];
+            if (!(choice->extractor->quantities & (unsigned)quantity->bit))
+                continue;
+            struct run *run = &meter->runs[meter->run_count++];
+            *run = (struct run){.choice = choice, .quantity = quantity};
+            status = start_run(run, &pair, diag);
+        }
+    }
+    return status;
+}
+
+static enum neph_status check_sizes(const struct neph_meter *meter,
+                                    const struct neph_image *const images[3],
+                                    struct neph_diag *diag)
+{
+    enum neph_status status = neph_validity_same_size(images[0], images[2], diag);
+    if (!status && images[1])
+        status = neph_validity_same_size(images[0], images[1], diag);
+    if (status)
+        return status;
+    const int width = images[0]->width_px, height = images[0]->height_px;
+    for (int m = 0; m < meter->mask_count; m++) {
+        const struct neph_mask *mask = meter->masks[m].mask;
+        if (mask->width_px != width || mask->height_px != height)
+            return neph_fail(diag, NEPH_ERR_INPUT,
+                             "the mask '%s' is %dx%d pixels, the images %dx%d", mask->name,
+                             mask->width_px, mask->height_px, width, height);
+    }
+    if (meter->width_px > 0 && (meter->width_px != width || meter->height_px != height))
+        return neph_fail(diag, NEPH_ERR_INPUT, "frame %d is %dx%d pixels, those before %dx%d",
+                         meter->frame_count, width, height, meter->width_px, meter->height_px);
+    return NEPH_OK;
+}
+
+/* One extractor over one pair. `bad` counts by mask, `all_bad` over the frame. */
+static enum neph_status measure_run(struct neph_meter *meter, struct run *run,
+                                    const struct neph_frame_pair *pair, const size_t *bad,
+                                    size_t all_bad, struct neph_diag *diag)
+{
+    const struct neph_extractor *extractor = run->choice->extractor;
+    if (run->obstacle)
+        return NEPH_OK;
+    if (all_bad > 0 && extractor->temporal) {
+        run->obstacle = bad_frame; /* from here on nothing in order is left to measure */
+        return NEPH_OK;
+    }
+    for (int m = 0; m < meter->mask_count; m++)
+        meter->masks[m].is_bad = extractor->pointwise ? bad[m] > 0 : all_bad > 0;
+    enum neph_status status = NEPH_OK;
+    if (extractor->pointwise || all_bad == 0)
+        status = extractor->extract(run->state, pair, diag);
+    if (!status && !extractor->temporal)
+        status = take_numbers(meter, run, bad, pair->frame, diag);
+    return status;
+}
+
+enum neph_status neph_meter_frame(struct neph_meter *meter, const struct neph_image *reference,
+                                  const struct neph_image *reference_second,
+                                  const struct neph_image *test, struct neph_diag *diag)
+{
+    const struct neph_image *const images[3] = {reference, reference_second, test};
+    enum neph_status status = check_sizes(meter, images, diag);
+    if (!status && meter->frame_count == 0)
+        status = start_runs(meter, images, diag);
+    size_t *bad = calloc((size_t)meter->mask_count + 1, sizeof(*bad));
+    if (!status && !bad)
+        status = neph_fail_memory(diag);
+    const struct neph_quantity *quantity = NULL;
+    struct neph_frame_pair pair = {.frame = 0};
+    size_t all_bad = 0;
+    for (int r = 0; r < meter->run_count && !status; r++) {
+        struct run *run = &meter->runs[r];
+        if (run->quantity != quantity) { /* the runs of a quantity stand together */
+            quantity = run->quantity;
+            if (!pair_up(meter, quantity, images, &pair)) {
+                status = neph_fail(diag, NEPH_ERR_INPUT, "frame %d has no %s, the first one has",
+                                   meter->frame_count, quantity->name);
+                break;
+            }
+            memset(bad, 0, (size_t)meter->mask_count * sizeof(*bad));
+            all_bad = count_bad(meter, &pair, bad);
+        }
+        status = measure_run(meter, run, &pair, bad, all_bad, diag);
+    }
+    free(bad);
+    meter->frame_count += !status;
+    return status;
+}
+
+enum neph_status neph_meter_finish(struct neph_meter *meter, struct neph_diag *diag)
+{
+    enum neph_status status = NEPH_OK;
+    for (int m = 0; m < meter->mask_count; m++)
+        meter->masks[m].is_bad = false;
+    for (int r = 0; r < meter->run_count && !status; r++) {
+        struct run *run = &meter->runs[r];
+        const struct neph_extractor *extractor = run->choice->extractor;
+        if (!extractor->temporal || run->obstacle)
+            continue;
+        status = extractor->flush ? extractor->flush(run->state, diag) : NEPH_OK;
+        if (!status)
+            status = take_numbers(meter, run, NULL, -1, diag);
+    }
+    return status;
+}
+
+const struct neph_measurement *neph_meter_measurements(const struct neph_meter *meter, int *count)
+{
+    *count = meter->measurement_count;
+    return meter->measurements;
+}
+
+/* ---- maps ------------------------------------------------------------------------------------ */
+
+static const struct run *find_run(const struct neph_meter *meter,
+                                  const struct neph_quantity *quantity,
+                                  const struct neph_extractor *extractor)
+{
+    for (int r = 0; r < meter->run_count; r++)
+        if (meter->runs[r].quantity == quantity && meter->runs[r].choice->extractor == extractor)
+            return &meter->runs[r];
+    return NULL;
+}
+
+const char *neph_meter_obstacle(const struct neph_meter *meter,
+                                const struct neph_quantity *quantity,
+                                const struct neph_extractor *extractor)
+{
+    const struct run *run = find_run(meter, quantity, extractor);
+    return run ? run->obstacle : "it is not taken of this quantity here";
+}
+
+static enum neph_status add_planes(struct neph_image *image, int plane_count, float *planes[3],
+                                   struct neph_diag *diag)
+{
+    return plane_count == 3 ? neph_image_add_rgb(image, NULL, planes, diag)
+                            : neph_image_add_channel(image, "Y", &planes[0], diag);
+}
+
+/* Row by row, so that no second picture in double is needed. */
+static enum neph_status fill_image(const struct neph_pool_source *source, int map,
+                                   float *const planes[3], struct neph_diag *diag)
+{
+    const size_t width = (size_t)source->width_px;
+    double *row = malloc(3 * width * sizeof(*row));
+    if (!row)
+        return neph_fail_memory(diag);
+    double *const values[3] = {row, row + width, row + 2 * width};
+    for (int y = 0; y < source->height_px; y++) {
+        source->rows(source->state, map, y, 1, values);
+        for (int p = 0; p < source->plane_count; p++)
+            for (size_t x = 0; x < width; x++)
+                planes[p][(size_t)y * width + x] = (float)values[p][x];
+    }
+    free(row);
+    return NEPH_OK;
+}
+
+enum neph_status neph_meter_map(const struct neph_meter *meter,
+                                const struct neph_quantity *quantity,
+                                const struct neph_extractor *extractor, int map,
+                                struct neph_image **image, struct neph_diag *diag)
+{
+    const struct run *run = find_run(meter, quantity, extractor);
+    if (!run || run->obstacle)
+        return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "there is no map of %s: %s", extractor->name,
+                         neph_meter_obstacle(meter, quantity, extractor));
+    const struct neph_pool_source source = source_of(meter, run, map);
+    struct neph_image *created = NULL;
+    float *planes[3] = {NULL, NULL, NULL};
+    enum neph_status status = neph_image_create(source.width_px, source.height_px, &created, diag);
+    if (!status)
+        status = add_planes(created, source.plane_count, planes, diag);
+    if (!status)
+        status = fill_image(&source, map, planes, diag);
+    if (status) {
+        neph_image_destroy(created);
+        return status;
+    }
+    *image = created;
+    return NEPH_OK;
+}

@@ -1,0 +1,60 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Order statistics of millions of values without sorting them. Values are kept as keys: unsigned
+ * numbers in the order of the floats that they stand for.
+ */
+#ifndef NEPH_METRICS_SELECT_H
+#define NEPH_METRICS_SELECT_H
+
+#include "base/status.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdint.h>
+#include <string.h>
+
+/* The key of a finite double, rounded to float (6e-8 of it) and held within FLT_MAX. */
+static inline uint32_t neph_key_of(double value)
+{
+    const float rounded = (float)fmin(fmax(value, -(double)FLT_MAX), (double)FLT_MAX);
+    uint32_t bits;
+    memcpy(&bits, &rounded, sizeof(bits));
+    return bits ^ ((uint32_t)((int32_t)bits >> 31) | 0x80000000u);
+}
+
+static inline double neph_key_value(uint32_t key)
+{
+    const uint32_t bits = key ^ (((key >> 31) - 1) | 0x80000000u);
+    float value;
+    memcpy(&value, &bits, sizeof(value));
+    return (double)value;
+}
+
+/* Runs of keys: run r holds counts[r] keys from keys[first[r]] on. */
+struct neph_key_runs {
+    const uint32_t *keys;
+    const size_t *first;
+    const uint32_t *counts;
+    int run_count;
+    size_t key_count; /* of all runs together */
+};
+
+/* The order statistics of a set of keys; made once, asked often. */
+struct neph_selector;
+
+/* `runs` is borrowed for the life. NULL (and a diag) when memory is short. */
+enum neph_status neph_selector_create(const struct neph_key_runs *runs,
+                                      struct neph_selector **selector, struct neph_diag *diag);
+void neph_selector_destroy(struct neph_selector *selector); /* NULL is fine */
+
+/* The key of that rank, 0 .. key_count - 1 in ascending order. */
+uint32_t neph_select_rank(struct neph_selector *selector, size_t rank);
+
+/* The percentile at `share` (0..1), type 7 as neph_percentile(). key_count >= 1. */
+double neph_select_percentile(struct neph_selector *selector, double share);
+
+/* The first value of the ascending order whose running sum of values exceeds share * the sum of all
+ * (the "weighted percentile" of FLIP's tool; values >= 0); 0 when all values are 0. */
+double neph_select_weighted(struct neph_selector *selector, double share);
+
+#endif
