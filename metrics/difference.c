@@ -34,12 +34,34 @@ const struct neph_display_legend *neph_display_difference_legend(void)
     return &legend;
 }
 
-static void colour_between(double position, uint8_t rgb[3])
+/* Magma in 9 stops (van der Walt and Smith, matplotlib 2015, CC0), black for nothing. Its colours
+ * end in a pale yellow; what lies beyond the scale is green and what has no value is teal. */
+static const struct neph_display_stop amount_stops[] = {
+    {0.0, {0x00, 0x00, 0x04}},   {0.125, {0x1c, 0x10, 0x44}}, {0.25, {0x4f, 0x12, 0x7b}},
+    {0.375, {0x81, 0x25, 0x81}}, {0.5, {0xb5, 0x36, 0x7a}},   {0.625, {0xe5, 0x50, 0x64}},
+    {0.75, {0xfb, 0x87, 0x61}},  {0.875, {0xfe, 0xc2, 0x87}}, {1.0, {0xfc, 0xfd, 0xbf}},
+};
+
+static const struct neph_display_legend amount_legend = {
+    .stops = amount_stops,
+    .stop_count = sizeof(amount_stops) / sizeof(amount_stops[0]),
+    .below = {0x00, 0x00, 0x04}, /* noise-corrected amounts may not go below 0 */
+    .above = {0x00, 0xff, 0x40},
+    .not_a_number = {0x00, 0x60, 0x60},
+};
+
+const struct neph_display_legend *neph_display_amount_legend(void)
+{
+    return &amount_legend;
+}
+
+static void colour_between(const struct neph_display_legend *colours, double position,
+                           uint8_t rgb[3])
 {
     int upper = 1;
-    while (upper < STOP_COUNT - 1 && position > stops[upper].position)
+    while (upper < colours->stop_count - 1 && position > colours->stops[upper].position)
         upper++;
-    const struct neph_display_stop *a = &stops[upper - 1], *b = &stops[upper];
+    const struct neph_display_stop *a = &colours->stops[upper - 1], *b = &colours->stops[upper];
     double share = (position - a->position) / (b->position - a->position);
     for (int c = 0; c < 3; c++) {
         double code = (double)a->rgb[c] + share * ((double)b->rgb[c] - (double)a->rgb[c]);
@@ -47,22 +69,34 @@ static void colour_between(double position, uint8_t rgb[3])
     }
 }
 
-static void colour_of(double position, uint8_t rgb[3])
+static void colour_of(const struct neph_display_legend *colours, double position, uint8_t rgb[3])
 {
     if (isnan(position))
-        memcpy(rgb, legend.not_a_number, 3);
-    else if (position < -1.0)
-        memcpy(rgb, legend.below, 3);
+        memcpy(rgb, colours->not_a_number, 3);
+    else if (position < colours->stops[0].position)
+        memcpy(rgb, colours->below, 3);
     else if (position > 1.0)
-        memcpy(rgb, legend.above, 3);
+        memcpy(rgb, colours->above, 3);
     else
-        colour_between(position, rgb);
+        colour_between(colours, position, rgb);
 }
 
 /* Of one plane, where infinity is a value: the sky. */
 static double plane_difference(float reference, float test)
 {
     return reference == test ? 0.0 : (double)test - (double)reference;
+}
+
+static enum neph_status check_map(int plane_count, double scale, struct neph_diag *diag)
+{
+    if (!(scale > 0.0) || !isfinite(scale))
+        return neph_fail(diag, NEPH_ERR_INPUT,
+                         "the scale of a difference map must be positive and finite, not %g",
+                         scale);
+    if (plane_count != 1 && plane_count != 3)
+        return neph_fail(diag, NEPH_ERR_INTERNAL, "a difference map of %d planes, not 1 or 3",
+                         plane_count);
+    return NEPH_OK;
 }
 
 static double luminance_difference(const float *const *reference, const float *const *test,
@@ -81,17 +115,31 @@ enum neph_status neph_display_difference(const float *const *reference, const fl
                                          int plane_count, size_t pixel_count, double scale,
                                          uint8_t *out_rgb, struct neph_diag *diag)
 {
-    if (!(scale > 0.0) || !isfinite(scale))
-        return neph_fail(diag, NEPH_ERR_INPUT,
-                         "the scale of a difference map must be positive and finite, not %g",
-                         scale);
-    if (plane_count != 1 && plane_count != 3)
-        return neph_fail(diag, NEPH_ERR_INTERNAL, "a difference map of %d planes, not 1 or 3",
-                         plane_count);
+    const enum neph_status status = check_map(plane_count, scale, diag);
+    if (status)
+        return status;
     for (size_t i = 0; i < pixel_count; i++) {
         double d = plane_count == 1 ? plane_difference(reference[0][i], test[0][i])
                                     : luminance_difference(reference, test, i);
-        colour_of(d / scale, out_rgb + 3 * i);
+        colour_of(&legend, d / scale, out_rgb + 3 * i);
+    }
+    return NEPH_OK;
+}
+
+enum neph_status neph_display_map(const float *const *planes, int plane_count, size_t pixel_count,
+                                  bool is_signed, double scale, uint8_t *out_rgb,
+                                  struct neph_diag *diag)
+{
+    const enum neph_status status = check_map(plane_count, scale, diag);
+    if (status)
+        return status;
+    const struct neph_display_legend *colours = is_signed ? &legend : &amount_legend;
+    for (size_t i = 0; i < pixel_count; i++) {
+        const double value = plane_count == 1
+                                 ? (double)planes[0][i]
+                                 : neph_luminance((double)planes[0][i], (double)planes[1][i],
+                                                  (double)planes[2][i]);
+        colour_of(colours, value / scale, out_rgb + 3 * i);
     }
     return NEPH_OK;
 }
