@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT
  *
  * Pictures go out through libpng's simplified API. Code values come in through the classic one,
- * because the simplified API always converts 16-bit files to linear light. Both work in memory,
- * with base/files.h doing the rest.
+ * because the simplified API always converts 16-bit files to linear light, and believes any gAMA
+ * chunk. Both work in memory, with base/files.h doing the rest.
  */
 #include "base/png.h"
 
 #include "base/files.h"
-#include "base/image.h"
 
+#include <math.h>
 #include <setjmp.h>
 #include <stdbool.h>
 #include <stdio.h>
@@ -62,8 +62,9 @@ struct reader {
     char *file;
     size_t file_size, position;
     int width_px, height_px;
-    uint16_t *rgb;
+    void *samples; /* rows as libpng gives them */
     png_bytep *rows;
+    struct neph_image *image; /* of neph_png_read_image() */
     png_structp png;
     png_infop info;
     jmp_buf escape;
@@ -119,37 +120,59 @@ static const char *colour_type_name(int colour_type)
     }
 }
 
-static void read_header(struct reader *reader)
+/* Deflate cannot shrink by more than this (zlib's technical details: 1032:1), so that a small file
+ * that promises gigabytes is found out before memory is asked for. */
+static const size_t shrink_max = 1032;
+
+/* Read all rows into `samples`, row_bytes each. */
+static void read_rows(struct reader *reader, size_t row_bytes)
+{
+    const size_t height = (size_t)reader->height_px;
+    const size_t file_row_bytes = png_get_rowbytes(reader->png, reader->info);
+    if (reader->file_size < file_row_bytes * height / shrink_max)
+        escape_with(reader, neph_fail(reader->diag, NEPH_ERR_INPUT,
+                                      "'%s' is truncated or damaged: %zu bytes cannot hold %dx%d "
+                                      "pixels",
+                                      reader->path, reader->file_size, reader->width_px,
+                                      reader->height_px));
+    reader->samples = calloc(height, row_bytes);
+    reader->rows = calloc(height, sizeof(png_bytep));
+    if (!reader->samples || !reader->rows)
+        escape_with(reader, neph_fail_memory(reader->diag));
+    for (size_t y = 0; y < height; y++)
+        reader->rows[y] = (png_bytep)reader->samples + y * row_bytes;
+#if __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__
+    png_set_swap(reader->png); /* files are big-endian */
+#endif
+    png_set_interlace_handling(reader->png);
+    png_read_update_info(reader->png, reader->info);
+    if (png_get_rowbytes(reader->png, reader->info) != row_bytes)
+        png_error(reader->png, "its header contradicts itself");
+    png_read_image(reader->png, reader->rows);
+    png_read_end(reader->png, NULL); /* sees a file without its end */
+}
+
+static void read_size(struct reader *reader)
 {
     png_set_user_limits(reader->png, NEPH_IMAGE_SIDE_MAX_PX, NEPH_IMAGE_SIDE_MAX_PX);
     png_read_info(reader->png, reader->info);
+    reader->width_px = (int)png_get_image_width(reader->png, reader->info);
+    reader->height_px = (int)png_get_image_height(reader->png, reader->info);
+}
+
+static void read_codes(struct reader *reader)
+{
+    read_size(reader);
     int depth = png_get_bit_depth(reader->png, reader->info);
     int colour_type = png_get_color_type(reader->png, reader->info);
     if (depth != 16 || colour_type != PNG_COLOR_TYPE_RGB)
         escape_with(reader, neph_fail(reader->diag, NEPH_ERR_INPUT,
                                       "'%s' is a %d-bit %s PNG; only 16-bit RGB is read",
                                       reader->path, depth, colour_type_name(colour_type)));
-    reader->width_px = (int)png_get_image_width(reader->png, reader->info);
-    reader->height_px = (int)png_get_image_height(reader->png, reader->info);
+    read_rows(reader, (size_t)reader->width_px * 3 * sizeof(uint16_t));
 }
 
-static void read_rows(struct reader *reader)
-{
-    size_t row_values = (size_t)reader->width_px * 3;
-    reader->rgb = calloc((size_t)reader->height_px * row_values, sizeof(*reader->rgb));
-    reader->rows = calloc((size_t)reader->height_px, sizeof(png_bytep));
-    if (!reader->rgb || !reader->rows)
-        escape_with(reader, neph_fail_memory(reader->diag));
-    for (int y = 0; y < reader->height_px; y++)
-        reader->rows[y] = (png_bytep)(reader->rgb + (size_t)y * row_values);
-#if __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__
-    png_set_swap(reader->png); /* the file is big-endian; no other transformation is asked for */
-#endif
-    png_read_image(reader->png, reader->rows);
-    png_read_end(reader->png, NULL); /* sees a file without its end */
-}
-
-static void decode(struct reader *reader)
+static void decode(struct reader *reader, void (*read)(struct reader *))
 {
     reader->png = png_create_read_struct(PNG_LIBPNG_VER_STRING, reader, on_error, on_warning);
     reader->info = reader->png ? png_create_info_struct(reader->png) : NULL;
@@ -157,31 +180,196 @@ static void decode(struct reader *reader)
         reader->status = neph_fail_memory(reader->diag);
     } else if (setjmp(reader->escape) == 0) {
         png_set_read_fn(reader->png, reader, give_bytes);
-        read_header(reader);
-        read_rows(reader);
+        read(reader);
     }
     png_destroy_read_struct(&reader->png, &reader->info, NULL);
     free(reader->rows);
+}
+
+/* Read the file and let `read` do the rest; after a failure nothing is left to free. */
+static enum neph_status read_file(struct reader *reader, void (*read)(struct reader *))
+{
+    reader->status = neph_file_read(reader->path, file_limit_bytes, &reader->file,
+                                    &reader->file_size, reader->diag);
+    if (reader->status)
+        return reader->status;
+    if (reader->file_size < 8 || png_sig_cmp((png_const_bytep)reader->file, 0, 8) != 0)
+        reader->status = neph_fail(reader->diag, NEPH_ERR_INPUT, "'%s' is not a PNG file",
+                                   reader->path);
+    else
+        decode(reader, read);
+    free(reader->file);
+    if (reader->status) {
+        free(reader->samples);
+        neph_image_destroy(reader->image);
+    }
+    return reader->status;
 }
 
 enum neph_status neph_png_read_rgb16(const char *path, int *width_px, int *height_px,
                                      uint16_t **rgb, struct neph_diag *diag)
 {
     struct reader reader = {.path = path, .diag = diag};
-    reader.status = neph_file_read(path, file_limit_bytes, &reader.file, &reader.file_size, diag);
-    if (reader.status)
-        return reader.status;
-    if (reader.file_size < 8 || png_sig_cmp((png_const_bytep)reader.file, 0, 8) != 0)
-        reader.status = neph_fail(diag, NEPH_ERR_INPUT, "'%s' is not a PNG file", path);
-    else
-        decode(&reader);
-    free(reader.file);
-    if (reader.status) {
-        free(reader.rgb);
-        return reader.status;
-    }
+    enum neph_status status = read_file(&reader, read_codes);
+    if (status)
+        return status;
     *width_px = reader.width_px;
     *height_px = reader.height_px;
-    *rgb = reader.rgb;
+    *rgb = reader.samples;
+    return NEPH_OK;
+}
+
+/* ---- pictures in linear light ---------------------------------------------------------------- */
+
+static uint32_t big_endian_32(const char *bytes)
+{
+    const unsigned char *b = (const unsigned char *)bytes;
+    return (uint32_t)b[0] << 24 | (uint32_t)b[1] << 16 | (uint32_t)b[2] << 8 | (uint32_t)b[3];
+}
+
+/* The data of the first chunk of that name and at least that size before the pixels, or NULL: our
+ * own look, because libpng drops colour chunks that it finds wrong, and does not know cICP. */
+static const char *find_chunk(const struct reader *reader, const char *name, size_t size_bytes)
+{
+    size_t at = 8;
+    while (reader->file_size - at >= 12) {
+        const char *chunk = reader->file + at;
+        const size_t chunk_bytes = big_endian_32(chunk);
+        if (chunk_bytes > reader->file_size - at - 12 || memcmp(chunk + 4, "IDAT", 4) == 0)
+            return NULL;
+        if (memcmp(chunk + 4, name, 4) == 0 && chunk_bytes >= size_bytes)
+            return chunk + 8;
+        at += 12 + chunk_bytes;
+    }
+    return NULL;
+}
+
+_Noreturn static void refuse_colour(struct reader *reader, const char *what)
+{
+    neph_fail(reader->diag, NEPH_ERR_INPUT, "'%s' is not an sRGB picture: %s", reader->path, what);
+    neph_hint(reader->diag, "convert it to sRGB; if its values are sRGB in truth, write it again "
+                            "without colour chunks, or give the linear values as EXR");
+    escape_with(reader, NEPH_ERR_INPUT);
+}
+
+/* Chromaticities of white, red, green, blue in 1/100000: ITU-R BT.709, and so sRGB. */
+static bool is_srgb_primaries(const char *chunk)
+{
+    static const int expected[8] = {31270, 32900, 64000, 33000, 30000, 60000, 15000, 6000};
+    static const int rounding = 100; /* writers give three digits */
+    for (int i = 0; i < 8; i++)
+        if (llabs((long long)big_endian_32(chunk + 4 * i) - expected[i]) > rounding)
+            return false;
+    return true;
+}
+
+/* By the precedence of the PNG specification (third edition, 4.3): cICP, iCCP, sRGB, then gAMA and
+ * cHRM. A file that says nothing is taken for sRGB, as the web and every viewer do. */
+static void check_colour_space(struct reader *reader)
+{
+    static const uint32_t srgb_gamma = 45455, gamma_rounding = 50;
+    char what[160];
+    const char *cicp = find_chunk(reader, "cICP", 4);
+    if (cicp && memcmp(cicp, "\1\15\0\1", 4) != 0)
+        refuse_colour(reader, "its cICP chunk names another colour space or transfer curve");
+    if (cicp || png_get_valid(reader->png, reader->info, PNG_INFO_sRGB))
+        return; /* libpng sets this also for the profiles that it knows to be sRGB */
+    const char *profile = find_chunk(reader, "iCCP", 1);
+    if (profile) {
+        /* The file in memory ends with a NUL, so the name ends too. */
+        snprintf(what, sizeof(what), "it has the colour profile '%.79s'", profile);
+        for (char *c = what; *c; c++)
+            *c = *c >= ' ' && *c <= '~' ? *c : '?';
+        refuse_colour(reader, what);
+    }
+    const char *gamma = find_chunk(reader, "gAMA", 4);
+    if (gamma && llabs((long long)big_endian_32(gamma) - srgb_gamma) > gamma_rounding) {
+        snprintf(what, sizeof(what), "its gAMA is %.5f, not 0.45455", big_endian_32(gamma) / 1e5);
+        refuse_colour(reader, what);
+    }
+    const char *primaries = find_chunk(reader, "cHRM", 32);
+    if (primaries && !is_srgb_primaries(primaries))
+        refuse_colour(reader, "its cHRM chunk names other primaries than those of Rec.709");
+}
+
+/* IEC 61966-2-1:1999, 5.2. */
+static double linear_of_srgb(double encoded)
+{
+    return encoded <= 0.04045 ? encoded / 12.92 : pow((encoded + 0.055) / 1.055, 2.4);
+}
+
+static uint32_t code_at(const struct reader *reader, size_t index, uint32_t code_max)
+{
+    return code_max == 255 ? ((const uint8_t *)reader->samples)[index]
+                           : ((const uint16_t *)reader->samples)[index];
+}
+
+static void check_opaque(struct reader *reader, size_t pixel_count, uint32_t code_max)
+{
+    for (size_t i = 0; i < pixel_count; i++)
+        if (code_at(reader, 4 * i + 3, code_max) != code_max) {
+            neph_fail(reader->diag, NEPH_ERR_INPUT,
+                      "'%s' is translucent (first at pixel (%zu, %zu)); what is behind it is "
+                      "unknown",
+                      reader->path, i % (size_t)reader->width_px, i / (size_t)reader->width_px);
+            neph_hint(reader->diag, "flatten it onto its background");
+            escape_with(reader, NEPH_ERR_INPUT);
+        }
+}
+
+static void make_image(struct reader *reader, size_t channel_count, uint32_t code_max)
+{
+    float *planes[3];
+    enum neph_status status = neph_image_create(reader->width_px, reader->height_px, &reader->image,
+                                                reader->diag);
+    if (!status)
+        status = neph_image_add_rgb(reader->image, NULL, planes, reader->diag);
+    if (!status)
+        status = neph_image_set_attribute(reader->image, "encoding", reader->diag, "sRGB");
+    float *linear = calloc((size_t)code_max + 1, sizeof(*linear));
+    if (!linear && !status)
+        status = neph_fail_memory(reader->diag);
+    if (status) {
+        free(linear);
+        escape_with(reader, status);
+    }
+    for (uint32_t code = 0; code <= code_max; code++)
+        linear[code] = (float)linear_of_srgb((double)code / code_max);
+    for (size_t i = 0; i < neph_image_pixel_count(reader->image); i++)
+        for (size_t c = 0; c < 3; c++)
+            planes[c][i] = linear[code_at(reader, channel_count * i + c, code_max)];
+    free(linear);
+}
+
+static void read_picture(struct reader *reader)
+{
+    /* A damaged colour chunk would else be dropped in silence, and the picture taken for sRGB. */
+    png_set_crc_action(reader->png, PNG_CRC_ERROR_QUIT, PNG_CRC_ERROR_QUIT);
+    read_size(reader);
+    check_colour_space(reader);
+    /* To 8 or 16 bits of RGB, and alpha where the file has any. All are exact: 1, 2 and 4 bits of
+     * grey are multiplied by 255, 85 and 17. */
+    png_set_expand(reader->png);
+    png_set_gray_to_rgb(reader->png);
+    const bool has_alpha = (png_get_color_type(reader->png, reader->info) & PNG_COLOR_MASK_ALPHA) ||
+                           png_get_valid(reader->png, reader->info, PNG_INFO_tRNS);
+    const size_t channel_count = has_alpha ? 4 : 3;
+    const bool is_wide = png_get_bit_depth(reader->png, reader->info) == 16;
+    const uint32_t code_max = is_wide ? 65535 : 255;
+    read_rows(reader, (size_t)reader->width_px * channel_count * (is_wide ? 2 : 1));
+    if (has_alpha)
+        check_opaque(reader, (size_t)reader->width_px * (size_t)reader->height_px, code_max);
+    make_image(reader, channel_count, code_max);
+}
+
+enum neph_status neph_png_read_image(const char *path, struct neph_image **image,
+                                     struct neph_diag *diag)
+{
+    struct reader reader = {.path = path, .diag = diag};
+    enum neph_status status = read_file(&reader, read_picture);
+    if (status)
+        return status;
+    free(reader.samples);
+    *image = reader.image;
     return NEPH_OK;
 }

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT
  *
- * PNG files through libpng: 8-bit sRGB pictures out, 16-bit code values in.
+ * PNG files through libpng: 8-bit sRGB pictures out; any picture, or raw 16-bit code values, in.
  */
 #ifndef NEPH_BASE_PNG_H
 #define NEPH_BASE_PNG_H
 
-#include "base/status.h"
+#include "base/image.h"
 
 #include <stdint.h>
 
@@ -19,5 +19,18 @@ enum neph_status neph_png_write_rgb8(const char *path, int width_px, int height_
  * NEPH_ERR_INPUT: not a PNG, of another kind (the message names it), oversized or damaged. */
 enum neph_status neph_png_read_rgb16(const char *path, int *width_px, int *height_px,
                                      uint16_t **rgb, struct neph_diag *diag);
+
+/* Read any PNG (1 to 16 bits; grey, palette or RGB; interlaced or not) as linear R G B, display
+ * value 1 at the largest code, by the inverse of the sRGB curve (IEC 61966-2-1:1999), evaluated in
+ * double and rounded once. The attribute "encoding" = "sRGB" says that it was a display picture,
+ * and no radiance. An alpha channel is dropped when it is opaque everywhere.
+ *
+ * A file without colour chunks is taken for sRGB. With chunks it must be sRGB: an sRGB chunk, a
+ * profile that libpng knows to be sRGB, a cICP of 1/13/0/1, or gAMA 0.45455 and the chromaticities
+ * of Rec.709 (each alone is enough). NEPH_ERR_INPUT: of another colour space, translucent, larger
+ * than NEPH_IMAGE_SIDE_MAX_PX, truncated, damaged (wrong checksums of colour chunks are damage
+ * too), or not a PNG. NEPH_ERR_NOT_FOUND, NEPH_ERR_IO, NEPH_ERR_MEMORY. */
+enum neph_status neph_png_read_image(const char *path, struct neph_image **image,
+                                     struct neph_diag *diag);
 
 #endif
