@@ -1,0 +1,76 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/frame.h"
+
+#include "base/exr.h"
+#include "base/png.h"
+#include "metrics/validity.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <string.h>
+#include <unistd.h>
+
+static const struct format {
+    const char *name;
+    unsigned char magic[4]; /* the first bytes of every file */
+    enum neph_status (*read)(const char *path, struct neph_image **image, struct neph_diag *diag);
+} formats[] = {
+    {"OpenEXR", {0x76, 0x2f, 0x31, 0x01}, neph_exr_read},
+    {"PNG", {0x89, 'P', 'N', 'G'}, neph_png_read_image},
+};
+
+static enum neph_status find_format(const char *path, const struct format **format,
+                                    struct neph_diag *diag)
+{
+    unsigned char magic[4] = {0};
+    const int fd = open(path, O_RDONLY | O_CLOEXEC);
+    const ssize_t got = fd < 0 ? -1 : pread(fd, magic, sizeof(magic), 0);
+    const int error = errno;
+    if (fd >= 0)
+        close(fd);
+    if (got < 0)
+        return neph_fail(diag, error == ENOENT ? NEPH_ERR_NOT_FOUND : NEPH_ERR_IO,
+                         "cannot read '%s': %s", path, strerror(error));
+    for (size_t i = 0; i < sizeof(formats) / sizeof(formats[0]); i++)
+        if (memcmp(magic, formats[i].magic, sizeof(magic)) == 0) {
+            *format = &formats[i];
+            return NEPH_OK;
+        }
+    neph_fail(diag, NEPH_ERR_INPUT, "'%s' is neither an OpenEXR nor a PNG file", path);
+    neph_hint(diag, got < (ssize_t)sizeof(magic) ? "it is empty or cut short"
+                                                 : "convert it to one of the two");
+    return NEPH_ERR_INPUT;
+}
+
+static enum neph_status check(const char *path, const struct neph_image *image,
+                              size_t negative_allowed, struct neph_diag *diag)
+{
+    struct neph_validity validity = {0};
+    enum neph_status status = neph_validity_count(image, &validity, diag);
+    if (!status)
+        status = neph_validity_gate(&validity, negative_allowed, diag);
+    if (status == NEPH_ERR_GATE && diag) {
+        char what[sizeof(diag->message)];
+        memcpy(what, diag->message, sizeof(what));
+        neph_fail(diag, status, "'%s': %s", path, what);
+    }
+    neph_validity_finish(&validity);
+    return status;
+}
+
+enum neph_status neph_frame_read(const char *path, size_t negative_allowed,
+                                 struct neph_image **image, struct neph_diag *diag)
+{
+    const struct format *format = NULL;
+    struct neph_image *frame = NULL;
+    enum neph_status status = find_format(path, &format, diag);
+    if (!status)
+        status = format->read(path, &frame, diag);
+    if (!status)
+        status = check(path, frame, negative_allowed, diag);
+    if (status)
+        neph_image_destroy(frame);
+    else
+        *image = frame;
+    return status;
+}

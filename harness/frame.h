@@ -1,0 +1,19 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * A frame of any renderer, from a file.
+ */
+#ifndef NEPH_HARNESS_FRAME_H
+#define NEPH_HARNESS_FRAME_H
+
+#include "base/image.h"
+
+/* Read an OpenEXR or PNG file, told apart by content, and pass it through gate G0
+ * (metrics/validity.h); the diag names the file. A PNG has the attribute "encoding" = "sRGB".
+ * `negative_allowed`: values below 0 that are let through, as for neph_validity_gate().
+ * NEPH_ERR_GATE: a value is not finite (depth may be +inf), or too many are negative.
+ * NEPH_ERR_INPUT: neither format, or of a kind that is not read, or damaged. NEPH_ERR_NOT_FOUND,
+ * NEPH_ERR_IO. */
+enum neph_status neph_frame_read(const char *path, size_t negative_allowed,
+                                 struct neph_image **image, struct neph_diag *diag);
+
+#endif

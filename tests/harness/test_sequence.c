@@ -1,0 +1,298 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Which files a user means by files, folders, patterns and globs; what is refused; whose frames
+ * operands are; and frames by content, whatever their name.
+ */
+#include "tests/base/scratch.h"
+
+#include "base/exr.h"
+#include "base/png.h"
+#include "harness/frame.h"
+#include "harness/sequence.h"
+
+#include <unistd.h>
+
+enum { NAMES_MAX = 8 };
+
+/* Empty files in the folder of the test, which becomes the working one: paths are short. */
+static void make_files(void **state, const char *const names[NAMES_MAX])
+{
+    const struct scratch *scratch = *state;
+    assert_int_equal(chdir(scratch->folder), 0);
+    for (int i = 0; i < NAMES_MAX && names[i]; i++) {
+        const char *slash = strrchr(names[i], '/');
+        if (slash) {
+            char *folder = strndup(names[i], (size_t)(slash - names[i]));
+            neph_assert_ok(neph_dir_create(folder, NULL), NULL);
+            free(folder);
+        }
+        if (!slash || slash[1])
+            neph_assert_ok(neph_file_write(names[i], "", 0, NULL), NULL);
+    }
+}
+
+static int count_words(const char *const words[NAMES_MAX])
+{
+    int count = 0;
+    while (count < NAMES_MAX && words[count])
+        count++;
+    return count;
+}
+
+static const struct found {
+    const char *files[NAMES_MAX], *words[NAMES_MAX], *expected[NAMES_MAX];
+} found[] = {
+    /* files */
+    {{"sky.exr"}, {"sky.exr"}, {"sky.exr"}},
+    {{"a[1].exr", "a1.exr"}, {"a[1].exr"}, {"a[1].exr"}},
+    {{"50%d.exr"}, {"50%d.exr"}, {"50%d.exr"}},
+    {{"b.exr", "a.exr"}, {"b.exr", "a.exr"}, {"b.exr", "a.exr"}},
+    {{"f9.exr", "f10.exr", "f11.exr"},
+     {"f10.exr", "f11.exr", "f9.exr"}, /* the order of a shell */
+     {"f9.exr", "f10.exr", "f11.exr"}},
+    {{"a.EXR", "b.exr"}, {"a.EXR", "b.exr"}, {"a.EXR", "b.exr"}},
+    {{"b1.exr", "b2.exr", "a1.exr", "a2.exr"},
+     {"b1.exr", "b2.exr", "a1.exr", "a2.exr"},
+     {"b1.exr", "b2.exr", "a1.exr", "a2.exr"}},
+    {{"5.exr", "6.exr"}, {"6.exr", "5.exr"}, {"5.exr", "6.exr"}},
+    {{"v2_0008.png", "v2_0009.png", "v2_0010.png"},
+     {"v2_0010.png", "v2_0008.png", "v2_0009.png"},
+     {"v2_0008.png", "v2_0009.png", "v2_0010.png"}},
+    /* folders: .exr before .png, no hidden files, no folders, natural order */
+    {{"d/f2.exr", "d/f10.exr", "d/f9.exr", "d/f3.png", "d/.f4.exr", "d/f7.exr/", "d/f8.txt"},
+     {"d/f9.exr", "d/f10.exr"},
+     {"d/f9.exr", "d/f10.exr"}},
+    {{"d/f8.exr", "d/f10.exr", "d/f9.exr", "d/f1.png", "d/.f4.exr", "d/f7.exr/", "d/f6.txt"},
+     {"d"},
+     {"d/f8.exr", "d/f9.exr", "d/f10.exr"}},
+    {{"d/f8.exr"}, {"d/"}, {"d/f8.exr"}},
+    {{"d/b.png", "d/a.PNG"}, {"d"}, {"d/a.PNG", "d/b.png"}},
+    {{"d/1.exr", "e/1.exr", "e/2.exr"}, {"d", "e"}, {"d/1.exr", "e/1.exr", "e/2.exr"}},
+    /* patterns */
+    {{"f.0001.exr", "f.0002.exr", "f.3.exr", "g.0003.exr", "f.0003.png"},
+     {"f.%04d.exr"},
+     {"f.0001.exr", "f.0002.exr"}},
+    {{"f.9999.exr", "f.10000.exr", "f.010001.exr"}, {"f.%04d.exr"}, {"f.9999.exr", "f.10000.exr"}},
+    {{"f.0.exr", "f.1.exr", "f.02.exr"}, {"f.%d.exr"}, {"f.0.exr", "f.1.exr"}},
+    {{"d/7f.exr", "d/8f.exr", "d/f.exr"}, {"d/%df.exr"}, {"d/7f.exr", "d/8f.exr"}},
+    {{"d/1.png", "d/2.png", "d/3.png", "d/4.png"},
+     {"d/%01d.png"},
+     {"d/1.png", "d/2.png", "d/3.png", "d/4.png"}},
+    /* globs */
+    {{"f10.exr", "f9.exr", "f8.exr", "g.exr"}, {"f*.exr"}, {"f8.exr", "f9.exr", "f10.exr"}},
+    {{"x/f1.exr", "y/f1.exr", "y/f1.exr.txt"}, {"?/f1.exr"}, {"x/f1.exr", "y/f1.exr"}},
+    {{"f1.exr", "f2.exr", "f3.exr"}, {"f[12].exr", "f3.exr"}, {"f1.exr", "f2.exr", "f3.exr"}},
+    /* more digits than any frame number has: a name */
+    {{"20240229123456789012345.exr", "2.exr"},
+     {"20240229123456789012345.exr", "2.exr"},
+     {"20240229123456789012345.exr", "2.exr"}},
+};
+
+static void test_words_become_files(void **state)
+{
+    for (size_t i = 0; i < sizeof(found) / sizeof(found[0]); i++) {
+        struct neph_sequence sequence = {0};
+        struct neph_diag diag = {0};
+        const struct scratch *scratch = *state;
+        make_files(state, found[i].files);
+        neph_assert_ok(
+            neph_sequence_find(count_words(found[i].words), found[i].words, &sequence, &diag),
+            &diag);
+        assert_int_equal(sequence.count, count_words(found[i].expected));
+        for (int k = 0; k < sequence.count; k++)
+            assert_string_equal(sequence.paths[k], found[i].expected[k]);
+        neph_sequence_finish(&sequence);
+        assert_int_equal(chdir("/"), 0);
+        neph_assert_ok(neph_dir_remove(scratch->folder, NULL), NULL);
+        neph_assert_ok(neph_dir_create(scratch->folder, NULL), NULL);
+    }
+}
+
+static const struct refused {
+    const char *files[NAMES_MAX], *words[NAMES_MAX];
+    enum neph_status status;
+    const char *message;
+} refused[] = {
+    {{NULL}, {NULL}, NEPH_ERR_USAGE, "no frames"},
+    {{NULL}, {"none.exr"}, NEPH_ERR_NOT_FOUND, "no file 'none.exr'"},
+    {{NULL}, {""}, NEPH_ERR_NOT_FOUND, "no file ''"},
+    {{"d/x.txt"}, {"d"}, NEPH_ERR_NOT_FOUND, "'d' holds neither"},
+    {{NULL}, {"no/%d.exr"}, NEPH_ERR_NOT_FOUND, "'no/'"},
+    {{"f.exr"}, {"f%d.exr"}, NEPH_ERR_NOT_FOUND, "matches 'f%d.exr'"},
+    {{"f.exr"}, {"g*.exr"}, NEPH_ERR_NOT_FOUND, "matches 'g*.exr'"},
+    {{NULL}, {"f%d_%d.exr"}, NEPH_ERR_USAGE, "f%d_%d.exr"},
+    {{NULL}, {"f%s.exr"}, NEPH_ERR_USAGE, "f%s.exr"},
+    {{NULL}, {"f%4d.exr"}, NEPH_ERR_USAGE, "f%4d.exr"},
+    {{NULL}, {"f%n.exr"}, NEPH_ERR_USAGE, "f%n.exr"},
+    {{NULL}, {"shot%d/f.exr"}, NEPH_ERR_USAGE, "shot%d/f.exr"},
+    {{NULL}, {"shot%d/f%d.exr"}, NEPH_ERR_USAGE, "shot%d/f%d.exr"},
+    {{"f.0001.exr", "f.0003.exr"}, {"f.%04d.exr"}, NEPH_ERR_INPUT, "'f.0002.exr' is missing"},
+    {{"f1.exr", "f2.exr", "f5.exr"},
+     {"f5.exr", "f1.exr", "f2.exr"},
+     NEPH_ERR_INPUT,
+     "'f3.exr' is missing (2 from 3 to 4)"},
+    {{"f0.exr", "f1000000000.exr"}, {"f*.exr"}, NEPH_ERR_INPUT, "(999999999 from 1 to 999999999)"},
+    {{"a1.exr", "b1.exr", "a3.exr"},
+     {"a1.exr", "b1.exr", "a3.exr"},
+     NEPH_ERR_INPUT,
+     "'a2.exr' is missing"},
+    {{"f1.exr"}, {"f1.exr", "f1.exr"}, NEPH_ERR_INPUT, "'f1.exr' is there twice"},
+    {{"sky.exr"}, {"sky.exr", "sky.exr"}, NEPH_ERR_INPUT, "'sky.exr' is there twice"},
+    {{"f1.exr", "f01.exr"}, {"f*.exr"}, NEPH_ERR_INPUT, "same frame number"},
+    {{"f1.exr", "f2.png"}, {"f1.exr", "f2.png"}, NEPH_ERR_INPUT, "different kinds"},
+    {{"d/f1.exr", "e/f1.png"}, {"d", "e"}, NEPH_ERR_INPUT, "'d/f1.exr' and 'e/f1.png'"},
+    {{"d/f1.exr", "d/f2.exr", "d/z1.exr"},
+     {"d"},
+     NEPH_ERR_INPUT,
+     "'d' holds more than one sequence: 'd/f1.exr' and 'd/z1.exr'"},
+    {{"f1.exr", "f1_a.exr", "f2.exr", "f2_a.exr"},
+     {"f*"},
+     NEPH_ERR_INPUT,
+     "'f*' holds more than one sequence"},
+};
+
+static void test_what_is_no_sequence_is_refused(void **state)
+{
+    for (size_t i = 0; i < sizeof(refused) / sizeof(refused[0]); i++) {
+        struct neph_sequence sequence = {.count = -1};
+        struct neph_diag diag = {0};
+        const struct scratch *scratch = *state;
+        make_files(state, refused[i].files);
+        const int count = count_words(refused[i].words);
+        const enum neph_status status = neph_sequence_find(count, refused[i].words, &sequence,
+                                                           &diag);
+        if (status != refused[i].status || !strstr(diag.message, refused[i].message))
+            fail_msg("case %zu: %s: %s", i, neph_status_name(status), diag.message);
+        assert_int_equal(neph_sequence_find(count, refused[i].words, &sequence, NULL), status);
+        assert_int_equal(sequence.count, -1);
+        assert_int_equal(chdir("/"), 0);
+        neph_assert_ok(neph_dir_remove(scratch->folder, NULL), NULL);
+        neph_assert_ok(neph_dir_create(scratch->folder, NULL), NULL);
+    }
+}
+
+/* ---- whose operands -------------------------------------------------------------------------- */
+
+static const struct split {
+    const char *references[NAMES_MAX], *operands[NAMES_MAX];
+    const char *mine; /* R or T for each operand; else what the message says */
+} splits[] = {
+    {{"r/f1.exr"}, {"t/f1.exr", "t/f2.exr"}, "TT"},
+    {{"r/f1.exr"}, {"r/f2.exr", "r/f3.exr", "t/f1.exr", "t/f2.exr"}, "RRTT"},
+    {{"r/f1.exr"}, {"t/f1.exr", "r/f2.exr"}, "TR"},
+    {{"x1.exr"}, {"x2.exr", "y1.exr", "y2.exr"}, "RTT"},
+    {{"v1.1.exr"}, {"v1.2.exr", "v2.1.exr"}, "RT"}, /* the last digits alone are the frame's */
+    {{"r/f1.exr", "q/f1.exr"}, {"r/f2.exr", "q/f2.exr", "t/f1.exr"}, "RRT"},
+    {{"r"}, {"t"}, "T"},
+    {{"r/f%d.exr"}, {"r/f2.exr"}, "T"}, /* a quoted pattern has all of its frames */
+    {{"r/f1.exr"}, {"t/f%d.exr"}, "T"},
+    {{"r/f1.exr"}, {"none.exr"}, "T"}, /* refused later, as not there */
+    {{"r/f1.exr"}, {"r/f2.exr", "r/f3.exr"}, "no frames are left to be tested: 'r/f2.exr'"},
+    {{"r/f1.exr"}, {NULL}, "no frames to be tested are named"},
+    {{"r/f1.exr"}, {"t/f1.exr", "x1.exr"}, "more than one sequence: 't/f1.exr' and 'x1.exr'"},
+    {{"r/f1.exr"}, {"t", "r"}, "more than one sequence: 't' and 'r'"},
+    {{"r/f1.exr"}, {"t/f1.exr", "t"}, "more than one sequence"},
+};
+
+static void test_operands_are_split(void **state)
+{
+    static const char *const some[NAMES_MAX] = {"r/f1.exr", "r/f2.exr", "r/f3.exr", "t/f1.exr",
+                                                "t/f2.exr", "q/f1.exr", "q/f2.exr", "x1.exr"};
+    static const char *const more[NAMES_MAX] = {"x2.exr",   "y1.exr",   "y2.exr",
+                                                "v1.1.exr", "v1.2.exr", "v2.1.exr"};
+    make_files(state, some);
+    make_files(state, more);
+    for (size_t i = 0; i < sizeof(splits) / sizeof(splits[0]); i++) {
+        bool is_reference[NAMES_MAX] = {false};
+        struct neph_diag diag = {0};
+        const int count = count_words(splits[i].operands);
+        const enum neph_status status = neph_sequence_split(
+            count_words(splits[i].references), splits[i].references, count, splits[i].operands,
+            is_reference, &diag);
+        char mine[NAMES_MAX + 1] = "";
+        for (int k = 0; k < count; k++)
+            mine[k] = is_reference[k] ? 'R' : 'T';
+        if (status ? !strstr(diag.message, splits[i].mine) : strcmp(mine, splits[i].mine) != 0)
+            fail_msg("case %zu: %s: %s %s", i, neph_status_name(status), mine, diag.message);
+        assert_true(!status || (status == NEPH_ERR_USAGE && strstr(diag.hint, "quotes")));
+    }
+    assert_int_equal(chdir("/"), 0);
+}
+
+/* ---- frames ---------------------------------------------------------------------------------- */
+
+static void write_exr(const char *path, float value)
+{
+    struct neph_image *image = NULL;
+    float *planes[3];
+    neph_assert_ok(neph_image_create(2, 1, &image, NULL), NULL);
+    neph_assert_ok(neph_image_add_rgb(image, NULL, planes, NULL), NULL);
+    planes[1][1] = value;
+    neph_assert_ok(neph_exr_write(path, image, NULL), NULL);
+    neph_image_destroy(image);
+}
+
+static void assert_frame_refused(const char *path, size_t negative_allowed,
+                                 enum neph_status expected, const char *words)
+{
+    struct neph_image *image = NULL;
+    struct neph_diag diag = {0};
+    const enum neph_status status = neph_frame_read(path, negative_allowed, &image, &diag);
+    if (status != expected || !strstr(diag.message, words))
+        fail_msg("%s: %s", neph_status_name(status), diag.message);
+    assert_null(image);
+    assert_int_equal(neph_frame_read(path, negative_allowed, &image, NULL), status);
+}
+
+static void test_frames_by_content(void **state)
+{
+    char path[SCRATCH_PATH_MAX];
+    struct neph_image *image = NULL;
+    scratch_path(state, path, "frame.png"); /* says the name */
+    write_exr(path, 3.0f);
+    neph_assert_ok(neph_frame_read(path, 0, &image, NULL), NULL);
+    assert_true(image->channels[1].samples[1] == 3.0f);
+    assert_null(neph_image_attribute(image, "encoding"));
+    neph_image_destroy(image);
+
+    scratch_path(state, path, "frame.exr");
+    neph_assert_ok(neph_png_write_rgb8(path, 1, 1, (const uint8_t[3]){255, 0, 255}, NULL), NULL);
+    neph_assert_ok(neph_frame_read(path, 0, &image, NULL), NULL);
+    assert_string_equal(neph_image_attribute(image, "encoding"), "sRGB");
+    assert_true(image->channels[0].samples[0] == 1.0f && image->channels[1].samples[0] == 0.0f);
+    neph_image_destroy(image);
+}
+
+static void test_frames_that_are_none(void **state)
+{
+    char path[SCRATCH_PATH_MAX];
+    assert_frame_refused(scratch_path(state, path, "none.exr"), 0, NEPH_ERR_NOT_FOUND, "none.exr");
+    assert_frame_refused(scratch_path(state, path, ""), 0, NEPH_ERR_IO, "cannot read");
+    scratch_path(state, path, "frame.exr");
+    neph_assert_ok(neph_file_write(path, "", 0, NULL), NULL);
+    assert_frame_refused(path, 0, NEPH_ERR_INPUT, "frame.exr' is neither");
+    neph_assert_ok(neph_file_write(path, "#?RADIANCE\n", 11, NULL), NULL);
+    assert_frame_refused(path, 0, NEPH_ERR_INPUT, "frame.exr' is neither");
+    neph_assert_ok(neph_file_write(path, "\x89PNG", 4, NULL), NULL);
+    assert_frame_refused(path, 0, NEPH_ERR_INPUT, "frame.exr' is not a PNG");
+    write_exr(path, NAN);
+    assert_frame_refused(path, SIZE_MAX, NEPH_ERR_GATE, "frame.exr': 1 values");
+    write_exr(path, INFINITY);
+    assert_frame_refused(path, SIZE_MAX, NEPH_ERR_GATE, "pixel (1, 0)");
+    write_exr(path, -1.0f);
+    assert_frame_refused(path, 0, NEPH_ERR_GATE,
+                         "frame.exr': 1 values in 1 of 3 channels are negative");
+    struct neph_image *image = NULL;
+    neph_assert_ok(neph_frame_read(path, 1, &image, NULL), NULL);
+    neph_image_destroy(image);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        scratch_test(test_words_become_files),   scratch_test(test_what_is_no_sequence_is_refused),
+        scratch_test(test_operands_are_split),   scratch_test(test_frames_by_content),
+        scratch_test(test_frames_that_are_none),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
