@@ -61,6 +61,7 @@ enum neph_interval_kind {
     NEPH_INTERVAL_DETERMINISTIC, /* the number is exact for these frames; nothing was drawn */
     NEPH_INTERVAL_TILES,         /* bootstrap over tiles, see interval.h: n tiles */
     NEPH_INTERVAL_CYCLES,        /* batch means over whole cycles, see series.h: n batches */
+    NEPH_INTERVAL_RUNS,          /* Student's t over independent runs, see series.h: n runs */
 };
 
 /* One number with everything that a report needs beside it. The pointers are static: a

@@ -29,6 +29,107 @@ double neph_sidak_alpha(double family_alpha, int count)
     return -expm1(log1p(-family_alpha) / count);
 }
 
+/* Modified Lentz (Thompson and Barnett, J. Comp. Phys. 64, 1986) on the continued fraction of the
+ * incomplete beta function, A&S 26.5.8. Converges in O(sqrt(max(a, b))) steps for x below
+ * (a + 1) / (a + b + 2). */
+static double beta_fraction(double a, double b, double x)
+{
+    const double tiny = 1e-300; /* in place of a denominator of 0 */
+    double c = 1.0, d = 1.0 - (a + b) * x / (a + 1.0);
+    d = 1.0 / (d == 0.0 ? tiny : d);
+    double fraction = d;
+    for (int m = 1; m < 100000; m++) {
+        const double even = m * (b - m) * x / ((a + 2.0 * m - 1.0) * (a + 2.0 * m));
+        const double odd = -(a + m) * (a + b + m) * x / ((a + 2.0 * m) * (a + 2.0 * m + 1.0));
+        double step = 1.0;
+        for (int k = 0; k < 2; k++) {
+            const double term = k == 0 ? even : odd;
+            c = 1.0 + term / c;
+            d = 1.0 + term * d;
+            c = c == 0.0 ? tiny : c;
+            d = 1.0 / (d == 0.0 ? tiny : d);
+            step *= c * d;
+        }
+        fraction *= step;
+        if (fabs(step - 1.0) < 1e-16)
+            break;
+    }
+    return fraction;
+}
+
+/* I_x(a, b), with y = 1 - x given apart: near 1, x alone does not say what y is. */
+static double incomplete_beta(double a, double b, double x, double y)
+{
+    if (x <= 0.0 || y <= 0.0)
+        return x <= 0.0 ? 0.0 : 1.0;
+    int sign; /* lgamma() itself leaves it in a global */
+    const double gammas = lgamma_r(a + b, &sign) - lgamma_r(a, &sign) - lgamma_r(b, &sign);
+    const double front = exp(gammas + a * log(x) + b * log(y));
+    if (x < (a + 1.0) / (a + b + 2.0))
+        return front * beta_fraction(a, b, x) / a;
+    return 1.0 - front * beta_fraction(b, a, y) / b;
+}
+
+double neph_student_p(double t, double dof)
+{
+    const double square = t * t;
+    if (isinf(square))
+        return 0.0;
+    return incomplete_beta(0.5 * dof, 0.5, dof / (dof + square), square / (dof + square));
+}
+
+/* Twice the density, by which neph_student_p() falls. */
+static double student_slope(double t, double dof)
+{
+    int sign;
+    const double gammas = lgamma_r(0.5 * (dof + 1.0), &sign) - lgamma_r(0.5 * dof, &sign);
+    return 2.0 * exp(gammas - 0.5 * (dof + 1.0) * log1p(t * t / dof)) / sqrt(dof * acos(-1.0));
+}
+
+double neph_student_critical(double alpha, double dof)
+{
+    /* For t > 0 the probability is convex, so Newton's steps from 0 climb to the root and never
+     * pass it but by rounding, which ends them. */
+    double t = 0.0;
+    for (int i = 0; i < 10000; i++) {
+        const double next = t + (neph_student_p(t, dof) - alpha) / student_slope(t, dof);
+        if (!(next > t))
+            break;
+        t = next;
+    }
+    return t;
+}
+
+double neph_sign_p(int positive, int negative)
+{
+    const int few = positive < negative ? positive : negative;
+    const int many = positive < negative ? negative : positive;
+    if (few == many)
+        return 1.0;
+    /* P(at most `few` of few + many) = I_1/2(many, few + 1) */
+    return fmin(1.0, 2.0 * incomplete_beta(many, few + 1.0, 0.5, 0.5));
+}
+
+/* How many of the family are tested before this one: the smaller, and of equal ones the earlier. */
+static int holm_rank(const double *p, int count, int index)
+{
+    int rank = 0;
+    for (int i = 0; i < count; i++)
+        rank += p[i] < p[index] || (p[i] == p[index] && i < index);
+    return rank;
+}
+
+void neph_holm(const double *p, int count, double *adjusted)
+{
+    for (int i = 0; i < count; i++)
+        adjusted[i] = fmin(1.0, p[i] * (count - holm_rank(p, count, i)));
+    /* None below one that is tested before it. In place: a raised value was one of its fellows'. */
+    for (int i = 0; i < count; i++)
+        for (int k = 0; k < count; k++)
+            if (p[k] <= p[i])
+                adjusted[i] = fmax(adjusted[i], adjusted[k]);
+}
+
 struct neph_z_moments neph_z_scores(const float *test, const float *truth, const float *variance,
                                     size_t count, double floor)
 {
