@@ -8,5 +8,7 @@
 #include "metrics/extractor.h"
 
 extern const struct neph_extractor neph_extractor_error;
+extern const struct neph_extractor neph_extractor_lag;
+extern const struct neph_extractor neph_extractor_trail;
 
 #endif
