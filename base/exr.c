@@ -31,6 +31,9 @@ enum {
     SHORT_NAME_MAX = 31, /* longer names need a flag in the file */
     CHANNEL_COUNT_MAX = 1024,
     ONLY_PART = 0,
+    /* No compression that is read shrinks more: zeros by PXR24 come to 1376:1 at best (deflate's
+     * 1032:1 of three bytes for four), all others to less. */
+    SHRINK_MAX = 2048,
     FIRST_BUFFER_BYTES = 1 << 16,
 };
 
@@ -454,7 +457,7 @@ static enum neph_status read_layout(exr_const_context_t context, const char *pat
 }
 
 /* The chunk that starts `row` rows below the top, held against what the header promises: the
- * decoders trust these sizes. */
+ * decoders trust these sizes, and memory is asked for by them. */
 static exr_result_t find_chunk(exr_const_context_t context, const struct layout *layout, int row,
                                exr_chunk_info_t *chunk)
 {
@@ -468,7 +471,8 @@ static exr_result_t find_chunk(exr_const_context_t context, const struct layout 
     bool packed = layout->compression != EXR_COMPRESSION_NONE;
     if (chunk->start_y != y || chunk->width != layout->width_px || chunk->height != rows ||
         chunk->unpacked_size != expected_bytes || chunk->packed_size < 1 ||
-        chunk->packed_size > expected_bytes || (!packed && chunk->packed_size != expected_bytes))
+        chunk->packed_size > expected_bytes || chunk->packed_size < expected_bytes / SHRINK_MAX ||
+        (!packed && chunk->packed_size != expected_bytes))
         return EXR_ERR_CORRUPT_CHUNK;
     return EXR_ERR_SUCCESS;
 }

@@ -1,0 +1,73 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * What the fuzz targets share. A target is one function of bytes that must come back; what it
+ * must not do, it does by abort(). Two programs are made of each:
+ *
+ *   fuzz_NAME    with clang's libFuzzer, when configured with -DNEPH_FUZZ=ON (preset fuzz):
+ *                  cmake --preset fuzz && cmake --build --preset fuzz
+ *                  build/fuzz/tests/fuzz/fuzz_exr -max_len=8192 NEW_FOLDER tests/fuzz/corpus/exr
+ *   replay_NAME  in every build, a test: all files of corpus/NAME once more.
+ *
+ * What a fuzzer finds is mended, and its input, made small with -minimize_crash=1, goes into the
+ * corpus under a name that says what it was.
+ */
+#ifndef NEPH_TESTS_FUZZ_H
+#define NEPH_TESTS_FUZZ_H
+
+#include "base/files.h"
+
+#include <fcntl.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+/* The entry point that libFuzzer asks for; returns 0. */
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+
+/* The readers take paths: a folder in memory, with the input as a file in it. */
+struct fuzz_file {
+    char folder[64];
+    char path[128];
+};
+
+static inline void fuzz_require(bool holds, const char *what)
+{
+    if (holds)
+        return;
+    fprintf(stderr, "does not hold: %s\n", what);
+    abort();
+}
+
+static inline struct fuzz_file fuzz_file_make(const char *name, const uint8_t *data, size_t size)
+{
+    struct fuzz_file file;
+    snprintf(file.folder, sizeof(file.folder), "%s/neph-fuzz-XXXXXX",
+             neph_path_is_dir("/dev/shm") ? "/dev/shm" : "/tmp");
+    fuzz_require(mkdtemp(file.folder), "a temporary folder can be made");
+    snprintf(file.path, sizeof(file.path), "%s/%s", file.folder, name);
+    const int fd = open(file.path, O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
+    fuzz_require(fd >= 0 && write(fd, data, size) == (ssize_t)size, "a file can be written");
+    close(fd);
+    return file;
+}
+
+static inline void fuzz_file_remove(const struct fuzz_file *file)
+{
+    unlink(file->path);
+    rmdir(file->folder);
+}
+
+/* A failure has a reason in words and no result; a success has a result. */
+static inline void fuzz_require_outcome(enum neph_status status, const struct neph_diag *diag,
+                                        const void *result)
+{
+    fuzz_require(status == NEPH_OK || diag->message[0], "a failure says why");
+    fuzz_require((status == NEPH_OK) == (result != NULL), "there is a result after success alone");
+    fuzz_require(status != NEPH_ERR_INTERNAL, "a file cannot cause a bug");
+}
+
+#endif

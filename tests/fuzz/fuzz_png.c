@@ -1,0 +1,52 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Both readers of PNG: pictures have values in 0..1 alone, and a file of codes gives the same
+ * picture in both. The input is tried as it is, and once more with right checksums, for no fuzzer
+ * guesses those.
+ */
+#include "tests/base/png_chunks.h"
+#include "tests/fuzz/fuzz.h"
+
+#include "base/png.h"
+
+static void require_display_values(const struct neph_image *image)
+{
+    fuzz_require(image->channel_count == 3, "three channels");
+    for (int c = 0; c < 3; c++)
+        for (size_t i = 0; i < neph_image_pixel_count(image); i++) {
+            const float value = image->channels[c].samples[i];
+            fuzz_require(value >= 0.0f && value <= 1.0f, "a value in 0..1");
+        }
+}
+
+static void try(const uint8_t *data, size_t size)
+{
+    const struct fuzz_file file = fuzz_file_make("fuzz.png", data, size);
+    struct neph_image *image = NULL;
+    uint16_t *rgb = NULL;
+    int width_px = 0, height_px = 0;
+    struct neph_diag diag = {0};
+    enum neph_status status = neph_png_read_image(file.path, &image, &diag);
+    fuzz_require_outcome(status, &diag, image);
+    if (image)
+        require_display_values(image);
+    status = neph_png_read_rgb16(file.path, &width_px, &height_px, &rgb, &diag);
+    fuzz_require_outcome(status, &diag, rgb);
+    if (image && rgb)
+        fuzz_require(width_px == image->width_px && height_px == image->height_px, "same size");
+    free(rgb);
+    neph_image_destroy(image);
+    fuzz_file_remove(&file);
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    try(data, size);
+    uint8_t *mended = malloc(size + 1);
+    memcpy(mended, data, size);
+    png_mend_checksums(mended, size);
+    if (memcmp(mended, data, size) != 0)
+        try(mended, size);
+    free(mended);
+    return 0;
+}

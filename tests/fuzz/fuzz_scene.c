@@ -1,0 +1,45 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The loader of scene files: every refusal has a position in the file, every scene that loads can
+ * be looked at through a camera.
+ */
+#include "tests/fuzz/fuzz.h"
+
+#include "scenes/scene.h"
+
+#include <math.h>
+
+/* Work for seconds that a file may rightly ask for, and files beside it: not what is tried here. */
+static bool asks_for_work(const uint8_t *data, size_t size)
+{
+    static const char *const keys[] = {"horizon", "voxels", "volume"};
+    for (size_t i = 0; i < sizeof(keys) / sizeof(keys[0]); i++)
+        if (memmem(data, size, keys[i], strlen(keys[i])))
+            return true;
+    return false;
+}
+
+static void require_camera(const struct neph_scene *scene)
+{
+    const struct neph_camera camera = neph_scene_camera(scene, scene->frame_count - 1);
+    const struct neph_vec3 ray = neph_camera_ray(&camera, 7, 5, 6, 0);
+    fuzz_require(fabs(neph_vec3_length(ray) - 1.0) < 1e-9, "rays of the camera are unit vectors");
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    if (asks_for_work(data, size))
+        return 0;
+    const struct fuzz_file file = fuzz_file_make("fuzz.yaml", data, size); /* name: fuzz */
+    struct neph_scene *scene = NULL;
+    struct neph_diag diag = {0};
+    const enum neph_status status = neph_scene_load(file.path, &scene, &diag);
+    fuzz_require_outcome(status, &diag, scene);
+    fuzz_require(status == NEPH_OK || status == NEPH_ERR_INPUT, "the file is at fault");
+    fuzz_require(status == NEPH_OK || (diag.line >= 1 && diag.column >= 1), "a position is named");
+    if (scene)
+        require_camera(scene);
+    neph_scene_destroy(scene);
+    fuzz_file_remove(&file);
+    return 0;
+}
