@@ -1,0 +1,123 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Every allocation of an operation fails once, and the operation must say so, clean up and change
+ * nothing. Included once by each test_allocation_*.c, which is linked with --wrap for the functions
+ * below: that catches the calls in our own objects. What libpng, OpenEXR, libyaml, libcyaml and the
+ * C++ library allocate within themselves is not made to fail. Leaks are seen by the run under
+ * AddressSanitizer.
+ */
+#ifndef NEPH_TESTS_ALLOCATION_H
+#define NEPH_TESTS_ALLOCATION_H
+
+#include "tests/neph_test.h"
+
+#include <limits.h>
+#include <stdatomic.h>
+
+/* Which allocation fails, counted from 0 over all threads, and whether all later ones do, too. */
+struct allocation_plan {
+    atomic_int done;
+    int fail_at; /* -1: none */
+    bool for_good;
+};
+
+static struct allocation_plan *allocation_plan(void)
+{
+    static struct allocation_plan plan = {.fail_at = -1};
+    return &plan;
+}
+
+static bool allocation_fails(void)
+{
+    struct allocation_plan *plan = allocation_plan();
+    const int index = atomic_fetch_add(&plan->done, 1);
+    return plan->fail_at >= 0 && (plan->for_good ? index >= plan->fail_at : index == plan->fail_at);
+}
+
+void *__real_malloc(size_t size);
+void *__real_calloc(size_t count, size_t size);
+void *__real_realloc(void *old, size_t size);
+char *__real_strdup(const char *text);
+char *__real_strndup(const char *text, size_t size);
+int __real_vasprintf(char **text, const char *format, va_list arguments);
+void *__wrap_malloc(size_t size);
+void *__wrap_calloc(size_t count, size_t size);
+void *__wrap_realloc(void *old, size_t size);
+char *__wrap_strdup(const char *text);
+char *__wrap_strndup(const char *text, size_t size);
+int __wrap_vasprintf(char **text, const char *format, va_list arguments)
+    __attribute__((format(printf, 2, 0)));
+
+void *__wrap_malloc(size_t size)
+{
+    return allocation_fails() ? NULL : __real_malloc(size);
+}
+
+void *__wrap_calloc(size_t count, size_t size)
+{
+    return allocation_fails() ? NULL : __real_calloc(count, size);
+}
+
+void *__wrap_realloc(void *old, size_t size)
+{
+    return allocation_fails() ? NULL : __real_realloc(old, size);
+}
+
+char *__wrap_strdup(const char *text)
+{
+    return allocation_fails() ? NULL : __real_strdup(text);
+}
+
+char *__wrap_strndup(const char *text, size_t size)
+{
+    return allocation_fails() ? NULL : __real_strndup(text, size);
+}
+
+int __wrap_vasprintf(char **text, const char *format, va_list arguments)
+{
+    return allocation_fails() ? -1 : __real_vasprintf(text, format, arguments);
+}
+
+/* Does its work and frees all of it. */
+typedef enum neph_status allocation_user(void *context, struct neph_diag *diag);
+
+static enum neph_status run_failing(allocation_user *work, void *context, int fail_at,
+                                    bool for_good, struct neph_diag *diag)
+{
+    struct allocation_plan *plan = allocation_plan();
+    atomic_store(&plan->done, 0);
+    plan->for_good = for_good;
+    plan->fail_at = fail_at;
+    const enum neph_status status = work(context, diag);
+    plan->fail_at = -1;
+    return status;
+}
+
+/* `spare`: so many failures the work gets over with the same result, such as a thread that is not
+ * made; it checks its result itself. */
+static void assert_every_failure_is_told(const char *name, allocation_user *work, void *context,
+                                         int spare)
+{
+    struct neph_diag diag = {0};
+    neph_assert_ok(run_failing(work, context, INT_MAX, false, &diag), &diag);
+    const int count = atomic_load(&allocation_plan()->done);
+    if (count == 0)
+        fail_msg("%s allocates nothing", name);
+    for (int mode = 0; mode < 2; mode++) {
+        int got_over = 0;
+        for (int k = 0; k < count; k++) {
+            diag = (struct neph_diag){0};
+            const enum neph_status status = run_failing(work, context, k, mode == 1, &diag);
+            got_over += status == NEPH_OK;
+            if (status != NEPH_OK && (status != NEPH_ERR_MEMORY || !diag.message[0]))
+                fail_msg("%s, allocation %d of %d: %s: %s", name, k, count,
+                         neph_status_name(status), diag.message);
+            neph_assert_ok(run_failing(work, context, -1, false, &diag), &diag); /* still works */
+        }
+        if (got_over > spare)
+            fail_msg("%s: %d of %d failures were not told", name, got_over, count);
+    }
+    print_message("%s: %d allocations\n", name, count);
+}
+
+#endif

@@ -1,0 +1,63 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Out of memory on the way from words of the command line to frames: see tests/allocation.h.
+ */
+#include "tests/allocation.h"
+#include "tests/base/scratch.h"
+
+#include "harness/frame.h"
+#include "harness/sequence.h"
+
+#define CORPUS NEPH_SOURCE_DIR "/tests/fuzz/corpus/"
+
+static enum neph_status find(void *context, struct neph_diag *diag)
+{
+    const char *words[] = {context};
+    struct neph_sequence sequence = {0};
+    const enum neph_status status = neph_sequence_find(1, words, &sequence, diag);
+    assert_int_equal(sequence.count > 0, status == NEPH_OK);
+    neph_sequence_finish(&sequence);
+    return status;
+}
+
+static enum neph_status read_frame(void *context, struct neph_diag *diag)
+{
+    struct neph_image *image = NULL;
+    const enum neph_status status = neph_frame_read(context, SIZE_MAX, &image, diag);
+    assert_int_equal(image != NULL, status == NEPH_OK);
+    neph_image_destroy(image);
+    return status;
+}
+
+static void test_sequences(void **state)
+{
+    char path[SCRATCH_PATH_MAX];
+    for (int i = 8; i < 12; i++) {
+        char name[16];
+        snprintf(name, sizeof(name), "f%d.exr", i);
+        neph_assert_ok(neph_file_write(scratch_path(state, path, name), "", 0, NULL), NULL);
+    }
+    assert_every_failure_is_told("a file", find, path, 0);
+    scratch_path(state, path, "f%d.exr");
+    assert_every_failure_is_told("a pattern", find, path, 0);
+    scratch_path(state, path, "f*.exr");
+    assert_every_failure_is_told("a glob", find, path, 0);
+    scratch_path(state, path, "");
+    assert_every_failure_is_told("a folder", find, path, 0);
+}
+
+static void test_frames(void **state)
+{
+    (void)state;
+    assert_every_failure_is_told("an EXR", read_frame, CORPUS "exr/smooth_zip.exr", 0);
+    assert_every_failure_is_told("a PNG", read_frame, CORPUS "png/rgb_8.png", 0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        scratch_test(test_sequences),
+        cmocka_unit_test(test_frames),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

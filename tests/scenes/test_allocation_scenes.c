@@ -1,0 +1,101 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Out of memory in the loader of scenes and in volume files: see tests/allocation.h.
+ */
+#include "tests/allocation.h"
+#include "tests/base/scratch.h"
+
+#include "scenes/scene.h"
+#include "scenes/volume_file.h"
+
+struct loading {
+    char *path;
+    char hash[NEPH_HASH_HEX_SIZE]; /* of the first load: all others must give the same */
+};
+
+static enum neph_status load(void *context, struct neph_diag *diag)
+{
+    struct loading *loading = context;
+    struct neph_scene *scene = NULL;
+    const enum neph_status status = neph_scene_load(loading->path, &scene, diag);
+    assert_int_equal(scene != NULL, status == NEPH_OK);
+    if (scene && !loading->hash[0])
+        memcpy(loading->hash, scene->hash, sizeof(loading->hash));
+    if (scene)
+        assert_string_equal(scene->hash, loading->hash);
+    neph_scene_destroy(scene);
+    return status;
+}
+
+static void assert_scene(const char *name)
+{
+    struct loading loading = {.path = neph_format(NEPH_SOURCE_DIR "/scenes/catalog/%s.yaml", name)};
+    assert_every_failure_is_told(name, load, &loading, 0);
+    free(loading.path);
+}
+
+static void test_catalogue(void **state)
+{
+    (void)state;
+    assert_scene("two_layer_fog");
+    assert_scene("fence_backlit");
+    assert_scene("voxel_grid");
+    assert_scene("atmosphere_shell");
+}
+
+/* A volume from a file, and a medium that is made into voxels. */
+static void test_voxels(void **state)
+{
+    static const unsigned char volume[] = {0, 2, 0, 1, 0, 1, 100, 200};
+    static const char scene[] =
+        "name: probe\n"
+        "title: a probe\n"
+        "physics: none\n"
+        "camera: {position_m: [0, 1, 50], look_at_m: [0, 1, 0], vertical_fov_deg: 40}\n"
+        "scattering: none\n"
+        "media:\n"
+        "  - volume: {file: cloud.df3, center_m: [0, 0, 0], longest_side_m: 1, "
+        "extinction_per_m: 2, albedo: [1, 1, 1]}\n"
+        "  - gaussian: {center_m: [0, 5, 0], width_m: 0.5, voxels: 4, extinction_per_m: 2, "
+        "albedo: [1, 1, 1]}\n";
+    char path[SCRATCH_PATH_MAX];
+    neph_assert_ok(
+        neph_file_write(scratch_path(state, path, "cloud.df3"), volume, sizeof(volume), NULL),
+        NULL);
+    neph_assert_ok(
+        neph_file_write(scratch_path(state, path, "probe.yaml"), scene, strlen(scene), NULL), NULL);
+    struct loading loading = {.path = path};
+    /* Two loops over rows run on one thread when there is no memory for more. */
+    assert_every_failure_is_told("voxels", load, &loading, 2);
+}
+
+static enum neph_status copy_volume(void *context, struct neph_diag *diag)
+{
+    struct neph_grid *grid = NULL;
+    enum neph_status status = neph_volume_read(context, NULL, 1 << 20, &grid, diag);
+    if (!status)
+        status = neph_volume_write(context, grid, diag);
+    neph_grid_destroy(grid);
+    return status;
+}
+
+static void test_volume_files(void **state)
+{
+    static const unsigned char volume[] = {0, 1, 0, 1, 0, 1, 100};
+    char path[SCRATCH_PATH_MAX];
+    neph_assert_ok(
+        neph_file_write(scratch_path(state, path, "cloud.df3"), volume, sizeof(volume), NULL),
+        NULL);
+    assert_every_failure_is_told("a .df3", copy_volume, path, 0);
+    assert_int_equal(scratch_count(state), 1);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        scratch_test(test_catalogue),
+        scratch_test(test_voxels),
+        scratch_test(test_volume_files),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
