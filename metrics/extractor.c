@@ -7,6 +7,8 @@
 
 static const struct neph_extractor *const registry[] = {
     &neph_extractor_error,
+    &neph_extractor_flip,
+    &neph_extractor_flip40,
     &neph_extractor_lag,
     &neph_extractor_trail,
 };

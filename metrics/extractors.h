@@ -8,6 +8,8 @@
 #include "metrics/extractor.h"
 
 extern const struct neph_extractor neph_extractor_error;
+extern const struct neph_extractor neph_extractor_flip;
+extern const struct neph_extractor neph_extractor_flip40;
 extern const struct neph_extractor neph_extractor_lag;
 extern const struct neph_extractor neph_extractor_trail;
 
