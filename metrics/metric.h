@@ -34,6 +34,7 @@ enum neph_pool {
     NEPH_POOL_RMS,                 /* sqrt(mean v^2) */
     NEPH_POOL_ROOT_MEAN,           /* sqrt(mean v), 0 when the mean is negative */
     NEPH_POOL_MEAN_OVER,           /* mean v / mean w */
+    NEPH_POOL_ROOT_MEAN_OVER,      /* sqrt(mean v / mean w) */
     NEPH_POOL_RMS_OVER,            /* sqrt(mean v^2) / mean w */
     NEPH_POOL_PSNR,                /* 10 log10(p^2 / mean v), v squared errors, p the peak [dB] */
     NEPH_POOL_SHARE_ABOVE,         /* share of v > p */
