@@ -7,6 +7,11 @@
 
 static const struct neph_extractor *const registry[] = {
     &neph_extractor_error,
+    &neph_extractor_stops,
+    &neph_extractor_pu21,
+    &neph_extractor_ssim,
+    &neph_extractor_shift,
+    &neph_extractor_two_seed,
     &neph_extractor_flip,
     &neph_extractor_flip40,
     &neph_extractor_lag,

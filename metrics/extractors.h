@@ -8,6 +8,11 @@
 #include "metrics/extractor.h"
 
 extern const struct neph_extractor neph_extractor_error;
+extern const struct neph_extractor neph_extractor_stops;
+extern const struct neph_extractor neph_extractor_pu21;
+extern const struct neph_extractor neph_extractor_ssim;
+extern const struct neph_extractor neph_extractor_shift;
+extern const struct neph_extractor neph_extractor_two_seed;
 extern const struct neph_extractor neph_extractor_flip;
 extern const struct neph_extractor neph_extractor_flip40;
 extern const struct neph_extractor neph_extractor_lag;

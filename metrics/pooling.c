@@ -59,7 +59,8 @@ static bool needs_keys(enum neph_pool pool)
 
 static bool needs_over(enum neph_pool pool)
 {
-    return pool == NEPH_POOL_MEAN_OVER || pool == NEPH_POOL_RMS_OVER;
+    return pool == NEPH_POOL_MEAN_OVER || pool == NEPH_POOL_ROOT_MEAN_OVER ||
+           pool == NEPH_POOL_RMS_OVER;
 }
 
 /* ---- the walk over a map --------------------------------------------------------------------- */
@@ -252,6 +253,8 @@ static bool statistic(const void *context, const double *sums, double *value)
         return known(sqrt(fmax(mean, 0.0)), value);
     case NEPH_POOL_MEAN_OVER:
         return sums[SUM_W] > 0.0 && known(sums[SUM_V] / sums[SUM_W], value);
+    case NEPH_POOL_ROOT_MEAN_OVER:
+        return sums[SUM_W] > 0.0 && known(sqrt(fmax(sums[SUM_V] / sums[SUM_W], 0.0)), value);
     case NEPH_POOL_RMS_OVER:
         return sums[SUM_W] > 0.0 && known(sqrt(sums[SUM_V2] / n) / (sums[SUM_W] / n), value);
     case NEPH_POOL_PSNR:
@@ -400,9 +403,16 @@ static enum neph_status add_interval(const struct neph_metric *metric,
 
 static const char *undefined_because(const struct neph_metric *metric)
 {
-    return needs_over(metric->pool)         ? no_mean
-           : metric->pool == NEPH_POOL_PSNR ? no_error
-                                            : no_value;
+    switch (metric->pool) {
+    case NEPH_POOL_MEAN_OVER:
+    case NEPH_POOL_RMS_OVER:
+        return no_mean;
+    case NEPH_POOL_ROOT_MEAN_OVER:
+    case NEPH_POOL_PSNR:
+        return no_error;
+    default:
+        return no_value;
+    }
 }
 
 static enum neph_status pool_metric(const struct neph_metric *metric, const struct gathered *set,

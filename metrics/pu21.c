@@ -3,7 +3,7 @@
  * Peak signal-to-noise ratio on PU21 codes of absolute luminance.
  */
 #include "metrics/code_value.h"
-#include "metrics/extractor.h"
+#include "metrics/extractors.h"
 
 #include <math.h>
 #include <stddef.h>

@@ -7,7 +7,7 @@
  * continues with its outermost pixels.
  */
 #include "base/threads.h"
-#include "metrics/extractor.h"
+#include "metrics/extractors.h"
 #include "metrics/vector_math.h"
 
 #include <math.h>

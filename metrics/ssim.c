@@ -4,7 +4,7 @@
  */
 #include "base/threads.h"
 #include "metrics/code_value.h"
-#include "metrics/extractor.h"
+#include "metrics/extractors.h"
 #include "metrics/ms_ssim.h"
 #include "metrics/structure.h"
 
@@ -229,7 +229,11 @@ static const struct neph_metric metrics[] = {
 };
 
 static const struct neph_map maps[] = {
-    {"ssim", "1", 1, false, 1.0},
+    {.name = "ssim",
+     .unit = "1",
+     .plane_count = 1,
+     .scale = 1.0,
+     .empty_because = "no window of 11x11 px has its middle in the mask"},
 };
 
 const struct neph_extractor neph_extractor_ssim = {

@@ -3,7 +3,7 @@
  * Error in stops: how far the exposure of the test would have to be moved, pixel by pixel, to meet
  * the reference. A floor keeps night from counting: below it both sides are black.
  */
-#include "metrics/extractor.h"
+#include "metrics/extractors.h"
 #include "metrics/vector_math.h"
 
 #include <math.h>
@@ -16,11 +16,13 @@ enum { MAP_SIGNED, MAP_ABSOLUTE, MAP_COUNT };
 
 static const double floor_share = 1e-4; /* of the scene's mean luminance */
 
+static const char black_frame[] = "the mean of the whole reference frame is not positive";
+
 static const char *obstacle(const struct neph_frame_pair *first,
                             const struct neph_settings *settings)
 {
     (void)settings;
-    return first->scene_mean > 0.0 ? NULL : "the mean of the whole reference frame is not positive";
+    return first->scene_mean > 0.0 ? NULL : black_frame;
 }
 
 static enum neph_status init(void *opaque, const struct neph_frame_pair *first,
@@ -91,8 +93,8 @@ static const struct neph_metric metrics[] = {
 };
 
 static const struct neph_map maps[] = {
-    [MAP_SIGNED] = {"stops", "stops", 1, true, 1.0},
-    [MAP_ABSOLUTE] = {NULL, "stops", 1, false, 0.0},
+    [MAP_SIGNED] = {"stops", "stops", 1, true, 1.0, black_frame, 0},
+    [MAP_ABSOLUTE] = {NULL, "stops", 1, false, 0.0, black_frame, 0},
 };
 
 const struct neph_extractor neph_extractor_stops = {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "metrics/two_seed.h"
 
-#include "metrics/extractor.h"
+#include "metrics/extractors.h"
 #include "metrics/vector_math.h"
 
 #include <math.h>

@@ -7,12 +7,10 @@
 #include "tests/metrics/image_reference.h"
 
 #include "metrics/code_value.h"
+#include "metrics/extractors.h"
 #include "metrics/ms_ssim.h"
 #include "metrics/statistics.h"
 #include "metrics/two_seed.h"
-
-extern const struct neph_extractor neph_extractor_stops, neph_extractor_pu21, neph_extractor_ssim,
-    neph_extractor_shift, neph_extractor_two_seed;
 
 /* Both sides sum a few hundred thousand terms in double precision; nothing else is approximate but
  * the table of code values, which is held to its own bound below. */
@@ -270,21 +268,17 @@ static void test_against_numpy(void **state)
 static void test_pu21_published(void **state)
 {
     (void)state;
-    assert_int_equal(lround(neph_code_exact(NEPH_CODE_595 .393920020094921, 100.0)), 256);
-    neph_assert_close(neph_code_exact(NEPH_CODE_595 .393920020094921, 0.005), 0.0, 0.0, 1e-6);
+    assert_int_equal(lround(neph_code_exact(NEPH_CODE_PU21, 100.0)), 256);
+    neph_assert_close(neph_code_exact(NEPH_CODE_PU21, 0.005), 0.0, 0.0, 1e-6);
     /* The formula in 30 digits, at 1 and 10000 cd/m2. */
-    neph_assert_close(neph_code_exact(NEPH_CODE_595 .393920020094921, 1.0), 36.543911139419208,
-                      1e-13, 0.0);
-    neph_assert_close(neph_code_exact(NEPH_CODE_595 .393920020094921, 1e4), 595.39392002009492,
-                      1e-13, 0.0);
-    assert_true(neph_code_exact(NEPH_CODE_595 .393920020094921, 0.0) ==
-                neph_code_exact(NEPH_CODE_595 .393920020094921, 0.005));
-    assert_true(neph_code_exact(NEPH_CODE_595 .393920020094921, 1e9) ==
-                neph_code_exact(NEPH_CODE_595 .393920020094921, 1e4));
+    neph_assert_close(neph_code_exact(NEPH_CODE_PU21, 1.0), 36.543911139419208, 1e-13, 0.0);
+    neph_assert_close(neph_code_exact(NEPH_CODE_PU21, 1e4), 595.39392002009492, 1e-13, 0.0);
+    assert_true(neph_code_exact(NEPH_CODE_PU21, 0.0) == neph_code_exact(NEPH_CODE_PU21, 0.005));
+    assert_true(neph_code_exact(NEPH_CODE_PU21, 1e9) == neph_code_exact(NEPH_CODE_PU21, 1e4));
     neph_assert_close(neph_code_exact(NEPH_CODE_DISPLAY, 1.0), 255.0, 1e-15, 0.0);
     neph_assert_close(neph_code_exact(NEPH_CODE_DISPLAY, 0.18), 117.6458, 0.0, 1e-3);
     assert_true(neph_code_exact(NEPH_CODE_DISPLAY, -1.0) == 0.0);
-    assert_true(neph_code_peak(NEPH_CODE_595 .393920020094921) == 256.0);
+    assert_true(neph_code_peak(NEPH_CODE_PU21) == 256.0);
     assert_true(neph_code_peak(NEPH_CODE_DISPLAY) == 255.0);
 }
 
@@ -308,19 +302,18 @@ static void test_codes_follow_their_formula(void **state)
     struct neph_viewing viewing = NEPH_VIEWING_DEFAULTS;
     viewing.exposure_ev = -3.0;
     viewing.white_cd_per_m2 = 80.0; /* together 10 cd/m2 for 1 */
-    for (int kind = NEPH_CODE_595 .393920020094921; kind <= NEPH_CODE_DISPLAY; kind++) {
+    for (int kind = NEPH_CODE_PU21; kind <= NEPH_CODE_DISPLAY; kind++) {
         struct neph_code *code = NULL;
         neph_assert_ok(neph_code_create((enum neph_code_kind)kind, &viewing, &code, NULL), NULL);
         neph_code_pixels(code, planes, 0, COUNT, codes);
         double worst = 0.0;
         for (int i = 0; i < COUNT; i++) {
-            double value = (double)grey_values[i] *
-                           (kind == NEPH_CODE_595 .393920020094921 ? 10.0 : 0.125);
+            double value = (double)grey_values[i] * (kind == NEPH_CODE_PU21 ? 10.0 : 0.125);
             double exact = neph_code_exact((enum neph_code_kind)kind, value);
             worst = fmax(worst, fabs(codes[i] - exact));
         }
         print_message("%s: farthest from the formula %.3g codes\n",
-                      kind == NEPH_CODE_595 .393920020094921 ? "pu21" : "display", worst);
+                      kind == NEPH_CODE_PU21 ? "pu21" : "display", worst);
         assert_true(worst < 1e-10);
         neph_code_destroy(code);
     }
@@ -334,8 +327,7 @@ static void test_pu_psnr_closed_form(void **state)
 {
     (void)state;
     struct frames frames = grey(3, 1, (float[]){1, 1, 1}, (float[]){0.5f, 0.5f, 0.5f});
-    double d = neph_code_exact(NEPH_CODE_595 .393920020094921, 100.0) -
-               neph_code_exact(NEPH_CODE_595 .393920020094921, 50.0);
+    double d = neph_code_exact(NEPH_CODE_PU21, 100.0) - neph_code_exact(NEPH_CODE_PU21, 50.0);
     neph_assert_close(measured(&neph_extractor_pu21, &frames, NULL, "pu_psnr"),
                       20.0 * log10(256.0 / d), 1e-11, 0.0);
     frames.viewing.exposure_ev = 1.0; /* the exposure is on the display's side of the scale */
@@ -429,8 +421,7 @@ static void test_ssim_of_flat_images(void **state)
         values[1][i] = 0.25f;
     }
     struct frames frames = grey(SIDE, SIDE, values[0], values[1]);
-    double x = neph_code_exact(NEPH_CODE_595 .393920020094921, 100.0),
-           y = neph_code_exact(NEPH_CODE_595 .393920020094921, 25.0);
+    double x = neph_code_exact(NEPH_CODE_PU21, 100.0), y = neph_code_exact(NEPH_CODE_PU21, 25.0);
     double c1 = 2.56 * 2.56;
     double luminance = (2.0 * x * y + c1) / (x * x + y * y + c1);
     struct extraction extraction = run(&neph_extractor_ssim, &frames, NULL);
