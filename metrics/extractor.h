@@ -43,6 +43,7 @@ struct neph_frame_pair {
     double scene_mean; /* mean luminance (depth: mean over the solid) of the whole reference; NaN
                           when it is not above 0 */
     int frame;         /* 0, 1, 2 ... of the measured frames; no frame is left out */
+    int frame_count;   /* how many there will be; 0: nobody knows */
     const struct neph_viewing *viewing;
 };
 

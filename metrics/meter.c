@@ -27,9 +27,10 @@ struct neph_meter {
     int mask_count;
     bool intervals;
 
-    int width_px, height_px; /* of the first frame; 0 before it */
-    int frame_count;
-    struct run *runs; /* owned; made at the first frame */
+    int width_px, height_px;   /* of the first frame; 0 before it */
+    int frame_count;           /* so far */
+    int announced_frame_count; /* of all; 0: not known */
+    struct run *runs;          /* owned; made at the first frame */
     int run_count;
     struct neph_measurement *measurements; /* owned */
     int measurement_count, measurement_room;
@@ -62,6 +63,7 @@ static enum neph_status copy_params(struct neph_meter *meter,
 {
     meter->viewing = params->viewing;
     meter->intervals = params->intervals;
+    meter->announced_frame_count = params->frame_count;
     meter->choices = calloc((size_t)params->choice_count + 1, sizeof(*meter->choices));
     meter->masks = calloc((size_t)params->mask_count + 1, sizeof(*meter->masks));
     if (!meter->choices || !meter->masks)
@@ -153,6 +155,7 @@ static bool pair_up(const struct neph_meter *meter, const struct neph_quantity *
         .reference_image = images[0],
         .test_image = images[2],
         .frame = meter->frame_count,
+        .frame_count = meter->announced_frame_count,
         .viewing = &meter->viewing,
     };
     if (!neph_quantity_planes(quantity, images[0], pair->reference) ||

@@ -23,7 +23,8 @@ struct neph_meter_params {
     const struct neph_mask *const *masks; /* of the size of the frames; borrowed for the life; the
                                              first is "all": numbers of a whole frame stand there */
     int mask_count;
-    bool intervals; /* bootstrap each number that allows it; costs as much as the numbers do */
+    int frame_count; /* of neph_meter_frame() to come; 0: not known, and what needs it says so */
+    bool intervals;  /* bootstrap each number that allows it; costs as much as the numbers do */
 };
 
 struct neph_meter;
