@@ -14,6 +14,8 @@ static const struct neph_extractor *const registry[] = {
     &neph_extractor_two_seed,
     &neph_extractor_flip,
     &neph_extractor_flip40,
+    &neph_extractor_hdr_flip,
+    &neph_extractor_flip_alternation,
     &neph_extractor_lag,
     &neph_extractor_trail,
 };

@@ -15,6 +15,8 @@ extern const struct neph_extractor neph_extractor_shift;
 extern const struct neph_extractor neph_extractor_two_seed;
 extern const struct neph_extractor neph_extractor_flip;
 extern const struct neph_extractor neph_extractor_flip40;
+extern const struct neph_extractor neph_extractor_hdr_flip;
+extern const struct neph_extractor neph_extractor_flip_alternation;
 extern const struct neph_extractor neph_extractor_lag;
 extern const struct neph_extractor neph_extractor_trail;
 
