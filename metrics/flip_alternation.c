@@ -40,6 +40,21 @@ static const struct neph_option options[] = {
     {0},
 };
 
+#define TOO_SHORT "the sequence is shorter than the cycles and 2 frames more"
+
+static int pairs_wanted(const struct neph_settings *settings)
+{
+    return CYCLE_FRAMES * (int)settings->values[OPTION_CYCLES];
+}
+
+static const char *obstacle(const struct neph_frame_pair *first,
+                            const struct neph_settings *settings)
+{
+    const bool is_known = first->frame_count > 0;
+    return is_known && first->frame_count < pairs_wanted(settings) + DISTANCE_COUNT ? TOO_SHORT
+                                                                                    : NULL;
+}
+
 static size_t pixel_count(const struct state *state)
 {
     return (size_t)state->width_px * (size_t)state->height_px;
@@ -71,7 +86,7 @@ static enum neph_status init(void *opaque, const struct neph_frame_pair *first,
         .exposure_ev = first->viewing->exposure_ev,
         .tone = (enum neph_flip_tone)settings->values[OPTION_TONE],
     };
-    state->wanted_pairs = CYCLE_FRAMES * (int)settings->values[OPTION_CYCLES];
+    state->wanted_pairs = pairs_wanted(settings);
     if (!allocate(state))
         return neph_fail_memory(diag);
     return neph_flip_create(first->viewing->pixels_per_degree, &state->flip, diag);
@@ -193,8 +208,6 @@ static const struct neph_metric metrics[] = {
     {0},
 };
 
-#define TOO_SHORT "the sequence is shorter than the cycles and 2 frames more"
-
 static const struct neph_map maps[MAP_COUNT] = {
     [EXCESS_1] = {"flip_alternation_1", "1", 1, true, 1.0, TOO_SHORT, 0},
     [EXCESS_2] = {"flip_alternation_2", "1", 1, true, 1.0, TOO_SHORT, 0},
@@ -215,6 +228,7 @@ const struct neph_extractor neph_extractor_flip_alternation = {
     .maps = maps,
     .map_count = MAP_COUNT,
     .state_size = sizeof(struct state),
+    .obstacle = obstacle,
     .init = init,
     .extract = extract,
     .flush = flush,

@@ -664,6 +664,23 @@ static void test_alternation(void **state)
         free_pictures(&pictures[i]);
 }
 
+static void test_a_short_sequence_is_an_obstacle(void **state)
+{
+    (void)state;
+    const struct neph_viewing viewing = NEPH_VIEWING_DEFAULTS;
+    const struct neph_settings settings = neph_options_default(
+        neph_extractor_flip_alternation.options);
+    struct pictures pictures = empty_pictures(2, 2);
+    struct neph_frame_pair pair = pair_of(&pictures, 0, &viewing);
+    for (int frame_count = 0; frame_count < 9; frame_count++) { /* 0: not known beforehand */
+        pair.frame_count = frame_count;
+        const char *obstacle = neph_extractor_flip_alternation.obstacle(&pair, &settings);
+        assert_true((obstacle != NULL) == (frame_count > 0 && frame_count < 6));
+    }
+    free_images(&pair);
+    free_pictures(&pictures);
+}
+
 static void test_alternation_needs_whole_cycles(void **state)
 {
     (void)state;
@@ -817,6 +834,7 @@ int main(void)
         cmocka_unit_test(test_exposures_are_frozen),
         cmocka_unit_test(test_hdr_symmetries),
         cmocka_unit_test(test_alternation),
+        cmocka_unit_test(test_a_short_sequence_is_an_obstacle),
         cmocka_unit_test(test_alternation_needs_whole_cycles),
         cmocka_unit_test(test_numbers_through_the_meter),
         cmocka_unit_test(test_not_a_number_is_not_black),
