@@ -99,8 +99,7 @@ struct neph_flip {
     struct workspace *workspaces;
 };
 
-/* ---- colour: constants ------------------------------------------------------------------------
- */
+/* ---- colour: constants ----------------------------------------------------------------------- */
 
 /* Linear Rec.709 to XYZ, in units of the white (0.950428545, 1, 1.088900371): rows (10135552,
  * 8788810, 4435075) / 24577794, (2613072, 8788810, 887015) / 12288897, (1425312, 8788810, 70074185)
@@ -125,8 +124,9 @@ static const double knee_value = 0.95;
 
 static const double feature_width_deg = 0.082;
 
-/* ---- tone curves ------------------------------------------------------------------------------
- */
+static const double pi = 3.14159265358979323846;
+
+/* ---- tone curves ----------------------------------------------------------------------------- */
 
 const char *const neph_flip_tones[] = {"none", "aces", "reinhard", "hable", NULL};
 
@@ -151,8 +151,7 @@ double neph_flip_tone_inverse(enum neph_flip_tone tone, double value)
     return (-b + sqrt(b * b - 4.0 * a * c)) / (2.0 * a);
 }
 
-/* ---- kernels ----------------------------------------------------------------------------------
- */
+/* ---- kernels --------------------------------------------------------------------------------- */
 
 /* Sum over both sides; of an odd kernel, over the positive side. */
 static double kernel_sum(const struct kernel *kernel)
@@ -172,7 +171,6 @@ static void scale_kernel(struct kernel *kernel, double factor)
 /* exp(-pi^2 x^2 / spread), x in degrees: the contrast sensitivity in space [HPG 2020, table 1]. */
 static void fill_contrast(struct kernel *kernel, double spread, double pixels_per_degree)
 {
-    const double pi = 3.14159265358979323846;
     for (int i = 0; i <= kernel->radius_px; i++) {
         const double x_deg = i / pixels_per_degree;
         kernel->weights[i] = exp(-pi * pi * x_deg * x_deg / spread);
@@ -181,7 +179,6 @@ static void fill_contrast(struct kernel *kernel, double spread, double pixels_pe
 
 static void make_contrast_kernels(struct kernel *kernels, double pixels_per_degree)
 {
-    const double pi = 3.14159265358979323846;
     const struct {
         double amplitude, spread;
     } wide = {34.1, 0.04}, narrow = {13.5, 0.025};
@@ -224,14 +221,12 @@ static void make_feature_kernels(struct kernel *kernels, double sigma_px)
     }
 }
 
-/* ---- creation ---------------------------------------------------------------------------------
- */
+/* ---- creation -------------------------------------------------------------------------------- */
 
 /* Radii by the published rule, three standard deviations, and where each kernel lies in memory. */
 static enum neph_status make_kernels(struct neph_flip *flip, double pixels_per_degree,
                                      struct neph_diag *diag)
 {
-    const double pi = 3.14159265358979323846;
     const double feature_sigma_px = 0.5 * feature_width_deg * pixels_per_degree;
     const int feature_radius = (int)ceil(3.0 * feature_sigma_px);
     const int color_radius = (int)ceil(3.0 * sqrt(0.04 / (2.0 * pi * pi)) * pixels_per_degree);
@@ -326,8 +321,7 @@ void neph_flip_destroy(struct neph_flip *flip)
     free(flip);
 }
 
-/* ---- rows in ----------------------------------------------------------------------------------
- */
+/* ---- rows in --------------------------------------------------------------------------------- */
 
 /* Samples x0 - margin .. of a row, the borders repeated outwards. */
 static void copy_row(const float *row, int width_px, int x0, int count, double *to)
@@ -410,8 +404,7 @@ NEPH_VECTOR static void to_opponents(int count, double *restrict red, double *re
     }
 }
 
-/* ---- filters ----------------------------------------------------------------------------------
- */
+/* ---- filters --------------------------------------------------------------------------------- */
 
 /* out = sum over j of weights[j] (lines[radius - j] + lines[radius + j]), four j at a time so that
  * `out` is loaded and stored less often than the lines are. */
@@ -477,8 +470,7 @@ static void filter(const struct kernel *kernel, const double *const *lines, int 
         filter_even(kernel, lines, count, out);
 }
 
-/* ---- a row of the map -------------------------------------------------------------------------
- */
+/* ---- a row of the map ------------------------------------------------------------------------ */
 
 /* CIE 1976, of a component relative to white. */
 static inline double lab_curve(double t)
@@ -553,8 +545,7 @@ NEPH_VECTOR static void keep_larger_of(int count, const double *restrict from, d
         to[i] = from[i] > to[i] ? from[i] : to[i];
 }
 
-/* ---- tiles ------------------------------------------------------------------------------------
- */
+/* ---- tiles ----------------------------------------------------------------------------------- */
 
 struct map_job {
     struct neph_flip *flip;
@@ -638,7 +629,7 @@ static void write_row(const struct map_job *job, struct workspace *space, const 
         memcpy(to, scratch, (size_t)tile->width_px * sizeof(*to));
 }
 
-/* There are as many workspaces as threads can run. */
+/* There are as many workspaces as threads run, so one is free or will be at once. */
 static struct workspace *take_workspace(struct neph_flip *flip)
 {
     for (int i = 0;; i = (i + 1) % flip->workspace_count)

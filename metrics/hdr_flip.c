@@ -46,8 +46,7 @@ static const struct neph_option options[] = {
 /* The display value to which the rule brings the brightest and the median luminance. */
 static const double anchor = 0.85;
 
-/* ---- the range --------------------------------------------------------------------------------
- */
+/* ---- the range ------------------------------------------------------------------------------- */
 
 static bool is_given(const struct neph_settings *settings)
 {
@@ -138,8 +137,7 @@ static enum neph_status choose_exposures(const struct neph_frame_pair *pair,
     return NEPH_OK;
 }
 
-/* ---- the extractor ----------------------------------------------------------------------------
- */
+/* ---- the extractor --------------------------------------------------------------------------- */
 
 static enum neph_status init(void *opaque, const struct neph_frame_pair *first,
                              const struct neph_settings *settings, struct neph_diag *diag)

@@ -12,8 +12,7 @@
 #include <float.h>
 #include <sched.h>
 
-/* ---- pictures by exact rules, the same as in flip_reference.py --------------------------------
- */
+/* ---- pictures by exact rules, the same as in flip_reference.py ------------------------------- */
 
 typedef double picture_rule(uint32_t x, uint32_t y, uint32_t c, uint32_t seed, bool test);
 
@@ -155,8 +154,7 @@ static uint64_t test_seed(uint64_t usual)
     return seed;
 }
 
-/* ---- the core ---------------------------------------------------------------------------------
- */
+/* ---- the core -------------------------------------------------------------------------------- */
 
 /* The map for the caller to free; `first` 1: the pictures change places. */
 static double *flip_of(const struct pictures *pictures, int first, double pixels_per_degree,
@@ -263,8 +261,7 @@ static void test_uniform_greys(void **state)
     free_pictures(&pictures);
 }
 
-/* ---- what follows from the definition ---------------------------------------------------------
- */
+/* ---- what follows from the definition -------------------------------------------------------- */
 
 static const double distances[] = {10.0, 30.0, 67.0206432765823, 131.7, 200.0};
 static picture_rule *const rules[] = {noise, near,  dark, bright,    wires,
@@ -375,8 +372,7 @@ static void test_distance_out_of_range(void **state)
     }
 }
 
-/* ---- the extractors ---------------------------------------------------------------------------
- */
+/* ---- the extractors -------------------------------------------------------------------------- */
 
 /* A pair of frames whose images are the pictures; free_images() after it. */
 static struct neph_frame_pair pair_of(const struct pictures *pictures, int frame,
@@ -449,8 +445,7 @@ static void test_extractors_take_their_conditions(void **state)
     free_pictures(&pictures);
 }
 
-/* ---- HDR-FLIP ---------------------------------------------------------------------------------
- */
+/* ---- HDR-FLIP -------------------------------------------------------------------------------- */
 
 static void test_hdr_second_implementation(void **state)
 {
@@ -593,8 +588,7 @@ static void test_hdr_symmetries(void **state)
     free_pictures(&pictures);
 }
 
-/* ---- FLIP between frames ----------------------------------------------------------------------
- */
+/* ---- FLIP between frames --------------------------------------------------------------------- */
 
 /* Run frames[0 .. frame_count - 1] (indices of pictures; -1 as reference: the first one's). */
 static struct extraction run_sequence(const struct pictures *pictures, const int *test,
@@ -711,8 +705,7 @@ static void test_alternation_needs_whole_cycles(void **state)
         free_pictures(&pictures[i]);
 }
 
-/* ---- through the meter ------------------------------------------------------------------------
- */
+/* ---- through the meter ----------------------------------------------------------------------- */
 
 /* The numbers of extractor flip over the whole frame. */
 static struct neph_meter *measure(const struct pictures *pictures, double pixels_per_degree)
