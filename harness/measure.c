@@ -40,26 +40,39 @@ void neph_masks_destroy(struct neph_mask **masks, int count)
         neph_mask_destroy(masks[i]);
 }
 
+/* Keep the mask `name` when it says more than the whole image does. */
+static enum neph_status add_mask(const struct neph_image *reference, const char *name,
+                                 struct neph_mask *masks[NEPH_MASKS_MAX], int *count,
+                                 struct neph_diag *diag)
+{
+    struct neph_mask *mask = NULL;
+    enum neph_status status = neph_mask_create(reference, name, NULL, &mask, diag);
+    if (status == NEPH_ERR_UNSUPPORTED) /* the layer that it is made from is not there */
+        return NEPH_OK;
+    if (status)
+        return status;
+    const bool says_more = mask->pixel_count > 0 &&
+                           mask->pixel_count < neph_image_pixel_count(reference);
+    if ((*count == 0 || says_more) && *count < NEPH_MASKS_MAX)
+        masks[(*count)++] = mask;
+    else
+        neph_mask_destroy(mask);
+    return NEPH_OK;
+}
+
 enum neph_status neph_masks_of(const struct neph_image *reference,
                                struct neph_mask *masks[NEPH_MASKS_MAX], int *count,
                                struct neph_diag *diag)
 {
     enum neph_status status = NEPH_OK;
-    const size_t pixel_count = neph_image_pixel_count(reference);
+    const char *name;
     *count = 0;
-    for (int k = 0; k < neph_mask_kind_count() && !status; k++) {
-        struct neph_mask *mask = NULL;
-        status = neph_mask_create(reference, neph_mask_kind_at(k)->name, NULL, &mask, diag);
-        if (status == NEPH_ERR_UNSUPPORTED) { /* the layer that it is made from is not there */
-            status = NEPH_OK;
-            continue;
-        }
-        const bool says_more = mask && mask->pixel_count > 0 && mask->pixel_count < pixel_count;
-        if (!status && (k == 0 || says_more))
-            masks[(*count)++] = mask;
-        else
-            neph_mask_destroy(mask);
-    }
+    for (int k = 0; k < neph_mask_kind_count() && !status; k++)
+        if (!neph_mask_kind_at(k)->is_detail)
+            status = add_mask(reference, neph_mask_kind_at(k)->name, masks, count, diag);
+    for (int i = 0; !status && (name = neph_mask_channel_at(reference, i)); i++)
+        if (!neph_mask_kind_find(name)) /* else it is there already */
+            status = add_mask(reference, name, masks, count, diag);
     if (status)
         neph_masks_destroy(masks, *count);
     return status;

@@ -185,3 +185,55 @@ enum neph_status neph_validity_same_channels(const struct neph_image *reference,
                      reference_count, reference_count > 0 ? ":" : "", only_reference, test_count,
                      test_count > 0 ? ":" : "", only_test);
 }
+
+/* ---- frozen frames --------------------------------------------------------------------------- */
+
+enum neph_status neph_frozen_hash(const struct neph_image *frame, char hex[NEPH_HASH_HEX_SIZE],
+                                  struct neph_diag *diag)
+{
+    /* A line for the size and one for each channel, and the hash of these. */
+    enum { LINE_MAX = NEPH_IMAGE_NAME_MAX + NEPH_HASH_HEX_SIZE + 32 };
+    size_t size = (size_t)(frame->channel_count + 1) * LINE_MAX;
+    char *text = malloc(size);
+    if (!text)
+        return neph_fail_memory(diag);
+    size_t length = (size_t)snprintf(text, size, "%dx%d", frame->width_px, frame->height_px);
+    enum neph_status status = NEPH_OK;
+    for (int i = 0; i < frame->channel_count && !status; i++) {
+        const struct neph_channel *channel = &frame->channels[i];
+        char samples[NEPH_HASH_HEX_SIZE];
+        status = neph_hash(channel->samples, neph_image_pixel_count(frame) * sizeof(float), samples,
+                           diag);
+        if (!status)
+            length += (size_t)snprintf(text + length, size - length, "\n%s %s", channel->name,
+                                       samples);
+    }
+    if (!status)
+        status = neph_hash(text, length, hex, diag);
+    free(text);
+    return status;
+}
+
+enum neph_status neph_frozen_add(struct neph_frozen *frozen, const struct neph_image *frame,
+                                 bool *is_frozen, struct neph_diag *diag)
+{
+    char hex[NEPH_HASH_HEX_SIZE];
+    enum neph_status status = neph_frozen_hash(frame, hex, diag);
+    if (status)
+        return status;
+    bool same = frozen->frame_count > 0 && strcmp(hex, frozen->last) == 0;
+    if (same && frozen->frozen_count++ == 0)
+        frozen->first_frozen = frozen->frame_count;
+    frozen->frame_count++;
+    memcpy(frozen->last, hex, sizeof(frozen->last));
+    if (is_frozen)
+        *is_frozen = same;
+    return NEPH_OK;
+}
+
+const char *neph_frozen_reason(const struct neph_frozen *frozen)
+{
+    return frozen->frozen_count > 0
+               ? "frames are identical to the one before: frozen output is not stability"
+               : NULL;
+}

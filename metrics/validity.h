@@ -6,6 +6,7 @@
 #ifndef NEPH_METRICS_VALIDITY_H
 #define NEPH_METRICS_VALIDITY_H
 
+#include "base/hash.h"
 #include "base/image.h"
 
 struct neph_validity_pixel {
@@ -53,5 +54,27 @@ enum neph_status neph_validity_same_size(const struct neph_image *reference,
  * configurations of one model; two engines may well give different layers. */
 enum neph_status neph_validity_same_channels(const struct neph_image *reference,
                                              const struct neph_image *test, struct neph_diag *diag);
+
+/* Frozen frames: a renderer that hangs gives the same frame again, and the steadiest of pictures.
+ * Start from {0} and add every frame of a sequence in order. */
+struct neph_frozen {
+    int frame_count;
+    int frozen_count;              /* frames that are identical to the one before, bit by bit */
+    int first_frozen;              /* index of the first of them, if any */
+    char last[NEPH_HASH_HEX_SIZE]; /* of the frame before */
+};
+
+/* A hash of size, names of channels and all samples; attributes (the time of rendering) are left
+ * out. */
+enum neph_status neph_frozen_hash(const struct neph_image *frame, char hex[NEPH_HASH_HEX_SIZE],
+                                  struct neph_diag *diag);
+
+/* `*is_frozen` (may be NULL): whether the frame is identical to the one added before. */
+enum neph_status neph_frozen_add(struct neph_frozen *frozen, const struct neph_image *frame,
+                                 bool *is_frozen, struct neph_diag *diag);
+
+/* Why a small flicker of this sequence is not to be called stability: a static string; NULL when
+ * every frame differs from the one before. */
+const char *neph_frozen_reason(const struct neph_frozen *frozen);
 
 #endif

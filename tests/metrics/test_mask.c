@@ -45,15 +45,21 @@ static void assert_mask(const struct neph_image *image, const char *name, int ra
 static void test_table(void **state)
 {
     (void)state;
-    const char *const names[] = {"all", "sky", "solid", "medium", "depth_edge"};
-    assert_int_equal(neph_mask_kind_count(), 5);
-    for (int i = 0; i < 5; i++) {
+    const char *const names[] = {"all",         "sky",         "solid",         "medium",
+                                 "depth_edge",  "non_edge",    "thin",          "edge_near_0",
+                                 "edge_near_1", "edge_near_2", "edge_near_3_4", "edge_near_5_8",
+                                 "edge_far_0",  "edge_far_1",  "edge_far_2",    "edge_far_3_4",
+                                 "edge_far_5_8"};
+    enum { COUNT = sizeof(names) / sizeof(names[0]) };
+    assert_int_equal(neph_mask_kind_count(), COUNT);
+    for (int i = 0; i < COUNT; i++) {
         assert_string_equal(neph_mask_kind_at(i)->name, names[i]);
         assert_ptr_equal(neph_mask_kind_find(names[i]), neph_mask_kind_at(i));
         assert_true(strlen(neph_mask_kind_at(i)->help) > 0);
+        assert_int_equal(neph_mask_kind_at(i)->is_detail, strncmp(names[i], "edge_", 5) == 0);
     }
     assert_null(neph_mask_kind_at(-1));
-    assert_null(neph_mask_kind_at(5));
+    assert_null(neph_mask_kind_at(COUNT));
     assert_null(neph_mask_kind_find("skye"));
     neph_mask_destroy(NULL);
 }
@@ -239,6 +245,312 @@ static void test_edge_is_its_definition(void **state)
     }
 }
 
+/* ---- rings and thin things ------------------------------------------------------------------- */
+
+static void test_rings_of_a_wall(void **state)
+{
+    (void)state;
+    struct neph_image *image = depth_map(16, 1, "aaaaaaaaaaff....");
+    /* Two steps: the wall before what is far, and that before the sky, where it is the nearer one
+     * at an infinite ratio. */
+    assert_mask(image, "edge_near_0", 2, "---------#-#----");
+    assert_mask(image, "edge_far_0", 2, "----------#-#---");
+    assert_mask(image, "edge_near_1", 2, "--------#-------");
+    assert_mask(image, "edge_far_1", 2, "-------------#--");
+    assert_mask(image, "edge_near_2", 2, "-------#--------");
+    assert_mask(image, "edge_far_2", 2, "--------------#-");
+    assert_mask(image, "edge_near_3_4", 2, "-----##---------");
+    assert_mask(image, "edge_far_3_4", 2, "---------------#");
+    assert_mask(image, "edge_near_5_8", 2, "-####-----------");
+    assert_mask(image, "edge_far_5_8", 2, "----------------");
+    assert_mask(image, "non_edge", 2, "#######--------#");
+    neph_image_destroy(image);
+}
+
+/* Equally close to both sides: near. A wire before the sky, and its corners. */
+static void test_sides_at_equal_distance(void **state)
+{
+    (void)state;
+    struct neph_image *image = depth_map(7, 5,
+                                         "......."
+                                         "......."
+                                         "...a..."
+                                         "......."
+                                         ".......");
+    assert_mask(image, "edge_near_0", 0,
+                "-------"
+                "-------"
+                "---#---"
+                "-------"
+                "-------");
+    assert_mask(image, "edge_far_0", 0,
+                "-------"
+                "---#---"
+                "--#-#--"
+                "---#---"
+                "-------");
+    assert_mask(image, "edge_near_1", 0, /* the diagonals touch the wire and its sky alike */
+                "-------"
+                "--#-#--"
+                "-------"
+                "--#-#--"
+                "-------");
+    assert_mask(image, "edge_far_1", 0,
+                "--###--"
+                "-#---#-"
+                "-#---#-"
+                "-#---#-"
+                "--###--");
+    neph_image_destroy(image);
+}
+
+/* Which side a pixel between two steps is on: that of the larger ratio, near at a tie. */
+static void test_steepest_step(void **state)
+{
+    (void)state;
+    static const struct {
+        float depth_m[3];
+        const char *near, *far;
+    } cases[] = {
+        {{1, 2, 8}, "##-", "--#"},        {{1, 8, 16}, "#--", "-##"},
+        {{1, 4, 16}, "##-", "--#"},       {{1, 100, INFINITY}, "##-", "--#"},
+        {{0, 1, INFINITY}, "##-", "--#"}, {{0, 1, 100}, "#--", "-##"},
+        {{16, 4, 1}, "-##", "#--"},       {{0, 0, 1}, "-#-", "--#"},
+    };
+    for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+        struct neph_image *image = create_image(3, 1);
+        add_channel(image, "Z", cases[i].depth_m);
+        assert_mask(image, "edge_near_0", 0, cases[i].near);
+        assert_mask(image, "edge_far_0", 0, cases[i].far);
+        neph_image_destroy(image);
+    }
+}
+
+/* 0: no step, 1: the nearer one, 2: the farther one; from ratios. */
+static int side_by_definition(const float *depth_m, int width_px, int height_px, int x, int y)
+{
+    static const int neighbours[4][2] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}};
+    double here = (double)depth_m[y * width_px + x], behind = 1.0, before = 1.0;
+    for (int n = 0; n < 4; n++) {
+        int nx = x + neighbours[n][0], ny = y + neighbours[n][1];
+        if (nx < 0 || ny < 0 || nx >= width_px || ny >= height_px)
+            continue;
+        double there = (double)depth_m[ny * width_px + nx];
+        if (there > here)
+            behind = fmax(behind, there / here);
+        if (there < here)
+            before = fmax(before, here / there);
+    }
+    if (fmax(behind, before) <= 1.1)
+        return 0;
+    return behind >= before ? 1 : 2;
+}
+
+static void assert_rings_by_definition(const struct neph_image *image, const float *depth_m)
+{
+    static const struct {
+        const char *name;
+        bool is_near;
+        int least_px, most_px;
+    } rings[] = {
+        {"edge_near_0", true, 0, 0},   {"edge_near_1", true, 1, 1},   {"edge_near_2", true, 2, 2},
+        {"edge_near_3_4", true, 3, 4}, {"edge_near_5_8", true, 5, 8}, {"edge_far_0", false, 0, 0},
+        {"edge_far_1", false, 1, 1},   {"edge_far_2", false, 2, 2},   {"edge_far_3_4", false, 3, 4},
+        {"edge_far_5_8", false, 5, 8},
+    };
+    enum { RING_COUNT = sizeof(rings) / sizeof(rings[0]) };
+    struct neph_mask *masks[RING_COUNT];
+    for (int r = 0; r < RING_COUNT; r++)
+        masks[r] = create_mask(image, rings[r].name);
+    int width_px = image->width_px, height_px = image->height_px;
+    for (int y = 0; y < height_px; y++) {
+        for (int x = 0; x < width_px; x++) {
+            int near_px = 1000, far_px = 1000;
+            for (int ey = 0; ey < height_px; ey++) {
+                for (int ex = 0; ex < width_px; ex++) {
+                    int distance_px = abs(ex - x) > abs(ey - y) ? abs(ex - x) : abs(ey - y);
+                    int side = side_by_definition(depth_m, width_px, height_px, ex, ey);
+                    if (side == 1 && distance_px < near_px)
+                        near_px = distance_px;
+                    if (side == 2 && distance_px < far_px)
+                        far_px = distance_px;
+                }
+            }
+            bool is_near = near_px <= far_px;
+            int distance_px = is_near ? near_px : far_px;
+            for (int r = 0; r < RING_COUNT; r++)
+                assert_int_equal(masks[r]->inside[y * width_px + x],
+                                 is_near == rings[r].is_near && distance_px >= rings[r].least_px &&
+                                     distance_px <= rings[r].most_px);
+        }
+    }
+    for (int r = 0; r < RING_COUNT; r++)
+        neph_mask_destroy(masks[r]);
+}
+
+static void assert_thin_by_definition(const struct neph_image *image, const float *depth_m)
+{
+    struct neph_mask *thin = create_mask(image, "thin");
+    int width_px = image->width_px, height_px = image->height_px;
+    int across_px = width_px < 4 ? width_px : 4, down_px = height_px < 4 ? height_px : 4;
+    for (int y = 0; y < height_px; y++) {
+        for (int x = 0; x < width_px; x++) {
+            bool is_thin = true; /* until a square is found with nothing behind */
+            for (int top = y - 3; top <= y; top++) {
+                for (int left = x - 3; left <= x; left++) {
+                    if (top < 0 || left < 0 || top + down_px > height_px ||
+                        left + across_px > width_px || top + down_px <= y || left + across_px <= x)
+                        continue;
+                    bool has_behind = false;
+                    for (int sy = top; sy < top + down_px; sy++)
+                        for (int sx = left; sx < left + across_px; sx++)
+                            has_behind |= (double)depth_m[sy * width_px + sx] >
+                                          1.1 * (double)depth_m[y * width_px + x];
+                    is_thin &= has_behind;
+                }
+            }
+            assert_int_equal(thin->inside[y * width_px + x], is_thin);
+        }
+    }
+    neph_mask_destroy(thin);
+}
+
+static void test_rings_and_thin_are_their_definitions(void **state)
+{
+    (void)state;
+    uint64_t random = test_seed(31415);
+    for (int round = 0; round < 40; round++) {
+        int width_px = 1 + (int)(neph_test_random(&random) % 31);
+        int height_px = 1 + (int)(neph_test_random(&random) % 17);
+        struct neph_image *image = create_image(width_px, height_px);
+        float *depth_m = add_channel(image, "Z", NULL);
+        static const float depths_m[] = {10, 10.5f, 3, 1, 30, INFINITY, 0};
+        double change = neph_test_uniform(&random, 0.0, 0.1);
+        for (size_t i = 0; i < neph_image_pixel_count(image); i++) {
+            bool is_other = neph_test_uniform(&random, 0.0, 1.0) < change;
+            depth_m[i] = is_other ? depths_m[neph_test_random(&random) % 7] : 10.0f;
+            if (round % 2 && i % (size_t)width_px >= (size_t)width_px / 2)
+                depth_m[i] *= 4.0f;
+        }
+        assert_rings_by_definition(image, depth_m);
+        assert_thin_by_definition(image, depth_m);
+        neph_image_destroy(image);
+    }
+}
+
+static void test_thin_things(void **state)
+{
+    (void)state;
+    struct neph_image *image = depth_map(12, 6,
+                                         "aaa.....aaaa"
+                                         "aaa.aaa.aaaa"
+                                         "aaa.aaa.aaaa"
+                                         "aaa.aaa.aaaa"
+                                         "aaa.....aaaa"
+                                         "aaa.........");
+    assert_mask(image, "thin", 2,
+                "###---------"
+                "###-###-----"
+                "###-###-----"
+                "###-###-----"
+                "###---------"
+                "###---------");
+    neph_image_destroy(image);
+    image = depth_map(7, 7, /* a slanted bar, 3 px wide either way */
+                      "aaa...."
+                      ".aaa..."
+                      "..aaa.."
+                      "...aaa."
+                      "....aaa"
+                      ".....aa"
+                      "......a");
+    assert_mask(image, "thin", 2,
+                "###----"
+                "-###---"
+                "--###--"
+                "---###-"
+                "----###"
+                "-----##"
+                "------#");
+    neph_image_destroy(image);
+}
+
+/* ---- masks from channels and pictures -------------------------------------------------------- */
+
+static void test_channels_make_masks(void **state)
+{
+    (void)state;
+    struct neph_image *image = depth_map(4, 1, ".aa.");
+    assert_null(neph_mask_channel_at(image, 0));
+    add_channel(image, "mask.cloud", (float[]){0, 0.5f, 0.51f, 1});
+    add_channel(image, "mask.", (float[]){1, 1, 1, 1});
+    add_channel(image, "masked", (float[]){1, 1, 1, 1});
+    add_channel(image, "mask.sky", (float[]){-1, 2, 0, 0});
+    assert_string_equal(neph_mask_channel_at(image, 0), "cloud");
+    assert_string_equal(neph_mask_channel_at(image, 1), "sky");
+    assert_null(neph_mask_channel_at(image, 2));
+    assert_null(neph_mask_channel_at(image, -1));
+    assert_mask(image, "cloud", 2, "--##");
+    assert_mask(image, "sky", 2, "-#--"); /* what the scene says comes before what we find */
+    assert_mask(image, "solid", 2, "-##-");
+    neph_image_destroy(image);
+}
+
+static void test_mask_from_a_picture(void **state)
+{
+    (void)state;
+    struct neph_image *image = create_image(4, 1);
+    struct neph_mask *mask = NULL;
+    struct neph_diag diag = {0};
+    assert_int_equal(neph_mask_from_image(image, "wire", &mask, &diag), NEPH_ERR_INPUT);
+    assert_non_null(strstr(diag.message, "'wire'"));
+    float *opacity = add_channel(image, "A", (float[]){1, 0, 1, 1});
+    neph_assert_ok(neph_mask_from_image(image, "wire", &mask, &diag), &diag);
+    assert_int_equal(mask->pixel_count, 3); /* nothing but an A is a mask */
+    neph_mask_destroy(mask);
+    add_channel(image, "R", (float[]){0, 1, 0.5f, 0});
+    float *green = add_channel(image, "G", (float[]){0, 0, 0, 0.6f});
+    neph_assert_ok(neph_mask_from_image(image, "wire", &mask, &diag), &diag);
+    assert_memory_equal(mask->inside, ((uint8_t[]){0, 1, 0, 1}), 4);
+    assert_int_equal(mask->pixel_count, 2);
+    assert_string_equal(mask->name, "wire");
+    neph_mask_destroy(mask);
+    mask = NULL;
+    green[2] = NAN;
+    opacity[0] = NAN; /* is not looked at */
+    assert_int_equal(neph_mask_from_image(image, "wire", &mask, &diag), NEPH_ERR_GATE);
+    assert_non_null(strstr(diag.message, "'G' is nan at pixel (2, 0)"));
+    assert_null(mask);
+    add_channel(image, "mask.bad", (float[]){NAN, 0, 0, 0});
+    assert_int_equal(neph_mask_create(image, "bad", NULL, &mask, &diag), NEPH_ERR_GATE);
+    assert_null(mask);
+    neph_image_destroy(image);
+}
+
+static void test_union(void **state)
+{
+    (void)state;
+    struct neph_image *first = depth_map(6, 1, "aa...."), *second = depth_map(6, 1, "aaaa..");
+    struct neph_mask *mask = create_mask(first, "edge_near_0"),
+                     *other = create_mask(second, "edge_near_0");
+    neph_assert_ok(neph_mask_unite(mask, other, NULL), NULL);
+    assert_memory_equal(mask->inside, ((uint8_t[]){0, 1, 0, 1, 0, 0}), 6);
+    assert_int_equal(mask->pixel_count, 2);
+    neph_assert_ok(neph_mask_unite(mask, mask, NULL), NULL);
+    assert_int_equal(mask->pixel_count, 2);
+    neph_mask_destroy(other);
+    struct neph_image *small = depth_map(5, 1, "aa...");
+    other = create_mask(small, "all");
+    struct neph_diag diag = {0};
+    assert_int_equal(neph_mask_unite(mask, other, &diag), NEPH_ERR_INPUT);
+    assert_non_null(strstr(diag.message, "6x1 pixels in one frame, 5x1 in another"));
+    neph_mask_destroy(mask);
+    neph_mask_destroy(other);
+    neph_image_destroy(first);
+    neph_image_destroy(second);
+    neph_image_destroy(small);
+}
+
 static void test_medium_in_any_channel(void **state)
 {
     (void)state;
@@ -315,6 +627,14 @@ int main(void)
         cmocka_unit_test(test_thin_wires),
         cmocka_unit_test(test_smallest_images),
         cmocka_unit_test(test_edge_is_its_definition),
+        cmocka_unit_test(test_rings_of_a_wall),
+        cmocka_unit_test(test_sides_at_equal_distance),
+        cmocka_unit_test(test_steepest_step),
+        cmocka_unit_test(test_rings_and_thin_are_their_definitions),
+        cmocka_unit_test(test_thin_things),
+        cmocka_unit_test(test_channels_make_masks),
+        cmocka_unit_test(test_mask_from_a_picture),
+        cmocka_unit_test(test_union),
         cmocka_unit_test(test_medium_in_any_channel),
         cmocka_unit_test(test_refusals),
     };

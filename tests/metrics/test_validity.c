@@ -183,6 +183,80 @@ static void test_many_missing_channels(void **state)
     neph_image_destroy(test);
 }
 
+/* ---- frozen frames --------------------------------------------------------------------------- */
+
+static bool add_frame(struct neph_frozen *frozen, const struct neph_image *image)
+{
+    bool is_frozen = false;
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_frozen_add(frozen, image, &is_frozen, &diag), &diag);
+    return is_frozen;
+}
+
+static void test_frozen_frames_are_counted(void **state)
+{
+    (void)state;
+    struct neph_image *image = create_image(5, 3);
+    float *red = add_channel(image, "R", NULL), *green = add_channel(image, "G", NULL);
+    struct neph_frozen frozen = {0};
+    assert_false(add_frame(&frozen, image));
+    assert_null(neph_frozen_reason(&frozen));
+    red[14] = 0x1p-149f; /* the least that can change */
+    assert_false(add_frame(&frozen, image));
+    assert_null(neph_frozen_reason(&frozen));
+    assert_true(add_frame(&frozen, image));
+    assert_true(add_frame(&frozen, image));
+    green[14] = red[14];
+    red[14] = 0.0f; /* the same samples in another channel are another frame */
+    assert_false(add_frame(&frozen, image));
+    assert_int_equal(frozen.frame_count, 5);
+    assert_int_equal(frozen.frozen_count, 2);
+    assert_int_equal(frozen.first_frozen, 2);
+    assert_non_null(strstr(neph_frozen_reason(&frozen), "identical"));
+    neph_image_destroy(image);
+}
+
+/* A cycle of two frames is not frozen; NaN and the sky are samples like others. */
+static void test_a_cycle_is_not_frozen(void **state)
+{
+    (void)state;
+    struct neph_image *images[2] = {create_image(1, 1), create_image(1, 1)};
+    add_channel(images[0], "Z", (float[]){INFINITY});
+    add_channel(images[1], "Z", (float[]){NAN});
+    struct neph_frozen frozen = {0};
+    for (int i = 0; i < 8; i++)
+        assert_false(add_frame(&frozen, images[i % 2]));
+    assert_int_equal(frozen.frozen_count, 0);
+    assert_true(add_frame(&frozen, images[1]));
+    neph_assert_ok(neph_frozen_add(&frozen, images[1], NULL, NULL), NULL);
+    assert_int_equal(frozen.frozen_count, 2);
+    neph_image_destroy(images[0]);
+    neph_image_destroy(images[1]);
+}
+
+/* Size and names count, attributes do not. */
+static void test_what_the_hash_sees(void **state)
+{
+    (void)state;
+    struct neph_image *wide = create_image(6, 1), *high = create_image(1, 6),
+                      *named = create_image(6, 1);
+    add_channel(wide, "R", NULL);
+    add_channel(high, "R", NULL);
+    add_channel(named, "G", NULL);
+    char of_wide[NEPH_HASH_HEX_SIZE], other[NEPH_HASH_HEX_SIZE];
+    neph_assert_ok(neph_frozen_hash(wide, of_wide, NULL), NULL);
+    neph_assert_ok(neph_frozen_hash(high, other, NULL), NULL);
+    assert_string_not_equal(of_wide, other);
+    neph_assert_ok(neph_frozen_hash(named, other, NULL), NULL);
+    assert_string_not_equal(of_wide, other);
+    neph_assert_ok(neph_image_set_attribute(wide, "time", NULL, "%d", 7), NULL);
+    neph_assert_ok(neph_frozen_hash(wide, other, NULL), NULL);
+    assert_string_equal(of_wide, other);
+    neph_image_destroy(wide);
+    neph_image_destroy(high);
+    neph_image_destroy(named);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -193,6 +267,9 @@ int main(void)
         cmocka_unit_test(test_mismatches_are_named),
         cmocka_unit_test(test_rules_of_channels),
         cmocka_unit_test(test_many_missing_channels),
+        cmocka_unit_test(test_frozen_frames_are_counted),
+        cmocka_unit_test(test_a_cycle_is_not_frozen),
+        cmocka_unit_test(test_what_the_hash_sees),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
