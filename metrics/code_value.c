@@ -11,7 +11,6 @@
 #include <math.h>
 #include <stdint.h>
 #include <stdlib.h>
-#include <string.h>
 
 enum {
     DEGREE = 5,
@@ -71,23 +70,9 @@ struct neph_code {
     enum neph_code_kind kind;
     double gain; /* from the quantity to what the curve takes */
     double low, high;
-    int64_t first_piece;
+    uint64_t first_piece;
     double pieces[PIECES_MAX][DEGREE + 1]; /* in s = -1/2 .. 1/2 across the piece */
 };
-
-static int64_t bits_of(double value)
-{
-    int64_t bits;
-    memcpy(&bits, &value, sizeof(bits));
-    return bits;
-}
-
-static double from_bits(int64_t bits)
-{
-    double value;
-    memcpy(&value, &bits, sizeof(value));
-    return value;
-}
 
 /* Newton's divided differences at Chebyshev's nodes, multiplied out. */
 static void fit_piece(double (*of)(double), double start, double end, double *coefficients)
@@ -112,10 +97,10 @@ static void fit_piece(double (*of)(double), double start, double end, double *co
 static void fit(struct neph_code *code, const struct curve *curve)
 {
     enum { SHIFT = MANTISSA_BITS - PIECE_BITS };
-    code->first_piece = bits_of(curve->low) >> SHIFT;
-    int64_t last_piece = bits_of(curve->high) >> SHIFT;
-    for (int64_t piece = code->first_piece; piece <= last_piece; piece++)
-        fit_piece(curve->of, from_bits(piece << SHIFT), from_bits((piece + 1) << SHIFT),
+    code->first_piece = neph_bits_of(curve->low) >> SHIFT;
+    uint64_t last_piece = neph_bits_of(curve->high) >> SHIFT;
+    for (uint64_t piece = code->first_piece; piece <= last_piece; piece++)
+        fit_piece(curve->of, neph_of_bits(piece << SHIFT), neph_of_bits((piece + 1) << SHIFT),
                   code->pieces[piece - code->first_piece]);
 }
 
@@ -146,12 +131,12 @@ void neph_code_destroy(struct neph_code *code)
 /* The polynomials at values within low .. high. */
 static void look_up(const struct neph_code *code, const double *values, size_t count, double *codes)
 {
-    const int64_t one = (int64_t)1023 << MANTISSA_BITS;
-    const int64_t mantissa = ((int64_t)1 << MANTISSA_BITS) - 1;
+    const uint64_t one = (uint64_t)1023 << MANTISSA_BITS;
+    const uint64_t mantissa = ((uint64_t)1 << MANTISSA_BITS) - 1;
     for (size_t i = 0; i < count; i++) {
-        int64_t bits = bits_of(values[i]);
+        uint64_t bits = neph_bits_of(values[i]);
         const double *c = code->pieces[(bits >> (MANTISSA_BITS - PIECE_BITS)) - code->first_piece];
-        double s = from_bits(((bits << PIECE_BITS) & mantissa) | one) - 1.5;
+        double s = neph_of_bits(((bits << PIECE_BITS) & mantissa) | one) - 1.5;
         double s2 = s * s;
         codes[i] = (c[0] + c[1] * s) + s2 * ((c[2] + c[3] * s) + s2 * (c[4] + c[5] * s));
     }
