@@ -1,0 +1,148 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Frames that have everything a frame can have, of any size, for tests and the benchmark of all
+ * extractors at once: a ground with posts before a sky, a drifting cloud, sub-pixel noise. Knows no
+ * test library. Nothing in it means to look right; that each code path has food is what counts.
+ */
+#ifndef NEPH_TESTS_SYNTHETIC_H
+#define NEPH_TESTS_SYNTHETIC_H
+
+#include "metrics/extractor.h"
+
+#include <math.h>
+#include <stdint.h>
+#include <string.h>
+
+/* The settings of an extractor: defaults, but for what these frames must be told of. */
+static inline struct neph_settings synthetic_settings(const struct neph_extractor *extractor)
+{
+    struct neph_settings settings = neph_options_default(extractor->options);
+    if (strcmp(extractor->name, "lag") == 0)
+        neph_options_set(extractor->options, "lag", "step_frame=4", &settings, NULL);
+    return settings;
+}
+
+struct synthetic {
+    int width_px, height_px;
+    int frame;     /* of the sequence; the cloud drifts, the test blinks */
+    uint64_t seed; /* of the noise; 0: none */
+    bool is_test;  /* a little brighter, and blinks every other frame at the posts */
+    bool all;      /* all layers; else R G B alone */
+};
+
+/* -0.5 .. 0.5 */
+static inline float synthetic_noise(uint64_t seed, uint64_t index)
+{
+    uint64_t z = (seed + 1) * 0x9e3779b97f4a7c15u + index * 0xbf58476d1ce4e5b9u;
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+    return seed ? (float)(z >> 40) * 0x1p-24f - 0.5f : 0.0f;
+}
+
+struct synthetic_pixel {
+    float depth_m, cloud, light;
+    bool is_post;
+};
+
+static inline struct synthetic_pixel synthetic_pixel(const struct synthetic *what, int x, int y)
+{
+    const float u = (float)x / (float)what->width_px, v = (float)y / (float)what->height_px;
+    const float away_u = u - 0.5f - 0.002f * (float)what->frame, away_v = v - 0.3f;
+    struct synthetic_pixel pixel = {.is_post = x % 24 == 7 && v > 0.25f, .depth_m = INFINITY};
+    if (v > 0.6f)
+        pixel.depth_m = 2.0f / (v - 0.55f);
+    if (pixel.is_post)
+        pixel.depth_m = 5.0f;
+    pixel.cloud = expf(-20.0f * (away_u * away_u + away_v * away_v));
+    pixel.light = pixel.is_post ? 0.05f : v > 0.6f ? 0.2f + 0.1f * u : 0.5f + 0.4f * v;
+    return pixel;
+}
+
+static inline float synthetic_radiance(const struct synthetic *what,
+                                       const struct synthetic_pixel *pixel, int channel,
+                                       uint64_t index)
+{
+    const float light = pixel->light * (1.0f - pixel->cloud) + 1.5f * pixel->cloud;
+    const bool blinks = what->is_test && pixel->is_post && what->frame % 4 < 2;
+    const float gain = what->is_test ? 1.02f : 1.0f;
+    return gain * light * (1.0f - 0.1f * (float)channel) *
+               (1.0f + 0.05f * synthetic_noise(what->seed, 3 * index + (uint64_t)channel)) +
+           (blinks ? 0.02f : 0.0f);
+}
+
+static inline void synthetic_set(struct neph_image *image, const char *name, size_t index,
+                                 float value)
+{
+    float *samples = neph_image_channel(image, name);
+    if (samples)
+        samples[index] = value;
+}
+
+static inline enum neph_status synthetic_add_layers(struct neph_image *image,
+                                                    struct neph_diag *diag)
+{
+    static const char *const names[] = {"Z",          "motion.x", "motion.y", "volume.distance",
+                                        "mask.cloud", "mask.fog", "mask.sun", "mask.thin",
+                                        "mask.card"};
+    float *planes[3];
+    enum neph_status status = neph_image_add_rgb(image, "volume", planes, diag);
+    if (!status)
+        status = neph_image_add_rgb(image, "transmittance", planes, diag);
+    for (size_t i = 0; i < sizeof(names) / sizeof(names[0]) && !status; i++)
+        status = neph_image_add_channel(image, names[i], NULL, diag);
+    return status;
+}
+
+/* One row of the layers beside radiance. */
+static inline void synthetic_fill_layers(const struct synthetic *what, int y,
+                                         struct neph_image *image)
+{
+    static const char *const volume[3] = {"volume.R", "volume.G", "volume.B"};
+    static const char *const clear[3] = {"transmittance.R", "transmittance.G", "transmittance.B"};
+    for (int x = 0; x < what->width_px; x++) {
+        const struct synthetic_pixel pixel = synthetic_pixel(what, x, y);
+        const size_t i = (size_t)y * (size_t)what->width_px + (size_t)x;
+        const float noise = 1.0f + 0.02f * synthetic_noise(what->seed + 7, i);
+        for (int c = 0; c < 3; c++) {
+            synthetic_set(image, volume[c], i, pixel.cloud * noise);
+            synthetic_set(image, clear[c], i, expf(-pixel.cloud * noise));
+        }
+        synthetic_set(image, "Z", i, pixel.depth_m);
+        synthetic_set(image, "motion.x", i, -0.25f);
+        synthetic_set(image, "volume.distance", i, 10.0f);
+        synthetic_set(image, "mask.cloud", i, pixel.cloud > 0.1f);
+        synthetic_set(image, "mask.fog", i, y % 3 == 0);
+        synthetic_set(image, "mask.sun", i, x < 2 && y < 2);
+        synthetic_set(image, "mask.thin", i, pixel.is_post);
+        synthetic_set(image, "mask.card", i, x / 4 == what->frame % 8 && y > 0);
+    }
+}
+
+static inline enum neph_status synthetic_create(const struct synthetic *what,
+                                                struct neph_image **image, struct neph_diag *diag)
+{
+    struct neph_image *made = NULL;
+    float *rgb[3];
+    enum neph_status status = neph_image_create(what->width_px, what->height_px, &made, diag);
+    if (!status)
+        status = neph_image_add_rgb(made, NULL, rgb, diag);
+    if (!status && what->all)
+        status = synthetic_add_layers(made, diag);
+    for (int y = 0; y < what->height_px && !status; y++) {
+        for (int x = 0; x < what->width_px; x++) {
+            const struct synthetic_pixel pixel = synthetic_pixel(what, x, y);
+            const size_t i = (size_t)y * (size_t)what->width_px + (size_t)x;
+            for (int c = 0; c < 3; c++)
+                rgb[c][i] = synthetic_radiance(what, &pixel, c, i);
+        }
+        if (what->all)
+            synthetic_fill_layers(what, y, made);
+    }
+    if (status)
+        neph_image_destroy(made);
+    else
+        *image = made;
+    return status;
+}
+
+#endif
