@@ -6,6 +6,7 @@
 #include "metrics/statistics.h"
 #include "metrics/validity.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -514,6 +515,12 @@ static enum neph_status add_planes(struct neph_image *image, int plane_count, fl
                             : neph_image_add_channel(image, "Y", &planes[0], diag);
 }
 
+/* A double beyond the floats is shown as the largest of them. NaN stays: there is no value. */
+static float to_float(double value)
+{
+    return value > (double)FLT_MAX ? FLT_MAX : value < -(double)FLT_MAX ? -FLT_MAX : (float)value;
+}
+
 /* Row by row, so that no second picture in double is needed. */
 static enum neph_status fill_image(const struct neph_pool_source *source, int map,
                                    float *const planes[3], struct neph_diag *diag)
@@ -527,7 +534,7 @@ static enum neph_status fill_image(const struct neph_pool_source *source, int ma
         source->rows(source->state, map, y, 1, values);
         for (int p = 0; p < source->plane_count; p++)
             for (size_t x = 0; x < width; x++)
-                planes[p][(size_t)y * width + x] = (float)values[p][x];
+                planes[p][(size_t)y * width + x] = to_float(values[p][x]);
     }
     free(row);
     return NEPH_OK;

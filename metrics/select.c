@@ -19,26 +19,25 @@ struct neph_selector {
     uint32_t *sorted, *scratch;
 };
 
-static void count_buckets(struct neph_selector *selector)
+static bool count_buckets(struct neph_selector *selector)
 {
     /* Four histograms: neighbouring keys are alike, and counting them in one place would wait for
      * the count before. */
-    static const int ways = 4;
-    uint32_t(*parts)[BUCKETS] = calloc((size_t)ways, sizeof(*parts));
+    enum { WAYS = 4 };
+    uint32_t(*parts)[BUCKETS] = calloc(WAYS, sizeof(*parts));
+    if (!parts)
+        return false;
     const struct neph_key_runs *runs = selector->runs;
     for (int r = 0; r < runs->run_count; r++) {
         const uint32_t *keys = runs->keys + runs->first[r];
-        for (uint32_t i = 0; i < runs->counts[r]; i++) {
-            if (parts)
-                parts[i & 3][keys[i] >> LOW_BITS]++;
-            else
-                selector->counts[keys[i] >> LOW_BITS]++;
-        }
+        for (uint32_t i = 0; i < runs->counts[r]; i++)
+            parts[i % WAYS][keys[i] >> LOW_BITS]++;
     }
-    for (int b = 0; parts && b < BUCKETS; b++)
-        for (int w = 0; w < ways; w++)
+    for (int b = 0; b < BUCKETS; b++)
+        for (int w = 0; w < WAYS; w++)
             selector->counts[b] += parts[w][b];
     free(parts);
+    return true;
 }
 
 enum neph_status neph_selector_create(const struct neph_key_runs *runs,
@@ -49,13 +48,13 @@ enum neph_status neph_selector_create(const struct neph_key_runs *runs,
         return neph_fail_memory(diag);
     created->runs = runs;
     created->open_bucket = -1;
-    count_buckets(created);
+    const bool counted = count_buckets(created);
     size_t largest = 0;
     for (int b = 0; b < BUCKETS; b++)
         largest = created->counts[b] > largest ? created->counts[b] : largest;
     created->sorted = malloc((largest + 1) * sizeof(*created->sorted));
     created->scratch = malloc((largest + 1) * sizeof(*created->scratch));
-    if (!created->sorted || !created->scratch) {
+    if (!counted || !created->sorted || !created->scratch) {
         neph_selector_destroy(created);
         return neph_fail_memory(diag);
     }

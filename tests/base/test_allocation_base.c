@@ -133,31 +133,31 @@ static enum neph_status use_checkpoint(void *context, struct neph_diag *diag)
 static void test_images(void **state)
 {
     struct place place = place_of(state);
-    assert_every_failure_is_told("an image", use_image, &place, 0);
+    assert_every_failure_is_told("an image", use_image, &place);
 }
 
 static void test_exr(void **state)
 {
     struct place place = place_of(state);
-    assert_every_failure_is_told("writing EXR", write_exr, &place, 0);
-    assert_every_failure_is_told("reading EXR", read_exr, &place, 0);
+    assert_every_failure_is_told("writing EXR", write_exr, &place);
+    assert_every_failure_is_told("reading EXR", read_exr, &place);
     assert_int_equal(scratch_count(state), 1); /* no temporary files are left */
 }
 
 static void test_png(void **state)
 {
     struct place place = place_of(state);
-    assert_every_failure_is_told("writing PNG", write_png, &place, 0);
-    assert_every_failure_is_told("reading PNG", read_png, &place, 0);
-    assert_every_failure_is_told("reading codes of PNG", read_png_codes, &place, 0);
+    assert_every_failure_is_told("writing PNG", write_png, &place);
+    assert_every_failure_is_told("reading PNG", read_png, &place);
+    assert_every_failure_is_told("reading codes of PNG", read_png_codes, &place);
     assert_int_equal(scratch_count(state), 1);
 }
 
 static void test_files(void **state)
 {
     struct place place = place_of(state);
-    assert_every_failure_is_told("files", use_files, &place, 0);
-    assert_every_failure_is_told("checkpoints", use_checkpoint, &place, 0);
+    assert_every_failure_is_told("files", use_files, &place);
+    assert_every_failure_is_told("checkpoints", use_checkpoint, &place);
     assert_int_equal(scratch_count(state), 4);
 }
 

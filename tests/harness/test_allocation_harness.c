@@ -37,20 +37,20 @@ static void test_sequences(void **state)
         snprintf(name, sizeof(name), "f%d.exr", i);
         neph_assert_ok(neph_file_write(scratch_path(state, path, name), "", 0, NULL), NULL);
     }
-    assert_every_failure_is_told("a file", find, path, 0);
+    assert_every_failure_is_told("a file", find, path);
     scratch_path(state, path, "f%d.exr");
-    assert_every_failure_is_told("a pattern", find, path, 0);
+    assert_every_failure_is_told("a pattern", find, path);
     scratch_path(state, path, "f*.exr");
-    assert_every_failure_is_told("a glob", find, path, 0);
+    assert_every_failure_is_told("a glob", find, path);
     scratch_path(state, path, "");
-    assert_every_failure_is_told("a folder", find, path, 0);
+    assert_every_failure_is_told("a folder", find, path);
 }
 
 static void test_frames(void **state)
 {
     (void)state;
-    assert_every_failure_is_told("an EXR", read_frame, CORPUS "exr/smooth_zip.exr", 0);
-    assert_every_failure_is_told("a PNG", read_frame, CORPUS "png/rgb_8.png", 0);
+    assert_every_failure_is_told("an EXR", read_frame, CORPUS "exr/smooth_zip.exr");
+    assert_every_failure_is_told("a PNG", read_frame, CORPUS "png/rgb_8.png");
 }
 
 int main(void)

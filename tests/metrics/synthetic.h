@@ -70,51 +70,54 @@ static inline float synthetic_radiance(const struct synthetic *what,
            (blinks ? 0.02f : 0.0f);
 }
 
-static inline void synthetic_set(struct neph_image *image, const char *name, size_t index,
-                                 float value)
-{
-    float *samples = neph_image_channel(image, name);
-    if (samples)
-        samples[index] = value;
-}
+/* The planes beside radiance. */
+struct synthetic_layers {
+    float *volume[3], *transmittance[3];
+    float *depth, *motion_x, *motion_y, *distance, *cloud, *fog, *sun, *thin, *card;
+};
 
 static inline enum neph_status synthetic_add_layers(struct neph_image *image,
+                                                    struct synthetic_layers *layers,
                                                     struct neph_diag *diag)
 {
-    static const char *const names[] = {"Z",          "motion.x", "motion.y", "volume.distance",
-                                        "mask.cloud", "mask.fog", "mask.sun", "mask.thin",
-                                        "mask.card"};
-    float *planes[3];
-    enum neph_status status = neph_image_add_rgb(image, "volume", planes, diag);
+    const struct {
+        const char *name;
+        float **plane;
+    } planes[] = {
+        {"Z", &layers->depth},           {"motion.x", &layers->motion_x},
+        {"motion.y", &layers->motion_y}, {"volume.distance", &layers->distance},
+        {"mask.cloud", &layers->cloud},  {"mask.fog", &layers->fog},
+        {"mask.sun", &layers->sun},      {"mask.thin", &layers->thin},
+        {"mask.card", &layers->card},
+    };
+    enum neph_status status = neph_image_add_rgb(image, "volume", layers->volume, diag);
     if (!status)
-        status = neph_image_add_rgb(image, "transmittance", planes, diag);
-    for (size_t i = 0; i < sizeof(names) / sizeof(names[0]) && !status; i++)
-        status = neph_image_add_channel(image, names[i], NULL, diag);
+        status = neph_image_add_rgb(image, "transmittance", layers->transmittance, diag);
+    for (size_t i = 0; i < sizeof(planes) / sizeof(planes[0]) && !status; i++)
+        status = neph_image_add_channel(image, planes[i].name, planes[i].plane, diag);
     return status;
 }
 
 /* One row of the layers beside radiance. */
 static inline void synthetic_fill_layers(const struct synthetic *what, int y,
-                                         struct neph_image *image)
+                                         const struct synthetic_layers *layers)
 {
-    static const char *const volume[3] = {"volume.R", "volume.G", "volume.B"};
-    static const char *const clear[3] = {"transmittance.R", "transmittance.G", "transmittance.B"};
     for (int x = 0; x < what->width_px; x++) {
         const struct synthetic_pixel pixel = synthetic_pixel(what, x, y);
         const size_t i = (size_t)y * (size_t)what->width_px + (size_t)x;
         const float noise = 1.0f + 0.02f * synthetic_noise(what->seed + 7, i);
         for (int c = 0; c < 3; c++) {
-            synthetic_set(image, volume[c], i, pixel.cloud * noise);
-            synthetic_set(image, clear[c], i, expf(-pixel.cloud * noise));
+            layers->volume[c][i] = pixel.cloud * noise;
+            layers->transmittance[c][i] = expf(-pixel.cloud * noise);
         }
-        synthetic_set(image, "Z", i, pixel.depth_m);
-        synthetic_set(image, "motion.x", i, -0.25f);
-        synthetic_set(image, "volume.distance", i, 10.0f);
-        synthetic_set(image, "mask.cloud", i, pixel.cloud > 0.1f);
-        synthetic_set(image, "mask.fog", i, y % 3 == 0);
-        synthetic_set(image, "mask.sun", i, x < 2 && y < 2);
-        synthetic_set(image, "mask.thin", i, pixel.is_post);
-        synthetic_set(image, "mask.card", i, x / 4 == what->frame % 8 && y > 0);
+        layers->depth[i] = pixel.depth_m;
+        layers->motion_x[i] = -0.25f;
+        layers->distance[i] = 10.0f;
+        layers->cloud[i] = pixel.cloud > 0.1f;
+        layers->fog[i] = y % 3 == 0;
+        layers->sun[i] = x < 2 && y < 2;
+        layers->thin[i] = pixel.is_post;
+        layers->card[i] = x / 4 == what->frame % 8 && y > 0;
     }
 }
 
@@ -122,12 +125,13 @@ static inline enum neph_status synthetic_create(const struct synthetic *what,
                                                 struct neph_image **image, struct neph_diag *diag)
 {
     struct neph_image *made = NULL;
+    struct synthetic_layers layers;
     float *rgb[3];
     enum neph_status status = neph_image_create(what->width_px, what->height_px, &made, diag);
     if (!status)
         status = neph_image_add_rgb(made, NULL, rgb, diag);
     if (!status && what->all)
-        status = synthetic_add_layers(made, diag);
+        status = synthetic_add_layers(made, &layers, diag);
     for (int y = 0; y < what->height_px && !status; y++) {
         for (int x = 0; x < what->width_px; x++) {
             const struct synthetic_pixel pixel = synthetic_pixel(what, x, y);
@@ -136,7 +140,7 @@ static inline enum neph_status synthetic_create(const struct synthetic *what,
                 rgb[c][i] = synthetic_radiance(what, &pixel, c, i);
         }
         if (what->all)
-            synthetic_fill_layers(what, y, made);
+            synthetic_fill_layers(what, y, &layers);
     }
     if (status)
         neph_image_destroy(made);

@@ -30,7 +30,7 @@ static enum neph_status load(void *context, struct neph_diag *diag)
 static void assert_scene(const char *name)
 {
     struct loading loading = {.path = neph_format(NEPH_SOURCE_DIR "/scenes/catalog/%s.yaml", name)};
-    assert_every_failure_is_told(name, load, &loading, 0);
+    assert_every_failure_is_told(name, load, &loading);
     free(loading.path);
 }
 
@@ -65,8 +65,7 @@ static void test_voxels(void **state)
     neph_assert_ok(
         neph_file_write(scratch_path(state, path, "probe.yaml"), scene, strlen(scene), NULL), NULL);
     struct loading loading = {.path = path};
-    /* Two loops over rows run on one thread when there is no memory for more. */
-    assert_every_failure_is_told("voxels", load, &loading, 2);
+    assert_every_failure_is_told("voxels", load, &loading);
 }
 
 static enum neph_status copy_volume(void *context, struct neph_diag *diag)
@@ -86,7 +85,7 @@ static void test_volume_files(void **state)
     neph_assert_ok(
         neph_file_write(scratch_path(state, path, "cloud.df3"), volume, sizeof(volume), NULL),
         NULL);
-    assert_every_failure_is_told("a .df3", copy_volume, path, 0);
+    assert_every_failure_is_told("a .df3", copy_volume, path);
     assert_int_equal(scratch_count(state), 1);
 }
 
