@@ -8,8 +8,8 @@
 #include <sys/eventfd.h>
 #include <unistd.h>
 
-/* Both are written once and are lock-free, so the handler and every thread may touch them. */
-static atomic_int signal_count;
+/* All are lock-free, so the handler and every thread may touch them. */
+static atomic_int signal_count, acknowledged_count;
 static atomic_int event_fd = -1;
 
 static void on_signal(int number)
@@ -50,7 +50,12 @@ void neph_interrupt_install(void)
 
 bool neph_interrupted(void)
 {
-    return atomic_load(&signal_count) > 0;
+    return atomic_load(&signal_count) > atomic_load(&acknowledged_count);
+}
+
+void neph_interrupt_acknowledge(void)
+{
+    atomic_store(&acknowledged_count, atomic_load(&signal_count));
 }
 
 int neph_interrupt_fd(void)

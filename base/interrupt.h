@@ -13,8 +13,12 @@
  * Also undoes an inherited SIG_IGN of SIGCHLD, which would lose the exit codes of children. */
 void neph_interrupt_install(void);
 
-/* True once a signal has come. */
+/* True once a signal has come that was not acknowledged. */
 bool neph_interrupted(void);
+
+/* The work has stopped: lower the flag, so that what is finished can be put in order by the same
+ * functions that watch it. Another Ctrl-C still ends the program at once. */
+void neph_interrupt_acknowledge(void);
 
 /* A file descriptor that becomes readable when a signal comes, for poll(); -1 when not installed.
  */

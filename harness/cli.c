@@ -41,3 +41,39 @@ void neph_cli_print_json(json_t *json)
     putchar('\n');
     json_decref(json);
 }
+
+json_t *neph_cli_options_json(const struct neph_option *options)
+{
+    json_t *list = json_array();
+    for (const struct neph_option *o = options; o->name; o++) {
+        json_t *item = json_pack("{s:s, s:s}", "name", o->name, "help", o->help);
+        if (o->kind == NEPH_OPTION_CHOICE) {
+            json_t *choices = json_array();
+            for (int i = 0; o->choices[i]; i++)
+                json_array_append_new(choices, json_string(o->choices[i]));
+            json_object_set_new(item, "choices", choices);
+            json_object_set_new(item, "default", json_string(o->choices[(int)o->default_value]));
+        } else {
+            json_object_set_new(item, "default", json_real(o->default_value));
+            json_object_set_new(item, "minimum", json_real(o->minimum));
+            json_object_set_new(item, "maximum", json_real(o->maximum));
+        }
+        json_array_append_new(list, item);
+    }
+    return list;
+}
+
+void neph_cli_print_options(const struct neph_option *options)
+{
+    for (const struct neph_option *o = options; o->name; o++) {
+        printf("    %-14s %s\n", o->name, o->help);
+        if (o->kind == NEPH_OPTION_CHOICE) {
+            printf("    %-14s one of:", "");
+            for (int i = 0; o->choices[i]; i++)
+                printf(" %s%s", o->choices[i], i == (int)o->default_value ? " (default)" : "");
+            printf("\n");
+        } else {
+            printf("    %-14s %g..%g, default %g\n", "", o->minimum, o->maximum, o->default_value);
+        }
+    }
+}

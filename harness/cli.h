@@ -6,6 +6,7 @@
 #ifndef NEPH_HARNESS_CLI_H
 #define NEPH_HARNESS_CLI_H
 
+#include "base/option.h"
 #include "base/status.h"
 
 #include <jansson.h>
@@ -18,6 +19,8 @@ neph_verb neph_cli_export;
 neph_verb neph_cli_bake;
 neph_verb neph_cli_benchmark;
 neph_verb neph_cli_compare;
+neph_verb neph_cli_flicker;
+neph_verb neph_cli_metrics;
 neph_verb neph_cli_validate;
 neph_verb neph_cli_study;
 neph_verb neph_cli_scenes;
@@ -31,6 +34,10 @@ enum neph_status neph_cli_parse_size(const char *text, int *width_px, int *heigh
 /* Parse an integer in minimum..maximum; `what` names it in the error. */
 enum neph_status neph_cli_parse_int(const char *what, const char *text, long minimum, long maximum,
                                     int *value, struct neph_diag *diag);
+
+/* A table of options, for JSON and for people. */
+json_t *neph_cli_options_json(const struct neph_option *options);
+void neph_cli_print_options(const struct neph_option *options);
 
 /* Print JSON on stdout, indented, with a newline at the end; consumes the reference. */
 void neph_cli_print_json(json_t *json);

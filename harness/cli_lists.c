@@ -163,42 +163,6 @@ enum neph_status neph_cli_scenes(int argc, char **argv, struct neph_diag *diag)
     return status;
 }
 
-static json_t *options_json(const struct neph_engine *engine)
-{
-    json_t *list = json_array();
-    for (const struct neph_option *o = engine->options; o->name; o++) {
-        json_t *item = json_pack("{s:s, s:s}", "name", o->name, "help", o->help);
-        if (o->kind == NEPH_OPTION_CHOICE) {
-            json_t *choices = json_array();
-            for (int i = 0; o->choices[i]; i++)
-                json_array_append_new(choices, json_string(o->choices[i]));
-            json_object_set_new(item, "choices", choices);
-            json_object_set_new(item, "default", json_string(o->choices[(int)o->default_value]));
-        } else {
-            json_object_set_new(item, "default", json_real(o->default_value));
-            json_object_set_new(item, "minimum", json_real(o->minimum));
-            json_object_set_new(item, "maximum", json_real(o->maximum));
-        }
-        json_array_append_new(list, item);
-    }
-    return list;
-}
-
-static void print_options(const struct neph_engine *engine)
-{
-    for (const struct neph_option *o = engine->options; o->name; o++) {
-        printf("    %-14s %s\n", o->name, o->help);
-        if (o->kind == NEPH_OPTION_CHOICE) {
-            printf("    %-14s one of:", "");
-            for (int i = 0; o->choices[i]; i++)
-                printf(" %s%s", o->choices[i], i == (int)o->default_value ? " (default)" : "");
-            printf("\n");
-        } else {
-            printf("    %-14s %g..%g, default %g\n", "", o->minimum, o->maximum, o->default_value);
-        }
-    }
-}
-
 enum neph_status neph_cli_engines(int argc, char **argv, struct neph_diag *diag)
 {
     static const struct argp argp = {
@@ -229,7 +193,7 @@ enum neph_status neph_cli_engines(int argc, char **argv, struct neph_diag *diag)
                                 neph_rung_name(engine->rung), "bias", engine->bias, "available",
                                 info.available, "version", info.version, "device", info.device,
                                 "missing", info.missing, "install_line", info.install_line,
-                                "options", options_json(engine)));
+                                "options", neph_cli_options_json(engine->options)));
             continue;
         }
         printf("%s (%s): %s\n    %s%s\n", engine->name, neph_rung_name(engine->rung),
@@ -237,7 +201,7 @@ enum neph_status neph_cli_engines(int argc, char **argv, struct neph_diag *diag)
                info.available ? info.version : "missing: ", info.available ? "" : info.missing);
         if (engine->bias)
             printf("    known bias: %s\n", engine->bias);
-        print_options(engine);
+        neph_cli_print_options(engine->options);
     }
     if (request.json)
         neph_cli_print_json(json_incref(list));

@@ -10,6 +10,7 @@
 #include "harness/data.h"
 #include "harness/job.h"
 #include "harness/progress.h"
+#include "harness/scene_layers.h"
 
 #include <argp.h>
 #include <stdio.h>
@@ -24,7 +25,8 @@ enum {
     KEY_SEED,
     KEY_TIME_LIMIT,
     KEY_JSON,
-    KEY_CHECKPOINT
+    KEY_CHECKPOINT,
+    KEY_SCENE_LAYERS
 };
 
 struct request {
@@ -32,7 +34,7 @@ struct request {
     const char *assignments[SETTINGS_MAX];
     int assignment_count;
     const char *size, *frame, *frames, *seed, *time_limit;
-    bool json, quiet;
+    bool json, quiet, scene_layers;
 };
 
 static const struct argp_option render_options[] = {
@@ -47,6 +49,10 @@ static const struct argp_option render_options[] = {
      "Engines oracle and tracer: go on from what FILE holds, if it is there, and leave all paths "
      "in it: an interrupted render loses seconds (oracle) or the batch in work (tracer), and a "
      "finished one can be given more samples",
+     0},
+    {"scene-layers", KEY_SCENE_LAYERS, NULL, 0,
+     "Add what the scene knows for `neph compare` and `neph flicker`: masks of clouds, fog, thin "
+     "objects and the sun, and motion vectors",
      0},
     {"output", 'o', "DIR", 0, "Folder to write to (default: .)", 0},
     {"json", KEY_JSON, NULL, 0, "Results as JSON on stdout", 0},
@@ -74,6 +80,9 @@ static error_t parse(int key, char *argument, struct argp_state *state)
         return 0;
     case 'q':
         request->quiet = true;
+        return 0;
+    case KEY_SCENE_LAYERS:
+        request->scene_layers = true;
         return 0;
     case KEY_JSON:
         request->json = true;
@@ -190,6 +199,8 @@ static enum neph_status render_one(const struct request *request, struct neph_jo
     job->shot.scratch_directory = scratch;
     if (!status)
         status = neph_job_render(job, &frame, &cost, diag);
+    if (!status && request->scene_layers)
+        status = neph_scene_layers_add(job->shot.scene, job->shot.frame, frame, diag);
     if (!status)
         status = neph_exr_write(path, frame, diag);
     if (!status)

@@ -15,20 +15,33 @@ static const char *const interval_names[] = {
     [NEPH_INTERVAL_DETERMINISTIC] = "deterministic",
     [NEPH_INTERVAL_TILES] = "bootstrap over tiles",
     [NEPH_INTERVAL_CYCLES] = "batch means over whole cycles",
+    [NEPH_INTERVAL_RUNS] = "Student's t over runs",
 };
 
-json_t *neph_measurement_json(const struct neph_measurement *m, const struct neph_viewing *viewing)
+const char *neph_interval_name(enum neph_interval_kind kind)
 {
-    const bool bounded = m->interval == NEPH_INTERVAL_TILES || m->interval == NEPH_INTERVAL_CYCLES;
+    return interval_names[kind];
+}
+
+json_t *neph_viewing_json(const struct neph_viewing *viewing)
+{
+    return json_pack("{s:f, s:f, s:f, s:f}", "frame_rate_hz", viewing->frame_rate_hz,
+                     "pixels_per_degree", viewing->pixels_per_degree, "exposure_ev",
+                     viewing->exposure_ev, "white_cd_per_m2", viewing->white_cd_per_m2);
+}
+
+json_t *neph_measurement_json(const struct neph_measurement *m)
+{
+    const bool bounded = m->interval != NEPH_INTERVAL_NONE &&
+                         m->interval != NEPH_INTERVAL_DETERMINISTIC;
     json_t *item = json_pack(
-        "{s:s, s:s, s:s, s:o, s:s, s:o, s:s, s:i, s:I, s:s?, s:{s:f, s:f, s:f, s:f}}", "quantity",
-        m->quantity->name, "metric", m->metric->name, "mask", m->mask, "value",
-        m->defined ? json_real(m->value) : json_null(), "unit", m->unit, "interval",
-        bounded ? json_pack("[f,f]", m->low, m->high) : json_null(), "interval_kind",
-        interval_names[m->interval], "n", m->n, "pixel_count", (json_int_t)m->pixel_count,
-        "undefined_because", m->undefined_because, "viewing", "frame_rate_hz",
-        viewing->frame_rate_hz, "pixels_per_degree", viewing->pixels_per_degree, "exposure_ev",
-        viewing->exposure_ev, "white_cd_per_m2", viewing->white_cd_per_m2);
+        "{s:s, s:s, s:s, s:o, s:s, s:o, s:s, s:i, s:I}", "quantity", m->quantity->name, "metric",
+        m->metric->name, "mask", m->mask, "value", m->defined ? json_real(m->value) : json_null(),
+        "unit", m->unit, "interval", bounded ? json_pack("[f,f]", m->low, m->high) : json_null(),
+        "interval_kind", neph_interval_name(m->interval), "n", m->n, "pixel_count",
+        (json_int_t)m->pixel_count);
+    if (item && !m->defined)
+        json_object_set_new(item, "undefined_because", json_string(m->undefined_because));
     if (item && m->frame >= 0)
         json_object_set_new(item, "frame", json_integer(m->frame));
     return item;
@@ -40,53 +53,75 @@ void neph_masks_destroy(struct neph_mask **masks, int count)
         neph_mask_destroy(masks[i]);
 }
 
-/* Keep the mask `name` when it says more than the whole image does. */
 static enum neph_status add_mask(const struct neph_image *reference, const char *name,
-                                 struct neph_mask *masks[NEPH_MASKS_MAX], int *count,
-                                 struct neph_diag *diag)
+                                 struct neph_mask **masks, int *count, struct neph_diag *diag)
 {
     struct neph_mask *mask = NULL;
-    enum neph_status status = neph_mask_create(reference, name, NULL, &mask, diag);
-    if (status == NEPH_ERR_UNSUPPORTED) /* the layer that it is made from is not there */
-        return NEPH_OK;
-    if (status)
-        return status;
-    const bool says_more = mask->pixel_count > 0 &&
-                           mask->pixel_count < neph_image_pixel_count(reference);
-    if ((*count == 0 || says_more) && *count < NEPH_MASKS_MAX)
+    if (*count == NEPH_MASKS_MAX)
+        return neph_fail(diag, NEPH_ERR_INPUT, "more than %d masks", NEPH_MASKS_MAX);
+    const enum neph_status status = neph_mask_create(reference, name, NULL, &mask, diag);
+    if (!status)
         masks[(*count)++] = mask;
-    else
-        neph_mask_destroy(mask);
-    return NEPH_OK;
+    /* The layer that it is made from may not be there. */
+    return status == NEPH_ERR_UNSUPPORTED ? NEPH_OK : status;
 }
 
-enum neph_status neph_masks_of(const struct neph_image *reference,
-                               struct neph_mask *masks[NEPH_MASKS_MAX], int *count,
-                               struct neph_diag *diag)
+enum neph_status neph_masks_create(const struct neph_image *reference, bool details,
+                                   struct neph_mask *masks[NEPH_MASKS_MAX], int *count,
+                                   struct neph_diag *diag)
 {
     enum neph_status status = NEPH_OK;
-    const char *name;
     *count = 0;
     for (int k = 0; k < neph_mask_kind_count() && !status; k++)
-        if (!neph_mask_kind_at(k)->is_detail)
+        if (details || !neph_mask_kind_at(k)->is_detail)
             status = add_mask(reference, neph_mask_kind_at(k)->name, masks, count, diag);
-    for (int i = 0; !status && (name = neph_mask_channel_at(reference, i)); i++)
-        if (!neph_mask_kind_find(name)) /* else it is there already */
-            status = add_mask(reference, name, masks, count, diag);
-    if (status)
+    for (int i = 0; neph_mask_channel_at(reference, i) && !status; i++)
+        if (!neph_mask_kind_find(neph_mask_channel_at(reference, i)))
+            status = add_mask(reference, neph_mask_channel_at(reference, i), masks, count, diag);
+    if (status) {
         neph_masks_destroy(masks, *count);
+        *count = 0;
+    }
     return status;
 }
 
+enum neph_status neph_masks_unite(const struct neph_image *reference, struct neph_mask **masks,
+                                  int count, struct neph_diag *diag)
+{
+    enum neph_status status = NEPH_OK;
+    for (int i = 0; i < count && !status; i++) {
+        struct neph_mask *more = NULL;
+        status = neph_mask_create(reference, masks[i]->name, NULL, &more, diag);
+        if (!status)
+            status = neph_mask_unite(masks[i], more, diag);
+        neph_mask_destroy(more);
+        if (status == NEPH_ERR_UNSUPPORTED)
+            status = NEPH_OK;
+    }
+    return status;
+}
+
+int neph_masks_trim(struct neph_mask **masks, int count)
+{
+    int kept = 0;
+    for (int i = 0; i < count; i++) {
+        const size_t whole = (size_t)masks[i]->width_px * (size_t)masks[i]->height_px;
+        if (i == 0 || (masks[i]->pixel_count > 0 && masks[i]->pixel_count < whole))
+            masks[kept++] = masks[i];
+        else
+            neph_mask_destroy(masks[i]);
+    }
+    return kept;
+}
+
 static enum neph_status take(struct neph_meter *meter, const struct neph_image *reference,
-                             const struct neph_image *test, const struct neph_viewing *viewing,
-                             json_t *list, struct neph_diag *diag)
+                             const struct neph_image *test, json_t *list, struct neph_diag *diag)
 {
     enum neph_status status = neph_meter_frame(meter, reference, NULL, test, diag);
     int count = 0;
     const struct neph_measurement *all = neph_meter_measurements(meter, &count);
     for (int i = 0; i < count && !status; i++)
-        status = append(list, neph_measurement_json(&all[i], viewing), diag);
+        status = append(list, neph_measurement_json(&all[i]), diag);
     return status;
 }
 
@@ -115,14 +150,16 @@ enum neph_status neph_measure(const struct neph_image *reference, const struct n
                                        .choice_count = neph_measure_usual(only, choices),
                                        .viewing = *viewing,
                                        .masks = (const struct neph_mask *const *)masks,
+                                       .frame_count = 1,
                                        .intervals = true};
-    status = neph_masks_of(reference, masks, &params.mask_count, diag);
+    status = neph_masks_create(reference, false, masks, &params.mask_count, diag);
     if (status)
         return status;
+    params.mask_count = neph_masks_trim(masks, params.mask_count);
     struct neph_meter *meter = NULL;
     status = neph_meter_create(&params, &meter, diag);
     if (!status)
-        status = take(meter, reference, test, viewing, list, diag);
+        status = take(meter, reference, test, list, diag);
     neph_meter_destroy(meter);
     neph_masks_destroy(masks, params.mask_count);
     return status;

@@ -11,12 +11,21 @@
 
 enum { NEPH_MASKS_MAX = 64, NEPH_CHOICES_MAX = 64 };
 
-/* Every mask that the reference allows, "all" first; masks without a pixel, or equal to the whole
- * image, are left out. Destroy them with neph_masks_destroy(). */
-enum neph_status neph_masks_of(const struct neph_image *reference,
-                               struct neph_mask *masks[NEPH_MASKS_MAX], int *count,
-                               struct neph_diag *diag);
+/* Every mask that the reference allows, "all" first, then the kinds, then its channels "mask.NAME";
+ * with `details` also those of which there are many (rings at edges). Destroy them with
+ * neph_masks_destroy(). */
+enum neph_status neph_masks_create(const struct neph_image *reference, bool details,
+                                   struct neph_mask *masks[NEPH_MASKS_MAX], int *count,
+                                   struct neph_diag *diag);
 void neph_masks_destroy(struct neph_mask **masks, int count);
+
+/* Add the pixels that the same masks have in another frame. */
+enum neph_status neph_masks_unite(const struct neph_image *reference, struct neph_mask **masks,
+                                  int count, struct neph_diag *diag);
+
+/* Destroy the masks that say nothing of their own: without a pixel, or equal to the whole image.
+ * Returns how many are left; "all" always is. */
+int neph_masks_trim(struct neph_mask **masks, int count);
 
 /* The extractors of single frames that are cheap enough to be taken always, or `only` the one of
  * that name, at their defaults; room for NEPH_CHOICES_MAX. Returns their number. */
@@ -29,7 +38,9 @@ enum neph_status neph_measure(const struct neph_image *reference, const struct n
                               struct neph_diag *diag);
 
 /* One number in the form of scripts/report/README.md; NULL when memory is short. */
-json_t *neph_measurement_json(const struct neph_measurement *m, const struct neph_viewing *viewing);
+json_t *neph_measurement_json(const struct neph_measurement *m);
+const char *neph_interval_name(enum neph_interval_kind kind);
+json_t *neph_viewing_json(const struct neph_viewing *viewing);
 
 /* Counts of non-finite and negative values of a frame, in the same form. */
 enum neph_status neph_measure_validity(const struct neph_image *frame, json_t *list,

@@ -176,11 +176,11 @@ static enum neph_status scene_document(const struct neph_scene *scene, json_t *f
     json_t *truth_json = truth ? json_pack("{s:O, s:O}", "engine", json_object_get(truth, "engine"),
                                            "rung", json_object_get(truth, "rung"))
                                : json_null();
-    *document = json_pack("{s:s, s:s, s:s, s:f, s:s, s:o, s:o, s:O, s:o}", "name", scene->name,
+    *document = json_pack("{s:s, s:s, s:s, s:f, s:o, s:s, s:o, s:o, s:O, s:o}", "name", scene->name,
                           "title", scene->title, "physics", scene->physics, "exposure_ev",
-                          scene->exposure_ev, "hash", scene->hash, "truth", truth_json,
-                          "difference_scale", difference_scale_json(scene), "frames", frames,
-                          "gates", gates);
+                          scene->exposure_ev, "viewing", neph_viewing_json(&viewing), "hash",
+                          scene->hash, "truth", truth_json, "difference_scale",
+                          difference_scale_json(scene), "frames", frames, "gates", gates);
     return *document ? NEPH_OK : neph_fail_memory(diag);
 }
 

@@ -21,7 +21,7 @@
 enum {
     NEPH_BOOTSTRAP_RESAMPLES = 1000,
     NEPH_BOOTSTRAP_TILES_MIN = 20, /* below, a percentile interval covers too little: none given */
-    NEPH_BOOTSTRAP_SUMS_MAX = 16,
+    NEPH_BOOTSTRAP_SUMS_MAX = 48,
     NEPH_TILE_SIDE_PX = 16,
     NEPH_TILING_TILES_MIN = 64, /* smaller images get smaller tiles, see neph_tiling_of() */
 };

@@ -3,6 +3,7 @@
 
 #include "metrics/interval.h"
 #include "metrics/pooling.h"
+#include "metrics/series.h"
 #include "metrics/statistics.h"
 #include "metrics/validity.h"
 
@@ -284,29 +285,58 @@ static struct neph_pool_source source_of(const struct neph_meter *meter, const s
     };
 }
 
-enum { METRICS_OF_MAP_MAX = 32 };
-
-static enum neph_status pool_one_map(struct neph_meter *meter, const struct run *run, int map,
-                                     const size_t *bad, int frame, struct neph_diag *diag)
+static int count_metrics(const struct neph_extractor *extractor)
 {
-    const struct neph_metric *metrics[METRICS_OF_MAP_MAX];
     int count = 0;
-    for (const struct neph_metric *m = run->choice->extractor->metrics; m->name; m++)
-        if (m->map == map && m->pool != NEPH_POOL_SCALAR && count < METRICS_OF_MAP_MAX)
-            metrics[count++] = m;
+    while (extractor->metrics[count].name)
+        count++;
+    return count;
+}
+
+/* Pool one map; `numbers` holds a row of mask_count for each metric of the extractor. */
+static enum neph_status pool_one_map(const struct neph_meter *meter, const struct run *run, int map,
+                                     struct neph_pooled *numbers, struct neph_diag *diag)
+{
+    const struct neph_metric *all = run->choice->extractor->metrics, *some[NEPH_POOL_METRICS_MAX];
+    int count = 0, index[NEPH_POOL_METRICS_MAX];
+    for (int m = 0; all[m].name && count < NEPH_POOL_METRICS_MAX; m++)
+        if (all[m].map == map && all[m].pool != NEPH_POOL_SCALAR) {
+            index[count] = m;
+            some[count++] = &all[m];
+        }
     if (count == 0 || !map_applies(&run->choice->extractor->maps[map], run->quantity))
         return NEPH_OK;
     struct neph_pooled *pooled = calloc((size_t)(count * meter->mask_count), sizeof(*pooled));
     if (!pooled)
         return neph_fail_memory(diag);
     const struct neph_pool_source source = source_of(meter, run, map);
-    enum neph_status status = neph_pool_map(&source, metrics, count, meter->masks,
-                                            meter->mask_count, meter->intervals, pooled, diag);
+    const enum neph_status status = neph_pool_map(
+        &source, some, count, meter->masks, meter->mask_count, meter->intervals, pooled, diag);
     for (int k = 0; k < meter->mask_count; k++)
-        for (int m = 0; m < count && !status; m++)
-            status = append_pooled(meter, run, metrics[m], k, bad ? bad[k] : 0, frame,
-                                   &pooled[k * count + m], diag);
+        for (int m = 0; m < count; m++)
+            numbers[index[m] * meter->mask_count + k] = pooled[k * count + m];
     free(pooled);
+    return status;
+}
+
+/* Mask by mask, in the order of the extractor's table. */
+static enum neph_status take_pooled(struct neph_meter *meter, const struct run *run,
+                                    const size_t *bad, int frame, struct neph_diag *diag)
+{
+    const struct neph_extractor *extractor = run->choice->extractor;
+    const int metric_count = count_metrics(extractor), mask_count = meter->mask_count;
+    struct neph_pooled *numbers = calloc((size_t)(metric_count * mask_count) + 1, sizeof(*numbers));
+    enum neph_status status = numbers ? NEPH_OK : neph_fail_memory(diag);
+    for (int map = 0; map < extractor->map_count && !status; map++)
+        status = pool_one_map(meter, run, map, numbers, diag);
+    for (int k = 0; k < mask_count && !status; k++)
+        for (int m = 0; m < metric_count && !status; m++) {
+            const struct neph_pooled *number = &numbers[m * mask_count + k];
+            if (number->defined || number->undefined_because) /* else it is not of this quantity */
+                status = append_pooled(meter, run, &extractor->metrics[m], k, bad ? bad[k] : 0,
+                                       frame, number, diag);
+        }
+    free(numbers);
     return status;
 }
 
@@ -337,9 +367,7 @@ static enum neph_status take_scalars(struct neph_meter *meter, const struct run 
 static enum neph_status take_numbers(struct neph_meter *meter, const struct run *run,
                                      const size_t *bad, int frame, struct neph_diag *diag)
 {
-    enum neph_status status = NEPH_OK;
-    for (int map = 0; map < run->choice->extractor->map_count && !status; map++)
-        status = pool_one_map(meter, run, map, bad, frame, diag);
+    const enum neph_status status = take_pooled(meter, run, bad, frame, diag);
     return status ? status : take_scalars(meter, run, frame, diag);
 }
 
@@ -465,9 +493,55 @@ enum neph_status neph_meter_frame(struct neph_meter *meter, const struct neph_im
     return status;
 }
 
+/* The mean of number `which` of each frame over the frames; every frame gave as many, in the same
+ * order. One undefined frame makes it undefined: nothing is skipped. */
+static struct neph_measurement mean_over_frames(const struct neph_meter *meter, int which,
+                                                int per_frame, double *values)
+{
+    struct neph_measurement mean = meter->measurements[which];
+    mean.frame = -1;
+    mean.interval = NEPH_INTERVAL_NONE;
+    mean.low = mean.high = 0.0;
+    for (int f = 0; f < meter->frame_count; f++) {
+        const struct neph_measurement *one = &meter->measurements[which + f * per_frame];
+        values[f] = one->value;
+        mean.bad_count = one->bad_count > mean.bad_count ? one->bad_count : mean.bad_count;
+        if (mean.defined && !one->defined) {
+            mean.defined = false;
+            mean.undefined_because = one->undefined_because;
+        }
+    }
+    const struct neph_mean found = neph_series_mean(values, meter->frame_count,
+                                                    NEPH_REPLICATE_FRAMES);
+    mean.n = found.n;
+    mean.value = mean.defined ? found.value : 0.0;
+    if (mean.defined && found.interval != NEPH_INTERVAL_NONE) {
+        mean.interval = found.interval;
+        mean.low = found.low;
+        mean.high = found.high;
+    }
+    return mean;
+}
+
+static enum neph_status append_means(struct neph_meter *meter, struct neph_diag *diag)
+{
+    const int per_frame = meter->frame_count > 0 ? meter->measurement_count / meter->frame_count
+                                                 : 0;
+    if (meter->frame_count < 2 || per_frame == 0)
+        return NEPH_OK;
+    double *values = malloc((size_t)meter->frame_count * sizeof(*values));
+    enum neph_status status = values ? NEPH_OK : neph_fail_memory(diag);
+    for (int i = 0; i < per_frame && !status; i++) {
+        const struct neph_measurement mean = mean_over_frames(meter, i, per_frame, values);
+        status = append(meter, &mean, diag);
+    }
+    free(values);
+    return status;
+}
+
 enum neph_status neph_meter_finish(struct neph_meter *meter, struct neph_diag *diag)
 {
-    enum neph_status status = NEPH_OK;
+    enum neph_status status = append_means(meter, diag);
     for (int m = 0; m < meter->mask_count; m++)
         meter->masks[m].is_bad = false;
     for (int r = 0; r < meter->run_count && !status; r++) {
@@ -498,6 +572,12 @@ static const struct run *find_run(const struct neph_meter *meter,
         if (meter->runs[r].quantity == quantity && meter->runs[r].choice->extractor == extractor)
             return &meter->runs[r];
     return NULL;
+}
+
+bool neph_meter_takes(const struct neph_meter *meter, const struct neph_quantity *quantity,
+                      const struct neph_extractor *extractor)
+{
+    return find_run(meter, quantity, extractor) != NULL;
 }
 
 const char *neph_meter_obstacle(const struct neph_meter *meter,

@@ -58,6 +58,10 @@ enum neph_status neph_meter_map(const struct neph_meter *meter,
                                 const struct neph_extractor *extractor, int map,
                                 struct neph_image **image, struct neph_diag *diag);
 
+/* Whether an extractor is at work on a quantity, or would be but for an obstacle. */
+bool neph_meter_takes(const struct neph_meter *meter, const struct neph_quantity *quantity,
+                      const struct neph_extractor *extractor);
+
 /* Why a chosen extractor gave nothing for a quantity; NULL when it did. */
 const char *neph_meter_obstacle(const struct neph_meter *meter,
                                 const struct neph_quantity *quantity,

@@ -51,7 +51,8 @@ void neph_pool_mask_finish(struct neph_pool_mask *pooled)
 
 /* ---- what the pools need --------------------------------------------------------------------- */
 
-static bool needs_keys(enum neph_pool pool)
+/* Whether it counts a part of the values, by their order. */
+static bool has_part(enum neph_pool pool)
 {
     return pool == NEPH_POOL_PERCENTILE || pool == NEPH_POOL_WEIGHTED_PERCENTILE ||
            pool == NEPH_POOL_TRIMMED_MEAN || pool == NEPH_POOL_SHARE_ABOVE;
@@ -84,50 +85,77 @@ struct walk {
     atomic_bool out_of_memory;
 };
 
-enum { LANES = 8 };
-
+/* Sums of a tile by its columns: the order of additions is what is written here, on vectors of any
+ * width. */
 struct lanes {
-    double n[LANES], v[LANES], v2[LANES], w[LANES], max[LANES];
+    double n[NEPH_TILE_SIDE_PX], v[NEPH_TILE_SIDE_PX], v2[NEPH_TILE_SIDE_PX], w[NEPH_TILE_SIDE_PX],
+        max[NEPH_TILE_SIDE_PX];
 };
 
-/* Add the values of a piece of a row. In lanes, so that compilers may use vectors and the order of
- * additions stays what is written here. */
-NEPH_VECTOR static void add_piece(const double *restrict v, const double *restrict w,
-                                  const uint8_t *restrict inside, int count,
-                                  struct lanes *restrict lanes)
+/* Add a piece of a row. `all`: every pixel of it is in the mask. */
+__attribute__((always_inline)) static inline void
+add_piece(const double *restrict v, const double *restrict w, const uint8_t *restrict inside,
+          int count, bool all, struct lanes *restrict lanes)
 {
-    for (int x = 0; x < count; x += LANES) {
-        const int here = count - x < LANES ? count - x : LANES;
-        double values[LANES] = {0}, overs[LANES] = {0}, picked[LANES] = {0};
-        for (int l = 0; l < here; l++) {
-            values[l] = v[x + l];
-            overs[l] = w[x + l];
-            picked[l] = (double)inside[x + l];
-        }
-        for (int l = 0; l < LANES; l++) {
-            const bool in = picked[l] > 0.0 && values[l] == values[l]; /* NaN: no value */
-            const double value = in ? values[l] : 0.0;
-            lanes->n[l] += in ? 1.0 : 0.0;
-            lanes->v[l] += value;
-            lanes->v2[l] += value * value;
-            lanes->w[l] += in ? overs[l] : 0.0;
-            lanes->max[l] = in && value > lanes->max[l] ? value : lanes->max[l];
-        }
+    for (int x = 0; x < count; x++) {
+        const bool in = (all || inside[x]) && v[x] == v[x]; /* NaN: no value */
+        const double here = v[x], over_here = w[x];
+        const double value = in ? here : 0.0, over = in ? over_here : 0.0;
+        const double candidate = in ? here : -(double)INFINITY;
+        lanes->n[x] += in ? 1.0 : 0.0;
+        lanes->v[x] += value;
+        lanes->v2[x] += value * value;
+        lanes->w[x] += over;
+        lanes->max[x] = candidate > lanes->max[x] ? candidate : lanes->max[x];
     }
 }
 
-static uint32_t *add_keys(const double *v, const uint8_t *inside, int count, uint32_t *keys)
+/* The rows of one plane of a tile, `stride` apart. */
+NEPH_VECTOR static void add_whole_tile(const double *restrict v, const double *restrict w,
+                                       int columns, int rows, size_t stride,
+                                       struct lanes *restrict lanes)
+{
+    for (int y = 0; y < rows; y++, v += stride, w += stride) {
+        if (columns == NEPH_TILE_SIDE_PX) /* the usual case, without a remainder */
+            add_piece(v, w, NULL, NEPH_TILE_SIDE_PX, true, lanes);
+        else
+            add_piece(v, w, NULL, columns, true, lanes);
+    }
+}
+
+NEPH_VECTOR static void add_masked_tile(const double *restrict v, const double *restrict w,
+                                        const uint8_t *restrict inside, int columns, int rows,
+                                        size_t stride, struct lanes *restrict lanes)
+{
+    for (int y = 0; y < rows; y++, v += stride, w += stride, inside += stride)
+        add_piece(v, w, inside, columns, false, lanes);
+}
+
+/* Keys of a piece of a row that has a value everywhere. */
+NEPH_VECTOR static void add_all_keys(const double *restrict v, int count, uint32_t *restrict keys)
 {
     for (int x = 0; x < count; x++)
-        if (inside[x] && v[x] == v[x])
-            *keys++ = neph_key_of(v[x]);
+        keys[x] = neph_key_of(v[x]);
+}
+
+/* Keys where there is a value and the mask. Writes one more than belongs here, for want of a
+ * branch: into the next tile of the strip, which comes later, or into the gap that each strip has
+ * at its end. */
+static uint32_t *add_some_keys(const double *v, const uint8_t *inside, int count, uint32_t *keys)
+{
+    for (int x = 0; x < count; x++) {
+        *keys = neph_key_of(v[x]);
+        keys += inside[x] && v[x] == v[x];
+    }
     return keys;
 }
 
-static double sum_of(const double lanes[LANES])
+static double sum_of(const double lanes[NEPH_TILE_SIDE_PX])
 {
-    return ((lanes[0] + lanes[1]) + (lanes[2] + lanes[3])) +
-           ((lanes[4] + lanes[5]) + (lanes[6] + lanes[7]));
+    double sum = 0.0;
+    for (int l = 0; l < NEPH_TILE_SIDE_PX; l++)
+        sum += lanes[l];
+    return sum;
 }
 
 /* One tile of one mask, from the buffers of its strip. */
@@ -141,22 +169,32 @@ static void gather_tile(const struct walk *walk, struct gathered *set, int strip
     const int rows = walk->source->height_px - first_y < side ? walk->source->height_px - first_y
                                                               : side;
     struct lanes lanes = {.n = {0}};
-    for (int l = 0; l < LANES; l++)
+    for (int l = 0; l < NEPH_TILE_SIDE_PX; l++)
         lanes.max[l] = -INFINITY;
     uint32_t *key = set->keys ? set->keys + set->first[tile] : NULL;
+    const uint8_t *inside = set->mask->mask->inside + (size_t)first_y * (size_t)width + first_x;
+    const bool whole = set->mask->tile_pixels[tile] == (uint32_t)(columns * rows);
     for (int p = 0; p < walk->source->plane_count; p++) {
+        if (whole)
+            add_whole_tile(v[p] + first_x, w[p] + first_x, columns, rows, (size_t)width, &lanes);
+        else
+            add_masked_tile(v[p] + first_x, w[p] + first_x, inside, columns, rows, (size_t)width,
+                            &lanes);
+    }
+    const double n = sum_of(lanes.n);
+    const bool everywhere = n == (double)(columns * rows * walk->source->plane_count);
+    for (int p = 0; key && p < walk->source->plane_count; p++) {
         for (int y = 0; y < rows; y++) {
-            const size_t at = (size_t)y * (size_t)width + (size_t)first_x;
-            const uint8_t *inside = set->mask->mask->inside + (size_t)first_y * (size_t)width + at;
-            add_piece(v[p] + at, w[p] + at, inside, columns, &lanes);
-            if (key)
-                key = add_keys(v[p] + at, inside, columns, key);
+            const double *row = v[p] + first_x + (size_t)y * (size_t)width;
+            if (everywhere)
+                add_all_keys(row, columns, key);
+            key = everywhere ? key + columns
+                             : add_some_keys(row, inside + (size_t)y * (size_t)width, columns, key);
         }
     }
     struct tile *found = &set->tiles[tile];
-    *found = (struct tile){{sum_of(lanes.n), sum_of(lanes.v), sum_of(lanes.v2), sum_of(lanes.w)},
-                           -INFINITY};
-    for (int l = 0; l < LANES; l++)
+    *found = (struct tile){{n, sum_of(lanes.v), sum_of(lanes.v2), sum_of(lanes.w)}, -INFINITY};
+    for (int l = 0; l < NEPH_TILE_SIDE_PX; l++)
         found->max = fmax(found->max, lanes.max[l]);
     if (key)
         set->counts[tile] = (uint32_t)(key - (set->keys + set->first[tile]));
@@ -214,7 +252,8 @@ static enum neph_status prepare_set(const struct walk *walk, const struct neph_p
     if (!with_keys || mask->is_bad)
         return NEPH_OK;
     const size_t planes = (size_t)walk->source->plane_count;
-    set->keys = malloc((mask->mask->pixel_count * planes + 1) * sizeof(*set->keys));
+    const size_t room = mask->mask->pixel_count * planes + (size_t)walk->tiling.rows;
+    set->keys = malloc(room * sizeof(*set->keys));
     set->first = malloc(tile_count * sizeof(*set->first));
     set->counts = calloc(tile_count, sizeof(*set->counts));
     if (!set->keys || !set->first || !set->counts)
@@ -223,15 +262,24 @@ static enum neph_status prepare_set(const struct walk *walk, const struct neph_p
     for (size_t t = 0; t < tile_count; t++) {
         set->first[t] = next;
         next += mask->tile_pixels[t] * planes;
+        next += (t + 1) % (size_t)walk->tiling.columns == 0; /* see add_some_keys() */
     }
     return NEPH_OK;
 }
 
 /* ---- numbers --------------------------------------------------------------------------------- */
 
-/* What a statistic of one metric is a function of: the sums, and two of its own that count what is
- * on one side of a threshold. */
-enum { SUM_PART = SUM_COUNT, SUM_PART_V, SUMS };
+/* Columns of the table of tiles: the sums, and two for each metric that counts what lies on one
+ * side of a threshold of its own. */
+enum { METRICS_MAX = NEPH_POOL_METRICS_MAX, COLUMNS_MAX = SUM_COUNT + 2 * METRICS_MAX };
+
+_Static_assert((int)COLUMNS_MAX <= (int)NEPH_BOOTSTRAP_SUMS_MAX, "the bootstrap takes all columns");
+
+/* A metric and its columns; what a statistic is a function of. */
+struct statistic {
+    const struct neph_metric *metric;
+    int part, part_v; /* n and sum of v of the part; unused when the metric has none */
+};
 
 static bool known(double number, double *value)
 {
@@ -240,9 +288,10 @@ static bool known(double number, double *value)
 }
 
 /* The number itself, or for percentiles the share below: see neph_pool_map(). */
-static bool statistic(const void *context, const double *sums, double *value)
+static bool evaluate(const void *context, const double *sums, double *value)
 {
-    const struct neph_metric *metric = context;
+    const struct statistic *statistic = context;
+    const struct neph_metric *metric = statistic->metric;
     const double n = sums[SUM_N], mean = sums[SUM_V] / n;
     switch (metric->pool) {
     case NEPH_POOL_MEAN:
@@ -262,11 +311,11 @@ static bool statistic(const void *context, const double *sums, double *value)
                known(10.0 * log10(metric->parameter * metric->parameter / mean), value);
     case NEPH_POOL_SHARE_ABOVE:
     case NEPH_POOL_PERCENTILE:
-        return known(sums[SUM_PART] / n, value);
+        return known(sums[statistic->part] / n, value);
     case NEPH_POOL_WEIGHTED_PERCENTILE:
-        return known(sums[SUM_PART_V] / sums[SUM_V], value);
+        return known(sums[statistic->part_v] / sums[SUM_V], value);
     case NEPH_POOL_TRIMMED_MEAN:
-        return known(sums[SUM_PART_V] / sums[SUM_PART], value);
+        return known(sums[statistic->part_v] / sums[statistic->part], value);
     case NEPH_POOL_MAX:
     case NEPH_POOL_SCALAR:
         break;
@@ -280,46 +329,66 @@ static const char no_value[] = "the map has no value in the mask";
 static const char no_mean[] = "the mean of the reference over the mask is not positive";
 static const char no_error[] = "there is no error at all to take a ratio of";
 
-/* The rows of tiles that have a value, and their totals. */
+/* The tiles of a mask that have a value, with their columns and the totals of these. */
 struct table {
-    double (*rows)[SUMS]; /* owned */
-    int *tiles;           /* index of each row; owned */
-    int row_count;
-    double totals[SUMS];
+    const struct gathered *set;
+    struct neph_selector *selector; /* owned; NULL when no pool needs an order */
+    double *rows;                   /* row_count rows of column_count; owned */
+    int *tiles;                     /* index of each row; owned */
+    int row_count, column_count;
+    double totals[COLUMNS_MAX];
     double max;
+    struct statistic statistics[METRICS_MAX];
 };
 
-static void add_totals(struct table *table, int first_sum, int end_sum)
+static void add_totals(struct table *table, int first_column, int end_column)
 {
-    for (int s = first_sum; s < end_sum; s++) {
+    for (int c = first_column; c < end_column; c++) {
         struct neph_sum total = {0};
         for (int r = 0; r < table->row_count; r++)
-            neph_sum_add(&total, table->rows[r][s]);
-        table->totals[s] = neph_sum_value(&total);
+            neph_sum_add(&total, table->rows[(size_t)r * (size_t)table->column_count + (size_t)c]);
+        table->totals[c] = neph_sum_value(&total);
     }
 }
 
-static enum neph_status tabulate(const struct gathered *set, int tile_count, struct table *table,
-                                 struct neph_diag *diag)
+static void lay_out_columns(struct table *table, const struct neph_metric *const *metrics,
+                            int metric_count)
 {
-    table->rows = malloc((size_t)tile_count * sizeof(*table->rows));
+    table->column_count = SUM_COUNT;
+    for (int m = 0; m < metric_count; m++) {
+        table->statistics[m] = (struct statistic){.metric = metrics[m]};
+        if (!has_part(metrics[m]->pool))
+            continue;
+        table->statistics[m].part = table->column_count++;
+        table->statistics[m].part_v = table->column_count++;
+    }
+}
+
+static enum neph_status fill_table(struct table *table, int tile_count, struct neph_diag *diag)
+{
+    const size_t columns = (size_t)table->column_count;
+    table->max = -INFINITY;
+    table->rows = calloc((size_t)tile_count, columns * sizeof(*table->rows));
     table->tiles = malloc((size_t)tile_count * sizeof(*table->tiles));
     if (!table->rows || !table->tiles)
         return neph_fail_memory(diag);
     for (int t = 0; t < tile_count; t++) {
-        if (!(set->tiles[t].sums[SUM_N] > 0.0))
+        const struct tile *tile = &table->set->tiles[t];
+        if (!(tile->sums[SUM_N] > 0.0))
             continue;
-        memcpy(table->rows[table->row_count], set->tiles[t].sums, sizeof(set->tiles[t].sums));
-        table->max = fmax(table->max, set->tiles[t].max);
+        memcpy(table->rows + (size_t)table->row_count * columns, tile->sums, sizeof(tile->sums));
+        table->max = fmax(table->max, tile->max);
         table->tiles[table->row_count++] = t;
     }
     add_totals(table, 0, SUM_COUNT);
     return NEPH_OK;
 }
 
-/* Fill SUM_PART and SUM_PART_V of each tile: the keys of low .. high. */
-static void count_part(const struct gathered *set, struct table *table, uint32_t low, uint32_t high)
+/* Fill the part columns of a metric: the keys low .. high of each tile. */
+static void count_part(struct table *table, const struct statistic *statistic, uint32_t low,
+                       uint32_t high)
 {
+    const struct gathered *set = table->set;
     for (int r = 0; r < table->row_count; r++) {
         const uint32_t *keys = set->keys + set->first[table->tiles[r]];
         const uint32_t count = set->counts[table->tiles[r]];
@@ -329,76 +398,79 @@ static void count_part(const struct gathered *set, struct table *table, uint32_t
             n += in ? 1.0 : 0.0;
             sum += in ? neph_key_value(keys[i]) : 0.0;
         }
-        table->rows[r][SUM_PART] = n;
-        table->rows[r][SUM_PART_V] = sum;
+        double *row = table->rows + (size_t)r * (size_t)table->column_count;
+        row[statistic->part] = n;
+        row[statistic->part_v] = sum;
     }
-    add_totals(table, SUM_PART, SUMS);
+    add_totals(table, statistic->part, statistic->part_v + 1);
 }
 
-/* The value of a metric; fills the parts that its interval will need. */
-static bool value_of(const struct neph_metric *metric, const struct gathered *set,
-                     struct neph_selector *selector, struct table *table, double *value)
+static bool is_percentile(const struct neph_metric *metric)
 {
+    return metric->pool == NEPH_POOL_PERCENTILE || metric->pool == NEPH_POOL_WEIGHTED_PERCENTILE;
+}
+
+static double percentile_at(const struct neph_metric *metric, struct neph_selector *selector,
+                            double share)
+{
+    return metric->pool == NEPH_POOL_PERCENTILE ? neph_select_percentile(selector, share)
+                                                : neph_select_weighted(selector, share);
+}
+
+static bool value_of(struct table *table, const struct statistic *statistic, double *value)
+{
+    const struct neph_metric *metric = statistic->metric;
     const size_t n = (size_t)table->totals[SUM_N];
-    switch (metric->pool) {
-    case NEPH_POOL_MAX:
-        *value = table->max;
-        return true;
-    case NEPH_POOL_PERCENTILE:
-        *value = neph_select_percentile(selector, metric->parameter);
-        count_part(set, table, 0, neph_key_of(*value));
-        return true;
-    case NEPH_POOL_WEIGHTED_PERCENTILE:
-        *value = neph_select_weighted(selector, metric->parameter);
-        count_part(set, table, 0, neph_key_of(*value));
-        return true;
-    case NEPH_POOL_SHARE_ABOVE:
-        count_part(set, table, neph_key_of(metric->parameter) + 1, UINT32_MAX);
-        break;
-    case NEPH_POOL_TRIMMED_MEAN: {
+    if (metric->pool == NEPH_POOL_MAX)
+        return known(table->max, value);
+    if (is_percentile(metric))
+        return known(percentile_at(metric, table->selector, metric->parameter), value);
+    if (metric->pool == NEPH_POOL_SHARE_ABOVE)
+        count_part(table, statistic, neph_key_of(metric->parameter) + 1, UINT32_MAX);
+    if (metric->pool == NEPH_POOL_TRIMMED_MEAN) {
         const size_t dropped = (size_t)ceil(metric->parameter * (double)n);
-        const uint32_t last = neph_select_rank(selector, n > dropped ? n - dropped - 1 : 0);
-        count_part(set, table, 0, last);
-        break;
+        const size_t last = n > dropped ? n - dropped - 1 : 0;
+        count_part(table, statistic, 0, neph_select_rank(table->selector, last));
     }
-    default:
-        break;
-    }
-    return statistic(metric, table->totals, value);
+    return evaluate(statistic, table->totals, value);
 }
 
 /* Read the bounds of a share back through the order statistics. */
-static void invert_share(const struct neph_metric *metric, struct neph_selector *selector,
-                         double share, struct neph_bootstrap_bounds *bounds)
+static void invert_share(const struct table *table, const struct statistic *statistic,
+                         struct neph_bootstrap_bounds *bounds)
 {
-    const bool weighted = metric->pool == NEPH_POOL_WEIGHTED_PERCENTILE;
+    double share = 0.0;
+    evaluate(statistic, table->totals, &share);
     double *const ends[2] = {&bounds->low, &bounds->high};
     for (int i = 0; i < 2; i++) {
-        const double at = fmin(fmax(metric->parameter + (*ends[i] - share), 0.0), 1.0);
-        *ends[i] = weighted ? neph_select_weighted(selector, at)
-                            : neph_select_percentile(selector, at);
+        const double at = statistic->metric->parameter + (*ends[i] - share);
+        *ends[i] = percentile_at(statistic->metric, table->selector, fmin(fmax(at, 0.0), 1.0));
     }
 }
 
-static enum neph_status add_interval(const struct neph_metric *metric,
-                                     struct neph_selector *selector, const struct table *table,
-                                     struct neph_pooled *pooled, struct neph_diag *diag)
+static enum neph_status add_intervals(struct table *table, int metric_count,
+                                      struct neph_pooled *pooled, struct neph_diag *diag)
 {
-    const struct neph_bootstrapped one = {statistic, metric};
-    struct neph_bootstrap_bounds bounds = {0};
-    double share = 0.0;
-    enum neph_status status = neph_bootstrap_tiles(&table->rows[0][0], table->row_count, SUMS, &one,
-                                                   1, &bounds, diag);
-    if (status || !bounds.defined)
-        return status;
-    if (metric->pool == NEPH_POOL_PERCENTILE || metric->pool == NEPH_POOL_WEIGHTED_PERCENTILE) {
-        statistic(metric, table->totals, &share);
-        invert_share(metric, selector, share, &bounds);
+    struct neph_bootstrapped statistics[METRICS_MAX];
+    struct neph_bootstrap_bounds bounds[METRICS_MAX];
+    for (int m = 0; m < metric_count; m++) {
+        const struct statistic *statistic = &table->statistics[m];
+        statistics[m] = (struct neph_bootstrapped){evaluate, statistic};
+        if (pooled[m].defined && is_percentile(statistic->metric))
+            count_part(table, statistic, 0, neph_key_of(pooled[m].value));
     }
-    pooled->has_interval = true;
-    pooled->low = fmin(bounds.low, pooled->value); /* sums in another order, other roundings */
-    pooled->high = fmax(bounds.high, pooled->value);
-    return NEPH_OK;
+    const enum neph_status status = neph_bootstrap_tiles(
+        table->rows, table->row_count, table->column_count, statistics, metric_count, bounds, diag);
+    for (int m = 0; m < metric_count && !status; m++) {
+        if (!pooled[m].defined || !bounds[m].defined)
+            continue;
+        if (is_percentile(table->statistics[m].metric))
+            invert_share(table, &table->statistics[m], &bounds[m]);
+        pooled[m].has_interval = true;
+        pooled[m].low = fmin(bounds[m].low, pooled[m].value); /* other order, other roundings */
+        pooled[m].high = fmax(bounds[m].high, pooled[m].value);
+    }
+    return status;
 }
 
 static const char *undefined_because(const struct neph_metric *metric)
@@ -415,32 +487,36 @@ static const char *undefined_because(const struct neph_metric *metric)
     }
 }
 
-static enum neph_status pool_metric(const struct neph_metric *metric, const struct gathered *set,
-                                    struct neph_selector *selector, struct table *table,
-                                    bool intervals, struct neph_pooled *pooled,
-                                    struct neph_diag *diag)
-{
-    double value = 0.0;
-    if (!value_of(metric, set, selector, table, &value)) {
-        pooled->undefined_because = undefined_because(metric);
-        return NEPH_OK;
-    }
-    pooled->defined = true;
-    pooled->value = value;
-    return intervals ? add_interval(metric, selector, table, pooled, diag) : NEPH_OK;
-}
-
 /* Why nothing at all can be said over a mask, or NULL. */
-static const char *obstacle(const struct walk *walk, const struct gathered *set,
-                            const struct table *table)
+static const char *obstacle(const struct neph_pool_source *source, const struct table *table)
 {
-    if (set->mask->mask->pixel_count == 0)
+    const struct neph_pool_mask *mask = table->set->mask;
+    if (mask->mask->pixel_count == 0)
         return no_pixel;
-    if (set->mask->is_bad)
+    if (mask->is_bad)
         return bad_pixel;
     if (table->row_count == 0)
-        return walk->source->empty_because ? walk->source->empty_because : no_value;
+        return source->empty_because ? source->empty_because : no_value;
     return NULL;
+}
+
+static void take_values(const struct neph_pool_source *source, struct table *table,
+                        int metric_count, struct neph_pooled *pooled)
+{
+    const char *because = obstacle(source, table);
+    const size_t n = (size_t)table->totals[SUM_N];
+    for (int m = 0; m < metric_count; m++) {
+        pooled[m] = (struct neph_pooled){.undefined_because = because,
+                                         .tile_count = table->row_count,
+                                         .pixel_count = n / (size_t)source->plane_count};
+        double value = 0.0;
+        if (because)
+            continue;
+        pooled[m].defined = value_of(table, &table->statistics[m], &value);
+        pooled[m].value = pooled[m].defined ? value : 0.0;
+        if (!pooled[m].defined)
+            pooled[m].undefined_because = undefined_because(table->statistics[m].metric);
+    }
 }
 
 static enum neph_status pool_mask(const struct walk *walk, const struct gathered *set,
@@ -448,26 +524,21 @@ static enum neph_status pool_mask(const struct walk *walk, const struct gathered
                                   bool intervals, struct neph_pooled *pooled,
                                   struct neph_diag *diag)
 {
-    struct table table = {.max = -INFINITY};
-    struct neph_selector *selector = NULL;
+    struct table table = {.set = set};
     struct neph_key_runs runs = {.keys = set->keys,
                                  .first = set->first,
                                  .counts = set->counts,
                                  .run_count = walk->tiling.columns * walk->tiling.rows};
-    enum neph_status status = tabulate(set, runs.run_count, &table, diag);
+    lay_out_columns(&table, metrics, metric_count);
+    enum neph_status status = fill_table(&table, runs.run_count, diag);
     runs.key_count = (size_t)table.totals[SUM_N];
-    const char *because = status ? NULL : obstacle(walk, set, &table);
-    if (!status && !because && set->keys)
-        status = neph_selector_create(&runs, &selector, diag);
-    for (int m = 0; m < metric_count && !status; m++) {
-        pooled[m] = (struct neph_pooled){.undefined_because = because,
-                                         .tile_count = table.row_count,
-                                         .pixel_count = runs.key_count /
-                                                        (size_t)walk->source->plane_count};
-        if (!because)
-            status = pool_metric(metrics[m], set, selector, &table, intervals, &pooled[m], diag);
-    }
-    neph_selector_destroy(selector);
+    if (!status && set->keys && table.row_count > 0)
+        status = neph_selector_create(&runs, &table.selector, diag);
+    if (!status)
+        take_values(walk->source, &table, metric_count, pooled);
+    if (!status && intervals && table.row_count > 0)
+        status = add_intervals(&table, metric_count, pooled, diag);
+    neph_selector_destroy(table.selector);
     free(table.rows);
     free(table.tiles);
     return status;
@@ -485,7 +556,7 @@ enum neph_status neph_pool_map(const struct neph_pool_source *source,
                         .set_count = mask_count};
     bool with_keys = false;
     for (int m = 0; m < metric_count; m++) {
-        with_keys |= needs_keys(metrics[m]->pool);
+        with_keys |= has_part(metrics[m]->pool);
         if (needs_over(metrics[m]->pool))
             walk.over = metrics[m]->over;
     }

@@ -28,6 +28,8 @@ struct neph_pool_source {
     const char *empty_because; /* what it means when the map has no value in a mask */
 };
 
+enum { NEPH_POOL_METRICS_MAX = 16 }; /* of one map */
+
 /* One number over one mask. */
 struct neph_pooled {
     bool defined;

@@ -9,14 +9,14 @@
 #include "base/status.h"
 
 #include <float.h>
-#include <math.h>
 #include <stdint.h>
 #include <string.h>
 
 /* The key of a finite double, rounded to float (6e-8 of it) and held within FLT_MAX. */
 static inline uint32_t neph_key_of(double value)
 {
-    const float rounded = (float)fmin(fmax(value, -(double)FLT_MAX), (double)FLT_MAX);
+    const double above = value < -(double)FLT_MAX ? -(double)FLT_MAX : value;
+    const float rounded = (float)(above > (double)FLT_MAX ? (double)FLT_MAX : above);
     uint32_t bits;
     memcpy(&bits, &rounded, sizeof(bits));
     return bits ^ ((uint32_t)((int32_t)bits >> 31) | 0x80000000u);

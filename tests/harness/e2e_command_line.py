@@ -28,7 +28,7 @@ class CommandLine(unittest.TestCase):
         self.folder = pathlib.Path(folder.name)
 
     def test_help_of_every_verb_has_an_example(self):
-        for verb in ("validate", "render", "export", "compare", "bake", "study", "benchmark", "scenes", "engines", "doctor"):
+        for verb in ("validate", "render", "export", "compare", "flicker", "metrics", "bake", "study", "benchmark", "scenes", "engines", "doctor"):
             done = neph(verb, "--help")
             self.assertEqual(done.returncode, 0, verb)
             self.assertIn("Example", done.stdout, verb)
@@ -61,7 +61,7 @@ class CommandLine(unittest.TestCase):
         pair = [self.folder / f"height_fog_level_{e}_0000.exr" for e in ("exact", "march")]
         done = neph("compare", *pair, "--json", "--fail-above", "transmittance:max_rel=1e-5")
         self.assertEqual(done.returncode, 0, done.stderr)
-        values = {(m["quantity"], m["metric"], m["mask"]): m["value"] for m in json.loads(done.stdout)}
+        values = {(m["quantity"], m["metric"], m["mask"]): m["value"] for m in json.loads(done.stdout)["measurements"]}
         self.assertLess(abs(values["radiance", "rel_bias", "all"]), 1e-3)
         self.assertEqual(neph("compare", *pair, "--fail-above", "radiance:max_abs=0").returncode, 1)
 
@@ -69,7 +69,7 @@ class CommandLine(unittest.TestCase):
         for name in ("a", "b"):
             self.assertEqual(neph("render", "fence_backlit", "--size", "64x36", "-o", self.folder / name).returncode, 0)
         done = neph("compare", *(self.folder / n / "fence_backlit_march_0000.exr" for n in ("a", "b")), "--json")
-        worst = {m["value"] for m in json.loads(done.stdout) if m["metric"] == "max_abs"}
+        worst = {m["value"] for m in json.loads(done.stdout)["measurements"] if m["metric"] == "max_abs"}
         self.assertEqual(worst - {None}, {0.0})  # None: the depth of the sky
 
     def test_tracers_go_on_from_a_checkpoint(self):
@@ -83,7 +83,7 @@ class CommandLine(unittest.TestCase):
             (self.folder / f"voxel_grid_{engine}_0000.exr").rename(in_two)
             neph("render", "voxel_grid", *options, "-s", f"samples={samples[1]}")
             done = neph("compare", in_two, self.folder / f"voxel_grid_{engine}_0000.exr", "--json")
-            worst = [row["value"] for row in json.loads(done.stdout)
+            worst = [row["value"] for row in json.loads(done.stdout)["measurements"]
                      if row["metric"] == "max_abs" and row["quantity"] == "radiance"]
             self.assertEqual(set(worst), {0.0})
             sums.write_bytes(sums.read_bytes()[:-9])

@@ -1,0 +1,381 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/comparison.h"
+
+#include "base/clock.h"
+#include "base/exr.h"
+#include "base/files.h"
+#include "base/interrupt.h"
+#include "base/png.h"
+#include "harness/frame.h"
+#include "harness/progress.h"
+#include "metrics/display.h"
+#include "metrics/validity.h"
+
+#include <math.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* What is at work between the first frame and the last. */
+struct work {
+    const struct neph_comparison *asked;
+    int frame_count; /* to measure */
+    int done_count;
+    struct neph_image *reference, *second, *test; /* of the frame at hand; owned */
+    struct neph_mask *masks[NEPH_MASKS_MAX];      /* owned */
+    int mask_count;
+    struct neph_meter *meter; /* owned */
+    struct neph_frozen frozen;
+    json_t *maps; /* owned */
+};
+
+static bool is_picture(const struct neph_image *image)
+{
+    return neph_image_attribute(image, "encoding") != NULL;
+}
+
+/* ---- frames ---------------------------------------------------------------------------------- */
+
+static enum neph_status check_counts(const struct neph_comparison *asked, struct work *work,
+                                     struct neph_diag *diag)
+{
+    const int test = asked->test.count, reference = asked->reference.count;
+    if (reference != 1 && reference != test)
+        return neph_fail(diag, NEPH_ERR_INPUT,
+                         "%d reference frames for %d test frames: one for all, or as many",
+                         reference, test);
+    if (asked->second.count > 0 && asked->second.count != reference)
+        return neph_fail(diag, NEPH_ERR_INPUT,
+                         "%d frames of the second reference, %d of the first: as many are needed",
+                         asked->second.count, reference);
+    if (asked->warm_up_frames >= test)
+        return neph_fail(diag, NEPH_ERR_INPUT,
+                         "a warm-up of %d frames leaves nothing of a sequence of %d",
+                         asked->warm_up_frames, test);
+    work->frame_count = test - asked->warm_up_frames;
+    return NEPH_OK;
+}
+
+/* Read a frame of a sequence into `image`, unless it is the one frame that stands for all. */
+static enum neph_status read_next(const struct neph_sequence *sequence, int index,
+                                  size_t negative_allowed, struct neph_image **image,
+                                  struct neph_diag *diag)
+{
+    if (sequence->count == 0 || (sequence->count == 1 && *image))
+        return NEPH_OK;
+    neph_image_destroy(*image);
+    *image = NULL;
+    return neph_frame_read(sequence->paths[sequence->count == 1 ? 0 : index], negative_allowed,
+                           image, diag);
+}
+
+static enum neph_status read_frames(struct work *work, int index, struct neph_diag *diag)
+{
+    const struct neph_comparison *asked = work->asked;
+    enum neph_status status = read_next(&asked->reference, index, asked->negative_allowed,
+                                        &work->reference, diag);
+    if (!status)
+        status = read_next(&asked->second, index, asked->negative_allowed, &work->second, diag);
+    if (!status) {
+        neph_image_destroy(work->test);
+        work->test = NULL;
+        status = neph_frame_read(asked->test.paths[index], asked->negative_allowed, &work->test,
+                                 diag);
+    }
+    if (status)
+        return status;
+    if (is_picture(work->reference) != is_picture(work->test))
+        return neph_fail(diag, NEPH_ERR_INPUT,
+                         "%s is a picture for a display, %s is linear data: they have no common "
+                         "scale",
+                         is_picture(work->test) ? "the test" : "the reference",
+                         is_picture(work->test) ? "the reference" : "the test");
+    if (is_picture(work->test) && asked->viewing.exposure_ev != 0.0)
+        return neph_fail(diag, NEPH_ERR_INPUT,
+                         "an exposure of %g EV for pictures that have one already",
+                         asked->viewing.exposure_ev);
+    return NEPH_OK;
+}
+
+/* ---- masks ----------------------------------------------------------------------------------- */
+
+/* Masks of the whole window: where any of its reference frames has them, so that a number is taken
+ * at the same places in all frames. */
+static enum neph_status unite_masks(struct work *work, struct neph_diag *diag)
+{
+    const struct neph_comparison *asked = work->asked;
+    enum neph_status status = NEPH_OK;
+    for (int i = 1; i < work->frame_count && !status; i++) {
+        struct neph_image *frame = NULL;
+        status = neph_frame_read(asked->reference.paths[asked->warm_up_frames + i], SIZE_MAX,
+                                 &frame, diag);
+        if (!status)
+            status = neph_masks_unite(frame, work->masks, work->mask_count, diag);
+        neph_image_destroy(frame);
+        if (!status && neph_interrupted())
+            status = neph_fail(diag, NEPH_ERR_INTERRUPTED, "interrupted");
+    }
+    return status;
+}
+
+static enum neph_status add_mask_of_file(struct work *work, struct neph_diag *diag)
+{
+    struct neph_image *picture = NULL;
+    enum neph_status status = neph_frame_read(work->asked->mask_file, SIZE_MAX, &picture, diag);
+    if (!status && work->mask_count == NEPH_MASKS_MAX)
+        status = neph_fail(diag, NEPH_ERR_INPUT, "more than %d masks", NEPH_MASKS_MAX);
+    if (!status)
+        status = neph_mask_from_image(picture, "file", &work->masks[work->mask_count], diag);
+    if (!status)
+        work->mask_count++;
+    neph_image_destroy(picture);
+    return status;
+}
+
+static enum neph_status make_masks(struct work *work, struct neph_diag *diag)
+{
+    const struct neph_comparison *asked = work->asked;
+    enum neph_status status = neph_masks_create(work->reference, asked->detail_masks, work->masks,
+                                                &work->mask_count, diag);
+    if (!status && asked->reference.count > 1 && work->mask_count > 1)
+        status = unite_masks(work, diag);
+    work->mask_count = neph_masks_trim(work->masks, work->mask_count);
+    if (!status && asked->mask_file)
+        status = add_mask_of_file(work, diag);
+    return status;
+}
+
+/* ---- maps ------------------------------------------------------------------------------------ */
+
+/* Maps in the unit of the quantity are drawn as displayed: see struct neph_map. */
+static double picture_scale(const struct neph_map *map, const struct neph_viewing *viewing)
+{
+    return map->unit ? map->scale : map->scale * exp2(-viewing->exposure_ev);
+}
+
+static enum neph_status write_picture(const char *path, const struct neph_image *image,
+                                      const struct neph_map *map,
+                                      const struct neph_viewing *viewing, struct neph_diag *diag)
+{
+    const float *planes[3] = {neph_image_channel(image, "Y"), NULL, NULL};
+    float *rgb[3];
+    const bool is_rgb = neph_image_rgb(image, NULL, rgb);
+    for (int c = 0; is_rgb && c < 3; c++)
+        planes[c] = rgb[c];
+    const size_t pixel_count = neph_image_pixel_count(image);
+    uint8_t *picture = malloc(3 * pixel_count);
+    if (!picture)
+        return neph_fail_memory(diag);
+    enum neph_status status = neph_display_map(planes, is_rgb ? 3 : 1, pixel_count, map->is_signed,
+                                               picture_scale(map, viewing), picture, diag);
+    if (!status)
+        status = neph_png_write_rgb8(path, image->width_px, image->height_px, picture, diag);
+    free(picture);
+    return status;
+}
+
+/* DIR/NAME_QUANTITY[_FRAME].exr and .png. */
+static enum neph_status write_map(struct work *work, const struct neph_quantity *quantity,
+                                  const struct neph_extractor *extractor, int index, int frame,
+                                  struct neph_diag *diag)
+{
+    const struct neph_map *map = &extractor->maps[index];
+    struct neph_image *image = NULL;
+    enum neph_status status = neph_meter_map(work->meter, quantity, extractor, index, &image, diag);
+    if (status)
+        return status;
+    char number[16] = "";
+    if (frame >= 0 && work->frame_count > 1)
+        snprintf(number, sizeof(number), "_%04d", frame);
+    char *stem = neph_format("%s/%s_%s%s", work->asked->maps_directory, map->name, quantity->name,
+                             number);
+    char *exr = neph_format("%s.exr", stem ? stem : ""),
+         *png = neph_format("%s.png", stem ? stem : "");
+    status = stem && exr && png ? neph_exr_write(exr, image, diag) : neph_fail_memory(diag);
+    if (!status)
+        status = write_picture(png, image, map, &work->asked->viewing, diag);
+    if (!status) {
+        json_array_append_new(work->maps, json_string(exr));
+        json_array_append_new(work->maps, json_string(png));
+    }
+    free(stem);
+    free(exr);
+    free(png);
+    neph_image_destroy(image);
+    return status;
+}
+
+static bool map_is_shown(const struct neph_map *map, const struct neph_quantity *quantity)
+{
+    return map->name && (map->quantities == 0 || (map->quantities & (unsigned)quantity->bit));
+}
+
+/* The maps of the frame at hand, or (frame < 0) those of the sequence. */
+static enum neph_status write_maps(struct work *work, int frame, struct neph_diag *diag)
+{
+    enum neph_status status = NEPH_OK;
+    for (int c = 0; work->asked->maps_directory && c < work->asked->choice_count; c++) {
+        const struct neph_extractor *extractor = work->asked->choices[c].extractor;
+        if (extractor->temporal != (frame < 0))
+            continue;
+        for (int q = 0; q < neph_quantity_count(); q++) {
+            const struct neph_quantity *quantity = neph_quantity_at(q);
+            if (neph_meter_obstacle(work->meter, quantity, extractor))
+                continue;
+            for (int m = 0; m < extractor->map_count && !status; m++)
+                if (map_is_shown(&extractor->maps[m], quantity))
+                    status = write_map(work, quantity, extractor, m, frame, diag);
+        }
+    }
+    return status;
+}
+
+/* ---- the run --------------------------------------------------------------------------------- */
+
+static enum neph_status start(struct work *work, struct neph_diag *diag)
+{
+    enum neph_status status = make_masks(work, diag);
+    if (status)
+        return status;
+    const struct neph_meter_params params = {
+        .choices = work->asked->choices,
+        .choice_count = work->asked->choice_count,
+        .viewing = work->asked->viewing,
+        .masks = (const struct neph_mask *const *)work->masks,
+        .mask_count = work->mask_count,
+        .frame_count = work->frame_count,
+        .intervals = true,
+    };
+    return neph_meter_create(&params, &work->meter, diag);
+}
+
+static enum neph_status measure_frame(struct work *work, int frame, struct neph_diag *diag)
+{
+    const int index = work->asked->warm_up_frames + frame;
+    enum neph_status status = read_frames(work, index, diag);
+    if (!status && frame == 0)
+        status = start(work, diag);
+    if (!status)
+        status = neph_frozen_add(&work->frozen, work->test, NULL, diag);
+    if (!status)
+        status = neph_meter_frame(work->meter, work->reference, work->second, work->test, diag);
+    if (!status)
+        status = write_maps(work, frame, diag);
+    if (status == NEPH_ERR_INPUT && diag && !diag->file[0])
+        neph_locate(diag, work->asked->test.paths[index], 0, 0);
+    return status;
+}
+
+static enum neph_status measure_all(struct work *work, struct neph_diag *diag)
+{
+    struct neph_progress progress = neph_progress_start(
+        work->asked->quiet || work->frame_count == 1, work->frame_count);
+    enum neph_status status = NEPH_OK;
+    for (int frame = 0; frame < work->frame_count && !status; frame++) {
+        const char *path = work->asked->test.paths[work->asked->warm_up_frames + frame];
+        const double start_s = neph_wall_s();
+        neph_progress_begin(&progress, path);
+        status = neph_interrupted() ? neph_fail(diag, NEPH_ERR_INTERRUPTED, "interrupted")
+                                    : measure_frame(work, frame, diag);
+        work->done_count += !status;
+        if (!status)
+            neph_progress_step(&progress, path, "measured", neph_wall_s() - start_s);
+    }
+    neph_progress_end(&progress);
+    return status;
+}
+
+static json_t *not_taken(const struct work *work)
+{
+    json_t *list = json_array();
+    for (int c = 0; c < work->asked->choice_count; c++) {
+        const struct neph_extractor *extractor = work->asked->choices[c].extractor;
+        for (int q = 0; q < neph_quantity_count(); q++) {
+            const struct neph_quantity *quantity = neph_quantity_at(q);
+            const char *because = neph_meter_obstacle(work->meter, quantity, extractor);
+            if (because && neph_meter_takes(work->meter, quantity, extractor))
+                json_array_append_new(list,
+                                      json_pack("{s:s, s:s, s:s}", "extractor", extractor->name,
+                                                "quantity", quantity->name, "because", because));
+        }
+    }
+    return list;
+}
+
+static json_t *document_of(const struct work *work, bool interrupted)
+{
+    json_t *measurements = json_array();
+    int count = 0;
+    const struct neph_measurement *all = neph_meter_measurements(work->meter, &count);
+    for (int i = 0; i < count; i++) {
+        json_t *item = neph_measurement_json(&all[i]);
+        json_object_set_new(item, "viewing", neph_viewing_json(&work->asked->viewing));
+        json_array_append_new(measurements, item);
+    }
+    return json_pack("{s:i, s:i, s:b, s:o, s:o, s:O}", "frames", work->done_count, "frozen",
+                     work->frozen.frozen_count, "interrupted", interrupted, "measurements",
+                     measurements, "not_taken", not_taken(work), "maps", work->maps);
+}
+
+static enum neph_status judge_frozen(const struct work *work, struct neph_diag *diag)
+{
+    if (work->frozen.frozen_count == 0 || work->asked->frozen_is_fine)
+        return NEPH_OK;
+    neph_fail(diag, NEPH_ERR_GATE,
+              "%d of %d test frames are bit for bit the frame before: that says nothing about "
+              "stability",
+              work->frozen.frozen_count, work->done_count);
+    neph_hint(diag, "if they are meant to be (a deterministic renderer of a still scene), say "
+                    "--frozen-ok");
+    return NEPH_ERR_GATE;
+}
+
+/* The numbers of the sequence so far, and all together as a document. */
+static enum neph_status conclude(struct work *work, bool interrupted, json_t **document,
+                                 struct neph_diag *diag)
+{
+    struct neph_diag *words = interrupted ? NULL : diag; /* what is said already stays said */
+    enum neph_status status = neph_meter_finish(work->meter, words);
+    if (!status)
+        status = write_maps(work, -1, words);
+    if (!status) {
+        *document = document_of(work, interrupted);
+        status = *document ? NEPH_OK : neph_fail_memory(words);
+    }
+    return status || interrupted ? status : judge_frozen(work, diag);
+}
+
+enum neph_status neph_comparison_run(const struct neph_comparison *comparison, json_t **document,
+                                     struct neph_diag *diag)
+{
+    struct work work = {.asked = comparison, .maps = json_array()};
+    *document = NULL;
+    enum neph_status status = check_counts(comparison, &work, diag);
+    if (!status && comparison->maps_directory)
+        status = neph_dir_create(comparison->maps_directory, diag);
+    if (!status)
+        status = measure_all(&work, diag);
+    const bool interrupted = status == NEPH_ERR_INTERRUPTED && work.done_count > 0;
+    if (interrupted)
+        neph_interrupt_acknowledge();
+    if (!status || interrupted) {
+        const enum neph_status finished = conclude(&work, interrupted, document, diag);
+        status = finished ? finished : status;
+    }
+    neph_meter_destroy(work.meter);
+    neph_masks_destroy(work.masks, work.mask_count);
+    neph_image_destroy(work.reference);
+    neph_image_destroy(work.second);
+    neph_image_destroy(work.test);
+
+    json_decref(work.maps);
+    return status;
+}
+
+void neph_comparison_finish(struct neph_comparison *comparison)
+{
+    neph_sequence_finish(&comparison->reference);
+    neph_sequence_finish(&comparison->second);
+    neph_sequence_finish(&comparison->test);
+}

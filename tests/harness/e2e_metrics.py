@@ -1,0 +1,157 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""`neph compare`, `neph flicker` and `neph metrics` as a user of another renderer would run them."""
+import csv
+import json
+import math
+import os
+import pathlib
+import random
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).parent))
+import frames  # noqa: E402
+
+NEPH = os.environ["NEPH"]
+WIDTH, HEIGHT = 64, 48
+INF = math.inf
+
+
+def neph(*arguments):
+    return subprocess.run([NEPH, *map(str, arguments)], capture_output=True, text=True, timeout=300)
+
+
+def values_of(done, **only):
+    """{(metric, mask): value} of the numbers of all frames, or of the only frame."""
+    rows = json.loads(done.stdout)["measurements"]
+    overall = [row for row in rows if "frame" not in row] or rows
+    return {(row["metric"], row["mask"]): row["value"] for row in overall
+            if all(row[key] == value for key, value in only.items())}
+
+
+class Metrics(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+
+    def write(self, name, value_at, depth_at=None, width=WIDTH, height=HEIGHT):
+        path = self.folder / name
+        path.parent.mkdir(exist_ok=True)
+        places = [(x, y) for y in range(height) for x in range(width)]
+        further = {"Z": [depth_at(x, y) for x, y in places]} if depth_at else {}
+        frames.grey_exr(path, width, height, [value_at(x, y) for x, y in places], **further)
+        return path
+
+    # ---- compare -----------------------------------------------------------------------------
+
+    def test_error_by_hand_in_json_csv_and_maps(self):
+        reference = self.write("reference.exr", lambda x, y: 1.0)
+        test = self.write("test.exr", lambda x, y: 1.25 if x < 16 else 1.0)
+        done = neph("compare", reference, test, "--json", "--csv", self.folder / "out.csv", "--maps",
+                    self.folder / "maps", "--metric", "error")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        values = values_of(done, quantity="radiance")
+        self.assertAlmostEqual(values["mae", "all"], 0.0625, delta=1e-15)
+        self.assertAlmostEqual(values["rmse", "all"], 0.125, delta=1e-15)
+        self.assertAlmostEqual(values["rel_mse", "all"], 0.015625 / 1.0001, delta=1e-8)  # 1 + (0.01)^2
+        with (self.folder / "out.csv").open() as file:
+            rows = list(csv.DictReader(file))
+        row = next(row for row in rows if row["metric"] == "rmse")
+        self.assertEqual((float(row["value"]), int(row["pixel_count"])), (0.125, WIDTH * HEIGHT))
+        maps = {path.name for path in (self.folder / "maps").iterdir()}
+        self.assertLessEqual({"difference_radiance.exr", "difference_radiance.png"}, maps)
+
+    def test_every_record_says_what_it_is(self):
+        reference = self.write("reference.exr", lambda x, y: 1 + x / WIDTH, lambda x, y: 2.0 if x < 20 else INF)
+        test = self.write("test.exr", lambda x, y: 1 + x / WIDTH + 0.01 * (y % 3), lambda x, y: 2.0 if x < 20 else INF)
+        done = neph("compare", reference, test, "--json", "--fps", 30, "--ppd", 40, "--exposure", -1)
+        rows = json.loads(done.stdout)["measurements"]
+        self.assertGreater(len(rows), 50)
+        for row in rows:
+            self.assertEqual(row["viewing"], {"frame_rate_hz": 30.0, "pixels_per_degree": 40.0,
+                                              "exposure_ev": -1.0, "white_cd_per_m2": 100.0})
+            for key in ("unit", "mask", "pixel_count", "n", "interval_kind"):
+                self.assertIsNotNone(row[key], row)
+            self.assertTrue(row["value"] is not None or row.get("undefined_because"), row)
+            if row["interval"]:
+                self.assertTrue(row["interval"][0] <= row["value"] <= row["interval"][1], row)
+
+    def test_bad_frames_are_refused_before_any_number(self):
+        good = self.write("good.exr", lambda x, y: 1.0)
+        for name, value, code in (("nan.exr", math.nan, 1), ("negative.exr", -0.5, 1)):
+            bad = self.write(name, lambda x, y: value if (x, y) == (5, 7) else 1.0)
+            for pair in ((good, bad), (bad, good)):
+                done = neph("compare", *pair, "--json")
+                self.assertEqual((done.returncode, done.stdout), (code, ""))
+                self.assertIn(name, done.stderr)
+                self.assertIn("(5, 7)", done.stderr)
+        small = self.write("small.exr", lambda x, y: 1.0, width=8, height=8)
+        done = neph("compare", good, small)
+        self.assertEqual((done.returncode, "64x48" in done.stderr), (65, True), done.stderr)
+        self.assertEqual(neph("compare", self.folder / "no_baseline.exr", good).returncode, 66)
+        (self.folder / "noise.exr").write_bytes(bytes(range(256)))
+        self.assertEqual(neph("compare", self.folder / "noise.exr", good).returncode, 65)
+
+    def test_limits(self):
+        reference = self.write("reference.exr", lambda x, y: 1.0)
+        test = self.write("test.exr", lambda x, y: 1.25)
+        for limit, code in (("rmse=0.3", 0), ("rmse=0.2", 1), ("radiance:rmse@all=0.2", 1), ("depth:rmse=1", 2),
+                            ("rmse=x", 64), ("beauty=1", 64), ("rmse@nowhere=1", 2)):
+            done = neph("compare", reference, test, "--fail-above", limit)
+            self.assertEqual(done.returncode, code, (limit, done.stderr))
+        self.assertEqual(neph("compare", reference, test, "--fail-below", "rmse=0.3").returncode, 1)
+
+    def test_pictures_are_decoded_from_srgb(self):
+        for name, code in (("a.png", 0), ("b.png", 188)):
+            (self.folder / name).write_bytes(frames.png_bytes(8, 8, [code] * 192))
+        done = neph("compare", self.folder / "a.png", self.folder / "b.png", "--json", "--metric", "mae")
+        linear = ((188 / 255 + 0.055) / 1.055) ** 2.4
+        self.assertAlmostEqual(values_of(done)["mae", "all"], linear, delta=1e-7)
+        done = neph("compare", self.folder / "a.png", self.write("a.exr", lambda x, y: 1.0, width=8, height=8))
+        self.assertEqual(done.returncode, 65)
+        done = neph("compare", self.folder / "a.png", self.folder / "b.png", "--exposure", 1)
+        self.assertEqual(done.returncode, 65)
+
+    def test_a_mask_of_the_users(self):
+        reference = self.write("reference.exr", lambda x, y: 1.0)
+        test = self.write("test.exr", lambda x, y: 2.0 if x < 8 else 1.0)
+        mask = self.write("mask.exr", lambda x, y: 1.0 if x < 16 else 0.0)
+        done = neph("compare", reference, test, "--mask", mask, "--metric", "mae", "--json")
+        self.assertEqual(values_of(done), {("mae", "file"): 0.5})
+        self.assertEqual(json.loads(done.stdout)["measurements"][0]["pixel_count"], 16 * HEIGHT)
+
+    # ---- flicker -----------------------------------------------------------------------------
+
+    def fence(self, x):
+        return x % 16 == 3
+
+    def sequence(self, name, value_at, count=128):
+        for t in range(count):
+            self.write(f"{name}/frame.{t:04d}.exr", lambda x, y: value_at(x, y, t), self.depth)
+        return self.folder / name
+
+    def depth(self, x, y):
+        return 2.0 if self.fence(x) else INF
+
+    def flicker(self, test, *options):
+        reference = self.write("reference.exr", self.still, self.depth)
+        done = neph("flicker", "--reference", reference, test, "--json", *options)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return done
+
+    def still(self, x, y):
+        return 0.2 if self.fence(x) else 0.5
+
+    def noise(self, sigma):
+        draw = random.Random(20261121)
+        return lambda: draw.gauss(0.0, sigma)
+
+
+if __name__ == "__main__":
+    unittest.main()
