@@ -18,6 +18,7 @@ static const struct neph_extractor *const registry[] = {
     &neph_extractor_flip_alternation,
     &neph_extractor_lag,
     &neph_extractor_trail,
+    &neph_extractor_flicker,
 };
 
 enum { EXTRACTOR_COUNT = sizeof(registry) / sizeof(registry[0]) };

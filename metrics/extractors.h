@@ -19,5 +19,6 @@ extern const struct neph_extractor neph_extractor_hdr_flip;
 extern const struct neph_extractor neph_extractor_flip_alternation;
 extern const struct neph_extractor neph_extractor_lag;
 extern const struct neph_extractor neph_extractor_trail;
+extern const struct neph_extractor neph_extractor_flicker;
 
 #endif
