@@ -6,6 +6,7 @@
 #include "metrics/series.h"
 #include "metrics/statistics.h"
 #include "metrics/validity.h"
+#include "metrics/vector_math.h"
 
 #include <float.h>
 #include <math.h>
@@ -121,26 +122,49 @@ void neph_meter_destroy(struct neph_meter *meter)
 
 /* ---- a pair of frames ------------------------------------------------------------------------ */
 
+enum { LANES = 8 }; /* sums are made in as many parts, so that the order of adding is ours */
+
+NEPH_VECTOR static void add_luminance(const float *restrict r, const float *restrict g,
+                                      const float *restrict b, size_t count, double *restrict lanes)
+{
+    size_t i = 0;
+    for (; i + LANES <= count; i += LANES)
+        for (size_t l = 0; l < LANES; l++)
+            lanes[l] += neph_luminance((double)r[i + l], (double)g[i + l], (double)b[i + l]);
+    for (; i < count; i++)
+        lanes[0] += neph_luminance((double)r[i], (double)g[i], (double)b[i]);
+}
+
+/* The depths of a row that are not the sky, and their number. */
+static size_t add_depth(const float *depth_m, size_t count, double *sum)
+{
+    size_t solid_count = 0;
+    for (size_t i = 0; i < count; i++) {
+        const bool is_sky = depth_m[i] == INFINITY;
+        *sum += is_sky ? 0.0 : (double)depth_m[i];
+        solid_count += !is_sky;
+    }
+    return solid_count;
+}
+
 /* S of extractor.h: NaN when there is none. */
 static double scene_mean(const struct neph_frame_pair *pair)
 {
     const float *const *planes = pair->reference;
-    const bool is_depth = pair->quantity->bit == NEPH_DEPTH;
     const size_t width = (size_t)pair->width_px;
     struct neph_sum sum = {0};
     size_t count = 0;
     for (size_t row = 0; row < (size_t)pair->height_px; row++) {
-        double row_sum = 0.0;
-        for (size_t i = row * width; i < (row + 1) * width; i++) {
-            const double value = is_depth
-                                     ? (double)planes[0][i]
-                                     : neph_luminance((double)planes[0][i], (double)planes[1][i],
-                                                      (double)planes[2][i]);
-            const bool is_sky = is_depth && value == INFINITY;
-            row_sum += is_sky ? 0.0 : value;
-            count += !is_sky;
-        }
-        neph_sum_add(&sum, row_sum);
+        const size_t first = row * width;
+        double lanes[LANES] = {0.0};
+        if (pair->quantity->bit == NEPH_DEPTH)
+            count += add_depth(planes[0] + first, width, &lanes[0]);
+        else
+            add_luminance(planes[0] + first, planes[1] + first, planes[2] + first, width, lanes);
+        if (pair->quantity->bit != NEPH_DEPTH)
+            count += width;
+        for (int l = 0; l < LANES; l++)
+            neph_sum_add(&sum, lanes[l]);
     }
     const double mean = count > 0 ? neph_sum_value(&sum) / (double)count : 0.0;
     return mean > 0.0 && isfinite(mean) ? mean : NAN;
@@ -181,15 +205,23 @@ static bool is_good(const struct neph_frame_pair *pair, size_t pixel)
     return good;
 }
 
-/* Whether all samples of a row are finite: then nothing in it is bad. The sum of finite floats is
- * finite in double. */
+NEPH_VECTOR static uint32_t count_not_finite(const float *values, size_t count)
+{
+    uint32_t bad = 0;
+    for (size_t i = 0; i < count; i++)
+        bad += fabsf(values[i]) <= FLT_MAX ? 0u : 1u;
+    return bad;
+}
+
+/* Whether all samples of a row are finite: then nothing in it is bad. */
 static bool row_is_finite(const struct neph_frame_pair *pair, size_t first)
 {
-    double sum = 0.0;
+    const size_t width = (size_t)pair->width_px;
     for (int p = 0; p < pair->plane_count; p++)
-        for (size_t i = first; i < first + (size_t)pair->width_px; i++)
-            sum += (double)pair->reference[p][i] * 0.0 + (double)pair->test[p][i] * 0.0;
-    return isfinite(sum);
+        if (count_not_finite(pair->reference[p] + first, width) > 0 ||
+            count_not_finite(pair->test[p] + first, width) > 0)
+            return false;
+    return true;
 }
 
 /* Count the bad pixels of each mask; return those of the whole frame. */

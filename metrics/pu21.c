@@ -73,6 +73,7 @@ const struct neph_extractor neph_extractor_pu21 = {
     .source = "Mantiuk and Azimi, PU21, Picture Coding Symposium 2021; parameters banding_glare of "
               "gfxdisp/pu21",
     .quantities = NEPH_RADIANCE | NEPH_VOLUME,
+    .pointwise = true,
     .options = options,
     .metrics = metrics,
     .maps = maps,

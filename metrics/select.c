@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * A radix selection: one histogram over the top 11 bits is kept, the bucket that holds a rank is
- * gathered and sorted when it is first asked for.
+ * A radix selection: one histogram over the top 11 bits is kept; the bucket that holds a rank is
+ * gathered when it is first asked for, and counted by its next 11 bits, and those by their last 10.
+ * Nothing is sorted.
  */
 #include "metrics/select.h"
 
@@ -9,16 +10,27 @@
 
 #include <stdbool.h>
 #include <stdlib.h>
+#include <string.h>
 
-enum { TOP_BITS = 11, LOW_BITS = 32 - TOP_BITS, BUCKETS = 1 << TOP_BITS, DIGIT_BITS = 11 };
+enum {
+    TOP_BITS = 11,
+    MIDDLE_BITS = 11,
+    LAST_BITS = 10,
+    LOW_BITS = MIDDLE_BITS + LAST_BITS,
+    BUCKETS = 1 << TOP_BITS,
+    MIDDLES = 1 << MIDDLE_BITS,
+    LASTS = 1 << LAST_BITS,
+};
 
 struct neph_selector {
     const struct neph_key_runs *runs;
     size_t counts[BUCKETS];
     double sums[BUCKETS];
     bool has_sums;
-    int open_bucket; /* that `sorted` holds; -1: none */
-    uint32_t *sorted, *scratch;
+    int open_bucket;   /* that `members` holds and `middle` counts; -1: none */
+    int open_middle;   /* of the open bucket, that `last` counts; -1: none */
+    uint32_t *members; /* owned */
+    uint32_t middle[MIDDLES], last[LASTS];
 };
 
 static bool count_buckets(struct neph_selector *selector)
@@ -54,9 +66,8 @@ enum neph_status neph_selector_create(const struct neph_key_runs *runs,
     size_t largest = 0;
     for (int b = 0; b < BUCKETS; b++)
         largest = created->counts[b] > largest ? created->counts[b] : largest;
-    created->sorted = malloc((largest + 1) * sizeof(*created->sorted));
-    created->scratch = malloc((largest + 1) * sizeof(*created->scratch));
-    if (!counted || !created->sorted || !created->scratch) {
+    created->members = malloc((largest + 1) * sizeof(*created->members));
+    if (!counted || !created->members) {
         neph_selector_destroy(created);
         return neph_fail_memory(diag);
     }
@@ -68,26 +79,8 @@ void neph_selector_destroy(struct neph_selector *selector)
 {
     if (!selector)
         return;
-    free(selector->sorted);
-    free(selector->scratch);
+    free(selector->members);
     free(selector);
-}
-
-/* One pass of a radix sort, least digit first. */
-static void sort_digit(const uint32_t *from, uint32_t *to, size_t count, int shift)
-{
-    size_t starts[1 << DIGIT_BITS] = {0};
-    const uint32_t digits = (1u << DIGIT_BITS) - 1;
-    for (size_t i = 0; i < count; i++)
-        starts[(from[i] >> shift) & digits]++;
-    size_t start = 0;
-    for (uint32_t d = 0; d <= digits; d++) {
-        const size_t here = starts[d];
-        starts[d] = start;
-        start += here;
-    }
-    for (size_t i = 0; i < count; i++)
-        to[starts[(from[i] >> shift) & digits]++] = from[i];
 }
 
 enum { BLOCK = 32 };
@@ -115,6 +108,7 @@ NEPH_VECTOR static size_t copy_bucket(const uint32_t *restrict keys, size_t key_
     return count;
 }
 
+/* Gather the keys of a bucket, and count them by their next digit. */
 static void open_bucket(struct neph_selector *selector, int bucket)
 {
     if (selector->open_bucket == bucket)
@@ -123,10 +117,31 @@ static void open_bucket(struct neph_selector *selector, int bucket)
     size_t count = 0;
     for (int r = 0; r < runs->run_count; r++)
         count += copy_bucket(runs->keys + runs->first[r], runs->counts[r], bucket,
-                             selector->sorted + count);
-    sort_digit(selector->sorted, selector->scratch, count, 0); /* the LOW_BITS = 21 in two passes */
-    sort_digit(selector->scratch, selector->sorted, count, DIGIT_BITS);
+                             selector->members + count);
+    memset(selector->middle, 0, sizeof(selector->middle));
+    for (size_t i = 0; i < count; i++)
+        selector->middle[(selector->members[i] >> LAST_BITS) & (MIDDLES - 1)]++;
     selector->open_bucket = bucket;
+    selector->open_middle = -1;
+}
+
+/* Count the keys of the open bucket with this middle digit by their last one. */
+static void open_middle(struct neph_selector *selector, int middle)
+{
+    if (selector->open_middle == middle)
+        return;
+    const size_t count = selector->counts[selector->open_bucket];
+    memset(selector->last, 0, sizeof(selector->last));
+    for (size_t i = 0; i < count; i++)
+        if (((selector->members[i] >> LAST_BITS) & (MIDDLES - 1)) == (uint32_t)middle)
+            selector->last[selector->members[i] & (LASTS - 1)]++;
+    selector->open_middle = middle;
+}
+
+static uint32_t key_from(const struct neph_selector *selector, int last)
+{
+    return ((uint32_t)selector->open_bucket << LOW_BITS) |
+           ((uint32_t)selector->open_middle << LAST_BITS) | (uint32_t)last;
 }
 
 uint32_t neph_select_rank(struct neph_selector *selector, size_t rank)
@@ -135,7 +150,13 @@ uint32_t neph_select_rank(struct neph_selector *selector, size_t rank)
     while (rank >= selector->counts[bucket])
         rank -= selector->counts[bucket++];
     open_bucket(selector, bucket);
-    return selector->sorted[rank];
+    int middle = 0, last = 0;
+    while (rank >= selector->middle[middle])
+        rank -= selector->middle[middle++];
+    open_middle(selector, middle);
+    while (rank >= selector->last[last])
+        rank -= selector->last[last++];
+    return key_from(selector, last);
 }
 
 double neph_select_percentile(struct neph_selector *selector, double share)
@@ -162,26 +183,50 @@ static void sum_buckets(struct neph_selector *selector)
     selector->has_sums = true;
 }
 
+/* Within the open bucket: the first key whose running sum exceeds `target`, or its last one. */
+static double first_above(struct neph_selector *selector, double target)
+{
+    double sums[MIDDLES] = {0.0}, running = 0.0;
+    const size_t count = selector->counts[selector->open_bucket];
+    for (size_t i = 0; i < count; i++)
+        sums[(selector->members[i] >> LAST_BITS) & (MIDDLES - 1)] += neph_key_value(
+            selector->members[i]);
+    int middle = 0, found = 0;
+    for (int m = 0; m < MIDDLES; m++)
+        middle = selector->middle[m] > 0 ? m : middle;
+    for (int m = 0; m < middle; m++) { /* the last one takes what rounding leaves */
+        if (running + sums[m] > target) {
+            middle = m;
+            break;
+        }
+        running += sums[m];
+    }
+    open_middle(selector, middle);
+    for (int last = 0; last < LASTS; last++) {
+        if (selector->last[last] == 0)
+            continue;
+        found = last;
+        running += (double)selector->last[last] * neph_key_value(key_from(selector, last));
+        if (running > target)
+            break;
+    }
+    return count > 0 ? neph_key_value(key_from(selector, found)) : 0.0;
+}
+
 double neph_select_weighted(struct neph_selector *selector, double share)
 {
     sum_buckets(selector);
     double total = 0.0;
     for (int b = 0; b < BUCKETS; b++)
         total += selector->sums[b];
-    int bucket = 0, last = 0;
+    int bucket = 0;
     double running = 0.0;
-    for (; bucket < BUCKETS && running + selector->sums[bucket] <= share * total; bucket++) {
+    for (; bucket < BUCKETS && running + selector->sums[bucket] <= share * total; bucket++)
         running += selector->sums[bucket];
-        last = selector->counts[bucket] > 0 ? bucket : last;
-    }
-    if (bucket == BUCKETS) /* a share of 1, or nothing but zeros */
-        bucket = last;
+    if (bucket == BUCKETS) /* a share of 1, or nothing but zeros: the largest */
+        return selector->runs->key_count > 0
+                   ? neph_key_value(neph_select_rank(selector, selector->runs->key_count - 1))
+                   : 0.0;
     open_bucket(selector, bucket);
-    for (size_t i = 0; i < selector->counts[bucket]; i++) {
-        running += neph_key_value(selector->sorted[i]);
-        if (running > share * total)
-            return neph_key_value(selector->sorted[i]);
-    }
-    const size_t count = selector->counts[bucket];
-    return count > 0 ? neph_key_value(selector->sorted[count - 1]) : 0.0;
+    return first_above(selector, share * total - running);
 }

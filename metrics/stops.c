@@ -102,6 +102,7 @@ const struct neph_extractor neph_extractor_stops = {
     .help = "error of luminance as a change of exposure; dark pixels count as much as bright ones",
     .source = "log2 error with a floor tied to the scene, so that black is not divided by",
     .quantities = NEPH_LINEAR_RGB,
+    .pointwise = true,
     .options = options,
     .metrics = metrics,
     .maps = maps,

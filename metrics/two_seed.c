@@ -4,8 +4,10 @@
 #include "metrics/extractors.h"
 #include "metrics/vector_math.h"
 
+#include <float.h>
 #include <math.h>
 #include <stddef.h>
+#include <stdint.h>
 
 enum { MAP_PRODUCT, MAP_NOISE, MAP_AGAINST_MEAN, MAP_COUNT };
 
@@ -26,6 +28,14 @@ static enum neph_status init(void *opaque, const struct neph_frame_pair *first,
     return NEPH_OK;
 }
 
+NEPH_VECTOR static uint32_t count_not_finite(const float *values, size_t count)
+{
+    uint32_t bad_count = 0;
+    for (size_t i = 0; i < count; i++)
+        bad_count += fabsf(values[i]) <= FLT_MAX ? 0u : 1u;
+    return bad_count;
+}
+
 static enum neph_status extract(void *opaque, const struct neph_frame_pair *pair,
                                 struct neph_diag *diag)
 {
@@ -33,6 +43,14 @@ static enum neph_status extract(void *opaque, const struct neph_frame_pair *pair
     if (!pair->reference_second[0])
         return neph_fail(diag, NEPH_ERR_INPUT, "frame %d has no second reference, others have",
                          pair->frame);
+    size_t bad_count = 0, count = (size_t)pair->width_px * (size_t)pair->height_px;
+    for (int c = 0; c < pair->plane_count; c++)
+        bad_count += count_not_finite(pair->reference_second[c], count);
+    if (bad_count > 0) /* nobody else looks at it */
+        return neph_fail(diag, NEPH_ERR_GATE,
+                         "%zu values of the second reference of frame %d are "
+                         "not finite",
+                         bad_count, pair->frame);
     *kept = *pair;
     return NEPH_OK;
 }
@@ -106,6 +124,7 @@ const struct neph_extractor neph_extractor_two_seed = {
     .help = "error against a noisy reference, its noise taken out by a second seed of it",
     .source = "the product of two independent residuals has the squared true error as its mean",
     .quantities = NEPH_LINEAR_RGB,
+    .pointwise = true,
     .options = options,
     .metrics = metrics,
     .maps = maps,

@@ -671,6 +671,11 @@ static void test_two_seeds_by_hand(void **state)
 
     struct neph_frame_pair pair = pair_of(&frames);
     struct extraction extraction = extraction_begin(&neph_extractor_two_seed, &pair, NULL);
+    planes[1][1] = INFINITY;
+    struct neph_diag diag = {0};
+    assert_int_equal(neph_extractor_two_seed.extract(extraction.state, &pair, &diag),
+                     NEPH_ERR_GATE);
+    assert_non_null(strstr(diag.message, "1 values of the second reference of frame 0"));
     pair.reference_second[0] = NULL;
     assert_int_equal(neph_extractor_two_seed.extract(extraction.state, &pair, NULL),
                      NEPH_ERR_INPUT);
