@@ -383,6 +383,14 @@ static void print_table(const json_t *document, bool rings, bool missing_too)
             (rings || !is_detail(text_of(json_array_get(list, i), "mask"))))
             print_line(json_array_get(list, i), with_frame);
     print_versus(json_object_get(document, "versus"), rings);
+    const json_t *findings = json_object_get(document, "findings");
+    for (size_t i = 0; i < json_array_size(findings); i++) {
+        const json_t *item = json_array_get(findings, i);
+        if (rings || !is_detail(text_of(item, "mask")))
+            printf("%s of %s over '%s': %s: %s\n", text_of(item, "finding"),
+                   text_of(item, "quantity"), text_of(item, "mask"), text_of(item, "verdict"),
+                   text_of(item, "text"));
+    }
     const json_t *missing = json_object_get(document, "not_taken");
     for (size_t i = 0; missing_too && i < json_array_size(missing); i++) {
         const json_t *item = json_array_get(missing, i);

@@ -6,6 +6,7 @@
 #include "base/files.h"
 #include "base/interrupt.h"
 #include "base/png.h"
+#include "harness/findings.h"
 #include "harness/frame.h"
 #include "harness/progress.h"
 #include "metrics/display.h"
@@ -313,9 +314,11 @@ static json_t *document_of(const struct work *work, bool interrupted)
         json_object_set_new(item, "viewing", neph_viewing_json(&work->asked->viewing));
         json_array_append_new(measurements, item);
     }
-    return json_pack("{s:i, s:i, s:b, s:o, s:o, s:O}", "frames", work->done_count, "frozen",
+    json_t *findings = neph_findings(measurements);
+    return json_pack("{s:i, s:i, s:b, s:o, s:o, s:o, s:O}", "frames", work->done_count, "frozen",
                      work->frozen.frozen_count, "interrupted", interrupted, "measurements",
-                     measurements, "not_taken", not_taken(work), "maps", work->maps);
+                     measurements, "findings", findings, "not_taken", not_taken(work), "maps",
+                     work->maps);
 }
 
 static enum neph_status judge_frozen(const struct work *work, struct neph_diag *diag)

@@ -29,6 +29,7 @@ struct neph_comparison {
  *   "frozen"        how many of them are bit for bit the frame before
  *   "interrupted"   whether Ctrl-C cut it short: what is there is of the frames before
  *   "measurements"  array of objects as neph_measurement_json(), by frame and then of all frames
+ *   "findings"      verdicts, see harness/findings.h
  *   "not_taken"     array of {"extractor", "quantity", "because"}
  *   "maps"          array of file names
  * and is given (and owned by the caller) on success, and with NEPH_ERR_INTERRUPTED and

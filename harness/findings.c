@@ -1,0 +1,177 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/findings.h"
+
+#include "metrics/flicker_verdict.h"
+#include "metrics/two_seed.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+static bool is(const json_t *item, const char *key, const char *text)
+{
+    const char *value = json_string_value(json_object_get(item, key));
+    return value && strcmp(value, text) == 0;
+}
+
+/* The number of that name, of all frames where there is one; NULL when it is not there. */
+static const json_t *find(const json_t *list, const char *quantity, const char *metric,
+                          const char *mask)
+{
+    const json_t *found = NULL;
+    for (size_t i = 0; i < json_array_size(list); i++) {
+        const json_t *item = json_array_get(list, i);
+        if (is(item, "metric", metric) && is(item, "quantity", quantity) && is(item, "mask", mask))
+            found = item; /* the frames come first */
+    }
+    return found;
+}
+
+static bool value_of(const json_t *list, const char *quantity, const char *metric, const char *mask,
+                     double *value)
+{
+    const json_t *number = json_object_get(find(list, quantity, metric, mask), "value");
+    *value = json_number_value(number);
+    return json_is_number(number);
+}
+
+static json_t *finding(const char *name, const char *quantity, const char *mask,
+                       const char *verdict, const char *format, ...)
+    __attribute__((format(printf, 5, 6)));
+
+static json_t *finding(const char *name, const char *quantity, const char *mask,
+                       const char *verdict, const char *format, ...)
+{
+    char text[512];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof(text), format, arguments);
+    va_end(arguments);
+    return json_pack("{s:s, s:s, s:s, s:s, s:s}", "finding", name, "quantity", quantity, "mask",
+                     mask, "verdict", verdict, "text", text);
+}
+
+static void add_flicker(const json_t *list, const char *quantity, const char *mask, json_t *out)
+{
+    static const char *const words[] = {
+        [NEPH_FLICKER_CALM] = "no flicker above a step of an 8-bit display",
+        [NEPH_FLICKER_RESTLESS] = "flicker that does not follow the cycle of four frames",
+        [NEPH_FLICKER_CYCLIC] = "flicker at the periods of a cycle of four frames",
+    };
+    double cyclic, restless;
+    if (!value_of(list, quantity, "cyclic_share", mask, &cyclic) ||
+        !value_of(list, quantity, "restless_share", mask, &restless))
+        return;
+    const enum neph_flicker_kind kind = neph_flicker_verdict(cyclic, restless);
+    json_t *item = finding("flicker", quantity, mask, neph_flicker_kind_name(kind),
+                           "%s (cyclic in %.3g %%, restless in %.3g %% of the pixels)", words[kind],
+                           100.0 * cyclic, 100.0 * restless);
+    json_object_set_new(item, "cyclic_share", json_real(cyclic));
+    json_object_set_new(item, "restless_share", json_real(restless));
+    json_array_append_new(out, item);
+}
+
+static double bound(const json_t *measurement, size_t which)
+{
+    const json_t *interval = json_object_get(measurement, "interval");
+    return json_is_array(interval) ? json_number_value(json_array_get(interval, which)) : NAN;
+}
+
+static void add_edge_ratio(const json_t *list, const char *quantity, json_t *out)
+{
+    const json_t *edge = find(list, quantity, "a4_p95", "depth_edge");
+    const json_t *other = find(list, quantity, "a4_p95", "non_edge");
+    double edge_p95, other_p95;
+    if (!value_of(list, quantity, "a4_p95", "depth_edge", &edge_p95) ||
+        !value_of(list, quantity, "a4_p95", "non_edge", &other_p95))
+        return;
+    const double ratio = neph_flicker_edge_ratio(edge_p95, other_p95);
+    const bool bounded = isfinite(bound(edge, 0)) && isfinite(bound(other, 0));
+    const double low = neph_flicker_edge_ratio(bound(edge, 0), bound(other, 1));
+    const double high = neph_flicker_edge_ratio(bound(edge, 1), bound(other, 0));
+    json_t *item = finding("edge_ratio", quantity, "depth_edge", ratio > 1.0 ? "edges" : "even",
+                           "A4 is %.3g times as strong at depth edges (p95 %.3g) as elsewhere "
+                           "(p95 %.3g)",
+                           ratio, edge_p95, other_p95);
+    json_object_set_new(item, "value", json_real(ratio));
+    json_object_set_new(item, "interval",
+                        bounded ? json_pack("[f,f]", low, high) : json_null());
+    json_array_append_new(out, item);
+}
+
+static void add_reference_limited(const json_t *list, const char *quantity, const char *mask,
+                                  json_t *out)
+{
+    double test, reference;
+    if (!value_of(list, quantity, "a4_p95", mask, &test) ||
+        !value_of(list, quantity, "reference_a4_p95", mask, &reference) ||
+        !neph_flicker_reference_limited(test, reference))
+        return;
+    json_array_append_new(out, finding("reference_limited", quantity, mask, "reference-limited",
+                                       "a4_p95 is %.3g, that of the reference alone %.3g: the "
+                                       "number says more about the reference",
+                                       test, reference));
+}
+
+static void add_noise_floor(const json_t *list, const char *quantity, const char *mask, json_t *out)
+{
+    double error, noise;
+    if (!value_of(list, quantity, "rmse_unbiased", mask, &error) ||
+        !value_of(list, quantity, "reference_noise_rmse", mask, &noise))
+        return;
+    const bool at_floor = neph_is_at_noise_floor(error, noise);
+    json_array_append_new(out, finding("noise_floor", quantity, mask,
+                                       at_floor ? "at noise floor" : "resolved",
+                                       "the error without the reference's noise is %.3g, the noise "
+                                       "of one seed of the reference %.3g",
+                                       error, noise));
+}
+
+/* Flicker is never told without the price at which it may have been bought. */
+static void add_half_life(const json_t *list, const char *quantity, json_t *out)
+{
+    double a4, frames;
+    if (!value_of(list, quantity, "a4_p95", "all", &a4))
+        return;
+    if (value_of(list, quantity, "half_life_p50", "all", &frames))
+        json_array_append_new(out, finding("half_life", quantity, "all", "measured",
+                                           "half-life after a step: %.3g frames (median)", frames));
+    else
+        json_array_append_new(
+            out,
+            finding("half_life", quantity, "all", "not measured",
+                    "half-life: not measured; less flicker may have been bought with lag. Give "
+                    "a reference with a step and -s lag.step_frame=N"));
+}
+
+/* The masks, once each, in the order of the measurements. */
+static json_t *masks_of(const json_t *list)
+{
+    json_t *names = json_object();
+    for (size_t i = 0; i < json_array_size(list); i++)
+        json_object_set_new(names,
+                            json_string_value(json_object_get(json_array_get(list, i), "mask")),
+                            json_true());
+    return names;
+}
+
+json_t *neph_findings(const json_t *measurements)
+{
+    static const char *const quantities[] = {"radiance", "volume", "transmittance"};
+    json_t *out = json_array(), *masks = masks_of(measurements);
+    for (int q = 0; q < 3; q++) {
+        const char *mask;
+        json_t *unused;
+        json_object_foreach(masks, mask, unused)
+        {
+            add_flicker(measurements, quantities[q], mask, out);
+            add_reference_limited(measurements, quantities[q], mask, out);
+            add_noise_floor(measurements, quantities[q], mask, out);
+        }
+        add_edge_ratio(measurements, quantities[q], out);
+        add_half_life(measurements, quantities[q], out);
+    }
+    json_decref(masks);
+    return out;
+}
