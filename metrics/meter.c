@@ -497,6 +497,7 @@ enum neph_status neph_meter_frame(struct neph_meter *meter, const struct neph_im
                                   const struct neph_image *test, struct neph_diag *diag)
 {
     const struct neph_image *const images[3] = {reference, reference_second, test};
+    const int count_before = meter->measurement_count;
     enum neph_status status = check_sizes(meter, images, diag);
     if (!status && meter->frame_count == 0)
         status = start_runs(meter, images, diag);
@@ -521,6 +522,8 @@ enum neph_status neph_meter_frame(struct neph_meter *meter, const struct neph_im
         status = measure_run(meter, run, &pair, bad, all_bad, diag);
     }
     free(bad);
+    if (status)
+        meter->measurement_count = count_before; /* half a frame is none */
     meter->frame_count += !status;
     return status;
 }

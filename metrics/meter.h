@@ -40,7 +40,7 @@ void neph_meter_destroy(struct neph_meter *meter);
 /* Measure every quantity that both frames have; `reference_second` may be NULL. Frames come in
  * order; all have the size and the quantities of the first. Bad pixels (not finite) are counted and
  * make what looks at them undefined; they are never skipped. NEPH_ERR_INPUT: sizes differ.
- * NEPH_ERR_INTERRUPTED. */
+ * NEPH_ERR_INTERRUPTED. A frame that fails leaves no number. */
 enum neph_status neph_meter_frame(struct neph_meter *meter, const struct neph_image *reference,
                                   const struct neph_image *reference_second,
                                   const struct neph_image *test, struct neph_diag *diag);

@@ -128,29 +128,127 @@ class Metrics(unittest.TestCase):
 
     # ---- flicker -----------------------------------------------------------------------------
 
-    def fence(self, x):
-        return x % 16 == 3
+    def depth(self, x, y):
+        """Bars one pixel wide before the sky."""
+        return 2.0 if x % 16 == 3 else INF
+
+    def still(self, x, y):
+        return 0.2 if x % 16 == 3 else 0.5
 
     def sequence(self, name, value_at, count=128):
         for t in range(count):
             self.write(f"{name}/frame.{t:04d}.exr", lambda x, y: value_at(x, y, t), self.depth)
         return self.folder / name
 
-    def depth(self, x, y):
-        return 2.0 if self.fence(x) else INF
-
     def flicker(self, test, *options):
         reference = self.write("reference.exr", self.still, self.depth)
         done = neph("flicker", "--reference", reference, test, "--json", *options)
         self.assertEqual(done.returncode, 0, done.stderr)
-        return done
-
-    def still(self, x, y):
-        return 0.2 if self.fence(x) else 0.5
+        verdicts = {(row["finding"], row["mask"]): row["verdict"] for row in json.loads(done.stdout)["findings"]}
+        return values_of(done), verdicts
 
     def noise(self, sigma):
+        """A little noise, drawn anew for every pixel of every frame."""
         draw = random.Random(20261121)
         return lambda: draw.gauss(0.0, sigma)
+
+    def test_a_blinking_fence_is_cyclic_at_edges(self):
+        noise = self.noise(1e-5)
+
+        def blink(x, y, t):
+            return self.still(x, y) + noise() + (0.3 if (x, y % 8, t % 4) == (35, 0, 0) else 0.0)
+        values, verdicts = self.flicker(self.sequence("blink", blink))  # 6 of 3072 pixels
+        self.assertEqual(verdicts["flicker", "depth_edge"], "cyclic")
+        self.assertEqual(verdicts["flicker", "non_edge"], "calm")
+        self.assertEqual(verdicts["half_life", "all"], "not measured")
+        self.assertAlmostEqual(values["cyclic_share", "all"], 6 / (WIDTH * HEIGHT), delta=1e-12)
+
+    def test_noise_of_equal_energy_is_restless(self):
+        noise = self.noise(0.02)
+        _, verdicts = self.flicker(self.sequence("noise", lambda x, y, t: self.still(x, y) + noise()))
+        self.assertEqual({verdicts["flicker", mask] for mask in ("all", "depth_edge", "non_edge")}, {"restless"})
+
+    def test_a_fade_is_calm(self):
+        noise = self.noise(1e-6)
+        _, verdicts = self.flicker(self.sequence("fade", lambda x, y, t: self.still(x, y) * (1 - t / 256) + noise()))
+        self.assertEqual({verdicts["flicker", mask] for mask in ("all", "depth_edge", "non_edge")}, {"calm"})
+
+    def test_amplitude_of_linear_light_by_hand(self):
+        """Luma of 0.5 +- 1 % in frames 0 and 2 of each cycle: A4 of the display's luma."""
+        def srgb(v):
+            return 1.055 * v ** (1 / 2.4) - 0.055
+        wave = (0.01, 0.0, -0.01, 0.0)
+        noise = self.noise(1e-7)
+        values, _ = self.flicker(self.sequence("wave", lambda x, y, t: self.still(x, y) * (1 + wave[t % 4]) + noise()),
+                                 "--metric", "a4_mean", "-s", "flicker.trend=keep")
+        expected = (srgb(0.505) - srgb(0.495)) / 2
+        bar = (srgb(0.202) - srgb(0.198)) / 2
+        self.assertAlmostEqual(values["a4_mean", "sky"], expected, delta=1e-6)
+        self.assertAlmostEqual(values["a4_mean", "solid"], bar, delta=1e-6)
+
+    def test_half_life_of_an_exponential_average(self):
+        """alpha 0.1: ln(1/2) / ln(0.9) = 6.5788 frames."""
+        alpha, step = 0.1, 16
+        lights = self.sequence("lights", lambda x, y, t: 0.2 if t < step else 0.6, 80)
+        taa = self.sequence("taa", lambda x, y, t: 0.2 if t < step else 0.6 - 0.4 * (1 - alpha) ** (t - step + 1), 80)
+        done = neph("flicker", "--reference", lights, taa, "-m", "lag", "-s", f"lag.step_frame={step}", "--json", "--frozen-ok")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        values = values_of(done)
+        for mask in ("all", "depth_edge"):
+            self.assertAlmostEqual(values["half_life_mean", mask], math.log(0.5) / math.log(0.9), delta=1e-6)
+            self.assertAlmostEqual(values["frames_to_10_p95", mask], math.log(0.1) / math.log(0.9), delta=1e-5)
+
+    def test_frozen_frames_do_not_count_as_stable(self):
+        frozen = self.sequence("frozen", lambda x, y, t: self.still(x, y), 32)
+        reference = self.write("reference.exr", self.still, self.depth)
+        done = neph("flicker", "--reference", reference, frozen)
+        self.assertEqual((done.returncode, "31 of 32" in done.stderr, "--frozen-ok" in done.stderr), (1, True, True), done.stderr)
+        self.assertEqual(neph("flicker", "--reference", reference, frozen, "--frozen-ok").returncode, 0)
+
+    def test_the_shell_may_expand_the_pattern(self):
+        noise = self.noise(0.01)
+        test = self.sequence("test", lambda x, y, t: self.still(x, y) + noise(), 16)
+        ref = self.sequence("ref", lambda x, y, t: self.still(x, y) + t * 1e-5, 16)
+        together = neph("flicker", "--reference", *sorted(ref.iterdir()), *sorted(test.iterdir()), "--json")
+        self.assertEqual(together.returncode, 0, together.stderr)
+        quoted = neph("flicker", "--reference", ref, test, "--json")
+        self.assertEqual(together.stdout, quoted.stdout)
+        (test / "frame.0007.exr").unlink()
+        gap = neph("flicker", "--reference", ref, test)
+        self.assertEqual((gap.returncode, "7" in gap.stderr), (65, True), gap.stderr)
+
+    def test_paired_differences(self):
+        noise = self.noise(0.02)
+        common = {}
+
+        def shared(x, y, t):
+            return common.setdefault((x, y, t), noise())
+        good = self.sequence("good", lambda x, y, t: self.still(x, y) + shared(x, y, t), 64)
+        bad = self.sequence("bad", lambda x, y, t: self.still(x, y) + 1.05 * shared(x, y, t), 64)
+        reference = self.write("reference.exr", self.still, self.depth)
+        done = neph("compare", reference, bad, "--versus", good, "--metric", "rmse", "--mask", "all", "--json")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        row = next(row for row in json.loads(done.stdout)["versus"] if row["quantity"] == "radiance")
+        self.assertAlmostEqual(row["difference"], 0.001, delta=5e-5)
+        self.assertLess(row["p_holm"], 1e-6)
+
+    def test_interrupted_work_keeps_the_finished_frames(self):
+        noise = self.noise(0.02)
+        test = self.sequence("test", lambda x, y, t: self.still(x, y) + noise(), 64)
+        reference = self.write("reference.exr", self.still, self.depth)
+        for t in range(64, 4096):  # long enough to be caught
+            (test / f"frame.{t:04d}.exr").symlink_to(test / f"frame.{t % 64:04d}.exr")
+        run = subprocess.Popen([NEPH, "compare", str(reference), str(test), "--json", "-q"], stdout=subprocess.PIPE, text=True)
+        time.sleep(2)
+        run.send_signal(signal.SIGINT)
+        out, _ = run.communicate(timeout=60)
+        if run.returncode == 0:
+            self.skipTest("it was finished before it could be interrupted")
+        self.assertEqual(run.returncode, 130)
+        document = json.loads(out)
+        self.assertTrue(document["interrupted"])
+        frames_seen = {row["frame"] for row in document["measurements"] if "frame" in row}
+        self.assertEqual(frames_seen, set(range(document["frames"])))
 
 
 if __name__ == "__main__":
