@@ -15,12 +15,12 @@
 #include <stdint.h>
 #include <string.h>
 
-/* Before a function with loops to vectorise: the compiler makes it twice, for AVX2 and for any
- * x86-64, and the loader chooses. Not under sanitizers, which do not survive its resolver. A
- * function so marked must not be `inline`. */
+/* Before a function with loops to vectorise: the compiler makes it three times, for AVX-512, for
+ * AVX2 and for any x86-64, and the loader chooses. Not under sanitizers, which do not survive its
+ * resolver. A function so marked must not be `inline`. */
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && __GNUC__ >= 12 &&           \
     !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-#define NEPH_VECTOR __attribute__((target_clones("arch=x86-64-v3", "default")))
+#define NEPH_VECTOR __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
 #else
 #define NEPH_VECTOR
 #endif
