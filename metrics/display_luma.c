@@ -7,29 +7,25 @@
 /* The step of IEC 61966-2-1 from a line to a power. */
 static const double step = 0.0031308;
 
-/* c^(1/2.4) for step <= c <= 1, to 4e-14 of itself. With s the eighth root of c it is s^(10/3):
- * smooth over the little more than an octave that s has, so that a polynomial of degree 13 does (it
- * meets the power at the Chebyshev nodes; u is s brought to -1 .. 1). Half the time of a logarithm.
+/* c^(1/2.4) for step <= c <= 1, to 1e-15 of itself: a guess y in single precision, then one step on
+ * y^12 = c^5 in double. With s the eighth root of c the power is s^(10/3), smooth over the little
+ * more than an octave that s has: the polynomial, which meets it at the Chebyshev nodes, is good to
+ * 2e-6. The step leaves the third power of twelve times that. A third of the time of 2^(log2
+ * / 2.4).
  */
 static inline double power(double c)
 {
-    const double s = sqrt(sqrt(sqrt(c)));
-    const double u = 3.8937698126915965 * s - 2.8937698126915965;
-    double p = -3.257062658187779e-11;
-    p = p * u + 1.3951269179818796e-10;
-    p = p * u - 5.085789500783201e-10;
-    p = p * u + 2.434981332241103e-09;
-    p = p * u - 1.2626018947211306e-08;
-    p = p * u + 7.045410012065006e-08;
-    p = p * u - 4.4466302569423707e-07;
-    p = p * u + 3.377733074338181e-06;
-    p = p * u - 3.518786870006947e-05;
-    p = p * u + 0.0007636919350467158;
-    p = p * u + 0.02651938396196613;
-    p = p * u + 0.17266723371046325;
-    p = p * u + 0.42827933875935015;
-    p = p * u + 0.3718025465703988;
-    return p;
+    const float s = sqrtf(sqrtf(sqrtf((float)c)));
+    float guess = -0.03211209798f;
+    guess = guess * s + 0.296067642f;
+    guess = guess * s + 0.8628263416f;
+    guess = guess * s - 0.1551761795f;
+    guess = guess * s + 0.03148311212f;
+    guess = guess * s - 0.00308891466f;
+    const double y = (double)guess;
+    const double y3 = y * y * y, y6 = y3 * y3, c2 = c * c;
+    const double h = c2 * c2 * c / (y6 * y6) - 1.0; /* (1 + h)^(1/12) = 1 + h/12 - 11/288 h^2 .. */
+    return y + y * (h * (1.0 / 12.0 - 11.0 / 288.0 * h));
 }
 
 /* Both sides of the step are worked out, so that the loop around has no branch. */
