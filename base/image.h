@@ -10,6 +10,7 @@
  * and may have further ones:
  *   motion.x motion.y        where that which is seen here was in the frame before, minus where it
  *                            is now [px], x to the right, y down
+ *   motion.depth             its linear eye depth in the frame before [m], sky = +inf
  *   volume.distance          distance of what the medium shows, weighted by its contribution [m]
  *   mask.NAME                a mask of the scene, above 0.5 inside: mask.cloud, mask.fog, mask.sun
  * A layer that an engine cannot give is absent, never filled in.

@@ -16,6 +16,8 @@ static const struct neph_extractor *const registry[] = {
     &neph_extractor_flip40,
     &neph_extractor_hdr_flip,
     &neph_extractor_flip_alternation,
+    &neph_extractor_residual_change,
+    &neph_extractor_motion,
     &neph_extractor_lag,
     &neph_extractor_trail,
     &neph_extractor_flicker,

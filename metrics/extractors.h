@@ -17,6 +17,8 @@ extern const struct neph_extractor neph_extractor_flip;
 extern const struct neph_extractor neph_extractor_flip40;
 extern const struct neph_extractor neph_extractor_hdr_flip;
 extern const struct neph_extractor neph_extractor_flip_alternation;
+extern const struct neph_extractor neph_extractor_residual_change;
+extern const struct neph_extractor neph_extractor_motion;
 extern const struct neph_extractor neph_extractor_lag;
 extern const struct neph_extractor neph_extractor_trail;
 extern const struct neph_extractor neph_extractor_flicker;

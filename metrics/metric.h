@@ -36,6 +36,7 @@ enum neph_pool {
     NEPH_POOL_MEAN_OVER,           /* mean v / mean w */
     NEPH_POOL_ROOT_MEAN_OVER,      /* sqrt(mean v / mean w) */
     NEPH_POOL_RMS_OVER,            /* sqrt(mean v^2) / mean w */
+    NEPH_POOL_ROOT_MEAN_LESS,      /* sqrt(mean v) - sqrt(mean w), v and w squares */
     NEPH_POOL_PSNR,                /* 10 log10(p^2 / mean v), v squared errors, p the peak [dB] */
     NEPH_POOL_SHARE_ABOVE,         /* share of v > p */
     NEPH_POOL_MAX,                 /* largest v */

@@ -61,7 +61,7 @@ static bool has_part(enum neph_pool pool)
 static bool needs_over(enum neph_pool pool)
 {
     return pool == NEPH_POOL_MEAN_OVER || pool == NEPH_POOL_ROOT_MEAN_OVER ||
-           pool == NEPH_POOL_RMS_OVER;
+           pool == NEPH_POOL_RMS_OVER || pool == NEPH_POOL_ROOT_MEAN_LESS;
 }
 
 /* ---- the walk over a map --------------------------------------------------------------------- */
@@ -306,6 +306,8 @@ static bool evaluate(const void *context, const double *sums, double *value)
         return sums[SUM_W] > 0.0 && known(sqrt(fmax(sums[SUM_V] / sums[SUM_W], 0.0)), value);
     case NEPH_POOL_RMS_OVER:
         return sums[SUM_W] > 0.0 && known(sqrt(sums[SUM_V2] / n) / (sums[SUM_W] / n), value);
+    case NEPH_POOL_ROOT_MEAN_LESS:
+        return known(sqrt(fmax(mean, 0.0)) - sqrt(fmax(sums[SUM_W] / n, 0.0)), value);
     case NEPH_POOL_PSNR:
         return mean > 0.0 &&
                known(10.0 * log10(metric->parameter * metric->parameter / mean), value);
