@@ -67,21 +67,23 @@ static const struct neph_metric metrics[] = {
     {"share_unsettled_1", "1", 0, 1, NEPH_POOL_SHARE_ABOVE, 0.5, UNSETTLED, 0,
      "share of pixels with more than 1 % of the step left at the end"},
     {"half_life_phase_0", "frame", 0, INFINITY, NEPH_POOL_SCALAR, 0, 0, 0,
-     "mean half-life of the pixels with even x, even y"},
+     "mean half-life where x / slot_px is even and y / slot_px is even"},
     {"half_life_phase_1", "frame", 0, INFINITY, NEPH_POOL_SCALAR, 0, 1, 0,
-     "mean half-life of the pixels with odd x, even y"},
+     "mean half-life where x / slot_px is odd and y / slot_px is even"},
     {"half_life_phase_2", "frame", 0, INFINITY, NEPH_POOL_SCALAR, 0, 2, 0,
-     "mean half-life of the pixels with even x, odd y"},
+     "mean half-life where x / slot_px is even and y / slot_px is odd"},
     {"half_life_phase_3", "frame", 0, INFINITY, NEPH_POOL_SCALAR, 0, 3, 0,
-     "mean half-life of the pixels with odd x, odd y"},
+     "mean half-life where x / slot_px is odd and y / slot_px is odd"},
     {.name = NULL},
 };
 
-enum { STEP_FRAME };
+enum { STEP_FRAME, SLOT_PX };
 
 static const struct neph_option options[] = {
     {"step_frame", NEPH_OPTION_INTEGER, -1, -1, 1e6, NULL,
      "first frame of the reference after its step, counted from 0; -1: there is none"},
+    {"slot_px", NEPH_OPTION_INTEGER, 1, 1, 16, NULL,
+     "side of the squares of pixels that are traced together [px], for half_life_phase_*"},
     {.name = NULL},
 };
 
@@ -99,7 +101,7 @@ enum plane {
 
 struct state {
     int width_px, height_px;
-    int step_frame;
+    int step_frame, slot_px;
     int frame_count;             /* from the step on */
     double gain;                 /* display value of the radiance 1 */
     double *planes[PLANE_COUNT]; /* in one block, owned through the first */
@@ -126,6 +128,7 @@ static enum neph_status init(void *state_, const struct neph_frame_pair *first,
     *state = (struct state){.width_px = first->width_px,
                             .height_px = first->height_px,
                             .step_frame = (int)settings->values[STEP_FRAME],
+                            .slot_px = (int)settings->values[SLOT_PX],
                             .gain = exp2(first->viewing->exposure_ev)};
     double *block = calloc(pixel_count, PLANE_COUNT * sizeof(*block));
     if (!block)
@@ -237,22 +240,26 @@ static double time_of(const struct state *state, int limit, size_t i)
     return crossing < 0.0 ? state->frame_count : crossing;
 }
 
-static void take_phase(struct state *state, int phase)
+static void take_phases(struct state *state)
 {
-    struct neph_sum sum = {0.0, 0.0};
-    size_t count = 0;
-    for (int y = phase / 2; y < state->height_px; y += 2) {
-        for (int x = phase % 2; x < state->width_px; x += 2) {
-            const size_t i = (size_t)y * (size_t)state->width_px + (size_t)x;
-            const double time = time_of(state, 0, i);
+    struct neph_sum sums[PHASE_COUNT] = {{0.0, 0.0}};
+    size_t counts[PHASE_COUNT] = {0};
+    for (int y = 0; y < state->height_px; y++) {
+        for (int x = 0; x < state->width_px; x++) {
+            const int phase = (x / state->slot_px & 1) + 2 * (y / state->slot_px & 1);
+            const double time = time_of(state, 0, (size_t)y * (size_t)state->width_px + (size_t)x);
             if (isnan(time))
                 continue;
-            neph_sum_add(&sum, time);
-            count++;
+            neph_sum_add(&sums[phase], time);
+            counts[phase]++;
         }
     }
-    state->phase_defined[phase] = count > 0;
-    state->phase_means[phase] = count > 0 ? neph_sum_value(&sum) / (double)count : 0.0;
+    for (int phase = 0; phase < PHASE_COUNT; phase++) {
+        state->phase_defined[phase] = counts[phase] > 0;
+        state->phase_means[phase] = counts[phase] > 0
+                                        ? neph_sum_value(&sums[phase]) / (double)counts[phase]
+                                        : 0.0;
+    }
 }
 
 static enum neph_status flush(void *state_, struct neph_diag *diag)
@@ -264,8 +271,7 @@ static enum neph_status flush(void *state_, struct neph_diag *diag)
         neph_hint(diag, "frames are counted from 0, without those that are left out as warm-up");
         return NEPH_ERR_USAGE;
     }
-    for (int phase = 0; phase < PHASE_COUNT; phase++)
-        take_phase(state, phase);
+    take_phases(state);
     return NEPH_OK;
 }
 

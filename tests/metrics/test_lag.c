@@ -42,9 +42,9 @@ typedef double left_function(int n, int pixel);
 
 static const double old_value = 0.25, new_value = 0.75;
 
-static struct extraction run_step(left_function *left, int frames_after)
+static struct extraction run_step_with(left_function *left, int frames_after,
+                                       const char *const *assignments)
 {
-    static const char *const assignments[] = {"step_frame=3", NULL};
     struct extraction extraction;
     double reference[PIXELS], test[PIXELS];
     for (int frame = 0; frame < 3 + frames_after; frame++) {
@@ -59,6 +59,12 @@ static struct extraction run_step(left_function *left, int frames_after)
     }
     extraction_flush(&extraction);
     return extraction;
+}
+
+static struct extraction run_step(left_function *left, int frames_after)
+{
+    static const char *const assignments[] = {"step_frame=3", NULL};
+    return run_step_with(left, frames_after, assignments);
 }
 
 static void assert_map(const struct extraction *extraction, const char *name, int pixel,
@@ -103,6 +109,25 @@ static void test_exponential_average(void **state)
         assert_map(&extraction, "overshoot", pixel, 0.0, 0.0, 0.0);
         neph_assert_close(extraction_scalar(&extraction, scalars[k]), log(0.5) / rate, 1e-6, 0.0);
     }
+    extraction_end(&extraction);
+}
+
+/* Squares of 2 x 2 pixels that are traced together. */
+static double slots_left(int n, int pixel)
+{
+    const int phase = (pixel % WIDTH / 2 & 1) + 2 * (pixel / WIDTH / 2 & 1);
+    return pow(1.0 - alphas[phase], n);
+}
+
+static void test_slots(void **state)
+{
+    (void)state;
+    static const char *const assignments[] = {"step_frame=3", "slot_px=2", NULL};
+    struct extraction extraction = run_step_with(slots_left, 40, assignments);
+    neph_assert_close(extraction_scalar(&extraction, "half_life_phase_0"), log(0.5) / log(0.95),
+                      1e-6, 0.0);
+    neph_assert_close(extraction_scalar(&extraction, "half_life_phase_3"), log(0.5) / log(0.75),
+                      1e-6, 0.0);
     extraction_end(&extraction);
 }
 
@@ -388,6 +413,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_exponential_average),
+        cmocka_unit_test(test_slots),
         cmocka_unit_test(test_overshoot),
         cmocka_unit_test(test_change_of_sign),
         cmocka_unit_test(test_fade),
