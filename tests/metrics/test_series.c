@@ -78,6 +78,25 @@ static void test_intervals_cover(void **state)
     }
 }
 
+/* Half of the variance is white noise, which hides from the correlation of neighbours how long the
+ * other half remembers. 92.2 % in 20000 replications; four binomial deviations of 4000. */
+static void test_long_memory_under_noise(void **state)
+{
+    (void)state;
+    uint64_t random = test_seed();
+    double values[128], noise[128];
+    int inside = 0;
+    for (int r = 0; r < REPLICATIONS; r++) {
+        draw_series(0.8, 0.0, 128, &random, values);
+        draw_series(0.0, 0.0, 128, &random, noise);
+        for (int i = 0; i < 128; i++)
+            values[i] += noise[i];
+        const struct neph_mean mean = neph_series_mean(values, 128, NEPH_REPLICATE_FRAMES);
+        inside += mean.low <= 0.0 && mean.high >= 0.0;
+    }
+    neph_assert_close((double)inside / REPLICATIONS, 0.922, 0.0, 4.0 * 0.0042);
+}
+
 /* What a naive t interval over frames would do to the same series, so that it is seen that the
  * simulation can tell: the note says 47 % at the correlation 0.8. */
 static void test_frames_are_not_replicates(void **state)
@@ -408,6 +427,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_intervals_cover),
+        cmocka_unit_test(test_long_memory_under_noise),
         cmocka_unit_test(test_frames_are_not_replicates),
         cmocka_unit_test(test_runs_cover),
         cmocka_unit_test(test_interval_by_hand),
