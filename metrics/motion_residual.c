@@ -50,7 +50,7 @@ static const struct neph_map maps[MAP_COUNT] = {
 
 enum { AGE_COUNT = 33, AGE_UNKNOWN = 255 };
 
-static const double recovered_share = 0.1;
+static const double recovered_share = 0.1, opaque_transmittance = 0.5;
 
 enum { RECOVERY = AGE_COUNT }; /* of the scalars; those below are ages */
 
@@ -137,6 +137,8 @@ struct layers {
     const float *x_px, *y_px, *depth_m;
     const float *before_m;   /* NULL: not known */
     const float *distance_m; /* NULL: none */
+    float *transmittance[3];
+    bool has_transmittance;
 };
 
 static bool find_layers_in(const struct neph_image *image, struct layers *layers)
@@ -148,6 +150,7 @@ static bool find_layers_in(const struct neph_image *image, struct layers *layers
         .before_m = neph_image_channel(image, "motion.depth"),
         .distance_m = neph_image_channel(image, "volume.distance"),
     };
+    layers->has_transmittance = neph_image_rgb(image, "transmittance", layers->transmittance);
     return layers->x_px && layers->y_px && layers->depth_m;
 }
 
@@ -155,6 +158,17 @@ static bool find_layers(const struct neph_frame_pair *pair, struct layers *layer
 {
     return find_layers_in(pair->reference_image, layers) ||
            find_layers_in(pair->test_image, layers);
+}
+
+/* Whether volume.distance is where that lies which is seen. */
+static bool shows_medium(const struct layers *layers, size_t i)
+{
+    if (!layers->distance_m || isinf(layers->distance_m[i]))
+        return false;
+    return isinf(layers->depth_m[i]) ||
+           (layers->has_transmittance &&
+            neph_luminance((double)layers->transmittance[0][i], (double)layers->transmittance[1][i],
+                           (double)layers->transmittance[2][i]) < opaque_transmittance);
 }
 
 static const char *obstacle(const struct neph_frame_pair *first,
@@ -264,12 +278,9 @@ static void look_row(int row, void *context)
     for (int k = 0; k < 2; k++)
         neph_display_luma(planes[k], width, state->gain, state->luminance ? other : signals_of[k],
                           state->luminance ? signals_of[k] : other);
-    for (size_t i = first; i < first + width; i++) {
-        const bool is_sky = isinf(work->layers.depth_m[i]);
-        work->now->nearness_per_m[i] = is_sky && work->layers.distance_m
-                                           ? nearness(work->layers.distance_m[i])
-                                           : nearness(work->layers.depth_m[i]);
-    }
+    for (size_t i = first; i < first + width; i++)
+        work->now->nearness_per_m[i] = nearness(
+            shows_medium(&work->layers, i) ? work->layers.distance_m[i] : work->layers.depth_m[i]);
 }
 
 static void mark_row(int row, void *context)
@@ -359,7 +370,7 @@ static bool step_within_1_px(const struct state *state, const uint8_t *step, int
 
 static double wanted_nearness(const struct work *work, size_t i)
 {
-    const bool known = work->layers.before_m && isfinite(work->layers.depth_m[i]);
+    const bool known = work->layers.before_m && !shows_medium(&work->layers, i);
     return known ? nearness(work->layers.before_m[i]) : work->now->nearness_per_m[i];
 }
 

@@ -512,15 +512,19 @@ static double share_disoccluded_by_approach(bool with_depth)
     return share;
 }
 
-/* A cloud in the sky, and a nearer one that comes before it: volume.distance tells them apart. */
-static double share_disoccluded_in_the_sky(bool with_distance)
+/* A cloud, and in one of four pixels a nearer one that comes before it; behind them is the sky or a
+ * wall. Only volume.distance tells them apart, where the cloud is what is seen. */
+static double share_disoccluded_by_cloud(bool with_distance, float wall_m, float transmittance)
 {
     struct meter it = new_meter("signal=luma");
     const double grey[4] = {0.1, 0.2, 0.3, 0.4};
-    const float still[4] = {0.0f}, sky[4] = {INFINITY, INFINITY, INFINITY, INFINITY};
+    const float still[4] = {0.0f}, depth_m[4] = {wall_m, wall_m, wall_m, wall_m};
     for (int frame = 0; frame < 2; frame++) {
-        float *distance_m;
-        struct neph_image *reference = frame_of(2, 2, grey, sky, still, still);
+        float *distance_m, *clear[3];
+        struct neph_image *reference = frame_of(2, 2, grey, depth_m, still, still);
+        assert_int_equal(neph_image_add_rgb(reference, "transmittance", clear, NULL), NEPH_OK);
+        for (int i = 0; i < 12; i++)
+            clear[i / 4][i % 4] = transmittance;
         if (with_distance) {
             assert_int_equal(
                 neph_image_add_channel(reference, "volume.distance", &distance_m, NULL), NEPH_OK);
@@ -540,8 +544,10 @@ static void test_which_depth_is_looked_for(void **state)
     (void)state;
     assert_true(share_disoccluded_by_approach(false) == 1.0);
     assert_true(share_disoccluded_by_approach(true) == 0.0);
-    assert_true(share_disoccluded_in_the_sky(false) == 0.0);
-    assert_true(share_disoccluded_in_the_sky(true) == 0.25);
+    assert_true(share_disoccluded_by_cloud(false, INFINITY, 0.9f) == 0.0);
+    assert_true(share_disoccluded_by_cloud(true, INFINITY, 0.9f) == 0.25);
+    assert_true(share_disoccluded_by_cloud(true, 2000.0f, 0.9f) == 0.0);
+    assert_true(share_disoccluded_by_cloud(true, 2000.0f, 0.1f) == 0.25);
 }
 
 static void test_bad_layers(void **state)
