@@ -83,7 +83,8 @@ struct neph_extractor {
     enum neph_status (*init)(void *state, const struct neph_frame_pair *first,
                              const struct neph_settings *settings, struct neph_diag *diag);
     /* Look at a frame. What `rows` needs of a frame of an extractor that is not temporal may be
-     * borrowed until the next call. */
+     * borrowed until the next call. NEPH_ERR_GATE of a temporal one: a further layer of the frame
+     * has a bad value; it is then asked for nothing more, and the words are its obstacle. */
     enum neph_status (*extract)(void *state, const struct neph_frame_pair *pair,
                                 struct neph_diag *diag);
     /* After the last frame. */

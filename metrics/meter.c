@@ -19,6 +19,7 @@ struct run {
     const struct neph_meter_choice *choice;
     const struct neph_quantity *quantity;
     const char *obstacle; /* why it gives nothing; NULL: it does */
+    char reason[192];     /* room for an obstacle that came up on the way */
     void *state;          /* owned; NULL while an obstacle stands */
 };
 
@@ -470,6 +471,23 @@ static enum neph_status check_sizes(const struct neph_meter *meter,
     return NEPH_OK;
 }
 
+/* Look at a pair; a bad value in a further layer ends a run in order, as one in the quantity does.
+ */
+static enum neph_status extract(struct run *run, const struct neph_frame_pair *pair,
+                                struct neph_diag *diag)
+{
+    struct neph_diag found = {.message = ""};
+    const enum neph_status status = run->choice->extractor->extract(run->state, pair, &found);
+    if (status == NEPH_ERR_GATE && run->choice->extractor->temporal) {
+        snprintf(run->reason, sizeof(run->reason), "%s", found.message);
+        run->obstacle = run->reason;
+        return NEPH_OK;
+    }
+    if (status && diag)
+        *diag = found;
+    return status;
+}
+
 /* One extractor over one pair. `bad` counts by mask, `all_bad` over the frame. */
 static enum neph_status measure_run(struct neph_meter *meter, struct run *run,
                                     const struct neph_frame_pair *pair, const size_t *bad,
@@ -486,7 +504,7 @@ static enum neph_status measure_run(struct neph_meter *meter, struct run *run,
         meter->masks[m].is_bad = extractor->pointwise ? bad[m] > 0 : all_bad > 0;
     enum neph_status status = NEPH_OK;
     if (extractor->pointwise || all_bad == 0)
-        status = extractor->extract(run->state, pair, diag);
+        status = extract(run, pair, diag);
     if (!status && !extractor->temporal)
         status = take_numbers(meter, run, bad, pair->frame, diag);
     return status;

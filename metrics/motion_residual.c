@@ -134,6 +134,7 @@ struct state {
 /* ---- the layers ------------------------------------------------------------------------------ */
 
 struct layers {
+    const char *of; /* "reference" or "test" */
     const float *x_px, *y_px, *depth_m;
     const float *before_m;   /* NULL: not known */
     const float *distance_m; /* NULL: none */
@@ -141,9 +142,10 @@ struct layers {
     bool has_transmittance;
 };
 
-static bool find_layers_in(const struct neph_image *image, struct layers *layers)
+static bool find_layers_in(const struct neph_image *image, const char *of, struct layers *layers)
 {
     *layers = (struct layers){
+        .of = of,
         .x_px = neph_image_channel(image, "motion.x"),
         .y_px = neph_image_channel(image, "motion.y"),
         .depth_m = neph_image_channel(image, "Z"),
@@ -156,8 +158,8 @@ static bool find_layers_in(const struct neph_image *image, struct layers *layers
 
 static bool find_layers(const struct neph_frame_pair *pair, struct layers *layers)
 {
-    return find_layers_in(pair->reference_image, layers) ||
-           find_layers_in(pair->test_image, layers);
+    return find_layers_in(pair->reference_image, "reference", layers) ||
+           find_layers_in(pair->test_image, "test", layers);
 }
 
 /* Whether volume.distance is where that lies which is seen. */
@@ -181,25 +183,28 @@ static const char *obstacle(const struct neph_frame_pair *first,
                : "neither image has both motion vectors (motion.x, motion.y) and depth (Z)";
 }
 
-static enum neph_status check_layer(const float *samples, const char *name, bool any_sign,
+struct check {
+    const char *name;
+    const float *samples; /* NULL: not there */
+    bool any_sign;
+};
+
+static enum neph_status check_layer(const struct check *check, const char *of,
                                     const struct neph_frame_pair *pair, struct neph_diag *diag)
 {
     const size_t width = (size_t)pair->width_px, count = width * (size_t)pair->height_px;
-    for (size_t i = 0; samples && i < count; i++)
-        if (isnan(samples[i]) || (!any_sign && samples[i] < 0.0f))
-            return neph_fail(diag, NEPH_ERR_INPUT, "frame %d: '%s' is %g at the pixel (%zu, %zu)",
-                             pair->frame, name, (double)samples[i], i % width, i / width);
+    for (size_t i = 0; check->samples && i < count; i++)
+        if (isnan(check->samples[i]) || (!check->any_sign && check->samples[i] < 0.0f))
+            return neph_fail(
+                diag, NEPH_ERR_GATE, "'%s' of the %s is %g at the pixel (%zu, %zu) of frame %d",
+                check->name, of, (double)check->samples[i], i % width, i / width, pair->frame);
     return NEPH_OK;
 }
 
 static enum neph_status check_layers(const struct layers *layers,
                                      const struct neph_frame_pair *pair, struct neph_diag *diag)
 {
-    const struct {
-        const char *name;
-        const float *samples;
-        bool any_sign;
-    } checks[] = {
+    const struct check checks[] = {
         {"motion.x", layers->x_px, true},
         {"motion.y", layers->y_px, true},
         {"Z", layers->depth_m, false},
@@ -208,7 +213,7 @@ static enum neph_status check_layers(const struct layers *layers,
     };
     enum neph_status status = NEPH_OK;
     for (size_t i = 0; i < sizeof(checks) / sizeof(checks[0]) && !status; i++)
-        status = check_layer(checks[i].samples, checks[i].name, checks[i].any_sign, pair, diag);
+        status = check_layer(&checks[i], layers->of, pair, diag);
     return status;
 }
 

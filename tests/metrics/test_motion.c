@@ -564,12 +564,32 @@ static void test_bad_layers(void **state)
                                                             &viewing);
         struct extraction extraction = extraction_begin(&neph_extractor_motion, &pair, NULL);
         assert_int_equal(neph_extractor_motion.extract(extraction.state, &pair, &diag),
-                         NEPH_ERR_INPUT);
+                         NEPH_ERR_GATE);
         assert_non_null(strstr(diag.message, names[k]));
         assert_non_null(strstr(diag.message, "(1, 1)"));
         extraction_end(&extraction);
         neph_image_destroy(image);
     }
+}
+
+/* In the meter they end this extractor alone, and say why. */
+static void test_bad_layers_spoil_no_other_number(void **state)
+{
+    (void)state;
+    struct meter it = new_meter("signal=luma");
+    const double grey[4] = {0.1, 0.2, 0.3, 0.4};
+    const float still[4] = {0.0f};
+    for (int frame = 0; frame < 3; frame++) {
+        const float depth_m[4] = {1.0f, frame == 1 ? NAN : 1.0f, 1.0f, 1.0f};
+        feed(&it, frame_of(2, 2, grey, depth_m, still, still),
+             frame_of(2, 2, grey, NULL, NULL, NULL));
+    }
+    finish(&it);
+    const struct neph_quantity *radiance = neph_quantity_find("radiance");
+    assert_string_equal(neph_meter_obstacle(it.meter, radiance, &neph_extractor_motion),
+                        "'Z' of the reference is nan at the pixel (1, 0) of frame 1");
+    assert_true(value_of(&it, "residual_change_rms") == 0.0);
+    end(&it);
 }
 
 /* From anywhere, also from out of the picture. */
@@ -626,6 +646,7 @@ int main(void)
         cmocka_unit_test(test_edges_are_left_out),
         cmocka_unit_test(test_which_depth_is_looked_for),
         cmocka_unit_test(test_bad_layers),
+        cmocka_unit_test(test_bad_layers_spoil_no_other_number),
         cmocka_unit_test(test_wild_motion),
         cmocka_unit_test(test_tables),
     };
