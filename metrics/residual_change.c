@@ -29,7 +29,7 @@ static const struct neph_map maps[MAP_COUNT] = {
 static const struct neph_metric metrics[] = {
     {"residual_change_rms", NULL, 0, INFINITY, NEPH_POOL_ROOT_MEAN, 0, SQUARES, 0,
      "rms over frames of the change of test - reference since the frame before, linear values"},
-    {"residual_change_luma_rms", "1", 0, 1, NEPH_POOL_ROOT_MEAN, 0, LUMA_SQUARES, 0,
+    {"residual_change_luma_rms", "1", 0, 2, NEPH_POOL_ROOT_MEAN, 0, LUMA_SQUARES, 0,
      "rms over frames of the change of test - reference since the frame before, display luma"},
     {"residual_change_psnr", "dB", -INFINITY, INFINITY, NEPH_POOL_PSNR, 1.0, LUMA_SQUARES, 0,
      "PSNR of residual_change_luma_rms, peak 1"},

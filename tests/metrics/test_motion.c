@@ -331,6 +331,22 @@ static void test_residual_change_in_luma(void **state)
     end(&it);
 }
 
+/* From black for white to white for black: the change is twice the peak. */
+static void test_largest_change(void **state)
+{
+    (void)state;
+    struct meter it = new_meter("signal=luma");
+    for (int frame = 0; frame < 3; frame++) {
+        const double reference = frame % 2, test = 1.0 - reference;
+        feed(&it, frame_of(1, 1, &reference, NULL, NULL, NULL),
+             frame_of(1, 1, &test, NULL, NULL, NULL));
+    }
+    finish(&it);
+    neph_assert_close(value_of(&it, "residual_change_luma_rms"), 2.0, 1e-12, 0.0);
+    assert_true(find(&it, "residual_change_luma_rms")->metric->high == 2.0);
+    end(&it);
+}
+
 static void test_one_frame_says_nothing(void **state)
 {
     (void)state;
@@ -639,6 +655,7 @@ int main(void)
         cmocka_unit_test(test_behind_the_camera_and_bad_depths),
         cmocka_unit_test(test_residual_change),
         cmocka_unit_test(test_residual_change_in_luma),
+        cmocka_unit_test(test_largest_change),
         cmocka_unit_test(test_one_frame_says_nothing),
         cmocka_unit_test(test_residual_over_a_plane),
         cmocka_unit_test(test_disocclusion),
