@@ -6,6 +6,7 @@
  *   bench_metrics                                960x540 and 1920x1080
  *   bench_metrics --size 3840x2160 --frames 4 error flip
  *   bench_metrics --json > costs.json
+ *   bench_metrics --size 8192x8192 --frames 2 error ssim flip      the largest that is promised
  */
 #include "tests/metrics/synthetic.h"
 
@@ -68,13 +69,20 @@ struct frames {
     struct neph_image *reference[POOL_FRAMES], *second[POOL_FRAMES], *test[POOL_FRAMES];
 };
 
+static int pool_of(const struct row *row)
+{
+    const size_t pixels = (size_t)row->width_px * (size_t)row->height_px;
+    const int pool = pixels > (size_t)1 << 24 ? 1 : POOL_FRAMES;
+    return row->frame_count < pool ? row->frame_count : pool;
+}
+
 static enum neph_status make_frames(const struct row *row, struct frames *frames,
                                     struct neph_diag *diag)
 {
     struct synthetic what = {
         .width_px = row->width_px, .height_px = row->height_px, .all = row->all_layers};
     enum neph_status status = NEPH_OK;
-    for (int i = 0; i < POOL_FRAMES && i < row->frame_count && !status; i++) {
+    for (int i = 0; i < pool_of(row) && !status; i++) {
         what.frame = i;
         what.seed = 1;
         what.is_test = false;
@@ -128,13 +136,13 @@ static struct cost measure_here(const struct row *row, struct neph_diag *diag)
         cost.status = neph_mask_create(frames.reference[0], "all", NULL, &mask, diag);
     if (cost.status)
         return cost;
+    const int pool = pool_of(row);
     cost.frames_kib = resident_kib();
     const double cpu_s = neph_cpu_s(), wall_s = neph_wall_s();
     cost.status = make_meter(row, mask, &meter, diag);
     for (int i = 0; i < row->frame_count && !cost.status; i++)
-        cost.status = neph_meter_frame(meter, frames.reference[i % POOL_FRAMES],
-                                       frames.second[i % POOL_FRAMES], frames.test[i % POOL_FRAMES],
-                                       diag);
+        cost.status = neph_meter_frame(meter, frames.reference[i % pool], frames.second[i % pool],
+                                       frames.test[i % pool], diag);
     cost.cpu_s_per_frame = (neph_cpu_s() - cpu_s) / row->frame_count;
     cost.wall_s_per_frame = (neph_wall_s() - wall_s) / row->frame_count;
     if (!cost.status) {
@@ -201,7 +209,9 @@ static json_t *row_as_json(const struct row *row, const struct cost *cost, long 
 static bool run_row(struct row *row, const struct request *request, json_t *list)
 {
     const bool is_temporal = row->extractors[0]->temporal;
-    row->frame_count = is_temporal ? request->frame_count : IMAGE_FRAMES;
+    row->frame_count = request->frame_count;
+    if (!is_temporal && row->frame_count > IMAGE_FRAMES)
+        row->frame_count = IMAGE_FRAMES;
     row->all_layers = false;
     long peak_kib = 0;
     struct cost cost = measure(row, &peak_kib);
@@ -282,7 +292,8 @@ static bool run_all(const struct request *request, json_t *list)
 
 static const struct argp_option options[] = {
     {"size", 's', "WxH", 0, "A size in pixels; may be given several times", 0},
-    {"frames", 'n', "N", 0, "Frames for what looks at sequences (24)", 0},
+    {"frames", 'n', "N", 0, "Frames for what looks at sequences (24); of them at most 4 for images",
+     0},
     {"json", KEY_JSON, NULL, 0, "Results as JSON on stdout", 0},
     {0},
 };

@@ -18,7 +18,7 @@ static inline struct neph_settings synthetic_settings(const struct neph_extracto
 {
     struct neph_settings settings = neph_options_default(extractor->options);
     if (strcmp(extractor->name, "lag") == 0)
-        neph_options_set(extractor->options, "lag", "step_frame=4", &settings, NULL);
+        neph_options_set(extractor->options, "lag", "step_frame=1", &settings, NULL);
     return settings;
 }
 
