@@ -110,7 +110,8 @@ static enum neph_status make_meter(const struct row *row, const struct neph_mask
                                                          .viewing = NEPH_VIEWING_DEFAULTS,
                                                          .masks = &mask,
                                                          .mask_count = 1,
-                                                         .intervals = row->intervals},
+                                                         .intervals = row->intervals,
+                                                         .frame_count = row->frame_count},
                              meter, diag);
 }
 

@@ -9,7 +9,7 @@
 #include "metrics/pair.h"
 #include "metrics/validity.h"
 
-enum { WIDTH = 33, HEIGHT = 18, FRAMES_MAX = 8 };
+enum { WIDTH = 17, HEIGHT = 10, FRAMES_MAX = 20 };
 
 /* Frames, made while nothing fails, and what is asked of them. */
 struct job {
@@ -85,7 +85,8 @@ static enum neph_status measure(void *context, struct neph_diag *diag)
                                         .viewing = NEPH_VIEWING_DEFAULTS,
                                         .masks = (const struct neph_mask *const *)&mask,
                                         .mask_count = 1,
-                                        .intervals = job->intervals},
+                                        .intervals = job->intervals,
+                                        .frame_count = job->frame_count},
             &meter, diag);
     for (int i = 0; i < job->frame_count && !status; i++)
         status = neph_meter_frame(meter, job->reference[i], job->second[i], job->test[i], diag);

@@ -66,7 +66,7 @@ static void tear_down(struct setup *setup)
         neph_mask_destroy(setup->masks[i]);
 }
 
-static struct neph_meter *start_meter(const struct setup *setup, bool intervals)
+static struct neph_meter *start_meter(const struct setup *setup, int frame_count, bool intervals)
 {
     struct neph_meter *meter = NULL;
     struct neph_diag diag = {0};
@@ -77,6 +77,7 @@ static struct neph_meter *start_meter(const struct setup *setup, bool intervals)
         .masks = (const struct neph_mask *const *)setup->masks,
         .mask_count = setup->mask_count,
         .intervals = intervals,
+        .frame_count = frame_count,
     };
     neph_assert_ok(neph_meter_create(&params, &meter, &diag), &diag);
     return meter;
@@ -147,7 +148,7 @@ static void measure_frames(int width_px, int height_px, int frame_count, bool te
     struct synthetic what = {width_px, height_px, 0, 1, false, true};
     struct neph_image *reference = create(what);
     struct setup setup = set_up(reference, temporal, intervals);
-    struct neph_meter *meter = start_meter(&setup, intervals);
+    struct neph_meter *meter = start_meter(&setup, frame_count, intervals);
     neph_image_destroy(reference);
     for (what.frame = 0; what.frame < frame_count; what.frame++) {
         struct neph_diag diag = {0};
@@ -227,8 +228,9 @@ static void test_flat_and_extreme_contents(void **state)
             fill(reference, "Z", cases[i].depth);
             fill(test, "Z", cases[i].depth);
             struct setup setup = set_up(reference, temporal, true);
-            struct neph_meter *meter = start_meter(&setup, true);
-            for (int frame = 0; frame < (temporal ? 100 : 1); frame++) {
+            const int frame_count = temporal ? 100 : 1;
+            struct neph_meter *meter = start_meter(&setup, frame_count, true);
+            for (int frame = 0; frame < frame_count; frame++) {
                 struct neph_diag diag = {0};
                 neph_assert_ok(neph_meter_frame(meter, reference, NULL, test, &diag), &diag);
             }
@@ -291,7 +293,7 @@ static void assert_same(const struct neph_measurement *m, const struct neph_meas
 static struct neph_meter *measure_planted(const struct setup *setup, const struct plant *plant,
                                           int frame_count)
 {
-    struct neph_meter *meter = start_meter(setup, false);
+    struct neph_meter *meter = start_meter(setup, frame_count, false);
     struct synthetic what = {PLANT_WIDTH, PLANT_HEIGHT, 0, 1, false, true};
     for (what.frame = 0; what.frame < frame_count; what.frame++) {
         struct neph_diag diag = {0};
