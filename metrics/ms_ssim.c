@@ -35,10 +35,60 @@ static int mirrored(int position, int size)
     return position >= size ? 2 * size - 1 - position : position;
 }
 
-NEPH_VECTOR static void add_row(const double *row, double weight, size_t count, double *sum)
+/* Three rows at a time: a sum that is loaded and stored once for each would cost more than what is
+ * added. `at` and `weights` are of the rows; `sum` is in another place than `image`. */
+NEPH_VECTOR static void add_rows(const double *restrict image, const size_t at[3],
+                                 const double weights[3], size_t count, double *restrict sum)
 {
+    const size_t a = at[0], b = at[1], c = at[2];
+    const double u = weights[0], v = weights[1], w = weights[2];
     for (size_t i = 0; i < count; i++)
-        sum[i] += weight * row[i];
+        sum[i] += u * image[a + i] + v * image[b + i] + w * image[c + i];
+}
+
+/* Every second place of a row under nine weights. */
+NEPH_VECTOR static void halve_row(const double *restrict row, const double *restrict taps,
+                                  size_t count, double *restrict out)
+{
+    const double t0 = taps[0], t1 = taps[1], t2 = taps[2], t3 = taps[3], t4 = taps[4], t5 = taps[5],
+                 t6 = taps[6], t7 = taps[7], t8 = taps[8];
+    for (size_t x = 0; x < count; x++) {
+        const double *from = row + 2 * x;
+        out[x] = t0 * from[0] + t1 * from[1] + t2 * from[2] + t3 * from[3] + t4 * from[4] +
+                 t5 * from[5] + t6 * from[6] + t7 * from[7] + t8 * from[8];
+    }
+}
+
+static void decimate_sideways(const struct decimation *work, const double *row, double *out)
+{
+    const size_t count = (size_t)work->out_width_px;
+    if (work->factor == 2 && work->tap_count == 9) {
+        halve_row(row, work->taps, count, out);
+        return;
+    }
+    for (size_t x = 0; x < count; x++) {
+        double sum = 0.0;
+        for (int k = 0; k < work->tap_count; k++)
+            sum += work->taps[k] * row[x * (size_t)work->factor + (size_t)k];
+        out[x] = sum;
+    }
+}
+
+static void blur_downwards(const struct decimation *work, int row, double *blurred)
+{
+    const size_t width = (size_t)work->width_px;
+    for (size_t x = 0; x < width; x++)
+        blurred[x] = 0.0;
+    for (int k = 0; k < work->tap_count; k += 3) {
+        size_t at[3] = {0};
+        double weights[3] = {0.0};
+        for (int i = 0; i < 3 && k + i < work->tap_count; i++) {
+            int y = row * work->factor + k + i - work->tap_count / 2;
+            at[i] = (size_t)mirrored(y, work->height_px) * width;
+            weights[i] = work->taps[k + i];
+        }
+        add_rows(work->image, at, weights, width, blurred);
+    }
 }
 
 /* Downwards, then sideways. */
@@ -46,24 +96,12 @@ static void decimate_row(const struct decimation *work, int row, double *padded)
 {
     const int middle = work->tap_count / 2, width = work->width_px;
     double *blurred = padded + work->tap_count;
-    for (int x = 0; x < width; x++)
-        blurred[x] = 0.0;
-    for (int k = 0; k < work->tap_count; k++) {
-        int y = mirrored(row * work->factor + k - middle, work->height_px);
-        add_row(work->image + (size_t)y * (size_t)width, work->taps[k], (size_t)width, blurred);
-    }
+    blur_downwards(work, row, blurred);
     for (int x = 1; x <= work->tap_count; x++) {
         blurred[-x] = blurred[mirrored(-x, width)];
         blurred[width - 1 + x] = blurred[mirrored(width - 1 + x, width)];
     }
-    double *out = work->out + (size_t)row * (size_t)work->out_width_px;
-    for (int x = 0; x < work->out_width_px; x++) {
-        const double *from = blurred + (x * work->factor - middle);
-        double sum = 0.0;
-        for (int k = 0; k < work->tap_count; k++)
-            sum += work->taps[k] * from[k];
-        out[x] = sum;
-    }
+    decimate_sideways(work, blurred - middle, work->out + (size_t)row * (size_t)work->out_width_px);
 }
 
 static void decimate_group(int group, void *context)

@@ -66,15 +66,15 @@ static struct constants constants_of(double peak)
 NEPH_VECTOR static void blur_sideways(const struct constants *constants, const double *reference,
                                       const double *test, size_t count, blurred out)
 {
-    segment moments[MOMENT_COUNT];
+    segment products[3];
     for (size_t i = 0; i < count + 2 * MARGIN; i++) {
         double x = reference[i], y = test[i];
-        moments[X][i] = x;
-        moments[Y][i] = y;
-        moments[XX][i] = x * x;
-        moments[YY][i] = y * y;
-        moments[XY][i] = x * y;
+        products[0][i] = x * x;
+        products[1][i] = y * y;
+        products[2][i] = x * y;
     }
+    const double *const moments[MOMENT_COUNT] = {reference, test, products[0], products[1],
+                                                 products[2]};
     const struct constants c = *constants;
     for (int m = 0; m < MOMENT_COUNT; m++) {
         const double *in = moments[m];
