@@ -65,7 +65,7 @@ enum neph_status neph_cli_compare(int argc, char **argv, struct neph_diag *diag)
     if (!status)
         status = neph_sequence_find(1, &request.test, &comparison.test, diag);
     if (!status)
-        status = neph_cli_comparison_run(&request.shared, false, &comparison, diag);
+        status = neph_cli_comparison_run(&request.shared, &comparison, diag);
     neph_comparison_finish(&comparison);
     return status;
 }

@@ -297,25 +297,36 @@ static bool is_wanted(const struct neph_cli_comparison *asked, const json_t *ite
     return named;
 }
 
-/* The document with only what was asked for. */
-static json_t *select_wanted(const struct neph_cli_comparison *asked, json_t *document)
+/* Findings stand on several metrics; those of the wanted mask, and of no mask in particular. */
+static bool is_wanted_finding(const struct neph_cli_comparison *asked, const json_t *item)
 {
+    const char *mask = wanted_mask(asked);
+    return !mask || strcmp(mask, text_of(item, "mask")) == 0 ||
+           strcmp(text_of(item, "finding"), "half_life") == 0;
+}
+
+typedef bool wanted_function(const struct neph_cli_comparison *asked, const json_t *item);
+
+static void keep_wanted_rows(const struct neph_cli_comparison *asked, json_t *document,
+                             const char *key, wanted_function *wanted)
+{
+    const json_t *list = json_object_get(document, key);
+    if (!list)
+        return;
     json_t *kept = json_array();
-    const json_t *all = json_object_get(document, "measurements");
-    for (size_t i = 0; i < json_array_size(all); i++)
-        if (is_wanted(asked, json_array_get(all, i)))
-            json_array_append(kept, json_array_get(all, i));
-    json_object_set_new(document, "measurements", kept);
-    json_t *differences = json_array();
-    const json_t *versus = json_object_get(document, "versus");
-    for (size_t i = 0; i < json_array_size(versus); i++)
-        if (is_wanted(asked, json_array_get(versus, i)))
-            json_array_append(differences, json_array_get(versus, i));
-    if (versus)
-        json_object_set_new(document, "versus", differences);
-    else
-        json_decref(differences);
-    return kept;
+    for (size_t i = 0; i < json_array_size(list); i++)
+        if (wanted(asked, json_array_get(list, i)))
+            json_array_append(kept, json_array_get(list, i));
+    json_object_set_new(document, key, kept);
+}
+
+/* The document with only what was asked for. */
+static const json_t *select_wanted(const struct neph_cli_comparison *asked, json_t *document)
+{
+    keep_wanted_rows(asked, document, "measurements", is_wanted);
+    keep_wanted_rows(asked, document, "versus", is_wanted);
+    keep_wanted_rows(asked, document, "findings", is_wanted_finding);
+    return json_object_get(document, "measurements");
 }
 
 /* ---- output ---------------------------------------------------------------------------------- */
@@ -367,6 +378,17 @@ static void print_versus(const json_t *list, bool rings)
     }
 }
 
+static void print_findings(const json_t *list, bool rings)
+{
+    for (size_t i = 0; i < json_array_size(list); i++) {
+        const json_t *item = json_array_get(list, i);
+        if (rings || !is_detail(text_of(item, "mask")))
+            printf("%s of %s over '%s': %s: %s\n", text_of(item, "finding"),
+                   text_of(item, "quantity"), text_of(item, "mask"), text_of(item, "verdict"),
+                   text_of(item, "text"));
+    }
+}
+
 /* Of a sequence the table holds what is said of all its frames, if there is such a thing. */
 static void print_table(const json_t *document, bool rings, bool missing_too)
 {
@@ -383,14 +405,7 @@ static void print_table(const json_t *document, bool rings, bool missing_too)
             (rings || !is_detail(text_of(json_array_get(list, i), "mask"))))
             print_line(json_array_get(list, i), with_frame);
     print_versus(json_object_get(document, "versus"), rings);
-    const json_t *findings = json_object_get(document, "findings");
-    for (size_t i = 0; i < json_array_size(findings); i++) {
-        const json_t *item = json_array_get(findings, i);
-        if (rings || !is_detail(text_of(item, "mask")))
-            printf("%s of %s over '%s': %s: %s\n", text_of(item, "finding"),
-                   text_of(item, "quantity"), text_of(item, "mask"), text_of(item, "verdict"),
-                   text_of(item, "text"));
-    }
+    print_findings(json_object_get(document, "findings"), rings);
     const json_t *missing = json_object_get(document, "not_taken");
     for (size_t i = 0; missing_too && i < json_array_size(missing); i++) {
         const json_t *item = json_array_get(missing, i);
@@ -523,7 +538,7 @@ static enum neph_status check_limit(const json_t *list, const struct limit *limi
 /* ---- the run --------------------------------------------------------------------------------- */
 
 static enum neph_status print_all(const struct neph_cli_comparison *asked, json_t *document,
-                                  bool temporal, struct neph_diag *diag)
+                                  struct neph_diag *diag)
 {
     const json_t *list = select_wanted(asked, document);
     if (json_array_size(list) == 0 && asked->mask)
@@ -534,7 +549,7 @@ static enum neph_status print_all(const struct neph_cli_comparison *asked, json_
     if (asked->json)
         neph_cli_print_json(json_incref(document));
     else
-        print_table(document, asked->rings || asked->mask, asked->metric_count > 0 || temporal);
+        print_table(document, asked->rings || asked->mask, asked->metric_count > 0);
     return asked->csv ? write_csv(asked->csv, list, diag) : NEPH_OK;
 }
 
@@ -566,7 +581,7 @@ static enum neph_status add_versus(const struct neph_cli_comparison *asked,
     return status;
 }
 
-enum neph_status neph_cli_comparison_run(const struct neph_cli_comparison *asked, bool temporal,
+enum neph_status neph_cli_comparison_run(const struct neph_cli_comparison *asked,
                                          const struct neph_comparison *comparison,
                                          struct neph_diag *diag)
 {
@@ -583,7 +598,7 @@ enum neph_status neph_cli_comparison_run(const struct neph_cli_comparison *asked
     if (!document)
         return status;
     json_t *all = json_copy(json_object_get(document, "measurements"));
-    const enum neph_status printed = print_all(asked, document, temporal, status ? NULL : diag);
+    const enum neph_status printed = print_all(asked, document, status ? NULL : diag);
     status = status ? status : printed;
     for (int i = 0; i < asked->limit_count && !status; i++)
         status = check_limit(all, &limits[i], diag);

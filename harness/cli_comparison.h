@@ -40,9 +40,9 @@ enum neph_status neph_cli_comparison_prepare(const struct neph_cli_comparison *a
                                              struct neph_comparison *comparison,
                                              struct neph_diag *diag);
 
-/* Run it, `temporal` as above; print the results as a table or JSON, write the CSV, check the
+/* Run it; print the results as a table or JSON, write the CSV, check the
  * limits. */
-enum neph_status neph_cli_comparison_run(const struct neph_cli_comparison *asked, bool temporal,
+enum neph_status neph_cli_comparison_run(const struct neph_cli_comparison *asked,
                                          const struct neph_comparison *comparison,
                                          struct neph_diag *diag);
 

@@ -120,7 +120,7 @@ enum neph_status neph_cli_flicker(int argc, char **argv, struct neph_diag *diag)
     if (!status)
         status = split(&request, &comparison, diag);
     if (!status)
-        status = neph_cli_comparison_run(&request.shared, true, &comparison, diag);
+        status = neph_cli_comparison_run(&request.shared, &comparison, diag);
     neph_comparison_finish(&comparison);
     free(request.references.list);
     free(request.operands.list);

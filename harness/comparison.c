@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/comparison.h"
 
-#include "base/clock.h"
 #include "base/exr.h"
 #include "base/files.h"
 #include "base/interrupt.h"
@@ -275,13 +274,12 @@ static enum neph_status measure_all(struct work *work, struct neph_diag *diag)
     enum neph_status status = NEPH_OK;
     for (int frame = 0; frame < work->frame_count && !status; frame++) {
         const char *path = work->asked->test.paths[work->asked->warm_up_frames + frame];
-        const double start_s = neph_wall_s();
         neph_progress_begin(&progress, path);
         status = neph_interrupted() ? neph_fail(diag, NEPH_ERR_INTERRUPTED, "interrupted")
                                     : measure_frame(work, frame, diag);
         work->done_count += !status;
         if (!status)
-            neph_progress_step(&progress, path, "measured", neph_wall_s() - start_s);
+            neph_progress_tick(&progress, path);
     }
     neph_progress_end(&progress);
     return status;

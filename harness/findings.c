@@ -95,8 +95,7 @@ static void add_edge_ratio(const json_t *list, const char *quantity, json_t *out
                            "(p95 %.3g)",
                            ratio, edge_p95, other_p95);
     json_object_set_new(item, "value", json_real(ratio));
-    json_object_set_new(item, "interval",
-                        bounded ? json_pack("[f,f]", low, high) : json_null());
+    json_object_set_new(item, "interval", bounded ? json_pack("[f,f]", low, high) : json_null());
     json_array_append_new(out, item);
 }
 
@@ -138,11 +137,9 @@ static void add_half_life(const json_t *list, const char *quantity, json_t *out)
         json_array_append_new(out, finding("half_life", quantity, "all", "measured",
                                            "half-life after a step: %.3g frames (median)", frames));
     else
-        json_array_append_new(
-            out,
-            finding("half_life", quantity, "all", "not measured",
-                    "half-life: not measured; less flicker may have been bought with lag. Give "
-                    "a reference with a step and -s lag.step_frame=N"));
+        json_array_append_new(out, finding("half_life", quantity, "all", "not measured",
+                                           "less flicker may have been bought with lag: give "
+                                           "a reference with a step, and -s lag.step_frame=N"));
 }
 
 /* The masks, once each, in the order of the measurements. */

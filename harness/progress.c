@@ -36,6 +36,18 @@ void neph_progress_step(struct neph_progress *progress, const char *what, const 
             seconds);
 }
 
+void neph_progress_tick(struct neph_progress *progress, const char *what)
+{
+    static const double every_s = 10.0;
+    progress->done++;
+    const double elapsed_s = neph_wall_s() - progress->start_s;
+    if (progress->quiet || progress->terminal || elapsed_s - progress->told_s < every_s)
+        return;
+    progress->told_s = elapsed_s;
+    fprintf(stderr, "[%d/%d] %s (about %.0f s left)\n", progress->done, progress->total, what,
+            elapsed_s / progress->done * (progress->total - progress->done));
+}
+
 void neph_progress_end(const struct neph_progress *progress)
 {
     if (!progress->quiet && progress->terminal)

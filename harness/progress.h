@@ -11,7 +11,7 @@
 struct neph_progress {
     bool quiet, terminal;
     int done, total;
-    double start_s;
+    double start_s, told_s; /* of the last line of neph_progress_tick(), since the start */
 };
 
 struct neph_progress neph_progress_start(bool quiet, int total);
@@ -22,6 +22,9 @@ void neph_progress_begin(const struct neph_progress *progress, const char *what)
 /* A step is over; `outcome` is a word or two. */
 void neph_progress_step(struct neph_progress *progress, const char *what, const char *outcome,
                         double seconds);
+
+/* A step of many short ones is over: elsewhere than on a terminal a line every ten seconds. */
+void neph_progress_tick(struct neph_progress *progress, const char *what);
 
 /* Wipe the terminal's line. */
 void neph_progress_end(const struct neph_progress *progress);
