@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/scene_layers.h"
 
+#include "metrics/motion.h"
 #include "scenes/media.h"
 #include "scenes/solids.h"
 
@@ -153,6 +154,40 @@ static enum neph_status add_sun(const struct view *view, struct neph_image *imag
     return status;
 }
 
+/* ---- motion ---------------------------------------------------------------------------------- */
+
+static struct neph_motion_camera motion_camera(const struct neph_camera *camera)
+{
+    return (struct neph_motion_camera){
+        .position_m = {camera->position_m.x, camera->position_m.y, camera->position_m.z},
+        .right = {camera->right.x, camera->right.y, camera->right.z},
+        .up = {camera->up.x, camera->up.y, camera->up.z},
+        .forward = {camera->forward.x, camera->forward.y, camera->forward.z},
+        .vertical_fov_rad = camera->vertical_fov_rad,
+    };
+}
+
+static enum neph_status add_motion(const struct view *view, int frame, struct neph_image *image,
+                                   struct neph_diag *diag)
+{
+    const float *depth_m = neph_image_channel(image, "Z");
+    float *x_px = NULL, *y_px = NULL, *before_m = NULL;
+    if (!depth_m || view->scene->camera_key_count < 2 || neph_image_channel(image, "motion.x"))
+        return NEPH_OK;
+    const struct neph_camera camera_before = neph_scene_camera(view->scene, frame - 1);
+    const struct neph_motion_camera now = motion_camera(&view->camera);
+    const struct neph_motion_camera before = motion_camera(&camera_before);
+    enum neph_status status = neph_image_add_channel(image, "motion.x", &x_px, diag);
+    if (!status)
+        status = neph_image_add_channel(image, "motion.y", &y_px, diag);
+    if (!status)
+        status = neph_image_add_channel(image, "motion.depth", &before_m, diag);
+    if (!status)
+        status = neph_motion_of_depth(&now, &before, view->width_px, view->height_px, depth_m,
+                                      NEPH_MOTION_EYE_DEPTH, x_px, y_px, before_m, diag);
+    return status;
+}
+
 enum neph_status neph_scene_layers_add(const struct neph_scene *scene, int frame,
                                        struct neph_image *image, struct neph_diag *diag)
 {
@@ -163,5 +198,7 @@ enum neph_status neph_scene_layers_add(const struct neph_scene *scene, int frame
         status = add_thin(&view, image, diag);
     if (!status)
         status = add_sun(&view, image, diag);
+    if (!status)
+        status = add_motion(&view, frame, image, diag);
     return status;
 }

@@ -15,7 +15,7 @@
  *                         together. Only when the scene has media of that sort
  *   mask.thin             within 1 px of a solid marked thin, by the scene's own rays
  *   mask.sun              no solid, within 0.27 degrees (and half a pixel) of the sun
- *   motion.x, motion.y    from Z, of solids and sky, for frames after the first
+ *   motion.x, .y, .depth  from Z, of solids and sky, when the camera moves (metrics/motion.h)
  * The frame's own size and the shot's frame number are used. */
 enum neph_status neph_scene_layers_add(const struct neph_scene *scene, int frame,
                                        struct neph_image *image, struct neph_diag *diag);

@@ -10,6 +10,7 @@
 #include "harness/job.h"
 #include "harness/measure.h"
 #include "harness/progress.h"
+#include "harness/scene_layers.h"
 #include "harness/study.h"
 
 #include <math.h>
@@ -152,8 +153,8 @@ static json_t *difference_scale_json(const struct neph_scene *scene)
                      0.002);
 }
 
-static enum neph_status scene_document(const struct neph_scene *scene, json_t *frames,
-                                       json_t **document, struct neph_diag *diag)
+static enum neph_status scene_document(const struct neph_scene *scene, int frame_index,
+                                       json_t *frames, json_t **document, struct neph_diag *diag)
 {
     const json_t *truth = find_truth(frames);
     struct neph_viewing viewing = NEPH_VIEWING_DEFAULTS;
@@ -163,6 +164,8 @@ static enum neph_status scene_document(const struct neph_scene *scene, json_t *f
     if (truth)
         status = neph_exr_read(json_string_value(json_object_get(truth, "exr")), &truth_image,
                                diag);
+    if (truth_image)
+        status = neph_scene_layers_add(scene, frame_index, truth_image, diag);
     for (size_t i = 0; i < json_array_size(frames) && !status; i++) {
         json_t *frame = json_array_get(frames, i);
         status = measure_frame(frame, frame == truth ? NULL : truth_image, &viewing, diag);
@@ -184,6 +187,12 @@ static enum neph_status scene_document(const struct neph_scene *scene, json_t *f
     return *document ? NEPH_OK : neph_fail_memory(diag);
 }
 
+/* The frame that is rendered: the one that was asked for, or the last. */
+static int frame_of(const struct neph_validate_params *params, const struct neph_scene *scene)
+{
+    return params->frame < scene->frame_count ? params->frame : scene->frame_count - 1;
+}
+
 static struct neph_job job_of(const struct neph_validate_params *params, const struct field *field,
                               int index, const struct neph_scene *scene, uint64_t seed)
 {
@@ -195,8 +204,7 @@ static struct neph_job job_of(const struct neph_validate_params *params, const s
                  .settings = neph_settings_default(engine),
                  .width_px = params->width_px,
                  .height_px = params->height_px,
-                 .frame = params->frame < scene->frame_count ? params->frame
-                                                             : scene->frame_count - 1,
+                 .frame = frame_of(params, scene),
                  .layers = NEPH_LAYERS_ALL,
                  .seed = seed,
                  .time_limit_s = params->time_limit_s},
@@ -308,7 +316,7 @@ static enum neph_status run_scene(const struct neph_validate_params *params,
     if (!status)
         status = neph_attribute(frames, &attribution, diag);
     if (!status)
-        status = scene_document(scene, frames, document, diag);
+        status = scene_document(scene, frame_of(params, scene), frames, document, diag);
     if (!status && json_object_set(*document, "attribution", attribution) != 0)
         status = neph_fail_memory(diag);
     json_decref(attribution);

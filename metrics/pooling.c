@@ -386,21 +386,44 @@ static enum neph_status fill_table(struct table *table, int tile_count, struct n
     return NEPH_OK;
 }
 
+enum { PART_LANES = 16 };
+
+/* Add one key to a lane when it lies in low .. low + span. */
+__attribute__((always_inline)) static inline void add_key(uint32_t key, uint32_t low, uint32_t span,
+                                                          double *n, double *sum)
+{
+    const bool in = key - low <= span; /* unsigned: what is below low is far above */
+    const double value = neph_key_value(key);
+    *n += in ? 1.0 : 0.0;
+    *sum += in ? value : 0.0;
+}
+
+/* Number and sum of the keys low .. high among `count`. */
+NEPH_VECTOR static void add_part(const uint32_t *restrict keys, uint32_t count, uint32_t low,
+                                 uint32_t high, double *restrict n, double *restrict sum)
+{
+    double counts[PART_LANES] = {0.0}, sums[PART_LANES] = {0.0};
+    uint32_t i = 0;
+    for (; i + PART_LANES <= count; i += PART_LANES)
+        for (uint32_t l = 0; l < PART_LANES; l++)
+            add_key(keys[i + l], low, high - low, &counts[l], &sums[l]);
+    for (uint32_t l = 0; i + l < count; l++)
+        add_key(keys[i + l], low, high - low, &counts[l], &sums[l]);
+    for (int l = 0; l < PART_LANES; l++) {
+        *n += counts[l];
+        *sum += sums[l];
+    }
+}
+
 /* Fill the part columns of a metric: the keys low .. high of each tile. */
 static void count_part(struct table *table, const struct statistic *statistic, uint32_t low,
                        uint32_t high)
 {
     const struct gathered *set = table->set;
     for (int r = 0; r < table->row_count; r++) {
-        const uint32_t *keys = set->keys + set->first[table->tiles[r]];
-        const uint32_t count = set->counts[table->tiles[r]];
-        double n = 0.0, sum = 0.0;
-        for (uint32_t i = 0; i < count; i++) {
-            const bool in = keys[i] >= low && keys[i] <= high;
-            n += in ? 1.0 : 0.0;
-            sum += in ? neph_key_value(keys[i]) : 0.0;
-        }
-        double *row = table->rows + (size_t)r * (size_t)table->column_count;
+        const int tile = table->tiles[r];
+        double *row = table->rows + (size_t)r * (size_t)table->column_count, n = 0.0, sum = 0.0;
+        add_part(set->keys + set->first[tile], set->counts[tile], low, high, &n, &sum);
         row[statistic->part] = n;
         row[statistic->part_v] = sum;
     }

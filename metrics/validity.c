@@ -21,6 +21,7 @@ static const struct rule rules[] = {
     {"transmittance.", false, false},
     {"variance.", false, false},
     {"Z", true, false},
+    {"motion.depth", true, false},
 };
 
 static const struct rule *rule_of(const char *channel)
