@@ -411,7 +411,7 @@ static void find_phase_age(struct flicker *flicker)
                                 flicker->phase_pixel_count[k / NEPH_AGE_COUNT];
 }
 
-static enum neph_status find_values(struct flicker *flicker, struct neph_diag *diag)
+static enum neph_status allocate_maps(struct flicker *flicker, struct neph_diag *diag)
 {
     const size_t pixel_count = (size_t)flicker->width_px * (size_t)flicker->height_px;
     for (int map = 0; map < MAP_COUNT; map++) {
@@ -419,8 +419,7 @@ static enum neph_status find_values(struct flicker *flicker, struct neph_diag *d
         if (!flicker->values[map])
             return neph_fail_memory(diag);
     }
-    enum neph_status status = neph_parallel_rows(flicker->height_px, find_row, flicker, diag);
-    return status ? status : find_visible(flicker, diag);
+    return NEPH_OK;
 }
 
 static enum neph_status flicker_flush(void *state, struct neph_diag *diag)
@@ -429,7 +428,11 @@ static enum neph_status flicker_flush(void *state, struct neph_diag *diag)
     neph_flicker_watch_stop(&flicker->watch);
     if (flicker->watch.frames_seen < flicker->window.frame_count)
         return NEPH_OK;
-    enum neph_status status = find_values(flicker, diag);
+    enum neph_status status = allocate_maps(flicker, diag);
+    if (!status)
+        status = find_visible(flicker, diag);
+    if (!status)
+        status = neph_parallel_rows(flicker->height_px, find_row, flicker, diag);
     if (status)
         return status;
     find_phase_age(flicker);

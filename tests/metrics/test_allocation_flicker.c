@@ -1,0 +1,55 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Out of memory while flicker is taken: see tests/allocation.h.
+ */
+#include "tests/allocation.h"
+
+#include "metrics/extractors.h"
+
+enum { W = 21, H = 4, N = 16 };
+
+/* A whole life; the reference moves in frame `*context`, when more is needed. */
+static enum neph_status take_flicker(void *context, struct neph_diag *diag)
+{
+    const struct neph_extractor *extractor = &neph_extractor_flicker;
+    const int *moves_at = context;
+    static const float dark[W * H], bright[W * H] = {1.0f};
+    const struct neph_viewing viewing = NEPH_VIEWING_DEFAULTS;
+    const struct neph_settings settings = neph_options_default(extractor->options);
+    struct neph_frame_pair pair = {.quantity = neph_quantity_find("radiance"),
+                                   .width_px = W,
+                                   .height_px = H,
+                                   .plane_count = 3,
+                                   .reference = {dark, dark, dark},
+                                   .test = {dark, dark, dark},
+                                   .scene_mean = NAN,
+                                   .frame_count = N,
+                                   .viewing = &viewing};
+    void *state = __real_calloc(1, extractor->state_size);
+    assert_non_null(state);
+    enum neph_status status = extractor->init(state, &pair, &settings, diag);
+    for (int t = 0; t < N && !status; t++) {
+        pair.frame = t;
+        pair.reference[1] = t >= *moves_at ? bright : dark;
+        status = extractor->extract(state, &pair, diag);
+    }
+    if (!status)
+        status = extractor->flush(state, diag);
+    extractor->close(state);
+    free(state);
+    return status;
+}
+
+static void test_flicker(void **state)
+{
+    (void)state;
+    int never = N, later = 5;
+    assert_every_failure_is_told("flicker before a still reference", take_flicker, &never);
+    assert_every_failure_is_told("flicker before a moving reference", take_flicker, &later);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_flicker)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
