@@ -415,7 +415,7 @@ static enum neph_status allocate_maps(struct flicker *flicker, struct neph_diag 
 {
     const size_t pixel_count = (size_t)flicker->width_px * (size_t)flicker->height_px;
     for (int map = 0; map < MAP_COUNT; map++) {
-        flicker->values[map] = calloc(pixel_count, sizeof(double));
+        flicker->values[map] = neph_flicker_zeros(pixel_count);
         if (!flicker->values[map])
             return neph_fail_memory(diag);
     }

@@ -4,10 +4,12 @@
 #include "metrics/vector_math.h"
 
 #include <math.h>
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 
-enum { LANES = NEPH_FLICKER_LANES, CYCLE = NEPH_FLICKER_CYCLE };
+enum { LANES = NEPH_FLICKER_LANES, CYCLE = NEPH_FLICKER_CYCLE, HUGE_PAGE = 1 << 21 };
 
 struct neph_flicker_weights neph_flicker_weights_of(int first_frame, int frame_count)
 {
@@ -36,6 +38,20 @@ int neph_flicker_padded(int width_px)
     return (width_px + LANES - 1) / LANES * LANES;
 }
 
+/* In huge pages where the system has them: hundreds of megabytes are touched for the first time in
+ * the first few frames, which in small pages takes longer than the frames. calloc() itself does not
+ * touch what is fresh from the system. */
+double *neph_flicker_zeros(size_t count)
+{
+    double *zeros = calloc(count, sizeof(*zeros));
+    const uintptr_t begin = ((uintptr_t)zeros + HUGE_PAGE - 1) / HUGE_PAGE * HUGE_PAGE;
+    const uintptr_t end = ((uintptr_t)zeros + count * sizeof(*zeros)) / HUGE_PAGE * HUGE_PAGE;
+    if (zeros && begin < end)
+        madvise((void *)begin, end - begin,
+                MADV_HUGEPAGE); /* a wish; without it all is well, too */
+    return zeros;
+}
+
 enum neph_status neph_flicker_sums_begin(struct neph_flicker_sums *sums, int width_px,
                                          int height_px, bool brief, struct neph_diag *diag)
 {
@@ -46,7 +62,7 @@ enum neph_status neph_flicker_sums_begin(struct neph_flicker_sums *sums, int wid
         .sum_count = brief ? NEPH_FLICKER_BRIEF_COUNT : NEPH_FLICKER_SUM_COUNT,
     };
     const size_t pixel_count = (size_t)begun.padded_width_px * (size_t)height_px;
-    begun.values = calloc(pixel_count * (size_t)begun.sum_count, sizeof(*begun.values));
+    begun.values = neph_flicker_zeros(pixel_count * (size_t)begun.sum_count);
     if (!begun.values)
         return neph_fail_memory(diag);
     *sums = begun;

@@ -15,6 +15,7 @@
 #include "base/status.h"
 
 #include <stdbool.h>
+#include <stddef.h>
 
 enum neph_flicker_sum {
     /* Sum of v_t over the t of the same t mod 4. */
@@ -69,6 +70,9 @@ enum neph_status neph_flicker_sums_begin(struct neph_flicker_sums *sums, int wid
 void neph_flicker_sums_end(struct neph_flicker_sums *sums);
 
 int neph_flicker_padded(int width_px);
+
+/* Zeros for every pixel, for free(); NULL when memory is short. */
+double *neph_flicker_zeros(size_t count);
 
 /* Add cycles of four frames, which follow each other, to a row: `weights` for each cycle, `frames`
  * for each frame, rows of padded_width_px values. Rows are independent. */

@@ -26,7 +26,7 @@ struct frame_work {
 
 static double *allocate(int row_width, int row_count)
 {
-    return calloc((size_t)row_width * (size_t)row_count, sizeof(double));
+    return neph_flicker_zeros((size_t)row_width * (size_t)row_count);
 }
 
 static double *row_of(const struct neph_flicker_watch *watch, double *rows, int row)

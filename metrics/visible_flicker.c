@@ -2,6 +2,7 @@
 #include "metrics/visible_flicker.h"
 
 #include "base/threads.h"
+#include "metrics/flicker_sums.h"
 #include "metrics/vector_math.h"
 
 #include <math.h>
@@ -150,8 +151,8 @@ enum neph_status neph_visible_flicker(const struct neph_visible_flicker_params *
     enum neph_status status = make_filter(params->pixels_per_degree, &work.filter, diag);
     if (status)
         return status;
-    work.raw = malloc(row_count * raw_width(&work) * sizeof(*work.raw));
-    work.filtered = calloc(row_count * (size_t)params->width_px, sizeof(*work.filtered));
+    work.raw = neph_flicker_zeros(row_count * raw_width(&work));
+    work.filtered = neph_flicker_zeros(row_count * (size_t)params->width_px);
     status = work.raw && work.filtered ? NEPH_OK : neph_fail_memory(diag);
     if (!status)
         status = neph_parallel_rows(params->height_px, filter_along, &work, diag);
