@@ -159,6 +159,12 @@ NEPH_VECTOR static void squares_of(const float *reference, const float *test, si
     }
 }
 
+NEPH_VECTOR static void divide(double *values, size_t count, double divisor)
+{
+    for (size_t i = 0; i < count; i++)
+        values[i] /= divisor;
+}
+
 /* Pixels first_x .. end_x - 1 of a row, under one move. */
 static void add_moved(const struct neph_frame_pair *pair, int plane, int first_x, int end_x, int y,
                       struct move move, double *sum)
@@ -210,8 +216,7 @@ static void rows(const void *opaque, int map, int first_row, int row_count, doub
         for (int c = 0; map == MAP_AS_IS && c < pair->plane_count; c++)
             squares_of(pair->reference[c] + (size_t)y * width, pair->test[c] + (size_t)y * width,
                        width, row);
-        for (size_t x = 0; x < width; x++)
-            row[x] /= pair->plane_count;
+        divide(row, width, pair->plane_count);
     }
 }
 
