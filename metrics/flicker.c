@@ -51,7 +51,7 @@ static const struct neph_option options[] = {
                     "(0,0)(1,0)(0,1)(1,1), (0,0)(1,1)(1,0)(0,1)"},
     [FIRST_SLOT] = {"first_slot", NEPH_OPTION_INTEGER, 0.0, 0.0, 3.0, NULL,
                     "place in that order of the slot that is fresh in frame 0"},
-    [SLOT_PX] = {"slot_px", NEPH_OPTION_INTEGER, 1.0, 1.0, 64.0, NULL,
+    [SLOT_PX] = {"slot_px", NEPH_OPTION_INTEGER, 1.0, 1.0, 16.0, NULL,
                  "side of a slot [px]: 2 when tracing has half the resolution"},
     [CHECKERBOARD] = {"checkerboard", NEPH_OPTION_CHOICE, 0.0, 0.0, 0.0, checkerboard_choices,
                       "every other 2x2 of slots is one place ahead in the order"},

@@ -7,6 +7,8 @@
 
 bool neph_flicker_is_cyclic(const struct neph_flicker_spectrum *luma)
 {
+    if (luma->a4 <= NEPH_FLICKER_STEP && luma->a2 <= NEPH_FLICKER_STEP)
+        return false;
     const double alpha = neph_sidak_alpha(NEPH_FLICKER_ALPHA, 2);
     return (luma->a4 > NEPH_FLICKER_STEP && neph_flicker_quarter_p(luma) < alpha) ||
            (luma->a2 > NEPH_FLICKER_STEP && neph_flicker_half_p(luma) < alpha);

@@ -40,7 +40,7 @@ struct neph_flicker_watch {
     bool *reference_row_moved;
 };
 
-/* `frame_count` is a multiple of 4 and at least 8. After a failure neph_flicker_watch_end(), too.
+/* `frame_count` is a multiple of 4. After a failure neph_flicker_watch_end(), too.
  * NEPH_ERR_MEMORY. */
 enum neph_status neph_flicker_watch_begin(struct neph_flicker_watch *watch,
                                           const struct neph_frame_pair *first, int frame_count,
