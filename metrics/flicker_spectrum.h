@@ -9,6 +9,8 @@
 
 #include "metrics/flicker_sums.h"
 
+#include <stdbool.h>
+
 /* What is the same for all pixels.
  * The trend is the line of the least-squares fit of a line and a cycle of four frames together: a
  * line is then taken out wholly, and of a cycle nothing. (A line fitted alone also follows the

@@ -53,13 +53,13 @@ double *neph_flicker_zeros(size_t count)
 }
 
 enum neph_status neph_flicker_sums_begin(struct neph_flicker_sums *sums, int width_px,
-                                         int height_px, bool brief, struct neph_diag *diag)
+                                         int height_px, int sum_count, struct neph_diag *diag)
 {
     struct neph_flicker_sums begun = {
         .width_px = width_px,
         .height_px = height_px,
         .padded_width_px = neph_flicker_padded(width_px),
-        .sum_count = brief ? NEPH_FLICKER_BRIEF_COUNT : NEPH_FLICKER_SUM_COUNT,
+        .sum_count = sum_count,
     };
     const size_t pixel_count = (size_t)begun.padded_width_px * (size_t)height_px;
     begun.values = neph_flicker_zeros(pixel_count * (size_t)begun.sum_count);
@@ -131,11 +131,18 @@ static inline __attribute__((always_inline)) double greater(double a, double b)
 }
 
 static inline __attribute__((always_inline)) void
-add_spread(double *restrict cell, const double *restrict v0, const double *restrict v1,
-           const double *restrict v2, const double *restrict v3)
+add_squares(double *restrict cell, const double *restrict v0, const double *restrict v1,
+            const double *restrict v2, const double *restrict v3)
+{
+    for (int i = 0; i < LANES; i++)
+        SUM(NEPH_FLICKER_SQUARE) += v0[i] * v0[i] + v1[i] * v1[i] + v2[i] * v2[i] + v3[i] * v3[i];
+}
+
+static inline __attribute__((always_inline)) void
+add_moves(double *restrict cell, const double *restrict v0, const double *restrict v1,
+          const double *restrict v2, const double *restrict v3)
 {
     for (int i = 0; i < LANES; i++) {
-        SUM(NEPH_FLICKER_SQUARE) += v0[i] * v0[i] + v1[i] * v1[i] + v2[i] * v2[i] + v3[i] * v3[i];
         SUM(NEPH_FLICKER_LEAST) = lesser(SUM(NEPH_FLICKER_LEAST),
                                          lesser(lesser(v0[i], v1[i]), lesser(v2[i], v3[i])));
         SUM(NEPH_FLICKER_MOST) = greater(SUM(NEPH_FLICKER_MOST),
@@ -147,25 +154,26 @@ add_spread(double *restrict cell, const double *restrict v0, const double *restr
 }
 
 NEPH_VECTOR
-static void add_cycle(double *cell, bool brief, const struct neph_flicker_weights *weights,
+static void add_cycle(double *cell, int sum_count, const struct neph_flicker_weights *weights,
                       const double *v0, const double *v1, const double *v2, const double *v3)
 {
     add_brief(cell, weights, v0, v1, v2, v3);
-    if (brief)
+    if (sum_count < NEPH_FLICKER_VARIANCE_COUNT)
         return;
     add_bins(cell, weights, v0, v1, v2, v3);
-    add_spread(cell, v0, v1, v2, v3);
+    add_squares(cell, v0, v1, v2, v3);
+    if (sum_count == NEPH_FLICKER_SUM_COUNT)
+        add_moves(cell, v0, v1, v2, v3);
 }
 
 void neph_flicker_sums_add(struct neph_flicker_sums *sums, int row, int cycle_count,
                            const struct neph_flicker_weights *weights, const double *const *frames)
 {
-    const bool brief = sums->sum_count == NEPH_FLICKER_BRIEF_COUNT;
     for (int x = 0; x < sums->padded_width_px; x += LANES) {
         double *cell = cell_at(sums, x, row);
         for (int k = 0; k < cycle_count; k++) {
             const double *const *v = frames + CYCLE * k;
-            add_cycle(cell, brief, &weights[k], v[0] + x, v[1] + x, v[2] + x, v[3] + x);
+            add_cycle(cell, sums->sum_count, &weights[k], v[0] + x, v[1] + x, v[2] + x, v[3] + x);
         }
     }
 }
@@ -192,7 +200,7 @@ void neph_flicker_sums_of_ramp(int frame_count, double values[NEPH_FLICKER_LINEA
         for (int k = 0; k < CYCLE; k++)
             for (int i = 0; i < LANES; i++)
                 v[k][i] = (double)(t + k) - 0.5 * (double)(frame_count - 1);
-        add_cycle(cell, false, &weights, v[0], v[1], v[2], v[3]);
+        add_cycle(cell, NEPH_FLICKER_VARIANCE_COUNT, &weights, v[0], v[1], v[2], v[3]);
     }
     for (int s = 0; s < NEPH_FLICKER_LINEAR_COUNT; s++)
         values[s] = cell[s * LANES];

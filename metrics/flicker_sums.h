@@ -14,7 +14,6 @@
 
 #include "base/status.h"
 
-#include <stdbool.h>
 #include <stddef.h>
 
 enum neph_flicker_sum {
@@ -33,7 +32,8 @@ enum neph_flicker_sum {
     NEPH_FLICKER_HALF = NEPH_FLICKER_QUARTER + 8,
     NEPH_FLICKER_LINEAR_COUNT = NEPH_FLICKER_HALF + 4, /* up to here linear in v */
     NEPH_FLICKER_SQUARE = NEPH_FLICKER_LINEAR_COUNT,   /* sum of v_t^2 */
-    NEPH_FLICKER_LEAST,
+    NEPH_FLICKER_VARIANCE_COUNT,
+    NEPH_FLICKER_LEAST = NEPH_FLICKER_VARIANCE_COUNT,
     NEPH_FLICKER_MOST,
     NEPH_FLICKER_LAST,   /* v of the last frame so far */
     NEPH_FLICKER_TRAVEL, /* sum of |v_t - v_(t-1)| */
@@ -60,13 +60,14 @@ struct neph_flicker_weights neph_flicker_weights_of(int first_frame, int frame_c
 struct neph_flicker_sums {
     int width_px, height_px;
     int padded_width_px; /* a multiple of NEPH_FLICKER_LANES */
-    int sum_count;       /* of a pixel: all, or NEPH_FLICKER_BRIEF_COUNT */
+    int sum_count;       /* of a pixel: the first of enum neph_flicker_sum */
     double *values; /* by row, by NEPH_FLICKER_LANES of a row, by sum; owned; NULL: not begun */
 };
 
-/* Begin, all zero. `brief`: keep the first NEPH_FLICKER_BRIEF_COUNT alone. NEPH_ERR_MEMORY. */
+/* Begin, all zero. `sum_count`: which are kept, NEPH_FLICKER_BRIEF_COUNT (mean, cycle and trend),
+ * _VARIANCE_COUNT (the noise and the variance, too) or _SUM_COUNT. NEPH_ERR_MEMORY. */
 enum neph_status neph_flicker_sums_begin(struct neph_flicker_sums *sums, int width_px,
-                                         int height_px, bool brief, struct neph_diag *diag);
+                                         int height_px, int sum_count, struct neph_diag *diag);
 void neph_flicker_sums_end(struct neph_flicker_sums *sums);
 
 int neph_flicker_padded(int width_px);

@@ -41,13 +41,14 @@ static double *recent_of(const struct neph_flicker_watch *watch,
 }
 
 static enum neph_status let_move(const struct neph_flicker_watch *watch,
-                                 struct neph_flicker_signal *signal, bool brief,
+                                 struct neph_flicker_signal *signal, int sum_count,
                                  struct neph_diag *diag)
 {
     signal->recent = allocate(BLOCK * watch->padded_width_px, watch->height_px);
     if (!signal->recent)
         return neph_fail_memory(diag);
-    return neph_flicker_sums_begin(&signal->sums, watch->width_px, watch->height_px, brief, diag);
+    return neph_flicker_sums_begin(&signal->sums, watch->width_px, watch->height_px, sum_count,
+                                   diag);
 }
 
 static enum neph_status picture_begin(const struct neph_flicker_watch *watch,
@@ -59,11 +60,11 @@ static enum neph_status picture_begin(const struct neph_flicker_watch *watch,
 }
 
 static enum neph_status picture_let_move(const struct neph_flicker_watch *watch,
-                                         struct neph_flicker_picture *picture,
+                                         struct neph_flicker_picture *picture, int luma_sum_count,
                                          struct neph_diag *diag)
 {
-    enum neph_status status = let_move(watch, &picture->luma, false, diag);
-    return status ? status : let_move(watch, &picture->luminance, true, diag);
+    enum neph_status status = let_move(watch, &picture->luma, luma_sum_count, diag);
+    return status ? status : let_move(watch, &picture->luminance, NEPH_FLICKER_BRIEF_COUNT, diag);
 }
 
 static void forget_recent(struct neph_flicker_picture *picture)
@@ -202,7 +203,7 @@ static enum neph_status watch_reference(struct frame_work *work, struct neph_dia
         return status;
     forget_planes(watch);
     watch->reference_moves = true;
-    return picture_let_move(watch, &watch->reference, diag);
+    return picture_let_move(watch, &watch->reference, NEPH_FLICKER_VARIANCE_COUNT, diag);
 }
 
 /* At the last frame of a block, and of all: what the frames of the block are multiplied by. */
@@ -258,7 +259,7 @@ enum neph_status neph_flicker_watch_begin(struct neph_flicker_watch *watch,
         status = picture_begin(watch, &watch->reference, diag);
     if (!status)
         status = picture_begin(watch, &watch->test, diag);
-    return status ? status : picture_let_move(watch, &watch->test, diag);
+    return status ? status : picture_let_move(watch, &watch->test, NEPH_FLICKER_SUM_COUNT, diag);
 }
 
 void neph_flicker_watch_stop(struct neph_flicker_watch *watch)

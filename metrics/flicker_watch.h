@@ -6,7 +6,7 @@
  * luminance of the display is treated likewise, for what can be seen; and once the reference moves
  * it is summed up as well.
  *
- * Bytes per pixel while frames come: 388, and 332 more when the reference moves.
+ * Bytes per pixel while frames come: 388, and 300 more when the reference moves.
  */
 #ifndef NEPH_METRICS_FLICKER_WATCH_H
 #define NEPH_METRICS_FLICKER_WATCH_H

@@ -354,7 +354,8 @@ static void test_noise_is_not_called_cyclic(void **state)
     for (int run = 0; run < RUNS; run++) {
         struct neph_flicker_sums sums = {0};
         struct neph_diag diag = {0};
-        neph_assert_ok(neph_flicker_sums_begin(&sums, 16, 1, false, &diag), &diag);
+        neph_assert_ok(neph_flicker_sums_begin(&sums, 16, 1, NEPH_FLICKER_VARIANCE_COUNT, &diag),
+                       &diag);
         for (int t = 0; t < FRAMES; t += 4) {
             double rows[4][NEPH_FLICKER_LANES];
             const double *const frames[4] = {rows[0], rows[1], rows[2], rows[3]};
