@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * All extractors and masks of the tables, through the meter, at sizes that nobody thinks of and
- * with values that nobody wants: whatever comes out is a finite number within its range, or a
- * reason. New extractors and masks are tried without being named here.
+ * All extractors and masks of the tables, through the meter, at sizes that nobody thinks of, with
+ * values that nobody wants and settings at their ends: whatever comes out is a finite number within
+ * its range, or a reason. New extractors and masks are tried without being named here.
  */
 #include "tests/metrics/synthetic.h"
 #include "tests/neph_test.h"
@@ -370,6 +370,91 @@ static void test_bad_values_are_never_silent(void **state)
     neph_image_destroy(reference);
 }
 
+/* What stands beside the quantities: whatever is made of a bad value there is sane or not at all,
+ * and a mask is made of no bad value. */
+static void test_bad_values_in_further_layers(void **state)
+{
+    (void)state;
+    static const struct plant plants[] = {
+        {"motion.x", false, 3, 4, NAN},         {"motion.y", true, 9, 9, INFINITY},
+        {"volume.distance", false, 13, 7, NAN}, {"volume.distance", true, 13, 7, -INFINITY},
+        {"mask.card", false, 2, 2, NAN},
+    };
+    struct neph_image *reference = create(
+        (struct synthetic){PLANT_WIDTH, PLANT_HEIGHT, 0, 1, false, true});
+    struct setup setup = set_up(reference, true, true);
+    for (size_t i = 0; i < sizeof(plants) / sizeof(plants[0]); i++) {
+        struct neph_meter *meter = measure_planted(&setup, &plants[i], 24);
+        assert_all_sane(meter, PLANT_WIDTH, PLANT_HEIGHT);
+        assert_maps_sane(meter, &setup);
+        neph_meter_destroy(meter);
+    }
+    neph_image_channel(reference, "mask.cloud")[5] = NAN;
+    struct neph_mask *mask = NULL;
+    struct neph_diag diag = {0};
+    assert_int_equal(neph_mask_create(reference, "cloud", NULL, &mask, &diag), NEPH_ERR_GATE);
+    assert_null(mask);
+    tear_down(&setup);
+    neph_image_destroy(reference);
+}
+
+/* ---- settings -------------------------------------------------------------------------------- */
+
+/* One extractor, which may refuse its settings with a reason. */
+static void measure_with(const struct neph_extractor *extractor, struct neph_settings settings,
+                         struct neph_image *const reference[2], struct neph_image *const test[2])
+{
+    struct setup setup = set_up(reference[0], extractor->temporal, true);
+    setup.choices[0] = (struct neph_meter_choice){extractor, settings};
+    setup.choice_count = 1;
+    const int frame_count = extractor->temporal ? 24 : 1;
+    struct neph_meter *meter = start_meter(&setup, frame_count, false);
+    enum neph_status status = NEPH_OK;
+    struct neph_diag diag = {0};
+    for (int i = 0; i < frame_count && !status; i++)
+        status = neph_meter_frame(meter, reference[i % 2], NULL, test[i % 2], &diag);
+    if (!status)
+        status = neph_meter_finish(meter, &diag);
+    if (status && ((status != NEPH_ERR_USAGE && status != NEPH_ERR_INPUT) || !diag.message[0]))
+        fail_msg("%s: %s: %s", extractor->name, neph_status_name(status), diag.message);
+    if (!status)
+        assert_maps_sane(meter, &setup);
+    assert_all_sane(meter, reference[0]->width_px, reference[0]->height_px);
+    neph_meter_destroy(meter);
+    tear_down(&setup);
+}
+
+/* Each setting at its least and its largest, each word of a choice; the others as ever. */
+static void test_settings_at_their_ends(void **state)
+{
+    (void)state;
+    struct neph_image *reference[2], *test[2];
+    for (int i = 0; i < 2; i++) {
+        reference[i] = create((struct synthetic){21, 18, i, 1, false, true});
+        test[i] = create((struct synthetic){21, 18, i, 2, true, true});
+    }
+    for (int e = 0; e < neph_extractor_count(); e++) {
+        const struct neph_extractor *extractor = neph_extractor_at(e);
+        for (int o = 0; extractor->options[o].name; o++) {
+            const struct neph_option *option = &extractor->options[o];
+            struct neph_settings settings = synthetic_settings(extractor);
+            const bool is_choice = option->kind == NEPH_OPTION_CHOICE;
+            for (int w = 0; is_choice && option->choices[w]; w++) {
+                settings.values[o] = w;
+                measure_with(extractor, settings, reference, test);
+            }
+            for (int end = 0; !is_choice && end < 2; end++) {
+                settings.values[o] = end ? option->maximum : option->minimum;
+                measure_with(extractor, settings, reference, test);
+            }
+        }
+    }
+    for (int i = 0; i < 2; i++) {
+        neph_image_destroy(reference[i]);
+        neph_image_destroy(test[i]);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -377,6 +462,8 @@ int main(void)
         cmocka_unit_test(test_odd_sizes_of_sequences),
         cmocka_unit_test(test_flat_and_extreme_contents),
         cmocka_unit_test(test_bad_values_are_never_silent),
+        cmocka_unit_test(test_bad_values_in_further_layers),
+        cmocka_unit_test(test_settings_at_their_ends),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
