@@ -19,12 +19,14 @@
     model: "model: a real-time method under test",
   };
   const QUANTITIES = { radiance: "Radiance", transmittance: "Transmittance", depth: "Depth", volume: "Light of the medium alone" };
-  const MASKS = { all: "whole picture", sky: "sky", medium: "inside the medium", depth_edge: "at edges in depth", solid: "solids" };
+  const MASKS = { all: "whole picture", sky: "sky", medium: "inside the medium", depth_edge: "at edges in depth", solid: "solids",
+    non_edge: "away from edges in depth", thin: "thin objects", cloud: "clouds", fog: "fog", sun: "the sun" };
   const METRICS = {
     rel_bias: ["relative bias", "bias ÷ mean of the reference"],
     bias: ["bias", "mean of engine − reference"],
     rel_rmse: ["relative RMSE", "RMSE ÷ mean of the reference"],
     rel_mse: ["relative MSE", "mean of squared error ÷ squared reference"],
+    rel_mse_trimmed: ["relative MSE, trimmed", "without its largest 0.1\u00a0%"],
     rmse: ["RMSE", "root of the mean squared error"],
     mae: ["mean error", "mean of the absolute error"],
     max_abs: ["largest error", "in any one pixel"],
@@ -32,6 +34,22 @@
     p50: ["median error", "half of the pixels are better"],
     p95: ["95\u00a0% error", "one pixel in 20 is worse"],
     p99: ["99\u00a0% error", "one pixel in 100 is worse"],
+    stops_mean: ["mean error in stops", "factors of two of luminance"],
+    stops_p50: ["median error in stops", "half of the pixels are better"],
+    stops_p95: ["95\u00a0% error in stops", "one pixel in 20 is worse"],
+    pu_psnr: ["PU21 PSNR", "as a display of 100\u00a0cd/m² would show it; more is better"],
+    ssim_mean: ["SSIM", "likeness of structure, 1 is the same"],
+    ssim_p5: ["5\u00a0% SSIM", "one window in 20 is less alike"],
+    ms_ssim: ["MS-SSIM", "SSIM over five scales"],
+    rmse_shift1: ["RMSE, moved", "each block moved by up to 1\u00a0px as suits it best"],
+    shift_gain: ["moved ÷ still", "near 0: it is one pixel off; near 1: it is wrong"],
+    flip_mean: ["FLIP", "what an eye sees when the two alternate, 0 to 1"],
+    flip_wmedian: ["FLIP, weighted median", "half of all that is seen is worse"],
+    flip_p95: ["95\u00a0% FLIP", "one pixel in 20 is worse"],
+    flip_p99: ["99\u00a0% FLIP", "one pixel in 100 is worse"],
+    flip_max: ["largest FLIP", "in any one pixel"],
+    flip_wq1: ["FLIP, weighted quarter", "three quarters of all that is seen are worse"],
+    flip_wq3: ["FLIP, weighted three quarters", "a quarter of all that is seen is worse"],
     hit_mismatch: ["misses", "share of pixels that are sky in one picture alone"],
     non_finite: ["not finite", "pixels with NaN or infinity"],
     negative: ["negative", "pixels below zero"],
