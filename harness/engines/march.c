@@ -6,14 +6,12 @@
  * turns the validation layers on, and then any message fails the frame.
  */
 #include "harness/engines/engines.h"
+#include "harness/engines/vulkan_device.h"
 
 #include "base/clock.h"
 #include "renderer/march.h"
 
 #include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/resource.h>
 
 static const char *const modes[] = {"exact", "marched", NULL};
@@ -34,36 +32,6 @@ static const struct neph_option options[] = {
                           "steps per marched sun ray"},
     {.name = NULL},
 };
-
-static struct neph_vulkan_params device_params(void)
-{
-    const char *validation = getenv("NEPH_VULKAN_VALIDATION");
-    const char *device = getenv("NEPH_VULKAN_DEVICE");
-    return (struct neph_vulkan_params){
-        .validation = validation && strcmp(validation, "1") == 0,
-        .device = device && device[0] ? device : NULL,
-    };
-}
-
-static void probe(struct neph_engine_info *info)
-{
-    *info = (struct neph_engine_info){.available = false};
-    struct neph_diag diag = {.line = 0};
-    struct neph_vulkan *vulkan = NULL;
-    const struct neph_vulkan_params params = device_params();
-    if (neph_vulkan_create(&params, &vulkan, &diag)) {
-        snprintf(info->missing, sizeof(info->missing), "%s", diag.message);
-        snprintf(info->install_line, sizeof(info->install_line), "%.255s", diag.hint);
-        return;
-    }
-    const struct neph_vulkan_description description = neph_vulkan_describe(vulkan);
-    info->available = true;
-    snprintf(info->version, sizeof(info->version), "Vulkan %s, %.90s", description.api_version,
-             description.driver);
-    snprintf(info->device, sizeof(info->device), "%.100s, subgroup %u", description.device,
-             (unsigned)description.subgroup_size);
-    neph_vulkan_destroy(vulkan);
-}
 
 static enum neph_status label(struct neph_image *frame, const struct neph_march_stats *stats,
                               struct neph_diag *diag)
@@ -86,7 +54,7 @@ static enum neph_status render(enum neph_march_lighting lighting, const struct n
                                struct neph_diag *diag)
 {
     const double wall_start_s = neph_wall_s(), cpu_start_s = neph_cpu_s();
-    const struct neph_vulkan_params device = device_params();
+    const struct neph_vulkan_params device = neph_vulkan_device_params();
     const double *values = shot->settings.values;
     const struct neph_march_params params = {
         .width_px = shot->width_px,
@@ -147,7 +115,7 @@ const struct neph_engine neph_engine_march = {
     .options = options,
     .version = 1,
     .step = step,
-    .probe = probe,
+    .probe = neph_vulkan_probe,
     .can_render = can_render_single,
     .render = render_single,
 };
@@ -174,7 +142,7 @@ const struct neph_engine neph_engine_march_octaves = {
     .options = options,
     .version = 1,
     .step = step,
-    .probe = probe,
+    .probe = neph_vulkan_probe,
     .can_render = can_render_octaves,
     .render = render_octaves,
 };
@@ -201,7 +169,7 @@ const struct neph_engine neph_engine_march_horizon = {
     .options = options,
     .version = 1,
     .step = step,
-    .probe = probe,
+    .probe = neph_vulkan_probe,
     .can_render = can_render_horizon,
     .render = render_horizon,
 };

@@ -4,14 +4,12 @@
  * variables as engine `march`.
  */
 #include "harness/engines/engines.h"
+#include "harness/engines/vulkan_device.h"
 
 #include "base/clock.h"
 #include "renderer/tracer.h"
 
 #include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/resource.h>
 
 enum { OPTION_SAMPLES, OPTION_TARGET_ERROR, OPTION_TIME_LIMIT };
@@ -25,36 +23,6 @@ static const struct neph_option options[] = {
                            "stop in this time [s]; 0: never"},
     {.name = NULL},
 };
-
-static struct neph_vulkan_params device_params(void)
-{
-    const char *validation = getenv("NEPH_VULKAN_VALIDATION");
-    const char *device = getenv("NEPH_VULKAN_DEVICE");
-    return (struct neph_vulkan_params){
-        .validation = validation && strcmp(validation, "1") == 0,
-        .device = device && device[0] ? device : NULL,
-    };
-}
-
-static void probe(struct neph_engine_info *info)
-{
-    *info = (struct neph_engine_info){.available = false};
-    struct neph_diag diag = {.line = 0};
-    struct neph_vulkan *vulkan = NULL;
-    const struct neph_vulkan_params params = device_params();
-    if (neph_vulkan_create(&params, &vulkan, &diag)) {
-        snprintf(info->missing, sizeof(info->missing), "%s", diag.message);
-        snprintf(info->install_line, sizeof(info->install_line), "%.255s", diag.hint);
-        return;
-    }
-    const struct neph_vulkan_description description = neph_vulkan_describe(vulkan);
-    info->available = true;
-    snprintf(info->version, sizeof(info->version), "Vulkan %s, %.90s", description.api_version,
-             description.driver);
-    snprintf(info->device, sizeof(info->device), "%.100s, subgroup %u", description.device,
-             (unsigned)description.subgroup_size);
-    neph_vulkan_destroy(vulkan);
-}
 
 static enum neph_status label(struct neph_image *frame, const struct neph_tracer_stats *stats,
                               struct neph_diag *diag)
@@ -80,7 +48,7 @@ static enum neph_status render(const struct neph_shot *shot, struct neph_image *
                                struct neph_cost *cost, struct neph_diag *diag)
 {
     const double wall_start_s = neph_wall_s(), cpu_start_s = neph_cpu_s();
-    const struct neph_vulkan_params device = device_params();
+    const struct neph_vulkan_params device = neph_vulkan_device_params();
     const double *values = shot->settings.values;
     const struct neph_tracer_params params = {
         .width_px = shot->width_px,
@@ -133,7 +101,7 @@ const struct neph_engine neph_engine_tracer = {
     .bias = NULL,
     .options = options,
     .version = 4,
-    .probe = probe,
+    .probe = neph_vulkan_probe,
     .can_render = can_render,
     .render = render,
 };

@@ -1,0 +1,18 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The Vulkan device that our own engines run on, as the environment names it.
+ */
+#ifndef NEPH_HARNESS_ENGINES_VULKAN_DEVICE_H
+#define NEPH_HARNESS_ENGINES_VULKAN_DEVICE_H
+
+#include "harness/engine.h"
+#include "renderer/vulkan.h"
+
+/* NEPH_VULKAN_DEVICE: a part of the device's name. NEPH_VULKAN_VALIDATION=1: with the validation
+ * layers. The name is the environment's own string. */
+struct neph_vulkan_params neph_vulkan_device_params(void);
+
+/* neph_engine.probe of an engine that needs nothing but the device. */
+void neph_vulkan_probe(struct neph_engine_info *info);
+
+#endif
