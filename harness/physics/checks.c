@@ -97,10 +97,11 @@ int neph_check_count(void)
 
 static enum neph_stage_truth truth_of(const struct row *row)
 {
-    return row->rung == FURNACE   ? NEPH_STAGE_TRUTH_FURNACE
-           : row->rung == SINGLE  ? NEPH_STAGE_TRUTH_RAY
-           : row->rung == COLUMNS ? NEPH_STAGE_TRUTH_COLUMNS
-                                  : NEPH_STAGE_TRUTH_SLAB;
+    return row->rung == FURNACE      ? NEPH_STAGE_TRUTH_FURNACE
+           : row->rung == SINGLE     ? NEPH_STAGE_TRUTH_RAY
+           : row->rung == HALF_SPACE ? NEPH_STAGE_TRUTH_HALF_SPACE
+           : row->rung == COLUMNS    ? NEPH_STAGE_TRUTH_COLUMNS
+                                     : NEPH_STAGE_TRUTH_SLAB;
 }
 
 /* A frame 40 degrees high, half-way between the sun's side and across it. */

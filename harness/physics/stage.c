@@ -328,6 +328,15 @@ static double slab_radiance(const struct neph_stage *stage, struct neph_vec3 dir
     return sum / weights * NEPH_STAGE_IRRADIANCE_W_PER_M2;
 }
 
+/* Chandrasekhar, "Radiative Transfer", 1960: the law of diffuse reflection of a half-space. */
+static double half_space_radiance(const struct neph_stage *stage, struct neph_vec3 direction)
+{
+    const double albedo = stage->params.albedo, sun = stage->params.sun_cosine;
+    const double view = fabs(direction.y);
+    return NEPH_STAGE_IRRADIANCE_W_PER_M2 * albedo / (4.0 * M_PI) * sun / (view + sun) *
+           neph_chandrasekhar_h(albedo, view) * neph_chandrasekhar_h(albedo, sun);
+}
+
 static double column_radiance(const struct neph_stage *stage, struct neph_vec3 direction)
 {
     const struct neph_vec3 eye_m = stage->key.position_m;
@@ -357,6 +366,8 @@ double neph_stage_truth_w_per_m2_sr(const struct neph_stage *stage, struct neph_
         return slab_radiance(stage, direction);
     case NEPH_STAGE_TRUTH_RAY:
         return neph_transport_ray(&stage->scene, stage->key.position_m, direction).radiance.g;
+    case NEPH_STAGE_TRUTH_HALF_SPACE:
+        return half_space_radiance(stage, direction);
     case NEPH_STAGE_TRUTH_COLUMNS:
         return column_radiance(stage, direction);
     case NEPH_STAGE_TRUTH_FURNACE:
