@@ -222,10 +222,18 @@ static enum neph_status parse_viewing(const struct neph_cli_comparison *asked,
     return NEPH_OK;
 }
 
+/* ---- masks ----------------------------------------------------------------------------------- */
+
 /* A name of a mask has neither dot nor slash; the name of a picture has an extension. */
 static bool is_mask_name(const char *word)
 {
     return !strchr(word, '.') && !strchr(word, '/');
+}
+
+/* The mask that was asked for; NULL: all masks. */
+static const char *wanted_mask(const struct neph_cli_comparison *asked)
+{
+    return asked->mask && !is_mask_name(asked->mask) ? "file" : asked->mask;
 }
 
 static bool is_detail(const char *mask)
@@ -233,6 +241,57 @@ static bool is_detail(const char *mask)
     const struct neph_mask_kind *kind = neph_mask_kind_find(mask);
     return kind && kind->is_detail;
 }
+
+/* ---- limits ---------------------------------------------------------------------------------- */
+
+struct limit {
+    char quantity[32], metric[64], mask[NEPH_IMAGE_NAME_MAX];
+    double value;
+    bool below;
+};
+
+static enum neph_status parse_limit(const struct neph_cli_limit *written, struct limit *limit,
+                                    struct neph_diag *diag)
+{
+    char rest[64], *end;
+    const char *text = written->text, *colon = strchr(text, ':');
+    *limit = (struct limit){"radiance", "", "all", 0.0, written->below};
+    bool fits = !colon || (size_t)(colon - text) < sizeof(limit->quantity);
+    if (colon && fits)
+        snprintf(limit->quantity, sizeof(limit->quantity), "%.*s", (int)(colon - text), text);
+    const char *name = colon ? colon + 1 : text;
+    fits &= sscanf(name, "%63[^@=]@%63[^=]=%63s", limit->metric, limit->mask, rest) == 3 ||
+            sscanf(name, "%63[^@=]=%63s", limit->metric, rest) == 2;
+    if (!fits)
+        return neph_fail(diag, NEPH_ERR_USAGE, "limit '%s' is not [QUANTITY:]METRIC[@MASK]=LIMIT",
+                         text);
+    limit->value = strtod(rest, &end);
+    if (*end || !isfinite(limit->value) || limit->value < 0.0)
+        return neph_fail(diag, NEPH_ERR_USAGE, "limit '%s' is not a finite number >= 0", rest);
+    if (!neph_quantity_find(limit->quantity))
+        return neph_fail(diag, NEPH_ERR_USAGE, "limit '%s': there is no quantity '%s'", text,
+                         limit->quantity);
+    if (neph_metric_find(limit->metric, NULL))
+        return NEPH_OK;
+    neph_fail(diag, NEPH_ERR_USAGE, "limit '%s': there is no metric '%s'", text, limit->metric);
+    neph_hint(diag, "`neph metrics` lists them");
+    return NEPH_ERR_USAGE;
+}
+
+/* Who limits something wants it measured. */
+static enum neph_status choose_limited(struct neph_comparison *comparison,
+                                       const struct neph_cli_limit *written, struct neph_diag *diag)
+{
+    struct limit limit;
+    const struct neph_extractor *extractor = NULL;
+    enum neph_status status = parse_limit(written, &limit, diag);
+    if (!status && neph_metric_find(limit.metric, &extractor))
+        choose(comparison, extractor);
+    comparison->detail_masks |= !status && is_detail(limit.mask);
+    return status;
+}
+
+/* ---- all of it ------------------------------------------------------------------------------- */
 
 enum neph_status neph_cli_comparison_prepare(const struct neph_cli_comparison *asked, bool temporal,
                                              struct neph_comparison *comparison,
@@ -248,14 +307,17 @@ enum neph_status neph_cli_comparison_prepare(const struct neph_cli_comparison *a
     }
     for (int i = 0; i < asked->setting_count && !status; i++)
         status = apply_setting(comparison, asked->settings[i], diag);
+    for (int i = 0; i < asked->limit_count && !status; i++)
+        status = choose_limited(comparison, &asked->limits[i], diag);
     if (!status && asked->warm_up)
         status = neph_cli_parse_int("--warm-up", asked->warm_up, 0, 1000000,
                                     &comparison->warm_up_frames, diag);
     if (!status && asked->second)
         status = neph_sequence_find(1, &asked->second, &comparison->second, diag);
+    comparison->mask = wanted_mask(asked);
     if (asked->mask && !is_mask_name(asked->mask))
         comparison->mask_file = asked->mask;
-    comparison->detail_masks = temporal || asked->rings || (asked->mask && is_detail(asked->mask));
+    comparison->detail_masks |= temporal || asked->rings || (asked->mask && is_detail(asked->mask));
     comparison->maps_directory = asked->maps;
     comparison->frozen_is_fine = asked->frozen_is_fine;
     comparison->quiet = asked->quiet;
@@ -269,12 +331,6 @@ static const char *text_of(const json_t *item, const char *key)
 {
     const char *text = json_string_value(json_object_get(item, key));
     return text ? text : "";
-}
-
-/* The mask that was asked for; NULL: all masks. */
-static const char *wanted_mask(const struct neph_cli_comparison *asked)
-{
-    return asked->mask && !is_mask_name(asked->mask) ? "file" : asked->mask;
 }
 
 static bool is_wanted(const struct neph_cli_comparison *asked, const json_t *item)
@@ -390,7 +446,7 @@ static void print_findings(const json_t *list, bool rings)
 }
 
 /* Of a sequence the table holds what is said of all its frames, if there is such a thing. */
-static void print_table(const json_t *document, bool rings, bool missing_too)
+static void print_table(const json_t *document, bool rings)
 {
     const json_t *list = json_object_get(document, "measurements");
     bool has_overall = false;
@@ -407,7 +463,7 @@ static void print_table(const json_t *document, bool rings, bool missing_too)
     print_versus(json_object_get(document, "versus"), rings);
     print_findings(json_object_get(document, "findings"), rings);
     const json_t *missing = json_object_get(document, "not_taken");
-    for (size_t i = 0; missing_too && i < json_array_size(missing); i++) {
+    for (size_t i = 0; i < json_array_size(missing); i++) {
         const json_t *item = json_array_get(missing, i);
         printf("not taken: %s of %s: %s\n", text_of(item, "extractor"), text_of(item, "quantity"),
                text_of(item, "because"));
@@ -465,40 +521,7 @@ static enum neph_status write_csv(const char *path, const json_t *list, struct n
     return status;
 }
 
-/* ---- limits ---------------------------------------------------------------------------------- */
-
-struct limit {
-    char quantity[32], metric[64], mask[NEPH_IMAGE_NAME_MAX];
-    double value;
-    bool below;
-};
-
-static enum neph_status parse_limit(const struct neph_cli_limit *written, struct limit *limit,
-                                    struct neph_diag *diag)
-{
-    char rest[64], *end;
-    const char *text = written->text, *colon = strchr(text, ':');
-    *limit = (struct limit){"radiance", "", "all", 0.0, written->below};
-    bool fits = !colon || (size_t)(colon - text) < sizeof(limit->quantity);
-    if (colon && fits)
-        snprintf(limit->quantity, sizeof(limit->quantity), "%.*s", (int)(colon - text), text);
-    const char *name = colon ? colon + 1 : text;
-    fits &= sscanf(name, "%63[^@=]@%63[^=]=%63s", limit->metric, limit->mask, rest) == 3 ||
-            sscanf(name, "%63[^@=]=%63s", limit->metric, rest) == 2;
-    if (!fits)
-        return neph_fail(diag, NEPH_ERR_USAGE, "limit '%s' is not [QUANTITY:]METRIC[@MASK]=LIMIT",
-                         text);
-    limit->value = strtod(rest, &end);
-    if (*end || !isfinite(limit->value) || limit->value < 0.0)
-        return neph_fail(diag, NEPH_ERR_USAGE, "limit '%s' is not a finite number >= 0", rest);
-    if (!neph_quantity_find(limit->quantity))
-        return neph_fail(diag, NEPH_ERR_USAGE, "limit '%s': there is no quantity '%s'", text,
-                         limit->quantity);
-    if (!neph_metric_find(limit->metric, NULL))
-        return neph_fail(diag, NEPH_ERR_USAGE, "limit '%s': there is no metric '%s'", text,
-                         limit->metric);
-    return NEPH_OK;
-}
+/* ---- are the limits kept? -------------------------------------------------------------------- */
 
 static bool matches(const json_t *item, const struct limit *limit)
 {
@@ -507,32 +530,58 @@ static bool matches(const json_t *item, const struct limit *limit)
            strcmp(text_of(item, "mask"), limit->mask) == 0;
 }
 
-/* Every number of that name is held to the limit: of all frames, and of each. */
+/* " in frame N", or nothing for a number of all frames. */
+static void name_frame(const json_t *item, char *text, size_t size)
+{
+    const json_t *frame = json_object_get(item, "frame");
+    text[0] = '\0';
+    if (frame)
+        snprintf(text, size, " in frame %lld", (long long)json_integer_value(frame));
+}
+
+/* How far a value is beyond its limit; <= 0: it is not. */
+static double excess(const json_t *item, const struct limit *limit)
+{
+    const double size = fabs(json_number_value(json_object_get(item, "value")));
+    return limit->below ? limit->value - size : size - limit->value;
+}
+
+/* Every number of that name is held to the limit, of all frames and of each; the worst is named. */
 static enum neph_status check_limit(const json_t *list, const struct limit *limit,
                                     struct neph_diag *diag)
 {
-    bool found = false;
+    const json_t *worst = NULL;
+    int beyond_count = 0;
+    char where[32];
     for (size_t i = 0; i < json_array_size(list); i++) {
         const json_t *item = json_array_get(list, i);
-        const json_t *value = json_object_get(item, "value");
         if (!matches(item, limit))
             continue;
-        if (!json_is_number(value))
-            return neph_fail(diag, NEPH_ERR_GATE, "%s of %s over '%s' is not defined: %s",
-                             limit->metric, limit->quantity, limit->mask,
+        name_frame(item, where, sizeof(where));
+        if (!json_is_number(json_object_get(item, "value")))
+            return neph_fail(diag, NEPH_ERR_GATE, "%s of %s over '%s'%s is not defined: %s",
+                             limit->metric, limit->quantity, limit->mask, where,
                              text_of(item, "undefined_because"));
-        found = true;
-        const double size = fabs(json_number_value(value));
-        if (limit->below ? size < limit->value : size > limit->value)
-            return neph_fail(diag, NEPH_ERR_GATE, "%s of %s over '%s' is %.6g, %s the limit %g",
-                             limit->metric, limit->quantity, limit->mask, json_number_value(value),
-                             limit->below ? "below" : "above", limit->value);
+        beyond_count += excess(item, limit) > 0.0;
+        if (!worst || excess(item, limit) > excess(worst, limit))
+            worst = item;
     }
-    if (!found)
-        return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
-                         "%s of %s over '%s' was not measured of these images", limit->metric,
-                         limit->quantity, limit->mask);
-    return NEPH_OK;
+    if (!worst) {
+        neph_fail(diag, NEPH_ERR_UNSUPPORTED, "%s of %s over '%s' was not measured of these images",
+                  limit->metric, limit->quantity, limit->mask);
+        neph_hint(diag, "the images lack this quantity, the reference this mask, or see 'not "
+                        "taken' above");
+        return NEPH_ERR_UNSUPPORTED;
+    }
+    if (beyond_count == 0)
+        return NEPH_OK;
+    name_frame(worst, where, sizeof(where));
+    neph_fail(diag, NEPH_ERR_GATE, "%s of %s over '%s' is %.6g%s, %s the limit %g", limit->metric,
+              limit->quantity, limit->mask, json_number_value(json_object_get(worst, "value")),
+              where, limit->below ? "below" : "above", limit->value);
+    if (beyond_count > 1)
+        neph_hint(diag, "the worst of %d such numbers", beyond_count);
+    return NEPH_ERR_GATE;
 }
 
 /* ---- the run --------------------------------------------------------------------------------- */
@@ -549,7 +598,7 @@ static enum neph_status print_all(const struct neph_cli_comparison *asked, json_
     if (asked->json)
         neph_cli_print_json(json_incref(document));
     else
-        print_table(document, asked->rings || asked->mask, asked->metric_count > 0);
+        print_table(document, asked->rings || asked->mask);
     return asked->csv ? write_csv(asked->csv, list, diag) : NEPH_OK;
 }
 

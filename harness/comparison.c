@@ -98,6 +98,43 @@ static enum neph_status read_frames(struct work *work, int index, struct neph_di
     return NEPH_OK;
 }
 
+/* The channels of an image in one line, the first few of many. */
+static void list_channels(const struct neph_image *image, char *text, size_t size)
+{
+    enum { SHOWN_MAX = 8 };
+    size_t used = 0;
+    for (int c = 0; c < image->channel_count && c < SHOWN_MAX && used < size; c++)
+        used += (size_t)snprintf(text + used, size - used, " %s", image->channels[c].name);
+    if (image->channel_count > SHOWN_MAX && used < size)
+        snprintf(text + used, size - used, " ...");
+}
+
+static bool have_in_common(const struct neph_image *reference, const struct neph_image *test,
+                           const struct neph_quantity *quantity)
+{
+    const float *planes[3];
+    return neph_quantity_planes(quantity, reference, planes) &&
+           neph_quantity_planes(quantity, test, planes);
+}
+
+/* A comparison of nothing would pass every gate. */
+static enum neph_status check_channels(const struct neph_image *reference,
+                                       const struct neph_image *test, struct neph_diag *diag)
+{
+    char in_reference[160] = "", in_test[160] = "";
+    for (int q = 0; q < neph_quantity_count(); q++)
+        if (have_in_common(reference, test, neph_quantity_at(q)))
+            return NEPH_OK;
+    list_channels(reference, in_reference, sizeof(in_reference));
+    list_channels(test, in_test, sizeof(in_test));
+    neph_fail(diag, NEPH_ERR_INPUT,
+              "nothing can be compared: the channels of the reference are%s, of the test%s",
+              in_reference, in_test);
+    neph_hint(diag, "radiance is in channels R G B, or in Y alone when it is grey; `neph metrics "
+                    "--json` names all quantities");
+    return NEPH_ERR_INPUT;
+}
+
 /* ---- masks ----------------------------------------------------------------------------------- */
 
 /* Masks of the whole window: where any of its reference frames has them, so that a number is taken
@@ -129,6 +166,9 @@ static enum neph_status add_mask_of_file(struct work *work, struct neph_diag *di
         status = neph_mask_from_image(picture, "file", &work->masks[work->mask_count], diag);
     if (!status)
         work->mask_count++;
+    if (!status && work->masks[work->mask_count - 1]->pixel_count == 0)
+        status = neph_fail(diag, NEPH_ERR_INPUT, "the mask '%s' is empty: no pixel is above 0.5",
+                           work->asked->mask_file);
     neph_image_destroy(picture);
     return status;
 }
@@ -144,6 +184,27 @@ static enum neph_status make_masks(struct work *work, struct neph_diag *diag)
     if (!status && asked->mask_file)
         status = add_mask_of_file(work, diag);
     return status;
+}
+
+/* Said at the first frame, and not when all is measured. */
+static enum neph_status check_mask(const struct work *work, struct neph_diag *diag)
+{
+    char names[400] = "";
+    size_t used = 0;
+    for (int i = 0; i < work->mask_count; i++) {
+        const char *name = work->masks[i]->name;
+        if (!work->asked->mask || strcmp(name, work->asked->mask) == 0)
+            return NEPH_OK;
+        if (used < sizeof(names))
+            used += (size_t)snprintf(names + used, sizeof(names) - used, " %s", name);
+    }
+    neph_fail(diag, NEPH_ERR_UNSUPPORTED,
+              "nothing to measure over the mask '%s': the reference has no such pixels, or nothing "
+              "else, or lacks the layer that it is made from",
+              work->asked->mask);
+    neph_hint(diag, "masks of this reference:%s; `neph metrics --masks` says what each needs",
+              names);
+    return NEPH_ERR_UNSUPPORTED;
 }
 
 /* ---- maps ------------------------------------------------------------------------------------ */
@@ -235,7 +296,11 @@ static enum neph_status write_maps(struct work *work, int frame, struct neph_dia
 
 static enum neph_status start(struct work *work, struct neph_diag *diag)
 {
-    enum neph_status status = make_masks(work, diag);
+    enum neph_status status = check_channels(work->reference, work->test, diag);
+    if (!status)
+        status = make_masks(work, diag);
+    if (!status)
+        status = check_mask(work, diag);
     if (status)
         return status;
     const struct neph_meter_params params = {

@@ -58,6 +58,23 @@ static enum neph_status check(const char *path, const struct neph_image *image,
     return status;
 }
 
+/* Luminance alone is a grey picture, as in OpenEXR's own tools; with chroma (RY, BY) it is not. */
+static enum neph_status make_grey_rgb(struct neph_image *image, struct neph_diag *diag)
+{
+    static const char *const colour[] = {"R", "G", "B", "RY", "BY"};
+    float *rgb[3];
+    for (size_t c = 0; c < sizeof(colour) / sizeof(colour[0]); c++)
+        if (neph_image_channel(image, colour[c]))
+            return NEPH_OK;
+    if (!neph_image_channel(image, "Y"))
+        return NEPH_OK;
+    enum neph_status status = neph_image_add_rgb(image, NULL, rgb, diag);
+    for (int c = 0; c < 3 && !status; c++)
+        memcpy(rgb[c], neph_image_channel(image, "Y"),
+               neph_image_pixel_count(image) * sizeof(*rgb[c]));
+    return status;
+}
+
 enum neph_status neph_frame_read(const char *path, size_t negative_allowed,
                                  struct neph_image **image, struct neph_diag *diag)
 {
@@ -68,6 +85,8 @@ enum neph_status neph_frame_read(const char *path, size_t negative_allowed,
         status = format->read(path, &frame, diag);
     if (!status)
         status = check(path, frame, negative_allowed, diag);
+    if (!status)
+        status = make_grey_rgb(frame, diag);
     if (status)
         neph_image_destroy(frame);
     else

@@ -107,6 +107,31 @@ class Metrics(unittest.TestCase):
             self.assertEqual(done.returncode, code, (limit, done.stderr))
         self.assertEqual(neph("compare", reference, test, "--fail-below", "rmse=0.3").returncode, 1)
 
+    def test_a_limit_has_its_metric_measured_and_names_the_worst_frame(self):
+        reference = self.write("reference.exr", lambda x, y: 0.5, lambda x, y: 1.0 if x < 32 else 4.0)
+        for frame, value in enumerate((0.55, 0.9, 0.6)):
+            self.write(f"test/f.{frame}.exr", lambda x, y: value)
+        done = neph("compare", reference, self.folder / "test", "--metric", "mae", "--fail-above", "flip_mean=1e-6")
+        self.assertEqual((done.returncode, "in frame 1" in done.stderr, "worst of 4" in done.stderr), (1, True, True),
+                         done.stderr)
+        self.assertEqual(neph("compare", reference, self.folder / "test", "--fail-above", "mae@edge_near_1=1").returncode, 0)
+
+    def test_a_comparison_of_nothing_is_an_error(self):
+        def write(name, *channels):
+            path = self.folder / name
+            path.write_bytes(frames.exr_bytes(4, 4, {channel: [0.5] * 16 for channel in channels}))
+            return path
+        rgb, grey, other = write("rgb.exr", "R", "G", "B"), write("grey.exr", "Y"), write("other.exr", "left.R", "u")
+        for first, second in ((rgb, other), (other, rgb), (other, other)):
+            done = neph("compare", first, second)
+            self.assertEqual((done.returncode, done.stdout, "left.R u" in done.stderr), (65, "", True), done.stderr)
+        done = neph("compare", rgb, grey, "--metric", "mae", "--json")
+        self.assertEqual(values_of(done), {("mae", "all"): 0.0})
+        done = neph("compare", rgb, grey, "--mask", "skyy")
+        self.assertEqual((done.returncode, done.stdout, "masks of this reference: all;" in done.stderr), (2, "", True))
+        empty = self.write("empty.exr", lambda x, y: 0.0, width=4, height=4)
+        self.assertEqual(neph("compare", rgb, grey, "--mask", empty).returncode, 65)
+
     def test_pictures_are_decoded_from_srgb(self):
         for name, code in (("a.png", 0), ("b.png", 188)):
             (self.folder / name).write_bytes(frames.png_bytes(8, 8, [code] * 192))
