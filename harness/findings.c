@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/findings.h"
 
-#include "metrics/flicker_verdict.h"
-#include "metrics/two_seed.h"
+#include "metrics/extractors/flicker_verdict.h"
+#include "metrics/extractors/two_seed.h"
 
 #include <math.h>
 #include <stdarg.h>

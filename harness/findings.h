@@ -9,7 +9,7 @@
 
 /* From an array of measurements (harness/measure.h), over all frames where there are several: an
  * array of objects {"finding", "quantity", "mask", "verdict", "text", and the numbers}:
- *   flicker            cyclic | restless | calm, for each mask (metrics/flicker_verdict.h)
+ *   flicker            cyclic | restless | calm, for each mask (metrics/extractors/flicker_verdict.h)
  *   edge_ratio         a4_p95 at depth edges over that elsewhere, with both parts; its "interval"
  * is that of the one over that of the other: wider than 95 % reference_limited  the reference alone
  * flickers more than a third of what the test shows noise_floor        the error is below the noise

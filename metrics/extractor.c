@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "metrics/extractor.h"
 
-#include "metrics/extractors.h"
+#include "metrics/extractors/extractors.h"
 
 #include <string.h>
 

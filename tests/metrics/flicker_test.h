@@ -8,7 +8,7 @@
 
 #include "tests/metrics/extractor_test.h"
 
-#include "metrics/extractors.h"
+#include "metrics/extractors/extractors.h"
 
 /* ---- sequences ------------------------------------------------------------------------------- */
 

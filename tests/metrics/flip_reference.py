@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
 """FLIP a second time, with numpy and scipy-free 2-D kernels, written from the two papers' formulas
-and not from metrics/flip.c: no separation, no tiles, no opponents, published YCxCz in full.
+and not from metrics/extractors/flip.c: no separation, no tiles, no opponents, published YCxCz in full.
 
     python3 tests/metrics/flip_reference.py > tests/metrics/flip_reference.h
 

@@ -4,7 +4,7 @@
  */
 #include "tests/allocation.h"
 
-#include "metrics/extractors.h"
+#include "metrics/extractors/extractors.h"
 
 enum { W = 21, H = 4, N = 16 };
 

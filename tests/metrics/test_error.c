@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * Errors of tiny images worked out by hand. All inputs are exact in float; the decimal numbers were
- * computed in rational arithmetic from the definitions in metrics/error.h.
+ * computed in rational arithmetic from the definitions in metrics/extractors/error.c.
  */
 #include "tests/metrics/metrics_test.h"
 

@@ -5,11 +5,11 @@
  */
 #include "tests/metrics/flicker_test.h"
 
-#include "metrics/display_luma.h"
-#include "metrics/flicker_spectrum.h"
-#include "metrics/flicker_verdict.h"
-#include "metrics/phase_age.h"
-#include "metrics/visible_flicker.h"
+#include "metrics/extractors/display_luma.h"
+#include "metrics/extractors/flicker_spectrum.h"
+#include "metrics/extractors/flicker_verdict.h"
+#include "metrics/extractors/phase_age.h"
+#include "metrics/extractors/visible_flicker.h"
 
 #include <sched.h>
 

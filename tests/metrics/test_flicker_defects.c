@@ -4,7 +4,7 @@
  */
 #include "tests/metrics/flicker_test.h"
 
-#include "metrics/flicker_verdict.h"
+#include "metrics/extractors/flicker_verdict.h"
 #include "metrics/mask.h"
 #include "metrics/meter.h"
 

@@ -5,8 +5,8 @@
  */
 #include "tests/metrics/extractor_test.h"
 
-#include "metrics/extractors.h"
-#include "metrics/flip.h"
+#include "metrics/extractors/extractors.h"
+#include "metrics/extractors/flip.h"
 #include "metrics/meter.h"
 
 #include <float.h>

@@ -4,7 +4,7 @@
  */
 #include "tests/metrics/metrics_test.h"
 
-#include "metrics/extractors.h"
+#include "metrics/extractors/extractors.h"
 
 enum { WIDTH = 200, HEIGHT = 180, FENCE_STEP = 25 };
 

@@ -6,11 +6,11 @@
 
 #include "tests/metrics/image_reference.h"
 
-#include "metrics/code_value.h"
-#include "metrics/extractors.h"
-#include "metrics/ms_ssim.h"
+#include "metrics/extractors/code_value.h"
+#include "metrics/extractors/extractors.h"
+#include "metrics/extractors/ms_ssim.h"
 #include "metrics/statistics.h"
-#include "metrics/two_seed.h"
+#include "metrics/extractors/two_seed.h"
 
 /* Both sides sum a few hundred thousand terms in double precision; nothing else is approximate but
  * the table of code values, which is held to its own bound below. */

@@ -4,7 +4,7 @@
  */
 #include "tests/metrics/extractor_test.h"
 
-#include "metrics/extractors.h"
+#include "metrics/extractors/extractors.h"
 
 enum { WIDTH = 7, HEIGHT = 5, PIXELS = WIDTH * HEIGHT };
 

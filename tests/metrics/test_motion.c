@@ -5,7 +5,7 @@
  */
 #include "tests/metrics/extractor_test.h"
 
-#include "metrics/extractors.h"
+#include "metrics/extractors/extractors.h"
 #include "metrics/meter.h"
 #include "metrics/motion.h"
 

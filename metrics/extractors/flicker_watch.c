@@ -1,0 +1,279 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * A block of frames is buffered before the sums are touched: the sums are most of the memory, and
+ * to go through them is most of the time that the encoding leaves.
+ */
+#include "metrics/extractors/flicker_watch.h"
+
+#include "base/threads.h"
+#include "metrics/extractors/display_luma.h"
+#include "metrics/vector_math.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { CYCLE = NEPH_FLICKER_CYCLE, BLOCK = 2 * CYCLE };
+
+/* What the rows of one frame need. */
+struct frame_work {
+    struct neph_flicker_watch *watch;
+    const struct neph_frame_pair *pair;
+    int t;           /* since the warm-up */
+    int cycle_count; /* to add up after this frame: 0, but at the end of a block and of all */
+    struct neph_flicker_weights weights[BLOCK / CYCLE];
+};
+
+static double *allocate(int row_width, int row_count)
+{
+    return neph_flicker_zeros((size_t)row_width * (size_t)row_count);
+}
+
+static double *row_of(const struct neph_flicker_watch *watch, double *rows, int row)
+{
+    return rows + (size_t)row * (size_t)watch->padded_width_px;
+}
+
+static double *recent_of(const struct neph_flicker_watch *watch,
+                         const struct neph_flicker_signal *signal, int row, int t)
+{
+    return row_of(watch, signal->recent, BLOCK * row + t % BLOCK);
+}
+
+static enum neph_status let_move(const struct neph_flicker_watch *watch,
+                                 struct neph_flicker_signal *signal, int sum_count,
+                                 struct neph_diag *diag)
+{
+    signal->recent = allocate(BLOCK * watch->padded_width_px, watch->height_px);
+    if (!signal->recent)
+        return neph_fail_memory(diag);
+    return neph_flicker_sums_begin(&signal->sums, watch->width_px, watch->height_px, sum_count,
+                                   diag);
+}
+
+static enum neph_status picture_begin(const struct neph_flicker_watch *watch,
+                                      struct neph_flicker_picture *picture, struct neph_diag *diag)
+{
+    picture->luma.first = allocate(watch->padded_width_px, watch->height_px);
+    picture->luminance.first = allocate(watch->padded_width_px, watch->height_px);
+    return picture->luma.first && picture->luminance.first ? NEPH_OK : neph_fail_memory(diag);
+}
+
+static enum neph_status picture_let_move(const struct neph_flicker_watch *watch,
+                                         struct neph_flicker_picture *picture, int luma_sum_count,
+                                         struct neph_diag *diag)
+{
+    enum neph_status status = let_move(watch, &picture->luma, luma_sum_count, diag);
+    return status ? status : let_move(watch, &picture->luminance, NEPH_FLICKER_BRIEF_COUNT, diag);
+}
+
+static void forget_recent(struct neph_flicker_picture *picture)
+{
+    free(picture->luma.recent);
+    free(picture->luminance.recent);
+    picture->luma.recent = picture->luminance.recent = NULL;
+}
+
+static void picture_end(struct neph_flicker_picture *picture)
+{
+    forget_recent(picture);
+    free(picture->luma.first);
+    free(picture->luminance.first);
+    neph_flicker_sums_end(&picture->luma.sums);
+    neph_flicker_sums_end(&picture->luminance.sums);
+}
+
+static void forget_planes(struct neph_flicker_watch *watch)
+{
+    for (int c = 0; c < 3; c++) {
+        free(watch->reference_planes[c]);
+        watch->reference_planes[c] = NULL;
+    }
+}
+
+/* ---- a frame --------------------------------------------------------------------------------- */
+
+static size_t plane_row(const struct neph_flicker_watch *watch, int row)
+{
+    return (size_t)row * (size_t)watch->width_px;
+}
+
+/* By value: a caller may well read every frame into the same memory. */
+static void compare_reference(int row, void *context)
+{
+    const struct frame_work *work = context;
+    struct neph_flicker_watch *watch = work->watch;
+    const size_t begin = plane_row(watch, row);
+    const size_t size = (size_t)watch->width_px * sizeof(float);
+    bool same = true;
+    for (int c = 0; c < 3 && same; c++)
+        same = memcmp(work->pair->reference[c] + begin, watch->reference_planes[c] + begin, size) ==
+               0;
+    watch->reference_row_moved[row] = !same;
+}
+
+static void convert(const struct neph_flicker_watch *watch, const float *const planes[3], int row,
+                    double *luma, double *luminance)
+{
+    const size_t begin = plane_row(watch, row);
+    const float *const rows[3] = {planes[0] + begin, planes[1] + begin, planes[2] + begin};
+    neph_display_luma(rows, (size_t)watch->width_px, watch->gain, luma, luminance);
+}
+
+static void look_at_first(int row, void *context)
+{
+    const struct frame_work *work = context;
+    struct neph_flicker_watch *watch = work->watch;
+    convert(watch, work->pair->test, row, row_of(watch, watch->test.luma.first, row),
+            row_of(watch, watch->test.luminance.first, row));
+    convert(watch, work->pair->reference, row, row_of(watch, watch->reference.luma.first, row),
+            row_of(watch, watch->reference.luminance.first, row));
+    const size_t begin = plane_row(watch, row);
+    for (int c = 0; c < 3; c++)
+        memcpy(watch->reference_planes[c] + begin, work->pair->reference[c] + begin,
+               (size_t)watch->width_px * sizeof(float));
+}
+
+NEPH_VECTOR
+static void subtract(double *restrict values, const double *restrict others, int count)
+{
+    for (int i = 0; i < count; i++)
+        values[i] -= others[i];
+}
+
+/* A row of a picture as its difference to frame 0. */
+static void look_at_picture(const struct frame_work *work, struct neph_flicker_picture *picture,
+                            const float *const planes[3], int row)
+{
+    const struct neph_flicker_watch *watch = work->watch;
+    double *luma = recent_of(watch, &picture->luma, row, work->t);
+    double *luminance = recent_of(watch, &picture->luminance, row, work->t);
+    convert(watch, planes, row, luma, luminance);
+    subtract(luma, row_of(watch, picture->luma.first, row), watch->width_px);
+    subtract(luminance, row_of(watch, picture->luminance.first, row), watch->width_px);
+}
+
+static void take_out(const struct frame_work *work, struct neph_flicker_signal *test,
+                     const struct neph_flicker_signal *reference, int row)
+{
+    subtract(recent_of(work->watch, test, row, work->t),
+             recent_of(work->watch, reference, row, work->t), work->watch->width_px);
+}
+
+static void add_cycles(const struct frame_work *work, struct neph_flicker_signal *signal, int row)
+{
+    const double *frames[BLOCK];
+    for (int k = 0; k < BLOCK; k++)
+        frames[k] = recent_of(work->watch, signal, row, k);
+    neph_flicker_sums_add(&signal->sums, row, work->cycle_count, work->weights, frames);
+}
+
+static void look_at_row(int row, void *context)
+{
+    const struct frame_work *work = context;
+    struct neph_flicker_watch *watch = work->watch;
+    struct neph_flicker_picture *test = &watch->test, *reference = &watch->reference;
+    look_at_picture(work, test, work->pair->test, row);
+    if (watch->reference_moves) {
+        look_at_picture(work, reference, work->pair->reference, row);
+        take_out(work, &test->luma, &reference->luma, row);
+        take_out(work, &test->luminance, &reference->luminance, row);
+    }
+    if (work->cycle_count == 0)
+        return;
+    add_cycles(work, &test->luma, row);
+    add_cycles(work, &test->luminance, row);
+    if (watch->reference_moves) {
+        add_cycles(work, &reference->luma, row);
+        add_cycles(work, &reference->luminance, row);
+    }
+}
+
+/* Whether the reference is another than in frame 0; from then on it is taken to move. */
+static enum neph_status watch_reference(struct frame_work *work, struct neph_diag *diag)
+{
+    struct neph_flicker_watch *watch = work->watch;
+    if (watch->reference_moves)
+        return NEPH_OK;
+    enum neph_status status = neph_parallel_rows(watch->height_px, compare_reference, work, diag);
+    bool moved = false;
+    for (int row = 0; row < watch->height_px && !status; row++)
+        moved = moved || watch->reference_row_moved[row];
+    if (status || !moved)
+        return status;
+    forget_planes(watch);
+    watch->reference_moves = true;
+    return picture_let_move(watch, &watch->reference, NEPH_FLICKER_VARIANCE_COUNT, diag);
+}
+
+/* At the last frame of a block, and of all: what the frames of the block are multiplied by. */
+static void weigh(struct frame_work *work)
+{
+    const int frame_count = work->watch->frame_count;
+    if ((work->t + 1) % BLOCK != 0 && work->t + 1 != frame_count)
+        return;
+    const int first = work->t / BLOCK * BLOCK;
+    work->cycle_count = (work->t + 1 - first) / CYCLE;
+    for (int k = 0; k < work->cycle_count; k++)
+        work->weights[k] = neph_flicker_weights_of(first + CYCLE * k, frame_count);
+}
+
+enum neph_status neph_flicker_watch_frame(struct neph_flicker_watch *watch,
+                                          const struct neph_frame_pair *pair, int t,
+                                          struct neph_diag *diag)
+{
+    struct frame_work work = {.watch = watch, .pair = pair, .t = t};
+    weigh(&work);
+    enum neph_status status = t == 0
+                                  ? neph_parallel_rows(watch->height_px, look_at_first, &work, diag)
+                                  : watch_reference(&work, diag);
+    if (!status)
+        status = neph_parallel_rows(watch->height_px, look_at_row, &work, diag);
+    if (!status)
+        watch->frames_seen++;
+    return status;
+}
+
+/* ---- the life -------------------------------------------------------------------------------- */
+
+enum neph_status neph_flicker_watch_begin(struct neph_flicker_watch *watch,
+                                          const struct neph_frame_pair *first, int frame_count,
+                                          struct neph_diag *diag)
+{
+    const size_t pixel_count = (size_t)first->width_px * (size_t)first->height_px;
+    *watch = (struct neph_flicker_watch){
+        .width_px = first->width_px,
+        .height_px = first->height_px,
+        .padded_width_px = neph_flicker_padded(first->width_px),
+        .gain = exp2(first->viewing->exposure_ev),
+        .frame_count = frame_count,
+        .reference_row_moved = calloc((size_t)first->height_px, sizeof(bool)),
+    };
+    bool complete = watch->reference_row_moved;
+    for (int c = 0; c < 3; c++) {
+        watch->reference_planes[c] = calloc(pixel_count, sizeof(float));
+        complete = complete && watch->reference_planes[c];
+    }
+    enum neph_status status = complete ? NEPH_OK : neph_fail_memory(diag);
+    if (!status)
+        status = picture_begin(watch, &watch->reference, diag);
+    if (!status)
+        status = picture_begin(watch, &watch->test, diag);
+    return status ? status : picture_let_move(watch, &watch->test, NEPH_FLICKER_SUM_COUNT, diag);
+}
+
+void neph_flicker_watch_stop(struct neph_flicker_watch *watch)
+{
+    forget_recent(&watch->test);
+    forget_recent(&watch->reference);
+    forget_planes(watch);
+}
+
+void neph_flicker_watch_end(struct neph_flicker_watch *watch)
+{
+    neph_flicker_watch_stop(watch);
+    picture_end(&watch->test);
+    picture_end(&watch->reference);
+    free(watch->reference_row_moved);
+    *watch = (struct neph_flicker_watch){0};
+}

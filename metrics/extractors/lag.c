@@ -1,0 +1,338 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * How long a renderer takes to follow a step of the scene: sun switched, card removed. The camera
+ * stands still, the reference steps from one frame to the next at `step_frame`.
+ *
+ * On the luminance Y of linear data, with Y_old the reference in the frame before the step and
+ * n = 1, 2, ... the frames from the step on:
+ *   s(n) = (test(n) - reference(n)) / (Y_old - reference(1)),  q = |s|
+ * s(0) is taken with the test of the frame before the step and reference(1); it is 1 when the test
+ * had settled. An exponential average with the weight alpha has q(n) = (1 - alpha)^n.
+ *
+ * A time is that of the last crossing: from there to the end of the sequence q stays at or below
+ * the limit. Between frames log q is linear, which is exact for an exponential average (s is linear
+ * where it changes its sign). A pixel that has not settled when the sequence ends counts with all
+ * its frames, which is too few: the shares of such pixels are reported beside.
+ */
+#include "metrics/extractors/extractors.h"
+
+#include "base/threads.h"
+#include "metrics/statistics.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+enum { RESIDUAL_FRAME = 16, PHASE_COUNT = 4, LIMIT_COUNT = 3 };
+
+static const double limits[LIMIT_COUNT] = {0.5, 0.1, 0.01};
+
+/* Of the display, in encoded values: a smaller step cannot be shown in 8 bits. */
+static const double step_floor = 1.0 / 255.0;
+
+enum map { HALF_LIFE, TO_10, TO_1, OVERSHOOT, RESIDUAL, UNSETTLED, MAP_COUNT };
+
+static const char no_step[] =
+    "no pixel of the mask steps by 1/255 of display luma in the reference at step_frame";
+static const char too_short[] =
+    "fewer than 16 frames since the step, or no pixel of the mask steps at step_frame";
+
+static const struct neph_map maps[MAP_COUNT] = {
+    [HALF_LIFE] = {"half_life", "frame", 1, false, 16.0, no_step},
+    [TO_10] = {"frames_to_10", "frame", 1, false, 64.0, no_step},
+    [TO_1] = {"frames_to_1", "frame", 1, false, 128.0, no_step},
+    [OVERSHOOT] = {"overshoot", "1", 1, false, 1.0, no_step},
+    [RESIDUAL] = {"residual_16", "1", 1, false, 1.0, too_short},
+    [UNSETTLED] = {NULL, "1", 1, false, 0.0, no_step},
+};
+
+static const struct neph_metric metrics[] = {
+    {"half_life_p50", "frame", 0, INFINITY, NEPH_POOL_PERCENTILE, 0.50, HALF_LIFE, 0,
+     "median of the frames until at most half of the step is left"},
+    {"half_life_p95", "frame", 0, INFINITY, NEPH_POOL_PERCENTILE, 0.95, HALF_LIFE, 0,
+     "95th percentile of the frames until at most half of the step is left"},
+    {"half_life_mean", "frame", 0, INFINITY, NEPH_POOL_MEAN, 0, HALF_LIFE, 0,
+     "mean of the frames until at most half of the step is left"},
+    {"frames_to_10_p95", "frame", 0, INFINITY, NEPH_POOL_PERCENTILE, 0.95, TO_10, 0,
+     "95th percentile of the frames until at most 10 % of the step is left"},
+    {"frames_to_1_p95", "frame", 0, INFINITY, NEPH_POOL_PERCENTILE, 0.95, TO_1, 0,
+     "95th percentile of the frames until at most 1 % of the step is left"},
+    {"overshoot_max", "1", 0, INFINITY, NEPH_POOL_MAX, 0, OVERSHOOT, 0,
+     "farthest that the test goes beyond the reference, in steps"},
+    {"residual_16_mean", "1", 0, INFINITY, NEPH_POOL_MEAN, 0, RESIDUAL, 0,
+     "mean of what is left of the step in its 16th frame"},
+    {"share_unsettled", "1", 0, 1, NEPH_POOL_SHARE_ABOVE, 2.5, UNSETTLED, 0,
+     "share of pixels with more than half of the step left at the end: their half-life is too low"},
+    {"share_unsettled_10", "1", 0, 1, NEPH_POOL_SHARE_ABOVE, 1.5, UNSETTLED, 0,
+     "share of pixels with more than 10 % of the step left at the end"},
+    {"share_unsettled_1", "1", 0, 1, NEPH_POOL_SHARE_ABOVE, 0.5, UNSETTLED, 0,
+     "share of pixels with more than 1 % of the step left at the end"},
+    {"half_life_phase_0", "frame", 0, INFINITY, NEPH_POOL_SCALAR, 0, 0, 0,
+     "mean half-life where x / slot_px is even and y / slot_px is even"},
+    {"half_life_phase_1", "frame", 0, INFINITY, NEPH_POOL_SCALAR, 0, 1, 0,
+     "mean half-life where x / slot_px is odd and y / slot_px is even"},
+    {"half_life_phase_2", "frame", 0, INFINITY, NEPH_POOL_SCALAR, 0, 2, 0,
+     "mean half-life where x / slot_px is even and y / slot_px is odd"},
+    {"half_life_phase_3", "frame", 0, INFINITY, NEPH_POOL_SCALAR, 0, 3, 0,
+     "mean half-life where x / slot_px is odd and y / slot_px is odd"},
+    {.name = NULL},
+};
+
+enum { STEP_FRAME, SLOT_PX };
+
+static const struct neph_option options[] = {
+    {"step_frame", NEPH_OPTION_INTEGER, -1, -1, 1e6, NULL,
+     "first frame of the reference after its step, counted from 0; -1: there is none"},
+    {"slot_px", NEPH_OPTION_INTEGER, 1, 1, 16, NULL,
+     "side of the squares of pixels that are traced together [px], for half_life_phase_*"},
+    {.name = NULL},
+};
+
+/* What is kept of a pixel: planes of doubles. */
+enum plane {
+    OLD_REFERENCE,
+    OLD_TEST,
+    STEP,     /* old - new reference; NaN when it is too small to follow */
+    LAST_S,   /* s of the last frame */
+    CROSSING, /* one plane a limit: when q came down to it; negative: q is above it */
+    BEYOND = CROSSING + LIMIT_COUNT, /* largest -s */
+    LEFT,                            /* q(16); NaN before */
+    PLANE_COUNT,
+};
+
+struct state {
+    int width_px, height_px;
+    int step_frame, slot_px;
+    int frame_count;             /* from the step on */
+    double gain;                 /* display value of the radiance 1 */
+    double *planes[PLANE_COUNT]; /* in one block, owned through the first */
+    double phase_means[PHASE_COUNT];
+    bool phase_defined[PHASE_COUNT];
+};
+
+static const char *obstacle(const struct neph_frame_pair *first,
+                            const struct neph_settings *settings)
+{
+    (void)first;
+    if (settings->values[STEP_FRAME] < 0.0)
+        return "no step: give -s step_frame=N";
+    if (settings->values[STEP_FRAME] < 1.0)
+        return "step_frame must be at least 1: the frame before the step is needed";
+    return NULL;
+}
+
+static enum neph_status init(void *state_, const struct neph_frame_pair *first,
+                             const struct neph_settings *settings, struct neph_diag *diag)
+{
+    struct state *state = state_;
+    const size_t pixel_count = (size_t)first->width_px * (size_t)first->height_px;
+    *state = (struct state){.width_px = first->width_px,
+                            .height_px = first->height_px,
+                            .step_frame = (int)settings->values[STEP_FRAME],
+                            .slot_px = (int)settings->values[SLOT_PX],
+                            .gain = exp2(first->viewing->exposure_ev)};
+    double *block = calloc(pixel_count, PLANE_COUNT * sizeof(*block));
+    if (!block)
+        return neph_fail_memory(diag);
+    for (int p = 0; p < PLANE_COUNT; p++)
+        state->planes[p] = block + (size_t)p * pixel_count;
+    return NEPH_OK;
+}
+
+static double luminance_at(const float *const planes[3], size_t i)
+{
+    return neph_luminance((double)planes[0][i], (double)planes[1][i], (double)planes[2][i]);
+}
+
+/* The sRGB curve (IEC 61966-2-1), going on above 1 so that a step beyond white is one too. */
+static double encoded(double display)
+{
+    const double c = fmax(display, 0.0);
+    return c <= 0.0031308 ? 12.92 * c : 1.055 * pow(c, 1.0 / 2.4) - 0.055;
+}
+
+struct work {
+    struct state *state;
+    const struct neph_frame_pair *pair;
+};
+
+static void keep_row(int row, void *context)
+{
+    const struct work *work = context;
+    const struct state *state = work->state;
+    const size_t width = (size_t)state->width_px, first = (size_t)row * width;
+    for (size_t i = first; i < first + width; i++) {
+        state->planes[OLD_REFERENCE][i] = luminance_at(work->pair->reference, i);
+        state->planes[OLD_TEST][i] = luminance_at(work->pair->test, i);
+    }
+}
+
+static void begin_pixel(const struct state *state, double reference, size_t i)
+{
+    const double old = state->planes[OLD_REFERENCE][i];
+    const double shown = encoded(state->gain * old) - encoded(state->gain * reference);
+    const double step = fabs(shown) > step_floor ? old - reference : (double)NAN;
+    const double s = (state->planes[OLD_TEST][i] - reference) / step;
+    state->planes[STEP][i] = step;
+    state->planes[LAST_S][i] = s;
+    for (int k = 0; k < LIMIT_COUNT; k++)
+        state->planes[CROSSING + k][i] = fabs(s) > limits[k] ? -1.0 : 0.0;
+    state->planes[LEFT][i] = NAN;
+}
+
+/* Where between two frames q comes down to the limit, 0..1. */
+static double fraction(double before, double now, double limit)
+{
+    const double q_before = fabs(before), q = fabs(now);
+    if (before * now < 0.0)
+        return (q_before - limit) / (q_before + q);
+    return (log(q_before) - log(limit)) / (log(q_before) - log(q)); /* q = 0: at once */
+}
+
+static void follow_pixel(const struct state *state, double residual, size_t i)
+{
+    const double before = state->planes[LAST_S][i], now = residual / state->planes[STEP][i];
+    for (int k = 0; k < LIMIT_COUNT; k++) {
+        double *crossing = &state->planes[CROSSING + k][i];
+        if (fabs(now) > limits[k])
+            *crossing = -1.0;
+        else if (*crossing < 0.0)
+            *crossing = state->frame_count - 1 + fraction(before, now, limits[k]);
+    }
+    state->planes[BEYOND][i] = fmax(state->planes[BEYOND][i], -now);
+    if (state->frame_count == RESIDUAL_FRAME)
+        state->planes[LEFT][i] = fabs(now);
+    state->planes[LAST_S][i] = now;
+}
+
+static void follow_row(int row, void *context)
+{
+    const struct work *work = context;
+    const struct state *state = work->state;
+    const size_t width = (size_t)state->width_px, first = (size_t)row * width;
+    for (size_t i = first; i < first + width; i++) {
+        const double reference = luminance_at(work->pair->reference, i);
+        if (state->frame_count == 1)
+            begin_pixel(state, reference, i);
+        if (!isnan(state->planes[STEP][i]))
+            follow_pixel(state, luminance_at(work->pair->test, i) - reference, i);
+    }
+}
+
+static enum neph_status extract(void *state_, const struct neph_frame_pair *pair,
+                                struct neph_diag *diag)
+{
+    struct state *state = state_;
+    struct work work = {state, pair};
+    if (pair->frame < state->step_frame - 1)
+        return NEPH_OK;
+    if (pair->frame == state->step_frame - 1)
+        return neph_parallel_rows(state->height_px, keep_row, &work, diag);
+    state->frame_count++;
+    return neph_parallel_rows(state->height_px, follow_row, &work, diag);
+}
+
+/* A time, all frames when it is not over, NaN when nothing stepped. */
+static double time_of(const struct state *state, int limit, size_t i)
+{
+    const double crossing = state->planes[CROSSING + limit][i];
+    if (isnan(state->planes[STEP][i]))
+        return NAN;
+    return crossing < 0.0 ? state->frame_count : crossing;
+}
+
+static void take_phases(struct state *state)
+{
+    struct neph_sum sums[PHASE_COUNT] = {{0.0, 0.0}};
+    size_t counts[PHASE_COUNT] = {0};
+    for (int y = 0; y < state->height_px; y++) {
+        for (int x = 0; x < state->width_px; x++) {
+            const int phase = (x / state->slot_px & 1) + 2 * (y / state->slot_px & 1);
+            const double time = time_of(state, 0, (size_t)y * (size_t)state->width_px + (size_t)x);
+            if (isnan(time))
+                continue;
+            neph_sum_add(&sums[phase], time);
+            counts[phase]++;
+        }
+    }
+    for (int phase = 0; phase < PHASE_COUNT; phase++) {
+        state->phase_defined[phase] = counts[phase] > 0;
+        state->phase_means[phase] = counts[phase] > 0
+                                        ? neph_sum_value(&sums[phase]) / (double)counts[phase]
+                                        : 0.0;
+    }
+}
+
+static enum neph_status flush(void *state_, struct neph_diag *diag)
+{
+    struct state *state = state_;
+    if (state->frame_count == 0) {
+        neph_fail(diag, NEPH_ERR_USAGE, "lag: the sequence ends before step_frame=%d",
+                  state->step_frame);
+        neph_hint(diag, "frames are counted from 0, without those that are left out as warm-up");
+        return NEPH_ERR_USAGE;
+    }
+    take_phases(state);
+    return NEPH_OK;
+}
+
+static double value_of(const struct state *state, int map, size_t i)
+{
+    double above = 0.0;
+    switch (map) {
+    case OVERSHOOT:
+        return isnan(state->planes[STEP][i]) ? (double)NAN : state->planes[BEYOND][i];
+    case RESIDUAL:
+        return state->planes[LEFT][i];
+    case UNSETTLED:
+        for (int k = 0; k < LIMIT_COUNT; k++)
+            above += state->planes[CROSSING + k][i] < 0.0;
+        return isnan(state->planes[STEP][i]) ? (double)NAN : above;
+    default:
+        return time_of(state, map - HALF_LIFE, i);
+    }
+}
+
+static void rows(const void *state_, int map, int first_row, int row_count, double *const values[3])
+{
+    const struct state *state = state_;
+    const size_t width = (size_t)state->width_px, first = (size_t)first_row * width;
+    for (size_t i = 0; i < (size_t)row_count * width; i++)
+        values[0][i] = value_of(state, map, first + i);
+}
+
+static const char *scalar(const void *state_, int which, double *value)
+{
+    const struct state *state = state_;
+    if (!state->phase_defined[which])
+        return "no pixel of this phase steps in the reference at step_frame";
+    *value = state->phase_means[which];
+    return NULL;
+}
+
+static void finish(void *state_)
+{
+    struct state *state = state_;
+    free(state->planes[0]);
+}
+
+const struct neph_extractor neph_extractor_lag = {
+    .name = "lag",
+    .help = "how many frames the test takes to follow a step of the reference (static camera)",
+    .source = "step response; an exponential average of weight a has the half-life "
+              "ln(1/2) / ln(1 - a): Yang, Liu, Salvi, A Survey of Temporal Antialiasing "
+              "Techniques, Computer Graphics Forum 39, 2020",
+    .quantities = NEPH_RADIANCE | NEPH_VOLUME,
+    .temporal = true,
+    .options = options,
+    .metrics = metrics,
+    .maps = maps,
+    .map_count = MAP_COUNT,
+    .state_size = sizeof(struct state),
+    .obstacle = obstacle,
+    .init = init,
+    .extract = extract,
+    .flush = flush,
+    .rows = rows,
+    .scalar = scalar,
+    .close = finish,
+};

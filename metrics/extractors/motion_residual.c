@@ -1,0 +1,578 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Frames of a moving camera: each is compared with the one before, moved to where things are now by
+ * exact motion vectors (layer motion of the reference, or else of the test). The form is the
+ * warping error of Lai et al., with a difference to the reference in place of an absolute value,
+ * which would reward blur.
+ *
+ * Of each pixel and frame but the first:
+ *   in the picture   the place where it was lies within the frame before
+ *   seen before      and there is its depth: within the tolerance at that place (1 / Z linear
+ * between the four pixels around, exact for planes) or at one of the four disoccluded      in the
+ * picture and not seen before valid            the depth agrees at that very place, no step of
+ * depth lies within 1 px of the pixel, nor on the four pixels around the place Depth is Z of the
+ * image that has the motion; in the sky volume.distance where it is finite. The depth that is
+ * looked for is motion.depth, or without it the depth of now: then a surface that comes nearer by
+ * more than the tolerance in a frame counts as disoccluded.
+ *
+ * Residuals x_t - (x_t-1 moved), bilinear, are taken of valid pixels. The change of test -
+ * reference since the frame before, in place, is taken of disoccluded pixels and of those seen
+ * before. The frames since disocclusion go with the pixel along the motion.
+ */
+#include "metrics/extractors/extractors.h"
+
+#include "base/threads.h"
+#include "metrics/extractors/display_luma.h"
+
+#include <math.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char never_valid[] =
+    "no pixel of the mask can be followed from one frame to the next (or there is only one frame)";
+static const char never_disoccluded[] = "no pixel of the mask is disoccluded in these frames";
+static const char never_seen_before[] =
+    "no pixel of the mask was seen before (or there is only one frame)";
+static const char one_frame[] = "there is only one frame";
+
+enum map { SHOWN, TEST, REFERENCE, COVERAGE, DISOCCLUDED, FRESH, REST, MAP_COUNT };
+
+static const struct neph_map maps[MAP_COUNT] = {
+    [SHOWN] = {"motion_residual", "1", 1, true, 0.1, never_valid},
+    [TEST] = {NULL, "1", 1, false, 0.0, never_valid},
+    [REFERENCE] = {NULL, "1", 1, false, 0.0, never_valid},
+    [COVERAGE] = {"motion_coverage", "1", 1, false, 1.0, one_frame},
+    [DISOCCLUDED] = {NULL, "1", 1, false, 0.0, one_frame},
+    [FRESH] = {NULL, "1", 1, false, 0.0, never_disoccluded},
+    [REST] = {NULL, "1", 1, false, 0.0, never_seen_before},
+};
+
+enum { AGE_COUNT = 33, AGE_UNKNOWN = 255 };
+
+static const double recovered_share = 0.1, opaque_transmittance = 0.5;
+
+enum { RECOVERY = AGE_COUNT }; /* of the scalars; those below are ages */
+
+static const struct neph_metric metrics[] = {
+    {"motion_residual_excess", "1", -1, 1, NEPH_POOL_ROOT_MEAN_LESS, 0, TEST, REFERENCE,
+     "rms of the test against its frame before, moved, less the same of the reference"},
+    {"motion_residual_test", "1", 0, 1, NEPH_POOL_ROOT_MEAN, 0, TEST, 0,
+     "rms of the test against its frame before, moved"},
+    {"motion_residual_reference", "1", 0, 1, NEPH_POOL_ROOT_MEAN, 0, REFERENCE, 0,
+     "rms of the reference against its frame before, moved"},
+    {"motion_coverage", "1", 0, 1, NEPH_POOL_MEAN, 0, COVERAGE, 0,
+     "share of pixels and frames that the residuals are taken of"},
+    {"disoccluded_share", "1", 0, 1, NEPH_POOL_MEAN, 0, DISOCCLUDED, 0,
+     "share of pixels and frames that were hidden in the frame before"},
+    {"residual_change_disoccluded", "1", 0, 2, NEPH_POOL_ROOT_MEAN, 0, FRESH, 0,
+     "rms of the change of test - reference where the frame before was hidden"},
+    {"residual_change_elsewhere", "1", 0, 2, NEPH_POOL_ROOT_MEAN, 0, REST, 0,
+     "rms of the change of test - reference where the frame before shows the same"},
+    {"disoccluded_residual_0", "1", 0, 1, NEPH_POOL_SCALAR, 0, 0, 0,
+     "rms of test - reference in the frame of a disocclusion"},
+    {"disoccluded_residual_1", "1", 0, 1, NEPH_POOL_SCALAR, 0, 1, 0,
+     "rms of test - reference 1 frame after a disocclusion"},
+    {"disoccluded_residual_2", "1", 0, 1, NEPH_POOL_SCALAR, 0, 2, 0,
+     "rms of test - reference 2 frames after a disocclusion"},
+    {"disoccluded_residual_4", "1", 0, 1, NEPH_POOL_SCALAR, 0, 4, 0,
+     "rms of test - reference 4 frames after a disocclusion"},
+    {"disoccluded_residual_8", "1", 0, 1, NEPH_POOL_SCALAR, 0, 8, 0,
+     "rms of test - reference 8 frames after a disocclusion"},
+    {"disoccluded_residual_16", "1", 0, 1, NEPH_POOL_SCALAR, 0, 16, 0,
+     "rms of test - reference 16 frames after a disocclusion"},
+    {"disoccluded_recovery", "frame", 0, AGE_COUNT, NEPH_POOL_SCALAR, 0, RECOVERY, 0,
+     "frames from a disocclusion until that rms stays below 10 % of its start (looked for: 32)"},
+    {.name = NULL},
+};
+
+enum { SIGNAL, DEPTH_TOLERANCE, EDGE_RATIO };
+
+static const char *const signals[] = {"luma", "luminance", NULL};
+
+static const struct neph_option options[] = {
+    {"signal", NEPH_OPTION_CHOICE, 0, 0, 0, signals,
+     "what is compared: luma of the encoded display value, or its luminance; both 0..1"},
+    {"depth_tolerance", NEPH_OPTION_REAL, 0.02, 0, 1, NULL,
+     "relative difference of depths up to which a pixel was seen before"},
+    {"edge_ratio", NEPH_OPTION_REAL, 1.1, 1, 100, NULL,
+     "farther / nearer of 4-neighbours above which depth has a step"},
+    {.name = NULL},
+};
+
+/* What is kept of a frame until the next. */
+struct frame {
+    double *test, *reference; /* the signal */
+    double *nearness_per_m;   /* 1 / depth, 0: sky */
+    uint8_t *step;            /* whether depth steps from here to a 4-neighbour */
+    uint8_t *age;             /* frames since disocclusion, at most 254 */
+};
+
+struct pixel {
+    double test, reference; /* sums of squares */
+    double fresh, rest;
+    uint32_t valid, fresh_count, rest_count;
+};
+
+/* By row, so that the sums do not depend on the threads. */
+struct ages {
+    double squares[AGE_COUNT], counts[AGE_COUNT];
+};
+
+struct state {
+    int width_px, height_px;
+    int frame_count;
+    double gain; /* display value of the radiance 1 */
+    bool luminance;
+    double depth_tolerance, edge_ratio;
+    struct frame frames[2]; /* by parity; owned */
+    struct pixel *pixels;   /* owned */
+    struct ages *rows;      /* owned */
+    struct ages totals;     /* after the last frame */
+};
+
+/* ---- the layers ------------------------------------------------------------------------------ */
+
+struct layers {
+    const char *of; /* "reference" or "test" */
+    const float *x_px, *y_px, *depth_m;
+    const float *before_m;   /* NULL: not known */
+    const float *distance_m; /* NULL: none */
+    float *transmittance[3];
+    bool has_transmittance;
+};
+
+static bool find_layers_in(const struct neph_image *image, const char *of, struct layers *layers)
+{
+    *layers = (struct layers){
+        .of = of,
+        .x_px = neph_image_channel(image, "motion.x"),
+        .y_px = neph_image_channel(image, "motion.y"),
+        .depth_m = neph_image_channel(image, "Z"),
+        .before_m = neph_image_channel(image, "motion.depth"),
+        .distance_m = neph_image_channel(image, "volume.distance"),
+    };
+    layers->has_transmittance = neph_image_rgb(image, "transmittance", layers->transmittance);
+    return layers->x_px && layers->y_px && layers->depth_m;
+}
+
+static bool find_layers(const struct neph_frame_pair *pair, struct layers *layers)
+{
+    return find_layers_in(pair->reference_image, "reference", layers) ||
+           find_layers_in(pair->test_image, "test", layers);
+}
+
+/* Whether volume.distance is where that lies which is seen. */
+static bool shows_medium(const struct layers *layers, size_t i)
+{
+    if (!layers->distance_m || isinf(layers->distance_m[i]))
+        return false;
+    return isinf(layers->depth_m[i]) ||
+           (layers->has_transmittance &&
+            neph_luminance((double)layers->transmittance[0][i], (double)layers->transmittance[1][i],
+                           (double)layers->transmittance[2][i]) < opaque_transmittance);
+}
+
+static const char *obstacle(const struct neph_frame_pair *first,
+                            const struct neph_settings *settings)
+{
+    (void)settings;
+    struct layers layers;
+    return find_layers(first, &layers)
+               ? NULL
+               : "neither image has both motion vectors (motion.x, motion.y) and depth (Z)";
+}
+
+struct check {
+    const char *name;
+    const float *samples; /* NULL: not there */
+    bool any_sign;
+};
+
+static enum neph_status check_layer(const struct check *check, const char *of,
+                                    const struct neph_frame_pair *pair, struct neph_diag *diag)
+{
+    const size_t width = (size_t)pair->width_px, count = width * (size_t)pair->height_px;
+    for (size_t i = 0; check->samples && i < count; i++)
+        if (isnan(check->samples[i]) || (!check->any_sign && check->samples[i] < 0.0f))
+            return neph_fail(
+                diag, NEPH_ERR_GATE, "'%s' of the %s is %g at the pixel (%zu, %zu) of frame %d",
+                check->name, of, (double)check->samples[i], i % width, i / width, pair->frame);
+    return NEPH_OK;
+}
+
+static enum neph_status check_layers(const struct layers *layers,
+                                     const struct neph_frame_pair *pair, struct neph_diag *diag)
+{
+    const struct check checks[] = {
+        {"motion.x", layers->x_px, true},
+        {"motion.y", layers->y_px, true},
+        {"Z", layers->depth_m, false},
+        {"motion.depth", layers->before_m, false},
+        {"volume.distance", layers->distance_m, false},
+    };
+    enum neph_status status = NEPH_OK;
+    for (size_t i = 0; i < sizeof(checks) / sizeof(checks[0]) && !status; i++)
+        status = check_layer(&checks[i], layers->of, pair, diag);
+    return status;
+}
+
+/* ---- beginning ------------------------------------------------------------------------------- */
+
+static enum neph_status make_frame(struct frame *frame, size_t pixel_count, struct neph_diag *diag)
+{
+    double *signals_of = calloc(pixel_count, 3 * sizeof(*signals_of));
+    uint8_t *flags = calloc(pixel_count, 2);
+    *frame = (struct frame){.test = signals_of, .step = flags};
+    if (!signals_of || !flags)
+        return neph_fail_memory(diag);
+    frame->reference = signals_of + pixel_count;
+    frame->nearness_per_m = signals_of + 2 * pixel_count;
+    frame->age = flags + pixel_count;
+    memset(frame->age, AGE_UNKNOWN, pixel_count);
+    return NEPH_OK;
+}
+
+static enum neph_status init(void *state_, const struct neph_frame_pair *first,
+                             const struct neph_settings *settings, struct neph_diag *diag)
+{
+    struct state *state = state_;
+    const size_t pixel_count = (size_t)first->width_px * (size_t)first->height_px;
+    *state = (struct state){.width_px = first->width_px,
+                            .height_px = first->height_px,
+                            .gain = exp2(first->viewing->exposure_ev),
+                            .luminance = settings->values[SIGNAL] > 0.0,
+                            .depth_tolerance = settings->values[DEPTH_TOLERANCE],
+                            .edge_ratio = settings->values[EDGE_RATIO]};
+    state->pixels = calloc(pixel_count, sizeof(*state->pixels));
+    state->rows = calloc((size_t)first->height_px, sizeof(*state->rows));
+    if (!state->pixels || !state->rows)
+        return neph_fail_memory(diag);
+    enum neph_status status = make_frame(&state->frames[0], pixel_count, diag);
+    return status ? status : make_frame(&state->frames[1], pixel_count, diag);
+}
+
+/* ---- a frame --------------------------------------------------------------------------------- */
+
+struct work {
+    struct state *state;
+    const struct neph_frame_pair *pair;
+    struct layers layers;
+    struct frame *now, *before;
+};
+
+/* A depth of 0 counts as the nearest that a float can tell. */
+static double nearness(float depth_m)
+{
+    return 1.0 / fmax((double)depth_m, 1e-30);
+}
+
+static void look_row(int row, void *context)
+{
+    const struct work *work = context;
+    const struct state *state = work->state;
+    const size_t width = (size_t)state->width_px, first = (size_t)row * width;
+    const float *planes[2][3];
+    for (int c = 0; c < 3; c++) {
+        planes[0][c] = work->pair->reference[c] + first;
+        planes[1][c] = work->pair->test[c] + first;
+    }
+    /* Both signals come at once; the one that is not wanted goes where the depth will stand. */
+    double *signals_of[2] = {work->now->reference + first, work->now->test + first};
+    double *other = work->now->nearness_per_m + first;
+    for (int k = 0; k < 2; k++)
+        neph_display_luma(planes[k], width, state->gain, state->luminance ? other : signals_of[k],
+                          state->luminance ? signals_of[k] : other);
+    for (size_t i = first; i < first + width; i++)
+        work->now->nearness_per_m[i] = nearness(
+            shows_medium(&work->layers, i) ? work->layers.distance_m[i] : work->layers.depth_m[i]);
+}
+
+static void mark_row(int row, void *context)
+{
+    const struct work *work = context;
+    const int width = work->state->width_px, height = work->state->height_px;
+    const double *nearness_per_m = work->now->nearness_per_m + (size_t)row * (size_t)width;
+    const double ratio = work->state->edge_ratio;
+    for (int x = 0; x < width; x++) {
+        const double here = nearness_per_m[x];
+        const double others[4] = {nearness_per_m[x > 0 ? x - 1 : x],
+                                  nearness_per_m[x + 1 < width ? x + 1 : x],
+                                  nearness_per_m[row > 0 ? x - width : x],
+                                  nearness_per_m[row + 1 < height ? x + width : x]};
+        bool steps = false;
+        for (int k = 0; k < 4; k++)
+            steps |= fmax(here, others[k]) > ratio * fmin(here, others[k]);
+        work->now->step[(size_t)row * (size_t)width + (size_t)x] = steps;
+    }
+}
+
+/* Four pixels of the frame before and their weights. */
+struct place {
+    size_t taps[4];
+    double weights[4];
+    size_t nearest;
+};
+
+/* Motion is rounded to float: what is out by less than this is not. */
+static const double border_slack_px = 1e-3;
+
+static bool find_place(const struct state *state, double x_px, double y_px, struct place *place)
+{
+    const double last_x = state->width_px - 1, last_y = state->height_px - 1;
+    if (!(x_px >= -border_slack_px && x_px <= last_x + border_slack_px &&
+          y_px >= -border_slack_px && y_px <= last_y + border_slack_px))
+        return false;
+    const double x = fmin(fmax(x_px, 0.0), last_x), y = fmin(fmax(y_px, 0.0), last_y);
+    const size_t width = (size_t)state->width_px, left = (size_t)x, top = (size_t)y;
+    const size_t right = left + (x > (double)left), bottom = top + (y > (double)top);
+    const double fx = x - (double)left, fy = y - (double)top;
+    *place = (struct place){
+        .taps = {top * width + left, top * width + right, bottom * width + left,
+                 bottom * width + right},
+        .weights = {(1.0 - fx) * (1.0 - fy), fx * (1.0 - fy), (1.0 - fx) * fy, fx * fy},
+        .nearest = (size_t)(y + 0.5) * width + (size_t)(x + 0.5),
+    };
+    return true;
+}
+
+static double at_place(const struct place *place, const double *plane)
+{
+    double sum = 0.0;
+    for (int k = 0; k < 4; k++)
+        sum += place->weights[k] * plane[place->taps[k]];
+    return sum;
+}
+
+static bool any_step(const struct place *place, const uint8_t *step)
+{
+    return step[place->taps[0]] || step[place->taps[1]] || step[place->taps[2]] ||
+           step[place->taps[3]];
+}
+
+static bool agrees(double nearness_per_m, double wanted_per_m, double tolerance)
+{
+    return fabs(nearness_per_m - wanted_per_m) <= tolerance * wanted_per_m;
+}
+
+static bool any_agrees(const struct place *place, const double *nearness_per_m, double wanted_per_m,
+                       double tolerance)
+{
+    for (int k = 0; k < 4; k++)
+        if (agrees(nearness_per_m[place->taps[k]], wanted_per_m, tolerance))
+            return true;
+    return false;
+}
+
+static bool step_within_1_px(const struct state *state, const uint8_t *step, int x, int y)
+{
+    for (int j = y > 0 ? y - 1 : y; j <= y + 1 && j < state->height_px; j++)
+        for (int i = x > 0 ? x - 1 : x; i <= x + 1 && i < state->width_px; i++)
+            if (step[(size_t)j * (size_t)state->width_px + (size_t)i])
+                return true;
+    return false;
+}
+
+static double wanted_nearness(const struct work *work, size_t i)
+{
+    const bool known = work->layers.before_m && !shows_medium(&work->layers, i);
+    return known ? nearness(work->layers.before_m[i]) : work->now->nearness_per_m[i];
+}
+
+static void add_residuals(const struct work *work, const struct place *place, size_t i)
+{
+    struct pixel *pixel = &work->state->pixels[i];
+    const double test = work->now->test[i] - at_place(place, work->before->test);
+    const double reference = work->now->reference[i] - at_place(place, work->before->reference);
+    pixel->test += test * test;
+    pixel->reference += reference * reference;
+    pixel->valid++;
+}
+
+static void add_change(const struct work *work, bool fresh, size_t i)
+{
+    struct pixel *pixel = &work->state->pixels[i];
+    const double now = work->now->test[i] - work->now->reference[i];
+    const double change = now - (work->before->test[i] - work->before->reference[i]);
+    *(fresh ? &pixel->fresh : &pixel->rest) += change * change;
+    *(fresh ? &pixel->fresh_count : &pixel->rest_count) += 1;
+}
+
+static uint8_t one_older(uint8_t age)
+{
+    return age >= AGE_UNKNOWN - 1 ? age : (uint8_t)(age + 1);
+}
+
+static void compare_pixel(const struct work *work, int x, int y, struct ages *ages)
+{
+    const struct state *state = work->state;
+    const size_t i = (size_t)y * (size_t)state->width_px + (size_t)x;
+    struct place place;
+    uint8_t *age = &work->now->age[i];
+    *age = AGE_UNKNOWN;
+    if (!find_place(state, x + (double)work->layers.x_px[i], y + (double)work->layers.y_px[i],
+                    &place))
+        return;
+    const double wanted = wanted_nearness(work, i);
+    const double *nearness_per_m = work->before->nearness_per_m;
+    const bool there = agrees(at_place(&place, nearness_per_m), wanted, state->depth_tolerance);
+    const bool seen = there || any_agrees(&place, nearness_per_m, wanted, state->depth_tolerance);
+    if (there && !any_step(&place, work->before->step) &&
+        !step_within_1_px(state, work->now->step, x, y))
+        add_residuals(work, &place, i);
+    add_change(work, !seen, i);
+    *age = seen ? one_older(work->before->age[place.nearest]) : 0;
+    if (*age < AGE_COUNT) {
+        const double residual = work->now->test[i] - work->now->reference[i];
+        ages->squares[*age] += residual * residual;
+        ages->counts[*age] += 1.0;
+    }
+}
+
+static void compare_row(int row, void *context)
+{
+    const struct work *work = context;
+    for (int x = 0; x < work->state->width_px; x++)
+        compare_pixel(work, x, row, &work->state->rows[row]);
+}
+
+static enum neph_status extract(void *state_, const struct neph_frame_pair *pair,
+                                struct neph_diag *diag)
+{
+    struct state *state = state_;
+    struct work work = {.state = state,
+                        .pair = pair,
+                        .now = &state->frames[state->frame_count % 2],
+                        .before = &state->frames[(state->frame_count + 1) % 2]};
+    if (!find_layers(pair, &work.layers))
+        return neph_fail(diag, NEPH_ERR_INPUT,
+                         "frame %d lacks motion.x, motion.y or Z, the first one has them",
+                         pair->frame);
+    enum neph_status status = check_layers(&work.layers, pair, diag);
+    if (!status)
+        status = neph_parallel_rows(state->height_px, look_row, &work, diag);
+    if (!status)
+        status = neph_parallel_rows(state->height_px, mark_row, &work, diag);
+    if (!status && state->frame_count > 0)
+        status = neph_parallel_rows(state->height_px, compare_row, &work, diag);
+    state->frame_count++;
+    return status;
+}
+
+/* ---- the numbers ----------------------------------------------------------------------------- */
+
+static enum neph_status flush(void *state_, struct neph_diag *diag)
+{
+    (void)diag;
+    struct state *state = state_;
+    for (int y = 0; y < state->height_px; y++) {
+        for (int age = 0; age < AGE_COUNT; age++) {
+            state->totals.squares[age] += state->rows[y].squares[age];
+            state->totals.counts[age] += state->rows[y].counts[age];
+        }
+    }
+    return NEPH_OK;
+}
+
+static double mean_of(double sum, double count)
+{
+    return count > 0.0 ? sum / count : (double)NAN;
+}
+
+static double value_of(const struct state *state, int map, const struct pixel *pixel)
+{
+    const double pairs = state->frame_count - 1;
+    switch (map) {
+    case SHOWN:
+        return sqrt(mean_of(pixel->test, pixel->valid)) -
+               sqrt(mean_of(pixel->reference, pixel->valid));
+    case TEST:
+        return mean_of(pixel->test, pixel->valid);
+    case REFERENCE:
+        return mean_of(pixel->reference, pixel->valid);
+    case COVERAGE:
+        return mean_of(pixel->valid, pairs);
+    case DISOCCLUDED:
+        return mean_of(pixel->fresh_count, pairs);
+    case FRESH:
+        return mean_of(pixel->fresh, pixel->fresh_count);
+    default:
+        return mean_of(pixel->rest, pixel->rest_count);
+    }
+}
+
+static void rows(const void *state_, int map, int first_row, int row_count, double *const values[3])
+{
+    const struct state *state = state_;
+    const size_t width = (size_t)state->width_px, first = (size_t)first_row * width;
+    for (size_t i = 0; i < (size_t)row_count * width; i++)
+        values[0][i] = value_of(state, map, &state->pixels[first + i]);
+}
+
+static double rms_of_age(const struct state *state, int age)
+{
+    return sqrt(mean_of(state->totals.squares[age], state->totals.counts[age]));
+}
+
+/* The last time that the residual comes down to the share; log-linear between frames. */
+static const char *recovery(const struct state *state, double *frames)
+{
+    const double limit = recovered_share * rms_of_age(state, 0);
+    double found = -1.0;
+    if (!(limit > 0.0))
+        return "there is no error in disoccluded pixels, or there are none";
+    for (int age = 1; age < AGE_COUNT && state->totals.counts[age] > 0.0; age++) {
+        const double before = rms_of_age(state, age - 1), now = rms_of_age(state, age);
+        if (now > limit)
+            found = -1.0;
+        else if (before > limit)
+            found = age - 1 + log(before / limit) / (log(before) - log(now));
+    }
+    if (found < 0.0)
+        return "the error has not come down to 10 % of its start within 32 frames";
+    *frames = found;
+    return NULL;
+}
+
+static const char *scalar(const void *state_, int which, double *value)
+{
+    const struct state *state = state_;
+    if (which == RECOVERY)
+        return recovery(state, value);
+    if (!(state->totals.counts[which] > 0.0))
+        return "no pixel has been disoccluded for so long";
+    *value = rms_of_age(state, which);
+    return NULL;
+}
+
+static void finish(void *state_)
+{
+    struct state *state = state_;
+    for (int k = 0; k < 2; k++) {
+        free(state->frames[k].test);
+        free(state->frames[k].step);
+    }
+    free(state->pixels);
+    free(state->rows);
+}
+
+const struct neph_extractor neph_extractor_motion = {
+    .name = "motion",
+    .help = "frames against the frame before, moved by exact motion vectors; disocclusions",
+    .source = "warping error of Lai et al., Learning Blind Video Temporal Consistency, ECCV 2018, "
+              "with exact motion and as a difference to the reference's own",
+    .quantities = NEPH_RADIANCE | NEPH_VOLUME,
+    .temporal = true,
+    .options = options,
+    .metrics = metrics,
+    .maps = maps,
+    .map_count = MAP_COUNT,
+    .state_size = sizeof(struct state),
+    .obstacle = obstacle,
+    .init = init,
+    .extract = extract,
+    .flush = flush,
+    .rows = rows,
+    .scalar = scalar,
+    .close = finish,
+};

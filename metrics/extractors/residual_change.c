@@ -1,0 +1,192 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * How the error changes from frame to frame: (T_t - T_t-1) - (R_t - R_t-1) with T the test and R
+ * the reference, which is the change of D = T - R. True motion cancels; what is left is flicker,
+ * lag and noise. Squared and averaged over the frames but the first, on the linear values of each
+ * channel and on display luma.
+ */
+#include "metrics/extractors/extractors.h"
+
+#include "base/threads.h"
+#include "metrics/extractors/display_luma.h"
+#include "metrics/vector_math.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+static const char one_frame[] = "there is only one frame";
+
+enum map { SHOWN, LUMA_SQUARES, SQUARES, MAP_COUNT };
+
+enum { SHOWABLE = NEPH_RADIANCE | NEPH_VOLUME };
+
+static const struct neph_map maps[MAP_COUNT] = {
+    [SHOWN] = {"residual_change", "1", 1, false, 0.1, one_frame, SHOWABLE},
+    [LUMA_SQUARES] = {NULL, "1", 1, false, 0.0, one_frame, SHOWABLE},
+    [SQUARES] = {NULL, NULL, 0, false, 0.0, one_frame, NEPH_LINEAR_RGB},
+};
+
+static const struct neph_metric metrics[] = {
+    {"residual_change_rms", NULL, 0, INFINITY, NEPH_POOL_ROOT_MEAN, 0, SQUARES, 0,
+     "rms over frames of the change of test - reference since the frame before, linear values"},
+    {"residual_change_luma_rms", "1", 0, 2, NEPH_POOL_ROOT_MEAN, 0, LUMA_SQUARES, 0,
+     "rms over frames of the change of test - reference since the frame before, display luma"},
+    {"residual_change_psnr", "dB", -INFINITY, INFINITY, NEPH_POOL_PSNR, 1.0, LUMA_SQUARES, 0,
+     "PSNR of residual_change_luma_rms, peak 1"},
+    {.name = NULL},
+};
+
+static const struct neph_option options[] = {{.name = NULL}};
+
+/* Three colours and luma. */
+enum { LUMA_PLANE = 3, PLANE_COUNT };
+
+struct state {
+    int width_px, height_px, plane_count;
+    int frame_count;
+    bool has_luma;
+    double gain;                   /* display value of the radiance 1 */
+    double *residual[PLANE_COUNT]; /* of the last frame; in one block, owned through the first */
+    double *squares[PLANE_COUNT];  /* sums of the squared change */
+};
+
+static enum neph_status init(void *state_, const struct neph_frame_pair *first,
+                             const struct neph_settings *settings, struct neph_diag *diag)
+{
+    (void)settings;
+    struct state *state = state_;
+    const size_t pixel_count = (size_t)first->width_px * (size_t)first->height_px;
+    *state = (struct state){.width_px = first->width_px,
+                            .height_px = first->height_px,
+                            .plane_count = first->plane_count,
+                            .has_luma = (first->quantity->bit & SHOWABLE) != 0,
+                            .gain = exp2(first->viewing->exposure_ev)};
+    double *block = calloc(pixel_count, 2 * PLANE_COUNT * sizeof(*block));
+    if (!block)
+        return neph_fail_memory(diag);
+    for (int p = 0; p < PLANE_COUNT; p++) {
+        state->residual[p] = block + (size_t)(2 * p) * pixel_count;
+        state->squares[p] = block + (size_t)(2 * p + 1) * pixel_count;
+    }
+    return NEPH_OK;
+}
+
+/* `weight` is 0 in the first frame, which has none before it. */
+NEPH_VECTOR static void add_linear(const float *restrict reference, const float *restrict test,
+                                   size_t count, double weight, double *restrict residual,
+                                   double *restrict squares)
+{
+    for (size_t i = 0; i < count; i++) {
+        const double now = (double)test[i] - (double)reference[i], change = now - residual[i];
+        squares[i] += weight * change * change;
+        residual[i] = now;
+    }
+}
+
+NEPH_VECTOR static void add_luma(const double *restrict reference, const double *restrict test,
+                                 size_t count, double weight, double *restrict residual,
+                                 double *restrict squares)
+{
+    for (size_t i = 0; i < count; i++) {
+        const double now = test[i] - reference[i], change = now - residual[i];
+        squares[i] += weight * change * change;
+        residual[i] = now;
+    }
+}
+
+struct work {
+    struct state *state;
+    const struct neph_frame_pair *pair;
+};
+
+/* A piece at a time, so that what is between stays in the cache. */
+enum { PIECE_PX = 256 };
+
+static void follow_luma(const struct work *work, size_t first, int count, double weight)
+{
+    const struct state *state = work->state;
+    double reference[PIECE_PX], test[PIECE_PX], luminance[PIECE_PX];
+    for (int done = 0; done < count; done += PIECE_PX) {
+        const size_t at = first + (size_t)done;
+        const size_t length = (size_t)(count - done < PIECE_PX ? count - done : PIECE_PX);
+        const float *planes[2][3];
+        for (int c = 0; c < 3; c++) {
+            planes[0][c] = work->pair->reference[c] + at;
+            planes[1][c] = work->pair->test[c] + at;
+        }
+        neph_display_luma(planes[0], length, state->gain, reference, luminance);
+        neph_display_luma(planes[1], length, state->gain, test, luminance);
+        add_luma(reference, test, length, weight, state->residual[LUMA_PLANE] + at,
+                 state->squares[LUMA_PLANE] + at);
+    }
+}
+
+static void follow_row(int row, void *context)
+{
+    const struct work *work = context;
+    const struct state *state = work->state;
+    const size_t width = (size_t)state->width_px, first = (size_t)row * width;
+    const double weight = state->frame_count > 0 ? 1.0 : 0.0;
+    for (int p = 0; p < state->plane_count; p++)
+        add_linear(work->pair->reference[p] + first, work->pair->test[p] + first, width, weight,
+                   state->residual[p] + first, state->squares[p] + first);
+    if (state->has_luma)
+        follow_luma(work, first, state->width_px, weight);
+}
+
+static enum neph_status extract(void *state_, const struct neph_frame_pair *pair,
+                                struct neph_diag *diag)
+{
+    struct state *state = state_;
+    struct work work = {state, pair};
+    enum neph_status status = neph_parallel_rows(state->height_px, follow_row, &work, diag);
+    state->frame_count++;
+    return status;
+}
+
+static enum neph_status flush(void *state, struct neph_diag *diag)
+{
+    (void)state;
+    (void)diag;
+    return NEPH_OK;
+}
+
+static void rows(const void *state_, int map, int first_row, int row_count, double *const values[3])
+{
+    const struct state *state = state_;
+    const size_t width = (size_t)state->width_px, first = (size_t)first_row * width;
+    const double changes = state->frame_count - 1;
+    for (int p = 0; p < (map == SQUARES ? state->plane_count : 1); p++) {
+        const double *squares = state->squares[map == SQUARES ? p : LUMA_PLANE] + first;
+        for (size_t i = 0; i < (size_t)row_count * width; i++) {
+            const double mean = changes > 0.0 ? squares[i] / changes : (double)NAN;
+            values[p][i] = map == SHOWN ? sqrt(mean) : mean;
+        }
+    }
+}
+
+static void finish(void *state_)
+{
+    struct state *state = state_;
+    free(state->residual[0]);
+}
+
+const struct neph_extractor neph_extractor_residual_change = {
+    .name = "residual_change",
+    .help = "changes of the error from frame to frame; true motion cancels",
+    .source = "the temporal difference error (tPSNR); in the spirit of tOF: Chu et al., Learning "
+              "Temporal Coherence via Self-Supervision for GAN-based Video Generation, SIGGRAPH "
+              "2020",
+    .quantities = NEPH_LINEAR_RGB,
+    .temporal = true,
+    .options = options,
+    .metrics = metrics,
+    .maps = maps,
+    .map_count = MAP_COUNT,
+    .state_size = sizeof(struct state),
+    .init = init,
+    .extract = extract,
+    .flush = flush,
+    .rows = rows,
+    .close = finish,
+};

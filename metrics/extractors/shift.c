@@ -1,0 +1,258 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Is an edge one pixel off, or wrong? The image is cut into blocks of 8x8 px; each is compared to
+ * the test moved by -1, 0 or 1 px in x and y, and keeps the one move with the smallest sum of
+ * squared differences (no move when none is smaller). A block moves as a whole, because a pixel
+ * alone finds something like itself among nine neighbours by chance. Past its border the test
+ * continues with its outermost pixels.
+ */
+#include "base/threads.h"
+#include "metrics/extractors/extractors.h"
+#include "metrics/vector_math.h"
+
+#include <math.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum {
+    BLOCK = 8,
+    MOVE_COUNT = 9,
+    STRETCH = 16 * BLOCK, /* pixels of a row of blocks that are looked at together */
+};
+
+enum { MAP_AS_IS, MAP_MOVED, MAP_COUNT };
+
+struct move {
+    int dx, dy;
+};
+
+/* The first of equals wins, so no move comes first and short ones before long ones. */
+static const struct move moves[MOVE_COUNT] = {{0, 0},   {-1, 0}, {1, 0},  {0, -1}, {0, 1},
+                                              {-1, -1}, {1, -1}, {-1, 1}, {1, 1}};
+
+struct state {
+    struct neph_frame_pair pair;
+    int columns;   /* of blocks */
+    uint8_t *best; /* for each block, an index of moves; owned */
+};
+
+static enum neph_status init(void *opaque, const struct neph_frame_pair *first,
+                             const struct neph_settings *settings, struct neph_diag *diag)
+{
+    (void)settings;
+    struct state *state = opaque;
+    state->columns = (first->width_px + BLOCK - 1) / BLOCK;
+    int rows = (first->height_px + BLOCK - 1) / BLOCK;
+    state->best = calloc((size_t)state->columns * (size_t)rows, sizeof(*state->best));
+    return state->best ? NEPH_OK : neph_fail_memory(diag);
+}
+
+/* ---- the vote -------------------------------------------------------------------------------- */
+
+static int clamped(int position, int size)
+{
+    return position < 0 ? 0 : position >= size ? size - 1 : position;
+}
+
+/* A stretch of a row of blocks, with what its moves reach; places outside the image are
+ * NaN in the reference and add nothing. Single precision: it only ranks the moves. */
+struct stretch {
+    float reference[BLOCK][STRETCH];
+    float test[BLOCK + 2][STRETCH + 2];
+};
+
+/* Pixels first .. first + count - 1 of a row that goes on past its ends. */
+static void copy_clamped(const float *row, int width, int first, int count, float *to)
+{
+    int begin = first < 0 ? -first : 0;
+    int end = first + count > width ? width - first : count;
+    memcpy(to + begin, row + first + begin, (size_t)(end - begin) * sizeof(*to));
+    for (int i = 0; i < begin; i++)
+        to[i] = row[0];
+    for (int i = end; i < count; i++)
+        to[i] = row[width - 1];
+}
+
+static void load(const struct neph_frame_pair *pair, int plane, int first_x, int first_y,
+                 struct stretch *stretch)
+{
+    const int width = pair->width_px, height = pair->height_px;
+    for (int y = 0; y < BLOCK; y++) {
+        int row = clamped(first_y + y, height);
+        copy_clamped(pair->reference[plane] + (size_t)row * (size_t)width, width, first_x, STRETCH,
+                     stretch->reference[y]);
+        for (int x = first_y + y < height ? width - first_x : 0; x < STRETCH; x++)
+            stretch->reference[y][x] = NAN;
+    }
+    for (int y = 0; y < BLOCK + 2; y++) {
+        int row = clamped(first_y + y - 1, height);
+        copy_clamped(pair->test[plane] + (size_t)row * (size_t)width, width, first_x - 1,
+                     STRETCH + 2, stretch->test[y]);
+    }
+}
+
+/* Add the squared differences of each column of 8 px; NaN stands for a place outside. */
+NEPH_VECTOR static void add_squares(const struct stretch *stretch, struct move move, float *sums)
+{
+    for (int x = 0; x < STRETCH; x++) {
+        float sum = 0.0f;
+        for (int y = 0; y < BLOCK; y++) {
+            float d = stretch->test[y + 1 + move.dy][x + 1 + move.dx] - stretch->reference[y][x];
+            sum += d == d ? d * d : 0.0f;
+        }
+        sums[x] += sum;
+    }
+}
+
+static void vote_stretch(struct state *state, int first_x, int row)
+{
+    struct stretch stretch;
+    float sums[MOVE_COUNT][STRETCH] = {{0.0f}};
+    for (int plane = 0; plane < state->pair.plane_count; plane++) {
+        load(&state->pair, plane, first_x, row * BLOCK, &stretch);
+        for (int m = 0; m < MOVE_COUNT; m++)
+            add_squares(&stretch, moves[m], sums[m]);
+    }
+    for (int block = 0; block < STRETCH / BLOCK; block++) {
+        int column = first_x / BLOCK + block;
+        if (column >= state->columns)
+            return;
+        float least = INFINITY;
+        uint8_t best = 0;
+        for (uint8_t m = 0; m < MOVE_COUNT; m++) {
+            const float *s = &sums[m][block * BLOCK];
+            float sum = ((s[0] + s[4]) + (s[1] + s[5])) + ((s[2] + s[6]) + (s[3] + s[7]));
+            if (sum < least) {
+                least = sum;
+                best = m;
+            }
+        }
+        state->best[(size_t)row * (size_t)state->columns + (size_t)column] = best;
+    }
+}
+
+static void vote_row(int row, void *context)
+{
+    struct state *state = context;
+    for (int x = 0; x < state->pair.width_px; x += STRETCH)
+        vote_stretch(state, x, row);
+}
+
+static enum neph_status extract(void *opaque, const struct neph_frame_pair *pair,
+                                struct neph_diag *diag)
+{
+    struct state *state = opaque;
+    state->pair = *pair;
+    return neph_parallel_rows((pair->height_px + BLOCK - 1) / BLOCK, vote_row, state, diag);
+}
+
+/* ---- the maps -------------------------------------------------------------------------------- */
+
+NEPH_VECTOR static void squares_of(const float *reference, const float *test, size_t count,
+                                   double *sum)
+{
+    for (size_t i = 0; i < count; i++) {
+        double d = (double)test[i] - (double)reference[i];
+        sum[i] += d * d;
+    }
+}
+
+NEPH_VECTOR static void divide(double *values, size_t count, double divisor)
+{
+    for (size_t i = 0; i < count; i++)
+        values[i] /= divisor;
+}
+
+/* Pixels first_x .. end_x - 1 of a row, under one move. */
+static void add_moved(const struct neph_frame_pair *pair, int plane, int first_x, int end_x, int y,
+                      struct move move, double *sum)
+{
+    const int width = pair->width_px;
+    const float *reference = pair->reference[plane] + (size_t)y * (size_t)width;
+    const float *test = pair->test[plane] +
+                        (size_t)clamped(y + move.dy, pair->height_px) * (size_t)width;
+    if (first_x + move.dx < 0) {
+        squares_of(reference, test, 1, sum);
+        first_x++;
+    }
+    if (end_x + move.dx > width) {
+        end_x--;
+        squares_of(reference + end_x, test + end_x, 1, sum + end_x);
+    }
+    if (first_x < end_x)
+        squares_of(reference + first_x, test + first_x + move.dx, (size_t)(end_x - first_x),
+                   sum + first_x);
+}
+
+static void moved_row(const struct state *state, int y, double *sum)
+{
+    const struct neph_frame_pair *pair = &state->pair;
+    const uint8_t *best = state->best + (size_t)(y / BLOCK) * (size_t)state->columns;
+    int column = 0;
+    while (column < state->columns) {
+        int next = column + 1;
+        while (next < state->columns && best[next] == best[column])
+            next++;
+        int end_x = next < state->columns ? next * BLOCK : pair->width_px;
+        for (int plane = 0; plane < pair->plane_count; plane++)
+            add_moved(pair, plane, column * BLOCK, end_x, y, moves[best[column]], sum);
+        column = next;
+    }
+}
+
+static void rows(const void *opaque, int map, int first_row, int row_count, double *const values[3])
+{
+    const struct state *state = opaque;
+    const struct neph_frame_pair *pair = &state->pair;
+    size_t width = (size_t)pair->width_px;
+    for (int y = first_row; y < first_row + row_count; y++) {
+        double *row = values[0] + (size_t)(y - first_row) * width;
+        for (size_t x = 0; x < width; x++)
+            row[x] = 0.0;
+        if (map == MAP_MOVED)
+            moved_row(state, y, row);
+        for (int c = 0; map == MAP_AS_IS && c < pair->plane_count; c++)
+            squares_of(pair->reference[c] + (size_t)y * width, pair->test[c] + (size_t)y * width,
+                       width, row);
+        divide(row, width, pair->plane_count);
+    }
+}
+
+static void close(void *opaque)
+{
+    struct state *state = opaque;
+    free(state->best);
+}
+
+static const struct neph_option options[] = {{.name = NULL}};
+
+static const struct neph_metric metrics[] = {
+    {"rmse_shift1", NULL, 0.0, INFINITY, NEPH_POOL_ROOT_MEAN, 0.0, MAP_MOVED, 0,
+     "rmse with each block of 8x8 px moved by up to 1 px to where it fits best"},
+    {"shift_gain", "1", 0.0, INFINITY, NEPH_POOL_ROOT_MEAN_OVER, 0.0, MAP_MOVED, MAP_AS_IS,
+     "rmse_shift1 / rmse: near 0 the image is 1 px off, near 1 it is wrong"},
+    {.name = NULL},
+};
+
+static const struct neph_map maps[] = {
+    [MAP_AS_IS] = {.name = NULL, .unit = "unit^2", .plane_count = 1},
+    [MAP_MOVED] = {.name = NULL, .unit = "unit^2", .plane_count = 1},
+};
+
+const struct neph_extractor neph_extractor_shift = {
+    .name = "shift",
+    .help = "error that remains when blocks may move by a pixel: tells 1 px off from wrong",
+    .source = "least squares over the nine moves of each block, as in exhaustive block matching",
+    .quantities = NEPH_LINEAR_RGB,
+    .options = options,
+    .metrics = metrics,
+    .maps = maps,
+    .map_count = MAP_COUNT,
+    .state_size = sizeof(struct state),
+    .init = init,
+    .extract = extract,
+    .rows = rows,
+    .close = close,
+};

@@ -1,0 +1,256 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * SSIM and MS-SSIM. They are one extractor because the first scale of the one is all of the other.
+ */
+#include "base/threads.h"
+#include "metrics/extractors/code_value.h"
+#include "metrics/extractors/extractors.h"
+#include "metrics/extractors/ms_ssim.h"
+#include "metrics/extractors/structure.h"
+
+#include <math.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { OPTION_CODE, OPTION_DECIMATE };
+
+enum { ROW_GROUP = 8 }; /* rows that are encoded at a time */
+
+static const char *const code_names[] = {
+    [NEPH_CODE_PU21] = "pu21", [NEPH_CODE_DISPLAY] = "display", NULL};
+
+static const struct neph_option options[] = {
+    [OPTION_CODE] = {.name = "code",
+                     .kind = NEPH_OPTION_CHOICE,
+                     .default_value = NEPH_CODE_PU21,
+                     .choices = code_names,
+                     .help = "code values: PU21 of cd/m2 (L = 256), or sRGB luma (L = 255)"},
+    [OPTION_DECIMATE] = {.name = "decimate",
+                         .kind = NEPH_OPTION_INTEGER,
+                         .default_value = 0.0,
+                         .minimum = 0.0,
+                         .maximum = 1.0,
+                         .help = "1: ssim on the image shrunk by round(shorter side / 256), as "
+                                 "libvmaf does unasked"},
+    {.name = NULL},
+};
+
+struct state {
+    struct neph_code *code; /* owned */
+    double peak;
+    int width_px, height_px;
+    int factor; /* by which ssim is decimated */
+    int small_width_px, small_height_px;
+    double *reference, *test;             /* codes of the frame; owned */
+    double *small_reference, *small_test; /* decimated, when the factor is not 1; owned */
+    double *map;                          /* of the decimated size, NaN in the margin; owned */
+    double ms_ssim;
+    const char *ms_ssim_undefined;
+};
+
+/* libvmaf rounds a half up. */
+static int factor_of(const struct neph_frame_pair *first, const struct neph_settings *settings)
+{
+    int shorter_px = first->width_px < first->height_px ? first->width_px : first->height_px;
+    int factor = (shorter_px + 128) / 256;
+    return settings->values[OPTION_DECIMATE] != 0.0 && factor > 1 ? factor : 1;
+}
+
+/* libvmaf's, with a pixel more when the side is odd. */
+static int decimated_px(int side_px, int factor)
+{
+    return factor == 1 ? side_px : side_px / factor + (side_px & 1);
+}
+
+static const char *obstacle(const struct neph_frame_pair *first,
+                            const struct neph_settings *settings)
+{
+    int factor = factor_of(first, settings);
+    return decimated_px(first->width_px, factor) < NEPH_STRUCTURE_WINDOW_PX ||
+                   decimated_px(first->height_px, factor) < NEPH_STRUCTURE_WINDOW_PX
+               ? "the window of 11x11 px does not fit into the image"
+               : NULL;
+}
+
+static double *allocate(int width_px, int height_px)
+{
+    return malloc((size_t)width_px * (size_t)height_px * sizeof(double));
+}
+
+static enum neph_status init(void *opaque, const struct neph_frame_pair *first,
+                             const struct neph_settings *settings, struct neph_diag *diag)
+{
+    struct state *state = opaque;
+    enum neph_code_kind kind = (enum neph_code_kind)settings->values[OPTION_CODE];
+    state->peak = neph_code_peak(kind);
+    state->width_px = first->width_px;
+    state->height_px = first->height_px;
+    state->factor = factor_of(first, settings);
+    state->small_width_px = decimated_px(first->width_px, state->factor);
+    state->small_height_px = decimated_px(first->height_px, state->factor);
+    state->reference = allocate(state->width_px, state->height_px);
+    state->test = allocate(state->width_px, state->height_px);
+    state->map = allocate(state->small_width_px, state->small_height_px);
+    if (state->factor > 1) {
+        state->small_reference = allocate(state->small_width_px, state->small_height_px);
+        state->small_test = allocate(state->small_width_px, state->small_height_px);
+    }
+    if (!state->reference || !state->test || !state->map ||
+        (state->factor > 1 && (!state->small_reference || !state->small_test)))
+        return neph_fail_memory(diag);
+    for (size_t i = 0; i < (size_t)state->small_width_px * (size_t)state->small_height_px; i++)
+        state->map[i] = NAN;
+    return neph_code_create(kind, first->viewing, &state->code, diag);
+}
+
+/* ---- a frame --------------------------------------------------------------------------------- */
+
+struct encoding {
+    struct state *state;
+    const struct neph_frame_pair *pair;
+};
+
+static void encode_group(int group, void *context)
+{
+    const struct encoding *encoding = context;
+    struct state *state = encoding->state;
+    size_t width = (size_t)state->width_px, height = (size_t)state->height_px;
+    size_t first_row = (size_t)group * ROW_GROUP;
+    size_t row_count = height - first_row < ROW_GROUP ? height - first_row : ROW_GROUP;
+    size_t first = first_row * width, count = row_count * width;
+    neph_code_pixels(state->code, encoding->pair->reference, first, count,
+                     state->reference + first);
+    neph_code_pixels(state->code, encoding->pair->test, first, count, state->test + first);
+}
+
+static enum neph_status encode(struct state *state, const struct neph_frame_pair *pair,
+                               struct neph_diag *diag)
+{
+    struct encoding encoding = {state, pair};
+    return neph_parallel_rows((state->height_px + ROW_GROUP - 1) / ROW_GROUP, encode_group,
+                              &encoding, diag);
+}
+
+/* A box filter, as libvmaf's. */
+static enum neph_status shrink(const struct state *state, const double *image, double *small,
+                               struct neph_diag *diag)
+{
+    double box[64];
+    for (int i = 0; i < state->factor; i++)
+        box[i] = 1.0 / state->factor;
+    return neph_decimate(image, state->width_px, state->height_px, box, state->factor,
+                         state->factor, small, state->small_width_px, state->small_height_px, diag);
+}
+
+static enum neph_status compare_decimated(struct state *state, struct neph_diag *diag)
+{
+    struct neph_structure means;
+    enum neph_status status = shrink(state, state->reference, state->small_reference, diag);
+    if (!status)
+        status = shrink(state, state->test, state->small_test, diag);
+    if (!status)
+        status = neph_structure_compare(state->small_reference, state->small_test,
+                                        state->small_width_px, state->small_height_px, state->peak,
+                                        state->map, &means, diag);
+    return status;
+}
+
+static enum neph_status extract(void *opaque, const struct neph_frame_pair *pair,
+                                struct neph_diag *diag)
+{
+    struct state *state = opaque;
+    struct neph_structure means;
+    enum neph_status status = encode(state, pair, diag);
+    if (!status)
+        status = neph_structure_compare(state->reference, state->test, state->width_px,
+                                        state->height_px, state->peak,
+                                        state->factor == 1 ? state->map : NULL, &means, diag);
+    if (!status && state->factor > 1)
+        status = compare_decimated(state, diag);
+    if (!status)
+        status = neph_ms_ssim(state->reference, state->test, state->width_px, state->height_px,
+                              state->peak, &means, &state->ms_ssim_undefined, &state->ms_ssim,
+                              diag);
+    return status;
+}
+
+/* A value of the decimated image is told where its pixel was taken from, and nowhere else: so the
+ * mean over the image is libvmaf's. */
+static void rows(const void *opaque, int map, int first_row, int row_count, double *const values[3])
+{
+    (void)map;
+    const struct state *state = opaque;
+    int width = state->width_px, factor = state->factor;
+    for (int y = 0; y < row_count; y++) {
+        double *row = values[0] + (size_t)y * (size_t)width;
+        int image_y = first_row + y, small_y = image_y / factor;
+        const double *small = state->map + (size_t)small_y * (size_t)state->small_width_px;
+        bool is_sampled = image_y % factor == 0 && small_y < state->small_height_px;
+        if (factor == 1) {
+            memcpy(row, small, (size_t)width * sizeof(*row));
+            continue;
+        }
+        for (int x = 0; x < width; x++)
+            row[x] = is_sampled && x % factor == 0 && x / factor < state->small_width_px
+                         ? small[x / factor]
+                         : NAN;
+    }
+}
+
+static const char *scalar(const void *opaque, int which, double *value)
+{
+    (void)which;
+    const struct state *state = opaque;
+    if (!state->ms_ssim_undefined)
+        *value = state->ms_ssim;
+    return state->ms_ssim_undefined;
+}
+
+static void close(void *opaque)
+{
+    struct state *state = opaque;
+    neph_code_destroy(state->code);
+    free(state->reference);
+    free(state->test);
+    free(state->small_reference);
+    free(state->small_test);
+    free(state->map);
+}
+
+static const struct neph_metric metrics[] = {
+    {"ssim_mean", "1", -1.0, 1.0, NEPH_POOL_MEAN, 0.0, 0, 0,
+     "mean SSIM of code values, 11x11 Gaussian window, where the window lies inside"},
+    {"ssim_p5", "1", -1.0, 1.0, NEPH_POOL_PERCENTILE, 0.05, 0, 0,
+     "5th percentile of SSIM: one pixel in twenty is less similar"},
+    {"ms_ssim", "1", 0.0, 1.0, NEPH_POOL_SCALAR, 0.0, 0, 0,
+     "MS-SSIM of code values over five scales, of the whole image"},
+    {.name = NULL},
+};
+
+static const struct neph_map maps[] = {
+    {.name = "ssim",
+     .unit = "1",
+     .plane_count = 1,
+     .scale = 1.0,
+     .empty_because = "no window of 11x11 px has its middle in the mask"},
+};
+
+const struct neph_extractor neph_extractor_ssim = {
+    .name = "ssim",
+    .help = "structural similarity of code values; blind to small bright defects and to colour",
+    .source = "Wang et al., IEEE TIP 13, 2004; Wang, Simoncelli and Bovik, Asilomar 2003; details "
+              "as in libvmaf",
+    .quantities = NEPH_RADIANCE | NEPH_VOLUME,
+    .options = options,
+    .metrics = metrics,
+    .maps = maps,
+    .map_count = 1,
+    .state_size = sizeof(struct state),
+    .obstacle = obstacle,
+    .init = init,
+    .extract = extract,
+    .rows = rows,
+    .scalar = scalar,
+    .close = close,
+};

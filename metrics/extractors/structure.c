@@ -1,0 +1,197 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The image is cut into columns 48 px wide. Down a column, each row is blurred sideways once and
+ * kept in a ring of 11 rows, which the downward blur reads: all of it stays in the first cache.
+ */
+#include "metrics/extractors/structure.h"
+
+#include "base/threads.h"
+#include "metrics/statistics.h"
+#include "metrics/vector_math.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+enum {
+    WINDOW = NEPH_STRUCTURE_WINDOW_PX,
+    MARGIN = NEPH_STRUCTURE_MARGIN_PX,
+    COLUMN = 48,
+};
+
+/* What is averaged over a window; x of the reference, y of the test. */
+enum moment { X, Y, XX, YY, XY, MOMENT_COUNT };
+
+struct constants {
+    double weight[MARGIN + 1]; /* of the window, from its middle outwards */
+    double c1, c2, c3;
+};
+
+/* Over the rows, for each pixel of a column. */
+struct sums {
+    double luminance[COLUMN], contrast[COLUMN], structure[COLUMN];
+};
+
+struct work {
+    const double *reference, *test;
+    double *map;
+    size_t width, height;
+    struct constants constants;
+    struct sums *sums; /* one for each column */
+};
+
+typedef double segment[COLUMN + 2 * MARGIN];
+typedef double blurred[MOMENT_COUNT][COLUMN];
+
+static struct constants constants_of(double peak)
+{
+    const double sigma_px = 1.5;
+    struct constants constants = {.c1 = (0.01 * peak) * (0.01 * peak),
+                                  .c2 = (0.03 * peak) * (0.03 * peak)};
+    constants.c3 = 0.5 * constants.c2;
+    double sum = 0.0;
+    for (int i = 0; i <= MARGIN; i++) {
+        constants.weight[i] = exp(-0.5 * (i / sigma_px) * (i / sigma_px));
+        sum += i == 0 ? constants.weight[i] : 2.0 * constants.weight[i];
+    }
+    for (int i = 0; i <= MARGIN; i++)
+        constants.weight[i] /= sum;
+    return constants;
+}
+
+/* Six weights from the middle outwards, over 11 values in a row. */
+#define WINDOWED(w, v0, v1, v2, v3, v4, v5, v6, v7, v8, v9, v10)                                   \
+    ((w)[0] * (v5) + (w)[1] * ((v4) + (v6)) + (w)[2] * ((v3) + (v7)) + (w)[3] * ((v2) + (v8)) +    \
+     (w)[4] * ((v1) + (v9)) + (w)[5] * ((v0) + (v10)))
+
+NEPH_VECTOR static void blur_sideways(const struct constants *constants, const double *reference,
+                                      const double *test, size_t count, blurred out)
+{
+    segment products[3];
+    for (size_t i = 0; i < count + 2 * MARGIN; i++) {
+        double x = reference[i], y = test[i];
+        products[0][i] = x * x;
+        products[1][i] = y * y;
+        products[2][i] = x * y;
+    }
+    const double *const moments[MOMENT_COUNT] = {reference, test, products[0], products[1],
+                                                 products[2]};
+    const struct constants c = *constants;
+    for (int m = 0; m < MOMENT_COUNT; m++) {
+        const double *in = moments[m];
+        double *restrict to = out[m];
+        for (size_t i = 0; i < count; i++)
+            to[i] = WINDOWED(c.weight, in[i], in[i + 1], in[i + 2], in[i + 3], in[i + 4], in[i + 5],
+                             in[i + 6], in[i + 7], in[i + 8], in[i + 9], in[i + 10]);
+    }
+}
+
+/* `next` is the place in the ring of its oldest row. Rows are told by their distance from the
+ * beginning of the ring and not by eleven pointers, of which the compiler would fear that they
+ * overlap the result. */
+NEPH_VECTOR static void blur_downwards(const struct constants *constants,
+                                       const double *restrict ring, size_t next, size_t count,
+                                       double *restrict out)
+{
+    const struct constants c = *constants;
+    size_t at[WINDOW];
+    for (size_t k = 0; k < WINDOW; k++)
+        at[k] = ((next + k) % WINDOW) * MOMENT_COUNT * COLUMN;
+    const size_t a0 = at[0], a1 = at[1], a2 = at[2], a3 = at[3], a4 = at[4], a5 = at[5], a6 = at[6],
+                 a7 = at[7], a8 = at[8], a9 = at[9], a10 = at[10];
+    for (size_t m = 0; m < MOMENT_COUNT * COLUMN; m += COLUMN)
+        for (size_t i = m; i < m + count; i++)
+            out[i] = WINDOWED(c.weight, ring[a0 + i], ring[a1 + i], ring[a2 + i], ring[a3 + i],
+                              ring[a4 + i], ring[a5 + i], ring[a6 + i], ring[a7 + i], ring[a8 + i],
+                              ring[a9 + i], ring[a10 + i]);
+}
+
+/* The three factors, added up, and their product. Rounding may leave a variance below 0 or a
+ * covariance above what the variances allow; both are put back, so that an image compared to
+ * itself gives 1. */
+NEPH_VECTOR static void compare_row(const struct constants *constants, const blurred mean,
+                                    size_t count, struct sums *restrict sums,
+                                    double *restrict product)
+{
+    const double c1 = constants->c1, c2 = constants->c2, c3 = constants->c3;
+    for (size_t i = 0; i < count; i++) {
+        double mean_x = mean[X][i], mean_y = mean[Y][i];
+        double variance_x = mean[XX][i] - mean_x * mean_x;
+        double variance_y = mean[YY][i] - mean_y * mean_y;
+        double covariance = mean[XY][i] - mean_x * mean_y;
+        variance_x = variance_x > 0.0 ? variance_x : 0.0;
+        variance_y = variance_y > 0.0 ? variance_y : 0.0;
+        double deviations = sqrt(variance_x * variance_y);
+        covariance = covariance < deviations ? covariance : deviations;
+        covariance = covariance > -deviations ? covariance : -deviations;
+        double luminance = (2.0 * (mean_x * mean_y) + c1) /
+                           (mean_x * mean_x + mean_y * mean_y + c1);
+        double contrast = (2.0 * deviations + c2) / (variance_x + variance_y + c2);
+        double structure = (covariance + c3) / (deviations + c3);
+        sums->luminance[i] += luminance;
+        sums->contrast[i] += contrast;
+        sums->structure[i] += structure;
+        product[i] = luminance * contrast * structure;
+    }
+}
+
+static void compare_column(int column, void *context)
+{
+    const struct work *work = context;
+    size_t first = (size_t)column * COLUMN;
+    size_t count = work->width - 2 * MARGIN - first;
+    if (count > COLUMN)
+        count = COLUMN;
+    blurred ring[WINDOW], mean;
+    double unwanted[COLUMN];
+    for (size_t y = 0; y < work->height; y++) {
+        size_t at = y * work->width + first;
+        blur_sideways(&work->constants, work->reference + at, work->test + at, count,
+                      ring[y % WINDOW]);
+        if (y + 1 < WINDOW)
+            continue;
+        blur_downwards(&work->constants, &ring[0][0][0], (y + 1) % WINDOW, count, &mean[0][0]);
+        size_t centre = (y - MARGIN) * work->width + first + MARGIN;
+        compare_row(&work->constants, mean, count, &work->sums[column],
+                    work->map ? work->map + centre : unwanted);
+    }
+}
+
+static struct neph_structure means_of(const struct work *work, int column_count)
+{
+    struct neph_sum luminance = {0}, contrast = {0}, structure = {0};
+    for (int column = 0; column < column_count; column++) {
+        for (int i = 0; i < COLUMN; i++) {
+            neph_sum_add(&luminance, work->sums[column].luminance[i]);
+            neph_sum_add(&contrast, work->sums[column].contrast[i]);
+            neph_sum_add(&structure, work->sums[column].structure[i]);
+        }
+    }
+    double count = (double)((work->width - 2 * MARGIN) * (work->height - 2 * MARGIN));
+    return (struct neph_structure){.luminance = neph_sum_value(&luminance) / count,
+                                   .contrast = neph_sum_value(&contrast) / count,
+                                   .structure = neph_sum_value(&structure) / count};
+}
+
+enum neph_status neph_structure_compare(const double *reference, const double *test, int width_px,
+                                        int height_px, double peak, double *map,
+                                        struct neph_structure *means, struct neph_diag *diag)
+{
+    if (width_px < WINDOW || height_px < WINDOW)
+        return neph_fail(diag, NEPH_ERR_INTERNAL, "no window of %d px fits into %dx%d", WINDOW,
+                         width_px, height_px);
+    struct work work = {.reference = reference,
+                        .test = test,
+                        .map = map,
+                        .width = (size_t)width_px,
+                        .height = (size_t)height_px,
+                        .constants = constants_of(peak)};
+    int column_count = (width_px - 2 * MARGIN + COLUMN - 1) / COLUMN;
+    work.sums = calloc((size_t)column_count, sizeof(*work.sums));
+    if (!work.sums)
+        return neph_fail_memory(diag);
+    enum neph_status status = neph_parallel_rows(column_count, compare_column, &work, diag);
+    if (!status)
+        *means = means_of(&work, column_count);
+    free(work.sums);
+    return status;
+}
