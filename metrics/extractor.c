@@ -5,23 +5,9 @@
 
 #include <string.h>
 
-static const struct neph_extractor *const registry[] = {
-    &neph_extractor_error,
-    &neph_extractor_stops,
-    &neph_extractor_pu21,
-    &neph_extractor_ssim,
-    &neph_extractor_shift,
-    &neph_extractor_two_seed,
-    &neph_extractor_flip,
-    &neph_extractor_flip40,
-    &neph_extractor_hdr_flip,
-    &neph_extractor_flip_alternation,
-    &neph_extractor_residual_change,
-    &neph_extractor_motion,
-    &neph_extractor_lag,
-    &neph_extractor_trail,
-    &neph_extractor_flicker,
-};
+#define LISTED(name) &neph_extractor_##name,
+static const struct neph_extractor *const registry[] = {NEPH_EXTRACTORS(LISTED)};
+#undef LISTED
 
 enum { EXTRACTOR_COUNT = sizeof(registry) / sizeof(registry[0]) };
 

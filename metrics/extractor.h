@@ -3,8 +3,8 @@
  * The table of extractors: what turns frames into maps. In the manner of libvmaf's feature
  * extractors, one file per extractor, options as a table, pooling elsewhere. To add one, write its
  * file in extractors/ with one table `neph_extractor_NAME` and add a line to
- * extractors/extractors.h and to the list in extractor.c; the command line, the help, masks,
- * intervals, JSON, CSV and pictures follow.
+ * extractors/extractors.h; the command line, the help, masks, intervals, JSON, CSV and pictures
+ * follow.
  *
  * The life of one: init; for each frame, in order when `temporal`, extract; then flush when
  * `temporal`; close, always, also after a failure of init. After each extract (temporal: after

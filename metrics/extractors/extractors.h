@@ -1,26 +1,34 @@
 /* SPDX-License-Identifier: MIT
  *
- * The tables of the extractors, one file each; listed in extractor.c in the order of reports.
+ * The list of extractors, in the order of reports: the one line that a new one needs beside its
+ * file.
  */
 #ifndef NEPH_METRICS_EXTRACTORS_EXTRACTORS_H
 #define NEPH_METRICS_EXTRACTORS_EXTRACTORS_H
 
 #include "metrics/extractor.h"
 
-extern const struct neph_extractor neph_extractor_error;
-extern const struct neph_extractor neph_extractor_stops;
-extern const struct neph_extractor neph_extractor_pu21;
-extern const struct neph_extractor neph_extractor_ssim;
-extern const struct neph_extractor neph_extractor_shift;
-extern const struct neph_extractor neph_extractor_two_seed;
-extern const struct neph_extractor neph_extractor_flip;
-extern const struct neph_extractor neph_extractor_flip40;
-extern const struct neph_extractor neph_extractor_hdr_flip;
-extern const struct neph_extractor neph_extractor_flip_alternation;
-extern const struct neph_extractor neph_extractor_residual_change;
-extern const struct neph_extractor neph_extractor_motion;
-extern const struct neph_extractor neph_extractor_lag;
-extern const struct neph_extractor neph_extractor_trail;
-extern const struct neph_extractor neph_extractor_flicker;
+/* clang-format off */
+#define NEPH_EXTRACTORS(of) \
+    of(error) \
+    of(stops) \
+    of(pu21) \
+    of(ssim) \
+    of(shift) \
+    of(two_seed) \
+    of(flip) \
+    of(flip40) \
+    of(hdr_flip) \
+    of(flip_alternation) \
+    of(residual_change) \
+    of(motion) \
+    of(lag) \
+    of(trail) \
+    of(flicker)
+/* clang-format on */
+
+#define NEPH_EXTRACTOR_DECLARED(name) extern const struct neph_extractor neph_extractor_##name;
+NEPH_EXTRACTORS(NEPH_EXTRACTOR_DECLARED)
+#undef NEPH_EXTRACTOR_DECLARED
 
 #endif
