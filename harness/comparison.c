@@ -377,7 +377,8 @@ static json_t *document_of(const struct work *work, bool interrupted)
         json_object_set_new(item, "viewing", neph_viewing_json(&work->asked->viewing));
         json_array_append_new(measurements, item);
     }
-    json_t *findings = neph_findings(measurements);
+    json_t *findings = neph_findings(measurements,
+                                     work->frozen.frozen_count > 0 && !work->asked->frozen_is_fine);
     return json_pack("{s:i, s:i, s:b, s:o, s:o, s:o, s:O}", "frames", work->done_count, "frozen",
                      work->frozen.frozen_count, "interrupted", interrupted, "measurements",
                      measurements, "findings", findings, "not_taken", not_taken(work), "maps",

@@ -52,7 +52,8 @@ static json_t *finding(const char *name, const char *quantity, const char *mask,
                      mask, "verdict", verdict, "text", text);
 }
 
-static void add_flicker(const json_t *list, const char *quantity, const char *mask, json_t *out)
+static void add_flicker(const json_t *list, const char *quantity, const char *mask, bool frozen,
+                        json_t *out)
 {
     static const char *const words[] = {
         [NEPH_FLICKER_CALM] = "no flicker above a step of an 8-bit display",
@@ -64,9 +65,12 @@ static void add_flicker(const json_t *list, const char *quantity, const char *ma
         !value_of(list, quantity, "restless_share", mask, &restless))
         return;
     const enum neph_flicker_kind kind = neph_flicker_verdict(cyclic, restless);
-    json_t *item = finding("flicker", quantity, mask, neph_flicker_kind_name(kind),
-                           "%s (cyclic in %.3g %%, restless in %.3g %% of the pixels)", words[kind],
-                           100.0 * cyclic, 100.0 * restless);
+    const bool no_verdict = frozen && kind == NEPH_FLICKER_CALM;
+    json_t *item = finding(
+        "flicker", quantity, mask, no_verdict ? "frozen" : neph_flicker_kind_name(kind),
+        "%s (cyclic in %.3g %%, restless in %.3g %% of the pixels)",
+        no_verdict ? "frames repeat the one before: that is no stability" : words[kind],
+        100.0 * cyclic, 100.0 * restless);
     json_object_set_new(item, "cyclic_share", json_real(cyclic));
     json_object_set_new(item, "restless_share", json_real(restless));
     json_array_append_new(out, item);
@@ -153,7 +157,7 @@ static json_t *masks_of(const json_t *list)
     return names;
 }
 
-json_t *neph_findings(const json_t *measurements)
+json_t *neph_findings(const json_t *measurements, bool frozen)
 {
     static const char *const quantities[] = {"radiance", "volume", "transmittance"};
     json_t *out = json_array(), *masks = masks_of(measurements);
@@ -162,7 +166,7 @@ json_t *neph_findings(const json_t *measurements)
         json_t *unused;
         json_object_foreach(masks, mask, unused)
         {
-            add_flicker(measurements, quantities[q], mask, out);
+            add_flicker(measurements, quantities[q], mask, frozen, out);
             add_reference_limited(measurements, quantities[q], mask, out);
             add_noise_floor(measurements, quantities[q], mask, out);
         }
