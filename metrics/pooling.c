@@ -430,6 +430,35 @@ static void count_part(struct table *table, const struct statistic *statistic, u
     add_totals(table, statistic->part, statistic->part_v + 1);
 }
 
+/* Keys of a tile that equal `key`. */
+static double tied(const struct gathered *set, int tile, uint32_t key)
+{
+    double n = 0.0, sum = 0.0;
+    add_part(set->keys + set->first[tile], set->counts[tile], key, key, &n, &sum);
+    return n;
+}
+
+/* Fill the part columns with the `kept` smallest keys. Of those equal to the largest of them, the
+ * same share stays in each tile. */
+static void count_smallest(struct table *table, const struct statistic *statistic, size_t kept)
+{
+    const uint32_t last = neph_select_rank(table->selector, kept - 1);
+    count_part(table, statistic, 0, last);
+    const double surplus = table->totals[statistic->part] - (double)kept;
+    if (surplus <= 0.0)
+        return;
+    double tied_count = 0.0;
+    for (int r = 0; r < table->row_count; r++)
+        tied_count += tied(table->set, table->tiles[r], last);
+    for (int r = 0; r < table->row_count; r++) {
+        double *row = table->rows + (size_t)r * (size_t)table->column_count;
+        const double taken = tied(table->set, table->tiles[r], last) * (surplus / tied_count);
+        row[statistic->part] -= taken;
+        row[statistic->part_v] -= taken * neph_key_value(last);
+    }
+    add_totals(table, statistic->part, statistic->part_v + 1);
+}
+
 static bool is_percentile(const struct neph_metric *metric)
 {
     return metric->pool == NEPH_POOL_PERCENTILE || metric->pool == NEPH_POOL_WEIGHTED_PERCENTILE;
@@ -454,8 +483,7 @@ static bool value_of(struct table *table, const struct statistic *statistic, dou
         count_part(table, statistic, neph_key_of(metric->parameter) + 1, UINT32_MAX);
     if (metric->pool == NEPH_POOL_TRIMMED_MEAN) {
         const size_t dropped = (size_t)ceil(metric->parameter * (double)n);
-        const size_t last = n > dropped ? n - dropped - 1 : 0;
-        count_part(table, statistic, 0, neph_select_rank(table->selector, last));
+        count_smallest(table, statistic, n > dropped ? n - dropped : 1);
     }
     return evaluate(statistic, table->totals, value);
 }

@@ -135,6 +135,33 @@ static void test_identical_images_are_exactly_zero(void **state)
     neph_image_destroy(image);
 }
 
+/* Fireflies that a clamp made equal are trimmed like others: of 4800 samples the largest 5, though
+ * 12 have the same error. */
+static void test_equal_fireflies_are_trimmed(void **state)
+{
+    (void)state;
+    enum { SIDE = 40 };
+    static float reference_rgb[3 * SIDE * SIDE], test_rgb[3 * SIDE * SIDE];
+    for (int i = 0; i < 3 * SIDE * SIDE; i++)
+        reference_rgb[i] = test_rgb[i] = 1;
+    for (int firefly = 0; firefly < 4; firefly++)
+        for (int c = 0; c < 3; c++)
+            test_rgb[3 * (7 + firefly * SIDE * 10 + firefly) + c] = 11;
+    struct neph_image *reference = rgb_image(SIDE, SIDE, NULL, reference_rgb);
+    struct neph_image *test = rgb_image(SIDE, SIDE, NULL, test_rgb);
+    struct neph_mask *all = create_mask(reference, "all");
+    struct measured m = measure(reference, test, "radiance", all);
+    const double each = 100 / 1.0001, key_of_24_bits = 1e-7;
+    neph_assert_close(value_of(&m, "rel_mse"), 12 * each / 4800, 1e-9, 0);
+    neph_assert_close(value_of(&m, "rel_mse_trimmed"), 7 * each / 4795, key_of_24_bits, 0);
+    const struct neph_measurement *trimmed = find(&m, "rel_mse_trimmed");
+    assert_int_equal(trimmed->interval, NEPH_INTERVAL_TILES);
+    assert_true(trimmed->low < trimmed->value && trimmed->value < trimmed->high);
+    neph_mask_destroy(all);
+    neph_image_destroy(reference);
+    neph_image_destroy(test);
+}
+
 /* Only where both see a solid; what one of them misses is a number of its own. */
 static void test_depth_by_hand(void **state)
 {
@@ -401,6 +428,7 @@ int main(void)
         cmocka_unit_test(test_mask_and_scene_mean),
         cmocka_unit_test(test_sign_is_test_minus_reference),
         cmocka_unit_test(test_identical_images_are_exactly_zero),
+        cmocka_unit_test(test_equal_fireflies_are_trimmed),
         cmocka_unit_test(test_depth_by_hand),
         cmocka_unit_test(test_bad_pixels_make_undefined),
         cmocka_unit_test(test_bad_depth_makes_undefined),
