@@ -445,15 +445,16 @@ static void print_findings(const json_t *list, bool rings)
     }
 }
 
-/* Of a sequence the table holds what is said of all its frames, if there is such a thing. */
+/* Of a sequence the table holds what is said of all its frames, if there is such a thing. Of a
+ * single frame nothing is left out: metrics of sequences say no more than that they have none. */
 static void print_table(const json_t *document, bool rings)
 {
     const json_t *list = json_object_get(document, "measurements");
+    const bool is_sequence = json_integer_value(json_object_get(document, "frames")) > 1;
     bool has_overall = false;
-    for (size_t i = 0; i < json_array_size(list); i++)
+    for (size_t i = 0; i < json_array_size(list) && is_sequence; i++)
         has_overall |= !json_object_get(json_array_get(list, i), "frame");
-    const bool with_frame = !has_overall &&
-                            json_integer_value(json_object_get(document, "frames")) > 1;
+    const bool with_frame = !has_overall && is_sequence;
     printf("%s%-14s %-13s %-22s %14s  %-22s %8s  %s\n", with_frame ? "frame " : "", "quantity",
            "mask", "metric", "value", "95 % interval", "pixels", "unit");
     for (size_t i = 0; i < json_array_size(list); i++)
