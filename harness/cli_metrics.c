@@ -77,10 +77,10 @@ static json_t *extractor_json(const struct neph_extractor *extractor)
     for (int m = 0; m < extractor->map_count; m++)
         if (extractor->maps[m].name)
             json_array_append_new(maps, json_string(extractor->maps[m].name));
-    return json_pack("{s:s, s:s, s:s, s:b, s:b, s:o, s:o, s:o, s:o}", "name", extractor->name,
-                     "help", extractor->help, "source", extractor->source, "temporal",
-                     extractor->temporal, "costly", extractor->costly, "quantities",
-                     quantities_json(extractor), "options",
+    return json_pack("{s:s, s:s, s:s, s:s?, s:b, s:b, s:o, s:o, s:o, s:o}", "name", extractor->name,
+                     "help", extractor->help, "source", extractor->source, "details",
+                     extractor->details, "temporal", extractor->temporal, "costly",
+                     extractor->costly, "quantities", quantities_json(extractor), "options",
                      neph_cli_options_json(extractor->options), "metrics", metrics, "maps", maps);
 }
 
@@ -93,14 +93,25 @@ static void print_metric(const struct neph_metric *metric)
            metric->unit ? metric->unit : "unit of the quantity", range);
 }
 
+static void print_details(const char *lines)
+{
+    while (lines && *lines) {
+        const size_t length = strcspn(lines, "\n");
+        printf("    %.*s\n", (int)length, lines);
+        lines += length + (lines[length] ? 1 : 0);
+    }
+}
+
 static void print_extractor(const struct neph_extractor *extractor, bool fully)
 {
     printf("%s: %s%s%s\n", extractor->name, extractor->help,
            extractor->temporal ? " (sequences)" : "",
            extractor->costly ? " (only when asked for)" : "");
     printf("    source: %s\n", extractor->source);
-    if (fully)
+    if (fully) {
+        print_details(extractor->details);
         neph_cli_print_options(extractor->options);
+    }
     for (const struct neph_metric *metric = extractor->metrics; metric->name; metric++)
         print_metric(metric);
     for (int m = 0; m < extractor->map_count && fully; m++)

@@ -65,6 +65,8 @@ struct neph_extractor {
     const char *name;
     const char *help;    /* one line */
     const char *source;  /* paper and equation, or the program whose definition it is */
+    const char *details; /* lines for who asks for this one: signals, layers that are read,
+                            conventions; NULL: the metrics say it all */
     unsigned quantities; /* neph_quantity_bit: of which it is taken */
     bool temporal;
     bool pointwise; /* a value depends on its own pixel alone: a bad pixel spoils only masks with it

@@ -45,9 +45,10 @@ static const struct neph_metric metrics[] = {
     {"rel_rmse", "1", 0, INFINITY, NEPH_POOL_RMS_OVER, 0, D, REFERENCE,
      "rmse / mean reference over the mask"},
     {"rel_mse", "1", 0, INFINITY, NEPH_POOL_MEAN, 0, RELATIVE_SQUARE, 0,
-     "mean of d^2 / (reference^2 + (0.01 S)^2), S the mean of the whole reference"},
+     "mean of d^2 / (reference^2 + (0.01 S)^2), S the mean of the whole "
+     "reference"},
     {"rel_mse_trimmed", "1", 0, INFINITY, NEPH_POOL_TRIMMED_MEAN, 0.001, RELATIVE_SQUARE, 0,
-     "rel_mse without its largest 0.1 %: fireflies"},
+     "rel_mse without its largest 0.1 %, rounded up to whole samples: fireflies"},
     {"max_abs", NULL, 0, INFINITY, NEPH_POOL_MAX, 0, ABS_D, 0, "largest |test - reference|"},
     {"max_rel", "1", 0, INFINITY, NEPH_POOL_MAX, 0, RELATIVE_ABS, 0,
      "largest |d| / max(|reference|, 1e-4 S)"},
@@ -175,6 +176,8 @@ const struct neph_extractor neph_extractor_error = {
     .help = "differences of linear values",
     .source = "elementary; rel_mse as in Rousselle et al., SIGGRAPH Asia 2011, with an epsilon of "
               "the scene; trimmed as SimpleImageIO; percentiles of type 7 (Hyndman and Fan 1996)",
+    .details = "a sample is one channel of a pixel; means and percentiles are over samples\n"
+               "S: mean luminance (depth: mean) of the whole reference, whatever the mask",
     .quantities = NEPH_LINEAR_RGB | NEPH_DEPTH,
     .pointwise = true,
     .options = options,

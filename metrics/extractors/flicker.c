@@ -53,8 +53,10 @@ static const struct neph_option options[] = {
                     "place in that order of the slot that is fresh in frame 0"},
     [SLOT_PX] = {"slot_px", NEPH_OPTION_INTEGER, 1.0, 1.0, 16.0, NULL,
                  "side of a slot [px]: 2 when tracing has half the resolution"},
-    [CHECKERBOARD] = {"checkerboard", NEPH_OPTION_CHOICE, 0.0, 0.0, 0.0, checkerboard_choices,
-                      "every other 2x2 of slots is one place ahead in the order"},
+    [CHECKERBOARD] =
+        {"checkerboard", NEPH_OPTION_CHOICE, 0.0, 0.0, 0.0, checkerboard_choices,
+         "the 2x2 of slots with column and row both even (as the first) or both odd are one "
+         "place ahead in the order"},
     {0},
 };
 
@@ -138,7 +140,7 @@ enum { FRAMES = NEPH_PHASE_COUNT * NEPH_AGE_COUNT };
 
 #define PHASE_AGE(phase, age)                                                                      \
     POOLED("phase_age_" #phase "_" #age, -1.0, 1.0, SCALAR, 0.0, NEPH_AGE_COUNT *phase + age,      \
-           "mean d over the frame, pixels of phase (x&1)+2(y&1) = " #phase " traced " #age         \
+           "mean d over the frame, slots of phase (x&1)+2(y&1) = " #phase " traced " #age          \
            " frames ago")
 
 #define PHASE_AGES(phase)                                                                          \
@@ -474,6 +476,12 @@ const struct neph_extractor neph_extractor_flicker = {
     .help = "amplitude, cause and visibility of flicker before a camera that stands still",
     .source = "discrete Fourier transform of display luma per pixel at the periods of 4 and 2 "
               "frames; eye: castleCSF and FovVideoVDP",
+    .details = "d: luma of encoded display values, test - reference of the same frame\n"
+               "A4 = (2 / N) |sum d e^(-i pi t / 2)|, A2 = (1 / N) |sum d (-1)^t|, N frames\n"
+               "visible_flicker = sqrt((w(fps / 4) A4)^2 + (w(fps / 2) A2)^2) / (0.011 L): of\n"
+               "display luminance 0..1 after FLIP's achromatic filter, test - reference, noise\n"
+               "kept; L its mean in the test, at least 0.001;\n"
+               "w(f) = exp(-(f^0.1898 - 5^0.1898)^2 / 0.1231)",
     .quantities = NEPH_RADIANCE | NEPH_VOLUME,
     .temporal = true,
     .options = options,

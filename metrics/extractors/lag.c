@@ -321,6 +321,11 @@ const struct neph_extractor neph_extractor_lag = {
     .source = "step response; an exponential average of weight a has the half-life "
               "ln(1/2) / ln(1 - a): Yang, Liu, Salvi, A Survey of Temporal Antialiasing "
               "Techniques, Computer Graphics Forum 39, 2020",
+    .details = "what is left: |test - reference| / |step| of linear luminance\n"
+               "a time is that of the last crossing, in frames, 1 being the first after the step;\n"
+               "between frames the logarithm of what is left is linear\n"
+               "a pixel that never settles counts with all frames since the step\n"
+               "pixels whose step is below 1/255 of the encoded display value are left out",
     .quantities = NEPH_RADIANCE | NEPH_VOLUME,
     .temporal = true,
     .options = options,

@@ -561,6 +561,11 @@ const struct neph_extractor neph_extractor_motion = {
     .help = "frames against the frame before, moved by exact motion vectors; disocclusions",
     .source = "warping error of Lai et al., Learning Blind Video Temporal Consistency, ECCV 2018, "
               "with exact motion and as a difference to the reference's own",
+    .details = "motion.x, motion.y: where that which is seen was in the frame before, minus where\n"
+               "it is [px], x to the right, y down; with Z, both of the reference, or else of the\n"
+               "test; motion.depth, where there is one, is its depth in the frame before\n"
+               "residuals are taken where the depth agrees and no step of depth is near\n"
+               "an rms is over the mean squares of pixels, each of its own frames",
     .quantities = NEPH_RADIANCE | NEPH_VOLUME,
     .temporal = true,
     .options = options,

@@ -98,6 +98,21 @@ class Metrics(unittest.TestCase):
         (self.folder / "noise.exr").write_bytes(bytes(range(256)))
         self.assertEqual(neph("compare", self.folder / "noise.exr", good).returncode, 65)
 
+    def test_metrics_of_sequences_hide_nothing_of_a_single_frame(self):
+        reference = self.write("reference.exr", lambda x, y: 1.0)
+        test = self.write("test.exr", lambda x, y: 1.25)
+        done = neph("compare", reference, test, "-m", "mae", "-m", "residual_change")
+        rows = {line.split()[2]: line.split()[3] for line in done.stdout.splitlines() if line.startswith("radiance")}
+        self.assertEqual((rows.get("mae"), rows.get("residual_change_rms")), ("2.500000e-01", "undefined"), done.stdout)
+
+    def test_conventions_can_be_asked_for(self):
+        for name, words in (("motion", ("motion.x, motion.y", "minus where", "y down")), ("lag", ("last crossing", "logarithm")),
+                            ("flicker", ("0.011", "d: luma"))):
+            text, document = neph("metrics", name).stdout, json.loads(neph("metrics", name, "--json").stdout)
+            for word in words:
+                self.assertIn(word, text)
+                self.assertIn(word, json.dumps(document))
+
     def test_limits(self):
         reference = self.write("reference.exr", lambda x, y: 1.0)
         test = self.write("test.exr", lambda x, y: 1.25)
@@ -187,6 +202,17 @@ class Metrics(unittest.TestCase):
         self.assertEqual(verdicts["flicker", "non_edge"], "calm")
         self.assertEqual(verdicts["half_life", "all"], "not measured")
         self.assertAlmostEqual(values["cyclic_share", "all"], 6 / (WIDTH * HEIGHT), delta=1e-12)
+
+    def test_the_floor_of_the_edge_ratio_is_named(self):
+        """Twice the contrast at bars; first far below what can be shown, then 100 times that."""
+        noise = self.noise(1e-7)
+        still = self.write("reference.exr", self.still, self.depth)
+        for scale, floored in ((1, True), (100, False)):
+            test = self.sequence("test", lambda x, y, t: self.still(x, y) * (1 + scale * (2e-4 if self.depth(x, y) < INF else 1e-4)
+                                                                           * math.cos(math.pi * t / 2)) + noise(), 32)
+            done = neph("flicker", "--reference", still, test, "-m", "flicker", "--json")
+            found = next(row for row in json.loads(done.stdout)["findings"] if row["finding"] == "edge_ratio")
+            self.assertEqual(("quarter of a step" in found["text"], "times as strong" in found["text"]), (floored, not floored), found)
 
     def test_noise_of_equal_energy_is_restless(self):
         noise = self.noise(0.02)
