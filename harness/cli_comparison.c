@@ -48,7 +48,7 @@ static const struct argp_option options[] = {
      "The reference by another seed: takes the reference's own noise out of squared errors", 0},
     {"versus", KEY_VERSUS, "WORD", 0,
      "Another test of the same frames: each number's difference, test - other, paired frame by "
-     "frame, with intervals and corrected p-values",
+     "frame, with intervals and corrected p-values; without these where a sequence has one number",
      0},
     {"warm-up", KEY_WARM_UP, "N", 0, "Leave out the first N frames (default: 0)", 0},
     {"fps", KEY_VIEWING, "HZ", 0, "Frame rate of the display (default: 60)", 1},
@@ -426,11 +426,14 @@ static void print_versus(const json_t *list, bool rings)
             snprintf(bounds, sizeof(bounds), "%.2e..%.2e",
                      json_number_value(json_array_get(interval, 0)),
                      json_number_value(json_array_get(interval, 1)));
-        printf("%-14s %-13s %-22s %14.6e  %-22s %9.2g %9.2g\n", text_of(item, "quantity"),
-               text_of(item, "mask"), text_of(item, "metric"),
-               json_number_value(json_object_get(item, "difference")), bounds,
-               json_number_value(json_object_get(item, "p_holm")),
-               json_number_value(json_object_get(item, "p_sign")));
+        printf("%-14s %-13s %-22s %14.6e  %-22s ", text_of(item, "quantity"), text_of(item, "mask"),
+               text_of(item, "metric"), json_number_value(json_object_get(item, "difference")),
+               bounds);
+        if (json_is_number(json_object_get(item, "p")))
+            printf("%9.2g %9.2g\n", json_number_value(json_object_get(item, "p_holm")),
+                   json_number_value(json_object_get(item, "p_sign")));
+        else
+            printf("%9s %9s\n", "-", "-");
     }
 }
 
@@ -474,6 +477,22 @@ static void print_table(const json_t *document, bool rings)
            (long long)json_integer_value(json_object_get(document, "frozen")));
 }
 
+/* Text as CSV has it (RFC 4180): names of masks come from the user's files. */
+static void csv_text(FILE *out, const char *text)
+{
+    if (!strpbrk(text, ",\"\r\n")) {
+        fputs(text, out);
+        return;
+    }
+    fputc('"', out);
+    for (; *text; text++) {
+        if (*text == '"')
+            fputc('"', out);
+        fputc(*text, out);
+    }
+    fputc('"', out);
+}
+
 /* A number as CSV has it: nothing for null. */
 static void csv_number(FILE *out, const json_t *value)
 {
@@ -487,15 +506,19 @@ static void csv_number(FILE *out, const json_t *value)
 
 static void write_csv_lines(FILE *out, const json_t *list)
 {
+    static const char *const words[] = {"quantity", "metric", "mask", "unit", "interval_kind"};
     static const char *const conditions[] = {"frame_rate_hz", "pixels_per_degree", "exposure_ev",
                                              "white_cd_per_m2"};
     fprintf(out, "quantity,metric,mask,unit,interval_kind,frame,value,low,high,n,pixel_count,"
-                 "frame_rate_hz,pixels_per_degree,exposure_ev,white_cd_per_m2\n");
+                 "frame_rate_hz,pixels_per_degree,exposure_ev,white_cd_per_m2,"
+                 "undefined_because\n");
     for (size_t i = 0; i < json_array_size(list); i++) {
         const json_t *item = json_array_get(list, i);
         const json_t *interval = json_object_get(item, "interval");
-        fprintf(out, "%s,%s,%s,%s,%s", text_of(item, "quantity"), text_of(item, "metric"),
-                text_of(item, "mask"), text_of(item, "unit"), text_of(item, "interval_kind"));
+        for (size_t w = 0; w < sizeof(words) / sizeof(words[0]); w++) {
+            fputs(w > 0 ? "," : "", out);
+            csv_text(out, text_of(item, words[w]));
+        }
         csv_number(out, json_object_get(item, "frame"));
         csv_number(out, json_object_get(item, "value"));
         csv_number(out, json_array_get(interval, 0));
@@ -504,6 +527,8 @@ static void write_csv_lines(FILE *out, const json_t *list)
         csv_number(out, json_object_get(item, "pixel_count"));
         for (int c = 0; c < 4; c++)
             csv_number(out, json_object_get(json_object_get(item, "viewing"), conditions[c]));
+        fputc(',', out);
+        csv_text(out, text_of(item, "undefined_because"));
         fputc('\n', out);
     }
 }
@@ -603,22 +628,36 @@ static enum neph_status print_all(const struct neph_cli_comparison *asked, json_
     return asked->csv ? write_csv(asked->csv, list, diag) : NEPH_OK;
 }
 
+/* Found before anything is measured. */
+static enum neph_status find_versus(const struct neph_cli_comparison *asked,
+                                    const struct neph_comparison *comparison,
+                                    struct neph_sequence *other, struct neph_diag *diag)
+{
+    if (!asked->versus)
+        return NEPH_OK;
+    enum neph_status status = neph_sequence_find(1, &asked->versus, other, diag);
+    if (!status && other->count != comparison->test.count)
+        status = neph_fail(diag, NEPH_ERR_INPUT,
+                           "%d frames of the other test, %d of the test: as many are needed",
+                           other->count, comparison->test.count);
+    return status;
+}
+
 /* The same again with the other test; its numbers stay out of sight, the differences are kept. */
-static enum neph_status add_versus(const struct neph_cli_comparison *asked,
-                                   const struct neph_comparison *comparison, json_t *document,
+static enum neph_status add_versus(const struct neph_comparison *comparison,
+                                   const struct neph_sequence *other_test, json_t *document,
                                    struct neph_diag *diag)
 {
     struct neph_comparison other = *comparison;
     json_t *other_document = NULL, *differences = NULL;
-    other.test = (struct neph_sequence){0};
+    other.test = *other_test;
     other.maps_directory = NULL;
-    enum neph_status status = neph_sequence_find(1, &asked->versus, &other.test, diag);
-    if (!status && other.test.count != comparison->test.count)
-        status = neph_fail(diag, NEPH_ERR_INPUT,
-                           "%d frames of the other test, %d of the test: as many are needed",
-                           other.test.count, comparison->test.count);
-    if (!status)
-        status = neph_comparison_run(&other, &other_document, diag);
+    enum neph_status status = neph_comparison_run(&other, &other_document, diag);
+    if (status == NEPH_ERR_GATE && diag && !other_document)
+        neph_hint(diag, "this is a frame of --versus");
+    else if (status == NEPH_ERR_GATE)
+        neph_hint(diag, "these are frames of --versus; if they are meant to be frozen, say "
+                        "--frozen-ok");
     if (!status) {
         differences = neph_versus(json_object_get(document, "measurements"),
                                   json_object_get(other_document, "measurements"), diag);
@@ -627,7 +666,6 @@ static enum neph_status add_versus(const struct neph_cli_comparison *asked,
     if (differences)
         json_object_set_new(document, "versus", differences);
     json_decref(other_document);
-    neph_sequence_finish(&other.test);
     return status;
 }
 
@@ -642,9 +680,13 @@ enum neph_status neph_cli_comparison_run(const struct neph_cli_comparison *asked
     if (status)
         return status;
     json_t *document = NULL;
-    status = neph_comparison_run(comparison, &document, diag);
+    struct neph_sequence other = {0};
+    status = find_versus(asked, comparison, &other, diag);
+    if (!status)
+        status = neph_comparison_run(comparison, &document, diag);
     if (!status && asked->versus)
-        status = add_versus(asked, comparison, document, diag);
+        status = add_versus(comparison, &other, document, diag);
+    neph_sequence_finish(&other);
     if (!document)
         return status;
     json_t *all = json_copy(json_object_get(document, "measurements"));

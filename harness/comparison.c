@@ -22,6 +22,7 @@ struct work {
     const struct neph_comparison *asked;
     int frame_count; /* to measure */
     int done_count;
+    bool is_picture;                              /* values of a display and not of physics */
     struct neph_image *reference, *second, *test; /* of the frame at hand; owned */
     struct neph_mask *masks[NEPH_MASKS_MAX];      /* owned */
     int mask_count;
@@ -83,18 +84,24 @@ static enum neph_status read_frames(struct work *work, int index, struct neph_di
         status = neph_frame_read(asked->test.paths[index], asked->negative_allowed, &work->test,
                                  diag);
     }
-    if (status)
-        return status;
+    return status;
+}
+
+static enum neph_status check_kinds(const struct work *work, struct neph_diag *diag)
+{
+    if (work->second && is_picture(work->second) != is_picture(work->reference))
+        return neph_fail(diag, NEPH_ERR_INPUT,
+                         "of the two references one is a picture for a display, one linear data");
     if (is_picture(work->reference) != is_picture(work->test))
         return neph_fail(diag, NEPH_ERR_INPUT,
                          "%s is a picture for a display, %s is linear data: they have no common "
                          "scale",
                          is_picture(work->test) ? "the test" : "the reference",
                          is_picture(work->test) ? "the reference" : "the test");
-    if (is_picture(work->test) && asked->viewing.exposure_ev != 0.0)
+    if (is_picture(work->test) && work->asked->viewing.exposure_ev != 0.0)
         return neph_fail(diag, NEPH_ERR_INPUT,
                          "an exposure of %g EV for pictures that have one already",
-                         asked->viewing.exposure_ev);
+                         work->asked->viewing.exposure_ev);
     return NEPH_OK;
 }
 
@@ -301,6 +308,7 @@ static enum neph_status start(struct work *work, struct neph_diag *diag)
         status = make_masks(work, diag);
     if (!status)
         status = check_mask(work, diag);
+    work->is_picture = is_picture(work->reference);
     if (status)
         return status;
     const struct neph_meter_params params = {
@@ -315,20 +323,32 @@ static enum neph_status start(struct work *work, struct neph_diag *diag)
     return neph_meter_create(&params, &work->meter, diag);
 }
 
+/* Which of many frames it is that does not fit. */
+static enum neph_status name_file(enum neph_status status, const char *path, struct neph_diag *diag)
+{
+    if (status != NEPH_ERR_INPUT || !diag)
+        return status;
+    char what[sizeof(diag->message)];
+    memcpy(what, diag->message, sizeof(what));
+    return neph_fail(diag, status, "'%s': %s", path, what);
+}
+
 static enum neph_status measure_frame(struct work *work, int frame, struct neph_diag *diag)
 {
     const int index = work->asked->warm_up_frames + frame;
     enum neph_status status = read_frames(work, index, diag);
+    if (!status)
+        status = name_file(check_kinds(work, diag), work->asked->test.paths[index], diag);
     if (!status && frame == 0)
         status = start(work, diag);
     if (!status)
         status = neph_frozen_add(&work->frozen, work->test, NULL, diag);
     if (!status)
-        status = neph_meter_frame(work->meter, work->reference, work->second, work->test, diag);
+        status = name_file(
+            neph_meter_frame(work->meter, work->reference, work->second, work->test, diag),
+            work->asked->test.paths[index], diag);
     if (!status)
         status = write_maps(work, frame, diag);
-    if (status == NEPH_ERR_INPUT && diag && !diag->file[0])
-        neph_locate(diag, work->asked->test.paths[index], 0, 0);
     return status;
 }
 
@@ -367,6 +387,13 @@ static json_t *not_taken(const struct work *work)
     return list;
 }
 
+/* What was compared: the first file and how many there are. */
+static json_t *sequence_json(const struct neph_sequence *sequence)
+{
+    return json_pack("{s:o?, s:i}", "first", json_string(sequence->paths[0]), "count",
+                     sequence->count);
+}
+
 static json_t *document_of(const struct work *work, bool interrupted)
 {
     json_t *measurements = json_array();
@@ -374,12 +401,17 @@ static json_t *document_of(const struct work *work, bool interrupted)
     const struct neph_measurement *all = neph_meter_measurements(work->meter, &count);
     for (int i = 0; i < count; i++) {
         json_t *item = neph_measurement_json(&all[i]);
+        if (work->is_picture && strcmp(all[i].unit, all[i].quantity->unit) == 0)
+            json_object_set_new(item, "unit", json_string("display value"));
         json_object_set_new(item, "viewing", neph_viewing_json(&work->asked->viewing));
         json_array_append_new(measurements, item);
     }
     json_t *findings = neph_findings(measurements,
                                      work->frozen.frozen_count > 0 && !work->asked->frozen_is_fine);
-    return json_pack("{s:i, s:i, s:b, s:o, s:o, s:o, s:O}", "frames", work->done_count, "frozen",
+    return json_pack("{s:s, s:o, s:o, s:i, s:i, s:i, s:b, s:o, s:o, s:o, s:O}", "version",
+                     NEPH_VERSION, "reference", sequence_json(&work->asked->reference), "test",
+                     sequence_json(&work->asked->test), "warm_up_frames",
+                     work->asked->warm_up_frames, "frames", work->done_count, "frozen",
                      work->frozen.frozen_count, "interrupted", interrupted, "measurements",
                      measurements, "findings", findings, "not_taken", not_taken(work), "maps",
                      work->maps);

@@ -26,6 +26,9 @@ struct neph_comparison {
 };
 
 /* Measure. `*document` is an object of
+ *   "version"       of neph
+ *   "reference", "test"  {"first": its file (the warm-up included), "count": of all}
+ *   "warm_up_frames"
  *   "frames"        how many were measured
  *   "frozen"        how many of them are bit for bit the frame before
  *   "interrupted"   whether Ctrl-C cut it short: what is there is of the frames before

@@ -138,16 +138,23 @@ static void add_noise_floor(const json_t *list, const char *quantity, const char
 /* Flicker is never told without the price at which it may have been bought. */
 static void add_half_life(const json_t *list, const char *quantity, json_t *out)
 {
-    double a4, frames;
+    double a4, frames, unsettled = 0.0;
     if (!value_of(list, quantity, "a4_p95", "all", &a4))
         return;
-    if (value_of(list, quantity, "half_life_p50", "all", &frames))
-        json_array_append_new(out, finding("half_life", quantity, "all", "measured",
-                                           "half-life after a step: %.3g frames (median)", frames));
-    else
+    value_of(list, quantity, "share_unsettled", "all", &unsettled);
+    if (!value_of(list, quantity, "half_life_p50", "all", &frames))
         json_array_append_new(out, finding("half_life", quantity, "all", "not measured",
                                            "less flicker may have been bought with lag: give "
                                            "a reference with a step, and -s lag.step_frame=N"));
+    else if (unsettled >= 0.5)
+        json_array_append_new(out, finding("half_life", quantity, "all", "not settled",
+                                           "half-life after a step: at least %.3g frames: the "
+                                           "sequence ends before %.3g %% of the pixels have come "
+                                           "half of the way",
+                                           frames, 100.0 * unsettled));
+    else
+        json_array_append_new(out, finding("half_life", quantity, "all", "measured",
+                                           "half-life after a step: %.3g frames (median)", frames));
 }
 
 /* The masks, once each, in the order of the measurements. */

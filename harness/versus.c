@@ -65,6 +65,39 @@ static json_t *paired_json(const json_t *number, const struct neph_paired *paire
                      paired->p, "p_sign", paired->p_sign);
 }
 
+/* A number of the whole sequence: two sequences have one pair of them, and no interval. */
+static json_t *unpaired_json(const json_t *number, double difference)
+{
+    return json_pack("{s:O, s:O, s:O, s:O, s:f, s:n, s:s, s:i, s:n, s:n, s:n}", "quantity",
+                     json_object_get(number, "quantity"), "metric",
+                     json_object_get(number, "metric"), "mask", json_object_get(number, "mask"),
+                     "unit", json_object_get(number, "unit"), "difference", difference, "interval",
+                     "interval_kind", neph_interval_name(NEPH_INTERVAL_NONE), "n", 1, "p", "p_sign",
+                     "p_holm");
+}
+
+static bool is_of_frames(const json_t *list, size_t per_frame, const json_t *number)
+{
+    for (size_t i = 0; i < per_frame; i++)
+        if (same_number(json_array_get(list, i), number))
+            return true;
+    return false;
+}
+
+/* What is said of all frames and of no single one. */
+static void subtract_rest(const json_t *first, const json_t *second, size_t per_frame,
+                          size_t frame_count, json_t *list)
+{
+    for (size_t i = per_frame * frame_count; i < json_array_size(first); i++) {
+        const json_t *a = json_array_get(first, i), *b = json_array_get(second, i);
+        const json_t *of_a = json_object_get(a, "value"), *of_b = json_object_get(b, "value");
+        if (b && same_number(a, b) && json_is_number(of_a) && json_is_number(of_b) &&
+            !is_of_frames(first, per_frame, a))
+            json_array_append_new(
+                list, unpaired_json(a, json_number_value(of_a) - json_number_value(of_b)));
+    }
+}
+
 /* Correct the p-values for how many there are. */
 static enum neph_status add_holm(json_t *list, struct neph_diag *diag)
 {
@@ -115,8 +148,10 @@ json_t *neph_versus(const json_t *first, const json_t *second, struct neph_diag 
         status = pair_all(first, second, per_frame, frame_count, list, diag);
     if (!status)
         status = add_holm(list, diag);
-    if (!status)
+    if (!status) {
+        subtract_rest(first, second, per_frame, frame_count, list);
         return list;
+    }
     json_decref(list);
     return NULL;
 }

@@ -16,7 +16,8 @@
  *                 "interval_kind" and "n" as in measurements
  *   "p"           Student's t on the batches, "p_holm" corrected for all numbers of the array
  *   "p_sign"      exact sign test on the batches
- * (metrics/series.h). NULL when memory is short. */
+ * (metrics/series.h), then with one for each number of the whole sequence alone, such as flicker:
+ * "interval" and the three p are null there. NULL when memory is short. */
 json_t *neph_versus(const json_t *first, const json_t *second, struct neph_diag *diag);
 
 #endif

@@ -131,6 +131,35 @@ class Metrics(unittest.TestCase):
                          done.stderr)
         self.assertEqual(neph("compare", reference, self.folder / "test", "--fail-above", "mae@edge_near_1=1").returncode, 0)
 
+    def test_versus_of_flicker_is_a_difference_without_an_interval(self):
+        reference = self.write("reference.exr", lambda x, y: 0.5)
+        for name, height in (("strong", 0.2), ("weak", 0.1)):
+            for frame in range(16):
+                self.write(f"{name}/f.{frame:02}.exr", lambda x, y: 0.5 + height * (frame % 4 == 0) + 0.001 * (frame % 3))
+        run = ("flicker", "-r", reference, self.folder / "strong", "-m", "a4_p95", "--mask", "all", "--json", "--versus")
+        done = neph(*run, self.folder / "weak")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        row, = json.loads(done.stdout)["versus"]
+        self.assertEqual((row["metric"], row["interval"], row["p"]), ("a4_p95", None, None))
+        encoded = [1.055 * v ** (1 / 2.4) - 0.055 for v in (0.7, 0.6)]
+        self.assertAlmostEqual(row["difference"], (encoded[0] - encoded[1]) / 2, delta=1e-4)
+        lost = neph(*run, self.folder / "nowhere")
+        self.assertEqual((lost.returncode, lost.stdout), (66, ""), lost.stderr)
+
+    def test_names_of_masks_and_units_in_csv(self):
+        layers = {channel: [0.5] * 256 for channel in "RGB"}
+        path = self.folder / "mask.exr"
+        path.write_bytes(frames.exr_bytes(16, 16, {**layers, 'mask.a,"b"': [1.0] * 8 + [0.0] * 248}))
+        self.assertEqual(neph("compare", path, path, "-m", "ms_ssim", "-m", "mae", "--csv", self.folder / "a.csv").returncode, 0)
+        with open(self.folder / "a.csv", newline="") as file:
+            rows = {(row["metric"], row["mask"]): row for row in csv.DictReader(file)}
+        self.assertEqual(rows["mae", 'a,"b"']["pixel_count"], "8")
+        self.assertIn("176 px", rows["ms_ssim", "all"]["undefined_because"])
+        picture = self.folder / "a.png"
+        picture.write_bytes(frames.png_bytes(4, 4, [100] * 48))
+        units = {row["unit"] for row in json.loads(neph("compare", picture, picture, "-m", "mae", "--json").stdout)["measurements"]}
+        self.assertEqual(units, {"display value"})
+
     def test_a_comparison_of_nothing_is_an_error(self):
         def write(name, *channels):
             path = self.folder / name
