@@ -378,7 +378,8 @@ static enum neph_status open_stream(const char *path, struct stream *stream, str
 
 /* What the header says about the pixels. */
 struct layout {
-    exr_attr_box2i_t window;
+    exr_attr_box2i_t window;  /* of the pixels in the file */
+    exr_attr_box2i_t display; /* of the picture that they are of */
     int width_px, height_px;
     int32_t rows_per_chunk;
     uint64_t row_bytes; /* of all channels, uncompressed */
@@ -389,6 +390,8 @@ struct layout {
 static exr_result_t query_layout(exr_const_context_t context, struct layout *layout)
 {
     exr_result_t result = exr_get_data_window(context, ONLY_PART, &layout->window);
+    if (!result)
+        result = exr_get_display_window(context, ONLY_PART, &layout->display);
     if (!result)
         result = exr_get_scanlines_per_chunk(context, ONLY_PART, &layout->rows_per_chunk);
     if (!result)
@@ -572,6 +575,20 @@ static exr_result_t read_pixels(exr_const_context_t context, const struct layout
     return result;
 }
 
+/* Two crops of one size are not of the same place. */
+static enum neph_status add_crop(struct neph_image *image, const struct layout *layout,
+                                 struct neph_diag *diag)
+{
+    const exr_attr_box2i_t *data = &layout->window, *display = &layout->display;
+    if (data->min.x == display->min.x && data->min.y == display->min.y &&
+        data->max.x == display->max.x && data->max.y == display->max.y)
+        return NEPH_OK;
+    return neph_image_set_attribute(
+        image, "crop", diag, "(%lld, %lld) of %lldx%lld", (long long)data->min.x - display->min.x,
+        (long long)data->min.y - display->min.y, (long long)display->max.x - display->min.x + 1,
+        (long long)display->max.y - display->min.y + 1);
+}
+
 static enum neph_status read_part(exr_const_context_t context, const char *path,
                                   const struct stream *stream, struct neph_image **image,
                                   struct neph_diag *diag)
@@ -588,6 +605,8 @@ static enum neph_status read_part(exr_const_context_t context, const char *path,
         status = add_channels(created, &layout, diag);
     if (!status)
         status = add_attributes(created, path, context, stream, diag);
+    if (!status)
+        status = add_crop(created, &layout, diag);
     if (!status && (result = read_pixels(context, &layout, created)) != EXR_ERR_SUCCESS)
         status = fail_read(path, stream, result, diag);
     if (status)

@@ -87,8 +87,30 @@ static enum neph_status read_frames(struct work *work, int index, struct neph_di
     return status;
 }
 
+/* Of a crop the pixels alone do not say where they belong. */
+static enum neph_status check_crops(const struct neph_image *reference,
+                                    const struct neph_image *other, struct neph_diag *diag)
+{
+    const char *first = neph_image_attribute(reference, "crop");
+    const char *second = other ? neph_image_attribute(other, "crop") : first;
+    const char *whole = "the whole picture";
+    if (first == second || (first && second && strcmp(first, second) == 0))
+        return NEPH_OK;
+    neph_fail(diag, NEPH_ERR_INPUT,
+              "the images are not of the same place: the data window of the reference is %s, that "
+              "of the other image %s",
+              first ? first : whole, second ? second : whole);
+    neph_hint(diag, "write data windows that are equal to the display window");
+    return NEPH_ERR_INPUT;
+}
+
 static enum neph_status check_kinds(const struct work *work, struct neph_diag *diag)
 {
+    enum neph_status status = check_crops(work->reference, work->test, diag);
+    if (!status)
+        status = check_crops(work->reference, work->second, diag);
+    if (status)
+        return status;
     if (work->second && is_picture(work->second) != is_picture(work->reference))
         return neph_fail(diag, NEPH_ERR_INPUT,
                          "of the two references one is a picture for a display, one linear data");

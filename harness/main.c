@@ -38,9 +38,9 @@ static void print_help(FILE *out)
         out,
         "\n`neph VERB --help` teaches each with examples.\n\n"
         "Exit codes: 0 done; 1 a gate failed or a difference is too large; 2 the engine cannot\n"
-        "model the scene; 3 an engine failed; 64 wrong usage; 65 wrong input; 66 no such file;\n"
-        "69 engine or driver missing; 70 a bug in neph; 71 out of memory; 74 reading or writing\n"
-        "failed; 124 time limit; 130 interrupted.\n");
+        "model the scene, or the images lack what was asked for; 3 an engine failed; 64 wrong\n"
+        "usage; 65 wrong input; 66 no such file; 69 engine or driver missing; 70 a bug in neph;\n"
+        "71 out of memory; 74 reading or writing failed; 124 time limit; 130 interrupted.\n");
 }
 
 static void print_diag(const char *verb, enum neph_status status, const struct neph_diag *diag)

@@ -417,6 +417,25 @@ static void test_window_need_not_start_at_zero(void **state)
     assert_reads_other(path);
 }
 
+static void test_a_crop_says_where_it_lies(void **state)
+{
+    char path[SCRATCH_PATH_MAX];
+    struct neph_image *image = NULL;
+    struct neph_diag diag = {0};
+    scratch_path(state, path, "crop.exr");
+    const struct other_file other = {.type = EXR_PIXEL_FLOAT, .compression = EXR_COMPRESSION_NONE};
+    write_other(path, other);
+    neph_assert_ok(neph_exr_read(path, &image, &diag), &diag);
+    assert_null(neph_image_attribute(image, "crop"));
+    neph_image_destroy(image);
+    patch(path, "displayWindow", "box2i", 8, 119); /* max.x */
+    neph_assert_ok(neph_exr_read(path, &image, &diag), &diag);
+    char expected[64];
+    snprintf(expected, sizeof(expected), "(0, 0) of 120x%d", OTHER_HEIGHT);
+    assert_string_equal(neph_image_attribute(image, "crop"), expected);
+    neph_image_destroy(image);
+}
+
 static void test_half_infinities_and_nan(void **state)
 {
     char path[SCRATCH_PATH_MAX], *data = NULL;
@@ -650,6 +669,7 @@ int main(void)
         scratch_test(test_failed_write_keeps_the_old_file),
         scratch_test(test_reads_types_compressions_and_orders),
         scratch_test(test_window_need_not_start_at_zero),
+        scratch_test(test_a_crop_says_where_it_lies),
         scratch_test(test_half_infinities_and_nan),
         scratch_test(test_other_kinds_are_refused_by_name),
         scratch_test(test_missing_and_foreign_files),

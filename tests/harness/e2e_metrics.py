@@ -160,6 +160,17 @@ class Metrics(unittest.TestCase):
         units = {row["unit"] for row in json.loads(neph("compare", picture, picture, "-m", "mae", "--json").stdout)["measurements"]}
         self.assertEqual(units, {"display value"})
 
+    def test_crops_of_different_places_are_not_compared(self):
+        whole = self.write("whole.exr", lambda x, y: 0.5)
+        data = bytearray(whole.read_bytes())
+        display = data.index(b"displayWindow\0box2i\0") + len("displayWindow.box2i.") + 4
+        data[display + 8] = 2 * WIDTH - 1
+        crop = self.folder / "crop.exr"
+        crop.write_bytes(data)
+        done = neph("compare", whole, crop)
+        self.assertEqual((done.returncode, f"(0, 0) of {2 * WIDTH}x{HEIGHT}" in done.stderr), (65, True), done.stderr)
+        self.assertEqual(neph("compare", crop, crop, "-m", "mae").returncode, 0)
+
     def test_a_comparison_of_nothing_is_an_error(self):
         def write(name, *channels):
             path = self.folder / name
