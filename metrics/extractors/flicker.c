@@ -481,7 +481,9 @@ const struct neph_extractor neph_extractor_flicker = {
                "visible_flicker = sqrt((w(fps / 4) A4)^2 + (w(fps / 2) A2)^2) / (0.011 L): of\n"
                "display luminance 0..1 after FLIP's achromatic filter, test - reference, noise\n"
                "kept; L its mean in the test, at least 0.001;\n"
-               "w(f) = exp(-(f^0.1898 - 5^0.1898)^2 / 0.1231)",
+               "w(f) = exp(-(f^0.1898 - 5^0.1898)^2 / 0.1231)\n"
+               "cyclic_share: p is that of normal noise; of fireflies clamped to one value up to\n"
+               "6e-4 pass",
     .quantities = NEPH_RADIANCE | NEPH_VOLUME,
     .temporal = true,
     .options = options,

@@ -6,7 +6,7 @@
  * A pixel is uncovered when the card was over it in the frame before and is not now; that frame has
  * the age 1. At a speed of v px/frame the age a lies a v px behind the card. With Y luminance of
  * linear data and Y_card the reference in the pixel's last covered frame, over all pixels and
- * frames of an age: energy = sum (test - reference)^2 / sum (Y_card - reference)^2 1 when the card
+ * frames of an age: energy = sum (test - reference)^2 / sum (Y_card - reference)^2, 1 when the card
  * stays as it was, (1 - alpha)^(2 a) behind an exponential average with the weight alpha that had
  * settled on the card.
  */
@@ -190,6 +190,9 @@ const struct neph_extractor neph_extractor_trail = {
     .help = "what is left of a moving card where it has been, by frames since",
     .source = "ghosting as energy behind a moving object; see Yang, Liu, Salvi, A Survey of "
               "Temporal Antialiasing Techniques, Computer Graphics Forum 39, 2020",
+    .details =
+        "mask.card of the reference: where the card is; energy: sum (test - reference)^2 /\n"
+        "sum (card - reference)^2 of linear luminance, card: the reference when last covered",
     .quantities = NEPH_RADIANCE | NEPH_VOLUME,
     .temporal = true,
     .options = options,

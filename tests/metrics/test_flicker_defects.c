@@ -343,25 +343,36 @@ static void test_pure_functions(void **state)
     assert_true(neph_flicker_unrest(1.0 / 127.0, 1.0, 128) == 0.0);
 }
 
-/* A pixel of white noise is called cyclic once in 1e5, however strong the noise is. */
-static void test_noise_is_not_called_cyclic(void **state)
+enum { NOISE_RUNS = 4000, NOISE_PIXEL_COUNT = 16 * NOISE_RUNS };
+
+static double white_noise(uint64_t *random)
 {
-    (void)state;
-    enum { RUNS = 4000, FRAMES = 32 };
+    return 0.1 * normal(random);
+}
+
+/* Rare, and clamped to one value. */
+static double fireflies(uint64_t *random)
+{
+    return (neph_test_uniform(random, 0.0, 1.0) < 0.06 ? 0.4 : 0.0) + 3e-4 * normal(random);
+}
+
+/* Of NOISE_PIXEL_COUNT pixels. */
+static int count_called_cyclic(double (*noise)(uint64_t *random), int frame_count)
+{
     uint64_t random = 4;
-    const struct neph_flicker_window window = neph_flicker_window_of(FRAMES, true, false);
+    const struct neph_flicker_window window = neph_flicker_window_of(frame_count, true, false);
     int called = 0;
-    for (int run = 0; run < RUNS; run++) {
+    for (int run = 0; run < NOISE_RUNS; run++) {
         struct neph_flicker_sums sums = {0};
         struct neph_diag diag = {0};
         neph_assert_ok(neph_flicker_sums_begin(&sums, 16, 1, NEPH_FLICKER_VARIANCE_COUNT, &diag),
                        &diag);
-        for (int t = 0; t < FRAMES; t += 4) {
+        for (int t = 0; t < frame_count; t += 4) {
             double rows[4][NEPH_FLICKER_LANES];
             const double *const frames[4] = {rows[0], rows[1], rows[2], rows[3]};
             for (int i = 0; i < 4 * NEPH_FLICKER_LANES; i++)
-                rows[i / NEPH_FLICKER_LANES][i % NEPH_FLICKER_LANES] = 0.1 * normal(&random);
-            const struct neph_flicker_weights weights = neph_flicker_weights_of(t, FRAMES);
+                rows[i / NEPH_FLICKER_LANES][i % NEPH_FLICKER_LANES] = noise(&random);
+            const struct neph_flicker_weights weights = neph_flicker_weights_of(t, frame_count);
             neph_flicker_sums_add(&sums, 0, 1, &weights, frames);
         }
         for (int x = 0; x < 16; x++) {
@@ -372,8 +383,24 @@ static void test_noise_is_not_called_cyclic(void **state)
         }
         neph_flicker_sums_end(&sums);
     }
+    return called;
+}
+
+/* A pixel of white noise is called cyclic once in 1e5, however strong the noise is. */
+static void test_noise_is_not_called_cyclic(void **state)
+{
+    (void)state;
     /* 64000 pixels at a level of 1e-5: Poisson with mean 0.64, above 6 once in 1e5. */
-    assert_true(called <= 6);
+    assert_true(count_called_cyclic(white_noise, 32) <= 6);
+}
+
+/* The level is that of normal noise; other noise is called cyclic more often, a mask is not. */
+static void test_fireflies_are_not_called_cyclic(void **state)
+{
+    (void)state;
+    const double share_max = 0.5 * NEPH_FLICKER_SHARE;
+    assert_true(count_called_cyclic(fireflies, 32) < share_max * NOISE_PIXEL_COUNT);
+    assert_true(count_called_cyclic(fireflies, 64) < share_max * NOISE_PIXEL_COUNT);
 }
 
 int main(void)
@@ -385,6 +412,7 @@ int main(void)
         cmocka_unit_test(test_a_turning_dither_cancels_in_blocks),
         cmocka_unit_test(test_pure_functions),
         cmocka_unit_test(test_noise_is_not_called_cyclic),
+        cmocka_unit_test(test_fireflies_are_not_called_cyclic),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
