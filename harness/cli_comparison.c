@@ -363,24 +363,28 @@ static bool is_wanted_finding(const struct neph_cli_comparison *asked, const jso
 
 typedef bool wanted_function(const struct neph_cli_comparison *asked, const json_t *item);
 
-static void keep_wanted_rows(const struct neph_cli_comparison *asked, json_t *document,
-                             const char *key, wanted_function *wanted)
+static json_t *wanted_rows(const struct neph_cli_comparison *asked, const json_t *list,
+                           wanted_function *wanted)
 {
-    const json_t *list = json_object_get(document, key);
-    if (!list)
-        return;
     json_t *kept = json_array();
     for (size_t i = 0; i < json_array_size(list); i++)
         if (wanted(asked, json_array_get(list, i)))
             json_array_append(kept, json_array_get(list, i));
-    json_object_set_new(document, key, kept);
+    return kept;
+}
+
+static void keep_wanted_rows(const struct neph_cli_comparison *asked, json_t *document,
+                             const char *key, wanted_function *wanted)
+{
+    const json_t *list = json_object_get(document, key);
+    if (list)
+        json_object_set_new(document, key, wanted_rows(asked, list, wanted));
 }
 
 /* The document with only what was asked for. */
 static const json_t *select_wanted(const struct neph_cli_comparison *asked, json_t *document)
 {
     keep_wanted_rows(asked, document, "measurements", is_wanted);
-    keep_wanted_rows(asked, document, "versus", is_wanted);
     keep_wanted_rows(asked, document, "findings", is_wanted_finding);
     return json_object_get(document, "measurements");
 }
@@ -643,8 +647,21 @@ static enum neph_status find_versus(const struct neph_cli_comparison *asked,
     return status;
 }
 
+/* Differences of what was asked for alone: p-values are corrected for these. */
+static json_t *subtract(const struct neph_cli_comparison *asked, const json_t *document,
+                        const json_t *other_document, struct neph_diag *diag)
+{
+    json_t *numbers = wanted_rows(asked, json_object_get(document, "measurements"), is_wanted);
+    json_t *others = wanted_rows(asked, json_object_get(other_document, "measurements"), is_wanted);
+    json_t *differences = neph_versus(numbers, others, diag);
+    json_decref(numbers);
+    json_decref(others);
+    return differences;
+}
+
 /* The same again with the other test; its numbers stay out of sight, the differences are kept. */
-static enum neph_status add_versus(const struct neph_comparison *comparison,
+static enum neph_status add_versus(const struct neph_cli_comparison *asked,
+                                   const struct neph_comparison *comparison,
                                    const struct neph_sequence *other_test, json_t *document,
                                    struct neph_diag *diag)
 {
@@ -659,8 +676,7 @@ static enum neph_status add_versus(const struct neph_comparison *comparison,
         neph_hint(diag, "these are frames of --versus; if they are meant to be frozen, say "
                         "--frozen-ok");
     if (!status) {
-        differences = neph_versus(json_object_get(document, "measurements"),
-                                  json_object_get(other_document, "measurements"), diag);
+        differences = subtract(asked, document, other_document, diag);
         status = differences ? NEPH_OK : NEPH_ERR_MEMORY;
     }
     if (differences)
@@ -685,7 +701,7 @@ enum neph_status neph_cli_comparison_run(const struct neph_cli_comparison *asked
     if (!status)
         status = neph_comparison_run(comparison, &document, diag);
     if (!status && asked->versus)
-        status = add_versus(comparison, &other, document, diag);
+        status = add_versus(asked, comparison, &other, document, diag);
     neph_sequence_finish(&other);
     if (!document)
         return status;

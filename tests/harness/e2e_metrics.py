@@ -324,6 +324,9 @@ class Metrics(unittest.TestCase):
         row = next(row for row in json.loads(done.stdout)["versus"] if row["quantity"] == "radiance")
         self.assertAlmostEqual(row["difference"], 0.001, delta=5e-5)
         self.assertLess(row["p_holm"], 1e-6)
+        rows = json.loads(done.stdout)["versus"]  # of radiance and of depth: corrected for two
+        self.assertEqual({(row["metric"], row["mask"]) for row in rows}, {("rmse", "all")})
+        self.assertAlmostEqual(row["p_holm"] / row["p"], len(rows), delta=1e-9)
 
     def test_interrupted_work_keeps_the_finished_frames(self):
         noise = self.noise(0.02)
