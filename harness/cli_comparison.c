@@ -670,9 +670,7 @@ static enum neph_status add_versus(const struct neph_cli_comparison *asked,
     other.test = *other_test;
     other.maps_directory = NULL;
     enum neph_status status = neph_comparison_run(&other, &other_document, diag);
-    if (status == NEPH_ERR_GATE && diag && !other_document)
-        neph_hint(diag, "this is a frame of --versus");
-    else if (status == NEPH_ERR_GATE)
+    if (status == NEPH_ERR_GATE && other_document)
         neph_hint(diag, "these are frames of --versus; if they are meant to be frozen, say "
                         "--frozen-ok");
     if (!status) {

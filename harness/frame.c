@@ -53,6 +53,10 @@ static enum neph_status check(const char *path, const struct neph_image *image,
         char what[sizeof(diag->message)];
         memcpy(what, diag->message, sizeof(what));
         neph_fail(diag, status, "'%s': %s", path, what);
+        neph_hint(diag, validity.non_finite_count > 0
+                            ? "such a frame is no measurement; of a channel that is of no interest "
+                              "here, write the frame without it"
+                            : "if a filter with negative lobes made them, say --negative-ok");
     }
     neph_validity_finish(&validity);
     return status;
@@ -84,9 +88,9 @@ enum neph_status neph_frame_read(const char *path, size_t negative_allowed,
     if (!status)
         status = format->read(path, &frame, diag);
     if (!status)
-        status = check(path, frame, negative_allowed, diag);
-    if (!status)
         status = make_grey_rgb(frame, diag);
+    if (!status)
+        status = check(path, frame, negative_allowed, diag);
     if (status)
         neph_image_destroy(frame);
     else

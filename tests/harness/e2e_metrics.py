@@ -182,6 +182,10 @@ class Metrics(unittest.TestCase):
             self.assertEqual((done.returncode, done.stdout, "left.R u" in done.stderr), (65, "", True), done.stderr)
         done = neph("compare", rgb, grey, "--metric", "mae", "--json")
         self.assertEqual(values_of(done), {("mae", "all"): 0.0})
+        dark = self.folder / "dark.exr"
+        dark.write_bytes(frames.exr_bytes(4, 4, {"Y": [-0.5] * 16}))
+        done = neph("compare", dark, dark)
+        self.assertEqual((done.returncode, done.stdout, "--negative-ok" in done.stderr), (1, "", True), done.stderr)
         done = neph("compare", rgb, grey, "--mask", "skyy")
         self.assertEqual((done.returncode, done.stdout, "masks of this reference: all;" in done.stderr), (2, "", True))
         empty = self.write("empty.exr", lambda x, y: 0.0, width=4, height=4)
