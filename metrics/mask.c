@@ -175,7 +175,9 @@ static const struct kind kinds[] = {
       false},
      mark_depth_edge,
      {0}},
-    {{"non_edge", "Z", "farther than 2 px from any step in depth", false}, mark_non_edge, {0}},
+    {{"non_edge", "Z", "farther than 2 px from any step in depth, in all frames", false},
+     mark_non_edge,
+     {0}},
     {{"thin", "Z", "up to 3 px wide: no square of 4x4 px around it without something behind",
       false},
      mark_thin,
@@ -426,9 +428,12 @@ enum neph_status neph_mask_unite(struct neph_mask *mask, const struct neph_mask 
                          "in another",
                          mask->name, mask->width_px, mask->height_px, other->width_px,
                          other->height_px);
+    const struct kind *kind = find_kind(mask->name);
+    const bool never_an_edge = kind && kind->mark == mark_non_edge;
     size_t all = (size_t)mask->width_px * (size_t)mask->height_px;
     for (size_t i = 0; i < all; i++)
-        mask->inside[i] |= other->inside[i];
+        mask->inside[i] = never_an_edge ? mask->inside[i] & other->inside[i]
+                                        : mask->inside[i] | other->inside[i];
     count_inside(mask);
     return NEPH_OK;
 }

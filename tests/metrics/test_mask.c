@@ -616,6 +616,30 @@ static void test_refusals(void **state)
     neph_image_destroy(image);
 }
 
+/* What edges move over is no surrounding to compare them with. */
+static void test_non_edge_is_never_an_edge(void **state)
+{
+    (void)state;
+    struct neph_image *first = depth_map(16, 1, "aa.............."),
+                      *second = depth_map(16, 1, "aaaa............");
+    struct neph_mask *edge = create_mask(first, "depth_edge"),
+                     *more_edge = create_mask(second, "depth_edge"),
+                     *rest = create_mask(first, "non_edge"),
+                     *more_rest = create_mask(second, "non_edge");
+    neph_assert_ok(neph_mask_unite(edge, more_edge, NULL), NULL);
+    neph_assert_ok(neph_mask_unite(rest, more_rest, NULL), NULL);
+    assert_int_equal(edge->pixel_count, 7);
+    for (int i = 0; i < 16; i++)
+        assert_int_equal(rest->inside[i], !edge->inside[i]);
+    assert_int_equal(rest->pixel_count, 16 - edge->pixel_count);
+    neph_mask_destroy(edge);
+    neph_mask_destroy(more_edge);
+    neph_mask_destroy(rest);
+    neph_mask_destroy(more_rest);
+    neph_image_destroy(first);
+    neph_image_destroy(second);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -635,6 +659,7 @@ int main(void)
         cmocka_unit_test(test_channels_make_masks),
         cmocka_unit_test(test_mask_from_a_picture),
         cmocka_unit_test(test_union),
+        cmocka_unit_test(test_non_edge_is_never_an_edge),
         cmocka_unit_test(test_medium_in_any_channel),
         cmocka_unit_test(test_refusals),
     };
