@@ -4,6 +4,7 @@
 #include "base/files.h"
 #include "harness/cli.h"
 #include "harness/versus.h"
+#include "metrics/pooling.h"
 
 #include <math.h>
 #include <stdint.h>
@@ -569,6 +570,12 @@ static void name_frame(const json_t *item, char *text, size_t size)
         snprintf(text, size, " in frame %lld", (long long)json_integer_value(frame));
 }
 
+/* A PSNR of equal images is no number, and keeps every limit. */
+static bool is_without_error(const json_t *item)
+{
+    return strcmp(text_of(item, "undefined_because"), neph_pool_no_error) == 0;
+}
+
 /* How far a value is beyond its limit; <= 0: it is not. */
 static double excess(const json_t *item, const struct limit *limit)
 {
@@ -581,12 +588,17 @@ static enum neph_status check_limit(const json_t *list, const struct limit *limi
                                     struct neph_diag *diag)
 {
     const json_t *worst = NULL;
+    bool without_error = false;
     int beyond_count = 0;
     char where[32];
     for (size_t i = 0; i < json_array_size(list); i++) {
         const json_t *item = json_array_get(list, i);
         if (!matches(item, limit))
             continue;
+        if (is_without_error(item)) {
+            without_error = true;
+            continue;
+        }
         name_frame(item, where, sizeof(where));
         if (!json_is_number(json_object_get(item, "value")))
             return neph_fail(diag, NEPH_ERR_GATE, "%s of %s over '%s'%s is not defined: %s",
@@ -596,7 +608,7 @@ static enum neph_status check_limit(const json_t *list, const struct limit *limi
         if (!worst || excess(item, limit) > excess(worst, limit))
             worst = item;
     }
-    if (!worst) {
+    if (!worst && !without_error) {
         neph_fail(diag, NEPH_ERR_UNSUPPORTED, "%s of %s over '%s' was not measured of these images",
                   limit->metric, limit->quantity, limit->mask);
         neph_hint(diag, "the images lack this quantity, the reference this mask, or see 'not "

@@ -329,7 +329,7 @@ static const char no_pixel[] = "the mask is empty";
 static const char bad_pixel[] = "a pixel of the mask is not finite in one of the images";
 static const char no_value[] = "the map has no value in the mask";
 static const char no_mean[] = "the mean of the reference over the mask is not positive";
-static const char no_error[] = "there is no error at all to take a ratio of";
+const char neph_pool_no_error[] = "there is no error at all to take a ratio of";
 
 /* The tiles of a mask that have a value, with their columns and the totals of these. */
 struct table {
@@ -534,7 +534,7 @@ static const char *undefined_because(const struct neph_metric *metric)
         return no_mean;
     case NEPH_POOL_ROOT_MEAN_OVER:
     case NEPH_POOL_PSNR:
-        return no_error;
+        return neph_pool_no_error;
     default:
         return no_value;
     }

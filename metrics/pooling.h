@@ -20,6 +20,10 @@ enum neph_status neph_pool_mask_create(const struct neph_mask *mask, struct neph
                                        struct neph_diag *diag);
 void neph_pool_mask_finish(struct neph_pool_mask *pooled); /* a zeroed one is fine */
 
+/* Why a ratio to the error has no value where test and reference are equal: nothing can be better.
+ */
+extern const char neph_pool_no_error[];
+
 /* Where the values come from: neph_extractor.rows with its state. */
 struct neph_pool_source {
     void (*rows)(const void *state, int map, int first_row, int row_count, double *const values[3]);

@@ -160,6 +160,12 @@ class Metrics(unittest.TestCase):
         units = {row["unit"] for row in json.loads(neph("compare", picture, picture, "-m", "mae", "--json").stdout)["measurements"]}
         self.assertEqual(units, {"display value"})
 
+    def test_no_error_at_all_keeps_a_limit_on_psnr(self):
+        same = self.write("same.exr", lambda x, y: 0.5)
+        for limit, code in (("pu_psnr=40", 0), ("ms_ssim=0.9", 1)):
+            done = neph("compare", same, same, "--metric", "pu_psnr", "--fail-below", limit)
+            self.assertEqual(done.returncode, code, done.stderr)
+
     def test_crops_of_different_places_are_not_compared(self):
         whole = self.write("whole.exr", lambda x, y: 0.5)
         data = bytearray(whole.read_bytes())
