@@ -3,6 +3,7 @@
 
 #include "base/files.h"
 #include "harness/cli.h"
+#include "harness/measure.h"
 #include "harness/versus.h"
 #include "metrics/pooling.h"
 
@@ -583,6 +584,36 @@ static double excess(const json_t *item, const struct limit *limit)
     return limit->below ? limit->value - size : size - limit->value;
 }
 
+/* Times of the lag test stop counting at the end of the sequence: where more pixels than `share`
+ * are on their way still, the number is a lower bound, and below no limit. */
+static const struct bounded_time {
+    const char *metric, *unsettled;
+    double share;
+} bounded_times[] = {
+    {"half_life_p50", "share_unsettled", 0.5},
+    {"half_life_p95", "share_unsettled", 0.05},
+    {"half_life_mean", "share_unsettled", 0.0},
+    {"half_life_phase_0", "share_unsettled", 0.0},
+    {"half_life_phase_1", "share_unsettled", 0.0},
+    {"half_life_phase_2", "share_unsettled", 0.0},
+    {"half_life_phase_3", "share_unsettled", 0.0},
+    {"frames_to_10_p95", "share_unsettled_10", 0.05},
+    {"frames_to_1_p95", "share_unsettled_1", 0.05},
+};
+
+static bool is_lower_bound(const json_t *list, const struct limit *limit)
+{
+    for (size_t b = 0; b < sizeof(bounded_times) / sizeof(bounded_times[0]); b++) {
+        const struct bounded_time *time = &bounded_times[b];
+        if (strcmp(time->metric, limit->metric) != 0)
+            continue;
+        const json_t *share = neph_measurement_find(list, limit->quantity, time->unsettled,
+                                                    limit->mask);
+        return json_number_value(json_object_get(share, "value")) > time->share;
+    }
+    return false;
+}
+
 /* Every number of that name is held to the limit, of all frames and of each; the worst is named. */
 static enum neph_status check_limit(const json_t *list, const struct limit *limit,
                                     struct neph_diag *diag)
@@ -615,6 +646,12 @@ static enum neph_status check_limit(const json_t *list, const struct limit *limi
                         "taken' above");
         return NEPH_ERR_UNSUPPORTED;
     }
+    if (beyond_count == 0 && worst && !limit->below && is_lower_bound(list, limit))
+        return neph_fail(diag, NEPH_ERR_GATE,
+                         "%s of %s over '%s' is at least %.6g: the sequence ends too early to hold "
+                         "it to the limit %g",
+                         limit->metric, limit->quantity, limit->mask,
+                         json_number_value(json_object_get(worst, "value")), limit->value);
     if (beyond_count == 0)
         return NEPH_OK;
     name_frame(worst, where, sizeof(where));

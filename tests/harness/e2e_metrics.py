@@ -166,6 +166,16 @@ class Metrics(unittest.TestCase):
             done = neph("compare", same, same, "--metric", "pu_psnr", "--fail-below", limit)
             self.assertEqual(done.returncode, code, done.stderr)
 
+    def test_a_half_life_that_is_cut_short_keeps_no_limit(self):
+        for frame in range(8):
+            self.write(f"lights/f.{frame}.exr", lambda x, y: 0.5 + 0.5 * (frame >= 4))
+            self.write(f"stuck/f.{frame}.exr", lambda x, y: 0.5 + 0.001 * frame)
+            self.write(f"prompt/f.{frame}.exr", lambda x, y: 0.5 + 0.5 * (frame >= 4) + 0.001 * (frame % 2))
+        for test, code in (("stuck", 1), ("prompt", 0)):
+            done = neph("flicker", "-r", self.folder / "lights", self.folder / test, "-s", "lag.step_frame=4",
+                        "--fail-above", "half_life_p50=20")
+            self.assertEqual((done.returncode, "at least 4" in done.stderr), (code, code == 1), done.stderr)
+
     def test_crops_of_different_places_are_not_compared(self):
         whole = self.write("whole.exr", lambda x, y: 0.5)
         data = bytearray(whole.read_bytes())
