@@ -176,11 +176,12 @@ enum neph_status neph_measure_validity(const struct neph_image *frame, json_t *l
     } counts[] = {{"non_finite", validity.non_finite_count}, {"negative", validity.negative_count}};
     for (size_t i = 0; i < 2 && !status; i++)
         status = append(list,
-                        json_pack("{s:s, s:s, s:s, s:f, s:s, s:n, s:I}", "quantity", "radiance",
-                                  "metric", counts[i].metric, "mask", "all", "value",
+                        json_pack("{s:s, s:s, s:s, s:f, s:s, s:n, s:s, s:i, s:I}", "quantity",
+                                  "radiance", "metric", counts[i].metric, "mask", "all", "value",
                                   (double)counts[i].count, "unit", "samples, all layers",
-                                  "interval", "pixel_count",
-                                  (json_int_t)neph_image_pixel_count(frame)),
+                                  "interval", "interval_kind",
+                                  neph_interval_name(NEPH_INTERVAL_DETERMINISTIC), "n", 1,
+                                  "pixel_count", (json_int_t)neph_image_pixel_count(frame)),
                         diag);
     neph_validity_finish(&validity);
     return status;
