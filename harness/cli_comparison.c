@@ -1,16 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/cli_comparison.h"
 
-#include "base/files.h"
 #include "harness/cli.h"
+#include "harness/comparison_output.h"
+#include "harness/limits.h"
 #include "harness/measure.h"
 #include "harness/versus.h"
-#include "metrics/pooling.h"
 
-#include <math.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* ---- options --------------------------------------------------------------------------------- */
@@ -238,58 +234,18 @@ static const char *wanted_mask(const struct neph_cli_comparison *asked)
     return asked->mask && !is_mask_name(asked->mask) ? "file" : asked->mask;
 }
 
-static bool is_detail(const char *mask)
-{
-    const struct neph_mask_kind *kind = neph_mask_kind_find(mask);
-    return kind && kind->is_detail;
-}
-
 /* ---- limits ---------------------------------------------------------------------------------- */
-
-struct limit {
-    char quantity[32], metric[64], mask[NEPH_IMAGE_NAME_MAX];
-    double value;
-    bool below;
-};
-
-static enum neph_status parse_limit(const struct neph_cli_limit *written, struct limit *limit,
-                                    struct neph_diag *diag)
-{
-    char rest[64], *end;
-    const char *text = written->text, *colon = strchr(text, ':');
-    *limit = (struct limit){"radiance", "", "all", 0.0, written->below};
-    bool fits = !colon || (size_t)(colon - text) < sizeof(limit->quantity);
-    if (colon && fits)
-        snprintf(limit->quantity, sizeof(limit->quantity), "%.*s", (int)(colon - text), text);
-    const char *name = colon ? colon + 1 : text;
-    fits &= sscanf(name, "%63[^@=]@%63[^=]=%63s", limit->metric, limit->mask, rest) == 3 ||
-            sscanf(name, "%63[^@=]=%63s", limit->metric, rest) == 2;
-    if (!fits)
-        return neph_fail(diag, NEPH_ERR_USAGE, "limit '%s' is not [QUANTITY:]METRIC[@MASK]=LIMIT",
-                         text);
-    limit->value = strtod(rest, &end);
-    if (*end || !isfinite(limit->value) || limit->value < 0.0)
-        return neph_fail(diag, NEPH_ERR_USAGE, "limit '%s' is not a finite number >= 0", rest);
-    if (!neph_quantity_find(limit->quantity))
-        return neph_fail(diag, NEPH_ERR_USAGE, "limit '%s': there is no quantity '%s'", text,
-                         limit->quantity);
-    if (neph_metric_find(limit->metric, NULL))
-        return NEPH_OK;
-    neph_fail(diag, NEPH_ERR_USAGE, "limit '%s': there is no metric '%s'", text, limit->metric);
-    neph_hint(diag, "`neph metrics` lists them");
-    return NEPH_ERR_USAGE;
-}
 
 /* Who limits something wants it measured. */
 static enum neph_status choose_limited(struct neph_comparison *comparison,
                                        const struct neph_cli_limit *written, struct neph_diag *diag)
 {
-    struct limit limit;
+    struct neph_limit limit;
     const struct neph_extractor *extractor = NULL;
-    enum neph_status status = parse_limit(written, &limit, diag);
+    enum neph_status status = neph_limit_parse(written->text, written->below, &limit, diag);
     if (!status && neph_metric_find(limit.metric, &extractor))
         choose(comparison, extractor);
-    comparison->detail_masks |= !status && is_detail(limit.mask);
+    comparison->detail_masks |= !status && neph_mask_is_detail(limit.mask);
     return status;
 }
 
@@ -319,7 +275,8 @@ enum neph_status neph_cli_comparison_prepare(const struct neph_cli_comparison *a
     comparison->mask = wanted_mask(asked);
     if (asked->mask && !is_mask_name(asked->mask))
         comparison->mask_file = asked->mask;
-    comparison->detail_masks |= temporal || asked->rings || (asked->mask && is_detail(asked->mask));
+    comparison->detail_masks |= temporal || asked->rings ||
+                                (asked->mask && neph_mask_is_detail(asked->mask));
     comparison->maps_directory = asked->maps;
     comparison->frozen_is_fine = asked->frozen_is_fine;
     comparison->quiet = asked->quiet;
@@ -329,19 +286,13 @@ enum neph_status neph_cli_comparison_prepare(const struct neph_cli_comparison *a
 
 /* ---- which numbers to show ------------------------------------------------------------------- */
 
-static const char *text_of(const json_t *item, const char *key)
-{
-    const char *text = json_string_value(json_object_get(item, key));
-    return text ? text : "";
-}
-
 static bool is_wanted(const struct neph_cli_comparison *asked, const json_t *item)
 {
     const char *mask = wanted_mask(asked);
-    if (mask && strcmp(mask, text_of(item, "mask")) != 0)
+    if (mask && strcmp(mask, neph_json_text(item, "mask")) != 0)
         return false;
     const struct neph_extractor *owner = NULL;
-    const struct neph_metric *metric = neph_metric_find(text_of(item, "metric"), &owner);
+    const struct neph_metric *metric = neph_metric_find(neph_json_text(item, "metric"), &owner);
     bool named = asked->metric_count == 0;
     for (int i = 0; i < asked->metric_count; i++)
         named |= strcmp(asked->metrics[i], "all") == 0 ||
@@ -359,8 +310,8 @@ static bool is_wanted(const struct neph_cli_comparison *asked, const json_t *ite
 static bool is_wanted_finding(const struct neph_cli_comparison *asked, const json_t *item)
 {
     const char *mask = wanted_mask(asked);
-    return !mask || strcmp(mask, text_of(item, "mask")) == 0 ||
-           strcmp(text_of(item, "finding"), "half_life") == 0;
+    return !mask || strcmp(mask, neph_json_text(item, "mask")) == 0 ||
+           strcmp(neph_json_text(item, "finding"), "half_life") == 0;
 }
 
 typedef bool wanted_function(const struct neph_cli_comparison *asked, const json_t *item);
@@ -391,278 +342,6 @@ static const json_t *select_wanted(const struct neph_cli_comparison *asked, json
     return json_object_get(document, "measurements");
 }
 
-/* ---- output ---------------------------------------------------------------------------------- */
-
-static void print_line(const json_t *item, bool with_frame)
-{
-    const json_t *value = json_object_get(item, "value");
-    const json_t *interval = json_object_get(item, "interval");
-    const json_t *frame = json_object_get(item, "frame");
-    char number[32] = "undefined", bounds[48] = "-", which[16] = "all";
-    if (json_is_number(value))
-        snprintf(number, sizeof(number), "%.6e", json_number_value(value));
-    if (json_is_array(interval))
-        snprintf(bounds, sizeof(bounds), "%.2e..%.2e",
-                 json_number_value(json_array_get(interval, 0)),
-                 json_number_value(json_array_get(interval, 1)));
-    else if (strcmp(text_of(item, "interval_kind"), "deterministic") == 0)
-        snprintf(bounds, sizeof(bounds), "deterministic");
-    if (frame)
-        snprintf(which, sizeof(which), "%lld", (long long)json_integer_value(frame));
-    if (with_frame)
-        printf("%-6s", which);
-    printf("%-14s %-13s %-22s %14s  %-22s %8lld  %s\n", text_of(item, "quantity"),
-           text_of(item, "mask"), text_of(item, "metric"), number, bounds,
-           (long long)json_integer_value(json_object_get(item, "pixel_count")),
-           json_is_number(value) ? text_of(item, "unit") : text_of(item, "undefined_because"));
-}
-
-static void print_versus(const json_t *list, bool rings)
-{
-    if (json_array_size(list) > 0)
-        printf("%-14s %-13s %-22s %14s  %-22s %9s %9s\n", "quantity", "mask", "test - other",
-               "difference", "95 % interval", "p (Holm)", "p (sign)");
-    for (size_t i = 0; i < json_array_size(list); i++) {
-        const json_t *item = json_array_get(list, i);
-        const json_t *interval = json_object_get(item, "interval");
-        char bounds[48] = "-";
-        if (!rings && is_detail(text_of(item, "mask")))
-            continue;
-        if (json_is_array(interval))
-            snprintf(bounds, sizeof(bounds), "%.2e..%.2e",
-                     json_number_value(json_array_get(interval, 0)),
-                     json_number_value(json_array_get(interval, 1)));
-        printf("%-14s %-13s %-22s %14.6e  %-22s ", text_of(item, "quantity"), text_of(item, "mask"),
-               text_of(item, "metric"), json_number_value(json_object_get(item, "difference")),
-               bounds);
-        if (json_is_number(json_object_get(item, "p")))
-            printf("%9.2g %9.2g\n", json_number_value(json_object_get(item, "p_holm")),
-                   json_number_value(json_object_get(item, "p_sign")));
-        else
-            printf("%9s %9s\n", "-", "-");
-    }
-}
-
-static void print_findings(const json_t *list, bool rings)
-{
-    for (size_t i = 0; i < json_array_size(list); i++) {
-        const json_t *item = json_array_get(list, i);
-        if (rings || !is_detail(text_of(item, "mask")))
-            printf("%s of %s over '%s': %s: %s\n", text_of(item, "finding"),
-                   text_of(item, "quantity"), text_of(item, "mask"), text_of(item, "verdict"),
-                   text_of(item, "text"));
-    }
-}
-
-/* Of a sequence the table holds what is said of all its frames, if there is such a thing. Of a
- * single frame nothing is left out: metrics of sequences say no more than that they have none. */
-static void print_table(const json_t *document, bool rings)
-{
-    const json_t *list = json_object_get(document, "measurements");
-    const bool is_sequence = json_integer_value(json_object_get(document, "frames")) > 1;
-    bool has_overall = false;
-    for (size_t i = 0; i < json_array_size(list) && is_sequence; i++)
-        has_overall |= !json_object_get(json_array_get(list, i), "frame");
-    const bool with_frame = !has_overall && is_sequence;
-    printf("%s%-14s %-13s %-22s %14s  %-22s %8s  %s\n", with_frame ? "frame " : "", "quantity",
-           "mask", "metric", "value", "95 % interval", "pixels", "unit");
-    for (size_t i = 0; i < json_array_size(list); i++)
-        if ((!has_overall || !json_object_get(json_array_get(list, i), "frame")) &&
-            (rings || !is_detail(text_of(json_array_get(list, i), "mask"))))
-            print_line(json_array_get(list, i), with_frame);
-    print_versus(json_object_get(document, "versus"), rings);
-    print_findings(json_object_get(document, "findings"), rings);
-    const json_t *missing = json_object_get(document, "not_taken");
-    for (size_t i = 0; i < json_array_size(missing); i++) {
-        const json_t *item = json_array_get(missing, i);
-        printf("not taken: %s of %s: %s\n", text_of(item, "extractor"), text_of(item, "quantity"),
-               text_of(item, "because"));
-    }
-    printf("frames: %lld measured, %lld of them frozen\n",
-           (long long)json_integer_value(json_object_get(document, "frames")),
-           (long long)json_integer_value(json_object_get(document, "frozen")));
-}
-
-/* Text as CSV has it (RFC 4180): names of masks come from the user's files. */
-static void csv_text(FILE *out, const char *text)
-{
-    if (!strpbrk(text, ",\"\r\n")) {
-        fputs(text, out);
-        return;
-    }
-    fputc('"', out);
-    for (; *text; text++) {
-        if (*text == '"')
-            fputc('"', out);
-        fputc(*text, out);
-    }
-    fputc('"', out);
-}
-
-/* A number as CSV has it: nothing for null. */
-static void csv_number(FILE *out, const json_t *value)
-{
-    if (json_is_integer(value))
-        fprintf(out, ",%lld", (long long)json_integer_value(value));
-    else if (json_is_number(value))
-        fprintf(out, ",%.17g", json_number_value(value));
-    else
-        fputc(',', out);
-}
-
-static void write_csv_lines(FILE *out, const json_t *list)
-{
-    static const char *const words[] = {"quantity", "metric", "mask", "unit", "interval_kind"};
-    static const char *const conditions[] = {"frame_rate_hz", "pixels_per_degree", "exposure_ev",
-                                             "white_cd_per_m2"};
-    fprintf(out, "quantity,metric,mask,unit,interval_kind,frame,value,low,high,n,pixel_count,"
-                 "frame_rate_hz,pixels_per_degree,exposure_ev,white_cd_per_m2,"
-                 "undefined_because\n");
-    for (size_t i = 0; i < json_array_size(list); i++) {
-        const json_t *item = json_array_get(list, i);
-        const json_t *interval = json_object_get(item, "interval");
-        for (size_t w = 0; w < sizeof(words) / sizeof(words[0]); w++) {
-            fputs(w > 0 ? "," : "", out);
-            csv_text(out, text_of(item, words[w]));
-        }
-        csv_number(out, json_object_get(item, "frame"));
-        csv_number(out, json_object_get(item, "value"));
-        csv_number(out, json_array_get(interval, 0));
-        csv_number(out, json_array_get(interval, 1));
-        csv_number(out, json_object_get(item, "n"));
-        csv_number(out, json_object_get(item, "pixel_count"));
-        for (int c = 0; c < 4; c++)
-            csv_number(out, json_object_get(json_object_get(item, "viewing"), conditions[c]));
-        fputc(',', out);
-        csv_text(out, text_of(item, "undefined_because"));
-        fputc('\n', out);
-    }
-}
-
-static enum neph_status write_csv(const char *path, const json_t *list, struct neph_diag *diag)
-{
-    char *text = NULL;
-    size_t size = 0;
-    FILE *out = open_memstream(&text, &size);
-    if (!out)
-        return neph_fail_memory(diag);
-    write_csv_lines(out, list);
-    enum neph_status status = fclose(out) == 0 ? neph_file_write(path, text, size, diag)
-                                               : neph_fail_memory(diag);
-    free(text);
-    return status;
-}
-
-/* ---- are the limits kept? -------------------------------------------------------------------- */
-
-static bool matches(const json_t *item, const struct limit *limit)
-{
-    return strcmp(text_of(item, "quantity"), limit->quantity) == 0 &&
-           strcmp(text_of(item, "metric"), limit->metric) == 0 &&
-           strcmp(text_of(item, "mask"), limit->mask) == 0;
-}
-
-/* " in frame N", or nothing for a number of all frames. */
-static void name_frame(const json_t *item, char *text, size_t size)
-{
-    const json_t *frame = json_object_get(item, "frame");
-    text[0] = '\0';
-    if (frame)
-        snprintf(text, size, " in frame %lld", (long long)json_integer_value(frame));
-}
-
-/* A PSNR of equal images is no number, and keeps every limit. */
-static bool is_without_error(const json_t *item)
-{
-    return strcmp(text_of(item, "undefined_because"), neph_pool_no_error) == 0;
-}
-
-/* How far a value is beyond its limit; <= 0: it is not. */
-static double excess(const json_t *item, const struct limit *limit)
-{
-    const double size = fabs(json_number_value(json_object_get(item, "value")));
-    return limit->below ? limit->value - size : size - limit->value;
-}
-
-/* Times of the lag test stop counting at the end of the sequence: where more pixels than `share`
- * are on their way still, the number is a lower bound, and below no limit. */
-static const struct bounded_time {
-    const char *metric, *unsettled;
-    double share;
-} bounded_times[] = {
-    {"half_life_p50", "share_unsettled", 0.5},
-    {"half_life_p95", "share_unsettled", 0.05},
-    {"half_life_mean", "share_unsettled", 0.0},
-    {"half_life_phase_0", "share_unsettled", 0.0},
-    {"half_life_phase_1", "share_unsettled", 0.0},
-    {"half_life_phase_2", "share_unsettled", 0.0},
-    {"half_life_phase_3", "share_unsettled", 0.0},
-    {"frames_to_10_p95", "share_unsettled_10", 0.05},
-    {"frames_to_1_p95", "share_unsettled_1", 0.05},
-};
-
-static bool is_lower_bound(const json_t *list, const struct limit *limit)
-{
-    for (size_t b = 0; b < sizeof(bounded_times) / sizeof(bounded_times[0]); b++) {
-        const struct bounded_time *time = &bounded_times[b];
-        if (strcmp(time->metric, limit->metric) != 0)
-            continue;
-        const json_t *share = neph_measurement_find(list, limit->quantity, time->unsettled,
-                                                    limit->mask);
-        return json_number_value(json_object_get(share, "value")) > time->share;
-    }
-    return false;
-}
-
-/* Every number of that name is held to the limit, of all frames and of each; the worst is named. */
-static enum neph_status check_limit(const json_t *list, const struct limit *limit,
-                                    struct neph_diag *diag)
-{
-    const json_t *worst = NULL;
-    bool without_error = false;
-    int beyond_count = 0;
-    char where[32];
-    for (size_t i = 0; i < json_array_size(list); i++) {
-        const json_t *item = json_array_get(list, i);
-        if (!matches(item, limit))
-            continue;
-        if (is_without_error(item)) {
-            without_error = true;
-            continue;
-        }
-        name_frame(item, where, sizeof(where));
-        if (!json_is_number(json_object_get(item, "value")))
-            return neph_fail(diag, NEPH_ERR_GATE, "%s of %s over '%s'%s is not defined: %s",
-                             limit->metric, limit->quantity, limit->mask, where,
-                             text_of(item, "undefined_because"));
-        beyond_count += excess(item, limit) > 0.0;
-        if (!worst || excess(item, limit) > excess(worst, limit))
-            worst = item;
-    }
-    if (!worst && !without_error) {
-        neph_fail(diag, NEPH_ERR_UNSUPPORTED, "%s of %s over '%s' was not measured of these images",
-                  limit->metric, limit->quantity, limit->mask);
-        neph_hint(diag, "the images lack this quantity, the reference this mask, or see 'not "
-                        "taken' above");
-        return NEPH_ERR_UNSUPPORTED;
-    }
-    if (beyond_count == 0 && worst && !limit->below && is_lower_bound(list, limit))
-        return neph_fail(diag, NEPH_ERR_GATE,
-                         "%s of %s over '%s' is at least %.6g: the sequence ends too early to hold "
-                         "it to the limit %g",
-                         limit->metric, limit->quantity, limit->mask,
-                         json_number_value(json_object_get(worst, "value")), limit->value);
-    if (beyond_count == 0)
-        return NEPH_OK;
-    name_frame(worst, where, sizeof(where));
-    neph_fail(diag, NEPH_ERR_GATE, "%s of %s over '%s' is %.6g%s, %s the limit %g", limit->metric,
-              limit->quantity, limit->mask, json_number_value(json_object_get(worst, "value")),
-              where, limit->below ? "below" : "above", limit->value);
-    if (beyond_count > 1)
-        neph_hint(diag, "the worst of %d such numbers", beyond_count);
-    return NEPH_ERR_GATE;
-}
-
 /* ---- the run --------------------------------------------------------------------------------- */
 
 static enum neph_status print_all(const struct neph_cli_comparison *asked, json_t *document,
@@ -677,8 +356,8 @@ static enum neph_status print_all(const struct neph_cli_comparison *asked, json_
     if (asked->json)
         neph_cli_print_json(json_incref(document));
     else
-        print_table(document, asked->rings || asked->mask);
-    return asked->csv ? write_csv(asked->csv, list, diag) : NEPH_OK;
+        neph_comparison_print(document, asked->rings || asked->mask, asked->metric_count > 0);
+    return asked->csv ? neph_comparison_write_csv(asked->csv, list, diag) : NEPH_OK;
 }
 
 /* Found before anything is measured. */
@@ -736,10 +415,10 @@ enum neph_status neph_cli_comparison_run(const struct neph_cli_comparison *asked
                                          const struct neph_comparison *comparison,
                                          struct neph_diag *diag)
 {
-    struct limit limits[NEPH_CLI_LIMITS_MAX];
+    struct neph_limit limits[NEPH_CLI_LIMITS_MAX];
     enum neph_status status = NEPH_OK;
     for (int i = 0; i < asked->limit_count && !status; i++)
-        status = parse_limit(&asked->limits[i], &limits[i], diag);
+        status = neph_limit_parse(asked->limits[i].text, asked->limits[i].below, &limits[i], diag);
     if (status)
         return status;
     json_t *document = NULL;
@@ -756,7 +435,7 @@ enum neph_status neph_cli_comparison_run(const struct neph_cli_comparison *asked
     const enum neph_status printed = print_all(asked, document, status ? NULL : diag);
     status = status ? status : printed;
     for (int i = 0; i < asked->limit_count && !status; i++)
-        status = check_limit(all, &limits[i], diag);
+        status = neph_limit_check(all, &limits[i], diag);
     json_decref(all);
     json_decref(document);
     return status;

@@ -138,26 +138,26 @@ static void list_channels(const struct neph_image *image, char *text, size_t siz
         snprintf(text + used, size - used, " ...");
 }
 
-static bool have_in_common(const struct neph_image *reference, const struct neph_image *test,
-                           const struct neph_quantity *quantity)
+static bool has(const struct neph_image *image, const struct neph_quantity *quantity)
 {
     const float *planes[3];
-    return neph_quantity_planes(quantity, reference, planes) &&
-           neph_quantity_planes(quantity, test, planes);
+    return neph_quantity_planes(quantity, image, planes);
 }
 
-/* A comparison of nothing would pass every gate. */
+/* A comparison of nothing would pass every gate, and so would one without radiance where one of the
+ * two has it. What else only one of them has is named among what was not taken. */
 static enum neph_status check_channels(const struct neph_image *reference,
                                        const struct neph_image *test, struct neph_diag *diag)
 {
     char in_reference[160] = "", in_test[160] = "";
-    for (int q = 0; q < neph_quantity_count(); q++)
-        if (have_in_common(reference, test, neph_quantity_at(q)))
+    const bool both_or_none = has(reference, neph_quantity_at(0)) == has(test, neph_quantity_at(0));
+    for (int q = 0; q < neph_quantity_count() && both_or_none; q++)
+        if (has(reference, neph_quantity_at(q)) && has(test, neph_quantity_at(q)))
             return NEPH_OK;
     list_channels(reference, in_reference, sizeof(in_reference));
     list_channels(test, in_test, sizeof(in_test));
-    neph_fail(diag, NEPH_ERR_INPUT,
-              "nothing can be compared: the channels of the reference are%s, of the test%s",
+    neph_fail(diag, NEPH_ERR_INPUT, "%s: the channels of the reference are%s, of the test%s",
+              both_or_none ? "nothing can be compared" : "only one of the two has radiance",
               in_reference, in_test);
     neph_hint(diag, "radiance is in channels R G B, or in Y alone when it is grey; `neph metrics "
                     "--json` names all quantities");
@@ -392,9 +392,24 @@ static enum neph_status measure_all(struct work *work, struct neph_diag *diag)
     return status;
 }
 
+/* What one of the images has and the other has not. */
+static void add_one_sided(const struct work *work, json_t *list)
+{
+    for (int q = 0; q < neph_quantity_count() && work->reference && work->test; q++) {
+        const struct neph_quantity *quantity = neph_quantity_at(q);
+        if (has(work->reference, quantity) != has(work->test, quantity))
+            json_array_append_new(list, json_pack("{s:s, s:s, s:s}", "extractor", "everything",
+                                                  "quantity", quantity->name, "because",
+                                                  has(work->test, quantity)
+                                                      ? "the reference does not have it"
+                                                      : "the test does not have it"));
+    }
+}
+
 static json_t *not_taken(const struct work *work)
 {
     json_t *list = json_array();
+    add_one_sided(work, list);
     for (int c = 0; c < work->asked->choice_count; c++) {
         const struct neph_extractor *extractor = work->asked->choices[c].extractor;
         for (int q = 0; q < neph_quantity_count(); q++) {

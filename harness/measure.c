@@ -47,6 +47,18 @@ json_t *neph_measurement_json(const struct neph_measurement *m)
     return item;
 }
 
+const char *neph_json_text(const json_t *item, const char *key)
+{
+    const char *text = json_string_value(json_object_get(item, key));
+    return text ? text : "";
+}
+
+bool neph_mask_is_detail(const char *mask)
+{
+    const struct neph_mask_kind *kind = neph_mask_kind_find(mask);
+    return kind && kind->is_detail;
+}
+
 void neph_masks_destroy(struct neph_mask **masks, int count)
 {
     for (int i = 0; i < count; i++)

@@ -42,6 +42,12 @@ json_t *neph_measurement_json(const struct neph_measurement *m);
 const char *neph_interval_name(enum neph_interval_kind kind);
 json_t *neph_viewing_json(const struct neph_viewing *viewing);
 
+/* The text of a key; "" when there is none. */
+const char *neph_json_text(const json_t *item, const char *key);
+
+/* Whether a mask is of a kind of which there are many. */
+bool neph_mask_is_detail(const char *mask);
+
 /* Counts of non-finite and negative values of a frame, in the same form. */
 enum neph_status neph_measure_validity(const struct neph_image *frame, json_t *list,
                                        struct neph_diag *diag);

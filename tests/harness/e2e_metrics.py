@@ -226,6 +226,17 @@ class Metrics(unittest.TestCase):
         self.assertEqual(values_of(done), {("mae", "file"): 0.5})
         self.assertEqual(json.loads(done.stdout)["measurements"][0]["pixel_count"], 16 * HEIGHT)
 
+    def test_what_only_one_image_has_is_named(self):
+        with_depth = self.write("depth.exr", lambda x, y: 1.0, self.depth)
+        without = self.write("plain.exr", lambda x, y: 1.0)
+        done = neph("compare", with_depth, without, "-m", "rmse")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("not taken: everything of depth: the test does not have it", done.stdout)
+        only_depth = self.folder / "only_depth.exr"
+        only_depth.write_bytes(frames.exr_bytes(WIDTH, HEIGHT, {"Z": [1.0] * (WIDTH * HEIGHT)}))
+        done = neph("compare", with_depth, only_depth)
+        self.assertEqual((done.returncode, "radiance" in done.stderr), (65, True), done.stderr)
+
     # ---- flicker -----------------------------------------------------------------------------
 
     def depth(self, x, y):
