@@ -81,6 +81,66 @@ enum neph_status neph_image_add_rgb(struct neph_image *image, const char *layer,
     return NEPH_OK;
 }
 
+/* The rest of a channel's name behind "<layer>.", or NULL when it is not of that layer. */
+static const char *name_in_layer(const char *name, const char *layer)
+{
+    const size_t length = strlen(layer);
+    return strncmp(name, layer, length) == 0 && name[length] == '.' ? name + length + 1 : NULL;
+}
+
+static enum neph_status fail_no_layer(const struct neph_image *image, const char *layer,
+                                      struct neph_diag *diag)
+{
+    char known[256] = "";
+    const char *last = "";
+    size_t last_length = 0, used = 0;
+    for (int i = 0; i < image->channel_count; i++) {
+        const char *name = image->channels[i].name, *dot = strrchr(name, '.');
+        const size_t length = dot ? (size_t)(dot - name) : 0;
+        if (!dot || (length == last_length && strncmp(name, last, length) == 0))
+            continue;
+        last = name;
+        last_length = length;
+        if (used < sizeof(known))
+            used += (size_t)snprintf(known + used, sizeof(known) - used, " %.*s", (int)length,
+                                     name);
+    }
+    return neph_fail(diag, NEPH_ERR_INPUT, "there is no layer '%s'; the layers are:%s", layer,
+                     known[0] ? known : " none");
+}
+
+void neph_image_remove_channel(struct neph_image *image, const char *name)
+{
+    for (int i = 0; i < image->channel_count; i++) {
+        if (strcmp(image->channels[i].name, name) != 0)
+            continue;
+        free(image->channels[i].samples);
+        image->channels[i] = image->channels[--image->channel_count];
+        return;
+    }
+}
+
+enum neph_status neph_image_take_layer(struct neph_image *image, const char *layer,
+                                       struct neph_diag *diag)
+{
+    char names[64][NEPH_IMAGE_NAME_MAX];
+    int count = 0;
+    for (int i = 0; i < image->channel_count && count < 64; i++)
+        if (name_in_layer(image->channels[i].name, layer))
+            memcpy(names[count++], image->channels[i].name, NEPH_IMAGE_NAME_MAX);
+    if (count == 0)
+        return fail_no_layer(image, layer, diag);
+    for (int n = 0; n < count; n++) {
+        char rest[NEPH_IMAGE_NAME_MAX];
+        snprintf(rest, sizeof(rest), "%s", name_in_layer(names[n], layer));
+        neph_image_remove_channel(image, rest);
+        for (int i = 0; i < image->channel_count; i++)
+            if (strcmp(image->channels[i].name, names[n]) == 0)
+                memcpy(image->channels[i].name, rest, sizeof(rest));
+    }
+    return NEPH_OK;
+}
+
 float *neph_image_channel(const struct neph_image *image, const char *name)
 {
     for (int i = 0; i < image->channel_count; i++)

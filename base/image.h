@@ -59,6 +59,14 @@ enum neph_status neph_image_add_channel(struct neph_image *image, const char *na
 enum neph_status neph_image_add_rgb(struct neph_image *image, const char *layer, float *samples[3],
                                     struct neph_diag *diag);
 
+/* Remove a channel; one that is not there is fine. */
+void neph_image_remove_channel(struct neph_image *image, const char *name);
+
+/* Take the channels "<layer>.NAME" for NAME, in place of those that have that name; all others
+ * stay. NEPH_ERR_INPUT: there is no channel of that layer; the message lists the layers. */
+enum neph_status neph_image_take_layer(struct neph_image *image, const char *layer,
+                                       struct neph_diag *diag);
+
 /* The samples of a channel, or NULL when there is none of that name. */
 float *neph_image_channel(const struct neph_image *image, const char *name);
 

@@ -19,6 +19,7 @@ enum {
     KEY_FAIL_ABOVE,
     KEY_FAIL_BELOW,
     KEY_SECOND,
+    KEY_LAYER,
     KEY_RINGS,
     KEY_VERSUS,
     KEY_FROZEN_OK,
@@ -37,6 +38,9 @@ static const struct argp_option options[] = {
     {"mask", KEY_MASK, "NAME|FILE", 0,
      "Only this mask: a name (all, sky, depth_edge, ...; `neph metrics --masks`), or a picture "
      "that is above 0.5 inside",
+     0},
+    {"layer", KEY_LAYER, "NAME", 0,
+     "Radiance, depth and masks are the channels NAME.R and so on (Blender: ViewLayer.Combined)",
      0},
     {"rings", KEY_RINGS, NULL, 0,
      "Also the masks of rings at depth edges, by distance and side (flicker always takes them, and "
@@ -121,6 +125,7 @@ static error_t parse(int key, char *argument, struct argp_state *state)
         const char **word;
     } words[] = {
         {KEY_CSV, &asked->csv},
+        {KEY_LAYER, &asked->layer},
         {KEY_MASK, &asked->mask},
         {KEY_MAPS, &asked->maps},
         {KEY_SECOND, &asked->second},
@@ -277,6 +282,7 @@ enum neph_status neph_cli_comparison_prepare(const struct neph_cli_comparison *a
         comparison->mask_file = asked->mask;
     comparison->detail_masks |= temporal || asked->rings ||
                                 (asked->mask && neph_mask_is_detail(asked->mask));
+    comparison->layer = asked->layer;
     comparison->maps_directory = asked->maps;
     comparison->frozen_is_fine = asked->frozen_is_fine;
     comparison->quiet = asked->quiet;

@@ -22,7 +22,7 @@ struct neph_cli_comparison {
     const char *settings[NEPH_CHOICES_MAX];
     struct neph_cli_limit limits[NEPH_CLI_LIMITS_MAX];
     int metric_count, setting_count, limit_count;
-    const char *mask, *csv, *maps;
+    const char *mask, *csv, *maps, *layer;
     const char *second; /* words of the second reference */
     const char *versus; /* words of the other test */
     const char *viewing[4];

@@ -60,29 +60,30 @@ static enum neph_status check_counts(const struct neph_comparison *asked, struct
 
 /* Read a frame of a sequence into `image`, unless it is the one frame that stands for all. */
 static enum neph_status read_next(const struct neph_sequence *sequence, int index,
-                                  size_t negative_allowed, struct neph_image **image,
-                                  struct neph_diag *diag)
+                                  const char *layer, size_t negative_allowed,
+                                  struct neph_image **image, struct neph_diag *diag)
 {
     if (sequence->count == 0 || (sequence->count == 1 && *image))
         return NEPH_OK;
     neph_image_destroy(*image);
     *image = NULL;
-    return neph_frame_read(sequence->paths[sequence->count == 1 ? 0 : index], negative_allowed,
-                           image, diag);
+    return neph_frame_read(sequence->paths[sequence->count == 1 ? 0 : index], layer,
+                           negative_allowed, image, diag);
 }
 
 static enum neph_status read_frames(struct work *work, int index, struct neph_diag *diag)
 {
     const struct neph_comparison *asked = work->asked;
-    enum neph_status status = read_next(&asked->reference, index, asked->negative_allowed,
-                                        &work->reference, diag);
+    enum neph_status status = read_next(&asked->reference, index, asked->layer,
+                                        asked->negative_allowed, &work->reference, diag);
     if (!status)
-        status = read_next(&asked->second, index, asked->negative_allowed, &work->second, diag);
+        status = read_next(&asked->second, index, asked->layer, asked->negative_allowed,
+                           &work->second, diag);
     if (!status) {
         neph_image_destroy(work->test);
         work->test = NULL;
-        status = neph_frame_read(asked->test.paths[index], asked->negative_allowed, &work->test,
-                                 diag);
+        status = neph_frame_read(asked->test.paths[index], asked->layer, asked->negative_allowed,
+                                 &work->test, diag);
     }
     return status;
 }
@@ -174,8 +175,8 @@ static enum neph_status unite_masks(struct work *work, struct neph_diag *diag)
     enum neph_status status = NEPH_OK;
     for (int i = 1; i < work->frame_count && !status; i++) {
         struct neph_image *frame = NULL;
-        status = neph_frame_read(asked->reference.paths[asked->warm_up_frames + i], SIZE_MAX,
-                                 &frame, diag);
+        status = neph_frame_read(asked->reference.paths[asked->warm_up_frames + i], asked->layer,
+                                 SIZE_MAX, &frame, diag);
         if (!status)
             status = neph_masks_unite(frame, work->masks, work->mask_count, diag);
         neph_image_destroy(frame);
@@ -188,7 +189,8 @@ static enum neph_status unite_masks(struct work *work, struct neph_diag *diag)
 static enum neph_status add_mask_of_file(struct work *work, struct neph_diag *diag)
 {
     struct neph_image *picture = NULL;
-    enum neph_status status = neph_frame_read(work->asked->mask_file, SIZE_MAX, &picture, diag);
+    enum neph_status status = neph_frame_read(work->asked->mask_file, NULL, SIZE_MAX, &picture,
+                                              diag);
     if (!status && work->mask_count == NEPH_MASKS_MAX)
         status = neph_fail(diag, NEPH_ERR_INPUT, "more than %d masks", NEPH_MASKS_MAX);
     if (!status)

@@ -16,6 +16,7 @@ struct neph_comparison {
     int choice_count;
     struct neph_viewing viewing;
     const char *mask;      /* the one that has to be there; NULL: any */
+    const char *layer;     /* whose channels are R G B Z ...; NULL: names are as they are */
     const char *mask_file; /* a picture that is above 0.5 inside a mask of the user's; or NULL */
     bool detail_masks;     /* also the rings at depth edges */
     const char *maps_directory; /* for the maps of the extractors; or NULL */

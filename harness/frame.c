@@ -7,6 +7,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <math.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -54,12 +55,30 @@ static enum neph_status check(const char *path, const struct neph_image *image,
         memcpy(what, diag->message, sizeof(what));
         neph_fail(diag, status, "'%s': %s", path, what);
         neph_hint(diag, validity.non_finite_count > 0
-                            ? "such a frame is no measurement; of a channel that is of no interest "
-                              "here, write the frame without it"
+                            ? "such a frame is no measurement"
                             : "if a filter with negative lobes made them, say --negative-ok");
     }
     neph_validity_finish(&validity);
     return status;
+}
+
+static bool is_finite(const float *samples, size_t count)
+{
+    for (size_t i = 0; i < count; i++)
+        if (!isfinite(samples[i]))
+            return false;
+    return true;
+}
+
+/* A channel that is nothing to us may hold anything; what is not even a number goes. */
+static void drop_strangers(struct neph_image *image)
+{
+    for (int i = image->channel_count - 1; i >= 0; i--) {
+        const struct neph_channel *channel = &image->channels[i];
+        if (!neph_validity_knows(channel->name) &&
+            !is_finite(channel->samples, neph_image_pixel_count(image)))
+            neph_image_remove_channel(image, channel->name);
+    }
 }
 
 /* Luminance alone is a grey picture, as in OpenEXR's own tools; with chroma (RY, BY) it is not. */
@@ -79,7 +98,7 @@ static enum neph_status make_grey_rgb(struct neph_image *image, struct neph_diag
     return status;
 }
 
-enum neph_status neph_frame_read(const char *path, size_t negative_allowed,
+enum neph_status neph_frame_read(const char *path, const char *layer, size_t negative_allowed,
                                  struct neph_image **image, struct neph_diag *diag)
 {
     const struct format *format = NULL;
@@ -87,8 +106,15 @@ enum neph_status neph_frame_read(const char *path, size_t negative_allowed,
     enum neph_status status = find_format(path, &format, diag);
     if (!status)
         status = format->read(path, &frame, diag);
+    if (!status && layer) {
+        status = neph_image_take_layer(frame, layer, diag);
+        if (status && diag)
+            neph_locate(diag, path, 0, 0);
+    }
     if (!status)
         status = make_grey_rgb(frame, diag);
+    if (!status)
+        drop_strangers(frame);
     if (!status)
         status = check(path, frame, negative_allowed, diag);
     if (status)

@@ -21,12 +21,16 @@ static const struct rule rules[] = {
     {"transmittance.", false, false},
     {"variance.", false, false},
     {"Z", true, false},
+    {"Y", false, false},
+    {"mask.", false, true},
     {"motion.depth", true, false},
+    {"motion.", false, true},
 };
+
+static const struct rule unknown = {"", false, true};
 
 static const struct rule *rule_of(const char *channel)
 {
-    static const struct rule unknown = {"", false, true};
     for (size_t i = 0; i < sizeof(rules) / sizeof(rules[0]); i++) {
         size_t length = strlen(rules[i].name);
         bool is_layer = rules[i].name[length - 1] == '.';
@@ -35,6 +39,11 @@ static const struct rule *rule_of(const char *channel)
             return &rules[i];
     }
     return &unknown;
+}
+
+bool neph_validity_knows(const char *channel)
+{
+    return rule_of(channel) != &unknown;
 }
 
 static void count_finite(struct neph_validity_channel *counts, float value)

@@ -32,6 +32,10 @@ struct neph_validity {
     size_t negative_count;
 };
 
+/* Whether a channel has a meaning for us (base/image.h): others may hold anything, such as the bits
+ * of an object's name. */
+bool neph_validity_knows(const char *channel);
+
 /* Count. Radiance, volume, transmittance, variance and depth must not be negative; channels of
  * other names may have any sign. Free with _finish; the names live as long as the image. */
 enum neph_status neph_validity_count(const struct neph_image *image, struct neph_validity *validity,

@@ -226,6 +226,27 @@ class Metrics(unittest.TestCase):
         self.assertEqual(values_of(done), {("mae", "file"): 0.5})
         self.assertEqual(json.loads(done.stdout)["measurements"][0]["pixel_count"], 16 * HEIGHT)
 
+    def test_a_layer_of_a_multilayer_file(self):
+        def multilayer(name, value):
+            path, count = self.folder / name, WIDTH * HEIGHT
+            path.write_bytes(frames.exr_bytes(WIDTH, HEIGHT, {
+                "R": [9.0] * count, **{f"ViewLayer.Combined.{c}": [value] * count for c in "RGBA"}}))
+            return path
+        pair = multilayer("a.exr", 1.0), multilayer("b.exr", 1.5)
+        done = neph("compare", *pair, "--layer", "ViewLayer.Combined", "-m", "mae", "--json")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(values_of(done)["mae", "all"], 0.5)
+        done = neph("compare", *pair, "--layer", "Combined")
+        self.assertEqual((done.returncode, "ViewLayer.Combined" in done.stderr), (65, True), done.stderr)
+
+    def test_identifiers_beside_the_picture_are_not_gated(self):
+        count = WIDTH * HEIGHT
+        path = self.folder / "crypto.exr"
+        path.write_bytes(frames.exr_bytes(WIDTH, HEIGHT, {**{c: [1.0] * count for c in "RGB"},
+                                                          "crypto00.r": [math.nan] * count}))
+        done = neph("compare", path, path, "-m", "mae", "--json")
+        self.assertEqual((done.returncode, values_of(done)["mae", "all"]), (0, 0.0), done.stderr)
+
     def test_what_only_one_image_has_is_named(self):
         with_depth = self.write("depth.exr", lambda x, y: 1.0, self.depth)
         without = self.write("plain.exr", lambda x, y: 1.0)

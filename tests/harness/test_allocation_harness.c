@@ -23,7 +23,7 @@ static enum neph_status find(void *context, struct neph_diag *diag)
 static enum neph_status read_frame(void *context, struct neph_diag *diag)
 {
     struct neph_image *image = NULL;
-    const enum neph_status status = neph_frame_read(context, SIZE_MAX, &image, diag);
+    const enum neph_status status = neph_frame_read(context, NULL, SIZE_MAX, &image, diag);
     assert_int_equal(image != NULL, status == NEPH_OK);
     neph_image_destroy(image);
     return status;

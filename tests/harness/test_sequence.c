@@ -237,11 +237,11 @@ static void assert_frame_refused(const char *path, size_t negative_allowed,
 {
     struct neph_image *image = NULL;
     struct neph_diag diag = {0};
-    const enum neph_status status = neph_frame_read(path, negative_allowed, &image, &diag);
+    const enum neph_status status = neph_frame_read(path, NULL, negative_allowed, &image, &diag);
     if (status != expected || !strstr(diag.message, words))
         fail_msg("%s: %s", neph_status_name(status), diag.message);
     assert_null(image);
-    assert_int_equal(neph_frame_read(path, negative_allowed, &image, NULL), status);
+    assert_int_equal(neph_frame_read(path, NULL, negative_allowed, &image, NULL), status);
 }
 
 static void test_frames_by_content(void **state)
@@ -250,14 +250,14 @@ static void test_frames_by_content(void **state)
     struct neph_image *image = NULL;
     scratch_path(state, path, "frame.png"); /* says the name */
     write_exr(path, 3.0f);
-    neph_assert_ok(neph_frame_read(path, 0, &image, NULL), NULL);
+    neph_assert_ok(neph_frame_read(path, NULL, 0, &image, NULL), NULL);
     assert_true(image->channels[1].samples[1] == 3.0f);
     assert_null(neph_image_attribute(image, "encoding"));
     neph_image_destroy(image);
 
     scratch_path(state, path, "frame.exr");
     neph_assert_ok(neph_png_write_rgb8(path, 1, 1, (const uint8_t[3]){255, 0, 255}, NULL), NULL);
-    neph_assert_ok(neph_frame_read(path, 0, &image, NULL), NULL);
+    neph_assert_ok(neph_frame_read(path, NULL, 0, &image, NULL), NULL);
     assert_string_equal(neph_image_attribute(image, "encoding"), "sRGB");
     assert_true(image->channels[0].samples[0] == 1.0f && image->channels[1].samples[0] == 0.0f);
     neph_image_destroy(image);
@@ -283,7 +283,7 @@ static void test_frames_that_are_none(void **state)
     assert_frame_refused(path, 0, NEPH_ERR_GATE,
                          "frame.exr': 1 values in 1 of 3 channels are negative");
     struct neph_image *image = NULL;
-    neph_assert_ok(neph_frame_read(path, 1, &image, NULL), NULL);
+    neph_assert_ok(neph_frame_read(path, NULL, 1, &image, NULL), NULL);
     neph_image_destroy(image);
 }
 
