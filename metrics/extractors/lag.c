@@ -114,7 +114,7 @@ static const char *obstacle(const struct neph_frame_pair *first,
 {
     (void)first;
     if (settings->values[STEP_FRAME] < 0.0)
-        return "no step: give -s step_frame=N";
+        return "no step: give -s lag.step_frame=N";
     if (settings->values[STEP_FRAME] < 1.0)
         return "step_frame must be at least 1: the frame before the step is needed";
     return NULL;
