@@ -9,7 +9,7 @@
 
 #include <argp.h>
 
-enum { NEPH_CLI_WORDS_MAX = 65536, NEPH_CLI_LIMITS_MAX = 32 };
+enum { NEPH_CLI_LIMITS_MAX = 32 };
 
 /* A limit of --fail-above or --fail-below, as written. */
 struct neph_cli_limit {
@@ -40,8 +40,7 @@ enum neph_status neph_cli_comparison_prepare(const struct neph_cli_comparison *a
                                              struct neph_comparison *comparison,
                                              struct neph_diag *diag);
 
-/* Run it; print the results as a table or JSON, write the CSV, check the
- * limits. */
+/* Run it; print the results as a table or JSON, write the CSV, check the limits. */
 enum neph_status neph_cli_comparison_run(const struct neph_cli_comparison *asked,
                                          const struct neph_comparison *comparison,
                                          struct neph_diag *diag);

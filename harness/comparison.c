@@ -460,10 +460,12 @@ static enum neph_status judge_frozen(const struct work *work, struct neph_diag *
 {
     if (work->frozen.frozen_count == 0 || work->asked->frozen_is_fine)
         return NEPH_OK;
-    neph_fail(diag, NEPH_ERR_GATE,
-              "%d of %d test frames are bit for bit the frame before: that says nothing about "
-              "stability",
-              work->frozen.frozen_count, work->done_count);
+    neph_fail(
+        diag, NEPH_ERR_GATE,
+        "%d of %d test frames are bit for bit the frame before, first '%s': that says nothing "
+        "about stability",
+        work->frozen.frozen_count, work->done_count,
+        work->asked->test.paths[work->asked->warm_up_frames + work->frozen.first_frozen]);
     neph_hint(diag, "if they are meant to be (a deterministic renderer of a still scene), say "
                     "--frozen-ok");
     return NEPH_ERR_GATE;

@@ -240,10 +240,3 @@ enum neph_status neph_frozen_add(struct neph_frozen *frozen, const struct neph_i
         *is_frozen = same;
     return NEPH_OK;
 }
-
-const char *neph_frozen_reason(const struct neph_frozen *frozen)
-{
-    return frozen->frozen_count > 0
-               ? "frames are identical to the one before: frozen output is not stability"
-               : NULL;
-}

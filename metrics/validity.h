@@ -77,8 +77,4 @@ enum neph_status neph_frozen_hash(const struct neph_image *frame, char hex[NEPH_
 enum neph_status neph_frozen_add(struct neph_frozen *frozen, const struct neph_image *frame,
                                  bool *is_frozen, struct neph_diag *diag);
 
-/* Why a small flicker of this sequence is not to be called stability: a static string; NULL when
- * every frame differs from the one before. */
-const char *neph_frozen_reason(const struct neph_frozen *frozen);
-
 #endif

@@ -97,6 +97,20 @@ static void test_long_memory_under_noise(void **state)
     neph_assert_close((double)inside / REPLICATIONS, 0.922, 0.0, 4.0 * 0.0042);
 }
 
+/* Too few batches for how long it remembers: what series.h owns up to. The shares are of 20000
+ * replications of another generator; four binomial deviations of 4000. */
+static void test_long_memory_is_covered_less(void **state)
+{
+    (void)state;
+    static const struct {
+        struct coverage_case of;
+        double share;
+    } cases[] = {{{0.95, 0.0, 128, 8}, 0.892}, {{0.95, 0.0, 256, 16}, 0.912}};
+    uint64_t random = test_seed();
+    for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++)
+        neph_assert_close(coverage(&cases[i].of, &random), cases[i].share, 0.0, 4.0 * 0.0049);
+}
+
 /* What a naive t interval over frames would do to the same series, so that it is seen that the
  * simulation can tell: the note says 47 % at the correlation 0.8. */
 static void test_frames_are_not_replicates(void **state)
@@ -428,6 +442,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_intervals_cover),
         cmocka_unit_test(test_long_memory_under_noise),
+        cmocka_unit_test(test_long_memory_is_covered_less),
         cmocka_unit_test(test_frames_are_not_replicates),
         cmocka_unit_test(test_runs_cover),
         cmocka_unit_test(test_interval_by_hand),

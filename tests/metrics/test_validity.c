@@ -200,10 +200,8 @@ static void test_frozen_frames_are_counted(void **state)
     float *red = add_channel(image, "R", NULL), *green = add_channel(image, "G", NULL);
     struct neph_frozen frozen = {0};
     assert_false(add_frame(&frozen, image));
-    assert_null(neph_frozen_reason(&frozen));
     red[14] = 0x1p-149f; /* the least that can change */
     assert_false(add_frame(&frozen, image));
-    assert_null(neph_frozen_reason(&frozen));
     assert_true(add_frame(&frozen, image));
     assert_true(add_frame(&frozen, image));
     green[14] = red[14];
@@ -212,7 +210,6 @@ static void test_frozen_frames_are_counted(void **state)
     assert_int_equal(frozen.frame_count, 5);
     assert_int_equal(frozen.frozen_count, 2);
     assert_int_equal(frozen.first_frozen, 2);
-    assert_non_null(strstr(neph_frozen_reason(&frozen), "identical"));
     neph_image_destroy(image);
 }
 
