@@ -127,19 +127,26 @@ void neph_kernels_destroy(struct neph_vulkan *vulkan)
     }
 }
 
+static int binding_count_of(const struct neph_kernel_params *params)
+{
+    return params->buffer_count + (params->array_count > 0 ? 1 : 0);
+}
+
 static VkResult create_layouts(const struct neph_vulkan *vulkan, struct neph_kernel *kernel)
 {
     VkDescriptorSetLayoutBinding bindings[NEPH_KERNEL_BUFFERS_MAX];
-    for (int i = 0; i < kernel->params.buffer_count; i++)
+    const int array = kernel->params.buffer_count,
+              binding_count = binding_count_of(&kernel->params);
+    for (int i = 0; i < binding_count; i++)
         bindings[i] = (VkDescriptorSetLayoutBinding){
             .binding = (uint32_t)i,
             .descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
-            .descriptorCount = 1,
+            .descriptorCount = i == array ? (uint32_t)kernel->params.array_count : 1,
             .stageFlags = VK_SHADER_STAGE_COMPUTE_BIT,
         };
     const VkDescriptorSetLayoutCreateInfo set = {
         .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO,
-        .bindingCount = (uint32_t)kernel->params.buffer_count,
+        .bindingCount = (uint32_t)binding_count,
         .pBindings = bindings,
     };
     const VkResult result = vulkan->api.vkCreateDescriptorSetLayout(vulkan->device, &set, NULL,
@@ -164,7 +171,7 @@ static VkResult create_set(const struct neph_vulkan *vulkan, struct neph_kernel 
 {
     const VkDescriptorPoolSize size = {
         .type = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
-        .descriptorCount = (uint32_t)kernel->params.buffer_count,
+        .descriptorCount = (uint32_t)(kernel->params.buffer_count + kernel->params.array_count),
     };
     const VkDescriptorPoolCreateInfo pool = {
         .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
@@ -273,20 +280,21 @@ static void bind_buffers(const struct neph_vulkan *vulkan, const struct neph_ker
 {
     VkDescriptorBufferInfo buffers[NEPH_KERNEL_BUFFERS_MAX];
     VkWriteDescriptorSet writes[NEPH_KERNEL_BUFFERS_MAX];
-    for (int i = 0; i < kernel->params.buffer_count; i++) {
+    const int array = kernel->params.buffer_count;
+    const int binding_count = binding_count_of(&kernel->params);
+    for (int i = 0; i < array + kernel->params.array_count; i++)
         buffers[i] = (VkDescriptorBufferInfo){.buffer = dispatch->buffers[i]->handle,
                                               .range = VK_WHOLE_SIZE};
+    for (int i = 0; i < binding_count; i++)
         writes[i] = (VkWriteDescriptorSet){
             .sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
             .dstSet = kernel->set,
             .dstBinding = (uint32_t)i,
-            .descriptorCount = 1,
+            .descriptorCount = i == array ? (uint32_t)kernel->params.array_count : 1,
             .descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
             .pBufferInfo = &buffers[i],
         };
-    }
-    vulkan->api.vkUpdateDescriptorSets(vulkan->device, (uint32_t)kernel->params.buffer_count,
-                                       writes, 0, NULL);
+    vulkan->api.vkUpdateDescriptorSets(vulkan->device, (uint32_t)binding_count, writes, 0, NULL);
 }
 
 static void memory_barrier(const struct neph_vulkan *vulkan, VkPipelineStageFlags from_stage,
@@ -302,15 +310,24 @@ static void memory_barrier(const struct neph_vulkan *vulkan, VkPipelineStageFlag
                                      NULL, 0, NULL);
 }
 
-static void record_copy(const struct neph_vulkan *vulkan, const struct neph_dispatch *dispatch)
+static void record_copy(const struct neph_vulkan *vulkan, const struct neph_buffer *from,
+                        const struct neph_buffer *to, size_t size_bytes)
 {
     memory_barrier(vulkan, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_ACCESS_SHADER_WRITE_BIT,
                    VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_READ_BIT);
-    const VkBufferCopy region = {.size = dispatch->copy_size_bytes};
-    vulkan->api.vkCmdCopyBuffer(vulkan->commands, dispatch->copy_from->handle,
-                                dispatch->copy_to->handle, 1, &region);
+    const VkBufferCopy region = {.size = size_bytes};
+    vulkan->api.vkCmdCopyBuffer(vulkan->commands, from->handle, to->handle, 1, &region);
     memory_barrier(vulkan, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_WRITE_BIT,
                    VK_PIPELINE_STAGE_HOST_BIT, VK_ACCESS_HOST_READ_BIT);
+}
+
+static VkResult begin(const struct neph_vulkan *vulkan)
+{
+    const VkCommandBufferBeginInfo info = {
+        .sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
+        .flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT,
+    };
+    return vulkan->api.vkBeginCommandBuffer(vulkan->commands, &info);
 }
 
 static VkResult record(const struct neph_vulkan *vulkan, const struct neph_kernel *kernel,
@@ -318,11 +335,7 @@ static VkResult record(const struct neph_vulkan *vulkan, const struct neph_kerne
 {
     const struct VolkDeviceTable *api = &vulkan->api;
     const VkCommandBuffer commands = vulkan->commands;
-    const VkCommandBufferBeginInfo begin = {
-        .sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
-        .flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT,
-    };
-    const VkResult result = api->vkBeginCommandBuffer(commands, &begin);
+    const VkResult result = begin(vulkan);
     if (result != VK_SUCCESS)
         return result;
     api->vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, kernel->pipeline);
@@ -341,7 +354,7 @@ static VkResult record(const struct neph_vulkan *vulkan, const struct neph_kerne
         api->vkCmdWriteTimestamp(commands, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, vulkan->timestamps,
                                  1);
     if (dispatch->copy_to)
-        record_copy(vulkan, dispatch);
+        record_copy(vulkan, dispatch->copy_from, dispatch->copy_to, dispatch->copy_size_bytes);
     return api->vkEndCommandBuffer(commands);
 }
 
@@ -376,18 +389,14 @@ static VkResult read_timestamps(const struct neph_vulkan *vulkan, double *gpu_s)
     return result;
 }
 
-/* --- uploads ------------------------------------------------------------------------------ */
+/* --- copies ------------------------------------------------------------------------------- */
 
 static VkResult record_upload(const struct neph_vulkan *vulkan, const struct neph_buffer *staging,
                               const struct neph_buffer *buffer, size_t offset_bytes,
                               size_t size_bytes)
 {
     const struct VolkDeviceTable *api = &vulkan->api;
-    const VkCommandBufferBeginInfo begin = {
-        .sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
-        .flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT,
-    };
-    const VkResult result = api->vkBeginCommandBuffer(vulkan->commands, &begin);
+    const VkResult result = begin(vulkan);
     if (result != VK_SUCCESS)
         return result;
     const VkBufferCopy region = {.dstOffset = offset_bytes, .size = size_bytes};
@@ -418,6 +427,21 @@ enum neph_status neph_buffer_upload(const struct neph_vulkan *vulkan,
     }
     neph_buffer_destroy(vulkan, &staging);
     return status;
+}
+
+enum neph_status neph_buffer_download(const struct neph_vulkan *vulkan,
+                                      const struct neph_buffer *buffer,
+                                      const struct neph_buffer *readback, size_t size_bytes,
+                                      struct neph_diag *diag)
+{
+    VkResult result = begin(vulkan);
+    if (result == VK_SUCCESS) {
+        record_copy(vulkan, buffer, readback, size_bytes);
+        result = vulkan->api.vkEndCommandBuffer(vulkan->commands);
+    }
+    if (result == VK_SUCCESS)
+        result = submit_and_wait(vulkan);
+    return result == VK_SUCCESS ? NEPH_OK : neph_vulkan_fail(result, "download", diag);
 }
 
 enum neph_status neph_kernel_run(const struct neph_vulkan *vulkan, const struct neph_kernel *kernel,

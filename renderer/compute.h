@@ -11,7 +11,7 @@
 #include <stddef.h>
 #include <volk.h>
 
-#define NEPH_KERNEL_BUFFERS_MAX 12
+#define NEPH_KERNEL_BUFFERS_MAX 32
 #define NEPH_KERNEL_CONSTANTS_MAX 12
 #define NEPH_KERNEL_PUSH_BYTES_MAX 128 /* what every device has */
 
@@ -85,6 +85,12 @@ enum neph_status neph_buffer_upload(const struct neph_vulkan *vulkan,
                                     const struct neph_buffer *buffer, size_t offset_bytes,
                                     const void *data, size_t size_bytes, struct neph_diag *diag);
 
+/* Copy the first bytes of a NEPH_BUFFER_DEVICE buffer into a NEPH_BUFFER_READBACK one, and wait. */
+enum neph_status neph_buffer_download(const struct neph_vulkan *vulkan,
+                                      const struct neph_buffer *buffer,
+                                      const struct neph_buffer *readback, size_t size_bytes,
+                                      struct neph_diag *diag);
+
 /* A zero buffer is fine. */
 void neph_buffer_destroy(const struct neph_vulkan *vulkan, struct neph_buffer *buffer);
 
@@ -95,6 +101,7 @@ struct neph_kernel_params {
     const uint32_t *spirv; /* borrowed */
     size_t spirv_size_bytes;
     int buffer_count;       /* storage buffers at set 0, bindings 0 .. count-1 */
+    int array_count;        /* more of them, an array at binding buffer_count; 0: none */
     size_t push_size_bytes; /* push constants, from offset 0 */
     int constant_count;     /* specialization constants 0 .. count-1 */
     uint32_t constants[NEPH_KERNEL_CONSTANTS_MAX];
@@ -110,7 +117,7 @@ enum neph_status neph_kernel_get(struct neph_vulkan *vulkan,
 void neph_kernels_destroy(struct neph_vulkan *vulkan);
 
 struct neph_dispatch {
-    const struct neph_buffer *buffers[NEPH_KERNEL_BUFFERS_MAX];
+    const struct neph_buffer *buffers[NEPH_KERNEL_BUFFERS_MAX]; /* those of the array come last */
     const void *push; /* of the kernel's push_size_bytes */
     uint32_t group_count;
     /* Afterwards copy the first bytes of a buffer for the CPU; NULL: no copy. */

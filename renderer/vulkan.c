@@ -281,10 +281,13 @@ static enum neph_status create_device(struct neph_vulkan *vulkan, uint32_t *time
         .queueCount = 1,
         .pQueuePriorities = &priority,
     };
+    /* Every desktop device and lavapipe have it; where it is missing the driver says so. */
+    const VkPhysicalDeviceFeatures features = {.shaderStorageBufferArrayDynamicIndexing = VK_TRUE};
     const VkDeviceCreateInfo info = {
         .sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
         .queueCreateInfoCount = 1,
         .pQueueCreateInfos = &queue,
+        .pEnabledFeatures = &features,
     };
     const VkResult result = vkCreateDevice(vulkan->physical_device, &info, NULL, &vulkan->device);
     if (result != VK_SUCCESS)

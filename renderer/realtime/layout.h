@@ -1,0 +1,22 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Sizes and formats of the targets, as table 1A of the frame split has them and the settings want
+ * them.
+ */
+#ifndef NEPH_RENDERER_REALTIME_LAYOUT_H
+#define NEPH_RENDERER_REALTIME_LAYOUT_H
+
+#include "base/option.h"
+#include "renderer/realtime/view.h"
+
+/* Fill in settings, sizes and targets of a view of `size_px` at `origin_px` (multiples of 4) within
+ * targets that have room for `buffer_px`; everything else 0. */
+void neph_rt_view_init(struct neph_rt_view *view, const struct neph_settings *settings,
+                       const int size_px[2], const int origin_px[2], const int buffer_px[2]);
+
+/* Bytes of one target, and of all that are kept from one frame to the next: what a GPU would have
+ * in memory for its textures. */
+uint64_t neph_rt_target_bytes(const struct neph_rt_view *view, int target);
+uint64_t neph_rt_history_bytes(const struct neph_rt_view *view);
+
+#endif

@@ -1,0 +1,110 @@
+/* SPDX-License-Identifier: MIT */
+#include "renderer/realtime/view.h"
+
+#include <string.h>
+
+static const struct {
+    uint32_t words, bytes, channels;
+    int is_half;
+} formats[NEPH_RT_FORMAT_COUNT] = {
+    [NEPH_RT_R16F] = {1, 2, 1, 1},    [NEPH_RT_R32F] = {1, 4, 1, 0},
+    [NEPH_RT_RG16F] = {1, 4, 2, 1},   [NEPH_RT_RG32F] = {2, 8, 2, 0},
+    [NEPH_RT_RGBA16F] = {2, 8, 4, 1}, [NEPH_RT_RGBA32F] = {4, 16, 4, 0},
+};
+
+uint32_t neph_rt_format_words(uint32_t format)
+{
+    return formats[format].words;
+}
+
+uint32_t neph_rt_format_bytes(uint32_t format)
+{
+    return formats[format].bytes;
+}
+
+uint32_t neph_rt_format_channels(uint32_t format)
+{
+    return formats[format].channels;
+}
+
+static uint32_t bits_of(float value)
+{
+    uint32_t bits;
+    memcpy(&bits, &value, sizeof(bits));
+    return bits;
+}
+
+static float float_of(uint32_t bits)
+{
+    float value;
+    memcpy(&value, &bits, sizeof(value));
+    return value;
+}
+
+/* Keep the upper bits, ties to even. */
+static uint32_t round_shift(uint32_t bits, uint32_t shift)
+{
+    const uint32_t half = 1u << (shift - 1), odd = (bits >> shift) & 1u;
+    return (bits + half - 1u + odd) >> shift;
+}
+
+uint16_t neph_rt_to_half(float value)
+{
+    const uint32_t bits = bits_of(value);
+    const uint32_t sign = bits >> 16 & 0x8000u, magnitude = bits & 0x7fffffffu;
+    uint32_t half;
+    if (magnitude > 0x7f800000u)
+        half = 0x7e00u;
+    else if (magnitude >= 0x477ff000u) /* 65520 */
+        half = 0x7c00u;
+    else if (magnitude >= 0x38800000u) /* 2^-14: normal */
+        half = round_shift(magnitude - 0x38000000u, 13);
+    else if (magnitude >= 0x33000000u) /* 2^-25: rounds to 0 or to the least half */
+        half = round_shift((magnitude & 0x7fffffu) | 0x800000u, 126u - (magnitude >> 23));
+    else
+        half = 0;
+    return (uint16_t)(sign | half);
+}
+
+float neph_rt_from_half(uint16_t half)
+{
+    const uint32_t sign = (uint32_t)(half & 0x8000u) << 16;
+    const uint32_t exponent = half >> 10 & 31u, fraction = half & 0x3ffu;
+    if (exponent == 0) {
+        const float value = (float)fraction * 0x1p-24f;
+        return sign ? -value : value;
+    }
+    if (exponent == 31)
+        return float_of(sign | 0x7f800000u | fraction << 13);
+    return float_of(sign | (exponent + 112u) << 23 | fraction << 13);
+}
+
+void neph_rt_load(const struct neph_rt_target *target, const uint32_t *words, size_t index,
+                  float value[4])
+{
+    const uint32_t channels = formats[target->format].channels;
+    words += index * formats[target->format].words;
+    for (uint32_t c = 0; c < 4; c++) {
+        if (c >= channels)
+            value[c] = 0.0f;
+        else if (formats[target->format].is_half)
+            value[c] = neph_rt_from_half((uint16_t)(words[c / 2] >> (c % 2 * 16)));
+        else
+            value[c] = float_of(words[c]);
+    }
+}
+
+void neph_rt_store(const struct neph_rt_target *target, uint32_t *words, size_t index,
+                   const float value[4])
+{
+    const uint32_t channels = formats[target->format].channels;
+    words += index * formats[target->format].words;
+    for (uint32_t c = 0; c < channels; c++) {
+        if (!formats[target->format].is_half)
+            words[c] = bits_of(value[c]);
+        else if (c % 2 == 0)
+            words[c / 2] = neph_rt_to_half(value[c]);
+        else
+            words[c / 2] |= (uint32_t)neph_rt_to_half(value[c]) << 16;
+    }
+}

@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: MIT
+//
+// What the passes of the real-time renderer share: the view (renderer/realtime/view.h is its
+// mirror), the targets they hand to each other, and how these keep their numbers.
+//
+// Decisions (which slot, which ray, in the box or not) are made in float32 with `precise`
+// arithmetic and explicit comparisons, so that the CPU oracle makes the same ones bit by bit: min,
+// max and clamp are free to do anything with a NaN. Filtering is written out too: a sampler's
+// weights have 8 bits.
+#ifndef NEPH_REALTIME_GLSL
+#define NEPH_REALTIME_GLSL
+
+#include "numbers.glsl"
+#include "realtime_names.h"
+
+#ifndef REALTIME_BINDING
+#define REALTIME_BINDING 0 // behind the scene's buffers in passes that look at the scene
+#endif
+
+struct ViewCamera {
+    vec3 right;
+    float tan_half_width;
+    vec3 up;
+    float tan_half_height;
+    vec3 forward;
+    float padding;
+    vec3 position_m; // relative to this frame's camera
+    float padding_2;
+};
+
+struct Target {
+    uint format;
+    uint width, height;
+    uint padding;
+};
+
+layout(std430, binding = REALTIME_BINDING) readonly buffer View {
+    ViewCamera now, before;
+    Target targets[RT_TARGET_COUNT];
+    float settings[RT_SETTING_COUNT];
+    uint seed;
+    uint frame; // of the sequence, from 0
+    uint has_history;
+    uint is_cut;
+    uint origin_px[2];
+    uint size_px[2];
+    uint half_size_px[2];
+    uint tile_count[2];
+    float jitter_px[2];
+    float jitter_before_px[2];
+    float wind_m[3];
+    uint resting;
+} view;
+
+// Ranks of the blue noise masks: 64x64, then 64x64x32 (renderer/blue_noise.h).
+layout(std430, binding = REALTIME_BINDING + 1) readonly buffer NoiseRanks {
+    uint noise_ranks[];
+};
+
+layout(std430, binding = REALTIME_BINDING + 2) buffer Targets {
+    uint words[];
+} targets[RT_TARGET_COUNT];
+
+float setting(int index) { return view.settings[index]; }
+int choice(int index) { return int(view.settings[index]); }
+
+ivec2 view_origin() { return ivec2(view.origin_px[0], view.origin_px[1]); }
+ivec2 view_size() { return ivec2(view.size_px[0], view.size_px[1]); }
+ivec2 half_size() { return ivec2(view.half_size_px[0], view.half_size_px[1]); }
+ivec2 tile_count() { return ivec2(view.tile_count[0], view.tile_count[1]); }
+vec3 wind_m() { return vec3(view.wind_m[0], view.wind_m[1], view.wind_m[2]); }
+
+// --- halves ---------------------------------------------------------------------------------
+
+// Keep the upper bits, ties to even.
+uint round_shift(uint bits, uint shift)
+{
+    return (bits + (1u << (shift - 1u)) - 1u + ((bits >> shift) & 1u)) >> shift;
+}
+
+// The nearest half. packHalf2x16 would leave the rounding to the driver.
+uint to_half(float value)
+{
+    uint bits = floatBitsToUint(value);
+    uint sign = (bits >> 16) & 0x8000u;
+    uint magnitude = bits & 0x7fffffffu;
+    if (magnitude > 0x7f800000u)
+        return sign | 0x7e00u; // NaN
+    if (magnitude >= 0x477ff000u)
+        return sign | 0x7c00u; // from 65520 on
+    if (magnitude >= 0x38800000u)
+        return sign | round_shift(magnitude - 0x38000000u, 13u);
+    if (magnitude >= 0x33000000u) // from 2^-25 on, below the normal halves
+        return sign | round_shift((magnitude & 0x7fffffu) | 0x800000u, 126u - (magnitude >> 23));
+    return sign;
+}
+
+float from_half(uint bits)
+{
+    uint sign = (bits & 0x8000u) << 16;
+    uint exponent = (bits >> 10) & 31u;
+    uint fraction = bits & 0x3ffu;
+    if (exponent == 0u)
+        return uintBitsToFloat(floatBitsToUint(float(fraction) * exp2(-24.0)) | sign);
+    if (exponent == 31u)
+        return uintBitsToFloat(sign | 0x7f800000u | (fraction << 13));
+    return uintBitsToFloat(sign | ((exponent + 112u) << 23) | (fraction << 13));
+}
+
+// --- targets --------------------------------------------------------------------------------
+
+// enum neph_rt_format
+const uint R16F = 0, R32F = 1, RG16F = 2, RG32F = 3, RGBA16F = 4, RGBA32F = 5;
+
+vec2 unpack(uint word) { return vec2(from_half(word & 0xffffu), from_half(word >> 16)); }
+uint pack(vec2 value) { return to_half(value.x) | (to_half(value.y) << 16); }
+
+// Element (x, y) of a target, in texels of the whole target. The caller keeps inside.
+vec4 fetch(int target, ivec2 texel)
+{
+    uint index = uint(texel.y) * view.targets[target].width + uint(texel.x);
+    switch (view.targets[target].format) {
+    case R16F:
+        return vec4(from_half(targets[target].words[index] & 0xffffu), 0.0, 0.0, 0.0);
+    case R32F:
+        return vec4(uintBitsToFloat(targets[target].words[index]), 0.0, 0.0, 0.0);
+    case RG16F:
+        return vec4(unpack(targets[target].words[index]), 0.0, 0.0);
+    case RG32F:
+        return vec4(uintBitsToFloat(targets[target].words[2u * index]),
+                    uintBitsToFloat(targets[target].words[2u * index + 1u]), 0.0, 0.0);
+    case RGBA16F:
+        return vec4(unpack(targets[target].words[2u * index]),
+                    unpack(targets[target].words[2u * index + 1u]));
+    default:
+        return vec4(uintBitsToFloat(targets[target].words[4u * index]),
+                    uintBitsToFloat(targets[target].words[4u * index + 1u]),
+                    uintBitsToFloat(targets[target].words[4u * index + 2u]),
+                    uintBitsToFloat(targets[target].words[4u * index + 3u]));
+    }
+}
+
+void put(int target, ivec2 texel, vec4 value)
+{
+    uint index = uint(texel.y) * view.targets[target].width + uint(texel.x);
+    switch (view.targets[target].format) {
+    case R16F:
+        targets[target].words[index] = to_half(value.x);
+        break;
+    case R32F:
+        targets[target].words[index] = floatBitsToUint(value.x);
+        break;
+    case RG16F:
+        targets[target].words[index] = pack(value.xy);
+        break;
+    case RG32F:
+        targets[target].words[2u * index] = floatBitsToUint(value.x);
+        targets[target].words[2u * index + 1u] = floatBitsToUint(value.y);
+        break;
+    case RGBA16F:
+        targets[target].words[2u * index] = pack(value.xy);
+        targets[target].words[2u * index + 1u] = pack(value.zw);
+        break;
+    default:
+        targets[target].words[4u * index] = floatBitsToUint(value.x);
+        targets[target].words[4u * index + 1u] = floatBitsToUint(value.y);
+        targets[target].words[4u * index + 2u] = floatBitsToUint(value.z);
+        targets[target].words[4u * index + 3u] = floatBitsToUint(value.w);
+    }
+}
+
+// The same in pixels of the view, half-pixels or tiles, held at the view's sides.
+vec4 fetch_full(int target, ivec2 pixel)
+{
+    return fetch(target, view_origin() + clamp(pixel, ivec2(0), view_size() - 1));
+}
+
+vec4 fetch_half(int target, ivec2 pixel)
+{
+    return fetch(target, view_origin() / 2 + clamp(pixel, ivec2(0), half_size() - 1));
+}
+
+vec4 fetch_tile(int target, ivec2 tile)
+{
+    return fetch(target, view_origin() / 4 + clamp(tile, ivec2(0), tile_count() - 1));
+}
+
+void put_full(int target, ivec2 pixel, vec4 value) { put(target, view_origin() + pixel, value); }
+void put_half(int target, ivec2 pixel, vec4 value) { put(target, view_origin() / 2 + pixel, value); }
+void put_tile(int target, ivec2 tile, vec4 value) { put(target, view_origin() / 4 + tile, value); }
+
+// --- numbers that may be bad -------------------------------------------------------------------
+
+// Bits, because a compiler may assume that there is no NaN.
+bool is_finite(float value) { return (floatBitsToUint(value) & 0x7f800000u) != 0x7f800000u; }
+
+// In-scattered radiance and transmittance that can be: finite and not negative.
+bool is_sound(vec4 value)
+{
+    return is_finite(value.x) && is_finite(value.y) && is_finite(value.z) && is_finite(value.w) &&
+           value.x >= 0.0 && value.y >= 0.0 && value.z >= 0.0 && value.w >= 0.0;
+}
+
+// --- rays -----------------------------------------------------------------------------------
+
+// Unit direction through a place of the view in pixels, (0, 0) its upper left corner. Without
+// jitter.
+vec3 view_direction_at(ViewCamera camera, vec2 place_px)
+{
+    float x = (2.0 * place_px.x / float(view.size_px[0]) - 1.0) * camera.tan_half_width;
+    float y = (1.0 - 2.0 * place_px.y / float(view.size_px[1])) * camera.tan_half_height;
+    return normalize(camera.forward + x * camera.right + y * camera.up);
+}
+
+// Where a point (relative to this frame's camera) is in a camera's picture: xy in pixels, z its eye
+// depth [m], which is not above 0 when the point is not in front of it.
+vec3 project(ViewCamera camera, vec3 point_m)
+{
+    vec3 from_m = point_m - camera.position_m;
+    float depth_m = dot(from_m, camera.forward);
+    float x = dot(from_m, camera.right) / (depth_m * camera.tan_half_width);
+    float y = dot(from_m, camera.up) / (depth_m * camera.tan_half_height);
+    return vec3((0.5 + 0.5 * x) * float(view.size_px[0]), (0.5 - 0.5 * y) * float(view.size_px[1]),
+                depth_m);
+}
+
+#endif

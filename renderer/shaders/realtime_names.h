@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: MIT
+//
+// Names that the shaders of the real-time renderer, its CPU oracle and its table of options have in
+// common: this file is both GLSL and C. What a setting means is said once, in
+// renderer/realtime/options.c; `neph engines realtime` prints it.
+#ifndef NEPH_REALTIME_NAMES_H
+#define NEPH_REALTIME_NAMES_H
+
+// --- settings: index in the table of options --------------------------------------------------
+
+// The march.
+#define RT_STEPS 0
+#define RT_SUN_STEPS 1
+#define RT_TRANSMITTANCE 2
+#define RT_SUN 3
+#define RT_LIGHTING 4
+// The split of the frame.
+#define RT_SPLIT 5
+#define RT_DEPTH_MAP 6
+#define RT_SLOT_ORDER 7
+#define RT_SLOT_CHECKERBOARD 8
+#define RT_OVERRIDE 9
+#define RT_OVERRIDE_DEPTH 10
+#define RT_OVERRIDE_REST 11
+#define RT_FAR 12
+#define RT_SKY_M 13
+#define RT_RAY_DEPTH_MAX_M 14
+#define RT_CLAMP_PIXEL_DEPTH 15
+#define RT_DEPTH_FORMAT 16
+#define RT_COLOR_FORMAT 17
+#define RT_EDGE_TILES 18
+#define RT_GATHER 19
+#define RT_TILE_ORIGIN 20
+#define RT_JITTERED_DEPTH 21
+#define RT_RAY_DITHER 22
+#define RT_RAY_DITHER_AMOUNT 23
+// Reconstruction at half resolution.
+#define RT_FRESH_WEIGHT 24
+#define RT_HISTORY_WEIGHT 25
+#define RT_HISTORY_AGE_MAX 26
+#define RT_HISTORY_FILTER 27
+#define RT_BOX 28
+#define RT_BOX_DEPTH 29
+#define RT_BOX_TRANSMITTANCE 30
+#define RT_BOX_SIGMA 31
+#define RT_BOX_SPACE 32
+#define RT_BOX_CENTRE 33
+#define RT_BOX_LEAST 34
+#define RT_REPROJECT_DEPTH 35
+#define RT_REPROJECT_MEASURE 36
+#define RT_WIND 37
+#define RT_VALIDITY 38
+#define RT_CUT_RESET 39
+#define RT_REJECT_DEPTH 40
+#define RT_REJECT_SCENE_M 41
+#define RT_REJECT_WITHIN_M 42
+// Upscale to full resolution.
+#define RT_UPSCALE 43
+#define RT_UPSCALE_DEPTH 44
+#define RT_UPSCALE_CONTRAST 45
+#define RT_UPSCALE_DITHER 46
+#define RT_UPSCALE_AMOUNT_PX 47
+#define RT_UPSCALE_LAW 48
+#define RT_UPSCALE_PAIR 49
+// Temporal anti-aliasing.
+#define RT_TAA 50
+#define RT_TAA_JITTER 51
+#define RT_TAA_JITTER_LENGTH 52
+#define RT_TAA_MOTION 53
+#define RT_TAA_SPACE 54
+#define RT_TAA_HDR_WEIGHT 55
+#define RT_TAA_FILTER 56
+#define RT_TAA_BOX 57
+#define RT_TAA_SIGMA 58
+#define RT_TAA_HISTORY 59
+#define RT_TAA_ALPHA 60
+#define RT_TAA_ALPHA_MOVING 61
+#define RT_TAA_VELOCITY_PX 62
+#define RT_TAA_CONTRAST 63
+#define RT_TAA_FORMAT 64
+#define RT_TAA_ROUNDING 65
+#define RT_TAA_GUARD 66
+#define RT_SETTING_COUNT 67
+
+// --- choices ----------------------------------------------------------------------------------
+
+#define RT_SPLIT_NONE 0 // every pixel, every frame
+#define RT_SPLIT_FOUR 1 // one ray per 4x4 pixels, four frames for a whole
+
+#define RT_DEPTH_MAP_CHECKERBOARD 0
+#define RT_DEPTH_MAP_NEAREST 1
+#define RT_DEPTH_MAP_FARTHEST 2
+
+#define RT_SLOT_ORDER_CLOCKWISE 0 // (0,0) (1,0) (1,1) (0,1)
+#define RT_SLOT_ORDER_RASTER 1    // (0,0) (1,0) (0,1) (1,1)
+#define RT_SLOT_ORDER_DIAGONAL 2  // (0,0) (1,1) (1,0) (0,1)
+
+#define RT_OVERRIDE_NONE 0
+#define RT_OVERRIDE_PARALLEL 1
+#define RT_OVERRIDE_SEQUENTIAL 2
+
+#define RT_FAR_FINITE 0
+#define RT_FAR_INFINITE 1
+
+#define RT_FORMAT_HALF 0
+#define RT_FORMAT_FLOAT 1
+
+#define RT_EDGE_TILES_KEPT 0
+#define RT_EDGE_TILES_DROPPED 1
+
+#define RT_GATHER_TEXEL 0
+#define RT_GATHER_NORMALISED 1
+
+#define RT_TILE_ORIGIN_VIEW 0
+#define RT_TILE_ORIGIN_BUFFER 1
+
+// enum neph_dither_kind comes after "none".
+#define RT_DITHER_NONE 0
+#define RT_DITHER_WHITE 1
+#define RT_DITHER_INTERLEAVED 2
+#define RT_DITHER_BLUE 3
+#define RT_DITHER_SPATIOTEMPORAL 4
+
+#define RT_FILTER_NEAREST 0
+#define RT_FILTER_BILINEAR 1
+#define RT_FILTER_CATMULL_ROM 2
+
+#define RT_BOX_NONE 0
+#define RT_BOX_MIN_MAX 1
+#define RT_BOX_VARIANCE 2
+#define RT_BOX_DISTANCE 3 // of TAA alone
+
+#define RT_SPACE_LINEAR 0
+#define RT_SPACE_REINHARD 1
+#define RT_SPACE_YCOCG 2
+
+#define RT_REPROJECT_TILE 0
+#define RT_REPROJECT_PIXEL 1
+
+#define RT_MEASURE_EYE 0
+#define RT_MEASURE_RADIAL 1
+
+#define RT_UPSCALE_NEAREST 0
+#define RT_UPSCALE_BILINEAR 1
+#define RT_UPSCALE_MEAN 2
+#define RT_UPSCALE_BILATERAL 3
+
+#define RT_LAW_CONSTANT 0
+#define RT_LAW_OPACITY 1
+
+#define RT_PAIR_SHARED 0
+#define RT_PAIR_INDEPENDENT 1
+
+#define RT_JITTER_NONE 0
+#define RT_JITTER_UE 1
+#define RT_JITTER_HALTON 2
+
+#define RT_MOTION_CENTRE 0
+#define RT_MOTION_CROSS 1
+
+#define RT_ROUNDING_NEAREST 0
+#define RT_ROUNDING_STOCHASTIC 1
+
+// --- targets: the images that passes hand to each other ---------------------------------------
+
+// Full resolution.
+#define RT_DEPTH 0      // R: eye depth of the scene [m], FAR_M for the sky; without jitter unless asked for
+#define RT_BEHIND 1     // RGB: radiance of what is behind all media, at RT_DEPTH's rays
+// Half resolution, rounded up.
+#define RT_HALF_DEPTH 2 // R: eye depth [m] chosen from 2x2 pixels (A2)
+#define RT_HALF_DEPTH_BEFORE 3 // the same of the frame before
+#define RT_HISTORY 4    // RGBA: in-scattered radiance, transmittance; written by the reconstruction (A8-A12)
+#define RT_HISTORY_BEFORE 5
+#define RT_HISTORY_STATE 6 // R: number of frames that the history is made of, 0 where it is void; G: cloud distance [m]
+#define RT_HISTORY_STATE_BEFORE 7
+// Quarter resolution, rounded up.
+#define RT_TILE 8       // R: slot 0..3 of the tile's ray, G: its depth / 10000 m (A5, A6)
+#define RT_RAY 9        // RGBA: in-scattered radiance, transmittance of this frame's ray (A7)
+#define RT_RAY_DISTANCE 10 // R: distance along the ray of what the medium shows [m]
+// Full resolution again.
+#define RT_VOLUME 11    // RGBA: in-scattered radiance, transmittance after the upscale (A13, A14)
+#define RT_VOLUME_DISTANCE 12 // R: [m]
+#define RT_COLOR 13     // RGB: the composed frame (A15)
+#define RT_TAA_OUT 14   // RGB: after TAA; the history of the next frame
+#define RT_TAA_BEFORE 15
+#define RT_TARGET_COUNT 16
+
+#endif

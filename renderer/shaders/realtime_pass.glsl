@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: MIT
+//
+// The frame of a pass without the scene: one thread, one element of the image that it writes.
+#ifndef NEPH_REALTIME_PASS_GLSL
+#define NEPH_REALTIME_PASS_GLSL
+
+#include "realtime.glsl"
+
+layout(local_size_x = 64) in;
+
+layout(push_constant) uniform Run {
+    uint first_thread;
+    uint colour;
+} run;
+
+// The element of this thread in an image, row by row; false when there is none left.
+bool own_element(ivec2 size, out ivec2 element)
+{
+    uint thread = run.first_thread + gl_GlobalInvocationID.x;
+    element = ivec2(thread % uint(size.x), thread / uint(size.x));
+    return element.y < size.y;
+}
+
+#endif

@@ -1,0 +1,27 @@
+#version 450
+// SPDX-License-Identifier: MIT
+//
+// A2: the depth map at half resolution. One half-pixel stands for 2x2 pixels by one of their eye
+// depths: on the checkerboard's white squares (x % 2 == y % 2) the nearest, on the black ones the
+// farthest, so that 2x2 half-pixels, a tile, know two near and two far depths of their 4x4 pixels.
+// "Nearest" and "farthest" are meant in distance: in a reversed depth buffer the names swap.
+#extension GL_GOOGLE_include_directive : require
+
+#include "realtime_pass.glsl"
+
+void main()
+{
+    ivec2 element;
+    if (!own_element(half_size(), element))
+        return;
+    bool nearest = choice(RT_DEPTH_MAP) == RT_DEPTH_MAP_NEAREST ||
+                   (choice(RT_DEPTH_MAP) == RT_DEPTH_MAP_CHECKERBOARD &&
+                    (element.x & 1) == (element.y & 1));
+    float chosen_m = fetch_full(RT_DEPTH, 2 * element).x;
+    for (int i = 1; i < 4; i++) {
+        float depth_m = fetch_full(RT_DEPTH, 2 * element + ivec2(i & 1, i >> 1)).x;
+        if (nearest ? depth_m < chosen_m : depth_m > chosen_m)
+            chosen_m = depth_m;
+    }
+    put_half(RT_HALF_DEPTH, element, vec4(chosen_m));
+}

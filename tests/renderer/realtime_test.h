@@ -1,0 +1,144 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * What tests of single passes share: the same random or adversarial targets on the device and in
+ * the oracle's memory, and a comparison of what both make of them.
+ */
+#ifndef NEPH_TESTS_REALTIME_TEST_H
+#define NEPH_TESTS_REALTIME_TEST_H
+
+#include "tests/renderer/renderer_test.h"
+
+#include "renderer/realtime/layout.h"
+#include "renderer/realtime/options.h"
+#include "renderer/realtime/oracle.h"
+#include "renderer/realtime/shaders.h"
+
+#include <stdlib.h>
+
+/* Both sides of a comparison. */
+struct test_passes {
+    struct neph_rt_view view;
+    struct neph_rt_device device;
+    struct neph_rt_oracle oracle;
+    uint32_t noise_ranks[NEPH_RT_NOISE_COUNT]; /* random, below 4096 */
+};
+
+/* PCG32's little sister: a number from a seed and a count (splitmix64). */
+static inline uint64_t test_random(uint64_t *state)
+{
+    uint64_t z = *state += 0x9e3779b97f4a7c15u;
+    z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ z >> 27) * 0x94d049bb133111ebu;
+    return z ^ z >> 31;
+}
+
+static inline double test_uniform(uint64_t *state)
+{
+    return (double)(test_random(state) >> 11) * 0x1p-53;
+}
+
+/* Settings at their defaults with "key=value key=value" applied. */
+static inline struct neph_settings test_settings(const char *assignments)
+{
+    struct neph_settings settings = neph_options_default(neph_rt_options);
+    struct neph_diag diag = {0};
+    char *copy = strdup(assignments), *rest = copy;
+    for (char *word; (word = strsep(&rest, " ")) != NULL;)
+        if (*word)
+            neph_assert_ok(neph_options_set(neph_rt_options, "realtime", word, &settings, &diag),
+                           &diag);
+    free(copy);
+    return settings;
+}
+
+/* A view of this size at the corner of its buffers, a camera of 50 degrees in both frames; the test
+ * changes oracle.view (which is `view`) and targets before test_passes_run(). */
+static inline void test_passes_open(struct neph_vulkan *vulkan,
+                                    const struct neph_settings *settings, const int size_px[2],
+                                    const int origin_px[2], uint64_t seed, struct test_passes *test)
+{
+    memset(test, 0, sizeof(*test));
+    const int buffer_px[2] = {origin_px[0] + size_px[0] + (int)(seed % 3) * 4,
+                              origin_px[1] + size_px[1]};
+    neph_rt_view_init(&test->view, settings, size_px, origin_px, buffer_px);
+    const float tangent = 0.4663077f;
+    test->view.now = (struct neph_rt_camera){
+        .right = {1, 0, 0},
+        .tan_half_width = tangent * (float)size_px[0] / (float)size_px[1],
+        .up = {0, 1, 0},
+        .tan_half_height = tangent,
+        .forward = {0, 0, -1},
+    };
+    test->view.before = test->view.now;
+    test->view.seed = (uint32_t)seed;
+    for (size_t i = 0; i < NEPH_RT_NOISE_COUNT; i++)
+        test->noise_ranks[i] = (uint32_t)(test_random(&seed) % 4096);
+    struct neph_diag diag = {0};
+    neph_assert_ok(
+        neph_rt_device_create(vulkan, &test->view, test->noise_ranks, &test->device, &diag), &diag);
+    test->oracle.view = &test->view;
+    test->oracle.noise_ranks = test->noise_ranks;
+    for (int t = 0; t < RT_TARGET_COUNT; t++)
+        test->oracle.targets[t] = calloc(neph_rt_device_words(&test->device, t), sizeof(uint32_t));
+}
+
+static inline void test_passes_close(struct test_passes *test)
+{
+    for (int t = 0; t < RT_TARGET_COUNT; t++)
+        free(test->oracle.targets[t]);
+    neph_rt_device_destroy(&test->device);
+}
+
+static inline size_t test_elements(const struct test_passes *test, int target)
+{
+    return (size_t)test->view.targets[target].width * test->view.targets[target].height;
+}
+
+static inline void test_set(struct test_passes *test, int target, size_t index,
+                            const float value[4])
+{
+    neph_rt_store(&test->view.targets[target], test->oracle.targets[target], index, value);
+}
+
+static inline void test_get(const struct test_passes *test, int target, size_t index,
+                            float value[4])
+{
+    neph_rt_load(&test->view.targets[target], test->oracle.targets[target], index, value);
+}
+
+/* Give the device the view and all targets as the oracle has them, and run a pass there. */
+static inline void test_passes_run(struct test_passes *test, const struct neph_rt_shader *shader,
+                                   uint32_t colour, size_t thread_count)
+{
+    struct neph_diag diag = {0};
+    *test->device.view = test->view;
+    for (int t = 0; t < RT_TARGET_COUNT; t++)
+        neph_assert_ok(neph_rt_device_upload(&test->device, t, test->oracle.targets[t], &diag),
+                       &diag);
+    neph_assert_ok(neph_rt_device_run(&test->device, shader, colour, thread_count, NULL, &diag),
+                   &diag);
+}
+
+/* What the device made of a target, in words as the oracle's; for the caller to free. */
+static inline uint32_t *test_download(struct test_passes *test, int target)
+{
+    struct neph_diag diag = {0};
+    uint32_t *words = malloc(neph_rt_device_words(&test->device, target) * sizeof(*words));
+    neph_assert_ok(neph_rt_device_download(&test->device, target, words, &diag), &diag);
+    return words;
+}
+
+/* Every word of a target is the same on both sides. */
+static inline void test_same_words(struct test_passes *test, int target, uint64_t seed)
+{
+    uint32_t *words = test_download(test, target);
+    const size_t count = neph_rt_device_words(&test->device, target);
+    for (size_t i = 0; i < count; i++)
+        if (words[i] != test->oracle.targets[target][i])
+            fail_msg("seed %llu: word %zu of target %d is %08x on the device, %08x in the oracle",
+                     (unsigned long long)seed, i, target, words[i],
+                     test->oracle.targets[target][i]);
+    free(words);
+}
+
+#endif
