@@ -11,6 +11,7 @@
 #include "harness/job.h"
 #include "harness/progress.h"
 #include "harness/scene_layers.h"
+#include "scenes/motion.h"
 
 #include <argp.h>
 #include <stdio.h>
@@ -225,6 +226,7 @@ static enum neph_status render_frames(const struct request *request, struct neph
                                       int frame_count, struct neph_diag *diag)
 {
     json_t *results = json_array();
+    const int width_px = job->shot.width_px, height_px = job->shot.height_px;
     struct neph_progress progress = neph_progress_start(request->quiet || request->json,
                                                         frame_count);
     enum neph_status status = neph_dir_create(request->output, diag);
@@ -232,6 +234,10 @@ static enum neph_status render_frames(const struct request *request, struct neph
         char what[128];
         snprintf(what, sizeof(what), "frame %d", job->shot.frame);
         neph_progress_begin(&progress, what);
+        job->shot.width_px = width_px;
+        job->shot.height_px = height_px;
+        neph_scene_frame_size(job->shot.scene, job->shot.frame, &job->shot.width_px,
+                              &job->shot.height_px);
         const double start_s = neph_wall_s();
         status = render_one(request, job, results, diag);
         neph_progress_step(&progress, what, neph_status_name(status), neph_wall_s() - start_s);
@@ -300,15 +306,20 @@ enum neph_status neph_cli_export(int argc, char **argv, struct neph_diag *diag)
 {
     struct request request = default_request("povray");
     argp_parse(&export_argp, argc, argv, 0, NULL, &request);
-    struct neph_scene *scene = NULL;
+    struct neph_scene *scene = NULL, *still = NULL;
     struct neph_engine_info info;
     struct neph_job job;
     int frame_count = 1;
     enum neph_status status = neph_data_load_scene(request.scene, &scene, diag);
     if (!status)
         status = make_job(&request, scene, &info, &job, &frame_count, diag);
+    if (!status && neph_scene_moves(scene))
+        status = neph_scene_at(scene, job.shot.frame, &still, diag);
+    if (still)
+        job.shot.scene = still;
     if (!status)
         status = export_files(&request, &job, diag);
+    neph_scene_destroy(still);
     neph_scene_destroy(scene);
     return status;
 }

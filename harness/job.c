@@ -3,6 +3,7 @@
 
 #include "base/exr.h"
 #include "base/files.h"
+#include "scenes/motion.h"
 
 #include <errno.h>
 #include <math.h>
@@ -123,17 +124,35 @@ static enum neph_status check_possible(const struct neph_job *job, struct neph_d
     return NEPH_OK;
 }
 
+/* Engines render scenes that stand still: where sun or media move, `shot` gets the scene of its
+ * frame, which is `*still` then and to be destroyed. */
+static enum neph_status hold_scene(struct neph_shot *shot, struct neph_scene **still,
+                                   struct neph_diag *diag)
+{
+    if (!neph_scene_moves(shot->scene))
+        return NEPH_OK;
+    const enum neph_status status = neph_scene_at(shot->scene, shot->frame, still, diag);
+    if (!status)
+        shot->scene = *still;
+    return status;
+}
+
 enum neph_status neph_job_render(const struct neph_job *job, struct neph_image **frame,
                                  struct neph_cost *cost, struct neph_diag *diag)
 {
+    struct neph_job held = *job;
+    struct neph_scene *still = NULL;
     struct neph_image *rendered = NULL;
-    enum neph_status status = check_possible(job, diag);
+    enum neph_status status = hold_scene(&held.shot, &still, diag);
     if (!status)
-        status = job->engine->render(&job->shot, &rendered, cost, diag);
+        status = check_possible(&held, diag);
     if (!status)
-        status = check_frame(job, rendered, diag);
+        status = held.engine->render(&held.shot, &rendered, cost, diag);
     if (!status)
-        status = label_frame(job, cost, rendered, diag);
+        status = check_frame(&held, rendered, diag);
+    if (!status)
+        status = label_frame(&held, cost, rendered, diag);
+    neph_scene_destroy(still);
     if (status) {
         neph_image_destroy(rendered);
         return status;

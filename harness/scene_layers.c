@@ -3,6 +3,7 @@
 
 #include "metrics/motion.h"
 #include "scenes/media.h"
+#include "scenes/motion.h"
 #include "scenes/solids.h"
 
 #include <math.h>
@@ -167,14 +168,14 @@ static struct neph_motion_camera motion_camera(const struct neph_camera *camera)
     };
 }
 
-static enum neph_status add_motion(const struct view *view, int frame, struct neph_image *image,
-                                   struct neph_diag *diag)
+static enum neph_status add_motion(const struct neph_scene *scene, const struct view *view,
+                                   int frame, struct neph_image *image, struct neph_diag *diag)
 {
     const float *depth_m = neph_image_channel(image, "Z");
     float *x_px = NULL, *y_px = NULL, *before_m = NULL;
-    if (!depth_m || view->scene->camera_key_count < 2 || neph_image_channel(image, "motion.x"))
+    if (!depth_m || scene->camera_key_count < 2 || neph_image_channel(image, "motion.x"))
         return NEPH_OK;
-    const struct neph_camera camera_before = neph_scene_camera(view->scene, frame - 1);
+    const struct neph_camera camera_before = neph_scene_camera(scene, frame - 1);
     const struct neph_motion_camera now = motion_camera(&view->camera);
     const struct neph_motion_camera before = motion_camera(&camera_before);
     enum neph_status status = neph_image_add_channel(image, "motion.x", &x_px, diag);
@@ -191,14 +192,19 @@ static enum neph_status add_motion(const struct view *view, int frame, struct ne
 enum neph_status neph_scene_layers_add(const struct neph_scene *scene, int frame,
                                        struct neph_image *image, struct neph_diag *diag)
 {
-    const struct view view = {scene, neph_scene_camera(scene, frame), image->width_px,
+    struct neph_scene *still = NULL; /* sun and media are where they are in this frame */
+    enum neph_status status = neph_scene_at(scene, frame, &still, diag);
+    if (status)
+        return status;
+    const struct view view = {still, neph_scene_camera(still, frame), image->width_px,
                               image->height_px};
-    enum neph_status status = add_media(&view, image, diag);
+    status = add_media(&view, image, diag);
     if (!status)
         status = add_thin(&view, image, diag);
     if (!status)
         status = add_sun(&view, image, diag);
     if (!status)
-        status = add_motion(&view, frame, image, diag);
+        status = add_motion(scene, &view, frame, image, diag);
+    neph_scene_destroy(still);
     return status;
 }

@@ -6,8 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define RAD_PER_DEG (3.14159265358979323846 / 180.0)
-
 static struct neph_vec3 vec3(const double v[3])
 {
     return (struct neph_vec3){v[0], v[1], v[2]};
@@ -33,34 +31,8 @@ static enum neph_status build_texts(const struct neph_raw_scene *raw, const char
     return neph_fail_memory(diag);
 }
 
-static enum neph_status build_camera(const struct neph_raw_camera *raw, struct neph_scene *scene,
-                                     struct neph_diag *diag)
-{
-    int count = raw->keys ? (int)raw->keys_count : 1;
-    struct neph_camera_key *keys = calloc((size_t)count, sizeof(*keys));
-    if (!keys)
-        return neph_fail_memory(diag);
-    for (int i = 0; i < count; i++) {
-        const struct neph_raw_camera_key *key = raw->keys ? &raw->keys[i] : NULL;
-        keys[i].frame = key ? key->frame : 0;
-        keys[i].position_m = vec3(key ? key->position_m : raw->position_m);
-        keys[i].look_at_m = vec3(key ? key->look_at_m : raw->look_at_m);
-    }
-    scene->camera_keys = keys;
-    scene->camera_key_count = count;
-    scene->camera_up = raw->up ? neph_vec3_normalize(vec3(raw->up)) : (struct neph_vec3){0, 1, 0};
-    scene->vertical_fov_rad = raw->vertical_fov_deg * RAD_PER_DEG;
-    return NEPH_OK;
-}
-
 static void build_light(const struct neph_raw_scene *raw, struct neph_scene *scene)
 {
-    scene->sun.direction = (struct neph_vec3){0, 1, 0};
-    if (raw->sun) {
-        scene->sun.present = true;
-        scene->sun.direction = neph_vec3_normalize(vec3(raw->sun->direction));
-        scene->sun.irradiance_w_per_m2 = rgb(raw->sun->irradiance_w_per_m2);
-    }
     if (raw->background_w_per_m2_sr)
         scene->background_w_per_m2_sr = rgb(raw->background_w_per_m2_sr);
     scene->environment_light = raw->environment_light;
@@ -219,9 +191,6 @@ enum neph_status neph_scene_build(const struct neph_raw_scene *raw, struct neph_
     struct neph_scene *made = calloc(1, sizeof(*made));
     if (!made)
         return neph_fail_memory(diag);
-    const struct neph_raw_frames *frames = raw->frames;
-    made->frame_count = frames && frames->count ? *frames->count : 1;
-    made->frame_rate_hz = frames && frames->rate_hz ? *frames->rate_hz : 30;
     made->bake_resolution = raw->bake_resolution ? *raw->bake_resolution
                                                  : NEPH_BAKE_RESOLUTION_DEFAULT;
     made->exposure_ev = raw->display ? raw->display->exposure_ev : 0;
@@ -231,7 +200,7 @@ enum neph_status neph_scene_build(const struct neph_raw_scene *raw, struct neph_
     if (!status)
         status = build_texts(raw, path, made, diag);
     if (!status)
-        status = build_camera(&raw->camera, made, diag);
+        status = neph_build_motion(raw, made, diag);
     if (!status)
         status = build_solids(raw, made, diag);
     if (!status)

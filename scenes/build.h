@@ -22,7 +22,12 @@ enum neph_status neph_build_media(const struct neph_raw_scene *raw, struct neph_
 /* How many solids a fence makes: per row its bars and its rails. */
 int neph_fence_solid_count(const struct neph_raw_fence *fence);
 
-/* Position and target at a frame, between the keys. */
-struct neph_camera_key neph_camera_key_at(const struct neph_scene *scene, double frame);
+/* Camera, sun, wind and frames: all that may change over time. What is half made after an
+ * error is freed with the scene. */
+enum neph_status neph_build_motion(const struct neph_raw_scene *raw, struct neph_scene *scene,
+                                   struct neph_diag *diag);
+
+/* Position and target at a frame of the keys. */
+struct neph_camera_key neph_camera_key_at(const struct neph_scene *scene, double key_frame);
 
 #endif

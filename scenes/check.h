@@ -20,7 +20,7 @@ enum neph_status neph_check_rules(struct neph_document *document, const struct n
                                   const char *stem, struct neph_diag *diag);
 
 /* What needs the finished scene: how many solids the fences make, cameras of all frames outside
- * solids and never degenerate. */
+ * solids and never degenerate, wind that moves media and not too far. */
 enum neph_status neph_check_scene(struct neph_document *document, const struct neph_scene *scene,
                                   struct neph_diag *diag);
 

@@ -70,6 +70,12 @@ static double bound_per_m(const struct neph_medium *medium, const struct neph_bo
     return extinction_at(medium, neph_bounds_nearest(box, medium->gaussian.center_m));
 }
 
+static void drift(struct neph_medium *medium, struct neph_vec3 by_m)
+{
+    medium->gaussian.center_m = neph_vec3_add(medium->gaussian.center_m, by_m);
+    medium->bounds = neph_bounds_moved(medium->bounds, by_m);
+}
+
 static struct neph_bounds support(const struct neph_medium *medium)
 {
     return neph_bounds_around(medium->gaussian.center_m, support_radius * medium->gaussian.width_m);
@@ -94,6 +100,7 @@ const struct neph_medium_kind_ops neph_medium_gaussian = {
     .extinction_per_m = extinction_at,
     .optical_depth = optical_depth,
     .bound_per_m = bound_per_m,
+    .drift = drift,
     .support = support,
     .container = container,
 };

@@ -30,6 +30,12 @@ static double grid_bound_per_m(const struct neph_medium *medium, const struct ne
     return medium->extinction_per_m * neph_grid_maximum_in(medium->grid, box);
 }
 
+static void grid_drift(struct neph_medium *medium, struct neph_vec3 by_m)
+{
+    medium->grid->origin_m = neph_vec3_add(medium->grid->origin_m, by_m);
+    medium->bounds = neph_bounds_moved(medium->bounds, by_m);
+}
+
 static struct neph_bounds grid_support(const struct neph_medium *medium)
 {
     return neph_grid_support(medium->grid);
@@ -41,6 +47,7 @@ const struct neph_medium_kind_ops neph_medium_grid = {
     .extinction_per_m = grid_extinction_per_m,
     .optical_depth = grid_optical_depth,
     .bound_per_m = grid_bound_per_m,
+    .drift = grid_drift,
     .support = grid_support,
 };
 
@@ -63,6 +70,12 @@ static double horizon_bound_per_m(const struct neph_medium *medium, const struct
     return medium->extinction_per_m * neph_horizon_bound(medium->horizon, box);
 }
 
+static void horizon_drift(struct neph_medium *medium, struct neph_vec3 by_m)
+{
+    struct neph_vec3 *wind_m = &medium->horizon->params.wind_m;
+    *wind_m = neph_vec3_add(*wind_m, by_m);
+}
+
 static struct neph_bounds horizon_support(const struct neph_medium *medium)
 {
     return neph_horizon_support(medium->horizon, &medium->bounds);
@@ -74,6 +87,7 @@ const struct neph_medium_kind_ops neph_medium_horizon = {
     .extinction_per_m = horizon_extinction_per_m,
     .optical_depth = horizon_optical_depth,
     .bound_per_m = horizon_bound_per_m,
+    .drift = horizon_drift,
     .support = horizon_support,
 };
 
@@ -141,6 +155,12 @@ struct neph_vec3 neph_bounds_nearest(const struct neph_bounds *box, struct neph_
                               fmin(box->max_m.z, fmax(box->min_m.z, point_m.z))};
 }
 
+struct neph_bounds neph_bounds_moved(struct neph_bounds bounds, struct neph_vec3 by_m)
+{
+    return (struct neph_bounds){neph_vec3_add(bounds.min_m, by_m),
+                                neph_vec3_add(bounds.max_m, by_m)};
+}
+
 struct neph_bounds neph_bounds_around(struct neph_vec3 center_m, double radius_m)
 {
     const struct neph_vec3 reach_m = {radius_m, radius_m, radius_m};
@@ -185,6 +205,17 @@ double neph_medium_extinction_bound_per_m(const struct neph_medium *medium,
 bool neph_medium_has_closed_form(const struct neph_medium *medium)
 {
     return kinds[medium->kind]->closed_form;
+}
+
+bool neph_medium_drifts(const struct neph_medium *medium)
+{
+    return kinds[medium->kind]->drift != NULL;
+}
+
+void neph_medium_drift(struct neph_medium *medium, struct neph_vec3 by_m)
+{
+    if (neph_medium_drifts(medium))
+        kinds[medium->kind]->drift(medium, by_m);
 }
 
 struct neph_bounds neph_medium_support(const struct neph_medium *medium)

@@ -38,6 +38,13 @@ double neph_medium_extinction_bound_per_m(const struct neph_medium *medium,
  */
 bool neph_medium_has_closed_form(const struct neph_medium *medium);
 
+/* Whether wind carries the medium along: Gaussian blobs and voxel grids with their bounds, the
+ * textures of Horizon layers within theirs. The rest is the same all along the wind. */
+bool neph_medium_drifts(const struct neph_medium *medium);
+
+/* Carry it along; what does not drift stays as it is. Writes to its grid or horizon. */
+void neph_medium_drift(struct neph_medium *medium, struct neph_vec3 by_m);
+
 /* "height fog", "voxel grid", ...: for messages. */
 const char *neph_medium_kind_name(enum neph_medium_kind kind);
 

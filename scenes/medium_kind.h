@@ -19,6 +19,9 @@ struct neph_medium_kind_ops {
     /* No smaller than the extinction anywhere in the box, of which all lies inside the bounds. The
      * caller adds a margin for rounding. */
     double (*bound_per_m)(const struct neph_medium *medium, const struct neph_bounds *box);
+    /* Carry it along with the wind, its bounds too where they are its own; what `medium` owns may
+     * be written. NULL: it stays. */
+    void (*drift)(struct neph_medium *medium, struct neph_vec3 by_m);
     /* Where the density is not negligible, the bounds not considered unless it is all there is. */
     struct neph_bounds (*support)(const struct neph_medium *medium);
     /* A finite box for engines without unbounded media, and the largest error in transmittance that
@@ -35,6 +38,9 @@ struct neph_bounds neph_bounds_intersect(struct neph_bounds a, struct neph_bound
 
 /* The place of a box that is nearest to a point. */
 struct neph_vec3 neph_bounds_nearest(const struct neph_bounds *box, struct neph_vec3 point_m);
+
+/* Both corners moved; infinite sides stay. */
+struct neph_bounds neph_bounds_moved(struct neph_bounds bounds, struct neph_vec3 by_m);
 
 /* The box around a ball. */
 struct neph_bounds neph_bounds_around(struct neph_vec3 center_m, double radius_m);

@@ -4,6 +4,8 @@
  */
 #include "scenes/build.h"
 #include "scenes/check.h"
+#include "scenes/media.h"
+#include "scenes/motion.h"
 #include "scenes/volume_file.h"
 
 #include <ctype.h>
@@ -17,6 +19,10 @@
 /* Sine of the smallest angle between the view and `up`: below it the picture could turn by any
  * angle with the last bits of the input. */
 #define VIEW_SINE_MIN 1e-6
+/* Nearer to opposite than this, directions of the sun do not say which way it goes between them. */
+#define SUN_SINE_MIN 1e-6
+/* As far as a scene file may put a medium itself. */
+#define DRIFT_MAX_M 1e6
 
 struct rules {
     struct neph_document *document;
@@ -129,7 +135,29 @@ static enum neph_status check_optics(const struct rules *rules, const char *owne
     return NEPH_OK;
 }
 
-/* --- Camera and sun --- */
+/* --- Frames, camera, sun and wind --- */
+
+static enum neph_status check_order(const struct rules *rules, const char *owner, double before,
+                                    double frame)
+{
+    if (frame > before)
+        return NEPH_OK;
+    return FAIL(rules, at("%s.frame", owner), "%g is not above the frame of the one before, %g",
+                frame, before);
+}
+
+static enum neph_status check_frames(const struct rules *rules,
+                                     const struct neph_raw_frames *frames)
+{
+    enum neph_status status = NEPH_OK;
+    for (unsigned i = 1; frames && i < frames->pauses_count && !status; i++)
+        status = check_order(rules, at("frames.pauses[%u]", i).text, frames->pauses[i - 1].frame,
+                             frames->pauses[i].frame);
+    for (unsigned i = 1; frames && i < frames->sizes_count && !status; i++)
+        status = check_order(rules, at("frames.sizes[%u]", i).text, frames->sizes[i - 1].frame,
+                             frames->sizes[i].frame);
+    return status;
+}
 
 static enum neph_status check_camera(const struct rules *rules,
                                      const struct neph_raw_camera *camera)
@@ -141,23 +169,77 @@ static enum neph_status check_camera(const struct rules *rules,
     }
     if (!camera->keys && (!camera->position_m || !camera->look_at_m))
         return FAIL(rules, at("camera"), "give position_m and look_at_m, or keys");
-    for (unsigned i = 1; i < camera->keys_count; i++) {
-        if (camera->keys[i].frame > camera->keys[i - 1].frame)
-            continue;
-        return FAIL(rules, at("camera.keys[%u].frame", i),
-                    "%g is not above the frame of the key before, %g", camera->keys[i].frame,
-                    camera->keys[i - 1].frame);
-    }
+    enum neph_status status = NEPH_OK;
+    for (unsigned i = 1; i < camera->keys_count && !status; i++)
+        status = check_order(rules, at("camera.keys[%u]", i).text, camera->keys[i - 1].frame,
+                             camera->keys[i].frame);
+    if (status)
+        return status;
+    if (camera->keys && camera->keys[0].cut)
+        return FAIL(rules, at("camera.keys[0].cut"),
+                    "the first key has none before it to cut from");
     if (camera->up && neph_vec3_length(vec3(camera->up)) < DIRECTION_MIN)
         return FAIL(rules, at("camera.up"), "a direction of length 0");
     return NEPH_OK;
 }
 
+static enum neph_status check_direction(const struct rules *rules, const char *owner,
+                                        const double direction[3])
+{
+    if (neph_vec3_length(vec3(direction)) < DIRECTION_MIN)
+        return FAIL(rules, at("%s", owner), "a direction of length 0");
+    return NEPH_OK;
+}
+
+static enum neph_status check_sun_key(const struct rules *rules,
+                                      const struct neph_raw_sun_key *keys, unsigned index)
+{
+    const struct neph_raw_sun_key *key = &keys[index];
+    enum neph_status status = check_direction(rules, at("sun.keys[%u].direction", index).text,
+                                              key->direction);
+    if (status || index == 0)
+        return status;
+    status = check_order(rules, at("sun.keys[%u]", index).text, key[-1].frame, key->frame);
+    if (status)
+        return status;
+    const struct neph_vec3 sum = neph_vec3_add(neph_vec3_normalize(vec3(key->direction)),
+                                               neph_vec3_normalize(vec3(key[-1].direction)));
+    if (neph_vec3_length(sum) >= SUN_SINE_MIN)
+        return NEPH_OK;
+    return FAIL(rules, at("sun.keys[%u].direction", index),
+                "at frame %g the sun is opposite to where it is at frame %g (sun.keys[%u]); give a "
+                "key between them that says which way it goes",
+                key->frame, key[-1].frame, index - 1);
+}
+
 static enum neph_status check_sun(const struct rules *rules, const struct neph_raw_sun *sun)
 {
-    if (sun && neph_vec3_length(vec3(sun->direction)) < DIRECTION_MIN)
-        return FAIL(rules, at("sun.direction"), "a direction of length 0");
-    return NEPH_OK;
+    if (!sun)
+        return NEPH_OK;
+    if (sun->keys && (sun->direction || sun->irradiance_w_per_m2))
+        return FAIL(rules, at("sun.keys"),
+                    "give either keys or direction and irradiance_w_per_m2, not both");
+    if (!sun->keys && (!sun->direction || !sun->irradiance_w_per_m2))
+        return FAIL(rules, at("sun"), "give direction and irradiance_w_per_m2, or keys");
+    if (!sun->keys)
+        return check_direction(rules, "sun.direction", sun->direction);
+    enum neph_status status = NEPH_OK;
+    for (unsigned i = 0; i < sun->keys_count && !status; i++)
+        status = check_sun_key(rules, sun->keys, i);
+    return status;
+}
+
+static enum neph_status check_wind(const struct rules *rules, const struct neph_raw_wind *wind)
+{
+    if (!wind)
+        return NEPH_OK;
+    if (!wind->keys == !wind->velocity_m_per_s)
+        return FAIL(rules, at("wind"), "give exactly one of velocity_m_per_s, keys");
+    enum neph_status status = NEPH_OK;
+    for (unsigned i = 1; i < wind->keys_count && !status; i++)
+        status = check_order(rules, at("wind.keys[%u]", i).text, wind->keys[i - 1].frame,
+                             wind->keys[i].frame);
+    return status;
 }
 
 /* --- Solids --- */
@@ -367,9 +449,13 @@ enum neph_status neph_check_rules(struct neph_document *document, const struct n
     const struct rules rules = {document, diag};
     enum neph_status status = check_names(&rules, raw, stem);
     if (!status)
+        status = check_frames(&rules, raw->frames);
+    if (!status)
         status = check_camera(&rules, &raw->camera);
     if (!status)
         status = check_sun(&rules, raw->sun);
+    if (!status)
+        status = check_wind(&rules, raw->wind);
     if (!status)
         status = check_solids(&rules, raw);
     if (!status)
@@ -379,7 +465,7 @@ enum neph_status neph_check_rules(struct neph_document *document, const struct n
     return status;
 }
 
-/* --- The camera in the finished scene --- */
+/* --- Camera and wind in the finished scene --- */
 
 static bool is_inside(const struct neph_solid *solid, struct neph_vec3 p)
 {
@@ -390,7 +476,7 @@ static bool is_inside(const struct neph_solid *solid, struct neph_vec3 p)
            p.z <= high->z;
 }
 
-/* Where the file says how the camera stands at a frame: the last key not after it. */
+/* Where the file says how the camera stands at a frame of the keys: the last one not after it. */
 static struct path camera_path(const struct neph_scene *scene, struct neph_document *document,
                                double frame, const char *key)
 {
@@ -432,6 +518,26 @@ static enum neph_status check_view(const struct rules *rules, const struct neph_
     return NEPH_OK;
 }
 
+/* The wind must have something to move, and must leave it where renderers can still see it. */
+static enum neph_status check_drift(const struct rules *rules, const struct neph_scene *scene)
+{
+    bool any = false;
+    for (int i = 0; i < scene->medium_count; i++)
+        any |= neph_medium_drifts(&scene->media[i]);
+    if (!any)
+        return FAIL(rules, at("wind"),
+                    "no medium of the scene drifts: wind moves gaussian, grid, "
+                    "volume and horizon media and those with voxels");
+    for (int frame = 0; frame < scene->frame_count; frame++) {
+        const double way_m = neph_vec3_length(neph_scene_wind_displacement_m(scene, frame));
+        if (way_m > DRIFT_MAX_M)
+            return FAIL(rules, at("wind"),
+                        "at frame %d it has carried the media %g m far; at most %g m are allowed",
+                        frame, way_m, DRIFT_MAX_M);
+    }
+    return NEPH_OK;
+}
+
 enum neph_status neph_check_scene(struct neph_document *document, const struct neph_scene *scene,
                                   struct neph_diag *diag)
 {
@@ -440,6 +546,8 @@ enum neph_status neph_check_scene(struct neph_document *document, const struct n
     for (int i = 0; i < scene->camera_key_count && !status; i++)
         status = check_view(&rules, scene, scene->camera_keys[i].frame);
     for (int frame = 0; frame < scene->frame_count && !status; frame++)
-        status = check_view(&rules, scene, frame);
+        status = check_view(&rules, scene, neph_scene_time_frame(scene, frame));
+    if (!status && scene->wind_key_count > 0)
+        status = check_drift(&rules, scene);
     return status;
 }

@@ -6,6 +6,7 @@
 #include "scenes/build.h"
 #include "scenes/grid.h"
 #include "scenes/horizon.h"
+#include "scenes/motion.h"
 
 #include <stdlib.h>
 
@@ -13,6 +14,10 @@ void neph_scene_destroy(struct neph_scene *scene)
 {
     if (!scene)
         return;
+    if (scene->is_still) {
+        free(scene);
+        return;
+    }
     for (int i = 0; i < scene->gate_count; i++) {
         free(scene->gates[i].engine);
         free(scene->gates[i].metric);
@@ -25,6 +30,10 @@ void neph_scene_destroy(struct neph_scene *scene)
         neph_horizon_destroy(scene->media[i].horizon);
     }
     free(scene->solids);
+    free(scene->wind_keys);
+    free(scene->sun_keys);
+    free(scene->frame_scales);
+    free(scene->pauses);
     free(scene->camera_keys);
     free(scene->physics);
     free(scene->title);
@@ -55,34 +64,9 @@ const char *neph_gate_quantity_name(enum neph_gate_quantity quantity)
     return quantity_names[quantity];
 }
 
-static struct neph_vec3 mix(struct neph_vec3 a, struct neph_vec3 b, double s)
-{
-    return neph_vec3_add(neph_vec3_scale(a, 1.0 - s), neph_vec3_scale(b, s));
-}
-
-struct neph_camera_key neph_camera_key_at(const struct neph_scene *scene, double frame)
-{
-    const struct neph_camera_key *keys = scene->camera_keys;
-    int last = scene->camera_key_count - 1;
-    if (frame <= keys[0].frame)
-        return keys[0];
-    if (frame >= keys[last].frame)
-        return keys[last];
-    int next = 1;
-    while (keys[next].frame <= frame)
-        next++;
-    const struct neph_camera_key *a = &keys[next - 1], *b = &keys[next];
-    double s = (frame - a->frame) / (b->frame - a->frame);
-    return (struct neph_camera_key){
-        .frame = frame,
-        .position_m = mix(a->position_m, b->position_m, s),
-        .look_at_m = mix(a->look_at_m, b->look_at_m, s),
-    };
-}
-
 struct neph_camera neph_scene_camera(const struct neph_scene *scene, double frame)
 {
-    struct neph_camera_key key = neph_camera_key_at(scene, frame);
+    struct neph_camera_key key = neph_camera_key_at(scene, neph_scene_time_frame(scene, frame));
     struct neph_camera camera = {.position_m = key.position_m,
                                  .vertical_fov_rad = scene->vertical_fov_rad};
     camera.forward = neph_vec3_normalize(neph_vec3_sub(key.look_at_m, key.position_m));

@@ -126,10 +126,36 @@ struct neph_octaves {
     double eccentricity; /* c, 0..1 */
 };
 
+/* Keys of all kinds begin with their frame, and stand in ascending order of it. They are held
+ * before the first and after the last; scenes/motion.h tells what is between them. */
 struct neph_camera_key {
     double frame;
     struct neph_vec3 position_m;
     struct neph_vec3 look_at_m;
+    bool cut; /* the camera jumps here; until then it stays at the key before */
+};
+
+struct neph_sun_key {
+    double frame;
+    struct neph_vec3 direction; /* unit */
+    struct neph_rgb irradiance_w_per_m2;
+};
+
+struct neph_wind_key {
+    double frame;
+    struct neph_vec3 velocity_m_per_s;
+};
+
+/* The keys' frame stands still for so many more pictures. */
+struct neph_pause {
+    int frame; /* of the keys */
+    int count;
+};
+
+/* From this picture on pictures have the asked-for size times the scale. */
+struct neph_frame_scale {
+    int frame; /* of the pictures */
+    double scale;
 };
 
 /* The camera of one frame. Unit axes, right-handed: right x up = -forward. */
@@ -163,14 +189,22 @@ struct neph_scene {
     char *physics; /* owned; what the scene isolates and which truth applies */
 
     int camera_key_count;                /* >= 1 */
-    struct neph_camera_key *camera_keys; /* owned; ascending frames; linear in between */
+    struct neph_camera_key *camera_keys; /* owned */
     struct neph_vec3 camera_up;
     double vertical_fov_rad;
 
     int frame_count; /* >= 1 */
     double frame_rate_hz;
+    int pause_count;
+    struct neph_pause *pauses; /* owned; ascending frames */
+    int frame_scale_count;
+    struct neph_frame_scale *frame_scales; /* owned; ascending frames */
 
-    struct neph_sun sun;
+    struct neph_sun sun;                    /* of frame 0 */
+    int sun_key_count;                      /* 0: the sun stands still; else >= 2 */
+    struct neph_sun_key *sun_keys;          /* owned */
+    int wind_key_count;                     /* 0: no wind */
+    struct neph_wind_key *wind_keys;        /* owned */
     struct neph_rgb background_w_per_m2_sr; /* uniform radiance of the sky */
     bool environment_light; /* the background lights media and solids; else it is only seen */
     enum neph_scattering scattering;
@@ -186,6 +220,7 @@ struct neph_scene {
     double exposure_ev; /* display = radiance * 2^ev; frozen for all pictures of the scene */
     int gate_count;
     struct neph_gate *gates; /* owned */
+    bool is_still; /* made by neph_scene_at(): what is owned belongs to the scene it came from */
 
     /* BLAKE2b of everything above that changes a rendered value (not names, gates, exposure). */
     char hash[NEPH_HASH_HEX_SIZE];
@@ -202,8 +237,7 @@ enum neph_status neph_scene_hash(struct neph_scene *scene, struct neph_diag *dia
 /* NULL is fine. */
 void neph_scene_destroy(struct neph_scene *scene);
 
-/* The camera at a frame (0-based; may be fractional). Keys are held before the first and after the
- * last. */
+/* The camera of a picture (0-based; may be fractional). */
 struct neph_camera neph_scene_camera(const struct neph_scene *scene, double frame);
 
 /* Unit world direction of the ray through the centre of pixel (i, j), row 0 on top. */

@@ -47,11 +47,35 @@ static void put_camera(FILE *text, const struct neph_scene *scene)
         put_number(text, "camera_key", scene->camera_keys[i].frame);
         put_vec3(text, "position_m", scene->camera_keys[i].position_m);
         put_vec3(text, "look_at_m", scene->camera_keys[i].look_at_m);
+        if (scene->camera_keys[i].cut)
+            put_number(text, "cut", 1);
     }
     put_vec3(text, "up", scene->camera_up);
     put_number(text, "vertical_fov_rad", scene->vertical_fov_rad);
     put_number(text, "frame_count", scene->frame_count);
     put_number(text, "frame_rate_hz", scene->frame_rate_hz);
+}
+
+/* Nothing of a scene that has none of it: what was stored before there was motion stays valid. */
+static void put_motion(FILE *text, const struct neph_scene *scene)
+{
+    for (int i = 0; i < scene->pause_count; i++) {
+        put_number(text, "pause", scene->pauses[i].frame);
+        put_number(text, "count", scene->pauses[i].count);
+    }
+    for (int i = 0; i < scene->frame_scale_count; i++) {
+        put_number(text, "frame_scale", scene->frame_scales[i].frame);
+        put_number(text, "scale", scene->frame_scales[i].scale);
+    }
+    for (int i = 0; i < scene->sun_key_count; i++) {
+        put_number(text, "sun_key", scene->sun_keys[i].frame);
+        put_vec3(text, "direction", scene->sun_keys[i].direction);
+        put_rgb(text, "irradiance_w_per_m2", scene->sun_keys[i].irradiance_w_per_m2);
+    }
+    for (int i = 0; i < scene->wind_key_count; i++) {
+        put_number(text, "wind_key", scene->wind_keys[i].frame);
+        put_vec3(text, "velocity_m_per_s", scene->wind_keys[i].velocity_m_per_s);
+    }
 }
 
 static void put_light(FILE *text, const struct neph_scene *scene)
@@ -144,6 +168,7 @@ enum neph_status neph_scene_hash(struct neph_scene *scene, struct neph_diag *dia
         return neph_fail_memory(diag);
     put_number(text, "neph_scene", HASH_VERSION);
     put_camera(text, scene);
+    put_motion(text, scene);
     put_light(text, scene);
     for (int i = 0; i < scene->solid_count; i++)
         put_solid(text, &scene->solids[i]);

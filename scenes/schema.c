@@ -70,6 +70,7 @@ static const cyaml_schema_field_t camera_key_fields[] = {
     FIELD_NUMBER("frame", struct neph_raw_camera_key, frame),
     FIELD_VEC3("position_m", struct neph_raw_camera_key, position_m),
     FIELD_VEC3("look_at_m", struct neph_raw_camera_key, look_at_m),
+    CYAML_FIELD_BOOL("cut", CYAML_FLAG_OPTIONAL, struct neph_raw_camera_key, cut),
     CYAML_FIELD_END,
 };
 
@@ -86,15 +87,65 @@ static const cyaml_schema_field_t camera_fields[] = {
     CYAML_FIELD_END,
 };
 
-static const cyaml_schema_field_t frames_fields[] = {
-    CYAML_FIELD_INT_PTR("count", CYAML_FLAG_OPTIONAL, struct neph_raw_frames, count),
-    FIELD_NUMBER_OPTIONAL("rate_hz", struct neph_raw_frames, rate_hz),
+static const cyaml_schema_field_t pause_fields[] = {
+    CYAML_FIELD_INT("frame", CYAML_FLAG_DEFAULT, struct neph_pause, frame),
+    CYAML_FIELD_INT("count", CYAML_FLAG_DEFAULT, struct neph_pause, count),
     CYAML_FIELD_END,
 };
 
+static const cyaml_schema_value_t pause = {
+    CYAML_VALUE_MAPPING(CYAML_FLAG_DEFAULT, struct neph_pause, pause_fields),
+};
+
+static const cyaml_schema_field_t frame_scale_fields[] = {
+    CYAML_FIELD_INT("frame", CYAML_FLAG_DEFAULT, struct neph_frame_scale, frame),
+    FIELD_NUMBER("scale", struct neph_frame_scale, scale),
+    CYAML_FIELD_END,
+};
+
+static const cyaml_schema_value_t frame_scale = {
+    CYAML_VALUE_MAPPING(CYAML_FLAG_DEFAULT, struct neph_frame_scale, frame_scale_fields),
+};
+
+static const cyaml_schema_field_t frames_fields[] = {
+    CYAML_FIELD_INT_PTR("count", CYAML_FLAG_OPTIONAL, struct neph_raw_frames, count),
+    FIELD_NUMBER_OPTIONAL("rate_hz", struct neph_raw_frames, rate_hz),
+    FIELD_LIST("pauses", struct neph_raw_frames, pauses, &pause, 1, NEPH_SCENE_KEYS_MAX),
+    FIELD_LIST("sizes", struct neph_raw_frames, sizes, &frame_scale, 1, NEPH_SCENE_KEYS_MAX),
+    CYAML_FIELD_END,
+};
+
+static const cyaml_schema_field_t sun_key_fields[] = {
+    FIELD_NUMBER("frame", struct neph_raw_sun_key, frame),
+    FIELD_VEC3("direction", struct neph_raw_sun_key, direction),
+    FIELD_VEC3("irradiance_w_per_m2", struct neph_raw_sun_key, irradiance_w_per_m2),
+    CYAML_FIELD_END,
+};
+
+static const cyaml_schema_value_t sun_key = {
+    CYAML_VALUE_MAPPING(CYAML_FLAG_DEFAULT, struct neph_raw_sun_key, sun_key_fields),
+};
+
 static const cyaml_schema_field_t sun_fields[] = {
-    FIELD_VEC3("direction", struct neph_raw_sun, direction),
-    FIELD_VEC3("irradiance_w_per_m2", struct neph_raw_sun, irradiance_w_per_m2),
+    FIELD_VEC3_OPTIONAL("direction", struct neph_raw_sun, direction),
+    FIELD_VEC3_OPTIONAL("irradiance_w_per_m2", struct neph_raw_sun, irradiance_w_per_m2),
+    FIELD_LIST("keys", struct neph_raw_sun, keys, &sun_key, 1, NEPH_SCENE_KEYS_MAX),
+    CYAML_FIELD_END,
+};
+
+static const cyaml_schema_field_t wind_key_fields[] = {
+    FIELD_NUMBER("frame", struct neph_raw_wind_key, frame),
+    FIELD_VEC3("velocity_m_per_s", struct neph_raw_wind_key, velocity_m_per_s),
+    CYAML_FIELD_END,
+};
+
+static const cyaml_schema_value_t wind_key = {
+    CYAML_VALUE_MAPPING(CYAML_FLAG_DEFAULT, struct neph_raw_wind_key, wind_key_fields),
+};
+
+static const cyaml_schema_field_t wind_fields[] = {
+    FIELD_VEC3_OPTIONAL("velocity_m_per_s", struct neph_raw_wind, velocity_m_per_s),
+    FIELD_LIST("keys", struct neph_raw_wind, keys, &wind_key, 1, NEPH_SCENE_KEYS_MAX),
     CYAML_FIELD_END,
 };
 
@@ -316,6 +367,7 @@ static const cyaml_schema_field_t scene_fields[] = {
     CYAML_FIELD_MAPPING_PTR("frames", CYAML_FLAG_OPTIONAL, struct neph_raw_scene, frames,
                             frames_fields),
     CYAML_FIELD_MAPPING_PTR("sun", CYAML_FLAG_OPTIONAL, struct neph_raw_scene, sun, sun_fields),
+    CYAML_FIELD_MAPPING_PTR("wind", CYAML_FLAG_OPTIONAL, struct neph_raw_scene, wind, wind_fields),
     FIELD_VEC3_OPTIONAL("background_w_per_m2_sr", struct neph_raw_scene, background_w_per_m2_sr),
     CYAML_FIELD_BOOL("environment_light", CYAML_FLAG_OPTIONAL, struct neph_raw_scene,
                      environment_light),
@@ -338,7 +390,8 @@ static const cyaml_schema_value_t scene = {
 
 /* 1e6 m: beyond it float32 renderers resolve 6 cm and less, so no engine could be compared. */
 #define FAR_M 1e6
-#define BRIGHT 1e9 /* one float32 pixel still holds the sum of 1e29 of them */
+#define FAST_M_PER_S 1e5 /* a time lapse: 3 km per frame at 30 Hz */
+#define BRIGHT 1e9       /* one float32 pixel still holds the sum of 1e29 of them */
 
 static const char albedo_note[] = "an albedo above 1 would make light out of nothing";
 static const char color_note[] = "extinction per channel, in parts of extinction_per_m";
@@ -355,8 +408,18 @@ static const struct neph_field fields[] = {
     {"camera.vertical_fov_deg", "degrees", 0.1, 170, NULL},
     {"frames.count", "", 1, 10000, NULL},
     {"frames.rate_hz", "Hz", 0.001, 1000, NULL},
+    {"frames.pauses[].frame", "", 0, 1e5, NULL},
+    {"frames.pauses[].count", "frames", 1, 10000, NULL},
+    {"frames.sizes[].frame", "", 0, 1e5, NULL},
+    {"frames.sizes[].scale", "", 0.05, 4, "of the size that was asked for"},
     {"sun.direction[]", "", -FAR_M, FAR_M, NULL},
     {"sun.irradiance_w_per_m2[]", "W/m2", 0, BRIGHT, NULL},
+    {"sun.keys[].frame", "", 0, 1e5, NULL},
+    {"sun.keys[].direction[]", "", -FAR_M, FAR_M, NULL},
+    {"sun.keys[].irradiance_w_per_m2[]", "W/m2", 0, BRIGHT, NULL},
+    {"wind.velocity_m_per_s[]", "m/s", -FAST_M_PER_S, FAST_M_PER_S, NULL},
+    {"wind.keys[].frame", "", 0, 1e5, NULL},
+    {"wind.keys[].velocity_m_per_s[]", "m/s", -FAST_M_PER_S, FAST_M_PER_S, NULL},
     {"background_w_per_m2_sr[]", "W/m2/sr", 0, BRIGHT, NULL},
     {"solids[].box.min_m[]", "m", -FAR_M, FAR_M, NULL},
     {"solids[].box.max_m[]", "m", -FAR_M, FAR_M, NULL},

@@ -26,6 +26,7 @@ struct neph_raw_bounds {
 struct neph_raw_camera_key {
     double frame;
     double position_m[3], look_at_m[3];
+    bool cut;
 };
 
 struct neph_raw_camera {
@@ -39,11 +40,33 @@ struct neph_raw_camera {
 struct neph_raw_frames {
     int *count;
     double *rate_hz;
+    struct neph_pause *pauses;
+    unsigned pauses_count;
+    struct neph_frame_scale *sizes;
+    unsigned sizes_count;
+};
+
+struct neph_raw_sun_key {
+    double frame;
+    double direction[3];
+    double irradiance_w_per_m2[3];
 };
 
 struct neph_raw_sun {
-    double direction[3];
-    double irradiance_w_per_m2[3];
+    double *direction, *irradiance_w_per_m2;
+    struct neph_raw_sun_key *keys;
+    unsigned keys_count;
+};
+
+struct neph_raw_wind_key {
+    double frame;
+    double velocity_m_per_s[3];
+};
+
+struct neph_raw_wind {
+    double *velocity_m_per_s;
+    struct neph_raw_wind_key *keys;
+    unsigned keys_count;
 };
 
 struct neph_raw_box {
@@ -185,6 +208,7 @@ struct neph_raw_scene {
     struct neph_raw_camera camera;
     struct neph_raw_frames *frames;
     struct neph_raw_sun *sun;
+    struct neph_raw_wind *wind;
     double *background_w_per_m2_sr;
     bool environment_light;
     enum neph_scattering scattering;

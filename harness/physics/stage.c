@@ -65,7 +65,8 @@ static void place_camera(struct neph_stage *stage)
         const bool thick = params->optical_depth == column_depths[1];
         eye_m = (struct neph_vec3){(thick ? 12.0 : 4.0) * 1000.0, columns_camera_m, 0.0};
         stage->key = (struct neph_camera_key){
-            0.0, eye_m, neph_vec3_along(eye_m, (struct neph_vec3){0, -1, 0}, columns_camera_m)};
+            .position_m = eye_m,
+            .look_at_m = neph_vec3_along(eye_m, (struct neph_vec3){0, -1, 0}, columns_camera_m)};
         stage->scene.camera_up = (struct neph_vec3){0, 0, -1};
         return;
     }
@@ -73,7 +74,8 @@ static void place_camera(struct neph_stage *stage)
         eye_m.y = fog_camera_m;
     else if (params->medium != NEPH_STAGE_SLAB)
         eye_m = neph_vec3_along(cube_center(), view, -2.0 * slab_m);
-    stage->key = (struct neph_camera_key){0.0, eye_m, neph_vec3_along(eye_m, view, slab_m)};
+    stage->key = (struct neph_camera_key){.position_m = eye_m,
+                                          .look_at_m = neph_vec3_along(eye_m, view, slab_m)};
 }
 
 static void place_light(struct neph_stage *stage)

@@ -39,7 +39,7 @@ static struct neph_rgb grey(double value)
 static void set_stage(struct stage *stage, struct neph_vec3 eye, struct neph_vec3 look_at)
 {
     memset(stage, 0, sizeof(*stage));
-    stage->key = (struct neph_camera_key){0.0, eye, look_at};
+    stage->key = (struct neph_camera_key){.position_m = eye, .look_at_m = look_at};
     stage->scene = (struct neph_scene){
         .path = "scene.yaml",
         .name = "stage",

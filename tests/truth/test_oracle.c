@@ -32,7 +32,7 @@ struct stage {
 /* A block and a fog in sunlight, over ground, a ball in the block. */
 static void make_stage(struct stage *stage, enum neph_scattering scattering)
 {
-    *stage = (struct stage){.key = {0, {0.5, 2.0, 7.0}, {0, 1.2, 0}}};
+    *stage = (struct stage){.key = {.position_m = {0.5, 2.0, 7.0}, .look_at_m = {0, 1.2, 0}}};
     stage->solids[0] = (struct neph_solid){
         .kind = NEPH_SOLID_BOX, .box = {{-50, -2, -50}, {50, -0.5, 50}}, .albedo = {0.3, 0.5, 0.2}};
     stage->solids[1] = (struct neph_solid){.kind = NEPH_SOLID_SPHERE,

@@ -1,0 +1,42 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * A scene over time. Pictures are counted by engines, jobs and files; camera, sun and wind have
+ * keys at frames of their own, which stand still while pictures go on in a pause. All functions
+ * here take the frame of a picture: 0-based, may be fractional, may lie before 0 or after the last.
+ */
+#ifndef NEPH_SCENES_MOTION_H
+#define NEPH_SCENES_MOTION_H
+
+#include "scenes/scene.h"
+
+/* The frame of the keys that a picture shows. With a pause of 60 at frame 10, pictures 10 to 70
+ * show frame 10 and picture 71 shows frame 11. */
+double neph_scene_time_frame(const struct neph_scene *scene, double frame);
+
+/* Whether the camera jumps between two pictures, in either order: a key with `cut` lies after the
+ * earlier and not after the later. */
+bool neph_scene_is_cut(const struct neph_scene *scene, double frame_from, double frame_to);
+
+/* From the size that was asked for to that of a picture: times the scale in force, to the nearest
+ * pixel, at least 1. */
+void neph_scene_frame_size(const struct neph_scene *scene, double frame, int *width_px,
+                           int *height_px);
+
+/* The sun: its direction goes along the great circle between keys, its irradiance is linear. */
+struct neph_sun neph_scene_sun(const struct neph_scene *scene, double frame);
+
+/* How far the wind has carried media since frame 0, see neph_medium_drift(): the exact integral of
+ * the velocity, which is linear between keys; 0 without wind. */
+struct neph_vec3 neph_scene_wind_displacement_m(const struct neph_scene *scene, double frame);
+
+/* Whether anything but the camera changes from frame to frame. */
+bool neph_scene_moves(const struct neph_scene *scene);
+
+/* The scene as it stands in one picture, for engines that know nothing of time: its sun and media
+ * where they are then, one camera key, no wind, pause or size. The hash is that of `scene`: a
+ * picture's frame is part of its job. Costs one allocation and no work that grows with the scene:
+ * all large data are borrowed, so `scene` must outlive it. Free with neph_scene_destroy(). */
+enum neph_status neph_scene_at(const struct neph_scene *scene, double frame,
+                               struct neph_scene **still, struct neph_diag *diag);
+
+#endif

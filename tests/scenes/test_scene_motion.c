@@ -1,0 +1,359 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * A scene over time: keys, cuts, pauses and sizes against closed forms, and that a scene which
+ * stands still in one picture is the moving one at that picture.
+ */
+#include "tests/neph_test.h"
+
+#include "base/files.h"
+#include "scenes/grid.h"
+#include "scenes/horizon.h"
+#include "scenes/media.h"
+#include "scenes/motion.h"
+
+static const char head[] = "name: probe\n"
+                           "title: a probe\n"
+                           "physics: none\n"
+                           "scattering: single\n";
+static const char camera[] =
+    "camera: {position_m: [0, 1, 50], look_at_m: [0, 1, 0], vertical_fov_deg: 40}\n";
+static const char sun[] = "sun: {direction: [0, 2, 0], irradiance_w_per_m2: [3, 3, 3]}\n";
+
+/* The scene of a file with these keys below `head`. */
+static struct neph_scene *load(const char *keys)
+{
+    char folder[] = "/tmp/neph-motion-XXXXXX";
+    assert_non_null(mkdtemp(folder));
+    char *path = neph_path_join(folder, "probe.yaml"), *text = neph_format("%s%s", head, keys);
+    assert_int_equal(neph_file_write(path, text, strlen(text), NULL), NEPH_OK);
+    struct neph_scene *scene = NULL;
+    struct neph_diag diag = {.line = 0};
+    neph_assert_ok(neph_scene_load(path, &scene, &diag), &diag);
+    free(text);
+    free(path);
+    neph_dir_remove(folder, NULL);
+    return scene;
+}
+
+static struct neph_scene *load_three(const char *a, const char *b, const char *c)
+{
+    char *keys = neph_format("%s%s%s", a, b, c);
+    struct neph_scene *scene = load(keys);
+    free(keys);
+    return scene;
+}
+
+static void assert_vec3(struct neph_vec3 actual, struct neph_vec3 expected, double relative,
+                        double absolute)
+{
+    neph_assert_close(actual.x, expected.x, relative, absolute);
+    neph_assert_close(actual.y, expected.y, relative, absolute);
+    neph_assert_close(actual.z, expected.z, relative, absolute);
+}
+
+/* --- pictures and keys ----------------------------------------------------------------------- */
+
+static void test_time_stands_still_in_pauses(void **state)
+{
+    (void)state;
+    struct neph_scene *scene = load_three(
+        camera, sun, "frames: {pauses: [{frame: 10, count: 60}, {frame: 20, count: 5}]}\n");
+    static const double map[][2] = {
+        {-3, -3}, {0, 0},   {9.5, 9.5}, {10, 10}, {10.5, 10},   {40, 10}, {70, 10},
+        {71, 11}, {79, 19}, {80, 20},   {85, 20}, {85.5, 20.5}, {86, 21}, {165, 100},
+    };
+    for (size_t i = 0; i < sizeof(map) / sizeof(map[0]); i++)
+        assert_true(neph_scene_time_frame(scene, map[i][0]) == map[i][1]);
+    neph_scene_destroy(scene);
+}
+
+static void test_sizes_hold_from_their_picture_on(void **state)
+{
+    (void)state;
+    struct neph_scene *scene = load_three(camera, sun,
+                                          "frames: {pauses: [{frame: 0, count: 100}],\n"
+                                          "         sizes: [{frame: 4, scale: 0.5}, {frame: 6, "
+                                          "scale: 0.05}, {frame: 9, scale: 4}]}\n");
+    static const int sizes[][3] = {{-1, 321, 7}, {3, 321, 7}, {4, 161, 4},  {5, 161, 4},
+                                   {6, 16, 1},   {8, 16, 1},  {9, 1284, 28}};
+    for (size_t i = 0; i < sizeof(sizes) / sizeof(sizes[0]); i++) {
+        int width_px = 321, height_px = 7; /* 160.5 and 3.5 go up; 0.35 is one pixel */
+        neph_scene_frame_size(scene, sizes[i][0], &width_px, &height_px);
+        assert_int_equal(width_px, sizes[i][1]);
+        assert_int_equal(height_px, sizes[i][2]);
+    }
+    neph_scene_destroy(scene);
+}
+
+/* --- camera ---------------------------------------------------------------------------------- */
+
+static const char cut_camera[] =
+    "camera:\n"
+    "  vertical_fov_deg: 40\n"
+    "  keys:\n"
+    "    - {frame: 0, position_m: [0.1, 1, 5], look_at_m: [0.3, 1, 0]}\n"
+    "    - {frame: 4, position_m: [0.7, 1, 5], look_at_m: [0.9, 1, 0]}\n"
+    "    - {frame: 8, position_m: [7, 1, 5], look_at_m: [9, 1, 0], cut: true}\n"
+    "    - {frame: 12, position_m: [8, 1, 5], look_at_m: [9, 1, 0], cut: false}\n";
+
+static void test_camera_is_held_until_it_cuts(void **state)
+{
+    (void)state;
+    struct neph_scene *scene = load_three(cut_camera, sun, "");
+    assert_true(neph_scene_camera(scene, -2).position_m.x == 0.1);
+    neph_assert_close(neph_scene_camera(scene, 2).position_m.x, 0.4, 1e-15, 0.0);
+    const struct neph_camera before = neph_scene_camera(scene, 4);
+    for (double frame = 4; frame < 8; frame += 0.37) {
+        const struct neph_camera held = neph_scene_camera(scene, frame);
+        assert_memory_equal(&held, &before, sizeof(held)); /* to the last bit: nothing moves */
+    }
+    assert_true(neph_scene_camera(scene, 8).position_m.x == 7);
+    neph_assert_close(neph_scene_camera(scene, 10).position_m.x, 7.5, 1e-15, 0.0);
+    neph_scene_destroy(scene);
+}
+
+static void test_cuts_lie_behind_the_earlier_picture(void **state)
+{
+    (void)state;
+    struct neph_scene *scene = load_three(cut_camera, sun,
+                                          "frames: {pauses: [{frame: 8, count: 10}]}\n");
+    assert_true(neph_scene_is_cut(scene, 7, 8));
+    assert_true(neph_scene_is_cut(scene, 8, 7));
+    assert_true(neph_scene_is_cut(scene, 0, 30));
+    assert_true(neph_scene_is_cut(scene, 7.75, 8.25));
+    assert_false(neph_scene_is_cut(scene, 3, 4)); /* a key that is no cut */
+    assert_false(neph_scene_is_cut(scene, 8, 8));
+    assert_false(neph_scene_is_cut(scene, 8, 9)); /* paused at the cut, which lies behind */
+    assert_false(neph_scene_is_cut(scene, 18, 19));
+    neph_scene_destroy(scene);
+}
+
+/* --- sun ------------------------------------------------------------------------------------- */
+
+static void test_sun_goes_along_the_great_circle(void **state)
+{
+    (void)state;
+    struct neph_scene *scene = load_three(
+        camera,
+        "sun:\n"
+        "  keys:\n"
+        "    - {frame: 2, direction: [5, 0, 0], irradiance_w_per_m2: [1, 2, 3]}\n"
+        "    - {frame: 6, direction: [-0.5, 0.8660254037844386, 0], irradiance_w_per_m2: [3, 2, "
+        "0]}\n"
+        "    - {frame: 7, direction: [-1, 1e-5, 0], irradiance_w_per_m2: [3, 2, 0]}\n"
+        "    - {frame: 9, direction: [-1, 1.000000001e-5, 0], irradiance_w_per_m2: [3, 2, 0]}\n",
+        "frames: {pauses: [{frame: 3, count: 5}]}\n");
+    const double degree = acos(-1.0) / 180.0;
+    static const double angles[][2] = {/* picture, degrees from the first key: 120 in 4 frames */
+                                       {0, 0},  {2, 0},    {3, 30},   {8, 30},
+                                       {9, 60}, {9.5, 75}, {11, 120}, {20, 180 - 5.73e-4}};
+    for (size_t i = 0; i < sizeof(angles) / sizeof(angles[0]); i++) {
+        const struct neph_sun now = neph_scene_sun(scene, angles[i][0]);
+        const double angle = angles[i][1] * degree;
+        /* 1e-15: some roundings of unit vectors; the last angle was written with three digits */
+        assert_vec3(now.direction, (struct neph_vec3){cos(angle), sin(angle), 0}, 0.0,
+                    i == 7 ? 1e-8 : 2e-15);
+        neph_assert_close(neph_vec3_length(now.direction), 1.0, 1e-15, 0.0);
+    }
+    const struct neph_sun half = neph_scene_sun(scene, 9);
+    neph_assert_close(half.irradiance_w_per_m2.r, 2.0, 1e-15, 0.0);
+    neph_assert_close(half.irradiance_w_per_m2.g, 2.0, 1e-15, 0.0);
+    neph_assert_close(half.irradiance_w_per_m2.b, 1.5, 1e-15, 0.0);
+    /* 1e-14 rad apart: as good as linear */
+    const struct neph_sun close = neph_scene_sun(scene, 8 + 5);
+    neph_assert_close(close.direction.y / -close.direction.x, 1.0000000005e-5, 1e-11, 0.0);
+    /* The scene's own sun is that of frame 0. */
+    assert_true(scene->sun.present && scene->sun.direction.x == 1.0);
+    neph_scene_destroy(scene);
+}
+
+/* --- wind ------------------------------------------------------------------------------------ */
+
+#define OPTICS "extinction_per_m: 2, albedo: [1, 1, 1]"
+static const char blob[] = "media:\n  - gaussian: {center_m: [0, 1, 0], width_m: 0.5, " OPTICS
+                           "}\n";
+
+static void test_steady_wind_is_a_product(void **state)
+{
+    (void)state;
+    struct neph_scene *scene = load_three(
+        camera, blob, "frames: {rate_hz: 25}\nwind: {velocity_m_per_s: [10, 0.5, -3]}\n");
+    for (int frame = -50; frame <= 100; frame += 25) {
+        const double s = frame / 25;
+        assert_vec3(neph_scene_wind_displacement_m(scene, frame),
+                    (struct neph_vec3){10 * s, 0.5 * s, -3 * s}, 1e-15, 0.0);
+    }
+    assert_vec3(neph_scene_wind_displacement_m(scene, 0), (struct neph_vec3){0, 0, 0}, 0.0, 0.0);
+    neph_scene_destroy(scene);
+}
+
+/* Velocity 6 until frame 2, then down to -2 at frame 6, then up to 0 at frame 7 and no wind: by the
+ * areas under it. */
+static void test_displacement_is_the_integral(void **state)
+{
+    (void)state;
+    struct neph_scene *scene = load_three(camera, blob,
+                                          "frames: {rate_hz: 2, pauses: [{frame: 4, count: 3}]}\n"
+                                          "wind:\n"
+                                          "  keys:\n"
+                                          "    - {frame: 2, velocity_m_per_s: [6, 0, -60]}\n"
+                                          "    - {frame: 6, velocity_m_per_s: [-2, 0, 20]}\n"
+                                          "    - {frame: 7, velocity_m_per_s: [0, 0, 0]}\n");
+    static const double areas[][2] = {
+        {-4, -24}, {0, 0},      {1, 6},  {2, 12},      {3, 12 + 5}, {4, 12 + 8}, {5, 12 + 8},
+        {7, 20},   {8, 20 + 1}, {9, 20}, {9.5, 19.25}, {10, 19},    {100, 19},
+    };
+    for (size_t i = 0; i < sizeof(areas) / sizeof(areas[0]); i++) {
+        const double x_m = areas[i][1] / 2; /* two frames are a second */
+        assert_vec3(neph_scene_wind_displacement_m(scene, areas[i][0]),
+                    (struct neph_vec3){x_m, 0, -10 * x_m}, 1e-15, 0.0);
+    }
+    neph_scene_destroy(scene);
+}
+
+/* --- a scene that stands still --------------------------------------------------------------- */
+
+static const char all_media[] =
+    "bake_resolution: 8\n"
+    "media:\n"
+    "  - gaussian: {center_m: [0, 1, 0], width_m: 0.5, " OPTICS ",\n"
+    "      bounds: {min_m: [-0.4, 0, -1], max_m: [1, 2, 1]}}\n"
+    "  - grid: {size: [2, 1, 3], origin_m: [0, 0, 0], spacing_m: [0.7, 1, 1.3],\n"
+    "      values: [0, 1, 2, 0.5, 1, 0], " OPTICS "}\n"
+    "  - gaussian: {center_m: [0, 1, 0], width_m: 0.5, voxels: 9, " OPTICS "}\n"
+    "  - height_fog: {layers: [{extinction_per_m: 1, falloff_per_m: 1, height_m: 0}],\n"
+    "      albedo: [1, 1, 1], bounds: {min_m: [-1, -1, -1], max_m: [1, 2, 1]}}\n"
+    "  - homogeneous: {" OPTICS ", bounds: {min_m: [-1, 0, -1], max_m: [1, 2, 1]}}\n"
+    "  - shell: {center_m: [0, -10, 0], radius_m: 9, scale_height_m: 1, " OPTICS ",\n"
+    "      bounds: {min_m: [-1, 0, -1], max_m: [1, 2, 1]}}\n";
+enum { DRIFTING = 3, MEDIA = 6 };
+
+static const char windy[] =
+    "frames: {count: 4, rate_hz: 4, pauses: [{frame: 1, count: 1}], sizes: [{frame: 2, scale: "
+    "2}]}\n"
+    "sun:\n"
+    "  keys:\n"
+    "    - {frame: 0, direction: [1, 1, 0], irradiance_w_per_m2: [1, 1, 1]}\n"
+    "    - {frame: 4, direction: [0, 1, 1], irradiance_w_per_m2: [9, 1, 1]}\n"
+    "wind:\n"
+    "  keys:\n"
+    "    - {frame: 0, velocity_m_per_s: [1, 0.5, 2]}\n"
+    "    - {frame: 3, velocity_m_per_s: [2, 0.1, -7]}\n";
+
+static const char level_wind[] = "frames: {rate_hz: 4}\nwind: {velocity_m_per_s: [2, 0, -3]}\n";
+static const char clouds[] =
+    "media:\n"
+    "  - horizon: {seed: 7, planet_radius_m: 1e8, bottom_m: -60, coverage: 0.8,\n"
+    "      texture_scale_m: 100, wind_m: [5, 0, 2], " OPTICS ",\n"
+    "      bounds: {min_m: [-1000, -1000, -1000], max_m: [1000, 1000, 1000]}}\n";
+
+static struct neph_vec3 random_place(uint64_t *seed)
+{
+    return (struct neph_vec3){neph_test_uniform(seed, -1, 1), neph_test_uniform(seed, 0, 2),
+                              neph_test_uniform(seed, -1, 1)};
+}
+
+/* At some pictures and places, each of the first `drifting` media has at x what it had at
+ * x - displacement, and all others have at x what they had there. */
+static void assert_drift(const struct neph_scene *scene, int drifting, double tolerance)
+{
+    uint64_t seed = 20270301;
+    print_message("seed %llu\n", (unsigned long long)seed);
+    double seen[NEPH_SCENE_MEDIA_MAX] = {0};
+    for (int i = 0; i < 400; i++) {
+        const double frame = neph_test_uniform(&seed, -3, 12);
+        const struct neph_vec3 moved_m = neph_scene_wind_displacement_m(scene, frame);
+        struct neph_diag diag = {.line = 0};
+        struct neph_scene *still = NULL;
+        neph_assert_ok(neph_scene_at(scene, frame, &still, &diag), &diag);
+        for (int m = 0; m < scene->medium_count; m++) {
+            const struct neph_vec3 there_m = random_place(&seed);
+            const struct neph_vec3 here_m = m < drifting ? neph_vec3_add(there_m, moved_m)
+                                                         : there_m;
+            const double before = neph_medium_extinction_per_m(&scene->media[m], there_m);
+            neph_assert_close(neph_medium_extinction_per_m(&still->media[m], here_m), before,
+                              tolerance, tolerance);
+            seen[m] += before;
+        }
+        neph_scene_destroy(still);
+    }
+    for (int m = 0; m < scene->medium_count; m++)
+        if (!(seen[m] > 1.0))
+            fail_msg("medium %d: there was nothing to compare", m);
+}
+
+/* Places of some metres are rounded by 1e-15 m, and the media change by a few parts per metre. No
+ * random place is on a face of the bounds. */
+static void test_still_media_are_the_moved_ones(void **state)
+{
+    (void)state;
+    struct neph_scene *scene = load_three(cut_camera, windy, all_media);
+    assert_int_equal(scene->medium_count, MEDIA);
+    assert_drift(scene, DRIFTING, 1e-13);
+    neph_scene_destroy(scene);
+}
+
+/* In a level wind on a planet that is all but flat: over 10 m it falls by 10^2 / (2 * 1e8) = 5e-7
+ * m, and extinction changes by less than 0.2 per metre of height. */
+static void test_still_clouds_are_the_moved_ones(void **state)
+{
+    (void)state;
+    struct neph_scene *scene = load_three(cut_camera, level_wind, clouds);
+    assert_drift(scene, 1, 1e-7);
+    neph_scene_destroy(scene);
+}
+
+static void test_still_scene_has_no_time_left(void **state)
+{
+    (void)state;
+    struct neph_scene *scene = load_three(cut_camera, windy, all_media);
+    assert_true(neph_scene_moves(scene));
+    const struct neph_vec3 center_m = scene->media[0].gaussian.center_m;
+    struct neph_diag diag = {.line = 0};
+    struct neph_scene *still = NULL, *again = NULL;
+    neph_assert_ok(neph_scene_at(scene, 9.5, &still, &diag), &diag);
+    assert_false(neph_scene_moves(still));
+    assert_string_equal(still->hash, scene->hash);
+    assert_true(still->media[1].grid->values == scene->media[1].grid->values); /* borrowed */
+
+    const struct neph_sun now = neph_scene_sun(scene, 9.5);
+    const struct neph_camera eye = neph_scene_camera(scene, 9.5);
+    for (double frame = -1; frame < 20; frame += 3.5) { /* whichever frame an engine asks for */
+        const struct neph_sun sun_then = neph_scene_sun(still, frame);
+        const struct neph_camera eye_then = neph_scene_camera(still, frame);
+        assert_vec3(sun_then.direction, now.direction, 0.0, 0.0);
+        assert_true(sun_then.irradiance_w_per_m2.r == now.irradiance_w_per_m2.r);
+        assert_memory_equal(&eye_then, &eye, sizeof(eye));
+        assert_vec3(neph_scene_wind_displacement_m(still, frame), (struct neph_vec3){0, 0, 0}, 0.0,
+                    0.0);
+        int width_px = 64, height_px = 36;
+        neph_scene_frame_size(still, frame, &width_px, &height_px);
+        assert_true(width_px == 64 && height_px == 36);
+        assert_false(neph_scene_is_cut(still, 0, frame));
+    }
+    neph_assert_ok(neph_scene_at(still, 3, &again, &diag), &diag); /* and so is its own still */
+    assert_vec3(again->media[0].gaussian.center_m, still->media[0].gaussian.center_m, 0.0, 0.0);
+    assert_vec3(again->media[1].grid->origin_m, still->media[1].grid->origin_m, 0.0, 0.0);
+    neph_scene_destroy(again);
+    neph_scene_destroy(still);
+    assert_vec3(scene->media[0].gaussian.center_m, center_m, 0.0, 0.0); /* untouched */
+    assert_true(neph_medium_extinction_per_m(&scene->media[1], (struct neph_vec3){0, 0, 2}) > 0.0);
+    neph_scene_destroy(scene);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_time_stands_still_in_pauses),
+        cmocka_unit_test(test_sizes_hold_from_their_picture_on),
+        cmocka_unit_test(test_camera_is_held_until_it_cuts),
+        cmocka_unit_test(test_cuts_lie_behind_the_earlier_picture),
+        cmocka_unit_test(test_sun_goes_along_the_great_circle),
+        cmocka_unit_test(test_steady_wind_is_a_product),
+        cmocka_unit_test(test_displacement_is_the_integral),
+        cmocka_unit_test(test_still_media_are_the_moved_ones),
+        cmocka_unit_test(test_still_clouds_are_the_moved_ones),
+        cmocka_unit_test(test_still_scene_has_no_time_left),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
