@@ -286,20 +286,14 @@ static enum neph_status upload(const struct neph_vulkan *vulkan, const void *dat
     return status;
 }
 
-static enum neph_status upload_solids(const struct neph_vulkan *vulkan,
-                                      const struct neph_scene *scene, struct neph_vec3 camera_m,
-                                      struct neph_gpu_scene *gpu, struct neph_diag *diag)
+/* Room for all solids in mapped memory: they move with the camera. */
+static enum neph_status create_solids(const struct neph_vulkan *vulkan,
+                                      const struct neph_scene *scene, struct neph_gpu_scene *gpu,
+                                      struct neph_diag *diag)
 {
-    const size_t count = (size_t)scene->solid_count;
-    struct neph_gpu_solid *solids = calloc(count + 1, sizeof(*solids));
-    if (!solids)
-        return neph_fail_memory(diag);
-    for (size_t i = 0; i < count; i++)
-        solids[i] = neph_gpu_solid_from(&scene->solids[i], camera_m);
-    const enum neph_status status = upload(vulkan, solids, count, sizeof(*solids), "scene solids",
-                                           &gpu->buffers[1], diag);
-    free(solids);
-    return status;
+    const size_t count = scene->solid_count > 0 ? (size_t)scene->solid_count : 1;
+    return neph_buffer_create(vulkan, NEPH_BUFFER_UPLOAD, count * sizeof(struct neph_gpu_solid),
+                              "scene solids", &gpu->buffers[1], diag);
 }
 
 static size_t padded_count(const struct neph_grid *grid)
@@ -492,23 +486,34 @@ static void fill_media(const struct neph_scene *scene, struct neph_vec3 camera_m
                       !is_black(frame->sun_irradiance);
 }
 
+/* The first buffers, and which medium each of theirs is. */
+static void fill(struct neph_gpu_scene *gpu, const struct neph_scene *scene, double frame,
+                 int width_px, int height_px, const struct neph_medium *media[NEPH_SCENE_MEDIA_MAX])
+{
+    const struct neph_camera camera = neph_scene_camera(scene, frame);
+    struct neph_gpu_solid *solids = gpu->buffers[1].mapped;
+    *gpu->frame = frame_from(scene, &camera, width_px, height_px);
+    gpu->constants[0] = gpu->constants[1] = 0;
+    fill_media(scene, camera.position_m, gpu, media);
+    for (int i = 0; i < scene->solid_count; i++)
+        solids[i] = neph_gpu_solid_from(&scene->solids[i], camera.position_m);
+}
+
 enum neph_status neph_gpu_scene_create(const struct neph_vulkan *vulkan,
                                        const struct neph_scene *scene, double frame, int width_px,
                                        int height_px, bool with_majorants,
                                        struct neph_gpu_scene *gpu, struct neph_diag *diag)
 {
-    const struct neph_camera camera = neph_scene_camera(scene, frame);
     const struct neph_medium *media[NEPH_SCENE_MEDIA_MAX];
     enum neph_status status = neph_buffer_create(vulkan, NEPH_BUFFER_UPLOAD, sizeof(*gpu->frame),
                                                  "scene frame", &gpu->buffers[0], diag);
+    if (!status)
+        status = create_solids(vulkan, scene, gpu, diag);
     if (status)
         return status;
     gpu->frame = gpu->buffers[0].mapped;
-    *gpu->frame = frame_from(scene, &camera, width_px, height_px);
-    fill_media(scene, camera.position_m, gpu, media);
-    status = upload_solids(vulkan, scene, camera.position_m, gpu, diag);
-    if (!status)
-        status = upload_grids(vulkan, scene, gpu, diag);
+    fill(gpu, scene, frame, width_px, height_px, media);
+    status = upload_grids(vulkan, scene, gpu, diag);
     if (!status && with_majorants)
         status = upload_majorants(vulkan, media, gpu, diag);
     else if (!status)
@@ -516,6 +521,13 @@ enum neph_status neph_gpu_scene_create(const struct neph_vulkan *vulkan,
     if (!status)
         status = upload_horizons(vulkan, scene, gpu, diag);
     return status;
+}
+
+void neph_gpu_scene_move(struct neph_gpu_scene *gpu, const struct neph_scene *scene, double frame,
+                         int width_px, int height_px)
+{
+    const struct neph_medium *media[NEPH_SCENE_MEDIA_MAX];
+    fill(gpu, scene, frame, width_px, height_px, media);
 }
 
 void neph_gpu_scene_destroy(const struct neph_vulkan *vulkan, struct neph_gpu_scene *gpu)

@@ -127,6 +127,8 @@ struct neph_gpu_frame {
     uint32_t octave_count;
     float octave_factors[3];
     float padding;
+    float jitter_px[2]; /* 0; a sequence's renderer sets it */
+    float padding_2[2];
     struct neph_gpu_medium media[NEPH_SCENE_MEDIA_MAX];
 };
 
@@ -152,8 +154,9 @@ _Static_assert(offsetof(struct neph_gpu_frame, sun_irradiance) == 64, "std430 Fr
 _Static_assert(offsetof(struct neph_gpu_frame, background) == 80, "std430 Frame.background");
 _Static_assert(offsetof(struct neph_gpu_frame, steps) == 96, "std430 Frame.steps");
 _Static_assert(offsetof(struct neph_gpu_frame, octave_factors) == 112, "std430 Frame.octaves");
-_Static_assert(offsetof(struct neph_gpu_frame, media) == 128, "std430 Frame.media");
-_Static_assert(sizeof(struct neph_gpu_frame) == 128 + 352 * NEPH_SCENE_MEDIA_MAX, "std430 Frame");
+_Static_assert(offsetof(struct neph_gpu_frame, jitter_px) == 128, "std430 Frame.jitter");
+_Static_assert(offsetof(struct neph_gpu_frame, media) == 144, "std430 Frame.media");
+_Static_assert(sizeof(struct neph_gpu_frame) == 144 + 352 * NEPH_SCENE_MEDIA_MAX, "std430 Frame");
 _Static_assert(NEPH_SCENE_MEDIA_MAX == 8 && NEPH_FOG_LAYERS_MAX == 2, "scene.glsl's counts");
 _Static_assert(NEPH_PHASE_ISOTROPIC == 0 && NEPH_PHASE_HENYEY_GREENSTEIN == 1 &&
                    NEPH_PHASE_RAYLEIGH == 2,
@@ -198,6 +201,12 @@ enum neph_status neph_gpu_scene_create(const struct neph_vulkan *vulkan,
                                        const struct neph_scene *scene, double frame, int width_px,
                                        int height_px, bool with_majorants,
                                        struct neph_gpu_scene *gpu, struct neph_diag *diag);
+
+/* The same scene at another frame, with another sun or its media moved (neph_scene_at()): grids and
+ * textures stay where they are on the device. Not for a scene with majorants. */
+void neph_gpu_scene_move(struct neph_gpu_scene *gpu, const struct neph_scene *scene, double frame,
+                         int width_px, int height_px);
+
 void neph_gpu_scene_destroy(const struct neph_vulkan *vulkan, struct neph_gpu_scene *gpu);
 
 /* Fill in the first buffers of a dispatch. */

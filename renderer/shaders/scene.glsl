@@ -91,6 +91,8 @@ layout(std430, binding = 0) readonly buffer Frame {
     uint octave_count;
     vec3 octave_factors; // contribution, attenuation, eccentricity (struct neph_octaves)
     float padding;
+    vec2 jitter_px; // of this frame's view rays, for renderers of sequences
+    vec2 padding_2;
     Medium media[MEDIA_MAX];
 } frame;
 
@@ -121,12 +123,18 @@ Camera frame_camera()
                   frame.camera_forward, frame.width_px, frame.height_px);
 }
 
-// Unit direction through the centre of a pixel; row 0 is on top.
+// Unit direction through a place in the picture, in pixels from its upper left corner.
+vec3 camera_ray_at(Camera camera, vec2 place_px)
+{
+    float x = (2.0 * place_px.x / float(camera.width_px) - 1.0) * camera.tan_half_width;
+    float y = (1.0 - 2.0 * place_px.y / float(camera.height_px)) * camera.tan_half_height;
+    return normalize(camera.forward + x * camera.right + y * camera.up);
+}
+
+// The same through the centre of a pixel; row 0 is on top.
 vec3 camera_ray(Camera camera, uint i, uint j)
 {
-    float x = (2.0 * (float(i) + 0.5) / float(camera.width_px) - 1.0) * camera.tan_half_width;
-    float y = (1.0 - 2.0 * (float(j) + 0.5) / float(camera.height_px)) * camera.tan_half_height;
-    return normalize(camera.forward + x * camera.right + y * camera.up);
+    return camera_ray_at(camera, vec2(i, j) + 0.5);
 }
 
 vec3 camera_ray(uint i, uint j) { return camera_ray(frame_camera(), i, j); }

@@ -1,0 +1,134 @@
+/* SPDX-License-Identifier: MIT */
+#include "renderer/march_cut.h"
+
+#include "base/interrupt.h"
+#include "scenes/media.h"
+
+/* One dispatch: at most this much work (loop turns of all rays, about 0.2 s on two CPU cores), so
+ * that Ctrl-C is heard, and this many rays (32 MiB of results). */
+static const uint64_t dispatch_turns_max = 1u << 25;
+static const uint64_t dispatch_rays_max = 1u << 19;
+
+static enum neph_status check_range(const char *name, int value, int maximum,
+                                    struct neph_diag *diag)
+{
+    if (value >= 1 && value <= maximum)
+        return NEPH_OK;
+    return neph_fail(diag, NEPH_ERR_USAGE, "march: %s is %d, outside 1..%d", name, value, maximum);
+}
+
+static bool marches_towards_sun(const struct neph_scene *scene,
+                                const struct neph_march_params *params)
+{
+    for (int i = 0; i < scene->medium_count; i++)
+        if (!neph_medium_has_closed_form(&scene->media[i]))
+            return true;
+    return params->sun == NEPH_MARCH_MARCHED;
+}
+
+int neph_march_sun_steps(const struct neph_scene *scene, const struct neph_march_params *params)
+{
+    return marches_towards_sun(scene, params) ? params->sun_steps : 0;
+}
+
+enum neph_status neph_march_check(const struct neph_scene *scene,
+                                  const struct neph_march_params *params, struct neph_diag *diag)
+{
+    enum neph_status status = check_range("width", params->width_px, NEPH_MARCH_SIDE_MAX_PX, diag);
+    if (!status)
+        status = check_range("height", params->height_px, NEPH_MARCH_SIDE_MAX_PX, diag);
+    if (!status)
+        status = check_range("steps", params->steps, NEPH_MARCH_STEPS_MAX, diag);
+    if (!status && marches_towards_sun(scene, params))
+        status = check_range("sun_steps", params->sun_steps, NEPH_MARCH_STEPS_MAX, diag);
+    if (status)
+        return status;
+    if ((uint64_t)params->steps * (uint64_t)(1 + neph_march_sun_steps(scene, params)) >
+        UINT32_MAX / 2)
+        return neph_fail(diag, NEPH_ERR_USAGE,
+                         "march: %d steps of %d sun steps each are more than a pixel can count",
+                         params->steps, params->sun_steps);
+    char reason[256];
+    if (!neph_march_can_render(scene, params->lighting, reason, sizeof(reason)))
+        return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "march: cannot: %s", reason);
+    return NEPH_OK;
+}
+
+/* Upper bound of loop turns (compute.h) of the shader, following its loops one by one. */
+static void count_turns(const struct neph_scene *scene, const struct neph_gpu_scene *gpu,
+                        const struct neph_march_params *params, uint64_t *per_step,
+                        uint64_t *per_dispatch)
+{
+    const uint64_t solids = (uint64_t)scene->solid_count + 1;
+    const uint64_t exact = gpu->optical_depth_turns;
+    uint64_t media = (uint64_t)scene->medium_count + 1;
+    for (int i = 0; i < scene->medium_count; i++)
+        media += (uint64_t)scene->media[i].layer_count + 1;
+    const uint64_t sun_steps = (uint64_t)neph_march_sun_steps(scene, params);
+    const uint64_t octaves = params->lighting == NEPH_MARCH_OCTAVES
+                                 ? (uint64_t)scene->octaves.count * (1 + media)
+                                 : 0;
+    const uint64_t sunlight = solids + media + exact + sun_steps * (1 + media) + octaves + 1;
+    *per_step = 1 + 2 * media + exact + sunlight;
+    *per_dispatch = solids + 3 * media + exact + sunlight + 1;
+}
+
+void neph_march_constants(const struct neph_gpu_scene *gpu, const struct neph_march_params *params,
+                          uint32_t constants[NEPH_MARCH_CONSTANTS])
+{
+    constants[0] = gpu->constants[0];
+    constants[1] = gpu->constants[1];
+    constants[2] = params->transmittance;
+    constants[3] = params->sun;
+    constants[4] = params->lighting;
+}
+
+static uint64_t least(uint64_t a, uint64_t b)
+{
+    return a < b ? a : b;
+}
+
+enum neph_status neph_march_cut_make(const struct neph_vulkan *vulkan,
+                                     const struct neph_scene *scene,
+                                     const struct neph_gpu_scene *gpu,
+                                     const struct neph_march_params *params, uint64_t ray_count,
+                                     struct neph_march_cut *cut, struct neph_diag *diag)
+{
+    uint64_t turns_per_step, turns_per_dispatch;
+    count_turns(scene, gpu, params, &turns_per_step, &turns_per_dispatch);
+    if (turns_per_dispatch + turns_per_step > NEPH_KERNEL_LOOP_TURNS_MAX)
+        return neph_fail(
+            diag, NEPH_ERR_UNSUPPORTED,
+            "march: one step with %d sun steps, %d media and %d solids takes %llu "
+            "loop turns; a dispatch has %d",
+            neph_march_sun_steps(scene, params), scene->medium_count, scene->solid_count,
+            (unsigned long long)(turns_per_dispatch + turns_per_step), NEPH_KERNEL_LOOP_TURNS_MAX);
+    const uint64_t groups_max = vulkan->limits.maxComputeWorkGroupCount[0];
+    const uint64_t step_count = (uint64_t)params->steps;
+    const uint64_t steps = least((NEPH_KERNEL_LOOP_TURNS_MAX - turns_per_dispatch) / turns_per_step,
+                                 step_count);
+    uint64_t rays = dispatch_turns_max / (steps * turns_per_step + turns_per_dispatch);
+    rays = least(least(rays, groups_max * NEPH_MARCH_LOCAL_SIZE), dispatch_rays_max);
+    *cut = (struct neph_march_cut){ray_count, step_count, least(rays, ray_count), steps};
+    return NEPH_OK;
+}
+
+enum neph_status neph_march_cut_run(const struct neph_march_cut *cut, neph_march_body *body,
+                                    void *context, struct neph_diag *diag)
+{
+    for (uint64_t ray = 0; ray < cut->ray_count; ray += cut->rays)
+        for (uint64_t step = 0; step < cut->step_count; step += cut->steps) {
+            const struct neph_march_run run = {
+                .first_ray = (uint32_t)ray,
+                .ray_count = (uint32_t)least(cut->rays, cut->ray_count - ray),
+                .first_step = (uint32_t)step,
+                .end_step = (uint32_t)least(step + cut->steps, cut->step_count),
+            };
+            if (neph_interrupted())
+                return neph_fail(diag, NEPH_ERR_INTERRUPTED, "march: interrupted");
+            const enum neph_status status = body(&run, context, diag);
+            if (status)
+                return status;
+        }
+    return NEPH_OK;
+}

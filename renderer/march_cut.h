@@ -1,0 +1,59 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * How a march of many rays is cut into dispatches: no thread may turn more loops than a driver
+ * allows (compute.h), and none may hold the device so long that Ctrl-C is not heard. For the
+ * renderers that include shaders/march.glsl.
+ */
+#ifndef NEPH_RENDERER_MARCH_CUT_H
+#define NEPH_RENDERER_MARCH_CUT_H
+
+#include "renderer/gpu_scene.h"
+#include "renderer/march.h"
+
+enum {
+    NEPH_MARCH_LOCAL_SIZE = 64,  /* of shaders/march.glsl */
+    NEPH_MARCH_STATE_BYTES = 96, /* of its struct State, one for each ray of a dispatch */
+    NEPH_MARCH_CONSTANTS = NEPH_GPU_SCENE_CONSTANTS + 3,
+};
+
+struct neph_march_cut {
+    uint64_t ray_count, step_count; /* of the whole */
+    uint64_t rays, steps;           /* at most, in one dispatch */
+};
+
+/* push_constant Run of shaders/march.glsl */
+struct neph_march_run {
+    uint32_t first_ray;
+    uint32_t ray_count;
+    uint32_t first_step;
+    uint32_t end_step;
+};
+
+/* Everything that neph_march_render() refuses before it looks at a device. */
+enum neph_status neph_march_check(const struct neph_scene *scene,
+                                  const struct neph_march_params *params, struct neph_diag *diag);
+
+/* Steps of the scene's sun rays: 0 where none is marched. */
+int neph_march_sun_steps(const struct neph_scene *scene, const struct neph_march_params *params);
+
+/* Specialization constants of the shaders. */
+void neph_march_constants(const struct neph_gpu_scene *gpu, const struct neph_march_params *params,
+                          uint32_t constants[NEPH_MARCH_CONSTANTS]);
+
+/* NEPH_ERR_UNSUPPORTED: one step alone is more than a dispatch may hold. */
+enum neph_status neph_march_cut_make(const struct neph_vulkan *vulkan,
+                                     const struct neph_scene *scene,
+                                     const struct neph_gpu_scene *gpu,
+                                     const struct neph_march_params *params, uint64_t ray_count,
+                                     struct neph_march_cut *cut, struct neph_diag *diag);
+
+/* Runs one dispatch. The last of its rays ends with end_step = step_count. */
+typedef enum neph_status neph_march_body(const struct neph_march_run *run, void *context,
+                                         struct neph_diag *diag);
+
+/* All dispatches, in the order in which they must come; the first error ends it.
+ * NEPH_ERR_INTERRUPTED: neph_interrupted() between two of them. */
+enum neph_status neph_march_cut_run(const struct neph_march_cut *cut, neph_march_body *body,
+                                    void *context, struct neph_diag *diag);
+
+#endif

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: MIT
+//
+// Fixed-step ray marching, the baseline of every volumetric renderer:
+//
+//   L = sum_i T_i J_i (1 - e^-dtau_i) + T background,     T_i = e^-(dtau_0 + .. + dtau_(i-1))
+//
+// over `steps` equal steps. J is the source function (in-scattered sunlight per unit of optical
+// depth, W m^-2 sr^-1), taken at one point of the step and constant along it; its integral over
+// the step against the extinction within the step is exact. (Hillaire, "Physically Based and
+// Unified Volumetric Rendering in Frostbite", SIGGRAPH 2015: S (1 - e^(-sigma dt)) / sigma.)
+// With the point in the middle of the step the error is of second order in the step where the medium
+// is smooth. A dithered start puts it elsewhere in the step, the same place in all steps of a ray.
+//
+// One thread is one ray. A dispatch is a run of rays and a run of their steps, short enough for
+// drivers that limit loops (renderer/compute.h) and for Ctrl-C in between; the state of a march that
+// is not at its end waits in a buffer.
+#ifndef NEPH_MARCH_GLSL
+#define NEPH_MARCH_GLSL
+
+#include "march_light.glsl"
+
+layout(local_size_x = 64) in;
+
+layout(push_constant) uniform Run {
+    uint first_ray;
+    uint ray_count;
+    uint first_step;
+    uint end_step;
+} run;
+
+// What a march has come to: in-scattered radiance (xyz of `scattered`), optical depth (its w when
+// that is the same in all channels, else xyz of `depth`), and the distance [m] of what is seen of
+// the medium times its share of the view, 1 - T in the end.
+struct Sums {
+    Sum scattered, depth;
+    float distance_m;
+};
+
+Sums sums_zero() { return Sums(sum_zero(), sum_zero(), 0.0); }
+
+void sums_add(inout Sums sums, vec3 scattered, vec3 step_depth)
+{
+    sum_add(sums.scattered, vec4(scattered, step_depth.x));
+    if (COLOURED)
+        sum_add(sums.depth, vec4(step_depth, 0.0));
+}
+
+vec3 marched_depth(Sums sums)
+{
+    return COLOURED ? sums.depth.value.xyz : sums.scattered.value.www;
+}
+
+struct State {
+    Sums sums;
+    uint density_evaluations;
+    uint closed_forms;
+    uint padding;
+};
+
+layout(std430, binding = 5) buffer States {
+    State states[];
+};
+
+// What a step adds at its near end, by the chosen model.
+vec3 step_light(Mixture mixture, vec3 point_m, float step_m, vec3 step_depth)
+{
+    if (LIGHTING == HORIZON)
+        return horizon_light(point_m) * step_m *
+               vec3(phi(step_depth.x), phi(step_depth.y), phi(step_depth.z));
+    return source_function(mixture, point_m) * fraction_lost(step_depth);
+}
+
+float mean(vec3 channels) { return COLOURED ? dot(channels, vec3(1.0 / 3.0)) : channels.x; }
+
+// March the steps of this run along a view ray of some length, onto the sums. The medium is looked
+// at `place` (0..1) of each step.
+//
+// The transmittance to a step is always that of the steps before it, never an independent closed
+// form of the whole distance: adjacent closed forms add up to it anyway, and so the weights of the
+// source function telescope to 1 - T in both modes.
+void march(vec3 direction, float length_m, float place, inout Sums sums)
+{
+    Stretch stretch = scene_stretch(vec3(0.0), direction, length_m);
+    if (stretch.t1_m <= stretch.t0_m)
+        return;
+    look_along(direction);
+    float step_m = (stretch.t1_m - stretch.t0_m) / float(frame.steps);
+    for (uint i = run.first_step; i < run.end_step; i++) {
+        vec3 start_m = (stretch.t0_m + float(i) * step_m) * direction;
+        float point_distance_m = stretch.t0_m + (float(i) + place) * step_m;
+        vec3 point_m = point_distance_m * direction;
+        Mixture mixture = mixture_at(point_m);
+        vec3 step_depth = mixture.marched_per_m * step_m;
+        if (TRANSMITTANCE == EXACT)
+            step_depth += exact_optical_depth(start_m, direction, step_m);
+        vec3 through = fraction_through(marched_depth(sums));
+        sums.distance_m += point_distance_m * mean(through * fraction_lost(step_depth));
+        vec3 scattered = vec3(0.0);
+        if (frame.scatters != 0)
+            scattered = step_light(mixture, point_m, step_m, step_depth) * through;
+        sums_add(sums, scattered, step_depth);
+    }
+}
+
+// Continue where the run before has ended.
+Sums sums_at_start(uint thread)
+{
+    if (run.first_step == 0)
+        return sums_zero();
+    density_evaluations = states[thread].density_evaluations;
+    closed_forms = states[thread].closed_forms;
+    return states[thread].sums;
+}
+
+void sums_keep(uint thread, Sums sums)
+{
+    states[thread] = State(sums, density_evaluations, closed_forms, 0u);
+}
+
+// Of the whole ray.
+vec3 view_optical_depth(vec3 direction, float length_m, Sums sums)
+{
+    return IS_SOLVED ? exact_optical_depth(vec3(0.0), direction, length_m) : marched_depth(sums);
+}
+
+// In-scattered radiance of the whole ray.
+vec3 view_scattered(Sums sums, vec3 optical_depth)
+{
+    vec3 scattered = sums.scattered.value.xyz;
+    return LIGHTING == HORIZON ? scattered * fraction_lost(optical_depth) : scattered;
+}
+
+// Mean distance of what is seen of the medium [m]; FAR_M where it shows nothing.
+float view_distance_m(Sums sums)
+{
+    float share = mean(fraction_lost(marched_depth(sums)));
+    return share > 0.0 ? sums.distance_m / share : FAR_M;
+}
+
+// Sunlight reflected by a Lambertian surface, towards anywhere.
+vec3 surface_radiance(Hit hit, vec3 point_m)
+{
+    vec3 albedo = solids[hit.solid].albedo.rgb;
+    float cosine = dot(solid_normal(solids[hit.solid], point_m), frame.sun_direction);
+    if (cosine <= 0.0 || albedo == vec3(0.0) || frame.sun_irradiance == vec3(0.0))
+        return vec3(0.0);
+    return albedo / PI * cosine * sunlight(point_m, hit.solid);
+}
+
+// What lies behind all media.
+vec3 radiance_behind(Hit hit, vec3 direction)
+{
+    return hit.solid == NO_SOLID ? frame.background
+                                 : surface_radiance(hit, hit.t_m * direction);
+}
+
+float hit_eye_depth_m(Hit hit, vec3 direction)
+{
+    return hit.solid == NO_SOLID ? FAR_M : hit.t_m * dot(direction, frame.camera_forward);
+}
+
+#endif
