@@ -23,7 +23,8 @@ struct gpu_pixel {
     float transmittance[3];
     uint32_t closed_forms;
     float volume_distance_m;
-    uint32_t padding[3];
+    uint32_t view_steps;
+    uint32_t padding[2];
 };
 _Static_assert(offsetof(struct gpu_pixel, volume) == 16, "std430 Pixel.volume");
 _Static_assert(offsetof(struct gpu_pixel, transmittance) == 32, "std430 Pixel.transmittance");
@@ -191,6 +192,7 @@ static void unpack(const struct gpu_pixel *pixel, size_t index, const struct lay
         layers->volume_distance_m[index] = in_file_m(pixel->volume_distance_m);
     stats->density_evaluations += pixel->density_evaluations;
     stats->closed_forms += pixel->closed_forms;
+    stats->view_steps += pixel->view_steps;
 }
 
 /* A frame in work. */

@@ -62,6 +62,7 @@ struct neph_march_stats {
     uint64_t density_evaluations;
     /* Closed-form optical depths, counted by the shader: whole rays, steps, sun rays. */
     uint64_t closed_forms;
+    uint64_t view_steps; /* of view rays alone */
     int dispatches;
 };
 

@@ -99,7 +99,7 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
                               "where the centre tile of the override looks in a view that does not "
                               "start at the corner of its buffer (buffer: X5)"),
     [RT_JITTERED_DEPTH] = CHOICE("jittered_depth", 0, switches,
-                                 "the depth map follows the jitter of TAA (on: X15)"),
+                                 "depth map and rays follow the jitter of TAA (on: X15)"),
     [RT_RAY_DITHER] = CHOICE("ray_dither", 4, dithers, "start of the steps along a ray (A7)"),
     [RT_RAY_DITHER_AMOUNT] = REAL("ray_dither_amount", 1, 0, 1, "of a step"),
 

@@ -7,9 +7,9 @@ static float choose(const struct neph_rt_oracle *oracle, int x, int y)
     const bool nearest = map == RT_DEPTH_MAP_NEAREST ||
                          (map == RT_DEPTH_MAP_CHECKERBOARD && x % 2 == y % 2);
     float chosen[4], depth[4];
-    neph_rt_fetch_full(oracle, RT_DEPTH, 2 * x, 2 * y, chosen);
+    neph_rt_fetch_full(oracle, RT_STEADY_DEPTH, 2 * x, 2 * y, chosen);
     for (int i = 1; i < 4; i++) {
-        neph_rt_fetch_full(oracle, RT_DEPTH, 2 * x + i % 2, 2 * y + i / 2, depth);
+        neph_rt_fetch_full(oracle, RT_STEADY_DEPTH, 2 * x + i % 2, 2 * y + i / 2, depth);
         if (nearest ? depth[0] < chosen[0] : depth[0] > chosen[0])
             chosen[0] = depth[0];
     }

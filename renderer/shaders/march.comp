@@ -15,7 +15,8 @@ struct Pixel {
     vec3 transmittance;
     uint closed_forms;
     float volume_distance_m;
-    uint padding[3];
+    uint view_steps;
+    uint padding[2];
 };
 
 layout(std430, binding = 6) writeonly buffer Pixels {
@@ -34,6 +35,7 @@ Pixel finished_pixel(vec3 direction, Hit hit, Sums sums)
     pixel.volume_distance_m = view_distance_m(sums);
     pixel.density_evaluations = density_evaluations;
     pixel.closed_forms = closed_forms;
+    pixel.view_steps = view_steps;
     return pixel;
 }
 

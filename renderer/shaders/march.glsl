@@ -54,12 +54,14 @@ struct State {
     Sums sums;
     uint density_evaluations;
     uint closed_forms;
-    uint padding;
+    uint view_steps;
 };
 
 layout(std430, binding = 5) buffer States {
     State states[];
 };
+
+uint view_steps = 0; // of this ray, where it met a medium's stretch
 
 // What a step adds at its near end, by the chosen model.
 vec3 step_light(Mixture mixture, vec3 point_m, float step_m, vec3 step_depth)
@@ -84,6 +86,7 @@ void march(vec3 direction, float length_m, float place, inout Sums sums)
     if (stretch.t1_m <= stretch.t0_m)
         return;
     look_along(direction);
+    view_steps += run.end_step - run.first_step;
     float step_m = (stretch.t1_m - stretch.t0_m) / float(frame.steps);
     for (uint i = run.first_step; i < run.end_step; i++) {
         vec3 start_m = (stretch.t0_m + float(i) * step_m) * direction;
@@ -109,12 +112,13 @@ Sums sums_at_start(uint thread)
         return sums_zero();
     density_evaluations = states[thread].density_evaluations;
     closed_forms = states[thread].closed_forms;
+    view_steps = states[thread].view_steps;
     return states[thread].sums;
 }
 
 void sums_keep(uint thread, Sums sums)
 {
-    states[thread] = State(sums, density_evaluations, closed_forms, 0u);
+    states[thread] = State(sums, density_evaluations, closed_forms, view_steps);
 }
 
 // Of the whole ray.

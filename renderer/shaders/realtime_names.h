@@ -164,8 +164,8 @@
 // --- targets: the images that passes hand to each other ---------------------------------------
 
 // Full resolution.
-#define RT_DEPTH 0      // R: eye depth of the scene [m], FAR_M for the sky; without jitter unless asked for
-#define RT_BEHIND 1     // RGB: radiance of what is behind all media, at RT_DEPTH's rays
+#define RT_DEPTH 0      // R: eye depth of the scene [m], FAR_M for the sky; of the jittered rays
+#define RT_BEHIND 1     // RGB: radiance of what is behind all media, of the same rays
 // Half resolution, rounded up.
 #define RT_HALF_DEPTH 2 // R: eye depth [m] chosen from 2x2 pixels (A2)
 #define RT_HALF_DEPTH_BEFORE 3 // the same of the frame before
@@ -183,6 +183,9 @@
 #define RT_COLOR 13     // RGB: the composed frame (A15)
 #define RT_TAA_OUT 14   // RGB: after TAA; the history of the next frame
 #define RT_TAA_BEFORE 15
-#define RT_TARGET_COUNT 16
+// The depth that the split of the frame starts from: RT_DEPTH without its jitter, unless
+// jittered_depth is on.
+#define RT_STEADY_DEPTH 16
+#define RT_TARGET_COUNT 17
 
 #endif

@@ -17,9 +17,9 @@ void main()
     bool nearest = choice(RT_DEPTH_MAP) == RT_DEPTH_MAP_NEAREST ||
                    (choice(RT_DEPTH_MAP) == RT_DEPTH_MAP_CHECKERBOARD &&
                     (element.x & 1) == (element.y & 1));
-    float chosen_m = fetch_full(RT_DEPTH, 2 * element).x;
+    float chosen_m = fetch_full(RT_STEADY_DEPTH, 2 * element).x;
     for (int i = 1; i < 4; i++) {
-        float depth_m = fetch_full(RT_DEPTH, 2 * element + ivec2(i & 1, i >> 1)).x;
+        float depth_m = fetch_full(RT_STEADY_DEPTH, 2 * element + ivec2(i & 1, i >> 1)).x;
         if (nearest ? depth_m < chosen_m : depth_m > chosen_m)
             chosen_m = depth_m;
     }

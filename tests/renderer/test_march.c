@@ -467,7 +467,7 @@ static void test_distance_of_what_is_seen(void **state)
     const float *distance_m = neph_image_channel(frame, "volume.distance");
     assert_non_null(distance_m);
     for (int i = 0; i < 63; i++)
-        assert_double_equal(distance_m[i], 10.0, 10.0 * 1e-4);
+        neph_assert_close(distance_m[i], 10.0, 1e-4, 0.0);
     neph_image_destroy(frame);
     test.scene.scattering = NEPH_SCATTERING_NONE; /* nothing is marched: nothing is known */
     frame = render(*state, &test, &params, NULL);

@@ -65,8 +65,8 @@ static void test_min_max_equals_the_oracle(void **state)
             struct test_passes test;
             const int origin_px[2] = {m == 1 ? 8 : 0, m == 1 ? 4 : 0};
             test_passes_open(*state, &settings, sizes_px[s], origin_px, seed, &test);
-            for (size_t i = 0; i < test_elements(&test, RT_DEPTH); i++)
-                test_set(&test, RT_DEPTH, i, (float[4]){random_depth_m(&seed)});
+            for (size_t i = 0; i < test_elements(&test, RT_STEADY_DEPTH); i++)
+                test_set(&test, RT_STEADY_DEPTH, i, (float[4]){random_depth_m(&seed)});
             test_passes_run(&test, &neph_rt_shader_min_max, 0,
                             (size_t)test.view.half_size_px[0] * test.view.half_size_px[1]);
             neph_rt_oracle_min_max(&test.oracle);
@@ -84,10 +84,10 @@ static void test_a_tile_has_two_near_and_two_far(void **state)
     struct neph_rt_view view;
     neph_rt_view_init(&view, &settings, (int[2]){8, 8}, (int[2]){0, 0}, (int[2]){8, 8});
     uint32_t depth[64], half[16];
-    const struct neph_rt_oracle oracle = {.view = &view,
-                                          .targets = {[RT_DEPTH] = depth, [RT_HALF_DEPTH] = half}};
+    const struct neph_rt_oracle oracle = {
+        .view = &view, .targets = {[RT_STEADY_DEPTH] = depth, [RT_HALF_DEPTH] = half}};
     for (size_t i = 0; i < 64; i++)
-        neph_rt_store(&view.targets[RT_DEPTH], depth, i, (float[4]){i % 2 ? near_m : far_m});
+        neph_rt_store(&view.targets[RT_STEADY_DEPTH], depth, i, (float[4]){i % 2 ? near_m : far_m});
     neph_rt_oracle_min_max(&oracle);
     for (int tile = 0; tile < 4; tile++) {
         int near_count = 0;
