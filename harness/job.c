@@ -42,7 +42,13 @@ enum neph_status neph_job_key(const struct neph_job *job, char key[NEPH_HASH_HEX
     return status;
 }
 
-/* Every value an engine hands over is finite (but for Z = +inf, the sky) and not negative. */
+/* Where +inf is an answer: the sky, a medium that shows nothing. */
+static bool may_be_infinite(const char *channel)
+{
+    return strcmp(channel, "Z") == 0 || strcmp(channel, "volume.distance") == 0;
+}
+
+/* Every other value an engine hands over is finite, and none is negative. */
 static enum neph_status check_frame(const struct neph_job *job, const struct neph_image *frame,
                                     struct neph_diag *diag)
 {
@@ -54,11 +60,11 @@ static enum neph_status check_frame(const struct neph_job *job, const struct nep
     const size_t count = neph_image_pixel_count(frame);
     for (int i = 0; i < frame->channel_count; i++) {
         const struct neph_channel *channel = &frame->channels[i];
-        const bool is_depth = strcmp(channel->name, "Z") == 0;
+        const bool is_distance = may_be_infinite(channel->name);
         size_t non_finite = 0, negative = 0;
         for (size_t p = 0; p < count; p++) {
             const float value = channel->samples[p];
-            non_finite += !(isfinite(value) || (is_depth && value == INFINITY));
+            non_finite += !(isfinite(value) || (is_distance && value == INFINITY));
             negative += value < 0.0f;
         }
         if (non_finite + negative > 0)
