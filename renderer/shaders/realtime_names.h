@@ -114,7 +114,7 @@
 #define RT_TILE_ORIGIN_VIEW 0
 #define RT_TILE_ORIGIN_BUFFER 1
 
-// enum neph_dither_kind comes after "none".
+// renderer/realtime/dither.h
 #define RT_DITHER_NONE 0
 #define RT_DITHER_WHITE 1
 #define RT_DITHER_INTERLEAVED 2

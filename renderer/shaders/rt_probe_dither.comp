@@ -1,0 +1,19 @@
+#version 450
+// SPDX-License-Identifier: MIT
+//
+// Dither number by number, for tests/renderer/test_realtime_dither.c: of kind ray_dither and the
+// channel of the run, at the view's frame; the first pixel is (-70, -5). Not used by any renderer.
+#extension GL_GOOGLE_include_directive : require
+
+#include "realtime_dither.glsl"
+#include "realtime_pass.glsl"
+
+void main()
+{
+    ivec2 pixel;
+    if (!own_element(view_size(), pixel))
+        return;
+    ivec2 place = pixel - ivec2(70, 5);
+    put_full(RT_COLOR, pixel,
+             vec4(dither(choice(RT_RAY_DITHER), place, view.frame, run.colour), 0.0, 0.0, 0.0));
+}
