@@ -6,3 +6,9 @@ static const uint32_t min_max_spirv[] = {
 };
 const struct neph_rt_shader neph_rt_shader_min_max = {"rt_min_max", min_max_spirv,
                                                       sizeof(min_max_spirv)};
+
+static const uint32_t tile_index_spirv[] = {
+#include "shaders/rt_tile_index.comp.inc"
+};
+const struct neph_rt_shader neph_rt_shader_tile_index = {"rt_tile_index", tile_index_spirv,
+                                                         sizeof(tile_index_spirv)};

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: MIT
+//
+// Tiles of 2x2 half-pixels: which of the four has a ray in which frame (A4), and the depth that
+// rays and half-pixels are compared by (A6). renderer/realtime/slots.h is its mirror.
+#ifndef NEPH_REALTIME_SLOTS_GLSL
+#define NEPH_REALTIME_SLOTS_GLSL
+
+#include "realtime.glsl"
+
+// A tile keeps its depth in units of 10 km. A product with 1e-4 is rounded the same way everywhere,
+// a quotient is not.
+const float TILE_UNIT_M = 1e4;
+const float TILE_UNITS_PER_M = 1e-4;
+
+// The largest half. It is also where what is kept in one ends before it becomes infinite.
+const float HALF_MAX = 65504.0;
+
+ivec2 target_size(int target)
+{
+    return ivec2(view.targets[target].width, view.targets[target].height);
+}
+
+// By RT_SLOT_ORDER_*.
+const ivec2 SLOT_PLACES[3][4] = ivec2[3][4](
+    ivec2[4](ivec2(0, 0), ivec2(1, 0), ivec2(1, 1), ivec2(0, 1)),
+    ivec2[4](ivec2(0, 0), ivec2(1, 0), ivec2(0, 1), ivec2(1, 1)),
+    ivec2[4](ivec2(0, 0), ivec2(1, 1), ivec2(1, 0), ivec2(0, 1)));
+
+// Where in its tile a slot lies, in half-pixels.
+ivec2 slot_place(int slot) { return SLOT_PLACES[choice(RT_SLOT_ORDER)][slot]; }
+
+// The slot of a half-pixel in its tile.
+int slot_of(ivec2 half_pixel)
+{
+    int slot = 0;
+    while (slot < 3 && slot_place(slot) != (half_pixel & 1))
+        slot++;
+    return slot;
+}
+
+// A4: the slots take turns; the tiles on the white squares of a checkerboard are one ahead, so that
+// near and far depths of 3x3 tiles have rays in every frame (in the clockwise order; in the raster
+// order two frames of four are blind to one of them, X2).
+int default_slot(ivec2 tile)
+{
+    bool is_ahead = choice(RT_SLOT_CHECKERBOARD) != 0 && (tile.x & 1) == (tile.y & 1);
+    return int((view.frame + (is_ahead ? 1u : 0u)) & 3u);
+}
+
+bool is_sky(float depth_m) { return depth_m >= FAR_M; }
+
+// A6: the depth that a ray is stored with. The sky lies at sky_m and solids before ray_depth_max_m,
+// in either format of the target.
+float stored_depth_m(float depth_m)
+{
+    float stored_m = is_sky(depth_m) ? setting(RT_SKY_M)
+                                     : min(depth_m, setting(RT_RAY_DEPTH_MAX_M));
+    return min(stored_m, HALF_MAX * TILE_UNIT_M);
+}
+
+#endif

@@ -1,0 +1,104 @@
+#version 450
+// SPDX-License-Identifier: MIT
+//
+// A4 to A6: which of its four half-pixels a tile marches in this frame, and how deep that one is.
+//
+// The slots take turns. But where none of the eight rays around stands for the depth of a tile's
+// nearest half-pixel, the tile marches that one; else, where none stands for the farthest, that one
+// (A5): history has to be held among rays of its own depth. All tiles at once may take each other
+// for the default and all change together (`override` = parallel, X11: bars with the pitch of the
+// tiles flash with a period of four frames). In four dispatches, one for each colour
+//     0 1
+//     2 3
+// of 2x2 tiles, a tile sees what earlier colours chose and what later ones would by default
+// (sequential).
+//
+// "Nearest" and "farthest" go by the scene's depth, in which the sky is the farthest whatever sky_m
+// says. The comparison goes by unlimited depths: ray_depth_max_m is for what is stored. With
+// `far` = infinite the sky's own depth is infinite there, and |inf - inf| < inf / 4 is false: no
+// ray of the sky covers the sky, and a tile of sky marches slot 0 for ever. What is stored of the
+// sky is sky_m in both cases.
+//
+// `gather` = normalised finds the half-pixels by the article's normalised coordinates. They fall on
+// the corner between the four, where the drift in sizes that are no multiple of 4 stays below the
+// half texel that would matter: the same four, but not held within the view (what X6 does harm to
+// is the reconstruction). `tile_origin` = buffer forgets the view's origin for the tile itself, but
+// not for its neighbours (X5).
+#extension GL_GOOGLE_include_directive : require
+
+#include "realtime_pass.glsl"
+#include "realtime_slots.glsl"
+
+// Eye depth of one half-pixel of a tile [m].
+float slot_depth_m(ivec2 tile, int slot, ivec2 origin_px)
+{
+    ivec2 half_pixel = origin_px / 2 + 2 * tile + slot_place(slot);
+    ivec2 last = choice(RT_GATHER) == RT_GATHER_TEXEL ? origin_px / 2 + half_size() - 1
+                                                      : target_size(RT_HALF_DEPTH) - 1;
+    return fetch(RT_HALF_DEPTH, min(half_pixel, last)).x;
+}
+
+float compared_depth_m(float depth_m)
+{
+    float sky_m = choice(RT_FAR) == RT_FAR_INFINITE ? uintBitsToFloat(0x7f800000u)
+                                                    : setting(RT_SKY_M);
+    return is_sky(depth_m) ? sky_m : depth_m;
+}
+
+// Whether a ray's depth stands for another one. False for infinite ones, without a NaN.
+bool covers(float ray_m, float depth_m)
+{
+    precise float difference_m = abs(depth_m - ray_m);
+    precise float allowed_m = setting(RT_OVERRIDE_DEPTH) * ray_m;
+    return is_finite(ray_m) && is_finite(depth_m) && difference_m < allowed_m;
+}
+
+uint colour_of(ivec2 tile) { return uint((tile.x & 1) + 2 * (tile.y & 1)); }
+
+int neighbour_slot(ivec2 tile)
+{
+    bool is_known = choice(RT_OVERRIDE) == RT_OVERRIDE_SEQUENTIAL && colour_of(tile) < run.colour;
+    return is_known ? int(fetch_tile(RT_TILE, tile).x) : default_slot(tile);
+}
+
+int overridden_slot(ivec2 tile, float depths_m[4])
+{
+    int nearest = 0, farthest = 0;
+    for (int slot = 1; slot < 4; slot++) {
+        if (depths_m[slot] < depths_m[nearest])
+            nearest = slot;
+        if (depths_m[slot] > depths_m[farthest])
+            farthest = slot;
+    }
+    bool near_is_covered = false, far_is_covered = false;
+    for (int i = 0; i < 9; i++) {
+        if (i == 4)
+            continue;
+        ivec2 neighbour = clamp(tile + ivec2(i % 3, i / 3) - 1, ivec2(0), tile_count() - 1);
+        float ray_m = compared_depth_m(
+            slot_depth_m(neighbour, neighbour_slot(neighbour), view_origin()));
+        near_is_covered = near_is_covered || covers(ray_m, compared_depth_m(depths_m[nearest]));
+        far_is_covered = far_is_covered || covers(ray_m, compared_depth_m(depths_m[farthest]));
+    }
+    if (!near_is_covered)
+        return nearest;
+    return far_is_covered ? default_slot(tile) : farthest;
+}
+
+void main()
+{
+    ivec2 tile;
+    if (!own_element(tile_count(), tile))
+        return;
+    bool may_override = choice(RT_OVERRIDE) != RT_OVERRIDE_NONE && view.resting == 0u;
+    if (may_override && choice(RT_OVERRIDE) == RT_OVERRIDE_SEQUENTIAL &&
+        colour_of(tile) != run.colour)
+        return;
+    ivec2 origin_px = choice(RT_TILE_ORIGIN) == RT_TILE_ORIGIN_BUFFER ? ivec2(0) : view_origin();
+    float depths_m[4];
+    for (int slot = 0; slot < 4; slot++)
+        depths_m[slot] = slot_depth_m(tile, slot, origin_px);
+    int chosen = may_override ? overridden_slot(tile, depths_m) : default_slot(tile);
+    precise float units = stored_depth_m(depths_m[chosen]) * TILE_UNITS_PER_M;
+    put_tile(RT_TILE, tile, vec4(float(chosen), units, 0.0, 0.0));
+}
