@@ -118,6 +118,38 @@ static enum neph_status show_scene(const struct request *request, struct neph_di
     return NEPH_OK;
 }
 
+/* One line, or one entry of `list`, per scene of a folder. */
+static enum neph_status list_folder(const struct request *request, enum neph_data_scenes folder,
+                                    json_t *list, struct neph_diag *diag)
+{
+    char **names = NULL;
+    int count = 0;
+    enum neph_status status = neph_data_list_scenes(folder, &names, &count, diag);
+    for (int i = 0; i < count && !status; i++) {
+        struct neph_scene *scene = NULL;
+        status = neph_data_load_scene(names[i], &scene, diag);
+        if (status == NEPH_ERR_NOT_FOUND) { /* its data is not on this machine */
+            if (request->json)
+                json_array_append_new(
+                    list, json_pack("{s:s, s:s}", "name", names[i], "absent", diag->message));
+            else
+                printf("%-24s not here: %s\n", names[i], diag->message);
+            *diag = (struct neph_diag){.line = 0};
+            status = NEPH_OK;
+            continue;
+        }
+        if (status)
+            break;
+        if (request->json)
+            json_array_append_new(list, scene_json(scene));
+        else
+            printf("%-24s %s\n", scene->name, scene->title);
+        neph_scene_destroy(scene);
+    }
+    neph_data_free_names(names);
+    return status;
+}
+
 enum neph_status neph_cli_scenes(int argc, char **argv, struct neph_diag *diag)
 {
     static const struct argp argp = {
@@ -131,35 +163,13 @@ enum neph_status neph_cli_scenes(int argc, char **argv, struct neph_diag *diag)
     argp_parse(&argp, argc, argv, 0, NULL, &request);
     if (request.name)
         return show_scene(&request, diag);
-    char **names = NULL;
-    int count = 0;
-    enum neph_status status = neph_data_catalog(&names, &count, diag);
+    enum neph_status status = NEPH_OK;
     json_t *list = json_array();
-    for (int i = 0; i < count && !status; i++) {
-        struct neph_scene *scene = NULL;
-        status = neph_data_load_scene(names[i], &scene, diag);
-        if (status == NEPH_ERR_NOT_FOUND) { /* its data is not on this machine */
-            if (request.json)
-                json_array_append_new(
-                    list, json_pack("{s:s, s:s}", "name", names[i], "absent", diag->message));
-            else
-                printf("%-24s not here: %s\n", names[i], diag->message);
-            *diag = (struct neph_diag){.line = 0};
-            status = NEPH_OK;
-            continue;
-        }
-        if (status)
-            break;
-        if (request.json)
-            json_array_append_new(list, scene_json(scene));
-        else
-            printf("%-24s %s\n", scene->name, scene->title);
-        neph_scene_destroy(scene);
-    }
+    for (int folder = 0; folder < NEPH_DATA_SCENES_COUNT && !status; folder++)
+        status = list_folder(&request, (enum neph_data_scenes)folder, list, diag);
     if (!status && request.json)
         neph_cli_print_json(json_incref(list));
     json_decref(list);
-    neph_data_free_names(names);
     return status;
 }
 

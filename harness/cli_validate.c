@@ -235,7 +235,7 @@ enum neph_status neph_cli_validate(int argc, char **argv, struct neph_diag *diag
         return run(&request, request.scenes, request.scene_count, diag);
     char **names = NULL;
     int count = 0;
-    enum neph_status status = neph_data_catalog(&names, &count, diag);
+    enum neph_status status = neph_data_list_scenes(NEPH_DATA_CATALOG, &names, &count, diag);
     if (!status)
         status = run(&request, (const char *const *)names, count, diag);
     neph_data_free_names(names);

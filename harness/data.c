@@ -8,6 +8,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+static const char *const scene_folders[NEPH_DATA_SCENES_COUNT] = {
+    [NEPH_DATA_CATALOG] = "scenes/catalog",
+    [NEPH_DATA_FAILURES] = "scenes/failure",
+};
+
 const char *neph_data_directory(void)
 {
     const char *directory = getenv("NEPH_DATA_DIR");
@@ -29,21 +34,21 @@ enum neph_status neph_data_load_scene(const char *path_or_name, struct neph_scen
 {
     if (!is_plain_name(path_or_name) || neph_path_exists(path_or_name))
         return neph_scene_load(path_or_name, scene, diag);
-    char *path = neph_format("%s/scenes/catalog/%s.yaml", neph_data_directory(), path_or_name);
-    if (!path)
-        return neph_fail_memory(diag);
-    enum neph_status status;
-    if (neph_path_exists(path)) {
-        status = neph_scene_load(path, scene, diag);
-    } else {
-        status = neph_fail(diag, NEPH_ERR_NOT_FOUND,
-                           "no file and no scene of the catalogue is "
-                           "called '%s'",
-                           path_or_name);
-        neph_hint(diag, "`neph scenes` lists the catalogue");
+    for (int folder = 0; folder < NEPH_DATA_SCENES_COUNT; folder++) {
+        char *path = neph_format("%s/%s/%s.yaml", neph_data_directory(), scene_folders[folder],
+                                 path_or_name);
+        if (!path)
+            return neph_fail_memory(diag);
+        const bool is_here = neph_path_exists(path);
+        const enum neph_status status = is_here ? neph_scene_load(path, scene, diag) : NEPH_OK;
+        free(path);
+        if (is_here)
+            return status;
     }
-    free(path);
-    return status;
+    neph_fail(diag, NEPH_ERR_NOT_FOUND, "no file and no scene of the catalogue is called '%s'",
+              path_or_name);
+    neph_hint(diag, "`neph scenes` lists the catalogue");
+    return NEPH_ERR_NOT_FOUND;
 }
 
 static int keep_yaml(const struct dirent *entry)
@@ -52,13 +57,14 @@ static int keep_yaml(const struct dirent *entry)
     return entry->d_name[0] != '.' && dot && strcmp(dot, ".yaml") == 0;
 }
 
-enum neph_status neph_data_catalog(char ***names, int *count, struct neph_diag *diag)
+enum neph_status neph_data_list_scenes(enum neph_data_scenes which, char ***names, int *count,
+                                       struct neph_diag *diag)
 {
-    char *folder = neph_data_path("scenes/catalog");
+    char *folder = neph_data_path(scene_folders[which]);
     struct dirent **entries = NULL;
     const int found = folder ? scandir(folder, &entries, keep_yaml, alphasort) : -1;
     if (found < 0) {
-        enum neph_status status = neph_fail(diag, NEPH_ERR_NOT_FOUND, "no catalogue at '%s': %s",
+        enum neph_status status = neph_fail(diag, NEPH_ERR_NOT_FOUND, "no scenes at '%s': %s",
                                             folder ? folder : "?", strerror(errno));
         neph_hint(diag, "set NEPH_DATA_DIR to the folder that holds scenes/ and scripts/");
         free(folder);

@@ -18,8 +18,16 @@ char *neph_data_path(const char *relative);
 enum neph_status neph_data_load_scene(const char *path_or_name, struct neph_scene **scene,
                                       struct neph_diag *diag);
 
-/* The names of the catalogue, sorted, NULL-terminated. Free with neph_data_free_names. */
-enum neph_status neph_data_catalog(char ***names, int *count, struct neph_diag *diag);
+/* The folders of the catalogue; no name is in both. */
+enum neph_data_scenes {
+    NEPH_DATA_CATALOG,  /* measured against truth over all engines: what `neph validate` runs */
+    NEPH_DATA_FAILURES, /* where methods fail over many frames: what stability is measured with */
+    NEPH_DATA_SCENES_COUNT,
+};
+
+/* The names in a folder, sorted, NULL-terminated. Free with neph_data_free_names. */
+enum neph_status neph_data_list_scenes(enum neph_data_scenes which, char ***names, int *count,
+                                       struct neph_diag *diag);
 void neph_data_free_names(char **names);
 
 #endif
