@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * A radix selection: one histogram over the top 11 bits is kept; the bucket that holds a rank is
- * gathered when it is first asked for, and counted by its next 11 bits, and those by their last 10.
- * Nothing is sorted.
+ * A radix selection: one histogram over the top 16 bits is kept, 128 buckets to an octave, so that
+ * few keys are in any; the bucket that holds a rank is gathered when it is first asked for, and
+ * counted by its next 8 bits, and those by their last 8. Nothing is sorted.
  */
 #include "metrics/select.h"
 
@@ -13,9 +13,9 @@
 #include <string.h>
 
 enum {
-    TOP_BITS = 11,
-    MIDDLE_BITS = 11,
-    LAST_BITS = 10,
+    TOP_BITS = 16,
+    MIDDLE_BITS = 8,
+    LAST_BITS = 8,
     LOW_BITS = MIDDLE_BITS + LAST_BITS,
     BUCKETS = 1 << TOP_BITS,
     MIDDLES = 1 << MIDDLE_BITS,
@@ -24,7 +24,7 @@ enum {
 
 struct neph_selector {
     const struct neph_key_runs *runs;
-    size_t counts[BUCKETS];
+    size_t below[BUCKETS + 1]; /* keys in the buckets before */
     double sums[BUCKETS];
     bool has_sums;
     int open_bucket;   /* that `members` holds and `middle` counts; -1: none */
@@ -33,41 +33,62 @@ struct neph_selector {
     uint32_t middle[MIDDLES], last[LASTS];
 };
 
-static bool count_buckets(struct neph_selector *selector)
+/* Two histograms: neighbouring keys are often alike, and to count them in one place would wait for
+ * the count before. */
+static void count_run(const uint32_t *restrict keys, size_t count, uint32_t *restrict even,
+                      uint32_t *restrict odd)
 {
-    /* Four histograms: neighbouring keys are alike, and counting them in one place would wait for
-     * the count before. */
-    enum { WAYS = 4 };
-    uint32_t(*parts)[BUCKETS] = calloc(WAYS, sizeof(*parts));
-    if (!parts)
-        return false;
-    const struct neph_key_runs *runs = selector->runs;
-    for (int r = 0; r < runs->run_count; r++) {
-        const uint32_t *keys = runs->keys + runs->first[r];
-        for (uint32_t i = 0; i < runs->counts[r]; i++)
-            parts[i % WAYS][keys[i] >> LOW_BITS]++;
+    size_t i = 0;
+    for (; i + 4 <= count; i += 4) {
+        even[keys[i] >> LOW_BITS]++;
+        odd[keys[i + 1] >> LOW_BITS]++;
+        even[keys[i + 2] >> LOW_BITS]++;
+        odd[keys[i + 3] >> LOW_BITS]++;
     }
-    for (int b = 0; b < BUCKETS; b++)
-        for (int w = 0; w < WAYS; w++)
-            selector->counts[b] += parts[w][b];
-    free(parts);
-    return true;
+    for (; i < count; i++)
+        even[keys[i] >> LOW_BITS]++;
+}
+
+/* Returns the number of keys in the fullest bucket, or -1 when memory is short. */
+static long long count_buckets(struct neph_selector *selector)
+{
+    uint32_t *even = calloc(2 * (size_t)BUCKETS, sizeof(*even));
+    if (!even)
+        return -1;
+    uint32_t *odd = even + BUCKETS;
+    const struct neph_key_runs *runs = selector->runs;
+    for (int r = 0; r < runs->run_count; r++)
+        count_run(runs->keys + runs->first[r], runs->counts[r], even, odd);
+    size_t largest = 0;
+    for (int b = 0; b < BUCKETS; b++) {
+        const size_t count = (size_t)even[b] + odd[b];
+        selector->below[b + 1] = selector->below[b] + count;
+        largest = count > largest ? count : largest;
+    }
+    free(even);
+    return (long long)largest;
+}
+
+static size_t count_of(const struct neph_selector *selector, int bucket)
+{
+    return selector->below[bucket + 1] - selector->below[bucket];
 }
 
 enum neph_status neph_selector_create(const struct neph_key_runs *runs,
                                       struct neph_selector **selector, struct neph_diag *diag)
 {
-    struct neph_selector *created = calloc(1, sizeof(*created));
+    struct neph_selector *created = malloc(sizeof(*created)); /* large, and most of it for later */
     if (!created)
         return neph_fail_memory(diag);
     created->runs = runs;
-    created->open_bucket = -1;
-    const bool counted = count_buckets(created);
-    size_t largest = 0;
-    for (int b = 0; b < BUCKETS; b++)
-        largest = created->counts[b] > largest ? created->counts[b] : largest;
-    created->members = malloc((largest + 1) * sizeof(*created->members));
-    if (!counted || !created->members) {
+    created->has_sums = false;
+    created->open_bucket = created->open_middle = -1;
+    created->members = NULL;
+    created->below[0] = 0;
+    const long long largest = count_buckets(created);
+    if (largest >= 0)
+        created->members = malloc(((size_t)largest + 1) * sizeof(*created->members));
+    if (!created->members) {
         neph_selector_destroy(created);
         return neph_fail_memory(diag);
     }
@@ -130,7 +151,7 @@ static void open_middle(struct neph_selector *selector, int middle)
 {
     if (selector->open_middle == middle)
         return;
-    const size_t count = selector->counts[selector->open_bucket];
+    const size_t count = count_of(selector, selector->open_bucket);
     memset(selector->last, 0, sizeof(selector->last));
     for (size_t i = 0; i < count; i++)
         if (((selector->members[i] >> LAST_BITS) & (MIDDLES - 1)) == (uint32_t)middle)
@@ -144,12 +165,25 @@ static uint32_t key_from(const struct neph_selector *selector, int last)
            ((uint32_t)selector->open_middle << LAST_BITS) | (uint32_t)last;
 }
 
+/* By bisection: the last bucket with no more than `rank` keys below it, which is not empty. */
+static int bucket_of_rank(const struct neph_selector *selector, size_t rank)
+{
+    int first = 0, end = BUCKETS;
+    while (end - first > 1) {
+        const int middle = first + (end - first) / 2;
+        if (selector->below[middle] <= rank)
+            first = middle;
+        else
+            end = middle;
+    }
+    return first;
+}
+
 uint32_t neph_select_rank(struct neph_selector *selector, size_t rank)
 {
-    int bucket = 0;
-    while (rank >= selector->counts[bucket])
-        rank -= selector->counts[bucket++];
+    const int bucket = bucket_of_rank(selector, rank);
     open_bucket(selector, bucket);
+    rank -= selector->below[bucket];
     int middle = 0, last = 0;
     while (rank >= selector->middle[middle])
         rank -= selector->middle[middle++];
@@ -174,6 +208,7 @@ static void sum_buckets(struct neph_selector *selector)
 {
     if (selector->has_sums)
         return;
+    memset(selector->sums, 0, sizeof(selector->sums));
     const struct neph_key_runs *runs = selector->runs;
     for (int r = 0; r < runs->run_count; r++) {
         const uint32_t *keys = runs->keys + runs->first[r];
@@ -187,7 +222,7 @@ static void sum_buckets(struct neph_selector *selector)
 static double first_above(struct neph_selector *selector, double target)
 {
     double sums[MIDDLES] = {0.0}, running = 0.0;
-    const size_t count = selector->counts[selector->open_bucket];
+    const size_t count = count_of(selector, selector->open_bucket);
     for (size_t i = 0; i < count; i++)
         sums[(selector->members[i] >> LAST_BITS) & (MIDDLES - 1)] += neph_key_value(
             selector->members[i]);
