@@ -1,11 +1,24 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * The sums of a resample are those of the tiles, each times how often it was drawn. So the draws,
+ * the same for all numbers, are counted once, and a number costs a product of two matrices: counts
+ * by sums. Resamples stand together in groups as wide as the product is fast.
+ */
 #include "metrics/interval.h"
 
 #include "metrics/statistics.h"
+#include "metrics/vector_math.h"
 
 #include <math.h>
-#include <stdint.h>
 #include <stdlib.h>
+#include <string.h>
+
+enum {
+    GROUP = 64, /* resamples */
+    GROUP_COUNT = (NEPH_BOOTSTRAP_RESAMPLES + GROUP - 1) / GROUP,
+    CHUNK = 256, /* draws at a time */
+    COLUMNS = 4, /* sums at a time */
+};
 
 /* Any constant would do; it is fixed so that the same images give the same interval. */
 static const uint64_t resample_seed = 0x6e6570685f626f6fu;
@@ -23,40 +36,113 @@ struct neph_tiling neph_tiling_of(int width_px, int height_px)
     }
 }
 
-/* splitmix64 (Steele, Lea and Flood, OOPSLA 2014), the top 32 bits scaled to 0..bound-1: the
- * preference for some values is below bound / 2^32. */
-static int draw_below(uint64_t *state, int bound)
+/* ---- the draws ------------------------------------------------------------------------------- */
+
+/* Draws first .. first + count - 1 of all, by splitmix64 (Steele, Lea and Flood, OOPSLA 2014), the
+ * top 32 bits scaled to 0..bound-1: the preference for some values is below bound / 2^32. */
+NEPH_VECTOR static void draw(uint64_t first, int bound, int count, uint32_t *restrict drawn)
 {
-    uint64_t z = (*state += 0x9e3779b97f4a7c15u);
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    z ^= z >> 31;
-    return (int)(((z >> 32) * (uint64_t)bound) >> 32);
+    for (int i = 0; i < count; i++) {
+        uint64_t z = resample_seed + (first + 1 + (uint64_t)i) * 0x9e3779b97f4a7c15u;
+        z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+        z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+        z ^= z >> 31;
+        drawn[i] = (uint32_t)(((z >> 32) * (uint64_t)bound) >> 32);
+    }
 }
 
-static void add_tile(double *totals, const double *tile, int sum_count)
+/* Counts of one resample stand GROUP apart. A count above 255 of n draws among n tiles comes once
+ * in 255! resamples. */
+static void count_draws(int resample, int tile_count, uint8_t *counts)
 {
-    for (int s = 0; s < sum_count; s++)
-        totals[s] += tile[s];
+    uint32_t drawn[CHUNK];
+    for (int done = 0; done < tile_count; done += CHUNK) {
+        const int part = tile_count - done < CHUNK ? tile_count - done : CHUNK;
+        draw((uint64_t)resample * (uint64_t)tile_count + (uint64_t)done, tile_count, part, drawn);
+        for (int i = 0; i < part; i++)
+            counts[(size_t)drawn[i] * GROUP]++;
+    }
+}
+
+/* The counts of a group: GROUP for each tile. */
+static uint8_t *group_of(const struct neph_resampling *resampling, int group)
+{
+    return resampling->counts + (size_t)group * (size_t)resampling->tile_count * GROUP;
+}
+
+static enum neph_status draw_all(struct neph_resampling *resampling, int tile_count,
+                                 struct neph_diag *diag)
+{
+    neph_resampling_finish(resampling);
+    resampling->counts = calloc((size_t)tile_count, (size_t)GROUP_COUNT * GROUP);
+    if (!resampling->counts)
+        return neph_fail_memory(diag);
+    resampling->tile_count = tile_count;
+    for (int r = 0; r < NEPH_BOOTSTRAP_RESAMPLES; r++)
+        count_draws(r, tile_count, group_of(resampling, r / GROUP) + r % GROUP);
+    return NEPH_OK;
+}
+
+void neph_resampling_finish(struct neph_resampling *resampling)
+{
+    free(resampling->counts);
+    *resampling = (struct neph_resampling){0};
+}
+
+/* ---- the sums of the resamples --------------------------------------------------------------- */
+
+typedef double group_sums[GROUP];
+
+/* `column_count` neighbouring sums of the tiles, for each resample of a group. */
+__attribute__((always_inline)) static inline void
+add_columns(const uint8_t *restrict counts, const double *restrict tiles, int tile_count,
+            int sum_count, int column_count, group_sums *restrict totals)
+{
+    group_sums sums[COLUMNS] = {{0.0}};
+    for (int t = 0; t < tile_count; t++, counts += GROUP, tiles += sum_count) {
+        double times[GROUP];
+        for (int r = 0; r < GROUP; r++)
+            times[r] = (double)counts[r];
+        for (int c = 0; c < column_count; c++)
+            for (int r = 0; r < GROUP; r++)
+                sums[c][r] += tiles[c] * times[r];
+    }
+    memcpy(totals, sums, (size_t)column_count * sizeof(*sums));
+}
+
+NEPH_VECTOR static void add_group(const uint8_t *counts, const double *tiles, int tile_count,
+                                  int sum_count, group_sums *totals)
+{
+    int s = 0;
+    for (; s + COLUMNS <= sum_count; s += COLUMNS)
+        add_columns(counts, tiles + s, tile_count, sum_count, COLUMNS, totals + s);
+    for (; s < sum_count; s++)
+        add_columns(counts, tiles + s, tile_count, sum_count, 1, totals + s);
 }
 
 /* `draws` holds one row of NEPH_BOOTSTRAP_RESAMPLES values per statistic. */
-static void resample(const double *tiles, int tile_count, int sum_count,
+static void resample(const struct neph_resampling *resampling, const double *tiles, int sum_count,
                      const struct neph_bootstrapped *statistics, int statistic_count, double *draws)
 {
-    uint64_t state = resample_seed;
-    for (int r = 0; r < NEPH_BOOTSTRAP_RESAMPLES; r++) {
-        double totals[NEPH_BOOTSTRAP_SUMS_MAX] = {0};
-        for (int t = 0; t < tile_count; t++)
-            add_tile(totals, tiles + (size_t)draw_below(&state, tile_count) * (size_t)sum_count,
-                     sum_count);
-        for (int k = 0; k < statistic_count; k++) {
-            double value = 0.0;
-            bool defined = statistics[k].value(statistics[k].context, totals, &value);
-            draws[(size_t)k * NEPH_BOOTSTRAP_RESAMPLES + (size_t)r] = defined ? value : NAN;
+    for (int first = 0; first < NEPH_BOOTSTRAP_RESAMPLES; first += GROUP) {
+        group_sums totals[NEPH_BOOTSTRAP_SUMS_MAX];
+        add_group(group_of(resampling, first / GROUP), tiles, resampling->tile_count, sum_count,
+                  totals);
+        for (int r = 0; r < GROUP && first + r < NEPH_BOOTSTRAP_RESAMPLES; r++) {
+            double sums[NEPH_BOOTSTRAP_SUMS_MAX];
+            for (int s = 0; s < sum_count; s++)
+                sums[s] = totals[s][r];
+            for (int k = 0; k < statistic_count; k++) {
+                double value = 0.0;
+                const bool defined = statistics[k].value(statistics[k].context, sums, &value);
+                draws[(size_t)k * NEPH_BOOTSTRAP_RESAMPLES + (size_t)(first + r)] = defined ? value
+                                                                                            : NAN;
+            }
         }
     }
 }
+
+/* ---- bounds ---------------------------------------------------------------------------------- */
 
 static struct neph_bootstrap_bounds bounds_of(double *draws, double value)
 {
@@ -68,7 +154,8 @@ static struct neph_bootstrap_bounds bounds_of(double *draws, double value)
     return (struct neph_bootstrap_bounds){true, fmin(low, value), fmax(high, value)};
 }
 
-enum neph_status neph_bootstrap_tiles(const double *tiles, int tile_count, int sum_count,
+enum neph_status neph_bootstrap_tiles(struct neph_resampling *resampling, const double *tiles,
+                                      int tile_count, int sum_count,
                                       const struct neph_bootstrapped *statistics,
                                       int statistic_count, struct neph_bootstrap_bounds *bounds,
                                       struct neph_diag *diag)
@@ -80,13 +167,19 @@ enum neph_status neph_bootstrap_tiles(const double *tiles, int tile_count, int s
         bounds[k] = (struct neph_bootstrap_bounds){0};
     if (tile_count < NEPH_BOOTSTRAP_TILES_MIN || statistic_count < 1)
         return NEPH_OK;
+    if (resampling->tile_count != tile_count) {
+        const enum neph_status status = draw_all(resampling, tile_count, diag);
+        if (status)
+            return status;
+    }
     double *draws = calloc((size_t)statistic_count * NEPH_BOOTSTRAP_RESAMPLES, sizeof(*draws));
     if (!draws)
         return neph_fail_memory(diag);
-    resample(tiles, tile_count, sum_count, statistics, statistic_count, draws);
+    resample(resampling, tiles, sum_count, statistics, statistic_count, draws);
     double totals[NEPH_BOOTSTRAP_SUMS_MAX] = {0};
     for (int t = 0; t < tile_count; t++)
-        add_tile(totals, tiles + (size_t)t * (size_t)sum_count, sum_count);
+        for (int s = 0; s < sum_count; s++)
+            totals[s] += tiles[(size_t)t * (size_t)sum_count + (size_t)s];
     for (int k = 0; k < statistic_count; k++) {
         double value = 0.0;
         if (statistics[k].value(statistics[k].context, totals, &value))

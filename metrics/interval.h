@@ -17,6 +17,7 @@
 #include "base/status.h"
 
 #include <stdbool.h>
+#include <stdint.h>
 
 enum {
     NEPH_BOOTSTRAP_RESAMPLES = 1000,
@@ -48,13 +49,24 @@ struct neph_bootstrap_bounds {
     double low, high; /* 0 when undefined */
 };
 
+/* How often each tile is in each resample. That depends on the number of tiles alone and takes
+ * longer to draw than to use: whoever asks again for as many tiles keeps it. Start from {0}. */
+struct neph_resampling {
+    int tile_count;
+    uint8_t *counts; /* owned; see interval.c */
+};
+
+void neph_resampling_finish(struct neph_resampling *resampling); /* a zeroed one is fine */
+
 /* Draw `tile_count` of the tiles with replacement, add up their sums, evaluate the statistics;
  * 1000 times with a fixed seed, the same draws for all statistics. `tiles` holds `tile_count` rows
  * of `sum_count` (at most NEPH_BOOTSTRAP_SUMS_MAX) sums; leave out tiles without a pixel. Bounds
  * are the 2.5 and 97.5 percentiles of each statistic (see statistics.h),
  * widened where need be to hold the statistic of the tiles themselves. They are undefined when
- * there are fewer than NEPH_BOOTSTRAP_TILES_MIN tiles or the statistic is undefined in any draw. */
-enum neph_status neph_bootstrap_tiles(const double *tiles, int tile_count, int sum_count,
+ * there are fewer than NEPH_BOOTSTRAP_TILES_MIN tiles or the statistic is undefined in any draw.
+ * `resampling` is drawn anew when it is of another number of tiles. */
+enum neph_status neph_bootstrap_tiles(struct neph_resampling *resampling, const double *tiles,
+                                      int tile_count, int sum_count,
                                       const struct neph_bootstrapped *statistics,
                                       int statistic_count, struct neph_bootstrap_bounds *bounds,
                                       struct neph_diag *diag);

@@ -125,8 +125,11 @@ enum neph_status neph_pair_compare(const struct neph_image *const frames[4],
     enum neph_status status = NEPH_OK;
     if (tile_count < 0)
         status = neph_fail(diag, NEPH_ERR_GATE, "a pixel of the mask is not finite");
+    struct neph_resampling resampling = {0};
     if (!status)
-        status = neph_bootstrap_tiles(tiles, tile_count, SUMS, statistics, 3, bounds, diag);
+        status = neph_bootstrap_tiles(&resampling, tiles, tile_count, SUMS, statistics, 3, bounds,
+                                      diag);
+    neph_resampling_finish(&resampling);
     free(tiles);
     if (status)
         return status;

@@ -7,7 +7,6 @@
 #include "metrics/pooling.h"
 
 #include "base/threads.h"
-#include "metrics/interval.h"
 #include "metrics/select.h"
 #include "metrics/statistics.h"
 #include "metrics/vector_math.h"
@@ -46,16 +45,22 @@ enum neph_status neph_pool_mask_create(const struct neph_mask *mask, struct neph
 void neph_pool_mask_finish(struct neph_pool_mask *pooled)
 {
     free(pooled->tile_pixels);
+    neph_resampling_finish(&pooled->resampling);
     *pooled = (struct neph_pool_mask){0};
 }
 
 /* ---- what the pools need --------------------------------------------------------------------- */
 
-/* Whether it counts a part of the values, by their order. */
-static bool has_part(enum neph_pool pool)
+/* Whether it needs the number, or the sum, of a part of the values, by their order. */
+static bool has_part_n(enum neph_pool pool)
 {
-    return pool == NEPH_POOL_PERCENTILE || pool == NEPH_POOL_WEIGHTED_PERCENTILE ||
-           pool == NEPH_POOL_TRIMMED_MEAN || pool == NEPH_POOL_SHARE_ABOVE;
+    return pool == NEPH_POOL_PERCENTILE || pool == NEPH_POOL_TRIMMED_MEAN ||
+           pool == NEPH_POOL_SHARE_ABOVE;
+}
+
+static bool has_part_v(enum neph_pool pool)
+{
+    return pool == NEPH_POOL_WEIGHTED_PERCENTILE || pool == NEPH_POOL_TRIMMED_MEAN;
 }
 
 static bool needs_over(enum neph_pool pool)
@@ -68,7 +73,7 @@ static bool needs_over(enum neph_pool pool)
 
 /* What one mask gets from one map. */
 struct gathered {
-    const struct neph_pool_mask *mask;
+    struct neph_pool_mask *mask;
     struct tile *tiles; /* owned */
     uint32_t *keys;     /* owned; NULL when no pool needs them */
     size_t *first;      /* of each tile in keys; owned */
@@ -92,50 +97,58 @@ struct lanes {
         max[NEPH_TILE_SIDE_PX];
 };
 
-/* Add a piece of a row. `all`: every pixel of it is in the mask. */
-__attribute__((always_inline)) static inline void
-add_piece(const double *restrict v, const double *restrict w, const uint8_t *restrict inside,
-          int count, bool all, struct lanes *restrict lanes)
+static void clear(struct lanes *lanes)
 {
-    for (int x = 0; x < count; x++) {
-        const bool in = (all || inside[x]) && v[x] == v[x]; /* NaN: no value */
-        const double here = v[x], over_here = w[x];
-        const double value = in ? here : 0.0, over = in ? over_here : 0.0;
-        const double candidate = in ? here : -(double)INFINITY;
-        lanes->n[x] += in ? 1.0 : 0.0;
-        lanes->v[x] += value;
-        lanes->v2[x] += value * value;
-        lanes->w[x] += over;
-        lanes->max[x] = candidate > lanes->max[x] ? candidate : lanes->max[x];
-    }
+    *lanes = (struct lanes){.n = {0.0}};
+    for (int l = 0; l < NEPH_TILE_SIDE_PX; l++)
+        lanes->max[l] = -INFINITY;
 }
 
-/* The rows of one plane of a tile, `stride` apart. */
-NEPH_VECTOR static void add_whole_tile(const double *restrict v, const double *restrict w,
-                                       int columns, int rows, size_t stride,
-                                       struct lanes *restrict lanes)
+/* The rows of one plane of a tile of full width that is in the mask and has values everywhere,
+ * `stride` apart; all but the number. */
+NEPH_VECTOR static void add_plain_tile(const double *restrict v, const double *restrict w, int rows,
+                                       size_t stride, struct lanes *restrict lanes)
 {
     for (int y = 0; y < rows; y++, v += stride, w += stride) {
-        if (columns == NEPH_TILE_SIDE_PX) /* the usual case, without a remainder */
-            add_piece(v, w, NULL, NEPH_TILE_SIDE_PX, true, lanes);
-        else
-            add_piece(v, w, NULL, columns, true, lanes);
+        NEPH_LANES
+        for (int x = 0; x < NEPH_TILE_SIDE_PX; x++) {
+            lanes->v[x] += v[x];
+            lanes->v2[x] += v[x] * v[x];
+            lanes->w[x] += w[x];
+            lanes->max[x] = v[x] > lanes->max[x] ? v[x] : lanes->max[x];
+        }
     }
 }
 
+/* The same where there is the mask and a value. */
 NEPH_VECTOR static void add_masked_tile(const double *restrict v, const double *restrict w,
                                         const uint8_t *restrict inside, int columns, int rows,
                                         size_t stride, struct lanes *restrict lanes)
 {
-    for (int y = 0; y < rows; y++, v += stride, w += stride, inside += stride)
-        add_piece(v, w, inside, columns, false, lanes);
+    for (int y = 0; y < rows; y++, v += stride, w += stride, inside += stride) {
+        for (int x = 0; x < columns; x++) {
+            const bool in = inside[x] && v[x] == v[x]; /* NaN: no value */
+            const double here = v[x], over_here = w[x];
+            const double value = in ? here : 0.0, over = in ? over_here : 0.0;
+            const double candidate = in ? here : -(double)INFINITY;
+            lanes->n[x] += in ? 1.0 : 0.0;
+            lanes->v[x] += value;
+            lanes->v2[x] += value * value;
+            lanes->w[x] += over;
+            lanes->max[x] = candidate > lanes->max[x] ? candidate : lanes->max[x];
+        }
+    }
 }
 
-/* Keys of a piece of a row that has a value everywhere. */
-NEPH_VECTOR static void add_all_keys(const double *restrict v, int count, uint32_t *restrict keys)
+/* Keys of the rows of one plane of a plain tile. */
+NEPH_VECTOR static void add_plain_keys(const double *restrict v, int rows, size_t stride,
+                                       uint32_t *restrict keys)
 {
-    for (int x = 0; x < count; x++)
-        keys[x] = neph_key_of(v[x]);
+    for (int y = 0; y < rows; y++, v += stride, keys += NEPH_TILE_SIDE_PX) {
+        NEPH_LANES
+        for (int x = 0; x < NEPH_TILE_SIDE_PX; x++)
+            keys[x] = neph_key_of(v[x]);
+    }
 }
 
 /* Keys where there is a value and the mask. Writes one more than belongs here, for want of a
@@ -158,46 +171,95 @@ static double sum_of(const double lanes[NEPH_TILE_SIDE_PX])
     return sum;
 }
 
-/* One tile of one mask, from the buffers of its strip. */
-static void gather_tile(const struct walk *walk, struct gathered *set, int strip, int column,
-                        double *const v[3], double *const w[3])
+/* A tile within the buffers of its strip. */
+struct place {
+    double *const *v, *const *w; /* planes */
+    const uint8_t *inside;
+    size_t first; /* its first pixel in a plane of the strip */
+    size_t stride;
+    int plane_count, columns, rows;
+};
+
+/* Sums of a tile of full width that is wholly in the mask: as if there were values everywhere, and
+ * if there are not, the sum shows it, and it is not plain. */
+static bool sum_plain_tile(const struct place *place, struct lanes *lanes)
 {
-    const int width = walk->source->width_px, side = walk->tiling.side_px;
-    const size_t tile = (size_t)strip * (size_t)walk->tiling.columns + (size_t)column;
-    const int first_x = column * side, first_y = strip * side;
-    const int columns = width - first_x < side ? width - first_x : side;
-    const int rows = walk->source->height_px - first_y < side ? walk->source->height_px - first_y
-                                                              : side;
-    struct lanes lanes = {.n = {0}};
-    for (int l = 0; l < NEPH_TILE_SIDE_PX; l++)
-        lanes.max[l] = -INFINITY;
-    uint32_t *key = set->keys ? set->keys + set->first[tile] : NULL;
-    const uint8_t *inside = set->mask->mask->inside + (size_t)first_y * (size_t)width + first_x;
-    const bool whole = set->mask->tile_pixels[tile] == (uint32_t)(columns * rows);
-    for (int p = 0; p < walk->source->plane_count; p++) {
-        if (whole)
-            add_whole_tile(v[p] + first_x, w[p] + first_x, columns, rows, (size_t)width, &lanes);
-        else
-            add_masked_tile(v[p] + first_x, w[p] + first_x, inside, columns, rows, (size_t)width,
-                            &lanes);
-    }
-    const double n = sum_of(lanes.n);
-    const bool everywhere = n == (double)(columns * rows * walk->source->plane_count);
-    for (int p = 0; key && p < walk->source->plane_count; p++) {
-        for (int y = 0; y < rows; y++) {
-            const double *row = v[p] + first_x + (size_t)y * (size_t)width;
-            if (everywhere)
-                add_all_keys(row, columns, key);
-            key = everywhere ? key + columns
-                             : add_some_keys(row, inside + (size_t)y * (size_t)width, columns, key);
+    clear(lanes);
+    for (int p = 0; p < place->plane_count; p++)
+        add_plain_tile(place->v[p] + place->first, place->w[p] + place->first, place->rows,
+                       place->stride, lanes);
+    lanes->n[0] = (double)(place->columns * place->rows * place->plane_count);
+    return !isnan(sum_of(lanes->v));
+}
+
+static void sum_masked_tile(const struct place *place, struct lanes *lanes)
+{
+    clear(lanes);
+    for (int p = 0; p < place->plane_count; p++)
+        add_masked_tile(place->v[p] + place->first, place->w[p] + place->first, place->inside,
+                        place->columns, place->rows, place->stride, lanes);
+}
+
+/* Returns the number of keys. */
+static uint32_t add_keys(const struct place *place, bool is_plain, uint32_t *keys)
+{
+    uint32_t *next = keys;
+    for (int p = 0; p < place->plane_count; p++) {
+        const double *v = place->v[p] + place->first;
+        if (is_plain) {
+            add_plain_keys(v, place->rows, place->stride, next);
+            next += place->rows * NEPH_TILE_SIDE_PX;
+            continue;
         }
+        for (size_t y = 0; y < (size_t)place->rows; y++)
+            next = add_some_keys(v + y * place->stride, place->inside + y * place->stride,
+                                 place->columns, next);
     }
+    return (uint32_t)(next - keys);
+}
+
+/* One tile of one mask. */
+static void gather_tile(struct gathered *set, size_t tile, const struct place *place)
+{
+    struct lanes lanes;
+    const bool is_whole = set->mask->tile_pixels[tile] ==
+                          (uint32_t)(NEPH_TILE_SIDE_PX * place->rows);
+    const bool is_plain = is_whole && sum_plain_tile(place, &lanes);
+    if (!is_plain)
+        sum_masked_tile(place, &lanes);
     struct tile *found = &set->tiles[tile];
-    *found = (struct tile){{n, sum_of(lanes.v), sum_of(lanes.v2), sum_of(lanes.w)}, -INFINITY};
+    *found = (struct tile){{sum_of(lanes.n), sum_of(lanes.v), sum_of(lanes.v2), sum_of(lanes.w)},
+                           -INFINITY};
     for (int l = 0; l < NEPH_TILE_SIDE_PX; l++)
         found->max = fmax(found->max, lanes.max[l]);
-    if (key)
-        set->counts[tile] = (uint32_t)(key - (set->keys + set->first[tile]));
+    if (set->keys)
+        set->counts[tile] = add_keys(place, is_plain, set->keys + set->first[tile]);
+}
+
+static int lesser(int a, int b)
+{
+    return a < b ? a : b;
+}
+
+/* The tiles of a strip that the mask is in. */
+static void gather_tiles(const struct walk *walk, struct gathered *set, int strip,
+                         double *const v[3], double *const w[3])
+{
+    const int side = walk->tiling.side_px, first_y = strip * side;
+    const size_t width = (size_t)walk->source->width_px;
+    struct place place = {.v = v,
+                          .w = w,
+                          .stride = width,
+                          .plane_count = walk->source->plane_count,
+                          .rows = lesser(side, walk->source->height_px - first_y)};
+    for (int column = 0; column < walk->tiling.columns; column++) {
+        const size_t tile = (size_t)strip * (size_t)walk->tiling.columns + (size_t)column;
+        place.first = (size_t)column * (size_t)side;
+        place.columns = lesser(side, walk->source->width_px - column * side);
+        place.inside = set->mask->mask->inside + (size_t)first_y * width + place.first;
+        if (set->mask->tile_pixels[tile] > 0)
+            gather_tile(set, tile, &place);
+    }
 }
 
 static void gather_strip(int strip, void *context)
@@ -207,8 +269,7 @@ static void gather_strip(int strip, void *context)
     if (!walk->any_good)
         return;
     const int first_row = strip * walk->tiling.side_px;
-    const int left = source->height_px - first_row;
-    const int row_count = left < walk->tiling.side_px ? left : walk->tiling.side_px;
+    const int row_count = lesser(walk->tiling.side_px, source->height_px - first_row);
     const size_t plane = (size_t)row_count * (size_t)source->width_px;
     double *buffer = malloc(6 * plane * sizeof(*buffer));
     if (!buffer) {
@@ -220,13 +281,9 @@ static void gather_strip(int strip, void *context)
     source->rows(source->state, walk->map, first_row, row_count, v);
     if (walk->over >= 0)
         source->rows(source->state, walk->over, first_row, row_count, w);
-    for (int s = 0; s < walk->set_count; s++) {
-        const struct neph_pool_mask *mask = walk->sets[s].mask;
-        const uint32_t *pixels = mask->tile_pixels + (size_t)strip * (size_t)walk->tiling.columns;
-        for (int column = 0; column < walk->tiling.columns && !mask->is_bad; column++)
-            if (pixels[column] > 0)
-                gather_tile(walk, &walk->sets[s], strip, column, v, walk->over >= 0 ? w : v);
-    }
+    for (int s = 0; s < walk->set_count; s++)
+        if (!walk->sets[s].mask->is_bad)
+            gather_tiles(walk, &walk->sets[s], strip, v, walk->over >= 0 ? w : v);
     free(buffer);
 }
 
@@ -241,7 +298,7 @@ static void finish_sets(struct gathered *sets, int count)
     free(sets);
 }
 
-static enum neph_status prepare_set(const struct walk *walk, const struct neph_pool_mask *mask,
+static enum neph_status prepare_set(const struct walk *walk, struct neph_pool_mask *mask,
                                     bool with_keys, struct gathered *set, struct neph_diag *diag)
 {
     const size_t tile_count = (size_t)walk->tiling.columns * (size_t)walk->tiling.rows;
@@ -278,7 +335,7 @@ _Static_assert((int)COLUMNS_MAX <= (int)NEPH_BOOTSTRAP_SUMS_MAX, "the bootstrap 
 /* A metric and its columns; what a statistic is a function of. */
 struct statistic {
     const struct neph_metric *metric;
-    int part, part_v; /* n and sum of v of the part; unused when the metric has none */
+    int part_n, part_v; /* number and sum of v of the part; unused where the metric needs none */
 };
 
 static bool known(double number, double *value)
@@ -313,11 +370,11 @@ static bool evaluate(const void *context, const double *sums, double *value)
                known(10.0 * log10(metric->parameter * metric->parameter / mean), value);
     case NEPH_POOL_SHARE_ABOVE:
     case NEPH_POOL_PERCENTILE:
-        return known(sums[statistic->part] / n, value);
+        return known(sums[statistic->part_n] / n, value);
     case NEPH_POOL_WEIGHTED_PERCENTILE:
         return known(sums[statistic->part_v] / sums[SUM_V], value);
     case NEPH_POOL_TRIMMED_MEAN:
-        return known(sums[statistic->part_v] / sums[statistic->part], value);
+        return known(sums[statistic->part_v] / sums[statistic->part_n], value);
     case NEPH_POOL_MAX:
     case NEPH_POOL_SCALAR:
         break;
@@ -343,14 +400,17 @@ struct table {
     struct statistic statistics[METRICS_MAX];
 };
 
-static void add_totals(struct table *table, int first_column, int end_column)
+static double *row_of(const struct table *table, int row)
 {
-    for (int c = first_column; c < end_column; c++) {
-        struct neph_sum total = {0};
-        for (int r = 0; r < table->row_count; r++)
-            neph_sum_add(&total, table->rows[(size_t)r * (size_t)table->column_count + (size_t)c]);
-        table->totals[c] = neph_sum_value(&total);
-    }
+    return table->rows + (size_t)row * (size_t)table->column_count;
+}
+
+static double total_of(const struct table *table, int column)
+{
+    struct neph_sum total = {0};
+    for (int r = 0; r < table->row_count; r++)
+        neph_sum_add(&total, row_of(table, r)[column]);
+    return neph_sum_value(&total);
 }
 
 static void lay_out_columns(struct table *table, const struct neph_metric *const *metrics,
@@ -359,10 +419,10 @@ static void lay_out_columns(struct table *table, const struct neph_metric *const
     table->column_count = SUM_COUNT;
     for (int m = 0; m < metric_count; m++) {
         table->statistics[m] = (struct statistic){.metric = metrics[m]};
-        if (!has_part(metrics[m]->pool))
-            continue;
-        table->statistics[m].part = table->column_count++;
-        table->statistics[m].part_v = table->column_count++;
+        if (has_part_n(metrics[m]->pool))
+            table->statistics[m].part_n = table->column_count++;
+        if (has_part_v(metrics[m]->pool))
+            table->statistics[m].part_v = table->column_count++;
     }
 }
 
@@ -382,81 +442,105 @@ static enum neph_status fill_table(struct table *table, int tile_count, struct n
         table->max = fmax(table->max, tile->max);
         table->tiles[table->row_count++] = t;
     }
-    add_totals(table, 0, SUM_COUNT);
+    for (int c = 0; c < SUM_COUNT; c++)
+        table->totals[c] = total_of(table, c);
     return NEPH_OK;
+}
+
+/* How many of the keys are low .. high. */
+NEPH_VECTOR static uint32_t count_keys(const uint32_t *restrict keys, uint32_t count, uint32_t low,
+                                       uint32_t high)
+{
+    uint32_t n = 0;
+    for (uint32_t i = 0; i < count; i++)
+        n += keys[i] - low <= high - low ? 1u : 0u; /* unsigned: what is below is far above */
+    return n;
 }
 
 enum { PART_LANES = 16 };
 
-/* Add one key to a lane when it lies in low .. low + span. */
-__attribute__((always_inline)) static inline void add_key(uint32_t key, uint32_t low, uint32_t span,
-                                                          double *n, double *sum)
+/* Add a key to a lane when it is at most `high`; 0.0f is no bits at all. */
+__attribute__((always_inline)) static inline void add_key(uint32_t key, uint32_t high, double *sum)
 {
-    const bool in = key - low <= span; /* unsigned: what is below low is far above */
-    const double value = neph_key_value(key);
-    *n += in ? 1.0 : 0.0;
-    *sum += in ? value : 0.0;
+    *sum += neph_key_value(key <= high ? key : NEPH_KEY_OF_ZERO);
 }
 
-/* Number and sum of the keys low .. high among `count`. */
-NEPH_VECTOR static void add_part(const uint32_t *restrict keys, uint32_t count, uint32_t low,
-                                 uint32_t high, double *restrict n, double *restrict sum)
+/* The sum of the keys up to `high`. */
+NEPH_VECTOR static double sum_keys(const uint32_t *restrict keys, uint32_t count, uint32_t high)
 {
-    double counts[PART_LANES] = {0.0}, sums[PART_LANES] = {0.0};
+    double sums[PART_LANES] = {0.0}, sum = 0.0;
     uint32_t i = 0;
-    for (; i + PART_LANES <= count; i += PART_LANES)
+    for (; i + PART_LANES <= count; i += PART_LANES) {
+        NEPH_LANES
         for (uint32_t l = 0; l < PART_LANES; l++)
-            add_key(keys[i + l], low, high - low, &counts[l], &sums[l]);
-    for (uint32_t l = 0; i + l < count; l++)
-        add_key(keys[i + l], low, high - low, &counts[l], &sums[l]);
-    for (int l = 0; l < PART_LANES; l++) {
-        *n += counts[l];
-        *sum += sums[l];
+            add_key(keys[i + l], high, &sums[l]);
     }
+    for (uint32_t l = 0; i + l < count; l++)
+        add_key(keys[i + l], high, &sums[l]);
+    for (int l = 0; l < PART_LANES; l++)
+        sum += sums[l];
+    return sum;
 }
 
-/* Fill the part columns of a metric: the keys low .. high of each tile. */
+/* Of a row of the table. */
+static uint32_t count_in_row(const struct table *table, int row, uint32_t low, uint32_t high)
+{
+    const struct gathered *set = table->set;
+    const int tile = table->tiles[row];
+    return count_keys(set->keys + set->first[tile], set->counts[tile], low, high);
+}
+
+/* Fill the number of a part: the keys low .. high of each tile. */
 static void count_part(struct table *table, const struct statistic *statistic, uint32_t low,
                        uint32_t high)
+{
+    for (int r = 0; r < table->row_count; r++)
+        row_of(table, r)[statistic->part_n] = (double)count_in_row(table, r, low, high);
+    table->totals[statistic->part_n] = total_of(table, statistic->part_n);
+}
+
+/* Fill the sum of a part: the keys up to `high` of each tile. */
+static void sum_part(struct table *table, const struct statistic *statistic, uint32_t high)
 {
     const struct gathered *set = table->set;
     for (int r = 0; r < table->row_count; r++) {
         const int tile = table->tiles[r];
-        double *row = table->rows + (size_t)r * (size_t)table->column_count, n = 0.0, sum = 0.0;
-        add_part(set->keys + set->first[tile], set->counts[tile], low, high, &n, &sum);
-        row[statistic->part] = n;
-        row[statistic->part_v] = sum;
+        row_of(table, r)[statistic->part_v] = sum_keys(set->keys + set->first[tile],
+                                                       set->counts[tile], high);
     }
-    add_totals(table, statistic->part, statistic->part_v + 1);
-}
-
-/* Keys of a tile that equal `key`. */
-static double tied(const struct gathered *set, int tile, uint32_t key)
-{
-    double n = 0.0, sum = 0.0;
-    add_part(set->keys + set->first[tile], set->counts[tile], key, key, &n, &sum);
-    return n;
+    table->totals[statistic->part_v] = total_of(table, statistic->part_v);
 }
 
 /* Fill the part columns with the `kept` smallest keys. Of those equal to the largest of them, the
  * same share stays in each tile. */
-static void count_smallest(struct table *table, const struct statistic *statistic, size_t kept)
+static void part_smallest(struct table *table, const struct statistic *statistic, size_t kept)
 {
     const uint32_t last = neph_select_rank(table->selector, kept - 1);
     count_part(table, statistic, 0, last);
-    const double surplus = table->totals[statistic->part] - (double)kept;
+    sum_part(table, statistic, last);
+    const double surplus = table->totals[statistic->part_n] - (double)kept;
     if (surplus <= 0.0)
         return;
     double tied_count = 0.0;
     for (int r = 0; r < table->row_count; r++)
-        tied_count += tied(table->set, table->tiles[r], last);
+        tied_count += (double)count_in_row(table, r, last, last);
     for (int r = 0; r < table->row_count; r++) {
-        double *row = table->rows + (size_t)r * (size_t)table->column_count;
-        const double taken = tied(table->set, table->tiles[r], last) * (surplus / tied_count);
-        row[statistic->part] -= taken;
-        row[statistic->part_v] -= taken * neph_key_value(last);
+        const double tied = (double)count_in_row(table, r, last, last);
+        const double taken = tied * (surplus / tied_count);
+        row_of(table, r)[statistic->part_n] -= taken;
+        row_of(table, r)[statistic->part_v] -= taken * neph_key_value(last);
     }
-    add_totals(table, statistic->part, statistic->part_v + 1);
+    table->totals[statistic->part_n] = total_of(table, statistic->part_n);
+    table->totals[statistic->part_v] = total_of(table, statistic->part_v);
+}
+
+/* Fill what the interval of a percentile is taken from. */
+static void part_up_to(struct table *table, const struct statistic *statistic, double value)
+{
+    if (has_part_n(statistic->metric->pool))
+        count_part(table, statistic, 0, neph_key_of(value));
+    if (has_part_v(statistic->metric->pool))
+        sum_part(table, statistic, neph_key_of(value));
 }
 
 static bool is_percentile(const struct neph_metric *metric)
@@ -483,7 +567,7 @@ static bool value_of(struct table *table, const struct statistic *statistic, dou
         count_part(table, statistic, neph_key_of(metric->parameter) + 1, UINT32_MAX);
     if (metric->pool == NEPH_POOL_TRIMMED_MEAN) {
         const size_t dropped = (size_t)ceil(metric->parameter * (double)n);
-        count_smallest(table, statistic, n > dropped ? n - dropped : 1);
+        part_smallest(table, statistic, n > dropped ? n - dropped : 1);
     }
     return evaluate(statistic, table->totals, value);
 }
@@ -510,10 +594,11 @@ static enum neph_status add_intervals(struct table *table, int metric_count,
         const struct statistic *statistic = &table->statistics[m];
         statistics[m] = (struct neph_bootstrapped){evaluate, statistic};
         if (pooled[m].defined && is_percentile(statistic->metric))
-            count_part(table, statistic, 0, neph_key_of(pooled[m].value));
+            part_up_to(table, statistic, pooled[m].value);
     }
-    const enum neph_status status = neph_bootstrap_tiles(
-        table->rows, table->row_count, table->column_count, statistics, metric_count, bounds, diag);
+    const enum neph_status status = neph_bootstrap_tiles(&table->set->mask->resampling, table->rows,
+                                                         table->row_count, table->column_count,
+                                                         statistics, metric_count, bounds, diag);
     for (int m = 0; m < metric_count && !status; m++) {
         if (!pooled[m].defined || !bounds[m].defined)
             continue;
@@ -599,7 +684,7 @@ static enum neph_status pool_mask(const struct walk *walk, const struct gathered
 
 enum neph_status neph_pool_map(const struct neph_pool_source *source,
                                const struct neph_metric *const *metrics, int metric_count,
-                               const struct neph_pool_mask *masks, int mask_count, bool intervals,
+                               struct neph_pool_mask *masks, int mask_count, bool intervals,
                                struct neph_pooled *pooled, struct neph_diag *diag)
 {
     struct walk walk = {.source = source,
@@ -609,7 +694,7 @@ enum neph_status neph_pool_map(const struct neph_pool_source *source,
                         .set_count = mask_count};
     bool with_keys = false;
     for (int m = 0; m < metric_count; m++) {
-        with_keys |= has_part(metrics[m]->pool);
+        with_keys |= has_part_n(metrics[m]->pool) || has_part_v(metrics[m]->pool);
         if (needs_over(metrics[m]->pool))
             walk.over = metrics[m]->over;
     }

@@ -6,6 +6,7 @@
 #ifndef NEPH_METRICS_POOLING_H
 #define NEPH_METRICS_POOLING_H
 
+#include "metrics/interval.h"
 #include "metrics/mask.h"
 #include "metrics/metric.h"
 
@@ -14,6 +15,7 @@ struct neph_pool_mask {
     const struct neph_mask *mask; /* borrowed */
     uint32_t *tile_pixels;        /* pixels of the mask in each tile of neph_tiling_of(); owned */
     bool is_bad; /* holds pixels whose inputs are not finite: nothing is pooled over it */
+    struct neph_resampling resampling; /* of the last interval over it; owned */
 };
 
 enum neph_status neph_pool_mask_create(const struct neph_mask *mask, struct neph_pool_mask *pooled,
@@ -51,7 +53,7 @@ struct neph_pooled {
  * of the share below the percentile, read back through the order statistics. */
 enum neph_status neph_pool_map(const struct neph_pool_source *source,
                                const struct neph_metric *const *metrics, int metric_count,
-                               const struct neph_pool_mask *masks, int mask_count, bool intervals,
+                               struct neph_pool_mask *masks, int mask_count, bool intervals,
                                struct neph_pooled *pooled, struct neph_diag *diag);
 
 #endif

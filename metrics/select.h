@@ -12,11 +12,14 @@
 #include <stdint.h>
 #include <string.h>
 
+#define NEPH_KEY_OF_ZERO 0x80000000u
+
 /* The key of a finite double, rounded to float (6e-8 of it) and held within FLT_MAX. */
 static inline uint32_t neph_key_of(double value)
 {
-    const double above = value < -(double)FLT_MAX ? -(double)FLT_MAX : value;
-    const float rounded = (float)(above > (double)FLT_MAX ? (double)FLT_MAX : above);
+    const float rounded_freely = (float)value;
+    const float above = rounded_freely < -FLT_MAX ? -FLT_MAX : rounded_freely;
+    const float rounded = above > FLT_MAX ? FLT_MAX : above;
     uint32_t bits;
     memcpy(&bits, &rounded, sizeof(bits));
     return bits ^ ((uint32_t)((int32_t)bits >> 31) | 0x80000000u);

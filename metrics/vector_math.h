@@ -25,6 +25,14 @@
 #define NEPH_VECTOR
 #endif
 
+/* Before an inner loop over a few lanes: GCC would write it out as single steps before it looks for
+ * vectors, and then find few. */
+#if defined(__GNUC__) && !defined(__clang__)
+#define NEPH_LANES _Pragma("GCC unroll 1")
+#else
+#define NEPH_LANES
+#endif
+
 /* x + 1.5 * 2^52 - 1.5 * 2^52 is x rounded to the nearest integer for |x| < 2^51; the low bits of
  * the sum are that integer. */
 #define NEPH_ROUNDER 0x1.8p52

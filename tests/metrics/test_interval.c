@@ -133,30 +133,91 @@ static void test_bootstrap_of_a_mean(void **state)
     const struct neph_bootstrapped statistics[] = {
         {mean_of, NULL}, {never, NULL}, {if_first_tile_is_drawn, NULL}};
     struct neph_bootstrap_bounds bounds[3], again[3];
+    struct neph_resampling resampling = {0};
     struct neph_diag diag = {0};
-    neph_assert_ok(neph_bootstrap_tiles(&tiles[0][0], TILES, 3, statistics, 3, bounds, &diag),
-                   &diag);
+    neph_assert_ok(
+        neph_bootstrap_tiles(&resampling, &tiles[0][0], TILES, 3, statistics, 3, bounds, &diag),
+        &diag);
     assert_true(bounds[0].defined);
     /* A percentile of 1000 draws has a standard error of 0.08 sigma at 2.5 %; 4 of them. */
     neph_assert_close(bounds[0].low, mean - 1.96 * sigma, 0, 0.35 * sigma);
     neph_assert_close(bounds[0].high, mean + 1.96 * sigma, 0, 0.35 * sigma);
     assert_false(bounds[1].defined);
     assert_false(bounds[2].defined); /* undefined in a third of the draws */
-    neph_assert_ok(neph_bootstrap_tiles(&tiles[0][0], TILES, 3, statistics, 3, again, &diag),
-                   &diag);
+    neph_assert_ok(
+        neph_bootstrap_tiles(&resampling, &tiles[0][0], TILES, 3, statistics, 3, again, &diag),
+        &diag);
     assert_true(again[0].low == bounds[0].low && again[0].high == bounds[0].high);
 
-    neph_assert_ok(neph_bootstrap_tiles(&tiles[0][0], NEPH_BOOTSTRAP_TILES_MIN - 1, 3, statistics,
-                                        3, bounds, &diag),
+    neph_assert_ok(neph_bootstrap_tiles(&resampling, &tiles[0][0], NEPH_BOOTSTRAP_TILES_MIN - 1, 3,
+                                        statistics, 3, bounds, &diag),
                    &diag);
     assert_false(bounds[0].defined);
-    neph_assert_ok(neph_bootstrap_tiles(&tiles[0][0], NEPH_BOOTSTRAP_TILES_MIN, 3, statistics, 3,
-                                        bounds, &diag),
+    neph_assert_ok(neph_bootstrap_tiles(&resampling, &tiles[0][0], NEPH_BOOTSTRAP_TILES_MIN, 3,
+                                        statistics, 3, bounds, &diag),
                    &diag);
     assert_true(bounds[0].defined);
-    assert_int_equal(neph_bootstrap_tiles(&tiles[0][0], TILES, NEPH_BOOTSTRAP_SUMS_MAX + 1,
-                                          statistics, 3, bounds, &diag),
+    assert_int_equal(neph_bootstrap_tiles(&resampling, &tiles[0][0], TILES,
+                                          NEPH_BOOTSTRAP_SUMS_MAX + 1, statistics, 3, bounds,
+                                          &diag),
                      NEPH_ERR_INTERNAL);
+    neph_resampling_finish(&resampling);
+}
+
+static bool weighted_sum(const void *context, const double *sums, double *value)
+{
+    const int *sum_count = context;
+    *value = 0.0;
+    for (int s = 0; s < *sum_count; s++)
+        *value += (double)(s + 1) * sums[s];
+    return true;
+}
+
+/* The same resamples drawn one tile at a time, as interval.c says that it draws. */
+static void expected_draws(const double *tiles, int tile_count, int sum_count, double *draws)
+{
+    uint64_t state = 0x6e6570685f626f6fu;
+    for (int r = 0; r < NEPH_BOOTSTRAP_RESAMPLES; r++) {
+        double sums[NEPH_BOOTSTRAP_SUMS_MAX] = {0.0};
+        for (int t = 0; t < tile_count; t++) {
+            uint64_t z = (state += 0x9e3779b97f4a7c15u);
+            z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+            z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+            z ^= z >> 31;
+            const int drawn = (int)(((z >> 32) * (uint64_t)tile_count) >> 32);
+            for (int s = 0; s < sum_count; s++)
+                sums[s] += tiles[drawn * sum_count + s];
+        }
+        weighted_sum(&sum_count, sums, &draws[r]);
+    }
+}
+
+static void test_bootstrap_against_single_draws(void **state)
+{
+    (void)state;
+    enum { TILES_MAX = 1000, SUMS_MAX = 9 };
+    static const int cases[][2] = {{20, 1}, {1000, 9}, {1000, 4}, {257, 3}, {256, 6}, {20, 9}};
+    static double tiles[TILES_MAX * SUMS_MAX], draws[NEPH_BOOTSTRAP_RESAMPLES];
+    struct neph_resampling kept = {0}; /* through all of them, as a caller may */
+    uint64_t random = test_seed(7);
+    for (size_t c = 0; c < sizeof(cases) / sizeof(cases[0]); c++) {
+        const int tile_count = cases[c][0], sum_count = cases[c][1];
+        for (int i = 0; i < tile_count * sum_count; i++)
+            tiles[i] = neph_test_uniform(&random, -1.0, 2.0);
+        expected_draws(tiles, tile_count, sum_count, draws);
+        const struct neph_bootstrapped statistic = {weighted_sum, &sum_count};
+        struct neph_bootstrap_bounds bounds;
+        struct neph_diag diag = {0};
+        neph_assert_ok(neph_bootstrap_tiles(&kept, tiles, tile_count, sum_count, &statistic, 1,
+                                            &bounds, &diag),
+                       &diag);
+        /* Sums of a thousand in another order. */
+        neph_assert_close(bounds.low, neph_percentile(draws, NEPH_BOOTSTRAP_RESAMPLES, 0.025),
+                          1e-12, 1e-10);
+        neph_assert_close(bounds.high, neph_percentile(draws, NEPH_BOOTSTRAP_RESAMPLES, 0.975),
+                          1e-12, 1e-10);
+    }
+    neph_resampling_finish(&kept);
 }
 
 /* ---- coverage -------------------------------------------------------------------------------- */
@@ -326,6 +387,7 @@ int main(void)
         cmocka_unit_test(test_compensated_sum),
         cmocka_unit_test(test_tiling_rule),
         cmocka_unit_test(test_bootstrap_of_a_mean),
+        cmocka_unit_test(test_bootstrap_against_single_draws),
         cmocka_unit_test(test_coverage),
         cmocka_unit_test(test_coverage_is_fair_elsewhere),
         cmocka_unit_test(test_coverage_of_errors_larger_than_tiles),
