@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: MIT
  *
  * The loader of scene files: every refusal has a position in the file, every scene that loads can
- * be looked at through a camera.
+ * be looked at through a camera, and can be made to stand still in any picture.
  */
 #include "tests/fuzz/fuzz.h"
 
+#include "scenes/motion.h"
 #include "scenes/scene.h"
 
 #include <math.h>
@@ -26,6 +27,20 @@ static void require_camera(const struct neph_scene *scene)
     fuzz_require(fabs(neph_vec3_length(ray) - 1.0) < 1e-9, "rays of the camera are unit vectors");
 }
 
+static void require_still(const struct neph_scene *scene, double frame)
+{
+    struct neph_scene *still = NULL;
+    fuzz_require(neph_scene_at(scene, frame, &still, NULL) == NEPH_OK, "time can be stopped");
+    fuzz_require(fabs(neph_vec3_length(still->sun.direction) - 1.0) < 1e-9,
+                 "the direction of the sun is a unit vector");
+    fuzz_require(neph_scene_time_frame(scene, frame) <= frame, "pauses do not go forward");
+    int width_px = 7, height_px = 5;
+    neph_scene_frame_size(scene, frame, &width_px, &height_px);
+    fuzz_require(width_px >= 1 && width_px <= 28 && height_px >= 1 && height_px <= 20,
+                 "pictures have a size");
+    neph_scene_destroy(still);
+}
+
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     if (asks_for_work(data, size))
@@ -37,8 +52,11 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     fuzz_require_outcome(status, &diag, scene);
     fuzz_require(status == NEPH_OK || status == NEPH_ERR_INPUT, "the file is at fault");
     fuzz_require(status == NEPH_OK || (diag.line >= 1 && diag.column >= 1), "a position is named");
-    if (scene)
+    if (scene) {
         require_camera(scene);
+        require_still(scene, 0.5);
+        require_still(scene, scene->frame_count - 1);
+    }
     neph_scene_destroy(scene);
     fuzz_file_remove(&file);
     return 0;

@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: MIT
  *
- * Out of memory in the loader of scenes and in volume files: see tests/allocation.h.
+ * Out of memory in the loader of scenes, in a scene made to stand still, and in volume files: see
+ * tests/allocation.h.
  */
 #include "tests/allocation.h"
 #include "tests/base/scratch.h"
 
+#include "scenes/motion.h"
 #include "scenes/scene.h"
 #include "scenes/volume_file.h"
 
@@ -16,13 +18,17 @@ struct loading {
 static enum neph_status load(void *context, struct neph_diag *diag)
 {
     struct loading *loading = context;
-    struct neph_scene *scene = NULL;
-    const enum neph_status status = neph_scene_load(loading->path, &scene, diag);
+    struct neph_scene *scene = NULL, *still = NULL;
+    enum neph_status status = neph_scene_load(loading->path, &scene, diag);
     assert_int_equal(scene != NULL, status == NEPH_OK);
     if (scene && !loading->hash[0])
         memcpy(loading->hash, scene->hash, sizeof(loading->hash));
     if (scene)
         assert_string_equal(scene->hash, loading->hash);
+    if (!status)
+        status = neph_scene_at(scene, 1.0, &still, diag);
+    assert_int_equal(still != NULL, status == NEPH_OK);
+    neph_scene_destroy(still);
     neph_scene_destroy(scene);
     return status;
 }
@@ -41,6 +47,34 @@ static void test_catalogue(void **state)
     assert_scene("fence_backlit");
     assert_scene("voxel_grid");
     assert_scene("atmosphere_shell");
+}
+
+static void test_motion(void **state)
+{
+    static const char scene[] =
+        "name: probe\n"
+        "title: a probe\n"
+        "physics: none\n"
+        "camera:\n"
+        "  vertical_fov_deg: 40\n"
+        "  keys:\n"
+        "    - {frame: 0, position_m: [0, 1, 50], look_at_m: [0, 1, 0]}\n"
+        "    - {frame: 1, position_m: [0, 1, 40], look_at_m: [0, 1, 0], cut: true}\n"
+        "frames: {pauses: [{frame: 0, count: 1}], sizes: [{frame: 0, scale: 0.5}]}\n"
+        "sun:\n"
+        "  keys:\n"
+        "    - {frame: 0, direction: [0, 1, 0], irradiance_w_per_m2: [1, 1, 1]}\n"
+        "    - {frame: 1, direction: [1, 1, 0], irradiance_w_per_m2: [1, 1, 1]}\n"
+        "wind: {keys: [{frame: 0, velocity_m_per_s: [1, 0, 0]}]}\n"
+        "scattering: none\n"
+        "media:\n"
+        "  - grid: {size: [2, 1, 1], origin_m: [0, 0, 0], spacing_m: [1, 1, 1], values: [0, 1], "
+        "extinction_per_m: 2, albedo: [1, 1, 1]}\n";
+    char path[SCRATCH_PATH_MAX];
+    neph_assert_ok(
+        neph_file_write(scratch_path(state, path, "probe.yaml"), scene, strlen(scene), NULL), NULL);
+    struct loading loading = {.path = path};
+    assert_every_failure_is_told("motion", load, &loading);
 }
 
 /* A volume from a file, and a medium that is made into voxels. */
@@ -93,6 +127,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         scratch_test(test_catalogue),
+        scratch_test(test_motion),
         scratch_test(test_voxels),
         scratch_test(test_volume_files),
     };

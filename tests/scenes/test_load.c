@@ -49,6 +49,14 @@ static char *edited(const char *from, const char *to)
     return neph_format("%.*s%s%s", (int)(at - good), good, to, at + strlen(from));
 }
 
+/* Parts of `good` that motion replaces or follows. */
+#define VIEW "position_m: [0, 1, 5], look_at_m: [0, 1, 0]"
+#define LIGHT "direction: [0, 2, 0], irradiance_w_per_m2: [3, 3, 3]"
+#define MODE "scattering: single\n"
+#define BLOB                                                                                       \
+    "media:\n  - gaussian: {center_m: [0, 1, 0], width_m: 1, extinction_per_m: 1, albedo: [1, 1, " \
+    "1]}"
+
 static const struct bad {
     const char *from, *to;
     int line;
@@ -69,6 +77,40 @@ static const struct bad {
     {"title: a probe", "title: a probe\ntitle: again", 3, "title"},
     {"name: probe", "name: Pro be", 1, "name"},
     {"name: probe", "name: other", 1, "other"},
+    {VIEW, "keys: [{frame: 0, " VIEW ", cut: true}]", 4, "none before it"},
+    {VIEW, "keys: [{frame: 0, " VIEW "}, {frame: 1, " VIEW ", cut: 1}]", 4, "true or false"},
+    {VIEW, "keys: [{frame: 1, " VIEW "}, {frame: 1, " VIEW ", cut: true}]", 4, "keys[1].frame"},
+    {MODE, MODE "frames: {pauses: [{frame: 0, count: 0}]}\n", 7, "pauses[0].count"},
+    {MODE, MODE "frames: {pauses: [{frame: 0.5, count: 1}]}\n", 7, "0.5"},
+    {MODE, MODE "frames: {pauses: [{frame: 3, count: 1}, {frame: 3, count: 1}]}\n", 7,
+     "pauses[1].frame"},
+    {MODE, MODE "frames: {sizes: [{frame: 0, scale: 0.04}]}\n", 7, "0.05 to 4"},
+    {MODE, MODE "frames: {sizes: [{frame: 9, scale: 1}, {frame: 8, scale: 2}]}\n", 7,
+     "sizes[1].frame"},
+    {LIGHT, "direction: [0, 1, 0]", 5, "irradiance_w_per_m2"},
+    {LIGHT, LIGHT ", keys: [{frame: 0, " LIGHT "}]", 5, "not both"},
+    {LIGHT, "keys: []", 5, "1 to 1024"},
+    {LIGHT, "keys: [{frame: 0, " LIGHT "}, {frame: 1, direction: [0, 1, 0]}]", 5,
+     "keys[1].irradiance_w_per_m2"},
+    {LIGHT, "keys: [{frame: 5, " LIGHT "}, {frame: 4, " LIGHT "}]", 5, "keys[1].frame"},
+    {LIGHT, "keys: [{frame: 3, direction: [0, 0, 0], irradiance_w_per_m2: [1, 1, 1]}]", 5,
+     "length 0"},
+    {LIGHT,
+     "keys: [{frame: 3, " LIGHT "},\n"
+     "  {frame: 7, direction: [1e-7, -1, 0], irradiance_w_per_m2: [1, 1, 1]}]",
+     6, "at frame 7 the sun is opposite to where it is at frame 3 (sun.keys[0])"},
+    {MODE, MODE "wind: {velocity_m_per_s: [1, 0, 0]}\n", 7, "no medium of the scene drifts"},
+    {MODE, MODE "wind: {}\n", 7, "exactly one"},
+    {MODE, MODE "wind: {velocity_m_per_s: [1, 0, 1e6]}\n", 7, "1e6"},
+    {MODE,
+     MODE "wind: {velocity_m_per_s: [1, 0, 0], keys: [{frame: 0, velocity_m_per_s: [1, 0, 0]}]}\n",
+     7, "exactly one"},
+    {MODE,
+     MODE "wind: {keys: [{frame: 2, velocity_m_per_s: [1, 0, 0]},\n"
+          "  {frame: 2, velocity_m_per_s: [1, 0, 0]}]}\n",
+     8, "keys[1].frame"},
+    {"media:", "wind: {velocity_m_per_s: [1e5, 0, 0]}\nframes: {count: 22, rate_hz: 2}\n" BLOB, 7,
+     "at frame 21"},
 };
 
 static void test_what_is_wrong_is_named(void **state)
@@ -276,11 +318,52 @@ static void test_hash_follows_the_physics(void **state)
         {"scattering: single", "scattering: multiple"},
         {"scattering: single", "scattering: single\nenvironment_light: true"},
         {"max_m: [1, 2, 1]", "max_m: [1, 2, 1.5]"},
+        {MODE, MODE "frames: {pauses: [{frame: 0, count: 1}]}\n"},
+        {MODE, MODE "frames: {pauses: [{frame: 0, count: 2}]}\n"},
+        {MODE, MODE "frames: {sizes: [{frame: 0, scale: 1.5}]}\n"},
+        {LIGHT, "keys: [{frame: 0, " LIGHT "}, {frame: 1, " LIGHT "}]"},
+        {LIGHT, "keys: [{frame: 0, " LIGHT "}, {frame: 2, " LIGHT "}]"},
+        {VIEW, "keys: [{frame: 0, " VIEW "}, {frame: 1, " VIEW "}]"},
+        {VIEW, "keys: [{frame: 0, " VIEW "}, {frame: 1, " VIEW ", cut: true}]"},
+        {"media:", BLOB},
+        {"media:", "wind: {velocity_m_per_s: [1, 0, 0]}\n" BLOB},
+        {"media:", "wind: {velocity_m_per_s: [0, 1, 0]}\n" BLOB},
     };
+    char hashes[sizeof(changes) / sizeof(changes[0])][NEPH_HASH_HEX_SIZE];
     for (size_t i = 0; i < sizeof(changes) / sizeof(changes[0]); i++) {
-        hash_of(changes[i][0], changes[i][1], other);
-        assert_string_not_equal(base, other);
+        hash_of(changes[i][0], changes[i][1], hashes[i]);
+        assert_string_not_equal(base, hashes[i]);
+        for (size_t k = 0; k < i; k++)
+            assert_string_not_equal(hashes[i], hashes[k]);
     }
+}
+
+/* One key, and motion that is none, are the scene that has nothing of them: its frames stay valid.
+ */
+static void test_hash_of_what_stands_still(void **state)
+{
+    (void)state;
+    static const char *const same[][2] = {
+        {LIGHT, "keys: [{frame: 7, " LIGHT "}]"},
+        {VIEW, "keys: [{frame: 0, " VIEW ", cut: false}]"},
+        {MODE, MODE "frames: {count: 1, rate_hz: 30}\n"},
+    };
+    char base[NEPH_HASH_HEX_SIZE], other[NEPH_HASH_HEX_SIZE];
+    hash_of("name: probe", "name: probe", base);
+    for (size_t i = 0; i < sizeof(same) / sizeof(same[0]); i++) {
+        hash_of(same[i][0], same[i][1], other);
+        assert_string_equal(base, other);
+    }
+}
+
+/* Written by the version of the format before there was motion: frames that are stored under it
+ * stay what they were. */
+static void test_hash_of_old_scenes(void **state)
+{
+    (void)state;
+    char base[NEPH_HASH_HEX_SIZE];
+    hash_of("name: probe", "name: probe", base);
+    assert_string_equal(base, "b75e3fb9b2889a6decb8ff4662b5fc1f6a6ae8aa02ab8c1995a8819c13c9aa5a");
 }
 
 static void test_unreal_layers_are_mapped(void **state)
@@ -388,6 +471,8 @@ int main(void)
         cmocka_unit_test(test_volumes_that_are_not_there),
         cmocka_unit_test(test_defaults_and_units),
         cmocka_unit_test(test_hash_follows_the_physics),
+        cmocka_unit_test(test_hash_of_what_stands_still),
+        cmocka_unit_test(test_hash_of_old_scenes),
         cmocka_unit_test(test_unreal_layers_are_mapped),
         cmocka_unit_test(test_damaged_files_never_crash),
         cmocka_unit_test(test_all_scenes_load),
