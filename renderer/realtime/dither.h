@@ -12,8 +12,8 @@
  * X = x + s, Y = y + s, s = 5.588238 (frame mod 64) (A. Wolfe, "Interleaved Gradient Noise: A
  * Deeper Look", 2022). x and y are whole numbers: no half pixel is added. It has no seed. The inner
  * sum is kept in steps of 2^-32, and its error comes out 53 times larger: up to
- * 53 (|x| + |y| + 64) 2^-33 of the circle, 2e-5 at 1920x1080. (In floats the
- * rounding of a sum between 256 and 512 alone is up to 8e-4.)
+ * 53 (|x| + |y| + 64) 2^-33 of the circle, 2e-5 at 1920x1080. (In floats the rounding of a
+ * sum between 256 and 512 alone is up to 8e-4.)
  *
  * blue: v(x, y) + frame g, round the circle, with v the spatial blue noise of 64x64 pixels
  * (renderer/blue_noise.h) and g the golden ratio: each pixel goes on by itself.

@@ -157,11 +157,13 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
     [RT_UPSCALE_AMOUNT_PX] = REAL("upscale_amount_px", 1, 0, 4,
                                   "largest shift to either side [half-resolution px]"),
     [RT_UPSCALE_LAW] = CHOICE("upscale_law", RT_LAW_OPACITY, laws,
-                              "of the shift: everywhere the same, or large in near dense fog and "
-                              "small on far clouds (A13)"),
-    [RT_UPSCALE_PAIR] = CHOICE("upscale_pair", RT_PAIR_INDEPENDENT, pairs,
-                               "x and y of the shift from one number and its mirror (X13), or from "
-                               "two"),
+                              "of the shift: everywhere the same, or times (1 - T) max(0, 1 - "
+                              "distance / 4 km), large in near dense fog and small on far clouds "
+                              "(A13)"),
+    [RT_UPSCALE_PAIR] = CHOICE(
+        "upscale_pair", RT_PAIR_INDEPENDENT, pairs,
+        "x and y of the shift from one number, of the pixel and of its mirror "
+        "(X13), or from two"),
 
     [RT_TAA] = CHOICE("taa", 1, switches, "temporal anti-aliasing of the composed frame (A16)"),
     [RT_TAA_JITTER] = CHOICE("taa_jitter", RT_JITTER_UE, jitters,

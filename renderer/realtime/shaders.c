@@ -12,3 +12,15 @@ static const uint32_t tile_index_spirv[] = {
 };
 const struct neph_rt_shader neph_rt_shader_tile_index = {"rt_tile_index", tile_index_spirv,
                                                          sizeof(tile_index_spirv)};
+
+static const uint32_t upscale_spirv[] = {
+#include "shaders/rt_upscale.comp.inc"
+};
+const struct neph_rt_shader neph_rt_shader_upscale = {"rt_upscale", upscale_spirv,
+                                                      sizeof(upscale_spirv)};
+
+static const uint32_t compose_spirv[] = {
+#include "shaders/rt_compose.comp.inc"
+};
+const struct neph_rt_shader neph_rt_shader_compose = {"rt_compose", compose_spirv,
+                                                      sizeof(compose_spirv)};

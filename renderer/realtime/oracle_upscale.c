@@ -1,0 +1,207 @@
+/* SPDX-License-Identifier: MIT */
+#include "renderer/realtime/dither.h"
+#include "renderer/realtime/oracle.h"
+#include "renderer/realtime/slots.h"
+
+#include <math.h>
+
+enum { TAPS = 4, SHARED_FRAMES = 16 };
+
+static const float law_per_m = 0.00025f;
+
+struct tap {
+    float volume[4];
+    float distance_m;
+    float difference_m;
+    double place; /* bilinear weight */
+    bool is_used;
+};
+
+static float setting(const struct neph_rt_oracle *oracle, int index)
+{
+    return oracle->view->settings[index];
+}
+
+static bool is_usable(const struct neph_rt_oracle *oracle, const float volume[4], float age)
+{
+    if (setting(oracle, RT_VALIDITY) == 0)
+        return true;
+    return isfinite(age) && age > 0.0f && neph_rt_is_sound(volume);
+}
+
+/* ---- the place ------------------------------------------------------------------------------- */
+
+static float place_of(const struct neph_rt_oracle *oracle, int axis, int pixel)
+{
+    const bool is_jittered = setting(oracle, RT_JITTERED_DEPTH) == 0;
+    const float jitter_px = is_jittered ? oracle->view->jitter_px[axis] : 0.0f;
+    return 0.5f * (float)pixel - 0.25f + 0.5f * jitter_px;
+}
+
+static float unit(float value)
+{
+    return !isfinite(value) || value < 0.0f ? 0.0f : value > 1.0f ? 1.0f : value;
+}
+
+static float shift_amount_px(const struct neph_rt_oracle *oracle, int x, int y)
+{
+    const float most_px = setting(oracle, RT_UPSCALE_AMOUNT_PX);
+    if (setting(oracle, RT_UPSCALE_LAW) == RT_LAW_CONSTANT)
+        return most_px;
+    float volume[4], state[4];
+    neph_rt_fetch_half(oracle, RT_HISTORY, x / 2, y / 2, volume);
+    neph_rt_fetch_half(oracle, RT_HISTORY_STATE, x / 2, y / 2, state);
+    if (!is_usable(oracle, volume, state[0]))
+        return 0.0f;
+    return most_px * unit(1.0f - volume[3]) * unit(1.0f - state[1] * law_per_m);
+}
+
+static float number(const struct neph_rt_oracle *oracle, int x, int y, uint32_t frame,
+                    uint32_t channel)
+{
+    const struct neph_rt_dither dither = {oracle->view->seed, oracle->noise_ranks};
+    return neph_rt_dither(&dither, (int)setting(oracle, RT_UPSCALE_DITHER), x, y, frame, channel);
+}
+
+static void shift_px(const struct neph_rt_oracle *oracle, int x, int y, float shift[2])
+{
+    const uint32_t frame = oracle->view->frame;
+    const float amount_px = shift_amount_px(oracle, x, y);
+    const bool is_shared = setting(oracle, RT_UPSCALE_PAIR) == RT_PAIR_SHARED;
+    const float numbers[2] = {
+        number(oracle, x, y, is_shared ? frame % SHARED_FRAMES : frame, 0),
+        is_shared ? number(oracle, y, x, frame % SHARED_FRAMES, 0) : number(oracle, x, y, frame, 1),
+    };
+    for (int axis = 0; axis < 2; axis++)
+        shift[axis] = amount_px * (2.0f * numbers[axis] - 1.0f);
+}
+
+/* ---- the taps -------------------------------------------------------------------------------- */
+
+static float compared_depth_m(const struct neph_rt_oracle *oracle, float eye_m)
+{
+    if (setting(oracle, RT_CLAMP_PIXEL_DEPTH) != 0)
+        return neph_rt_stored_depth_m(oracle->view, eye_m);
+    return eye_m >= NEPH_RT_FAR_M ? setting(oracle, RT_SKY_M) : eye_m;
+}
+
+static struct tap tap_at(const struct neph_rt_oracle *oracle, const int corner[2], int i,
+                         const float fraction[2], float scene_m)
+{
+    const int x = corner[0] + i % 2, y = corner[1] + i / 2;
+    float state[4], depth[4];
+    struct tap tap;
+    neph_rt_fetch_half(oracle, RT_HISTORY, x, y, tap.volume);
+    neph_rt_fetch_half(oracle, RT_HISTORY_STATE, x, y, state);
+    neph_rt_fetch_half(oracle, RT_HALF_DEPTH, x, y, depth);
+    tap.distance_m = state[1];
+    tap.difference_m = fabsf(scene_m - compared_depth_m(oracle, depth[0]));
+    tap.place = (double)(i % 2 ? fraction[0] : 1.0f - fraction[0]) *
+                (double)(i / 2 ? fraction[1] : 1.0f - fraction[1]);
+    tap.is_used = is_usable(oracle, tap.volume, state[0]);
+    return tap;
+}
+
+static int nearest_tap(const struct tap taps[TAPS], const float fraction[2])
+{
+    const int first = (fraction[0] < 0.5f ? 0 : 1) + (fraction[1] < 0.5f ? 0 : 2);
+    int nearest = -1;
+    for (int i = 0; i < TAPS; i++) {
+        const struct tap *asked = &taps[i ^ first];
+        if (asked->is_used && (nearest < 0 || asked->difference_m < taps[nearest].difference_m))
+            nearest = i ^ first;
+    }
+    return nearest;
+}
+
+static bool depth_matters(const struct neph_rt_oracle *oracle, const struct tap taps[TAPS])
+{
+    const float contrast = setting(oracle, RT_UPSCALE_CONTRAST);
+    float least = INFINITY, largest = -INFINITY;
+    for (int i = 0; i < TAPS; i++) {
+        if (taps[i].is_used && taps[i].volume[3] < least)
+            least = taps[i].volume[3];
+        if (taps[i].is_used && taps[i].volume[3] > largest)
+            largest = taps[i].volume[3];
+    }
+    return contrast == 0.0f || largest - least > contrast * largest;
+}
+
+static bool all_within(const struct tap taps[TAPS], float limit_m)
+{
+    for (int i = 0; i < TAPS; i++)
+        if (taps[i].is_used && !(taps[i].difference_m < limit_m))
+            return false;
+    return true;
+}
+
+/* ---- the choice ------------------------------------------------------------------------------ */
+
+static double tap_weight(int upscale, const struct tap *tap, bool is_nearest, bool regardless,
+                         float limit_m)
+{
+    const float margin_m = limit_m - tap->difference_m;
+    if (!tap->is_used)
+        return 0.0;
+    if (upscale == RT_UPSCALE_BILINEAR || (upscale == RT_UPSCALE_BILATERAL && regardless))
+        return tap->place;
+    if (upscale == RT_UPSCALE_BILATERAL)
+        return margin_m > 0.0f ? tap->place * (double)margin_m : 0.0;
+    return regardless || is_nearest ? 1.0 : 0.0;
+}
+
+/* A mean of floats, rounded once, lies between them. */
+static void blend(const struct tap taps[TAPS], const double weights[TAPS], int nearest,
+                  float volume[4])
+{
+    const double total = weights[0] + weights[1] + weights[2] + weights[3];
+    for (int c = 0; c < 4; c++) {
+        double sum = 0.0;
+        for (int i = 0; i < TAPS; i++)
+            if (weights[i] > 0.0)
+                sum += weights[i] * (double)taps[i].volume[c];
+        volume[c] = total > 0.0 ? (float)(sum / total) : taps[nearest].volume[c];
+    }
+}
+
+static void upscale_pixel(const struct neph_rt_oracle *oracle, int x, int y)
+{
+    const int upscale = (int)setting(oracle, RT_UPSCALE);
+    float depth[4], shift[2], fraction[2];
+    int corner[2];
+    neph_rt_fetch_full(oracle, RT_DEPTH, x, y, depth);
+    shift_px(oracle, x, y, shift);
+    for (int axis = 0; axis < 2; axis++) {
+        const float place = place_of(oracle, axis, axis ? y : x) + shift[axis];
+        corner[axis] = (int)floorf(place);
+        fraction[axis] = place - floorf(place);
+    }
+    const float scene_m = compared_depth_m(oracle, depth[0]);
+    const float limit_m = setting(oracle, RT_UPSCALE_DEPTH) * scene_m;
+
+    struct tap taps[TAPS];
+    for (int i = 0; i < TAPS; i++)
+        taps[i] = tap_at(oracle, corner, i, fraction, scene_m);
+    const int nearest = nearest_tap(taps, fraction);
+    if (nearest < 0) {
+        neph_rt_put_full(oracle, RT_VOLUME, x, y, (float[4]){0, 0, 0, 1});
+        neph_rt_put_full(oracle, RT_VOLUME_DISTANCE, x, y, (float[4]){0});
+        return;
+    }
+    const bool regardless = !depth_matters(oracle, taps) ||
+                            (upscale == RT_UPSCALE_MEAN && all_within(taps, limit_m));
+    double weights[TAPS];
+    for (int i = 0; i < TAPS; i++)
+        weights[i] = tap_weight(upscale, &taps[i], i == nearest, regardless, limit_m);
+    float volume[4];
+    blend(taps, weights, nearest, volume);
+    neph_rt_put_full(oracle, RT_VOLUME, x, y, volume);
+    neph_rt_put_full(oracle, RT_VOLUME_DISTANCE, x, y, (float[4]){taps[nearest].distance_m});
+}
+
+void neph_rt_oracle_upscale(const struct neph_rt_oracle *oracle)
+{
+    for (int y = 0; y < (int)oracle->view->size_px[1]; y++)
+        for (int x = 0; x < (int)oracle->view->size_px[0]; x++)
+            upscale_pixel(oracle, x, y);
+}

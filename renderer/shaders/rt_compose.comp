@@ -1,0 +1,21 @@
+#version 450
+// SPDX-License-Identifier: MIT
+//
+// A15: the volume over what is behind it, L = volume + T behind, with T the transmittance of all
+// media together (X12: the article once has T of the fog alone). `precise`, because a fused multiply-
+// add would round once where march.comp rounds twice; and without a volume, (0, 0, 0, 1), the scene
+// comes out as it went in.
+#extension GL_GOOGLE_include_directive : require
+
+#include "realtime_pass.glsl"
+
+void main()
+{
+    ivec2 pixel;
+    if (!own_element(view_size(), pixel))
+        return;
+    vec4 volume = fetch_full(RT_VOLUME, pixel);
+    precise vec3 transmitted = volume.w * fetch_full(RT_BEHIND, pixel).xyz;
+    precise vec3 radiance = volume.xyz + transmitted;
+    put_full(RT_COLOR, pixel, vec4(radiance, 1.0));
+}

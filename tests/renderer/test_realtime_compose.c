@@ -1,0 +1,119 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The composition (A15): identities, exactly.
+ */
+#include "tests/renderer/realtime_test.h"
+
+static const int sizes_px[][2] = {{1, 1}, {2, 3}, {5, 4}, {64, 36}, {127, 33}, {641, 363}};
+
+/* As the shader is run in both of a target's formats, on a view away from the corner. */
+static void open_view(void **state, const char *assignments, const int size_px[2], uint64_t seed,
+                      struct test_passes *test)
+{
+    const struct neph_settings settings = test_settings(assignments);
+    test_passes_open(*state, &settings, size_px, (int[2]){4, 8}, seed, test);
+}
+
+static void compose_both(struct test_passes *test)
+{
+    test_passes_run(test, &neph_rt_shader_compose, 0,
+                    (size_t)test->view.size_px[0] * test->view.size_px[1]);
+    neph_rt_oracle_compose(&test->oracle);
+}
+
+/* 0, and 1e-6 .. 1e6 on a logarithmic scale. */
+static float random_radiance(uint64_t *seed)
+{
+    return test_random(seed) % 8 ? (float)pow(10.0, 12.0 * test_uniform(seed) - 6.0) : 0.0f;
+}
+
+/* The shader multiplies, rounds, adds and rounds, as C does: with one rounding of a fused
+ * multiply-add one value in nine would be another float. */
+static void test_compose_equals_the_oracle(void **state)
+{
+    uint64_t seed = 20261126;
+    for (size_t s = 0; s < sizeof(sizes_px) / sizeof(sizes_px[0]); s++)
+        for (int f = 0; f < 2; f++) {
+            const uint64_t start = seed;
+            struct test_passes test;
+            open_view(state, f ? "color_format=float" : "color_format=half", sizes_px[s], seed,
+                      &test);
+            for (size_t i = 0; i < test_elements(&test, RT_VOLUME); i++) {
+                test_set(&test, RT_VOLUME, i,
+                         (float[4]){random_radiance(&seed), random_radiance(&seed),
+                                    random_radiance(&seed), (float)test_uniform(&seed)});
+                test_set(&test, RT_BEHIND, i,
+                         (float[4]){random_radiance(&seed), random_radiance(&seed),
+                                    random_radiance(&seed)});
+            }
+            compose_both(&test);
+            test_same_words(&test, RT_COLOR, start);
+            test_passes_close(&test);
+        }
+}
+
+/* Without a volume the scene comes out as it went in, bit by bit; behind one that lets nothing
+ * through, the volume alone; and T of a power of 2 scales what is behind exactly. */
+static void test_identities(void **state)
+{
+    static const struct {
+        float volume[4];
+        float behind_weight, volume_weight;
+    } cases[] = {
+        {{0, 0, 0, 1}, 1, 0},
+        {{3.25f, 1e-3f, 6e4f, 0}, 0, 1},
+        {{0, 0, 0, 0.25f}, 0.25f, 0},
+    };
+    uint64_t seed = 7;
+    for (size_t k = 0; k < sizeof(cases) / sizeof(cases[0]); k++) {
+        struct test_passes test;
+        open_view(state, "color_format=float", sizes_px[4], seed, &test);
+        for (size_t i = 0; i < test_elements(&test, RT_VOLUME); i++) {
+            test_set(&test, RT_VOLUME, i, cases[k].volume);
+            test_set(&test, RT_BEHIND, i,
+                     (float[4]){random_radiance(&seed), random_radiance(&seed), 1e30f});
+        }
+        compose_both(&test);
+        test_same_words(&test, RT_COLOR, seed);
+        for (uint32_t y = 0; y < test.view.size_px[1]; y++)
+            for (uint32_t x = 0; x < test.view.size_px[0]; x++) {
+                float color[4], behind[4];
+                neph_rt_fetch_full(&test.oracle, RT_COLOR, (int)x, (int)y, color);
+                neph_rt_fetch_full(&test.oracle, RT_BEHIND, (int)x, (int)y, behind);
+                for (int c = 0; c < 3; c++)
+                    assert_true(color[c] == cases[k].behind_weight * behind[c] +
+                                                cases[k].volume_weight * cases[k].volume[c]);
+            }
+        test_passes_close(&test);
+    }
+}
+
+/* Outside the view nothing is written. */
+static void test_the_rest_of_the_buffer_is_left_alone(void **state)
+{
+    struct test_passes test;
+    open_view(state, "", sizes_px[2], 1, &test);
+    const float mark[4] = {-1, -2, -3, -4};
+    for (size_t i = 0; i < test_elements(&test, RT_COLOR); i++)
+        test_set(&test, RT_COLOR, i, mark);
+    compose_both(&test);
+    test_same_words(&test, RT_COLOR, 1);
+    int written = 0;
+    for (size_t i = 0; i < test_elements(&test, RT_COLOR); i++) {
+        float color[4];
+        test_get(&test, RT_COLOR, i, color);
+        written += color[0] != mark[0];
+    }
+    assert_int_equal(written, sizes_px[2][0] * sizes_px[2][1]);
+    test_passes_close(&test);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_compose_equals_the_oracle),
+        cmocka_unit_test(test_identities),
+        cmocka_unit_test(test_the_rest_of_the_buffer_is_left_alone),
+    };
+    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
+}
