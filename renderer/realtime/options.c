@@ -185,7 +185,8 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
     [RT_TAA_ALPHA] = REAL("taa_alpha", 0.04, 0, 1, "weight of the frame"),
     [RT_TAA_ALPHA_MOVING] = REAL("taa_alpha_moving", 0.2, 0, 1,
                                  "the same at taa_velocity_px and above"),
-    [RT_TAA_VELOCITY_PX] = REAL("taa_velocity_px", 40, 0.01, 1000, "[px per frame]"),
+    [RT_TAA_VELOCITY_PX] = REAL("taa_velocity_px", 40, 0.01, 1000,
+                                "[px per frame]; Unreal counts half-pixels: its 40 are 20"),
     [RT_TAA_CONTRAST] = REAL("taa_contrast", 0.01, 0, 1,
                              "least weight of the frame is this times Y of the history over the "
                              "difference of both; 0: off"),
@@ -193,7 +194,7 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
     [RT_TAA_ROUNDING] = CHOICE("taa_rounding", RT_ROUNDING_STOCHASTIC, roundings,
                                "of the history to its format"),
     [RT_TAA_GUARD] = CHOICE("taa_guard", 1, switches,
-                            "0 / 0 of the contrast law counts as 0, and no value that is not "
-                            "finite gets into the history"),
+                            "what is not finite is left out, colours are held to 0 .. 65504, and "
+                            "0 / 0 of the contrast law counts as 0"),
     {.name = NULL},
 };

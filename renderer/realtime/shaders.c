@@ -24,3 +24,8 @@ static const uint32_t compose_spirv[] = {
 };
 const struct neph_rt_shader neph_rt_shader_compose = {"rt_compose", compose_spirv,
                                                       sizeof(compose_spirv)};
+
+static const uint32_t taa_spirv[] = {
+#include "shaders/rt_taa.comp.inc"
+};
+const struct neph_rt_shader neph_rt_shader_taa = {"rt_taa", taa_spirv, sizeof(taa_spirv)};

@@ -1,0 +1,401 @@
+/* SPDX-License-Identifier: MIT */
+#include "renderer/realtime/oracle.h"
+
+#include <math.h>
+#include <string.h>
+
+static const double half_max = 65504.0;
+
+/* A colour in double; what it was made of in float is in the targets. */
+struct colour {
+    double c[3];
+};
+
+/* 3x3 colours, row by row; those that do not count are left out of everything. */
+struct surroundings {
+    struct colour colours[9];
+    bool counts[9];
+};
+
+struct box {
+    double low[3], high[3];
+};
+
+static float setting(const struct neph_rt_oracle *oracle, int index)
+{
+    return oracle->view->settings[index];
+}
+
+static int choice(const struct neph_rt_oracle *oracle, int index)
+{
+    return (int)oracle->view->settings[index];
+}
+
+static double hold(double value, double low, double high)
+{
+    return low > high ? value : value < low ? low : value > high ? high : value;
+}
+
+static bool is_finite(struct colour colour)
+{
+    return isfinite(colour.c[0]) && isfinite(colour.c[1]) && isfinite(colour.c[2]);
+}
+
+static struct colour guard(const struct neph_rt_oracle *oracle, struct colour colour)
+{
+    for (int c = 0; c < 3 && choice(oracle, RT_TAA_GUARD); c++)
+        colour.c[c] = hold(colour.c[c], 0.0, half_max);
+    return colour;
+}
+
+static struct colour fetch(const struct neph_rt_oracle *oracle, int target, int x, int y)
+{
+    float value[4];
+    neph_rt_fetch_full(oracle, target, x, y, value);
+    return (struct colour){{value[0], value[1], value[2]}};
+}
+
+static double luma_4(struct colour colour)
+{
+    return colour.c[0] + 2.0 * colour.c[1] + colour.c[2];
+}
+
+/* --- motion: the shader's float32, operation by operation ------------------------------------ */
+
+static float dot(const float a[3], const float b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static void place_from_middle(const struct neph_rt_view *view, const struct neph_rt_camera *camera,
+                              const float from[3], float depth, float place[2])
+{
+    place[0] = 0.5f * (float)view->size_px[0] *
+               (dot(from, camera->right) / (depth * camera->tan_half_width));
+    place[1] = -0.5f * (float)view->size_px[1] *
+               (dot(from, camera->up) / (depth * camera->tan_half_height));
+}
+
+static float depth_of_motion(const struct neph_rt_oracle *oracle, int x, int y)
+{
+    static const int cross_px[4][2] = {{-2, -2}, {2, -2}, {-2, 2}, {2, 2}};
+    float nearest_m[4], depth_m[4];
+    neph_rt_fetch_full(oracle, RT_DEPTH, x, y, nearest_m);
+    for (int i = 0; i < 4 && choice(oracle, RT_TAA_MOTION) == RT_MOTION_CROSS; i++) {
+        neph_rt_fetch_full(oracle, RT_DEPTH, x + cross_px[i][0], y + cross_px[i][1], depth_m);
+        if (depth_m[0] < nearest_m[0])
+            nearest_m[0] = depth_m[0];
+    }
+    return nearest_m[0];
+}
+
+static bool find_before(const struct neph_rt_oracle *oracle, int x, int y, float place_px[2],
+                        double *speed_px)
+{
+    const struct neph_rt_view *view = oracle->view;
+    const struct neph_rt_camera *now = &view->now, *before = &view->before;
+    const float width_px = (float)view->size_px[0], height_px = (float)view->size_px[1];
+    const float centre_px[2] = {(float)x + 0.5f, (float)y + 0.5f};
+    const float right = (2.0f * centre_px[0] / width_px - 1.0f) * now->tan_half_width;
+    const float up = (1.0f - 2.0f * centre_px[1] / height_px) * now->tan_half_height;
+    const float depth_m = depth_of_motion(oracle, x, y);
+    float ray[3], ray_before[3], here[2], there[2];
+    for (int c = 0; c < 3; c++) {
+        ray[c] = now->forward[c] + right * now->right[c] + up * now->up[c];
+        ray_before[c] = ray[c] - before->position_m[c] / depth_m;
+    }
+    const float depth_before = dot(ray_before, before->forward);
+    place_from_middle(view, now, ray, dot(ray, now->forward), here);
+    place_from_middle(view, before, ray_before, depth_before, there);
+    const float motion_px[2] = {here[0] - there[0], here[1] - there[1]};
+    place_px[0] = centre_px[0] - motion_px[0];
+    place_px[1] = centre_px[1] - motion_px[1];
+    *speed_px = hypot(motion_px[0], motion_px[1]);
+    return depth_before > 0.0f && place_px[0] > 0.0f && place_px[0] < width_px &&
+           place_px[1] > 0.0f && place_px[1] < height_px;
+}
+
+/* --- history ------------------------------------------------------------------------------- */
+
+/* R. Keys' cubic convolution (IEEE Trans. ASSP 29(6), 1981, a = -1/2) of a texel at a distance. */
+static double catmull_rom(double distance)
+{
+    const double d = fabs(distance);
+    if (d >= 2.0)
+        return 0.0;
+    return d > 1.0 ? ((-0.5 * d + 2.5) * d - 4.0) * d + 2.0 : (1.5 * d - 2.5) * d * d + 1.0;
+}
+
+static double filter_weight(const struct neph_rt_oracle *oracle, double distance)
+{
+    switch (choice(oracle, RT_TAA_HISTORY)) {
+    case RT_FILTER_NEAREST: /* halfway it is the next one */
+        return distance > -0.5 && distance <= 0.5;
+    case RT_FILTER_BILINEAR:
+        return fabs(distance) < 1.0 ? 1.0 - fabs(distance) : 0.0;
+    default:
+        return catmull_rom(distance);
+    }
+}
+
+static bool fetch_history(const struct neph_rt_oracle *oracle, const float place_px[2],
+                          struct colour *history)
+{
+    const float corner[2] = {floorf(place_px[0] - 0.5f), floorf(place_px[1] - 0.5f)};
+    const double way[2] = {place_px[0] - 0.5f - corner[0], place_px[1] - 0.5f - corner[1]};
+    *history = (struct colour){{0.0}};
+    for (int y = -1; y < 3; y++)
+        for (int x = -1; x < 3; x++) {
+            const double weight = filter_weight(oracle, x - way[0]) *
+                                  filter_weight(oracle, y - way[1]);
+            const struct colour texel = fetch(oracle, RT_TAA_BEFORE, (int)corner[0] + x,
+                                              (int)corner[1] + y);
+            for (int c = 0; c < 3 && weight != 0.0; c++)
+                history->c[c] += weight * texel.c[c];
+        }
+    const bool is_sound = !choice(oracle, RT_TAA_GUARD) || is_finite(*history);
+    *history = guard(oracle, *history);
+    return is_sound;
+}
+
+/* --- the frame ----------------------------------------------------------------------------- */
+
+/* A decision of the distance box, therefore float32. */
+static float distance_squared(const struct neph_rt_oracle *oracle, int i)
+{
+    const float x = (float)(i % 3 - 1) + oracle->view->jitter_px[0];
+    const float y = (float)(i / 3 - 1) + oracle->view->jitter_px[1];
+    return x * x + y * y;
+}
+
+static struct surroundings look_around(const struct neph_rt_oracle *oracle, int x, int y)
+{
+    struct surroundings around;
+    for (int i = 0; i < 9; i++) {
+        const struct colour colour = fetch(oracle, RT_COLOR, x + i % 3 - 1, y + i / 3 - 1);
+        around.counts[i] = !choice(oracle, RT_TAA_GUARD) || is_finite(colour);
+        around.colours[i] = guard(oracle, colour);
+    }
+    return around;
+}
+
+static double hdr_weight(const struct neph_rt_oracle *oracle, struct colour colour)
+{
+    return choice(oracle, RT_TAA_HDR_WEIGHT) ? 1.0 / (luma_4(colour) + 4.0) : 1.0;
+}
+
+static bool filter_frame(const struct neph_rt_oracle *oracle, const struct surroundings *around,
+                         struct colour *filtered)
+{
+    *filtered = around->colours[4];
+    if (!choice(oracle, RT_TAA_FILTER))
+        return around->counts[4];
+    double weights = 0.0, sum[3] = {0.0};
+    for (int i = 0; i < 9; i++) {
+        const double weight = exp(-2.29 * (double)distance_squared(oracle, i)) *
+                              hdr_weight(oracle, around->colours[i]);
+        weights += around->counts[i] ? weight : 0.0;
+        for (int c = 0; c < 3 && around->counts[i]; c++)
+            sum[c] += weight * around->colours[i].c[c];
+    }
+    for (int c = 0; c < 3; c++)
+        filtered->c[c] = sum[c] / weights;
+    return weights != 0.0;
+}
+
+/* --- the box ------------------------------------------------------------------------------- */
+
+static struct colour to_space(int space, struct colour colour)
+{
+    const double r = colour.c[0], g = colour.c[1], b = colour.c[2];
+    if (space == RT_SPACE_YCOCG)
+        return (struct colour){{r + 2.0 * g + b, 2.0 * r - 2.0 * b, 2.0 * g - r - b}};
+    if (space == RT_SPACE_REINHARD)
+        return (struct colour){{r / (1.0 + fabs(r)), g / (1.0 + fabs(g)), b / (1.0 + fabs(b))}};
+    return colour;
+}
+
+static struct colour from_space(int space, struct colour value)
+{
+    const double y = value.c[0] / 4.0, orange = value.c[1] / 4.0, green = value.c[2] / 4.0;
+    if (space == RT_SPACE_YCOCG)
+        return (struct colour){{y + orange - green, y + green, y - orange - green}};
+    for (int c = 0; c < 3 && space == RT_SPACE_REINHARD; c++)
+        value.c[c] /= 1.0 - fabs(value.c[c]);
+    return value;
+}
+
+/* Crossed where no colour counts. */
+static struct box extremes(const struct surroundings *around, const bool among[9])
+{
+    struct box box = {{3e38, 3e38, 3e38}, {-3e38, -3e38, -3e38}};
+    for (int i = 0; i < 9; i++)
+        for (int c = 0; c < 3 && among[i] && around->counts[i]; c++) {
+            const double value = around->colours[i].c[c];
+            box.low[c] = value < box.low[c] ? value : box.low[c];
+            box.high[c] = value > box.high[c] ? value : box.high[c];
+        }
+    return box;
+}
+
+static struct box min_max_box(const struct surroundings *around)
+{
+    static const bool square[9] = {1, 1, 1, 1, 1, 1, 1, 1, 1}, plus[9] = {0, 1, 0, 1, 1, 1, 0, 1};
+    const struct box outer = extremes(around, square), inner = extremes(around, plus);
+    struct box box = outer;
+    bool has_plus = false;
+    for (int i = 0; i < 9; i++)
+        has_plus |= plus[i] && around->counts[i];
+    for (int c = 0; c < 3 && has_plus; c++) {
+        box.low[c] = 0.5 * (outer.low[c] + inner.low[c]);
+        box.high[c] = 0.5 * (outer.high[c] + inner.high[c]);
+    }
+    return box;
+}
+
+static struct box variance_box(const struct surroundings *around, struct colour filtered,
+                               double sigma)
+{
+    struct box box;
+    for (int c = 0; c < 3; c++) {
+        double count = 0.0, sum = 0.0, squares = 0.0;
+        for (int i = 0; i < 9; i++)
+            if (around->counts[i])
+                count += 1.0, sum += around->colours[i].c[c];
+        for (int i = 0; i < 9; i++)
+            if (around->counts[i])
+                squares += pow(around->colours[i].c[c] - sum / count, 2.0);
+        const double reach = sigma * sqrt(squares / count);
+        box.low[c] = fmin(sum / count - reach, filtered.c[c]);
+        box.high[c] = fmax(sum / count + reach, filtered.c[c]);
+    }
+    return box;
+}
+
+static struct box distance_box(const struct neph_rt_oracle *oracle,
+                               const struct surroundings *around)
+{
+    bool near[9];
+    for (int i = 0; i < 9; i++)
+        near[i] = distance_squared(oracle, i) < 2.2801f;
+    return extremes(around, near);
+}
+
+static struct colour hold_history(const struct neph_rt_oracle *oracle, struct colour history,
+                                  struct surroundings around, struct colour filtered)
+{
+    const int kind = choice(oracle, RT_TAA_BOX), space = choice(oracle, RT_TAA_SPACE);
+    if (kind == RT_BOX_NONE)
+        return history;
+    for (int i = 0; i < 9; i++)
+        around.colours[i] = to_space(space, around.colours[i]);
+    const struct box box = kind == RT_BOX_MIN_MAX ? min_max_box(&around)
+                           : kind == RT_BOX_VARIANCE
+                               ? variance_box(&around, to_space(space, filtered),
+                                              setting(oracle, RT_TAA_SIGMA))
+                               : distance_box(oracle, &around);
+    struct colour held = to_space(space, history);
+    bool is_moved = false;
+    for (int c = 0; c < 3; c++) {
+        const double free = held.c[c];
+        held.c[c] = hold(free, box.low[c], box.high[c]);
+        is_moved |= held.c[c] != free;
+    }
+    return is_moved ? from_space(space, held) : history;
+}
+
+/* --- blend and output ------------------------------------------------------------------------ */
+
+static double frame_weight(const struct neph_rt_oracle *oracle, double luma, double history_luma,
+                           double speed_px)
+{
+    const double contrast = setting(oracle, RT_TAA_CONTRAST);
+    const double way = fmin(speed_px / setting(oracle, RT_TAA_VELOCITY_PX), 1.0);
+    const double alpha = (1.0 - way) * setting(oracle, RT_TAA_ALPHA) +
+                         way * setting(oracle, RT_TAA_ALPHA_MOVING);
+    if (contrast == 0.0 || (choice(oracle, RT_TAA_GUARD) && !(history_luma > 0.0)))
+        return alpha;
+    const double least = contrast * history_luma / fabs(luma - history_luma);
+    return least <= alpha ? alpha : least > 1.0 ? 1.0 : least;
+}
+
+static struct colour blend(const struct neph_rt_oracle *oracle, struct colour frame,
+                           struct colour history, double alpha)
+{
+    const double of_frame = alpha * hdr_weight(oracle, frame);
+    const double of_history = (1.0 - alpha) * hdr_weight(oracle, history);
+    const double weight = of_frame / (of_frame + of_history);
+    for (int c = 0; c < 3 && weight != 1.0; c++)
+        frame.c[c] = (1.0 - weight) * history.c[c] + weight * frame.c[c];
+    return frame;
+}
+
+/* The hash of renderer/shaders/random.glsl; its first number is the white dither's. */
+static void random_numbers(const uint32_t key[4], float numbers[3])
+{
+    uint32_t v[4];
+    for (int i = 0; i < 4; i++)
+        v[i] = key[i] * 1664525u + 1013904223u;
+    for (int round = 0; round < 2; round++) {
+        v[0] += v[1] * v[3];
+        v[1] += v[2] * v[0];
+        v[2] += v[0] * v[1];
+        v[3] += v[1] * v[2];
+        for (int i = 0; i < 4 && round == 0; i++)
+            v[i] ^= v[i] >> 16;
+    }
+    for (int i = 0; i < 3; i++)
+        numbers[i] = ((float)(v[i + 1] >> 9) + 0.5f) * 0x1p-23f;
+}
+
+static float round_by_chance(float value, float number)
+{
+    if (!(fabsf(value) < 65504.0f))
+        return value;
+    int exponent; /* of the octave above the value's */
+    frexpf(value, &exponent);
+    const float half_step = ldexpf(1.0f, (exponent < -13 ? -13 : exponent) - 11);
+    const float halves = value / half_step, below = floorf(halves);
+    return (number < halves - below ? below + 1.0f : below) * half_step;
+}
+
+static void write(const struct neph_rt_oracle *oracle, int x, int y, struct colour colour)
+{
+    const struct neph_rt_view *view = oracle->view;
+    float numbers[3], value[4] = {0.0f};
+    random_numbers((uint32_t[4]){(uint32_t)x, (uint32_t)y, view->frame, view->seed}, numbers);
+    const bool by_chance = choice(oracle, RT_TAA_FORMAT) == RT_FORMAT_HALF &&
+                           choice(oracle, RT_TAA_ROUNDING) == RT_ROUNDING_STOCHASTIC;
+    for (int c = 0; c < 3; c++) {
+        const double least = choice(oracle, RT_TAA_GUARD) ? 0.0 : -half_max;
+        value[c] = (float)hold(colour.c[c], least, half_max);
+        if (by_chance)
+            value[c] = round_by_chance(value[c], numbers[c]);
+    }
+    neph_rt_put_full(oracle, RT_TAA_OUT, x, y, value);
+}
+
+static struct colour pixel_colour(const struct neph_rt_oracle *oracle, int x, int y)
+{
+    const struct neph_rt_view *view = oracle->view;
+    const bool is_reset = !view->has_history || (view->is_cut && choice(oracle, RT_CUT_RESET));
+    float before_px[2];
+    double speed_px;
+    struct colour history, filtered;
+    const bool has_history = !is_reset && find_before(oracle, x, y, before_px, &speed_px) &&
+                             fetch_history(oracle, before_px, &history);
+    const struct surroundings around = look_around(oracle, x, y);
+    if (!filter_frame(oracle, &around, &filtered))
+        return has_history ? history : (struct colour){{0.0}};
+    if (!has_history)
+        return filtered;
+    const double alpha = frame_weight(oracle, luma_4(filtered), luma_4(history), speed_px);
+    return blend(oracle, filtered, hold_history(oracle, history, around, filtered), alpha);
+}
+
+void neph_rt_oracle_taa(const struct neph_rt_oracle *oracle)
+{
+    for (int y = 0; y < (int)oracle->view->size_px[1]; y++)
+        for (int x = 0; x < (int)oracle->view->size_px[0]; x++)
+            write(oracle, x, y, pixel_colour(oracle, x, y));
+}

@@ -1,0 +1,401 @@
+#version 450
+// SPDX-License-Identifier: MIT
+//
+// A16, D2-D8, D10: temporal anti-aliasing as in Unreal Engine 4.26, after B. Karis, "High Quality
+// Temporal Supersampling", SIGGRAPH 2014. Each frame's rays have another sub-pixel place; a pixel
+// is a running mean of them all. The frame, filtered about the unjittered centre of the pixel, is
+// blended into the history, which is read where the frame before showed the same thing, and held in
+// the box of the colours around the pixel, so that what is no longer there cannot stay.
+//
+// Done differently:
+// - Speed is in pixels. Unreal's is in half-pixels (device coordinates are 2 wide), so that its 40
+//   of D7 are taa_velocity_px=20.
+// - Catmull-Rom takes all 4x4 texels. Unreal leaves out the corners, whose weights sum to up to
+//   1/64, and divides by the rest.
+// - The variance is the mean square of deviations. Unreal's mean of squares less square of the mean
+//   cancels: in float32 a flat colour has a deviation of up to 3e-4 of itself.
+// - Filter and blend are linear anyway: only the box is taken in taa_space, and a history that it
+//   does not move keeps its last bit.
+// - Stochastic rounding picks one of the two neighbouring halves with the probability that is right
+//   on average. Unreal adds up to one step and leaves the rest to the hardware's rounding.
+// - taa_guard: a colour that is not finite does not count. The filter and the box are made of the
+//   others of 3x3; where there are none the history stays; where that is void too the pixel is 0. A
+//   history that is not finite is void. Colours are held to 0 .. 65504. Where the history is black
+//   the contrast law is off: its 0 / 0 would be NaN for ever after.
+// Left out: velocities of moving objects and their anti-ghosting flag (D9; solids of our scenes do
+// not move), the responsive stencil, depth of field, upsampling (the other half of D1 and D5), pre-
+// exposure, and the unfiltered frame that is mixed in where a bilinear history blurs.
+#extension GL_GOOGLE_include_directive : require
+
+#include "random.glsl"
+#include "realtime_pass.glsl"
+
+const float HALF_MAX = 65504.0;
+
+bool guarded() { return choice(RT_TAA_GUARD) != 0; }
+
+// 4 times the luma: what the weights of D3 and D7 go by.
+float luma_4(vec3 colour) { return colour.r + 2.0 * colour.g + colour.b; }
+
+// Comparisons, so that NaN stays NaN; between limits that have crossed nothing is held.
+float hold(float value, float low, float high)
+{
+    return low > high ? value : value < low ? low : value > high ? high : value;
+}
+
+vec3 hold(vec3 value, vec3 low, vec3 high)
+{
+    return vec3(hold(value.r, low.r, high.r), hold(value.g, low.g, high.g),
+                hold(value.b, low.b, high.b));
+}
+
+vec3 guard(vec3 colour)
+{
+    return guarded() ? hold(colour, vec3(0.0), vec3(HALF_MAX)) : colour;
+}
+
+bool is_finite(vec3 value)
+{
+    return is_finite(value.r) && is_finite(value.g) && is_finite(value.b);
+}
+
+// --- D2: motion of the camera ---------------------------------------------------------------
+
+float dot_in_order(vec3 a, vec3 b)
+{
+    precise float sum = a.x * b.x + a.y * b.y + a.z * b.z;
+    return sum;
+}
+
+// Through a pixel's centre, without jitter; eye depth 1.
+vec3 ray_through(vec2 centre_px)
+{
+    precise float x = (2.0 * centre_px.x / float(view.size_px[0]) - 1.0) * view.now.tan_half_width;
+    precise float y = (1.0 - 2.0 * centre_px.y / float(view.size_px[1])) * view.now.tan_half_height;
+    precise vec3 ray = view.now.forward + x * view.now.right + y * view.now.up;
+    return ray;
+}
+
+// Where a camera sees something in the direction `from`, in pixels from the middle of the picture.
+vec2 place_from_middle(ViewCamera camera, vec3 from, float depth)
+{
+    precise vec2 place;
+    place.x = 0.5 * float(view.size_px[0]) *
+              (dot_in_order(from, camera.right) / (depth * camera.tan_half_width));
+    place.y = -0.5 * float(view.size_px[1]) *
+              (dot_in_order(from, camera.up) / (depth * camera.tan_half_height));
+    return place;
+}
+
+// The nearest of the pixel's depth and four around, so that the rim of an object goes with it. As
+// in Unreal the motion is that of the pixel's own place at this depth, not of the neighbour's.
+float depth_of_motion(ivec2 pixel)
+{
+    float nearest_m = fetch_full(RT_DEPTH, pixel).x;
+    if (choice(RT_TAA_MOTION) == RT_MOTION_CENTRE)
+        return nearest_m;
+    for (int i = 0; i < 4; i++) {
+        float depth_m = fetch_full(RT_DEPTH, pixel + 4 * ivec2(i & 1, i >> 1) - 2).x;
+        if (depth_m < nearest_m)
+            nearest_m = depth_m;
+    }
+    return nearest_m;
+}
+
+// The place of the pixel's content in the frame before; false when that was out of the picture.
+// Lengths are divided by the depth: the sky needs no rule of its own and loses no digits. The
+// motion is a difference of two places found alike: it is exactly 0 for a camera at rest.
+bool find_before(ivec2 pixel, out vec2 place_px, out float speed_px)
+{
+    precise vec2 centre_px = vec2(pixel) + 0.5;
+    vec3 ray = ray_through(centre_px);
+    precise vec3 ray_before = ray - view.before.position_m / depth_of_motion(pixel);
+    float depth_before = dot_in_order(ray_before, view.before.forward);
+    precise vec2 motion_px =
+        place_from_middle(view.now, ray, dot_in_order(ray, view.now.forward)) -
+        place_from_middle(view.before, ray_before, depth_before);
+    precise vec2 before_px = centre_px - motion_px;
+    place_px = before_px;
+    speed_px = length(motion_px);
+    return depth_before > 0.0 && before_px.x > 0.0 && before_px.x < float(view.size_px[0]) &&
+           before_px.y > 0.0 && before_px.y < float(view.size_px[1]);
+}
+
+// --- D6: history ------------------------------------------------------------------------------
+
+// Weights of four texels in a row for a place `x` of the way from the second to the third.
+vec4 filter_weights(float x)
+{
+    switch (choice(RT_TAA_HISTORY)) {
+    case RT_FILTER_NEAREST:
+        return x < 0.5 ? vec4(0.0, 1.0, 0.0, 0.0) : vec4(0.0, 0.0, 1.0, 0.0);
+    case RT_FILTER_BILINEAR:
+        return vec4(0.0, 1.0 - x, x, 0.0);
+    default:
+        return vec4(x * (-0.5 + x * (1.0 - 0.5 * x)), 1.0 + x * x * (-2.5 + 1.5 * x),
+                    x * (0.5 + x * (2.0 - 1.5 * x)), x * x * (-0.5 + 0.5 * x));
+    }
+}
+
+// False when the guard finds the history void.
+bool fetch_history(vec2 place_px, out vec3 history)
+{
+    precise vec2 corner = floor(place_px - 0.5);
+    precise vec2 way = place_px - 0.5 - corner;
+    vec4 columns = filter_weights(way.x), rows = filter_weights(way.y);
+    history = vec3(0.0);
+    for (int i = 0; i < 16; i++) {
+        ivec2 texel = ivec2(i & 3, i >> 2);
+        float weight = columns[texel.x] * rows[texel.y];
+        if (weight != 0.0) // at rest 15 of 16 are
+            history += weight * fetch_full(RT_TAA_BEFORE, ivec2(corner) + texel - 1).rgb;
+    }
+    bool is_sound = !guarded() || is_finite(history);
+    history = guard(history);
+    return is_sound;
+}
+
+// --- D4: the frame ----------------------------------------------------------------------------
+
+// The 3x3 colours around a pixel, row by row.
+struct Surroundings {
+    vec3 colours[9];
+    uint counted; // bit i: colours[i] counts
+};
+
+const int CENTRE = 4;
+const uint SQUARE = 0x1ffu, PLUS = 0x0bau;
+
+ivec2 offset_of(int i) { return ivec2(i % 3, i / 3) - 1; }
+
+bool is_counted(uint counted, int i) { return (counted >> i & 1u) != 0u; }
+
+// From the pixel's centre to where the ray of a neighbour went [px], squared.
+float distance_squared(int i)
+{
+    precise float x = float(offset_of(i).x) + view.jitter_px[0];
+    precise float y = float(offset_of(i).y) + view.jitter_px[1];
+    precise float sum = x * x + y * y;
+    return sum;
+}
+
+Surroundings look_around(ivec2 pixel)
+{
+    Surroundings around;
+    around.counted = 0u;
+    for (int i = 0; i < 9; i++) {
+        vec3 colour = fetch_full(RT_COLOR, pixel + offset_of(i)).rgb;
+        if (!guarded() || is_finite(colour))
+            around.counted |= 1u << i;
+        around.colours[i] = guard(colour);
+    }
+    return around;
+}
+
+// D3: bright samples count less, or a single one would shine through for many frames.
+float hdr_weight(vec3 colour)
+{
+    return choice(RT_TAA_HDR_WEIGHT) != 0 ? 1.0 / (luma_4(colour) + 4.0) : 1.0;
+}
+
+// A Gaussian about the unjittered centre: Unreal's exp(-2.29 d^2), 0.47 px, a fit to the Blackman-
+// Harris window of 3.3 px. (Its r.TemporalAACatmullRom, off by default, is another filter here, not
+// of the history.) False when no colour counts.
+bool filter_frame(Surroundings around, out vec3 colour)
+{
+    colour = around.colours[CENTRE];
+    if (choice(RT_TAA_FILTER) == 0)
+        return is_counted(around.counted, CENTRE);
+    vec3 sum = vec3(0.0);
+    float weights = 0.0;
+    for (int i = 0; i < 9; i++) {
+        if (!is_counted(around.counted, i))
+            continue;
+        float weight = exp(-2.29 * distance_squared(i)) * hdr_weight(around.colours[i]);
+        sum += weight * around.colours[i];
+        weights += weight;
+    }
+    colour = sum / weights;
+    return around.counted != 0u;
+}
+
+// --- D5: the box ------------------------------------------------------------------------------
+
+vec3 to_space(vec3 colour)
+{
+    switch (choice(RT_TAA_SPACE)) {
+    case RT_SPACE_YCOCG:
+        return vec3(luma_4(colour), 2.0 * (colour.r - colour.b),
+                    2.0 * colour.g - colour.r - colour.b);
+    case RT_SPACE_REINHARD:
+        return colour / (1.0 + abs(colour));
+    default:
+        return colour;
+    }
+}
+
+vec3 from_space(vec3 value)
+{
+    switch (choice(RT_TAA_SPACE)) {
+    case RT_SPACE_YCOCG:
+        return 0.25 * vec3(value.x + value.y - value.z, value.x + value.z,
+                           value.x - value.y - value.z);
+    case RT_SPACE_REINHARD:
+        return value / (1.0 - abs(value));
+    default:
+        return value;
+    }
+}
+
+struct Box {
+    vec3 low, high; // crossed when the box is of no colour
+};
+
+Box extremes(Surroundings around, uint among)
+{
+    Box box = Box(vec3(3e38), vec3(-3e38));
+    for (int i = 0; i < 9; i++) {
+        if (!is_counted(around.counted & among, i))
+            continue;
+        for (int c = 0; c < 3; c++) {
+            if (around.colours[i][c] < box.low[c])
+                box.low[c] = around.colours[i][c];
+            if (around.colours[i][c] > box.high[c])
+                box.high[c] = around.colours[i][c];
+        }
+    }
+    return box;
+}
+
+// Halfway between the plus' and the square's extremes: rounder than the square.
+Box rounded_box(Surroundings around)
+{
+    Box square = extremes(around, SQUARE), plus = extremes(around, PLUS);
+    if ((around.counted & PLUS) == 0u)
+        return square;
+    return Box(0.5 * (square.low + plus.low), 0.5 * (square.high + plus.high));
+}
+
+// M. Salvi, "An Excursion in Temporal Supersampling", GDC 2016; the filtered colour is in it.
+Box variance_box(Surroundings around, vec3 filtered)
+{
+    vec3 mean = vec3(0.0), variance = vec3(0.0);
+    float count = float(bitCount(around.counted));
+    for (int i = 0; i < 9; i++)
+        if (is_counted(around.counted, i))
+            mean += around.colours[i] / count;
+    for (int i = 0; i < 9; i++)
+        if (is_counted(around.counted, i))
+            variance += (around.colours[i] - mean) * (around.colours[i] - mean) / count;
+    vec3 reach = setting(RT_TAA_SIGMA) * sqrt(variance);
+    vec3 low = mean - reach, high = mean + reach;
+    return Box(mix(low, filtered, lessThan(filtered, low)),
+               mix(high, filtered, greaterThan(filtered, high)));
+}
+
+// Of the rays that went through within 1.51 px.
+Box distance_box(Surroundings around)
+{
+    uint near = 0u;
+    for (int i = 0; i < 9; i++)
+        if (distance_squared(i) < 2.2801)
+            near |= 1u << i;
+    return extremes(around, near);
+}
+
+vec3 hold_history(vec3 history, Surroundings around, vec3 filtered)
+{
+    for (int i = 0; i < 9; i++)
+        around.colours[i] = to_space(around.colours[i]);
+    Box box;
+    switch (choice(RT_TAA_BOX)) {
+    case RT_BOX_MIN_MAX:
+        box = rounded_box(around);
+        break;
+    case RT_BOX_VARIANCE:
+        box = variance_box(around, to_space(filtered));
+        break;
+    case RT_BOX_DISTANCE:
+        box = distance_box(around);
+        break;
+    default:
+        return history;
+    }
+    vec3 value = to_space(history);
+    vec3 held = hold(value, box.low, box.high);
+    return held == value ? history : from_space(held);
+}
+
+// --- D7: the blend ----------------------------------------------------------------------------
+
+// Weight of the frame: more when the picture moves, and enough for a step of taa_contrast of the
+// history's luma (before it was held). So a pixel whose noise is below that is not averaged (D8).
+float frame_weight(float luma, float history_luma, float speed_px)
+{
+    float way = speed_px / setting(RT_TAA_VELOCITY_PX);
+    float alpha = mix(setting(RT_TAA_ALPHA), setting(RT_TAA_ALPHA_MOVING), way < 1.0 ? way : 1.0);
+    if (setting(RT_TAA_CONTRAST) == 0.0 || (guarded() && !(history_luma > 0.0)))
+        return alpha;
+    precise float least = setting(RT_TAA_CONTRAST) * history_luma / abs(luma - history_luma);
+    if (least <= alpha)
+        return alpha;
+    return least > 1.0 ? 1.0 : least; // or NaN
+}
+
+vec3 blend(vec3 frame, vec3 history, float alpha)
+{
+    float of_frame = alpha * hdr_weight(frame);
+    float of_history = (1.0 - alpha) * hdr_weight(history);
+    float weight = of_frame / (of_frame + of_history);
+    return weight == 1.0 ? frame : history + weight * (frame - history);
+}
+
+// --- D10: the output --------------------------------------------------------------------------
+
+// One of the two halves next to a value, by a number from 0 to 1: the value is their mean.
+float round_by_chance(float value, float number)
+{
+    uint magnitude = floatBitsToUint(value) & 0x7fffffffu;
+    if (magnitude >= 0x477fe000u) // from 65504 on
+        return value;
+    uint exponent = max(magnitude >> 23, 113u); // the least of normal halves is 2^-14
+    float halves_per_unit = uintBitsToFloat((264u - exponent) << 23); // 2^10 of them in an octave
+    float half_step = uintBitsToFloat((exponent - 10u) << 23);
+    precise float halves = value * halves_per_unit;
+    precise float below = floor(halves);
+    precise float above_it = halves - below;
+    return (number < above_it ? below + 1.0 : below) * half_step;
+}
+
+vec3 round_to_format(vec3 colour, ivec2 pixel)
+{
+    if (choice(RT_TAA_FORMAT) != RT_FORMAT_HALF ||
+        choice(RT_TAA_ROUNDING) != RT_ROUNDING_STOCHASTIC)
+        return colour;
+    // The hash's first number is the white dither's (renderer/dither.h).
+    vec3 numbers = uniform_from(pcg4d(uvec4(pixel, view.frame, view.seed)).yzw);
+    return vec3(round_by_chance(colour.r, numbers.x), round_by_chance(colour.g, numbers.y),
+                round_by_chance(colour.b, numbers.z));
+}
+
+void main()
+{
+    ivec2 pixel;
+    if (!own_element(view_size(), pixel))
+        return;
+    bool is_reset = view.has_history == 0u || (view.is_cut != 0u && choice(RT_CUT_RESET) != 0);
+    vec2 before_px;
+    float speed_px;
+    vec3 history, colour;
+    bool has_history =
+        !is_reset && find_before(pixel, before_px, speed_px) && fetch_history(before_px, history);
+    Surroundings around = look_around(pixel);
+    if (!filter_frame(around, colour)) {
+        colour = has_history ? history : vec3(0.0);
+    } else if (has_history) {
+        float alpha = frame_weight(luma_4(colour), luma_4(history), speed_px);
+        colour = blend(colour, hold_history(history, around, colour), alpha);
+    }
+    colour = guard(hold(colour, vec3(-HALF_MAX), vec3(HALF_MAX)));
+    put_full(RT_TAA_OUT, pixel, vec4(round_to_format(colour, pixel), 0.0));
+}

@@ -1,0 +1,797 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * One frame of temporal anti-aliasing (D2-D8, D10) against its oracle, closed forms and bad
+ * numbers; and the jitter that goes before it (D1). What many frames make of it:
+ * test_realtime_taa_film.c.
+ */
+#include "tests/renderer/realtime_test.h"
+
+#include "renderer/realtime/jitter.h"
+
+static const double float_ulp = 0x1p-24, half_ulp = 0x1p-11; /* relative, rounded to nearest */
+
+/* --- jitter (D1) --------------------------------------------------------------------------- */
+
+/* As listed in an analysis of Unreal Engine 4.26; printed with 9 digits from float32. */
+static void test_the_eight_places_are_those_of_unreal(void **state)
+{
+    (void)state;
+    static const double listed_px[8][2] = {
+        {-0.163972363, 0.284008324},   {-0.208000556, -0.360267729}, {0.172162965, 0.144461900},
+        {-0.430473328, 0.156679258},   {0.0485312343, -0.275233328}, {0.0647613853, 0.367280841},
+        {-0.147184864, -0.0535709597}, {0.366960347, -0.307915747},
+    };
+    double sum_px[2] = {0.0, 0.0};
+    for (uint32_t i = 0; i < 16; i++) {
+        double offset_px[2];
+        neph_rt_jitter(RT_JITTER_UE, 8, i, offset_px);
+        for (int axis = 0; axis < 2; axis++) {
+            neph_assert_close(offset_px[axis], listed_px[i % 8][axis], 0.0, 1e-6);
+            sum_px[axis] += offset_px[axis] / 16.0;
+        }
+    }
+    /* The picture is off by that much; given to three digits. */
+    neph_assert_close(sum_px[0], -0.037, 0.0, 5e-4);
+    neph_assert_close(sum_px[1], -0.006, 0.0, 5e-4);
+}
+
+static void test_jitter_stays_in_the_pixel_and_repeats(void **state)
+{
+    (void)state;
+    static const int kinds[] = {RT_JITTER_NONE, RT_JITTER_UE, RT_JITTER_HALTON};
+    for (int k = 0; k < 3; k++)
+        for (int length = 1; length <= 64; length++)
+            for (uint32_t i = 0; i < 64; i++) {
+                double offset_px[2], again_px[2];
+                neph_rt_jitter(kinds[k], length, i, offset_px);
+                neph_rt_jitter(kinds[k], length, i + 3 * (uint32_t)length, again_px);
+                assert_memory_equal(offset_px, again_px, sizeof(offset_px));
+                const double most_px = k == 0 ? 0.0 : 0.5;
+                assert_true(fabs(offset_px[0]) <= most_px && fabs(offset_px[1]) <= most_px);
+            }
+    double offset_px[2];
+    neph_rt_jitter(RT_JITTER_HALTON, 8, 5, offset_px); /* 6 = 110 in base 2, 20 in base 3 */
+    neph_assert_close(offset_px[0], 3.0 / 8.0 - 0.5, 0.0, 1e-15);
+    neph_assert_close(offset_px[1], 2.0 / 9.0 - 0.5, 0.0, 1e-15);
+}
+
+/* --- views, pictures, cameras ---------------------------------------------------------------- */
+
+static const int sizes_px[][2] = {{1, 1}, {2, 3}, {5, 4}, {64, 36}, {127, 33}, {641, 363}};
+enum { SIZES = sizeof(sizes_px) / sizeof(sizes_px[0]) };
+
+static void run(struct test_passes *test)
+{
+    test_passes_run(test, &neph_rt_shader_taa, 0,
+                    (size_t)test->view.size_px[0] * test->view.size_px[1]);
+}
+
+static double between(uint64_t *seed, double low, double high)
+{
+    return low + (high - low) * test_uniform(seed);
+}
+
+/* Turned by up to `turn_rad` about all axes and moved by up to `way_m` since the frame before. */
+static void move_camera(struct neph_rt_view *view, double turn_rad, double way_m, uint64_t *seed)
+{
+    const double yaw = between(seed, -turn_rad, turn_rad),
+                 roll = between(seed, -turn_rad, turn_rad);
+    const double pitch = between(seed, -turn_rad, turn_rad);
+    const double forward[3] = {sin(yaw) * cos(pitch), sin(pitch), -cos(yaw) * cos(pitch)};
+    const double level[3] = {cos(yaw), 0.0, sin(yaw)};
+    const double above[3] = {-sin(yaw) * sin(pitch), cos(pitch), cos(yaw) * sin(pitch)};
+    for (int c = 0; c < 3; c++) {
+        view->before.forward[c] = (float)forward[c];
+        view->before.right[c] = (float)(cos(roll) * level[c] + sin(roll) * above[c]);
+        view->before.up[c] = (float)(cos(roll) * above[c] - sin(roll) * level[c]);
+        view->before.position_m[c] = (float)between(seed, -way_m, way_m);
+    }
+}
+
+static float random_depth_m(uint64_t *seed)
+{
+    switch (test_random(seed) % 8) {
+    case 0:
+        return NEPH_RT_FAR_M;
+    case 1:
+        return INFINITY;
+    default:
+        return (float)exp(between(seed, 0.0, 14.0));
+    }
+}
+
+/* Radiance up to `most`, some of it black, some flat. */
+static void fill_colours(struct test_passes *test, int target, double most, uint64_t *seed)
+{
+    for (size_t i = 0; i < test_elements(test, target); i++) {
+        float colour[4] = {0.0f};
+        const int kind = (int)(test_random(seed) % 8);
+        for (int c = 0; c < 3 && kind > 0; c++)
+            colour[c] = (float)(kind == 1 ? 0.5 * most : between(seed, 0.0, most));
+        test_set(test, target, i, colour);
+    }
+}
+
+static void fill_depths(struct test_passes *test, uint64_t *seed)
+{
+    for (size_t i = 0; i < test_elements(test, RT_DEPTH); i++)
+        test_set(test, RT_DEPTH, i, (float[4]){random_depth_m(seed)});
+}
+
+static double pixel_value(const struct test_passes *test, int target, int x, int y, int channel)
+{
+    float value[4];
+    neph_rt_fetch_full(&test->oracle, target, x, y, value);
+    return value[channel];
+}
+
+/* Take the device's output for the oracle's. */
+static void take_output(struct test_passes *test)
+{
+    uint32_t *words = test_download(test, RT_TAA_OUT);
+    memcpy(test->oracle.targets[RT_TAA_OUT], words,
+           neph_rt_device_words(&test->device, RT_TAA_OUT) * sizeof(*words));
+    free(words);
+}
+
+/* --- against the oracle ---------------------------------------------------------------------- */
+
+/* Any choice for every setting; returned to be printed. */
+static struct neph_settings random_settings(uint64_t *seed, char *text, size_t text_size)
+{
+    static const struct {
+        const char *name;
+        const char *values[5];
+    } choices[] = {
+        {"taa_motion", {"centre", "cross"}},
+        {"taa_space", {"linear", "reinhard", "ycocg"}},
+        {"taa_hdr_weight", {"off", "on"}},
+        {"taa_filter", {"off", "on"}},
+        {"taa_box", {"none", "min_max", "variance", "distance"}},
+        {"taa_sigma", {"0", "0.75", "1.25"}},
+        {"taa_history", {"nearest", "bilinear", "catmull_rom"}},
+        {"taa_alpha", {"0", "0.04", "0.5", "1"}},
+        {"taa_alpha_moving", {"0.04", "0.2"}},
+        {"taa_velocity_px", {"1", "40"}},
+        {"taa_contrast", {"0", "0.01"}},
+        {"taa_format", {"half", "float"}},
+        {"taa_rounding", {"nearest", "stochastic"}},
+        {"taa_guard", {"off", "on"}},
+        {"cut_reset", {"off", "on"}},
+    };
+    size_t length = 0;
+    for (size_t i = 0; i < sizeof(choices) / sizeof(choices[0]); i++) {
+        size_t count = 0;
+        while (count < 5 && choices[i].values[count])
+            count++;
+        length += (size_t)snprintf(text + length, text_size - length, "%s=%s ", choices[i].name,
+                                   choices[i].values[test_random(seed) % count]);
+    }
+    return test_settings(text);
+}
+
+/* How far the device may be from the oracle when no colour is above `most`. float32 rounds some 60
+ * times on the way (16 + 9 taps with their weights, box, blend), each time by up to an ulp and
+ * either way, which is some 8 ulps together, and twice that is allowed (worst of a million pixels:
+ * 5). Multiplied where a step is ill-conditioned: the contrast law acts on differences down to
+ * taa_contrast of the luma, so it magnifies their error by 1 / 0.01; the inverse of Reinhard's
+ * curve has slope (1 + c)^2. Halves round both sides, by chance by up to a whole step. */
+static double allowed(const struct neph_rt_view *view, double expected, double most)
+{
+    double ulps = 16.0;
+    if (view->settings[RT_TAA_CONTRAST] > 0.0f)
+        ulps *= 100.0;
+    if ((int)view->settings[RT_TAA_SPACE] == RT_SPACE_REINHARD)
+        ulps *= 1.0 + most;
+    const double step = (int)view->settings[RT_TAA_FORMAT] == RT_FORMAT_HALF
+                            ? fmax(2.0 * half_ulp * fabs(expected) * 1.001, 0x1p-24)
+                            : 0.0;
+    return ulps * float_ulp * most + step;
+}
+
+static void compare(struct test_passes *test, double most, uint64_t seed, const char *settings)
+{
+    uint32_t *words = test_download(test, RT_TAA_OUT);
+    const struct neph_rt_target *shape = &test->view.targets[RT_TAA_OUT];
+    for (size_t i = 0; i < test_elements(test, RT_TAA_OUT); i++) {
+        float actual[4], expected[4];
+        neph_rt_load(shape, words, i, actual);
+        test_get(test, RT_TAA_OUT, i, expected);
+        for (int c = 0; c < 4; c++)
+            if (!(fabs((double)actual[c] - (double)expected[c]) <=
+                  allowed(&test->view, expected[c], most)) &&
+                !(isnan(actual[c]) && isnan(expected[c]))) /* 0 / 0 without guard */
+                fail_msg("seed %llu, %s: element %zu channel %d is %.9g, %.9g in the oracle, "
+                         "allowed %.3g",
+                         (unsigned long long)seed, settings, i, c, (double)actual[c],
+                         (double)expected[c], allowed(&test->view, expected[c], most));
+    }
+    free(words);
+}
+
+static void test_the_pass_equals_the_oracle(void **state)
+{
+    static const double brightest[] = {1e-3, 1.0, 100.0, 6e4};
+    uint64_t seed = 1;
+    for (int round = 0; round < 120; round++) {
+        const uint64_t start = seed;
+        char text[512];
+        const struct neph_settings settings = random_settings(&seed, text, sizeof(text));
+        const int size = round == 60 ? SIZES - 1 : round % (SIZES - 1);
+        const int origin_px[2] = {round % 3 * 4, round % 2 * 8};
+        struct test_passes test;
+        test_passes_open(*state, &settings, sizes_px[size], origin_px, start, &test);
+        const double most = brightest[test_random(&seed) % 4];
+        test.view.frame = (uint32_t)test_random(&seed);
+        test.view.has_history = round % 16 != 0;
+        test.view.is_cut = round % 8 == 1;
+        test.view.jitter_px[0] = (float)between(&seed, -0.5, 0.5);
+        test.view.jitter_px[1] = (float)between(&seed, -0.5, 0.5);
+        if (round % 4)
+            move_camera(&test.view, round % 4 == 1 ? 3.1 : 0.02, 2.0, &seed);
+        fill_depths(&test, &seed);
+        fill_colours(&test, RT_COLOR, most, &seed);
+        fill_colours(&test, RT_TAA_BEFORE, most, &seed);
+        run(&test);
+        neph_rt_oracle_taa(&test.oracle);
+        compare(&test, most, start, text);
+        test_passes_close(&test);
+    }
+}
+
+/* In all settings, with numbers that no renderer should make in both pictures. What comes out is a
+ * colour, and the oracle's. Where it differs from the oracle's, the brightest held number, 65504,
+ * sets the scale. */
+static void test_the_guard_keeps_bad_numbers_out(void **state)
+{
+    static const float bad[] = {NAN, INFINITY, -INFINITY, -1.0f, 1e30f, -1e30f, 0.0f};
+    uint64_t seed = 20261122;
+    for (int round = 0; round < 40; round++) {
+        const uint64_t start = seed;
+        char text[512];
+        struct neph_settings settings = random_settings(&seed, text, sizeof(text));
+        settings.values[RT_TAA_GUARD] = 1;
+        struct test_passes test;
+        test_passes_open(*state, &settings, sizes_px[round % (SIZES - 1)], (int[2]){0, 0}, start,
+                         &test);
+        test.view.has_history = round % 8 != 0;
+        move_camera(&test.view, 0.02, 0.1, &seed);
+        fill_depths(&test, &seed);
+        for (int t = 0; t < 2; t++) {
+            const int target = t ? RT_COLOR : RT_TAA_BEFORE;
+            fill_colours(&test, target, 1.0, &seed);
+            const uint64_t one_in = (uint64_t[]){1, 3, 30}[test_random(&seed) % 3];
+            for (size_t i = 0; i < test_elements(&test, target); i++) {
+                float colour[4];
+                test_get(&test, target, i, colour);
+                if (test_random(&seed) % one_in == 0)
+                    colour[test_random(&seed) % 3] = bad[test_random(&seed) % 7];
+                test_set(&test, target, i, colour);
+            }
+        }
+        run(&test);
+        neph_rt_oracle_taa(&test.oracle);
+        compare(&test, 65504.0, start, text);
+        take_output(&test);
+        for (size_t i = 0; i < test_elements(&test, RT_TAA_OUT); i++) {
+            float colour[4];
+            test_get(&test, RT_TAA_OUT, i, colour);
+            for (int c = 0; c < 3; c++)
+                if (!(colour[c] >= 0.0f && colour[c] <= 65504.0f))
+                    fail_msg("seed %llu, %s: %g", (unsigned long long)start, text,
+                             (double)colour[c]);
+        }
+        test_passes_close(&test);
+    }
+}
+
+/* --- motion (D2) ----------------------------------------------------------------------------- */
+
+/* float32 knows the cameras' axes to 6e-8 and places in 127 pixels to 8e-6 px: a few times that. */
+static const double motion_error_px = 1e-4;
+
+/* Where the camera before saw what is at `depth_m` behind a pixel's centre, in double. */
+static bool place_before(const struct neph_rt_view *view, int x, int y, double depth_m,
+                         double place_px[2])
+{
+    const struct neph_rt_camera *now = &view->now, *before = &view->before;
+    const double right = (2.0 * (x + 0.5) / view->size_px[0] - 1.0) * now->tan_half_width;
+    const double up = (1.0 - 2.0 * (y + 0.5) / view->size_px[1]) * now->tan_half_height;
+    double across = 0.0, height = 0.0, depth = 0.0;
+    for (int c = 0; c < 3; c++) {
+        const double point = now->forward[c] + right * now->right[c] + up * now->up[c] -
+                             before->position_m[c] / depth_m;
+        across += point * before->right[c];
+        height += point * before->up[c];
+        depth += point * before->forward[c];
+    }
+    place_px[0] = view->size_px[0] * (0.5 + 0.5 * across / (depth * before->tan_half_width));
+    place_px[1] = view->size_px[1] * (0.5 - 0.5 * height / (depth * before->tan_half_height));
+    return depth > 0.0 && place_px[0] > 0.0 && place_px[0] < view->size_px[0] &&
+           place_px[1] > 0.0 && place_px[1] < view->size_px[1];
+}
+
+/* Too close to tell whether it is in the picture. */
+static bool is_at_a_side(const double place_px[2], const int size_px[2])
+{
+    for (int axis = 0; axis < 2; axis++)
+        if (fabs(place_px[axis]) < motion_error_px ||
+            fabs(place_px[axis] - size_px[axis]) < motion_error_px)
+            return true;
+    return false;
+}
+
+static double nearest_of_five_m(const struct test_passes *test, int x, int y)
+{
+    double nearest_m = pixel_value(test, RT_DEPTH, x, y, 0);
+    for (int i = 0; i < 4; i++)
+        nearest_m = fmin(
+            nearest_m, pixel_value(test, RT_DEPTH, x + (i % 2 ? 2 : -2), y + (i / 2 ? 2 : -2), 0));
+    return nearest_m;
+}
+
+/* The history's colours are the places of its pixels, which a bilinear filter gives back. */
+static void test_the_history_comes_from_where_things_were(void **state)
+{
+    uint64_t seed = 7;
+    static const char *const motions[] = {"taa_motion=centre", "taa_motion=cross"};
+    static const int size_px[2] = {127, 33};
+    for (int round = 0; round < 8; round++) {
+        char text[256];
+        snprintf(text, sizeof(text),
+                 "%s taa_filter=off taa_box=none taa_alpha=0 taa_alpha_moving=0 taa_contrast=0 "
+                 "taa_history=bilinear taa_format=float",
+                 motions[round % 2]);
+        const struct neph_settings settings = test_settings(text);
+        struct test_passes test;
+        test_passes_open(*state, &settings, size_px, (int[2]){4, 8}, seed, &test);
+        test.view.has_history = 1;
+        move_camera(&test.view, 0.1, round < 4 ? 0.2 : 0.0, &seed);
+        fill_depths(&test, &seed);
+        for (int y = 0; y < size_px[1]; y++)
+            for (int x = 0; x < size_px[0]; x++) {
+                neph_rt_put_full(&test.oracle, RT_TAA_BEFORE, x, y,
+                                 (float[4]){(float)x + 0.5f, (float)y + 0.5f, 1.0f});
+                neph_rt_put_full(&test.oracle, RT_COLOR, x, y, (float[4]){0.0f, 0.0f, 2.0f});
+            }
+        run(&test);
+        take_output(&test);
+        int inside = 0, outside = 0;
+        for (int y = 0; y < size_px[1]; y++)
+            for (int x = 0; x < size_px[0]; x++) {
+                double place_px[2];
+                const double depth_m = round % 2 ? nearest_of_five_m(&test, x, y)
+                                                 : pixel_value(&test, RT_DEPTH, x, y, 0);
+                const bool is_in = place_before(&test.view, x, y, depth_m, place_px);
+                if (is_at_a_side(place_px, size_px))
+                    continue;
+                assert_int_equal(pixel_value(&test, RT_TAA_OUT, x, y, 2) < 1.5, is_in);
+                inside += is_in;
+                outside += !is_in;
+                for (int axis = 0; axis < 2 && is_in; axis++) {
+
+                    const double held_px = fmin(fmax(place_px[axis], 0.5), size_px[axis] - 0.5);
+                    neph_assert_close(pixel_value(&test, RT_TAA_OUT, x, y, axis), held_px, 0.0,
+                                      motion_error_px);
+                }
+            }
+        assert_true(inside > 1000 && outside > 100);
+        test_passes_close(&test);
+    }
+}
+
+/* A camera that looked the other way saw nothing of this, though the division by a negative depth
+ * finds it a place in its picture. */
+static void test_nothing_comes_from_behind(void **state)
+{
+    const struct neph_settings settings = test_settings("taa_filter=off taa_box=none");
+    struct test_passes test;
+    test_passes_open(*state, &settings, (int[2]){8, 8}, (int[2]){0, 0}, 0, &test);
+    test.view.has_history = 1;
+    test.view.before.forward[2] = 1.0f;
+    test.view.before.right[0] = -1.0f;
+    for (size_t i = 0; i < 64; i++) {
+        test_set(&test, RT_DEPTH, i, (float[4]){i % 2 ? 5.0f : NEPH_RT_FAR_M});
+        test_set(&test, RT_COLOR, i, (float[4]){1.0f});
+        test_set(&test, RT_TAA_BEFORE, i, (float[4]){9.0f});
+    }
+    run(&test);
+    take_output(&test);
+    for (int i = 0; i < 64; i++)
+        assert_true(pixel_value(&test, RT_TAA_OUT, i % 8, i / 8, 0) == 1.0);
+    test_passes_close(&test);
+}
+
+/* 256x64 pixels of 1 m each at 128 m: numbers that float32 has exactly. */
+static void open_wall(struct neph_vulkan *vulkan, const char *settings_text,
+                      struct test_passes *test)
+{
+    const struct neph_settings settings = test_settings(settings_text);
+    test_passes_open(vulkan, &settings, (int[2]){256, 64}, (int[2]){0, 0}, 0, test);
+    test->view.has_history = 1;
+    test->view.now.tan_half_width = test->view.before.tan_half_width = 1.0f;
+    test->view.now.tan_half_height = test->view.before.tan_half_height = 0.25f;
+    for (size_t i = 0; i < test_elements(test, RT_DEPTH); i++)
+        test_set(test, RT_DEPTH, i, (float[4]){128.0f});
+}
+
+/* By all filters, to the last bit; what was out of the picture is the frame's. */
+static void test_a_pan_by_whole_pixels_moves_the_history_whole(void **state)
+{
+    static const char *const filters[] = {"nearest", "bilinear", "catmull_rom"};
+    static const int pans_px[][2] = {{0, 0}, {1, 0}, {0, 1}, {-3, 2}, {7, -5}, {128, 32}};
+    uint64_t seed = 11;
+    for (int f = 0; f < 3; f++) {
+        char text[256];
+        snprintf(text, sizeof(text),
+                 "taa_filter=off taa_box=none taa_alpha=0 taa_alpha_moving=0 taa_contrast=0 "
+                 "taa_history=%s",
+                 filters[f]);
+        struct test_passes test;
+        open_wall(*state, text, &test);
+        fill_colours(&test, RT_TAA_BEFORE, 3.0, &seed);
+        for (size_t p = 0; p < sizeof(pans_px) / sizeof(pans_px[0]); p++) {
+            /* the camera was left of here: things are now farther left */
+            test.view.before.position_m[0] = -(float)pans_px[p][0];
+            test.view.before.position_m[1] = (float)pans_px[p][1];
+            run(&test);
+            take_output(&test);
+            for (int y = 0; y < 64; y++)
+                for (int x = 0; x < 256; x++) {
+                    const int from_x = x + pans_px[p][0], from_y = y + pans_px[p][1];
+                    const bool is_in = from_x >= 0 && from_x < 256 && from_y >= 0 && from_y < 64;
+                    for (int c = 0; c < 3; c++)
+                        assert_true(
+                            pixel_value(&test, RT_TAA_OUT, x, y, c) ==
+                            (is_in ? pixel_value(&test, RT_TAA_BEFORE, from_x, from_y, c) : 0.0));
+                }
+        }
+        test_passes_close(&test);
+    }
+}
+
+/* --- the frame (D4), resets ------------------------------------------------------------------ */
+
+/* No history: whatever it holds, the output is the filtered frame. */
+static void test_a_cut_and_the_first_frame_take_nothing_over(void **state)
+{
+    static const struct {
+        const char *cut_reset;
+        uint32_t has_history, is_cut;
+        bool is_reset;
+    } cases[] = {{"on", 0, 0, true},  {"off", 0, 0, true},  {"on", 1, 1, true},
+                 {"on", 1, 0, false}, {"off", 1, 1, false}, {"off", 1, 0, false}};
+    for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+        char text[128];
+        snprintf(text, sizeof(text), "taa_filter=off taa_box=none cut_reset=%s",
+                 cases[i].cut_reset);
+        const struct neph_settings settings = test_settings(text);
+        struct test_passes test;
+        uint64_t seed = 3;
+        test_passes_open(*state, &settings, (int[2]){64, 36}, (int[2]){0, 0}, seed, &test);
+        test.view.has_history = cases[i].has_history;
+        test.view.is_cut = cases[i].is_cut;
+        fill_depths(&test, &seed);
+        for (size_t e = 0; e < test_elements(&test, RT_COLOR); e++) {
+            test_set(&test, RT_COLOR, e, (float[4]){1.0f, 0.5f, 0.25f});
+            test_set(&test, RT_TAA_BEFORE, e, (float[4]){7.0f, 8.0f, 9.0f});
+        }
+        run(&test);
+        take_output(&test);
+        for (int y = 0; y < 36; y++)
+            for (int x = 0; x < 64; x++)
+                assert_int_equal(pixel_value(&test, RT_TAA_OUT, x, y, 0) == 1.0, cases[i].is_reset);
+        test_passes_close(&test);
+    }
+}
+
+/* A lit pixel spreads by the weights exp(-2.29 d^2) of its ray's distance from the others' centres.
+ * Colours of a ramp, seen through jittered rays, come back as seen without: to 0.04 px, what nine
+ * samples of the Gaussian can do. exp(x) of a driver is off by up to 3 + 2 |x| ulps, here 25. */
+static void test_the_filter_is_about_the_unjittered_place(void **state)
+{
+    const struct neph_settings settings = test_settings("taa_format=float taa_hdr_weight=off");
+    struct test_passes test;
+    test_passes_open(*state, &settings, (int[2]){16, 16}, (int[2]){0, 0}, 0, &test);
+    for (uint32_t frame = 0; frame < 8; frame++) {
+        double jitter_px[2];
+        neph_rt_jitter(RT_JITTER_UE, 8, frame, jitter_px);
+        for (int axis = 0; axis < 2; axis++)
+            test.view.jitter_px[axis] = (float)jitter_px[axis];
+        for (int y = 0; y < 16; y++)
+            for (int x = 0; x < 16; x++)
+                neph_rt_put_full(&test.oracle, RT_COLOR, x, y,
+                                 (float[4]){x == 8 && y == 8, (float)(x + jitter_px[0]) + 1.0f,
+                                            (float)(y + jitter_px[1]) + 1.0f});
+        run(&test);
+        take_output(&test);
+        double sum = 0.0;
+        for (int i = 0; i < 9; i++)
+            sum += exp(-2.29 *
+                       (pow(i % 3 - 1 + jitter_px[0], 2) + pow(i / 3 - 1 + jitter_px[1], 2)));
+        for (int y = 1; y < 15; y++)
+            for (int x = 1; x < 15; x++) {
+                const double distance = pow(8 - x + jitter_px[0], 2) + pow(8 - y + jitter_px[1], 2);
+                const bool is_near = abs(8 - x) <= 1 && abs(8 - y) <= 1;
+                neph_assert_close(pixel_value(&test, RT_TAA_OUT, x, y, 0),
+                                  is_near ? exp(-2.29 * distance) / sum : 0.0, 64.0 * float_ulp,
+                                  0.0);
+                neph_assert_close(pixel_value(&test, RT_TAA_OUT, x, y, 1), x + 1.0, 0.0, 0.04);
+                neph_assert_close(pixel_value(&test, RT_TAA_OUT, x, y, 2), y + 1.0, 0.0, 0.04);
+            }
+    }
+    test_passes_close(&test);
+}
+
+/* --- the box (D5) ---------------------------------------------------------------------------- */
+
+/* A history that is too bright is held at the box's upper side. One colour of nine is 1: at the
+ * centre, a side and a corner of the pixel's surroundings. */
+static void test_the_box_is_that_of_its_name(void **state)
+{
+    static const struct {
+        const char *settings;
+        float jitter_px[2];
+        double centre, side, corner;
+    } cases[] = {
+        {"taa_box=none", {0, 0}, 5.0, 5.0, 5.0},
+        /* mean of the plus' and the square's extremes */
+        {"taa_box=min_max", {0, 0}, 1.0, 1.0, 0.5},
+        /* 1/9 + 1.25 sqrt(1/9 - 1/81), or the filtered colour */
+        {"taa_box=variance", {0, 0}, 1.0, 0.503948212, 0.503948212},
+        {"taa_box=variance taa_sigma=2", {0, 0}, 1.0, 0.739650472, 0.739650472},
+        {"taa_box=variance taa_sigma=0", {0, 0}, 1.0, 0.111111111, 0.111111111},
+        /* rays within 1.51 px: all, unless they are shifted away; the corner is 1.41 px off */
+        {"taa_box=distance", {0, 0}, 1.0, 1.0, 1.0},
+        {"taa_box=distance", {0.2f, 0}, 1.0, 1.0, 0.0},
+        {"taa_box=distance", {-0.2f, 0}, 1.0, 1.0, 1.0},
+    };
+    for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+        char text[256];
+        snprintf(text, sizeof(text),
+                 "taa_filter=off taa_alpha=0 taa_contrast=0 taa_format=float taa_space=linear %s",
+                 cases[i].settings);
+        const struct neph_settings settings = test_settings(text);
+        struct test_passes test;
+        test_passes_open(*state, &settings, (int[2]){8, 8}, (int[2]){0, 0}, 0, &test);
+        test.view.has_history = 1;
+        memcpy(test.view.jitter_px, cases[i].jitter_px, sizeof(cases[i].jitter_px));
+        for (size_t e = 0; e < 64; e++) {
+            test_set(&test, RT_DEPTH, e, (float[4]){1.0f});
+            test_set(&test, RT_TAA_BEFORE, e, (float[4]){5.0f, 5.0f, 5.0f});
+        }
+        neph_rt_put_full(&test.oracle, RT_COLOR, 4, 4, (float[4]){1.0f, 1.0f, 1.0f});
+        run(&test);
+        take_output(&test);
+        neph_assert_close(pixel_value(&test, RT_TAA_OUT, 4, 4, 1), cases[i].centre, 1e-6, 0.0);
+        neph_assert_close(pixel_value(&test, RT_TAA_OUT, 3, 4, 1), cases[i].side, 1e-6, 0.0);
+        neph_assert_close(pixel_value(&test, RT_TAA_OUT, 3, 3, 1), cases[i].corner, 1e-6, 0.0);
+        test_passes_close(&test);
+    }
+}
+
+/* In YCoCg the box of greys is a line: a coloured history loses its colour there, not in RGB. */
+static void test_the_space_of_the_box_matters(void **state)
+{
+    static const struct {
+        const char *space;
+        double red, blue;
+    } cases[] = {{"linear", 0.9, 0.1}, {"reinhard", 0.9, 0.1}, {"ycocg", 0.5, 0.5}};
+    for (int i = 0; i < 3; i++) {
+        char text[128];
+        snprintf(text, sizeof(text),
+                 "taa_filter=off taa_alpha=0 taa_contrast=0 taa_format=float taa_space=%s",
+                 cases[i].space);
+        const struct neph_settings settings = test_settings(text);
+        struct test_passes test;
+        test_passes_open(*state, &settings, (int[2]){8, 8}, (int[2]){0, 0}, 0, &test);
+        test.view.has_history = 1;
+        for (size_t e = 0; e < 64; e++) {
+            const float grey = e % 2 ? 1.0f : 0.0f;
+            test_set(&test, RT_DEPTH, e, (float[4]){1.0f});
+            test_set(&test, RT_COLOR, e, (float[4]){grey, grey, grey});
+            test_set(&test, RT_TAA_BEFORE, e, (float[4]){0.9f, 0.5f, 0.1f});
+        }
+        run(&test);
+        take_output(&test);
+        neph_assert_close(pixel_value(&test, RT_TAA_OUT, 4, 4, 0), cases[i].red, 1e-6, 0.0);
+        neph_assert_close(pixel_value(&test, RT_TAA_OUT, 4, 4, 2), cases[i].blue, 1e-6, 0.0);
+        test_passes_close(&test);
+    }
+}
+
+/* Between the extremes of its surroundings, it comes back to the last bit. */
+static void test_a_history_in_the_box_is_left_alone(void **state)
+{
+    static const char *const spaces[] = {"linear", "reinhard", "ycocg"};
+    for (int s = 0; s < 3; s++) {
+        char text[128];
+        snprintf(text, sizeof(text),
+                 "taa_filter=off taa_alpha=0 taa_contrast=0 taa_format=float taa_space=%s",
+                 spaces[s]);
+        const struct neph_settings settings = test_settings(text);
+        struct test_passes test;
+        uint64_t seed = 17;
+        test_passes_open(*state, &settings, (int[2]){64, 36}, (int[2]){0, 0}, 0, &test);
+        test.view.has_history = 1;
+        fill_colours(&test, RT_TAA_BEFORE, 1.0, &seed);
+        for (int y = 0; y < 36; y++)
+            for (int x = 0; x < 64; x++) {
+                /* each plus has all five kinds, the extremes of all three spaces */
+                const int kind = (x + 2 * y) % 5;
+                neph_rt_put_full(&test.oracle, RT_DEPTH, x, y, (float[4]){1.0f});
+                neph_rt_put_full(&test.oracle, RT_COLOR, x, y,
+                                 (float[4]){kind == 1 || kind == 3 ? 9.0f : 0.0f,
+                                            kind == 2 || kind == 3 ? 9.0f : 0.0f,
+                                            kind == 1 || kind == 4 ? 9.0f : 0.0f});
+            }
+        run(&test);
+        take_output(&test);
+        for (int y = 1; y < 35; y++)
+            for (int x = 1; x < 63; x++)
+                for (int c = 0; c < 3; c++)
+                    assert_true(pixel_value(&test, RT_TAA_OUT, x, y, c) ==
+                                pixel_value(&test, RT_TAA_BEFORE, x, y, c));
+        test_passes_close(&test);
+    }
+}
+
+/* --- the blend (D7, D8) and the format (D10) -------------------------------------------------- */
+
+/* What weight a frame of 1 had over a history of 0 ... read off the output. */
+static double weight_of(double out, double frame, double history)
+{
+    return (out - history) / (frame - history);
+}
+
+/* alpha = max(.04, min(1, .01 / r)) for a frame that is r of the history's luma off: noise below 1
+ * % is not averaged at all. Colours are known to some
+ * ulps, the weight to that over r. */
+static void test_the_contrast_law_takes_small_differences_whole(void **state)
+{
+    const struct neph_settings settings = test_settings(
+        "taa_filter=off taa_box=none taa_hdr_weight=off taa_format=float");
+    struct test_passes test;
+    test_passes_open(*state, &settings, (int[2]){64, 2}, (int[2]){0, 0}, 0, &test);
+    test.view.has_history = 1;
+    const float luma = 3.0f;
+    for (int x = 0; x < 64; x++) {
+        const double r = pow(10.0, -3.0 + 4.0 * x / 63.0);
+        const float above = (float)(luma * (1.0 + r)), below = (float)(luma * (1.0 - fmin(r, 0.9)));
+        for (int y = 0; y < 2; y++) {
+            neph_rt_put_full(&test.oracle, RT_DEPTH, x, y, (float[4]){1.0f});
+            neph_rt_put_full(&test.oracle, RT_TAA_BEFORE, x, y, (float[4]){luma, luma, luma});
+            const float value = y ? below : above;
+            neph_rt_put_full(&test.oracle, RT_COLOR, x, y, (float[4]){value, value, value});
+        }
+    }
+    run(&test);
+    take_output(&test);
+    for (int x = 0; x < 64; x++)
+        for (int y = 0; y < 2; y++) {
+            const double frame = pixel_value(&test, RT_COLOR, x, y, 0);
+            const double r = fabs(frame / luma - 1.0);
+            const double alpha = weight_of(pixel_value(&test, RT_TAA_OUT, x, y, 0), frame, luma);
+            neph_assert_close(alpha, fmax(0.04, fmin(1.0, 0.01 / r)), 0.0,
+                              8.0 * float_ulp * (1.0 + r) / r);
+        }
+    test_passes_close(&test);
+}
+
+/* From taa_alpha at rest to taa_alpha_moving at taa_velocity_px and beyond. */
+static void test_the_weight_grows_with_speed(void **state)
+{
+    struct test_passes test;
+    open_wall(*state,
+              "taa_filter=off taa_box=none taa_hdr_weight=off taa_contrast=0 taa_format=float",
+              &test);
+    for (size_t e = 0; e < test_elements(&test, RT_COLOR); e++)
+        test_set(&test, RT_COLOR, e, (float[4]){1.0f, 1.0f, 1.0f});
+    for (int speed_px = 0; speed_px <= 60; speed_px += 5) {
+        /* 3 : 4 : 5 */
+        test.view.before.position_m[0] = 0.8f * (float)speed_px;
+        test.view.before.position_m[1] = 0.6f * (float)speed_px;
+        run(&test);
+        take_output(&test);
+        neph_assert_close(pixel_value(&test, RT_TAA_OUT, 128, 20, 0),
+                          0.04 + 0.16 * fmin(speed_px / 40.0, 1.0), 1e-6, 0.0);
+    }
+    test_passes_close(&test);
+}
+
+/* With alpha = 1, of a history however bright; and 65504 is the end, with or without the guard. */
+static void test_a_frame_of_full_weight_comes_out_as_it_is(void **state)
+{
+    static const char *const guards[] = {"taa_guard=off", "taa_guard=on"};
+    static const float frames[] = {0.001f, 0.7f, 65504.0f, 1e5f};
+    for (int i = 0; i < 8; i++) {
+        char text[128];
+        snprintf(text, sizeof(text), "taa_filter=off taa_box=none taa_alpha=1 taa_format=float %s",
+                 guards[i / 4]);
+        const struct neph_settings settings = test_settings(text);
+        struct test_passes test;
+        test_passes_open(*state, &settings, (int[2]){1, 1}, (int[2]){0, 0}, 0, &test);
+        test.view.has_history = 1;
+        const float frame = frames[i % 4];
+        test_set(&test, RT_DEPTH, 0, (float[4]){1.0f});
+        test_set(&test, RT_COLOR, 0, (float[4]){frame, frame, frame});
+        test_set(&test, RT_TAA_BEFORE, 0, (float[4]){6e4f, 6e4f, 6e4f});
+        run(&test);
+        take_output(&test);
+        assert_true(pixel_value(&test, RT_TAA_OUT, 0, 0, 0) ==
+                    (double)(frame < 65504.0f ? frame : 65504.0f));
+        test_passes_close(&test);
+    }
+}
+
+/* Weights 1 / (Y + 4), Y four times the luma: a blend of alpha .5 leaves the darker one ahead. */
+static void test_hdr_weights_hold_bright_samples_back(void **state)
+{
+    const struct neph_settings settings = test_settings(
+        "taa_filter=off taa_box=none taa_alpha=0.5 taa_contrast=0 taa_format=float");
+    struct test_passes test;
+    test_passes_open(*state, &settings, (int[2]){1, 1}, (int[2]){0, 0}, 0, &test);
+    test.view.has_history = 1;
+    test_set(&test, RT_DEPTH, 0, (float[4]){1.0f});
+    test_set(&test, RT_COLOR, 0, (float[4]){9.0f, 9.0f, 9.0f});
+    test_set(&test, RT_TAA_BEFORE, 0, (float[4]){1.0f, 1.0f, 1.0f});
+    run(&test);
+    take_output(&test);
+    const double dark = 1.0 / 8.0, bright = 1.0 / 40.0;
+    neph_assert_close(pixel_value(&test, RT_TAA_OUT, 0, 0, 0),
+                      (1.0 * dark + 9.0 * bright) / (dark + bright), 1e-6, 0.0);
+    test_passes_close(&test);
+}
+
+/* Every output is one of the two halves around the exact value, the oracle's choice bit by bit, and
+ * the mean of 12288 is the value: to 4 standard errors, a half's step / 2 / sqrt(12288) each. */
+static void test_rounding_by_chance_is_right_on_average(void **state)
+{
+    static const double values[] = {1.0, 1.0003, 0.7777, 3.14159e-5, 2.5e-8, 65503.0, 0.0};
+    const struct neph_settings settings = test_settings("taa_filter=off");
+    struct test_passes test;
+    test_passes_open(*state, &settings, (int[2]){64, 64}, (int[2]){0, 0}, 0, &test);
+    for (size_t v = 0; v < sizeof(values) / sizeof(values[0]); v++) {
+        const float value = (float)values[v];
+        test.view.frame = (uint32_t)v;
+        for (size_t e = 0; e < 64 * 64; e++)
+            test_set(&test, RT_COLOR, e, (float[4]){value, value, value});
+        run(&test);
+        neph_rt_oracle_taa(&test.oracle);
+        test_same_words(&test, RT_TAA_OUT, v);
+        const double step = fmax(ldexp(1.0, ilogb(values[v] > 0.0 ? values[v] : 1.0) - 10),
+                                 0x1p-24);
+        double sum = 0.0;
+        for (int i = 0; i < 3 * 64 * 64; i++) {
+            const double out = pixel_value(&test, RT_TAA_OUT, i / 3 % 64, i / 192, i % 3);
+            assert_true(fabs(out - (double)value) < step);
+            sum += out;
+        }
+        neph_assert_close(sum / (3 * 64 * 64), value, 0.0, 4.0 * 0.5 * step / sqrt(3 * 64 * 64));
+    }
+    test_passes_close(&test);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_the_eight_places_are_those_of_unreal),
+        cmocka_unit_test(test_jitter_stays_in_the_pixel_and_repeats),
+        cmocka_unit_test(test_the_pass_equals_the_oracle),
+        cmocka_unit_test(test_the_guard_keeps_bad_numbers_out),
+        cmocka_unit_test(test_the_history_comes_from_where_things_were),
+        cmocka_unit_test(test_nothing_comes_from_behind),
+        cmocka_unit_test(test_a_pan_by_whole_pixels_moves_the_history_whole),
+        cmocka_unit_test(test_a_cut_and_the_first_frame_take_nothing_over),
+        cmocka_unit_test(test_the_filter_is_about_the_unjittered_place),
+        cmocka_unit_test(test_the_box_is_that_of_its_name),
+        cmocka_unit_test(test_the_space_of_the_box_matters),
+        cmocka_unit_test(test_a_history_in_the_box_is_left_alone),
+        cmocka_unit_test(test_the_contrast_law_takes_small_differences_whole),
+        cmocka_unit_test(test_the_weight_grows_with_speed),
+        cmocka_unit_test(test_a_frame_of_full_weight_comes_out_as_it_is),
+        cmocka_unit_test(test_hdr_weights_hold_bright_samples_back),
+        cmocka_unit_test(test_rounding_by_chance_is_right_on_average),
+    };
+    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
+}
