@@ -41,11 +41,13 @@ solids:"""
 
 
 def leaf(pixel, distance_m):
-    """The square of a pixel (column, row from the middle), its front at the distance."""
+    """The square over the centre of a pixel (column, row from the middle), its front at the distance.
+
+    A quarter of a pixel aside, so that no ray of this size, its half or its quarter meets an edge."""
     side_m = 0.004 * distance_m
-    x_m, y_m = pixel[0] * side_m, EYE_Y_M + pixel[1] * side_m
-    low = (x_m, y_m, -distance_m - DEPTH_M)
-    high = (x_m + side_m, y_m + side_m, -distance_m)
+    x_m, y_m = ((p + 0.25) * side_m for p in pixel)
+    low = (x_m, EYE_Y_M + y_m, -distance_m - DEPTH_M)
+    high = (x_m + side_m, EYE_Y_M + y_m + side_m, -distance_m)
     return "[%s]" % ", ".join(f"{v:.6g}" for v in low), "[%s]" % ", ".join(f"{v:.6g}" for v in high)
 
 
