@@ -14,17 +14,12 @@ struct rule {
 };
 
 static const struct rule rules[] = {
-    {"R", false, false},
-    {"G", false, false},
-    {"B", false, false},
-    {"volume.", false, false},
-    {"transmittance.", false, false},
-    {"variance.", false, false},
-    {"Z", true, false},
-    {"Y", false, false},
-    {"mask.", false, true},
-    {"motion.depth", true, false},
-    {"motion.", false, true},
+    {"R", false, false},           {"G", false, false},
+    {"B", false, false},           {"volume.distance", true, false},
+    {"volume.", false, false},     {"transmittance.", false, false},
+    {"variance.", false, false},   {"Z", true, false},
+    {"Y", false, false},           {"mask.", false, true},
+    {"motion.depth", true, false}, {"motion.", false, true},
 };
 
 static const struct rule unknown = {"", false, true};

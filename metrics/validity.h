@@ -16,7 +16,7 @@ struct neph_validity_pixel {
 struct neph_validity_channel {
     const char *name; /* the image's own string */
     size_t nan_count;
-    size_t positive_infinity_count; /* 0 for Z, where +inf is the sky */
+    size_t positive_infinity_count; /* 0 for distances, where +inf is the sky */
     size_t negative_infinity_count;
     size_t non_finite_count; /* the three together */
     size_t negative_count;   /* finite and below 0, where that has no meaning; -0 is not negative */

@@ -142,7 +142,7 @@ static void test_mismatches_are_named(void **state)
     neph_image_destroy(test);
 }
 
-/* Which channels must not be negative, and that only depth may be infinite. */
+/* Which channels must not be negative, and that only distances may be infinite. */
 static void test_rules_of_channels(void **state)
 {
     (void)state;
@@ -150,10 +150,17 @@ static void test_rules_of_channels(void **state)
         const char *name;
         int negative_count, non_finite_count; /* of one -1 and one +inf */
     } cases[] = {
-        {"R", 1, 1},        {"G", 1, 1},          {"B", 1, 1},
-        {"volume.R", 1, 1}, {"Z", 1, 0},          {"transmittance.B", 1, 1},
-        {"ZBack", 0, 1},    {"variance.G", 1, 1}, {"volumes", 0, 1},
+        {"R", 1, 1},
+        {"G", 1, 1},
+        {"B", 1, 1},
+        {"volume.R", 1, 1},
+        {"Z", 1, 0},
+        {"transmittance.B", 1, 1},
+        {"ZBack", 0, 1},
+        {"variance.G", 1, 1},
+        {"volumes", 0, 1},
         {"normal.X", 0, 1},
+        {"volume.distance", 1, 0},
     };
     for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
         struct neph_image *image = create_image(2, 1);
