@@ -14,7 +14,6 @@
 #include <stddef.h>
 #include <stdint.h>
 #include <stdlib.h>
-#include <string.h>
 
 enum {
     BLOCK = 8,
@@ -56,69 +55,97 @@ static int clamped(int position, int size)
     return position < 0 ? 0 : position >= size ? size - 1 : position;
 }
 
-/* A stretch of a row of blocks, with what its moves reach; places outside the image are
- * NaN in the reference and add nothing. Single precision: it only ranks the moves. */
+/* A stretch of a row of blocks, with what its moves reach. Single precision: it only ranks the
+ * moves. */
 struct stretch {
-    float reference[BLOCK][STRETCH];
-    float test[BLOCK + 2][STRETCH + 2];
+    int first_x, width_px;
+    const float *reference[BLOCK]; /* rows, from first_x on; NaN outside the image adds nothing */
+    const float *test[BLOCK + 2];  /* rows, from one pixel further up and left on */
+    float reference_copy[BLOCK][BLOCK], test_copy[BLOCK + 2][BLOCK + 2]; /* see copy_block() */
+    float nothing[STRETCH];
 };
 
-/* Pixels first .. first + count - 1 of a row that goes on past its ends. */
-static void copy_clamped(const float *row, int width, int first, int count, float *to)
+/* The blocks at the two sides make stretches of their own, so that between them rows can be read
+ * where they are. */
+static int stretch_width(int image_width_px, int first_x)
 {
-    int begin = first < 0 ? -first : 0;
-    int end = first + count > width ? width - first : count;
-    memcpy(to + begin, row + first + begin, (size_t)(end - begin) * sizeof(*to));
-    for (int i = 0; i < begin; i++)
-        to[i] = row[0];
-    for (int i = end; i < count; i++)
-        to[i] = row[width - 1];
+    const int inner_px = (image_width_px - 1) / BLOCK * BLOCK - first_x;
+    if (first_x == 0 || inner_px <= 0)
+        return BLOCK;
+    return inner_px < STRETCH ? inner_px : STRETCH;
 }
 
-static void load(const struct neph_frame_pair *pair, int plane, int first_x, int first_y,
-                 struct stretch *stretch)
+/* A block at a side, where rows go on past their ends. The rows of `stretch` are whole here. */
+static void copy_block(int image_width_px, struct stretch *stretch)
 {
-    const int width = pair->width_px, height = pair->height_px;
+    const int first_x = stretch->first_x;
     for (int y = 0; y < BLOCK; y++) {
-        int row = clamped(first_y + y, height);
-        copy_clamped(pair->reference[plane] + (size_t)row * (size_t)width, width, first_x, STRETCH,
-                     stretch->reference[y]);
-        for (int x = first_y + y < height ? width - first_x : 0; x < STRETCH; x++)
-            stretch->reference[y][x] = NAN;
+        for (int x = 0; x < BLOCK; x++)
+            stretch->reference_copy[y][x] = first_x + x < image_width_px
+                                                ? stretch->reference[y][first_x + x]
+                                                : NAN;
+        stretch->reference[y] = stretch->reference_copy[y];
     }
     for (int y = 0; y < BLOCK + 2; y++) {
-        int row = clamped(first_y + y - 1, height);
-        copy_clamped(pair->test[plane] + (size_t)row * (size_t)width, width, first_x - 1,
-                     STRETCH + 2, stretch->test[y]);
+        for (int x = 0; x < BLOCK + 2; x++)
+            stretch->test_copy[y][x] = stretch->test[y][clamped(first_x + x - 1, image_width_px)];
+        stretch->test[y] = stretch->test_copy[y];
     }
 }
 
-/* Add the squared differences of each column of 8 px; NaN stands for a place outside. */
-NEPH_VECTOR static void add_squares(const struct stretch *stretch, struct move move, float *sums)
+static void find_rows(const struct neph_frame_pair *pair, int plane, int first_y,
+                      struct stretch *stretch)
 {
-    for (int x = 0; x < STRETCH; x++) {
+    const size_t width = (size_t)pair->width_px;
+    for (int y = 0; y < BLOCK; y++)
+        stretch->reference[y] = pair->reference[plane] +
+                                (size_t)clamped(first_y + y, pair->height_px) * width;
+    for (int y = 0; y < BLOCK + 2; y++)
+        stretch->test[y] = pair->test[plane] +
+                           (size_t)clamped(first_y + y - 1, pair->height_px) * width;
+    const int first_x = stretch->first_x;
+    if (first_x == 0 || first_x + stretch->width_px + 1 > pair->width_px) {
+        copy_block(pair->width_px, stretch);
+    } else {
+        for (int y = 0; y < BLOCK; y++)
+            stretch->reference[y] += first_x;
+        for (int y = 0; y < BLOCK + 2; y++)
+            stretch->test[y] += first_x - 1;
+    }
+    for (int y = pair->height_px - first_y; y < BLOCK; y++)
+        stretch->reference[y] = stretch->nothing;
+}
+
+/* Add the squared differences of each column of 8 px. */
+NEPH_VECTOR static void add_squares(const struct stretch *stretch, struct move move,
+                                    float *restrict sums)
+{
+    const float *reference[BLOCK], *test[BLOCK];
+    for (int y = 0; y < BLOCK; y++) {
+        reference[y] = stretch->reference[y];
+        test[y] = stretch->test[y + 1 + move.dy] + 1 + move.dx;
+    }
+    const int count = stretch->width_px;
+    for (int x = 0; x < count; x++) {
         float sum = 0.0f;
         for (int y = 0; y < BLOCK; y++) {
-            float d = stretch->test[y + 1 + move.dy][x + 1 + move.dx] - stretch->reference[y][x];
+            const float d = test[y][x] - reference[y][x];
             sum += d == d ? d * d : 0.0f;
         }
         sums[x] += sum;
     }
 }
 
-static void vote_stretch(struct state *state, int first_x, int row)
+static void vote_stretch(struct state *state, int row, struct stretch *stretch)
 {
-    struct stretch stretch;
     float sums[MOVE_COUNT][STRETCH] = {{0.0f}};
     for (int plane = 0; plane < state->pair.plane_count; plane++) {
-        load(&state->pair, plane, first_x, row * BLOCK, &stretch);
+        find_rows(&state->pair, plane, row * BLOCK, stretch);
         for (int m = 0; m < MOVE_COUNT; m++)
-            add_squares(&stretch, moves[m], sums[m]);
+            add_squares(stretch, moves[m], sums[m]);
     }
-    for (int block = 0; block < STRETCH / BLOCK; block++) {
-        int column = first_x / BLOCK + block;
-        if (column >= state->columns)
-            return;
+    for (int block = 0; block < stretch->width_px / BLOCK; block++) {
+        const int column = stretch->first_x / BLOCK + block;
         float least = INFINITY;
         uint8_t best = 0;
         for (uint8_t m = 0; m < MOVE_COUNT; m++) {
@@ -136,8 +163,14 @@ static void vote_stretch(struct state *state, int first_x, int row)
 static void vote_row(int row, void *context)
 {
     struct state *state = context;
-    for (int x = 0; x < state->pair.width_px; x += STRETCH)
-        vote_stretch(state, x, row);
+    struct stretch stretch = {.first_x = 0};
+    for (int x = 0; x < STRETCH; x++)
+        stretch.nothing[x] = NAN;
+    while (stretch.first_x < state->pair.width_px) {
+        stretch.width_px = stretch_width(state->pair.width_px, stretch.first_x);
+        vote_stretch(state, row, &stretch);
+        stretch.first_x += stretch.width_px;
+    }
 }
 
 static enum neph_status extract(void *opaque, const struct neph_frame_pair *pair,
@@ -159,10 +192,10 @@ NEPH_VECTOR static void squares_of(const float *reference, const float *test, si
     }
 }
 
-NEPH_VECTOR static void divide(double *values, size_t count, double divisor)
+NEPH_VECTOR static void scale(double *values, size_t count, double factor)
 {
     for (size_t i = 0; i < count; i++)
-        values[i] /= divisor;
+        values[i] *= factor;
 }
 
 /* Pixels first_x .. end_x - 1 of a row, under one move. */
@@ -216,7 +249,7 @@ static void rows(const void *opaque, int map, int first_row, int row_count, doub
         for (int c = 0; map == MAP_AS_IS && c < pair->plane_count; c++)
             squares_of(pair->reference[c] + (size_t)y * width, pair->test[c] + (size_t)y * width,
                        width, row);
-        divide(row, width, pair->plane_count);
+        scale(row, width, 1.0 / (double)pair->plane_count);
     }
 }
 
