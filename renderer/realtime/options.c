@@ -93,8 +93,9 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
                              "the last, cut row and column of tiles as a neighbour in the "
                              "reconstruction (dropped: X4)"),
     [RT_GATHER] = CHOICE("gather", RT_GATHER_TEXEL, gathers,
-                         "how a tile finds its half-pixels: by number, or by normalised "
-                         "coordinates (X6)"),
+                         "how a tile finds its half-pixels, and a half-pixel the depths of the "
+                         "rays around: by number, or by normalised coordinates, which drift in "
+                         "sizes of 4 n + 1 (X6)"),
     [RT_TILE_ORIGIN] = CHOICE("tile_origin", RT_TILE_ORIGIN_VIEW, tile_origins,
                               "where the centre tile of the override looks in a view that does not "
                               "start at the corner of its buffer (buffer: X5)"),
@@ -141,7 +142,8 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
                              "relative change of the half-pixel's scene depth from which its "
                              "history is void; 0: never"),
     [RT_REJECT_SCENE_M] = REAL("reject_scene_m", 0, 0, 1e6,
-                               "the same as a distance [m], nearer than reject_within_m; 0: never"),
+                               "the same as a distance [m], where the scene is or was nearer than "
+                               "reject_within_m; 0: never"),
     [RT_REJECT_WITHIN_M] = REAL("reject_within_m", 5000, 0, 1e6, "[m]"),
 
     [RT_UPSCALE] = CHOICE("upscale", RT_UPSCALE_MEAN, upscales,

@@ -13,6 +13,12 @@ static const uint32_t tile_index_spirv[] = {
 const struct neph_rt_shader neph_rt_shader_tile_index = {"rt_tile_index", tile_index_spirv,
                                                          sizeof(tile_index_spirv)};
 
+static const uint32_t reconstruct_spirv[] = {
+#include "shaders/rt_reconstruct.comp.inc"
+};
+const struct neph_rt_shader neph_rt_shader_reconstruct = {"rt_reconstruct", reconstruct_spirv,
+                                                          sizeof(reconstruct_spirv)};
+
 static const uint32_t upscale_spirv[] = {
 #include "shaders/rt_upscale.comp.inc"
 };

@@ -171,7 +171,7 @@
 #define RT_HALF_DEPTH_BEFORE 3 // the same of the frame before
 #define RT_HISTORY 4    // RGBA: in-scattered radiance, transmittance; written by the reconstruction (A8-A12)
 #define RT_HISTORY_BEFORE 5
-#define RT_HISTORY_STATE 6 // R: number of frames that the history is made of, 0 where it is void; G: cloud distance [m]
+#define RT_HISTORY_STATE 6 // R: number of rays that the history is made of, 0 where it is void; G: cloud distance [m]
 #define RT_HISTORY_STATE_BEFORE 7
 // Quarter resolution, rounded up.
 #define RT_TILE 8       // R: slot 0..3 of the tile's ray, G: its depth / 10000 m (A5, A6)

@@ -1,0 +1,519 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Which rays and which box: float32, as in the shader. Places and values: double.
+ */
+#include "renderer/realtime/oracle.h"
+#include "renderer/realtime/slots.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { RAYS = 9, TAPS = 4 };
+
+struct box {
+    double low[4], high[4];
+};
+
+struct ray {
+    int tile_x, tile_y;
+    float value[4];
+    float depth_m;
+    bool is_usable, is_in_box;
+};
+
+struct history {
+    double value[4];
+    float age;
+    bool is_void;
+};
+
+static float setting(const struct neph_rt_oracle *oracle, int index)
+{
+    return oracle->view->settings[index];
+}
+
+static int choice(const struct neph_rt_oracle *oracle, int index)
+{
+    return (int)oracle->view->settings[index];
+}
+
+static int held_int(int value, int low, int high)
+{
+    return value < low ? low : value > high ? high : value;
+}
+
+static bool is_sky(float depth_m)
+{
+    return depth_m >= NEPH_RT_FAR_M;
+}
+
+/* --- geometry ------------------------------------------------------------------------------- */
+
+static double dot(const double a[3], const float b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/* Unit direction of this frame's camera through a place in pixels. */
+static void direction_at(const struct neph_rt_view *view, const double place_px[2],
+                         double direction[3])
+{
+    const struct neph_rt_camera *camera = &view->now;
+    const double x = (2.0 * place_px[0] / view->size_px[0] - 1.0) * camera->tan_half_width;
+    const double y = (1.0 - 2.0 * place_px[1] / view->size_px[1]) * camera->tan_half_height;
+    double square = 0.0;
+    for (int i = 0; i < 3; i++) {
+        direction[i] = camera->forward[i] + x * camera->right[i] + y * camera->up[i];
+        square += direction[i] * direction[i];
+    }
+    for (int i = 0; i < 3; i++)
+        direction[i] /= sqrt(square);
+}
+
+/* Where a camera sees a point [px]; returns its eye depth [m]. */
+static double project(const struct neph_rt_view *view, const struct neph_rt_camera *camera,
+                      const double point_m[3], double place_px[2])
+{
+    double from_m[3];
+    for (int i = 0; i < 3; i++)
+        from_m[i] = point_m[i] - camera->position_m[i];
+    const double depth_m = dot(from_m, camera->forward);
+    const double x = dot(from_m, camera->right) / (depth_m * camera->tan_half_width);
+    const double y = dot(from_m, camera->up) / (depth_m * camera->tan_half_height);
+    place_px[0] = (0.5 + 0.5 * x) * view->size_px[0];
+    place_px[1] = (0.5 - 0.5 * y) * view->size_px[1];
+    return depth_m;
+}
+
+static double known_distance_m(float distance_m)
+{
+    return isfinite(distance_m) && distance_m > 0.0f ? fmin(distance_m, NEPH_RT_FAR_M)
+                                                     : NEPH_RT_FAR_M;
+}
+
+/* --- rays ------------------------------------------------------------------------------------ */
+
+/* In the article's order: centre, right, left, down, up, and the corners. */
+static const int around[RAYS][2] = {{0, 0}, {1, 0},  {-1, 0}, {0, 1},  {0, -1},
+                                    {1, 1}, {-1, 1}, {1, -1}, {-1, -1}};
+
+/* Tile of a neighbour along one axis. */
+static int neighbour(const struct neph_rt_oracle *oracle, int axis, int tile, int offset)
+{
+    const struct neph_rt_view *view = oracle->view;
+    int last = (int)view->tile_count[axis] - 1;
+    if (choice(oracle, RT_EDGE_TILES) == RT_EDGE_TILES_DROPPED)
+        last = view->size_px[axis] < 4 ? 0 : (int)view->size_px[axis] / 4 - 1;
+    return held_int(tile + offset, 0, last);
+}
+
+/* Texel along one axis of a 2x2 gather about the tile's upper left corner (0) or lower right one
+ * (1). */
+static int gathered(const struct neph_rt_oracle *oracle, int axis, int tile, int offset, int corner)
+{
+    const struct neph_rt_view *view = oracle->view;
+    const struct neph_rt_target *full = &view->targets[RT_DEPTH];
+    const struct neph_rt_target *quarter = &view->targets[RT_TILE];
+    const uint32_t size = axis == 0 ? full->width : full->height;
+    const int size_quarter = (int)(axis == 0 ? quarter->width : quarter->height);
+    const double place = (4.0 * (tile + corner) + view->origin_px[axis]) / size * size_quarter;
+    /* Halves are where the gather changes its mind; in these sizes they are hit exactly or missed
+     * by more than 1e-5. */
+    const int beyond = (int)floor(place + 0.5 + 1e-9);
+    return held_int(beyond - corner + offset, 0, size_quarter - 1);
+}
+
+static float ray_depth_m(const struct neph_rt_oracle *oracle, int tile_x, int tile_y, int i,
+                         const struct ray *ray)
+{
+    const int *offset = around[i];
+    float tile[4];
+    if (choice(oracle, RT_GATHER) == RT_GATHER_NORMALISED && offset[0] + offset[1] != 0) {
+        const int corner = offset[0] + offset[1] > 0;
+        neph_rt_fetch(oracle, RT_TILE, gathered(oracle, 0, tile_x, offset[0], corner),
+                      gathered(oracle, 1, tile_y, offset[1], corner), tile);
+    } else {
+        neph_rt_fetch_tile(oracle, RT_TILE, ray->tile_x, ray->tile_y, tile);
+    }
+    return NEPH_RT_TILE_UNIT_M * tile[1];
+}
+
+static void load_rays(const struct neph_rt_oracle *oracle, int tile_x, int tile_y,
+                      struct ray rays[RAYS])
+{
+    for (int i = 0; i < RAYS; i++) {
+        struct ray *ray = &rays[i];
+        ray->tile_x = i == 0 ? tile_x : neighbour(oracle, 0, tile_x, around[i][0]);
+        ray->tile_y = i == 0 ? tile_y : neighbour(oracle, 1, tile_y, around[i][1]);
+        neph_rt_fetch_tile(oracle, RT_RAY, ray->tile_x, ray->tile_y, ray->value);
+        ray->depth_m = ray_depth_m(oracle, tile_x, tile_y, i, ray);
+        ray->is_usable = choice(oracle, RT_VALIDITY) == 0 || neph_rt_is_sound(ray->value);
+    }
+}
+
+/* NULL if no ray can be used. */
+static const struct ray *nearest_ray(const struct neph_rt_oracle *oracle,
+                                     const struct ray rays[RAYS], float own_m)
+{
+    const bool is_limited = choice(oracle, RT_CLAMP_PIXEL_DEPTH) != 0;
+    float least_m = is_limited ? NEPH_RT_FAR_M : setting(oracle, RT_SKY_M);
+    const struct ray *first = NULL, *nearest = NULL;
+    for (int i = 0; i < RAYS; i++) {
+        if (!rays[i].is_usable)
+            continue;
+        if (!first)
+            first = &rays[i];
+        if (fabsf(own_m - rays[i].depth_m) < least_m) {
+            nearest = &rays[i];
+            least_m = fabsf(own_m - rays[i].depth_m);
+        }
+    }
+    return nearest ? nearest : first;
+}
+
+/* --- the box --------------------------------------------------------------------------------- */
+
+static void extend(struct box *box, const double value[4])
+{
+    for (int c = 0; c < 4; c++) {
+        box->low[c] = value[c] < box->low[c] ? value[c] : box->low[c];
+        box->high[c] = value[c] > box->high[c] ? value[c] : box->high[c];
+    }
+}
+
+static double held(double value, double low, double high)
+{
+    return value < low ? low : value > high ? high : value;
+}
+
+static double luminance(const double color[3])
+{
+    return 0.2126 * color[0] + 0.7152 * color[1] + 0.0722 * color[2];
+}
+
+static void to_space(int space, const double value[4], double seen[4])
+{
+    const double r = value[0], g = value[1], b = value[2];
+    memcpy(seen, value, 4 * sizeof(*seen));
+    if (space == RT_SPACE_REINHARD)
+        for (int c = 0; c < 3; c++)
+            seen[c] = value[c] / (1.0 + luminance(value));
+    if (space == RT_SPACE_YCOCG) {
+        seen[0] = r / 4 + g / 2 + b / 4;
+        seen[1] = r / 2 - b / 2;
+        seen[2] = -r / 4 + g / 2 - b / 4;
+    }
+}
+
+static void from_space(int space, const double seen[4], double brightest, double value[4])
+{
+    memcpy(value, seen, 4 * sizeof(*value));
+    if (space == RT_SPACE_REINHARD)
+        for (int c = 0; c < 3; c++)
+            value[c] = seen[c] / fmax(1.0 - luminance(seen), 1.0 / (1.0 + brightest));
+    if (space == RT_SPACE_YCOCG) {
+        value[0] = fmax(seen[0] + seen[1] - seen[2], 0.0);
+        value[1] = fmax(seen[0] + seen[2], 0.0);
+        value[2] = fmax(seen[0] - seen[1] - seen[2], 0.0);
+    }
+}
+
+static void choose_rays(const struct neph_rt_oracle *oracle, struct ray rays[RAYS],
+                        const struct ray *nearest, float own_m)
+{
+    int count = 0;
+    for (int i = 0; i < RAYS; i++) {
+        struct ray *ray = &rays[i];
+        const float contrast = fabsf(ray->value[3] - nearest->value[3]);
+        const bool is_alike = fabsf(own_m - ray->depth_m) <
+                                  setting(oracle, RT_BOX_DEPTH) * ray->depth_m ||
+                              contrast < setting(oracle, RT_BOX_TRANSMITTANCE);
+        const bool is_asked = i > 0 || choice(oracle, RT_BOX_CENTRE) != 0;
+        ray->is_in_box = ray == nearest || (ray->is_usable && is_asked && is_alike);
+        count += ray->is_in_box;
+    }
+    for (int i = 0; i < RAYS && count < choice(oracle, RT_BOX_LEAST); i++)
+        rays[i].is_in_box = rays[i].is_usable;
+}
+
+static void ray_in_space(const struct ray *ray, int space, double seen[4])
+{
+    const double value[4] = {ray->value[0], ray->value[1], ray->value[2], ray->value[3]};
+    to_space(space, value, seen);
+}
+
+static void extend_by_variance(struct box *box, const struct ray rays[RAYS], int space,
+                               double sigmas)
+{
+    double seen[RAYS][4], low[4], high[4];
+    int count = 0;
+    for (int i = 0; i < RAYS; i++)
+        if (rays[i].is_in_box)
+            ray_in_space(&rays[i], space, seen[count++]);
+    for (int c = 0; c < 4; c++) {
+        double mean = 0.0, variance = 0.0;
+        for (int i = 0; i < count; i++)
+            mean += seen[i][c] / count;
+        for (int i = 0; i < count; i++)
+            variance += (seen[i][c] - mean) * (seen[i][c] - mean) / count;
+        low[c] = mean - sigmas * sqrt(variance);
+        high[c] = mean + sigmas * sqrt(variance);
+    }
+    extend(box, low);
+    extend(box, high);
+}
+
+static void hold_among_rays(const struct neph_rt_oracle *oracle, struct ray rays[RAYS],
+                            const struct ray *nearest, float own_m, double value[4])
+{
+    if (choice(oracle, RT_BOX) == RT_BOX_NONE)
+        return;
+    const int space = choice(oracle, RT_BOX_SPACE);
+    struct box box;
+    double seen[4], limited[4];
+    ray_in_space(nearest, space, box.low);
+    memcpy(box.high, box.low, sizeof(box.high));
+    choose_rays(oracle, rays, nearest, own_m);
+    if (choice(oracle, RT_BOX) == RT_BOX_VARIANCE)
+        extend_by_variance(&box, rays, space, setting(oracle, RT_BOX_SIGMA));
+    for (int i = 0; i < RAYS && choice(oracle, RT_BOX) == RT_BOX_MIN_MAX; i++) {
+        ray_in_space(&rays[i], space, seen);
+        if (rays[i].is_in_box)
+            extend(&box, seen);
+    }
+    to_space(space, value, seen);
+    bool is_inside = true;
+    for (int c = 0; c < 4; c++) {
+        limited[c] = held(seen[c], box.low[c], box.high[c]);
+        is_inside = is_inside && limited[c] == seen[c];
+    }
+    const double first[3] = {nearest->value[0], nearest->value[1], nearest->value[2]};
+    if (!is_inside)
+        from_space(space, limited, fmax(luminance(value), luminance(first)), value);
+}
+
+/* --- history --------------------------------------------------------------------------------- */
+
+static struct history history_at(const struct neph_rt_oracle *oracle, int x, int y)
+{
+    float value[4], state[4];
+    neph_rt_fetch_half(oracle, RT_HISTORY_BEFORE, x, y, value);
+    neph_rt_fetch_half(oracle, RT_HISTORY_STATE_BEFORE, x, y, state);
+    const bool has_age = isfinite(state[0]) && state[0] > 0.0f;
+    struct history history = {.age = has_age ? state[0] : 0.0f};
+    history.is_void = choice(oracle, RT_VALIDITY) != 0 && !(has_age && neph_rt_is_sound(value));
+    for (int c = 0; c < 4; c++)
+        history.value[c] = value[c];
+    return history;
+}
+
+/* Of the taps -1 .. 2 for a place 0 .. 1. */
+static void tap_weights(int kind, double place, double weights[TAPS])
+{
+    memset(weights, 0, TAPS * sizeof(*weights));
+    const double square = place * place, cube = square * place;
+    switch (kind) {
+    case RT_FILTER_NEAREST:
+        weights[place < 0.5 ? 1 : 2] = 1.0;
+        break;
+    case RT_FILTER_BILINEAR:
+        weights[1] = 1.0 - place;
+        weights[2] = place;
+        break;
+    default:
+        weights[0] = -0.5 * place + square - 0.5 * cube;
+        weights[1] = 1.0 - 2.5 * square + 1.5 * cube;
+        weights[2] = 0.5 * place + 2.0 * square - 1.5 * cube;
+        weights[3] = -0.5 * square + 0.5 * cube;
+    }
+}
+
+static bool has_void_tap(const struct neph_rt_oracle *oracle, const int base[2])
+{
+    bool found = false;
+    for (int i = 0; i < TAPS * TAPS; i++)
+        found = found || history_at(oracle, base[0] + i % TAPS - 1, base[1] + i / TAPS - 1).is_void;
+    return found;
+}
+
+static struct history history_about(const struct neph_rt_oracle *oracle, const double place_px[2])
+{
+    const double place[2] = {0.5 * place_px[0] - 0.5, 0.5 * place_px[1] - 0.5};
+    const int base[2] = {(int)floor(place[0]), (int)floor(place[1])};
+    int kind = choice(oracle, RT_HISTORY_FILTER);
+    if (kind == RT_FILTER_CATMULL_ROM && has_void_tap(oracle, base))
+        kind = RT_FILTER_BILINEAR;
+    double weights[2][TAPS], sum[4] = {0}, total = 0.0, heaviest = 0.0;
+    for (int axis = 0; axis < 2; axis++)
+        tap_weights(kind, place[axis] - base[axis], weights[axis]);
+    struct history history = {.is_void = true};
+    struct box range = {{INFINITY, INFINITY, INFINITY, INFINITY},
+                        {-INFINITY, -INFINITY, -INFINITY, -INFINITY}};
+    for (int i = 0; i < TAPS * TAPS; i++) {
+        const int x = i % TAPS, y = i / TAPS;
+        const double weight = weights[0][x] * weights[1][y];
+        const struct history tap = history_at(oracle, base[0] + x - 1, base[1] + y - 1);
+        if (weight == 0.0 || tap.is_void)
+            continue;
+        history.is_void = false;
+        total += weight;
+        for (int c = 0; c < 4; c++)
+            sum[c] += weight * tap.value[c];
+        if (weight > heaviest)
+            history.age = tap.age;
+        heaviest = fmax(heaviest, weight);
+        if (x % 3 != 0 && y % 3 != 0)
+            extend(&range, tap.value);
+    }
+    for (int c = 0; c < 4 && !history.is_void; c++)
+        history.value[c] = held(sum[c] / total, range.low[c], range.high[c]);
+    return history;
+}
+
+static bool find_before(const struct neph_rt_oracle *oracle, const double place_px[2],
+                        double distance_m, double before_px[2])
+{
+    const struct neph_rt_view *view = oracle->view;
+    double direction[3], point_m[3], moved_m[3], now_px[2], seen_px[2];
+    direction_at(view, place_px, direction);
+    if (choice(oracle, RT_REPROJECT_MEASURE) == RT_MEASURE_EYE)
+        distance_m /= dot(direction, view->now.forward);
+    for (int i = 0; i < 3; i++) {
+        point_m[i] = distance_m * direction[i];
+        moved_m[i] = point_m[i] - (choice(oracle, RT_WIND) ? view->wind_m[i] : 0.0);
+    }
+    project(view, &view->now, point_m, now_px);
+    bool is_seen = project(view, &view->before, moved_m, seen_px) > 0.0;
+    for (int axis = 0; axis < 2; axis++) {
+        /* exactly the place at rest */
+        before_px[axis] = place_px[axis] + (seen_px[axis] - now_px[axis]);
+        is_seen = is_seen && before_px[axis] >= 0.0 && before_px[axis] <= view->size_px[axis];
+    }
+    return is_seen;
+}
+
+static bool is_same_depth(const struct neph_rt_oracle *oracle, double expected_m, double before_m)
+{
+    const double difference_m = fabs(expected_m - before_m);
+    const double relative = setting(oracle, RT_REJECT_DEPTH);
+    const double metres = setting(oracle, RT_REJECT_SCENE_M);
+    if (relative > 0.0 && difference_m >= relative * expected_m)
+        return false;
+    return !(metres > 0.0 && difference_m >= metres &&
+             fmin(expected_m, before_m) < setting(oracle, RT_REJECT_WITHIN_M));
+}
+
+static bool is_same_scene(const struct neph_rt_oracle *oracle, const double place_px[2],
+                          const double before_px[2], float depth_m)
+{
+    const struct neph_rt_view *view = oracle->view;
+    double expected_m = setting(oracle, RT_SKY_M);
+    if (!is_sky(depth_m)) {
+        double point_m[3], unused_px[2];
+        direction_at(view, place_px, point_m);
+        const double scale = depth_m / dot(point_m, view->now.forward);
+        for (int i = 0; i < 3; i++)
+            point_m[i] *= scale;
+        expected_m = project(view, &view->before, point_m, unused_px);
+    }
+    const int x = (int)floor(before_px[0] / 2), y = (int)floor(before_px[1] / 2);
+    bool found = false;
+    for (int i = 0; i < 9; i++) {
+        float before[4];
+        neph_rt_fetch_half(oracle, RT_HALF_DEPTH_BEFORE, x + i % 3 - 1, y + i / 3 - 1, before);
+        const double before_m = is_sky(before[0]) ? setting(oracle, RT_SKY_M) : before[0];
+        found = found || is_same_depth(oracle, expected_m, before_m);
+    }
+    return found && expected_m > 0.0;
+}
+
+static struct history history_of(const struct neph_rt_oracle *oracle, int x, int y, float depth_m,
+                                 float distance_m)
+{
+    const struct neph_rt_view *view = oracle->view;
+    const struct history none = {.is_void = true};
+    const double place_px[2] = {2.0 * x + 1.0, 2.0 * y + 1.0};
+    double before_px[2];
+    if (choice(oracle, RT_VALIDITY) && !view->has_history)
+        return none;
+    if (choice(oracle, RT_CUT_RESET) && view->is_cut)
+        return none;
+    if (!find_before(oracle, place_px, known_distance_m(distance_m), before_px))
+        return none;
+    if ((setting(oracle, RT_REJECT_DEPTH) > 0.0f || setting(oracle, RT_REJECT_SCENE_M) > 0.0f) &&
+        !is_same_scene(oracle, place_px, before_px, depth_m))
+        return none;
+    return history_about(oracle, before_px);
+}
+
+/* --- the result ------------------------------------------------------------------------------ */
+
+static double blend(double a, double b, double weight_of_b)
+{
+    return weight_of_b == 0.0 ? a : weight_of_b == 1.0 ? b : a + weight_of_b * (b - a);
+}
+
+static double kept(const struct neph_rt_oracle *oracle, int format_setting, double value)
+{
+    const bool is_limited = choice(oracle, RT_VALIDITY) &&
+                            choice(oracle, format_setting) == RT_FORMAT_HALF;
+    return is_limited && value > NEPH_RT_HALF_MAX ? NEPH_RT_HALF_MAX : value;
+}
+
+static void put_result(const struct neph_rt_oracle *oracle, int x, int y, const double value[4],
+                       float age, double distance_m)
+{
+    float rounded[4];
+    for (int c = 0; c < 4; c++)
+        rounded[c] = (float)kept(oracle, RT_COLOR_FORMAT, value[c]);
+    neph_rt_put_half(oracle, RT_HISTORY, x, y, rounded);
+    const float state[4] = {age, (float)kept(oracle, RT_DEPTH_FORMAT, distance_m)};
+    neph_rt_put_half(oracle, RT_HISTORY_STATE, x, y, state);
+}
+
+static void reconstruct(const struct neph_rt_oracle *oracle, int x, int y)
+{
+    struct ray rays[RAYS];
+    float depth[4], tile[4], distance[4];
+    load_rays(oracle, x / 2, y / 2, rays);
+    neph_rt_fetch_half(oracle, RT_HALF_DEPTH, x, y, depth);
+    float own_m = is_sky(depth[0]) ? setting(oracle, RT_SKY_M) : depth[0];
+    if (choice(oracle, RT_CLAMP_PIXEL_DEPTH))
+        own_m = neph_rt_stored_depth_m(oracle->view, depth[0]);
+    const struct ray *nearest = nearest_ray(oracle, rays, own_m);
+    if (!nearest) {
+        put_result(oracle, x, y, (double[4]){0, 0, 0, 1}, 0.0f, NEPH_RT_FAR_M);
+        return;
+    }
+    const bool of_tile = choice(oracle, RT_REPROJECT_DEPTH) == RT_REPROJECT_TILE &&
+                         rays[0].is_usable;
+    const struct ray *seen = of_tile ? &rays[0] : nearest;
+    neph_rt_fetch_tile(oracle, RT_RAY_DISTANCE, seen->tile_x, seen->tile_y, distance);
+    neph_rt_fetch_tile(oracle, RT_TILE, x / 2, y / 2, tile);
+    const bool is_fresh = rays[0].is_usable && (int)tile[0] == neph_rt_slot_of(oracle->view, x, y);
+    struct history history = history_of(oracle, x, y, depth[0], distance[0]);
+    if (!history.is_void)
+        hold_among_rays(oracle, rays, nearest, own_m, history.value);
+
+    float age = history.is_void ? 1.0f : history.age;
+    if (is_fresh && !history.is_void)
+        age = fminf(history.age + 1.0f, 255.0f);
+    const double age_max = setting(oracle, RT_HISTORY_AGE_MAX);
+    double ray_weight = 1.0;
+    if (!history.is_void && is_fresh)
+        ray_weight = age_max > 0.0 ? 1.0 / fmin(age, age_max) : setting(oracle, RT_FRESH_WEIGHT);
+    else if (!history.is_void)
+        ray_weight = 1.0 - (double)setting(oracle, RT_HISTORY_WEIGHT);
+    double value[4];
+    for (int c = 0; c < 4; c++)
+        value[c] = blend(history.value[c], is_fresh ? rays[0].value[c] : nearest->value[c],
+                         ray_weight);
+    put_result(oracle, x, y, value, age, known_distance_m(distance[0]));
+}
+
+void neph_rt_oracle_reconstruct(const struct neph_rt_oracle *oracle)
+{
+    for (int y = 0; y < (int)oracle->view->half_size_px[1]; y++)
+        for (int x = 0; x < (int)oracle->view->half_size_px[0]; x++)
+            reconstruct(oracle, x, y);
+}

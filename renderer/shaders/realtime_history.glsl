@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: MIT
+//
+// A11: where in the frame before was what a half-pixel shows now, and what did it look like?
+#ifndef NEPH_REALTIME_HISTORY_GLSL
+#define NEPH_REALTIME_HISTORY_GLSL
+
+#include "realtime_box.glsl"
+#include "realtime_slots.glsl"
+
+struct History {
+    vec4 value;
+    float age; // in rays
+    bool is_void;
+};
+
+const History NO_HISTORY = History(vec4(0.0), 0.0, true);
+
+bool checks_validity() { return choice(RT_VALIDITY) != 0; }
+
+// --- its value ----------------------------------------------------------------------------------
+
+History history_at(ivec2 half_pixel)
+{
+    vec4 value = fetch_half(RT_HISTORY_BEFORE, half_pixel);
+    float age = fetch_half(RT_HISTORY_STATE_BEFORE, half_pixel).x;
+    bool has_age = is_finite(age) && age > 0.0;
+    return History(value, has_age ? age : 0.0, checks_validity() && !(has_age && is_sound(value)));
+}
+
+// Of the taps -1, 0, 1 and 2, for a place between tap 0 and tap 1.
+vec4 tap_weights(int kind, float place)
+{
+    if (kind == RT_FILTER_NEAREST)
+        return place < 0.5 ? vec4(0.0, 1.0, 0.0, 0.0) : vec4(0.0, 0.0, 1.0, 0.0);
+    if (kind == RT_FILTER_BILINEAR)
+        return vec4(0.0, 1.0 - place, place, 0.0);
+    return 0.5 * vec4(place * (place * (2.0 - place) - 1.0),
+                      place * place * (3.0 * place - 5.0) + 2.0,
+                      place * (place * (4.0 - 3.0 * place) + 1.0), place * place * (place - 1.0));
+}
+
+// Catmull-Rom needs all its taps, of whatever weight.
+int history_filter(ivec2 base)
+{
+    int kind = choice(RT_HISTORY_FILTER);
+    if (kind == RT_FILTER_CATMULL_ROM)
+        for (int i = 0; i < 16; i++)
+            if (history_at(base + ivec2(i & 3, i >> 2) - 1).is_void)
+                return RT_FILTER_BILINEAR;
+    return kind;
+}
+
+// The mean of the taps that are not void, with the age of the heaviest; void if all are. It is held
+// in the range of the four taps about the place: equal ones come out exactly, and Catmull-Rom does
+// not ring below zero.
+History history_about(vec2 place_px)
+{
+    vec2 place = 0.5 * place_px - 0.5; // in half-pixels from the centre of the first
+    ivec2 base = ivec2(floor(place));
+    int kind = history_filter(base);
+    vec4 weights_x = tap_weights(kind, place.x - float(base.x));
+    vec4 weights_y = tap_weights(kind, place.y - float(base.y));
+    History history = NO_HISTORY;
+    vec4 sum = vec4(0.0);
+    float total = 0.0, heaviest = 0.0;
+    Box range = Box(vec4(FAR_M), vec4(-FAR_M));
+    for (int i = 0; i < 16; i++) {
+        ivec2 tap = ivec2(i & 3, i >> 2);
+        float weight = weights_x[tap.x] * weights_y[tap.y];
+        if (weight == 0.0)
+            continue;
+        History other = history_at(base + tap - 1);
+        if (other.is_void)
+            continue;
+        history.is_void = false;
+        sum += weight * other.value;
+        total += weight;
+        if (weight > heaviest) {
+            heaviest = weight;
+            history.age = other.age;
+        }
+        if (tap.x % 3 != 0 && tap.y % 3 != 0)
+            extend(range, other.value);
+    }
+    if (!history.is_void)
+        history.value = held(sum / total, range);
+    return history;
+}
+
+// --- its place ----------------------------------------------------------------------------------
+
+// A medium that shows nothing is infinitely far away.
+float known_distance_m(float distance_m)
+{
+    return is_finite(distance_m) && distance_m > 0.0 ? min(distance_m, FAR_M) : FAR_M;
+}
+
+// Where the medium was seen that now is `distance_m` away; false if nowhere. The motion is added to
+// the place, because both projections of a resting camera are rounded the same way: the history of
+// a still image must not creep.
+bool find_before(vec2 place_px, float distance_m, out vec2 before_px)
+{
+    vec3 direction = view_direction_at(view.now, place_px);
+    float length_m = choice(RT_REPROJECT_MEASURE) == RT_MEASURE_EYE
+                         ? distance_m / dot(direction, view.now.forward)
+                         : distance_m;
+    vec3 point_m = length_m * direction;
+    vec3 moved_m = choice(RT_WIND) != 0 ? point_m - wind_m() : point_m;
+    vec3 seen = project(view.before, moved_m);
+    precise vec2 motion_px = seen.xy - project(view.now, point_m).xy;
+    before_px = place_px + motion_px;
+    return seen.z > 0.0 && all(greaterThanEqual(before_px, vec2(0.0))) &&
+           all(lessThanEqual(before_px, vec2(view_size())));
+}
+
+bool is_same_depth(float expected_m, float before_m)
+{
+    float difference_m = abs(expected_m - before_m);
+    bool is_near = min(expected_m, before_m) < setting(RT_REJECT_WITHIN_M);
+    bool far_off = setting(RT_REJECT_DEPTH) > 0.0 &&
+                   difference_m >= setting(RT_REJECT_DEPTH) * expected_m;
+    bool off_by_metres = setting(RT_REJECT_SCENE_M) > 0.0 && is_near &&
+                         difference_m >= setting(RT_REJECT_SCENE_M);
+    return !far_off && !off_by_metres;
+}
+
+// Whether the scene behind that history had the depth that this half-pixel's scene had there and
+// then. One of 3x3 half-pixels is enough: near and far ones take turns from one to the next (A2),
+// so that the very one may be of the other kind wherever the image moves by an odd number of them.
+// The sky is a depth of its own, at sky_m; it has no eye depth that would turn with the camera.
+bool is_same_scene(vec2 place_px, vec2 before_px, float depth_m)
+{
+    float expected_m = setting(RT_SKY_M);
+    if (!is_sky(depth_m)) {
+        vec3 direction = view_direction_at(view.now, place_px);
+        vec3 point_m = depth_m / dot(direction, view.now.forward) * direction;
+        expected_m = project(view.before, point_m).z;
+    }
+    if (!(expected_m > 0.0))
+        return false;
+    ivec2 nearest = ivec2(floor(0.5 * before_px));
+    for (int i = 0; i < 9; i++) {
+        float before_m = fetch_half(RT_HALF_DEPTH_BEFORE, nearest + ivec2(i % 3, i / 3) - 1).x;
+        if (is_same_depth(expected_m, is_sky(before_m) ? setting(RT_SKY_M) : before_m))
+            return true;
+    }
+    return false;
+}
+
+// --- both ---------------------------------------------------------------------------------------
+
+// The history of a half-pixel whose scene is `depth_m` deep and whose medium is `distance_m` away.
+History history_of(ivec2 half_pixel, float depth_m, float distance_m)
+{
+    bool is_new = (checks_validity() && view.has_history == 0u) ||
+                  (choice(RT_CUT_RESET) != 0 && view.is_cut != 0u);
+    vec2 place_px = vec2(2 * half_pixel + 1), before_px;
+    if (is_new || !find_before(place_px, known_distance_m(distance_m), before_px))
+        return NO_HISTORY;
+    bool rejects = setting(RT_REJECT_DEPTH) > 0.0 || setting(RT_REJECT_SCENE_M) > 0.0;
+    if (rejects && !is_same_scene(place_px, before_px, depth_m))
+        return NO_HISTORY;
+    return history_about(before_px);
+}
+
+#endif

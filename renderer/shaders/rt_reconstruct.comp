@@ -1,0 +1,233 @@
+#version 450
+// SPDX-License-Identifier: MIT
+//
+// A8 to A12: the medium at half resolution, from a quarter of its rays and the frame before.
+//
+// A half-pixel that has a ray in this frame takes it, all of it (fresh_weight = 1, the article's;
+// its 0.5 is never reached, X1) or blended with its history. The others take their history, looked
+// up where the medium was in the frame before, and held in the box of those rays of the 3x3 tiles
+// around that are as deep as they; without history they take the ray that is nearest in depth.
+//
+// What the settings keep of the article's faults: the own tile's ray is never in the box
+// (box_centre = off, X3), and a box of one ray erases the history (box_least = 0); neighbours end
+// one tile early in sizes that are no multiple of 4 (edge_tiles = dropped, X4); the depths of six
+// of them are gathered by normalised coordinates, which there come to the next tile after two
+// thirds of the image (gather = normalised, X6); the pixel's own depth is not limited as the rays'
+// are, and from halfway between ray_depth_max_m and sky_m on geometry takes the sky's clouds
+// (clamp_pixel_depth = off, X8); the distance of the tile's ray stands for that of the pixel's
+// cloud, and as an eye depth (reproject_depth, reproject_measure, X9); no wind, and nothing is ever
+// void (wind, validity, X10). The sky's depth is sky_m here with `far` = infinite too: the article
+// says 20 km at this place.
+//
+// Void is what validity = on does not use: rays that are not finite or negative, history of age 0,
+// history that is not sound. Off the screen, behind the camera and after a cut (cut_reset) there is
+// no history with validity = off either; in the first frame there is then what the memory holds.
+// The age counts the rays that went into a half-pixel; one that borrowed its first value from a
+// neighbour's ray is 1 old.
+#extension GL_GOOGLE_include_directive : require
+
+#include "realtime_pass.glsl"
+#include "realtime_history.glsl"
+
+const float AGE_MAX = 255.0;
+
+struct Ray {
+    vec4 value;
+    float depth_m;
+    bool is_usable;
+    bool is_in_box;
+};
+
+Ray rays[9]; // of the tiles around, in the order in which ties are decided
+
+const ivec2 AROUND[9] = ivec2[9](ivec2(0, 0), ivec2(1, 0), ivec2(-1, 0), ivec2(0, 1), ivec2(0, -1),
+                                 ivec2(1, 1), ivec2(-1, 1), ivec2(1, -1), ivec2(-1, -1));
+
+ivec2 ray_tile(ivec2 tile, int ray)
+{
+    ivec2 last = choice(RT_EDGE_TILES) == RT_EDGE_TILES_KEPT ? tile_count() - 1
+                                                             : max(view_size() / 4 - 1, ivec2(0));
+    return ray == 0 ? tile : clamp(tile + AROUND[ray], ivec2(0), last);
+}
+
+// Where the article finds the depth of a neighbour towards the upper left or the lower right: in
+// the 2x2 texels about that corner of the tile, at (4 * corner + origin) / buffer size of a buffer
+// of a quarter of that size, rounded up. In whole numbers; the last bit of a coordinate is the
+// device's own.
+ivec2 gathered_texel(ivec2 tile, ivec2 offset)
+{
+    int corner = offset.x + offset.y > 0 ? 1 : 0;
+    ivec2 size = target_size(RT_DEPTH), size_quarter = target_size(RT_TILE);
+    ivec2 found = (2 * (4 * (tile + corner) + view_origin()) * size_quarter + size) / (2 * size);
+    return clamp(found - corner + offset, ivec2(0), size_quarter - 1);
+}
+
+float ray_depth_m(ivec2 tile, int ray)
+{
+    ivec2 offset = AROUND[ray];
+    bool is_gathered = choice(RT_GATHER) == RT_GATHER_NORMALISED && offset.x + offset.y != 0;
+    precise float depth_m = TILE_UNIT_M * (is_gathered
+                                               ? fetch(RT_TILE, gathered_texel(tile, offset)).y
+                                               : fetch_tile(RT_TILE, ray_tile(tile, ray)).y);
+    return depth_m;
+}
+
+void load_rays(ivec2 tile)
+{
+    for (int i = 0; i < 9; i++) {
+        rays[i].value = fetch_tile(RT_RAY, ray_tile(tile, i));
+        rays[i].depth_m = ray_depth_m(tile, i);
+        rays[i].is_usable = !checks_validity() || is_sound(rays[i].value);
+    }
+}
+
+float depth_difference_m(float own_m, int ray)
+{
+    precise float difference_m = abs(own_m - rays[ray].depth_m);
+    return difference_m;
+}
+
+// A9: the first of the nearest in depth; -1 if no ray can be used. The article looks no farther than
+// 20 km, which is as far apart as limited depths can be, and there keeps to the first.
+int nearest_ray(float own_m)
+{
+    float least_m = choice(RT_CLAMP_PIXEL_DEPTH) != 0 ? FAR_M : setting(RT_SKY_M);
+    int nearest = -1;
+    for (int i = 0; i < 9; i++) {
+        if (!rays[i].is_usable)
+            continue;
+        float difference_m = depth_difference_m(own_m, i);
+        if (difference_m < least_m || nearest < 0)
+            nearest = i;
+        if (difference_m < least_m)
+            least_m = difference_m;
+    }
+    return nearest;
+}
+
+bool is_accepted(int ray, int nearest, float own_m)
+{
+    precise float contrast = abs(rays[ray].value.a - rays[nearest].value.a);
+    precise float allowed_m = setting(RT_BOX_DEPTH) * rays[ray].depth_m;
+    bool is_candidate = rays[ray].is_usable && (ray != 0 || choice(RT_BOX_CENTRE) != 0);
+    return ray == nearest || (is_candidate && (depth_difference_m(own_m, ray) < allowed_m ||
+                                               contrast < setting(RT_BOX_TRANSMITTANCE)));
+}
+
+void choose_rays(int nearest, float own_m)
+{
+    int count = 0;
+    for (int i = 0; i < 9; i++) {
+        rays[i].is_in_box = is_accepted(i, nearest, own_m);
+        count += int(rays[i].is_in_box);
+    }
+    if (count < choice(RT_BOX_LEAST))
+        for (int i = 0; i < 9; i++)
+            rays[i].is_in_box = rays[i].is_usable;
+}
+
+void extend_by_rays(inout Box box, int space)
+{
+    for (int i = 0; i < 9; i++)
+        if (rays[i].is_in_box)
+            extend(box, to_space(space, rays[i].value));
+}
+
+void extend_by_variance(inout Box box, int space)
+{
+    float count = 0.0;
+    vec4 mean = vec4(0.0), variance = vec4(0.0);
+    for (int i = 0; i < 9; i++)
+        if (rays[i].is_in_box) {
+            count += 1.0;
+            mean += to_space(space, rays[i].value);
+        }
+    mean /= count;
+    for (int i = 0; i < 9; i++)
+        if (rays[i].is_in_box) {
+            vec4 difference = to_space(space, rays[i].value) - mean;
+            variance += difference * difference;
+        }
+    vec4 half_width = setting(RT_BOX_SIGMA) * sqrt(variance / count);
+    extend(box, mean - half_width);
+    extend(box, mean + half_width);
+}
+
+vec4 held_among_rays(vec4 value, int nearest, float own_m)
+{
+    if (choice(RT_BOX) == RT_BOX_NONE)
+        return value;
+    int space = choice(RT_BOX_SPACE);
+    vec4 first = to_space(space, rays[nearest].value);
+    Box box = Box(first, first);
+    choose_rays(nearest, own_m);
+    if (choice(RT_BOX) == RT_BOX_MIN_MAX)
+        extend_by_rays(box, space);
+    else
+        extend_by_variance(box, space);
+    return held_in_space(space, value, rays[nearest].value, box);
+}
+
+// `b` or `a` itself at the ends, whatever the other one is.
+vec4 blend(vec4 a, vec4 b, float weight_of_b)
+{
+    if (weight_of_b == 0.0 || weight_of_b == 1.0)
+        return weight_of_b == 0.0 ? a : b;
+    return a + weight_of_b * (b - a);
+}
+
+float fresh_weight(float age)
+{
+    float age_max = setting(RT_HISTORY_AGE_MAX);
+    return age_max > 0.0 ? 1.0 / min(age, age_max) : setting(RT_FRESH_WEIGHT);
+}
+
+// Sound values stay sound when they are kept in halves.
+float kept(int format_setting, float value)
+{
+    bool is_too_large = choice(format_setting) == RT_FORMAT_HALF && checks_validity() &&
+                        value > HALF_MAX;
+    return is_too_large ? HALF_MAX : value;
+}
+
+void put_result(ivec2 half_pixel, vec4 value, float age, float distance_m)
+{
+    for (int c = 0; c < 4; c++)
+        value[c] = kept(RT_COLOR_FORMAT, value[c]);
+    put_half(RT_HISTORY, half_pixel, value);
+    put_half(RT_HISTORY_STATE, half_pixel, vec4(age, kept(RT_DEPTH_FORMAT, distance_m), 0.0, 0.0));
+}
+
+void main()
+{
+    ivec2 half_pixel;
+    if (!own_element(half_size(), half_pixel))
+        return;
+    ivec2 tile = half_pixel / 2;
+    load_rays(tile);
+    float depth_m = fetch_half(RT_HALF_DEPTH, half_pixel).x;
+    float own_m = choice(RT_CLAMP_PIXEL_DEPTH) != 0 ? stored_depth_m(depth_m)
+                  : is_sky(depth_m)                 ? setting(RT_SKY_M)
+                                                    : depth_m;
+    int nearest = nearest_ray(own_m);
+    if (nearest < 0) {
+        put_result(half_pixel, vec4(0.0, 0.0, 0.0, 1.0), 0.0, FAR_M);
+        return;
+    }
+    bool of_tile = choice(RT_REPROJECT_DEPTH) == RT_REPROJECT_TILE && rays[0].is_usable;
+    float distance_m = fetch_tile(RT_RAY_DISTANCE, ray_tile(tile, of_tile ? 0 : nearest)).x;
+    History history = history_of(half_pixel, depth_m, distance_m);
+    if (!history.is_void)
+        history.value = held_among_rays(history.value, nearest, own_m);
+
+    bool is_fresh = rays[0].is_usable && int(fetch_tile(RT_TILE, tile).x) == slot_of(half_pixel);
+    float age = history.is_void ? 1.0 : history.age;
+    vec4 value = rays[is_fresh ? 0 : nearest].value;
+    if (is_fresh && !history.is_void) {
+        age = min(history.age + 1.0, AGE_MAX);
+        value = blend(history.value, value, fresh_weight(age));
+    } else if (!history.is_void) {
+        value = blend(value, history.value, setting(RT_HISTORY_WEIGHT));
+    }
+    put_result(half_pixel, value, age, known_distance_m(distance_m));
+}

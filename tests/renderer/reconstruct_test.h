@@ -1,0 +1,110 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * What the tests of the reconstruction share: a few frames of it on the device, whose results come
+ * back into the oracle's memory to be looked at.
+ */
+#ifndef NEPH_TESTS_RECONSTRUCT_TEST_H
+#define NEPH_TESTS_RECONSTRUCT_TEST_H
+
+#include "renderer/realtime/slots.h"
+#include "tests/renderer/realtime_test.h"
+
+/* A view that fills its buffers: all solids 100 m away, all rays and histories (0, 0, 0, 1), what
+ * they show 100 m away, every tile at the slot whose turn it is. The camera rests; there is
+ * history, one ray old. */
+static inline void reconstruct_fill(struct test_passes *test, int target, float r, float g, float b,
+                                    float a)
+{
+    for (size_t i = 0; i < test_elements(test, target); i++)
+        test_set(test, target, i, (float[4]){r, g, b, a});
+}
+
+static inline void reconstruct_open(struct neph_vulkan *vulkan, const char *assignments, int width,
+                                    int height, struct test_passes *test)
+{
+    const struct neph_settings settings = test_settings(assignments);
+    test_passes_open(vulkan, &settings, (int[2]){width, height}, (int[2]){0, 0}, 3, test);
+    test->view.has_history = 1;
+    reconstruct_fill(test, RT_HALF_DEPTH, 100, 0, 0, 0);
+    reconstruct_fill(test, RT_HALF_DEPTH_BEFORE, 100, 0, 0, 0);
+    reconstruct_fill(test, RT_RAY, 0, 0, 0, 1);
+    reconstruct_fill(test, RT_RAY_DISTANCE, 100, 0, 0, 0);
+    reconstruct_fill(test, RT_HISTORY_BEFORE, 0, 0, 0, 1);
+    reconstruct_fill(test, RT_HISTORY_STATE_BEFORE, 1, 100, 0, 0);
+    neph_rt_oracle_tile_index(&test->oracle);
+}
+
+static inline size_t reconstruct_threads(const struct test_passes *test)
+{
+    return (size_t)test->view.half_size_px[0] * test->view.half_size_px[1];
+}
+
+static inline void reconstruct_fetch(struct test_passes *test, int target)
+{
+    struct neph_diag diag = {0};
+    neph_assert_ok(
+        neph_rt_device_download(&test->device, target, test->oracle.targets[target], &diag), &diag);
+}
+
+static inline void reconstruct_run(struct test_passes *test)
+{
+    test_passes_run(test, &neph_rt_shader_reconstruct, 0, reconstruct_threads(test));
+    reconstruct_fetch(test, RT_HISTORY);
+    reconstruct_fetch(test, RT_HISTORY_STATE);
+}
+
+static inline void reconstruct_swap(struct test_passes *test, int a, int b)
+{
+    uint32_t *words = test->oracle.targets[a];
+    test->oracle.targets[a] = test->oracle.targets[b];
+    test->oracle.targets[b] = words;
+}
+
+/* This frame becomes the one before; its depths stay. */
+static inline void reconstruct_next_frame(struct test_passes *test)
+{
+    reconstruct_swap(test, RT_HISTORY, RT_HISTORY_BEFORE);
+    reconstruct_swap(test, RT_HISTORY_STATE, RT_HISTORY_STATE_BEFORE);
+    memcpy(test->oracle.targets[RT_HALF_DEPTH_BEFORE], test->oracle.targets[RT_HALF_DEPTH],
+           neph_rt_device_words(&test->device, RT_HALF_DEPTH) * sizeof(uint32_t));
+    test->view.has_history = 1;
+    test->view.frame++;
+    neph_rt_oracle_tile_index(&test->oracle);
+}
+
+/* The half-pixel that a tile marches. */
+static inline void reconstruct_marched(const struct test_passes *test, int tile_x, int tile_y,
+                                       int half_pixel[2])
+{
+    float tile[4];
+    neph_rt_fetch_tile(&test->oracle, RT_TILE, tile_x, tile_y, tile);
+    const int *place = neph_rt_slot_place(&test->view, (int)tile[0]);
+    half_pixel[0] = 2 * tile_x + place[0];
+    half_pixel[1] = 2 * tile_y + place[1];
+}
+
+static inline bool reconstruct_is_marched(const struct test_passes *test, int x, int y)
+{
+    int half_pixel[2];
+    reconstruct_marched(test, x / 2, y / 2, half_pixel);
+    return half_pixel[0] == x && half_pixel[1] == y;
+}
+
+/* A camera turned by angles about its own axes: to the right, upwards, clockwise. */
+static inline void reconstruct_turn(struct neph_rt_camera *camera, double yaw_rad, double pitch_rad,
+                                    double roll_rad)
+{
+    const double angles_rad[3] = {yaw_rad, pitch_rad, roll_rad};
+    for (int i = 0; i < 3; i++) {
+        float *from = i == 2 ? camera->up : camera->forward;
+        float *to = i == 1 ? camera->up : camera->right;
+        const double c = cos(angles_rad[i]), s = sin(angles_rad[i]);
+        for (int k = 0; k < 3; k++) {
+            const double a = from[k], b = to[k];
+            from[k] = (float)(c * a + s * b);
+            to[k] = (float)(c * b - s * a);
+        }
+    }
+}
+
+#endif
