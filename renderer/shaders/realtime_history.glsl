@@ -96,16 +96,16 @@ float known_distance_m(float distance_m)
 }
 
 // Where the medium was seen that now is `distance_m` away; false if nowhere. The motion is added to
-// the place, because both projections of a resting camera are rounded the same way: the history of
-// a still image must not creep.
+// the place, because both projections of a resting camera are rounded the same way (if no product
+// is fused into one of them alone): the history of a still image must not creep.
 bool find_before(vec2 place_px, float distance_m, out vec2 before_px)
 {
     vec3 direction = view_direction_at(view.now, place_px);
     float length_m = choice(RT_REPROJECT_MEASURE) == RT_MEASURE_EYE
                          ? distance_m / dot(direction, view.now.forward)
                          : distance_m;
-    vec3 point_m = length_m * direction;
-    vec3 moved_m = choice(RT_WIND) != 0 ? point_m - wind_m() : point_m;
+    precise vec3 point_m = length_m * direction;
+    precise vec3 moved_m = choice(RT_WIND) != 0 ? point_m - wind_m() : point_m;
     vec3 seen = project(view.before, moved_m);
     precise vec2 motion_px = seen.xy - project(view.now, point_m).xy;
     before_px = place_px + motion_px;
