@@ -452,14 +452,14 @@ NEPH_VECTOR static uint32_t count_keys(const uint32_t *restrict keys, uint32_t c
                                        uint32_t high)
 {
     uint32_t n = 0;
-    for (uint32_t i = 0; i < count; i++)
+    for (size_t i = 0; i < count; i++)
         n += keys[i] - low <= high - low ? 1u : 0u; /* unsigned: what is below is far above */
     return n;
 }
 
 enum { PART_LANES = 16 };
 
-/* Add a key to a lane when it is at most `high`; 0.0f is no bits at all. */
+/* Add a key to a lane when it is at most `high`. */
 __attribute__((always_inline)) static inline void add_key(uint32_t key, uint32_t high, double *sum)
 {
     *sum += neph_key_value(key <= high ? key : NEPH_KEY_OF_ZERO);
@@ -469,13 +469,13 @@ __attribute__((always_inline)) static inline void add_key(uint32_t key, uint32_t
 NEPH_VECTOR static double sum_keys(const uint32_t *restrict keys, uint32_t count, uint32_t high)
 {
     double sums[PART_LANES] = {0.0}, sum = 0.0;
-    uint32_t i = 0;
+    size_t i = 0;
     for (; i + PART_LANES <= count; i += PART_LANES) {
         NEPH_LANES
-        for (uint32_t l = 0; l < PART_LANES; l++)
+        for (size_t l = 0; l < PART_LANES; l++)
             add_key(keys[i + l], high, &sums[l]);
     }
-    for (uint32_t l = 0; i + l < count; l++)
+    for (size_t l = 0; i + l < count; l++)
         add_key(keys[i + l], high, &sums[l]);
     for (int l = 0; l < PART_LANES; l++)
         sum += sums[l];
