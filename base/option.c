@@ -99,6 +99,50 @@ enum neph_status neph_options_set(const struct neph_option *options, const char 
                : parse_number(&options[index], equals + 1, value, diag);
 }
 
+static enum neph_status apply(const struct neph_option *options, const char *owner,
+                              const char *assignments, struct neph_settings *settings,
+                              struct neph_diag *diag)
+{
+    char *words = strdup(assignments), *rest = words;
+    enum neph_status status = words ? NEPH_OK : neph_fail_memory(diag);
+    for (char *word; !status && (word = strsep(&rest, " ")) != NULL;)
+        if (*word)
+            status = neph_options_set(options, owner, word, settings, diag);
+    free(words);
+    return status;
+}
+
+static void hint_presets(const struct neph_preset *presets, const char *owner,
+                         struct neph_diag *diag)
+{
+    char *names = neph_format("%s", "");
+    for (; names && presets->name; presets++) {
+        char *longer = neph_format("%s%s%s", names, *names ? ", " : "", presets->name);
+        free(names);
+        names = longer;
+    }
+    neph_hint(diag, "%s has: %s", owner, names ? names : "");
+    free(names);
+}
+
+enum neph_status neph_options_preset(const struct neph_option *options, const char *owner,
+                                     const struct neph_preset *presets, const char *name,
+                                     struct neph_settings *settings, struct neph_diag *diag)
+{
+    for (const struct neph_preset *preset = presets; preset && preset->name; preset++)
+        if (strcmp(preset->name, name) == 0) {
+            struct neph_settings made = neph_options_default(options);
+            const enum neph_status status = apply(options, owner, preset->assignments, &made, diag);
+            if (!status)
+                *settings = made;
+            return status;
+        }
+    neph_fail(diag, NEPH_ERR_USAGE, "%s has no preset '%s'", owner, name);
+    if (presets)
+        hint_presets(presets, owner, diag);
+    return NEPH_ERR_USAGE;
+}
+
 /* The shortest text that reads back as the same double. */
 static void print_number(char text[32], double value)
 {

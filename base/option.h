@@ -26,6 +26,14 @@ struct neph_option {
     const char *help;           /* one line, with the unit */
 };
 
+/* A named set of values: "key=value key=value"; what it does not name stays as it is. A table of
+ * them ends with a NULL name. */
+struct neph_preset {
+    const char *name;
+    const char *summary; /* one line */
+    const char *assignments;
+};
+
 /* Values of options, by index in their table. */
 struct neph_settings {
     double values[NEPH_OPTIONS_MAX];
@@ -42,6 +50,12 @@ int neph_option_find(const struct neph_option *options, const char *name);
 enum neph_status neph_options_set(const struct neph_option *options, const char *owner,
                                   const char *assignment, struct neph_settings *settings,
                                   struct neph_diag *diag);
+
+/* Every option at its default, then the values of a preset. NEPH_ERR_USAGE: there is none of this
+ * name; the hint lists them. */
+enum neph_status neph_options_preset(const struct neph_option *options, const char *owner,
+                                     const struct neph_preset *presets, const char *name,
+                                     struct neph_settings *settings, struct neph_diag *diag);
 
 /* "steps=64 sun=exact", canonical: all options, table order, numbers that read back as the same
  * double. For the caller to free; NULL when memory is short. */

@@ -173,6 +173,24 @@ enum neph_status neph_cli_scenes(int argc, char **argv, struct neph_diag *diag)
     return status;
 }
 
+static json_t *presets_json(const struct neph_engine *engine)
+{
+    json_t *list = json_array();
+    for (const struct neph_preset *preset = engine->presets; preset && preset->name; preset++)
+        json_array_append_new(list, json_pack("{s:s, s:s, s:s}", "name", preset->name, "summary",
+                                              preset->summary, "settings", preset->assignments));
+    return list;
+}
+
+static void print_presets(const struct neph_engine *engine)
+{
+    if (engine->presets)
+        printf("    presets, given by --preset:\n");
+    for (const struct neph_preset *preset = engine->presets; preset && preset->name; preset++)
+        printf("      %-8s %s\n               %s\n", preset->name, preset->summary,
+               preset->assignments);
+}
+
 enum neph_status neph_cli_engines(int argc, char **argv, struct neph_diag *diag)
 {
     static const struct argp argp = {
@@ -198,12 +216,13 @@ enum neph_status neph_cli_engines(int argc, char **argv, struct neph_diag *diag)
         engine->probe(&info);
         if (request.json) {
             json_array_append_new(
-                list, json_pack("{s:s, s:s, s:s, s:s?, s:b, s:s, s:s, s:s, s:s, s:o}", "name",
-                                engine->name, "summary", engine->summary, "rung",
-                                neph_rung_name(engine->rung), "bias", engine->bias, "available",
-                                info.available, "version", info.version, "device", info.device,
-                                "missing", info.missing, "install_line", info.install_line,
-                                "options", neph_cli_options_json(engine->options)));
+                list,
+                json_pack("{s:s, s:s, s:s, s:s?, s:b, s:s, s:s, s:s, s:s, s:o, s:o}", "name",
+                          engine->name, "summary", engine->summary, "rung",
+                          neph_rung_name(engine->rung), "bias", engine->bias, "available",
+                          info.available, "version", info.version, "device", info.device, "missing",
+                          info.missing, "install_line", info.install_line, "options",
+                          neph_cli_options_json(engine->options), "presets", presets_json(engine)));
             continue;
         }
         printf("%s (%s): %s\n    %s%s\n", engine->name, neph_rung_name(engine->rung),
@@ -212,6 +231,7 @@ enum neph_status neph_cli_engines(int argc, char **argv, struct neph_diag *diag)
         if (engine->bias)
             printf("    known bias: %s\n", engine->bias);
         neph_cli_print_options(engine->options);
+        print_presets(engine);
     }
     if (request.json)
         neph_cli_print_json(json_incref(list));

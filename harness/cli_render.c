@@ -8,9 +8,11 @@
 #include "base/exr.h"
 #include "base/files.h"
 #include "harness/data.h"
+#include "harness/frame_stats.h"
 #include "harness/job.h"
 #include "harness/progress.h"
 #include "harness/scene_layers.h"
+#include "harness/sequence.h"
 #include "scenes/motion.h"
 
 #include <argp.h>
@@ -19,7 +21,7 @@
 #include <unistd.h>
 
 enum {
-    SETTINGS_MAX = 32,
+    SETTINGS_MAX = 96,
     KEY_SIZE = 1,
     KEY_FRAME,
     KEY_FRAMES,
@@ -27,19 +29,28 @@ enum {
     KEY_TIME_LIMIT,
     KEY_JSON,
     KEY_CHECKPOINT,
-    KEY_SCENE_LAYERS
+    KEY_SCENE_LAYERS,
+    KEY_STATS,
+    KEY_DEPTH
 };
+
+/* A sequence engine goes on beyond the scene's last key. */
+static const int frames_max = 100000;
 
 struct request {
     const char *scene, *engine, *output, *checkpoint;
     const char *assignments[SETTINGS_MAX];
     int assignment_count;
-    const char *size, *frame, *frames, *seed, *time_limit;
-    bool json, quiet, scene_layers;
+    const char *size, *frame, *frames, *seed, *time_limit, *preset, *depth;
+    bool json, quiet, scene_layers, stats;
 };
 
 static const struct argp_option render_options[] = {
     {"engine", 'e', "NAME", 0, "Engine; `neph engines` lists them (default: march)", 0},
+    {"preset", 'p', "NAME", 0,
+     "A set of settings that the engine knows by name, before any --set; `neph engines ENGINE` "
+     "lists them",
+     0},
     {"set", 's', "KEY=VALUE", 0, "A setting of the engine; may be given several times", 0},
     {"size", KEY_SIZE, "WxH", 0, "Size in pixels (default: 192x108)", 0},
     {"frame", KEY_FRAME, "N", 0, "First frame, 0-based (default: 0)", 0},
@@ -55,6 +66,14 @@ static const struct argp_option render_options[] = {
      "Add what the scene knows for `neph compare` and `neph flicker`: masks of clouds, fog, thin "
      "objects and the sun, and motion vectors",
      0},
+    {"depth", KEY_DEPTH, "FILES", 0,
+     "Engine realtime: Z and, where they have them, R G B of these EXR files in place of the "
+     "scene's solids: " NEPH_SEQUENCE_HELP "; one file serves all frames",
+     0},
+    {"stats", KEY_STATS, NULL, 0,
+     "What each frame has cost: density evaluations, rays, steps, bytes, device time per pass "
+     "(engines that count them)",
+     0},
     {"output", 'o', "DIR", 0, "Folder to write to (default: .)", 0},
     {"json", KEY_JSON, NULL, 0, "Results as JSON on stdout", 0},
     {"quiet", 'q', NULL, 0, "No progress", 0},
@@ -67,6 +86,15 @@ static error_t parse(int key, char *argument, struct argp_state *state)
     switch (key) {
     case 'e':
         request->engine = argument;
+        return 0;
+    case 'p':
+        request->preset = argument;
+        return 0;
+    case KEY_STATS:
+        request->stats = true;
+        return 0;
+    case KEY_DEPTH:
+        request->depth = argument;
         return 0;
     case 's':
         if (request->assignment_count == SETTINGS_MAX)
@@ -127,6 +155,7 @@ static const struct argp render_argp = {
            "  neph render height_fog_level -o out\n"
            "  neph render my_fog.yaml --engine cycles --set samples=256 --size 640x360 -o out\n"
            "  neph render camera_dolly --engine march --frames 8 -o out\n"
+           "  neph render camera_dolly --engine realtime --preset seed --frames 8 --stats -o out\n"
            "  neph render cloud_below -e tracer -s samples=65536 --checkpoint below.sums",
 };
 
@@ -165,17 +194,24 @@ static enum neph_status make_job(const struct request *request, const struct nep
                                     diag);
     if (!status)
         status = neph_cli_parse_int("number of frames", request->frames, 1,
-                                    scene->frame_count - first, frame_count, diag);
+                                    engine->sequence ? frames_max : scene->frame_count - first,
+                                    frame_count, diag);
     if (!status)
         status = neph_cli_parse_int("seed", request->seed, 0, 0x7fffffff, &seed, diag);
     if (!status)
         status = neph_cli_parse_int("time limit", request->time_limit, 1, 1000000, &limit_s, diag);
+    if (!status && request->preset)
+        status = neph_settings_preset(engine, request->preset, &job->shot.settings, diag);
     for (int i = 0; i < request->assignment_count && !status; i++)
         status = neph_settings_set(engine, &job->shot.settings, request->assignments[i], diag);
     if (!status && request->checkpoint && (!engine->rests || *frame_count > 1))
         status = neph_fail(diag, NEPH_ERR_USAGE,
                            "--checkpoint is for one frame of an engine that adds up paths (oracle, "
                            "tracer)");
+    if (!status && request->depth && !engine->takes_given)
+        status = neph_fail(diag, NEPH_ERR_USAGE,
+                           "--depth is for engine realtime; engine %s renders the scene's solids",
+                           engine->name);
     job->shot.checkpoint = request->checkpoint;
     job->shot.frame = first;
     job->shot.seed = (uint64_t)seed;
@@ -206,10 +242,11 @@ static enum neph_status render_one(const struct request *request, struct neph_jo
         status = neph_exr_write(path, frame, diag);
     if (!status)
         json_array_append_new(results,
-                              json_pack("{s:s, s:i, s:f, s:f, s:f, s:I}", "exr", path, "frame",
+                              json_pack("{s:s, s:i, s:f, s:f, s:f, s:I, s:o}", "exr", path, "frame",
                                         job->shot.frame, "render_s", cost.render_s, "wall_s",
                                         cost.wall_s, "cpu_s", cost.cpu_s, "peak_memory_bytes",
-                                        (json_int_t)cost.peak_memory_bytes));
+                                        (json_int_t)cost.peak_memory_bytes, "stats",
+                                        neph_frame_stats(frame)));
     if (!status && !request->json)
         printf("%s\n", path);
     if (status != NEPH_ERR_ENGINE && status != NEPH_ERR_TIMEOUT)
@@ -222,14 +259,66 @@ static enum neph_status render_one(const struct request *request, struct neph_jo
     return status;
 }
 
+/* The frame that takes the solids' place, for the i-th picture: of one file or of as many as there
+ * are pictures. */
+static enum neph_status load_given(const struct neph_sequence *depths, int i,
+                                   struct neph_image **given, struct neph_diag *diag)
+{
+    if (depths->count == 0)
+        return NEPH_OK;
+    return neph_exr_read(depths->paths[depths->count > 1 ? i : 0], given, diag);
+}
+
+static enum neph_status find_depths(const struct request *request, int frame_count,
+                                    struct neph_sequence *depths, struct neph_diag *diag)
+{
+    if (!request->depth)
+        return NEPH_OK;
+    const enum neph_status status = neph_sequence_find(1, &request->depth, depths, diag);
+    if (!status && depths->count != 1 && depths->count != frame_count)
+        return neph_fail(diag, NEPH_ERR_USAGE,
+                         "--depth gives %d files for %d frames; it takes one, or one for each",
+                         depths->count, frame_count);
+    return status;
+}
+
+/* Where the i-th picture gets what it is asked for; opens the sequence before the first. */
+static enum neph_status render_next(const struct request *request, struct neph_job *job,
+                                    const struct neph_sequence *depths, int i, json_t *results,
+                                    struct neph_diag *diag)
+{
+    struct neph_image *given = NULL;
+    enum neph_status status = load_given(depths, i, &given, diag);
+    job->shot.given = given;
+    if (!status && i == 0)
+        status = neph_job_open(job, diag);
+    if (!status)
+        status = render_one(request, job, results, diag);
+    neph_image_destroy(given);
+    return status;
+}
+
+static void print_stats(const json_t *results)
+{
+    json_t *stats = json_array(), *result;
+    size_t index;
+    json_array_foreach(results, index, result)
+        json_array_append(stats, json_object_get(result, "stats"));
+    neph_frame_stats_print(stats);
+    json_decref(stats);
+}
+
 static enum neph_status render_frames(const struct request *request, struct neph_job *job,
                                       int frame_count, struct neph_diag *diag)
 {
     json_t *results = json_array();
+    struct neph_sequence depths = {0};
     const int width_px = job->shot.width_px, height_px = job->shot.height_px;
     struct neph_progress progress = neph_progress_start(request->quiet || request->json,
                                                         frame_count);
-    enum neph_status status = neph_dir_create(request->output, diag);
+    enum neph_status status = find_depths(request, frame_count, &depths, diag);
+    if (!status)
+        status = neph_dir_create(request->output, diag);
     for (int i = 0; i < frame_count && !status; i++) {
         char what[128];
         snprintf(what, sizeof(what), "frame %d", job->shot.frame);
@@ -239,11 +328,15 @@ static enum neph_status render_frames(const struct request *request, struct neph
         neph_scene_frame_size(job->shot.scene, job->shot.frame, &job->shot.width_px,
                               &job->shot.height_px);
         const double start_s = neph_wall_s();
-        status = render_one(request, job, results, diag);
+        status = render_next(request, job, &depths, i, results, diag);
         neph_progress_step(&progress, what, neph_status_name(status), neph_wall_s() - start_s);
         job->shot.frame++;
     }
     neph_progress_end(&progress);
+    neph_job_close(job);
+    neph_sequence_finish(&depths);
+    if (request->stats && !request->json && json_array_size(results) > 0)
+        print_stats(results);
     if (request->json)
         neph_cli_print_json(results);
     else

@@ -7,6 +7,7 @@
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 static const char *const scene_folders[NEPH_DATA_SCENES_COUNT] = {
     [NEPH_DATA_CATALOG] = "scenes/catalog",
@@ -27,6 +28,16 @@ char *neph_data_path(const char *relative)
 static bool is_plain_name(const char *text)
 {
     return text[0] && strspn(text, "abcdefghijklmnopqrstuvwxyz0123456789_") == strlen(text);
+}
+
+char *neph_cache_path(void)
+{
+    const char *cache = getenv("XDG_CACHE_HOME"), *home = getenv("HOME");
+    if (cache && cache[0] == '/') /* relative ones are to be ignored: XDG Base Directory */
+        return neph_format("%s/nephelometer", cache);
+    if (home && *home)
+        return neph_format("%s/.cache/nephelometer", home);
+    return neph_format("/tmp/nephelometer-%ld", (long)getuid());
 }
 
 enum neph_status neph_data_load_scene(const char *path_or_name, struct neph_scene **scene,

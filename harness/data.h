@@ -14,6 +14,11 @@ const char *neph_data_directory(void);
 /* "<data>/<relative>" for the caller to free; NULL when memory is short. */
 char *neph_data_path(const char *relative);
 
+/* Where what can be made again is kept: $XDG_CACHE_HOME/nephelometer, else
+ * $HOME/.cache/nephelometer, else a folder of /tmp. For the caller to free; NULL when memory is
+ * short. */
+char *neph_cache_path(void);
+
 /* Load a scene by path, or by its name in the catalogue. */
 enum neph_status neph_data_load_scene(const char *path_or_name, struct neph_scene **scene,
                                       struct neph_diag *diag);

@@ -11,9 +11,9 @@
 #include <string.h>
 
 static const struct neph_engine *const registry[] = {
-    &neph_engine_exact,  &neph_engine_oracle,        &neph_engine_tracer,
-    &neph_engine_march,  &neph_engine_march_octaves, &neph_engine_march_horizon,
-    &neph_engine_cycles, &neph_engine_povray,
+    &neph_engine_exact,    &neph_engine_oracle,        &neph_engine_tracer,
+    &neph_engine_march,    &neph_engine_march_octaves, &neph_engine_march_horizon,
+    &neph_engine_realtime, &neph_engine_cycles,        &neph_engine_povray,
 };
 
 static const char *const rung_names[] = {
@@ -55,6 +55,14 @@ enum neph_status neph_settings_set(const struct neph_engine *engine, struct neph
     char owner[64];
     snprintf(owner, sizeof(owner), "engine %s", engine->name);
     return neph_options_set(engine->options, owner, assignment, settings, diag);
+}
+
+enum neph_status neph_settings_preset(const struct neph_engine *engine, const char *name,
+                                      struct neph_settings *settings, struct neph_diag *diag)
+{
+    char owner[64];
+    snprintf(owner, sizeof(owner), "engine %s", engine->name);
+    return neph_options_preset(engine->options, owner, engine->presets, name, settings, diag);
 }
 
 double neph_setting(const struct neph_engine *engine, const struct neph_settings *settings,

@@ -46,8 +46,9 @@ struct neph_shot {
     int frame;       /* 0-based */
     unsigned layers; /* enum neph_layers */
     uint64_t seed;
-    const char *scratch_directory; /* exists, empty, is ours: inputs, logs and outputs go there */
-    double time_limit_s;           /* per child process */
+    const char *scratch_directory;  /* exists, empty, is ours: inputs, logs and outputs go there */
+    double time_limit_s;            /* per child process */
+    const struct neph_image *given; /* engines that take one: Z and R G B in place of the solids */
     const char *checkpoint; /* engines that `rests`: file to leave unfinished work in and to go on
                                from; NULL: none */
 };
@@ -69,15 +70,36 @@ struct neph_engine_step {
     double order; /* error ~ step^order */
 };
 
+/* Engines whose pictures follow from those before. Their shots have the scene over time, where
+ * others get the scene of the picture (scenes/motion.h). */
+struct neph_engine_sequence {
+    /* Before the first picture, which is the shot's. `*sequence` is for _close. */
+    enum neph_status (*open)(const struct neph_shot *shot, void **sequence, struct neph_diag *diag);
+
+    /* The next picture; its size may be another. As neph_engine.render. */
+    enum neph_status (*next)(void *sequence, const struct neph_shot *shot,
+                             struct neph_image **frame, struct neph_cost *cost,
+                             struct neph_diag *diag);
+
+    /* NULL is fine. */
+    void (*close)(void *sequence);
+};
+
 struct neph_engine {
     const char *name;
     const char *summary; /* one line */
     enum neph_rung rung;
     const char *bias; /* its known bias, in words, printed beside its numbers; NULL: none known */
-    const struct neph_option *options; /* ends with a NULL name */
-    uint32_t version;                  /* of our own driver; raise it when its output changes */
+    const struct neph_option *options;           /* ends with a NULL name */
+    const struct neph_preset *presets;           /* ends with a NULL name; NULL: none */
+    const struct neph_engine_sequence *sequence; /* NULL: each picture stands alone */
+    bool takes_given; /* a depth and radiance of the solids from a file */
+    uint32_t version; /* of our own driver; raise it when its output changes */
     bool look; /* a lighting model that is no physics and does not claim to be: what it is off by is
                   the gap of a model */
+    const char *shortcut_of; /* the engine of whose model it is a cheaper rendering, which is what it
+                                is measured against; it takes part in comparisons with physics only
+                                when it is named. NULL: it is no shortcut */
     bool rests;      /* it leaves its work in a checkpoint and goes on from there */
     bool stochastic; /* another seed gives another frame of the same mean */
     struct neph_engine_step step;
@@ -91,7 +113,8 @@ struct neph_engine {
                        char *reason, size_t reason_size);
 
     /* Render one frame. The caller adds the common attributes (scene hash, engine, settings, seed,
-     * seconds) and checks the frame; the engine adds only what it alone knows. */
+     * seconds) and checks the frame; the engine adds only what it alone knows. Attributes
+     * "neph.stats.NAME" are numbers of what the frame has cost, for `neph render --stats`. */
     enum neph_status (*render)(const struct neph_shot *shot, struct neph_image **frame,
                                struct neph_cost *cost, struct neph_diag *diag);
 
@@ -113,6 +136,10 @@ struct neph_settings neph_settings_default(const struct neph_engine *engine);
 /* Apply "key=value". Errors name the key, the value, the allowed range and the known keys. */
 enum neph_status neph_settings_set(const struct neph_engine *engine, struct neph_settings *settings,
                                    const char *assignment, struct neph_diag *diag);
+
+/* Every option as a preset has it. Errors name the presets there are. */
+enum neph_status neph_settings_preset(const struct neph_engine *engine, const char *name,
+                                      struct neph_settings *settings, struct neph_diag *diag);
 
 /* The value of an option by name; the name must exist in the table. */
 double neph_setting(const struct neph_engine *engine, const struct neph_settings *settings,

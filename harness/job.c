@@ -130,17 +130,39 @@ static enum neph_status check_possible(const struct neph_job *job, struct neph_d
     return NEPH_OK;
 }
 
+enum neph_status neph_job_open(struct neph_job *job, struct neph_diag *diag)
+{
+    if (!job->engine->sequence)
+        return NEPH_OK;
+    const enum neph_status status = check_possible(job, diag);
+    return status ? status : job->engine->sequence->open(&job->shot, &job->sequence, diag);
+}
+
+void neph_job_close(struct neph_job *job)
+{
+    if (job->engine->sequence)
+        job->engine->sequence->close(job->sequence);
+    job->sequence = NULL;
+}
+
 /* Engines render scenes that stand still: where sun or media move, `shot` gets the scene of its
  * frame, which is `*still` then and to be destroyed. */
-static enum neph_status hold_scene(struct neph_shot *shot, struct neph_scene **still,
-                                   struct neph_diag *diag)
+static enum neph_status hold_scene(const struct neph_engine *engine, struct neph_shot *shot,
+                                   struct neph_scene **still, struct neph_diag *diag)
 {
-    if (!neph_scene_moves(shot->scene))
+    if (engine->sequence || !neph_scene_moves(shot->scene))
         return NEPH_OK;
     const enum neph_status status = neph_scene_at(shot->scene, shot->frame, still, diag);
     if (!status)
         shot->scene = *still;
     return status;
+}
+
+static enum neph_status render_shot(const struct neph_job *job, struct neph_image **frame,
+                                    struct neph_cost *cost, struct neph_diag *diag)
+{
+    return job->sequence ? job->engine->sequence->next(job->sequence, &job->shot, frame, cost, diag)
+                         : job->engine->render(&job->shot, frame, cost, diag);
 }
 
 enum neph_status neph_job_render(const struct neph_job *job, struct neph_image **frame,
@@ -149,11 +171,11 @@ enum neph_status neph_job_render(const struct neph_job *job, struct neph_image *
     struct neph_job held = *job;
     struct neph_scene *still = NULL;
     struct neph_image *rendered = NULL;
-    enum neph_status status = hold_scene(&held.shot, &still, diag);
+    enum neph_status status = hold_scene(job->engine, &held.shot, &still, diag);
     if (!status)
         status = check_possible(&held, diag);
     if (!status)
-        status = held.engine->render(&held.shot, &rendered, cost, diag);
+        status = render_shot(&held, &rendered, cost, diag);
     if (!status)
         status = check_frame(&held, rendered, diag);
     if (!status)

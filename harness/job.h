@@ -13,7 +13,9 @@ struct neph_job {
     const struct neph_engine *engine;
     const struct neph_engine_info *info; /* of its probe */
     struct neph_shot shot;               /* scratch_directory is set by neph_job_run */
-    int repeat;                          /* tells repeated timings of one job apart */
+    void *sequence; /* opened by the engine, which then renders its next picture; NULL: a single
+                       one; borrowed */
+    int repeat;     /* tells repeated timings of one job apart */
 };
 
 /* What became of a job. */
@@ -42,6 +44,12 @@ enum neph_status neph_job_run(const struct neph_job *job, struct neph_store *sto
                               struct neph_job_result *result, struct neph_diag *diag);
 
 void neph_job_result_finish(struct neph_job_result *result);
+
+/* Begin a sequence of the job's engine, with the job's shot as its first picture: job->sequence is
+ * set where the engine has sequences, and each neph_job_render() is its next picture. Errors as of
+ * rendering. End it with _close, which is fine without a sequence too. */
+enum neph_status neph_job_open(struct neph_job *job, struct neph_diag *diag);
+void neph_job_close(struct neph_job *job);
 
 /* Render without a store: for `neph render`. The frame carries all attributes and is checked. */
 enum neph_status neph_job_render(const struct neph_job *job, struct neph_image **frame,

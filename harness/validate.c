@@ -41,7 +41,7 @@ static enum neph_status choose_engines(const struct neph_validate_params *params
             return NEPH_ERR_USAGE;
         }
     for (int i = 0; i < known; i++) {
-        bool wanted = params->engine_count == 0;
+        bool wanted = params->engine_count == 0 && !engines[i]->shortcut_of;
         for (int j = 0; j < params->engine_count; j++)
             wanted |= strcmp(params->engines[j], engines[i]->name) == 0;
         if (!wanted)

@@ -13,6 +13,7 @@ extern const struct neph_engine neph_engine_tracer;
 extern const struct neph_engine neph_engine_march;
 extern const struct neph_engine neph_engine_march_octaves;
 extern const struct neph_engine neph_engine_march_horizon;
+extern const struct neph_engine neph_engine_realtime;
 extern const struct neph_engine neph_engine_cycles;
 extern const struct neph_engine neph_engine_povray;
 

@@ -38,13 +38,13 @@ static enum neph_status label(struct neph_image *frame, const struct neph_march_
 {
     const double pixels = (double)neph_image_pixel_count(frame);
     enum neph_status status = neph_image_set_attribute(
-        frame, "neph.march.density_evaluations", diag, "%llu",
+        frame, "neph.stats.density_evaluations", diag, "%llu",
         (unsigned long long)stats->density_evaluations);
     if (!status)
-        status = neph_image_set_attribute(frame, "neph.march.density_evaluations_per_pixel", diag,
+        status = neph_image_set_attribute(frame, "neph.stats.density_evaluations_per_pixel", diag,
                                           "%.6g", (double)stats->density_evaluations / pixels);
     if (!status)
-        status = neph_image_set_attribute(frame, "neph.march.closed_forms", diag, "%llu",
+        status = neph_image_set_attribute(frame, "neph.stats.closed_forms", diag, "%llu",
                                           (unsigned long long)stats->closed_forms);
     return status;
 }

@@ -58,7 +58,9 @@ enum neph_status neph_rt_device_create(struct neph_vulkan *vulkan, const struct 
                                                  &device->view_buffer, diag);
     if (status)
         return status;
-    device->view = device->view_buffer.mapped;
+    device->view = malloc(sizeof(*device->view));
+    if (!device->view)
+        return neph_fail_memory(diag);
     *device->view = *view;
     status = create_noise(device, noise_ranks, diag);
     return status ? status : create_targets(device, diag);
@@ -73,6 +75,7 @@ void neph_rt_device_destroy(struct neph_rt_device *device)
         neph_buffer_destroy(device->vulkan, &device->targets[t]);
     neph_buffer_destroy(device->vulkan, &device->noise);
     neph_buffer_destroy(device->vulkan, &device->view_buffer);
+    free(device->view);
     *device = (struct neph_rt_device){0};
 }
 
@@ -92,6 +95,11 @@ enum neph_status neph_rt_device_download(struct neph_rt_device *device, int targ
     if (!status)
         memcpy(words, device->readback.mapped, size_bytes);
     return status;
+}
+
+void neph_rt_device_show(struct neph_rt_device *device)
+{
+    memcpy(device->view_buffer.mapped, device->view, sizeof(*device->view));
 }
 
 void neph_rt_device_swap(struct neph_rt_device *device, int a, int b)
@@ -114,6 +122,7 @@ enum neph_status neph_rt_device_run(struct neph_rt_device *device,
         .push_size_bytes = sizeof(struct neph_rt_run),
     };
     const struct neph_kernel *kernel;
+    neph_rt_device_show(device);
     enum neph_status status = neph_kernel_get(device->vulkan, &params, &kernel, diag);
     const size_t groups_max = device->vulkan->limits.maxComputeWorkGroupCount[0];
     for (size_t first = 0; first < thread_count && !status; first += groups_max * local_size) {

@@ -16,8 +16,9 @@ enum { NEPH_RT_NOISE_SPATIAL = 64 * 64, NEPH_RT_NOISE_COUNT = 64 * 64 * 33 };
 
 /* Members are for pipeline.c and march.c to bind. */
 struct neph_rt_device {
-    struct neph_vulkan *vulkan;     /* borrowed */
-    struct neph_rt_view *view;      /* mapped: change it between passes at will */
+    struct neph_vulkan *vulkan; /* borrowed */
+    struct neph_rt_view *view;  /* owned; change it between passes at will. Not the device's own:
+                                   reading mapped memory of a GPU is slow */
     struct neph_buffer view_buffer; /* owned, as all that follow */
     struct neph_buffer noise;
     struct neph_buffer targets[RT_TARGET_COUNT];
@@ -53,6 +54,9 @@ enum neph_status neph_rt_device_upload(struct neph_rt_device *device, int target
                                        const uint32_t *words, struct neph_diag *diag);
 enum neph_status neph_rt_device_download(struct neph_rt_device *device, int target, uint32_t *words,
                                          struct neph_diag *diag);
+
+/* Give the device the view as it is; _run does so itself. */
+void neph_rt_device_show(struct neph_rt_device *device);
 
 /* Exchange two targets of the same shape: this frame's history becomes the next one's. */
 void neph_rt_device_swap(struct neph_rt_device *device, int a, int b);

@@ -11,25 +11,24 @@ static const struct {
     int divisor;
     int setting;
     enum neph_rt_format half, single;
-    bool is_history;
 } layouts[RT_TARGET_COUNT] = {
-    [RT_DEPTH] = {FULL, -1, NEPH_RT_R32F, NEPH_RT_R32F, false},
-    [RT_BEHIND] = {FULL, -1, NEPH_RT_RGBA32F, NEPH_RT_RGBA32F, false},
-    [RT_STEADY_DEPTH] = {FULL, -1, NEPH_RT_R32F, NEPH_RT_R32F, false},
-    [RT_HALF_DEPTH] = {HALF, -1, NEPH_RT_R32F, NEPH_RT_R32F, false},
-    [RT_HALF_DEPTH_BEFORE] = {HALF, -1, NEPH_RT_R32F, NEPH_RT_R32F, true},
-    [RT_HISTORY] = {HALF, RT_COLOR_FORMAT, NEPH_RT_RGBA16F, NEPH_RT_RGBA32F, false},
-    [RT_HISTORY_BEFORE] = {HALF, RT_COLOR_FORMAT, NEPH_RT_RGBA16F, NEPH_RT_RGBA32F, true},
-    [RT_HISTORY_STATE] = {HALF, RT_DEPTH_FORMAT, NEPH_RT_RG16F, NEPH_RT_RG32F, false},
-    [RT_HISTORY_STATE_BEFORE] = {HALF, RT_DEPTH_FORMAT, NEPH_RT_RG16F, NEPH_RT_RG32F, true},
-    [RT_TILE] = {QUARTER, RT_DEPTH_FORMAT, NEPH_RT_RG16F, NEPH_RT_RG32F, false},
-    [RT_RAY] = {QUARTER, RT_COLOR_FORMAT, NEPH_RT_RGBA16F, NEPH_RT_RGBA32F, false},
-    [RT_RAY_DISTANCE] = {QUARTER, RT_DEPTH_FORMAT, NEPH_RT_R16F, NEPH_RT_R32F, false},
-    [RT_VOLUME] = {FULL, RT_COLOR_FORMAT, NEPH_RT_RGBA16F, NEPH_RT_RGBA32F, false},
-    [RT_VOLUME_DISTANCE] = {FULL, RT_DEPTH_FORMAT, NEPH_RT_R16F, NEPH_RT_R32F, false},
-    [RT_COLOR] = {FULL, -1, NEPH_RT_RGBA32F, NEPH_RT_RGBA32F, false},
-    [RT_TAA_OUT] = {FULL, RT_TAA_FORMAT, NEPH_RT_RGBA16F, NEPH_RT_RGBA32F, false},
-    [RT_TAA_BEFORE] = {FULL, RT_TAA_FORMAT, NEPH_RT_RGBA16F, NEPH_RT_RGBA32F, true},
+    [RT_DEPTH] = {FULL, -1, NEPH_RT_R32F, NEPH_RT_R32F},
+    [RT_BEHIND] = {FULL, -1, NEPH_RT_RGBA32F, NEPH_RT_RGBA32F},
+    [RT_STEADY_DEPTH] = {FULL, -1, NEPH_RT_R32F, NEPH_RT_R32F},
+    [RT_HALF_DEPTH] = {HALF, -1, NEPH_RT_R32F, NEPH_RT_R32F},
+    [RT_HALF_DEPTH_BEFORE] = {HALF, -1, NEPH_RT_R32F, NEPH_RT_R32F},
+    [RT_HISTORY] = {HALF, RT_COLOR_FORMAT, NEPH_RT_RGBA16F, NEPH_RT_RGBA32F},
+    [RT_HISTORY_BEFORE] = {HALF, RT_COLOR_FORMAT, NEPH_RT_RGBA16F, NEPH_RT_RGBA32F},
+    [RT_HISTORY_STATE] = {HALF, RT_DEPTH_FORMAT, NEPH_RT_RG16F, NEPH_RT_RG32F},
+    [RT_HISTORY_STATE_BEFORE] = {HALF, RT_DEPTH_FORMAT, NEPH_RT_RG16F, NEPH_RT_RG32F},
+    [RT_TILE] = {QUARTER, RT_DEPTH_FORMAT, NEPH_RT_RG16F, NEPH_RT_RG32F},
+    [RT_RAY] = {QUARTER, RT_COLOR_FORMAT, NEPH_RT_RGBA16F, NEPH_RT_RGBA32F},
+    [RT_RAY_DISTANCE] = {QUARTER, RT_DEPTH_FORMAT, NEPH_RT_R16F, NEPH_RT_R32F},
+    [RT_VOLUME] = {FULL, RT_COLOR_FORMAT, NEPH_RT_RGBA16F, NEPH_RT_RGBA32F},
+    [RT_VOLUME_DISTANCE] = {FULL, RT_DEPTH_FORMAT, NEPH_RT_R16F, NEPH_RT_R32F},
+    [RT_COLOR] = {FULL, -1, NEPH_RT_RGBA32F, NEPH_RT_RGBA32F},
+    [RT_TAA_OUT] = {FULL, RT_TAA_FORMAT, NEPH_RT_RGBA16F, NEPH_RT_RGBA32F},
+    [RT_TAA_BEFORE] = {FULL, RT_TAA_FORMAT, NEPH_RT_RGBA16F, NEPH_RT_RGBA32F},
 };
 
 static uint32_t divide_up(int value, int divisor)
@@ -64,13 +63,4 @@ uint64_t neph_rt_target_bytes(const struct neph_rt_view *view, int target)
 {
     const struct neph_rt_target *shape = &view->targets[target];
     return (uint64_t)shape->width * shape->height * neph_rt_format_bytes(shape->format);
-}
-
-uint64_t neph_rt_history_bytes(const struct neph_rt_view *view)
-{
-    uint64_t bytes = 0;
-    for (int t = 0; t < RT_TARGET_COUNT; t++)
-        if (layouts[t].is_history)
-            bytes += neph_rt_target_bytes(view, t);
-    return bytes;
 }

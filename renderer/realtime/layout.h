@@ -14,9 +14,7 @@
 void neph_rt_view_init(struct neph_rt_view *view, const struct neph_settings *settings,
                        const int size_px[2], const int origin_px[2], const int buffer_px[2]);
 
-/* Bytes of one target, and of all that are kept from one frame to the next: what a GPU would have
- * in memory for its textures. */
+/* Bytes of one target: what a GPU would have in memory for its texture. */
 uint64_t neph_rt_target_bytes(const struct neph_rt_view *view, int target);
-uint64_t neph_rt_history_bytes(const struct neph_rt_view *view);
 
 #endif

@@ -79,7 +79,9 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
     [RT_FAR] = CHOICE("far", RT_FAR_FINITE, fars,
                       "depth of the sky in decisions: sky_m, or infinity (reversed Z without far "
                       "plane)"),
-    [RT_SKY_M] = REAL("sky_m", 20000, 1, 1e15, "depth of the sky in decisions [m] (A6)"),
+    [RT_SKY_M] = REAL("sky_m", 1e6, 1, 1e15,
+                      "depth of the sky in decisions [m] (A6: 20000, so that ridges beyond 15 km "
+                      "pass for sky)"),
     [RT_RAY_DEPTH_MAX_M] = REAL("ray_depth_max_m", 1e15, 1, 1e15,
                                 "depth that a ray of a solid is stored with at most [m] (A6: "
                                 "10000)"),
@@ -187,7 +189,7 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
     [RT_TAA_ALPHA] = REAL("taa_alpha", 0.04, 0, 1, "weight of the frame"),
     [RT_TAA_ALPHA_MOVING] = REAL("taa_alpha_moving", 0.2, 0, 1,
                                  "the same at taa_velocity_px and above"),
-    [RT_TAA_VELOCITY_PX] = REAL("taa_velocity_px", 40, 0.01, 1000,
+    [RT_TAA_VELOCITY_PX] = REAL("taa_velocity_px", 20, 0.01, 1000,
                                 "[px per frame]; Unreal counts half-pixels: its 40 are 20"),
     [RT_TAA_CONTRAST] = REAL("taa_contrast", 0.01, 0, 1,
                              "least weight of the frame is this times Y of the history over the "
@@ -198,5 +200,9 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
     [RT_TAA_GUARD] = CHOICE("taa_guard", 1, switches,
                             "what is not finite is left out, colours are held to 0 .. 65504, and "
                             "0 / 0 of the contrast law counts as 0"),
+
+    [RT_WARM_UP] = WHOLE("warm_up", 16, 0, 1024,
+                         "pictures that are rendered and not kept before the first, as if the "
+                         "sequence had begun earlier"),
     {.name = NULL},
 };

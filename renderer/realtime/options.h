@@ -12,4 +12,7 @@
 /* By the names RT_*; ends with a NULL name. The defaults are the preset `fixed`. */
 extern const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1];
 
+/* Whole pipelines: presets.c says where each comes from. */
+extern const struct neph_preset neph_rt_presets[];
+
 #endif

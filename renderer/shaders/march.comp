@@ -30,7 +30,8 @@ Pixel finished_pixel(vec3 direction, Hit hit, Sums sums)
     Pixel pixel;
     pixel.volume = view_scattered(sums, optical_depth);
     pixel.transmittance = fraction_through(optical_depth);
-    pixel.radiance = pixel.volume + pixel.transmittance * behind;
+    precise vec3 radiance = pixel.volume + pixel.transmittance * behind; // as rt_compose.comp does
+    pixel.radiance = radiance;
     pixel.eye_depth_m = hit_eye_depth_m(hit, direction);
     pixel.volume_distance_m = view_distance_m(sums);
     pixel.density_evaluations = density_evaluations;

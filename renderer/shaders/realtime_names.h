@@ -80,7 +80,9 @@
 #define RT_TAA_FORMAT 64
 #define RT_TAA_ROUNDING 65
 #define RT_TAA_GUARD 66
-#define RT_SETTING_COUNT 67
+// The sequence; no shader asks for it.
+#define RT_WARM_UP 67
+#define RT_SETTING_COUNT 68
 
 // --- choices ----------------------------------------------------------------------------------
 

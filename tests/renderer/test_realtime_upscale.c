@@ -505,11 +505,11 @@ static void test_ridges_are_not_sky(void **state)
         const float depths_m[2] = {ridges_m[k], NEPH_RT_FAR_M};
         const bool is_taken_for_sky = ridges_m[k] > 15e3f && ridges_m[k] < 26.6e3f;
         const double limited = leaking_part(
-            *state, "upscale_dither=none ray_depth_max_m=10000 clamp_pixel_depth=on", line,
-            depths_m);
+            *state, "upscale_dither=none sky_m=20000 ray_depth_max_m=10000 clamp_pixel_depth=on",
+            line, depths_m);
         const double unlimited = leaking_part(
-            *state, "upscale_dither=none ray_depth_max_m=10000 clamp_pixel_depth=off", line,
-            depths_m);
+            *state, "upscale_dither=none sky_m=20000 ray_depth_max_m=10000 clamp_pixel_depth=off",
+            line, depths_m);
         assert_true(limited <= 1 / 2304.0);
         assert_true(is_taken_for_sky ? unlimited > 0.02 : unlimited <= 1 / 2304.0);
         assert_true(leaking_part(*state, "upscale_dither=none sky_m=1e6", line, depths_m) <=

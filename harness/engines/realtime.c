@@ -1,0 +1,208 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Engine `realtime`: the four-frame pipeline and temporal anti-aliasing, on the device that `march`
+ * runs on. A single picture is the end of a sequence of its own.
+ */
+#include "harness/engines/engines.h"
+#include "harness/engines/vulkan_device.h"
+
+#include "base/clock.h"
+#include "harness/data.h"
+#include "renderer/realtime/options.h"
+#include "renderer/realtime/pipeline.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <sys/resource.h>
+
+struct sequence {
+    struct neph_vulkan *vulkan;
+    struct neph_realtime *realtime;
+    int width_px, height_px;
+};
+
+static void close_sequence(void *opened)
+{
+    struct sequence *sequence = opened;
+    if (!sequence)
+        return;
+    neph_realtime_destroy(sequence->realtime);
+    neph_vulkan_destroy(sequence->vulkan);
+    free(sequence);
+}
+
+static enum neph_status create(struct sequence *sequence, const struct neph_shot *shot,
+                               struct neph_diag *diag)
+{
+    const struct neph_vulkan_params device = neph_vulkan_device_params();
+    char *cache = neph_cache_path();
+    const struct neph_realtime_params params = {
+        .width_px = shot->width_px,
+        .height_px = shot->height_px,
+        .settings = &shot->settings,
+        .seed = (uint32_t)shot->seed,
+        .cache_folder = cache,
+    };
+    enum neph_status status = cache ? NEPH_OK : neph_fail_memory(diag);
+    if (!status)
+        status = neph_vulkan_create(&device, &sequence->vulkan, diag);
+    if (!status)
+        status = neph_realtime_create(sequence->vulkan, shot->scene, &params, &sequence->realtime,
+                                      diag);
+    free(cache);
+    return status;
+}
+
+/* The pictures before the first: the camera's and all other keys are held there, so that they show
+ * the scene as it is when the sequence begins. */
+static enum neph_status warm_up(struct sequence *sequence, const struct neph_shot *shot,
+                                struct neph_diag *diag)
+{
+    enum neph_status status = NEPH_OK;
+    for (int left = (int)shot->settings.values[RT_WARM_UP]; left > 0 && !status; left--) {
+        const struct neph_realtime_frame frame = {shot->scene, shot->frame - left, shot->given};
+        struct neph_image *image = NULL;
+        status = neph_realtime_render(sequence->realtime, &frame, &image, NULL, diag);
+        neph_image_destroy(image);
+    }
+    return status;
+}
+
+static enum neph_status open_sequence(const struct neph_shot *shot, void **opened,
+                                      struct neph_diag *diag)
+{
+    struct sequence *sequence = calloc(1, sizeof(*sequence));
+    if (!sequence)
+        return neph_fail_memory(diag);
+    sequence->width_px = shot->width_px;
+    sequence->height_px = shot->height_px;
+    enum neph_status status = create(sequence, shot, diag);
+    if (!status)
+        status = warm_up(sequence, shot, diag);
+    if (status)
+        close_sequence(sequence);
+    else
+        *opened = sequence;
+    return status;
+}
+
+static enum neph_status label_passes(struct neph_image *frame,
+                                     const struct neph_realtime_stats *stats,
+                                     struct neph_diag *diag)
+{
+    enum neph_status status = NEPH_OK;
+    for (int i = 0; neph_realtime_pass_name(i) && !status; i++) {
+        char name[NEPH_IMAGE_NAME_MAX];
+        snprintf(name, sizeof(name), "neph.stats.%s_gpu_ms", neph_realtime_pass_name(i));
+        for (char *c = name; *c; c++)
+            *c = *c == ' ' || *c == '-' ? '_' : *c;
+        if (isfinite(stats->pass_gpu_s[i]))
+            status = neph_image_set_attribute(frame, name, diag, "%.6g",
+                                              1e3 * stats->pass_gpu_s[i]);
+    }
+    return status;
+}
+
+static enum neph_status label(struct neph_image *frame, const struct neph_realtime_stats *stats,
+                              struct neph_diag *diag)
+{
+    const double pixels = (double)neph_image_pixel_count(frame);
+    const struct {
+        const char *name;
+        double value;
+    } numbers[] = {
+        {"neph.stats.density_evaluations", (double)stats->density_evaluations},
+        {"neph.stats.density_evaluations_per_pixel", (double)stats->density_evaluations / pixels},
+        {"neph.stats.closed_forms", (double)stats->closed_forms},
+        {"neph.stats.rays", (double)stats->rays},
+        {"neph.stats.view_steps", (double)stats->view_steps},
+        {"neph.stats.history_bytes", (double)stats->history_bytes},
+        {"neph.stats.target_bytes", (double)stats->target_bytes},
+        {"neph.stats.traffic_bytes", (double)stats->traffic_bytes},
+        {"neph.stats.gpu_ms", 1e3 * stats->gpu_s},
+        {"neph.stats.wall_ms", 1e3 * stats->wall_s},
+    };
+    enum neph_status status = NEPH_OK;
+    for (size_t i = 0; i < sizeof(numbers) / sizeof(numbers[0]) && !status; i++)
+        if (isfinite(numbers[i].value))
+            status = neph_image_set_attribute(frame, numbers[i].name, diag, "%.15g",
+                                              numbers[i].value);
+    return status ? status : label_passes(frame, stats, diag);
+}
+
+static enum neph_status follow_size(struct sequence *sequence, const struct neph_shot *shot,
+                                    struct neph_diag *diag)
+{
+    if (shot->width_px == sequence->width_px && shot->height_px == sequence->height_px)
+        return NEPH_OK;
+    sequence->width_px = shot->width_px;
+    sequence->height_px = shot->height_px;
+    return neph_realtime_resize(sequence->realtime, shot->scene, shot->width_px, shot->height_px,
+                                diag);
+}
+
+static enum neph_status next_picture(void *opened, const struct neph_shot *shot,
+                                     struct neph_image **frame, struct neph_cost *cost,
+                                     struct neph_diag *diag)
+{
+    struct sequence *sequence = opened;
+    const double wall_start_s = neph_wall_s(), cpu_start_s = neph_cpu_s();
+    const struct neph_realtime_frame picture = {shot->scene, shot->frame, shot->given};
+    struct neph_realtime_stats stats;
+    struct neph_image *image = NULL;
+    enum neph_status status = follow_size(sequence, shot, diag);
+    if (!status)
+        status = neph_realtime_render(sequence->realtime, &picture, &image, &stats, diag);
+    if (!status)
+        status = label(image, &stats, diag);
+    if (status) {
+        neph_image_destroy(image);
+        return status;
+    }
+    struct rusage usage;
+    getrusage(RUSAGE_SELF, &usage);
+    *cost = (struct neph_cost){
+        .render_s = isfinite(stats.gpu_s) ? stats.gpu_s : stats.wall_s,
+        .wall_s = neph_wall_s() - wall_start_s,
+        .cpu_s = neph_cpu_s() - cpu_start_s,
+        .peak_memory_bytes = (int64_t)usage.ru_maxrss * 1024,
+    };
+    *frame = image;
+    return NEPH_OK;
+}
+
+static enum neph_status render(const struct neph_shot *shot, struct neph_image **frame,
+                               struct neph_cost *cost, struct neph_diag *diag)
+{
+    void *sequence = NULL;
+    enum neph_status status = open_sequence(shot, &sequence, diag);
+    if (!status)
+        status = next_picture(sequence, shot, frame, cost, diag);
+    close_sequence(sequence);
+    return status;
+}
+
+static const struct neph_engine_sequence sequence_of = {
+    .open = open_sequence,
+    .next = next_picture,
+    .close = close_sequence,
+};
+
+const struct neph_engine neph_engine_realtime = {
+    .name = "realtime",
+    .summary = "the four-frame pipeline: a ray per 4x4 pixels, history, depth-aware upscale, TAA",
+    .rung = NEPH_RUNG_MODEL,
+    .bias = "a shortcut: measure it against `march` with the same steps",
+    .options = neph_rt_options,
+    .presets = neph_rt_presets,
+    .sequence = &sequence_of,
+    .takes_given = true,
+    .version = 1,
+    .shortcut_of = "march",
+    .stochastic = true,
+    .step = {.option = NULL},
+    .probe = neph_vulkan_probe,
+    .can_render = neph_realtime_can_render,
+    .render = render,
+};

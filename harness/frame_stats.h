@@ -1,0 +1,19 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * What frames have cost, by the attributes "neph.stats.NAME" that engines give them.
+ */
+#ifndef NEPH_HARNESS_FRAME_STATS_H
+#define NEPH_HARNESS_FRAME_STATS_H
+
+#include "base/image.h"
+
+#include <jansson.h>
+
+/* {"rays": 3600, ..} of one frame, in the engine's order; for the caller to decref. */
+json_t *neph_frame_stats(const struct neph_image *frame);
+
+/* A table with the mean, the least and the most of each number over the frames: an array of such
+ * objects. Prints that there are none when the engine counts nothing. */
+void neph_frame_stats_print(const json_t *frames);
+
+#endif

@@ -1,0 +1,88 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The real-time renderer: frames in sequence, each made from a sixteenth of its rays and what the
+ * frames before have left (table 1A of the frame split, then temporal anti-aliasing).
+ *
+ * Source: "The Weather of Red Dead Redemption 2" (F. Bauer, SIGGRAPH 2019) as written down for
+ * Unreal Engine 4.24; options.c has every choice and presets.c what other engines chose.
+ */
+#ifndef NEPH_RENDERER_REALTIME_PIPELINE_H
+#define NEPH_RENDERER_REALTIME_PIPELINE_H
+
+#include "base/image.h"
+#include "base/option.h"
+#include "renderer/realtime/device.h"
+#include "renderer/vulkan.h"
+#include "scenes/scene.h"
+
+#define NEPH_REALTIME_SIDE_MAX_PX 4096
+
+struct neph_realtime;
+
+/* All borrowed, and only during _create. */
+struct neph_realtime_params {
+    int width_px, height_px;              /* 1..NEPH_REALTIME_SIDE_MAX_PX */
+    const struct neph_settings *settings; /* of neph_rt_options */
+    uint32_t seed;                        /* of the dithers */
+    const char *cache_folder;             /* for blue noise masks: neph_blue_noise_load() */
+};
+
+/* One picture of a sequence. */
+struct neph_realtime_frame {
+    const struct neph_scene *scene; /* over time, not of one frame */
+    int frame;                      /* of the scene's pictures */
+    /* A frame from elsewhere in place of the scene's own solids, or NULL: Z and, where it has them,
+     * R G B of what is behind all media; of the sequence's size. */
+    const struct neph_image *given;
+};
+
+enum { NEPH_REALTIME_PASS_COUNT = 8 };
+
+/* What a picture has cost. Counts are exact, made by the shaders. */
+struct neph_realtime_stats {
+    double pass_gpu_s[NEPH_REALTIME_PASS_COUNT]; /* NaN: no clock; 0: not run */
+    double gpu_s;                                /* of all passes */
+    double wall_s;
+    uint64_t density_evaluations; /* as in struct neph_march_stats */
+    uint64_t closed_forms;
+    uint64_t rays; /* view rays marched through media */
+    uint64_t view_steps;
+    /* Of textures in the formats of the settings. Traffic: what the passes read and write, each
+     * texel of a target once per pass. */
+    uint64_t history_bytes, target_bytes, traffic_bytes;
+};
+
+/* "scene", "depth map", .. in the order of the pipeline; NULL beyond the last. */
+const char *neph_realtime_pass_name(int pass);
+
+/* False, with the reason in words, when the scene asks for what these settings leave out. */
+bool neph_realtime_can_render(const struct neph_scene *scene, const struct neph_settings *settings,
+                              char *reason, size_t reason_size);
+
+/* A renderer without history. The scene's grids and textures go to the device here; every frame
+ * must be of this scene. NEPH_ERR_USAGE, NEPH_ERR_UNSUPPORTED as of neph_march_create(). */
+enum neph_status neph_realtime_create(struct neph_vulkan *vulkan, const struct neph_scene *scene,
+                                      const struct neph_realtime_params *params,
+                                      struct neph_realtime **realtime, struct neph_diag *diag);
+void neph_realtime_destroy(struct neph_realtime *realtime);
+
+/* The next picture: R G B, volume.*, transmittance.*, Z and volume.distance as in base/image.h.
+ * Same pictures in the same order on the same device: same bits. `stats` may be NULL.
+ * NEPH_ERR_INPUT: the given frame has another size, no Z, or a depth that is not above 0.
+ * NEPH_ERR_INTERRUPTED as of neph_march_frame(); the sequence is of no more use then. */
+enum neph_status neph_realtime_render(struct neph_realtime *realtime,
+                                      const struct neph_realtime_frame *frame,
+                                      struct neph_image **image, struct neph_realtime_stats *stats,
+                                      struct neph_diag *diag);
+
+/* Another size: the history is void, the count of frames goes on. */
+enum neph_status neph_realtime_resize(struct neph_realtime *realtime,
+                                      const struct neph_scene *scene, int width_px, int height_px,
+                                      struct neph_diag *diag);
+
+/* For tests: called with `context` after each pass of a picture; may read and change targets. */
+typedef void neph_realtime_observer(struct neph_rt_device *device, int pass, void *context);
+void neph_realtime_observe(struct neph_realtime *realtime, neph_realtime_observer *observer,
+                           void *context);
+
+#endif

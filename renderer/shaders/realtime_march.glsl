@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: MIT
+//
+// For the passes of the real-time renderer that look at the scene: the march (bindings 0 to 5),
+// what it has cost, and behind it the view and its targets.
+#ifndef NEPH_REALTIME_MARCH_GLSL
+#define NEPH_REALTIME_MARCH_GLSL
+
+#include "march.glsl"
+
+#define REALTIME_BINDING 7
+#include "realtime.glsl"
+
+layout(std430, binding = 6) buffer Counters {
+    uint rays;
+    uint view_steps[2]; // lower and upper half, as of the others
+    uint density_evaluations[2];
+    uint closed_forms[2];
+} counters;
+
+#define ADD_64(counter, amount)                                                                    \
+    if (atomicAdd(counter[0], amount) > 0xffffffffu - (amount))                                    \
+        atomicAdd(counter[1], 1u)
+
+void count_cost()
+{
+    ADD_64(counters.view_steps, view_steps);
+    ADD_64(counters.density_evaluations, density_evaluations);
+    ADD_64(counters.closed_forms, closed_forms);
+}
+
+#endif

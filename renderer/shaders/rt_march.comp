@@ -1,0 +1,61 @@
+#version 450
+// SPDX-License-Identifier: MIT
+//
+// A7: one ray a tile, through the half-pixel that the tile index chose, as far as its depth; the
+// same march as in march.comp. A dithered start (blue noise on the tiles) turns the bands that few
+// steps leave into noise for the filters behind.
+//
+// The distance that goes with a ray is the mean of what it sees of the medium; a ray that sees none
+// takes its end, or where that is the sky the sky's depth, so that it is a number to reproject with
+// (and at most the largest half).
+#extension GL_GOOGLE_include_directive : require
+
+#include "realtime_march.glsl"
+
+#include "realtime_dither.glsl"
+#include "realtime_slots.glsl"
+
+struct Ray {
+    vec3 direction;
+    float length_m; // FAR_M: to the sky
+    float place;    // in each step
+};
+
+Ray ray_of(ivec2 tile)
+{
+    ivec2 half_pixel = 2 * tile + slot_place(int(fetch_tile(RT_TILE, tile).x));
+    half_pixel = min(half_pixel, half_size() - 1);
+    vec2 place_px = vec2(2 * half_pixel + 1);
+    if (choice(RT_JITTERED_DEPTH) != 0)
+        place_px += vec2(view.jitter_px[0], view.jitter_px[1]);
+    float depth_m = fetch_half(RT_HALF_DEPTH, half_pixel).x;
+    Ray ray;
+    ray.direction = camera_ray_at(frame_camera(), place_px);
+    ray.length_m = depth_m < FAR_M ? depth_m / dot(ray.direction, frame.camera_forward) : FAR_M;
+    ray.place = mix(0.5, dither(choice(RT_RAY_DITHER), tile, view.frame, 0u),
+                    setting(RT_RAY_DITHER_AMOUNT));
+    return ray;
+}
+
+void main()
+{
+    uint thread = gl_GlobalInvocationID.x;
+    if (thread >= run.ray_count)
+        return;
+    uint index = run.first_ray + thread;
+    ivec2 tile = ivec2(index % view.tile_count[0], index / view.tile_count[0]);
+    Ray ray = ray_of(tile);
+    Sums sums = sums_at_start(thread);
+    march(ray.direction, ray.length_m, ray.place, sums);
+    if (run.end_step < frame.steps) {
+        sums_keep(thread, sums);
+        return;
+    }
+    vec3 optical_depth = view_optical_depth(ray.direction, ray.length_m, sums);
+    put_tile(RT_RAY, tile, vec4(view_scattered(sums, optical_depth),
+                                fraction_through(optical_depth).x));
+    float end_m = min(min(ray.length_m, setting(RT_SKY_M)), HALF_MAX);
+    put_tile(RT_RAY_DISTANCE, tile, vec4(min(view_distance_m(sums), end_m)));
+    atomicAdd(counters.rays, 1u);
+    count_cost();
+}

@@ -1,0 +1,487 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The real-time renderer as a whole: what must hold of its frames whatever its passes do.
+ */
+#include "tests/renderer/realtime_test.h"
+
+#include "renderer/march.h"
+#include "renderer/realtime/pipeline.h"
+
+enum { WIDTH_PX = 64, HEIGHT_PX = 36 };
+
+/* A fence in fog with the sun behind it: depth edges all over, and light that differs across them.
+ */
+static void scene_fence(struct test_scene *test)
+{
+    test_scene_init(test);
+    test_add_medium(test, 0.03, 0.05, 0.0);
+    for (int i = 0; i < 12; i++)
+        test_add_box(test, (struct neph_vec3){-6.0 + i, 0.0, -12.0},
+                     (struct neph_vec3){-5.6 + i, 4.0, -11.8});
+    test_add_box(test, (struct neph_vec3){-1e3, -1.0, -1e3}, (struct neph_vec3){1e3, 0.0, 1e3});
+}
+
+static struct neph_settings preset(const char *name)
+{
+    struct neph_settings settings;
+    struct neph_diag diag = {0};
+    neph_assert_ok(
+        neph_options_preset(neph_rt_options, "realtime", neph_rt_presets, name, &settings, &diag),
+        &diag);
+    return settings;
+}
+
+static void set(struct neph_settings *settings, const char *assignment)
+{
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_options_set(neph_rt_options, "realtime", assignment, settings, &diag),
+                   &diag);
+}
+
+/* Blue noise is made once for all tests. */
+static const char cache_folder[] = "test_realtime_cache";
+
+static struct neph_realtime *open_sized(struct neph_vulkan *vulkan, const struct neph_scene *scene,
+                                        const struct neph_settings *settings, int width_px,
+                                        int height_px)
+{
+    struct neph_realtime *realtime = NULL;
+    struct neph_diag diag = {0};
+    const struct neph_realtime_params params = {.width_px = width_px,
+                                                .height_px = height_px,
+                                                .settings = settings,
+                                                .seed = 7,
+                                                .cache_folder = cache_folder};
+    neph_assert_ok(neph_realtime_create(vulkan, scene, &params, &realtime, &diag), &diag);
+    return realtime;
+}
+
+static struct neph_realtime *open_realtime(struct neph_vulkan *vulkan,
+                                           const struct neph_scene *scene,
+                                           const struct neph_settings *settings)
+{
+    return open_sized(vulkan, scene, settings, WIDTH_PX, HEIGHT_PX);
+}
+
+static struct neph_image *next(struct neph_realtime *realtime, const struct neph_scene *scene,
+                               int frame, struct neph_realtime_stats *stats)
+{
+    struct neph_image *image = NULL;
+    struct neph_diag diag = {0};
+    const struct neph_realtime_frame picture = {scene, frame, NULL};
+    neph_assert_ok(neph_realtime_render(realtime, &picture, &image, stats, &diag), &diag);
+    return image;
+}
+
+static void assert_same_bits(const struct neph_image *a, const struct neph_image *b)
+{
+    assert_int_equal(a->channel_count, b->channel_count);
+    for (int c = 0; c < a->channel_count; c++) {
+        assert_string_equal(a->channels[c].name, b->channels[c].name);
+        assert_memory_equal(a->channels[c].samples, b->channels[c].samples,
+                            neph_image_pixel_count(a) * sizeof(float));
+    }
+}
+
+static struct neph_image *marched(struct neph_vulkan *vulkan, const struct neph_scene *scene,
+                                  int frame, struct neph_march_stats *stats)
+{
+    const struct neph_march_params params = {
+        .width_px = WIDTH_PX, .height_px = HEIGHT_PX, .frame = frame, .steps = 64, .sun_steps = 16};
+    struct neph_image *image = NULL;
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_march_render(vulkan, scene, &params, &image, stats, &diag), &diag);
+    return image;
+}
+
+static double rmse(const struct neph_image *image, const struct neph_image *truth)
+{
+    double sum = 0.0;
+    const size_t count = neph_image_pixel_count(image);
+    float *a[3], *b[3];
+    neph_image_rgb(image, NULL, a);
+    neph_image_rgb(truth, NULL, b);
+    for (int c = 0; c < 3; c++)
+        for (size_t i = 0; i < count; i++)
+            sum += ((double)a[c][i] - b[c][i]) * ((double)a[c][i] - b[c][i]);
+    return sqrt(sum / (3.0 * (double)count));
+}
+
+/* --- what equals what ----------------------------------------------------------------------- */
+
+static void test_off_is_the_march(void **state)
+{
+    struct test_scene test;
+    scene_fence(&test);
+    const struct neph_settings settings = preset("off");
+    struct neph_realtime *realtime = open_realtime(*state, &test.scene, &settings);
+    struct neph_image *truth = marched(*state, &test.scene, 0, NULL);
+    for (int frame = 0; frame < 3; frame++) {
+        struct neph_image *image = next(realtime, &test.scene, 0, NULL);
+        assert_same_bits(image, truth);
+        neph_image_destroy(image);
+    }
+    neph_image_destroy(truth);
+    neph_realtime_destroy(realtime);
+}
+
+static const char *const presets[] = {"off", "seed", "fixed", "ue", "c52e", "unity", "ours"};
+enum { PRESETS = 7 };
+
+/* Without a medium every preset without anti-aliasing shows the scene itself, bit by bit. */
+static void test_zero_density_changes_nothing(void **state)
+{
+    struct test_scene test;
+    scene_fence(&test);
+    test.scene.medium_count = 0;
+    struct neph_image *truth = marched(*state, &test.scene, 0, NULL);
+    for (int p = 0; p < PRESETS; p++) {
+        struct neph_settings settings = preset(presets[p]);
+        set(&settings, "taa=off");
+        struct neph_realtime *realtime = open_realtime(*state, &test.scene, &settings);
+        for (int frame = 0; frame < 5; frame++) {
+            struct neph_image *image = next(realtime, &test.scene, 0, NULL);
+            float *a[3], *b[3];
+            neph_image_rgb(image, NULL, a);
+            neph_image_rgb(truth, NULL, b);
+            for (int c = 0; c < 3; c++)
+                assert_memory_equal(a[c], b[c], WIDTH_PX * HEIGHT_PX * sizeof(float));
+            neph_image_destroy(image);
+        }
+        neph_realtime_destroy(realtime);
+    }
+    neph_image_destroy(truth);
+}
+
+static void test_same_sequence_same_bits(void **state)
+{
+    struct test_scene test;
+    scene_fence(&test);
+    for (int p = 0; p < PRESETS; p++) {
+        const struct neph_settings settings = preset(presets[p]);
+        struct neph_realtime *one = open_realtime(*state, &test.scene, &settings);
+        struct neph_realtime *two = open_realtime(*state, &test.scene, &settings);
+        for (int frame = 0; frame < 6; frame++) {
+            struct neph_image *a = next(one, &test.scene, frame, NULL);
+            struct neph_image *b = next(two, &test.scene, frame, NULL);
+            assert_same_bits(a, b);
+            neph_image_destroy(b);
+            neph_image_destroy(a);
+        }
+        neph_realtime_destroy(two);
+        neph_realtime_destroy(one);
+    }
+}
+
+/* --- convergence ---------------------------------------------------------------------------- */
+
+/* A static scene before a static camera: the error against the march falls while the four slots
+ * come in, and then stays where the upscale leaves it. No dither, so that nothing else moves. */
+static void test_error_against_the_number_of_frames(void **state)
+{
+    struct test_scene test;
+    scene_fence(&test);
+    struct neph_image *truth = marched(*state, &test.scene, 0, NULL);
+    struct neph_settings settings = preset("fixed");
+    set(&settings, "taa=off");
+    set(&settings, "ray_dither=none");
+    set(&settings, "upscale_dither=none");
+    set(&settings, "override=none");
+    set(&settings, "box=none");
+    set(&settings, "color_format=float");
+    struct neph_realtime *realtime = open_realtime(*state, &test.scene, &settings);
+    double errors[12];
+    for (int frame = 0; frame < 12; frame++) {
+        struct neph_image *image = next(realtime, &test.scene, 0, NULL);
+        errors[frame] = rmse(image, truth);
+        print_message("frame %2d: RMSE %.3e\n", frame, errors[frame]);
+        neph_image_destroy(image);
+    }
+    for (int frame = 1; frame < 4; frame++)
+        assert_true(errors[frame] < errors[frame - 1]);
+    for (int frame = 4; frame < 12; frame++) /* all four slots are there: nothing moves any more */
+        assert_true(errors[frame] == errors[3]);
+    neph_realtime_destroy(realtime);
+    neph_image_destroy(truth);
+}
+
+/* --- bad numbers ---------------------------------------------------------------------------- */
+
+static size_t count_bad(struct neph_rt_device *device)
+{
+    size_t bad = 0;
+    for (int t = 0; t < RT_TARGET_COUNT; t++) {
+        const size_t words = neph_rt_device_words(device, t);
+        const size_t elements = words / neph_rt_format_words(device->view->targets[t].format);
+        uint32_t *copy = malloc(words * sizeof(*copy));
+        struct neph_diag diag = {0};
+        neph_assert_ok(neph_rt_device_download(device, t, copy, &diag), &diag);
+        for (size_t i = 0; i < elements; i++) {
+            float value[4];
+            neph_rt_load(&device->view->targets[t], copy, i, value);
+            for (int c = 0; c < 4; c++)
+                bad += !isfinite(value[c]);
+        }
+        free(copy);
+    }
+    return bad;
+}
+
+struct injection {
+    int frame, seen; /* put it in at this one; frames so far */
+    float value[4];
+    size_t bad[16]; /* per frame, after its last pass */
+    int last_pass;
+};
+
+static void inject(struct neph_rt_device *device, int pass, void *context)
+{
+    struct injection *injection = context;
+    if (strcmp(neph_realtime_pass_name(pass), "march") == 0 &&
+        injection->seen == injection->frame) {
+        const size_t words = neph_rt_device_words(device, RT_RAY);
+        uint32_t *copy = malloc(words * sizeof(*copy));
+        struct neph_diag diag = {0};
+        neph_assert_ok(neph_rt_device_download(device, RT_RAY, copy, &diag), &diag);
+        neph_rt_store(&device->view->targets[RT_RAY], copy, 37, injection->value);
+        neph_assert_ok(neph_rt_device_upload(device, RT_RAY, copy, &diag), &diag);
+        free(copy);
+    }
+    if (pass == injection->last_pass)
+        injection->bad[injection->seen++] = count_bad(device);
+}
+
+/* One bad ray in one frame: where validity is on, nothing of it is left a frame later, and nothing
+ * but the ray itself was ever bad. */
+static void test_a_bad_ray_is_gone_one_frame_later(void **state)
+{
+    static const float values[][4] = {
+        {NAN, 0, 0, 1}, {0, INFINITY, 0, 1}, {0, 0, -1, 1}, {0, 0, 0, NAN}, {NAN, NAN, NAN, NAN}};
+    static const char *const sound[] = {"fixed", "ue", "c52e", "unity", "ours"};
+    struct test_scene test;
+    scene_fence(&test);
+    for (int p = 0; p < 5; p++)
+        for (size_t v = 0; v < sizeof(values) / sizeof(values[0]); v++) {
+            const struct neph_settings settings = preset(sound[p]);
+            struct neph_realtime *realtime = open_realtime(*state, &test.scene, &settings);
+            struct injection injection = {.frame = 5, .last_pass = 7};
+            memcpy(injection.value, values[v], sizeof(injection.value));
+            neph_realtime_observe(realtime, inject, &injection);
+            for (int frame = 0; frame < 8; frame++)
+                neph_image_destroy(next(realtime, &test.scene, 0, NULL));
+            for (int frame = 0; frame < 8; frame++)
+                assert_true(injection.bad[frame] <= (frame == 5 ? 4u : 0u));
+            neph_realtime_destroy(realtime);
+        }
+}
+
+/* Fill what the first frame might take for its past. */
+static void fill_past(struct neph_rt_device *device, int pass, void *context)
+{
+    static const int past[] = {RT_HISTORY_BEFORE, RT_HISTORY_STATE_BEFORE, RT_HALF_DEPTH_BEFORE,
+                               RT_TAA_BEFORE};
+    uint32_t *pattern = context;
+    if (pass != 0 || !pattern[1])
+        return;
+    pattern[1] = 0; /* the first frame alone */
+    for (size_t t = 0; t < sizeof(past) / sizeof(past[0]); t++) {
+        const size_t words = neph_rt_device_words(device, past[t]);
+        uint32_t *garbage = malloc(words * sizeof(*garbage));
+        for (size_t i = 0; i < words; i++)
+            garbage[i] = pattern[0] ? pattern[0] : (uint32_t)(i * 2654435761u);
+        struct neph_diag diag = {0};
+        neph_assert_ok(neph_rt_device_upload(device, past[t], garbage, &diag), &diag);
+        free(garbage);
+    }
+}
+
+/* NaN in single and half, 1e30, and arbitrary bits. */
+static void test_garbage_in_the_history_never_shows(void **state)
+{
+    static const uint32_t patterns[] = {0x7fc00000u, 0x7e007e00u, 0x7149f2cau, 0};
+    static const char *const sound[] = {"fixed", "ue", "c52e", "unity", "ours"};
+    struct test_scene test;
+    scene_fence(&test);
+    for (int p = 0; p < 5; p++) {
+        const struct neph_settings settings = preset(sound[p]);
+        struct neph_realtime *clean = open_realtime(*state, &test.scene, &settings);
+        struct neph_image *expected[2];
+        for (int frame = 0; frame < 2; frame++)
+            expected[frame] = next(clean, &test.scene, 0, NULL);
+        for (int i = 0; i < 4; i++) {
+            uint32_t pattern[2] = {patterns[i], 1};
+            struct neph_realtime *dirty = open_realtime(*state, &test.scene, &settings);
+            neph_realtime_observe(dirty, fill_past, pattern);
+            for (int frame = 0; frame < 2; frame++) {
+                struct neph_image *image = next(dirty, &test.scene, 0, NULL);
+                assert_same_bits(image, expected[frame]);
+                neph_image_destroy(image);
+            }
+            neph_realtime_destroy(dirty);
+        }
+        neph_image_destroy(expected[0]);
+        neph_image_destroy(expected[1]);
+        neph_realtime_destroy(clean);
+    }
+}
+
+/* --- motion, sizes, cost -------------------------------------------------------------------- */
+
+/* A dolly with a cut in the middle; the keys must live as long as the scene. */
+static void set_dolly(struct test_scene *test, struct neph_camera_key keys[4])
+{
+    for (int i = 0; i < 4; i++)
+        keys[i] = (struct neph_camera_key){
+            .frame = 4.0 * i,
+            .position_m = {0.3 * i + (i > 1 ? 4.0 : 0.0), 1.6, -0.5 * i},
+            .look_at_m = {0.5 * i, 1.4, -10.0},
+            .cut = i == 2,
+        };
+    test->scene.camera_keys = keys;
+    test->scene.camera_key_count = 4;
+}
+
+static void test_no_bad_number_in_motion(void **state)
+{
+    struct test_scene test;
+    scene_fence(&test);
+    struct neph_camera_key keys[4];
+    set_dolly(&test, keys);
+    for (int p = 1; p < PRESETS; p++) {
+        const struct neph_settings settings = preset(presets[p]);
+        struct neph_realtime *realtime = open_realtime(*state, &test.scene, &settings);
+        struct injection watch = {.frame = -1, .last_pass = 7};
+        neph_realtime_observe(realtime, inject, &watch);
+        for (int frame = 0; frame < 13; frame++)
+            neph_image_destroy(next(realtime, &test.scene, frame, NULL));
+        for (int frame = 0; frame < 13; frame++)
+            assert_int_equal(watch.bad[frame], 0);
+        neph_realtime_destroy(realtime);
+    }
+}
+
+/* Resizes on the way; each frame has its size, and the first of a size is that of a renderer made
+ * for it, but for the phase of slots, dithers and jitter, which goes on. */
+static void test_sizes(void **state)
+{
+    static const int sizes_px[][2] = {{1, 1},   {2, 3},   {5, 4}, {37, 21},
+                                      {64, 36}, {63, 35}, {3, 90}};
+    struct test_scene test;
+    scene_fence(&test);
+    const struct neph_settings settings = preset("fixed");
+    struct neph_realtime *realtime = open_realtime(*state, &test.scene, &settings);
+    for (size_t s = 0; s < sizeof(sizes_px) / sizeof(sizes_px[0]); s++) {
+        struct neph_diag diag = {0};
+        neph_assert_ok(
+            neph_realtime_resize(realtime, &test.scene, sizes_px[s][0], sizes_px[s][1], &diag),
+            &diag);
+        for (int frame = 0; frame < 5; frame++) {
+            struct neph_image *image = next(realtime, &test.scene, 0, NULL);
+            assert_int_equal(image->width_px, sizes_px[s][0]);
+            assert_int_equal(image->height_px, sizes_px[s][1]);
+            float *rgb[3];
+            neph_image_rgb(image, NULL, rgb);
+            for (size_t i = 0; i < neph_image_pixel_count(image); i++)
+                assert_true(isfinite(rgb[0][i]) && rgb[0][i] >= 0.0f);
+            neph_image_destroy(image);
+        }
+    }
+    neph_realtime_destroy(realtime);
+}
+
+/* A ray per 4x4 pixels: at most 1/14 of the march's density evaluations per frame. */
+static void test_a_fourteenth_of_the_evaluations(void **state)
+{
+    struct test_scene test;
+    scene_fence(&test);
+    struct neph_march_stats whole;
+    neph_image_destroy(marched(*state, &test.scene, 0, &whole));
+    for (int p = 1; p < PRESETS; p++) {
+        const struct neph_settings settings = preset(presets[p]);
+        struct neph_realtime *realtime = open_realtime(*state, &test.scene, &settings);
+        for (int frame = 0; frame < 4; frame++) {
+            struct neph_realtime_stats stats;
+            neph_image_destroy(next(realtime, &test.scene, 0, &stats));
+            assert_int_equal(stats.rays, (WIDTH_PX / 4) * (HEIGHT_PX / 4));
+            assert_true(stats.density_evaluations > 0);
+            assert_true(stats.density_evaluations <= whole.density_evaluations / 14);
+            assert_int_equal(stats.density_evaluations, stats.view_steps);
+        }
+        neph_realtime_destroy(realtime);
+    }
+}
+
+/* --- what is refused ------------------------------------------------------------------------ */
+
+static void test_coloured_extinction_is_refused(void **state)
+{
+    struct test_scene test;
+    scene_fence(&test);
+    test.scene.media[0].extinction_color = (struct neph_rgb){1.0, 0.5, 1.0};
+    const struct neph_settings settings = preset("fixed");
+    const struct neph_realtime_params params = {
+        .width_px = 8, .height_px = 8, .settings = &settings, .cache_folder = cache_folder};
+    struct neph_realtime *realtime = NULL;
+    struct neph_diag diag = {0};
+    assert_int_equal(neph_realtime_create(*state, &test.scene, &params, &realtime, &diag),
+                     NEPH_ERR_UNSUPPORTED);
+    assert_non_null(strstr(diag.message, "one transmittance"));
+}
+
+static void test_given_depth(void **state)
+{
+    struct test_scene test;
+    scene_fence(&test);
+    struct neph_settings settings = preset("fixed");
+    set(&settings, "taa_jitter=none");
+    struct neph_image *given = marched(*state, &test.scene, 0, NULL);
+    /* The solids' own radiance through no medium is what a game would hand over. */
+    test.scene.medium_count = 0;
+    struct neph_image *bare = marched(*state, &test.scene, 0, NULL);
+    scene_fence(&test);
+    struct neph_realtime *from_scene = open_realtime(*state, &test.scene, &settings);
+    struct neph_realtime *from_file = open_realtime(*state, &test.scene, &settings);
+    struct neph_diag diag = {0};
+    (void)diag;
+    for (int frame = 0; frame < 5; frame++) {
+        struct neph_image *a = next(from_scene, &test.scene, 0, NULL), *b = NULL;
+        const struct neph_realtime_frame picture = {&test.scene, 0, given};
+        neph_assert_ok(neph_realtime_render(from_file, &picture, &b, NULL, &diag), &diag);
+        const float *za = neph_image_channel(a, "Z"), *zb = neph_image_channel(b, "Z");
+        float *va[3], *vb[3];
+        neph_image_rgb(a, "volume", va);
+        neph_image_rgb(b, "volume", vb);
+        assert_memory_equal(za, zb, WIDTH_PX * HEIGHT_PX * sizeof(float));
+        for (int c = 0; c < 3; c++)
+            assert_memory_equal(va[c], vb[c], WIDTH_PX * HEIGHT_PX * sizeof(float));
+        neph_image_destroy(a);
+        neph_image_destroy(b);
+    }
+    neph_image_channel(given, "Z")[5] = -1.0f;
+    const struct neph_realtime_frame bad = {&test.scene, 0, given};
+    struct neph_image *image = NULL;
+    assert_int_equal(neph_realtime_render(from_file, &bad, &image, NULL, &diag), NEPH_ERR_INPUT);
+    assert_non_null(strstr(diag.message, "pixel 5,0"));
+    neph_realtime_destroy(from_file);
+    neph_realtime_destroy(from_scene);
+    neph_image_destroy(bare);
+    neph_image_destroy(given);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_off_is_the_march),
+        cmocka_unit_test(test_zero_density_changes_nothing),
+        cmocka_unit_test(test_same_sequence_same_bits),
+        cmocka_unit_test(test_error_against_the_number_of_frames),
+        cmocka_unit_test(test_a_bad_ray_is_gone_one_frame_later),
+        cmocka_unit_test(test_garbage_in_the_history_never_shows),
+        cmocka_unit_test(test_no_bad_number_in_motion),
+        cmocka_unit_test(test_sizes),
+        cmocka_unit_test(test_a_fourteenth_of_the_evaluations),
+        cmocka_unit_test(test_coloured_extinction_is_refused),
+        cmocka_unit_test(test_given_depth),
+    };
+    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
+}
