@@ -9,8 +9,10 @@
  *   Z                        linear eye depth along the camera axis [m], sky = +inf
  * and may have further ones:
  *   motion.x motion.y        where that which is seen here was in the frame before, minus where it
- *                            is now [px], x to the right, y down
- *   motion.depth             its linear eye depth in the frame before [m], sky = +inf
+ *                            is now [px], x to the right, y down; 1e6 where it was in no picture:
+ *                            behind the camera, or before a cut
+ *   motion.depth             its linear eye depth in the frame before [m], sky = +inf, 0 where it
+ *                            was behind the camera or before a cut
  *   volume.distance          distance of what the medium shows, weighted by its contribution [m]
  *   mask.NAME                a mask of the scene, above 0.5 inside: mask.cloud, mask.fog, mask.sun
  * A layer that an engine cannot give is absent, never filled in.

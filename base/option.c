@@ -32,17 +32,54 @@ int neph_option_find(const struct neph_option *options, const char *name)
     return find(options, name, strlen(name));
 }
 
-static void hint_known(const struct neph_option *options, const char *owner, struct neph_diag *diag)
+/* Length of the longest run of letters that stands in a name and in the first `length` of a key. */
+static size_t common_run(const char *name, const char *key, size_t length)
 {
-    char known[384] = "";
-    for (int i = 0; options[i].name; i++) {
-        size_t used = strlen(known);
-        snprintf(known + used, sizeof(known) - used, "%s%s", i ? ", " : "", options[i].name);
-    }
-    if (known[0])
-        neph_hint(diag, "settings of %s: %s", owner, known);
-    else
+    size_t longest = 0;
+    for (; *name; name++)
+        for (size_t from = 0; from < length; from++) {
+            size_t run = 0;
+            while (from + run < length && name[run] && name[run] == key[from + run])
+                run++;
+            longest = run > longest ? run : longest;
+        }
+    return longest;
+}
+
+/* The names that share a run of so many letters with the key. False when there is no room for all
+ * of them. */
+static bool list_names(const struct neph_option *options, const char *key, size_t length,
+                       size_t least_run, char *text, size_t size)
+{
+    size_t used = 0;
+    text[0] = '\0';
+    for (; options->name && used < size; options++)
+        if (common_run(options->name, key, length) >= least_run)
+            used += (size_t)snprintf(text + used, size - used, "%s%s", used ? ", " : "",
+                                     options->name);
+    return used < size;
+}
+
+/* All names, or where they are too many those most like the key. */
+static void hint_known(const struct neph_option *options, const char *owner, const char *key,
+                       size_t length, struct neph_diag *diag)
+{
+    char names[384];
+    size_t best = 3; /* shorter runs are chance */
+    if (!options->name) {
         neph_hint(diag, "%s has no settings", owner);
+        return;
+    }
+    if (list_names(options, key, length, 0, names, sizeof(names))) {
+        neph_hint(diag, "settings of %s: %s", owner, names);
+        return;
+    }
+    for (int i = 0; options[i].name; i++) {
+        const size_t run = common_run(options[i].name, key, length);
+        best = run > best ? run : best;
+    }
+    if (list_names(options, key, length, best, names, sizeof(names)) && names[0])
+        neph_hint(diag, "settings of %s with a name like it: %s", owner, names);
 }
 
 static enum neph_status parse_choice(const struct neph_option *option, const char *text,
@@ -90,7 +127,7 @@ enum neph_status neph_options_set(const struct neph_option *options, const char 
     if (index < 0) {
         neph_fail(diag, NEPH_ERR_USAGE, "%s has no setting '%.*s'", owner,
                   (int)(equals - assignment), assignment);
-        hint_known(options, owner, diag);
+        hint_known(options, owner, assignment, (size_t)(equals - assignment), diag);
         return NEPH_ERR_USAGE;
     }
     double *value = &settings->values[index];
@@ -129,7 +166,9 @@ enum neph_status neph_options_preset(const struct neph_option *options, const ch
                                      const struct neph_preset *presets, const char *name,
                                      struct neph_settings *settings, struct neph_diag *diag)
 {
-    for (const struct neph_preset *preset = presets; preset && preset->name; preset++)
+    if (!presets)
+        return neph_fail(diag, NEPH_ERR_USAGE, "%s has no presets, and so no '%s'", owner, name);
+    for (const struct neph_preset *preset = presets; preset->name; preset++)
         if (strcmp(preset->name, name) == 0) {
             struct neph_settings made = neph_options_default(options);
             const enum neph_status status = apply(options, owner, preset->assignments, &made, diag);
@@ -138,8 +177,7 @@ enum neph_status neph_options_preset(const struct neph_option *options, const ch
             return status;
         }
     neph_fail(diag, NEPH_ERR_USAGE, "%s has no preset '%s'", owner, name);
-    if (presets)
-        hint_presets(presets, owner, diag);
+    hint_presets(presets, owner, diag);
     return NEPH_ERR_USAGE;
 }
 

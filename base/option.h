@@ -46,7 +46,8 @@ struct neph_settings neph_options_default(const struct neph_option *options);
 int neph_option_find(const struct neph_option *options, const char *name);
 
 /* Apply "key=value". `owner` ("engine march") is named in errors, which also name the key, the
- * value, the allowed range and the known keys: NEPH_ERR_USAGE. */
+ * value, the allowed range and the known keys (of very many those like it, if any is):
+ * NEPH_ERR_USAGE. */
 enum neph_status neph_options_set(const struct neph_option *options, const char *owner,
                                   const char *assignment, struct neph_settings *settings,
                                   struct neph_diag *diag);

@@ -6,6 +6,7 @@
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 enum neph_status neph_cli_parse_size(const char *text, int *width_px, int *height_px,
                                      struct neph_diag *diag)
@@ -65,15 +66,19 @@ json_t *neph_cli_options_json(const struct neph_option *options)
 
 void neph_cli_print_options(const struct neph_option *options)
 {
+    int width = 14;
+    for (const struct neph_option *o = options; o->name; o++)
+        width = (int)strlen(o->name) > width ? (int)strlen(o->name) : width;
     for (const struct neph_option *o = options; o->name; o++) {
-        printf("    %-14s %s\n", o->name, o->help);
+        printf("    %-*s %s\n", width, o->name, o->help);
         if (o->kind == NEPH_OPTION_CHOICE) {
-            printf("    %-14s one of:", "");
+            printf("    %-*s one of:", width, "");
             for (int i = 0; o->choices[i]; i++)
                 printf(" %s%s", o->choices[i], i == (int)o->default_value ? " (default)" : "");
             printf("\n");
         } else {
-            printf("    %-14s %g..%g, default %g\n", "", o->minimum, o->maximum, o->default_value);
+            printf("    %-*s %g..%g, default %g\n", width, "", o->minimum, o->maximum,
+                   o->default_value);
         }
     }
 }

@@ -185,10 +185,10 @@ static json_t *presets_json(const struct neph_engine *engine)
 static void print_presets(const struct neph_engine *engine)
 {
     if (engine->presets)
-        printf("    presets, given by --preset:\n");
+        printf("    presets, given by --preset, each the defaults with\n");
     for (const struct neph_preset *preset = engine->presets; preset && preset->name; preset++)
         printf("      %-8s %s\n               %s\n", preset->name, preset->summary,
-               preset->assignments);
+               preset->assignments[0] ? preset->assignments : "(nothing else)");
 }
 
 enum neph_status neph_cli_engines(int argc, char **argv, struct neph_diag *diag)

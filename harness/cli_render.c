@@ -48,13 +48,14 @@ struct request {
 static const struct argp_option render_options[] = {
     {"engine", 'e', "NAME", 0, "Engine; `neph engines` lists them (default: march)", 0},
     {"preset", 'p', "NAME", 0,
-     "A set of settings that the engine knows by name, before any --set; `neph engines ENGINE` "
-     "lists them",
+     "Engine realtime: a set of settings by name, before any --set; `neph engines realtime` lists "
+     "them",
      0},
     {"set", 's', "KEY=VALUE", 0, "A setting of the engine; may be given several times", 0},
     {"size", KEY_SIZE, "WxH", 0, "Size in pixels (default: 192x108)", 0},
     {"frame", KEY_FRAME, "N", 0, "First frame, 0-based (default: 0)", 0},
-    {"frames", KEY_FRAMES, "N", 0, "How many frames (default: 1)", 0},
+    {"frames", KEY_FRAMES, "N", 0,
+     "How many frames (default: 1); engine realtime goes on beyond the scene's last", 0},
     {"seed", KEY_SEED, "N", 0, "Random seed (default: 1)", 0},
     {"time-limit", KEY_TIME_LIMIT, "S", 0, "Seconds per child process (default: 600)", 0},
     {"checkpoint", KEY_CHECKPOINT, "FILE", 0,
@@ -67,8 +68,9 @@ static const struct argp_option render_options[] = {
      "objects and the sun, and motion vectors",
      0},
     {"depth", KEY_DEPTH, "FILES", 0,
-     "Engine realtime: Z and, where they have them, R G B of these EXR files in place of the "
-     "scene's solids: " NEPH_SEQUENCE_HELP "; one file serves all frames",
+     "Engine realtime: Z [m along the camera's axis; inf: sky] of these EXR files in place of the "
+     "scene's solids, and R G B, which is then what is behind the media (without: black). "
+     "FILES: " NEPH_SEQUENCE_HELP "; one file serves all frames",
      0},
     {"stats", KEY_STATS, NULL, 0,
      "What each frame has cost: density evaluations, rays, steps, bytes, device time per pass "
@@ -150,12 +152,13 @@ static const struct argp render_argp = {
     .args_doc = "SCENE",
     .doc = "Render a scene (a file, or a name of the catalogue) with one engine.\v"
            "Writes DIR/SCENE_ENGINE_FRAME.exr: R G B, volume.*, transmittance.* and Z, 32-bit "
-           "float, with the settings as attributes.\n\n"
+           "float, with the settings as attributes. Frames that are finished when an engine fails "
+           "or Ctrl-C comes stay.\n\n"
            "Examples:\n"
            "  neph render height_fog_level -o out\n"
-           "  neph render my_fog.yaml --engine cycles --set samples=256 --size 640x360 -o out\n"
+           "  neph render my_fog.yaml -e cycles -s samples=256 --size 640x360 -o out\n"
            "  neph render camera_dolly --engine march --frames 8 -o out\n"
-           "  neph render camera_dolly --engine realtime --preset seed --frames 8 --stats -o out\n"
+           "  neph render camera_dolly -e realtime -p ours --frames 8 --stats -o out\n"
            "  neph render cloud_below -e tracer -s samples=65536 --checkpoint below.sums",
 };
 
@@ -169,6 +172,39 @@ static const struct argp export_argp = {
            "  neph export fence_backlit --engine povray -o fence_pov\n"
            "  neph export fence_backlit --engine cycles -o fence_blend",
 };
+
+/* --frames; single frames end with the scene. */
+static enum neph_status count_frames(const struct request *request,
+                                     const struct neph_engine *engine,
+                                     const struct neph_scene *scene, int first, int *frame_count,
+                                     struct neph_diag *diag)
+{
+    const int most = engine->sequence ? frames_max : scene->frame_count - first;
+    const enum neph_status status = neph_cli_parse_int("number of frames", request->frames, 1, most,
+                                                       frame_count, diag);
+    if (status)
+        neph_hint(diag, "scene %s ends with frame %d", scene->name, scene->frame_count - 1);
+    return status;
+}
+
+/* Options that only some engines have a use for. */
+static enum neph_status check_engine(const struct request *request,
+                                     const struct neph_engine *engine, int frame_count,
+                                     struct neph_diag *diag)
+{
+    if (request->checkpoint && (!engine->rests || frame_count > 1))
+        return neph_fail(diag, NEPH_ERR_USAGE,
+                         "--checkpoint is for one frame of an engine that adds up paths (oracle, "
+                         "tracer)");
+    if (request->depth && !engine->takes_given)
+        return neph_fail(diag, NEPH_ERR_USAGE,
+                         "--depth is for engine realtime; engine %s renders the scene's solids",
+                         engine->name);
+    if (request->preset && !engine->presets)
+        return neph_fail(diag, NEPH_ERR_USAGE,
+                         "--preset is for engine realtime; engine %s has no presets", engine->name);
+    return NEPH_OK;
+}
 
 /* The shot that a request asks for; `*frame_count` from --frames. */
 static enum neph_status make_job(const struct request *request, const struct neph_scene *scene,
@@ -193,9 +229,9 @@ static enum neph_status make_job(const struct request *request, const struct nep
         status = neph_cli_parse_int("frame", request->frame, 0, scene->frame_count - 1, &first,
                                     diag);
     if (!status)
-        status = neph_cli_parse_int("number of frames", request->frames, 1,
-                                    engine->sequence ? frames_max : scene->frame_count - first,
-                                    frame_count, diag);
+        status = count_frames(request, engine, scene, first, frame_count, diag);
+    if (!status)
+        status = check_engine(request, engine, *frame_count, diag);
     if (!status)
         status = neph_cli_parse_int("seed", request->seed, 0, 0x7fffffff, &seed, diag);
     if (!status)
@@ -204,14 +240,6 @@ static enum neph_status make_job(const struct request *request, const struct nep
         status = neph_settings_preset(engine, request->preset, &job->shot.settings, diag);
     for (int i = 0; i < request->assignment_count && !status; i++)
         status = neph_settings_set(engine, &job->shot.settings, request->assignments[i], diag);
-    if (!status && request->checkpoint && (!engine->rests || *frame_count > 1))
-        status = neph_fail(diag, NEPH_ERR_USAGE,
-                           "--checkpoint is for one frame of an engine that adds up paths (oracle, "
-                           "tracer)");
-    if (!status && request->depth && !engine->takes_given)
-        status = neph_fail(diag, NEPH_ERR_USAGE,
-                           "--depth is for engine realtime; engine %s renders the scene's solids",
-                           engine->name);
     job->shot.checkpoint = request->checkpoint;
     job->shot.frame = first;
     job->shot.seed = (uint64_t)seed;
@@ -259,14 +287,11 @@ static enum neph_status render_one(const struct request *request, struct neph_jo
     return status;
 }
 
-/* The frame that takes the solids' place, for the i-th picture: of one file or of as many as there
- * are pictures. */
-static enum neph_status load_given(const struct neph_sequence *depths, int i,
-                                   struct neph_image **given, struct neph_diag *diag)
+/* The file that takes the solids' place in the i-th picture: the only one, or one for each picture;
+ * NULL without --depth. */
+static const char *depth_path(const struct neph_sequence *depths, int i)
 {
-    if (depths->count == 0)
-        return NEPH_OK;
-    return neph_exr_read(depths->paths[depths->count > 1 ? i : 0], given, diag);
+    return depths->count == 0 ? NULL : depths->paths[depths->count > 1 ? i : 0];
 }
 
 static enum neph_status find_depths(const struct request *request, int frame_count,
@@ -277,7 +302,8 @@ static enum neph_status find_depths(const struct request *request, int frame_cou
     const enum neph_status status = neph_sequence_find(1, &request->depth, depths, diag);
     if (!status && depths->count != 1 && depths->count != frame_count)
         return neph_fail(diag, NEPH_ERR_USAGE,
-                         "--depth gives %d files for %d frames; it takes one, or one for each",
+                         "--depth gives %d files and --frames asks for %d; give one file for all "
+                         "frames or one for each",
                          depths->count, frame_count);
     return status;
 }
@@ -287,13 +313,16 @@ static enum neph_status render_next(const struct request *request, struct neph_j
                                     const struct neph_sequence *depths, int i, json_t *results,
                                     struct neph_diag *diag)
 {
+    const char *path = depth_path(depths, i);
     struct neph_image *given = NULL;
-    enum neph_status status = load_given(depths, i, &given, diag);
+    enum neph_status status = path ? neph_exr_read(path, &given, diag) : NEPH_OK;
     job->shot.given = given;
     if (!status && i == 0)
         status = neph_job_open(job, diag);
     if (!status)
         status = render_one(request, job, results, diag);
+    if (status == NEPH_ERR_INPUT && given)
+        neph_hint(diag, "that is '%s' of --depth, in frame %d", path, job->shot.frame);
     neph_image_destroy(given);
     return status;
 }

@@ -54,7 +54,11 @@ enum neph_status neph_settings_set(const struct neph_engine *engine, struct neph
 {
     char owner[64];
     snprintf(owner, sizeof(owner), "engine %s", engine->name);
-    return neph_options_set(engine->options, owner, assignment, settings, diag);
+    const enum neph_status status = neph_options_set(engine->options, owner, assignment, settings,
+                                                     diag);
+    if (status && diag && !diag->hint[0])
+        neph_hint(diag, "`neph engines %s` explains its settings", engine->name);
+    return status;
 }
 
 enum neph_status neph_settings_preset(const struct neph_engine *engine, const char *name,

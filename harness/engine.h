@@ -114,7 +114,8 @@ struct neph_engine {
 
     /* Render one frame. The caller adds the common attributes (scene hash, engine, settings, seed,
      * seconds) and checks the frame; the engine adds only what it alone knows. Attributes
-     * "neph.stats.NAME" are numbers of what the frame has cost, for `neph render --stats`. */
+     * "neph.stats.NAME" are numbers of what the frame has cost, for `neph render --stats`
+     * (frame_stats.h). */
     enum neph_status (*render)(const struct neph_shot *shot, struct neph_image **frame,
                                struct neph_cost *cost, struct neph_diag *diag);
 

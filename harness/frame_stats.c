@@ -8,6 +8,24 @@
 
 static const char prefix[] = "neph.stats.";
 
+enum neph_status neph_frame_stats_set(struct neph_image *frame, const char *name, double value,
+                                      struct neph_diag *diag)
+{
+    char full[NEPH_IMAGE_NAME_MAX];
+    if (!isfinite(value))
+        return NEPH_OK;
+    snprintf(full, sizeof(full), "%s%s", prefix, name);
+    return neph_image_set_attribute(frame, full, diag, "%.15g", value);
+}
+
+/* A count is a whole number and stays one. */
+static json_t *number_of(const char *text)
+{
+    char *end;
+    const long long whole = strtoll(text, &end, 10);
+    return *end ? json_real(strtod(text, NULL)) : json_integer(whole);
+}
+
 json_t *neph_frame_stats(const struct neph_image *frame)
 {
     json_t *stats = json_object();
@@ -15,9 +33,18 @@ json_t *neph_frame_stats(const struct neph_image *frame)
         const struct neph_attribute *attribute = &frame->attributes[i];
         if (strncmp(attribute->name, prefix, strlen(prefix)) == 0)
             json_object_set_new(stats, attribute->name + strlen(prefix),
-                                json_real(strtod(attribute->value, NULL)));
+                                number_of(attribute->value));
     }
     return stats;
+}
+
+/* Whole numbers with all their digits. */
+static void print_number(double value)
+{
+    if (value == trunc(value) && fabs(value) < 1e15)
+        printf(" %15.0f", value);
+    else
+        printf(" %15.6g", value);
 }
 
 static void print_row(const json_t *frames, const char *name)
@@ -36,7 +63,11 @@ static void print_row(const json_t *frames, const char *name)
         most = fmax(most, value);
         count++;
     }
-    printf("%-32s %14.6g %14.6g %14.6g\n", name, sum / (double)count, least, most);
+    printf("%-30s", name);
+    print_number(sum / (double)count);
+    print_number(least);
+    print_number(most);
+    putchar('\n');
 }
 
 void neph_frame_stats_print(const json_t *frames)
@@ -46,7 +77,7 @@ void neph_frame_stats_print(const json_t *frames)
         printf("this engine counts nothing\n");
         return;
     }
-    printf("%-32s %14s %14s %14s\n", "per frame", "mean", "least", "most");
+    printf("%-30s %15s %15s %15s\n", "per frame", "mean", "least", "most");
     const char *name;
     json_t *value;
     json_object_foreach(first, name, value) print_row(frames, name);

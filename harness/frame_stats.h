@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * What frames have cost, by the attributes "neph.stats.NAME" that engines give them.
+ * What frames have cost: the attributes "neph.stats.NAME" that engines give them.
  */
 #ifndef NEPH_HARNESS_FRAME_STATS_H
 #define NEPH_HARNESS_FRAME_STATS_H
@@ -8,6 +8,11 @@
 #include "base/image.h"
 
 #include <jansson.h>
+
+/* For engines: what a frame has cost, under a NAME. A value that is not finite was not measured and
+ * is left out. */
+enum neph_status neph_frame_stats_set(struct neph_image *frame, const char *name, double value,
+                                      struct neph_diag *diag);
 
 /* {"rays": 3600, ..} of one frame, in the engine's order; for the caller to decref. */
 json_t *neph_frame_stats(const struct neph_image *frame);

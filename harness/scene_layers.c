@@ -168,6 +168,14 @@ static struct neph_motion_camera motion_camera(const struct neph_camera *camera)
     };
 }
 
+/* Beyond a cut nothing that is seen has been seen before, though depth and cameras alone would find
+ * a place for some of it. */
+static void mark_without_past(const struct neph_image *image, float *x_px, float *y_px)
+{
+    for (size_t i = 0; i < neph_image_pixel_count(image); i++)
+        x_px[i] = y_px[i] = NEPH_MOTION_NOWHERE_PX;
+}
+
 static enum neph_status add_motion(const struct neph_scene *scene, const struct view *view,
                                    int frame, struct neph_image *image, struct neph_diag *diag)
 {
@@ -183,7 +191,9 @@ static enum neph_status add_motion(const struct neph_scene *scene, const struct 
         status = neph_image_add_channel(image, "motion.y", &y_px, diag);
     if (!status)
         status = neph_image_add_channel(image, "motion.depth", &before_m, diag);
-    if (!status)
+    if (!status && neph_scene_is_cut(scene, frame - 1, frame))
+        mark_without_past(image, x_px, y_px);
+    else if (!status)
         status = neph_motion_of_depth(&now, &before, view->width_px, view->height_px, depth_m,
                                       NEPH_MOTION_EYE_DEPTH, x_px, y_px, before_m, diag);
     return status;

@@ -9,6 +9,7 @@
 #include "harness/engines/vulkan_device.h"
 
 #include "base/clock.h"
+#include "harness/frame_stats.h"
 #include "renderer/march.h"
 
 #include <math.h>
@@ -37,15 +38,21 @@ static enum neph_status label(struct neph_image *frame, const struct neph_march_
                               struct neph_diag *diag)
 {
     const double pixels = (double)neph_image_pixel_count(frame);
-    enum neph_status status = neph_image_set_attribute(
-        frame, "neph.stats.density_evaluations", diag, "%llu",
-        (unsigned long long)stats->density_evaluations);
-    if (!status)
-        status = neph_image_set_attribute(frame, "neph.stats.density_evaluations_per_pixel", diag,
-                                          "%.6g", (double)stats->density_evaluations / pixels);
-    if (!status)
-        status = neph_image_set_attribute(frame, "neph.stats.closed_forms", diag, "%llu",
-                                          (unsigned long long)stats->closed_forms);
+    const struct {
+        const char *name;
+        double value;
+    } numbers[] = {
+        {"density_evaluations", (double)stats->density_evaluations},
+        {"density_evaluations_per_pixel", (double)stats->density_evaluations / pixels},
+        {"closed_forms", (double)stats->closed_forms},
+        {"rays", pixels},
+        {"view_steps", (double)stats->view_steps},
+        {"gpu_ms", 1e3 * stats->gpu_s},
+        {"wall_ms", 1e3 * stats->wall_s},
+    };
+    enum neph_status status = NEPH_OK;
+    for (size_t i = 0; i < sizeof(numbers) / sizeof(numbers[0]) && !status; i++)
+        status = neph_frame_stats_set(frame, numbers[i].name, numbers[i].value, diag);
     return status;
 }
 

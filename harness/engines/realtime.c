@@ -8,6 +8,7 @@
 
 #include "base/clock.h"
 #include "harness/data.h"
+#include "harness/frame_stats.h"
 #include "renderer/realtime/options.h"
 #include "renderer/realtime/pipeline.h"
 
@@ -54,8 +55,8 @@ static enum neph_status create(struct sequence *sequence, const struct neph_shot
     return status;
 }
 
-/* The pictures before the first: the camera's and all other keys are held there, so that they show
- * the scene as it is when the sequence begins. */
+/* The pictures before the first, as if the sequence had begun earlier: before picture 0 camera and
+ * sun are held and the wind blows as in picture 0. A given frame is the first picture's. */
 static enum neph_status warm_up(struct sequence *sequence, const struct neph_shot *shot,
                                 struct neph_diag *diag)
 {
@@ -94,14 +95,19 @@ static enum neph_status label_passes(struct neph_image *frame,
     enum neph_status status = NEPH_OK;
     for (int i = 0; neph_realtime_pass_name(i) && !status; i++) {
         char name[NEPH_IMAGE_NAME_MAX];
-        snprintf(name, sizeof(name), "neph.stats.%s_gpu_ms", neph_realtime_pass_name(i));
+        snprintf(name, sizeof(name), "%s_gpu_ms", neph_realtime_pass_name(i));
         for (char *c = name; *c; c++)
             *c = *c == ' ' || *c == '-' ? '_' : *c;
-        if (isfinite(stats->pass_gpu_s[i]))
-            status = neph_image_set_attribute(frame, name, diag, "%.6g",
-                                              1e3 * stats->pass_gpu_s[i]);
+        if (stats->pass_gpu_s[i] > 0.0) /* it ran, on a device with a clock */
+            status = neph_frame_stats_set(frame, name, 1e3 * stats->pass_gpu_s[i], diag);
     }
     return status;
+}
+
+/* NaN: the picture needed no targets, and what the march itself has in memory is not counted. */
+static double of_targets(uint64_t bytes)
+{
+    return bytes > 0 ? (double)bytes : NAN;
 }
 
 static enum neph_status label(struct neph_image *frame, const struct neph_realtime_stats *stats,
@@ -112,22 +118,20 @@ static enum neph_status label(struct neph_image *frame, const struct neph_realti
         const char *name;
         double value;
     } numbers[] = {
-        {"neph.stats.density_evaluations", (double)stats->density_evaluations},
-        {"neph.stats.density_evaluations_per_pixel", (double)stats->density_evaluations / pixels},
-        {"neph.stats.closed_forms", (double)stats->closed_forms},
-        {"neph.stats.rays", (double)stats->rays},
-        {"neph.stats.view_steps", (double)stats->view_steps},
-        {"neph.stats.history_bytes", (double)stats->history_bytes},
-        {"neph.stats.target_bytes", (double)stats->target_bytes},
-        {"neph.stats.traffic_bytes", (double)stats->traffic_bytes},
-        {"neph.stats.gpu_ms", 1e3 * stats->gpu_s},
-        {"neph.stats.wall_ms", 1e3 * stats->wall_s},
+        {"density_evaluations", (double)stats->density_evaluations},
+        {"density_evaluations_per_pixel", (double)stats->density_evaluations / pixels},
+        {"closed_forms", (double)stats->closed_forms},
+        {"rays", (double)stats->rays},
+        {"view_steps", (double)stats->view_steps},
+        {"history_bytes", of_targets(stats->history_bytes)},
+        {"target_bytes", of_targets(stats->target_bytes)},
+        {"traffic_bytes", of_targets(stats->traffic_bytes)},
+        {"gpu_ms", 1e3 * stats->gpu_s},
+        {"wall_ms", 1e3 * stats->wall_s},
     };
     enum neph_status status = NEPH_OK;
     for (size_t i = 0; i < sizeof(numbers) / sizeof(numbers[0]) && !status; i++)
-        if (isfinite(numbers[i].value))
-            status = neph_image_set_attribute(frame, numbers[i].name, diag, "%.15g",
-                                              numbers[i].value);
+        status = neph_frame_stats_set(frame, numbers[i].name, numbers[i].value, diag);
     return status ? status : label_passes(frame, stats, diag);
 }
 

@@ -462,6 +462,15 @@ static enum neph_status check_given(const struct neph_realtime *realtime,
             return neph_fail(diag, NEPH_ERR_INPUT,
                              "the given depth at pixel %zu,%zu is %g m, not above 0",
                              i % (size_t)width_px, i / (size_t)width_px, (double)depth_m[i]);
+    float *rgb[3];
+    const bool shines = neph_image_rgb(given, NULL, rgb);
+    for (int c = 0; shines && c < 3; c++)
+        for (size_t i = 0; i < neph_image_pixel_count(given); i++)
+            if (!(isfinite(rgb[c][i]) && rgb[c][i] >= 0.0f))
+                return neph_fail(diag, NEPH_ERR_INPUT,
+                                 "the given radiance at pixel %zu,%zu is %g, not finite and 0 or "
+                                 "above",
+                                 i % (size_t)width_px, i / (size_t)width_px, (double)rgb[c][i]);
     return NEPH_OK;
 }
 

@@ -68,7 +68,8 @@ void neph_realtime_destroy(struct neph_realtime *realtime);
 
 /* The next picture: R G B, volume.*, transmittance.*, Z and volume.distance as in base/image.h.
  * Same pictures in the same order on the same device: same bits. `stats` may be NULL.
- * NEPH_ERR_INPUT: the given frame has another size, no Z, or a depth that is not above 0.
+ * NEPH_ERR_INPUT: the given frame has another size, no Z, a depth that is not above 0, or radiance
+ * that is not finite or below 0.
  * NEPH_ERR_INTERRUPTED as of neph_march_frame(); the sequence is of no more use then. */
 enum neph_status neph_realtime_render(struct neph_realtime *realtime,
                                       const struct neph_realtime_frame *frame,

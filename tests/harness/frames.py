@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""Frames as another renderer would write them: uncompressed scanline EXR, 8-bit RGB PNG."""
+"""Frames as another renderer would write them: uncompressed scanline EXR, 8-bit RGB PNG. And EXR as
+another program would read it, from the file format's specification alone."""
 import array
+import itertools
 import struct
 import zlib
 
@@ -32,6 +34,53 @@ def exr_bytes(width, height, channels):
         for name in names:
             rows.append(array.array("f", channels[name][y * width:(y + 1) * width]).tobytes())
     return header + offsets + b"".join(rows)
+
+
+def _cut(data, at):
+    """The text up to the next zero byte, and where the rest begins."""
+    end = data.index(b"\0", at)
+    return data[at:end].decode(), end + 1
+
+
+def _unzip(packed, size):
+    """Of a ZIP chunk: deflate, differences of neighbours, then all even bytes before all odd ones."""
+    if len(packed) == size:
+        return packed
+    halves = bytes(itertools.accumulate(zlib.decompress(packed), lambda before, byte: (before + byte - 128) & 255))
+    data = bytearray(size)
+    data[0::2], data[1::2] = halves[:(size + 1) // 2], halves[(size + 1) // 2:]
+    return bytes(data)
+
+
+def read_exr(path):
+    """(width, height, {channel: floats, row 0 on top}, {attribute: text}) of a scanline EXR of 32-bit floats."""
+    data, at, header = path.read_bytes(), 8, {}
+    while data[at]:
+        name, at = _cut(data, at)
+        kind, at = _cut(data, at)
+        size, = struct.unpack_from("<i", data, at)
+        header[name] = (kind, data[at + 4:at + 4 + size])
+        at += 4 + size
+    names, chlist, place = [], header["channels"][1], 0
+    while chlist[place]:
+        name, place = _cut(chlist, place)
+        if struct.unpack_from("<i", chlist, place)[0] != 2:
+            raise ValueError(f"{path}: channel {name} is not of 32-bit floats")
+        names.append(name)
+        place += 16
+    left, top, right, bottom = struct.unpack("<4i", header["dataWindow"][1])
+    width, height, rows_per_chunk = right - left + 1, bottom - top + 1, {0: 1, 3: 16}[header["compression"][1][0]]
+    channels = {name: array.array("f", bytes(4 * width * height)) for name in names}
+    for first in range(0, height, rows_per_chunk):
+        offset, = struct.unpack_from("<Q", data, at + 1 + 8 * (first // rows_per_chunk))
+        y, size = struct.unpack_from("<ii", data, offset)
+        rows = min(rows_per_chunk, height - first)
+        plain = _unzip(data[offset + 8:offset + 8 + size], 4 * width * rows * len(names))
+        places = itertools.product(range(y - top, y - top + rows), names)
+        for i, (row, name) in enumerate(places):
+            channels[name][row * width:(row + 1) * width] = array.array("f", plain[4 * width * i:4 * width * (i + 1)])
+    texts = {name: value.decode() for name, (kind, value) in header.items() if kind == "string"}
+    return width, height, channels, texts
 
 
 def grey_exr(path, width, height, values, **further):

@@ -1,0 +1,394 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""Engine realtime through the command line: `neph render` of sequences, presets, given depths, costs."""
+import json
+import math
+import os
+import pathlib
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).parent))
+import frames  # noqa: E402
+
+NEPH = os.environ["NEPH"]
+INF = math.inf
+CACHE = tempfile.TemporaryDirectory()  # of blue noise, which is made once
+unittest.addModuleCleanup(CACHE.cleanup)
+
+# Fog before a tower that is black, under a sky that is not: what is behind the media is known.
+# Sun, wind and camera move.
+MOVING = """
+name: moving
+title: a test
+physics: a test
+camera:
+  keys:
+    - {frame: 0, position_m: [0, 2, 0], look_at_m: [0, 2, -10]}
+    - {frame: 4, position_m: [1, 2, 0], look_at_m: [1, 2, -10]}
+  vertical_fov_deg: 40
+frames: {count: 6, rate_hz: 30}
+sun:
+  keys:
+    - {frame: 0, direction: [0.6, 0.75, 0.3], irradiance_w_per_m2: [6, 6, 6]}
+    - {frame: 5, direction: [0.6, 0.75, -0.3], irradiance_w_per_m2: [3, 3, 3]}
+wind: {velocity_m_per_s: [9, 0, 0]}
+background_w_per_m2_sr: [0.5, 0.25, 0.125]
+scattering: single
+solids:
+  - box: {min_m: [1, -6, -21], max_m: [3, 6, -20], albedo: [0, 0, 0]}
+media:
+  - height_fog: {layers: [{extinction_per_m: 0.02, falloff_per_m: 0.1, height_m: 0}], albedo: [1, 1, 1]}
+  - gaussian: {center_m: [-2, 3, -20], width_m: 3, extinction_per_m: 0.3, albedo: [1, 1, 1]}
+"""
+# Pictures 2 to 5 stand still; from 6 on half the size; a cut between 8 and 9; from 10 on 5/4 of it.
+BROKEN = MOVING.replace("moving", "broken").replace("frames: {count: 6, rate_hz: 30}", """
+frames: {count: 12, rate_hz: 30, pauses: [{frame: 2, count: 3}], sizes: [{frame: 6, scale: 0.5}, {frame: 10, scale: 1.25}]}
+""").replace("  vertical_fov", "    - {frame: 6, position_m: [5, 3, 0], look_at_m: [0, 2, -10], cut: true}\n  vertical_fov")
+
+
+def neph(*arguments, **environment):
+    return subprocess.run([NEPH, *map(str, arguments)], capture_output=True, text=True, timeout=300,
+                          env={**os.environ, "NEPH_VULKAN_VALIDATION": "1", "XDG_CACHE_HOME": CACHE.name, **environment})
+
+
+def divided_up(size, divisor):
+    return math.prod(-(-side // divisor) for side in size)
+
+
+def differing(a, b, channels=None):
+    """Names of the channels whose bits differ, or that only one image has."""
+    return {name for name in channels or {*a, *b} if name not in a or name not in b or a[name].tobytes() != b[name].tobytes()}
+
+
+class Realtime(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+        self.moving, self.broken = self.folder / "moving.yaml", self.folder / "broken.yaml"
+        self.moving.write_text(MOVING)
+        self.broken.write_text(BROKEN)
+
+    def render(self, name, scene, *options, engine="realtime", steps=4, size=(48, 36)):
+        """Results of the frames, in a folder of that name; `channels` and `texts` are those of the files."""
+        done = neph("render", scene, "-e", engine, "-s", f"steps={steps}", "--size", "%dx%d" % size, "--json",
+                    "-o", self.folder / name, *options)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        results = json.loads(done.stdout)
+        for result in results:
+            *result["size"], result["channels"], result["texts"] = frames.read_exr(pathlib.Path(result["exr"]))
+        return results
+
+    def refuse(self, code, *words, scene=None, options=()):
+        done = neph("render", scene or self.moving, "--size", "16x12", "-q", "-o", self.folder / "refused", *options)
+        self.assertEqual((done.returncode, done.stdout), (code, ""), (options, done.stderr))
+        for word in words:
+            self.assertIn(word, done.stderr, options)
+
+    def given(self, name, size=(48, 36), **channels):
+        path = self.folder / name
+        path.write_bytes(frames.exr_bytes(*size, {c: [v] * math.prod(size) if isinstance(v, float) else v
+                                                  for c, v in channels.items()}))
+        return path
+
+    # ---- the march that feeds it -------------------------------------------------------------
+
+    def test_off_is_march_bit_by_bit(self):
+        for settings in ((), ("-s", "sun=marched", "-s", "sun_steps=3", "-s", "transmittance=marched")):
+            march = self.render("march", self.moving, "--frames", 3, *settings, engine="march")
+            off = self.render("off", self.moving, "--frames", 3, "-p", "off", *settings)
+            for a, b in zip(march, off, strict=True):
+                self.assertEqual(differing(a["channels"], b["channels"]), set())
+                counts = [{name: n for name, n in result["stats"].items() if not name.endswith("_ms")} for result in (a, b)]
+                self.assertEqual(*counts)
+                self.assertEqual((b["stats"]["rays"], b["stats"]["view_steps"]), (48 * 36, 48 * 36 * 4))
+
+    def test_a_sixteenth_of_the_density_evaluations(self):
+        for size in ((48, 36), (50, 38), (61, 35)):
+            march, = self.render("march", self.moving, engine="march", size=size)
+            split = self.render("split", self.moving, "--frames", 2, size=size)
+            self.assertEqual(march["stats"]["density_evaluations"], math.prod(size) * 4)
+            for result in split:
+                stats = result["stats"]
+                self.assertGreater(march["stats"]["density_evaluations"] / stats["density_evaluations"], 14)
+                self.assertEqual(stats["rays"], divided_up(size, 4))
+                self.assertEqual(stats["view_steps"], stats["rays"] * 4)
+                self.assertEqual(stats["density_evaluations"], stats["rays"] * 4)  # the sun's are closed forms
+                # written with 15 digits
+                self.assertAlmostEqual(stats["density_evaluations_per_pixel"], stats["rays"] * 4 / math.prod(size), delta=1e-14)
+        lit = self.folder / "lit.yaml"  # no step is in shadow
+        lit.write_text("".join(line + "\n" for line in MOVING.replace("moving", "lit").splitlines()
+                               if "solids:" not in line and "box:" not in line))
+        marched, = self.render("marched", lit, "-s", "sun=marched", "-s", "sun_steps=3")
+        self.assertEqual(marched["stats"]["density_evaluations"], 12 * 9 * 4 * (1 + 3))
+
+    # ---- what is counted ---------------------------------------------------------------------
+
+    def test_bytes_are_those_of_the_formats(self):
+        """Table 1A of the frame split: texels of each target times the bytes of its format."""
+        size = (50, 38)
+        full, half, tile = (divided_up(size, divisor) for divisor in (1, 2, 4))
+        for settings, depth_bytes, color_bytes, taa_bytes in (
+                ((), 2, 8, 8), (("depth_format", "color_format", "taa_format"), 4, 16, 16), (("color_format",), 2, 16, 8)):
+            words = [word for name in settings for word in ("-s", f"{name}=float")]
+            stats = self.render("bytes", self.moving, "--frames", 2, *words, size=size)[-1]["stats"]
+            depth, behind, color, taa = 4 * full, 16 * full, 16 * full, taa_bytes * full
+            half_depth, history, state = 4 * half, color_bytes * half, 2 * depth_bytes * half
+            tiles, ray, distance = 2 * depth_bytes * tile, color_bytes * tile, depth_bytes * tile
+            volume, volume_distance = color_bytes * full, depth_bytes * full
+            passes = {
+                "scene": depth + behind + depth,
+                "depth map": depth + half_depth,
+                "tile index": half_depth + tiles,
+                "march": tiles + half_depth + ray + distance,
+                "reconstruction": tiles + ray + distance + 2 * half_depth + 2 * history + 2 * state,
+                "upscale": depth + half_depth + history + state + volume + volume_distance,
+                "composition": volume + behind + color,
+                "anti-aliasing": color + depth + 2 * taa,
+            }
+            self.assertEqual(stats["traffic_bytes"], sum(passes.values()))
+            self.assertEqual(stats["history_bytes"], half_depth + history + state + taa)
+            self.assertEqual(stats["target_bytes"], 2 * depth + behind + color + 2 * (half_depth + history + state + taa)
+                             + tiles + ray + distance + volume + volume_distance)
+
+    def test_stats_as_a_table(self):
+        done = neph("render", self.moving, "-e", "realtime", "-s", "steps=1000", "-s", "warm_up=0", "--size", "400x300",
+                    "--stats", "-q", "-o", self.folder)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        table = {line.split()[0]: line.split()[1:] for line in done.stdout.splitlines() if len(line.split()) == 4}
+        self.assertEqual(table["density_evaluations"], ["7500000"] * 3)  # all digits
+        march = neph("render", self.moving, "-p", "off", "-e", "realtime", "--size", "16x12", "--stats", "-q", "-o", self.folder)
+        for unknown in ("_bytes", "anti_aliasing"):  # of passes that did not run
+            self.assertNotIn(unknown, march.stdout)
+        none = neph("render", self.moving, "-e", "exact", "--size", "4x3", "--stats", "-q", "-o", self.folder)
+        self.assertIn("counts nothing", none.stdout)
+
+    def test_device_time_of_each_pass(self):
+        stats = self.render("times", self.moving)[0]["stats"]
+        names = ("scene", "depth_map", "tile_index", "march", "reconstruction", "upscale", "composition", "anti_aliasing")
+        times = [stats[f"{name}_gpu_ms"] for name in names]
+        self.assertTrue(all(t > 0 for t in times), times)
+        # each is written with 15 digits
+        self.assertAlmostEqual(sum(times) / stats["gpu_ms"], 1, delta=1e-13)
+        self.assertLess(stats["gpu_ms"], stats["wall_ms"])
+
+    # ---- presets and settings ----------------------------------------------------------------
+
+    def test_every_preset_renders_and_is_another(self):
+        engine, = json.loads(neph("engines", "realtime", "--json").stdout)
+        defaults = {option["name"]: option["default"] for option in engine["options"]}
+        plain = self.render("plain", self.moving, "--frames", 5, "-s", "warm_up=2", size=(41, 30))
+        seen = {}
+        for preset in engine["presets"]:
+            results = self.render(preset["name"], self.moving, "--frames", 5, "-p", preset["name"], "-s", "warm_up=2", size=(41, 30))
+            self.assertEqual([result["frame"] for result in results], list(range(5)))
+            for result in results:
+                for name, samples in result["channels"].items():
+                    far = name in ("Z", "volume.distance")
+                    self.assertTrue(all(math.isfinite(v) or far and v == INF for v in samples), (preset, name))
+                    self.assertGreaterEqual(min(samples), 0, (preset, name))
+            written = dict(word.split("=") for word in results[0]["texts"]["neph.settings"].split())
+            for assignment in preset["settings"].split():
+                key, value = assignment.split("=")
+                self.assertNotEqual(str(defaults[key]), value, "a preset repeats a default")
+                if key != "warm_up":
+                    self.assertEqual(written[key], value)
+            if preset["name"] == "fixed":
+                self.assertEqual([differing(a["channels"], b["channels"]) for a, b in zip(plain, results, strict=True)], [set()] * 5)
+            seen[results[-1]["channels"]["R"].tobytes()] = preset["name"]
+        self.assertEqual(len(seen), len(engine["presets"]), seen)
+
+    def test_set_wins_over_the_preset_wherever_it_stands(self):
+        result, = self.render("won", self.moving, "-s", "warm_up=3", "-s", "taa_alpha=0.5", "-p", "off", "-s", "taa_alpha=0.25")
+        written = result["texts"]["neph.settings"].split()
+        for word in ("warm_up=3", "split=none", "taa=off", "taa_alpha=0.25", "steps=4"):
+            self.assertIn(word, written)
+
+    def test_the_list_of_settings_can_be_read(self):
+        done = neph("engines", "realtime")
+        self.assertEqual(done.returncode, 0)
+        rows = [line for line in done.stdout.splitlines() if line.startswith("    reject_within_m ")]
+        self.assertEqual(len(rows), 1)
+        column = rows[0].index(rows[0].split()[1])
+        for line in done.stdout.splitlines():
+            if "one of:" in line or ", default " in line:
+                self.assertEqual(len(line) - len(line.lstrip()), column, line)
+        self.assertFalse([line for line in done.stdout.splitlines() if line and not line.strip()])
+
+    def test_wrong_words(self):
+        real = ("-e", "realtime")
+        for code, words, options in (
+                (64, ("nope", "off, seed"), (*real, "-p", "nope")),
+                (64, ("engine march", "realtime"), ("-p", "off")),
+                (64, ("'jitter'", "taa_jitter,"), (*real, "-s", "jitter=none")),
+                (64, ("'zzz'", "neph engines realtime"), (*real, "-s", "zzz=1")),
+                (64, ("min_max, variance", "neph engines realtime"), (*real, "-s", "box=big")),
+                (64, ("0..1024",), (*real, "-s", "warm_up=1025")),
+                (64, ("key=value",), (*real, "-s", "steps")),
+                (64, ("1..6", "ends with frame 5"), ("-e", "march", "--frames", "7")),
+                (64, ("0..5",), (*real, "--frame", "6")),
+                (64, ("oracle",), (*real, "--checkpoint", "sums")),
+                (64, ("4096",), (*real, "--size", "5000x8")),
+        ):
+            self.refuse(code, *words, options=options)
+        self.refuse(2, "channels", scene="coloured_fog", options=real)
+        self.refuse(2, "multiple", scene="cloud_below", options=real)
+        self.assertFalse((self.folder / "refused").exists() and list((self.folder / "refused").iterdir()))
+
+    # ---- given depths ------------------------------------------------------------------------
+
+    def test_a_given_depth_is_as_good_as_the_scenes_own(self):
+        """The march's depth and what is known to be behind the media, in place of rays into the scene."""
+        options = ("--frames", 6, "-s", "taa_jitter=none")  # rays that are given do not move
+        for result in self.render("march", self.moving, "--frames", 6, engine="march"):
+            depth_m = result["channels"]["Z"]
+            self.given(f"depth.{result['frame']}.exr", Z=depth_m, **{
+                c: [behind if z == INF else 0.0 for z in depth_m] for c, behind in zip("RGB", (0.5, 0.25, 0.125))})
+        own = self.render("own", self.moving, *options)
+        given = self.render("given", self.moving, *options, "--depth", self.folder / "depth.%d.exr", "-s", "warm_up=0")
+        held = self.render("held", self.moving, *options, "-s", "warm_up=0")
+        for a, b in zip(held, given, strict=True):
+            self.assertEqual(differing(a["channels"], b["channels"]), set(), a["frame"])
+        self.assertEqual(differing(own[0]["channels"], given[0]["channels"]) & {"Z"}, set())
+        self.assertNotEqual(differing(own[0]["channels"], given[0]["channels"]), set())  # warmed up
+
+    def test_one_given_depth_serves_all_frames_and_hides_what_is_behind(self):
+        wall = self.given("wall.exr", Z=5.0)
+        results = self.render("wall", self.moving, "--frames", 3, "--depth", wall)
+        sky = self.render("sky", self.moving, "--depth", self.given("sky.exr", Z=INF, R=1.0, G=1.0, B=1.0))
+        for result in results:
+            self.assertEqual(set(result["channels"]["Z"]), {5.0})
+            # the fog alone, at most 0.02 * e^0.4 per metre over at most 5 m / cos 28 degrees (the corners)
+            self.assertGreater(min(result["channels"]["transmittance.R"]), math.exp(-0.02 * 1.5 * 5.7))
+            self.assertLess(max(result["channels"]["transmittance.R"]), 1)
+        self.assertEqual(set(sky[0]["channels"]["Z"]), {INF})
+        self.assertLess(min(sky[0]["channels"]["transmittance.R"]), 0.5)  # the blob
+
+    def test_wrong_depths(self):
+        good = {"size": (16, 12), "Z": 5.0}
+        radiance = {"R": 1.0, "G": 1.0}
+        for name, code, word, file in (
+                ("small", 65, "8x6 px, the frame to render 16x12", {**good, "size": (8, 6)}),
+                ("no_z", 65, "no channel Z", {"size": (16, 12), "R": 1.0}),
+                ("negative", 65, "-1 m", {**good, "Z": -1.0}),
+                ("zero", 65, "0 m", {**good, "Z": 0.0}),
+                ("nan", 65, "nan", {**good, "Z": math.nan}),
+                ("dark", 65, "-2", {**good, **radiance, "B": -2.0}),
+                ("bright", 65, "inf", {**good, **radiance, "B": INF}),
+        ):
+            path = self.given(f"{name}.exr", **file)
+            self.refuse(code, word, str(path), options=("-e", "realtime", "--depth", path))
+        good = self.given("good.0.exr", **good)
+        self.given("good.1.exr", size=(16, 12), Z=5.0)
+        both = self.folder / "good.%d.exr"
+        self.refuse(66, "lost.exr", options=("-e", "realtime", "--depth", self.folder / "lost.exr"))
+        self.refuse(64, "2 files", "3", options=("-e", "realtime", "--frames", 3, "--depth", both))
+        self.refuse(64, "2 files", options=("-e", "realtime", "--depth", both))
+        self.refuse(64, "realtime", "march", options=("-e", "march", "--depth", good))
+        self.refuse(2, "split=four", options=("-e", "realtime", "-p", "off", "--depth", good))
+        junk = self.folder / "junk.exr"
+        junk.write_bytes(b"no picture")
+        self.refuse(65, "junk.exr", options=("-e", "realtime", "--depth", junk))
+
+    def test_a_wrong_depth_in_the_middle_is_named_and_what_is_finished_stays(self):
+        for frame, depth_m in enumerate((5.0, 5.0, -5.0, 5.0)):
+            self.given(f"depth.{frame}.exr", (16, 12), Z=depth_m)
+        done = neph("render", self.moving, "-e", "realtime", "--size", "16x12", "--frames", 4, "-q",
+                    "--depth", self.folder / "depth.%d.exr", "-o", self.folder / "out")
+        self.assertEqual((done.returncode, "depth.2.exr" in done.stderr), (65, True), done.stderr)
+        self.assertEqual(sorted(path.name for path in (self.folder / "out").iterdir()),
+                         ["moving_realtime_0000.exr", "moving_realtime_0001.exr"])
+
+    # ---- sequences ---------------------------------------------------------------------------
+
+    def test_a_sequence_with_pause_sizes_and_cut(self):
+        results = self.render("broken", self.broken, "--frames", 12, "--scene-layers", "-s", "taa_jitter=none", size=(40, 32))
+        self.assertEqual([tuple(r["size"]) for r in results], [(40, 32)] * 6 + [(20, 16)] * 4 + [(50, 40)] * 2)
+        speeds_px = []
+        for result in results:
+            channels = result["channels"]
+            self.assertLessEqual({"volume.distance", "motion.x", "motion.y", "motion.depth", "mask.fog", "mask.cloud"}, set(channels))
+            speeds_px.append(max(map(abs, channels["motion.x"])))
+        # of 0.25 m per frame at the tower, 20 m away, 40 degrees high; key frames 0 1 2 2 2 2 3 4 5 6 ..
+        px_per_frame = 0.25 / 20 * 32 / 2 / math.tan(math.radians(20))
+        for frame, expected in {0: 0, 1: 1, 2: 1, 3: 0, 4: 0, 5: 0, 6: 0.5, 7: 0.5, 8: 0, 11: 0}.items():
+            # doubles around 32 px, then a float
+            self.assertAlmostEqual(speeds_px[frame], expected * px_per_frame, delta=1e-6, msg=frame)
+        for frame in (3, 4, 5):  # time stands still
+            self.assertEqual(differing(results[2]["channels"], results[frame]["channels"], ["Z", "mask.fog"]), set())
+        self.assertEqual(set(results[9]["channels"]["motion.x"]), {1e6})  # beyond the cut: nowhere
+        self.assertEqual(set(results[9]["channels"]["motion.depth"]), {0.0})
+        self.assertEqual({r["stats"]["rays"] for r in results}, {80, 20, 130})
+
+    def test_off_stands_still_in_a_pause(self):
+        results = self.render("still", self.broken, "--frame", 2, "--frames", 5, "-p", "off")
+        for result in results[1:4]:
+            self.assertEqual(differing(results[0]["channels"], result["channels"]), set())
+        self.assertNotEqual(results[3]["size"], results[4]["size"])
+
+    def test_a_cut_voids_the_past_and_nothing_else_does(self):
+        kept, reset = (self.render(word, self.broken, "--frame", 6, "--frames", 4, "-s", f"cut_reset={word}", "-s", "warm_up=0")
+                       for word in ("off", "on"))
+        differences = [differing(a["channels"], b["channels"], "RGB") for a, b in zip(kept, reset, strict=True)]
+        self.assertEqual(differences, [set()] * 3 + [set("RGB")])
+
+    def test_the_past_is_used(self):
+        """Pictures differ from the first one of a sequence that begins there."""
+        alone, = self.render("alone", self.moving, "--frame", 4, "-s", "warm_up=0")
+        warm, = self.render("warm", self.moving, "--frame", 4, "-s", "warm_up=4")
+        sequence = self.render("sequence", self.moving, "--frames", 5, "-s", "warm_up=0")
+        self.assertEqual(differing(sequence[4]["channels"], warm["channels"]), set())
+        self.assertEqual(differing(alone["channels"], warm["channels"]) & {"R", "volume.R"}, {"R", "volume.R"})
+
+    def test_a_sequence_goes_on_beyond_the_scene(self):
+        results = self.render("beyond", self.moving, "--frame", 4, "--frames", 5)
+        self.assertEqual([int(result["texts"]["neph.frame"]) for result in results], [4, 5, 6, 7, 8])
+
+    def test_same_command_same_bits(self):
+        command = (self.moving, "--frames", 5, "-p", "seed", "-s", "warm_up=0")
+        first, second = self.render("first", *command), self.render("second", *command)
+        other = self.render("other", *command, "--seed", 2)
+        for a, b, c in zip(first, second, other, strict=True):
+            self.assertEqual(differing(a["channels"], b["channels"]), set())
+            timeless = [{name: text for name, text in result["texts"].items() if not name.endswith(("_s", "_ms"))} for result in (a, b)]
+            self.assertEqual(*timeless)
+            self.assertIn("R", differing(a["channels"], c["channels"]))
+
+    def test_interrupted_sequences_keep_what_is_finished(self):
+        folder = self.folder / "out"
+        run = subprocess.Popen([NEPH, "render", str(self.moving), "-e", "realtime", "--frames", "100000", "--size", "96x54", "--json",
+                                "-q", "-o", str(folder)], stdout=subprocess.PIPE, env={**os.environ, "XDG_CACHE_HOME": CACHE.name})
+        deadline = time.monotonic() + 60
+        while len(list(folder.glob("*.exr"))) < 3 and time.monotonic() < deadline:
+            time.sleep(0.05)
+        run.send_signal(signal.SIGINT)
+        out, _ = run.communicate(timeout=60)
+        self.assertEqual(run.returncode, 130)
+        listed = [pathlib.Path(result["exr"]) for result in json.loads(out)]
+        self.assertGreaterEqual(len(listed), 3)
+        self.assertEqual(sorted(folder.iterdir()), listed)  # nothing half done, no scratch
+        for path in (listed[0], listed[-1]):
+            self.assertEqual(frames.read_exr(path)[:2], (96, 54))
+
+    # ---- beside the others -------------------------------------------------------------------
+
+    def test_validate_runs_it_only_when_it_is_named(self):
+        options = ("--size", "16x12", "--no-charts", "-q", "--json", "-o", self.folder / "out")
+        named = neph("validate", self.moving, *options, "-e", "exact", "-e", "realtime")
+        self.assertEqual(named.returncode, 0, named.stderr)
+        scene, = json.loads(named.stdout)["scenes"]
+        self.assertEqual([(f["engine"], f["status"]) for f in scene["frames"]], [("exact", "rendered"), ("realtime", "rendered")])
+        everything = neph("validate", self.moving, *options, PATH="/nonexistent", VK_ICD_FILENAMES="/nonexistent.json")
+        scene, = json.loads(everything.stdout)["scenes"]
+        engines = [frame["engine"] for frame in scene["frames"]]
+        self.assertIn("march", engines)
+        self.assertNotIn("realtime", engines)
+
+
+if __name__ == "__main__":
+    unittest.main()
