@@ -45,6 +45,11 @@ media:
   - height_fog: {layers: [{extinction_per_m: 0.02, falloff_per_m: 0.1, height_m: 0}], albedo: [1, 1, 1]}
   - gaussian: {center_m: [-2, 3, -20], width_m: 3, extinction_per_m: 0.3, albedo: [1, 1, 1]}
 """
+# The camera within a box of haze: every step of every ray is lit through haze.
+BOX = MOVING[:MOVING.index("solids:")].replace("moving", "box") + """
+media:
+  - gaussian: {center_m: [0, 0, 0], width_m: 9, extinction_per_m: 0.02, albedo: [1, 1, 1], bounds: {min_m: [-9, -9, -9], max_m: [9, 9, 9]}}
+"""
 # Pictures 2 to 5 stand still; from 6 on half the size; a cut between 8 and 9; from 10 on 5/4 of it.
 BROKEN = MOVING.replace("moving", "broken").replace("frames: {count: 6, rate_hz: 30}", """
 frames: {count: 12, rate_hz: 30, pauses: [{frame: 2, count: 3}], sizes: [{frame: 6, scale: 0.5}, {frame: 10, scale: 1.25}]}
@@ -70,9 +75,9 @@ class Realtime(unittest.TestCase):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         self.folder = pathlib.Path(folder.name)
-        self.moving, self.broken = self.folder / "moving.yaml", self.folder / "broken.yaml"
-        self.moving.write_text(MOVING)
-        self.broken.write_text(BROKEN)
+        self.moving, self.box, self.broken = (self.folder / f"{name}.yaml" for name in ("moving", "box", "broken"))
+        for path, text in ((self.moving, MOVING), (self.box, BOX), (self.broken, BROKEN)):
+            path.write_text(text)
 
     def render(self, name, scene, *options, engine="realtime", steps=4, size=(48, 36)):
         """Results of the frames, in a folder of that name; `channels` and `texts` are those of the files."""
@@ -121,10 +126,7 @@ class Realtime(unittest.TestCase):
                 self.assertEqual(stats["density_evaluations"], stats["rays"] * 4)  # the sun's are closed forms
                 # written with 15 digits
                 self.assertAlmostEqual(stats["density_evaluations_per_pixel"], stats["rays"] * 4 / math.prod(size), delta=1e-14)
-        lit = self.folder / "lit.yaml"  # no step is in shadow
-        lit.write_text("".join(line + "\n" for line in MOVING.replace("moving", "lit").splitlines()
-                               if "solids:" not in line and "box:" not in line))
-        marched, = self.render("marched", lit, "-s", "sun=marched", "-s", "sun_steps=3")
+        marched, = self.render("marched", self.box, "-s", "sun=marched", "-s", "sun_steps=3")
         self.assertEqual(marched["stats"]["density_evaluations"], 12 * 9 * 4 * (1 + 3))
 
     # ---- what is counted ---------------------------------------------------------------------
