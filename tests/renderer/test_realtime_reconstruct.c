@@ -353,8 +353,8 @@ static void test_far_ridges_take_the_sky_s_light(void **state)
     for (int limited = 0; limited < 2; limited++) {
         struct test_passes test;
         reconstruct_open(*state,
-                         limited ? "ray_depth_max_m=10000 clamp_pixel_depth=on"
-                                 : "ray_depth_max_m=10000 clamp_pixel_depth=off",
+                         limited ? "sky_m=20000 ray_depth_max_m=10000 clamp_pixel_depth=on"
+                                 : "sky_m=20000 ray_depth_max_m=10000 clamp_pixel_depth=off",
                          20, 4, &test);
         test.view.has_history = 0;
         for (int i = 0; i < 5; i++) {
