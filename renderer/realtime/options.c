@@ -201,6 +201,15 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
                             "what is not finite is left out, colours are held to 0 .. 65504, and "
                             "0 / 0 of the contrast law counts as 0"),
 
+    [RT_BOX_MOTION_PX] = REAL("box_motion_px", 0, 0, 100,
+                              "history that has moved by less than this and whose nearest ray sees "
+                              "what its place remembers is not held in the box; full at twice this "
+                              "[px per frame]; 0: always held"),
+    [RT_BOX_CHANGE] = REAL(
+        "box_change", 0, 0, 1,
+        "relative change of that ray since, from which on the box counts all the "
+        "same; full at twice this; 0: always held"),
+
     [RT_WARM_UP] = WHOLE("warm_up", 16, 0, 1024,
                          "pictures that are rendered and not kept before the first, as if the "
                          "sequence had begun earlier"),

@@ -25,6 +25,7 @@ struct history {
     double value[4];
     float age;
     bool is_void;
+    double motion_px;
 };
 
 static float setting(const struct neph_rt_oracle *oracle, int index)
@@ -443,7 +444,9 @@ static struct history history_of(const struct neph_rt_oracle *oracle, int x, int
     if ((setting(oracle, RT_REJECT_DEPTH) > 0.0f || setting(oracle, RT_REJECT_SCENE_M) > 0.0f) &&
         !is_same_scene(oracle, place_px, before_px, depth_m))
         return none;
-    return history_about(oracle, before_px);
+    struct history history = history_about(oracle, before_px);
+    history.motion_px = hypot(before_px[0] - place_px[0], before_px[1] - place_px[1]);
+    return history;
 }
 
 /* --- the result ------------------------------------------------------------------------------ */
@@ -451,6 +454,36 @@ static struct history history_of(const struct neph_rt_oracle *oracle, int x, int
 static double blend(double a, double b, double weight_of_b)
 {
     return weight_of_b == 0.0 ? a : weight_of_b == 1.0 ? b : a + weight_of_b * (b - a);
+}
+
+static double beyond(double value, double least)
+{
+    return least > 0.0 ? held(value / least - 1.0, 0.0, 1.0) : 1.0;
+}
+
+/* What a ray sees now against the memory of the half-pixel it went through. */
+static double change_at_ray(const struct neph_rt_oracle *oracle, const struct ray *ray)
+{
+    float tile[4], depth[4], distance[4];
+    neph_rt_fetch_tile(oracle, RT_TILE, ray->tile_x, ray->tile_y, tile);
+    neph_rt_fetch_tile(oracle, RT_RAY_DISTANCE, ray->tile_x, ray->tile_y, distance);
+    const int *offset = neph_rt_slot_place(oracle->view, (int)tile[0]);
+    const int x = held_int(2 * ray->tile_x + offset[0], 0, (int)oracle->view->half_size_px[0] - 1);
+    const int y = held_int(2 * ray->tile_y + offset[1], 0, (int)oracle->view->half_size_px[1] - 1);
+    neph_rt_fetch_half(oracle, RT_HALF_DEPTH, x, y, depth);
+    const struct history then = history_of(oracle, x, y, depth[0], distance[0]);
+    if (then.is_void)
+        return 1.0;
+    const double now = luminance((double[3]){ray->value[0], ray->value[1], ray->value[2]});
+    const double before = luminance(then.value), most = fmax(now, before);
+    return fmax(most > 0.0 ? fabs(now - before) / most : 0.0, fabs(ray->value[3] - then.value[3]));
+}
+
+static double box_share(const struct neph_rt_oracle *oracle, double motion_px,
+                        const struct ray *nearest)
+{
+    const double moved = beyond(motion_px, setting(oracle, RT_BOX_MOTION_PX));
+    return fmax(moved, beyond(change_at_ray(oracle, nearest), setting(oracle, RT_BOX_CHANGE)));
 }
 
 static double kept(const struct neph_rt_oracle *oracle, int format_setting, double value)
@@ -492,8 +525,14 @@ static void reconstruct(const struct neph_rt_oracle *oracle, int x, int y)
     neph_rt_fetch_tile(oracle, RT_TILE, x / 2, y / 2, tile);
     const bool is_fresh = rays[0].is_usable && (int)tile[0] == neph_rt_slot_of(oracle->view, x, y);
     struct history history = history_of(oracle, x, y, depth[0], distance[0]);
-    if (!history.is_void)
-        hold_among_rays(oracle, rays, nearest, own_m, history.value);
+    if (!history.is_void) {
+        double boxed[4];
+        memcpy(boxed, history.value, sizeof(boxed));
+        hold_among_rays(oracle, rays, nearest, own_m, boxed);
+        const double share = box_share(oracle, history.motion_px, nearest);
+        for (int c = 0; c < 4; c++)
+            history.value[c] = blend(history.value[c], boxed[c], share);
+    }
 
     float age = history.is_void ? 1.0f : history.age;
     if (is_fresh && !history.is_void)

@@ -11,9 +11,10 @@ struct History {
     vec4 value;
     float age; // in rays
     bool is_void;
+    float motion_px; // since the frame before
 };
 
-const History NO_HISTORY = History(vec4(0.0), 0.0, true);
+const History NO_HISTORY = History(vec4(0.0), 0.0, true, 0.0);
 
 bool checks_validity() { return choice(RT_VALIDITY) != 0; }
 
@@ -24,7 +25,8 @@ History history_at(ivec2 half_pixel)
     vec4 value = fetch_half(RT_HISTORY_BEFORE, half_pixel);
     float age = fetch_half(RT_HISTORY_STATE_BEFORE, half_pixel).x;
     bool has_age = is_finite(age) && age > 0.0;
-    return History(value, has_age ? age : 0.0, checks_validity() && !(has_age && is_sound(value)));
+    bool is_void = checks_validity() && !(has_age && is_sound(value));
+    return History(value, has_age ? age : 0.0, is_void, 0.0);
 }
 
 // Of the taps -1, 0, 1 and 2, for a place between tap 0 and tap 1.
@@ -160,7 +162,9 @@ History history_of(ivec2 half_pixel, float depth_m, float distance_m)
     bool rejects = setting(RT_REJECT_DEPTH) > 0.0 || setting(RT_REJECT_SCENE_M) > 0.0;
     if (rejects && !is_same_scene(place_px, before_px, depth_m))
         return NO_HISTORY;
-    return history_about(before_px);
+    History history = history_about(before_px);
+    history.motion_px = distance(before_px, place_px);
+    return history;
 }
 
 #endif

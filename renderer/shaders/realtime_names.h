@@ -80,9 +80,12 @@
 #define RT_TAA_FORMAT 64
 #define RT_TAA_ROUNDING 65
 #define RT_TAA_GUARD 66
+// When the box is needed at all.
+#define RT_BOX_MOTION_PX 67
+#define RT_BOX_CHANGE 68
 // The sequence; no shader asks for it.
-#define RT_WARM_UP 67
-#define RT_SETTING_COUNT 68
+#define RT_WARM_UP 69
+#define RT_SETTING_COUNT 70
 
 // --- choices ----------------------------------------------------------------------------------
 

@@ -168,6 +168,40 @@ vec4 held_among_rays(vec4 value, int nearest, float own_m)
     return held_in_space(space, value, rays[nearest].value, box);
 }
 
+// 0 up to `least`, 1 from twice that on.
+float beyond(float value, float least)
+{
+    return least > 0.0 ? clamp(value / least - 1.0, 0.0, 1.0) : 1.0;
+}
+
+// By how much the nearest ray differs from what its own half-pixel is remembered as: luminance
+// relative to the larger, or transmittance. This is the temporal gradient of C. Schied, C. Peters
+// and C. Dachsbacher, "Gradient Estimation for Real-Time Adaptive Temporal Filtering", HPG 2018, of
+// which the split of the frame has one for free in each tile.
+float change_at_ray(ivec2 tile, int ray)
+{
+    ivec2 own_tile = ray_tile(tile, ray);
+    ivec2 place = 2 * own_tile + slot_place(int(fetch_tile(RT_TILE, own_tile).x));
+    place = min(place, half_size() - 1);
+    History then = history_of(place, fetch_half(RT_HALF_DEPTH, place).x,
+                              fetch_tile(RT_RAY_DISTANCE, own_tile).x);
+    float now_luminance = luminance(rays[ray].value.rgb);
+    float then_luminance = luminance(then.value.rgb);
+    float most = max(now_luminance, then_luminance);
+    float change = most > 0.0 ? abs(now_luminance - then_luminance) / most : 0.0;
+    return then.is_void ? 1.0 : max(change, abs(rays[ray].value.a - then.value.a));
+}
+
+// What is at rest and in the same light needs no box: it would only let the depths that this frame's
+// rays happen to have flicker through it.
+float box_share(float motion_px, ivec2 tile, int nearest)
+{
+    float share = beyond(motion_px, setting(RT_BOX_MOTION_PX));
+    if (share < 1.0)
+        share = max(share, beyond(change_at_ray(tile, nearest), setting(RT_BOX_CHANGE)));
+    return share;
+}
+
 // `b` or `a` itself at the ends, whatever the other one is.
 vec4 blend(vec4 a, vec4 b, float weight_of_b)
 {
@@ -218,7 +252,8 @@ void main()
     float distance_m = fetch_tile(RT_RAY_DISTANCE, ray_tile(tile, of_tile ? 0 : nearest)).x;
     History history = history_of(half_pixel, depth_m, distance_m);
     if (!history.is_void)
-        history.value = held_among_rays(history.value, nearest, own_m);
+        history.value = blend(history.value, held_among_rays(history.value, nearest, own_m),
+                              box_share(history.motion_px, tile, nearest));
 
     bool is_fresh = rays[0].is_usable && int(fetch_tile(RT_TILE, tile).x) == slot_of(half_pixel);
     float age = history.is_void ? 1.0 : history.age;

@@ -41,6 +41,8 @@ static struct neph_settings random_settings(uint64_t *seed)
     settings.values[RT_FRESH_WEIGHT] = pick(seed, 1, 0, 0.2);
     settings.values[RT_HISTORY_WEIGHT] = pick(seed, 1, 1, 0.7);
     settings.values[RT_HISTORY_AGE_MAX] = pick(seed, 0, 0, 20);
+    settings.values[RT_BOX_MOTION_PX] = pick(seed, 0, 0.5, 20);
+    settings.values[RT_BOX_CHANGE] = pick(seed, 0, 0.05, 0.4);
     settings.values[RT_REJECT_DEPTH] = pick(seed, 0, 0, 0.3);
     settings.values[RT_REJECT_SCENE_M] = pick(seed, 0, 0, 50);
     return settings;
