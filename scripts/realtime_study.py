@@ -3,7 +3,9 @@
 """The presets of engine `realtime` side by side: flicker at depth edges, half-life, error.
 
 Every preset renders the same scenes with the same steps, so with the same density evaluations per
-pixel; the reference is `march` with these steps, frame by frame. For each scene and seed:
+pixel. The reference is the march with these steps, frame by frame: before a camera at rest as it is,
+before a moving one with the preset's own anti-aliasing behind it (`off` with taa=on), or the jagged
+edges of the march would be taken for flicker of the preset. For each scene and seed:
 
   a4        95th percentile at depth edges of the amplitude at the period of four frames [display]
   std       95th percentile there of the standard deviation over time [display]
@@ -12,9 +14,10 @@ pixel; the reference is `march` with these steps, frame by frame. For each scene
             is followed: the same scene, its sun four times as bright from frame 32 on (a scene with
             a sun of its own in motion, or a camera, is left out)
 
-What two presets differ by is taken per scene and seed, in decades of a4 and in frames of half-life,
-and over these pairs: mean, its 95 % interval by Student's t over scenes (seeds of a scene are
-averaged first: they share its geometry), and how many scenes are better.
+What two presets differ by is taken per scene, in decades (seeds of a scene are averaged first: they
+share its geometry): mean, its 95 % interval by Student's t over scenes, how many scenes are better,
+worse and alike. A half-life is left out where in either preset more than 5 % of the pixels never get
+there, because they were wrong by more than half of the step to begin with.
 
   scripts/realtime_study.py --neph build/release/neph --work /tmp/study --markdown study.md
   scripts/realtime_study.py --presets seed,fixed,ours --scenes fence_pitch4 --seeds 1
@@ -41,6 +44,7 @@ SCENES = {  # name: camera and sun at rest?
     "sun_step": False,
 }
 STEP_FRAME = 32  # of the sun's step
+LAG_FRAMES = 48  # that are watched from there on
 T_975 = [math.nan, 12.71, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262, 2.228, 2.201, 2.179]
 
 
@@ -76,19 +80,39 @@ class Study:
                        for frame, value in ((STEP_FRAME - 1, dim), (STEP_FRAME, found[2])))
         text = text[:found.start()] + "sun:\n  keys:\n" + keys.rstrip("\n") + text[found.end():]
         text = re.sub(r"^frames: .*\n", "", text, flags=re.M)
-        text = re.sub(r"^name: .*$", f"name: {name}_step\nframes: {{count: {2 * STEP_FRAME + 16}, rate_hz: 30}}", text, flags=re.M)
+        text = re.sub(r"^name: .*$", f"name: {name}_step\nframes: {{count: {STEP_FRAME + LAG_FRAMES}, rate_hz: 30}}", text, flags=re.M)
         os.makedirs(self.path("scenes"), exist_ok=True)
         path = self.path("scenes", f"{name}_step.yaml")
         with open(path, "w") as file:
             file.write(text)
         return path
 
-    def references(self, scene, at_rest):
-        frames = 1 if at_rest else self.options.frames
-        self.render(self.path("march", scene), scene, "-e", "march", "--scene-layers", frames=frames)
+    def preset_arguments(self, preset):
+        name, *changes = preset.split("+")
+        return ["-e", "realtime", "--preset", name] + [a for change in changes for a in ("--set", change)]
+
+    def anti_aliasing(self, preset):
+        """What the preset sets of TAA, as arguments."""
+        name, *changes = preset.split("+")
+        known = json.loads(self.run("engines", "realtime", "--json"))[0]["presets"]
+        settings = next(p["settings"] for p in known if p["name"] == name).split() + changes
+        return [a for s in settings if s.startswith("taa") for a in ("--set", s)]
+
+    def reference(self, scene, at_rest, preset):
+        """Folder of the reference's frames; made by references()."""
         if at_rest:
+            return self.path("march", scene)
+        return self.path("march" + "".join(self.anti_aliasing(preset)[1::2]).replace("=", "-"), scene)
+
+    def references(self, scene, at_rest, preset):
+        folder = self.reference(scene, at_rest, preset)
+        if not at_rest:
+            self.render(folder, scene, "-e", "realtime", "--preset", "off", "--set", "taa=on", "--set", "warm_up=32",
+                        *self.anti_aliasing(preset), "--scene-layers", frames=self.options.frames)
+        else:
+            self.render(folder, scene, "-e", "march", "--scene-layers", frames=1)
             self.render(self.path("march", f"{scene}_step"), self.step_scene(scene), "-e", "march",
-                        frames=2 * STEP_FRAME + 16)
+                        frames=STEP_FRAME + LAG_FRAMES)
 
     def flicker(self, reference, test, *arguments):
         # 1: frames are frozen, which the table says; 3 and others are errors.
@@ -96,14 +120,12 @@ class Study:
         return json.loads(out)
 
     def measure(self, scene, at_rest, preset, seed):
-        arguments = ["-e", "realtime", "--preset", preset.split("+")[0], "--seed", str(seed)]
-        for assignment in preset.split("+")[1:]:
-            arguments += ["--set", assignment]
+        arguments = self.preset_arguments(preset) + ["--seed", str(seed)]
         if preset.split("+")[0] != "off":
             arguments += ["--set", "warm_up=32"]
         folder = self.path(f"{preset}.{seed}".replace("=", "-"), scene)
         self.render(folder, scene, *arguments, "--scene-layers", frames=self.options.frames)
-        found = self.flicker(self.path("march", scene), folder, "-m", "a4_p95", "-m", "std_p95", "-m", "rel_rmse",
+        found = self.flicker(self.reference(scene, at_rest, preset), folder, "-m", "a4_p95", "-m", "std_p95", "-m", "rel_rmse",
                              "-m", "cyclic_share")
         result = {
             "scene": scene, "preset": preset, "seed": seed, "frozen": found["frozen"],
@@ -113,7 +135,7 @@ class Study:
         }
         if at_rest:
             folder += "_step"
-            self.render(folder, self.path("scenes", f"{scene}_step.yaml"), *arguments, frames=2 * STEP_FRAME + 16)
+            self.render(folder, self.path("scenes", f"{scene}_step.yaml"), *arguments, frames=STEP_FRAME + LAG_FRAMES)
             found = self.flicker(self.path("march", f"{scene}_step"), folder, "-m", "half_life_p95",
                                  "-m", "half_life_p50", "-m", "frames_to_10_p95", "-s", f"lag.step_frame={STEP_FRAME}")
             result["half_life"] = value(found, "half_life_p95", "all")
@@ -146,18 +168,22 @@ def per_scene(results, preset, key):
     return {scene: sum(values) / len(values) for scene, values in scenes.items()}
 
 
-def paired(results, ours, other, key, decades):
-    """Mean of ours - other over scenes, half width of its 95 % interval, scenes better and in all."""
+FLOOR = 1e-5  # of a4: a four-hundredth of an 8-bit step; what is below is alike
+
+
+def paired(results, ours, other, key):
+    """Mean of log10(ours / other) over scenes, half width of its 95 % interval, scenes better, worse, alike."""
     a, b = per_scene(results, ours, key), per_scene(results, other, key)
-    floor = 1e-6  # of a4: below a thousandth of an 8-bit step nothing differs
-    change = (lambda x, y: math.log10(max(x, floor) / max(y, floor))) if decades else (lambda x, y: x - y)
-    differences = [change(a[s], b[s]) for s in a if s in b]
+    never = LAG_FRAMES - 1 if key == "half_life" else math.inf
+    differences = [math.log10(max(a[s], FLOOR) / max(b[s], FLOOR))
+                   for s in a if s in b and a[s] < never and b[s] < never]
     n = len(differences)
     if n < 2:
         return None
     mean = sum(differences) / n
     deviation = math.sqrt(sum((d - mean) ** 2 for d in differences) / (n - 1))
-    return mean, T_975[min(n - 1, 12)] * deviation / math.sqrt(n), sum(d < 0 for d in differences), n
+    better, worse = sum(d < 0 for d in differences), sum(d > 0 for d in differences)
+    return mean, T_975[min(n - 1, 12)] * deviation / math.sqrt(n), better, worse, n - better - worse
 
 
 def table(results, presets, key, form):
@@ -180,14 +206,14 @@ def report(results, presets):
         factor = 1 if key in ("half_life", "to_10") else 1000
         scaled = [{**r, key: r.get(key, math.nan) * factor} for r in results]
         parts.append(f"**{title}**\n\n{table(scaled, presets, key, form)}\n")
-    rows = ["| ours against | a4 [decades] | scenes better | half-life [frames] | scenes better |",
+    rows = ["| against | a4 [decades] | better, worse, alike | half-life [decades] | better, worse, alike |",
             "| --- | ---: | ---: | ---: | ---: |"]
     ours = presets[-1]
     for other in presets[:-1]:
         cells = []
-        for key, decades in (("a4", True), ("half_life", False)):
-            found = paired(results, ours, other, key, decades)
-            cells += ["-", "-"] if not found else [f"{found[0]:+.2f} ± {found[1]:.2f}", f"{found[2]} of {found[3]}"]
+        for key in ("a4", "half_life"):
+            found = paired(results, ours, other, key)
+            cells += ["-", "-"] if not found else [f"{found[0]:+.2f} ± {found[1]:.2f}", "{}, {}, {}".format(*found[2:])]
         rows.append(f"| {other} | " + " | ".join(cells) + " |")
     parts.append(f"**`{ours}` minus each other, paired by scene (95 % intervals)**\n\n" + "\n".join(rows) + "\n")
     return "\n".join(parts)
@@ -211,7 +237,8 @@ def main():
     presets, scenes = options.presets.split(","), options.scenes.split(",")
     study = Study(options)
     with ThreadPoolExecutor(options.jobs) as pool:
-        list(pool.map(lambda s: study.references(s, SCENES[s]), scenes))
+        references = {study.reference(s, SCENES[s], p): (s, SCENES[s], p) for s in scenes for p in presets}
+        list(pool.map(lambda r: study.references(*r), references.values()))
         work = [(s, SCENES[s], p, seed) for s in scenes for p in presets for seed in range(1, options.seeds + 1)]
         results = list(pool.map(lambda w: study.measure(*w), work))
     for result in results:

@@ -18,7 +18,9 @@
  *        transmittance has contrast.
  * unity  after HDRP's volumetric clouds: a running mean inside the box of all nine rays, and a
  *        bilateral upscale.
- * ours   what measures best here (docs/realtime.md).
+ * ours   `fixed`, but the history of what is at rest is held in the box only where a ray sees that
+ *        the light has changed, and voided where the scene behind it has; no dither in the upscale,
+ *        so that the anti-aliasing can be quick. docs/realtime.md holds what it was measured at.
  */
 #include "renderer/realtime/options.h"
 
@@ -44,6 +46,8 @@ const struct neph_preset neph_rt_presets[] = {
     {"unity", "after Unity HDRP's volumetric clouds",
      "override=none jittered_depth=on ray_dither=white fresh_weight=0.1 box_depth=10 "
      "upscale=bilateral upscale_dither=none taa_jitter_length=8"},
-    {"ours", "what measures best here", "box_least=3 history_age_max=8"},
+    {"ours", "no box for what is at rest and in the same light; measures best here",
+     "reject_depth=0.1 box_motion_px=0.05 box_change=0.1 upscale_dither=none taa_alpha=0.1 "
+     "taa_box=variance taa_sigma=1"},
     {.name = NULL},
 };
