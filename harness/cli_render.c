@@ -69,7 +69,8 @@ static const struct argp_option render_options[] = {
      0},
     {"depth", KEY_DEPTH, "FILES", 0,
      "Engine realtime: Z [m along the camera's axis; inf: sky] of these EXR files in place of the "
-     "scene's solids, and R G B, which is then what is behind the media (without: black). "
+     "scene's solids, which still shade the media, and R G B, which is what is behind the media "
+     "(without: black). "
      "FILES: " NEPH_SEQUENCE_HELP "; one file serves all frames",
      0},
     {"stats", KEY_STATS, NULL, 0,
@@ -269,17 +270,17 @@ static enum neph_status render_one(const struct request *request, struct neph_jo
     if (!status)
         status = neph_exr_write(path, frame, diag);
     if (!status)
-        json_array_append_new(results,
-                              json_pack("{s:s, s:i, s:f, s:f, s:f, s:I, s:o}", "exr", path, "frame",
-                                        job->shot.frame, "render_s", cost.render_s, "wall_s",
-                                        cost.wall_s, "cpu_s", cost.cpu_s, "peak_memory_bytes",
-                                        (json_int_t)cost.peak_memory_bytes, "stats",
-                                        neph_frame_stats(frame)));
+        json_array_append_new(
+            results, json_pack("{s:s, s:i, s:[i,i], s:f, s:f, s:f, s:I, s:o}", "exr", path, "frame",
+                               job->shot.frame, "size_px", frame->width_px, frame->height_px,
+                               "render_s", cost.render_s, "wall_s", cost.wall_s, "cpu_s",
+                               cost.cpu_s, "peak_memory_bytes", (json_int_t)cost.peak_memory_bytes,
+                               "stats", neph_frame_stats(frame)));
     if (!status && !request->json)
         printf("%s\n", path);
     if (status != NEPH_ERR_ENGINE && status != NEPH_ERR_TIMEOUT)
         neph_dir_remove(scratch, NULL);
-    else if (diag && !diag->hint[0])
+    else if (rmdir(scratch) != 0 && diag && !diag->hint[0]) /* it is not empty */
         neph_hint(diag, "its logs are in %s", scratch);
     neph_image_destroy(frame);
     free(path);

@@ -15,6 +15,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <sys/resource.h>
 
 struct sequence {
@@ -51,6 +52,9 @@ static enum neph_status create(struct sequence *sequence, const struct neph_shot
     if (!status)
         status = neph_realtime_create(sequence->vulkan, shot->scene, &params, &sequence->realtime,
                                       diag);
+    if (status == NEPH_ERR_IO)
+        neph_hint(diag, "masks of blue noise are kept in %s; XDG_CACHE_HOME is another place",
+                  cache);
     free(cache);
     return status;
 }
@@ -187,6 +191,25 @@ static enum neph_status render(const struct neph_shot *shot, struct neph_image *
     return status;
 }
 
+/* Where another lighting could, the reason says so. */
+static bool can_render(const struct neph_scene *scene, const struct neph_settings *settings,
+                       char *reason, size_t reason_size)
+{
+    if (neph_realtime_can_render(scene, settings, reason, reason_size))
+        return true;
+    const char *const *lightings = neph_rt_options[RT_LIGHTING].choices;
+    for (int i = 0; lightings[i]; i++) {
+        struct neph_settings other = *settings;
+        char ignored[256];
+        other.values[RT_LIGHTING] = i;
+        if (neph_realtime_can_render(scene, &other, ignored, sizeof(ignored))) {
+            const size_t used = strlen(reason);
+            snprintf(reason + used, reason_size - used, "; lighting=%s could", lightings[i]);
+        }
+    }
+    return false;
+}
+
 static const struct neph_engine_sequence sequence_of = {
     .open = open_sequence,
     .next = next_picture,
@@ -207,6 +230,6 @@ const struct neph_engine neph_engine_realtime = {
     .stochastic = true,
     .step = {.option = NULL},
     .probe = neph_vulkan_probe,
-    .can_render = neph_realtime_can_render,
+    .can_render = can_render,
     .render = render,
 };

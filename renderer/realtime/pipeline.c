@@ -296,6 +296,18 @@ static void destroy_sized(struct neph_realtime *realtime)
     neph_buffer_destroy(realtime->vulkan, &realtime->states);
 }
 
+/* Whether any dither reads the masks of blue noise, which take seconds to make for a new seed. */
+static bool needs_masks(const struct neph_realtime *realtime)
+{
+    static const int dithers[] = {RT_RAY_DITHER, RT_UPSCALE_DITHER};
+    bool needs = false;
+    for (size_t i = 0; i < sizeof(dithers) / sizeof(dithers[0]); i++) {
+        const int dither = choice_of(realtime, dithers[i]);
+        needs |= dither == RT_DITHER_BLUE || dither == RT_DITHER_SPATIOTEMPORAL;
+    }
+    return needs && choice_of(realtime, RT_SPLIT) == RT_SPLIT_FOUR;
+}
+
 static enum neph_status create_once(struct neph_realtime *realtime, const struct neph_scene *scene,
                                     const struct neph_realtime_params *params,
                                     struct neph_diag *diag)
@@ -303,8 +315,10 @@ static enum neph_status create_once(struct neph_realtime *realtime, const struct
     realtime->noise_ranks = calloc(NEPH_RT_NOISE_COUNT, sizeof(*realtime->noise_ranks));
     if (!realtime->noise_ranks)
         return neph_fail_memory(diag);
-    enum neph_status status = neph_rt_noise_ranks(params->seed, params->cache_folder,
-                                                  realtime->noise_ranks, diag);
+    enum neph_status status = NEPH_OK;
+    if (needs_masks(realtime))
+        status = neph_rt_noise_ranks(params->seed, params->cache_folder, realtime->noise_ranks,
+                                     diag);
     if (!status)
         status = neph_gpu_scene_create(realtime->vulkan, scene, 0.0, params->width_px,
                                        params->height_px, false, &realtime->scene, diag);

@@ -24,7 +24,8 @@ struct neph_realtime_params {
     int width_px, height_px;              /* 1..NEPH_REALTIME_SIDE_MAX_PX */
     const struct neph_settings *settings; /* of neph_rt_options */
     uint32_t seed;                        /* of the dithers */
-    const char *cache_folder;             /* for blue noise masks: neph_blue_noise_load() */
+    const char *cache_folder;             /* of blue noise, where a dither needs it:
+                                             neph_blue_noise_load() */
 };
 
 /* One picture of a sequence. */

@@ -86,7 +86,8 @@ class Realtime(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done.stderr)
         results = json.loads(done.stdout)
         for result in results:
-            *result["size"], result["channels"], result["texts"] = frames.read_exr(pathlib.Path(result["exr"]))
+            *size_px, result["channels"], result["texts"] = frames.read_exr(pathlib.Path(result["exr"]))
+            self.assertEqual(result["size_px"], size_px)
         return results
 
     def refuse(self, code, *words, scene=None, options=()):
@@ -239,8 +240,24 @@ class Realtime(unittest.TestCase):
         ):
             self.refuse(code, *words, options=options)
         self.refuse(2, "channels", scene="coloured_fog", options=real)
-        self.refuse(2, "multiple", scene="cloud_below", options=real)
+        self.refuse(2, "multiple", "lighting=octaves", scene="cloud_below", options=real)
         self.assertFalse((self.folder / "refused").exists() and list((self.folder / "refused").iterdir()))
+
+    def test_faults_that_are_asked_for_end_in_words(self):
+        """Without its guard anti-aliasing makes NaN of black under black; no such frame is written."""
+        dark = self.folder / "dark.yaml"
+        dark.write_text(BOX.replace("box", "dark").replace("[0.5, 0.25, 0.125]", "[0, 0, 0]").replace("[1, 1, 1]", "[0, 0, 0]"))
+        out = self.folder / "dark"
+        done = neph("render", dark, "-e", "realtime", "-s", "taa_guard=off", "--size", "16x12", "-q", "-o", out)
+        self.assertEqual((done.returncode, "non-finite" in done.stderr, "logs" in done.stderr), (3, True, False), done.stderr)
+        self.assertEqual(list(out.iterdir()), [])
+
+    def test_noise_is_made_where_a_dither_needs_it(self):
+        command = ("render", self.moving, "-e", "realtime", "--size", "16x12", "-q", "-o", self.folder)
+        done = neph(*command, "-p", "off", XDG_CACHE_HOME="/dev/null/there")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        done = neph(*command, XDG_CACHE_HOME="/dev/null/there")
+        self.assertEqual((done.returncode, "XDG_CACHE_HOME" in done.stderr), (74, True), done.stderr)
 
     # ---- given depths ------------------------------------------------------------------------
 
@@ -310,7 +327,7 @@ class Realtime(unittest.TestCase):
 
     def test_a_sequence_with_pause_sizes_and_cut(self):
         results = self.render("broken", self.broken, "--frames", 12, "--scene-layers", "-s", "taa_jitter=none", size=(40, 32))
-        self.assertEqual([tuple(r["size"]) for r in results], [(40, 32)] * 6 + [(20, 16)] * 4 + [(50, 40)] * 2)
+        self.assertEqual([r["size_px"] for r in results], [[40, 32]] * 6 + [[20, 16]] * 4 + [[50, 40]] * 2)
         speeds_px = []
         for result in results:
             channels = result["channels"]
@@ -331,7 +348,7 @@ class Realtime(unittest.TestCase):
         results = self.render("still", self.broken, "--frame", 2, "--frames", 5, "-p", "off")
         for result in results[1:4]:
             self.assertEqual(differing(results[0]["channels"], result["channels"]), set())
-        self.assertNotEqual(results[3]["size"], results[4]["size"])
+        self.assertNotEqual(results[3]["size_px"], results[4]["size_px"])
 
     def test_a_cut_voids_the_past_and_nothing_else_does(self):
         kept, reset = (self.render(word, self.broken, "--frame", 6, "--frames", 4, "-s", f"cut_reset={word}", "-s", "warm_up=0")
