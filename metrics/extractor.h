@@ -33,6 +33,8 @@ struct neph_viewing {
                            .exposure_ev = 0.0,                                                     \
                            .white_cd_per_m2 = 100.0})
 
+struct neph_pair_codes; /* extractors/pair_codes.h */
+
 /* The same frame twice, linear data; all pointers are borrowed for the call. Every sample of the
  * planes is finite, but for depth, where +inf is the sky: bad frames do not come this far. */
 struct neph_frame_pair {
@@ -46,6 +48,7 @@ struct neph_frame_pair {
     int frame;         /* 0, 1, 2 ... of the measured frames; no frame is left out */
     int frame_count;   /* how many there will be; 0: nobody knows */
     const struct neph_viewing *viewing;
+    struct neph_pair_codes *codes; /* of this pair, for extract() */
 };
 
 /* A map that an extractor can give. */

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "metrics/meter.h"
 
+#include "metrics/extractors/pair_codes.h"
 #include "metrics/interval.h"
 #include "metrics/pooling.h"
 #include "metrics/series.h"
@@ -36,6 +37,7 @@ struct neph_meter {
     int announced_frame_count; /* of all; 0: not known */
     struct run *runs;          /* owned; made at the first frame */
     int run_count;
+    struct neph_pair_codes *codes;         /* one for each quantity; owned */
     struct neph_measurement *measurements; /* owned */
     int measurement_count, measurement_room;
 };
@@ -70,7 +72,8 @@ static enum neph_status copy_params(struct neph_meter *meter,
     meter->announced_frame_count = params->frame_count;
     meter->choices = calloc((size_t)params->choice_count + 1, sizeof(*meter->choices));
     meter->masks = calloc((size_t)params->mask_count + 1, sizeof(*meter->masks));
-    if (!meter->choices || !meter->masks)
+    meter->codes = calloc((size_t)neph_quantity_count(), sizeof(*meter->codes));
+    if (!meter->choices || !meter->masks || !meter->codes)
         return neph_fail_memory(diag);
     for (int i = 0; i < params->choice_count; i++)
         meter->choices[meter->choice_count++] = params->choices[i];
@@ -114,6 +117,9 @@ void neph_meter_destroy(struct neph_meter *meter)
     }
     for (int i = 0; i < meter->mask_count; i++)
         neph_pool_mask_finish(&meter->masks[i]);
+    for (int q = 0; meter->codes && q < neph_quantity_count(); q++)
+        neph_pair_codes_finish(&meter->codes[q]);
+    free(meter->codes);
     free(meter->runs);
     free(meter->choices);
     free(meter->masks);
@@ -191,6 +197,8 @@ static bool pair_up(const struct neph_meter *meter, const struct neph_quantity *
     if (images[1])
         neph_quantity_planes(quantity, images[1], pair->reference_second);
     pair->scene_mean = scene_mean(pair);
+    pair->codes = &meter->codes[quantity - neph_quantity_at(0)];
+    neph_pair_codes_forget(pair->codes);
     return true;
 }
 

@@ -18,6 +18,7 @@
 enum neph_code_kind {
     NEPH_CODE_PU21,
     NEPH_CODE_DISPLAY,
+    NEPH_CODE_COUNT,
 };
 
 struct neph_code;

@@ -2,56 +2,49 @@
  *
  * Peak signal-to-noise ratio on PU21 codes of absolute luminance.
  */
-#include "metrics/extractors/code_value.h"
 #include "metrics/extractors/extractors.h"
+#include "metrics/extractors/pair_codes.h"
+#include "metrics/vector_math.h"
 
 #include <math.h>
 #include <stddef.h>
 
-enum { CHUNK_PX = 256 };
-
 struct state {
-    struct neph_code *code; /* owned */
-    struct neph_frame_pair pair;
+    const struct neph_code_planes *codes;
+    size_t width_px;
 };
 
 static enum neph_status init(void *opaque, const struct neph_frame_pair *first,
                              const struct neph_settings *settings, struct neph_diag *diag)
 {
     (void)settings;
+    (void)diag;
     struct state *state = opaque;
-    return neph_code_create(NEPH_CODE_PU21, first->viewing, &state->code, diag);
+    state->width_px = (size_t)first->width_px;
+    return NEPH_OK;
 }
 
 static enum neph_status extract(void *opaque, const struct neph_frame_pair *pair,
                                 struct neph_diag *diag)
 {
-    (void)diag;
     struct state *state = opaque;
-    state->pair = *pair;
-    return NEPH_OK;
+    return neph_pair_codes_of(pair, NEPH_CODE_PU21, &state->codes, diag);
+}
+
+NEPH_VECTOR static void squares_of(const double *restrict reference, const double *restrict test,
+                                   size_t count, double *restrict squares)
+{
+    for (size_t i = 0; i < count; i++)
+        squares[i] = (test[i] - reference[i]) * (test[i] - reference[i]);
 }
 
 static void rows(const void *opaque, int map, int first_row, int row_count, double *const values[3])
 {
     (void)map;
     const struct state *state = opaque;
-    size_t width = (size_t)state->pair.width_px;
-    size_t first = (size_t)first_row * width, count = (size_t)row_count * width;
-    double reference[CHUNK_PX], test[CHUNK_PX];
-    for (size_t done = 0; done < count; done += CHUNK_PX) {
-        size_t part = count - done < CHUNK_PX ? count - done : CHUNK_PX;
-        neph_code_pixels(state->code, state->pair.reference, first + done, part, reference);
-        neph_code_pixels(state->code, state->pair.test, first + done, part, test);
-        for (size_t i = 0; i < part; i++)
-            values[0][done + i] = (test[i] - reference[i]) * (test[i] - reference[i]);
-    }
-}
-
-static void close(void *opaque)
-{
-    struct state *state = opaque;
-    neph_code_destroy(state->code);
+    const size_t first = (size_t)first_row * state->width_px;
+    squares_of(state->codes->reference + first, state->codes->test + first,
+               (size_t)row_count * state->width_px, values[0]);
 }
 
 static const struct neph_option options[] = {{.name = NULL}};
@@ -82,5 +75,4 @@ const struct neph_extractor neph_extractor_pu21 = {
     .init = init,
     .extract = extract,
     .rows = rows,
-    .close = close,
 };

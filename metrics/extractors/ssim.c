@@ -2,10 +2,9 @@
  *
  * SSIM and MS-SSIM. They are one extractor because the first scale of the one is all of the other.
  */
-#include "base/threads.h"
-#include "metrics/extractors/code_value.h"
 #include "metrics/extractors/extractors.h"
 #include "metrics/extractors/ms_ssim.h"
+#include "metrics/extractors/pair_codes.h"
 #include "metrics/extractors/structure.h"
 
 #include <math.h>
@@ -14,8 +13,6 @@
 #include <string.h>
 
 enum { OPTION_CODE, OPTION_DECIMATE };
-
-enum { ROW_GROUP = 8 }; /* rows that are encoded at a time */
 
 static const char *const code_names[] = {
     [NEPH_CODE_PU21] = "pu21", [NEPH_CODE_DISPLAY] = "display", NULL};
@@ -37,12 +34,11 @@ static const struct neph_option options[] = {
 };
 
 struct state {
-    struct neph_code *code; /* owned */
+    enum neph_code_kind code;
     double peak;
     int width_px, height_px;
     int factor; /* by which ssim is decimated */
     int small_width_px, small_height_px;
-    double *reference, *test;             /* codes of the frame; owned */
     double *small_reference, *small_test; /* decimated, when the factor is not 1; owned */
     double *map;                          /* of the decimated size, NaN in the margin; owned */
     double ms_ssim;
@@ -82,55 +78,26 @@ static enum neph_status init(void *opaque, const struct neph_frame_pair *first,
                              const struct neph_settings *settings, struct neph_diag *diag)
 {
     struct state *state = opaque;
-    enum neph_code_kind kind = (enum neph_code_kind)settings->values[OPTION_CODE];
-    state->peak = neph_code_peak(kind);
+    state->code = (enum neph_code_kind)settings->values[OPTION_CODE];
+    state->peak = neph_code_peak(state->code);
     state->width_px = first->width_px;
     state->height_px = first->height_px;
     state->factor = factor_of(first, settings);
     state->small_width_px = decimated_px(first->width_px, state->factor);
     state->small_height_px = decimated_px(first->height_px, state->factor);
-    state->reference = allocate(state->width_px, state->height_px);
-    state->test = allocate(state->width_px, state->height_px);
     state->map = allocate(state->small_width_px, state->small_height_px);
     if (state->factor > 1) {
         state->small_reference = allocate(state->small_width_px, state->small_height_px);
         state->small_test = allocate(state->small_width_px, state->small_height_px);
     }
-    if (!state->reference || !state->test || !state->map ||
-        (state->factor > 1 && (!state->small_reference || !state->small_test)))
+    if (!state->map || (state->factor > 1 && (!state->small_reference || !state->small_test)))
         return neph_fail_memory(diag);
     for (size_t i = 0; i < (size_t)state->small_width_px * (size_t)state->small_height_px; i++)
         state->map[i] = NAN;
-    return neph_code_create(kind, first->viewing, &state->code, diag);
+    return NEPH_OK;
 }
 
 /* ---- a frame --------------------------------------------------------------------------------- */
-
-struct encoding {
-    struct state *state;
-    const struct neph_frame_pair *pair;
-};
-
-static void encode_group(int group, void *context)
-{
-    const struct encoding *encoding = context;
-    struct state *state = encoding->state;
-    size_t width = (size_t)state->width_px, height = (size_t)state->height_px;
-    size_t first_row = (size_t)group * ROW_GROUP;
-    size_t row_count = height - first_row < ROW_GROUP ? height - first_row : ROW_GROUP;
-    size_t first = first_row * width, count = row_count * width;
-    neph_code_pixels(state->code, encoding->pair->reference, first, count,
-                     state->reference + first);
-    neph_code_pixels(state->code, encoding->pair->test, first, count, state->test + first);
-}
-
-static enum neph_status encode(struct state *state, const struct neph_frame_pair *pair,
-                               struct neph_diag *diag)
-{
-    struct encoding encoding = {state, pair};
-    return neph_parallel_rows((state->height_px + ROW_GROUP - 1) / ROW_GROUP, encode_group,
-                              &encoding, diag);
-}
 
 /* A box filter, as libvmaf's. */
 static enum neph_status shrink(const struct state *state, const double *image, double *small,
@@ -143,12 +110,13 @@ static enum neph_status shrink(const struct state *state, const double *image, d
                          state->factor, small, state->small_width_px, state->small_height_px, diag);
 }
 
-static enum neph_status compare_decimated(struct state *state, struct neph_diag *diag)
+static enum neph_status compare_decimated(struct state *state, const struct neph_code_planes *codes,
+                                          struct neph_diag *diag)
 {
     struct neph_structure means;
-    enum neph_status status = shrink(state, state->reference, state->small_reference, diag);
+    enum neph_status status = shrink(state, codes->reference, state->small_reference, diag);
     if (!status)
-        status = shrink(state, state->test, state->small_test, diag);
+        status = shrink(state, codes->test, state->small_test, diag);
     if (!status)
         status = neph_structure_compare(state->small_reference, state->small_test,
                                         state->small_width_px, state->small_height_px, state->peak,
@@ -161,15 +129,16 @@ static enum neph_status extract(void *opaque, const struct neph_frame_pair *pair
 {
     struct state *state = opaque;
     struct neph_structure means;
-    enum neph_status status = encode(state, pair, diag);
+    const struct neph_code_planes *codes = NULL;
+    enum neph_status status = neph_pair_codes_of(pair, state->code, &codes, diag);
     if (!status)
-        status = neph_structure_compare(state->reference, state->test, state->width_px,
+        status = neph_structure_compare(codes->reference, codes->test, state->width_px,
                                         state->height_px, state->peak,
                                         state->factor == 1 ? state->map : NULL, &means, diag);
     if (!status && state->factor > 1)
-        status = compare_decimated(state, diag);
+        status = compare_decimated(state, codes, diag);
     if (!status)
-        status = neph_ms_ssim(state->reference, state->test, state->width_px, state->height_px,
+        status = neph_ms_ssim(codes->reference, codes->test, state->width_px, state->height_px,
                               state->peak, &means, &state->ms_ssim_undefined, &state->ms_ssim,
                               diag);
     return status;
@@ -210,9 +179,6 @@ static const char *scalar(const void *opaque, int which, double *value)
 static void close(void *opaque)
 {
     struct state *state = opaque;
-    neph_code_destroy(state->code);
-    free(state->reference);
-    free(state->test);
     free(state->small_reference);
     free(state->small_test);
     free(state->map);

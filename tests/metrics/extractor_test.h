@@ -9,6 +9,7 @@
 #include "tests/neph_test.h"
 
 #include "metrics/extractor.h"
+#include "metrics/extractors/pair_codes.h"
 
 struct extraction {
     const struct neph_extractor *extractor;
@@ -16,6 +17,7 @@ struct extraction {
     struct neph_viewing viewing;
     int width_px, height_px, plane_count;
     void *state;
+    struct neph_pair_codes *codes;
 };
 
 /* Mean luminance of a quantity (depth: of its solid pixels), as the meter hands it over. */
@@ -84,7 +86,9 @@ static inline struct extraction extraction_begin(const struct neph_extractor *ex
             fail_msg("%s: %s", extractor->name, obstacle);
     }
     extraction.state = calloc(1, extractor->state_size ? extractor->state_size : 1);
+    extraction.codes = calloc(1, sizeof(*extraction.codes));
     assert_non_null(extraction.state);
+    assert_non_null(extraction.codes);
     neph_assert_ok(extractor->init(extraction.state, first, &extraction.settings, &diag), &diag);
     return extraction;
 }
@@ -93,7 +97,10 @@ static inline void extraction_frame(struct extraction *extraction,
                                     const struct neph_frame_pair *pair)
 {
     struct neph_diag diag = {0};
-    neph_assert_ok(extraction->extractor->extract(extraction->state, pair, &diag), &diag);
+    struct neph_frame_pair with_codes = *pair;
+    with_codes.codes = extraction->codes;
+    neph_pair_codes_forget(extraction->codes);
+    neph_assert_ok(extraction->extractor->extract(extraction->state, &with_codes, &diag), &diag);
 }
 
 static inline void extraction_flush(struct extraction *extraction)
@@ -173,7 +180,10 @@ static inline void extraction_end(struct extraction *extraction)
     if (extraction->extractor->close)
         extraction->extractor->close(extraction->state);
     free(extraction->state);
+    neph_pair_codes_finish(extraction->codes);
+    free(extraction->codes);
     extraction->state = NULL;
+    extraction->codes = NULL;
 }
 
 /* What every table must hold to: names and help, metrics that point at maps, pictures with a
