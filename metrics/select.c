@@ -2,7 +2,9 @@
  *
  * A radix selection: one histogram over the top 16 bits is kept, 128 buckets to an octave, so that
  * few keys are in any; the bucket that holds a rank is gathered when it is first asked for, and
- * counted by its next 8 bits, and those by their last 8. Nothing is sorted.
+ * counted by its next 8 bits, and those by their last 8. Nothing is sorted. A bucket that is
+ * crowded all the same, as that of values a little below 1 is, is counted where it lies, and a part
+ * of it gathered.
  */
 #include "metrics/select.h"
 
@@ -20,6 +22,7 @@ enum {
     BUCKETS = 1 << TOP_BITS,
     MIDDLES = 1 << MIDDLE_BITS,
     LASTS = 1 << LAST_BITS,
+    CROWD_SHARE = 16, /* a bucket with more than this part of all keys is crowded */
 };
 
 struct neph_selector {
@@ -27,9 +30,10 @@ struct neph_selector {
     size_t below[BUCKETS + 1]; /* keys in the buckets before */
     double sums[BUCKETS];
     bool has_sums;
-    int open_bucket;   /* that `members` holds and `middle` counts; -1: none */
+    int open_bucket;   /* that `middle` counts; -1: none */
     int open_middle;   /* of the open bucket, that `last` counts; -1: none */
-    uint32_t *members; /* owned */
+    uint32_t *members; /* of the open bucket; when it is crowded, of its open middle; owned */
+    size_t member_count;
     uint32_t middle[MIDDLES], last[LASTS];
 };
 
@@ -106,42 +110,64 @@ void neph_selector_destroy(struct neph_selector *selector)
 
 enum { BLOCK = 32 };
 
-/* Copy the keys of a bucket; most blocks of keys hold none of a bucket, and a look at the block is
- * cheaper than one at each key. `to` has room for one more than it gets. */
-NEPH_VECTOR static size_t copy_bucket(const uint32_t *restrict keys, size_t key_count, int bucket,
-                                      uint32_t *restrict to)
+/* Copy the keys with these upper bits, above `shift`; most blocks of keys hold none, and a look at
+ * the block is cheaper than one at each key. `to` has room for one more than it gets. */
+NEPH_VECTOR static size_t copy_run(const uint32_t *restrict keys, size_t key_count, uint32_t wanted,
+                                   int shift, uint32_t *restrict to)
 {
-    const uint32_t wanted = (uint32_t)bucket;
     size_t count = 0, i = 0;
     for (; i + BLOCK <= key_count; i += BLOCK) {
         uint32_t any = 0;
         for (int k = 0; k < BLOCK; k++)
-            any |= keys[i + (size_t)k] >> LOW_BITS == wanted ? 1u : 0u;
+            any |= keys[i + (size_t)k] >> shift == wanted ? 1u : 0u;
         for (size_t k = i; any && k < i + BLOCK; k++) {
             to[count] = keys[k];
-            count += keys[k] >> LOW_BITS == wanted;
+            count += keys[k] >> shift == wanted;
         }
     }
     for (; i < key_count; i++) {
         to[count] = keys[i];
-        count += keys[i] >> LOW_BITS == wanted;
+        count += keys[i] >> shift == wanted;
     }
     return count;
 }
 
-/* Gather the keys of a bucket, and count them by their next digit. */
+static void gather(struct neph_selector *selector, uint32_t wanted, int shift)
+{
+    const struct neph_key_runs *runs = selector->runs;
+    selector->member_count = 0;
+    for (int r = 0; r < runs->run_count; r++)
+        selector->member_count += copy_run(runs->keys + runs->first[r], runs->counts[r], wanted,
+                                           shift, selector->members + selector->member_count);
+}
+
+static void count_middles(const uint32_t *keys, size_t count, uint32_t bucket, uint32_t *middles)
+{
+    for (size_t i = 0; i < count; i++)
+        middles[(keys[i] >> LAST_BITS) & (MIDDLES - 1)] += keys[i] >> LOW_BITS == bucket;
+}
+
+static bool is_crowded(const struct neph_selector *selector, int bucket)
+{
+    return count_of(selector, bucket) > selector->runs->key_count / CROWD_SHARE;
+}
+
+/* Count the keys of a bucket by their next digit. */
 static void open_bucket(struct neph_selector *selector, int bucket)
 {
     if (selector->open_bucket == bucket)
         return;
     const struct neph_key_runs *runs = selector->runs;
-    size_t count = 0;
-    for (int r = 0; r < runs->run_count; r++)
-        count += copy_bucket(runs->keys + runs->first[r], runs->counts[r], bucket,
-                             selector->members + count);
     memset(selector->middle, 0, sizeof(selector->middle));
-    for (size_t i = 0; i < count; i++)
-        selector->middle[(selector->members[i] >> LAST_BITS) & (MIDDLES - 1)]++;
+    if (is_crowded(selector, bucket)) {
+        for (int r = 0; r < runs->run_count; r++)
+            count_middles(runs->keys + runs->first[r], runs->counts[r], (uint32_t)bucket,
+                          selector->middle);
+    } else {
+        gather(selector, (uint32_t)bucket, LOW_BITS);
+        count_middles(selector->members, selector->member_count, (uint32_t)bucket,
+                      selector->middle);
+    }
     selector->open_bucket = bucket;
     selector->open_middle = -1;
 }
@@ -151,11 +177,13 @@ static void open_middle(struct neph_selector *selector, int middle)
 {
     if (selector->open_middle == middle)
         return;
-    const size_t count = count_of(selector, selector->open_bucket);
+    const uint32_t wanted = ((uint32_t)selector->open_bucket << MIDDLE_BITS) | (uint32_t)middle;
+    if (is_crowded(selector, selector->open_bucket))
+        gather(selector, wanted, LAST_BITS);
     memset(selector->last, 0, sizeof(selector->last));
-    for (size_t i = 0; i < count; i++)
-        if (((selector->members[i] >> LAST_BITS) & (MIDDLES - 1)) == (uint32_t)middle)
-            selector->last[selector->members[i] & (LASTS - 1)]++;
+    for (size_t i = 0; i < selector->member_count; i++)
+        selector->last[selector->members[i] & (LASTS - 1)] += selector->members[i] >> LAST_BITS ==
+                                                              wanted;
     selector->open_middle = middle;
 }
 
@@ -223,6 +251,8 @@ static double first_above(struct neph_selector *selector, double target)
 {
     double sums[MIDDLES] = {0.0}, running = 0.0;
     const size_t count = count_of(selector, selector->open_bucket);
+    if (is_crowded(selector, selector->open_bucket))
+        gather(selector, (uint32_t)selector->open_bucket, LOW_BITS);
     for (size_t i = 0; i < count; i++)
         sums[(selector->members[i] >> LAST_BITS) & (MIDDLES - 1)] += neph_key_value(
             selector->members[i]);
