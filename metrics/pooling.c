@@ -163,12 +163,20 @@ static uint32_t *add_some_keys(const double *v, const uint8_t *inside, int count
     return keys;
 }
 
-static double sum_of(const double lanes[NEPH_TILE_SIDE_PX])
+/* In halves, which vectors do side by side. */
+NEPH_VECTOR static struct tile tile_of(struct lanes *lanes)
 {
-    double sum = 0.0;
-    for (int l = 0; l < NEPH_TILE_SIDE_PX; l++)
-        sum += lanes[l];
-    return sum;
+    for (int half = NEPH_TILE_SIDE_PX / 2; half > 0; half /= 2) {
+        for (int l = 0; l < half; l++) {
+            lanes->n[l] += lanes->n[l + half];
+            lanes->v[l] += lanes->v[l + half];
+            lanes->v2[l] += lanes->v2[l + half];
+            lanes->w[l] += lanes->w[l + half];
+            const double other = lanes->max[l + half];
+            lanes->max[l] = other > lanes->max[l] ? other : lanes->max[l];
+        }
+    }
+    return (struct tile){{lanes->n[0], lanes->v[0], lanes->v2[0], lanes->w[0]}, lanes->max[0]};
 }
 
 /* A tile within the buffers of its strip. */
@@ -180,24 +188,27 @@ struct place {
     int plane_count, columns, rows;
 };
 
-/* Sums of a tile of full width that is wholly in the mask: as if there were values everywhere, and
- * if there are not, the sum shows it, and it is not plain. */
-static bool sum_plain_tile(const struct place *place, struct lanes *lanes)
+/* A tile of full width that is wholly in the mask: as if there were values everywhere, and if there
+ * are not, the sum is NaN. */
+static struct tile sum_plain_tile(const struct place *place)
 {
-    clear(lanes);
+    struct lanes lanes;
+    clear(&lanes);
     for (int p = 0; p < place->plane_count; p++)
         add_plain_tile(place->v[p] + place->first, place->w[p] + place->first, place->rows,
-                       place->stride, lanes);
-    lanes->n[0] = (double)(place->columns * place->rows * place->plane_count);
-    return !isnan(sum_of(lanes->v));
+                       place->stride, &lanes);
+    lanes.n[0] = (double)(place->columns * place->rows * place->plane_count);
+    return tile_of(&lanes);
 }
 
-static void sum_masked_tile(const struct place *place, struct lanes *lanes)
+static struct tile sum_masked_tile(const struct place *place)
 {
-    clear(lanes);
+    struct lanes lanes;
+    clear(&lanes);
     for (int p = 0; p < place->plane_count; p++)
         add_masked_tile(place->v[p] + place->first, place->w[p] + place->first, place->inside,
-                        place->columns, place->rows, place->stride, lanes);
+                        place->columns, place->rows, place->stride, &lanes);
+    return tile_of(&lanes);
 }
 
 /* Returns the number of keys. */
@@ -221,17 +232,14 @@ static uint32_t add_keys(const struct place *place, bool is_plain, uint32_t *key
 /* One tile of one mask. */
 static void gather_tile(struct gathered *set, size_t tile, const struct place *place)
 {
-    struct lanes lanes;
+    struct tile *found = &set->tiles[tile];
     const bool is_whole = set->mask->tile_pixels[tile] ==
                           (uint32_t)(NEPH_TILE_SIDE_PX * place->rows);
-    const bool is_plain = is_whole && sum_plain_tile(place, &lanes);
+    if (is_whole)
+        *found = sum_plain_tile(place);
+    const bool is_plain = is_whole && !isnan(found->sums[SUM_V]);
     if (!is_plain)
-        sum_masked_tile(place, &lanes);
-    struct tile *found = &set->tiles[tile];
-    *found = (struct tile){{sum_of(lanes.n), sum_of(lanes.v), sum_of(lanes.v2), sum_of(lanes.w)},
-                           -INFINITY};
-    for (int l = 0; l < NEPH_TILE_SIDE_PX; l++)
-        found->max = fmax(found->max, lanes.max[l]);
+        *found = sum_masked_tile(place);
     if (set->keys)
         set->counts[tile] = add_keys(place, is_plain, set->keys + set->first[tile]);
 }
