@@ -183,43 +183,57 @@ static enum neph_status extract(void *opaque, const struct neph_frame_pair *pair
 
 /* ---- the maps -------------------------------------------------------------------------------- */
 
-NEPH_VECTOR static void squares_of(const float *reference, const float *test, size_t count,
-                                   double *sum)
+/* Places in the rows of three planes. */
+struct rgb {
+    const float *plane[3];
+};
+
+static struct rgb row_of(const float *const planes[3], size_t first)
 {
+    return (struct rgb){{planes[0] + first, planes[1] + first, planes[2] + first}};
+}
+
+NEPH_VECTOR static void mean_squares(const struct rgb *from, const struct rgb *to, size_t count,
+                                     double *restrict mean)
+{
+    const float *fr = from->plane[0], *fg = from->plane[1], *fb = from->plane[2];
+    const float *tr = to->plane[0], *tg = to->plane[1], *tb = to->plane[2];
     for (size_t i = 0; i < count; i++) {
-        double d = (double)test[i] - (double)reference[i];
-        sum[i] += d * d;
+        const double r = (double)tr[i] - (double)fr[i], g = (double)tg[i] - (double)fg[i],
+                     b = (double)tb[i] - (double)fb[i];
+        mean[i] = (r * r + g * g + b * b) * (1.0 / 3.0);
     }
 }
 
-NEPH_VECTOR static void scale(double *values, size_t count, double factor)
+/* Pixels first_x .. first_x + count - 1 of row y, whose places in the test are `step_px` further on
+ * in row `test_y`. */
+static void compare(const struct neph_frame_pair *pair, int first_x, int count, int y, int test_y,
+                    int step_px, double *row)
 {
-    for (size_t i = 0; i < count; i++)
-        values[i] *= factor;
+    const size_t width = (size_t)pair->width_px, x = (size_t)first_x;
+    const struct rgb from = row_of(pair->reference, (size_t)y * width + x);
+    const struct rgb to = row_of(pair->test, (size_t)test_y * width + x + (size_t)step_px);
+    mean_squares(&from, &to, (size_t)count, row + x);
 }
 
 /* Pixels first_x .. end_x - 1 of a row, under one move. */
-static void add_moved(const struct neph_frame_pair *pair, int plane, int first_x, int end_x, int y,
-                      struct move move, double *sum)
+static void compare_moved(const struct neph_frame_pair *pair, int first_x, int end_x, int y,
+                          struct move move, double *row)
 {
-    const int width = pair->width_px;
-    const float *reference = pair->reference[plane] + (size_t)y * (size_t)width;
-    const float *test = pair->test[plane] +
-                        (size_t)clamped(y + move.dy, pair->height_px) * (size_t)width;
+    const int test_y = clamped(y + move.dy, pair->height_px);
     if (first_x + move.dx < 0) {
-        squares_of(reference, test, 1, sum);
+        compare(pair, first_x, 1, y, test_y, 0, row);
         first_x++;
     }
-    if (end_x + move.dx > width) {
+    if (end_x + move.dx > pair->width_px) {
         end_x--;
-        squares_of(reference + end_x, test + end_x, 1, sum + end_x);
+        compare(pair, end_x, 1, y, test_y, 0, row);
     }
     if (first_x < end_x)
-        squares_of(reference + first_x, test + first_x + move.dx, (size_t)(end_x - first_x),
-                   sum + first_x);
+        compare(pair, first_x, end_x - first_x, y, test_y, move.dx, row);
 }
 
-static void moved_row(const struct state *state, int y, double *sum)
+static void moved_row(const struct state *state, int y, double *row)
 {
     const struct neph_frame_pair *pair = &state->pair;
     const uint8_t *best = state->best + (size_t)(y / BLOCK) * (size_t)state->columns;
@@ -228,9 +242,8 @@ static void moved_row(const struct state *state, int y, double *sum)
         int next = column + 1;
         while (next < state->columns && best[next] == best[column])
             next++;
-        int end_x = next < state->columns ? next * BLOCK : pair->width_px;
-        for (int plane = 0; plane < pair->plane_count; plane++)
-            add_moved(pair, plane, column * BLOCK, end_x, y, moves[best[column]], sum);
+        const int end_x = next < state->columns ? next * BLOCK : pair->width_px;
+        compare_moved(pair, column * BLOCK, end_x, y, moves[best[column]], row);
         column = next;
     }
 }
@@ -239,17 +252,12 @@ static void rows(const void *opaque, int map, int first_row, int row_count, doub
 {
     const struct state *state = opaque;
     const struct neph_frame_pair *pair = &state->pair;
-    size_t width = (size_t)pair->width_px;
     for (int y = first_row; y < first_row + row_count; y++) {
-        double *row = values[0] + (size_t)(y - first_row) * width;
-        for (size_t x = 0; x < width; x++)
-            row[x] = 0.0;
+        double *row = values[0] + (size_t)(y - first_row) * (size_t)pair->width_px;
         if (map == MAP_MOVED)
             moved_row(state, y, row);
-        for (int c = 0; map == MAP_AS_IS && c < pair->plane_count; c++)
-            squares_of(pair->reference[c] + (size_t)y * width, pair->test[c] + (size_t)y * width,
-                       width, row);
-        scale(row, width, 1.0 / (double)pair->plane_count);
+        else
+            compare(pair, 0, pair->width_px, y, y, 0, row);
     }
 }
 
