@@ -498,25 +498,25 @@ static uint32_t count_in_row(const struct table *table, int row, uint32_t low, u
     return count_keys(set->keys + set->first[tile], set->counts[tile], low, high);
 }
 
-/* Fill the number of a part: the keys low .. high of each tile. */
-static void count_part(struct table *table, const struct statistic *statistic, uint32_t low,
-                       uint32_t high)
+/* Fill the number of a part, the keys low .. high of each tile, and its sum (where low is 0). */
+static void fill_part(struct table *table, const struct statistic *statistic, uint32_t low,
+                      uint32_t high)
 {
-    for (int r = 0; r < table->row_count; r++)
-        row_of(table, r)[statistic->part_n] = (double)count_in_row(table, r, low, high);
-    table->totals[statistic->part_n] = total_of(table, statistic->part_n);
-}
-
-/* Fill the sum of a part: the keys up to `high` of each tile. */
-static void sum_part(struct table *table, const struct statistic *statistic, uint32_t high)
-{
+    const bool with_n = has_part_n(statistic->metric->pool);
+    const bool with_v = has_part_v(statistic->metric->pool);
     const struct gathered *set = table->set;
     for (int r = 0; r < table->row_count; r++) {
         const int tile = table->tiles[r];
-        row_of(table, r)[statistic->part_v] = sum_keys(set->keys + set->first[tile],
-                                                       set->counts[tile], high);
+        if (with_n)
+            row_of(table, r)[statistic->part_n] = (double)count_in_row(table, r, low, high);
+        if (with_v)
+            row_of(table, r)[statistic->part_v] = sum_keys(set->keys + set->first[tile],
+                                                           set->counts[tile], high);
     }
-    table->totals[statistic->part_v] = total_of(table, statistic->part_v);
+    if (with_n)
+        table->totals[statistic->part_n] = total_of(table, statistic->part_n);
+    if (with_v)
+        table->totals[statistic->part_v] = total_of(table, statistic->part_v);
 }
 
 /* Fill the part columns with the `kept` smallest keys. Of those equal to the largest of them, the
@@ -524,8 +524,7 @@ static void sum_part(struct table *table, const struct statistic *statistic, uin
 static void part_smallest(struct table *table, const struct statistic *statistic, size_t kept)
 {
     const uint32_t last = neph_select_rank(table->selector, kept - 1);
-    count_part(table, statistic, 0, last);
-    sum_part(table, statistic, last);
+    fill_part(table, statistic, 0, last);
     const double surplus = table->totals[statistic->part_n] - (double)kept;
     if (surplus <= 0.0)
         return;
@@ -540,15 +539,6 @@ static void part_smallest(struct table *table, const struct statistic *statistic
     }
     table->totals[statistic->part_n] = total_of(table, statistic->part_n);
     table->totals[statistic->part_v] = total_of(table, statistic->part_v);
-}
-
-/* Fill what the interval of a percentile is taken from. */
-static void part_up_to(struct table *table, const struct statistic *statistic, double value)
-{
-    if (has_part_n(statistic->metric->pool))
-        count_part(table, statistic, 0, neph_key_of(value));
-    if (has_part_v(statistic->metric->pool))
-        sum_part(table, statistic, neph_key_of(value));
 }
 
 static bool is_percentile(const struct neph_metric *metric)
@@ -572,7 +562,7 @@ static bool value_of(struct table *table, const struct statistic *statistic, dou
     if (is_percentile(metric))
         return known(percentile_at(metric, table->selector, metric->parameter), value);
     if (metric->pool == NEPH_POOL_SHARE_ABOVE)
-        count_part(table, statistic, neph_key_of(metric->parameter) + 1, UINT32_MAX);
+        fill_part(table, statistic, neph_key_of(metric->parameter) + 1, UINT32_MAX);
     if (metric->pool == NEPH_POOL_TRIMMED_MEAN) {
         const size_t dropped = (size_t)ceil(metric->parameter * (double)n);
         part_smallest(table, statistic, n > dropped ? n - dropped : 1);
@@ -602,7 +592,7 @@ static enum neph_status add_intervals(struct table *table, int metric_count,
         const struct statistic *statistic = &table->statistics[m];
         statistics[m] = (struct neph_bootstrapped){evaluate, statistic};
         if (pooled[m].defined && is_percentile(statistic->metric))
-            part_up_to(table, statistic, pooled[m].value);
+            fill_part(table, statistic, 0, neph_key_of(pooled[m].value));
     }
     const enum neph_status status = neph_bootstrap_tiles(&table->set->mask->resampling, table->rows,
                                                          table->row_count, table->column_count,
