@@ -161,12 +161,83 @@ static void test_a_mask_in_the_margin(void **state)
     neph_image_destroy(test);
 }
 
+/* A fence with another one as its volume. */
+static struct neph_image *fence_in_fog(int moved_px, double noise, uint64_t seed)
+{
+    struct neph_image *image = fence(moved_px, 0.1, noise, seed);
+    struct neph_image *fog = fence(moved_px + 7, 0.3, 2.0 * noise, seed + 100);
+    float *from[3], *to[3];
+    struct neph_diag diag = {0};
+    assert_true(neph_image_rgb(fog, NULL, from));
+    neph_assert_ok(neph_image_add_rgb(image, "volume", to, &diag), &diag);
+    for (int c = 0; c < 3; c++)
+        memcpy(to[c], from[c], WIDTH * HEIGHT * sizeof(float));
+    neph_image_destroy(fog);
+    return image;
+}
+
+/* 10 log10 of the mean of a map of squared codes, as pu_psnr is. */
+static double psnr_of_map(const struct neph_meter *meter, const char *quantity)
+{
+    struct neph_image *map = NULL;
+    struct neph_diag diag = {0};
+    neph_assert_ok(
+        neph_meter_map(meter, neph_quantity_find(quantity), &neph_extractor_pu21, 0, &map, &diag),
+        &diag);
+    const float *squares = neph_image_channel(map, "Y");
+    double sum = 0.0;
+    for (int i = 0; i < WIDTH * HEIGHT; i++)
+        sum += (double)squares[i];
+    neph_image_destroy(map);
+    return 10.0 * log10(256.0 * 256.0 * WIDTH * HEIGHT / sum);
+}
+
+/* Codes are made once for a pair and its quantity: two extractors, two quantities and two frames
+ * together give to the bit what each gives alone. */
+static void test_shared_codes(void **state)
+{
+    (void)state;
+    struct neph_image *reference = fence_in_fog(0, 0.0, 1);
+    struct neph_image *tests[2] = {fence_in_fog(1, 0.01, 2), fence_in_fog(2, 0.02, 3)};
+    struct neph_mask *mask = create_mask(reference, "all");
+    const struct neph_meter_choice choices[2] = {
+        {&neph_extractor_pu21, neph_options_default(neph_extractor_pu21.options)},
+        {&neph_extractor_ssim, neph_options_default(neph_extractor_ssim.options)}};
+    const struct neph_meter_params params = {.choices = choices,
+                                             .choice_count = 2,
+                                             .viewing = NEPH_VIEWING_DEFAULTS,
+                                             .masks = (const struct neph_mask *const *)&mask,
+                                             .mask_count = 1};
+    struct neph_meter *meter = NULL;
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_meter_create(&params, &meter, &diag), &diag);
+    for (int f = 0; f < 2; f++)
+        neph_assert_ok(neph_meter_frame(meter, reference, NULL, tests[f], &diag), &diag);
+    int count = 0;
+    const struct neph_measurement *all = neph_meter_measurements(meter, &count);
+    assert_int_equal(count, 2 * 2 * 4); /* pu_psnr, ssim_mean, ssim_p5, ms_ssim */
+    for (int i = 0; i < count; i++) {
+        const struct neph_extractor *owner = NULL;
+        assert_ptr_equal(neph_metric_find(all[i].metric->name, &owner), all[i].metric);
+        const struct measured alone = measure_with(owner, reference, tests[all[i].frame],
+                                                   all[i].quantity->name, mask);
+        assert_true(all[i].value == value_of(&alone, all[i].metric->name));
+        if (owner == &neph_extractor_pu21 && all[i].frame == 1) /* squares are floats in a map */
+            neph_assert_close(psnr_of_map(meter, all[i].quantity->name), all[i].value, 1e-7, 0.0);
+    }
+    neph_meter_destroy(meter);
+    neph_mask_destroy(mask);
+    neph_image_destroy(reference);
+    neph_image_destroy(tests[0]);
+    neph_image_destroy(tests[1]);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_fence_off_by_a_pixel), cmocka_unit_test(test_identical_images),
         cmocka_unit_test(test_a_stop_brighter),      cmocka_unit_test(test_a_bad_pixel),
-        cmocka_unit_test(test_a_mask_in_the_margin),
+        cmocka_unit_test(test_a_mask_in_the_margin), cmocka_unit_test(test_shared_codes),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
