@@ -65,7 +65,7 @@ static const struct argp_option render_options[] = {
      0},
     {"scene-layers", KEY_SCENE_LAYERS, NULL, 0,
      "Add what the scene knows for `neph compare` and `neph flicker`: masks of clouds, fog, thin "
-     "objects and the sun, and motion vectors",
+     "objects and the sun, and motion vectors of solids and sky before a camera that moves",
      0},
     {"depth", KEY_DEPTH, "FILES", 0,
      "Engine realtime: Z [m along the camera's axis; inf: sky] of these EXR files in place of the "

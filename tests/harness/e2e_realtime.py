@@ -160,11 +160,11 @@ class Realtime(unittest.TestCase):
                              + tiles + ray + distance + volume + volume_distance)
 
     def test_stats_as_a_table(self):
-        done = neph("render", self.moving, "-e", "realtime", "-s", "steps=1000", "-s", "warm_up=0", "--size", "400x300",
+        done = neph("render", self.moving, "-e", "realtime", "-s", "steps=65536", "-s", "warm_up=0", "--size", "32x24",
                     "--stats", "-q", "-o", self.folder)
         self.assertEqual(done.returncode, 0, done.stderr)
         table = {line.split()[0]: line.split()[1:] for line in done.stdout.splitlines() if len(line.split()) == 4}
-        self.assertEqual(table["density_evaluations"], ["7500000"] * 3)  # all digits
+        self.assertEqual(table["density_evaluations"], [str(8 * 6 * 65536)] * 3)  # all digits
         march = neph("render", self.moving, "-p", "off", "-e", "realtime", "--size", "16x12", "--stats", "-q", "-o", self.folder)
         for unknown in ("_bytes", "anti_aliasing"):  # of passes that did not run
             self.assertNotIn(unknown, march.stdout)
