@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "renderer/realtime/device.h"
 
+#include "renderer/realtime/options.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -109,11 +111,21 @@ void neph_rt_device_swap(struct neph_rt_device *device, int a, int b)
     device->targets[b] = kept;
 }
 
+int neph_rt_constants(const struct neph_rt_device *device,
+                      uint32_t constants[NEPH_KERNEL_CONSTANTS_MAX])
+{
+    constants[RT_CHOICE_CONSTANT - 1] = device->specialises;
+    for (int s = 0; s < RT_SETTING_COUNT && device->specialises; s++)
+        if (neph_rt_options[s].kind == NEPH_OPTION_CHOICE)
+            constants[RT_CHOICE_CONSTANT + s] = (uint32_t)device->view->settings[s];
+    return RT_CHOICE_CONSTANT + RT_SETTING_COUNT;
+}
+
 enum neph_status neph_rt_device_run(struct neph_rt_device *device,
                                     const struct neph_rt_shader *shader, uint32_t colour,
                                     size_t thread_count, double *gpu_s, struct neph_diag *diag)
 {
-    const struct neph_kernel_params params = {
+    struct neph_kernel_params params = {
         .name = shader->name,
         .spirv = shader->spirv,
         .spirv_size_bytes = shader->spirv_size_bytes,
@@ -121,6 +133,7 @@ enum neph_status neph_rt_device_run(struct neph_rt_device *device,
         .array_count = RT_TARGET_COUNT,
         .push_size_bytes = sizeof(struct neph_rt_run),
     };
+    params.constant_count = neph_rt_constants(device, params.constants);
     const struct neph_kernel *kernel;
     neph_rt_device_show(device);
     enum neph_status status = neph_kernel_get(device->vulkan, &params, &kernel, diag);

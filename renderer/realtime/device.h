@@ -22,6 +22,8 @@ struct neph_rt_device {
     struct neph_buffer view_buffer; /* owned, as all that follow */
     struct neph_buffer noise;
     struct neph_buffer targets[RT_TARGET_COUNT];
+    bool specialises; /* compile the choices into the shaders: faster, but a compilation (seconds on
+                         lavapipe) for each set of them. Same bits. */
     struct neph_buffer readback; /* as large as the largest target */
 };
 
@@ -57,6 +59,11 @@ enum neph_status neph_rt_device_download(struct neph_rt_device *device, int targ
 
 /* Give the device the view as it is; _run does so itself. */
 void neph_rt_device_show(struct neph_rt_device *device);
+
+/* Specialization constants RT_CHOICE_CONSTANT - 1 and on, of shaders that include realtime.glsl;
+ * returns how many constants there are in all. */
+int neph_rt_constants(const struct neph_rt_device *device,
+                      uint32_t constants[NEPH_KERNEL_CONSTANTS_MAX]);
 
 /* Exchange two targets of the same shape: this frame's history becomes the next one's. */
 void neph_rt_device_swap(struct neph_rt_device *device, int a, int b);

@@ -192,8 +192,8 @@ static enum neph_status run_on_scene(struct neph_realtime *realtime,
         .buffer_count = NEPH_GPU_SCENE_BUFFERS + 4,
         .array_count = RT_TARGET_COUNT,
         .push_size_bytes = sizeof(struct neph_march_run),
-        .constant_count = NEPH_MARCH_CONSTANTS,
     };
+    params.constant_count = neph_rt_constants(&realtime->device, params.constants);
     neph_march_constants(&realtime->scene, &realtime->march, params.constants);
     neph_rt_device_show(&realtime->device);
     struct scene_run work = {.realtime = realtime, .gpu_s = gpu_s};
@@ -282,6 +282,7 @@ static enum neph_status create_sized(struct neph_realtime *realtime, const struc
     if (!status)
         status = neph_rt_device_create(realtime->vulkan, &view, realtime->noise_ranks,
                                        &realtime->device, diag);
+    realtime->device.specialises = true;
     if (!status && choice_of(realtime, RT_SPLIT) == RT_SPLIT_NONE)
         status = neph_march_create(realtime->vulkan, scene, &realtime->march, &realtime->whole,
                                    diag);

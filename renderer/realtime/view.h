@@ -8,6 +8,7 @@
 
 #include "renderer/shaders/realtime_names.h"
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 

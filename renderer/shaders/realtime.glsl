@@ -11,6 +11,7 @@
 #define NEPH_REALTIME_GLSL
 
 #include "numbers.glsl"
+#include "realtime_choices.glsl"
 #include "realtime_names.h"
 
 #ifndef REALTIME_BINDING
@@ -61,8 +62,8 @@ layout(std430, binding = REALTIME_BINDING + 2) buffer Targets {
     uint words[];
 } targets[RT_TARGET_COUNT];
 
-float setting(int index) { return view.settings[index]; }
-int choice(int index) { return int(view.settings[index]); }
+int choice(int index) { return SPECIALISED ? known_choice(index) : int(view.settings[index]); }
+float setting(int index) { return view.settings[index]; } // of one that is a number
 
 ivec2 view_origin() { return ivec2(view.origin_px[0], view.origin_px[1]); }
 ivec2 view_size() { return ivec2(view.size_px[0], view.size_px[1]); }
@@ -112,6 +113,35 @@ float from_half(uint bits)
 // enum neph_rt_format
 const uint R16F = 0, R32F = 1, RG16F = 2, RG32F = 3, RGBA16F = 4, RGBA32F = 5;
 
+// By the choices, as renderer/realtime/layout.c has it for the CPU.
+uint format_of(int target)
+{
+    bool half_depth = choice(RT_DEPTH_FORMAT) == RT_FORMAT_HALF;
+    bool half_color = choice(RT_COLOR_FORMAT) == RT_FORMAT_HALF;
+    switch (target) {
+    case RT_HISTORY_STATE:
+    case RT_HISTORY_STATE_BEFORE:
+    case RT_TILE:
+        return half_depth ? RG16F : RG32F;
+    case RT_RAY_DISTANCE:
+    case RT_VOLUME_DISTANCE:
+        return half_depth ? R16F : R32F;
+    case RT_HISTORY:
+    case RT_HISTORY_BEFORE:
+    case RT_RAY:
+    case RT_VOLUME:
+        return half_color ? RGBA16F : RGBA32F;
+    case RT_TAA_OUT:
+    case RT_TAA_BEFORE:
+        return choice(RT_TAA_FORMAT) == RT_FORMAT_HALF ? RGBA16F : RGBA32F;
+    case RT_BEHIND:
+    case RT_COLOR:
+        return RGBA32F;
+    default:
+        return R32F;
+    }
+}
+
 vec2 unpack(uint word) { return vec2(from_half(word & 0xffffu), from_half(word >> 16)); }
 uint pack(vec2 value) { return to_half(value.x) | (to_half(value.y) << 16); }
 
@@ -119,7 +149,7 @@ uint pack(vec2 value) { return to_half(value.x) | (to_half(value.y) << 16); }
 vec4 fetch(int target, ivec2 texel)
 {
     uint index = uint(texel.y) * view.targets[target].width + uint(texel.x);
-    switch (view.targets[target].format) {
+    switch (format_of(target)) {
     case R16F:
         return vec4(from_half(targets[target].words[index] & 0xffffu), 0.0, 0.0, 0.0);
     case R32F:
@@ -143,7 +173,7 @@ vec4 fetch(int target, ivec2 texel)
 void put(int target, ivec2 texel, vec4 value)
 {
     uint index = uint(texel.y) * view.targets[target].width + uint(texel.x);
-    switch (view.targets[target].format) {
+    switch (format_of(target)) {
     case R16F:
         targets[target].words[index] = to_half(value.x);
         break;

@@ -87,6 +87,9 @@
 #define RT_WARM_UP 69
 #define RT_SETTING_COUNT 70
 
+// Specialization constant of setting 0 in the shaders; those of choices are their values.
+#define RT_CHOICE_CONSTANT 8
+
 // --- choices ----------------------------------------------------------------------------------
 
 #define RT_SPLIT_NONE 0 // every pixel, every frame

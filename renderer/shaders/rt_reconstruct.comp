@@ -121,7 +121,7 @@ void choose_rays(int nearest, float own_m)
         rays[i].is_in_box = is_accepted(i, nearest, own_m);
         count += int(rays[i].is_in_box);
     }
-    if (count < choice(RT_BOX_LEAST))
+    if (count < int(setting(RT_BOX_LEAST)))
         for (int i = 0; i < 9; i++)
             rays[i].is_in_box = rays[i].is_usable;
 }

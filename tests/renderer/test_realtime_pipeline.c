@@ -4,6 +4,7 @@
  */
 #include "tests/renderer/realtime_test.h"
 
+#include "base/files.h"
 #include "renderer/march.h"
 #include "renderer/realtime/pipeline.h"
 
@@ -39,7 +40,18 @@ static void set(struct neph_settings *settings, const char *assignment)
 }
 
 /* Blue noise is made once for all tests. */
-static const char cache_folder[] = "test_realtime_cache";
+static char cache_folder[] = "/tmp/neph-test-realtime-XXXXXX";
+
+static int setup(void **state)
+{
+    return mkdtemp(cache_folder) ? test_vulkan_setup(state) : -1;
+}
+
+static int teardown(void **state)
+{
+    neph_dir_remove(cache_folder, NULL);
+    return test_vulkan_teardown(state);
+}
 
 static struct neph_realtime *open_sized(struct neph_vulkan *vulkan, const struct neph_scene *scene,
                                         const struct neph_settings *settings, int width_px,
@@ -162,6 +174,35 @@ static void test_same_sequence_same_bits(void **state)
         struct neph_realtime *one = open_realtime(*state, &test.scene, &settings);
         struct neph_realtime *two = open_realtime(*state, &test.scene, &settings);
         for (int frame = 0; frame < 6; frame++) {
+            struct neph_image *a = next(one, &test.scene, frame, NULL);
+            struct neph_image *b = next(two, &test.scene, frame, NULL);
+            assert_same_bits(a, b);
+            neph_image_destroy(b);
+            neph_image_destroy(a);
+        }
+        neph_realtime_destroy(two);
+        neph_realtime_destroy(one);
+    }
+}
+
+/* Choices that are compiled into the shaders and choices that are looked up make the same bits:
+ * what is tested pass by pass is what is used. */
+static void generalise(struct neph_rt_device *device, int pass, void *context)
+{
+    (void)pass, (void)context;
+    device->specialises = false;
+}
+
+static void test_specialised_shaders_make_the_same_bits(void **state)
+{
+    struct test_scene test;
+    scene_fence(&test);
+    for (int p = 1; p < PRESETS; p++) {
+        const struct neph_settings settings = preset(presets[p]);
+        struct neph_realtime *one = open_realtime(*state, &test.scene, &settings);
+        struct neph_realtime *two = open_realtime(*state, &test.scene, &settings);
+        neph_realtime_observe(two, generalise, NULL);
+        for (int frame = 0; frame < 5; frame++) {
             struct neph_image *a = next(one, &test.scene, frame, NULL);
             struct neph_image *b = next(two, &test.scene, frame, NULL);
             assert_same_bits(a, b);
@@ -474,6 +515,7 @@ int main(void)
         cmocka_unit_test(test_off_is_the_march),
         cmocka_unit_test(test_zero_density_changes_nothing),
         cmocka_unit_test(test_same_sequence_same_bits),
+        cmocka_unit_test(test_specialised_shaders_make_the_same_bits),
         cmocka_unit_test(test_error_against_the_number_of_frames),
         cmocka_unit_test(test_a_bad_ray_is_gone_one_frame_later),
         cmocka_unit_test(test_garbage_in_the_history_never_shows),
@@ -483,5 +525,5 @@ int main(void)
         cmocka_unit_test(test_coloured_extinction_is_refused),
         cmocka_unit_test(test_given_depth),
     };
-    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
+    return cmocka_run_group_tests(tests, setup, teardown);
 }

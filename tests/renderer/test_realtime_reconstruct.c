@@ -549,15 +549,16 @@ static void test_where_gathered_depths_drift(void **state)
         const char *assignments;
         int width_px, first_wrong;
     } cases[] = {
-        {"gather=texel", 641, 159},      {"gather=normalised", 641, 106},
-        {"gather=normalised", 642, 159}, {"gather=normalised", 643, 159},
-        {"gather=normalised", 644, 159},
+        {"gather=texel depth_format=float", 641, 159},
+        {"gather=normalised depth_format=float", 641, 106},
+        {"gather=normalised depth_format=float", 642, 159},
+        {"gather=normalised depth_format=float", 643, 159},
+        {"gather=normalised depth_format=float", 644, 159},
     };
     for (int i = 0; i < 5; i++) {
         struct test_passes test;
         reconstruct_open(*state, cases[i].assignments, cases[i].width_px, 4, &test);
         test.view.has_history = 0;
-        test.view.settings[RT_DEPTH_FORMAT] = RT_FORMAT_FLOAT;
         for (int x = 0; x < 161; x++)
             put_ray(&test, x, 0, 100 + x, x, 1);
         for (int x = 0; x < 160; x++)

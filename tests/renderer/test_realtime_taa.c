@@ -683,7 +683,8 @@ static void test_the_weight_grows_with_speed(void **state)
 {
     struct test_passes test;
     open_wall(*state,
-              "taa_filter=off taa_box=none taa_hdr_weight=off taa_contrast=0 taa_format=float",
+              "taa_filter=off taa_box=none taa_hdr_weight=off taa_contrast=0 taa_format=float "
+              "taa_velocity_px=40",
               &test);
     for (size_t e = 0; e < test_elements(&test, RT_COLOR); e++)
         test_set(&test, RT_COLOR, e, (float[4]){1.0f, 1.0f, 1.0f});
