@@ -655,6 +655,19 @@ static void take_values(const struct neph_pool_source *source, struct table *tab
     }
 }
 
+/* The order of the values of a table. */
+static enum neph_status select_from(struct table *table, const struct neph_key_runs *runs,
+                                    int metric_count, struct neph_diag *diag)
+{
+    double shares[METRICS_MAX];
+    int share_count = 0;
+    for (int m = 0; m < metric_count; m++)
+        if (table->statistics[m].metric->pool == NEPH_POOL_PERCENTILE)
+            shares[share_count++] = table->statistics[m].metric->parameter;
+    const enum neph_status status = neph_selector_create(runs, &table->selector, diag);
+    return status ? status : neph_select_expect(table->selector, shares, share_count, diag);
+}
+
 static enum neph_status pool_mask(const struct walk *walk, const struct gathered *set,
                                   const struct neph_metric *const *metrics, int metric_count,
                                   bool intervals, struct neph_pooled *pooled,
@@ -669,7 +682,7 @@ static enum neph_status pool_mask(const struct walk *walk, const struct gathered
     enum neph_status status = fill_table(&table, runs.run_count, diag);
     runs.key_count = (size_t)table.totals[SUM_N];
     if (!status && set->keys && table.row_count > 0)
-        status = neph_selector_create(&runs, &table.selector, diag);
+        status = select_from(&table, &runs, metric_count, diag);
     if (!status)
         take_values(walk->source, &table, metric_count, pooled);
     if (!status && intervals && table.row_count > 0)

@@ -4,7 +4,7 @@
  * few keys are in any; the bucket that holds a rank is gathered when it is first asked for, and
  * counted by its next 8 bits, and those by their last 8. Nothing is sorted. A bucket that is
  * crowded all the same, as that of values a little below 1 is, is counted where it lies, and a part
- * of it gathered.
+ * of it gathered. Buckets that are expected to be asked for are gathered together.
  */
 #include "metrics/select.h"
 
@@ -23,6 +23,13 @@ enum {
     MIDDLES = 1 << MIDDLE_BITS,
     LASTS = 1 << LAST_BITS,
     CROWD_SHARE = 16, /* a bucket with more than this part of all keys is crowded */
+    TOGETHER = 3,     /* buckets that are gathered in one go */
+};
+
+/* The keys whose bits above `shift` are one of these. */
+struct wanted {
+    uint32_t upper[TOGETHER];
+    int shift; /* 0: none */
 };
 
 struct neph_selector {
@@ -30,10 +37,11 @@ struct neph_selector {
     size_t below[BUCKETS + 1]; /* keys in the buckets before */
     double sums[BUCKETS];
     bool has_sums;
-    int open_bucket;   /* that `middle` counts; -1: none */
-    int open_middle;   /* of the open bucket, that `last` counts; -1: none */
-    uint32_t *members; /* of the open bucket; when it is crowded, of its open middle; owned */
-    size_t member_count;
+    int open_bucket;        /* that `middle` counts; -1: none */
+    int open_middle;        /* of the open bucket, that `last` counts; -1: none */
+    struct wanted gathered; /* the open bucket and others; when it is crowded, its open middle */
+    uint32_t *members;      /* the keys that are gathered; owned */
+    size_t member_count, member_room;
     uint32_t middle[MIDDLES], last[LASTS];
 };
 
@@ -78,6 +86,21 @@ static size_t count_of(const struct neph_selector *selector, int bucket)
     return selector->below[bucket + 1] - selector->below[bucket];
 }
 
+/* For so many members; those that were there are lost. */
+static bool make_room(struct neph_selector *selector, size_t room)
+{
+    if (room <= selector->member_room)
+        return true;
+    uint32_t *members = malloc(room * sizeof(*members));
+    if (!members)
+        return false;
+    free(selector->members);
+    selector->members = members;
+    selector->member_room = room;
+    selector->gathered.shift = 0;
+    return true;
+}
+
 enum neph_status neph_selector_create(const struct neph_key_runs *runs,
                                       struct neph_selector **selector, struct neph_diag *diag)
 {
@@ -87,12 +110,12 @@ enum neph_status neph_selector_create(const struct neph_key_runs *runs,
     created->runs = runs;
     created->has_sums = false;
     created->open_bucket = created->open_middle = -1;
+    created->gathered.shift = 0;
     created->members = NULL;
+    created->member_room = 0;
     created->below[0] = 0;
     const long long largest = count_buckets(created);
-    if (largest >= 0)
-        created->members = malloc(((size_t)largest + 1) * sizeof(*created->members));
-    if (!created->members) {
+    if (largest < 0 || !make_room(created, (size_t)largest + 1)) {
         neph_selector_destroy(created);
         return neph_fail_memory(diag);
     }
@@ -110,35 +133,61 @@ void neph_selector_destroy(struct neph_selector *selector)
 
 enum { BLOCK = 32 };
 
-/* Copy the keys with these upper bits, above `shift`; most blocks of keys hold none, and a look at
- * the block is cheaper than one at each key. `to` has room for one more than it gets. */
-NEPH_VECTOR static size_t copy_run(const uint32_t *restrict keys, size_t key_count, uint32_t wanted,
-                                   int shift, uint32_t *restrict to)
+__attribute__((always_inline)) static inline bool is_wanted(uint32_t key, struct wanted wanted)
 {
+    const uint32_t upper = key >> wanted.shift;
+    return (upper == wanted.upper[0]) | (upper == wanted.upper[1]) | (upper == wanted.upper[2]);
+}
+
+/* Most blocks of keys hold none that is wanted, and a look at the block is cheaper than one at each
+ * key. `to` has room for one more than it gets. */
+NEPH_VECTOR static size_t copy_run(const uint32_t *restrict keys, size_t key_count,
+                                   const struct wanted *these, uint32_t *restrict to)
+{
+    const struct wanted wanted = *these;
     size_t count = 0, i = 0;
     for (; i + BLOCK <= key_count; i += BLOCK) {
         uint32_t any = 0;
         for (int k = 0; k < BLOCK; k++)
-            any |= keys[i + (size_t)k] >> shift == wanted ? 1u : 0u;
+            any |= is_wanted(keys[i + (size_t)k], wanted) ? 1u : 0u;
         for (size_t k = i; any && k < i + BLOCK; k++) {
             to[count] = keys[k];
-            count += keys[k] >> shift == wanted;
+            count += is_wanted(keys[k], wanted);
         }
     }
     for (; i < key_count; i++) {
         to[count] = keys[i];
-        count += keys[i] >> shift == wanted;
+        count += is_wanted(keys[i], wanted);
     }
     return count;
 }
 
-static void gather(struct neph_selector *selector, uint32_t wanted, int shift)
+static void gather(struct neph_selector *selector, const struct wanted *wanted)
 {
     const struct neph_key_runs *runs = selector->runs;
     selector->member_count = 0;
     for (int r = 0; r < runs->run_count; r++)
         selector->member_count += copy_run(runs->keys + runs->first[r], runs->counts[r], wanted,
-                                           shift, selector->members + selector->member_count);
+                                           selector->members + selector->member_count);
+    selector->gathered = *wanted;
+}
+
+static struct wanted only(uint32_t upper, int shift)
+{
+    return (struct wanted){{upper, upper, upper}, shift};
+}
+
+static bool has_gathered(const struct neph_selector *selector, int bucket)
+{
+    return selector->gathered.shift == LOW_BITS &&
+           is_wanted((uint32_t)bucket << LOW_BITS, selector->gathered);
+}
+
+static void gather_bucket(struct neph_selector *selector, int bucket)
+{
+    const struct wanted wanted = only((uint32_t)bucket, LOW_BITS);
+    if (!has_gathered(selector, bucket))
+        gather(selector, &wanted);
 }
 
 static void count_middles(const uint32_t *keys, size_t count, uint32_t bucket, uint32_t *middles)
@@ -164,7 +213,7 @@ static void open_bucket(struct neph_selector *selector, int bucket)
             count_middles(runs->keys + runs->first[r], runs->counts[r], (uint32_t)bucket,
                           selector->middle);
     } else {
-        gather(selector, (uint32_t)bucket, LOW_BITS);
+        gather_bucket(selector, bucket);
         count_middles(selector->members, selector->member_count, (uint32_t)bucket,
                       selector->middle);
     }
@@ -177,13 +226,14 @@ static void open_middle(struct neph_selector *selector, int middle)
 {
     if (selector->open_middle == middle)
         return;
-    const uint32_t wanted = ((uint32_t)selector->open_bucket << MIDDLE_BITS) | (uint32_t)middle;
+    const uint32_t upper = ((uint32_t)selector->open_bucket << MIDDLE_BITS) | (uint32_t)middle;
+    const struct wanted wanted = only(upper, LAST_BITS);
     if (is_crowded(selector, selector->open_bucket))
-        gather(selector, wanted, LAST_BITS);
+        gather(selector, &wanted);
     memset(selector->last, 0, sizeof(selector->last));
     for (size_t i = 0; i < selector->member_count; i++)
         selector->last[selector->members[i] & (LASTS - 1)] += selector->members[i] >> LAST_BITS ==
-                                                              wanted;
+                                                              upper;
     selector->open_middle = middle;
 }
 
@@ -221,9 +271,38 @@ uint32_t neph_select_rank(struct neph_selector *selector, size_t rank)
     return key_from(selector, last);
 }
 
+static double position_of(const struct neph_selector *selector, double share)
+{
+    return (double)(selector->runs->key_count - 1) * share;
+}
+
+enum neph_status neph_select_expect(struct neph_selector *selector, const double *shares, int count,
+                                    struct neph_diag *diag)
+{
+    struct wanted wanted = {.shift = LOW_BITS};
+    size_t room = 1;
+    int found = 0;
+    for (int i = 0; i < count && found < TOGETHER; i++) {
+        const int bucket = bucket_of_rank(selector, (size_t)position_of(selector, shares[i]));
+        if (is_crowded(selector, bucket))
+            continue;
+        wanted.upper[found++] = (uint32_t)bucket;
+        room += count_of(selector, bucket);
+    }
+    if (found < 2)
+        return NEPH_OK;
+    for (; found < TOGETHER; found++)
+        wanted.upper[found] = wanted.upper[0];
+    if (!make_room(selector, room))
+        return neph_fail_memory(diag);
+    selector->open_bucket = selector->open_middle = -1;
+    gather(selector, &wanted);
+    return NEPH_OK;
+}
+
 double neph_select_percentile(struct neph_selector *selector, double share)
 {
-    const double position = (double)(selector->runs->key_count - 1) * share;
+    const double position = position_of(selector, share);
     const size_t rank = (size_t)position;
     const double below = neph_key_value(neph_select_rank(selector, rank));
     if (rank + 1 >= selector->runs->key_count)
@@ -250,12 +329,13 @@ static void sum_buckets(struct neph_selector *selector)
 static double first_above(struct neph_selector *selector, double target)
 {
     double sums[MIDDLES] = {0.0}, running = 0.0;
-    const size_t count = count_of(selector, selector->open_bucket);
-    if (is_crowded(selector, selector->open_bucket))
-        gather(selector, (uint32_t)selector->open_bucket, LOW_BITS);
-    for (size_t i = 0; i < count; i++)
-        sums[(selector->members[i] >> LAST_BITS) & (MIDDLES - 1)] += neph_key_value(
-            selector->members[i]);
+    const uint32_t bucket = (uint32_t)selector->open_bucket;
+    gather_bucket(selector, selector->open_bucket);
+    for (size_t i = 0; i < selector->member_count; i++) {
+        const uint32_t key = selector->members[i];
+        if (key >> LOW_BITS == bucket)
+            sums[(key >> LAST_BITS) & (MIDDLES - 1)] += neph_key_value(key);
+    }
     int middle = 0, found = 0;
     for (int m = 0; m < MIDDLES; m++)
         middle = selector->middle[m] > 0 ? m : middle;
@@ -275,7 +355,8 @@ static double first_above(struct neph_selector *selector, double target)
         if (running > target)
             break;
     }
-    return count > 0 ? neph_key_value(key_from(selector, found)) : 0.0;
+    return count_of(selector, selector->open_bucket) > 0 ? neph_key_value(key_from(selector, found))
+                                                         : 0.0;
 }
 
 double neph_select_weighted(struct neph_selector *selector, double share)

@@ -53,6 +53,11 @@ void neph_selector_destroy(struct neph_selector *selector); /* NULL is fine */
 /* The key of that rank, 0 .. key_count - 1 in ascending order. */
 uint32_t neph_select_rank(struct neph_selector *selector, size_t rank);
 
+/* Say which percentiles will be asked for: a few of them cost one look at all keys and not one
+ * each. It changes no number. key_count >= 1. */
+enum neph_status neph_select_expect(struct neph_selector *selector, const double *shares, int count,
+                                    struct neph_diag *diag);
+
 /* The percentile at `share` (0..1), type 7 as neph_percentile(). key_count >= 1. */
 double neph_select_percentile(struct neph_selector *selector, double share);
 

@@ -104,6 +104,35 @@ static void test_ranks_and_percentiles(void **state)
     }
 }
 
+/* Expected or not, in time or in between: the percentiles are the same. */
+static void test_expected_percentiles(void **state)
+{
+    (void)state;
+    uint64_t random = 777;
+    enum { COUNT_MAX = 5000, SHARES = 5 };
+    static float values[COUNT_MAX];
+    struct neph_diag diag = {0};
+    for (int round = 0; round < 80; round++) {
+        size_t count = 1 + neph_test_random(&random) % (round < 8 ? 4 : COUNT_MAX);
+        for (size_t i = 0; i < count; i++)
+            values[i] = draw(&random, round % 4);
+        struct set set;
+        create_set(&set, values, count);
+        for (int again = 0; again < 4; again++) {
+            double shares[SHARES];
+            int share_count = (int)(neph_test_random(&random) % (SHARES + 1));
+            for (int i = 0; i < SHARES; i++)
+                shares[i] = neph_test_uniform(&random, 0.0, 1.0);
+            neph_select_percentile(set.selector, shares[0]); /* its bucket is open now */
+            neph_assert_ok(neph_select_expect(set.selector, shares, share_count, &diag), &diag);
+            for (int i = 0; i < SHARES; i++)
+                neph_assert_close(neph_select_percentile(set.selector, shares[i]),
+                                  neph_percentile(set.values, count, shares[i]), 1e-15, 0.0);
+        }
+        destroy_set(&set);
+    }
+}
+
 /* The definition: walk up the sorted values until the running sum exceeds the share. Shares of
  * which the walk's own rounding could decide are left out. */
 static void test_weighted_percentiles(void **state)
@@ -146,6 +175,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_keys_keep_the_order),
         cmocka_unit_test(test_ranks_and_percentiles),
+        cmocka_unit_test(test_expected_percentiles),
         cmocka_unit_test(test_weighted_percentiles),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
