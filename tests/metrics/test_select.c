@@ -123,8 +123,10 @@ static void test_expected_percentiles(void **state)
             int share_count = (int)(neph_test_random(&random) % (SHARES + 1));
             for (int i = 0; i < SHARES; i++)
                 shares[i] = neph_test_uniform(&random, 0.0, 1.0);
-            neph_select_percentile(set.selector, shares[0]); /* its bucket is open now */
+            const double before = neph_test_uniform(&random, 0.0, 1.0);
+            const double percentile = neph_select_percentile(set.selector, before);
             neph_assert_ok(neph_select_expect(set.selector, shares, share_count, &diag), &diag);
+            assert_true(neph_select_percentile(set.selector, before) == percentile);
             for (int i = 0; i < SHARES; i++)
                 neph_assert_close(neph_select_percentile(set.selector, shares[i]),
                                   neph_percentile(set.values, count, shares[i]), 1e-15, 0.0);
