@@ -222,13 +222,15 @@ NEPH_VECTOR static uint32_t count_not_finite(const float *values, size_t count)
     return bad;
 }
 
-/* Whether all samples of a row are finite: then nothing in it is bad. */
+/* Whether all samples of a row are finite: then nothing in it is bad. A reference with a mean is
+ * finite everywhere, for what is not finite stays in a sum; but a sky is left out of that. */
 static bool row_is_finite(const struct neph_frame_pair *pair, size_t first)
 {
     const size_t width = (size_t)pair->width_px;
+    const bool is_known = pair->quantity->bit != NEPH_DEPTH && isfinite(pair->scene_mean);
     for (int p = 0; p < pair->plane_count; p++)
-        if (count_not_finite(pair->reference[p] + first, width) > 0 ||
-            count_not_finite(pair->test[p] + first, width) > 0)
+        if (count_not_finite(pair->test[p] + first, width) > 0 ||
+            (!is_known && count_not_finite(pair->reference[p] + first, width) > 0))
             return false;
     return true;
 }
