@@ -76,6 +76,37 @@ bool neph_march_can_render(const struct neph_scene *scene, enum neph_march_light
     return !obstacle;
 }
 
+static enum neph_status check_range(const char *name, int value, int maximum,
+                                    struct neph_diag *diag)
+{
+    if (value >= 1 && value <= maximum)
+        return NEPH_OK;
+    return neph_fail(diag, NEPH_ERR_USAGE, "march: %s is %d, outside 1..%d", name, value, maximum);
+}
+
+enum neph_status neph_march_check(const struct neph_scene *scene,
+                                  const struct neph_march_params *params, struct neph_diag *diag)
+{
+    enum neph_status status = check_range("width", params->width_px, NEPH_MARCH_SIDE_MAX_PX, diag);
+    if (!status)
+        status = check_range("height", params->height_px, NEPH_MARCH_SIDE_MAX_PX, diag);
+    if (!status)
+        status = check_range("steps", params->steps, NEPH_MARCH_STEPS_MAX, diag);
+    if (!status && neph_march_marches_sun(scene, params))
+        status = check_range("sun_steps", params->sun_steps, NEPH_MARCH_STEPS_MAX, diag);
+    if (status)
+        return status;
+    if ((uint64_t)params->steps * (uint64_t)(1 + neph_march_sun_steps(scene, params)) >
+        UINT32_MAX / 2)
+        return neph_fail(diag, NEPH_ERR_USAGE,
+                         "march: %d steps of %d sun steps each are more than a pixel can count",
+                         params->steps, params->sun_steps);
+    char reason[256];
+    if (!neph_march_can_render(scene, params->lighting, reason, sizeof(reason)))
+        return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "march: cannot: %s", reason);
+    return NEPH_OK;
+}
+
 /* --- one march ---------------------------------------------------------------------------- */
 
 struct neph_march {

@@ -72,6 +72,10 @@ struct neph_march_stats {
 bool neph_march_can_render(const struct neph_scene *scene, enum neph_march_lighting lighting,
                            char *reason, size_t reason_size);
 
+/* Everything that neph_march_render() refuses before it looks at a device. */
+enum neph_status neph_march_check(const struct neph_scene *scene,
+                                  const struct neph_march_params *params, struct neph_diag *diag);
+
 /* A march of many frames of one scene: its grids and textures stay on the device. */
 struct neph_march;
 

@@ -9,16 +9,7 @@
 static const uint64_t dispatch_turns_max = 1u << 25;
 static const uint64_t dispatch_rays_max = 1u << 19;
 
-static enum neph_status check_range(const char *name, int value, int maximum,
-                                    struct neph_diag *diag)
-{
-    if (value >= 1 && value <= maximum)
-        return NEPH_OK;
-    return neph_fail(diag, NEPH_ERR_USAGE, "march: %s is %d, outside 1..%d", name, value, maximum);
-}
-
-static bool marches_towards_sun(const struct neph_scene *scene,
-                                const struct neph_march_params *params)
+bool neph_march_marches_sun(const struct neph_scene *scene, const struct neph_march_params *params)
 {
     for (int i = 0; i < scene->medium_count; i++)
         if (!neph_medium_has_closed_form(&scene->media[i]))
@@ -28,30 +19,7 @@ static bool marches_towards_sun(const struct neph_scene *scene,
 
 int neph_march_sun_steps(const struct neph_scene *scene, const struct neph_march_params *params)
 {
-    return marches_towards_sun(scene, params) ? params->sun_steps : 0;
-}
-
-enum neph_status neph_march_check(const struct neph_scene *scene,
-                                  const struct neph_march_params *params, struct neph_diag *diag)
-{
-    enum neph_status status = check_range("width", params->width_px, NEPH_MARCH_SIDE_MAX_PX, diag);
-    if (!status)
-        status = check_range("height", params->height_px, NEPH_MARCH_SIDE_MAX_PX, diag);
-    if (!status)
-        status = check_range("steps", params->steps, NEPH_MARCH_STEPS_MAX, diag);
-    if (!status && marches_towards_sun(scene, params))
-        status = check_range("sun_steps", params->sun_steps, NEPH_MARCH_STEPS_MAX, diag);
-    if (status)
-        return status;
-    if ((uint64_t)params->steps * (uint64_t)(1 + neph_march_sun_steps(scene, params)) >
-        UINT32_MAX / 2)
-        return neph_fail(diag, NEPH_ERR_USAGE,
-                         "march: %d steps of %d sun steps each are more than a pixel can count",
-                         params->steps, params->sun_steps);
-    char reason[256];
-    if (!neph_march_can_render(scene, params->lighting, reason, sizeof(reason)))
-        return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "march: cannot: %s", reason);
-    return NEPH_OK;
+    return neph_march_marches_sun(scene, params) ? params->sun_steps : 0;
 }
 
 /* Upper bound of loop turns (compute.h) of the shader, following its loops one by one. */

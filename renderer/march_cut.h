@@ -29,9 +29,8 @@ struct neph_march_run {
     uint32_t end_step;
 };
 
-/* Everything that neph_march_render() refuses before it looks at a device. */
-enum neph_status neph_march_check(const struct neph_scene *scene,
-                                  const struct neph_march_params *params, struct neph_diag *diag);
+/* Whether sun rays are marched at all. */
+bool neph_march_marches_sun(const struct neph_scene *scene, const struct neph_march_params *params);
 
 /* Steps of the scene's sun rays: 0 where none is marched. */
 int neph_march_sun_steps(const struct neph_scene *scene, const struct neph_march_params *params);

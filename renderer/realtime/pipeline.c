@@ -3,6 +3,7 @@
 
 #include "base/clock.h"
 #include "renderer/march_cut.h"
+#include "renderer/realtime/images.h"
 #include "renderer/realtime/jitter.h"
 #include "renderer/realtime/layout.h"
 #include "renderer/realtime/noise.h"
@@ -459,147 +460,6 @@ static void set_view(struct neph_realtime *realtime, const struct neph_scene *sc
     set_vector(view->wind_m, neph_vec3_sub(now->drift_m, before->drift_m));
 }
 
-/* --- given frames -------------------------------------------------------------------------- */
-
-static enum neph_status check_given(const struct neph_realtime *realtime,
-                                    const struct neph_image *given, struct neph_diag *diag)
-{
-    const int width_px = realtime->march.width_px, height_px = realtime->march.height_px;
-    if (given->width_px != width_px || given->height_px != height_px)
-        return neph_fail(diag, NEPH_ERR_INPUT,
-                         "the given depth is %dx%d px, the frame to render %dx%d", given->width_px,
-                         given->height_px, width_px, height_px);
-    const float *depth_m = neph_image_channel(given, "Z");
-    if (!depth_m)
-        return neph_fail(diag, NEPH_ERR_INPUT, "the given frame has no channel Z");
-    for (size_t i = 0; i < neph_image_pixel_count(given); i++)
-        if (!(depth_m[i] > 0.0f))
-            return neph_fail(diag, NEPH_ERR_INPUT,
-                             "the given depth at pixel %zu,%zu is %g m, not above 0",
-                             i % (size_t)width_px, i / (size_t)width_px, (double)depth_m[i]);
-    float *rgb[3];
-    const bool shines = neph_image_rgb(given, NULL, rgb);
-    for (int c = 0; shines && c < 3; c++)
-        for (size_t i = 0; i < neph_image_pixel_count(given); i++)
-            if (!(isfinite(rgb[c][i]) && rgb[c][i] >= 0.0f))
-                return neph_fail(diag, NEPH_ERR_INPUT,
-                                 "the given radiance at pixel %zu,%zu is %g, not finite and 0 or "
-                                 "above",
-                                 i % (size_t)width_px, i / (size_t)width_px, (double)rgb[c][i]);
-    return NEPH_OK;
-}
-
-/* In place of the scene pass; where the frame has no radiance nothing shines behind the media. */
-static enum neph_status upload_given(struct neph_realtime *realtime, const struct neph_image *given,
-                                     struct neph_diag *diag)
-{
-    enum neph_status status = check_given(realtime, given, diag);
-    if (status)
-        return status;
-    const struct neph_rt_target *shapes = realtime->device.view->targets;
-    const size_t count = neph_image_pixel_count(given);
-    uint32_t *depth = calloc(count, sizeof(*depth)), *behind = calloc(count, 4 * sizeof(*behind));
-    if (!depth || !behind)
-        status = neph_fail_memory(diag);
-    const float *depth_m = neph_image_channel(given, "Z");
-    float *rgb[3];
-    const bool shines = neph_image_rgb(given, NULL, rgb);
-    for (size_t i = 0; i < count && !status; i++) {
-        const float value[4] = {fminf(depth_m[i], NEPH_RT_FAR_M)};
-        neph_rt_store(&shapes[RT_DEPTH], depth, i, value);
-        if (shines)
-            neph_rt_store(&shapes[RT_BEHIND], behind, i,
-                          (float[4]){rgb[0][i], rgb[1][i], rgb[2][i]});
-    }
-    if (!status)
-        status = neph_rt_device_upload(&realtime->device, RT_DEPTH, depth, diag);
-    if (!status)
-        status = neph_rt_device_upload(&realtime->device, RT_STEADY_DEPTH, depth, diag);
-    if (!status)
-        status = neph_rt_device_upload(&realtime->device, RT_BEHIND, behind, diag);
-    free(behind);
-    free(depth);
-    return status;
-}
-
-/* --- images -------------------------------------------------------------------------------- */
-
-/* Channels of a target become channels of the image. */
-static enum neph_status bring(struct neph_realtime *realtime, int target, float *const channels[4],
-                              struct neph_diag *diag)
-{
-    struct neph_rt_device *device = &realtime->device;
-    uint32_t *words = malloc(neph_rt_device_words(device, target) * sizeof(*words));
-    if (!words)
-        return neph_fail_memory(diag);
-    const enum neph_status status = neph_rt_device_download(device, target, words, diag);
-    const size_t count = thread_count(device->view, FULL);
-    for (size_t i = 0; i < count && !status; i++) {
-        float value[4];
-        neph_rt_load(&device->view->targets[target], words, i, value);
-        for (int c = 0; c < 4; c++)
-            if (channels[c])
-                channels[c][i] = value[c];
-    }
-    free(words);
-    return status;
-}
-
-/* What is infinitely far says so in files; a medium that shows nothing is nowhere. */
-static void finish_distances(struct neph_image *image)
-{
-    float *depth_m = neph_image_channel(image, "Z");
-    float *distance_m = neph_image_channel(image, "volume.distance");
-    const float *transmittance = neph_image_channel(image, "transmittance.R");
-    float *volume[3];
-    neph_image_rgb(image, "volume", volume);
-    for (size_t i = 0; i < neph_image_pixel_count(image); i++) {
-        if (depth_m[i] >= NEPH_RT_FAR_M)
-            depth_m[i] = INFINITY;
-        if (transmittance[i] == 1.0f && volume[0][i] + volume[1][i] + volume[2][i] == 0.0f)
-            distance_m[i] = INFINITY;
-    }
-}
-
-static enum neph_status make_image(struct neph_realtime *realtime, struct neph_image **image,
-                                   struct neph_diag *diag)
-{
-    const int picture = choice_of(realtime, RT_TAA) ? RT_TAA_OUT : RT_COLOR;
-    struct neph_image *made = NULL;
-    float *rgb[3], *volume[3], *transmittance[3], *depth_m, *distance_m;
-    enum neph_status status = neph_image_create(realtime->march.width_px, realtime->march.height_px,
-                                                &made, diag);
-    if (!status)
-        status = neph_image_add_rgb(made, NULL, rgb, diag);
-    if (!status)
-        status = neph_image_add_rgb(made, "volume", volume, diag);
-    if (!status)
-        status = neph_image_add_rgb(made, "transmittance", transmittance, diag);
-    if (!status)
-        status = neph_image_add_channel(made, "Z", &depth_m, diag);
-    if (!status)
-        status = neph_image_add_channel(made, "volume.distance", &distance_m, diag);
-    if (!status)
-        status = bring(realtime, picture, (float *[4]){rgb[0], rgb[1], rgb[2]}, diag);
-    if (!status)
-        status = bring(realtime, RT_VOLUME,
-                       (float *[4]){volume[0], volume[1], volume[2], transmittance[0]}, diag);
-    if (!status)
-        status = bring(realtime, RT_DEPTH, (float *[4]){depth_m}, diag);
-    if (!status)
-        status = bring(realtime, RT_VOLUME_DISTANCE, (float *[4]){distance_m}, diag);
-    if (status) {
-        neph_image_destroy(made);
-        return status;
-    }
-    const size_t channel_bytes = neph_image_pixel_count(made) * sizeof(float);
-    memcpy(transmittance[1], transmittance[0], channel_bytes);
-    memcpy(transmittance[2], transmittance[0], channel_bytes);
-    finish_distances(made);
-    *image = made;
-    return NEPH_OK;
-}
-
 /* --- frames -------------------------------------------------------------------------------- */
 
 static uint64_t targets_bytes(const struct neph_rt_view *view, uint32_t targets)
@@ -654,35 +514,15 @@ static enum neph_status render_split(struct neph_realtime *realtime,
     realtime->scene.frame->sun_steps = (uint32_t)neph_march_sun_steps(still, &realtime->march);
     enum neph_status status = NEPH_OK;
     if (frame->given)
-        status = upload_given(realtime, frame->given, diag);
+        status = neph_rt_give_frame(&realtime->device, frame->given, diag);
     for (int pass = frame->given ? PASS_DEPTH_MAP : PASS_SCENE; pass < PASS_TAA && !status; pass++)
         status = run_one(realtime, pass, stats, diag);
     if (!status && choice_of(realtime, RT_TAA))
         status = run_one(realtime, PASS_TAA, stats, diag);
     if (!status)
         take_counters(realtime, stats);
-    return status ? status : make_image(realtime, image, diag);
-}
-
-/* Give a channel or three of an image to a target. */
-static enum neph_status upload_image(struct neph_realtime *realtime, int target,
-                                     float *const channels[3], struct neph_diag *diag)
-{
-    struct neph_rt_device *device = &realtime->device;
-    const size_t count = thread_count(device->view, FULL);
-    uint32_t *words = calloc(neph_rt_device_words(device, target), sizeof(*words));
-    if (!words)
-        return neph_fail_memory(diag);
-    for (size_t i = 0; i < count; i++) {
-        float value[4] = {0.0f};
-        for (int c = 0; c < 3; c++)
-            if (channels[c])
-                value[c] = fminf(channels[c][i], NEPH_RT_FAR_M);
-        neph_rt_store(&device->view->targets[target], words, i, value);
-    }
-    const enum neph_status status = neph_rt_device_upload(device, target, words, diag);
-    free(words);
-    return status;
+    const int picture = choice_of(realtime, RT_TAA) ? RT_TAA_OUT : RT_COLOR;
+    return status ? status : neph_rt_bring_frame(&realtime->device, picture, image, diag);
 }
 
 static enum neph_status anti_alias(struct neph_realtime *realtime, struct neph_image *image,
@@ -690,14 +530,15 @@ static enum neph_status anti_alias(struct neph_realtime *realtime, struct neph_i
 {
     float *rgb[3];
     neph_image_rgb(image, NULL, rgb);
-    enum neph_status status = upload_image(realtime, RT_COLOR, rgb, diag);
+    enum neph_status status = neph_rt_give(&realtime->device, RT_COLOR, rgb, diag);
     if (!status)
-        status = upload_image(realtime, RT_DEPTH, (float *[3]){neph_image_channel(image, "Z")},
-                              diag);
+        status = neph_rt_give(&realtime->device, RT_DEPTH,
+                              (float *[3]){neph_image_channel(image, "Z")}, diag);
     if (!status)
         status = run_one(realtime, PASS_TAA, stats, diag);
     return status ? status
-                  : bring(realtime, RT_TAA_OUT, (float *[4]){rgb[0], rgb[1], rgb[2]}, diag);
+                  : neph_rt_bring(&realtime->device, RT_TAA_OUT,
+                                  (float *[4]){rgb[0], rgb[1], rgb[2]}, diag);
 }
 
 /* Every pixel, every frame: the march itself. */
