@@ -137,6 +137,69 @@ static void test_off_is_the_march(void **state)
     neph_realtime_destroy(realtime);
 }
 
+/* Of a march at half resolution each ray goes through the middle of a half-pixel: the rays of the
+ * tiles are some of its, bit by bit. */
+struct ray_check {
+    const struct neph_image *half;
+    int checked;
+};
+
+static void check_rays(struct neph_rt_device *device, int pass, void *context)
+{
+    struct ray_check *check = context;
+    if (strcmp(neph_realtime_pass_name(pass), "march") != 0)
+        return;
+    const int targets[] = {RT_TILE, RT_RAY};
+    uint32_t *words[2];
+    struct neph_diag diag = {0};
+    for (int t = 0; t < 2; t++) {
+        words[t] = malloc(neph_rt_device_words(device, targets[t]) * sizeof(uint32_t));
+        neph_assert_ok(neph_rt_device_download(device, targets[t], words[t], &diag), &diag);
+    }
+    float *volume[3], *transmittance[3];
+    neph_image_rgb(check->half, "volume", volume);
+    neph_image_rgb(check->half, "transmittance", transmittance);
+    for (int tile = 0; tile < (WIDTH_PX / 4) * (HEIGHT_PX / 4); tile++) {
+        static const int places[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+        float slot[4], ray[4];
+        neph_rt_load(&device->view->targets[RT_TILE], words[0], (size_t)tile, slot);
+        neph_rt_load(&device->view->targets[RT_RAY], words[1], (size_t)tile, ray);
+        const int *place = places[(int)slot[0]];
+        const int x = 2 * (tile % (WIDTH_PX / 4)) + place[0];
+        const int y = 2 * (tile / (WIDTH_PX / 4)) + place[1];
+        const size_t i = (size_t)(y * (WIDTH_PX / 2) + x);
+        for (int c = 0; c < 3; c++)
+            assert_true(ray[c] == volume[c][i]);
+        assert_true(ray[3] == transmittance[0][i]);
+        check->checked++;
+    }
+    free(words[0]);
+    free(words[1]);
+}
+
+static void test_a_tile_marches_as_march_does(void **state)
+{
+    struct test_scene test;
+    scene_fence(&test);
+    test.scene.solid_count = 0; /* or depths of the map would cut some rays elsewhere */
+    struct neph_settings settings = preset("fixed");
+    set(&settings, "ray_dither=none");
+    set(&settings, "color_format=float");
+    const struct neph_march_params params = {
+        .width_px = WIDTH_PX / 2, .height_px = HEIGHT_PX / 2, .steps = 64, .sun_steps = 16};
+    struct neph_image *half = NULL;
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_march_render(*state, &test.scene, &params, &half, NULL, &diag), &diag);
+    struct ray_check check = {.half = half};
+    struct neph_realtime *realtime = open_realtime(*state, &test.scene, &settings);
+    neph_realtime_observe(realtime, check_rays, &check);
+    for (int frame = 0; frame < 4; frame++)
+        neph_image_destroy(next(realtime, &test.scene, 0, NULL));
+    assert_int_equal(check.checked, 4 * (WIDTH_PX / 4) * (HEIGHT_PX / 4));
+    neph_realtime_destroy(realtime);
+    neph_image_destroy(half);
+}
+
 static const char *const presets[] = {"off", "seed", "fixed", "ue", "c52e", "unity", "ours"};
 enum { PRESETS = 7 };
 
@@ -513,6 +576,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_off_is_the_march),
+        cmocka_unit_test(test_a_tile_marches_as_march_does),
         cmocka_unit_test(test_zero_density_changes_nothing),
         cmocka_unit_test(test_same_sequence_same_bits),
         cmocka_unit_test(test_specialised_shaders_make_the_same_bits),
