@@ -225,7 +225,8 @@ def main():
     parser.add_argument("--work", default="study", help="folder for frames; what is there is reused (default: %(default)s)")
     parser.add_argument("--presets", default="seed,fixed,ue,c52e,unity,ours",
                         help="the last is held against the others; PRESET+KEY=VALUE changes one (default: %(default)s)")
-    parser.add_argument("--scenes", default=",".join(SCENES), help="default: all ten")
+    parser.add_argument("--scenes", default=",".join(SCENES),
+                        help="default: all ten; others are taken to be at rest")
     parser.add_argument("--seeds", type=int, default=2, help="of the dithers (default: %(default)s)")
     parser.add_argument("--size", default="320x180")
     parser.add_argument("--steps", type=int, default=32)
@@ -237,9 +238,9 @@ def main():
     presets, scenes = options.presets.split(","), options.scenes.split(",")
     study = Study(options)
     with ThreadPoolExecutor(options.jobs) as pool:
-        references = {study.reference(s, SCENES[s], p): (s, SCENES[s], p) for s in scenes for p in presets}
+        references = {study.reference(s, SCENES.get(s, True), p): (s, SCENES.get(s, True), p) for s in scenes for p in presets}
         list(pool.map(lambda r: study.references(*r), references.values()))
-        work = [(s, SCENES[s], p, seed) for s in scenes for p in presets for seed in range(1, options.seeds + 1)]
+        work = [(s, SCENES.get(s, True), p, seed) for s in scenes for p in presets for seed in range(1, options.seeds + 1)]
         results = list(pool.map(lambda w: study.measure(*w), work))
     for result in results:
         if result["frozen"]:

@@ -146,7 +146,8 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
     [RT_REJECT_SCENE_M] = REAL("reject_scene_m", 0, 0, 1e6,
                                "the same as a distance [m], where the scene is or was nearer than "
                                "reject_within_m; 0: never"),
-    [RT_REJECT_WITHIN_M] = REAL("reject_within_m", 5000, 0, 1e6, "[m]"),
+    [RT_REJECT_WITHIN_M] = REAL("reject_within_m", 5000, 0, 1e6,
+                                "how near the scene must be, then or now, for reject_scene_m [m]"),
 
     [RT_UPSCALE] = CHOICE("upscale", RT_UPSCALE_MEAN, upscales,
                           "nearest in depth; bilinear; mean of four or nearest in depth (A14); "
