@@ -447,12 +447,6 @@ static uint64_t depth_turns(const struct neph_medium *medium)
     }
 }
 
-static bool is_coloured(const struct neph_medium *medium)
-{
-    const struct neph_rgb color = medium->extinction_color;
-    return color.r != color.g || color.g != color.b;
-}
-
 /* Media of the frame, and for each where it came from. */
 static void fill_media(const struct neph_scene *scene, struct neph_vec3 camera_m,
                        struct neph_gpu_scene *gpu,
@@ -477,7 +471,7 @@ static void fill_media(const struct neph_scene *scene, struct neph_vec3 camera_m
             continue;
         scatters = scatters || !is_black(made.albedo);
         gpu->constants[0] |= 1u << medium->kind;
-        gpu->constants[1] |= is_coloured(medium);
+        gpu->constants[1] |= neph_medium_is_coloured(medium);
         gpu->optical_depth_turns += 1 + depth_turns(medium);
         media[frame->medium_count] = medium;
         frame->media[frame->medium_count++] = made;

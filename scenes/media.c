@@ -238,6 +238,12 @@ struct neph_bounds neph_medium_container(const struct neph_scene *scene,
     return narrow(medium->bounds, box);
 }
 
+bool neph_medium_is_coloured(const struct neph_medium *medium)
+{
+    const struct neph_rgb color = medium->extinction_color;
+    return color.r != color.g || color.g != color.b;
+}
+
 const char *neph_medium_kind_name(enum neph_medium_kind kind)
 {
     return kind == NEPH_MEDIUM_HOMOGENEOUS ? "homogeneous medium" : kinds[kind]->name;

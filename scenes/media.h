@@ -45,6 +45,9 @@ bool neph_medium_drifts(const struct neph_medium *medium);
 /* Carry it along; what does not drift stays as it is. Writes to its grid or horizon. */
 void neph_medium_drift(struct neph_medium *medium, struct neph_vec3 by_m);
 
+/* Whether its extinction differs between the channels. */
+bool neph_medium_is_coloured(const struct neph_medium *medium);
+
 /* "height fog", "voxel grid", ...: for messages. */
 const char *neph_medium_kind_name(enum neph_medium_kind kind);
 

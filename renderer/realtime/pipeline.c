@@ -8,6 +8,7 @@
 #include "renderer/realtime/layout.h"
 #include "renderer/realtime/noise.h"
 #include "renderer/realtime/shaders.h"
+#include "scenes/media.h"
 #include "scenes/motion.h"
 
 #include <math.h>
@@ -220,20 +221,12 @@ static enum neph_status run_march(struct neph_realtime *realtime, int pass, doub
 
 /* --- what can be rendered ------------------------------------------------------------------ */
 
-static bool is_coloured(const struct neph_scene *scene)
-{
-    for (int i = 0; i < scene->medium_count; i++) {
-        const struct neph_rgb color = scene->media[i].extinction_color;
-        if (color.r != color.g || color.g != color.b)
-            return true;
-    }
-    return false;
-}
-
 bool neph_realtime_can_render(const struct neph_scene *scene, const struct neph_settings *settings,
                               char *reason, size_t reason_size)
 {
-    if (is_coloured(scene)) {
+    for (int i = 0; i < scene->medium_count; i++) {
+        if (!neph_medium_is_coloured(&scene->media[i]))
+            continue;
         snprintf(reason, reason_size,
                  "extinction that differs between the channels: rays and histories have one "
                  "transmittance");
@@ -456,7 +449,6 @@ static void set_view(struct neph_realtime *realtime, const struct neph_scene *sc
     view->has_history = realtime->has_past && !(is_cut && choice_of(realtime, RT_CUT_RESET));
     view->resting = is_resting(realtime);
     memcpy(view->jitter_px, now->jitter_px, sizeof(view->jitter_px));
-    memcpy(view->jitter_before_px, before->jitter_px, sizeof(view->jitter_before_px));
     set_vector(view->wind_m, neph_vec3_sub(now->drift_m, before->drift_m));
 }
 

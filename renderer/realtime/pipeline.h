@@ -15,13 +15,11 @@
 #include "renderer/vulkan.h"
 #include "scenes/scene.h"
 
-#define NEPH_REALTIME_SIDE_MAX_PX 4096
-
 struct neph_realtime;
 
 /* All borrowed, and only during _create. */
 struct neph_realtime_params {
-    int width_px, height_px;              /* 1..NEPH_REALTIME_SIDE_MAX_PX */
+    int width_px, height_px;              /* 1..NEPH_MARCH_SIDE_MAX_PX */
     const struct neph_settings *settings; /* of neph_rt_options */
     uint32_t seed;                        /* of the dithers */
     const char *cache_folder;             /* of blue noise, where a dither needs it:

@@ -22,11 +22,6 @@ uint32_t neph_rt_format_bytes(uint32_t format)
     return formats[format].bytes;
 }
 
-uint32_t neph_rt_format_channels(uint32_t format)
-{
-    return formats[format].channels;
-}
-
 static uint32_t bits_of(float value)
 {
     uint32_t bits;

@@ -58,9 +58,8 @@ struct neph_rt_view {
     uint32_t half_size_px[2]; /* rounded up */
     uint32_t tile_count[2];   /* quarter resolution, rounded up */
     float jitter_px[2]; /* of this frame's rays, added to the pixel's centre; x right, y down */
-    float jitter_before_px[2];
-    float wind_m[3];  /* displacement of the medium since the frame before */
-    uint32_t resting; /* no override in this frame (override_rest) */
+    float wind_m[3];    /* displacement of the medium since the frame before */
+    uint32_t resting;   /* no override in this frame (override_rest) */
 };
 
 _Static_assert(sizeof(struct neph_rt_camera) == 64, "std430 Camera");
@@ -76,9 +75,6 @@ uint32_t neph_rt_format_words(uint32_t format);
 
 /* Bytes of an element in a texture of that format: what a GPU would move. */
 uint32_t neph_rt_format_bytes(uint32_t format);
-
-/* Channels of an element, 1, 2 or 4. */
-uint32_t neph_rt_format_channels(uint32_t format);
 
 /* The nearest half, ties to even; beyond 65504 infinite from 65520 on; NaN stays NaN (0x7e00 with
  * the sign). The same rule as to_half() of shaders/realtime.glsl, which does not trust the driver's

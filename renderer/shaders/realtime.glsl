@@ -48,7 +48,6 @@ layout(std430, binding = REALTIME_BINDING) readonly buffer View {
     uint half_size_px[2];
     uint tile_count[2];
     float jitter_px[2];
-    float jitter_before_px[2];
     float wind_m[3];
     uint resting;
 } view;
@@ -109,6 +108,9 @@ float from_half(uint bits)
 }
 
 // --- targets --------------------------------------------------------------------------------
+
+// The largest half. It is also where what is kept in one ends before it becomes infinite.
+const float HALF_MAX = 65504.0;
 
 // enum neph_rt_format
 const uint R16F = 0, R32F = 1, RG16F = 2, RG32F = 3, RGBA16F = 4, RGBA32F = 5;

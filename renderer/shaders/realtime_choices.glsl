@@ -5,6 +5,12 @@
 #ifndef NEPH_REALTIME_CHOICES_GLSL
 #define NEPH_REALTIME_CHOICES_GLSL
 
+#include "realtime_names.h"
+
+#if RT_SETTING_COUNT != 70
+#error "a constant and a case for each setting, please"
+#endif
+
 layout(constant_id = 7) const bool SPECIALISED = false; // else choices are read from the view
 
 // Constant RT_CHOICE_CONSTANT + index.

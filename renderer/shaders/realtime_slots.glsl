@@ -12,9 +12,6 @@
 const float TILE_UNIT_M = 1e4;
 const float TILE_UNITS_PER_M = 1e-4;
 
-// The largest half. It is also where what is kept in one ends before it becomes infinite.
-const float HALF_MAX = 65504.0;
-
 ivec2 target_size(int target)
 {
     return ivec2(view.targets[target].width, view.targets[target].height);

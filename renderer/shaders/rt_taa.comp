@@ -30,8 +30,6 @@
 #include "random.glsl"
 #include "realtime_pass.glsl"
 
-const float HALF_MAX = 65504.0;
-
 bool guarded() { return choice(RT_TAA_GUARD) != 0; }
 
 // 4 times the luma: what the weights of D3 and D7 go by.
