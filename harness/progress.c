@@ -3,49 +3,103 @@
 
 #include "base/clock.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <unistd.h>
 
 struct neph_progress neph_progress_start(bool quiet, int total)
 {
-    return (struct neph_progress){.quiet = quiet,
-                                  .terminal = isatty(STDERR_FILENO) == 1,
-                                  .total = total,
-                                  .start_s = neph_wall_s()};
+    struct neph_progress progress = {
+        .quiet = quiet, .terminal = isatty(STDERR_FILENO) == 1, .start_s = neph_wall_s()};
+    progress.kinds[0].total = total;
+    progress.begun_s = progress.start_s;
+    return progress;
 }
 
-void neph_progress_begin(const struct neph_progress *progress, const char *what)
+void neph_progress_expect(struct neph_progress *progress, int kind, int count, double guess_s)
 {
+    progress->kinds[kind].total += count;
+    progress->kinds[kind].guess_s = guess_s;
+}
+
+double neph_progress_left_s(const struct neph_progress *progress)
+{
+    double left_s = 0.0;
+    bool is_known = false;
+    for (int k = 0; k < NEPH_PROGRESS_KINDS; k++) {
+        const int done = progress->kinds[k].done, left = progress->kinds[k].total - done;
+        const double each_s = done > 0 ? progress->kinds[k].spent_s / done
+                                       : progress->kinds[k].guess_s;
+        is_known = is_known || done > 0 || each_s > 0.0;
+        left_s += each_s * fmax(left, 0);
+    }
+    return is_known ? left_s : -1.0;
+}
+
+/* "[3/26] ", of all kinds. */
+static void print_place(const struct neph_progress *progress, int ahead)
+{
+    int done = 0, total = 0;
+    for (int k = 0; k < NEPH_PROGRESS_KINDS; k++) {
+        done += progress->kinds[k].done;
+        total += progress->kinds[k].total;
+    }
+    fprintf(stderr, "[%d/%d] ", done + ahead, total);
+}
+
+/* " (about 4 min left)". */
+static void print_left(const struct neph_progress *progress)
+{
+    const double left_s = neph_progress_left_s(progress);
+    if (left_s >= 90.0)
+        fprintf(stderr, " (about %.0f min left)", ceil(left_s / 60.0));
+    else if (left_s > 0.5)
+        fprintf(stderr, " (about %.0f s left)", left_s);
+}
+
+void neph_progress_begin(struct neph_progress *progress, const char *what)
+{
+    progress->begun_s = neph_wall_s();
     if (progress->quiet || !progress->terminal)
         return;
-    const double elapsed_s = neph_wall_s() - progress->start_s;
-    fprintf(stderr, "\r\033[K[%d/%d] %s", progress->done + 1, progress->total, what);
-    if (progress->done > 0)
-        fprintf(stderr, " (about %.0f s left)",
-                elapsed_s / progress->done * (progress->total - progress->done));
+    fprintf(stderr, "\r\033[K");
+    print_place(progress, 1);
+    fprintf(stderr, "%s", what);
+    print_left(progress);
     fflush(stderr);
+}
+
+static void count_step(struct neph_progress *progress, double seconds)
+{
+    progress->kinds[progress->kind].done++;
+    progress->kinds[progress->kind].spent_s += seconds;
 }
 
 void neph_progress_step(struct neph_progress *progress, const char *what, const char *outcome,
                         double seconds)
 {
-    progress->done++;
+    count_step(progress, seconds);
     if (progress->quiet || progress->terminal)
         return;
-    fprintf(stderr, "[%d/%d] %s: %s, %.1f s\n", progress->done, progress->total, what, outcome,
-            seconds);
+    print_place(progress, 0);
+    fprintf(stderr, "%s: %s, %.1f s", what, outcome, seconds);
+    print_left(progress);
+    fprintf(stderr, "\n");
 }
 
 void neph_progress_tick(struct neph_progress *progress, const char *what)
 {
     static const double every_s = 10.0;
-    progress->done++;
-    const double elapsed_s = neph_wall_s() - progress->start_s;
+    const double now_s = neph_wall_s(), elapsed_s = now_s - progress->start_s;
+    count_step(progress, now_s - progress->begun_s);
+    progress->begun_s = now_s;
     if (progress->quiet || progress->terminal || elapsed_s - progress->told_s < every_s)
         return;
     progress->told_s = elapsed_s;
-    fprintf(stderr, "[%d/%d] %s (about %.0f s left)\n", progress->done, progress->total, what,
-            elapsed_s / progress->done * (progress->total - progress->done));
+    print_place(progress, 0);
+    fprintf(stderr, "%s", what);
+    print_left(progress);
+    fprintf(stderr, "\n");
 }
 
 void neph_progress_end(const struct neph_progress *progress)

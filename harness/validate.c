@@ -276,7 +276,7 @@ static enum neph_status run_frames(const struct neph_validate_params *params,
 static enum neph_status run_second_seeds(const struct neph_validate_params *params,
                                          const struct field *field, const struct neph_scene *scene,
                                          struct neph_store *store,
-                                         const struct neph_progress *progress, json_t *frames,
+                                         struct neph_progress *progress, json_t *frames,
                                          const struct neph_settings chosen[ENGINES_MAX],
                                          struct neph_diag *diag)
 {

@@ -540,9 +540,10 @@ static enum neph_status run_check(const struct neph_physics_params *params, int 
         char what[160];
         snprintf(what, sizeof(what), "%s with %s", scenery->check.name, entrant->participant->name);
         if (scenery->check.truth_only && !ours) {
-            progress->total--;
+            neph_progress_expect(progress, i, -1, 0.0);
             continue;
         }
+        progress->kind = i;
         neph_progress_begin(progress, what);
         struct finding finding = {.rendered = false, .exr = json_array()};
         const double start_s = neph_wall_s();
@@ -585,7 +586,9 @@ enum neph_status neph_physics_run(const struct neph_physics_params *params,
         check_count += is_chosen(params, i);
     if (!status && check_count == 0)
         return refuse_check(params->only, diag);
-    struct neph_progress progress = neph_progress_start(params->quiet, check_count * entrant_count);
+    struct neph_progress progress = neph_progress_start(params->quiet, 0);
+    for (int i = 0; i < entrant_count; i++)
+        neph_progress_expect(&progress, i, check_count, 0.0);
     json_t *checks = json_array(), *rows = json_array();
     for (int i = 0; i < neph_check_count() && !status; i++)
         if (is_chosen(params, i))
