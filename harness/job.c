@@ -14,9 +14,10 @@
 #include <unistd.h>
 
 static const char *const outcome_names[] = {
-    [NEPH_OUTCOME_RENDERED] = "rendered", [NEPH_OUTCOME_CANNOT] = "cannot",
-    [NEPH_OUTCOME_MISSING] = "missing",   [NEPH_OUTCOME_FAILED] = "failed",
-    [NEPH_OUTCOME_TIMEOUT] = "timeout",   [NEPH_OUTCOME_INTERRUPTED] = "interrupted",
+    [NEPH_OUTCOME_RENDERED] = "rendered",       [NEPH_OUTCOME_CANNOT] = "cannot",
+    [NEPH_OUTCOME_MISSING] = "missing",         [NEPH_OUTCOME_FAILED] = "failed",
+    [NEPH_OUTCOME_TIMEOUT] = "timeout",         [NEPH_OUTCOME_INTERRUPTED] = "interrupted",
+    [NEPH_OUTCOME_OVER_BUDGET] = "over_budget",
 };
 
 const char *neph_outcome_name(enum neph_outcome outcome)
@@ -300,26 +301,44 @@ done:
     return status;
 }
 
-enum neph_status neph_job_run(const struct neph_job *job, struct neph_store *store,
-                              struct neph_job_result *result, struct neph_diag *diag)
+/* As neph_job_reuse(), and the key. */
+static enum neph_status look_up(const struct neph_job *job, struct neph_store *store,
+                                char key[NEPH_HASH_HEX_SIZE], struct neph_job_result *result,
+                                bool *found, struct neph_diag *diag)
 {
     memset(result, 0, sizeof(*result));
-    char key[NEPH_HASH_HEX_SIZE];
+    const enum neph_status status = neph_job_key(job, key, diag);
+    if (status)
+        return status;
     result->settings = neph_settings_text(job->engine, &job->shot.settings);
     if (!result->settings)
         return neph_fail_memory(diag);
-    enum neph_status status = neph_job_key(job, key, diag);
-    if (status)
-        return status;
-
     json_t *record = NULL;
-    if (neph_store_find(store, key, &result->frame_path, &record)) {
+    *found = neph_store_find(store, key, &result->frame_path, &record);
+    if (*found) {
         result->outcome = NEPH_OUTCOME_RENDERED;
         result->reused = true;
         result->cost = cost_of_record(record);
-        json_decref(record);
-        return NEPH_OK;
     }
+    json_decref(record);
+    return NEPH_OK;
+}
+
+enum neph_status neph_job_reuse(const struct neph_job *job, struct neph_store *store,
+                                struct neph_job_result *result, bool *found, struct neph_diag *diag)
+{
+    char key[NEPH_HASH_HEX_SIZE];
+    return look_up(job, store, key, result, found, diag);
+}
+
+enum neph_status neph_job_run(const struct neph_job *job, struct neph_store *store,
+                              struct neph_job_result *result, struct neph_diag *diag)
+{
+    char key[NEPH_HASH_HEX_SIZE];
+    bool found = false;
+    enum neph_status status = look_up(job, store, key, result, &found, diag);
+    if (status || found)
+        return status;
     struct neph_diag why = {.line = 0};
     bool ends_run;
     result->outcome = outcome_of(check_possible(job, &why), &ends_run);
@@ -330,6 +349,7 @@ enum neph_status neph_job_run(const struct neph_job *job, struct neph_store *sto
     status = render_and_publish(job, store, key, result, diag);
     if (status || result->outcome != NEPH_OUTCOME_RENDERED)
         return status;
+    json_t *record = NULL;
     if (!neph_store_find(store, key, &result->frame_path, &record))
         return neph_fail(diag, NEPH_ERR_IO, "frame %s of %s is not readable after publishing", key,
                          job->engine->name);

@@ -26,14 +26,18 @@ enum neph_outcome {
     NEPH_OUTCOME_FAILED,  /* it ran and failed, or its frame is not usable */
     NEPH_OUTCOME_TIMEOUT,
     NEPH_OUTCOME_INTERRUPTED,
+    NEPH_OUTCOME_OVER_BUDGET, /* it works, but not in the time it was given: see budget.h */
 };
+
+enum { NEPH_JOB_NOTE_SIZE = 400 };
 
 struct neph_job_result {
     enum neph_outcome outcome;
-    char reason[1600]; /* why it was not rendered */
-    char *settings;    /* canonical text; owned */
-    char *frame_path;  /* owned; NULL when not rendered */
-    bool reused;       /* taken from the store, not rendered now */
+    char reason[1600];             /* why it was not rendered */
+    char note[NEPH_JOB_NOTE_SIZE]; /* what a rendered frame lacks of what was asked for, or "" */
+    char *settings;                /* canonical text; owned */
+    char *frame_path;              /* owned; NULL when not rendered */
+    bool reused;                   /* taken from the store, not rendered now */
     struct neph_cost cost;
 };
 
@@ -44,6 +48,12 @@ enum neph_status neph_job_run(const struct neph_job *job, struct neph_store *sto
                               struct neph_job_result *result, struct neph_diag *diag);
 
 void neph_job_result_finish(struct neph_job_result *result);
+
+/* The first half of neph_job_run(): `*found` tells whether the store had the frame; else `result`
+ * has settings alone. */
+enum neph_status neph_job_reuse(const struct neph_job *job, struct neph_store *store,
+                                struct neph_job_result *result, bool *found,
+                                struct neph_diag *diag);
 
 /* Begin a sequence of the job's engine, with the job's shot as its first picture: job->sequence is
  * set where the engine has sequences, and each neph_job_render() is its next picture. Errors as of
