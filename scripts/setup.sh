@@ -18,18 +18,20 @@ step() { # step NAME COMMAND...
     fi
 }
 
+# What the command `$1` (validate or test) needs and the machine lacks.
 missing_packages() {
-    local package command
-    while read -r package command _; do
+    local package command needed_by
+    while read -r package command needed_by _; do
         case $package in '' | '#'*) continue ;; esac
+        if [ "$needed_by" = test ] && [ "$1" != test ]; then continue; fi
         if [ "$command" != - ] && command -v "$command" >/dev/null; then continue; fi
         dpkg-query -W -f '${db:Status-Status}\n' "$package" 2>/dev/null | grep -qx installed || echo "$package"
     done <"$root/scripts/packages.txt"
 }
 
-install_packages() {
+install_packages() { # install_packages validate|test
     local missing line
-    mapfile -t missing < <(missing_packages)
+    mapfile -t missing < <(missing_packages "$1")
     [ ${#missing[@]} -gt 0 ] || return 0
     line="apt-get update && apt-get install -y --no-install-recommends ${missing[*]}"
     if [ "$(id -u)" -ne 0 ]; then
@@ -45,15 +47,21 @@ install_packages() {
     fi
 }
 
-# Vega for the charts, pinned by package-lock.json. Arguments: further options of npm ci.
-install_node_modules() {
+# The report's JavaScript, pinned by package-lock.json: for validate Vega alone, for test the browser
+# driver too. A file beside the modules says for which of them they were installed.
+install_node_modules() { # install_node_modules validate|test
     local report=$root/scripts/report
-    local done=$report/node_modules/.package-lock.json
-    if [ -e "$done" ] && [ ! "$report/package-lock.json" -nt "$done" ]; then return 0; fi
+    local done=$report/node_modules/.installed-for
+    if [ -e "$done" ] && [ ! "$report/package-lock.json" -nt "$done" ] && grep -qxE "$1|test" "$done"; then return 0; fi
     echo "installing the report's JavaScript"
-    step npm npm ci --prefix "$report" --no-audit --no-fund "$@" && touch "$done"
+    local omit=()
+    if [ "$1" = validate ]; then omit=(--omit=dev); fi
+    step npm npm ci --prefix "$report" --no-audit --no-fund "${omit[@]}" && echo "$1" >"$done"
 }
 
-build() { # build PRESET
-    (cd "$root" && step "configure-$1" cmake --preset "$1" && step "build-$1" cmake --build --preset "$1")
+build() { # build PRESET [TARGET]
+    local target=()
+    if [ $# -gt 1 ]; then target=(--target "$2"); fi
+    echo "building ($1)"
+    (cd "$root" && step "configure-$1" cmake --preset "$1" && step "build-$1" cmake --build --preset "$1" "${target[@]}")
 }

@@ -16,7 +16,8 @@ import { pathToFileURL } from "node:url";
 
 const CHROMIUM = env.CHROMIUM || "/usr/bin/chromium";
 const FLAGS = ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync"];
-const STATUSES = ["rendered", "cannot", "missing", "failed", "timeout", "interrupted"];
+const STATUSES = ["rendered", "cannot", "missing", "failed", "timeout", "interrupted", "over_budget"];
+const RUNS = ["pass", "fail", "running", "interrupted"];
 const VERDICTS = ["pass", "fail", "not_measured"];
 const RUNGS = ["exact", "tracer", "witness", "model"];
 const FINDINGS = ["agrees", "off", "not_measured"];
@@ -47,7 +48,8 @@ function checkForm(data, folder) {
 
   need(data.format === "neph-report-1", "format", "is not neph-report-1");
   text(data, "", "title", "created_utc", "neph_version");
-  need(["pass", "fail"].includes(data.verdict), "verdict", "is neither pass nor fail");
+  need(RUNS.includes(data.verdict), "verdict", `is not a verdict: ${data.verdict}`);
+  need(["running", "interrupted"].includes(data.verdict) === isRecord(data.progress), "progress", `does not go with the verdict ${data.verdict}`);
   numeric(data, "", "seconds");
   numeric(data.host, "host/", "cores", "memory_bytes");
   need(Array.isArray(data.size_px) && data.size_px.length === 2 && data.size_px.every(Number.isInteger), "size_px", "is not [width, height]");
@@ -94,9 +96,10 @@ function checkForm(data, folder) {
       numeric(gate, at, "value", "maximum");
       need(VERDICTS.includes(gate.verdict), `${at}verdict`, `is not a verdict: ${gate.verdict}`);
       need((gate.value === null) === (gate.verdict === "not_measured"), `${at}verdict`, `is ${gate.verdict} though the value is ${gate.value}`);
-      need(gate.verdict !== "fail" || data.verdict === "fail", "verdict", `is ${data.verdict} though ${at.slice(0, -1)} fails`);
+      need(gate.verdict !== "fail" || data.verdict !== "pass", "verdict", `is ${data.verdict} though ${at.slice(0, -1)} fails`);
     });
   });
+  checkSequences(data, { need, text, numeric, list, file });
   if (data.physics) checkPhysics(data, names, { need, text, numeric, list, file });
   list(data.absent ?? [], "absent").forEach((entry, n) => text(entry, `absent/${n}/`, "scene", "reason", "hint"));
   list(data.charts, "charts").forEach((chart, c) => {
@@ -120,6 +123,27 @@ function checkAttribution(found, path, engines, { need, text, list }) {
     need(PAIRS.includes(pair.verdict), `${at}verdict`, `is not a verdict: ${pair.verdict}`);
     const rows = found.pairs.filter((other) => [other.first, other.second].includes(found.odd_one_out));
     need(rows.every((other) => other.verdict === "differ"), `${path}odd_one_out`, "does not differ from all others");
+  });
+}
+
+function checkSequences(data, { need, text, numeric, list, file }) {
+  list(data.sequences ?? [], "sequences").forEach((sequence, q) => {
+    const path = `sequences/${q}/`;
+    text(sequence, path, "scene", "title", "physics");
+    text(sequence.reference, `${path}reference/`, "engine", "settings", "status", "reason");
+    numeric(sequence, path, "frames", "rate_hz", "exposure_ev");
+    const counts = new Set();
+    list(sequence.rows, `${path}rows`).forEach((row, r) => {
+      const at = `${path}rows/${r}/`;
+      text(row, at, "engine", "preset", "status", "reason", "settings");
+      need(STATUSES.includes(row.status), `${at}status`, `is not a status: ${row.status}`);
+      need(row.status === "rendered" || row.reason !== "", `${at}reason`, `does not say why: ${row.preset} ${row.status}`);
+      need((row.status === "rendered") === (row.measurements.length > 0), `${at}measurements`, `do not go with the status ${row.status}`);
+      if (row.measurements.length > 0) counts.add(row.measurements.map((m) => [m.quantity, m.metric, m.mask].join()).join());
+      list(row.pictures, `${at}pictures`).forEach((name, n) => file(name, `${at}pictures/${n}`));
+      file(row.map, `${at}map`);
+    });
+    need(counts.size <= 1, `${path}rows`, "do not all measure the same");
   });
 }
 
@@ -223,6 +247,11 @@ function numbersToShow(data) {
     paths.push(...numbersWithin(scene.attribution, `scenes/${s}/attribution`));
     scene.gates.forEach((_, g) => paths.push(`scenes/${s}/gates/${g}/value`, `scenes/${s}/gates/${g}/maximum`));
   });
+  paths.push(...numbersWithin(data.progress, "progress").filter((path) => data.verdict === "running" || !path.endsWith("left_s")));
+  (data.sequences ?? []).forEach((sequence, q) => {
+    paths.push(...["frames", "rate_hz", "exposure_ev"].map((key) => `sequences/${q}/${key}`));
+    sequence.rows.forEach((row, r) => row.measurements.forEach((_, m) => paths.push(`sequences/${q}/rows/${r}/measurements/${m}/value`)));
+  });
   if (!data.physics) return paths;
   for (const key of ["family_alpha", "tests", "critical_z"]) paths.push(`physics/${key}`);
   data.physics.checks.forEach((check, c) => check.views.forEach((view, v) => {
@@ -251,6 +280,11 @@ function stringsToShow(data) {
     for (const gate of scene.gates) texts.push(gate.reason);
     texts.push(scene.attribution?.sentence, ...(scene.attribution?.pairs ?? []).map((pair) => `${pair.first} − ${pair.second}`));
     for (const frame of scene.frames) if (frame.study) texts.push(frame.study.option);
+  }
+  for (const scene of data.scenes) for (const frame of scene.frames) texts.push(frame.note);
+  for (const sequence of data.sequences ?? []) {
+    texts.push(sequence.title, sequence.physics, sequence.reference.settings);
+    for (const row of sequence.rows) texts.push(row.preset, row.reason.replace(/^cannot:\s*/, ""), ...row.findings.map((finding) => finding.text));
   }
   for (const entry of data.absent ?? []) texts.push(entry.scene, entry.reason, entry.hint);
   const present = new Set((data.physics?.checks ?? []).map((check) => check.rung));

@@ -53,6 +53,9 @@
     hit_mismatch: ["misses", "share of pixels that are sky in one picture alone"],
     non_finite: ["not finite", "pixels with NaN or infinity"],
     negative: ["negative", "pixels below zero"],
+    visible_flicker_p95: ["visible flicker, 95\u00a0%", "1 is the threshold of an eye, at the frame rate of the scene"],
+    a4_p95: ["amplitude over four frames, 95\u00a0%", "one pixel in 20 swings more"],
+    std_p95: ["deviation over time, 95\u00a0%", "one pixel in 20 deviates more"],
   };
   const STATUSES = {
     rendered: ["rendered", ""],
@@ -61,6 +64,7 @@
     failed: ["✗ failed", "fail-word"],
     timeout: ["✗ timed out", "fail-word"],
     interrupted: ["✗ interrupted", "fail-word"],
+    over_budget: ["○ did not fit", "open-word"],
   };
   const VERDICTS = {
     pass: ["✓ pass", "pass-word"],
@@ -71,6 +75,13 @@
     grid: "grid", extinction_rms_relative: "RMS error ÷ RMS of the extinction", extinction_max_relative: "largest error ÷ largest extinction",
     optical_depth_rms: "optical depth of random chords, RMS error", optical_depth_max: "largest error", optical_depth_mean: "mean error",
     transmittance_max: "transmittance of the chords, largest error",
+  };
+  // What the whole run has come to: its word, and the class of its colour.
+  const RUNS = {
+    pass: ["Pass", "pass"],
+    fail: ["Fail", "fail"],
+    running: ["Running", "open"],
+    interrupted: ["Interrupted", "open"],
   };
   // What a participant of the physics suite made of a check.
   const FINDINGS = {
@@ -221,6 +232,7 @@
 
   const scenes = report?.scenes ?? [];
   const engines = report?.engines ?? [];
+  const sequences = report?.sequences ?? [];
   const framesOf = (scene) => scene.frames ?? [];
   const gatesOf = (scene) => scene.gates ?? [];
   const physics = report?.physics ?? null;
@@ -278,7 +290,7 @@
     const failing = all.filter(({ gate }) => gate.verdict === "fail");
     const open = all.filter(({ gate }) => gate.verdict === "not_measured");
     const broken = scenes.flatMap((scene, s) => framesOf(scene).filter((frame) => BROKEN.includes(frame.status)).map((frame) => ({ frame, s })));
-    const passed = report.verdict === "pass";
+    const [said, colour] = RUNS[report.verdict] ?? [report.verdict, "open"];
 
     const lines = [];
     for (const { gate, s, g } of failing) {
@@ -302,9 +314,9 @@
     const missing = report.absent ?? [];
     for (const entry of missing) lines.push(el("li", {}, el("span", { class: "open-word" }, "○ left out"), " ", el("b", {}, entry.scene), entry.reason ? `: ${entry.reason}` : "", entry.hint && el("span", { class: "soft" }, ` (${entry.hint})`)));
     const total = derived("gates", all.length);
-    return el("section", { class: `verdict ${passed ? "pass" : "fail"}`, "aria-label": "Verdict" },
-      el("p", { class: "word" }, passed ? "Pass" : "Fail"),
-      el("div", { class: "said" }, physics && physicsVerdict(), (scenes.length > 0 || !physics) && el("p", {},
+    return el("section", { class: `verdict ${colour}`, "aria-label": "Verdict" },
+      el("p", { class: "word" }, said),
+      el("div", { class: "said" }, unfinished(), physics && physicsVerdict(), (scenes.length > 0 || !physics) && el("p", {},
         all.length === 0
           ? [total, " gates: nothing was held to a limit."]
           : failing.length > 0
@@ -319,6 +331,14 @@
       lines.length > LISTED && el("details", { class: "small" }, el("summary", {}, "The rest of the list"), el("ul", {}, lines.slice(LISTED))));
   }
 
+  /** A page that was written before the run was over says so, and how much of it is here. */
+  function unfinished() {
+    if (!report.progress) return null;
+    return el("p", {}, report.verdict === "running" ? "This page is written as the run goes on: load it again to see more. " : "The run was cut short; the same command goes on from here. ",
+      number("progress/done"), " of ", number("progress/total"), " steps are over",
+      typeof report.progress.left_s === "number" && report.verdict === "running" ? [", about ", number("progress/left_s", { unit: "s", digits: 2 }), " are left."] : ".");
+  }
+
   const sceneLink = (s) => el("a", { href: `#${sceneIds[s]}` }, scenes[s].title || scenes[s].name);
 
   function contents() {
@@ -328,6 +348,7 @@
       physics?.phase_functions?.length > 0 && el("li", {}, el("a", { href: "#phase-functions" }, "Phase functions")),
       rungs.map((rung) => el("li", {}, el("a", { href: `#${rung.id}` }, sentenceCase(rung.name)))),
       scenes.map((_, s) => el("li", {}, sceneLink(s))),
+      sequences.length > 0 && el("li", {}, el("a", { href: "#over-time" }, "Over time")),
       (report.charts ?? []).length > 0 && el("li", {}, el("a", { href: "#charts" }, "Charts")),
       el("li", {}, el("a", { href: "#engines" }, "Engines"))));
   }
@@ -749,7 +770,7 @@
     const path = `scenes/${s}/frames/${f}/study`;
     const chosen = `${path}/levels/${study.chosen}`;
     return [
-      el("p", {}, el("b", {}, frame.engine), ` was rendered with ${study.option} = `, number(`${chosen}/setting`, { exact: true }), ", which is off by ", percent(`${chosen}/bias`, { unit: "%" }), " ± ",
+      el("p", {}, el("b", {}, frame.engine), ` was rendered with ${study.option} = `, number(`${chosen}/setting`, { exact: true }), study.shipped ? " by a study that comes with neph, which is off by " : ", which is off by ", percent(`${chosen}/bias`, { unit: "%" }), " ± ",
         percent(`${chosen}/bias_noise`, { signed: false, unit: "%" }), " for its step alone: ",
         study.verdict === "within"
           ? [el("span", { class: "pass-word" }, "✓ within "), percent(`${path}/tolerance`, { signed: false, unit: "%", exact: true }), ", noise included."]
@@ -808,6 +829,7 @@
             el("th", { scope: "row" }, frame.engine, el("small", {}, frame.rung)),
             el("td", { class: "words" }, word(STATUSES, frame.status), frame.reused && " · taken from the store",
               why(frame) && el("div", { class: "small" }, why(frame)),
+              frame.note && el("div", { class: "small" }, frame.note),
               frame.settings && el("div", { class: "small soft" }, frame.settings),
               frame.status === "missing" && engine?.install_line && el("div", {}, el("code", {}, engine.install_line))),
             el("td", { class: "words" }, engine?.version || absent("not known"), engine?.device && el("div", { class: "small soft" }, engine.device)),
@@ -1029,6 +1051,73 @@
     return card;
   }
 
+  // ------------------------------------------------------------------------------------ over time
+
+  function overTime() {
+    if (sequences.length === 0) return null;
+    return el("section", { "aria-labelledby": "over-time" }, el("h2", { id: "over-time" }, "Over time"), sequences.map(sequenceSection));
+  }
+
+  function sequenceSection(sequence, q) {
+    const path = `sequences/${q}`;
+    return [
+      el("h3", {}, sequence.title || sequence.scene),
+      el("p", {}, sequence.physics),
+      el("p", { class: "small soft" }, number(`${path}/frames`), " frames of ", number(`${path}/size_px/0`), " × ", number(`${path}/size_px/1`), " pixels, as seen at ", number(`${path}/rate_hz`, { unit: "Hz", exact: true }),
+        ", exposure ", number(`${path}/exposure_ev`, { signed: true, unit: "EV", exact: true }), `. Reference: ${sequence.reference.engine}, ${sequence.reference.settings}. `,
+        "Nothing in the scene moves: all that moves in these pictures is the renderer's doing."),
+      sequence.reference.status !== "rendered" && el("p", {}, word(STATUSES, sequence.reference.status), ` ${why(sequence.reference)}`),
+      sequence.rows.length > 0 && sequencePictures(sequence, q),
+      sequence.rows.some((row) => row.measurements.length > 0) && sequenceNumbers(sequence, q),
+      el("ul", {}, sequence.rows.map((row) => row.status === "rendered"
+        ? row.findings.map((finding) => el("li", {}, el("b", {}, row.preset), ` over ${maskName(finding.mask)}: ${finding.text}`))
+        : el("li", {}, el("b", {}, row.preset), " ", word(STATUSES, row.status), " ", why(row)))),
+    ];
+  }
+
+  function sequencePictures(sequence, q) {
+    const drawn = sequence.rows.map((row, r) => ({ row, r })).filter(({ row }) => row.pictures.length > 0);
+    const cards = el("div", { class: "pictures small-pictures" }, drawn.map(({ row, r }) => pictureCard(row.preset, [`${row.engine} · `, number(`sequences/${q}/rows/${r}/render_s`, { unit: "s" })],
+      flipbook(row, sequence), row.map && el("figure", {}, pixels(row.map, `${sequence.scene}: amplitude of the flicker of ${row.preset}`, "", sequence.size_px), el("figcaption", {}, "how strongly each pixel swings over four frames")))));
+    smallPictures.push({ element: cards, size: sequence.size_px, room: 400 });
+    return cards;
+  }
+
+  /** The frames of one cycle: by the slider, or in turn while the box is ticked. */
+  function flipbook(row, sequence) {
+    const frames = row.pictures.map((path, n) => pixels(path, `${sequence.scene} by ${row.preset}, frame ${n + 1} of the cycle`, "", sequence.size_px));
+    const stack = el("div", { class: "stack" }, frames);
+    const slider = el("input", { type: "range", min: 1, max: frames.length, value: 1, "aria-label": `Frame of the cycle, ${row.preset}` });
+    const play = el("input", { type: "checkbox", "aria-label": `Play the cycle of ${row.preset}` });
+    const show = () => frames.forEach((frame, n) => { frame.hidden = n + 1 !== Number(slider.value); });
+    slider.addEventListener("input", show);
+    play.addEventListener("change", () => {
+      const turn = () => {
+        if (!play.checked) return;
+        slider.value = (Number(slider.value) % frames.length) + 1;
+        show();
+        window.setTimeout(turn, 1000 / sequence.rate_hz);
+      };
+      turn();
+    });
+    show();
+    return [stack, el("div", { class: "wipe" }, el("label", {}, play, " play"), slider, el("span", { "aria-hidden": "true" }, "frame"))];
+  }
+
+  function sequenceNumbers(sequence, q) {
+    const first = sequence.rows.find((row) => row.measurements.length > 0);
+    return scrolling("Flicker", el("table", {},
+      el("thead", {}, el("tr", {}, el("th", { scope: "col" }, "Measure"), sequence.rows.map((row) => el("th", { scope: "col", class: "num" }, row.preset)))),
+      el("tbody", {}, first.measurements.map((measurement, m) => el("tr", {},
+        el("th", { scope: "row" }, metricName(measurement.metric), el("small", {}, maskName(measurement.mask))),
+        sequence.rows.map((row, r) => el("td", { class: "num" }, row.measurements.length === 0 ? absent() : flickerNumber(`sequences/${q}/rows/${r}/measurements/${m}`))))))),
+      "Radiance as displayed, 1 is white. In brackets: 95\u00a0% interval over the picture.");
+  }
+
+  function flickerNumber(path) {
+    return [number(`${path}/value`), at(`${path}/interval`) && el("small", {}, "[", number(`${path}/interval/0`), ", ", number(`${path}/interval/1`), "]")];
+  }
+
   // --------------------------------------------------------------------------------------- charts
 
   function charts() {
@@ -1149,10 +1238,10 @@
     root.setProperty("--image-width", width);
     root.setProperty("--image-height", height);
     root.setProperty("--scale", Math.max(1, Math.floor((room * dots) / width)) / dots);
-    for (const { element, size } of smallPictures) {
+    for (const { element, size, room: own } of smallPictures) {
       element.style.setProperty("--image-width", size[0]);
       element.style.setProperty("--image-height", size[1]);
-      const wide = size[0] > 3 * size[1] ? 400 : 216; // a strip needs its length to be seen
+      const wide = own ?? (size[0] > 3 * size[1] ? 400 : 216); // a strip needs its length to be seen
       element.style.setProperty("--scale", Math.max(1, Math.floor((Math.min(room, wide) * dots) / size[0])) / dots);
     }
   }
@@ -1185,7 +1274,7 @@
     document.title = `${report.title}: ${report.verdict}`;
     window.addEventListener("resize", () => fitPictures(main));
     main.replaceChildren();
-    append(main, [head(), contents(), physicsMatrix(), summary(), help(), phaseFunctions(), rungs.map(rungSection), scenes.map(sceneSection), charts(), engineTable(), foot()]);
+    append(main, [head(), contents(), physicsMatrix(), summary(), help(), phaseFunctions(), rungs.map(rungSection), scenes.map(sceneSection), overTime(), charts(), engineTable(), foot()]);
     fitPictures(main);
     printWhole();
     if (location.hash) document.getElementById(decodeURIComponent(location.hash.slice(1)))?.scrollIntoView();
