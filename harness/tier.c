@@ -1,0 +1,49 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/tier.h"
+
+#include <stddef.h>
+#include <string.h>
+
+/* A fog with lit ground, a slab with all orders of scattering, a cloud of optical depths of tens:
+ * for each there is truth, and between them every engine has something that it can do. */
+static const char *const quick_scenes[] = {"height_fog_down", "slab_multiple_thin",
+                                           "grid_cloud_single", NULL};
+static const char *const quick_engines[] = {"exact",  "tracer", "march", "realtime",
+                                            "cycles", "povray", NULL};
+static const char *const quick_charts[] = {"slab", NULL};
+
+static const struct neph_tier tiers[] = {
+    {
+        .name = "quick",
+        .help = "a fog, a slab, a cloud, a chart and a sequence: a few minutes on two cores",
+        .scenes = quick_scenes,
+        .engines = quick_engines,
+        .width_px = 160,
+        .height_px = 90,
+        .budget_s = 30.0,
+        .charts = quick_charts,
+        .chart_repeats = 1,
+    },
+    {
+        .name = "full",
+        .help = "the whole catalogue, all engines, all charts: the better part of an hour",
+        .width_px = 192,
+        .height_px = 108,
+        .budget_s = 300.0,
+        .chart_repeats = 3,
+    },
+    {.name = NULL},
+};
+
+const struct neph_tier *neph_tiers(void)
+{
+    return tiers;
+}
+
+const struct neph_tier *neph_tier_find(const char *name)
+{
+    for (const struct neph_tier *tier = tiers; tier->name; tier++)
+        if (strcmp(tier->name, name) == 0)
+            return tier;
+    return NULL;
+}
