@@ -438,10 +438,10 @@ static enum neph_status reap(const struct child *child, struct neph_child_result
 
 /* ---- explaining ------------------------------------------------------------------------------ */
 
-/* Progress bars and colours are not for a diag. */
-static void make_printable(char *text)
+/* Progress bars and colours are not for a diag; neph_fail() sees to what is not UTF-8. */
+static void make_printable(char *text, size_t size)
 {
-    for (char *at = text; *at; at++) {
+    for (char *at = text; at < text + size; at++) {
         unsigned char byte = (unsigned char)*at;
         if (byte == '\r')
             *at = '\n';
@@ -476,11 +476,9 @@ static void quote_log(const char *log_path, char quote[QUOTE_BYTES + 64])
     off_t size = lseek(fd, 0, SEEK_END);
     ssize_t got = pread(fd, text, QUOTE_BYTES, size > QUOTE_BYTES ? size - QUOTE_BYTES : 0);
     close(fd);
-    for (ssize_t i = 0; i < got; i++)
-        if (text[i] == '\0')
-            text[i] = '?';
-    text[got > 0 ? got : 0] = '\0';
-    make_printable(text);
+    const size_t length = got > 0 ? (size_t)got : 0;
+    make_printable(text, length);
+    text[length] = '\0';
     const char *lines = last_lines(text);
     if (*lines)
         snprintf(quote, QUOTE_BYTES + 64, "; its last words:\n%s", lines);

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "base/status.h"
 
+#include "base/text.h"
+
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
@@ -33,6 +35,7 @@ enum neph_status neph_fail(struct neph_diag *diag, enum neph_status status, cons
     va_start(arguments, format);
     vsnprintf(diag->message, sizeof(diag->message), format, arguments);
     va_end(arguments);
+    neph_text_clean(diag->message, sizeof(diag->message));
     return status;
 }
 
@@ -44,13 +47,14 @@ void neph_hint(struct neph_diag *diag, const char *format, ...)
     va_start(arguments, format);
     vsnprintf(diag->hint, sizeof(diag->hint), format, arguments);
     va_end(arguments);
+    neph_text_clean(diag->hint, sizeof(diag->hint));
 }
 
 void neph_locate(struct neph_diag *diag, const char *file, int line, int column)
 {
     if (!diag)
         return;
-    snprintf(diag->file, sizeof(diag->file), "%s", file);
+    neph_text_format(diag->file, sizeof(diag->file), "%s", file);
     diag->line = line;
     diag->column = column;
 }

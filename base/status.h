@@ -26,7 +26,9 @@ enum neph_status {
     NEPH_ERR_INTERNAL,    /* a bug in neph */
 };
 
-/* What to tell a person. Zero-initialise it; `file` is empty and `line` 0 when there is none. */
+/* What to tell a person. Zero-initialise it; `file` is empty and `line` 0 when there is none. The
+ * three functions below keep all texts fit for terminals and JSON (base/text.h), whatever bytes
+ * they are given. */
 struct neph_diag {
     char message[1024];
     char hint[512];
