@@ -3,11 +3,13 @@
 
 #include "base/interrupt.h"
 
+#include <math.h>
 #include <pthread.h>
 #include <sched.h>
 #include <stdatomic.h>
 #include <stdbool.h>
 #include <stdlib.h>
+#include <time.h>
 #include <unistd.h>
 
 struct row_work {
@@ -42,6 +44,41 @@ static void *work_on_rows(void *argument)
         }
         work->body(row, work->context);
     }
+}
+
+struct call {
+    void (*work)(void *context);
+    void *context;
+};
+
+static void *make_call(void *argument)
+{
+    const struct call call = *(struct call *)argument;
+    free(argument);
+    call.work(call.context);
+    return NULL;
+}
+
+bool neph_finishes_within(double limit_s, void (*work)(void *context), void *context)
+{
+    pthread_t thread;
+    struct call *call = malloc(sizeof(*call));
+    if (call)
+        *call = (struct call){work, context};
+    if (!call || pthread_create(&thread, NULL, make_call, call) != 0) {
+        free(call);
+        work(context); /* for want of a thread: better late than not at all */
+        return true;
+    }
+    struct timespec deadline;
+    clock_gettime(CLOCK_MONOTONIC, &deadline);
+    const double end_s = (double)deadline.tv_sec + 1e-9 * (double)deadline.tv_nsec + limit_s;
+    deadline.tv_sec = (time_t)end_s;
+    deadline.tv_nsec = (long)(1e9 * (end_s - floor(end_s)));
+    if (pthread_clockjoin_np(thread, NULL, CLOCK_MONOTONIC, &deadline) == 0)
+        return true;
+    pthread_detach(thread);
+    return false;
 }
 
 enum neph_status neph_parallel_rows(int row_count, neph_row_body *body, void *context,

@@ -96,6 +96,27 @@ static void test_processor_count_follows_affinity(void **state)
     assert_int_equal(count, 1);
 }
 
+static void answer(void *context)
+{
+    atomic_store((atomic_int *)context, 1);
+}
+
+static void hang(void *context)
+{
+    while (!atomic_load((atomic_int *)context))
+        usleep(1000);
+}
+
+static void test_a_call_that_hangs_is_left_alone(void **state)
+{
+    (void)state;
+    static atomic_int answered, released; /* the thread may outlive this function */
+    assert_true(neph_finishes_within(60.0, answer, &answered));
+    assert_int_equal(atomic_load(&answered), 1);
+    assert_false(neph_finishes_within(0.05, hang, &released));
+    atomic_store(&released, 1);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -104,6 +125,7 @@ int main(void)
         cmocka_unit_test(test_result_does_not_depend_on_threads),
         cmocka_unit_test(test_rows_run_at_the_same_time),
         cmocka_unit_test(test_processor_count_follows_affinity),
+        cmocka_unit_test(test_a_call_that_hangs_is_left_alone),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
