@@ -8,8 +8,7 @@
 #define NEPH_HARNESS_ATTRIBUTION_H
 
 #include "base/status.h"
-
-#include <jansson.h>
+#include "harness/json.h"
 
 /* The probability that engines that all agree are told apart. */
 #define NEPH_ATTRIBUTION_FAMILY_ALPHA 0.01

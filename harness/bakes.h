@@ -6,9 +6,8 @@
 #define NEPH_HARNESS_BAKES_H
 
 #include "base/image.h"
+#include "harness/json.h"
 #include "scenes/bake.h"
-
-#include <jansson.h>
 
 /* The attribute of a frame that was rendered from grids: the object below as text. */
 #define NEPH_BAKES_ATTRIBUTE "neph.bake"

@@ -297,9 +297,9 @@ static json_t *engine_json(const struct neph_benchmark_engine *engine)
     json_t *rungs = json_array();
     for (int k = 0; k < NEPH_BENCHMARK_RUNGS; k++) {
         const struct neph_benchmark_rung *rung = &engine->rungs[k];
-        json_array_append_new(rungs, json_pack("{s:i, s:f, s:f, s:f}", "samples", rung->samples,
-                                               "render_s", rung->render_s, "noise2", rung->noise2,
-                                               "error2", rung->error2));
+        neph_json_add(&rungs,
+                      json_pack("{s:i, s:f, s:f, s:f}", "samples", rung->samples, "render_s",
+                                rung->render_s, "noise2", rung->noise2, "error2", rung->error2));
     }
     char *settings = neph_settings_text(engine->job.engine, &engine->job.shot.settings);
     json_t *json = json_pack("{s:s, s:s, s:s, s:s, s:f, s:o, s:o, s:o, s:o}", "engine",
@@ -317,7 +317,7 @@ json_t *neph_benchmark_json(const struct neph_benchmark *benchmark)
     const struct neph_shot *shot = &benchmark->reference.shot;
     json_t *engines = json_array();
     for (int e = 0; e < benchmark->engine_count; e++)
-        json_array_append_new(engines, engine_json(&benchmark->engines[e]));
+        neph_json_add(&engines, engine_json(&benchmark->engines[e]));
     return json_pack("{s:s, s:s, s:s, s:[i,i], s:i, s:{s:s, s:i, s:f}, s:o}", "format",
                      "neph-benchmark-1", "scene", shot->scene->name, "scene_hash",
                      shot->scene->hash, "size_px", shot->width_px, shot->height_px, "cores",

@@ -160,7 +160,7 @@ static json_t *point_json(const struct series *series, const struct point *point
 
 /* The ideal line of a series starts at half the error of its first point and ends at the time of
  * its last. */
-static void add_slope(json_t *slopes, const struct series *series, const struct point *first,
+static void add_slope(json_t **slopes, const struct series *series, const struct point *first,
                       const struct point *last)
 {
     if (series->order <= 0.0)
@@ -169,19 +169,19 @@ static void add_slope(json_t *slopes, const struct series *series, const struct 
     const double error = 0.5 * first->error[REPEATS / 2];
     char line[96];
     snprintf(line, sizeof(line), "%s: error ~ 1/time^%g", series->engine, series->order);
-    json_array_append_new(
-        slopes, json_pack("{s:s, s:f, s:f}", "line", line, "seconds", start_s, "error", error));
-    json_array_append_new(slopes, json_pack("{s:s, s:f, s:f}", "line", line, "seconds", end_s,
-                                            "error", error * pow(end_s / start_s, -series->order)));
+    neph_json_add(slopes,
+                  json_pack("{s:s, s:f, s:f}", "line", line, "seconds", start_s, "error", error));
+    neph_json_add(slopes, json_pack("{s:s, s:f, s:f}", "line", line, "seconds", end_s, "error",
+                                    error * pow(end_s / start_s, -series->order)));
 }
 
 static enum neph_status run_series(const struct sweep *sweep, const struct series *series,
-                                   json_t *points, json_t *slopes, char *absent, size_t absent_size,
-                                   struct neph_diag *diag)
+                                   json_t **points, json_t **slopes, char *absent,
+                                   size_t absent_size, struct neph_diag *diag)
 {
     const struct neph_engine *engine = neph_engine_find(series->engine);
     struct neph_engine_info info;
-    engine->probe(&info);
+    neph_engine_probe(engine, &info);
     struct point measured[POINTS_MAX];
     memset(measured, 0, sizeof(measured));
     int count = 0;
@@ -192,7 +192,7 @@ static enum neph_status run_series(const struct sweep *sweep, const struct serie
                                &rendered, diag);
         if (status || !rendered)
             continue;
-        json_array_append_new(points, point_json(series, &measured[count], i));
+        neph_json_add(points, point_json(series, &measured[count], i));
         count++;
     }
     if (count >= 2)
@@ -224,7 +224,7 @@ static enum neph_status render_truth(struct sweep *sweep, struct neph_diag *diag
 {
     const struct neph_engine *exact = neph_engine_find("exact");
     struct neph_engine_info info;
-    exact->probe(&info);
+    neph_engine_probe(exact, &info);
     const struct neph_job job = make_job(sweep, exact, &info, 0);
     struct neph_cost cost;
     return neph_job_render(&job, &sweep->truth, &cost, diag);
@@ -245,7 +245,8 @@ static enum neph_status run_chart(const struct chart *chart, struct sweep *sweep
     json_t *points = json_array(), *slopes = json_array();
     char absent[512] = "";
     for (int i = 0; i < chart->series_count && !status; i++)
-        status = run_series(sweep, &chart->series[i], points, slopes, absent, sizeof(absent), diag);
+        status = run_series(sweep, &chart->series[i], &points, &slopes, absent, sizeof(absent),
+                            diag);
     if (!status) {
         char caption[1024];
         snprintf(caption, sizeof(caption),
@@ -254,11 +255,15 @@ static enum neph_status run_chart(const struct chart *chart, struct sweep *sweep
                  "bars from the smallest to the largest. A point without error is not drawn.%s",
                  chart->scene, chart_width_px, chart_height_px, REPEATS, absent);
         json_t *datasets = json_object_get(spec, "datasets");
-        json_object_set(datasets, "points", points);
-        json_object_set(datasets, "slopes", slopes);
-        json_array_append_new(charts, json_pack("{s:s, s:s, s:s, s:n, s:n, s:O}", "id", chart->id,
+        status = neph_json_put(datasets, "points", json_incref(points), diag);
+        if (!status)
+            status = neph_json_put(datasets, "slopes", json_incref(slopes), diag);
+        if (!status)
+            status = neph_json_append(charts,
+                                      json_pack("{s:s, s:s, s:s, s:n, s:n, s:O}", "id", chart->id,
                                                 "title", chart->title, "caption", caption, "svg",
-                                                "missing", "spec", spec));
+                                                "missing", "spec", spec),
+                                      diag);
     }
     json_decref(points);
     json_decref(slopes);

@@ -5,9 +5,9 @@
 #ifndef NEPH_HARNESS_CHARTS_H
 #define NEPH_HARNESS_CHARTS_H
 
+#include "harness/json.h"
 #include "harness/store.h"
 
-#include <jansson.h>
 #include <stdbool.h>
 
 struct neph_charts_params {

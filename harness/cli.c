@@ -2,6 +2,7 @@
 #include "harness/cli.h"
 
 #include "base/image.h"
+#include "base/text.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -36,11 +37,23 @@ enum neph_status neph_cli_parse_int(const char *what, const char *text, long min
     return NEPH_OK;
 }
 
-void neph_cli_print_json(json_t *json)
+enum neph_status neph_cli_check_output(const char *option, const char *path, struct neph_diag *diag)
 {
-    json_dumpf(json, stdout, JSON_INDENT(2));
-    putchar('\n');
+    if (neph_text_is_utf8(path, strlen(path)))
+        return NEPH_OK;
+    neph_fail(diag, NEPH_ERR_USAGE,
+              "%s '%s' is not UTF-8: results could not say where their frames are", option, path);
+    neph_hint(diag, "choose another name");
+    return NEPH_ERR_USAGE;
+}
+
+enum neph_status neph_cli_print_json(json_t *json, struct neph_diag *diag)
+{
+    enum neph_status status = neph_json_check(json, diag);
+    if (!status && (json_dumpf(json, stdout, JSON_INDENT(2)) != 0 || putchar('\n') == EOF))
+        status = neph_fail(diag, NEPH_ERR_IO, "cannot write to stdout: %s", strerror(errno));
     json_decref(json);
+    return status;
 }
 
 json_t *neph_cli_options_json(const struct neph_option *options)
@@ -51,15 +64,15 @@ json_t *neph_cli_options_json(const struct neph_option *options)
         if (o->kind == NEPH_OPTION_CHOICE) {
             json_t *choices = json_array();
             for (int i = 0; o->choices[i]; i++)
-                json_array_append_new(choices, json_string(o->choices[i]));
-            json_object_set_new(item, "choices", choices);
-            json_object_set_new(item, "default", json_string(o->choices[(int)o->default_value]));
+                neph_json_add(&choices, json_string(o->choices[i]));
+            neph_json_set(&item, "choices", choices);
+            neph_json_set(&item, "default", json_string(o->choices[(int)o->default_value]));
         } else {
-            json_object_set_new(item, "default", json_real(o->default_value));
-            json_object_set_new(item, "minimum", json_real(o->minimum));
-            json_object_set_new(item, "maximum", json_real(o->maximum));
+            neph_json_set(&item, "default", json_real(o->default_value));
+            neph_json_set(&item, "minimum", json_real(o->minimum));
+            neph_json_set(&item, "maximum", json_real(o->maximum));
         }
-        json_array_append_new(list, item);
+        neph_json_add(&list, item);
     }
     return list;
 }

@@ -8,8 +8,7 @@
 
 #include "base/option.h"
 #include "base/status.h"
-
-#include <jansson.h>
+#include "harness/json.h"
 
 /* Run a verb on its own arguments (argv[0] is "neph VERB"). */
 typedef enum neph_status neph_verb(int argc, char **argv, struct neph_diag *diag);
@@ -35,11 +34,18 @@ enum neph_status neph_cli_parse_size(const char *text, int *width_px, int *heigh
 enum neph_status neph_cli_parse_int(const char *what, const char *text, long minimum, long maximum,
                                     int *value, struct neph_diag *diag);
 
+/* A file or folder to write to, whose name is written into results and read back from there:
+ * NEPH_ERR_USAGE when it is not UTF-8, since JSON could not hold it. `option` names it: "-o". */
+enum neph_status neph_cli_check_output(const char *option, const char *path,
+                                       struct neph_diag *diag);
+
 /* A table of options, for JSON and for people. */
 json_t *neph_cli_options_json(const struct neph_option *options);
 void neph_cli_print_options(const struct neph_option *options);
 
-/* Print JSON on stdout, indented, with a newline at the end; consumes the reference. */
-void neph_cli_print_json(json_t *json);
+/* Print JSON on stdout, indented, with a newline at the end; consumes the reference.
+ * NEPH_ERR_INTERNAL: it is NULL, because it could not be made. NEPH_ERR_IO: stdout took no more. */
+enum neph_status neph_cli_print_json(json_t *json, struct neph_diag *diag)
+    __attribute__((warn_unused_result));
 
 #endif

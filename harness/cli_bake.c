@@ -163,13 +163,15 @@ enum neph_status neph_cli_bake(int argc, char **argv, struct neph_diag *diag)
         neph_hint(diag, "-o FILE.vdb for OpenVDB, -o FILE.df3 for POV-Ray");
         return NEPH_ERR_USAGE;
     }
-    enum neph_status status = neph_data_load_scene(request.scene, &scene, diag);
+    enum neph_status status = neph_cli_check_output("-o", request.output, diag);
+    if (!status)
+        status = neph_data_load_scene(request.scene, &scene, diag);
     if (!status)
         status = bake(&request, scene, &result, diag);
     if (!status)
         status = neph_volume_write(request.output, result.bake.grid, diag);
     if (!status && request.json)
-        neph_cli_print_json(result_json(request.output, &result));
+        status = neph_cli_print_json(result_json(request.output, &result), diag);
     else if (!status)
         print_result(request.output, &result);
     neph_bake_finish(&result.bake);

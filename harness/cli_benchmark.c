@@ -148,7 +148,7 @@ static enum neph_status fill_job(const char *name, const struct neph_scene *scen
     }
     if (!neph_benchmark_applies(engine, reason, sizeof(reason)))
         return neph_fail(diag, NEPH_ERR_USAGE, "engine '%s' %s", name, reason);
-    engine->probe(info);
+    neph_engine_probe(engine, info);
     *job = (struct neph_job){.engine = engine,
                              .info = info,
                              .shot = {.scene = scene,
@@ -253,9 +253,8 @@ static enum neph_status run(const struct request *request, struct neph_scene *sc
     if (status)
         return status;
     if (request->json)
-        neph_cli_print_json(neph_benchmark_json(&benchmark));
-    else
-        print_benchmark(&benchmark);
+        return neph_cli_print_json(neph_benchmark_json(&benchmark), diag);
+    print_benchmark(&benchmark);
     return NEPH_OK;
 }
 
@@ -277,8 +276,10 @@ enum neph_status neph_cli_benchmark(int argc, char **argv, struct neph_diag *dia
     double rung_s = 0.0;
     int voxels = 0;
     char *scratch = neph_format("%s/.neph-scratch.%ld", request.output, (long)getpid());
-    enum neph_status status = scratch ? parse_seconds(request.seconds, &rung_s, diag)
+    enum neph_status status = scratch ? neph_cli_check_output("-o", request.output, diag)
                                       : neph_fail_memory(diag);
+    if (!status)
+        status = parse_seconds(request.seconds, &rung_s, diag);
     if (!status && request.voxels)
         status = neph_cli_parse_int("voxels", request.voxels, NEPH_BAKE_RESOLUTION_MIN,
                                     NEPH_GRID_SIDE_MAX, &voxels, diag);

@@ -328,24 +328,26 @@ static json_t *wanted_rows(const struct neph_cli_comparison *asked, const json_t
     json_t *kept = json_array();
     for (size_t i = 0; i < json_array_size(list); i++)
         if (wanted(asked, json_array_get(list, i)))
-            json_array_append(kept, json_array_get(list, i));
+            neph_json_add(&kept, json_incref(json_array_get(list, i)));
     return kept;
 }
 
-static void keep_wanted_rows(const struct neph_cli_comparison *asked, json_t *document,
-                             const char *key, wanted_function *wanted)
+static enum neph_status keep_wanted_rows(const struct neph_cli_comparison *asked, json_t *document,
+                                         const char *key, wanted_function *wanted,
+                                         struct neph_diag *diag)
 {
     const json_t *list = json_object_get(document, key);
-    if (list)
-        json_object_set_new(document, key, wanted_rows(asked, list, wanted));
+    return neph_json_put(document, key, wanted_rows(asked, list, wanted), diag);
 }
 
 /* The document with only what was asked for. */
-static const json_t *select_wanted(const struct neph_cli_comparison *asked, json_t *document)
+static enum neph_status select_wanted(const struct neph_cli_comparison *asked, json_t *document,
+                                      struct neph_diag *diag)
 {
-    keep_wanted_rows(asked, document, "measurements", is_wanted);
-    keep_wanted_rows(asked, document, "findings", is_wanted_finding);
-    return json_object_get(document, "measurements");
+    enum neph_status status = keep_wanted_rows(asked, document, "measurements", is_wanted, diag);
+    if (!status)
+        status = keep_wanted_rows(asked, document, "findings", is_wanted_finding, diag);
+    return status;
 }
 
 /* ---- the run --------------------------------------------------------------------------------- */
@@ -353,17 +355,20 @@ static const json_t *select_wanted(const struct neph_cli_comparison *asked, json
 static enum neph_status print_all(const struct neph_cli_comparison *asked, json_t *document,
                                   struct neph_diag *diag)
 {
-    const json_t *list = select_wanted(asked, document);
+    enum neph_status status = select_wanted(asked, document, diag);
+    if (status)
+        return status;
+    const json_t *list = json_object_get(document, "measurements");
     if (json_array_size(list) == 0 && asked->mask)
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
                          "nothing to measure over the mask '%s': the reference has no such pixels, "
                          "or lacks the layer that it is made from",
                          asked->mask);
     if (asked->json)
-        neph_cli_print_json(json_incref(document));
+        status = neph_cli_print_json(json_incref(document), diag);
     else
         neph_comparison_print(document, asked->rings || asked->mask, asked->metric_count > 0);
-    return asked->csv ? neph_comparison_write_csv(asked->csv, list, diag) : NEPH_OK;
+    return asked->csv && !status ? neph_comparison_write_csv(asked->csv, list, diag) : status;
 }
 
 /* Found before anything is measured. */
@@ -412,7 +417,7 @@ static enum neph_status add_versus(const struct neph_cli_comparison *asked,
         status = differences ? NEPH_OK : NEPH_ERR_MEMORY;
     }
     if (differences)
-        json_object_set_new(document, "versus", differences);
+        status = neph_json_put(document, "versus", differences, diag);
     json_decref(other_document);
     return status;
 }
@@ -422,7 +427,8 @@ enum neph_status neph_cli_comparison_run(const struct neph_cli_comparison *asked
                                          struct neph_diag *diag)
 {
     struct neph_limit limits[NEPH_CLI_LIMITS_MAX];
-    enum neph_status status = NEPH_OK;
+    enum neph_status status = asked->maps ? neph_cli_check_output("--maps", asked->maps, diag)
+                                          : NEPH_OK;
     for (int i = 0; i < asked->limit_count && !status; i++)
         status = neph_limit_parse(asked->limits[i].text, asked->limits[i].below, &limits[i], diag);
     if (status)

@@ -61,15 +61,15 @@ static json_t *scene_json(const struct neph_scene *scene)
     json_t *layers = json_array(), *engines = json_array();
     for (int m = 0; m < scene->medium_count; m++)
         for (int l = 0; l < scene->media[m].layer_count; l++)
-            json_array_append_new(layers, layer_json(&scene->media[m].layers[l]));
+            neph_json_add(&layers, layer_json(&scene->media[m].layers[l]));
     int count;
     const struct neph_engine *const *list = neph_engines(&count);
     for (int i = 0; i < count; i++) {
         char reason[512] = "";
         const struct neph_settings settings = neph_settings_default(list[i]);
         const bool can = list[i]->can_render(scene, &settings, reason, sizeof(reason));
-        json_array_append_new(engines, json_pack("{s:s, s:b, s:s}", "engine", list[i]->name,
-                                                 "can_render", can, "reason", reason));
+        neph_json_add(&engines, json_pack("{s:s, s:b, s:s}", "engine", list[i]->name, "can_render",
+                                          can, "reason", reason));
     }
     return json_pack("{s:s, s:s, s:s, s:s, s:s, s:i, s:i, s:i, s:o, s:o}", "name", scene->name,
                      "title", scene->title, "physics", scene->physics, "hash", scene->hash,
@@ -111,10 +111,23 @@ static enum neph_status show_scene(const struct request *request, struct neph_di
     if (status)
         return status;
     if (request->json)
-        neph_cli_print_json(scene_json(scene));
+        status = neph_cli_print_json(scene_json(scene), diag);
     else
         print_scene(scene);
     neph_scene_destroy(scene);
+    return status;
+}
+
+/* A scene whose data is not on this machine. */
+static enum neph_status list_absent(const struct request *request, const char *name,
+                                    const struct neph_diag *why, json_t *list,
+                                    struct neph_diag *diag)
+{
+    if (request->json)
+        return neph_json_append(
+            list, json_pack("{s:o, s:s}", "name", neph_json_cleaned(name), "absent", why->message),
+            diag);
+    printf("%-24s not here: %s\n", name, why->message);
     return NEPH_OK;
 }
 
@@ -129,19 +142,15 @@ static enum neph_status list_folder(const struct request *request, enum neph_dat
         struct neph_scene *scene = NULL;
         status = neph_data_load_scene(names[i], &scene, diag);
         if (status == NEPH_ERR_NOT_FOUND) { /* its data is not on this machine */
-            if (request->json)
-                json_array_append_new(
-                    list, json_pack("{s:s, s:s}", "name", names[i], "absent", diag->message));
-            else
-                printf("%-24s not here: %s\n", names[i], diag->message);
+            const struct neph_diag why = *diag;
             *diag = (struct neph_diag){.line = 0};
-            status = NEPH_OK;
+            status = list_absent(request, names[i], &why, list, diag);
             continue;
         }
         if (status)
             break;
         if (request->json)
-            json_array_append_new(list, scene_json(scene));
+            status = neph_json_append(list, scene_json(scene), diag);
         else
             printf("%-24s %s\n", scene->name, scene->title);
         neph_scene_destroy(scene);
@@ -168,7 +177,7 @@ enum neph_status neph_cli_scenes(int argc, char **argv, struct neph_diag *diag)
     for (int folder = 0; folder < NEPH_DATA_SCENES_COUNT && !status; folder++)
         status = list_folder(&request, (enum neph_data_scenes)folder, list, diag);
     if (!status && request.json)
-        neph_cli_print_json(json_incref(list));
+        status = neph_cli_print_json(json_incref(list), diag);
     json_decref(list);
     return status;
 }
@@ -177,8 +186,8 @@ static json_t *presets_json(const struct neph_engine *engine)
 {
     json_t *list = json_array();
     for (const struct neph_preset *preset = engine->presets; preset && preset->name; preset++)
-        json_array_append_new(list, json_pack("{s:s, s:s, s:s}", "name", preset->name, "summary",
-                                              preset->summary, "settings", preset->assignments));
+        neph_json_add(&list, json_pack("{s:s, s:s, s:s}", "name", preset->name, "summary",
+                                       preset->summary, "settings", preset->assignments));
     return list;
 }
 
@@ -213,30 +222,35 @@ enum neph_status neph_cli_engines(int argc, char **argv, struct neph_diag *diag)
         if (request.name && neph_engine_find(request.name) != engine)
             continue;
         struct neph_engine_info info;
-        engine->probe(&info);
+        neph_engine_probe(engine, &info);
         if (request.json) {
-            json_array_append_new(
-                list,
-                json_pack("{s:s, s:s, s:s, s:s?, s:b, s:s, s:s, s:s, s:s, s:o, s:o}", "name",
-                          engine->name, "summary", engine->summary, "rung",
-                          neph_rung_name(engine->rung), "bias", engine->bias, "available",
-                          info.available, "version", info.version, "device", info.device, "missing",
-                          info.missing, "install_line", info.install_line, "options",
-                          neph_cli_options_json(engine->options), "presets", presets_json(engine)));
+            neph_json_add(&list,
+                          json_pack("{s:s, s:s, s:s, s:s?, s:b, s:b, s:s, s:s, s:s, s:s, s:o, s:o}",
+                                    "name", engine->name, "summary", engine->summary, "rung",
+                                    neph_rung_name(engine->rung), "bias", engine->bias, "available",
+                                    info.available, "broken", info.broken, "version", info.version,
+                                    "device", info.device, "missing", info.missing, "install_line",
+                                    info.install_line, "options",
+                                    neph_cli_options_json(engine->options), "presets",
+                                    presets_json(engine)));
             continue;
         }
         printf("%s (%s): %s\n    %s%s\n", engine->name, neph_rung_name(engine->rung),
                engine->summary,
-               info.available ? info.version : "missing: ", info.available ? "" : info.missing);
+               info.available ? info.version
+               : info.broken  ? "broken: "
+                              : "missing: ",
+               info.available ? "" : info.missing);
         if (engine->bias)
             printf("    known bias: %s\n", engine->bias);
         neph_cli_print_options(engine->options);
         print_presets(engine);
     }
+    enum neph_status status = NEPH_OK;
     if (request.json)
-        neph_cli_print_json(json_incref(list));
+        status = neph_cli_print_json(json_incref(list), diag);
     json_decref(list);
-    return NEPH_OK;
+    return status;
 }
 
 /* Beside the engines: what the report and the tests need. */
@@ -264,47 +278,53 @@ static const struct {
 
 enum neph_status neph_cli_doctor(int argc, char **argv, struct neph_diag *diag)
 {
-    (void)diag;
     static const struct argp argp = {
         .options = options,
         .parser = parse,
         .doc = "What is installed, on which device, and how to get what is missing.\v"
-               "Exit code 69 when an engine is missing.\n\nExample:\n  neph doctor",
+               "Exit code 69 when an engine is missing, 3 when one is installed and does not "
+               "work.\n\nExample:\n  neph doctor",
     };
     struct request request = {0};
     argp_parse(&argp, argc, argv, 0, NULL, &request);
     json_t *list = json_array();
-    int count, missing = 0;
+    int count, missing = 0, broken = 0;
     const struct neph_engine *const *engines = neph_engines(&count);
     for (int i = 0; i < count; i++) {
         struct neph_engine_info info;
-        engines[i]->probe(&info);
+        neph_engine_probe(engines[i], &info);
         missing += !info.available;
-        json_array_append_new(
-            list, json_pack("{s:s, s:b, s:s, s:s, s:s, s:s}", "name", engines[i]->name, "available",
-                            info.available, "version", info.version, "device", info.device,
-                            "missing", info.missing, "install_line", info.install_line));
+        broken += info.broken;
+        neph_json_add(&list, json_pack("{s:s, s:b, s:b, s:s, s:s, s:s, s:s}", "name",
+                                       engines[i]->name, "available", info.available, "broken",
+                                       info.broken, "version", info.version, "device", info.device,
+                                       "missing", info.missing, "install_line", info.install_line));
         if (!request.json && info.available)
             printf("ok       %-9s %s; %s\n", engines[i]->name, info.version, info.device);
+        else if (!request.json && info.broken)
+            printf("broken   %-9s %s\n", engines[i]->name, info.missing);
         else if (!request.json)
             printf("missing  %-9s %s\n         get it:   %s\n", engines[i]->name, info.missing,
                    info.install_line);
     }
     for (size_t i = 0; i < sizeof(tools) / sizeof(tools[0]); i++) {
         const bool there = tools[i].is_there(tools[i].program);
-        json_array_append_new(list, json_pack("{s:s, s:b, s:s, s:s}", "name", tools[i].program,
-                                              "available", there, "needed_for", tools[i].needed_for,
-                                              "install_line", tools[i].install_line));
+        neph_json_add(&list, json_pack("{s:s, s:b, s:s, s:s}", "name", tools[i].program,
+                                       "available", there, "needed_for", tools[i].needed_for,
+                                       "install_line", tools[i].install_line));
         if (!request.json)
             printf("%-8s %-9s for %s%s%s\n", there ? "ok" : "missing", tools[i].program,
                    tools[i].needed_for,
                    there ? "" : "\n         get it:   ", there ? "" : tools[i].install_line);
     }
+    enum neph_status status = NEPH_OK;
     if (request.json)
-        neph_cli_print_json(
-            json_pack("{s:o, s:o}", "host", neph_host_json(), "parts", json_incref(list)));
+        status = neph_cli_print_json(
+            json_pack("{s:o, s:o}", "host", neph_host_json(), "parts", json_incref(list)), diag);
     else
         printf("data     %s\n", neph_data_directory());
     json_decref(list);
-    return missing ? NEPH_ERR_UNAVAILABLE : NEPH_OK;
+    if (status)
+        return status;
+    return broken ? NEPH_ERR_ENGINE : missing ? NEPH_ERR_UNAVAILABLE : NEPH_OK;
 }

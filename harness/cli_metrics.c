@@ -65,7 +65,7 @@ static json_t *quantities_json(const struct neph_extractor *extractor)
     json_t *list = json_array();
     for (int q = 0; q < neph_quantity_count(); q++)
         if (extractor->quantities & (unsigned)neph_quantity_at(q)->bit)
-            json_array_append_new(list, json_string(neph_quantity_at(q)->name));
+            neph_json_add(&list, json_string(neph_quantity_at(q)->name));
     return list;
 }
 
@@ -73,10 +73,10 @@ static json_t *extractor_json(const struct neph_extractor *extractor)
 {
     json_t *metrics = json_array(), *maps = json_array();
     for (const struct neph_metric *metric = extractor->metrics; metric->name; metric++)
-        json_array_append_new(metrics, metric_json(metric));
+        neph_json_add(&metrics, metric_json(metric));
     for (int m = 0; m < extractor->map_count; m++)
         if (extractor->maps[m].name)
-            json_array_append_new(maps, json_string(extractor->maps[m].name));
+            neph_json_add(&maps, json_string(extractor->maps[m].name));
     return json_pack("{s:s, s:s, s:s, s:s?, s:b, s:b, s:o, s:o, s:o, s:o}", "name", extractor->name,
                      "help", extractor->help, "source", extractor->source, "details",
                      extractor->details, "temporal", extractor->temporal, "costly",
@@ -122,25 +122,27 @@ static void print_extractor(const struct neph_extractor *extractor, bool fully)
                    extractor->maps[m].unit ? extractor->maps[m].unit : "");
 }
 
-static void list_masks(bool as_json)
+static enum neph_status list_masks(bool as_json, struct neph_diag *diag)
 {
     json_t *list = json_array();
     for (int i = 0; i < neph_mask_kind_count(); i++) {
         const struct neph_mask_kind *kind = neph_mask_kind_at(i);
-        json_array_append_new(list, json_pack("{s:s, s:s?, s:s}", "name", kind->name, "needs",
-                                              kind->needs, "help", kind->help));
+        neph_json_add(&list, json_pack("{s:s, s:s?, s:s}", "name", kind->name, "needs", kind->needs,
+                                       "help", kind->help));
         if (!as_json)
             printf("%-14s %s%s%s%s\n", kind->name, kind->help, kind->needs ? " [needs " : "",
                    kind->needs ? kind->needs : "", kind->needs ? "]" : "");
     }
+    enum neph_status status = NEPH_OK;
     if (as_json)
-        neph_cli_print_json(json_incref(list));
+        status = neph_cli_print_json(json_incref(list), diag);
     else
         printf(
             "%-14s a channel mask.NAME of the reference, above 0.5 inside (mask.cloud, mask.fog, "
             "mask.sun)\n",
             "NAME");
     json_decref(list);
+    return status;
 }
 
 static enum neph_status check_name(const char *name, const struct neph_extractor **extractor,
@@ -171,22 +173,20 @@ enum neph_status neph_cli_metrics(int argc, char **argv, struct neph_diag *diag)
     enum neph_status status = request.name ? check_name(request.name, &only, diag) : NEPH_OK;
     if (status)
         return status;
-    if (request.masks) {
-        list_masks(request.json);
-        return NEPH_OK;
-    }
+    if (request.masks)
+        return list_masks(request.json, diag);
     json_t *list = json_array();
     for (int i = 0; i < neph_extractor_count(); i++) {
         const struct neph_extractor *extractor = neph_extractor_at(i);
         if (only && extractor != only)
             continue;
         if (request.json)
-            json_array_append_new(list, extractor_json(extractor));
+            neph_json_add(&list, extractor_json(extractor));
         else
             print_extractor(extractor, only != NULL);
     }
     if (request.json)
-        neph_cli_print_json(json_incref(list));
+        status = neph_cli_print_json(json_incref(list), diag);
     json_decref(list);
-    return NEPH_OK;
+    return status;
 }

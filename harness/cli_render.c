@@ -246,7 +246,7 @@ static enum neph_status make_job(const struct request *request, const struct nep
     job->shot.seed = (uint64_t)seed;
     job->shot.time_limit_s = limit_s;
     if (!status)
-        engine->probe(info);
+        neph_engine_probe(engine, info);
     return status;
 }
 
@@ -270,12 +270,14 @@ static enum neph_status render_one(const struct request *request, struct neph_jo
     if (!status)
         status = neph_exr_write(path, frame, diag);
     if (!status)
-        json_array_append_new(
-            results, json_pack("{s:s, s:i, s:[i,i], s:f, s:f, s:f, s:I, s:o}", "exr", path, "frame",
-                               job->shot.frame, "size_px", frame->width_px, frame->height_px,
-                               "render_s", cost.render_s, "wall_s", cost.wall_s, "cpu_s",
-                               cost.cpu_s, "peak_memory_bytes", (json_int_t)cost.peak_memory_bytes,
-                               "stats", neph_frame_stats(frame)));
+        status = neph_json_append(
+            results,
+            json_pack("{s:s, s:i, s:[i,i], s:f, s:f, s:f, s:I, s:o}", "exr", path, "frame",
+                      job->shot.frame, "size_px", frame->width_px, frame->height_px, "render_s",
+                      cost.render_s, "wall_s", cost.wall_s, "cpu_s", cost.cpu_s,
+                      "peak_memory_bytes", (json_int_t)cost.peak_memory_bytes, "stats",
+                      neph_frame_stats(frame)),
+            diag);
     if (!status && !request->json)
         printf("%s\n", path);
     if (status != NEPH_ERR_ENGINE && status != NEPH_ERR_TIMEOUT)
@@ -333,7 +335,7 @@ static void print_stats(const json_t *results)
     json_t *stats = json_array(), *result;
     size_t index;
     json_array_foreach(results, index, result)
-        json_array_append(stats, json_object_get(result, "stats"));
+        neph_json_add(&stats, json_incref(json_object_get(result, "stats")));
     neph_frame_stats_print(stats);
     json_decref(stats);
 }
@@ -367,11 +369,10 @@ static enum neph_status render_frames(const struct request *request, struct neph
     neph_sequence_finish(&depths);
     if (request->stats && !request->json && json_array_size(results) > 0)
         print_stats(results);
-    if (request->json)
-        neph_cli_print_json(results);
-    else
-        json_decref(results);
-    return status;
+    const enum neph_status printed =
+        request->json ? neph_cli_print_json(json_incref(results), status ? NULL : diag) : NEPH_OK;
+    json_decref(results);
+    return status ? status : printed;
 }
 
 static struct request default_request(const char *engine)
@@ -393,7 +394,9 @@ enum neph_status neph_cli_render(int argc, char **argv, struct neph_diag *diag)
     struct neph_engine_info info;
     struct neph_job job;
     int frame_count = 1;
-    enum neph_status status = neph_data_load_scene(request.scene, &scene, diag);
+    enum neph_status status = neph_cli_check_output("-o", request.output, diag);
+    if (!status)
+        status = neph_data_load_scene(request.scene, &scene, diag);
     if (!status)
         status = make_job(&request, scene, &info, &job, &frame_count, diag);
     if (!status)
@@ -419,9 +422,9 @@ static enum neph_status export_files(const struct request *request, struct neph_
     if (status)
         return status;
     if (request->json)
-        neph_cli_print_json(json_pack("{s:s, s:s}", "folder", request->output, "command", command));
-    else
-        printf("in %s: %s\n", request->output, command);
+        return neph_cli_print_json(
+            json_pack("{s:s, s:s}", "folder", request->output, "command", command), diag);
+    printf("in %s: %s\n", request->output, command);
     return NEPH_OK;
 }
 
@@ -433,7 +436,9 @@ enum neph_status neph_cli_export(int argc, char **argv, struct neph_diag *diag)
     struct neph_engine_info info;
     struct neph_job job;
     int frame_count = 1;
-    enum neph_status status = neph_data_load_scene(request.scene, &scene, diag);
+    enum neph_status status = neph_cli_check_output("-o", request.output, diag);
+    if (!status)
+        status = neph_data_load_scene(request.scene, &scene, diag);
     if (!status)
         status = make_job(&request, scene, &info, &job, &frame_count, diag);
     if (!status && neph_scene_moves(scene))

@@ -130,7 +130,7 @@ static enum neph_status prepare(const struct request *request, const struct neph
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
                          "scene %s holds homogeneous media alone: %s needs no steps there",
                          scene->name, engine->name);
-    engine->probe(info);
+    neph_engine_probe(engine, info);
     *job = (struct neph_job){.engine = engine,
                              .info = info,
                              .shot = {.scene = scene,
@@ -175,8 +175,10 @@ enum neph_status neph_cli_study(int argc, char **argv, struct neph_diag *diag)
     enum neph_outcome outcome = NEPH_OUTCOME_RENDERED;
     char reason[1600] = "";
     char *folder = neph_path_join(request.output, "store");
-    enum neph_status status = folder ? neph_data_load_scene(request.scene, &scene, diag)
+    enum neph_status status = folder ? neph_cli_check_output("-o", request.output, diag)
                                      : neph_fail_memory(diag);
+    if (!status)
+        status = neph_data_load_scene(request.scene, &scene, diag);
     if (!status)
         status = prepare(&request, scene, &info, &job, diag);
     if (!status)
@@ -186,7 +188,7 @@ enum neph_status neph_cli_study(int argc, char **argv, struct neph_diag *diag)
     if (!status)
         status = explain(outcome, reason, diag);
     if (!status && request.json)
-        neph_cli_print_json(neph_study_json(&study));
+        status = neph_cli_print_json(neph_study_json(&study), diag);
     else if (!status)
         print_study(&study, &request);
     neph_store_close(store);

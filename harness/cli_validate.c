@@ -119,7 +119,7 @@ static const struct argp argp = {
            "highest rung of truth, check the gates, and write DIR/report/index.html.\v"
            "Finished frames are kept in DIR/store and used again; an interrupted or killed run "
            "goes on where it stopped. A missing engine is reported as missing and the others go "
-           "on. Exit code 1: a gate failed or an engine broke.\n\n"
+           "on. Exit code 1: a gate failed, an engine broke, or nothing could be compared.\n\n"
            "Examples:\n"
            "  neph validate\n"
            "  neph validate fence_backlit --size 320x180 --no-charts\n"
@@ -148,10 +148,13 @@ static enum neph_status run_physics(const struct request *request, int time_limi
     status = neph_physics_run(&params, store, &physics, diag);
     if (status)
         return status;
-    json_object_set(document, "verdict", json_object_get(physics, "verdict"));
-    json_object_set(document, "seconds", json_object_get(physics, "seconds"));
-    json_object_set_new(document, "title", json_string("Nephelometer physics suite"));
-    return json_object_set_new(document, "physics", physics) ? neph_fail_memory(diag) : NEPH_OK;
+    return neph_json_merge(document,
+                           json_pack("{s:O, s:O, s:O, s:s, s:o}", "verdict",
+                                     json_object_get(physics, "verdict"), "counts",
+                                     json_object_get(physics, "counts"), "seconds",
+                                     json_object_get(physics, "seconds"), "title",
+                                     "Nephelometer physics suite", "physics", physics),
+                           diag);
 }
 
 static enum neph_status run_suite(const struct request *request, const char *const *scenes,
@@ -182,21 +185,41 @@ static enum neph_status run_suite(const struct request *request, const char *con
     return status;
 }
 
+static int count_of(const json_t *counts, const char *key)
+{
+    return (int)json_integer_value(json_object_get(counts, key));
+}
+
 static enum neph_status tell(const struct request *request, json_t *document,
                              const char *report_folder, struct neph_diag *diag)
 {
     const json_t *physics = json_object_get(document, "physics");
+    enum neph_status status = NEPH_OK;
     if (request->json)
-        neph_cli_print_json(json_incref(document));
+        status = neph_cli_print_json(json_incref(document), diag);
     else if (physics)
         neph_physics_print(physics);
     else
         neph_validate_print(document);
     FILE *out = request->json ? stderr : stdout;
     const char *verdict = json_string_value(json_object_get(document, "verdict"));
+    const json_t *counts = json_object_get(document, "counts");
+    const int expected = count_of(counts, "expected"), reported = count_of(counts, "reported");
+    const int compared = count_of(counts, "compared");
+    fprintf(out, "%s: %d of %d in the report, %d compared with the truth\n",
+            physics ? "rows" : "frames", reported, expected, compared);
     fprintf(out, "verdict: %s\nreport: %s/index.html\n", verdict, report_folder);
-    if (strcmp(verdict, "pass") == 0)
-        return NEPH_OK;
+    if (status || strcmp(verdict, "pass") == 0)
+        return status;
+    if (reported != expected)
+        return neph_fail(diag, NEPH_ERR_INTERNAL, "%d of %d results are not in the report",
+                         expected - reported, expected);
+    if (compared == 0) {
+        neph_fail(diag, NEPH_ERR_GATE, "nothing was compared with a truth: that is no verdict");
+        neph_hint(diag, "a run needs an engine that is the truth of its scenes (exact, oracle, "
+                        "tracer) and another; the report says why frames are missing");
+        return NEPH_ERR_GATE;
+    }
     return neph_fail(diag, NEPH_ERR_GATE,
                      physics ? "an engine that claims to be the truth is off, or an engine broke; "
                                "the report names it"
@@ -231,11 +254,14 @@ enum neph_status neph_cli_validate(int argc, char **argv, struct neph_diag *diag
     struct request request = {
         .output = "out", .size = "192x108", .time_limit = "300", .suite = "catalog"};
     argp_parse(&argp, argc, argv, 0, NULL, &request);
+    enum neph_status status = neph_cli_check_output("-o", request.output, diag);
+    if (status)
+        return status;
     if (request.scene_count > 0)
         return run(&request, request.scenes, request.scene_count, diag);
     char **names = NULL;
     int count = 0;
-    enum neph_status status = neph_data_list_scenes(NEPH_DATA_CATALOG, &names, &count, diag);
+    status = neph_data_list_scenes(NEPH_DATA_CATALOG, &names, &count, diag);
     if (!status)
         status = run(&request, (const char *const *)names, count, diag);
     neph_data_free_names(names);

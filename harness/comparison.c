@@ -287,10 +287,10 @@ static enum neph_status write_map(struct work *work, const struct neph_quantity 
     status = stem && exr && png ? neph_exr_write(exr, image, diag) : neph_fail_memory(diag);
     if (!status)
         status = write_picture(png, image, map, &work->asked->viewing, diag);
-    if (!status) {
-        json_array_append_new(work->maps, json_string(exr));
-        json_array_append_new(work->maps, json_string(png));
-    }
+    if (!status)
+        status = neph_json_append(work->maps, json_string(exr), diag);
+    if (!status)
+        status = neph_json_append(work->maps, json_string(png), diag);
     free(stem);
     free(exr);
     free(png);
@@ -395,32 +395,31 @@ static enum neph_status measure_all(struct work *work, struct neph_diag *diag)
 }
 
 /* What one of the images has and the other has not. */
-static void add_one_sided(const struct work *work, json_t *list)
+static void add_one_sided(const struct work *work, json_t **list)
 {
     for (int q = 0; q < neph_quantity_count() && work->reference && work->test; q++) {
         const struct neph_quantity *quantity = neph_quantity_at(q);
         if (has(work->reference, quantity) != has(work->test, quantity))
-            json_array_append_new(list, json_pack("{s:s, s:s, s:s}", "extractor", "everything",
-                                                  "quantity", quantity->name, "because",
-                                                  has(work->test, quantity)
-                                                      ? "the reference does not have it"
-                                                      : "the test does not have it"));
+            neph_json_add(list,
+                          json_pack("{s:s, s:s, s:s}", "extractor", "everything", "quantity",
+                                    quantity->name, "because",
+                                    has(work->test, quantity) ? "the reference does not have it"
+                                                              : "the test does not have it"));
     }
 }
 
 static json_t *not_taken(const struct work *work)
 {
     json_t *list = json_array();
-    add_one_sided(work, list);
+    add_one_sided(work, &list);
     for (int c = 0; c < work->asked->choice_count; c++) {
         const struct neph_extractor *extractor = work->asked->choices[c].extractor;
         for (int q = 0; q < neph_quantity_count(); q++) {
             const struct neph_quantity *quantity = neph_quantity_at(q);
             const char *because = neph_meter_obstacle(work->meter, quantity, extractor);
             if (because && neph_meter_takes(work->meter, quantity, extractor))
-                json_array_append_new(list,
-                                      json_pack("{s:s, s:s, s:s}", "extractor", extractor->name,
-                                                "quantity", quantity->name, "because", because));
+                neph_json_add(&list, json_pack("{s:s, s:s, s:s}", "extractor", extractor->name,
+                                               "quantity", quantity->name, "because", because));
         }
     }
     return list;
@@ -429,8 +428,9 @@ static json_t *not_taken(const struct work *work)
 /* What was compared: the first file and how many there are. */
 static json_t *sequence_json(const struct neph_sequence *sequence)
 {
-    return json_pack("{s:o?, s:i}", "first", json_string(sequence->paths[0]), "count",
-                     sequence->count);
+    return json_pack("{s:o, s:i}", "first",
+                     sequence->count > 0 ? neph_json_cleaned(sequence->paths[0]) : json_null(),
+                     "count", sequence->count);
 }
 
 static json_t *document_of(const struct work *work, bool interrupted)
@@ -441,9 +441,9 @@ static json_t *document_of(const struct work *work, bool interrupted)
     for (int i = 0; i < count; i++) {
         json_t *item = neph_measurement_json(&all[i]);
         if (work->is_picture && strcmp(all[i].unit, all[i].quantity->unit) == 0)
-            json_object_set_new(item, "unit", json_string("display value"));
-        json_object_set_new(item, "viewing", neph_viewing_json(&work->asked->viewing));
-        json_array_append_new(measurements, item);
+            neph_json_set(&item, "unit", json_string("display value"));
+        neph_json_set(&item, "viewing", neph_viewing_json(&work->asked->viewing));
+        neph_json_add(&measurements, item);
     }
     json_t *findings = neph_findings(measurements,
                                      work->frozen.frozen_count > 0 && !work->asked->frozen_is_fine);
@@ -481,7 +481,7 @@ static enum neph_status conclude(struct work *work, bool interrupted, json_t **d
         status = write_maps(work, -1, words);
     if (!status) {
         *document = document_of(work, interrupted);
-        status = *document ? NEPH_OK : neph_fail_memory(words);
+        status = neph_json_check(*document, words);
     }
     return status || interrupted ? status : judge_frozen(work, diag);
 }

@@ -6,8 +6,8 @@
 #define NEPH_HARNESS_COMPARISON_OUTPUT_H
 
 #include "base/status.h"
+#include "harness/json.h"
 
-#include <jansson.h>
 #include <stdbool.h>
 
 /* Print a document of neph_comparison_run() on stdout. `details`: masks of which there are many

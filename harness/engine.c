@@ -4,6 +4,7 @@
  */
 #include "harness/engine.h"
 
+#include "base/text.h"
 #include "harness/engines/engines.h"
 
 #include <math.h>
@@ -42,6 +43,20 @@ const struct neph_engine *neph_engine_find(const char *name)
 const char *neph_rung_name(enum neph_rung rung)
 {
     return rung_names[rung];
+}
+
+void neph_engine_probe(const struct neph_engine *engine, struct neph_engine_info *info)
+{
+    engine->probe(info);
+    neph_text_clean(info->version, sizeof(info->version));
+    neph_text_clean(info->device, sizeof(info->device));
+    neph_text_clean(info->missing, sizeof(info->missing));
+    neph_text_clean(info->install_line, sizeof(info->install_line));
+}
+
+const char *neph_engine_state_name(const struct neph_engine_info *info)
+{
+    return info->available ? "ok" : info->broken ? "broken" : "missing";
 }
 
 struct neph_settings neph_settings_default(const struct neph_engine *engine)

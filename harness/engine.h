@@ -24,9 +24,10 @@ enum neph_rung {
 /* What is installed. */
 struct neph_engine_info {
     bool available;
+    bool broken;            /* not available although it is installed: the probe itself failed */
     char version[128];      /* such as "Blender 3.4.1"; part of the job key */
     char device[128];       /* where it runs */
-    char missing[512];      /* why it is not available, in words */
+    char missing[512];      /* why it is not available or is broken, in words */
     char install_line[256]; /* the exact command that would mend it */
 };
 
@@ -97,14 +98,15 @@ struct neph_engine {
     uint32_t version; /* of our own driver; raise it when its output changes */
     bool look; /* a lighting model that is no physics and does not claim to be: what it is off by is
                   the gap of a model */
-    const char *shortcut_of; /* the engine of whose model it is a cheaper rendering, which is what it
-                                is measured against; it takes part in comparisons with physics only
-                                when it is named. NULL: it is no shortcut */
-    bool rests;      /* it leaves its work in a checkpoint and goes on from there */
-    bool stochastic; /* another seed gives another frame of the same mean */
+    const char *shortcut_of; /* the engine of whose model it is a cheaper rendering, which is what
+                                it is measured against; it takes part in comparisons with physics
+                                only when it is named. NULL: it is no shortcut */
+    bool rests;              /* it leaves its work in a checkpoint and goes on from there */
+    bool stochastic;         /* another seed gives another frame of the same mean */
     struct neph_engine_step step;
 
-    /* Look for the engine. Never fails: `available` and `missing` say how it is. */
+    /* Look for the engine. Never fails and ends in bounded time: `available`, `broken` and
+     * `missing` say how it is. Called through neph_engine_probe(). */
     void (*probe)(struct neph_engine_info *info);
 
     /* Fills `reason` with what it cannot model with these settings ("multiple scattering") and
@@ -130,6 +132,14 @@ const struct neph_engine *const *neph_engines(int *count);
 
 /* By name; NULL when there is none. */
 const struct neph_engine *neph_engine_find(const char *name);
+
+/* Look for an engine. The texts of `info` are fit for terminals and JSON (base/text.h), whatever a
+ * driver or program is called. */
+void neph_engine_probe(const struct neph_engine *engine, struct neph_engine_info *info);
+
+/* "ok"; "missing": not installed, or of a wrong version; "broken": installed, and its probe failed,
+ * which fails a run where a missing engine does not. */
+const char *neph_engine_state_name(const struct neph_engine_info *info);
 
 /* Every option at its default. */
 struct neph_settings neph_settings_default(const struct neph_engine *engine);

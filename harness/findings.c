@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/findings.h"
 
+#include "base/text.h"
 #include "metrics/extractors/flicker_verdict.h"
 #include "metrics/extractors/two_seed.h"
 
@@ -48,12 +49,13 @@ static json_t *finding(const char *name, const char *quantity, const char *mask,
     va_start(arguments, format);
     vsnprintf(text, sizeof(text), format, arguments);
     va_end(arguments);
+    neph_text_clean(text, sizeof(text));
     return json_pack("{s:s, s:s, s:s, s:s, s:s}", "finding", name, "quantity", quantity, "mask",
                      mask, "verdict", verdict, "text", text);
 }
 
 static void add_flicker(const json_t *list, const char *quantity, const char *mask, bool frozen,
-                        json_t *out)
+                        json_t **out)
 {
     static const char *const words[] = {
         [NEPH_FLICKER_CALM] = "no flicker above a step of an 8-bit display",
@@ -71,9 +73,9 @@ static void add_flicker(const json_t *list, const char *quantity, const char *ma
         "%s (cyclic in %.3g %%, restless in %.3g %% of the pixels)",
         no_verdict ? "frames repeat the one before: that is no stability" : words[kind],
         100.0 * cyclic, 100.0 * restless);
-    json_object_set_new(item, "cyclic_share", json_real(cyclic));
-    json_object_set_new(item, "restless_share", json_real(restless));
-    json_array_append_new(out, item);
+    neph_json_set(&item, "cyclic_share", json_real(cyclic));
+    neph_json_set(&item, "restless_share", json_real(restless));
+    neph_json_add(out, item);
 }
 
 static double bound(const json_t *measurement, size_t which)
@@ -82,7 +84,7 @@ static double bound(const json_t *measurement, size_t which)
     return json_is_array(interval) ? json_number_value(json_array_get(interval, which)) : NAN;
 }
 
-static void add_edge_ratio(const json_t *list, const char *quantity, json_t *out)
+static void add_edge_ratio(const json_t *list, const char *quantity, json_t **out)
 {
     const json_t *edge = find(list, quantity, "a4_p95", "depth_edge");
     const json_t *other = find(list, quantity, "a4_p95", "non_edge");
@@ -102,59 +104,60 @@ static void add_edge_ratio(const json_t *list, const char *quantity, json_t *out
                                    : "A4 at depth edges (p95 %.3g) is %.3g times as strong as "
                                      "elsewhere (p95 %.3g)",
                            edge_p95, ratio, other_p95);
-    json_object_set_new(item, "value", json_real(ratio));
-    json_object_set_new(item, "interval", bounded ? json_pack("[f,f]", low, high) : json_null());
-    json_array_append_new(out, item);
+    neph_json_set(&item, "value", json_real(ratio));
+    neph_json_set(&item, "interval", bounded ? json_pack("[f,f]", low, high) : json_null());
+    neph_json_add(out, item);
 }
 
 static void add_reference_limited(const json_t *list, const char *quantity, const char *mask,
-                                  json_t *out)
+                                  json_t **out)
 {
     double test, reference;
     if (!value_of(list, quantity, "a4_p95", mask, &test) ||
         !value_of(list, quantity, "reference_a4_p95", mask, &reference) ||
         !neph_flicker_reference_limited(test, reference))
         return;
-    json_array_append_new(out, finding("reference_limited", quantity, mask, "reference-limited",
-                                       "a4_p95 is %.3g, that of the reference alone %.3g: the "
-                                       "number says more about the reference",
-                                       test, reference));
+    neph_json_add(out, finding("reference_limited", quantity, mask, "reference-limited",
+                               "a4_p95 is %.3g, that of the reference alone %.3g: the "
+                               "number says more about the reference",
+                               test, reference));
 }
 
-static void add_noise_floor(const json_t *list, const char *quantity, const char *mask, json_t *out)
+static void add_noise_floor(const json_t *list, const char *quantity, const char *mask,
+                            json_t **out)
 {
     double error, noise;
     if (!value_of(list, quantity, "rmse_unbiased", mask, &error) ||
         !value_of(list, quantity, "reference_noise_rmse", mask, &noise))
         return;
     const bool at_floor = neph_is_at_noise_floor(error, noise);
-    json_array_append_new(out, finding("noise_floor", quantity, mask,
-                                       at_floor ? "at noise floor" : "resolved",
-                                       "the error without the reference's noise is %.3g, the noise "
-                                       "of one seed of the reference %.3g",
-                                       error, noise));
+    neph_json_add(out,
+                  finding("noise_floor", quantity, mask, at_floor ? "at noise floor" : "resolved",
+                          "the error without the reference's noise is %.3g, the noise "
+                          "of one seed of the reference %.3g",
+                          error, noise));
 }
 
 /* Flicker is never told without the price at which it may have been bought. */
-static void add_half_life(const json_t *list, const char *quantity, json_t *out)
+static void add_half_life(const json_t *list, const char *quantity, json_t **out)
 {
     double a4, frames, unsettled = 0.0;
     if (!value_of(list, quantity, "a4_p95", "all", &a4))
         return;
     value_of(list, quantity, "share_unsettled", "all", &unsettled);
     if (!value_of(list, quantity, "half_life_p50", "all", &frames))
-        json_array_append_new(out, finding("half_life", quantity, "all", "not measured",
-                                           "less flicker may have been bought with lag: give "
-                                           "a reference with a step, and -s lag.step_frame=N"));
+        neph_json_add(out, finding("half_life", quantity, "all", "not measured",
+                                   "less flicker may have been bought with lag: give "
+                                   "a reference with a step, and -s lag.step_frame=N"));
     else if (unsettled >= 0.5)
-        json_array_append_new(out, finding("half_life", quantity, "all", "not settled",
-                                           "half-life after a step: at least %.3g frames: the "
-                                           "sequence ends before %.3g %% of the pixels have come "
-                                           "half of the way",
-                                           frames, 100.0 * unsettled));
+        neph_json_add(out, finding("half_life", quantity, "all", "not settled",
+                                   "half-life after a step: at least %.3g frames: the "
+                                   "sequence ends before %.3g %% of the pixels have come "
+                                   "half of the way",
+                                   frames, 100.0 * unsettled));
     else
-        json_array_append_new(out, finding("half_life", quantity, "all", "measured",
-                                           "half-life after a step: %.3g frames (median)", frames));
+        neph_json_add(out, finding("half_life", quantity, "all", "measured",
+                                   "half-life after a step: %.3g frames (median)", frames));
 }
 
 /* The masks, once each, in the order of the measurements. */
@@ -162,9 +165,8 @@ static json_t *masks_of(const json_t *list)
 {
     json_t *names = json_object();
     for (size_t i = 0; i < json_array_size(list); i++)
-        json_object_set_new(names,
-                            json_string_value(json_object_get(json_array_get(list, i), "mask")),
-                            json_true());
+        neph_json_set(&names, json_string_value(json_object_get(json_array_get(list, i), "mask")),
+                      json_true());
     return names;
 }
 
@@ -177,13 +179,15 @@ json_t *neph_findings(const json_t *measurements, bool frozen)
         json_t *unused;
         json_object_foreach(masks, mask, unused)
         {
-            add_flicker(measurements, quantities[q], mask, frozen, out);
-            add_reference_limited(measurements, quantities[q], mask, out);
-            add_noise_floor(measurements, quantities[q], mask, out);
+            add_flicker(measurements, quantities[q], mask, frozen, &out);
+            add_reference_limited(measurements, quantities[q], mask, &out);
+            add_noise_floor(measurements, quantities[q], mask, &out);
         }
-        add_edge_ratio(measurements, quantities[q], out);
-        add_half_life(measurements, quantities[q], out);
+        add_edge_ratio(measurements, quantities[q], &out);
+        add_half_life(measurements, quantities[q], &out);
     }
+    if (!masks)
+        neph_json_add(&out, NULL);
     json_decref(masks);
     return out;
 }

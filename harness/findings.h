@@ -5,7 +5,8 @@
 #ifndef NEPH_HARNESS_FINDINGS_H
 #define NEPH_HARNESS_FINDINGS_H
 
-#include <jansson.h>
+#include "harness/json.h"
+
 #include <stdbool.h>
 
 /* From an array of measurements (harness/measure.h), over all frames where there are several: an

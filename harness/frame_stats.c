@@ -32,8 +32,7 @@ json_t *neph_frame_stats(const struct neph_image *frame)
     for (int i = 0; i < frame->attribute_count; i++) {
         const struct neph_attribute *attribute = &frame->attributes[i];
         if (strncmp(attribute->name, prefix, strlen(prefix)) == 0)
-            json_object_set_new(stats, attribute->name + strlen(prefix),
-                                number_of(attribute->value));
+            neph_json_set(&stats, attribute->name + strlen(prefix), number_of(attribute->value));
     }
     return stats;
 }

@@ -6,8 +6,7 @@
 #define NEPH_HARNESS_FRAME_STATS_H
 
 #include "base/image.h"
-
-#include <jansson.h>
+#include "harness/json.h"
 
 /* For engines: what a frame has cost, under a NAME. A value that is not finite was not measured and
  * is left out. */

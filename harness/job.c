@@ -3,6 +3,7 @@
 
 #include "base/exr.h"
 #include "base/files.h"
+#include "base/text.h"
 #include "scenes/motion.h"
 
 #include <errno.h>
@@ -120,6 +121,9 @@ static enum neph_status label_frame(const struct neph_job *job, const struct nep
 static enum neph_status check_possible(const struct neph_job *job, struct neph_diag *diag)
 {
     char reason[512];
+    if (job->info->broken)
+        return neph_fail(diag, NEPH_ERR_ENGINE, "%s is installed and does not work: %s",
+                         job->engine->name, job->info->missing);
     if (!job->info->available) {
         neph_fail(diag, NEPH_ERR_UNAVAILABLE, "%s is not available: %s", job->engine->name,
                   job->info->missing);
@@ -246,8 +250,9 @@ static enum neph_outcome outcome_of(enum neph_status status, bool *ends_run)
 
 static void explain(struct neph_job_result *result, const struct neph_diag *diag, const char *kept)
 {
-    snprintf(result->reason, sizeof(result->reason), "%s%s%s%s%s", diag->message,
-             diag->hint[0] ? "; " : "", diag->hint, kept ? "; logs: " : "", kept ? kept : "");
+    neph_text_format(result->reason, sizeof(result->reason), "%s%s%s%s%s", diag->message,
+                     diag->hint[0] ? "; " : "", diag->hint, kept ? "; logs: " : "",
+                     kept ? kept : "");
 }
 
 /* Render into a scratch folder and publish. */
@@ -284,11 +289,9 @@ static enum neph_status render_and_publish(const struct neph_job *job, struct ne
     }
     path = neph_path_join(scratch, "frame.exr");
     record = make_record(job, result);
-    if (!path || !record) {
-        status = neph_fail_memory(diag);
-        goto done;
-    }
-    status = neph_exr_write(path, frame, diag);
+    status = path ? neph_json_check(record, diag) : neph_fail_memory(diag);
+    if (!status)
+        status = neph_exr_write(path, frame, diag);
     if (!status)
         status = neph_store_publish(store, key, scratch, record, diag);
 done:

@@ -6,8 +6,7 @@
 #define NEPH_HARNESS_LIMITS_H
 
 #include "base/image.h"
-
-#include <jansson.h>
+#include "harness/json.h"
 
 struct neph_limit {
     char quantity[32], metric[64], mask[NEPH_IMAGE_NAME_MAX];

@@ -5,11 +5,6 @@
 
 #include <string.h>
 
-static enum neph_status append(json_t *list, json_t *item, struct neph_diag *diag)
-{
-    return item && json_array_append_new(list, item) == 0 ? NEPH_OK : neph_fail_memory(diag);
-}
-
 static const char *const interval_names[] = {
     [NEPH_INTERVAL_NONE] = "none",
     [NEPH_INTERVAL_DETERMINISTIC] = "deterministic",
@@ -40,17 +35,11 @@ json_t *neph_measurement_json(const struct neph_measurement *m)
         "unit", m->unit, "interval", bounded ? json_pack("[f,f]", m->low, m->high) : json_null(),
         "interval_kind", neph_interval_name(m->interval), "n", m->n, "pixel_count",
         (json_int_t)m->pixel_count);
-    if (item && !m->defined)
-        json_object_set_new(item, "undefined_because", json_string(m->undefined_because));
-    if (item && m->frame >= 0)
-        json_object_set_new(item, "frame", json_integer(m->frame));
+    if (!m->defined)
+        neph_json_set(&item, "undefined_because", json_string(m->undefined_because));
+    if (m->frame >= 0)
+        neph_json_set(&item, "frame", json_integer(m->frame));
     return item;
-}
-
-const char *neph_json_text(const json_t *item, const char *key)
-{
-    const char *text = json_string_value(json_object_get(item, key));
-    return text ? text : "";
 }
 
 bool neph_mask_is_detail(const char *mask)
@@ -133,7 +122,7 @@ static enum neph_status take(struct neph_meter *meter, const struct neph_image *
     int count = 0;
     const struct neph_measurement *all = neph_meter_measurements(meter, &count);
     for (int i = 0; i < count && !status; i++)
-        status = append(list, neph_measurement_json(&all[i]), diag);
+        status = neph_json_append(list, neph_measurement_json(&all[i]), diag);
     return status;
 }
 
@@ -187,14 +176,14 @@ enum neph_status neph_measure_validity(const struct neph_image *frame, json_t *l
         size_t count;
     } counts[] = {{"non_finite", validity.non_finite_count}, {"negative", validity.negative_count}};
     for (size_t i = 0; i < 2 && !status; i++)
-        status = append(list,
-                        json_pack("{s:s, s:s, s:s, s:f, s:s, s:n, s:s, s:i, s:I}", "quantity",
-                                  "radiance", "metric", counts[i].metric, "mask", "all", "value",
-                                  (double)counts[i].count, "unit", "samples, all layers",
-                                  "interval", "interval_kind",
-                                  neph_interval_name(NEPH_INTERVAL_DETERMINISTIC), "n", 1,
-                                  "pixel_count", (json_int_t)neph_image_pixel_count(frame)),
-                        diag);
+        status = neph_json_append(
+            list,
+            json_pack("{s:s, s:s, s:s, s:f, s:s, s:n, s:s, s:i, s:I}", "quantity", "radiance",
+                      "metric", counts[i].metric, "mask", "all", "value", (double)counts[i].count,
+                      "unit", "samples, all layers", "interval", "interval_kind",
+                      neph_interval_name(NEPH_INTERVAL_DETERMINISTIC), "n", 1, "pixel_count",
+                      (json_int_t)neph_image_pixel_count(frame)),
+            diag);
     neph_validity_finish(&validity);
     return status;
 }

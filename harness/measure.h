@@ -5,9 +5,8 @@
 #ifndef NEPH_HARNESS_MEASURE_H
 #define NEPH_HARNESS_MEASURE_H
 
+#include "harness/json.h"
 #include "metrics/meter.h"
-
-#include <jansson.h>
 
 enum { NEPH_MASKS_MAX = 64, NEPH_CHOICES_MAX = 64 };
 
@@ -41,9 +40,6 @@ enum neph_status neph_measure(const struct neph_image *reference, const struct n
 json_t *neph_measurement_json(const struct neph_measurement *m);
 const char *neph_interval_name(enum neph_interval_kind kind);
 json_t *neph_viewing_json(const struct neph_viewing *viewing);
-
-/* The text of a key; "" when there is none. */
-const char *neph_json_text(const json_t *item, const char *key);
 
 /* Whether a mask is of a kind of which there are many. */
 bool neph_mask_is_detail(const char *mask);

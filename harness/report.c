@@ -38,8 +38,8 @@ static enum neph_status write_picture(const char *folder, const char *relative,
         return neph_fail_memory(diag);
     enum neph_status status = neph_png_write_rgb8(path, image->width_px, image->height_px, rgb,
                                                   diag);
-    if (!status && json_object_set_new(holder, key, json_string(relative)) != 0)
-        status = neph_fail_memory(diag);
+    if (!status)
+        status = neph_json_put(holder, key, json_string(relative), diag);
     free(path);
     return status;
 }
@@ -177,7 +177,7 @@ static enum neph_status draw_chart(const char *folder, json_t *chart, struct nep
         struct neph_diag why = {.line = 0};
         status = neph_child_run(&params, &result, &why);
         if (status == NEPH_OK) {
-            json_object_set_new(chart, "svg", json_string(svg));
+            status = neph_json_put(chart, "svg", json_string(svg), diag);
             unlink(log_path);
         } else if (status == NEPH_ERR_INTERRUPTED) {
             if (diag)
@@ -188,8 +188,8 @@ static enum neph_status draw_chart(const char *folder, json_t *chart, struct nep
                      "static chart not drawn: %s (apt-get install nodejs npm; npm ci --omit=dev in "
                      "scripts/report)",
                      why.message);
-            json_object_set_new(chart, "missing", json_string(missing));
-            status = NEPH_OK; /* said on the page; the interactive chart is still there */
+            /* said on the page; the interactive chart is still there */
+            status = neph_json_put(chart, "missing", json_string(missing), diag);
         }
     }
     free(script);
@@ -289,7 +289,7 @@ static json_t *difference_colours_json(void)
     json_t *colours = json_array();
     for (int i = 0; i < legend->stop_count; i++) {
         const uint8_t *rgb = legend->stops[i].rgb;
-        json_array_append_new(colours, json_sprintf("#%02x%02x%02x", rgb[0], rgb[1], rgb[2]));
+        neph_json_add(&colours, json_sprintf("#%02x%02x%02x", rgb[0], rgb[1], rgb[2]));
     }
     return colours;
 }
@@ -312,8 +312,10 @@ static enum neph_status fill_folder(const char *folder, json_t *document, struct
     json_t *charts = json_object_get(document, "charts");
     for (size_t i = 0; i < json_array_size(charts) && !status; i++)
         status = draw_chart(folder, json_array_get(charts, i), diag);
-    json_object_set_new(document, "interactive", json_boolean(with_vendor));
-    json_object_set_new(document, "difference_colours", difference_colours_json());
+    if (!status)
+        status = neph_json_put(document, "interactive", json_boolean(with_vendor), diag);
+    if (!status)
+        status = neph_json_put(document, "difference_colours", difference_colours_json(), diag);
     if (!status)
         status = copy_page(folder, with_vendor, diag);
     if (!status)

@@ -7,8 +7,7 @@
 #define NEPH_HARNESS_REPORT_H
 
 #include "base/status.h"
-
-#include <jansson.h>
+#include "harness/json.h"
 
 /* Write pictures, difference maps, charts, data and page into a fresh folder and exchange it with
  * `folder` in one step: a reader sees the old report or the new one, never half of one. The paths

@@ -15,8 +15,8 @@
 
 #include "base/hash.h"
 #include "base/status.h"
+#include "harness/json.h"
 
-#include <jansson.h>
 #include <stdbool.h>
 
 struct neph_store;

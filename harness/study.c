@@ -243,11 +243,10 @@ json_t *neph_study_json(const struct neph_study *study)
     json_t *levels = json_array();
     for (int i = 0; i < study->level_count; i++) {
         const struct neph_study_level *level = &study->levels[i];
-        json_array_append_new(levels,
-                              json_pack("{s:f, s:f, s:f, s:f, s:f, s:f}", "setting", level->setting,
-                                        "radiance", level->radiance, "noise", level->noise, "bias",
-                                        level->bias, "bias_noise", level->bias_noise, "wall_s",
-                                        level->wall_s));
+        neph_json_add(&levels, json_pack("{s:f, s:f, s:f, s:f, s:f, s:f}", "setting",
+                                         level->setting, "radiance", level->radiance, "noise",
+                                         level->noise, "bias", level->bias, "bias_noise",
+                                         level->bias_noise, "wall_s", level->wall_s));
     }
     json_t *observed = isfinite(study->observed_order) ? json_real(study->observed_order)
                                                        : json_null();

@@ -3,6 +3,8 @@
 
 #include "base/clock.h"
 #include "base/exr.h"
+#include "base/interrupt.h"
+#include "base/text.h"
 #include "base/threads.h"
 #include "harness/attribution.h"
 #include "harness/bakes.h"
@@ -46,8 +48,10 @@ static enum neph_status choose_engines(const struct neph_validate_params *params
             wanted |= strcmp(params->engines[j], engines[i]->name) == 0;
         if (!wanted)
             continue;
+        if (neph_interrupted())
+            return neph_fail(diag, NEPH_ERR_INTERRUPTED, "interrupted");
         field->engines[field->count] = engines[i];
-        engines[i]->probe(&field->infos[field->count++]);
+        neph_engine_probe(engines[i], &field->infos[field->count++]);
     }
     return NEPH_OK;
 }
@@ -58,12 +62,12 @@ static json_t *engines_json(const struct field *field)
     for (int i = 0; i < field->count; i++) {
         const struct neph_engine *engine = field->engines[i];
         const struct neph_engine_info *info = &field->infos[i];
-        json_array_append_new(list, json_pack("{s:s, s:s, s:s, s:s?, s:b, s:s, s:s, s:s, s:s}",
-                                              "name", engine->name, "summary", engine->summary,
-                                              "rung", neph_rung_name(engine->rung), "bias",
-                                              engine->bias, "available", info->available, "version",
-                                              info->version, "device", info->device, "missing",
-                                              info->missing, "install_line", info->install_line));
+        neph_json_add(&list, json_pack("{s:s, s:s, s:s, s:s?, s:b, s:b, s:s, s:s, s:s, s:s}",
+                                       "name", engine->name, "summary", engine->summary, "rung",
+                                       neph_rung_name(engine->rung), "bias", engine->bias,
+                                       "available", info->available, "broken", info->broken,
+                                       "version", info->version, "device", info->device, "missing",
+                                       info->missing, "install_line", info->install_line));
     }
     return list;
 }
@@ -95,7 +99,7 @@ static enum neph_status measure_frame(json_t *frame, const struct neph_image *tr
     enum neph_status status = neph_exr_read(path, &image, diag);
     json_t *measurements = json_object_get(frame, "measurements");
     if (!status)
-        json_object_set_new(frame, "bake", neph_bakes_of_frame(image));
+        status = neph_json_put(frame, "bake", neph_bakes_of_frame(image), diag);
     if (!status)
         status = neph_measure_validity(image, measurements, diag);
     if (!status && truth)
@@ -128,7 +132,9 @@ static const json_t *frame_of_engine(const json_t *frames, const char *engine)
     return NULL;
 }
 
-static json_t *gate_json(const struct neph_gate *gate, const json_t *frames)
+/* A gate is not measured where its engine is missing, cannot, or is itself the truth; a frame that
+ * was there to be measured and has no such number does not pass it. */
+static json_t *gate_json(const struct neph_gate *gate, const json_t *frames, const json_t *truth)
 {
     const char *quantity = neph_gate_quantity_name(gate->quantity);
     const json_t *frame = frame_of_engine(frames, gate->engine);
@@ -136,9 +142,9 @@ static json_t *gate_json(const struct neph_gate *gate, const json_t *frames)
                                                       quantity, gate->metric, gate->mask);
     const json_t *value = json_object_get(measurement, "value");
     const bool measured = json_is_number(value);
-    const char *verdict = !measured                                         ? "not_measured"
-                          : fabs(json_number_value(value)) <= gate->maximum ? "pass"
-                                                                            : "fail";
+    const bool owed = truth && frame != truth && json_is_string(json_object_get(frame, "exr"));
+    const bool kept = measured && fabs(json_number_value(value)) <= gate->maximum;
+    const char *verdict = kept ? "pass" : measured || owed ? "fail" : "not_measured";
     return json_pack("{s:s, s:s, s:s, s:s, s:o, s:f, s:s, s:s}", "engine", gate->engine, "quantity",
                      quantity, "metric", gate->metric, "mask", gate->mask, "value",
                      measured ? json_real(json_number_value(value)) : json_null(), "maximum",
@@ -175,7 +181,7 @@ static enum neph_status scene_document(const struct neph_scene *scene, int frame
         return status;
     json_t *gates = json_array();
     for (int i = 0; i < scene->gate_count; i++)
-        json_array_append_new(gates, gate_json(&scene->gates[i], frames));
+        neph_json_add(&gates, gate_json(&scene->gates[i], frames, truth));
     json_t *truth_json = truth ? json_pack("{s:O, s:O}", "engine", json_object_get(truth, "engine"),
                                            "rung", json_object_get(truth, "rung"))
                                : json_null();
@@ -184,7 +190,7 @@ static enum neph_status scene_document(const struct neph_scene *scene, int frame
                           scene->exposure_ev, "viewing", neph_viewing_json(&viewing), "hash",
                           scene->hash, "truth", truth_json, "difference_scale",
                           difference_scale_json(scene), "frames", frames, "gates", gates);
-    return *document ? NEPH_OK : neph_fail_memory(diag);
+    return neph_json_check(*document, diag);
 }
 
 /* The frame that is rendered: the one that was asked for, or the last. */
@@ -232,12 +238,8 @@ static enum neph_status choose_step(struct neph_job *job, struct neph_store *sto
         return status; /* the frame itself will say why */
     neph_study_apply(&found, job->engine, &job->shot.settings);
     *study = neph_study_json(&found);
-    if (json_object_set_new(*study, "size_px",
-                            json_pack("[i,i]", small.shot.width_px, small.shot.height_px)) == 0)
-        return NEPH_OK;
-    json_decref(*study);
-    *study = NULL;
-    return neph_fail_memory(diag);
+    neph_json_set(study, "size_px", json_pack("[i,i]", small.shot.width_px, small.shot.height_px));
+    return neph_json_check(*study, diag);
 }
 
 static enum neph_status run_frames(const struct neph_validate_params *params,
@@ -258,15 +260,15 @@ static enum neph_status run_frames(const struct neph_validate_params *params,
         status = choose_step(&job, store, &study, diag);
         if (!status)
             status = neph_job_run(&job, store, &result, diag);
+        chosen[i] = job.shot.settings;
         if (status)
             json_decref(study);
-        if (!status) {
-            chosen[i] = job.shot.settings;
-            json_array_append_new(frames, frame_json(job.engine, &result, study));
+        else
+            status = neph_json_append(frames, frame_json(job.engine, &result, study), diag);
+        if (!status)
             neph_progress_step(progress, what,
                                result.reused ? "reused" : neph_outcome_name(result.outcome),
                                neph_wall_s() - start_s);
-        }
         neph_job_result_finish(&result);
     }
     return status;
@@ -296,7 +298,7 @@ static enum neph_status run_second_seeds(const struct neph_validate_params *para
         struct neph_job_result result;
         status = neph_job_run(&job, store, &result, diag);
         if (!status && result.frame_path)
-            json_object_set_new(frame, "exr_second", json_string(result.frame_path));
+            status = neph_json_put(frame, "exr_second", json_string(result.frame_path), diag);
         neph_job_result_finish(&result);
     }
     return status;
@@ -317,16 +319,47 @@ static enum neph_status run_scene(const struct neph_validate_params *params,
         status = neph_attribute(frames, &attribution, diag);
     if (!status)
         status = scene_document(scene, frame_of(params, scene), frames, document, diag);
-    if (!status && json_object_set(*document, "attribution", attribution) != 0)
-        status = neph_fail_memory(diag);
+    if (!status)
+        status = neph_json_put(*document, "attribution", json_incref(attribution), diag);
     json_decref(attribution);
     json_decref(frames);
     return status;
 }
 
-/* A failed gate or an engine that broke fails the run; a missing one does not. */
-static bool document_passes(const json_t *scenes)
+/* What a verdict stands on. */
+struct counts {
+    int expected; /* frames: scenes that are here times engines */
+    int reported; /* of them in the report, with their outcome */
+    int compared; /* of these, measured against the truth */
+};
+
+static bool is_compared(const json_t *frame, const json_t *truth)
 {
+    const char *engine = json_string_value(json_object_get(truth, "engine"));
+    return engine && json_is_string(json_object_get(frame, "exr")) &&
+           strcmp(neph_json_text(frame, "engine"), engine) != 0;
+}
+
+static struct counts count_frames(const json_t *scenes, int expected)
+{
+    struct counts counts = {.expected = expected};
+    for (size_t i = 0; i < json_array_size(scenes); i++) {
+        const json_t *scene = json_array_get(scenes, i);
+        const json_t *frames = json_object_get(scene, "frames");
+        counts.reported += (int)json_array_size(frames);
+        for (size_t j = 0; j < json_array_size(frames); j++)
+            counts.compared += is_compared(json_array_get(frames, j),
+                                           json_object_get(scene, "truth"));
+    }
+    return counts;
+}
+
+/* A failed gate or an engine that broke fails the run; a missing one does not. Nor does a run pass
+ * that lost a frame or compared none. */
+static bool document_passes(const json_t *scenes, const struct counts *counts)
+{
+    if (counts->reported != counts->expected || counts->compared == 0)
+        return false;
     for (size_t i = 0; i < json_array_size(scenes); i++) {
         const json_t *scene = json_array_get(scenes, i);
         const json_t *gates = json_object_get(scene, "gates");
@@ -355,6 +388,7 @@ json_t *neph_host_json(void)
             break;
     if (file)
         fclose(file);
+    neph_text_clean(cpu, sizeof(cpu));
     const json_int_t memory_bytes = (json_int_t)sysconf(_SC_PHYS_PAGES) *
                                     (json_int_t)sysconf(_SC_PAGE_SIZE);
     return json_pack("{s:s, s:i, s:I}", "cpu", cpu, "cores", neph_processor_count(), "memory_bytes",
@@ -364,8 +398,8 @@ json_t *neph_host_json(void)
 /* A scene whose data is not on this machine; the diag is used up. */
 static json_t *absent_json(const char *name, struct neph_diag *diag)
 {
-    json_t *absent = json_pack("{s:s, s:s, s:s}", "scene", name, "reason", diag->message, "hint",
-                               diag->hint);
+    json_t *absent = json_pack("{s:o, s:s, s:s}", "scene", neph_json_cleaned(name), "reason",
+                               diag->message, "hint", diag->hint);
     *diag = (struct neph_diag){.line = 0};
     return absent;
 }
@@ -381,19 +415,21 @@ enum neph_status neph_validate(const struct neph_validate_params *params, struct
     struct neph_progress progress = neph_progress_start(params->quiet,
                                                         params->scene_count * field.count);
     json_t *scenes = json_array(), *absent = json_array();
+    int absent_count = 0;
     for (int i = 0; i < params->scene_count && !status; i++) {
         struct neph_scene *scene = NULL;
         json_t *part = NULL;
         status = neph_data_load_scene(params->scenes[i], &scene, diag);
         if (status == NEPH_ERR_NOT_FOUND && params->skip_absent) {
-            json_array_append_new(absent, absent_json(params->scenes[i], diag));
-            status = NEPH_OK;
+            json_t *item = absent_json(params->scenes[i], diag);
+            status = neph_json_append(absent, item, diag);
+            absent_count++;
             continue;
         }
         if (!status)
             status = run_scene(params, &field, scene, store, &progress, &part, diag);
         if (!status)
-            json_array_append_new(scenes, part);
+            status = neph_json_append(scenes, part, diag);
         neph_scene_destroy(scene);
     }
     neph_progress_end(&progress);
@@ -402,17 +438,21 @@ enum neph_status neph_validate(const struct neph_validate_params *params, struct
         json_decref(absent);
         return status;
     }
+    const int here = params->scene_count - absent_count;
+    const struct counts counts = count_frames(scenes, here * field.count);
     char created[32];
     const time_t now = time(NULL);
     struct tm utc;
     strftime(created, sizeof(created), "%Y-%m-%dT%H:%M:%SZ", gmtime_r(&now, &utc));
     *document = json_pack(
-        "{s:s, s:s, s:s, s:s, s:o, s:[i,i], s:s, s:f, s:o, s:o, s:o, s:[]}", "format",
-        "neph-report-1", "title", "Nephelometer validation", "created_utc", created, "neph_version",
-        NEPH_VERSION, "host", neph_host_json(), "size_px", params->width_px, params->height_px,
-        "verdict", document_passes(scenes) ? "pass" : "fail", "seconds", neph_wall_s() - start_s,
-        "engines", engines_json(&field), "scenes", scenes, "absent", absent, "charts");
-    return *document ? NEPH_OK : neph_fail_memory(diag);
+        "{s:s, s:s, s:s, s:s, s:o, s:[i,i], s:s, s:{s:i, s:i, s:i}, s:f, s:o, s:o, s:o, s:[]}",
+        "format", "neph-report-1", "title", "Nephelometer validation", "created_utc", created,
+        "neph_version", NEPH_VERSION, "host", neph_host_json(), "size_px", params->width_px,
+        params->height_px, "verdict", document_passes(scenes, &counts) ? "pass" : "fail", "counts",
+        "expected", counts.expected, "reported", counts.reported, "compared", counts.compared,
+        "seconds", neph_wall_s() - start_s, "engines", engines_json(&field), "scenes", scenes,
+        "absent", absent, "charts");
+    return neph_json_check(*document, diag);
 }
 
 static void print_number(const json_t *measurements, const char *quantity, const char *metric)

@@ -7,9 +7,9 @@
 #ifndef NEPH_HARNESS_VALIDATE_H
 #define NEPH_HARNESS_VALIDATE_H
 
+#include "harness/json.h"
 #include "harness/store.h"
 
-#include <jansson.h>
 #include <stdbool.h>
 
 struct neph_validate_params {

@@ -85,17 +85,19 @@ static bool is_of_frames(const json_t *list, size_t per_frame, const json_t *num
 }
 
 /* What is said of all frames and of no single one. */
-static void subtract_rest(const json_t *first, const json_t *second, size_t per_frame,
-                          size_t frame_count, json_t *list)
+static enum neph_status subtract_rest(const json_t *first, const json_t *second, size_t per_frame,
+                                      size_t frame_count, json_t *list, struct neph_diag *diag)
 {
-    for (size_t i = per_frame * frame_count; i < json_array_size(first); i++) {
+    enum neph_status status = NEPH_OK;
+    for (size_t i = per_frame * frame_count; i < json_array_size(first) && !status; i++) {
         const json_t *a = json_array_get(first, i), *b = json_array_get(second, i);
         const json_t *of_a = json_object_get(a, "value"), *of_b = json_object_get(b, "value");
         if (b && same_number(a, b) && json_is_number(of_a) && json_is_number(of_b) &&
             !is_of_frames(first, per_frame, a))
-            json_array_append_new(
-                list, unpaired_json(a, json_number_value(of_a) - json_number_value(of_b)));
+            status = neph_json_append(
+                list, unpaired_json(a, json_number_value(of_a) - json_number_value(of_b)), diag);
     }
+    return status;
 }
 
 /* Correct the p-values for how many there are. */
@@ -108,10 +110,11 @@ static enum neph_status add_holm(json_t *list, struct neph_diag *diag)
     for (size_t i = 0; i < count; i++)
         p[i] = json_number_value(json_object_get(json_array_get(list, i), "p"));
     neph_holm(p, (int)count, p + count);
-    for (size_t i = 0; i < count; i++)
-        json_object_set_new(json_array_get(list, i), "p_holm", json_real(p[count + i]));
+    enum neph_status status = NEPH_OK;
+    for (size_t i = 0; i < count && !status; i++)
+        status = neph_json_put(json_array_get(list, i), "p_holm", json_real(p[count + i]), diag);
     free(p);
-    return NEPH_OK;
+    return status;
 }
 
 static enum neph_status pair_all(const json_t *first, const json_t *second, size_t per_frame,
@@ -131,7 +134,7 @@ static enum neph_status pair_all(const json_t *first, const json_t *second, size
             continue;
         status = neph_series_paired(a, b, (int)frame_count, NEPH_REPLICATE_FRAMES, &paired, diag);
         if (!status)
-            json_array_append_new(list, paired_json(number, &paired));
+            status = neph_json_append(list, paired_json(number, &paired), diag);
     }
     free(a);
     return status;
@@ -148,10 +151,10 @@ json_t *neph_versus(const json_t *first, const json_t *second, struct neph_diag 
         status = pair_all(first, second, per_frame, frame_count, list, diag);
     if (!status)
         status = add_holm(list, diag);
-    if (!status) {
-        subtract_rest(first, second, per_frame, frame_count, list);
+    if (!status)
+        status = subtract_rest(first, second, per_frame, frame_count, list, diag);
+    if (!status)
         return list;
-    }
     json_decref(list);
     return NULL;
 }

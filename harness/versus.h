@@ -6,8 +6,7 @@
 #define NEPH_HARNESS_VERSUS_H
 
 #include "base/status.h"
-
-#include <jansson.h>
+#include "harness/json.h"
 
 /* From the measurements of two runs of neph_comparison_run() with the same frames: an array with an
  * object for each number that both have of each frame,

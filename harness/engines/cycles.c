@@ -28,6 +28,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+static const double probe_limit_s = 30.0; /* it answers in less than 1 s */
 static const char install_line[] = "apt-get install blender python3-numpy";
 static const char script_name[] = "blender_render.py";
 
@@ -140,14 +141,15 @@ static char *version_text(struct neph_diag *diag)
     struct neph_child_result result;
     char *directory = neph_format("%s/neph-blender-XXXXXX", temporary ? temporary : "/tmp");
     if (!directory || !mkdtemp(directory)) {
-        neph_fail(diag, NEPH_ERR_IO, "cannot make a temporary folder: %s", strerror(errno));
+        neph_fail(diag, NEPH_ERR_IO, "cannot make a temporary folder in '%s' (TMPDIR): %s",
+                  temporary ? temporary : "/tmp", strerror(errno));
         free(directory);
         return NULL;
     }
     char *log = neph_path_join(directory, "version.log");
     char *text = NULL;
     size_t size;
-    if (!log || run_blender(argv, NULL, log, 20.0, &result, diag) ||
+    if (!log || run_blender(argv, NULL, log, probe_limit_s, &result, diag) ||
         neph_file_read(log, 1 << 16, &text, &size, diag))
         text = NULL;
     free(log);
@@ -169,9 +171,13 @@ static bool parse_version(const char *text, char version[64])
 
 static void judge_version(const char *text, struct neph_engine_info *info)
 {
-    char version[64] = "unknown";
-    const bool known = parse_version(text, version);
-    if (!known || strncmp(version, "3.4.", 4) != 0) {
+    char version[64];
+    info->broken = !parse_version(text, version);
+    if (info->broken) {
+        snprintf(info->missing, sizeof(info->missing), "'blender --version' does not tell it");
+        return;
+    }
+    if (strncmp(version, "3.4.", 4) != 0) {
         snprintf(info->missing, sizeof(info->missing),
                  "wrong version: 'blender' is %s, and our laws of Cycles were measured for 3.4.x; "
                  "5.0 has another volume integrator (null scattering in place of marching)",
@@ -194,15 +200,16 @@ static void probe(struct neph_engine_info *info)
     struct neph_diag diag = {0};
     char *script = script_path();
     char *text = NULL;
+    info->broken = true;
     if (!script || !neph_path_exists(script))
         snprintf(info->missing, sizeof(info->missing),
                  "'%.300s' is not there; NEPH_DATA_DIR names the folder that holds scripts/",
                  script ? script : script_name);
-    else if (!(text = version_text(&diag)))
+    else if ((text = version_text(&diag)))
+        judge_version(text, info);
+    else
         snprintf(info->missing, sizeof(info->missing), "'blender --version' failed: %.400s",
                  diag.message);
-    else
-        judge_version(text, info);
     free(script);
     free(text);
 }

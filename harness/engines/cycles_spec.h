@@ -6,9 +6,8 @@
 #define NEPH_HARNESS_ENGINES_CYCLES_SPEC_H
 
 #include "harness/engine.h"
+#include "harness/json.h"
 #include "scenes/grid.h"
-
-#include <jansson.h>
 
 /* The transmittance pass is one sample per pixel with steps this many times finer: the noise of a
  * single random step offset falls with the step itself, and one sample is exactly centred. */

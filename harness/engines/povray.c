@@ -31,6 +31,7 @@
 #include <string.h>
 #include <unistd.h>
 
+static const double probe_limit_s = 30.0; /* it answers in 0.1 s */
 static const double pi = 3.14159265358979323846;
 static const char install_line[] = "apt-get install povray";
 
@@ -69,12 +70,14 @@ static char *version_text(struct neph_diag *diag)
     char *log = NULL, *text = NULL;
     size_t size = 0;
     if (!directory || !mkdtemp(directory)) {
-        neph_fail(diag, NEPH_ERR_IO, "cannot make a temporary folder: %s", strerror(errno));
+        neph_fail(diag, NEPH_ERR_IO, "cannot make a temporary folder in '%s' (TMPDIR): %s",
+                  temporary ? temporary : "/tmp", strerror(errno));
         free(directory);
         return NULL;
     }
     log = neph_path_join(directory, "version.log");
-    struct neph_child_params params = {.argv = argv, .log_path = log, .time_limit_s = 10.0};
+    struct neph_child_params params = {
+        .argv = argv, .log_path = log, .time_limit_s = probe_limit_s};
     struct neph_child_result result;
     if (!log || neph_child_run(&params, &result, diag) ||
         neph_file_read(log, 1 << 16, &text, &size, diag))
@@ -111,6 +114,7 @@ static void probe(struct neph_engine_info *info)
     struct neph_diag diag = {0};
     char version[64] = "";
     char *text = version_text(&diag);
+    info->broken = !text;
     if (!text) {
         snprintf(info->missing, sizeof(info->missing), "'povray --version' failed: %.400s",
                  diag.message);
@@ -118,10 +122,14 @@ static void probe(struct neph_engine_info *info)
     }
     bool known = parse_version(text, version);
     free(text);
-    if (!known || strncmp(version, "3.7.0.", 6) != 0) {
+    info->broken = !known;
+    if (!known) {
+        snprintf(info->missing, sizeof(info->missing), "'povray --version' does not tell it");
+        return;
+    }
+    if (strncmp(version, "3.7.0.", 6) != 0) {
         snprintf(info->missing, sizeof(info->missing),
-                 "'povray' is version %s; its media were measured for 3.7.0 only",
-                 known ? version : "unknown");
+                 "'povray' is version %s; its media were measured for 3.7.0 only", version);
         return;
     }
     info->available = true;

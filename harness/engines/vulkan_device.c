@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/engines/vulkan_device.h"
 
+#include "base/threads.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -15,13 +17,21 @@ struct neph_vulkan_params neph_vulkan_device_params(void)
     };
 }
 
-void neph_vulkan_probe(struct neph_engine_info *info)
+/* Outlives the call when the driver hangs. */
+struct search {
+    struct neph_vulkan_params params;
+    struct neph_engine_info info;
+};
+
+static void search_device(void *context)
 {
-    *info = (struct neph_engine_info){.available = false};
+    struct search *search = context;
+    struct neph_engine_info *info = &search->info;
     struct neph_diag diag = {.line = 0};
     struct neph_vulkan *vulkan = NULL;
-    const struct neph_vulkan_params params = neph_vulkan_device_params();
-    if (neph_vulkan_create(&params, &vulkan, &diag)) {
+    const enum neph_status status = neph_vulkan_create(&search->params, &vulkan, &diag);
+    if (status) {
+        info->broken = status != NEPH_ERR_UNAVAILABLE;
         snprintf(info->missing, sizeof(info->missing), "%s", diag.message);
         snprintf(info->install_line, sizeof(info->install_line), "%.255s", diag.hint);
         return;
@@ -33,4 +43,23 @@ void neph_vulkan_probe(struct neph_engine_info *info)
     snprintf(info->device, sizeof(info->device), "%.100s, subgroup %u", description.device,
              (unsigned)description.subgroup_size);
     neph_vulkan_destroy(vulkan);
+}
+
+void neph_vulkan_probe(struct neph_engine_info *info)
+{
+    static const double limit_s = 30.0; /* lavapipe needs 0.1 s */
+    struct search *search = calloc(1, sizeof(*search));
+    *info = (struct neph_engine_info){.broken = true};
+    if (!search) {
+        snprintf(info->missing, sizeof(info->missing), "out of memory");
+        return;
+    }
+    search->params = neph_vulkan_device_params();
+    if (!neph_finishes_within(limit_s, search_device, search)) {
+        snprintf(info->missing, sizeof(info->missing),
+                 "the Vulkan driver has not answered within %g s", limit_s);
+        return;
+    }
+    *info = search->info;
+    free(search);
 }

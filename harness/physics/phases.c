@@ -80,11 +80,11 @@ json_t *neph_phases_json(void)
     json_t *list = json_array();
     for (size_t i = 0; i < sizeof(phases) / sizeof(phases[0]); i++) {
         const struct neph_phase_finding found = neph_phase_check(&phases[i]);
-        json_array_append_new(list, json_pack("{s:s, s:f, s:f, s:f, s:f, s:s}", "phase",
-                                              names[phases[i].kind], "g", phases[i].g, "integral",
-                                              found.integral, "mean_cosine", found.mean_cosine,
-                                              "sampled_mean_cosine", found.sampled_mean_cosine,
-                                              "verdict", found.agrees ? "agrees" : "off"));
+        neph_json_add(&list,
+                      json_pack("{s:s, s:f, s:f, s:f, s:f, s:s}", "phase", names[phases[i].kind],
+                                "g", phases[i].g, "integral", found.integral, "mean_cosine",
+                                found.mean_cosine, "sampled_mean_cosine", found.sampled_mean_cosine,
+                                "verdict", found.agrees ? "agrees" : "off"));
     }
     return list;
 }

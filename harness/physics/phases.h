@@ -6,9 +6,8 @@
 #ifndef NEPH_HARNESS_PHYSICS_PHASES_H
 #define NEPH_HARNESS_PHYSICS_PHASES_H
 
+#include "harness/json.h"
 #include "scenes/scene.h"
-
-#include <jansson.h>
 
 /* Gauss-Kronrod quadrature of functions that are smooth between its pieces is good to 1e-12; the
  * cosine, a double, resolves the peak of g = 0.999 to 1e-10 of its width. */

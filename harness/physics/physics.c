@@ -241,7 +241,8 @@ static enum neph_status try_views(const struct entrant *entrant, const struct sc
                 break;
             status = neph_exr_read(finding->result.frame_path, &frames[pass], diag);
             if (!status && pass == 0)
-                json_array_append_new(finding->exr, json_string(finding->result.frame_path));
+                status = neph_json_append(finding->exr, json_string(finding->result.frame_path),
+                                          diag);
             if (!status && !finding->bake)
                 finding->bake = neph_bakes_of_frame(frames[pass]);
         }
@@ -288,6 +289,8 @@ static enum neph_status choose_step(const struct entrant *entrant, const struct 
     neph_study_apply(&study, engine, settings);
     const struct neph_study_level *chosen = &study.levels[study.chosen];
     finding->study = neph_study_json(&study);
+    if (!finding->study)
+        return neph_json_check(NULL, diag);
     finding->studied_bias = fabs(chosen->bias) + 2.0 * chosen->bias_noise;
     return NEPH_OK;
 }
@@ -360,8 +363,7 @@ static json_t *check_json(const struct scenery *scenery)
     const struct neph_check *check = &scenery->check;
     json_t *views = json_array();
     for (int v = 0; v < check->view_count; v++)
-        json_array_append_new(views,
-                              neph_physics_view_json(&check->views[v], scenery->views[v].truth));
+        neph_json_add(&views, neph_physics_view_json(&check->views[v], scenery->views[v].truth));
     return json_pack("{s:s, s:s, s:s, s:o}", "name", check->name, "rung", check->rung, "what",
                      check->what, "views", views);
 }
@@ -389,26 +391,31 @@ static char *sentence(const json_t *row, double critical_z, bool agrees)
     return strdup(text);
 }
 
-/* Verdicts can be given only when all checks are counted. */
-static void judge(json_t *rows, double critical_z)
+static enum neph_status judge(json_t *row, double critical_z, struct neph_diag *diag)
 {
-    for (size_t i = 0; i < json_array_size(rows); i++) {
-        json_t *row = json_array_get(rows, i);
-        const json_t *deviation = json_object_get(row, "deviation");
-        if (!json_is_number(deviation)) {
-            json_object_set_new(row, "verdict", json_string("not_measured"));
-            json_object_set_new(row, "sentence", json_string(""));
-            json_object_set_new(row, "interval", json_null());
-            continue;
-        }
-        const double value = json_number_value(deviation), width = allowed(row, critical_z);
-        const bool agrees = fabs(value) <= width;
-        json_object_set_new(row, "interval", json_pack("[f,f]", value - width, value + width));
-        char *text = sentence(row, critical_z, agrees);
-        json_object_set_new(row, "verdict", json_string(agrees ? "agrees" : "off"));
-        json_object_set_new(row, "sentence", json_string(text ? text : ""));
-        free(text);
+    const json_t *deviation = json_object_get(row, "deviation");
+    if (!json_is_number(deviation)) {
+        json_t *none = json_pack("{s:s, s:s, s:n}", "verdict", "not_measured", "sentence", "",
+                                 "interval");
+        return neph_json_merge(row, none, diag);
     }
+    const double value = json_number_value(deviation), width = allowed(row, critical_z);
+    const bool agrees = fabs(value) <= width;
+    char *text = sentence(row, critical_z, agrees);
+    json_t *verdict = json_pack("{s:s, s:s, s:[f,f]}", "verdict", agrees ? "agrees" : "off",
+                                "sentence", text ? text : "", "interval", value - width,
+                                value + width);
+    free(text);
+    return neph_json_merge(row, verdict, diag);
+}
+
+/* Verdicts can be given only when all checks are counted. */
+static enum neph_status judge_all(json_t *rows, double critical_z, struct neph_diag *diag)
+{
+    enum neph_status status = NEPH_OK;
+    for (size_t i = 0; i < json_array_size(rows) && !status; i++)
+        status = judge(json_array_get(rows, i), critical_z, diag);
+    return status;
 }
 
 /* Engines that claim to be the truth must be right, and so must phase functions; others are only
@@ -442,26 +449,39 @@ static json_t *rungs_json(void)
         struct neph_check check;
         neph_check_get(i, &check);
         if (strcmp(check.rung, last) != 0)
-            json_array_append_new(
-                list, json_pack("{s:s, s:s}", "name", check.rung, "title", check.title));
+            neph_json_add(&list, json_pack("{s:s, s:s}", "name", check.rung, "title", check.title));
         last = check.rung;
     }
     return list;
 }
 
-static json_t *document_of(json_t *checks, json_t *rows, double seconds)
+/* Rows without a deviation say why; but a verdict on nothing, or on less than was to be tried, is
+ * none. */
+static const char *verdict_of(const json_t *rows, const json_t *phases, int expected, int tests)
+{
+    const bool whole = json_array_size(rows) == (size_t)expected && tests > 0;
+    return whole && truth_holds(rows, phases) ? "pass" : "fail";
+}
+
+static enum neph_status document_of(json_t *checks, json_t *rows, int expected, double seconds,
+                                    json_t **document, struct neph_diag *diag)
 {
     int tests = 0;
     for (size_t i = 0; i < json_array_size(rows); i++)
         tests += json_is_number(json_object_get(json_array_get(rows, i), "deviation"));
     const double alpha = neph_sidak_alpha(NEPH_PHYSICS_FAMILY_ALPHA, tests > 0 ? tests : 1);
     const double critical_z = neph_normal_critical(alpha);
-    judge(rows, critical_z);
+    const enum neph_status status = judge_all(rows, critical_z, diag);
+    if (status)
+        return status;
     json_t *phases = neph_phases_json();
-    return json_pack("{s:f, s:i, s:f, s:s, s:f, s:o, s:o, s:O, s:O}", "family_alpha",
-                     NEPH_PHYSICS_FAMILY_ALPHA, "tests", tests, "critical_z", critical_z, "verdict",
-                     truth_holds(rows, phases) ? "pass" : "fail", "seconds", seconds, "rungs",
-                     rungs_json(), "phase_functions", phases, "checks", checks, "rows", rows);
+    *document = json_pack("{s:f, s:i, s:f, s:s, s:{s:i, s:i, s:i}, s:f, s:o, s:o, s:O, s:O}",
+                          "family_alpha", NEPH_PHYSICS_FAMILY_ALPHA, "tests", tests, "critical_z",
+                          critical_z, "verdict", verdict_of(rows, phases, expected, tests),
+                          "counts", "expected", expected, "reported", (int)json_array_size(rows),
+                          "compared", tests, "seconds", seconds, "rungs", rungs_json(),
+                          "phase_functions", phases, "checks", checks, "rows", rows);
+    return neph_json_check(*document, diag);
 }
 
 /* --- the run ------------------------------------------------------------------------------- */
@@ -478,7 +498,7 @@ static enum neph_status enrol(const struct neph_participant *participant, int sa
 {
     entrant->participant = participant;
     entrant->engine = neph_engine_find(participant->engine);
-    entrant->engine->probe(&entrant->info);
+    neph_engine_probe(entrant->engine, &entrant->info);
     entrant->settings = neph_settings_default(entrant->engine);
     enum neph_status status = NEPH_OK;
     char paths[32];
@@ -523,6 +543,26 @@ static enum neph_status refuse_check(const char *text, struct neph_diag *diag)
     return NEPH_ERR_USAGE;
 }
 
+/* Checks of what only transport of all orders conserves are for those that claim to do it. */
+static bool takes_part(const struct entrant *entrant, const struct neph_check *check)
+{
+    return !check->truth_only || entrant->engine->rung <= NEPH_RUNG_TRACER;
+}
+
+/* How many rows there will be. */
+static int count_rows(const struct neph_physics_params *params, const struct entrant *entrants,
+                      int entrant_count)
+{
+    int count = 0;
+    for (int c = 0; c < neph_check_count(); c++) {
+        struct neph_check check;
+        neph_check_get(c, &check);
+        for (int i = 0; i < entrant_count; i++)
+            count += is_chosen(params, c) && takes_part(&entrants[i], &check);
+    }
+    return count;
+}
+
 static enum neph_status run_check(const struct neph_physics_params *params, int index,
                                   const struct entrant *entrants, int entrant_count,
                                   struct neph_store *store, struct neph_progress *progress,
@@ -533,26 +573,23 @@ static enum neph_status run_check(const struct neph_physics_params *params, int 
         return neph_fail_memory(diag);
     enum neph_status status = enter(index, scenery, diag);
     if (!status)
-        json_array_append_new(checks, check_json(scenery));
+        status = neph_json_append(checks, check_json(scenery), diag);
     for (int i = 0; i < entrant_count && !status; i++) {
         const struct entrant *entrant = &entrants[i];
-        const bool ours = entrant->engine->rung <= NEPH_RUNG_TRACER;
         char what[160];
         snprintf(what, sizeof(what), "%s with %s", scenery->check.name, entrant->participant->name);
-        if (scenery->check.truth_only && !ours) {
-            neph_progress_expect(progress, i, -1, 0.0);
+        if (!takes_part(entrant, &scenery->check))
             continue;
-        }
         progress->kind = i;
         neph_progress_begin(progress, what);
         struct finding finding = {.rendered = false, .exr = json_array()};
         const double start_s = neph_wall_s();
         status = find(entrant, scenery, params->time_limit_s, store, &finding, diag);
-        if (!status) {
-            json_array_append_new(rows, finding_json(entrant, scenery, &finding));
+        if (!status)
+            status = neph_json_append(rows, finding_json(entrant, scenery, &finding), diag);
+        if (!status)
             neph_progress_step(progress, what, neph_outcome_name(finding.result.outcome),
                                neph_wall_s() - start_s);
-        }
         neph_job_result_finish(&finding.result);
         json_decref(finding.exr);
         json_decref(finding.bake);
@@ -586,9 +623,10 @@ enum neph_status neph_physics_run(const struct neph_physics_params *params,
         check_count += is_chosen(params, i);
     if (!status && check_count == 0)
         return refuse_check(params->only, diag);
+    const int expected = status ? 0 : count_rows(params, entrants, entrant_count);
     struct neph_progress progress = neph_progress_start(params->quiet, 0);
-    for (int i = 0; i < entrant_count; i++)
-        neph_progress_expect(&progress, i, check_count, 0.0);
+    for (int i = 0; i < entrant_count && !status; i++)
+        neph_progress_expect(&progress, i, count_rows(params, &entrants[i], 1), 0.0);
     json_t *checks = json_array(), *rows = json_array();
     for (int i = 0; i < neph_check_count() && !status; i++)
         if (is_chosen(params, i))
@@ -596,10 +634,10 @@ enum neph_status neph_physics_run(const struct neph_physics_params *params,
                                diag);
     neph_progress_end(&progress);
     if (!status)
-        *document = document_of(checks, rows, neph_wall_s() - start_s);
+        status = document_of(checks, rows, expected, neph_wall_s() - start_s, document, diag);
     json_decref(checks);
     json_decref(rows);
-    return status || *document ? status : neph_fail_memory(diag);
+    return status;
 }
 
 static void print_cell(const json_t *row, const char *key, const char *format, int width)

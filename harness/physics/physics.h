@@ -8,9 +8,8 @@
 #ifndef NEPH_HARNESS_PHYSICS_PHYSICS_H
 #define NEPH_HARNESS_PHYSICS_PHYSICS_H
 
+#include "harness/json.h"
 #include "harness/store.h"
-
-#include <jansson.h>
 
 struct neph_physics_params {
     const char *const *engines; /* names; engine_count 0: all */

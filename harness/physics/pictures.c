@@ -58,7 +58,7 @@ json_t *neph_physics_view_json(const struct neph_view *view, const double *truth
     for (int p = 0; p < count; p++) {
         sum += truth_w_per_m2_sr[p];
         brightest = fmax(brightest, truth_w_per_m2_sr[p]);
-        json_array_append_new(truth, json_real(truth_w_per_m2_sr[p]));
+        neph_json_add(&truth, json_real(truth_w_per_m2_sr[p]));
     }
     char words[160];
     describe(&view->stage, words);
@@ -142,7 +142,7 @@ static enum neph_status draw_truth(const struct canvas *canvas, json_t *view,
     if (!status)
         status = write_picture(canvas, "truth", "", &name, diag);
     if (!status)
-        json_object_set_new(view, "picture", name);
+        status = neph_json_put(view, "picture", name, diag);
     return status;
 }
 
@@ -173,10 +173,11 @@ static enum neph_status draw_frame(const struct canvas *canvas, json_t *row, con
                                          canvas->rgb, diag);
     if (!status)
         status = write_picture(canvas, who, "_difference", &difference, diag);
-    if (!status) {
-        json_array_append(json_object_get(row, "pictures"), picture);
-        json_array_append(json_object_get(row, "differences"), difference);
-    }
+    if (!status)
+        status = neph_json_append(json_object_get(row, "pictures"), json_incref(picture), diag);
+    if (!status)
+        status = neph_json_append(json_object_get(row, "differences"), json_incref(difference),
+                                  diag);
     json_decref(picture);
     json_decref(difference);
     neph_image_destroy(image);

@@ -7,9 +7,8 @@
 #ifndef NEPH_HARNESS_PHYSICS_PICTURES_H
 #define NEPH_HARNESS_PHYSICS_PICTURES_H
 
+#include "harness/json.h"
 #include "harness/physics/checks.h"
-
-#include <jansson.h>
 
 /* Difference maps end at this fraction of the view's mean true radiance (one number for all checks:
  * a scale that is fitted hides what it should show). */

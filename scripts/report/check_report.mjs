@@ -51,6 +51,12 @@ function checkForm(data, folder) {
   need(RUNS.includes(data.verdict), "verdict", `is not a verdict: ${data.verdict}`);
   need(["running", "interrupted"].includes(data.verdict) === isRecord(data.progress), "progress", `does not go with the verdict ${data.verdict}`);
   numeric(data, "", "seconds");
+  if (data.counts !== undefined) {
+    numeric(data.counts, "counts/", "expected", "reported", "compared");
+    const held = resultCount(data);
+    need(data.counts.reported === held, "counts/reported", `is ${data.counts.reported} though the report holds ${held}`);
+    need((data.counts.reported === data.counts.expected && data.counts.compared > 0) || data.verdict !== "pass", "verdict", "is pass though results were lost or nothing was compared");
+  }
   numeric(data.host, "host/", "cores", "memory_bytes");
   need(Array.isArray(data.size_px) && data.size_px.length === 2 && data.size_px.every(Number.isInteger), "size_px", "is not [width, height]");
   const names = new Set();
@@ -95,7 +101,7 @@ function checkForm(data, folder) {
       text(gate, at, "engine", "quantity", "metric", "mask", "reason");
       numeric(gate, at, "value", "maximum");
       need(VERDICTS.includes(gate.verdict), `${at}verdict`, `is not a verdict: ${gate.verdict}`);
-      need((gate.value === null) === (gate.verdict === "not_measured"), `${at}verdict`, `is ${gate.verdict} though the value is ${gate.value}`);
+      need(gate.value === null ? gate.verdict !== "pass" : gate.verdict !== "not_measured", `${at}verdict`, `is ${gate.verdict} though the value is ${gate.value}`);
       need(gate.verdict !== "fail" || data.verdict !== "pass", "verdict", `is ${data.verdict} though ${at.slice(0, -1)} fails`);
     });
   });
@@ -326,10 +332,16 @@ function checkNumbers(data, shown) {
   for (const path of numbersToShow(data)) if (!paths.has(path)) find(`${path}: not shown anywhere on the page`);
 }
 
+/** Frames and rows in a report, of which a verdict says that none was lost. */
+const resultCount = (data) => data.scenes.flatMap((scene) => scene.frames).length + (data.physics?.rows ?? []).length;
+
 function checkCounts(data, counted) {
   const gates = data.scenes.flatMap((scene) => scene.gates);
   const truth = {
     absent: (data.absent ?? []).length,
+    "counts.expected": data.counts?.expected,
+    "counts.reported": resultCount(data),
+    "counts.compared": data.counts?.compared,
     gates: gates.length,
     "gates.fail": gates.filter((gate) => gate.verdict === "fail").length,
     "gates.not_measured": gates.filter((gate) => gate.verdict === "not_measured").length,

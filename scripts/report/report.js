@@ -326,7 +326,9 @@
               : ["No gate is over its limit (", total, " in all)."],
         open.length > 0 && [" ", derived("gates.not_measured", open.length), " could not be measured."],
         broken.length > 0 && [" ", derived("frames.broken", broken.length), plural(broken.length, " rendering", " renderings"), " did not finish."],
-        missing.length > 0 && [" ", derived("absent", missing.length), plural(missing.length, " scene was", " scenes were"), " left out: its data are not on this machine."])),
+        missing.length > 0 && [" ", derived("absent", missing.length), plural(missing.length, " scene was", " scenes were"), " left out: its data are not on this machine."]),
+        report.counts && el("p", { class: "small soft" }, derived("counts.reported", report.counts.reported), " of ", derived("counts.expected", report.counts.expected),
+          " results are in this report, ", derived("counts.compared", report.counts.compared), " compared with a truth.")),
       lines.length > 0 && el("ul", { class: "small" }, lines.slice(0, LISTED)),
       lines.length > LISTED && el("details", { class: "small" }, el("summary", {}, "The rest of the list"), el("ul", {}, lines.slice(LISTED))));
   }
@@ -1216,8 +1218,8 @@
           el("td", { class: "words" }, RUNGS[engine.rung] ?? engine.rung),
           engine.available
             ? el("td", { class: "words" }, engine.version || absent("not known"), engine.device && el("div", { class: "small soft" }, engine.device))
-            : el("td", { class: "words" }, word(STATUSES, "missing"), el("div", { class: "small" }, engine.missing),
-              engine.install_line && el("div", { class: "small" }, "To install: ", el("code", {}, engine.install_line))),
+            : el("td", { class: "words" }, word(STATUSES, engine.broken ? "failed" : "missing"), el("div", { class: "small" }, engine.missing),
+              engine.install_line && !engine.broken && el("div", { class: "small" }, "To install: ", el("code", {}, engine.install_line))),
           el("td", { class: "words" }, engine.bias || el("span", { class: "soft" }, "none known"))))))));
   }
 

@@ -28,6 +28,11 @@ class House(unittest.TestCase):
                         self.assertIn(name, allowed, f"{path.relative_to(ROOT)} includes {name}/")
         self.assertGreater(seen, 100)
 
+    def test_jansson_is_used_through_the_header_that_minds_its_failures(self):
+        users = [path.relative_to(ROOT / "harness").as_posix() for path in (ROOT / "harness").rglob("*.[ch]")
+                 if "<jansson.h>" in path.read_text()]
+        self.assertEqual(users, ["json.h"])
+
 
 if __name__ == "__main__":
     unittest.main()

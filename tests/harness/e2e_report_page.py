@@ -256,7 +256,7 @@ def report_data():
     return {
         "format": "neph-report-1", "title": "Nightly of main, all scenes", "created_utc": "2026-11-21T02:00:00Z", "neph_version": "0.1.0 (079f69e)",
         "host": {"cpu": "AMD EPYC 7763 64-Core Processor", "cores": 2, "memory_bytes": 8_342_462_464}, "size_px": [WIDTH, HEIGHT],
-        "verdict": "fail", "seconds": 1013.4, "engines": copy.deepcopy(ENGINES),
+        "verdict": "fail", "counts": {"expected": 27, "reported": 27, "compared": 9}, "seconds": 1013.4, "engines": copy.deepcopy(ENGINES),
         "scenes": [
             {"name": "height_fog", "title": "Height fog under a low sun", "exposure_ev": -1.5, "hash": "5f1c9d0e77ab34c2a1907733e2d94b58", **scene,
              "physics": "Extinction falls off exponentially with height; single scattering of a Henyey-Greenstein phase function (g = 0.6). "
@@ -442,7 +442,7 @@ class Page(unittest.TestCase):
         folder = pathlib.Path(self.temporary.name, "empty")
         data = report_data()
         del data["physics"]
-        data.update(scenes=[], charts=[], engines=[], verdict="pass", host={"cpu": None, "cores": None, "memory_bytes": None}, seconds=None)
+        data.update(scenes=[], charts=[], engines=[], counts={"expected": 0, "reported": 0, "compared": 0}, host={"cpu": None, "cores": None, "memory_bytes": None}, seconds=None)
         build(folder, data)
         result = self.check(folder, "--quick")
         self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
@@ -450,7 +450,8 @@ class Page(unittest.TestCase):
     def test_a_report_of_the_physics_suite_alone_reads(self):
         folder = pathlib.Path(self.temporary.name, "physics")
         data = report_data()
-        data.update(scenes=[], charts=[])
+        rows = len(data["physics"]["rows"])
+        data.update(scenes=[], charts=[], counts={"expected": rows, "reported": rows, "compared": 5})
         build(folder, data)
         result = self.check(folder, "--quick")
         self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
@@ -477,6 +478,14 @@ class Page(unittest.TestCase):
             row = data["physics"]["rows"][1]
             row.update(deviation=0.1, interval=[0.09, 0.11], verdict="off")
         self.assertIn("verdict is pass though tracer is off", self.changed_data("false_pass", change))
+
+    def test_a_lost_frame_is_found(self):
+        self.assertIn("counts/reported is", self.changed_data("lost", lambda data: data["scenes"][0]["frames"].pop()))
+
+    def test_nothing_compared_cannot_pass(self):
+        def change(data):
+            data.update(scenes=[], physics=None, verdict="pass", counts={"expected": 0, "reported": 0, "compared": 0})
+        self.assertIn("nothing was compared", self.changed_data("nothing_compared", change))
 
     def test_an_odd_one_out_that_agrees_with_somebody_is_found(self):
         found = self.changed_data("odd", lambda data: data["scenes"][0]["attribution"]["pairs"][1].update(verdict="agree"))

@@ -52,8 +52,8 @@ static json_t *document(const char *const *names, const char *const *frames, int
     fill_truth(truth);
     json_t *rows = json_array();
     for (int i = 0; i < count; i++)
-        json_array_append_new(
-            rows, json_pack("{s:s, s:s, s:o, s:[], s:[]}", "check", "probe", "participant",
+        neph_json_add(
+            &rows, json_pack("{s:s, s:s, s:o, s:[], s:[]}", "check", "probe", "participant",
                             names[i], "exr", frames[i] ? json_pack("[s]", frames[i]) : json_array(),
                             "pictures", "differences"));
     return json_pack("{s:[{s:s, s:[o]}], s:o}", "checks", "name", "probe", "views",

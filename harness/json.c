@@ -1,0 +1,66 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/json.h"
+
+#include "base/text.h"
+
+#include <stdlib.h>
+
+void neph_json_add(json_t **list, json_t *item)
+{
+    if (json_array_append_new(*list, item) == 0)
+        return;
+    json_decref(*list);
+    *list = NULL;
+}
+
+void neph_json_set(json_t **object, const char *key, json_t *item)
+{
+    if (json_object_set_new(*object, key, item) == 0)
+        return;
+    json_decref(*object);
+    *object = NULL;
+}
+
+static enum neph_status fail(struct neph_diag *diag)
+{
+    return neph_fail(diag, NEPH_ERR_INTERNAL,
+                     "a result cannot be put into JSON: a text is not UTF-8, a number is not "
+                     "finite, or memory is short");
+}
+
+enum neph_status neph_json_append(json_t *list, json_t *item, struct neph_diag *diag)
+{
+    return json_array_append_new(list, item) == 0 ? NEPH_OK : fail(diag);
+}
+
+enum neph_status neph_json_put(json_t *object, const char *key, json_t *item,
+                               struct neph_diag *diag)
+{
+    return json_object_set_new(object, key, item) == 0 ? NEPH_OK : fail(diag);
+}
+
+enum neph_status neph_json_merge(json_t *object, json_t *items, struct neph_diag *diag)
+{
+    const int failed = json_object_update(object, items);
+    json_decref(items);
+    return failed ? fail(diag) : NEPH_OK;
+}
+
+enum neph_status neph_json_check(const json_t *json, struct neph_diag *diag)
+{
+    return json ? NEPH_OK : fail(diag);
+}
+
+const char *neph_json_text(const json_t *object, const char *key)
+{
+    const char *text = json_string_value(json_object_get(object, key));
+    return text ? text : "";
+}
+
+json_t *neph_json_cleaned(const char *text)
+{
+    char *clean = neph_text_clean_copy(text);
+    json_t *string = clean ? json_string(clean) : NULL;
+    free(clean);
+    return string;
+}

@@ -1,0 +1,122 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""A verdict is never a pass for want of a row: broken engines, hostile bytes, nothing to compare."""
+import json
+import os
+import pathlib
+import subprocess
+import tempfile
+import unittest
+
+NEPH = os.environ["NEPH"]
+ROOT = pathlib.Path(os.environ["NEPH_SOURCE_DIR"])
+POVRAY = """#!/bin/sh
+case "$1" in --version) echo "POV-Ray 3.7.0.10.unofficial"; exit 0;; esac
+printf 'Datei f\\374r Men\\374 fehlt \\302\\233\\342\\200\\256' >&2
+exit 1
+"""
+
+
+def neph(*arguments, **environment):
+    return subprocess.run([NEPH, *arguments], capture_output=True, timeout=600, env={**os.environ, **environment})
+
+
+class Verdict(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+
+    def program(self, name, text):
+        path = self.folder / "bin" / name
+        path.parent.mkdir(exist_ok=True)
+        path.write_text(text)
+        path.chmod(0o755)
+        return {"PATH": f"{path.parent}:/usr/bin:/bin"}
+
+    def validate(self, *engines, scene="scattering_slab_above", output=None, **environment):
+        wanted = [word for engine in engines for word in ("-e", engine)]
+        done = neph("validate", scene, *wanted, "--no-charts", "--size", "16x9", "-q", "--json", "-o",
+                    output or self.folder / "out", **environment)
+        frames = {f["engine"]: f for s in json.loads(done.stdout or "{}").get("scenes", []) for f in s["frames"]}
+        return done, frames
+
+    def test_an_engine_that_breaks_with_bytes_of_latin_1_is_in_the_report_and_fails_it(self):
+        done, frames = self.validate("exact", "oracle", "povray", **self.program("povray", POVRAY))
+        self.assertEqual(done.returncode, 1, done.stderr)
+        self.assertEqual(frames["povray"]["status"], "failed")
+        self.assertIn(r"f\xfcr Men\xfc fehlt \u009b\u202e", frames["povray"]["reason"])
+        self.assertIn(b"frames: 3 of 3 in the report, 1 compared with the truth", done.stderr)
+        document = json.loads(done.stdout)
+        self.assertEqual(document["counts"], {"expected": 3, "reported": 3, "compared": 1})
+
+    def test_the_physics_suite_keeps_the_row_of_a_broken_engine(self):
+        done = neph("validate", "--suite", "physics", "--check", "slab", "-e", "exact", "-e", "povray", "-q", "--json",
+                    "-o", self.folder, **self.program("povray", POVRAY))
+        document = json.loads(done.stdout)
+        self.assertEqual((done.returncode, document["verdict"]), (1, "fail"), done.stderr)
+        broken = [row for row in document["physics"]["rows"] if row["engine"] == "povray" and row["status"] == "failed"]
+        self.assertGreater(len(broken), 0)
+        self.assertEqual(document["counts"]["reported"], document["counts"]["expected"])
+        self.assertEqual(document["counts"]["reported"], len(document["physics"]["rows"]))
+
+    def test_an_engine_whose_probe_fails_is_broken_and_not_missing(self):
+        def script(text):
+            return f"#!/bin/sh\n{text}\n"
+
+        nowhere = str(self.folder / "none")
+        cases = [
+            ("povray", "povray", script("exit 1"), {}, "exit code 1"),
+            ("povray", "povray", script("kill -9 $$"), {}, "signal 9"),
+            ("povray", "povray", script("echo hello"), {}, "does not tell"),
+            ("povray", "povray", "#!/no/such/shell\n", {}, "cannot run"),
+            ("povray", "povray", POVRAY, {"TMPDIR": nowhere}, "TMPDIR"),
+            ("cycles", "blender", script("exit 1"), {}, "exit code 1"),
+            ("cycles", "blender", script("exit 1"), {"TMPDIR": nowhere}, "TMPDIR"),
+        ]
+        for engine, program, text, environment, words in cases:
+            done, frames = self.validate("exact", "oracle", engine, **self.program(program, text), **environment)
+            self.assertEqual(done.returncode, 1, (engine, words, done.stderr))
+            self.assertEqual(frames[engine]["status"], "failed", words)
+            self.assertIn(words, frames[engine]["reason"])
+
+    def test_doctor_and_engines_say_broken(self):
+        environment = self.program("povray", "#!/bin/sh\nexit 1\n")
+        done = neph("doctor", **environment)
+        self.assertEqual(done.returncode, 3, done.stdout)
+        self.assertRegex(done.stdout.decode(), r"(?m)^broken +povray +.*exit code 1")
+        done = neph("engines", "povray", "--json", **environment)
+        entry, = json.loads(done.stdout)
+        self.assertEqual((entry["available"], entry["broken"]), (False, True))
+        self.assertIn(b"broken: ", neph("engines", "povray", **environment).stdout)
+
+    def test_a_folder_that_json_cannot_name_is_refused_before_anything_is_done(self):
+        folder = os.fsencode(self.folder) + b"/caf\xe9"
+        for words in (["validate", "scattering_slab_above", "-e", "exact"], ["render", "scattering_slab_above"],
+                      ["export", "scattering_slab_above"], ["study", "cycles", "voxel_grid"], ["benchmark", "voxel_grid"]):
+            done = neph(*words, "-o", folder)
+            self.assertEqual((done.returncode, done.stdout), (64, b""), words)
+            self.assertIn(b"-o '" + os.fsencode(self.folder) + rb"/caf\xe9' is not UTF-8", done.stderr)
+            self.assertFalse(os.path.exists(folder))
+
+    def test_nothing_compared_is_no_pass(self):
+        for engines in (["exact"], ["march_horizon", "exact"], ["povray"]):
+            done, frames = self.validate(*engines, PATH="/nonexistent")
+            self.assertEqual((done.returncode, len(frames)), (1, len(engines)), engines)
+            self.assertIn(b"nothing was compared", done.stderr)
+            self.assertEqual(json.loads(done.stdout)["verdict"], "fail")
+
+    def test_a_gate_that_cannot_be_measured_is_not_kept(self):
+        text = (ROOT / "scenes/catalog/scattering_slab_above.yaml").read_text()
+        dark = self.folder / "scattering_slab_above.yaml"
+        dark.write_text(text.replace("irradiance_w_per_m2: [3, 3, 3]", "irradiance_w_per_m2: [0, 0, 0]")
+                        .replace("engine: march", "engine: oracle"))
+        done, frames = self.validate("exact", "oracle", scene=dark)
+        self.assertEqual(done.returncode, 1, done.stderr)
+        gates = {(g["engine"], g["metric"]): g for g in json.loads(done.stdout)["scenes"][0]["gates"]}
+        self.assertEqual((gates["oracle", "rel_bias"]["value"], gates["oracle", "rel_bias"]["verdict"]), (None, "fail"))
+        self.assertEqual(gates["cycles", "rel_bias"]["verdict"], "not_measured")
+
+
+if __name__ == "__main__":
+    unittest.main()
