@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "base/files.h"
 
+#include "base/lock.h"
+
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -17,6 +19,7 @@
 enum {
     FIRST_READ_BYTES = 1 << 14,
     COPY_BYTES = 1 << 18,
+    TEMPORARY_TRIES = 16, /* a sweeper has to come between two system calls to spoil one */
 };
 
 static enum neph_status fail_read(const char *path, struct neph_diag *diag)
@@ -127,22 +130,59 @@ static char *folder_of(const char *path)
     return slash == path ? strdup("/") : strndup(path, (size_t)(slash - path));
 }
 
-static enum neph_status temporary_open(struct temporary *file, const char *path,
-                                       struct neph_diag *diag)
+/* A short name of our own, so that a final name of NAME_MAX bytes is possible; and not mkstemp(),
+ * which would leave the file readable by its owner alone. */
+static enum neph_status temporary_try(struct temporary *file, const char *path,
+                                      struct neph_diag *diag)
 {
-    *file = (struct temporary){.fd = -1};
     uint64_t tag = 0;
     if (getrandom(&tag, sizeof(tag), 0) != (ssize_t)sizeof(tag))
         return fail_write(path, diag);
-    file->folder = folder_of(path);
-    /* A short name of our own, so that a final name of NAME_MAX bytes is possible; and not
-     * mkstemp(), which would leave the file readable by its owner alone. */
-    file->path = file->folder ? neph_format("%s/.neph-%016" PRIx64 ".tmp", file->folder, tag)
-                              : NULL;
+    free(file->path);
+    file->path = neph_format("%s/.neph-%016" PRIx64 ".tmp", file->folder, tag);
     if (!file->path)
         return neph_fail_memory(diag);
-    file->fd = open(file->path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    file->fd = neph_lock_create(file->path); /* for neph_file_sweep() */
     return file->fd < 0 ? fail_write(path, diag) : NEPH_OK;
+}
+
+static enum neph_status temporary_open(struct temporary *file, const char *path,
+                                       struct neph_diag *diag)
+{
+    *file = (struct temporary){.fd = -1, .folder = folder_of(path)};
+    if (!file->folder)
+        return neph_fail_memory(diag);
+    enum neph_status status = temporary_try(file, path, diag);
+    for (int i = 1; status == NEPH_ERR_IO && errno == EEXIST && i < TEMPORARY_TRIES; i++)
+        status = temporary_try(file, path, diag);
+    return status;
+}
+
+bool neph_file_is_temporary(const char *name)
+{
+    static const char prefix[] = ".neph-";
+    if (strncmp(name, prefix, strlen(prefix)) != 0)
+        return false;
+    const char *tag = name + strlen(prefix);
+    return strspn(tag, "0123456789abcdef") == 16 && strcmp(tag + 16, ".tmp") == 0;
+}
+
+void neph_file_sweep(const char *folder)
+{
+    DIR *directory = opendir(folder);
+    if (!directory)
+        return;
+    for (const struct dirent *entry; (entry = readdir(directory));) {
+        char *path = neph_file_is_temporary(entry->d_name) ? neph_path_join(folder, entry->d_name)
+                                                           : NULL;
+        const int fd = path ? neph_lock_take_over(path) : -1;
+        if (fd >= 0) {
+            unlink(path);
+            close(fd);
+        }
+        free(path);
+    }
+    closedir(directory);
 }
 
 /* Free, and remove the file if it has not been committed. */
@@ -157,9 +197,9 @@ static void temporary_finish(struct temporary *file)
 }
 
 /* Without this the rename itself may be lost in a power cut. */
-static bool sync_folder(const char *folder)
+static bool sync_path(const char *path)
 {
-    int fd = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    int fd = open(path, O_RDONLY | O_CLOEXEC);
     if (fd < 0)
         return false;
     /* EINVAL: a file system that cannot sync folders (some FUSE and network ones). */
@@ -170,6 +210,11 @@ static bool sync_folder(const char *folder)
     return synced;
 }
 
+enum neph_status neph_file_sync(const char *path, struct neph_diag *diag)
+{
+    return sync_path(path) ? NEPH_OK : fail_write(path, diag);
+}
+
 static enum neph_status temporary_commit(struct temporary *file, const char *path,
                                          struct neph_diag *diag)
 {
@@ -178,7 +223,7 @@ static enum neph_status temporary_commit(struct temporary *file, const char *pat
     /* NFS and quotas may report a full disk as late as here. */
     int closed = close(file->fd);
     file->fd = -1;
-    if (closed != 0 || !sync_folder(file->folder))
+    if (closed != 0 || !sync_path(file->folder))
         return fail_write(path, diag);
     return NEPH_OK;
 }

@@ -29,8 +29,19 @@ enum neph_status neph_file_temporary(const char *path, char **temporary, struct 
 /* fsync it, rename it to `path`, fsync the folder: the promise of neph_file_write(). */
 enum neph_status neph_file_commit(const char *temporary, const char *path, struct neph_diag *diag);
 
+/* Whether a name (without folder) is that of a file which the functions above have in work. */
+bool neph_file_is_temporary(const char *name);
+
+/* Remove from a folder the temporary files of neph_file_write() and neph_file_copy() whose writer
+ * was killed; those of a writer at work are locked and stay. Not for folders in which
+ * neph_file_temporary() is used: its files are not locked. */
+void neph_file_sweep(const char *folder);
+
 /* Copy a file with neph_file_write's promise. */
 enum neph_status neph_file_copy(const char *from, const char *to, struct neph_diag *diag);
+
+/* fsync a file, or a folder: the names in it. NEPH_ERR_IO. */
+enum neph_status neph_file_sync(const char *path, struct neph_diag *diag);
 
 /* mkdir -p. */
 enum neph_status neph_dir_create(const char *path, struct neph_diag *diag);
