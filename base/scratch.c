@@ -99,6 +99,16 @@ void neph_scratch_destroy(struct neph_scratch *scratch)
     free(scratch);
 }
 
+bool neph_scratch_keep(struct neph_scratch *scratch)
+{
+    const bool kept = rmdir(scratch->path) != 0 && errno == ENOTEMPTY;
+    unlink(scratch->lock_path);
+    close(scratch->lock_fd);
+    scratch->lock_fd = -1;
+    neph_scratch_destroy(scratch);
+    return kept;
+}
+
 /* PREFIX<16 hexadecimal digits>.lock */
 static bool is_lock_name(const char *name, const char *prefix)
 {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/cli.h"
 
+#include "base/files.h"
 #include "base/image.h"
 #include "base/text.h"
 
@@ -35,6 +36,43 @@ enum neph_status neph_cli_parse_int(const char *what, const char *text, long min
                          minimum, maximum);
     *value = (int)parsed;
     return NEPH_OK;
+}
+
+const char *neph_cli_output(const struct argp_state *state, const char *option,
+                            const char *argument)
+{
+    if (argument[0] == '\0')
+        argp_error(state, "%s is empty: it names nothing to write to", option);
+    return argument;
+}
+
+static const char scratch_prefix[] = ".neph-scratch-";
+
+enum neph_status neph_cli_open_folder(const char *output, struct neph_diag *diag)
+{
+    const enum neph_status status = neph_dir_create(output, diag);
+    if (!status)
+        neph_scratch_sweep(output, scratch_prefix);
+    return status;
+}
+
+enum neph_status neph_cli_begin_scratch(const char *output, struct neph_scratch **scratch,
+                                        struct neph_diag *diag)
+{
+    return neph_scratch_create(output, scratch_prefix, scratch, diag);
+}
+
+void neph_cli_end_scratch(struct neph_scratch *scratch, enum neph_status status,
+                          struct neph_diag *diag)
+{
+    if (!scratch || (status != NEPH_ERR_ENGINE && status != NEPH_ERR_TIMEOUT)) {
+        neph_scratch_destroy(scratch);
+        return;
+    }
+    char *path = neph_format("%s", neph_scratch_path(scratch));
+    if (neph_scratch_keep(scratch) && path && diag && !diag->hint[0])
+        neph_hint(diag, "its logs are in %s", path);
+    free(path);
 }
 
 enum neph_status neph_cli_check_output(const char *option, const char *path, struct neph_diag *diag)

@@ -7,8 +7,11 @@
 #define NEPH_HARNESS_CLI_H
 
 #include "base/option.h"
+#include "base/scratch.h"
 #include "base/status.h"
 #include "harness/json.h"
+
+#include <argp.h>
 
 /* Run a verb on its own arguments (argv[0] is "neph VERB"). */
 typedef enum neph_status neph_verb(int argc, char **argv, struct neph_diag *diag);
@@ -38,6 +41,23 @@ enum neph_status neph_cli_parse_int(const char *what, const char *text, long min
  * NEPH_ERR_USAGE when it is not UTF-8, since JSON could not hold it. `option` names it: "-o". */
 enum neph_status neph_cli_check_output(const char *option, const char *path,
                                        struct neph_diag *diag);
+
+/* The argument of an option that names a file or folder to write to. An empty one, which is what
+ * -o "$UNSET" gives, is argp's usage error: it would mean the root or the working folder. */
+const char *neph_cli_output(const struct argp_state *state, const char *option,
+                            const char *argument);
+
+/* Make the folder of an output if need be, and remove what killed runs left of the next there. */
+enum neph_status neph_cli_open_folder(const char *output, struct neph_diag *diag);
+
+/* A folder for an engine's files inside that folder. End it with neph_cli_end_scratch(). */
+enum neph_status neph_cli_begin_scratch(const char *output, struct neph_scratch **scratch,
+                                        struct neph_diag *diag);
+
+/* Remove it; after a failure of the engine, `status`, it stays if it holds logs, and the diag says
+ * where. `scratch` may be NULL. */
+void neph_cli_end_scratch(struct neph_scratch *scratch, enum neph_status status,
+                          struct neph_diag *diag);
 
 /* A table of options, for JSON and for people. */
 json_t *neph_cli_options_json(const struct neph_option *options);

@@ -44,7 +44,7 @@ static error_t parse(int key, char *argument, struct argp_state *state)
         request->resolution = argument;
         return 0;
     case 'o':
-        request->output = argument;
+        request->output = neph_cli_output(state, "--output", argument);
         return 0;
     case ARGP_KEY_ARG:
         if (request->scene)

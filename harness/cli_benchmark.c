@@ -4,7 +4,6 @@
  */
 #include "harness/cli.h"
 
-#include "base/files.h"
 #include "base/threads.h"
 #include "harness/benchmark.h"
 #include "harness/data.h"
@@ -17,7 +16,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 enum { KEY_JSON = 1, KEY_SIZE, KEY_SET, KEY_SECONDS, KEY_VOXELS, SETTINGS_MAX = 16 };
 
@@ -55,7 +53,7 @@ static error_t parse(int key, char *argument, struct argp_state *state)
         request->engines = argument;
         return 0;
     case 'o':
-        request->output = argument;
+        request->output = neph_cli_output(state, "--output", argument);
         return 0;
     case 'q':
         request->quiet = true;
@@ -135,9 +133,8 @@ static enum neph_status to_voxels(struct neph_scene *scene, int resolution, stru
 /* --- jobs --------------------------------------------------------------------------------- */
 
 static enum neph_status fill_job(const char *name, const struct neph_scene *scene,
-                                 const struct request *request, const char *scratch,
-                                 struct neph_engine_info *info, struct neph_job *job,
-                                 struct neph_diag *diag)
+                                 const struct request *request, struct neph_engine_info *info,
+                                 struct neph_job *job, struct neph_diag *diag)
 {
     const struct neph_engine *engine = neph_engine_find(name);
     char reason[256];
@@ -154,7 +151,6 @@ static enum neph_status fill_job(const char *name, const struct neph_scene *scen
                              .shot = {.scene = scene,
                                       .settings = neph_settings_default(engine),
                                       .layers = NEPH_LAYER_RADIANCE,
-                                      .scratch_directory = scratch,
                                       .time_limit_s = 3600.0}};
     return neph_cli_parse_size(request->size, &job->shot.width_px, &job->shot.height_px, diag);
 }
@@ -175,23 +171,21 @@ static enum neph_status apply_setting(struct neph_benchmark *benchmark, const ch
 }
 
 static enum neph_status fill_benchmark(const struct request *request,
-                                       const struct neph_scene *scene, const char *scratch,
+                                       const struct neph_scene *scene,
                                        struct neph_engine_info *infos,
                                        struct neph_benchmark *benchmark, struct neph_diag *diag)
 {
     char names[256];
     snprintf(names, sizeof(names), "%s", request->engines);
     char *rest = names;
-    enum neph_status status = fill_job("tracer", scene, request, scratch,
-                                       &infos[NEPH_BENCHMARK_ENGINES_MAX], &benchmark->reference,
-                                       diag);
+    enum neph_status status = fill_job("tracer", scene, request, &infos[NEPH_BENCHMARK_ENGINES_MAX],
+                                       &benchmark->reference, diag);
     for (char *name = strsep(&rest, ","); name && !status; name = strsep(&rest, ",")) {
         const int e = benchmark->engine_count;
         if (e == NEPH_BENCHMARK_ENGINES_MAX)
             return neph_fail(diag, NEPH_ERR_USAGE, "more than %d engines",
                              NEPH_BENCHMARK_ENGINES_MAX);
-        status = fill_job(name, scene, request, scratch, &infos[e], &benchmark->engines[e].job,
-                          diag);
+        status = fill_job(name, scene, request, &infos[e], &benchmark->engines[e].job, diag);
         benchmark->engine_count++;
     }
     for (int i = 0; i < request->setting_count && !status; i++)
@@ -236,20 +230,29 @@ static void print_benchmark(const struct neph_benchmark *benchmark)
     }
 }
 
-static enum neph_status run(const struct request *request, struct neph_scene *scene,
-                            const char *scratch, double rung_s, struct neph_diag *diag)
+static void set_scratch(struct neph_benchmark *benchmark, const char *path)
+{
+    benchmark->reference.shot.scratch_directory = path;
+    for (int e = 0; e < benchmark->engine_count; e++)
+        benchmark->engines[e].job.shot.scratch_directory = path;
+}
+
+static enum neph_status run(const struct request *request, struct neph_scene *scene, double rung_s,
+                            struct neph_diag *diag)
 {
     struct neph_benchmark benchmark = {.engine_count = 0};
     struct neph_engine_info infos[NEPH_BENCHMARK_ENGINES_MAX + 1];
-    enum neph_status status = fill_benchmark(request, scene, scratch, infos, &benchmark, diag);
+    struct neph_scratch *scratch = NULL;
+    enum neph_status status = fill_benchmark(request, scene, infos, &benchmark, diag);
     if (!status)
-        status = neph_dir_create(scratch, diag);
+        status = neph_cli_open_folder(request->output, diag);
+    if (!status)
+        status = neph_cli_begin_scratch(request->output, &scratch, diag);
+    if (!status)
+        set_scratch(&benchmark, neph_scratch_path(scratch));
     if (!status)
         status = neph_benchmark_run(&benchmark, rung_s, request->quiet || request->json, diag);
-    if (status != NEPH_ERR_ENGINE && status != NEPH_ERR_TIMEOUT)
-        neph_dir_remove(scratch, NULL);
-    else if (diag && !diag->hint[0])
-        neph_hint(diag, "its logs are in %s", scratch);
+    neph_cli_end_scratch(scratch, status, diag);
     if (status)
         return status;
     if (request->json)
@@ -275,9 +278,7 @@ enum neph_status neph_cli_benchmark(int argc, char **argv, struct neph_diag *dia
     struct neph_scene *scene = NULL;
     double rung_s = 0.0;
     int voxels = 0;
-    char *scratch = neph_format("%s/.neph-scratch.%ld", request.output, (long)getpid());
-    enum neph_status status = scratch ? neph_cli_check_output("-o", request.output, diag)
-                                      : neph_fail_memory(diag);
+    enum neph_status status = neph_cli_check_output("-o", request.output, diag);
     if (!status)
         status = parse_seconds(request.seconds, &rung_s, diag);
     if (!status && request.voxels)
@@ -288,8 +289,7 @@ enum neph_status neph_cli_benchmark(int argc, char **argv, struct neph_diag *dia
     if (!status && voxels > 0)
         status = to_voxels(scene, voxels, diag);
     if (!status)
-        status = run(&request, scene, scratch, rung_s, diag);
+        status = run(&request, scene, rung_s, diag);
     neph_scene_destroy(scene);
-    free(scratch);
     return status;
 }

@@ -120,6 +120,8 @@ static error_t parse(int key, char *argument, struct argp_state *state)
         asked->quiet = true;
         return 0;
     }
+    if (key == KEY_CSV || key == KEY_MAPS)
+        neph_cli_output(state, key == KEY_CSV ? "--csv" : "--maps", argument);
     const struct {
         int key;
         const char **word;

@@ -7,6 +7,7 @@
 #include "base/clock.h"
 #include "base/exr.h"
 #include "base/files.h"
+#include "base/owned.h"
 #include "harness/data.h"
 #include "harness/frame_stats.h"
 #include "harness/job.h"
@@ -18,7 +19,6 @@
 #include <argp.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <unistd.h>
 
 enum {
     SETTINGS_MAX = 96,
@@ -105,10 +105,10 @@ static error_t parse(int key, char *argument, struct argp_state *state)
         request->assignments[request->assignment_count++] = argument;
         return 0;
     case 'o':
-        request->output = argument;
+        request->output = neph_cli_output(state, "--output", argument);
         return 0;
     case KEY_CHECKPOINT:
-        request->checkpoint = argument;
+        request->checkpoint = neph_cli_output(state, "--checkpoint", argument);
         return 0;
     case 'q':
         request->quiet = true;
@@ -168,7 +168,8 @@ static const struct argp export_argp = {
     .parser = parse,
     .args_doc = "SCENE",
     .doc = "Leave a scene as files that open in Blender or render with POV-Ray by hand.\v"
-           "Prints the one-line command to run inside DIR.\n\n"
+           "Prints the one-line command to run inside DIR, which is a new or empty folder, or that "
+           "of an export before, whose files are replaced.\n\n"
            "Examples:\n"
            "  neph export fence_backlit --engine povray -o fence_pov\n"
            "  neph export fence_backlit --engine cycles -o fence_blend",
@@ -256,15 +257,15 @@ static enum neph_status render_one(const struct request *request, struct neph_jo
 {
     char *path = neph_format("%s/%s_%s_%04d.exr", request->output, job->shot.scene->name,
                              job->engine->name, job->shot.frame);
-    char *scratch = neph_format("%s/.neph-scratch.%ld", request->output, (long)getpid());
+    struct neph_scratch *scratch = NULL;
     struct neph_image *frame = NULL;
     struct neph_cost cost = {0};
-    enum neph_status status = path && scratch ? NEPH_OK : neph_fail_memory(diag);
-    if (!status)
-        status = neph_dir_create(scratch, diag);
-    job->shot.scratch_directory = scratch;
-    if (!status)
+    enum neph_status status = path ? neph_cli_begin_scratch(request->output, &scratch, diag)
+                                   : neph_fail_memory(diag);
+    if (!status) {
+        job->shot.scratch_directory = neph_scratch_path(scratch);
         status = neph_job_render(job, &frame, &cost, diag);
+    }
     if (!status && request->scene_layers)
         status = neph_scene_layers_add(job->shot.scene, job->shot.frame, frame, diag);
     if (!status)
@@ -280,13 +281,10 @@ static enum neph_status render_one(const struct request *request, struct neph_jo
             diag);
     if (!status && !request->json)
         printf("%s\n", path);
-    if (status != NEPH_ERR_ENGINE && status != NEPH_ERR_TIMEOUT)
-        neph_dir_remove(scratch, NULL);
-    else if (rmdir(scratch) != 0 && diag && !diag->hint[0]) /* it is not empty */
-        neph_hint(diag, "its logs are in %s", scratch);
+    neph_cli_end_scratch(scratch, status, diag);
+    job->shot.scratch_directory = NULL;
     neph_image_destroy(frame);
     free(path);
-    free(scratch);
     return status;
 }
 
@@ -350,7 +348,7 @@ static enum neph_status render_frames(const struct request *request, struct neph
                                                         frame_count);
     enum neph_status status = find_depths(request, frame_count, &depths, diag);
     if (!status)
-        status = neph_dir_create(request->output, diag);
+        status = neph_cli_open_folder(request->output, diag);
     for (int i = 0; i < frame_count && !status; i++) {
         char what[128];
         snprintf(what, sizeof(what), "frame %d", job->shot.frame);
@@ -405,6 +403,9 @@ enum neph_status neph_cli_render(int argc, char **argv, struct neph_diag *diag)
     return status;
 }
 
+/* The files have names such as scene.blend, which a user's own work may have, too. */
+static const struct neph_owned_kind export_folder = {.name = "export", .version = 1};
+
 static enum neph_status export_files(const struct request *request, struct neph_job *job,
                                      struct neph_diag *diag)
 {
@@ -415,7 +416,7 @@ static enum neph_status export_files(const struct request *request, struct neph_
                          job->engine->name);
     if (!job->engine->can_render(job->shot.scene, &job->shot.settings, reason, sizeof(reason)))
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "%s cannot: %s", job->engine->name, reason);
-    enum neph_status status = neph_dir_create(request->output, diag);
+    enum neph_status status = neph_owned_claim(request->output, &export_folder, diag);
     if (!status)
         status = job->engine->export_scene(&job->shot, request->output, command, sizeof(command),
                                            diag);

@@ -46,7 +46,7 @@ static error_t parse(int key, char *argument, struct argp_state *state)
         request->time_limit = argument;
         return 0;
     case 'o':
-        request->output = argument;
+        request->output = neph_cli_output(state, "--output", argument);
         return 0;
     case KEY_SET:
         if (request->assignment_count == ASSIGNMENTS_MAX)

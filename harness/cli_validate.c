@@ -63,7 +63,7 @@ static error_t parse(int key, char *argument, struct argp_state *state)
         request->engines[request->engine_count++] = argument;
         return 0;
     case 'o':
-        request->output = argument;
+        request->output = neph_cli_output(state, "--output", argument);
         return 0;
     case 'q':
         request->quiet = true;
@@ -118,8 +118,11 @@ static const struct argp argp = {
     .doc = "Run scenes (default: the whole catalogue) over all engines, measure each against the "
            "highest rung of truth, check the gates, and write DIR/report/index.html.\v"
            "Finished frames are kept in DIR/store and used again; an interrupted or killed run "
-           "goes on where it stopped. A missing engine is reported as missing and the others go "
-           "on. Exit code 1: a gate failed, an engine broke, or nothing could be compared.\n\n"
+           "goes on where it stopped. Both folders are neph's own: one of that name that neph did "
+           "not make is refused. Runs at the same time may share DIR: each frame is stored once, "
+           "and the report is that of the run that wrote it last. A missing engine is reported as "
+           "missing and the others go on. Exit code 1: a gate failed, an engine broke, or nothing "
+           "could be compared.\n\n"
            "Examples:\n"
            "  neph validate\n"
            "  neph validate fence_backlit --size 320x180 --no-charts\n"
@@ -230,20 +233,24 @@ static enum neph_status run(const struct request *request, const char *const *sc
                             int scene_count, struct neph_diag *diag)
 {
     struct neph_store *store = NULL;
+    struct neph_report *report = NULL;
     json_t *document = NULL;
     char *store_folder = neph_path_join(request->output, "store");
     char *report_folder = neph_path_join(request->output, "report");
     enum neph_status status = store_folder && report_folder
-                                  ? neph_store_open(store_folder, &store, diag)
+                                  ? neph_report_open(report_folder, &report, diag)
                                   : neph_fail_memory(diag);
+    if (!status)
+        status = neph_store_open(store_folder, &store, diag);
     if (!status)
         status = run_suite(request, scenes, scene_count, store, &document, diag);
     if (!status)
-        status = neph_report_write(document, report_folder, diag);
+        status = neph_report_publish(report, document, diag);
     if (!status)
         status = tell(request, document, report_folder, diag);
     json_decref(document);
     neph_store_close(store);
+    neph_report_close(report);
     free(store_folder);
     free(report_folder);
     return status;

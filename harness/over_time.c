@@ -8,6 +8,7 @@
 #include "harness/comparison.h"
 #include "harness/data.h"
 #include "harness/job.h"
+#include "harness/json.h"
 #include "harness/scene_layers.h"
 #include "metrics/display.h"
 
@@ -46,7 +47,7 @@ static enum neph_status make_job(const struct work *work, const char *engine_nam
                                  struct neph_job *job, struct neph_diag *diag)
 {
     const struct neph_engine *engine = neph_engine_find(engine_name);
-    engine->probe(info);
+    neph_engine_probe(engine, info);
     *job = (struct neph_job){.engine = engine,
                              .info = info,
                              .shot = {.scene = work->scene,
@@ -225,7 +226,7 @@ static json_t *shown_measurements(const json_t *document)
         for (size_t k = 0; k < sizeof(metrics) / sizeof(metrics[0]); k++) {
             const json_t *found = neph_measurement_find(all, "radiance", metrics[k], masks[m]);
             if (found)
-                json_array_append(shown, (json_t *)found);
+                neph_json_add(&shown, json_incref((json_t *)found));
         }
     return shown;
 }
@@ -241,7 +242,7 @@ static json_t *shown_findings(const json_t *document)
         if (strcmp(neph_json_text(item, "quantity"), "radiance") == 0 &&
             strcmp(neph_json_text(item, "finding"), "flicker") == 0 &&
             (strcmp(mask, "all") == 0 || strcmp(mask, "depth_edge") == 0))
-            json_array_append(shown, (json_t *)item);
+            neph_json_add(&shown, json_incref((json_t *)item));
     }
     return shown;
 }

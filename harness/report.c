@@ -4,28 +4,61 @@
 #include "base/child.h"
 #include "base/exr.h"
 #include "base/files.h"
+#include "base/hash.h"
 #include "base/png.h"
 #include "harness/data.h"
+#include "harness/over_time.h"
 #include "harness/physics/pictures.h"
+#include "harness/report_folder.h"
 #include "metrics/display.h"
 
-#include <errno.h>
-#include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-/* renameat2 with RENAME_EXCHANGE swaps two folders in one step. */
-#ifndef RENAME_EXCHANGE
-#define RENAME_EXCHANGE (1 << 1)
-#endif
-
 static const double chart_time_limit_s = 120.0;
+
+/* What drawing sets. */
+static const char *const frame_outputs[2] = {"picture", "difference"};
+static const char *const chart_outputs[2] = {"svg", "missing"};
+
+struct neph_report {
+    struct neph_report_folder *folder;
+    json_t *drawn; /* by name: what it was drawn from, "inputs", and what came out, "outputs" */
+    bool with_vendor;
+};
 
 static const char *text_of(const json_t *object, const char *key)
 {
     return json_string_value(json_object_get(object, key));
+}
+
+/* What came of drawing `name` from these very inputs before, or NULL. `hash` receives theirs, for
+ * keep_drawn(). */
+static enum neph_status find_drawn(const struct neph_report *report, const char *name,
+                                   const char *inputs, char hash[NEPH_HASH_HEX_SIZE],
+                                   json_t **outputs, struct neph_diag *diag)
+{
+    json_t *drawn = json_object_get(report->drawn, name);
+    const enum neph_status status = neph_hash(inputs, strlen(inputs), hash, diag);
+    *outputs = !status && drawn && strcmp(text_of(drawn, "inputs"), hash) == 0
+                   ? json_object_get(drawn, "outputs")
+                   : NULL;
+    return status;
+}
+
+/* Remember the fields of `holder`, a frame or chart, that drawing sets. */
+static enum neph_status keep_drawn(struct neph_report *report, const char *name, const char *hash,
+                                   const json_t *holder, const char *const fields[2],
+                                   struct neph_diag *diag)
+{
+    json_t *outputs = json_object();
+    for (int i = 0; i < 2; i++)
+        if (json_object_get(holder, fields[i]))
+            neph_json_set(&outputs, fields[i], json_incref(json_object_get(holder, fields[i])));
+    json_t *drawn = json_pack("{s:s, s:o}", "inputs", hash, "outputs", outputs);
+    return neph_json_put(report->drawn, name, drawn, diag);
 }
 
 /* Write an 8-bit picture under the report and set its relative path in `holder`. */
@@ -47,7 +80,7 @@ static enum neph_status write_picture(const char *folder, const char *relative,
 struct picture {
     const char *folder, *scene, *engine;
     double exposure_ev;
-    const struct neph_image *truth; /* NULL: no difference maps */
+    struct neph_image *truth; /* read when it is first needed; NULL: no difference maps */
     const json_t *scale;
 };
 
@@ -97,11 +130,8 @@ static enum neph_status write_difference(const struct picture *picture,
 static enum neph_status write_frame_pictures(struct picture *picture, json_t *frame, bool is_truth,
                                              struct neph_diag *diag)
 {
-    const char *exr = text_of(frame, "exr");
-    if (!exr)
-        return NEPH_OK;
     struct neph_image *image = NULL;
-    enum neph_status status = neph_exr_read(exr, &image, diag);
+    enum neph_status status = neph_exr_read(text_of(frame, "exr"), &image, diag);
     if (status)
         return status;
     picture->engine = text_of(frame, "engine");
@@ -127,30 +157,62 @@ static const char *truth_path(const json_t *scene)
     return NULL;
 }
 
-static enum neph_status write_scene_pictures(const char *folder, json_t *scene,
-                                             struct neph_diag *diag)
+/* What the pictures of a frame are drawn from, for the caller to free. The paths of frames in the
+ * store hold the hashes of all that made them. */
+static char *inputs_of(const json_t *scene, const json_t *frame, const char *truth)
 {
-    struct neph_image *truth = NULL;
-    const char *path = truth_path(scene);
-    enum neph_status status = path ? neph_exr_read(path, &truth, diag) : NEPH_OK;
+    const json_t *scale = json_object_get(scene, "difference_scale");
+    return neph_format("%s against %s at %.17g, %.17g, %.17g", text_of(frame, "exr"),
+                       truth ? truth : "nothing",
+                       json_number_value(json_object_get(scene, "exposure_ev")),
+                       json_number_value(json_object_get(scale, "radiance")),
+                       json_number_value(json_object_get(scale, "transmittance")));
+}
+
+static enum neph_status draw_frame(struct neph_report *report, struct picture *picture,
+                                   const json_t *scene, json_t *frame, struct neph_diag *diag)
+{
+    const char *exr = text_of(frame, "exr"), *truth = truth_path(scene);
+    char *name = neph_format("images/%s/%s", picture->scene, text_of(frame, "engine"));
+    char *inputs = inputs_of(scene, frame, truth);
+    char hash[NEPH_HASH_HEX_SIZE];
+    json_t *drawn = NULL;
+    enum neph_status status = name && inputs ? find_drawn(report, name, inputs, hash, &drawn, diag)
+                                             : neph_fail_memory(diag);
+    if (drawn && json_object_update(frame, drawn) != 0)
+        status = neph_fail_memory(diag);
+    const bool anew = !status && !drawn;
+    if (anew && truth && !picture->truth)
+        status = neph_exr_read(truth, &picture->truth, diag);
+    if (anew && !status)
+        status = write_frame_pictures(picture, frame, truth && strcmp(exr, truth) == 0, diag);
+    if (anew && !status)
+        status = keep_drawn(report, name, hash, frame, frame_outputs, diag);
+    free(name);
+    free(inputs);
+    return status;
+}
+
+static enum neph_status draw_scene(struct neph_report *report, const json_t *scene,
+                                   struct neph_diag *diag)
+{
+    const char *folder = neph_report_folder_work(report->folder);
     struct picture picture = {
         .folder = folder,
         .scene = text_of(scene, "name"),
         .exposure_ev = json_number_value(json_object_get(scene, "exposure_ev")),
-        .truth = truth,
         .scale = json_object_get(scene, "difference_scale"),
     };
     char *images = neph_format("%s/images/%s", folder, picture.scene);
-    if (!status)
-        status = images ? neph_dir_create(images, diag) : neph_fail_memory(diag);
+    enum neph_status status = images ? neph_dir_create(images, diag) : neph_fail_memory(diag);
     json_t *frames = json_object_get(scene, "frames");
     for (size_t i = 0; i < json_array_size(frames) && !status; i++) {
         json_t *frame = json_array_get(frames, i);
-        const char *exr = text_of(frame, "exr");
-        status = write_frame_pictures(&picture, frame, exr && path && strcmp(exr, path) == 0, diag);
+        if (text_of(frame, "exr"))
+            status = draw_frame(report, &picture, scene, frame, diag);
     }
     free(images);
-    neph_image_destroy(truth);
+    neph_image_destroy(picture.truth);
     return status;
 }
 
@@ -169,6 +231,8 @@ static enum neph_status draw_chart(const char *folder, json_t *chart, struct nep
         status = neph_fail_memory(diag);
     if (!status)
         status = neph_file_write(spec_path, spec, strlen(spec), diag);
+    if (!status)
+        unlink(svg_path); /* an older one is linked to from the report, and not to be written to */
     if (!status) {
         const char *const argv[] = {"node", script, spec_path, svg_path, NULL};
         const struct neph_child_params params = {
@@ -197,6 +261,27 @@ static enum neph_status draw_chart(const char *folder, json_t *chart, struct nep
     free(svg);
     free(svg_path);
     free(log_path);
+    free(spec);
+    return status;
+}
+
+static enum neph_status show_chart(struct neph_report *report, json_t *chart,
+                                   struct neph_diag *diag)
+{
+    char *name = neph_format("charts/%s", text_of(chart, "id"));
+    char *spec = json_dumps(json_object_get(chart, "spec"), JSON_COMPACT | JSON_SORT_KEYS);
+    char hash[NEPH_HASH_HEX_SIZE];
+    json_t *drawn = NULL;
+    enum neph_status status = name && spec ? find_drawn(report, name, spec, hash, &drawn, diag)
+                                           : neph_fail_memory(diag);
+    if (drawn && json_object_update(chart, drawn) != 0)
+        status = neph_fail_memory(diag);
+    const bool anew = !status && !drawn;
+    if (anew)
+        status = draw_chart(neph_report_folder_work(report->folder), chart, diag);
+    if (anew && !status)
+        status = keep_drawn(report, name, hash, chart, chart_outputs, diag);
+    free(name);
     free(spec);
     return status;
 }
@@ -294,60 +379,82 @@ static json_t *difference_colours_json(void)
     return colours;
 }
 
-static enum neph_status fill_folder(const char *folder, json_t *document, struct neph_diag *diag)
+/* All but the data, into the folder that is kept between publications. */
+static enum neph_status draw(struct neph_report *report, json_t *document, struct neph_diag *diag)
+{
+    const char *folder = neph_report_folder_work(report->folder);
+    enum neph_status status = NEPH_OK;
+    json_t *scenes = json_object_get(document, "scenes");
+    for (size_t i = 0; i < json_array_size(scenes) && !status; i++)
+        status = draw_scene(report, json_array_get(scenes, i), diag);
+    if (!status)
+        status = neph_physics_pictures(json_object_get(document, "physics"), folder, diag);
+    if (!status)
+        status = neph_over_time_pictures(json_object_get(document, "sequences"), folder, diag);
+    json_t *charts = json_object_get(document, "charts");
+    for (size_t i = 0; i < json_array_size(charts) && !status; i++)
+        status = show_chart(report, json_array_get(charts, i), diag);
+    if (!status)
+        status = neph_json_put(document, "interactive", json_boolean(report->with_vendor), diag);
+    if (!status)
+        status = neph_json_put(document, "difference_colours", difference_colours_json(), diag);
+    return status;
+}
+
+/* What is the same in every publication. */
+static enum neph_status start_folder(struct neph_report *report, struct neph_diag *diag)
 {
     static const char *const folders[] = {"images", "charts", "vendor"};
-    const bool with_vendor = vendor_is_installed();
+    const char *folder = neph_report_folder_work(report->folder);
     enum neph_status status = NEPH_OK;
     for (size_t i = 0; i < 3 && !status; i++) {
         char *path = neph_path_join(folder, folders[i]);
         status = path ? neph_dir_create(path, diag) : neph_fail_memory(diag);
         free(path);
     }
-    json_t *scenes = json_object_get(document, "scenes");
-    for (size_t i = 0; i < json_array_size(scenes) && !status; i++)
-        status = write_scene_pictures(folder, json_array_get(scenes, i), diag);
-    if (!status)
-        status = neph_physics_pictures(json_object_get(document, "physics"), folder, diag);
-    json_t *charts = json_object_get(document, "charts");
-    for (size_t i = 0; i < json_array_size(charts) && !status; i++)
-        status = draw_chart(folder, json_array_get(charts, i), diag);
-    if (!status)
-        status = neph_json_put(document, "interactive", json_boolean(with_vendor), diag);
-    if (!status)
-        status = neph_json_put(document, "difference_colours", difference_colours_json(), diag);
-    if (!status)
-        status = copy_page(folder, with_vendor, diag);
-    if (!status)
-        status = write_data(folder, document, diag);
-    return status;
+    report->with_vendor = vendor_is_installed();
+    return status ? status : copy_page(folder, report->with_vendor, diag);
 }
 
-/* Put `fresh` where `folder` is, in one step, and remove what was there. */
-static enum neph_status exchange(const char *fresh, const char *folder, struct neph_diag *diag)
+enum neph_status neph_report_open(const char *folder, struct neph_report **report,
+                                  struct neph_diag *diag)
 {
-    if (!neph_path_exists(folder)) {
-        if (rename(fresh, folder) == 0)
-            return NEPH_OK;
-    } else if (renameat2(AT_FDCWD, fresh, AT_FDCWD, folder, RENAME_EXCHANGE) == 0) {
-        return neph_dir_remove(fresh, diag);
-    }
-    return neph_fail(diag, NEPH_ERR_IO, "cannot put the report at '%s': %s", folder,
-                     strerror(errno));
-}
-
-enum neph_status neph_report_write(json_t *document, const char *folder, struct neph_diag *diag)
-{
-    char *fresh = neph_format("%s.new", folder);
-    if (!fresh)
+    struct neph_report *opened = calloc(1, sizeof(*opened));
+    if (!opened)
         return neph_fail_memory(diag);
-    enum neph_status status = neph_dir_remove(fresh, diag); /* left by a killed run */
+    enum neph_status status = neph_report_folder_open(folder, &opened->folder, diag);
+    if (!status && !(opened->drawn = json_object()))
+        status = neph_fail_memory(diag);
     if (!status)
-        status = neph_dir_create(fresh, diag);
+        status = start_folder(opened, diag);
+    if (status) {
+        neph_report_close(opened);
+        return status;
+    }
+    *report = opened;
+    return NEPH_OK;
+}
+
+void neph_report_close(struct neph_report *report)
+{
+    if (!report)
+        return;
+    neph_report_folder_close(report->folder);
+    json_decref(report->drawn);
+    free(report);
+}
+
+enum neph_status neph_report_publish(struct neph_report *report, json_t *document,
+                                     struct neph_diag *diag)
+{
+    struct neph_scratch *fresh = NULL;
+    enum neph_status status = draw(report, document, diag);
     if (!status)
-        status = fill_folder(fresh, document, diag);
+        status = neph_report_folder_begin(report->folder, &fresh, diag);
     if (!status)
-        status = exchange(fresh, folder, diag);
-    free(fresh);
+        status = write_data(neph_scratch_path(fresh), document, diag);
+    if (!status)
+        status = neph_report_folder_exchange(report->folder, fresh, diag);
+    neph_scratch_destroy(fresh);
     return status;
 }

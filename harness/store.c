@@ -2,6 +2,7 @@
 #include "harness/store.h"
 
 #include "base/files.h"
+#include "base/owned.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -17,6 +18,63 @@ static const size_t record_limit_bytes = 1 << 20;
 struct neph_store {
     char *frames, *failed, *tmp, *resting;
 };
+
+/* ---- whose folder it is ---------------------------------------------------------------------- */
+
+static bool is_key(const char *name)
+{
+    return strlen(name) == NEPH_HASH_HEX_SIZE - 1 &&
+           strspn(name, "0123456789abcdef") == NEPH_HASH_HEX_SIZE - 1;
+}
+
+/* <key>.<pid>: work in progress of stores without a marker. */
+static bool is_old_work(const char *name)
+{
+    const char *pid = name + NEPH_HASH_HEX_SIZE;
+    return strlen(name) > NEPH_HASH_HEX_SIZE && name[NEPH_HASH_HEX_SIZE - 1] == '.' &&
+           strspn(name, "0123456789abcdef") == NEPH_HASH_HEX_SIZE - 1 &&
+           strspn(pid, "0123456789") == strlen(pid);
+}
+
+static bool is_old_entry(const char *name)
+{
+    return is_key(name) || is_old_work(name) || neph_file_is_temporary(name);
+}
+
+static bool is_store_part(const char *name)
+{
+    static const char *const parts[] = {"frames", "failed", "tmp", "resting"};
+    for (size_t i = 0; i < sizeof(parts) / sizeof(parts[0]); i++)
+        if (strcmp(name, parts[i]) == 0)
+            return true;
+    return false;
+}
+
+/* Whether `folder`/`part` is a folder of such names alone. */
+static bool holds_alone(const char *folder, const char *part, bool (*fits)(const char *))
+{
+    char *path = neph_path_join(folder, part);
+    DIR *directory = path ? opendir(path) : NULL;
+    bool alone = directory != NULL;
+    for (const struct dirent *entry; alone && (entry = readdir(directory));)
+        alone = strcmp(entry->d_name, ".") == 0 || strcmp(entry->d_name, "..") == 0 ||
+                fits(entry->d_name);
+    if (directory)
+        closedir(directory);
+    free(path);
+    return alone;
+}
+
+/* A store of before the marker: its four folders, and nothing in them but what it names. */
+static bool is_old_store(const char *folder)
+{
+    return holds_alone(folder, ".", is_store_part) && holds_alone(folder, "frames", is_key) &&
+           holds_alone(folder, "failed", is_key) && holds_alone(folder, "tmp", is_old_entry) &&
+           holds_alone(folder, "resting", is_old_entry);
+}
+
+static const struct neph_owned_kind store_kind = {
+    .name = "store", .version = 1, .is_old = is_old_store};
 
 /* tmp/<key>.<pid>: whether the process that made it is gone. */
 static bool is_stale(const char *name)
@@ -58,6 +116,8 @@ enum neph_status neph_store_open(const char *folder, struct neph_store **store,
     enum neph_status status = NEPH_OK;
     if (!opened->frames || !opened->failed || !opened->tmp || !opened->resting)
         status = neph_fail_memory(diag);
+    if (!status)
+        status = neph_owned_claim(folder, &store_kind, diag);
     if (!status)
         status = neph_dir_create(opened->frames, diag);
     if (!status)

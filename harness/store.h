@@ -21,7 +21,8 @@
 
 struct neph_store;
 
-/* Open or create the store in `folder`. Free with neph_store_close. */
+/* Open or create the store in `folder`, which must be free for it (base/owned.h): NEPH_ERR_USAGE
+ * else. Free with neph_store_close. */
 enum neph_status neph_store_open(const char *folder, struct neph_store **store,
                                  struct neph_diag *diag);
 void neph_store_close(struct neph_store *store);

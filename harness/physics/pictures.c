@@ -187,6 +187,8 @@ static enum neph_status draw_frame(const struct canvas *canvas, json_t *row, con
 static enum neph_status draw_view(struct canvas *canvas, json_t *view, json_t *rows,
                                   struct neph_diag *diag)
 {
+    if (!json_object_get(view, "truth"))
+        return NEPH_OK; /* drawn already */
     enum neph_status status = start_canvas(view, canvas, diag);
     if (!status)
         status = draw_truth(canvas, view, diag);

@@ -19,7 +19,8 @@
 json_t *neph_physics_view_json(const struct neph_view *view, const double *truth_w_per_m2_sr);
 
 /* Draw the pictures of the suite's document into `folder`, a report: images/physics/..., name them
- * in the document, and take "truth" out of it. Frames are those named in the rows' "exr". */
+ * in the document, and take "truth" out of it; a view without it was drawn before and is left as it
+ * is. Frames are those named in the rows' "exr". */
 enum neph_status neph_physics_pictures(json_t *physics, const char *folder, struct neph_diag *diag);
 
 #endif

@@ -75,6 +75,22 @@ static void test_scratch_that_was_renamed_stays(void **state)
     assert_int_equal(scratch_count(state), 1);
 }
 
+static void test_scratch_that_was_kept_is_not_swept(void **state)
+{
+    const struct scratch *scratch = *state;
+    struct neph_scratch *empty = NULL, *full = NULL;
+    neph_assert_ok(neph_scratch_create(scratch->folder, "work-", &empty, NULL), NULL);
+    neph_assert_ok(neph_scratch_create(scratch->folder, "work-", &full, NULL), NULL);
+    char *log = neph_path_join(neph_scratch_path(full), "engine.log");
+    neph_assert_ok(neph_file_write(log, "why", 3, NULL), NULL);
+    assert_false(neph_scratch_keep(empty));
+    assert_true(neph_scratch_keep(full));
+    neph_scratch_sweep(scratch->folder, "work-");
+    assert_true(neph_path_exists(log));
+    assert_int_equal(scratch_count(state), 1);
+    free(log);
+}
+
 /* A process that works in `folder` and then stands still; its number. */
 static pid_t start_worker(const char *folder)
 {
@@ -151,7 +167,7 @@ static void test_sweeping_does_not_race_with_making(void **state)
     char path[SCRATCH_PATH_MAX];
     const pid_t sweeper = start_sweeper(scratch_path(state, path, "lock"));
     int made = 0, lost = 0;
-    for (int i = 0; i < 4000; i++) {
+    for (int i = 0; i < 2000; i++) {
         const int fd = neph_lock_create(path);
         if (fd < 0) {
             assert_int_equal(errno, EEXIST);
@@ -205,6 +221,7 @@ int main(void)
         scratch_test(test_only_plain_files_are_taken_over),
         scratch_test(test_scratch_is_empty_and_goes),
         scratch_test(test_scratch_that_was_renamed_stays),
+        scratch_test(test_scratch_that_was_kept_is_not_swept),
         scratch_test(test_what_a_killed_process_left_is_swept),
         scratch_test(test_strangers_are_not_swept),
         scratch_test(test_sweeping_does_not_race_with_making),

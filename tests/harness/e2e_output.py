@@ -1,0 +1,121 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""Where neph writes: nothing of the user's is removed or overwritten, and runs side by side or killed leave whole things."""
+import json
+import os
+import pathlib
+import signal
+import subprocess
+import tempfile
+import time
+import unittest
+
+NEPH = os.environ["NEPH"]
+ROOT = pathlib.Path(os.environ["NEPH_SOURCE_DIR"])
+SMALL = ["validate", "scattering_slab_above", "-e", "exact", "--no-charts", "--size", "8x6", "-q"]
+
+
+def neph(*arguments, **options):
+    return subprocess.run([NEPH, *map(str, arguments)], capture_output=True, text=True, timeout=120, **options)
+
+
+def tree(folder):
+    """What is in a folder: a change of any of it shows."""
+    return {str(path.relative_to(folder)): (path.read_bytes(), path.stat().st_mtime_ns) if path.is_file() else None
+            for path in folder.rglob("*")}
+
+
+class Output(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+
+    def put(self, name, text="mine"):
+        path = self.folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+
+    def assert_refused(self, *arguments, naming):
+        before = tree(self.folder)
+        done = neph(*arguments)
+        self.assertEqual(done.returncode, 64, done.stderr)
+        self.assertIn(str(naming), done.stderr)
+        self.assertIn("-o", done.stderr)  # the way out
+        self.assertEqual(tree(self.folder), before)
+
+    def test_folders_of_the_user_are_left_alone(self):
+        self.put("a/report/thesis.tex")
+        self.assert_refused(*SMALL, "-o", self.folder / "a", naming=self.folder / "a/report")
+        self.put("b/store/tmp/photo.jpg")
+        self.assert_refused(*SMALL, "-o", self.folder / "b", naming=self.folder / "b/store")
+        self.put("c/report/data.json", '{"format": "neph-report-1"}')
+        self.put("c/report/notes.txt")
+        self.assert_refused(*SMALL, "-o", self.folder / "c", naming=self.folder / "c/report")
+        self.put("d/report")
+        self.assert_refused(*SMALL, "-o", self.folder / "d", naming=self.folder / "d/report")
+        self.put("e/store/notes.txt")
+        self.assert_refused("study", "march", "height_fog_up", "-o", self.folder / "e", naming=self.folder / "e/store")
+
+    def test_other_files_beside_report_and_store_stay(self):
+        for name in ("report.new/draft.txt", "store.bak/frames/x", ".neph-report-notes/x", "tmp/x", "notes.txt"):
+            self.put(name)
+        before = tree(self.folder)
+        for _ in range(2):
+            done = neph(*SMALL, "-o", self.folder)
+            self.assertEqual(done.returncode, 0, done.stderr)
+        after = tree(self.folder)
+        self.assertEqual({name: after.get(name) for name in before}, before)
+        self.assertEqual({path.name for path in self.folder.iterdir()},
+                         {"report", "store", "report.new", "store.bak", ".neph-report-notes", "tmp", "notes.txt"})
+
+    def test_stores_and_reports_of_before_the_marker_are_recognised(self):
+        self.assertEqual(neph(*SMALL, "-o", self.folder).returncode, 0)
+        for name in ("report", "store"):
+            (self.folder / name / ".neph-owned").unlink()
+        (self.folder / "store/.neph-lock").unlink(missing_ok=True)
+        (self.folder / "report/images/x").mkdir()
+        done = neph(*SMALL, "-o", self.folder)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertFalse((self.folder / "report/images/x").exists())
+        for name in ("report", "store"):
+            self.assertTrue((self.folder / name / ".neph-owned").exists())
+
+    def test_empty_outputs_are_refused_everywhere(self):
+        frame = self.folder / "frame.exr"
+        for arguments in (SMALL + ["-o", ""], SMALL + ["--output="],
+                          ["render", "absorbing_slab", "-o", ""],
+                          ["render", "absorbing_slab", "-e", "tracer", "--checkpoint", ""],
+                          ["export", "absorbing_slab", "-o", ""],
+                          ["bake", "voxel_grid", "-o", ""],
+                          ["benchmark", "absorbing_slab", "-o", ""],
+                          ["study", "march", "height_fog_up", "-o", ""],
+                          ["compare", frame, frame, "--maps", ""],
+                          ["compare", frame, frame, "--csv", ""],
+                          ["flicker", "--reference", frame, frame, "--maps", ""]):
+            done = neph(*arguments, cwd=self.folder)
+            self.assertEqual((done.returncode, "is empty" in done.stderr), (64, True), (arguments, done.stderr))
+            self.assertEqual(list(self.folder.iterdir()), [])
+
+    def test_export_overwrites_no_files_of_the_user(self):
+        self.put("work/scene.pov", "// months of work")
+        self.assert_refused("export", "absorbing_slab", "-e", "povray", "-o", self.folder / "work",
+                            naming=self.folder / "work")
+        for _ in range(2):  # its own it replaces
+            done = neph("export", "absorbing_slab", "-e", "povray", "-o", self.folder / "new")
+            self.assertEqual(done.returncode, 0, done.stderr)
+
+    def test_render_leaves_its_frame_alone_beside_the_users_files(self):
+        self.put(".neph-scratch.1/log", "kept by an older version")
+        self.put("notes.txt")
+        before = tree(self.folder)
+        for _ in range(2):
+            done = neph("render", "absorbing_slab", "-e", "exact", "--size", "8x6", "-q", "-o", self.folder)
+            self.assertEqual(done.returncode, 0, done.stderr)
+        after = tree(self.folder)
+        after.pop("absorbing_slab_exact_0000.exr")
+        self.assertEqual(after, before)
+
+
+if __name__ == "__main__":
+    unittest.main()
