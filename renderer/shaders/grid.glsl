@@ -39,15 +39,19 @@ float cell_density(Cell cell, vec3 at)
     return mix(y.x, y.y, at.x);
 }
 
-// Density at a point, in the values' own unit.
+// Density at a point, in the values' own unit. `precise`: the place in the cell is what floor() has
+// left of this very number. A GPU that fuses the product into the subtraction takes the cell off an
+// unrounded number, which lies below the face that it was rounded up to: a weight of -1e-6, and beside
+// an empty node a density below zero.
 float grid_density(Grid grid, vec3 point_m)
 {
-    vec3 at = (point_m - grid.origin_m) * grid.nodes_per_m;
+    precise vec3 at = (point_m - grid.origin_m) * grid.nodes_per_m;
     vec3 last = vec3(grid.size - 1);
     if (any(lessThan(at, vec3(0.0))) || any(greaterThan(at, last)))
         return 0.0;
     vec3 cell = min(floor(at), last - 1.0);
-    return cell_density(grid_cell(grid, uvec3(cell)), at - cell);
+    precise vec3 in_cell = at - cell;
+    return cell_density(grid_cell(grid, uvec3(cell)), in_cell);
 }
 
 // The integral of the density over t in [t0, t1] [m], cell by cell (J. Amanatides and A. Woo, 1987).
