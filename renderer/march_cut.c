@@ -4,9 +4,13 @@
 #include "base/interrupt.h"
 #include "scenes/media.h"
 
-/* One dispatch: at most this much work (loop turns of all rays, about 0.2 s on two CPU cores), so
- * that Ctrl-C is heard, and this many rays (32 MiB of results). */
-static const uint64_t dispatch_turns_max = 1u << 25;
+/* One dispatch: at most this much work (loop turns of all rays), so that Ctrl-C is heard and no
+ * watchdog barks. About 0.2 s on two CPU cores; a GPU does 500 times as much in a millisecond or
+ * two, and cut as finely as that runs a few hundred rays at a time of the 100,000 that fill it. */
+static const uint64_t cpu_dispatch_turns_max = 1ull << 25;
+static const uint64_t gpu_dispatch_turns_max = 1ull << 34;
+
+/* And this many rays: 32 MiB of results. */
 static const uint64_t dispatch_rays_max = 1u << 19;
 
 bool neph_march_marches_sun(const struct neph_scene *scene, const struct neph_march_params *params)
@@ -75,7 +79,9 @@ enum neph_status neph_march_cut_make(const struct neph_vulkan *vulkan,
     const uint64_t step_count = (uint64_t)params->steps;
     const uint64_t steps = least((NEPH_KERNEL_LOOP_TURNS_MAX - turns_per_dispatch) / turns_per_step,
                                  step_count);
-    uint64_t rays = dispatch_turns_max / (steps * turns_per_step + turns_per_dispatch);
+    const uint64_t turns_max = vulkan->description.is_cpu ? cpu_dispatch_turns_max
+                                                          : gpu_dispatch_turns_max;
+    uint64_t rays = turns_max / (steps * turns_per_step + turns_per_dispatch);
     rays = least(least(rays, groups_max * NEPH_MARCH_LOCAL_SIZE), dispatch_rays_max);
     *cut = (struct neph_march_cut){ray_count, step_count, least(rays, ray_count), steps};
     return NEPH_OK;
