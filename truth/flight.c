@@ -65,35 +65,12 @@ static struct neph_rgb depth_between(const struct neph_flight *flight, double t0
                                     t0_m, t1_m);
 }
 
-void neph_flight_init(struct neph_flight *flight, const struct neph_scene *scene,
-                      const struct neph_ray *ray)
-{
-    flight->scene = scene;
-    flight->ray = *ray;
-    flight->t_m[0] = 0.0;
-    flight->count = 1;
-    for (int m = 0; m < scene->medium_count; m++)
-        add_medium_edges(flight, &scene->media[m]);
-    flight->t_m[flight->count++] = ray->end_m;
-    double sum[3] = {0.0, 0.0, 0.0};
-    for (int i = 0; i < flight->count; i++) {
-        if (i > 0) {
-            const struct neph_rgb own = depth_between(flight, flight->t_m[i - 1], flight->t_m[i]);
-            sum[0] += own.r;
-            sum[1] += own.g;
-            sum[2] += own.b;
-        }
-        for (int j = 0; j < 3; j++)
-            flight->depth[j][i] = sum[j];
-    }
-    for (int j = 0; j < 3; j++)
-        flight->chance[j] = -expm1(-sum[j]);
-}
-
-/* ---- sampling ---- */
+/* ---- looking up ---- */
 
 static double channel_of(struct neph_rgb rgb, int channel)
 {
+    if (channel == NEPH_FLIGHT_MEAN)
+        return (rgb.r + rgb.g + rgb.b) / 3.0;
     return channel == 0 ? rgb.r : channel == 1 ? rgb.g : rgb.b;
 }
 
@@ -165,6 +142,14 @@ static double place_m(const struct neph_flight *flight, int channel, double t0_m
     return t_m;
 }
 
+/* Where the depth from the camera reaches `target`, in interval i. */
+static double interval_place_m(const struct neph_flight *flight, int channel, int i, double target)
+{
+    const double *depth = flight->depth[channel];
+    return place_m(flight, channel, flight->t_m[i], flight->t_m[i + 1], target - depth[i],
+                   depth[i + 1] - depth[i]);
+}
+
 /* Which medium it is that collides, by its share of the extinction. */
 static int pick_medium(const struct neph_flight *flight, int channel, double t_m,
                        struct neph_random *random)
@@ -186,6 +171,78 @@ static int pick_medium(const struct neph_flight *flight, int channel, double t_m
     return last;
 }
 
+/* ---- sunlight along the ray ---- */
+
+/* The part of the light that a channel has, whatever the depth, for it is only to be shared out. */
+static double channel_part(const struct neph_flight *flight, int channel)
+{
+    const double own = flight->depth[channel][flight->count - 1];
+    const double mean = flight->depth[NEPH_FLIGHT_MEAN][flight->count - 1];
+    const double depth_part = isinf(mean) ? (double)isinf(own) : own / mean;
+    return depth_part * channel_of(flight->scene->sun.irradiance_w_per_m2, channel);
+}
+
+/* The logarithm of the sunlight that arrives by way of a depth, solids apart. */
+static double log_light_at(const struct neph_flight *flight, double target)
+{
+    const int i = find_interval(flight->depth[NEPH_FLIGHT_MEAN], flight->count, target);
+    const double t_m = interval_place_m(flight, NEPH_FLIGHT_MEAN, i, target);
+    const struct neph_vec3 at_m = neph_vec3_along(flight->ray.origin_m, flight->ray.direction, t_m);
+    const struct neph_rgb way = neph_rgb_add(
+        depth_between(flight, flight->t_m[i], t_m),
+        neph_scene_optical_depth(flight->scene, at_m, flight->scene->sun.direction, 0.0, INFINITY));
+    double log_light[3], most = -INFINITY, sum = 0.0;
+    for (int j = 0; j < 3; j++) {
+        log_light[j] = log(channel_part(flight, j)) - flight->depth[j][i] - channel_of(way, j);
+        most = fmax(most, log_light[j]);
+    }
+    for (int j = 0; j < 3; j++)
+        sum += exp(log_light[j] - most);
+    return most > -INFINITY ? most + log(sum) : -INFINITY;
+}
+
+static void init_lit(struct neph_flight *flight)
+{
+    const struct neph_scene *scene = flight->scene;
+    const double end = flight->depth[NEPH_FLIGHT_MEAN][flight->count - 1];
+    flight->lit.is_known = false;
+    if (scene->scattering != NEPH_SCATTERING_SINGLE || !scene->sun.present || !(end > 0.0))
+        return;
+    neph_lit_flight_edges(&flight->lit, end);
+    for (int i = 0; i <= NEPH_LIT_CELLS; i++) /* inside: the end may be infinitely far */
+        flight->lit.log_light[i] = log_light_at(flight, fmin(flight->lit.s[i], end * (1.0 - 1e-9)));
+    neph_lit_flight_complete(&flight->lit, scene->environment_light);
+}
+
+/* ---- the flight ---- */
+
+void neph_flight_init(struct neph_flight *flight, const struct neph_scene *scene,
+                      const struct neph_ray *ray)
+{
+    flight->scene = scene;
+    flight->ray = *ray;
+    flight->t_m[0] = 0.0;
+    flight->count = 1;
+    for (int m = 0; m < scene->medium_count; m++)
+        add_medium_edges(flight, &scene->media[m]);
+    flight->t_m[flight->count++] = ray->end_m;
+    double sum[3] = {0.0, 0.0, 0.0};
+    for (int i = 0; i < flight->count; i++) {
+        if (i > 0) {
+            const struct neph_rgb own = depth_between(flight, flight->t_m[i - 1], flight->t_m[i]);
+            sum[0] += own.r;
+            sum[1] += own.g;
+            sum[2] += own.b;
+        }
+        for (int j = 0; j < 3; j++)
+            flight->depth[j][i] = sum[j];
+        flight->depth[NEPH_FLIGHT_MEAN][i] = (sum[0] + sum[1] + sum[2]) / 3.0;
+    }
+    for (int j = 0; j < 3; j++)
+        flight->chance[j] = -expm1(-sum[j]);
+    init_lit(flight);
+}
+
 struct neph_collision neph_flight_collide(const struct neph_flight *flight, int channel,
                                           struct neph_random *random)
 {
@@ -195,8 +252,7 @@ struct neph_collision neph_flight_collide(const struct neph_flight *flight, int 
     const double *depth = flight->depth[channel];
     const double target = -log1p(-flight->chance[channel] * neph_random_uniform(random));
     const int i = find_interval(depth, flight->count, target);
-    collision.t_m = place_m(flight, channel, flight->t_m[i], flight->t_m[i + 1], target - depth[i],
-                            depth[i + 1] - depth[i]);
+    collision.t_m = interval_place_m(flight, channel, i, target);
     collision.medium = pick_medium(flight, channel, collision.t_m, random);
     const struct neph_rgb way = depth_between(flight, flight->t_m[i], collision.t_m);
     const struct neph_rgb color = flight->scene->media[collision.medium].extinction_color;
@@ -207,5 +263,22 @@ struct neph_collision neph_flight_collide(const struct neph_flight *flight, int 
             collision.ratio[j] = channel_of(color, j) / channel_of(color, channel) * exp(-excess) *
                                  flight->chance[channel] / flight->chance[j];
     }
+    return collision;
+}
+
+struct neph_collision neph_flight_collide_lit(const struct neph_flight *flight,
+                                              struct neph_random *random, double value[3])
+{
+    struct neph_collision collision = {flight->ray.end_m, -1, {1.0, 1.0, 1.0}};
+    const double target = neph_lit_flight_draw(&flight->lit, random);
+    const int i = find_interval(flight->depth[NEPH_FLIGHT_MEAN], flight->count, target);
+    collision.t_m = interval_place_m(flight, NEPH_FLIGHT_MEAN, i, target);
+    collision.medium = pick_medium(flight, NEPH_FLIGHT_MEAN, collision.t_m, random);
+    const struct neph_rgb way = depth_between(flight, flight->t_m[i], collision.t_m);
+    const struct neph_rgb color = flight->scene->media[collision.medium].extinction_color;
+    const double density = neph_lit_flight_density(&flight->lit, target);
+    for (int j = 0; j < 3; j++)
+        value[j] = channel_of(color, j) / channel_of(color, NEPH_FLIGHT_MEAN) *
+                   exp(-flight->depth[j][i] - channel_of(way, j)) / density;
     return collision;
 }

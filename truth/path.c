@@ -199,10 +199,22 @@ static struct path path_start(const struct neph_scene *scene, const struct neph_
     return path;
 }
 
+/* The first collision on the view's ray where light is scattered once: a collision is all there is
+ * of the path, so that its value is all that need be known. */
+static bool enter_lit_volume(struct path *path, const struct neph_flight *flight,
+                             struct neph_collision *collision)
+{
+    *collision = neph_flight_collide_lit(flight, path->random, path->value);
+    path->cost->collisions += collision->medium >= 0;
+    return collision->medium >= 0;
+}
+
 /* The first collision on the view's ray; false when there is none. */
 static bool enter_volume(struct path *path, const struct neph_view *view,
                          const struct neph_flight *flight, struct neph_collision *collision)
 {
+    if (flight && flight->lit.is_known)
+        return enter_lit_volume(path, flight, collision);
     const struct neph_ray ray = {path->at_m, path->direction, view->hit.t_m};
     *collision = flight ? neph_flight_collide(flight, path->channel, path->random)
                         : neph_tracker_collide(path->tracker, &ray, path->channel, path->random,
