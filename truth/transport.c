@@ -20,7 +20,8 @@
 
 static const double pi = 3.14159265358979323846264338328;
 
-/* Beyond this optical depth less than 1e-19 of the light is left: nothing in double. */
+/* Beyond this optical depth less than 1e-19 of the light is left: nothing in double, beside light
+ * that has not come as far. */
 static const double opaque_optical_depth = 45.0;
 
 /* Grids have kinks inside the pieces (where sun rays pass the edges of their cells), shells where
@@ -200,18 +201,56 @@ static bool counts(struct neph_rgb rest, struct neph_rgb whole)
            rest.b > 1e-16 * fmin(whole.b, 1e300);
 }
 
+/* The logarithm of the sunlight that arrives from a distance, in the brightest channel. */
+static double log_light(const struct ray *ray, double t_m)
+{
+    const struct neph_vec3 point_m = ray_point(ray, t_m);
+    if (!neph_scene_sees_sun(ray->scene, point_m))
+        return -INFINITY;
+    return -least_depth(ray, neph_rgb_add(view_optical_depth(ray, 0.0, t_m),
+                                          sun_optical_depth(ray->scene, point_m)));
+}
+
+/* The most of that at some optical depths between two. */
+static double most_log_light(const struct ray *ray, double depth0, double depth1, double end_m)
+{
+    enum { POINTS = 16 };
+    double most = -INFINITY;
+    for (int i = 0; i < POINTS; i++) {
+        const double depth = depth0 + (depth1 - depth0) * (i + 0.5) / POINTS;
+        most = fmax(most, log_light(ray, distance_at_optical_depth(ray, depth, 0.0, end_m)));
+    }
+    return most;
+}
+
+/* Whether sunlight that comes in from behind the opaque part, or only there, counts beside what
+ * comes from nearer. Without end, nothing comes from behind. */
+static bool is_lit_from_behind(const struct ray *ray, double whole, double end_m)
+{
+    const double opaque = opaque_optical_depth;
+    if (isinf(whole) || !ray->scene->sun.present)
+        return false;
+    const double here = most_log_light(ray, 0.0, opaque, end_m);
+    const double there = fmax(most_log_light(ray, opaque, whole, end_m),
+                              most_log_light(ray, fmax(opaque, whole - opaque), whole, end_m));
+    return there > here - opaque;
+}
+
 /* A finite end of the ray behind which nothing can be seen: opaque, or no medium left. */
 static double useful_end_m(const struct ray *ray)
 {
     const struct neph_rgb whole = view_optical_depth(ray, 0.0, ray->end_m);
+    const bool is_endless = isinf(least_depth(ray, whole));
     double end_m = ray->end_m;
     if (isinf(end_m)) {
         end_m = 1.0;
-        while (end_m < 1e300 && view_least_depth(ray, end_m) < opaque_optical_depth &&
+        while (end_m < 1e300 &&
+               !(is_endless && view_least_depth(ray, end_m) >= opaque_optical_depth) &&
                counts(view_optical_depth(ray, end_m, INFINITY), whole))
             end_m *= 2.0;
     }
-    if (least_depth(ray, whole) > opaque_optical_depth)
+    if (least_depth(ray, whole) > opaque_optical_depth &&
+        !is_lit_from_behind(ray, least_depth(ray, whole), end_m))
         end_m = distance_at_optical_depth(ray, opaque_optical_depth, 0.0, end_m);
     return end_m;
 }

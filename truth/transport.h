@@ -4,8 +4,10 @@
  * form, single scattering from the sun in closed form where there is one and else by adaptive
  * Gauss-Kronrod quadrature over pieces on which the integrand is smooth (cut at the faces of media,
  * at the cells of grids and at the exact edges of the shadows of solids). Relative accuracy of the
- * quadrature: 1e-12 and better for fog and Gaussians, 1e-9 for shells and grids. The white furnace
- * is known in closed form too.
+ * quadrature: 1e-12 and better for fog and Gaussians, 1e-9 for shells and grids, of the brightest
+ * channel, as long as that is above 1e-290 of the sunlight. What lies behind an optical depth of 45
+ * is left out where it is dark beside what comes from nearer, and counted where it is not: against
+ * the light, and behind shadows. The white furnace is known in closed form too.
  */
 #ifndef NEPH_TRUTH_TRANSPORT_H
 #define NEPH_TRUTH_TRANSPORT_H

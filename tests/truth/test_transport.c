@@ -56,8 +56,8 @@ static struct neph_scene sunny(struct neph_medium medium, struct neph_vec3 sun)
 
 /* ---- closed forms ---- */
 
-/* Radiance behind an optical depth of 45 is not summed: below 1e-19 of the sun's. */
-static const double invisible_per_sr = 1e-19;
+/* Below the range of a double. */
+static const double invisible_per_sr = 1e-290;
 
 /* Slabs from above and below (with mu = mu0), height fog at all heights (up, level, down, from
  * 1e6 m), boxes, fog in boxes, two layers, two media, thin fogs 1e6 m away; three phase functions;
@@ -89,6 +89,86 @@ static void test_single_scattering_against_reference(void **state)
     print_message("worst relative error, single scattering (%zu views): %.2g\n",
                   COUNT(reference_view), worst);
     assert_int_equal(failures, 0);
+}
+
+/* ---- against the light ---- */
+
+static struct neph_medium gaussian(double extinction_per_m, double width_m)
+{
+    struct neph_medium blob = homogeneous(0.0, everywhere);
+    blob.kind = NEPH_MEDIUM_GAUSSIAN;
+    blob.layer_count = 0;
+    blob.extinction_per_m = extinction_per_m;
+    blob.gaussian = (struct neph_gaussian){{0, 0, 0}, width_m};
+    return blob;
+}
+
+/* The sun straight ahead: from everywhere on the ray light has the same way, through the whole
+ * medium, of whatever shape, so that L = E p tau e^-tau. The phase function is isotropic. 1e-12, or
+ * four roundings of the exponent. */
+static void test_the_sun_behind_an_opaque_medium(void **state)
+{
+    (void)state;
+    const struct neph_vec3 ahead = {0, 0, -1};
+    const struct neph_vec3 steep = neph_vec3_normalize((struct neph_vec3){0.2, 0.5, -1});
+    struct neph_medium fog_in_box = height_fog(30.0, 0.25);
+    fog_in_box.bounds = (struct neph_bounds){{-20, -20, -1}, {20, 20, 1}};
+    const struct {
+        struct neph_medium medium;
+        struct neph_vec3 view;
+    } cases[] = {
+        {homogeneous(50.0, (struct neph_bounds){{-20, -20, -1}, {20, 20, 1}}), ahead},
+        {homogeneous(300.0, (struct neph_bounds){{-20, -20, -1}, {20, 20, 1}}), ahead},
+        {fog_in_box, ahead},
+        {fog_in_box, steep},
+        {gaussian(20.0, 2.0), ahead},
+        {gaussian(80.0, 2.0), steep},
+    };
+    for (size_t i = 0; i < COUNT(cases); i++) {
+        struct neph_scene scene = sunny(cases[i].medium, cases[i].view);
+        const struct neph_vec3 eye_m = neph_vec3_along((struct neph_vec3){0.3, 0.1, 0},
+                                                       cases[i].view, -40.0);
+        const double depth =
+            neph_scene_optical_depth(&scene, eye_m, cases[i].view, 0.0, INFINITY).r;
+        const struct neph_ray_light light = neph_transport_ray(&scene, eye_m, cases[i].view);
+        assert_true(depth > 50.0);
+        neph_assert_close(light.volume.r, depth * exp(-depth) / (4.0 * pi),
+                          1e-12 + 4.0 * unit_roundoff * depth, 0.0);
+    }
+}
+
+/* A slab of optical depth 100 and the sun at a slant behind it:
+ * L = E p tau e^(-tau / mu0) phi(tau (1 - 1 / mu0)). */
+static void test_a_slanting_sun_behind_a_slab(void **state)
+{
+    (void)state;
+    const double cosine = 0.8, depth = 100.0, far_m = 1e5;
+    const struct neph_scene scene = sunny(
+        homogeneous(50.0, (struct neph_bounds){{-far_m, -far_m, -1}, {far_m, far_m, 1}}),
+        (struct neph_vec3){0.6, 0, -cosine});
+    const struct neph_ray_light light = neph_transport_ray(&scene, (struct neph_vec3){0.3, 0.1, 40},
+                                                           (struct neph_vec3){0, 0, -1});
+    const double phi = expm1(depth / cosine - depth) / (depth / cosine - depth);
+    neph_assert_close(light.volume.r, depth * exp(-depth / cosine) * phi / (4.0 * pi),
+                      1e-12 + 4.0 * unit_roundoff * depth, 0.0);
+}
+
+/* The first 60 optical depths lie in the shadow of a plate. */
+static void test_light_behind_an_opaque_shadow(void **state)
+{
+    (void)state;
+    const double extinction_per_m = 10.0;
+    struct neph_scene scene = sunny(
+        homogeneous(extinction_per_m, (struct neph_bounds){{-50, -50, -10}, {50, 1, 0}}),
+        (struct neph_vec3){0, 1, 0});
+    struct neph_solid plate = box(-60, 2, -6, 60, 3, 100);
+    scene.solid_count = 1;
+    scene.solids = &plate;
+    const struct neph_ray_light light = neph_transport_ray(&scene, (struct neph_vec3){0, 0.5, 20},
+                                                           (struct neph_vec3){0, 0, -1});
+    neph_assert_close(light.volume.r,
+                      exp(-0.5 * extinction_per_m) * (exp(-60.0) - exp(-100.0)) / (4.0 * pi),
+                      1e-12 + 4.0 * unit_roundoff * 100.0, 0.0);
 }
 
 /* ---- shadows known by hand ---- */
@@ -598,6 +678,9 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_single_scattering_against_reference),
+        cmocka_unit_test(test_the_sun_behind_an_opaque_medium),
+        cmocka_unit_test(test_a_slanting_sun_behind_a_slab),
+        cmocka_unit_test(test_light_behind_an_opaque_shadow),
         cmocka_unit_test(test_shadow_of_one_solid),
         cmocka_unit_test(test_shadows_overlap_and_rays_end),
         cmocka_unit_test(test_shadow_in_height_fog),
