@@ -21,6 +21,9 @@ static const uint32_t path_spirv[] = {
 static const uint32_t view_spirv[] = {
 #include "shaders/tracer_view.comp.inc"
 };
+static const uint32_t lit_spirv[] = {
+#include "shaders/tracer_lit.comp.inc"
+};
 static const uint32_t first_spirv[] = {
 #include "shaders/tracer_first.comp.inc"
 };
@@ -56,10 +59,12 @@ struct gpu_progress {
 enum {
     first_bytes = 32, /* struct First of shaders/tracer.glsl */
     depths_bytes = 4 * NEPH_SCENE_MEDIA_MAX * NEPH_FOG_LAYERS_MAX,
-    state_bytes = 224, /* struct State of shaders/tracer.comp */
-    result_bytes = 48, /* struct Result of shaders/tracer.glsl */
-    track_steps = 8,   /* of a turn, through majorant cells */
-    pool_pixels = 8,   /* POOL_PIXELS of shaders/tracer.glsl */
+    lit_edges = 16,            /* LIT_EDGES of shaders/tracer_lit.glsl */
+    lit_bytes = 8 * lit_edges, /* of a medium or layer */
+    state_bytes = 224,         /* struct State of shaders/tracer.comp */
+    result_bytes = 48,         /* struct Result of shaders/tracer.glsl */
+    track_steps = 8,           /* of a turn, through majorant cells */
+    pool_pixels = 8,           /* POOL_PIXELS of shaders/tracer.glsl */
     pool_items = pool_pixels * NEPH_TRACER_BATCH_SAMPLES,
     pixel_local_size = 64, /* of tracer_view.comp and tracer_sum.comp */
     chunk_pixels_max = 1 << 16,
@@ -102,6 +107,25 @@ static bool is_open(const struct neph_scene *scene)
 static bool needs_paths(const struct neph_scene *scene)
 {
     return scene->scattering == NEPH_SCATTERING_MULTIPLE || lights(scene) || is_open(scene);
+}
+
+/* All light is sunlight scattered once, from a collision whose place is known: it is drawn by that
+ * light. */
+static bool is_lit_once(const struct neph_scene *scene)
+{
+    return scene->scattering == NEPH_SCATTERING_SINGLE && scene->sun.present &&
+           is_positive(scene->sun.irradiance_w_per_m2) && scene->medium_count > 0 &&
+           !is_open(scene);
+}
+
+/* Tables of the light of a pixel: one per medium, or two where a fog may have two layers. */
+static size_t lit_tables(const struct neph_scene *scene)
+{
+    bool has_layers = false;
+    for (int i = 0; i < scene->medium_count; i++)
+        has_layers = has_layers || scene->media[i].kind == NEPH_MEDIUM_HEIGHT_FOG;
+    return is_lit_once(scene) ? (size_t)scene->medium_count * (has_layers ? NEPH_FOG_LAYERS_MAX : 1)
+                              : 0;
 }
 
 static bool is_bounded(const struct neph_medium *medium)
@@ -195,7 +219,7 @@ static void add_pixel(double *sums, const struct gpu_pixel *pixel)
 static char *identity_of(const struct neph_scene *scene, const struct neph_tracer_params *params,
                          const struct neph_vulkan *vulkan)
 {
-    return neph_format("tracer 4, scene %s, frame %.17g, %d x %d, seed %llu, on %s, %s",
+    return neph_format("tracer 5, scene %s, frame %.17g, %d x %d, seed %llu, on %s, %s",
                        scene->hash, params->frame, params->width_px, params->height_px,
                        (unsigned long long)params->seed, vulkan->description.device,
                        vulkan->description.driver);
@@ -211,6 +235,7 @@ enum binding {
     BINDING_PROGRESS,
     BINDING_FIRSTS,
     BINDING_DEPTHS,
+    BINDING_LITS,
     BINDING_COUNT,
 };
 
@@ -218,14 +243,15 @@ struct render {
     struct neph_vulkan *vulkan;
     const struct neph_tracer_params *params;
     double start_s;
-    const struct neph_kernel *path, *view, *first, *sum;
+    const struct neph_kernel *path, *view, *lit, *first, *sum;
     struct neph_gpu_scene scene;
     struct neph_buffer buffers[BINDING_COUNT], pixels_readback, progress_readback;
     uint32_t local_size; /* of the path kernel */
     bool needs_paths, is_open;
-    bool is_lit;     /* media may scatter light at all */
-    uint32_t turns;  /* of one dispatch, at most */
-    uint32_t window; /* pools in one dispatch; follows the device's speed */
+    size_t lit_tables; /* of a pixel; 0: none are needed */
+    bool is_lit;       /* media may scatter light at all */
+    uint32_t turns;    /* of one dispatch, at most */
+    uint32_t window;   /* pools in one dispatch; follows the device's speed */
     size_t pixel_count, chunk_pixels;
     size_t viewed_first; /* first pixel of the chunk that the device holds; SIZE_MAX: none */
     struct gpu_progress progress;
@@ -298,11 +324,11 @@ static enum neph_status get_kernels(struct render *render, const struct neph_sce
     struct neph_kernel_params params = {
         .buffer_count = BINDING_COUNT,
         .push_size_bytes = sizeof(struct gpu_run),
-        .constant_count = 11,
+        .constant_count = 12,
         .constants = {render->scene.constants[0], render->scene.constants[1], render->local_size,
                       scene->scattering == NEPH_SCATTERING_MULTIPLE, reflects(scene), lights(scene),
                       render->scene.frame->medium_count, tracked_count, tracked_order, track_steps,
-                      scene->solid_count > 0},
+                      scene->solid_count > 0, is_lit_once(scene)},
     };
     const struct {
         const struct neph_kernel **kernel;
@@ -311,6 +337,7 @@ static enum neph_status get_kernels(struct render *render, const struct neph_sce
         size_t spirv_size_bytes;
     } wanted[] = {
         {&render->view, "tracer_view", view_spirv, sizeof(view_spirv)},
+        {&render->lit, "tracer_lit", lit_spirv, sizeof(lit_spirv)},
         {&render->first, "tracer_first", first_spirv, sizeof(first_spirv)},
         {&render->path, "tracer", path_spirv, sizeof(path_spirv)},
         {&render->sum, "tracer_sum", sum_spirv, sizeof(sum_spirv)},
@@ -345,6 +372,9 @@ static enum neph_status create_buffers(struct render *render, struct neph_diag *
          "tracer first collisions"},
         {&render->buffers[BINDING_DEPTHS], NEPH_BUFFER_DEVICE, render->chunk_pixels * depths_bytes,
          "tracer depths"},
+        {&render->buffers[BINDING_LITS], NEPH_BUFFER_DEVICE,
+         (render->lit_tables > 0 ? render->chunk_pixels * render->lit_tables : 1) * lit_bytes,
+         "tracer light"},
         {&render->buffers[BINDING_POOLS], NEPH_BUFFER_DEVICE, pools * sizeof(uint32_t),
          "tracer pools"},
         {&render->buffers[BINDING_PIXELS], NEPH_BUFFER_DEVICE, pixels_bytes, "tracer pixels"},
@@ -409,6 +439,7 @@ static enum neph_status prepare(struct render *render, const struct neph_scene *
     render->window = 64;
     render->needs_paths = needs_paths(scene);
     render->is_open = is_open(scene);
+    render->lit_tables = lit_tables(scene);
     enum neph_status status = create_sums(render, scene, diag);
     if (!status)
         status = neph_gpu_scene_create(render->vulkan, scene, params->frame, params->width_px,
@@ -477,9 +508,13 @@ static enum neph_status view_chunk(struct render *render, const struct gpu_run *
 {
     if (render->viewed_first == run->first_pixel)
         return NEPH_OK;
-    const enum neph_status status = run_kernel(render, render->view, run,
-                                               pixel_groups(run->pixel_count), BINDING_PIXELS,
-                                               &render->pixels_readback, diag);
+    enum neph_status status = run_kernel(render, render->view, run, pixel_groups(run->pixel_count),
+                                         BINDING_PIXELS, &render->pixels_readback, diag);
+    if (!status && render->lit_tables > 0)
+        status = run_kernel(
+            render, render->lit, run,
+            pixel_groups((uint32_t)render->lit_tables * lit_edges * run->pixel_count),
+            BINDING_PIXELS, NULL, diag);
     if (status)
         return status;
     render->viewed_first = run->first_pixel;

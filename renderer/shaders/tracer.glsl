@@ -144,6 +144,26 @@ float layer_optical_depth(uint m, uint l, vec3 origin_m, vec3 direction, float l
                              t1_m - t0_m);
 }
 
+uint layers_of(uint m) { return is_fog(m) ? frame.media[m].layer_count : 1u; }
+
+// Optical depth of all but one medium, or layer of a fog, up to a distance on the view ray.
+vec3 others_depth(uint but_medium, uint but_layer, vec3 direction, float length_m)
+{
+    vec3 sum = vec3(0.0);
+    if (frame.medium_count == 1 && layers_of(0) == 1)
+        return sum;
+    for (uint m = 0; m < frame.medium_count; m++) {
+        float depth = 0.0;
+        for (uint l = 0; l < frame.media[m].layer_count; l++)
+            if (m != but_medium || l != but_layer)
+                depth += layer_optical_depth(m, l, vec3(0.0), direction, length_m);
+        if (!is_fog(m) && m != but_medium)
+            depth = medium_optical_depth(m, vec3(0.0), direction, length_m);
+        sum += frame.media[m].extinction_color * depth;
+    }
+    return sum;
+}
+
 vec3 pixel_ray(uint pixel)
 {
     return camera_ray(pixel % frame.width_px, pixel / frame.width_px);

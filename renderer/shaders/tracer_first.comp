@@ -9,10 +9,11 @@
 // A fog layer or another medium is chosen in proportion to what it would absorb alone, the collision
 // is drawn as if it were alone, and the transmittance of the others up to there is a weight:
 //   L = sum_k integral sigma_k T_k (prod_(j != k) T_j) J dt.
-// The weight is at most the number of layers and media.
+// The weight is at most the number of layers and media. Where light is scattered once, both the choice
+// and the place go by the sunlight that comes from there (tracer_lit.glsl).
 #extension GL_GOOGLE_include_directive : require
 
-#include "tracer.glsl"
+#include "tracer_lit.glsl"
 #include "free_path.glsl"
 
 layout(local_size_x = 64) in;
@@ -23,8 +24,6 @@ struct Choice {
     float u;     // uniform once more
     vec3 total;  // sum over all of what they would absorb alone, per channel
 };
-
-uint layers_of(uint m) { return is_fog(m) ? frame.media[m].layer_count : 1u; }
 
 Choice choose(uint pixel, uint hero, float u)
 {
@@ -51,24 +50,6 @@ Choice choose(uint pixel, uint hero, float u)
     return choice;
 }
 
-// Optical depth of all but the choice up to a distance on the view ray.
-vec3 others_depth(Choice choice, vec3 direction, float length_m)
-{
-    vec3 sum = vec3(0.0);
-    if (frame.medium_count == 1 && layers_of(0) == 1)
-        return sum;
-    for (uint m = 0; m < frame.medium_count; m++) {
-        float depth = 0.0;
-        for (uint l = 0; l < frame.media[m].layer_count; l++)
-            if (m != choice.medium || l != choice.layer)
-                depth += layer_optical_depth(m, l, vec3(0.0), direction, length_m);
-        if (!is_fog(m) && m != choice.medium)
-            depth = medium_optical_depth(m, vec3(0.0), direction, length_m);
-        sum += frame.media[m].extinction_color * depth;
-    }
-    return sum;
-}
-
 First first_collision(uint pixel, vec3 direction, uint hero, float u)
 {
     First first = First(vec3(0.0), 0.0, vec3(1.0), 0);
@@ -84,12 +65,148 @@ First first_collision(uint pixel, vec3 direction, uint hero, float u)
     float depth = min(-log_1_plus(-choice.u * part) / color[hero], choice.depth);
     first.medium = m;
     first.t_m = medium_free_path(m, choice.layer, direction, t0_m, t1_m, depth);
-    first.weight = choice.total * colour_transmittance(others_depth(choice, direction, first.t_m));
+    first.weight = choice.total * colour_transmittance(others_depth(m, choice.layer, direction, first.t_m));
     if (COLOURED) { // p = color e^(-color depth) / total; e^30 is more than chance allows
         vec3 density = color / max(choice.total, vec3(1e-30)) *
                        exp(min((color[hero] - color) * depth, vec3(30.0)));
         first.channels = density / density[hero];
     }
+    return first;
+}
+
+// --- by the sunlight ------------------------------------------------------------------------------
+
+// What a medium or layer would absorb alone, of light that has all channels.
+float grey_absorbed(uint pixel, uint m, uint l)
+{
+    vec3 parts = colour_absorbed_fraction(frame.media[m].extinction_color *
+                                          depths[pixel * PARTS + m * LAYERS_MAX + l]);
+    return dot(parts, vec3(1.0 / 3.0));
+}
+
+// One medium or layer, among all.
+struct Part {
+    uint medium, layer;
+    float lit_chance, other_chance; // that it is chosen, by its light or otherwise
+    float u;                        // uniform once more
+};
+
+// Sums over all media and layers: of the light (over the brightest's), and of what they absorb.
+struct Whole {
+    float most_log_light;
+    float light, absorbed;
+};
+
+Whole whole_of(uint pixel)
+{
+    Whole whole = Whole(2.0 * DARK, 0.0, 0.0);
+    for (uint m = 0; m < frame.medium_count; m++)
+        for (uint l = 0; l < layers_of(m); l++)
+            whole.most_log_light =
+                max(whole.most_log_light, lits[lit_table(pixel, m, l) + LIT_EDGES]);
+    for (uint m = 0; m < frame.medium_count; m++)
+        for (uint l = 0; l < layers_of(m); l++) {
+            float log_light = lits[lit_table(pixel, m, l) + LIT_EDGES] - whole.most_log_light;
+            whole.light += exp(max(log_light, EXPONENT_MIN));
+            whole.absorbed += grey_absorbed(pixel, m, l);
+        }
+    return whole;
+}
+
+Part choose_lit(uint pixel, float u)
+{
+    Whole whole = whole_of(pixel);
+    Part part = Part(0, 0, 0.0, 0.0, 0.5);
+    bool is_found = false;
+    for (uint m = 0; m < frame.medium_count; m++)
+        for (uint l = 0; l < layers_of(m); l++) {
+            float absorbed = grey_absorbed(pixel, m, l);
+            if (is_found || absorbed <= 0.0)
+                continue;
+            float log_light = lits[lit_table(pixel, m, l) + LIT_EDGES] - whole.most_log_light;
+            part.medium = m;
+            part.layer = l;
+            part.lit_chance = LIT_SHARE * exp(max(log_light, EXPONENT_MIN)) / whole.light;
+            part.other_chance = (1.0 - LIT_SHARE) * absorbed / whole.absorbed;
+            float chance = part.lit_chance + part.other_chance;
+            is_found = u < chance;
+            part.u = clamp(u / chance, 0.0, 1.0 - exp2(-24.0));
+            u -= chance;
+        }
+    return part;
+}
+
+// The probability that a part's collision lies before an edge and is chosen otherwise than by light.
+float other_below(Part part, float mean_color, float x, float last)
+{
+    const float free = FREE_SHARE / (1.0 - LIT_SHARE);
+    float flown = absorbed_fraction(mean_color * x) / absorbed_fraction(mean_color * last);
+    return part.other_chance * mix(x / last, flown, free);
+}
+
+float lit_below(Part part, uint table, uint edge)
+{
+    return edge == 0 ? 0.0 : part.lit_chance * lits[table + LIT_EDGES + edge];
+}
+
+// Where in 0..1 the integral of e^(slope x) reaches the part u of the whole.
+float exponential_quantile(float slope, float u)
+{
+    float size = abs(slope);
+    float from_dense = slope > 0.0 ? 1.0 - u : u;
+    float x = from_dense;
+    if (size > 1e-3)
+        x = -log_1_plus(-min(from_dense * size * phi(size), 1.0 - exp2(-24.0))) / size;
+    return slope > 0.0 ? 1.0 - x : x;
+}
+
+struct LitPlace {
+    float x;       // optical depth in the part alone
+    float density; // probability density of it and of the part
+};
+
+LitPlace lit_place(Part part, uint table, float mean_color, float last)
+{
+    float target = part.u * (part.lit_chance + part.other_chance);
+    uint low = 0, high = LIT_EDGES - 1u;
+    while (high - low > 1u) {
+        uint middle = (low + high) / 2u;
+        if (lit_below(part, table, middle) +
+                other_below(part, mean_color, lit_edge(middle, last), last) <= target)
+            low = middle;
+        else
+            high = middle;
+    }
+    float x0 = lit_edge(low, last), x1 = lit_edge(high, last);
+    float lit = lit_below(part, table, high) - lit_below(part, table, low);
+    float before = lit_below(part, table, low) + other_below(part, mean_color, x0, last);
+    float other = max(other_below(part, mean_color, x1, last) -
+                      other_below(part, mean_color, x0, last), 1e-30);
+    float a = lits[table + low], b = lits[table + high];
+    target = max(target - before, 0.0);
+    float place = target < lit ? exponential_quantile(b - a, target / lit)
+                               : min((target - lit) / other, 1.0);
+    float shape = exp(max(mix(a, b, place) - max(a, b), EXPONENT_MIN)) / phi(abs(b - a));
+    return LitPlace(mix(x0, x1, place), (lit * shape + other) / (x1 - x0));
+}
+
+First lit_collision(uint pixel, vec3 direction, float u)
+{
+    First first = First(vec3(0.0), 0.0, vec3(1.0), 0);
+    Part part = choose_lit(pixel, u);
+    uint m = part.medium;
+    vec3 color = frame.media[m].extinction_color;
+    float depth = depths[pixel * PARTS + m * LAYERS_MAX + part.layer];
+    float t0_m = 0.0, t1_m = scene_hit(vec3(0.0), direction).t_m;
+    if (part.other_chance <= 0.0 || depth <= 0.0 ||
+        !clip_medium(m, vec3(0.0), direction, t0_m, t1_m))
+        return first;
+    LitPlace place = lit_place(part, lit_table(pixel, m, part.layer),
+                               dot(color, vec3(1.0 / 3.0)), lit_last(color, depth));
+    first.medium = m;
+    first.t_m = medium_free_path(m, part.layer, direction, t0_m, t1_m, place.x);
+    vec3 way = color * place.x + others_depth(m, part.layer, direction, first.t_m);
+    first.weight = color * colour_transmittance(way) / place.density;
     return first;
 }
 
@@ -118,7 +235,8 @@ void main()
     vec3 direction = pixel_ray(run.first_pixel + pixel);
     uvec3 bits = pcg3d(sample_key(run.first_pixel + pixel, run.first_sample + sample_index).xyz);
     float u = (float(sample_index / 2) + uniform_from(bits).x) / float(STRATA);
-    First first = first_collision(pixel, direction, hero_of(bits), u);
+    First first = LIT ? lit_collision(pixel, direction, u)
+                      : first_collision(pixel, direction, hero_of(bits), u);
     firsts[item] = first;
     results[item] = Result(vec4(scattered_once(first, direction), 0.0), vec4(0.0), vec4(0.0));
 }
