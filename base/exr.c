@@ -545,9 +545,39 @@ static void set_targets(exr_decode_pipeline_t *decoder, const struct neph_image 
     }
 }
 
+/* What choose_default_routines() found; lives as long as the decoder. */
+struct decompressor {
+    exr_result_t (*run)(exr_decode_pipeline_t *decoder);
+};
+
+/* A chunk that would not shrink lies in the file as it is, in every compression. OpenEXRCore 3.1.5
+ * decompresses it all the same when it is B44 or B44A: floats and integers, which these leave as
+ * they are, then come out channel by channel where they are line by line, without an error. */
+static exr_result_t decompress_or_leave_plain(exr_decode_pipeline_t *decoder)
+{
+    const struct decompressor *decompressor = decoder->decoding_user_data;
+    if (decoder->chunk.packed_size != decoder->chunk.unpacked_size)
+        return decompressor->run(decoder);
+    if (decoder->unpacked_buffer != decoder->packed_buffer)
+        memcpy(decoder->unpacked_buffer, decoder->packed_buffer, decoder->chunk.packed_size);
+    return EXR_ERR_SUCCESS;
+}
+
+static exr_result_t choose_decoding(exr_const_context_t context, exr_decode_pipeline_t *decoder,
+                                    struct decompressor *decompressor)
+{
+    exr_result_t result = exr_decoding_choose_default_routines(context, ONLY_PART, decoder);
+    if (result || !decoder->decompress_fn)
+        return result;
+    decompressor->run = decoder->decompress_fn;
+    decoder->decoding_user_data = decompressor;
+    decoder->decompress_fn = decompress_or_leave_plain;
+    return EXR_ERR_SUCCESS;
+}
+
 static exr_result_t read_chunk(exr_const_context_t context, const struct layout *layout,
-                               exr_decode_pipeline_t *decoder, const struct neph_image *image,
-                               int row)
+                               exr_decode_pipeline_t *decoder, struct decompressor *decompressor,
+                               const struct neph_image *image, int row)
 {
     exr_chunk_info_t chunk;
     exr_result_t result = find_chunk(context, layout, row, &chunk);
@@ -560,7 +590,7 @@ static exr_result_t read_chunk(exr_const_context_t context, const struct layout 
         return result;
     set_targets(decoder, image, row);
     if (first)
-        result = exr_decoding_choose_default_routines(context, ONLY_PART, decoder);
+        result = choose_decoding(context, decoder, decompressor);
     return result ? result : exr_decoding_run(context, ONLY_PART, decoder);
 }
 
@@ -568,9 +598,10 @@ static exr_result_t read_pixels(exr_const_context_t context, const struct layout
                                 const struct neph_image *image)
 {
     exr_decode_pipeline_t decoder = EXR_DECODE_PIPELINE_INITIALIZER;
+    struct decompressor decompressor = {NULL};
     exr_result_t result = EXR_ERR_SUCCESS;
     for (int row = 0; row < layout->height_px && !result; row += layout->rows_per_chunk)
-        result = read_chunk(context, layout, &decoder, image, row);
+        result = read_chunk(context, layout, &decoder, &decompressor, image, row);
     exr_decoding_destroy(context, &decoder);
     return result;
 }

@@ -1,0 +1,364 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The program make_exr FOLDER: OpenEXR files of all sorts for test_exr_library.c, written by the
+ * OpenEXR library itself. Beside each NAME.exr of flat scanlines lies NAME.raw: its samples as
+ * 32-bit floats, channel after channel in the order of their names, as the library's own reader
+ * gives them. Without loss they are the samples that were written, or the program fails.
+ */
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <cstring>
+#include <fstream>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <ImfChannelList.h>
+#include <ImfDeepFrameBuffer.h>
+#include <ImfDeepScanLineOutputFile.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfInputFile.h>
+#include <ImfMultiPartOutputFile.h>
+#include <ImfOutputFile.h>
+#include <ImfOutputPart.h>
+#include <ImfPartType.h>
+#include <ImfRgbaFile.h>
+#include <ImfTiledOutputFile.h>
+#include <half.h>
+
+namespace
+{
+
+using namespace OPENEXR_IMF_NAMESPACE;
+using IMATH_NAMESPACE::Box2i;
+using IMATH_NAMESPACE::V2i;
+
+struct Channel {
+    std::string name;
+    PixelType type;
+    std::vector<char> samples; /* of that type */
+    bool is_linear = false;    /* to the eye, as B44 wants to know */
+};
+
+struct Picture {
+    Box2i window, display;
+    Compression compression;
+    LineOrder order;
+    std::vector<Channel> channels; /* in the order of their names, as in the file */
+
+    int width() const
+    {
+        return window.max.x - window.min.x + 1;
+    }
+    int height() const
+    {
+        return window.max.y - window.min.y + 1;
+    }
+    size_t pixels() const
+    {
+        return static_cast<size_t>(width()) * static_cast<size_t>(height());
+    }
+};
+
+size_t bytes_of(PixelType type)
+{
+    return type == HALF ? 2 : 4;
+}
+
+/* A fixed stream of noise, so that chunks that do not shrink are among the files. */
+uint32_t noise(uint32_t &state)
+{
+    state = state * 1664525u + 1013904223u;
+    return state >> 8;
+}
+
+template <typename T> void put(Channel &channel, size_t i, T value)
+{
+    std::memcpy(channel.samples.data() + i * sizeof(value), &value, sizeof(value));
+}
+
+/* A slope in the left half, noise in the right. */
+void fill(Channel &channel, int width, int height, uint32_t &state)
+{
+    channel.samples.resize(bytes_of(channel.type) * static_cast<size_t>(width * height));
+    for (int y = 0; y < height; y++)
+        for (int x = 0; x < width; x++) {
+            const size_t i = static_cast<size_t>(y * width + x);
+            const uint32_t random = noise(state);
+            const float value = 2 * x < width ? 0.25f + 0.01f * static_cast<float>(x + 2 * y)
+                                              : static_cast<float>(random) * 0x1p-20f;
+            if (channel.type == HALF)
+                put(channel, i, half(value));
+            else if (channel.type == FLOAT)
+                put(channel, i, value);
+            else
+                put(channel, i, static_cast<uint32_t>(1000.0f * value));
+        }
+}
+
+Picture make(int width, int height, Compression compression, const std::vector<PixelType> &types)
+{
+    static const char *const names[] = {"A", "B", "G", "R", "Z"};
+    Picture picture{{V2i(0, 0), V2i(width - 1, height - 1)},
+                    {V2i(0, 0), V2i(width - 1, height - 1)},
+                    compression,
+                    INCREASING_Y,
+                    {}};
+    uint32_t state = static_cast<uint32_t>(width * 31 + height);
+    for (size_t c = 0; c < types.size(); c++) {
+        picture.channels.push_back({names[c], types[c], {}, false});
+        fill(picture.channels.back(), width, height, state);
+    }
+    return picture;
+}
+
+Header header_of(const Picture &picture)
+{
+    Header header(picture.display, picture.window, 1.0f, V2i(0, 0), 1.0f, picture.order,
+                  picture.compression);
+    for (const Channel &channel : picture.channels)
+        header.channels().insert(
+            channel.name, OPENEXR_IMF_NAMESPACE::Channel(channel.type, 1, 1, channel.is_linear));
+    return header;
+}
+
+FrameBuffer buffer_of(Picture &picture)
+{
+    FrameBuffer buffer;
+    for (Channel &channel : picture.channels) {
+        const size_t size = bytes_of(channel.type);
+        buffer.insert(channel.name,
+                      Slice::Make(channel.type, channel.samples.data(), picture.window, size,
+                                  size * static_cast<size_t>(picture.width())));
+    }
+    return buffer;
+}
+
+/* The picture as the library reads it back. */
+Picture read_back(const std::string &path, const Picture &written)
+{
+    Picture read = written;
+    for (Channel &channel : read.channels)
+        std::memset(channel.samples.data(), 0, channel.samples.size());
+    InputFile file(path.c_str());
+    file.setFrameBuffer(buffer_of(read));
+    file.readPixels(read.window.min.y, read.window.max.y);
+    return read;
+}
+
+float value_of(const Channel &channel, size_t i)
+{
+    const char *at = channel.samples.data() + i * bytes_of(channel.type);
+    if (channel.type == HALF) {
+        half value;
+        std::memcpy(&value, at, sizeof(value));
+        return value;
+    }
+    if (channel.type == UINT) {
+        uint32_t value;
+        std::memcpy(&value, at, sizeof(value));
+        return static_cast<float>(value);
+    }
+    float value;
+    std::memcpy(&value, at, sizeof(value));
+    return value;
+}
+
+void write_raw(const std::string &path, const Picture &picture)
+{
+    std::ofstream out(path, std::ios::binary);
+    for (const Channel &channel : picture.channels)
+        for (size_t i = 0; i < picture.pixels(); i++) {
+            const float value = value_of(channel, i);
+            out.write(reinterpret_cast<const char *>(&value), sizeof(value));
+        }
+    if (!out.flush())
+        throw std::runtime_error("cannot write " + path);
+}
+
+/* PXR24 rounds floats alone, B44 halves alone. */
+bool is_lossless(Compression compression, PixelType type)
+{
+    if (compression == PXR24_COMPRESSION)
+        return type != FLOAT;
+    if (compression == B44_COMPRESSION || compression == B44A_COMPRESSION)
+        return type != HALF;
+    return compression <= PIZ_COMPRESSION;
+}
+
+void check_lossless(const std::string &path, const Picture &written, const Picture &read)
+{
+    for (size_t c = 0; c < written.channels.size(); c++)
+        if (is_lossless(written.compression, written.channels[c].type) &&
+            written.channels[c].samples != read.channels[c].samples)
+            throw std::runtime_error(path + " does not hold what was written");
+}
+
+void write(const std::string &stem, Picture picture)
+{
+    const std::string path = stem + ".exr";
+    {
+        OutputFile file(path.c_str(), header_of(picture));
+        file.setFrameBuffer(buffer_of(picture));
+        file.writePixels(picture.height());
+    }
+    const Picture read = read_back(path, picture);
+    check_lossless(path, picture, read);
+    write_raw(stem + ".raw", read);
+}
+
+/* ---- every compression, type, number of channels and size -------------------------------------
+ */
+
+const struct {
+    const char *name;
+    Compression compression;
+} compressions[] = {
+    {"none", NO_COMPRESSION},   {"rle", RLE_COMPRESSION},   {"zips", ZIPS_COMPRESSION},
+    {"zip", ZIP_COMPRESSION},   {"piz", PIZ_COMPRESSION},   {"pxr24", PXR24_COMPRESSION},
+    {"b44", B44_COMPRESSION},   {"b44a", B44A_COMPRESSION}, {"dwaa", DWAA_COMPRESSION},
+    {"dwab", DWAB_COMPRESSION},
+};
+
+const struct {
+    const char *name;
+    PixelType of[5];
+} types[] = {
+    {"half", {HALF, HALF, HALF, HALF, HALF}},
+    {"float", {FLOAT, FLOAT, FLOAT, FLOAT, FLOAT}},
+    {"uint", {UINT, UINT, UINT, UINT, UINT}},
+    {"mixed", {FLOAT, HALF, UINT, HALF, FLOAT}},
+};
+
+const int sizes[][2] = {{1, 1}, {7, 5}, {33, 31}, {64, 40}};
+
+void write_all_sorts(const std::string &folder)
+{
+    for (const auto &kind : compressions)
+        for (const auto &type : types)
+            for (size_t count = 1; count <= 5; count++)
+                for (const auto &size : sizes) {
+                    char name[64];
+                    std::snprintf(name, sizeof(name), "/%s_%s_%zu_%dx%d", kind.name, type.name,
+                                  count, size[0], size[1]);
+                    write(folder + name,
+                          make(size[0], size[1], kind.compression, {type.of, type.of + count}));
+                }
+}
+
+void write_linear(const std::string &folder)
+{
+    for (const auto &kind : compressions) {
+        Picture picture = make(33, 31, kind.compression, {HALF, HALF, HALF});
+        for (Channel &channel : picture.channels)
+            channel.is_linear = true;
+        write(folder + "/" + kind.name + "_linear", picture);
+    }
+}
+
+/* ---- windows and orders ------------------------------------------------------------------------
+ */
+
+/* The last chunk first. */
+void write_upwards(const std::string &folder)
+{
+    for (const auto &kind : compressions) {
+        Picture picture = make(33, 70, kind.compression, {HALF, HALF, HALF, HALF, FLOAT});
+        picture.order = DECREASING_Y;
+        write(folder + "/" + kind.name + "_upwards", picture);
+    }
+}
+
+void write_windows(const std::string &folder)
+{
+    for (const auto &kind : compressions) {
+        Picture picture = make(33, 31, kind.compression, {HALF, HALF, HALF});
+        picture.window = Box2i(V2i(-5, 13), V2i(27, 43));
+        picture.display = Box2i(V2i(0, 0), V2i(99, 59));
+        write(folder + "/" + kind.name + "_window", picture);
+    }
+}
+
+/* ---- other kinds: .exr alone -------------------------------------------------------------------
+ */
+
+void write_tiled(const std::string &folder, const char *name, LevelMode mode)
+{
+    Picture picture = make(33, 31, ZIP_COMPRESSION, {HALF, HALF, HALF});
+    Header header = header_of(picture);
+    header.setTileDescription(TileDescription(16, 16, mode));
+    TiledOutputFile file((folder + name).c_str(), header);
+    file.setFrameBuffer(buffer_of(picture));
+    file.writeTiles(0, file.numXTiles(0) - 1, 0, file.numYTiles(0) - 1, 0);
+}
+
+void write_parts(const std::string &folder)
+{
+    Picture picture = make(33, 31, ZIP_COMPRESSION, {HALF, HALF, HALF});
+    std::vector<Header> headers(2, header_of(picture));
+    for (int i = 0; i < 2; i++) {
+        headers[static_cast<size_t>(i)].setName(i ? "right" : "left");
+        headers[static_cast<size_t>(i)].setType(SCANLINEIMAGE);
+    }
+    MultiPartOutputFile file((folder + "/parts.exr").c_str(), headers.data(), 2);
+    for (int i = 0; i < 2; i++) {
+        OutputPart part(file, i);
+        part.setFrameBuffer(buffer_of(picture));
+        part.writePixels(picture.height());
+    }
+}
+
+void write_deep(const std::string &folder)
+{
+    Picture picture = make(2, 2, ZIPS_COMPRESSION, {FLOAT});
+    Header header = header_of(picture);
+    header.setType(DEEPSCANLINE);
+    std::vector<unsigned> counts(4, 1);
+    std::vector<float> samples(4, 0.5f);
+    std::vector<float *> pointers;
+    for (float &sample : samples)
+        pointers.push_back(&sample);
+    DeepFrameBuffer buffer;
+    buffer.insertSampleCountSlice(Slice(UINT, reinterpret_cast<char *>(counts.data()),
+                                        sizeof(unsigned), 2 * sizeof(unsigned)));
+    buffer.insert("A", DeepSlice(FLOAT, reinterpret_cast<char *>(pointers.data()), sizeof(float *),
+                                 2 * sizeof(float *), sizeof(float)));
+    DeepScanLineOutputFile file((folder + "/deep.exr").c_str(), header);
+    file.setFrameBuffer(buffer);
+    file.writePixels(2);
+}
+
+/* Y at every pixel, RY and BY at every second one. */
+void write_luminance_chroma(const std::string &folder)
+{
+    const std::vector<Rgba> pixels(40 * 20, Rgba(0.5f, 0.25f, 0.75f));
+    RgbaOutputFile file((folder + "/chroma.exr").c_str(), 40, 20, WRITE_YC);
+    file.setFrameBuffer(pixels.data(), 1, 40);
+    file.writePixels(20);
+}
+
+} // namespace
+
+int main(int argc, char **argv)
+{
+    if (argc != 2)
+        return 64;
+    const std::string folder = argv[1];
+    try {
+        write_all_sorts(folder);
+        write_linear(folder);
+        write_upwards(folder);
+        write_windows(folder);
+        write_tiled(folder, "/tiled.exr", ONE_LEVEL);
+        write_tiled(folder, "/mipmap.exr", MIPMAP_LEVELS);
+        write_parts(folder);
+        write_deep(folder);
+        write_luminance_chroma(folder);
+    } catch (const std::exception &error) {
+        std::fprintf(stderr, "make_exr: %s\n", error.what());
+        return 1;
+    }
+    return 0;
+}
