@@ -25,6 +25,7 @@ enum {
     KEY_FROZEN_OK,
     KEY_NEGATIVE_OK,
     KEY_WARM_UP,
+    KEY_BY_POSITION,
     KEY_VIEWING, /* and three more, in the order of `viewings` */
 };
 
@@ -53,6 +54,8 @@ static const struct argp_option options[] = {
      "frame, with intervals and corrected p-values; without these where a sequence has one number",
      0},
     {"warm-up", KEY_WARM_UP, "N", 0, "Leave out the first N frames (default: 0)", 0},
+    {"by-position", KEY_BY_POSITION, NULL, 0,
+     "Frames belong together by their place in the sequence, whatever their numbers", 0},
     {"fps", KEY_VIEWING, "HZ", 0, "Frame rate of the display (default: 60)", 1},
     {"ppd", KEY_VIEWING + 1, "N", 0,
      "Pixels per degree of the display (default: 67.02, 0.7 m from a screen 0.7 m and 3840 px "
@@ -109,6 +112,9 @@ static error_t parse(int key, char *argument, struct argp_state *state)
         return 0;
     case KEY_JSON:
         asked->json = true;
+        return 0;
+    case KEY_BY_POSITION:
+        asked->by_position = true;
         return 0;
     case KEY_FROZEN_OK:
         asked->frozen_is_fine = true;
@@ -287,6 +293,7 @@ enum neph_status neph_cli_comparison_prepare(const struct neph_cli_comparison *a
     comparison->layer = asked->layer;
     comparison->maps_directory = asked->maps;
     comparison->frozen_is_fine = asked->frozen_is_fine;
+    comparison->by_position = asked->by_position;
     comparison->quiet = asked->quiet;
     comparison->negative_allowed = asked->negative_is_fine ? SIZE_MAX : 0;
     return status;
@@ -385,6 +392,9 @@ static enum neph_status find_versus(const struct neph_cli_comparison *asked,
         status = neph_fail(diag, NEPH_ERR_INPUT,
                            "%d frames of the other test, %d of the test: as many are needed",
                            other->count, comparison->test.count);
+    if (!status && !asked->by_position)
+        status = neph_sequence_check_numbers(&comparison->test, "the test", other, "the other test",
+                                             diag);
     return status;
 }
 

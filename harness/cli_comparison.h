@@ -27,7 +27,7 @@ struct neph_cli_comparison {
     const char *versus; /* words of the other test */
     const char *viewing[4];
     const char *warm_up;
-    bool json, quiet, rings, frozen_is_fine, negative_is_fine;
+    bool json, quiet, rings, by_position, frozen_is_fine, negative_is_fine;
 };
 
 /* An argp child; its input is a struct neph_cli_comparison. */

@@ -38,6 +38,18 @@ static bool is_picture(const struct neph_image *image)
 
 /* ---- frames ---------------------------------------------------------------------------------- */
 
+static enum neph_status check_numbers(const struct neph_comparison *asked, struct neph_diag *diag)
+{
+    if (asked->by_position)
+        return NEPH_OK;
+    enum neph_status status = neph_sequence_check_numbers(&asked->reference, "the reference",
+                                                          &asked->test, "the test", diag);
+    if (!status)
+        status = neph_sequence_check_numbers(&asked->reference, "the reference", &asked->second,
+                                             "the second reference", diag);
+    return status;
+}
+
 static enum neph_status check_counts(const struct neph_comparison *asked, struct work *work,
                                      struct neph_diag *diag)
 {
@@ -50,6 +62,9 @@ static enum neph_status check_counts(const struct neph_comparison *asked, struct
         return neph_fail(diag, NEPH_ERR_INPUT,
                          "%d frames of the second reference, %d of the first: as many are needed",
                          asked->second.count, reference);
+    enum neph_status status = check_numbers(asked, diag);
+    if (status)
+        return status;
     if (asked->warm_up_frames >= test)
         return neph_fail(diag, NEPH_ERR_INPUT,
                          "a warm-up of %d frames leaves nothing of a sequence of %d",

@@ -22,6 +22,7 @@ struct neph_comparison {
     const char *maps_directory; /* for the maps of the extractors; or NULL */
     int warm_up_frames;         /* at the start of the sequences: read by nobody */
     size_t negative_allowed;    /* values below 0 that a frame may hold */
+    bool by_position;           /* numbers of frames need not agree */
     bool frozen_is_fine;        /* frames equal to the one before are no reason to fail */
     bool quiet;                 /* no progress */
 };

@@ -2,8 +2,8 @@
 #include "harness/sequence.h"
 
 #include "base/files.h"
+#include "harness/frame_number.h"
 
-#include <ctype.h>
 #include <dirent.h>
 #include <errno.h>
 #include <glob.h>
@@ -12,73 +12,34 @@
 #include <string.h>
 #include <strings.h>
 
-/* ---- names ----------------------------------------------------------------------------------- */
-
-/* A path cut at its frame number: path[0, head) digits path[tail, end). Without a number, head and
- * tail are the end and `number` is -1. Paths are cut anew whenever they are compared: it is cheap,
- * and nothing has to be kept beside them. */
-struct parts {
-    const char *path;
-    size_t head, tail, length;
-    long long number;
-};
-
-enum { DIGITS_MAX = 18 }; /* more do not fit a long long, and are no frame number */
-
-static size_t name_start(const char *path)
-{
-    const char *slash = strrchr(path, '/');
-    return slash ? (size_t)(slash - path) + 1 : 0;
-}
-
-/* The last dot of the name, or its end; a name that starts with its only dot has no extension. */
-static size_t extension_start(const char *path)
-{
-    const size_t start = name_start(path);
-    const char *dot = strrchr(path + start, '.');
-    return dot && dot > path + start ? (size_t)(dot - path) : strlen(path);
-}
-
-static struct parts cut(const char *path)
-{
-    struct parts parts = {.path = path, .length = strlen(path), .number = -1};
-    const size_t start = name_start(path);
-    size_t tail = extension_start(path);
-    while (tail > start && !isdigit((unsigned char)path[tail - 1]))
-        tail--;
-    size_t head = tail;
-    while (head > start && isdigit((unsigned char)path[head - 1]))
-        head--;
-    const bool has_number = head < tail && tail - head <= DIGITS_MAX;
-    parts.head = has_number ? head : parts.length;
-    parts.tail = has_number ? tail : parts.length;
-    if (has_number)
-        parts.number = strtoll(path + head, NULL, 10);
-    return parts;
-}
-
-/* 0: the same series. */
-static int compare_series(const struct parts *a, const struct parts *b)
-{
-    const int order = memcmp(a->path, b->path, a->head < b->head ? a->head : b->head);
-    if (order != 0)
-        return order;
-    if (a->head != b->head)
-        return a->head < b->head ? -1 : 1;
-    return strcmp(a->path + a->tail, b->path + b->tail);
-}
-
-static bool is_same_series(const char *a, const char *b)
-{
-    const struct parts cut_a = cut(a), cut_b = cut(b);
-    return compare_series(&cut_a, &cut_b) == 0;
-}
+/* ---- order ------------------------------------------------------------------------------------
+ */
 
 static int compare_paths(const void *a, const void *b)
 {
-    const struct parts first = cut(*(char *const *)a), second = cut(*(char *const *)b);
-    const int order = compare_series(&first, &second);
-    return order != 0 ? order : (first.number > second.number) - (first.number < second.number);
+    const char *first = *(char *const *)a, *second = *(char *const *)b;
+    const int order = neph_frame_compare_shapes(first, second);
+    return order != 0 ? order : strcmp(first, second);
+}
+
+/* How many of the sorted paths, from the first on, are of its shape. */
+static int shape_count(char *const *paths, int count)
+{
+    int same = 1;
+    while (same < count && neph_frame_compare_shapes(paths[0], paths[same]) == 0)
+        same++;
+    return same;
+}
+
+static enum neph_status arrange_each(char **paths, int count, struct neph_diag *diag)
+{
+    enum neph_status status = NEPH_OK;
+    for (int first = 0, index; first < count && !status;) {
+        const int same = shape_count(paths + first, count - first);
+        status = neph_frame_arrange(paths + first, same, &index, diag);
+        first += same;
+    }
+    return status;
 }
 
 static void sort(char **paths, int count)
@@ -113,6 +74,7 @@ void neph_sequence_finish(struct neph_sequence *sequence)
     for (int i = 0; i < sequence->count; i++)
         free(sequence->paths[i]);
     free(sequence->paths);
+    free(sequence->numbers);
     *sequence = (struct neph_sequence){0};
 }
 
@@ -123,7 +85,7 @@ typedef bool name_filter(const char *name, const void *wanted);
 
 static bool has_extension(const char *name, const void *wanted)
 {
-    return name[0] != '.' && strcasecmp(name + extension_start(name), wanted) == 0;
+    return name[0] != '.' && strcasecmp(name + neph_frame_extension_start(name), wanted) == 0;
 }
 
 /* The files of a folder that pass, as folder/name; `folder` may be "" for the working one. */
@@ -188,7 +150,7 @@ static size_t conversion_length(const char *text, size_t *width)
 static enum neph_status parse_pattern(const char *word, struct pattern *pattern,
                                       struct neph_diag *diag)
 {
-    pattern->name = word + name_start(word);
+    pattern->name = word + neph_frame_name_start(word);
     const char *percent = strchr(pattern->name, '%');
     const size_t length = percent ? conversion_length(percent, &pattern->width) : 0;
     if (length == 0 || strchr(percent + length, '%') || percent > strchr(word, '%')) {
@@ -222,7 +184,7 @@ static enum neph_status expand_pattern(const char *word, struct neph_sequence *l
     enum neph_status status = parse_pattern(word, &pattern, diag);
     if (status)
         return status;
-    char *folder = strndup(word, name_start(word));
+    char *folder = strndup(word, neph_frame_name_start(word));
     if (!folder)
         return neph_fail_memory(diag);
     const int before = list->count;
@@ -257,16 +219,14 @@ static enum neph_status expand_glob(const char *word, struct neph_sequence *list
 static enum neph_status check_one_series(const char *word, char *const *paths, int count,
                                          struct neph_diag *diag)
 {
-    bool has_series = false, has_other = false;
-    int other = 0;
-    for (int i = 1; i < count; i++) {
-        const bool is_next = is_same_series(paths[i - 1], paths[i]);
-        has_series |= is_next;
-        if (!is_next && !has_other)
-            other = i;
-        has_other |= !is_next;
+    const int other = count > 0 ? shape_count(paths, count) : 0;
+    bool has_series = other > 1;
+    for (int first = other; first < count;) {
+        const int same = shape_count(paths + first, count - first);
+        has_series |= same > 1;
+        first += same;
     }
-    if (!has_series || !has_other)
+    if (!has_series || other == count)
         return NEPH_OK;
     neph_fail(diag, NEPH_ERR_INPUT, "'%s' holds more than one sequence: '%s' and '%s'", word,
               paths[0], paths[other]);
@@ -290,8 +250,11 @@ static enum neph_status expand(const char *word, struct neph_sequence *list, str
         status = neph_fail(diag, NEPH_ERR_NOT_FOUND, "there is no file '%s'", word);
     if (status)
         return status;
-    sort(list->paths + before, list->count - before);
-    return check_one_series(word, list->paths + before, list->count - before, diag);
+    char **found = list->paths + before;
+    const int count = list->count - before;
+    sort(found, count);
+    status = check_one_series(word, found, count, diag);
+    return status ? status : arrange_each(found, count, diag);
 }
 
 static enum neph_status check_formats(const struct neph_sequence *list, struct neph_diag *diag)
@@ -299,45 +262,45 @@ static enum neph_status check_formats(const struct neph_sequence *list, struct n
     const char *first = list->paths[0];
     for (int i = 1; i < list->count; i++) {
         const char *path = list->paths[i];
-        if (strcasecmp(first + extension_start(first), path + extension_start(path)) != 0)
+        if (strcasecmp(first + neph_frame_extension_start(first),
+                       path + neph_frame_extension_start(path)) != 0)
             return neph_fail(diag, NEPH_ERR_INPUT,
                              "the files are of different kinds: '%s' and '%s'", first, path);
     }
     return NEPH_OK;
 }
 
-/* Two neighbours of the sorted list. */
-static enum neph_status check_step(const char *path, const char *next, struct neph_diag *diag)
+/* Take over the order of `sorted`, which is of one series, and its numbers. */
+static enum neph_status take_order(struct neph_sequence *list, char *const *sorted, int index,
+                                   struct neph_diag *diag)
 {
-    const struct parts a = cut(path), b = cut(next);
-    if (compare_series(&a, &b) != 0)
+    memcpy(list->paths, sorted, (size_t)list->count * sizeof(*sorted));
+    if (index == NEPH_FRAME_NO_RUN)
         return NEPH_OK;
-    if (strcmp(path, next) == 0)
-        return neph_fail(diag, NEPH_ERR_INPUT, "'%s' is there twice", path);
-    if (a.number == b.number)
-        return neph_fail(diag, NEPH_ERR_INPUT, "'%s' and '%s' have the same frame number", path,
-                         next);
-    if (b.number == a.number + 1)
-        return NEPH_OK;
-    neph_fail(diag, NEPH_ERR_INPUT, "frame '%.*s%0*lld%s' is missing (%lld from %lld to %lld)",
-              (int)a.head, path, (int)(a.tail - a.head), a.number + 1, path + a.tail,
-              b.number - a.number - 1, a.number + 1, b.number - 1);
-    neph_hint(diag, "a sequence has no gaps: render what is missing, or number the files anew");
-    return NEPH_ERR_INPUT;
+    list->numbers = calloc((size_t)list->count, sizeof(*list->numbers));
+    if (!list->numbers)
+        return neph_fail_memory(diag);
+    for (int i = 0; i < list->count; i++)
+        list->numbers[i] = neph_frame_number_at(list->paths[i], index);
+    return NEPH_OK;
 }
 
-static enum neph_status check_numbers(struct neph_sequence *list, struct neph_diag *diag)
+static enum neph_status number_all(struct neph_sequence *list, struct neph_diag *diag)
 {
     char **sorted = malloc((size_t)list->count * sizeof(*sorted));
     if (!sorted)
         return neph_fail_memory(diag);
     memcpy(sorted, list->paths, (size_t)list->count * sizeof(*sorted));
     sort(sorted, list->count);
-    enum neph_status status = NEPH_OK;
-    for (int i = 1; i < list->count && !status; i++)
-        status = check_step(sorted[i - 1], sorted[i], diag);
-    if (!status && is_same_series(sorted[0], sorted[list->count - 1]))
-        memcpy(list->paths, sorted, (size_t)list->count * sizeof(*sorted));
+    int index = NEPH_FRAME_NO_RUN;
+    enum neph_status status;
+    if (shape_count(sorted, list->count) < list->count) {
+        status = arrange_each(sorted, list->count, diag);
+    } else {
+        status = neph_frame_arrange(sorted, list->count, &index, diag);
+        if (!status)
+            status = take_order(list, sorted, index, diag);
+    }
     free(sorted);
     return status;
 }
@@ -354,12 +317,29 @@ enum neph_status neph_sequence_find(int word_count, const char *const *words,
     if (!status)
         status = check_formats(&list, diag);
     if (!status)
-        status = check_numbers(&list, diag);
+        status = number_all(&list, diag);
     if (status)
         neph_sequence_finish(&list);
     else
         *sequence = list;
     return status;
+}
+
+enum neph_status neph_sequence_check_numbers(const struct neph_sequence *one, const char *what,
+                                             const struct neph_sequence *other,
+                                             const char *other_what, struct neph_diag *diag)
+{
+    const bool both_numbered = one->numbers && other->numbers && one->count == other->count;
+    if (!both_numbered || one->numbers[0] == other->numbers[0])
+        return NEPH_OK;
+    neph_fail(diag, NEPH_ERR_INPUT,
+              "%s has the frames %lld to %lld, %s %lld to %lld: frame by frame they do not belong "
+              "together",
+              what, one->numbers[0], one->numbers[one->count - 1], other_what, other->numbers[0],
+              other->numbers[other->count - 1]);
+    neph_hint(diag, "give those of the same numbers; if they were counted from different starts, "
+                    "say --by-position");
+    return NEPH_ERR_INPUT;
 }
 
 /* ---- whose operands -------------------------------------------------------------------------- */
@@ -369,12 +349,56 @@ static bool is_file(const char *word)
     return neph_path_exists(word) && !neph_path_is_dir(word);
 }
 
-static bool belongs_to(const char *operand, int reference_count, const char *const *references)
+/* Which operands are of a series of the references, when the frame number is the run `from_end`
+ * counted from the last one on; without such a run, those that are a reference. */
+static int mark_references(int from_end, int reference_count, const char *const *references,
+                           int operand_count, const char *const *operands, bool *is_reference)
 {
-    for (int i = 0; i < reference_count; i++)
-        if (is_file(references[i]) && is_same_series(references[i], operand))
-            return true;
-    return false;
+    int marked = 0;
+    for (int i = 0; i < operand_count; i++) {
+        is_reference[i] = false;
+        for (int r = 0; r < reference_count && is_file(operands[i]) && !is_reference[i]; r++)
+            is_reference[i] = is_file(references[r]) &&
+                              neph_frame_equal_but_for(references[r], operands[i],
+                                                       neph_frame_run_count(references[r]) - 1 -
+                                                           from_end);
+        marked += is_reference[i];
+    }
+    return marked;
+}
+
+/* The operands that are left are files of one series, or one word of any kind. `*other` is one that
+ * does not fit. */
+static bool is_one_test(int operand_count, const char *const *operands, const bool *is_reference,
+                        const char **test, const char **other)
+{
+    int changing = NEPH_FRAME_NO_RUN;
+    *test = NULL;
+    for (int i = 0; i < operand_count; i++) {
+        if (is_reference[i])
+            continue;
+        if (!*test) {
+            *test = operands[i];
+            continue;
+        }
+        *other = operands[i];
+        if (!is_file(*test) || !is_file(*other) || neph_frame_compare_shapes(*test, *other) != 0)
+            return false;
+        for (int run = neph_frame_run_count(*test) - 1; run >= 0; run--) {
+            if (run == changing || !neph_frame_differs_at(*test, *other, run))
+                continue;
+            if (changing != NEPH_FRAME_NO_RUN)
+                return false;
+            changing = run;
+        }
+    }
+    return true;
+}
+
+static bool fits(int reference_count, int marked, int operand_count)
+{
+    const int references = reference_count + marked, tests = operand_count - marked;
+    return references == 1 || references == tests;
 }
 
 static enum neph_status fail_split(struct neph_diag *diag)
@@ -383,23 +407,49 @@ static enum neph_status fail_split(struct neph_diag *diag)
     return NEPH_ERR_USAGE;
 }
 
+/* How far from the last run the frame number is. The first of these with which the rest is one
+ * test, and rather one with which there are as many references as tests, or one for all: none, so
+ * that no operand is of the reference; the last run, the one before it, ... */
+static int choose_frame_run(int reference_count, const char *const *references, int operand_count,
+                            const char *const *operands, bool *is_reference)
+{
+    const char *test = NULL, *other = NULL;
+    int most = 0, chosen = 0;
+    bool has_chosen = false;
+    for (int r = 0; r < reference_count; r++)
+        most = neph_frame_run_count(references[r]) > most ? neph_frame_run_count(references[r])
+                                                          : most;
+    for (int from_end = 0; from_end < most; from_end++)
+        if (mark_references(from_end, reference_count, references, operand_count, operands,
+                            is_reference) == operand_count)
+            return from_end; /* nothing is left: to be refused */
+    for (int i = 0; i <= most; i++) {
+        const int from_end = i == 0 ? most : i - 1;
+        const int marked = mark_references(from_end, reference_count, references, operand_count,
+                                           operands, is_reference);
+        if (!is_one_test(operand_count, operands, is_reference, &test, &other))
+            continue;
+        if (fits(reference_count, marked, operand_count))
+            return from_end;
+        chosen = has_chosen ? chosen : from_end;
+        has_chosen = true;
+    }
+    return chosen;
+}
+
 enum neph_status neph_sequence_split(int reference_count, const char *const *references,
                                      int operand_count, const char *const *operands,
                                      bool *is_reference, struct neph_diag *diag)
 {
-    const char *test = NULL;
-    for (int i = 0; i < operand_count; i++) {
-        is_reference[i] = is_file(operands[i]) &&
-                          belongs_to(operands[i], reference_count, references);
-        if (is_reference[i])
-            continue;
-        if (test && !(is_file(operands[i]) && is_same_series(test, operands[i]))) {
-            neph_fail(diag, NEPH_ERR_USAGE,
-                      "the frames to be tested are of more than one sequence: '%s' and '%s'", test,
-                      operands[i]);
-            return fail_split(diag);
-        }
-        test = operands[i];
+    const char *test = NULL, *other = NULL;
+    const int from_end = choose_frame_run(reference_count, references, operand_count, operands,
+                                          is_reference);
+    mark_references(from_end, reference_count, references, operand_count, operands, is_reference);
+    if (!is_one_test(operand_count, operands, is_reference, &test, &other)) {
+        neph_fail(diag, NEPH_ERR_USAGE,
+                  "the frames to be tested are of more than one sequence: '%s' and '%s'", test,
+                  other);
+        return fail_split(diag);
     }
     if (test)
         return NEPH_OK;

@@ -362,6 +362,19 @@ class Metrics(unittest.TestCase):
         gap = neph("flicker", "--reference", ref, test)
         self.assertEqual((gap.returncode, "7" in gap.stderr), (65, True), gap.stderr)
 
+    def test_frames_belong_together_by_their_numbers(self):
+        for frame in range(8):
+            for first, name in ((0, "shots/b{}_v2.exr"), (0, "zero/f.{:04d}.exr"), (1, "one/s_{:04d}_v3.exr")):
+                self.write(name.format(frame + first), lambda x, y: 0.5 + 0.25 * (frame % 4 == 0) + 1e-4 * frame, width=8, height=8)
+        shots, zero, one = (self.folder / name for name in ("shots", "zero", "one"))
+        self.assertEqual(neph("flicker", "-r", zero, shots, "--fail-above", "residual_change_rms=1e-9").returncode, 0)
+        for run in (("flicker", "-r", zero, one), ("compare", zero, one), ("compare", zero, shots, "--versus", one),
+                    ("compare", zero, shots, "--second-reference", one)):
+            done = neph(*run, "-q")
+            self.assertEqual((done.returncode, done.stdout), (65, ""), (run, done.stderr))
+            self.assertTrue("the frames 0 to 7" in done.stderr and "1 to 8" in done.stderr, done.stderr)
+            self.assertEqual(neph(*run, "--by-position", "-q").returncode, 0)
+
     def test_paired_differences(self):
         noise = self.noise(0.02)
         common = {}

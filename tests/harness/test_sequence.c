@@ -82,6 +82,23 @@ static const struct found {
     {{"f10.exr", "f9.exr", "f8.exr", "g.exr"}, {"f*.exr"}, {"f8.exr", "f9.exr", "f10.exr"}},
     {{"x/f1.exr", "y/f1.exr", "y/f1.exr.txt"}, {"?/f1.exr"}, {"x/f1.exr", "y/f1.exr"}},
     {{"f1.exr", "f2.exr", "f3.exr"}, {"f[12].exr", "f3.exr"}, {"f1.exr", "f2.exr", "f3.exr"}},
+    /* the number is the run that changes, wherever it is */
+    {{"b8_v2.exr", "b9_v2.exr", "b10_v2.exr"},
+     {"b10_v2.exr", "b8_v2.exr", "b9_v2.exr"}, /* the order of a shell */
+     {"b8_v2.exr", "b9_v2.exr", "b10_v2.exr"}},
+    {{"d/s_0009_v2.exr", "d/s_0010_v2.exr", "d/s_0011_v2.exr"},
+     {"d"},
+     {"d/s_0009_v2.exr", "d/s_0010_v2.exr", "d/s_0011_v2.exr"}},
+    {{"b8_v2.exr", "b9_v2.exr", "b10_v2.exr", "b10_v3.exr"},
+     {"b%d_v2.exr"},
+     {"b8_v2.exr", "b9_v2.exr", "b10_v2.exr"}},
+    {{"9/f1.exr", "10/f1.exr", "11/f1.exr"}, {"*/f1.exr"}, {"9/f1.exr", "10/f1.exr", "11/f1.exr"}},
+    {{"f1.0009", "f1.0010"}, {"f1.*"}, {"f1.0009", "f1.0010"}},
+    /* of two the one that counts up by one */
+    {{"f9_t1.50.exr", "f10_t1.75.exr", "f11_t2.00.exr"},
+     {"f*"},
+     {"f9_t1.50.exr", "f10_t1.75.exr", "f11_t2.00.exr"}},
+    {{"s1_f10.exr", "s2_f9.exr", "s1_f11.exr"}, {"s*"}, {"s2_f9.exr", "s1_f10.exr", "s1_f11.exr"}},
     /* more digits than any frame number has: a name */
     {{"20240229123456789012345.exr", "2.exr"},
      {"20240229123456789012345.exr", "2.exr"},
@@ -139,6 +156,17 @@ static const struct refused {
     {{"f1.exr"}, {"f1.exr", "f1.exr"}, NEPH_ERR_INPUT, "'f1.exr' is there twice"},
     {{"sky.exr"}, {"sky.exr", "sky.exr"}, NEPH_ERR_INPUT, "'sky.exr' is there twice"},
     {{"f1.exr", "f01.exr"}, {"f*.exr"}, NEPH_ERR_INPUT, "same frame number"},
+    {{"b1_v2.exr", "b01_v2.exr", "b2_v2.exr"}, {"b*"}, NEPH_ERR_INPUT, "same frame number"},
+    {{"b1_v2.exr", "b4_v2.exr"}, {"b*"}, NEPH_ERR_INPUT, "'b2_v2.exr' is missing (2 from 2 to 3)"},
+    {{"b1_v2.exr", "b2_v2.exr", "b1_v3.exr", "b2_v3.exr"},
+     {"b*"},
+     NEPH_ERR_INPUT,
+     "'1' or '2'? Both change: 'b2_v3.exr'"},
+    {{"b1_v2.exr", "b2_v3.exr", "b3_v4.exr"}, {"b*"}, NEPH_ERR_INPUT, "'1' or '2'? Both change"},
+    {{"1/f1.exr", "1/f2.exr", "2/f1.exr", "2/f2.exr"},
+     {"1", "2"},
+     NEPH_ERR_INPUT,
+     "which number of '1/f1.exr'"},
     {{"f1.exr", "f2.png"}, {"f1.exr", "f2.png"}, NEPH_ERR_INPUT, "different kinds"},
     {{"d/f1.exr", "e/f1.png"}, {"d", "e"}, NEPH_ERR_INPUT, "'d/f1.exr' and 'e/f1.png'"},
     {{"d/f1.exr", "d/f2.exr", "d/z1.exr"},
@@ -171,6 +199,41 @@ static void test_what_is_no_sequence_is_refused(void **state)
     }
 }
 
+/* ---- numbers --------------------------------------------------------------------------------- */
+
+static void test_frames_belong_together_by_number(void **state)
+{
+    static const char *const files[NAMES_MAX] = {"a0_v2.exr", "a1_v2.exr", "b1.exr", "b2.exr",
+                                                 "c_1_.exr",  "c_0_.exr",  "d.exr",  "e.exr"};
+    make_files(state, files);
+    static const struct {
+        const char *words[2];
+        long long first; /* -1: it has no numbers */
+        bool together;   /* with the sequence a */
+    } cases[] = {
+        {{"a*", NULL}, 0, true},        {{"b*", NULL}, 1, false},     {{"c*", NULL}, 0, true},
+        {{"d.exr", "e.exr"}, -1, true}, {{"b2.exr", NULL}, -1, true}, /* one for all */
+    };
+    struct neph_sequence first = {0};
+    const char *word = "a*";
+    neph_assert_ok(neph_sequence_find(1, &word, &first, NULL), NULL);
+    for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+        struct neph_sequence other = {0};
+        struct neph_diag diag = {0};
+        neph_assert_ok(neph_sequence_find(cases[i].words[1] ? 2 : 1, cases[i].words, &other, &diag),
+                       &diag);
+        assert_int_equal(other.numbers ? other.numbers[0] : -1, cases[i].first);
+        const enum neph_status status = neph_sequence_check_numbers(&first, "the reference", &other,
+                                                                    "the test", &diag);
+        assert_int_equal(status, cases[i].together ? NEPH_OK : NEPH_ERR_INPUT);
+        if (status)
+            assert_non_null(strstr(diag.message, "the frames 0 to 1, the test 1 to 2"));
+        neph_sequence_finish(&other);
+    }
+    neph_sequence_finish(&first);
+    assert_int_equal(chdir("/"), 0);
+}
+
 /* ---- whose operands -------------------------------------------------------------------------- */
 
 static const struct split {
@@ -182,6 +245,9 @@ static const struct split {
     {{"r/f1.exr"}, {"t/f1.exr", "r/f2.exr"}, "TR"},
     {{"x1.exr"}, {"x2.exr", "y1.exr", "y2.exr"}, "RTT"},
     {{"v1.1.exr"}, {"v1.2.exr", "v2.1.exr"}, "RT"}, /* the last digits alone are the frame's */
+    {{"s1_v1.exr"}, {"s2_v1.exr", "s3_v1.exr", "s1_v2.exr", "s2_v2.exr", "s3_v2.exr"}, "RRTTT"},
+    {{"1/f1.exr"}, {"1/f2.exr", "1/f3.exr", "2/f1.exr", "2/f2.exr", "2/f3.exr"}, "RRTTT"},
+    {{"1/f1.exr"}, {"2/f1.exr", "2/f2.exr", "2/f3.exr", "2/f4.exr"}, "TTTT"},
     {{"r/f1.exr", "q/f1.exr"}, {"r/f2.exr", "q/f2.exr", "t/f1.exr"}, "RRT"},
     {{"r"}, {"t"}, "T"},
     {{"r/f%d.exr"}, {"r/f2.exr"}, "T"}, /* a quoted pattern has all of its frames */
@@ -200,8 +266,14 @@ static void test_operands_are_split(void **state)
                                                 "t/f2.exr", "q/f1.exr", "q/f2.exr", "x1.exr"};
     static const char *const more[NAMES_MAX] = {"x2.exr",   "y1.exr",   "y2.exr",
                                                 "v1.1.exr", "v1.2.exr", "v2.1.exr"};
+    static const char *const versions[NAMES_MAX] = {"s1_v1.exr", "s2_v1.exr", "s3_v1.exr",
+                                                    "s1_v2.exr", "s2_v2.exr", "s3_v2.exr"};
+    static const char *const folders[NAMES_MAX] = {"1/f1.exr", "1/f2.exr", "1/f3.exr", "2/f1.exr",
+                                                   "2/f2.exr", "2/f3.exr", "2/f4.exr"};
     make_files(state, some);
     make_files(state, more);
+    make_files(state, versions);
+    make_files(state, folders);
     for (size_t i = 0; i < sizeof(splits) / sizeof(splits[0]); i++) {
         bool is_reference[NAMES_MAX] = {false};
         struct neph_diag diag = {0};
@@ -290,8 +362,11 @@ static void test_frames_that_are_none(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        scratch_test(test_words_become_files),   scratch_test(test_what_is_no_sequence_is_refused),
-        scratch_test(test_operands_are_split),   scratch_test(test_frames_by_content),
+        scratch_test(test_words_become_files),
+        scratch_test(test_what_is_no_sequence_is_refused),
+        scratch_test(test_frames_belong_together_by_number),
+        scratch_test(test_operands_are_split),
+        scratch_test(test_frames_by_content),
         scratch_test(test_frames_that_are_none),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
