@@ -11,6 +11,7 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
+#include <math.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -426,9 +427,12 @@ static enum neph_status check_channels(const char *path, struct layout *layout,
                          count, CHANNEL_COUNT_MAX);
     for (int i = 0; i < count; i++) {
         const exr_attr_chlist_entry_t *channel = &layout->channels->entries[i];
-        if (channel->x_sampling != 1 || channel->y_sampling != 1)
-            return neph_fail(diag, NEPH_ERR_INPUT, "'%s': channel '%s' has not a sample per pixel",
-                             path, channel->name.str);
+        if (channel->x_sampling != 1 || channel->y_sampling != 1) {
+            neph_fail(diag, NEPH_ERR_INPUT, "'%s': channel '%s' has not a sample per pixel", path,
+                      channel->name.str);
+            neph_hint(diag, "write luminance and chroma (Y, RY, BY) as R, G, B");
+            return NEPH_ERR_INPUT;
+        }
         size_t sample_bytes = channel->pixel_type == EXR_PIXEL_HALF ? 2 : 4;
         layout->row_bytes += sample_bytes * (uint64_t)layout->width_px;
     }
@@ -500,10 +504,21 @@ static enum neph_status add_channels(struct neph_image *image, const struct layo
     return status;
 }
 
+/* Names that tell of the file itself: a text in it is not to pass for that. */
+static bool is_ours(const char *name)
+{
+    static const char *const ours[] = {"crop", "primaries", "pixel_aspect", "encoding"};
+    for (size_t i = 0; i < sizeof(ours) / sizeof(ours[0]); i++)
+        if (strcmp(name, ours[i]) == 0)
+            return true;
+    return false;
+}
+
 static enum neph_status add_attribute(struct neph_image *image, const char *path,
                                       const exr_attribute_t *attribute, struct neph_diag *diag)
 {
-    if (attribute->type != EXR_ATTR_STRING || is_reserved_attribute(attribute->name))
+    if (attribute->type != EXR_ATTR_STRING || is_reserved_attribute(attribute->name) ||
+        is_ours(attribute->name))
         return NEPH_OK;
     if (strlen(attribute->name) >= NEPH_IMAGE_NAME_MAX)
         return neph_fail(diag, NEPH_ERR_INPUT,
@@ -620,6 +635,42 @@ static enum neph_status add_crop(struct neph_image *image, const struct layout *
         (long long)display->max.y - display->min.y + 1);
 }
 
+/* Without the attribute the primaries are those of Rec.709: "chromaticities" in
+ * https://openexr.com/en/latest/TechnicalIntroduction.html. Its numbers have three digits. */
+static enum neph_status add_primaries(struct neph_image *image, exr_const_context_t context,
+                                      struct neph_diag *diag)
+{
+    static const float rec709[8] = {0.64f, 0.33f, 0.3f, 0.6f, 0.15f, 0.06f, 0.3127f, 0.329f};
+    static const float rounding = 1e-3f;
+    exr_attr_chromaticities_t found;
+    if (exr_attr_get_chromaticities(context, ONLY_PART, "chromaticities", &found) !=
+        EXR_ERR_SUCCESS)
+        return NEPH_OK;
+    const float given[8] = {found.red_x,  found.red_y,  found.green_x, found.green_y,
+                            found.blue_x, found.blue_y, found.white_x, found.white_y};
+    bool is_rec709 = true;
+    for (int i = 0; i < 8; i++)
+        is_rec709 &= fabsf(given[i] - rec709[i]) <= rounding; /* false of a NaN */
+    if (is_rec709)
+        return NEPH_OK;
+    return neph_image_set_attribute(image, "primaries", diag,
+                                    "red (%.4g, %.4g), green (%.4g, %.4g), blue (%.4g, %.4g), "
+                                    "white (%.4g, %.4g)",
+                                    (double)given[0], (double)given[1], (double)given[2],
+                                    (double)given[3], (double)given[4], (double)given[5],
+                                    (double)given[6], (double)given[7]);
+}
+
+static enum neph_status add_pixel_aspect(struct neph_image *image, exr_const_context_t context,
+                                         struct neph_diag *diag)
+{
+    float aspect = 1.0f;
+    if (exr_get_pixel_aspect_ratio(context, ONLY_PART, &aspect) != EXR_ERR_SUCCESS ||
+        aspect == 1.0f)
+        return NEPH_OK;
+    return neph_image_set_attribute(image, "pixel_aspect", diag, "%.9g", (double)aspect);
+}
+
 static enum neph_status read_part(exr_const_context_t context, const char *path,
                                   const struct stream *stream, struct neph_image **image,
                                   struct neph_diag *diag)
@@ -638,6 +689,10 @@ static enum neph_status read_part(exr_const_context_t context, const char *path,
         status = add_attributes(created, path, context, stream, diag);
     if (!status)
         status = add_crop(created, &layout, diag);
+    if (!status)
+        status = add_primaries(created, context, diag);
+    if (!status)
+        status = add_pixel_aspect(created, context, diag);
     if (!status && (result = read_pixels(context, &layout, created)) != EXR_ERR_SUCCESS)
         status = fail_read(path, stream, result, diag);
     if (status)

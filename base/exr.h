@@ -16,11 +16,15 @@ enum neph_status neph_exr_write(const char *path, const struct neph_image *image
                                 struct neph_diag *diag);
 
 /* Read all channels (converted to float; uint above 2^24 is rounded) and all string attributes but
- * the format's own. The image is the data window; when the display window is another one, the
- * attribute "crop" says where it lies in that, as "(10, 5) of 100x60". Channels come in the order
- * of the file, which is alphabetical. Deep, tiled, multi-part, subsampled, DWA-compressed, oversized, and truncated or
- * damaged files are refused with NEPH_ERR_INPUT and a message that says which. NEPH_ERR_NOT_FOUND:
- * no such file. NEPH_ERR_IO: it is there but cannot be read. */
+ * the format's own. Channels come in the order of the file, which is alphabetical. What is unusual
+ * about the file is said in attributes of ours, which texts of that name in the file do not reach:
+ *   crop          the image is the data window; when the display window is another one, where it
+ *                 lies in that, as "(10, 5) of 100x60"
+ *   primaries     the chromaticities, when they are not those of Rec.709
+ *   pixel_aspect  width / height of a pixel, when it is not 1
+ * Deep, tiled, multi-part, subsampled, DWA-compressed, oversized, and truncated or damaged files
+ * are refused with NEPH_ERR_INPUT and a message that says which. NEPH_ERR_NOT_FOUND: no such file.
+ * NEPH_ERR_IO: it is there but cannot be read. */
 enum neph_status neph_exr_read(const char *path, struct neph_image **image, struct neph_diag *diag);
 
 #endif

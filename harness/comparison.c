@@ -103,28 +103,39 @@ static enum neph_status read_frames(struct work *work, int index, struct neph_di
     return status;
 }
 
-/* Of a crop the pixels alone do not say where they belong. */
-static enum neph_status check_crops(const struct neph_image *reference,
-                                    const struct neph_image *other, struct neph_diag *diag)
+/* Of a crop the pixels alone do not say where they belong, and of no pixel how wide it is. */
+static enum neph_status check_places(const struct neph_image *reference,
+                                     const struct neph_image *other, struct neph_diag *diag)
 {
-    const char *first = neph_image_attribute(reference, "crop");
-    const char *second = other ? neph_image_attribute(other, "crop") : first;
-    const char *whole = "the whole picture";
-    if (first == second || (first && second && strcmp(first, second) == 0))
-        return NEPH_OK;
-    neph_fail(diag, NEPH_ERR_INPUT,
-              "the images are not of the same place: the data window of the reference is %s, that "
-              "of the other image %s",
-              first ? first : whole, second ? second : whole);
-    neph_hint(diag, "write data windows that are equal to the display window");
-    return NEPH_ERR_INPUT;
+    static const struct {
+        const char *attribute, *what, *usual, *hint;
+    } places[] = {
+        {"crop", "the data window", "the whole picture",
+         "write data windows that are equal to the display window"},
+        {"pixel_aspect", "the pixel aspect ratio", "1", "render both with the same pixels"},
+    };
+    for (size_t i = 0; other && i < sizeof(places) / sizeof(places[0]); i++) {
+        const char *first = neph_image_attribute(reference, places[i].attribute);
+        const char *second = neph_image_attribute(other, places[i].attribute);
+        first = first ? first : places[i].usual;
+        second = second ? second : places[i].usual;
+        if (strcmp(first, second) == 0)
+            continue;
+        neph_fail(diag, NEPH_ERR_INPUT,
+                  "the images are not of the same place: %s of the reference is %s, that of the "
+                  "other image %s",
+                  places[i].what, first, second);
+        neph_hint(diag, "%s", places[i].hint);
+        return NEPH_ERR_INPUT;
+    }
+    return NEPH_OK;
 }
 
 static enum neph_status check_kinds(const struct work *work, struct neph_diag *diag)
 {
-    enum neph_status status = check_crops(work->reference, work->test, diag);
+    enum neph_status status = check_places(work->reference, work->test, diag);
     if (!status)
-        status = check_crops(work->reference, work->second, diag);
+        status = check_places(work->reference, work->second, diag);
     if (status)
         return status;
     if (work->second && is_picture(work->second) != is_picture(work->reference))
@@ -175,8 +186,8 @@ static enum neph_status check_channels(const struct neph_image *reference,
     neph_fail(diag, NEPH_ERR_INPUT, "%s: the channels of the reference are%s, of the test%s",
               both_or_none ? "nothing can be compared" : "only one of the two has radiance",
               in_reference, in_test);
-    neph_hint(diag, "radiance is in channels R G B, or in Y alone when it is grey; `neph metrics "
-                    "--json` names all quantities");
+    neph_hint(diag, "radiance is in channels R G B, or in Y alone when it is grey; --layer NAME "
+                    "takes NAME.R NAME.G NAME.B for it");
     return NEPH_ERR_INPUT;
 }
 
@@ -423,10 +434,35 @@ static void add_one_sided(const struct work *work, json_t **list)
     }
 }
 
+/* What the frames have and no metric looks at. */
+static void add_overlooked(const struct work *work, json_t **list)
+{
+    static const struct {
+        const char *channel, *attribute, *quantity, *because;
+    } overlooked[] = {
+        {"A", NULL, "alpha", "R G B are compared as they are, and no metric looks at A"},
+        {"vector.Z", NULL, "channel Z", "beside X and Y it is no depth"},
+        {NULL, "pixel_aspect", "the pixel aspect ratio", "pixels are taken for square"},
+    };
+    for (size_t i = 0; i < sizeof(overlooked) / sizeof(overlooked[0]); i++) {
+        const struct neph_image *const images[] = {work->reference, work->test};
+        bool is_there = false;
+        for (int k = 0; k < 2 && images[k]; k++)
+            is_there |= overlooked[i].channel
+                            ? neph_image_channel(images[k], overlooked[i].channel) != NULL
+                            : neph_image_attribute(images[k], overlooked[i].attribute) != NULL;
+        if (is_there)
+            neph_json_add(list, json_pack("{s:s, s:s, s:s}", "extractor", "everything", "quantity",
+                                          overlooked[i].quantity, "because",
+                                          overlooked[i].because));
+    }
+}
+
 static json_t *not_taken(const struct work *work)
 {
     json_t *list = json_array();
     add_one_sided(work, &list);
+    add_overlooked(work, &list);
     for (int c = 0; c < work->asked->choice_count; c++) {
         const struct neph_extractor *extractor = work->asked->choices[c].extractor;
         for (int q = 0; q < neph_quantity_count(); q++) {

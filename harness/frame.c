@@ -8,6 +8,7 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -98,6 +99,69 @@ static enum neph_status make_grey_rgb(struct neph_image *image, struct neph_diag
     return status;
 }
 
+static bool has_any(const struct neph_image *image, const char *const *names, int count)
+{
+    for (int i = 0; i < count; i++)
+        if (neph_image_channel(image, names[i]))
+            return true;
+    return false;
+}
+
+static bool has_colour(const struct neph_image *image)
+{
+    static const char *const names[] = {"R", "G", "B", "Y"};
+    return has_any(image, names, 4);
+}
+
+/* A colour that the layer lacks is lacking: that of the whole picture is another. */
+static enum neph_status take_layer(const char *path, struct neph_image *image, const char *layer,
+                                   struct neph_diag *diag)
+{
+    static const char *const colours[] = {"R", "G", "B", "A", "X", "Y"};
+    for (size_t c = 0; c < sizeof(colours) / sizeof(colours[0]); c++)
+        neph_image_remove_channel(image, colours[c]);
+    enum neph_status status = neph_image_take_layer(image, layer, diag);
+    if (status && diag)
+        neph_locate(diag, path, 0, 0);
+    return status;
+}
+
+static enum neph_status check_primaries(const char *path, const struct neph_image *image,
+                                        struct neph_diag *diag)
+{
+    const char *primaries = neph_image_attribute(image, "primaries");
+    if (!primaries || !has_colour(image))
+        return NEPH_OK;
+    neph_fail(diag, NEPH_ERR_INPUT, "'%s' is not in Rec.709: its chromaticities are %s", path,
+              primaries);
+    neph_hint(diag,
+              "convert it to linear Rec.709, white D65: luminance and all pictures are of it");
+    return NEPH_ERR_INPUT;
+}
+
+/* X Y Z are one vector or one colour: Z is no depth there, and Y no grey picture. */
+static enum neph_status set_vector_aside(const char *path, struct neph_image *image,
+                                         struct neph_diag *diag)
+{
+    static const char *const vector[] = {"X", "Y", "Z"}, *const rgb[] = {"R", "G", "B"};
+    for (int c = 0; c < 3; c++)
+        if (!neph_image_channel(image, vector[c]))
+            return NEPH_OK;
+    if (!has_any(image, rgb, 3)) {
+        neph_fail(diag, NEPH_ERR_INPUT,
+                  "'%s' has channels X Y Z and no R G B: CIE XYZ, or a vector, is neither radiance "
+                  "nor depth",
+                  path);
+        neph_hint(diag, "convert colours to R G B in linear Rec.709; depth is a Z without X and Y");
+        return NEPH_ERR_INPUT;
+    }
+    for (int i = 0; i < image->channel_count; i++)
+        for (int c = 0; c < 3; c++)
+            if (strcmp(image->channels[i].name, vector[c]) == 0)
+                snprintf(image->channels[i].name, NEPH_IMAGE_NAME_MAX, "vector.%s", vector[c]);
+    return NEPH_OK;
+}
+
 enum neph_status neph_frame_read(const char *path, const char *layer, size_t negative_allowed,
                                  struct neph_image **image, struct neph_diag *diag)
 {
@@ -106,11 +170,12 @@ enum neph_status neph_frame_read(const char *path, const char *layer, size_t neg
     enum neph_status status = find_format(path, &format, diag);
     if (!status)
         status = format->read(path, &frame, diag);
-    if (!status && layer) {
-        status = neph_image_take_layer(frame, layer, diag);
-        if (status && diag)
-            neph_locate(diag, path, 0, 0);
-    }
+    if (!status && layer)
+        status = take_layer(path, frame, layer, diag);
+    if (!status)
+        status = set_vector_aside(path, frame, diag);
+    if (!status)
+        status = check_primaries(path, frame, diag);
     if (!status)
         status = make_grey_rgb(frame, diag);
     if (!status)

@@ -25,6 +25,8 @@
 #include <ImfOutputPart.h>
 #include <ImfPartType.h>
 #include <ImfRgbaFile.h>
+#include <ImfStandardAttributes.h>
+#include <ImfStringAttribute.h>
 #include <ImfTiledOutputFile.h>
 #include <half.h>
 
@@ -281,6 +283,34 @@ void write_windows(const std::string &folder)
     }
 }
 
+/* ---- attributes: .exr alone --------------------------------------------------------------------
+ */
+
+void write_header_alone(const std::string &path, const Header &header)
+{
+    Picture picture = make(7, 5, ZIP_COMPRESSION, {HALF});
+    OutputFile file(path.c_str(), header);
+    file.setFrameBuffer(buffer_of(picture));
+    file.writePixels(picture.height());
+}
+
+void write_attributes(const std::string &folder)
+{
+    using IMATH_NAMESPACE::V2f;
+    const Header plain = header_of(make(7, 5, ZIP_COMPRESSION, {HALF}));
+    Header aces = plain, rec709 = plain, wide = plain, texts = plain;
+    addChromaticities(aces, Chromaticities(V2f(0.7347f, 0.2653f), V2f(0.0f, 1.0f),
+                                           V2f(0.0001f, -0.077f), V2f(0.32168f, 0.33767f)));
+    addChromaticities(rec709, Chromaticities());
+    wide.pixelAspectRatio() = 2.0f;
+    for (const char *name : {"crop", "primaries", "pixel_aspect", "encoding", "other"})
+        texts.insert(name, StringAttribute("text"));
+    write_header_alone(folder + "/aces.exr", aces);
+    write_header_alone(folder + "/rec709.exr", rec709);
+    write_header_alone(folder + "/wide.exr", wide);
+    write_header_alone(folder + "/texts.exr", texts);
+}
+
 /* ---- other kinds: .exr alone -------------------------------------------------------------------
  */
 
@@ -351,6 +381,7 @@ int main(int argc, char **argv)
         write_linear(folder);
         write_upwards(folder);
         write_windows(folder);
+        write_attributes(folder);
         write_tiled(folder, "/tiled.exr", ONE_LEVEL);
         write_tiled(folder, "/mipmap.exr", MIPMAP_LEVELS);
         write_parts(folder);

@@ -82,8 +82,22 @@ static const struct other_kind {
     {"chroma.exr", "'BY' has not a sample per pixel"},
 };
 
-static bool is_other_kind(const char *name)
+/* Of a file, and of no text in it. */
+static const struct attribute_case {
+    const char *name, *primaries, *pixel_aspect;
+} attribute_cases[] = {
+    {"rec709.exr", NULL, NULL},
+    {"aces.exr",
+     "red (0.7347, 0.2653), green (0, 1), blue (0.0001, -0.077), white (0.3217, 0.3377)", NULL},
+    {"wide.exr", NULL, "2"},
+    {"texts.exr", NULL, NULL},
+};
+
+static bool has_no_samples_beside_it(const char *name)
 {
+    for (size_t i = 0; i < sizeof(attribute_cases) / sizeof(attribute_cases[0]); i++)
+        if (strcmp(name, attribute_cases[i].name) == 0)
+            return true;
     for (size_t i = 0; i < sizeof(other_kinds) / sizeof(other_kinds[0]); i++)
         if (strcmp(name, other_kinds[i].name) == 0)
             return true;
@@ -98,7 +112,7 @@ static void test_reads_as_the_library_does(void **state)
     int read_count = 0, wrong_count = 0, refused_count = 0;
     for (const struct dirent *entry; (entry = readdir(folder));) {
         const char *name = entry->d_name;
-        if (!strstr(name, ".exr") || is_other_kind(name))
+        if (!strstr(name, ".exr") || has_no_samples_beside_it(name))
             continue;
         if (strncmp(name, "dwa", 3) == 0) {
             assert_refused(state, name, "has DWA compression");
@@ -120,11 +134,37 @@ static void test_other_kinds_are_refused_by_name(void **state)
         assert_refused(state, other_kinds[i].name, other_kinds[i].words);
 }
 
+static void assert_attribute(const struct neph_image *image, const char *name, const char *expected)
+{
+    const char *value = neph_image_attribute(image, name);
+    if (expected && value)
+        assert_string_equal(value, expected);
+    else
+        assert_true(!expected && !value);
+}
+
+static void test_what_is_unusual_about_a_file_is_said(void **state)
+{
+    for (size_t i = 0; i < sizeof(attribute_cases) / sizeof(attribute_cases[0]); i++) {
+        char path[SCRATCH_PATH_MAX];
+        struct neph_image *image = NULL;
+        struct neph_diag diag = {0};
+        scratch_path(state, path, attribute_cases[i].name);
+        neph_assert_ok(neph_exr_read(path, &image, &diag), &diag);
+        assert_attribute(image, "primaries", attribute_cases[i].primaries);
+        assert_attribute(image, "pixel_aspect", attribute_cases[i].pixel_aspect);
+        assert_attribute(image, "crop", NULL);
+        assert_attribute(image, "encoding", NULL);
+        neph_image_destroy(image);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_reads_as_the_library_does),
         cmocka_unit_test(test_other_kinds_are_refused_by_name),
+        cmocka_unit_test(test_what_is_unusual_about_a_file_is_said),
     };
     return cmocka_run_group_tests(tests, make_files, scratch_teardown);
 }

@@ -8,6 +8,7 @@ import os
 import pathlib
 import random
 import signal
+import struct
 import subprocess
 import sys
 import tempfile
@@ -238,6 +239,27 @@ class Metrics(unittest.TestCase):
         self.assertEqual(values_of(done)["mae", "all"], 0.5)
         done = neph("compare", *pair, "--layer", "Combined")
         self.assertEqual((done.returncode, "ViewLayer.Combined" in done.stderr), (65, True), done.stderr)
+
+    def test_what_a_file_says_of_its_colours_and_pixels_is_heeded(self):
+        def write(name, channels="RGB", **rest):
+            (self.folder / name).write_bytes(frames.exr_bytes(4, 4, {channel: [0.5] * 16 for channel in channels}, **rest))
+            return self.folder / name
+        ap1 = struct.pack("<8f", .713, .293, .165, .83, .128, .044, .32168, .33767)
+        rec709 = struct.pack("<8f", .64, .33, .3, .6, .15, .06, .3127, .329)
+        plain, wide, alpha = write("plain.exr"), write("wide.exr", pixel_aspect=2), write("alpha.exr", "RGBA")
+        aces = write("aces.exr", attributes=[("chromaticities", "chromaticities", ap1)])
+        named = write("named.exr", attributes=[("chromaticities", "chromaticities", rec709), ("encoding", "string", b"linear")])
+        for pair in ((plain, aces), (aces, plain), (aces, aces)):
+            done = neph("compare", *pair)
+            self.assertEqual((done.returncode, done.stdout, "red (0.713, 0.293)" in done.stderr), (65, "", True), done.stderr)
+        done = neph("compare", plain, named, "--exposure", 1, "-m", "mae")  # a text does not make a picture of it
+        self.assertEqual((done.returncode, "alpha" in done.stdout), (0, False), done.stderr)
+        done = neph("compare", plain, wide)
+        self.assertEqual((done.returncode, "pixel aspect ratio of the reference is 1, that of the other image 2" in done.stderr),
+                         (65, True), done.stderr)
+        self.assertIn("pixels are taken for square", neph("compare", wide, wide, "-m", "mae").stdout)
+        for pair in ((plain, alpha), (alpha, plain)):
+            self.assertIn("not taken: everything of alpha", neph("compare", *pair, "-m", "mae").stdout)
 
     def test_identifiers_beside_the_picture_are_not_gated(self):
         count = WIDTH * HEIGHT

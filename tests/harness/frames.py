@@ -7,8 +7,8 @@ import struct
 import zlib
 
 
-def exr_bytes(width, height, channels):
-    """channels: {name: width * height floats, row 0 on top}."""
+def exr_bytes(width, height, channels, attributes=(), pixel_aspect=1):
+    """channels: {name: width * height floats, row 0 on top}; attributes: (name, type, bytes) of further ones."""
     names = sorted(channels)
     chlist = b"".join(n.encode() + b"\0" + struct.pack("<iBxxxii", 2, 0, 1, 1) for n in names) + b"\0"
 
@@ -22,9 +22,10 @@ def exr_bytes(width, height, channels):
         attribute("dataWindow", "box2i", window),
         attribute("displayWindow", "box2i", window),
         attribute("lineOrder", "lineOrder", b"\0"),
-        attribute("pixelAspectRatio", "float", struct.pack("<f", 1)),
+        attribute("pixelAspectRatio", "float", struct.pack("<f", pixel_aspect)),
         attribute("screenWindowCenter", "v2f", struct.pack("<ff", 0, 0)),
-        attribute("screenWindowWidth", "float", struct.pack("<f", 1)))) + b"\0"
+        attribute("screenWindowWidth", "float", struct.pack("<f", 1)),
+        *(attribute(*further) for further in attributes))) + b"\0"
     row_bytes = 4 * width * len(names)
     first = len(header) + 8 * height
     offsets = struct.pack(f"<{height}Q", *(first + y * (row_bytes + 8) for y in range(height)))

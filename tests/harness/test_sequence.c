@@ -359,6 +359,52 @@ static void test_frames_that_are_none(void **state)
     neph_image_destroy(image);
 }
 
+/* A frame with those channels, each 1 everywhere but for the first, which is 2. */
+static void write_channels(const char *path, const char *const *names)
+{
+    struct neph_image *image = NULL;
+    neph_assert_ok(neph_image_create(2, 1, &image, NULL), NULL);
+    for (int c = 0; names[c]; c++) {
+        float *samples;
+        neph_assert_ok(neph_image_add_channel(image, names[c], &samples, NULL), NULL);
+        samples[0] = samples[1] = c == 0 ? 2.0f : 1.0f;
+    }
+    neph_assert_ok(neph_exr_write(path, image, NULL), NULL);
+    neph_image_destroy(image);
+}
+
+static void test_colours_that_are_none_of_ours(void **state)
+{
+    static const struct {
+        const char *channels[7], *layer;
+        const char *has[4], *lacks[4];
+        const char *refused; /* NULL: it is read */
+    } cases[] = {
+        {{"X", "Y", "Z"}, NULL, {NULL}, {NULL}, "channels X Y Z and no R G B"},
+        {{"N.X", "N.Y", "N.Z", "R", "G", "B"}, "N", {NULL}, {NULL}, "channels X Y Z"},
+        {{"R", "G", "B", "X", "Y", "Z"}, NULL, {"R", "vector.Z"}, {"Y", "Z"}, NULL},
+        {{"Y", "Z"}, NULL, {"R", "G", "B", "Z"}, {NULL}, NULL},
+        {{"R", "G", "B", "Z"}, NULL, {"R", "G", "B", "Z"}, {NULL}, NULL},
+        {{"R", "G", "B", "Z", "diffuse.r"}, "diffuse", {"r", "Z"}, {"R", "G", "B"}, NULL},
+        {{"R", "G", "B", "A", "Z", "left.Y"}, "left", {"R", "G", "Z"}, {"A"}, NULL},
+    };
+    for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+        char path[SCRATCH_PATH_MAX];
+        struct neph_image *image = NULL;
+        struct neph_diag diag = {0};
+        write_channels(scratch_path(state, path, "frame.exr"), cases[i].channels);
+        const enum neph_status status = neph_frame_read(path, cases[i].layer, 0, &image, &diag);
+        if (status != (cases[i].refused ? NEPH_ERR_INPUT : NEPH_OK) ||
+            (status && !strstr(diag.message, cases[i].refused)))
+            fail_msg("case %zu: %s: %s", i, neph_status_name(status), diag.message);
+        for (int c = 0; c < 4 && image && cases[i].has[c]; c++)
+            assert_non_null(neph_image_channel(image, cases[i].has[c]));
+        for (int c = 0; c < 4 && image && cases[i].lacks[c]; c++)
+            assert_null(neph_image_channel(image, cases[i].lacks[c]));
+        neph_image_destroy(image);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -368,6 +414,7 @@ int main(void)
         scratch_test(test_operands_are_split),
         scratch_test(test_frames_by_content),
         scratch_test(test_frames_that_are_none),
+        scratch_test(test_colours_that_are_none_of_ours),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
