@@ -19,7 +19,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { REPEATS = 3, POINTS_MAX = 6 };
+enum { POINTS_MAX = 6 };
 
 /* Small, so that a chart takes a minute; errors of a mean over the image do not depend on it. */
 static const int chart_width_px = 48, chart_height_px = 27;
@@ -56,9 +56,11 @@ static const struct chart {
     {"fog", "height_fog_level", "Single scattering in height fog", fog_series,
      sizeof(fog_series) / sizeof(fog_series[0])},
 };
+enum { CHART_COUNT = sizeof(charts_table) / sizeof(charts_table[0]) };
 
 struct point {
-    double seconds[REPEATS], error[REPEATS];
+    int repeats;
+    double seconds[NEPH_CHARTS_REPEATS_MAX], error[NEPH_CHARTS_REPEATS_MAX]; /* ascending */
     char label[64];
 };
 
@@ -73,6 +75,7 @@ struct sweep {
     struct neph_image *truth;
     struct neph_store *store;
     struct neph_progress *progress;
+    int repeats;
     double time_limit_s;
 };
 
@@ -124,7 +127,8 @@ static enum neph_status measure_point(const struct sweep *sweep, const struct ne
              point->label);
     neph_progress_begin(sweep->progress, what);
     const double start_s = neph_wall_s();
-    for (int repeat = 0; repeat < REPEATS && !status && *rendered; repeat++) {
+    point->repeats = sweep->repeats;
+    for (int repeat = 0; repeat < sweep->repeats && !status && *rendered; repeat++) {
         struct neph_job job = make_job(sweep, engine, info, repeat);
         struct neph_job_result result = {.outcome = NEPH_OUTCOME_FAILED};
         if (series->fixed)
@@ -142,20 +146,21 @@ static enum neph_status measure_point(const struct sweep *sweep, const struct ne
     }
     neph_progress_step(sweep->progress, what, *rendered ? "measured" : "not measured",
                        neph_wall_s() - start_s);
-    qsort(point->seconds, REPEATS, sizeof(double), compare);
-    qsort(point->error, REPEATS, sizeof(double), compare);
+    qsort(point->seconds, (size_t)point->repeats, sizeof(double), compare);
+    qsort(point->error, (size_t)point->repeats, sizeof(double), compare);
     return status;
 }
 
 /* `place`: rank of the setting in its series, by which the points are joined. */
 static json_t *point_json(const struct series *series, const struct point *point, int place)
 {
+    const int middle = point->repeats / 2, last = point->repeats - 1;
     return json_pack("{s:s, s:s, s:s, s:i, s:f, s:f, s:f, s:f, s:f, s:f, s:s}", "series",
                      series->name, "engine", series->engine, "label", point->label, "place", place,
-                     "seconds", point->seconds[REPEATS / 2], "seconds_low", point->seconds[0],
-                     "seconds_high", point->seconds[REPEATS - 1], "error",
-                     point->error[REPEATS / 2], "error_low", point->error[0], "error_high",
-                     point->error[REPEATS - 1], "unit", "relative RMSE of radiance");
+                     "seconds", point->seconds[middle], "seconds_low", point->seconds[0],
+                     "seconds_high", point->seconds[last], "error", point->error[middle],
+                     "error_low", point->error[0], "error_high", point->error[last], "unit",
+                     "relative RMSE of radiance");
 }
 
 /* The ideal line of a series starts at half the error of its first point and ends at the time of
@@ -165,8 +170,9 @@ static void add_slope(json_t **slopes, const struct series *series, const struct
 {
     if (series->order <= 0.0)
         return;
-    const double start_s = first->seconds[REPEATS / 2], end_s = last->seconds[REPEATS / 2];
-    const double error = 0.5 * first->error[REPEATS / 2];
+    const int middle = first->repeats / 2;
+    const double start_s = first->seconds[middle], end_s = last->seconds[middle];
+    const double error = 0.5 * first->error[middle];
     char line[96];
     snprintf(line, sizeof(line), "%s: error ~ 1/time^%g", series->engine, series->order);
     neph_json_add(slopes,
@@ -248,12 +254,16 @@ static enum neph_status run_chart(const struct chart *chart, struct sweep *sweep
         status = run_series(sweep, &chart->series[i], &points, &slopes, absent, sizeof(absent),
                             diag);
     if (!status) {
-        char caption[1024];
+        char caption[1024], runs[160] = "One run of each point: how they scatter is not known.";
+        if (sweep->repeats > 1)
+            snprintf(runs, sizeof(runs),
+                     "Middle of %d runs (other seeds where the engine draws random numbers), bars "
+                     "from the smallest to the largest.",
+                     sweep->repeats);
         snprintf(caption, sizeof(caption),
                  "Scene %s at %dx%d px against exact. Seconds of the radiance pass alone, without "
-                 "start-up. Middle of %d runs (other seeds where the engine draws random numbers), "
-                 "bars from the smallest to the largest. A point without error is not drawn.%s",
-                 chart->scene, chart_width_px, chart_height_px, REPEATS, absent);
+                 "start-up. %s A point without error is not drawn.%s",
+                 chart->scene, chart_width_px, chart_height_px, runs, absent);
         json_t *datasets = json_object_get(spec, "datasets");
         status = neph_json_put(datasets, "points", json_incref(points), diag);
         if (!status)
@@ -273,20 +283,35 @@ static enum neph_status run_chart(const struct chart *chart, struct sweep *sweep
     return status;
 }
 
-enum neph_status neph_charts_run(const struct neph_charts_params *params, struct neph_store *store,
-                                 json_t *charts, struct neph_diag *diag)
+static bool is_wanted(const struct neph_charts_params *params, const struct chart *chart)
 {
-    const int chart_count = (int)(sizeof(charts_table) / sizeof(charts_table[0]));
-    int total = 0;
-    for (int i = 0; i < chart_count; i++)
-        for (int j = 0; j < charts_table[i].series_count; j++)
-            total += charts_table[i].series[j].count;
-    struct neph_progress progress = neph_progress_start(params->quiet, total);
-    struct sweep sweep = {
-        .store = store, .progress = &progress, .time_limit_s = params->time_limit_s};
+    bool wanted = !params->ids;
+    for (int i = 0; params->ids && params->ids[i]; i++)
+        wanted |= strcmp(params->ids[i], chart->id) == 0;
+    return wanted;
+}
+
+int neph_charts_step_count(const struct neph_charts_params *params)
+{
+    int count = 0;
+    for (size_t i = 0; i < CHART_COUNT; i++)
+        for (int k = 0; k < charts_table[i].series_count && is_wanted(params, &charts_table[i]);
+             k++)
+            count += charts_table[i].series[k].count;
+    return count;
+}
+
+enum neph_status neph_charts_run(const struct neph_charts_params *params, struct neph_store *store,
+                                 struct neph_progress *progress, json_t *charts,
+                                 struct neph_diag *diag)
+{
+    struct sweep sweep = {.store = store,
+                          .progress = progress,
+                          .repeats = params->repeats,
+                          .time_limit_s = params->time_limit_s};
     enum neph_status status = NEPH_OK;
-    for (int i = 0; i < chart_count && !status; i++)
-        status = run_chart(&charts_table[i], &sweep, charts, diag);
-    neph_progress_end(&progress);
+    for (size_t i = 0; i < CHART_COUNT && !status; i++)
+        if (is_wanted(params, &charts_table[i]))
+            status = run_chart(&charts_table[i], &sweep, charts, diag);
     return status;
 }

@@ -6,10 +6,9 @@
 #ifndef NEPH_HARNESS_OVER_TIME_H
 #define NEPH_HARNESS_OVER_TIME_H
 
+#include "harness/json.h"
 #include "harness/progress.h"
 #include "harness/store.h"
-
-#include <jansson.h>
 
 /* Render and measure the sequence of the report and append it to `list` in the form of "sequences"
  * in scripts/report/README.md. A preset that fails is a row that says why. The store keeps the last
@@ -22,7 +21,8 @@ enum neph_status neph_over_time_run(struct neph_store *store, struct neph_progre
 enum neph_status neph_over_time_pictures(json_t *list, const char *report_folder,
                                          struct neph_diag *diag);
 
-/* How many steps of progress that takes. */
+/* How many steps of progress that takes, and about how long one is on two cores. */
 int neph_over_time_step_count(void);
+#define NEPH_OVER_TIME_STEP_TYPICAL_S 8.0
 
 #endif

@@ -19,7 +19,8 @@ struct neph_progress neph_progress_start(bool quiet, int total)
 void neph_progress_expect(struct neph_progress *progress, int kind, int count, double guess_s)
 {
     progress->kinds[kind].total += count;
-    progress->kinds[kind].guess_s = guess_s;
+    if (count > 0)
+        progress->kinds[kind].guess_s = guess_s;
 }
 
 double neph_progress_left_s(const struct neph_progress *progress)
@@ -36,14 +37,20 @@ double neph_progress_left_s(const struct neph_progress *progress)
     return is_known ? left_s : -1.0;
 }
 
-/* "[3/26] ", of all kinds. */
+void neph_progress_count(const struct neph_progress *progress, int *done, int *total)
+{
+    *done = *total = 0;
+    for (int k = 0; k < NEPH_PROGRESS_KINDS; k++) {
+        *done += progress->kinds[k].done;
+        *total += progress->kinds[k].total;
+    }
+}
+
+/* "[3/26] " */
 static void print_place(const struct neph_progress *progress, int ahead)
 {
-    int done = 0, total = 0;
-    for (int k = 0; k < NEPH_PROGRESS_KINDS; k++) {
-        done += progress->kinds[k].done;
-        total += progress->kinds[k].total;
-    }
+    int done, total;
+    neph_progress_count(progress, &done, &total);
     fprintf(stderr, "[%d/%d] ", done + ahead, total);
 }
 

@@ -44,6 +44,9 @@ void neph_progress_tick(struct neph_progress *progress, const char *what);
 /* Wipe the terminal's line. */
 void neph_progress_end(const struct neph_progress *progress);
 
+/* Steps that are over, and all, over all kinds. */
+void neph_progress_count(const struct neph_progress *progress, int *done, int *total);
+
 /* Seconds until all steps are over, at the pace so far; negative when nothing is known yet. */
 double neph_progress_left_s(const struct neph_progress *progress);
 

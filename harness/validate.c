@@ -8,11 +8,14 @@
 #include "base/threads.h"
 #include "harness/attribution.h"
 #include "harness/bakes.h"
+#include "harness/budget.h"
 #include "harness/data.h"
 #include "harness/job.h"
 #include "harness/measure.h"
+#include "harness/over_time.h"
 #include "harness/progress.h"
 #include "harness/scene_layers.h"
+#include "harness/studies.h"
 #include "harness/study.h"
 
 #include <math.h>
@@ -29,6 +32,29 @@ struct field {
     int count;
     const struct neph_engine *engines[ENGINES_MAX];
     struct neph_engine_info infos[ENGINES_MAX];
+};
+
+/* Kinds of steps, for the time left: engine by engine, a picture and its second seed. */
+enum {
+    KIND_FRAME = 0,
+    KIND_SECOND_SEED = ENGINES_MAX,
+    KIND_CHART = 2 * ENGINES_MAX,
+    KIND_OVER_TIME
+};
+_Static_assert((int)KIND_OVER_TIME < (int)NEPH_PROGRESS_KINDS, "kinds of progress");
+
+/* What was rendered once within the budget will be again, but on a busy machine perhaps not as
+ * fast: a second seed that is given up takes the engine out of the attribution. */
+enum { SECOND_SEED_PATIENCE = 4 };
+
+struct run {
+    const struct neph_validate_params *params;
+    struct neph_store *store;
+    struct field field;
+    struct neph_progress progress;
+    double start_s;
+    int absent_count; /* scenes that are not here */
+    json_t *document; /* as far as it is; "scenes", "absent", "sequences" and "charts" grow */
 };
 
 static enum neph_status choose_engines(const struct neph_validate_params *params,
@@ -77,12 +103,12 @@ static json_t *frame_json(const struct neph_engine *engine, const struct neph_jo
                           json_t *study)
 {
     return json_pack(
-        "{s:s, s:s, s:s, s:s, s:s, s:b, s:f, s:f, s:f, s:I, s:s?, s:n, s:n, s:{s:n, s:n}, "
+        "{s:s, s:s, s:s, s:s, s:s, s:s, s:b, s:f, s:f, s:f, s:I, s:s?, s:n, s:n, s:{s:n, s:n}, "
         "s:[], s:o, s:b, s:n}",
         "engine", engine->name, "rung", neph_rung_name(engine->rung), "status",
-        neph_outcome_name(result->outcome), "reason", result->reason, "settings", result->settings,
-        "reused", result->reused, "render_s", result->cost.render_s, "wall_s", result->cost.wall_s,
-        "cpu_s", result->cost.cpu_s, "peak_memory_bytes",
+        neph_outcome_name(result->outcome), "reason", result->reason, "note", result->note,
+        "settings", result->settings, "reused", result->reused, "render_s", result->cost.render_s,
+        "wall_s", result->cost.wall_s, "cpu_s", result->cost.cpu_s, "peak_memory_bytes",
         (json_int_t)result->cost.peak_memory_bytes, "exr", result->frame_path, "exr_second",
         "picture", "difference", "radiance", "transmittance", "measurements", "study",
         study ? study : json_null(), "look", engine->look, "bake");
@@ -132,6 +158,18 @@ static const json_t *frame_of_engine(const json_t *frames, const char *engine)
     return NULL;
 }
 
+/* A limit was set for what the engine does with all its samples: a frame that got fewer may keep
+ * it, but cannot break it. */
+static json_t *unjudged_gate_json(const struct neph_gate *gate, const char *quantity,
+                                  const char *note)
+{
+    char reason[NEPH_JOB_NOTE_SIZE + 64];
+    snprintf(reason, sizeof(reason), "not judged: %s", note);
+    return json_pack("{s:s, s:s, s:s, s:s, s:n, s:f, s:s, s:s}", "engine", gate->engine, "quantity",
+                     quantity, "metric", gate->metric, "mask", gate->mask, "value", "maximum",
+                     gate->maximum, "verdict", "not_measured", "reason", reason);
+}
+
 /* A gate is not measured where its engine is missing, cannot, or is itself the truth; a frame that
  * was there to be measured and has no such number does not pass it. */
 static json_t *gate_json(const struct neph_gate *gate, const json_t *frames, const json_t *truth)
@@ -144,6 +182,9 @@ static json_t *gate_json(const struct neph_gate *gate, const json_t *frames, con
     const bool measured = json_is_number(value);
     const bool owed = truth && frame != truth && json_is_string(json_object_get(frame, "exr"));
     const bool kept = measured && fabs(json_number_value(value)) <= gate->maximum;
+    const char *note = neph_json_text(frame, "note");
+    if (measured && !kept && note[0])
+        return unjudged_gate_json(gate, quantity, note);
     const char *verdict = kept ? "pass" : measured || owed ? "fail" : "not_measured";
     return json_pack("{s:s, s:s, s:s, s:s, s:o, s:f, s:s, s:s}", "engine", gate->engine, "quantity",
                      quantity, "metric", gate->metric, "mask", gate->mask, "value",
@@ -199,126 +240,163 @@ static int frame_of(const struct neph_validate_params *params, const struct neph
     return params->frame < scene->frame_count ? params->frame : scene->frame_count - 1;
 }
 
-static struct neph_job job_of(const struct neph_validate_params *params, const struct field *field,
-                              int index, const struct neph_scene *scene, uint64_t seed)
+static struct neph_job job_of(const struct run *run, int index, const struct neph_scene *scene,
+                              uint64_t seed)
 {
-    const struct neph_engine *engine = field->engines[index];
+    const struct neph_engine *engine = run->field.engines[index];
     return (struct neph_job){
         .engine = engine,
-        .info = &field->infos[index],
+        .info = &run->field.infos[index],
         .shot = {.scene = scene,
                  .settings = neph_settings_default(engine),
-                 .width_px = params->width_px,
-                 .height_px = params->height_px,
-                 .frame = frame_of(params, scene),
+                 .width_px = run->params->width_px,
+                 .height_px = run->params->height_px,
+                 .frame = frame_of(run->params, scene),
                  .layers = NEPH_LAYERS_ALL,
-                 .seed = seed,
-                 .time_limit_s = params->time_limit_s},
+                 .seed = seed},
     };
 }
 
-/* Other people's renderers march in steps of our choice: a study at a small size chooses them, and
- * its bias stands beside the frame. `*study` is NULL where there is nothing to study. */
-static enum neph_status choose_step(struct neph_job *job, struct neph_store *store, json_t **study,
-                                    struct neph_diag *diag)
+static enum neph_status make_study(const struct run *run, const struct neph_job *job,
+                                   json_t **study, struct neph_diag *diag)
 {
-    struct neph_job small = *job;
-    struct neph_study found;
+    struct neph_job small = neph_studies_job(job);
+    struct neph_study made;
     enum neph_outcome outcome;
     char reason[1600];
-    *study = NULL;
-    if (job->engine->rung != NEPH_RUNG_WITNESS || !job->info->available ||
-        !neph_study_applies(job->engine, job->shot.scene))
-        return NEPH_OK;
-    small.shot.width_px = 32;
-    small.shot.height_px = 18;
-    small.shot.layers = NEPH_LAYER_RADIANCE;
-    const enum neph_status status = neph_study_run(&small, store, &found, &outcome, reason, diag);
+    small.shot.time_limit_s = run->params->budget_s;
+    const enum neph_status status = neph_study_run(&small, run->store, &made, &outcome, reason,
+                                                   diag);
     if (status || outcome != NEPH_OUTCOME_RENDERED)
         return status; /* the frame itself will say why */
-    neph_study_apply(&found, job->engine, &job->shot.settings);
-    *study = neph_study_json(&found);
+    *study = neph_study_json(&made);
     neph_json_set(study, "size_px", json_pack("[i,i]", small.shot.width_px, small.shot.height_px));
     return neph_json_check(*study, diag);
 }
 
-static enum neph_status run_frames(const struct neph_validate_params *params,
-                                   const struct field *field, const struct neph_scene *scene,
-                                   struct neph_store *store, struct neph_progress *progress,
-                                   json_t *frames, struct neph_settings chosen[ENGINES_MAX],
-                                   struct neph_diag *diag)
+/* Other people's renderers march in steps of our choice: a study chooses them, one that comes with
+ * neph or one that is made now, and its bias stands beside the frame. `*study` is NULL where there
+ * is nothing to study. */
+static enum neph_status choose_step(const struct run *run, struct neph_job *job, json_t **study,
+                                    struct neph_diag *diag)
 {
-    enum neph_status status = NEPH_OK;
-    for (int i = 0; i < field->count && !status; i++) {
-        struct neph_job job = job_of(params, field, i, scene, 1);
-        char what[256];
-        snprintf(what, sizeof(what), "%s with %s", scene->name, job.engine->name);
-        neph_progress_begin(progress, what);
-        const double start_s = neph_wall_s();
-        struct neph_job_result result = {.outcome = NEPH_OUTCOME_FAILED};
-        json_t *study = NULL;
-        status = choose_step(&job, store, &study, diag);
-        if (!status)
-            status = neph_job_run(&job, store, &result, diag);
-        chosen[i] = job.shot.settings;
-        if (status)
-            json_decref(study);
-        else
-            status = neph_json_append(frames, frame_json(job.engine, &result, study), diag);
-        if (!status)
-            neph_progress_step(progress, what,
-                               result.reused ? "reused" : neph_outcome_name(result.outcome),
-                               neph_wall_s() - start_s);
-        neph_job_result_finish(&result);
+    *study = NULL;
+    if (job->engine->rung != NEPH_RUNG_WITNESS || !job->info->available ||
+        !neph_study_applies(job->engine, job->shot.scene))
+        return NEPH_OK;
+    enum neph_status status = neph_studies_find(job, study, diag);
+    if (!status && !*study)
+        status = make_study(run, job, study, diag);
+    if (!status && *study)
+        status = neph_studies_apply(*study, job->engine, &job->shot.settings, diag);
+    if (status) {
+        json_decref(*study);
+        *study = NULL;
     }
+    return status;
+}
+
+/* One picture; witnesses within their budget. */
+static enum neph_status render(const struct run *run, struct neph_job *job,
+                               struct neph_job_result *result, struct neph_diag *diag)
+{
+    return job->engine->rung == NEPH_RUNG_WITNESS
+               ? neph_budget_run(job, run->params->budget_s, run->store, result, diag)
+               : neph_job_run(job, run->store, result, diag);
+}
+
+static enum neph_status run_frame(struct run *run, int index, const struct neph_scene *scene,
+                                  json_t *frames, struct neph_settings *chosen,
+                                  struct neph_diag *diag)
+{
+    struct neph_job job = job_of(run, index, scene, 1);
+    char what[256];
+    snprintf(what, sizeof(what), "%s with %s", scene->name, job.engine->name);
+    run->progress.kind = KIND_FRAME + index;
+    neph_progress_begin(&run->progress, what);
+    const double start_s = neph_wall_s();
+    struct neph_job_result result = {.outcome = NEPH_OUTCOME_FAILED};
+    json_t *study = NULL;
+    enum neph_status status = choose_step(run, &job, &study, diag);
+    if (!status)
+        status = render(run, &job, &result, diag);
+    *chosen = job.shot.settings;
+    if (status)
+        json_decref(study);
+    else
+        status = neph_json_append(frames, frame_json(job.engine, &result, study), diag);
+    if (!status)
+        neph_progress_step(&run->progress, what,
+                           result.reused ? "reused" : neph_outcome_name(result.outcome),
+                           neph_wall_s() - start_s);
+    neph_job_result_finish(&result);
+    return status;
+}
+
+static bool is_rendered(const json_t *frame)
+{
+    return json_is_string(json_object_get(frame, "exr"));
+}
+
+static enum neph_status run_second_seed(struct run *run, int index, const struct neph_scene *scene,
+                                        json_t *frame, const struct neph_settings *chosen,
+                                        struct neph_diag *diag)
+{
+    struct neph_job job = job_of(run, index, scene, 2);
+    job.shot.settings = *chosen;
+    job.shot.time_limit_s = SECOND_SEED_PATIENCE * run->params->budget_s;
+    char what[256];
+    snprintf(what, sizeof(what), "%s with %s, second seed", scene->name, job.engine->name);
+    run->progress.kind = KIND_SECOND_SEED + index;
+    neph_progress_begin(&run->progress, what);
+    const double start_s = neph_wall_s();
+    struct neph_job_result result;
+    enum neph_status status = neph_job_run(&job, run->store, &result, diag);
+    if (!status && result.frame_path)
+        status = neph_json_put(frame, "exr_second", json_string(result.frame_path), diag);
+    if (!status)
+        neph_progress_step(&run->progress, what,
+                           result.reused ? "reused" : neph_outcome_name(result.outcome),
+                           neph_wall_s() - start_s);
+    neph_job_result_finish(&result);
     return status;
 }
 
 /* A second seed of every stochastic engine, where there are three engines to tell apart. */
-static enum neph_status run_second_seeds(const struct neph_validate_params *params,
-                                         const struct field *field, const struct neph_scene *scene,
-                                         struct neph_store *store,
-                                         struct neph_progress *progress, json_t *frames,
-                                         const struct neph_settings chosen[ENGINES_MAX],
+static enum neph_status run_second_seeds(struct run *run, const struct neph_scene *scene,
+                                         json_t *frames, const struct neph_settings *chosen,
                                          struct neph_diag *diag)
 {
     int rendered = 0;
     for (size_t i = 0; i < json_array_size(frames); i++)
-        rendered += json_is_string(json_object_get(json_array_get(frames, i), "exr"));
+        rendered += is_rendered(json_array_get(frames, i));
     enum neph_status status = NEPH_OK;
-    for (int i = 0; i < field->count && rendered >= 3 && !status; i++) {
+    for (int i = 0; i < run->field.count && !status; i++) {
         json_t *frame = json_array_get(frames, (size_t)i);
-        if (!field->engines[i]->stochastic || !json_is_string(json_object_get(frame, "exr")))
+        if (!run->field.engines[i]->stochastic)
             continue;
-        struct neph_job job = job_of(params, field, i, scene, 2);
-        job.shot.settings = chosen[i];
-        char what[256];
-        snprintf(what, sizeof(what), "%s with %s, second seed", scene->name, job.engine->name);
-        neph_progress_begin(progress, what);
-        struct neph_job_result result;
-        status = neph_job_run(&job, store, &result, diag);
-        if (!status && result.frame_path)
-            status = neph_json_put(frame, "exr_second", json_string(result.frame_path), diag);
-        neph_job_result_finish(&result);
+        if (rendered >= 3 && is_rendered(frame))
+            status = run_second_seed(run, i, scene, frame, &chosen[i], diag);
+        else
+            neph_progress_expect(&run->progress, KIND_SECOND_SEED + i, -1, 0.0);
     }
     return status;
 }
 
-static enum neph_status run_scene(const struct neph_validate_params *params,
-                                  const struct field *field, const struct neph_scene *scene,
-                                  struct neph_store *store, struct neph_progress *progress,
+static enum neph_status run_scene(struct run *run, const struct neph_scene *scene,
                                   json_t **document, struct neph_diag *diag)
 {
     json_t *frames = json_array(), *attribution = NULL;
     struct neph_settings chosen[ENGINES_MAX];
-    enum neph_status status = run_frames(params, field, scene, store, progress, frames, chosen,
-                                         diag);
+    enum neph_status status = neph_json_check(frames, diag);
+    for (int i = 0; i < run->field.count && !status; i++)
+        status = run_frame(run, i, scene, frames, &chosen[i], diag);
     if (!status)
-        status = run_second_seeds(params, field, scene, store, progress, frames, chosen, diag);
+        status = run_second_seeds(run, scene, frames, chosen, diag);
     if (!status)
         status = neph_attribute(frames, &attribution, diag);
     if (!status)
-        status = scene_document(scene, frame_of(params, scene), frames, document, diag);
+        status = scene_document(scene, frame_of(run->params, scene), frames, document, diag);
     if (!status)
         status = neph_json_put(*document, "attribution", json_incref(attribution), diag);
     json_decref(attribution);
@@ -356,8 +434,9 @@ static struct counts count_frames(const json_t *scenes, int expected)
 
 /* A failed gate or an engine that broke fails the run; a missing one does not. Nor does a run pass
  * that lost a frame or compared none. */
-static bool document_passes(const json_t *scenes, const struct counts *counts)
+static bool document_passes(const json_t *document, const struct counts *counts)
 {
+    const json_t *scenes = json_object_get(document, "scenes");
     if (counts->reported != counts->expected || counts->compared == 0)
         return false;
     for (size_t i = 0; i < json_array_size(scenes); i++) {
@@ -404,56 +483,163 @@ static json_t *absent_json(const char *name, struct neph_diag *diag)
     return absent;
 }
 
-enum neph_status neph_validate(const struct neph_validate_params *params, struct neph_store *store,
-                               json_t **document, struct neph_diag *diag)
+/* ---- the document as it grows ---------------------------------------------------------------- */
+
+static json_t *part_of(const struct run *run, const char *key)
 {
-    const double start_s = neph_wall_s();
-    struct field field = {.count = 0};
-    enum neph_status status = choose_engines(params, &field, diag);
-    if (status)
-        return status;
-    struct neph_progress progress = neph_progress_start(params->quiet,
-                                                        params->scene_count * field.count);
-    json_t *scenes = json_array(), *absent = json_array();
-    int absent_count = 0;
-    for (int i = 0; i < params->scene_count && !status; i++) {
-        struct neph_scene *scene = NULL;
-        json_t *part = NULL;
-        status = neph_data_load_scene(params->scenes[i], &scene, diag);
-        if (status == NEPH_ERR_NOT_FOUND && params->skip_absent) {
-            json_t *item = absent_json(params->scenes[i], diag);
-            status = neph_json_append(absent, item, diag);
-            absent_count++;
-            continue;
-        }
-        if (!status)
-            status = run_scene(params, &field, scene, store, &progress, &part, diag);
-        if (!status)
-            status = neph_json_append(scenes, part, diag);
-        neph_scene_destroy(scene);
-    }
-    neph_progress_end(&progress);
-    if (status) {
-        json_decref(scenes);
-        json_decref(absent);
-        return status;
-    }
-    const int here = params->scene_count - absent_count;
-    const struct counts counts = count_frames(scenes, here * field.count);
+    return json_object_get(run->document, key);
+}
+
+static enum neph_status begin_document(struct run *run, struct neph_diag *diag)
+{
     char created[32];
     const time_t now = time(NULL);
     struct tm utc;
     strftime(created, sizeof(created), "%Y-%m-%dT%H:%M:%SZ", gmtime_r(&now, &utc));
-    *document = json_pack(
-        "{s:s, s:s, s:s, s:s, s:o, s:[i,i], s:s, s:{s:i, s:i, s:i}, s:f, s:o, s:o, s:o, s:[]}",
-        "format", "neph-report-1", "title", "Nephelometer validation", "created_utc", created,
-        "neph_version", NEPH_VERSION, "host", neph_host_json(), "size_px", params->width_px,
-        params->height_px, "verdict", document_passes(scenes, &counts) ? "pass" : "fail", "counts",
-        "expected", counts.expected, "reported", counts.reported, "compared", counts.compared,
-        "seconds", neph_wall_s() - start_s, "engines", engines_json(&field), "scenes", scenes,
-        "absent", absent, "charts");
-    return neph_json_check(*document, diag);
+    run->document = json_pack("{s:s, s:s, s:s, s:s, s:o, s:[i,i], s:o, s:[], s:[], s:[], s:[]}",
+                              "format", "neph-report-1", "title", "Nephelometer validation",
+                              "created_utc", created, "neph_version", NEPH_VERSION, "host",
+                              neph_host_json(), "size_px", run->params->width_px,
+                              run->params->height_px, "engines", engines_json(&run->field),
+                              "scenes", "absent", "sequences", "charts");
+    return neph_json_check(run->document, diag);
 }
+
+/* The verdict, and what it stands on. */
+static enum neph_status judge(struct run *run, const char *verdict, struct neph_diag *diag)
+{
+    const int here = run->params->scene_count - run->absent_count;
+    const struct counts counts = count_frames(part_of(run, "scenes"), here * run->field.count);
+    if (!verdict)
+        verdict = document_passes(run->document, &counts) ? "pass" : "fail";
+    return neph_json_merge(run->document,
+                           json_pack("{s:s, s:f, s:{s:i, s:i, s:i}}", "verdict", verdict, "seconds",
+                                     neph_wall_s() - run->start_s, "counts", "expected",
+                                     counts.expected, "reported", counts.reported, "compared",
+                                     counts.compared),
+                           diag);
+}
+
+/* What a page says that is written before the run is over: how far it is. */
+static enum neph_status judge_so_far(struct run *run, const char *verdict, struct neph_diag *diag)
+{
+    int done, total;
+    neph_progress_count(&run->progress, &done, &total);
+    const double left_s = neph_progress_left_s(&run->progress);
+    json_t *progress = json_pack("{s:i, s:i, s:o}", "done", done, "total", total, "left_s",
+                                 left_s >= 0.0 ? json_real(left_s) : json_null());
+    enum neph_status status = judge(run, verdict, diag);
+    if (status)
+        json_decref(progress);
+    return status ? status : neph_json_put(run->document, "progress", progress, diag);
+}
+
+static enum neph_status show(struct run *run, struct neph_diag *diag)
+{
+    if (!run->params->show)
+        return NEPH_OK;
+    const enum neph_status status = judge_so_far(run, "running", diag);
+    return status ? status : run->params->show(run->document, run->params->context, diag);
+}
+
+/* ---- the run --------------------------------------------------------------------------------- */
+
+static void expect_all(struct run *run)
+{
+    const struct neph_validate_params *params = run->params;
+    struct neph_progress *progress = &run->progress;
+    for (int i = 0; i < run->field.count; i++) {
+        const struct neph_engine *engine = run->field.engines[i];
+        const double guess_s = run->field.infos[i].available ? engine->typical_s : 0.0;
+        neph_progress_expect(progress, KIND_FRAME + i, params->scene_count, guess_s);
+        if (engine->stochastic)
+            neph_progress_expect(progress, KIND_SECOND_SEED + i, params->scene_count, guess_s);
+    }
+    if (params->charts)
+        neph_progress_expect(progress, KIND_CHART, neph_charts_step_count(params->charts),
+                             NEPH_CHARTS_STEP_TYPICAL_S * params->charts->repeats);
+    if (params->over_time)
+        neph_progress_expect(progress, KIND_OVER_TIME, neph_over_time_step_count(),
+                             NEPH_OVER_TIME_STEP_TYPICAL_S);
+}
+
+/* A scene that is not here takes its steps away. */
+static enum neph_status leave_out(struct run *run, const char *name, struct neph_diag *diag)
+{
+    json_t *item = absent_json(name, diag);
+    run->absent_count++;
+    for (int i = 0; i < run->field.count; i++) {
+        neph_progress_expect(&run->progress, KIND_FRAME + i, -1, 0.0);
+        if (run->field.engines[i]->stochastic)
+            neph_progress_expect(&run->progress, KIND_SECOND_SEED + i, -1, 0.0);
+    }
+    return neph_json_append(part_of(run, "absent"), item, diag);
+}
+
+static enum neph_status run_scenes(struct run *run, struct neph_diag *diag)
+{
+    enum neph_status status = NEPH_OK;
+    for (int i = 0; i < run->params->scene_count && !status; i++) {
+        struct neph_scene *scene = NULL;
+        json_t *part = NULL;
+        status = neph_data_load_scene(run->params->scenes[i], &scene, diag);
+        if (status == NEPH_ERR_NOT_FOUND && run->params->skip_absent) {
+            status = leave_out(run, run->params->scenes[i], diag);
+            continue;
+        }
+        if (!status)
+            status = run_scene(run, scene, &part, diag);
+        if (!status)
+            status = neph_json_append(part_of(run, "scenes"), part, diag);
+        if (!status)
+            status = show(run, diag);
+        neph_scene_destroy(scene);
+    }
+    return status;
+}
+
+static enum neph_status run_all(struct run *run, struct neph_diag *diag)
+{
+    enum neph_status status = run_scenes(run, diag);
+    run->progress.kind = KIND_OVER_TIME;
+    if (!status && run->params->over_time)
+        status = neph_over_time_run(run->store, &run->progress, part_of(run, "sequences"), diag);
+    if (!status && run->params->over_time)
+        status = show(run, diag);
+    run->progress.kind = KIND_CHART;
+    if (!status && run->params->charts)
+        status = neph_charts_run(run->params->charts, run->store, &run->progress,
+                                 part_of(run, "charts"), diag);
+    return status;
+}
+
+enum neph_status neph_validate(const struct neph_validate_params *params, struct neph_store *store,
+                               json_t **document, struct neph_diag *diag)
+{
+    struct run run = {.params = params, .store = store, .start_s = neph_wall_s()};
+    enum neph_status status = choose_engines(params, &run.field, diag);
+    if (!status)
+        status = begin_document(&run, diag);
+    if (status)
+        return status;
+    run.progress = neph_progress_start(params->quiet, 0);
+    expect_all(&run);
+    status = run_all(&run, diag);
+    neph_progress_end(&run.progress);
+    if (status == NEPH_ERR_INTERRUPTED) {
+        if (judge_so_far(&run, "interrupted", NULL) == NEPH_OK)
+            *document = json_incref(run.document);
+    } else if (!status) {
+        json_object_del(run.document, "progress");
+        status = judge(&run, NULL, diag);
+        if (!status)
+            *document = json_incref(run.document);
+    }
+    json_decref(run.document);
+    return status;
+}
+
+/* ---- for a terminal -------------------------------------------------------------------------- */
 
 static void print_number(const json_t *measurements, const char *quantity, const char *metric)
 {

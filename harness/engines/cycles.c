@@ -658,6 +658,7 @@ const struct neph_engine neph_engine_cycles = {
     .name = "cycles",
     .summary = "Blender 3.4 Cycles, all orders of scattering",
     .rung = NEPH_RUNG_WITNESS,
+    .typical_s = 25.0,
     .bias =
         "exact in homogeneous media; ray-march step bias in uneven ones (step 0.1: 0.1 % of single "
         "scattering, more where little sun arrives; 3e-4 of transmittance); what it has no formula "

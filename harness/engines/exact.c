@@ -129,6 +129,7 @@ const struct neph_engine neph_engine_exact = {
     .name = "exact",
     .summary = "closed forms and adaptive quadrature in double precision",
     .rung = NEPH_RUNG_EXACT,
+    .typical_s = 5.0,
     .options = no_options,
     .version = 2, /* 2: colour, clouds */
     .probe = probe,

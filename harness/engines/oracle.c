@@ -103,6 +103,7 @@ const struct neph_engine neph_engine_oracle = {
     .name = "oracle",
     .summary = "unbiased path tracer in double precision on the CPU, with its noise per pixel",
     .rung = NEPH_RUNG_TRACER,
+    .typical_s = 60.0,
     .rests = true,
     .stochastic = true,
     .options = options,

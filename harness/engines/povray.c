@@ -808,6 +808,7 @@ const struct neph_engine neph_engine_povray = {
     .name = "povray",
     .summary = "POV-Ray 3.7 media, single scattering",
     .rung = NEPH_RUNG_WITNESS,
+    .typical_s = 12.0,
     .bias = "single scattering only; midpoint rule of its intervals, error ~ 1/intervals^2 (~ "
             "1/intervals at the edges of shadows); 16-bit output in brackets: 1e-4 of the value "
             "or 1e-6 of the brightest, transmittance to 1e-8; what it has no formula for is baked "

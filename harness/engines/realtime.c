@@ -220,6 +220,7 @@ const struct neph_engine neph_engine_realtime = {
     .name = "realtime",
     .summary = "the four-frame pipeline: a ray per 4x4 pixels, history, depth-aware upscale, TAA",
     .rung = NEPH_RUNG_MODEL,
+    .typical_s = 3.0,
     .bias = "a shortcut: measure it against `march` with the same steps",
     .options = neph_rt_options,
     .presets = neph_rt_presets,

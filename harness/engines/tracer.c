@@ -96,6 +96,7 @@ const struct neph_engine neph_engine_tracer = {
     .name = "tracer",
     .summary = "our Vulkan path tracer: all orders of scattering, without bias, with its variance",
     .rung = NEPH_RUNG_TRACER,
+    .typical_s = 8.0,
     .rests = true,
     .stochastic = true,
     .bias = NULL,
