@@ -260,14 +260,15 @@ static enum neph_status render_and_publish(const struct neph_job *job, struct ne
                                            const char *key, struct neph_job_result *result,
                                            struct neph_diag *diag)
 {
-    char *scratch = NULL, *path = NULL, *kept = NULL, *resting = NULL;
+    struct neph_scratch *scratch = NULL;
+    char *path = NULL, *kept = NULL, *resting = NULL;
     struct neph_image *frame = NULL;
     json_t *record = NULL;
-    enum neph_status status = neph_store_begin(store, key, &scratch, diag);
+    enum neph_status status = neph_store_begin(store, &scratch, diag);
     if (status)
         return status;
     struct neph_job placed = *job;
-    placed.shot.scratch_directory = scratch;
+    placed.shot.scratch_directory = neph_scratch_path(scratch);
     if (job->engine->rests && !(resting = neph_store_resting_place(store, key))) {
         status = neph_fail_memory(diag);
         goto done;
@@ -287,7 +288,7 @@ static enum neph_status render_and_publish(const struct neph_job *job, struct ne
         status = ends_run ? status : NEPH_OK;
         goto done;
     }
-    path = neph_path_join(scratch, "frame.exr");
+    path = neph_path_join(neph_scratch_path(scratch), "frame.exr");
     record = make_record(job, result);
     status = path ? neph_json_check(record, diag) : neph_fail_memory(diag);
     if (!status)
@@ -300,7 +301,7 @@ done:
     free(resting);
     free(kept);
     free(path);
-    free(scratch);
+    neph_scratch_destroy(scratch);
     return status;
 }
 

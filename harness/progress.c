@@ -4,6 +4,7 @@
 #include "base/clock.h"
 
 #include <math.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <unistd.h>
 
@@ -107,6 +108,16 @@ void neph_progress_tick(struct neph_progress *progress, const char *what)
     fprintf(stderr, "%s", what);
     print_left(progress);
     fprintf(stderr, "\n");
+}
+
+void neph_progress_warn(const char *format, ...)
+{
+    char text[2048]; /* one write, so that lines of several runs do not mix */
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof(text), format, arguments);
+    va_end(arguments);
+    fprintf(stderr, "%sneph: %s\n", isatty(STDERR_FILENO) == 1 ? "\r\033[K" : "", text);
 }
 
 void neph_progress_end(const struct neph_progress *progress)

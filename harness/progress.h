@@ -41,6 +41,9 @@ void neph_progress_step(struct neph_progress *progress, const char *what, const 
 /* A step of many short ones is over: elsewhere than on a terminal a line every ten seconds. */
 void neph_progress_tick(struct neph_progress *progress, const char *what);
 
+/* A line that is told in any case, also by quiet runs and in the middle of a step: "neph: ...". */
+void neph_progress_warn(const char *format, ...) __attribute__((format(printf, 1, 2)));
+
 /* Wipe the terminal's line. */
 void neph_progress_end(const struct neph_progress *progress);
 

@@ -2,21 +2,28 @@
 #include "harness/store.h"
 
 #include "base/files.h"
+#include "base/lock.h"
 #include "base/owned.h"
+#include "harness/progress.h"
+#include "harness/store_entry.h"
 
 #include <dirent.h>
 #include <errno.h>
-#include <fcntl.h>
-#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 
-static const size_t record_limit_bytes = 1 << 20;
+static const char work_prefix[] = "work-";
+
+/* An engine's rest is of one key, and so of one version and device; nobody will go on with it when
+ * those have changed, which the store cannot know. */
+static const time_t rest_limit_s = 30 * 24 * 3600;
 
 struct neph_store {
-    char *frames, *failed, *tmp, *resting;
+    char *folder, *frames, *failed, *tmp, *resting, *lock;
 };
 
 /* ---- whose folder it is ---------------------------------------------------------------------- */
@@ -76,31 +83,87 @@ static bool is_old_store(const char *folder)
 static const struct neph_owned_kind store_kind = {
     .name = "store", .version = 1, .is_old = is_old_store};
 
-/* tmp/<key>.<pid>: whether the process that made it is gone. */
-static bool is_stale(const char *name)
-{
-    const char *dot = strrchr(name, '.');
-    if (!dot)
-        return true;
-    char *end;
-    const long pid = strtol(dot + 1, &end, 10);
-    return *end != '\0' || pid <= 0 || (kill((pid_t)pid, 0) != 0 && errno == ESRCH);
-}
+/* ---- leftovers ------------------------------------------------------------------------------- */
 
-static void remove_stale_work(const char *tmp)
+/* Call `visit` with the path of everything in `folder` whose name fits. */
+static void
+visit_entries(const struct neph_store *store, const char *folder, bool (*fits)(const char *),
+              void (*visit)(const struct neph_store *, const char *path, const char *name))
 {
-    DIR *directory = opendir(tmp);
+    DIR *directory = opendir(folder);
     if (!directory)
         return;
-    for (struct dirent *entry; (entry = readdir(directory));) {
-        if (entry->d_name[0] == '.' || !is_stale(entry->d_name))
-            continue;
-        char *path = neph_path_join(tmp, entry->d_name);
+    for (const struct dirent *entry; (entry = readdir(directory));) {
+        char *path = fits(entry->d_name) ? neph_path_join(folder, entry->d_name) : NULL;
         if (path)
-            neph_dir_remove(path, NULL);
+            visit(store, path, entry->d_name);
         free(path);
     }
     closedir(directory);
+}
+
+static bool is_finished(const struct neph_store *store, const char *key)
+{
+    char *entry = neph_path_join(store->frames, key);
+    const bool finished = entry && neph_path_exists(entry);
+    free(entry);
+    return finished;
+}
+
+static void remove_entry(const struct neph_store *store, const char *path, const char *name)
+{
+    (void)store, (void)name;
+    neph_dir_remove(path, NULL);
+}
+
+static void remove_if_finished(const struct neph_store *store, const char *path, const char *name)
+{
+    if (is_finished(store, name))
+        neph_dir_remove(path, NULL);
+}
+
+static void remove_rest_if_old(const struct neph_store *store, const char *path, const char *name)
+{
+    struct stat info;
+    const bool old = stat(path, &info) == 0 && time(NULL) - info.st_mtime > rest_limit_s;
+    if (old || is_finished(store, name))
+        neph_dir_remove(path, NULL);
+}
+
+static void sweep(const struct neph_store *store)
+{
+    neph_scratch_sweep(store->tmp, work_prefix);
+    neph_file_sweep(store->folder);
+    neph_file_sweep(store->resting);
+    visit_entries(store, store->tmp, is_old_work, remove_entry);
+    visit_entries(store, store->failed, is_key, remove_if_finished);
+    visit_entries(store, store->resting, is_key, remove_rest_if_old);
+}
+
+/* ---- opening --------------------------------------------------------------------------------- */
+
+static enum neph_status name_parts(const char *folder, struct neph_store *store,
+                                   struct neph_diag *diag)
+{
+    store->folder = strdup(folder);
+    store->frames = neph_path_join(folder, "frames");
+    store->failed = neph_path_join(folder, "failed");
+    store->tmp = neph_path_join(folder, "tmp");
+    store->resting = neph_path_join(folder, "resting");
+    store->lock = neph_path_join(folder, ".neph-lock");
+    return store->folder && store->frames && store->failed && store->tmp && store->resting &&
+                   store->lock
+               ? NEPH_OK
+               : neph_fail_memory(diag);
+}
+
+static enum neph_status make_parts(const struct neph_store *store, struct neph_diag *diag)
+{
+    const char *const parts[] = {store->frames, store->failed, store->tmp, store->resting};
+    enum neph_status status = neph_owned_claim(store->folder, &store_kind, diag);
+    for (size_t i = 0; i < sizeof(parts) / sizeof(parts[0]) && !status; i++)
+        status = neph_dir_create(parts[i], diag);
+    return status;
 }
 
 enum neph_status neph_store_open(const char *folder, struct neph_store **store,
@@ -109,28 +172,18 @@ enum neph_status neph_store_open(const char *folder, struct neph_store **store,
     struct neph_store *opened = calloc(1, sizeof(*opened));
     if (!opened)
         return neph_fail_memory(diag);
-    opened->frames = neph_path_join(folder, "frames");
-    opened->failed = neph_path_join(folder, "failed");
-    opened->tmp = neph_path_join(folder, "tmp");
-    opened->resting = neph_path_join(folder, "resting");
-    enum neph_status status = NEPH_OK;
-    if (!opened->frames || !opened->failed || !opened->tmp || !opened->resting)
-        status = neph_fail_memory(diag);
+    int lock = -1;
+    enum neph_status status = name_parts(folder, opened, diag);
     if (!status)
-        status = neph_owned_claim(folder, &store_kind, diag);
+        status = make_parts(opened, diag);
     if (!status)
-        status = neph_dir_create(opened->frames, diag);
-    if (!status)
-        status = neph_dir_create(opened->failed, diag);
-    if (!status)
-        status = neph_dir_create(opened->tmp, diag);
-    if (!status)
-        status = neph_dir_create(opened->resting, diag);
+        status = neph_lock_wait(opened->lock, &lock, diag);
     if (status) {
         neph_store_close(opened);
         return status;
     }
-    remove_stale_work(opened->tmp);
+    sweep(opened);
+    close(lock);
     *store = opened;
     return NEPH_OK;
 }
@@ -139,54 +192,66 @@ void neph_store_close(struct neph_store *store)
 {
     if (!store)
         return;
+    free(store->folder);
     free(store->frames);
     free(store->failed);
     free(store->tmp);
     free(store->resting);
+    free(store->lock);
     free(store);
 }
 
-static json_t *read_record(const char *entry)
+/* ---- finding --------------------------------------------------------------------------------- */
+
+/* Take a bad entry away, in one step for those who look for it; under the lock. */
+static void discard(const struct neph_store *store, const char *entry, const char *why)
 {
-    char *path = neph_path_join(entry, "job.json");
-    char *text = NULL;
-    size_t size;
-    json_t *record = NULL;
-    if (path && neph_file_read(path, record_limit_bytes, &text, &size, NULL) == NEPH_OK)
-        record = json_loadb(text, size, JSON_REJECT_DUPLICATES, NULL);
-    free(text);
-    free(path);
-    return record;
+    struct neph_scratch *bin = NULL;
+    neph_progress_warn("'%s' is not used and is removed: %s", entry, why);
+    if (neph_scratch_create(store->tmp, work_prefix, &bin, NULL) == NEPH_OK) {
+        char *path = neph_path_join(neph_scratch_path(bin), "entry");
+        if (!path || rename(entry, path) != 0)
+            neph_progress_warn("'%s' cannot be removed: %s", entry, strerror(errno));
+        free(path);
+    }
+    neph_scratch_destroy(bin);
 }
 
-static bool hash_is_right(const char *frame_path, const json_t *record)
+/* Look again under the lock: it may have been replaced by a good one meanwhile. */
+static enum neph_entry_state discard_if_bad(const struct neph_store *store, const char *entry,
+                                            const char *key, json_t **record)
 {
-    char hex[NEPH_HASH_HEX_SIZE];
-    const char *expected = json_string_value(json_object_get(record, "frame_blake2b"));
-    return expected && neph_hash_file(frame_path, hex, NULL) == NEPH_OK &&
-           strcmp(hex, expected) == 0;
+    char why[NEPH_ENTRY_WHY_BYTES];
+    int lock = -1;
+    if (neph_lock_wait(store->lock, &lock, NULL))
+        return NEPH_ENTRY_BAD;
+    const enum neph_entry_state state = neph_entry_check(entry, key, record, why);
+    if (state == NEPH_ENTRY_BAD)
+        discard(store, entry, why);
+    close(lock);
+    return state;
 }
 
 bool neph_store_find(struct neph_store *store, const char *key, char **frame_path, json_t **record)
 {
+    char why[NEPH_ENTRY_WHY_BYTES];
     char *entry = neph_path_join(store->frames, key);
-    if (!entry || !neph_path_exists(entry)) {
-        free(entry);
+    char *path = entry ? neph_path_join(entry, "frame.exr") : NULL;
+    json_t *found = NULL;
+    enum neph_entry_state state = path ? neph_entry_check(entry, key, &found, why)
+                                       : NEPH_ENTRY_ABSENT;
+    if (state == NEPH_ENTRY_BAD)
+        state = discard_if_bad(store, entry, key, &found);
+    if (state == NEPH_ENTRY_UNREADABLE)
+        neph_progress_warn("'%s' is not used: %s", entry, why);
+    free(entry);
+    if (state != NEPH_ENTRY_GOOD) {
+        free(path);
         return false;
     }
-    json_t *found = read_record(entry);
-    char *path = neph_path_join(entry, "frame.exr");
-    const bool good = found && path && hash_is_right(path, found);
-    if (good) {
-        *frame_path = path;
-        *record = found;
-    } else {
-        neph_dir_remove(entry, NULL);
-        json_decref(found);
-        free(path);
-    }
-    free(entry);
-    return good;
+    *frame_path = path;
+    *record = found;
+    return true;
 }
 
 char *neph_store_resting_place(const struct neph_store *store, const char *key)
@@ -194,21 +259,12 @@ char *neph_store_resting_place(const struct neph_store *store, const char *key)
     return neph_path_join(store->resting, key);
 }
 
-enum neph_status neph_store_begin(struct neph_store *store, const char *key, char **scratch,
+/* ---- working --------------------------------------------------------------------------------- */
+
+enum neph_status neph_store_begin(struct neph_store *store, struct neph_scratch **scratch,
                                   struct neph_diag *diag)
 {
-    char *path = neph_format("%s/%s.%ld", store->tmp, key, (long)getpid());
-    if (!path)
-        return neph_fail_memory(diag);
-    enum neph_status status = neph_dir_remove(path, diag);
-    if (!status)
-        status = neph_dir_create(path, diag);
-    if (status) {
-        free(path);
-        return status;
-    }
-    *scratch = path;
-    return NEPH_OK;
+    return neph_scratch_create(store->tmp, work_prefix, scratch, diag);
 }
 
 static bool has_ending(const char *name, const char *ending)
@@ -226,84 +282,92 @@ static bool worth_keeping(const char *name)
     return strcmp(name, "frame.exr") == 0;
 }
 
-/* Remove what need not be kept and bring the rest to disk. */
+static enum neph_status tidy_entry(const char *path, const char *name, struct neph_diag *diag)
+{
+    return worth_keeping(name) ? neph_file_sync(path, diag) : neph_dir_remove(path, diag);
+}
+
+/* Remove what need not be kept and bring the rest to disk, the files and then their names. */
 static enum neph_status tidy(const char *scratch, struct neph_diag *diag)
 {
     DIR *directory = opendir(scratch);
     if (!directory)
         return neph_fail(diag, NEPH_ERR_IO, "cannot open '%s': %s", scratch, strerror(errno));
-    for (struct dirent *entry; (entry = readdir(directory));) {
-        if (strcmp(entry->d_name, ".") == 0 || strcmp(entry->d_name, "..") == 0 ||
-            worth_keeping(entry->d_name))
+    enum neph_status status = NEPH_OK;
+    for (const struct dirent *entry; !status && (entry = readdir(directory));) {
+        if (strcmp(entry->d_name, ".") == 0 || strcmp(entry->d_name, "..") == 0)
             continue;
         char *path = neph_path_join(scratch, entry->d_name);
-        if (path)
-            neph_dir_remove(path, NULL);
+        status = path ? tidy_entry(path, entry->d_name, diag) : neph_fail_memory(diag);
         free(path);
     }
-    fsync(dirfd(directory));
     closedir(directory);
-    return NEPH_OK;
+    return status ? status : neph_file_sync(scratch, diag);
 }
 
-static enum neph_status write_record(const char *scratch, json_t *record, struct neph_diag *diag)
+static void remove_failed_try(const struct neph_store *store, const char *key)
 {
-    char hex[NEPH_HASH_HEX_SIZE];
-    char *frame_path = neph_path_join(scratch, "frame.exr");
-    char *record_path = neph_path_join(scratch, "job.json");
-    char *text = NULL;
-    enum neph_status status = frame_path && record_path ? NEPH_OK : neph_fail_memory(diag);
-    if (!status)
-        status = neph_hash_file(frame_path, hex, diag);
-    if (!status && json_object_set_new(record, "frame_blake2b", json_string(hex)) != 0)
-        status = neph_fail_memory(diag);
-    if (!status && !(text = json_dumps(record, JSON_INDENT(2))))
-        status = neph_fail_memory(diag);
-    if (!status)
-        status = neph_file_write(record_path, text, strlen(text), diag);
-    free(text);
-    free(frame_path);
-    free(record_path);
-    return status;
+    char *failed = neph_path_join(store->failed, key);
+    if (failed)
+        neph_dir_remove(failed, NULL);
+    free(failed);
 }
 
-static void sync_folder(const char *path)
+/* Under the lock. An entry that is there and good is as good as ours. */
+static enum neph_status put_entry(const struct neph_store *store, const char *key,
+                                  const char *scratch, const char *entry, struct neph_diag *diag)
 {
-    const int fd = open(path, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    if (fd >= 0) {
-        fsync(fd);
-        close(fd);
-    }
+    char why[NEPH_ENTRY_WHY_BYTES];
+    json_t *theirs = NULL;
+    const enum neph_entry_state state = neph_entry_check(entry, key, &theirs, why);
+    json_decref(theirs);
+    if (state == NEPH_ENTRY_GOOD)
+        return NEPH_OK;
+    if (state == NEPH_ENTRY_UNREADABLE)
+        return neph_fail(diag, NEPH_ERR_IO, "'%s' is in the way: %s", entry, why);
+    if (state == NEPH_ENTRY_BAD)
+        discard(store, entry, why);
+    if (rename(scratch, entry) != 0)
+        return neph_fail(diag, NEPH_ERR_IO, "cannot publish '%s': %s", entry, strerror(errno));
+    remove_failed_try(store, key);
+    return neph_file_sync(store->frames, diag);
 }
 
-enum neph_status neph_store_publish(struct neph_store *store, const char *key, const char *scratch,
-                                    json_t *record, struct neph_diag *diag)
+enum neph_status neph_store_publish(struct neph_store *store, const char *key,
+                                    const struct neph_scratch *scratch, json_t *record,
+                                    struct neph_diag *diag)
 {
-    enum neph_status status = write_record(scratch, record, diag);
-    if (!status)
-        status = tidy(scratch, diag);
-    if (status)
-        return status;
+    const char *path = neph_scratch_path(scratch);
     char *entry = neph_path_join(store->frames, key);
-    if (!entry)
-        return neph_fail_memory(diag);
-    if (rename(scratch, entry) == 0)
-        sync_folder(store->frames);
-    else if (errno == ENOTEMPTY || errno == EEXIST)
-        neph_dir_remove(scratch, NULL); /* another run was first: theirs is as good */
-    else
-        status = neph_fail(diag, NEPH_ERR_IO, "cannot publish '%s': %s", entry, strerror(errno));
+    int lock = -1;
+    enum neph_status status = entry ? neph_entry_write_record(path, key, record, diag)
+                                    : neph_fail_memory(diag);
+    if (!status)
+        status = tidy(path, diag);
+    if (!status)
+        status = neph_lock_wait(store->lock, &lock, diag);
+    if (!status) {
+        status = put_entry(store, key, path, entry, diag);
+        close(lock);
+    }
     free(entry);
     return status;
 }
 
-void neph_store_abandon(struct neph_store *store, const char *key, const char *scratch, char **kept)
+void neph_store_abandon(struct neph_store *store, const char *key,
+                        const struct neph_scratch *scratch, char **kept)
 {
-    *kept = NULL;
+    const char *path = neph_scratch_path(scratch);
     char *entry = neph_path_join(store->failed, key);
-    if (entry && neph_dir_remove(entry, NULL) == NEPH_OK && tidy(scratch, NULL) == NEPH_OK &&
-        rename(scratch, entry) == 0)
+    int lock = -1;
+    *kept = NULL;
+    if (!entry || tidy(path, NULL) || neph_lock_wait(store->lock, &lock, NULL)) {
+        free(entry);
+        return;
+    }
+    if (neph_dir_remove(entry, NULL) == NEPH_OK && rename(path, entry) == 0)
         *kept = entry;
     else
         free(entry);
+    close(lock);
 }

@@ -3,17 +3,26 @@
  * The content-addressed store of finished frames.
  *
  *   STORE/frames/<key>/   frame.exr, job.json, logs: complete, or not there at all
- *   STORE/failed/<key>/   logs and leavings of the last failed try
+ *   STORE/failed/<key>/   logs and leavings of the last failed try, until the key succeeds
  *   STORE/resting/<key>   what an interrupted tracer had done
- *   STORE/tmp/            work in progress; what a killed run left is removed at the next opening
+ *   STORE/tmp/            work in progress (base/scratch.h)
  *
- * A folder of frames/ appears by one rename after everything in it is on disk, and job.json holds
- * the hash of frame.exr, so neither a kill -9 nor a torn disk can make half a frame look finished.
+ * A folder of frames/ appears by one rename after everything in it, files and then names, is on
+ * disk. An entry is used only if its record says that it is of this key and the hashes of frame and
+ * record are right (store_entry.h); so neither a kill -9, nor a torn disk, nor a mix-up can make
+ * another frame, half of one, or other seconds look like what was measured.
+ *
+ * Any number of runs, also in several containers, may work in one store at the same time. Each has
+ * folders of its own, known to be in use by their locks; what is of all is changed under the lock
+ * STORE/.neph-lock, held for moments. Opening removes what is left of killed runs, tries that
+ * failed before the key succeeded, and rests of finished keys or that nobody went on with for 30
+ * days. Versions of neph from before the locks must not work in it at the same time.
  */
 #ifndef NEPH_HARNESS_STORE_H
 #define NEPH_HARNESS_STORE_H
 
 #include "base/hash.h"
+#include "base/scratch.h"
 #include "base/status.h"
 #include "harness/json.h"
 
@@ -27,28 +36,29 @@ enum neph_status neph_store_open(const char *folder, struct neph_store **store,
                                  struct neph_diag *diag);
 void neph_store_close(struct neph_store *store);
 
-/* A finished frame: true when it is there and its hash is right. `*frame_path` (to free) and
- * `*record` (to json_decref) are the caller's. A damaged entry is removed and reported as absent.
- */
+/* A finished frame: true when it is there and what its key says. `*frame_path` (to free) and
+ * `*record` (to json_decref) are the caller's. An entry that is something else is removed, with a
+ * line on stderr, and one that cannot be read is left alone, with a line; both count as absent. */
 bool neph_store_find(struct neph_store *store, const char *key, char **frame_path, json_t **record);
 
 /* The file where unfinished work on a key may rest from one run to the next; to free. NULL: no
  * memory. Whoever finishes the work removes it. */
 char *neph_store_resting_place(const struct neph_store *store, const char *key);
 
-/* Start work on a key: `*scratch` is a fresh, empty folder (to free) for neph_store_publish or
- * neph_store_abandon to end. */
-enum neph_status neph_store_begin(struct neph_store *store, const char *key, char **scratch,
+/* Start work: `*scratch` is a fresh, empty folder, for the caller to end with
+ * neph_scratch_destroy() in any case. */
+enum neph_status neph_store_begin(struct neph_store *store, struct neph_scratch **scratch,
                                   struct neph_diag *diag);
 
-/* Turn scratch/frame.exr into the finished frame of `key`. `record` is written as job.json with the
- * frame's hash added. Of the other files logs and inputs (.log .json .pov) are kept. */
-enum neph_status neph_store_publish(struct neph_store *store, const char *key, const char *scratch,
-                                    json_t *record, struct neph_diag *diag);
+/* Turn scratch/frame.exr into the finished frame of `key`. `record` is written as job.json with its
+ * signature added (store_entry.h). Of the other files logs and inputs (.log .json .pov) are kept.
+ * If another run was first and its entry is good, that one stays; a bad one is replaced. */
+enum neph_status neph_store_publish(struct neph_store *store, const char *key,
+                                    const struct neph_scratch *scratch, json_t *record,
+                                    struct neph_diag *diag);
 
-/* Keep the logs of a failed try under failed/ and remove the rest. `*kept` (to free) receives the
- * folder, or NULL. */
-void neph_store_abandon(struct neph_store *store, const char *key, const char *scratch,
-                        char **kept);
+/* Keep the logs of a failed try under failed/. `*kept` (to free) receives the folder, or NULL. */
+void neph_store_abandon(struct neph_store *store, const char *key,
+                        const struct neph_scratch *scratch, char **kept);
 
 #endif
