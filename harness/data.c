@@ -62,6 +62,32 @@ enum neph_status neph_data_load_scene(const char *path_or_name, struct neph_scen
     return NEPH_ERR_NOT_FOUND;
 }
 
+static enum neph_status compare_names(const char *first, const char *second, struct neph_diag *diag)
+{
+    char *a = neph_scene_name_of(first), *b = neph_scene_name_of(second);
+    enum neph_status status = a && b ? NEPH_OK : neph_fail_memory(diag);
+    if (!status && strcmp(a, b) == 0) {
+        status = neph_fail(diag, NEPH_ERR_USAGE,
+                           "'%s' and '%s' are both called %s: their pictures would be mixed up",
+                           first, second, a);
+        neph_hint(diag, "give one of them another name, in the file and of the file, or run them "
+                        "one after the other with another -o");
+    }
+    free(a);
+    free(b);
+    return status;
+}
+
+enum neph_status neph_data_check_scenes(const char *const *scenes, int count,
+                                        struct neph_diag *diag)
+{
+    enum neph_status status = NEPH_OK;
+    for (int i = 0; i < count && !status; i++)
+        for (int j = 0; j < i && !status; j++)
+            status = compare_names(scenes[j], scenes[i], diag);
+    return status;
+}
+
 static int keep_yaml(const struct dirent *entry)
 {
     const char *dot = strrchr(entry->d_name, '.');

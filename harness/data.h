@@ -23,6 +23,11 @@ char *neph_cache_path(void);
 enum neph_status neph_data_load_scene(const char *path_or_name, struct neph_scene **scene,
                                       struct neph_diag *diag);
 
+/* Whether the scenes of a run, paths or names of the catalogue, have names of their own: pictures
+ * and frames are filed by them. NEPH_ERR_USAGE names the two that share one. */
+enum neph_status neph_data_check_scenes(const char *const *scenes, int count,
+                                        struct neph_diag *diag);
+
 /* The folders of the catalogue; no name is in both. */
 enum neph_data_scenes {
     NEPH_DATA_CATALOG,  /* measured against truth over all engines: what `neph validate` runs */

@@ -80,8 +80,7 @@ static void free_raw(struct neph_raw_scene *raw)
     cyaml_free(&config, neph_schema_root(), raw, 0);
 }
 
-/* "folder/name.yaml" -> "name", for the caller to free. */
-static char *stem_of(const char *path)
+char *neph_scene_name_of(const char *path)
 {
     const char *slash = strrchr(path, '/');
     const char *start = slash ? slash + 1 : path;
@@ -103,7 +102,7 @@ static enum neph_status build_checked(struct neph_document *document,
                                       struct neph_scene **scene, struct neph_diag *diag)
 {
     struct neph_scene *made = NULL;
-    char *stem = stem_of(path);
+    char *stem = neph_scene_name_of(path);
     enum neph_status status = stem ? neph_check_rules(document, raw, stem, diag)
                                    : neph_fail_memory(diag);
     free(stem);

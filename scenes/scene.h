@@ -230,6 +230,10 @@ struct neph_scene {
 enum neph_status neph_scene_load(const char *path, struct neph_scene **scene,
                                  struct neph_diag *diag);
 
+/* The name that the scene in this file must have: "folder/name.yaml" -> "name". For the caller to
+ * free; NULL when memory is short. */
+char *neph_scene_name_of(const char *path);
+
 /* Fill scene->hash from everything that changes a rendered value: loading does it; a scene that was
  * built in memory needs it before it is rendered through the store. */
 enum neph_status neph_scene_hash(struct neph_scene *scene, struct neph_diag *diag);

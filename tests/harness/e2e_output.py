@@ -97,6 +97,77 @@ class Output(unittest.TestCase):
             self.assertEqual((done.returncode, "is empty" in done.stderr), (64, True), (arguments, done.stderr))
             self.assertEqual(list(self.folder.iterdir()), [])
 
+    def test_two_scenes_of_one_name_are_refused(self):
+        text = (ROOT / "scenes/catalog/absorbing_slab.yaml").read_text()
+        self.put("a/absorbing_slab.yaml", text)
+        self.put("b/absorbing_slab.yaml", text.replace("extinction_per_m: 1", "extinction_per_m: 2"))
+        pairs = [("a/absorbing_slab.yaml", "b/absorbing_slab.yaml"), ("a/absorbing_slab.yaml", "a/../a/absorbing_slab.yaml")]
+        for pair in pairs + [("absorbing_slab", "b/absorbing_slab.yaml"), ("absorbing_slab", "absorbing_slab")]:
+            before = tree(self.folder)
+            done = neph("validate", *pair, "-e", "exact", "--no-charts", "-q", "--size", "8x6", "-o", "out", cwd=self.folder)
+            self.assertEqual(done.returncode, 64, done.stderr)
+            for name in pair:
+                self.assertIn(f"'{name}'", done.stderr)
+            self.assertFalse((self.folder / "out/report").exists())
+
+    def test_runs_at_the_same_time_share_a_folder(self):
+        for _ in range(3):
+            runs = [subprocess.Popen([NEPH, *SMALL, "fence_backlit", "--json", "-o", str(self.folder)], stdout=subprocess.PIPE,
+                                     stderr=subprocess.PIPE, text=True) for _ in range(6)]
+            for run, (output, complaints) in [(run, run.communicate(timeout=120)) for run in runs]:
+                self.assertEqual((run.returncode, "is not used" in complaints), (0, False), complaints)
+                for scene in json.loads(output)["scenes"]:
+                    self.assertEqual([frame["status"] for frame in scene["frames"]], ["rendered"])
+            self.assertEqual({path.name for path in self.folder.iterdir()}, {"report", "store"})
+            self.assertEqual(list((self.folder / "store/tmp").iterdir()), [])
+            report = self.folder / "report"
+            data = json.loads((report / "data.json").read_text())
+            for scene in data["scenes"]:
+                for frame in scene["frames"]:
+                    self.assertTrue((report / frame["picture"]).exists())
+            self.assertTrue((report / "index.html").exists())
+
+    def test_what_a_killed_run_left_is_swept_by_the_next(self):
+        command = [NEPH, "validate", "-e", "oracle", "voxel_grid", "--no-charts", "-q", "--size", "640x360", "-o", str(self.folder)]
+        child = subprocess.Popen(command, stderr=subprocess.DEVNULL)
+        until = time.monotonic() + 60
+        while not list(self.folder.glob("store/tmp/*")) and time.monotonic() < until:
+            time.sleep(0.02)
+        child.send_signal(signal.SIGKILL)
+        child.wait()
+        self.assertTrue(list(self.folder.glob("store/tmp/*")) and list(self.folder.glob(".neph-report-*")))
+        self.assertEqual(neph(*SMALL, "-o", self.folder).returncode, 0)
+        self.assertEqual(list((self.folder / "store/tmp").iterdir()), [])
+        self.assertEqual({path.name for path in self.folder.iterdir()}, {"report", "store"})
+
+    def test_a_killed_render_leaves_nothing_for_good(self):
+        render = [NEPH, "render", "voxel_grid", "-e", "oracle", "-q", "--size", "640x360", "-o", str(self.folder)]
+        child = subprocess.Popen(render, stderr=subprocess.DEVNULL)
+        until = time.monotonic() + 60
+        while not list(self.folder.glob(".neph-scratch*")) and time.monotonic() < until:
+            time.sleep(0.02)
+        child.send_signal(signal.SIGKILL)
+        child.wait()
+        self.assertTrue(list(self.folder.iterdir()))
+        done = neph("render", "absorbing_slab", "-e", "exact", "--size", "8x6", "-q", "-o", self.folder)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual([path.name for path in self.folder.iterdir()], ["absorbing_slab_exact_0000.exr"])
+
+    def test_edited_seconds_are_not_reused(self):
+        def seconds_and_reuse():
+            done = neph(*SMALL, "--json", "-o", self.folder)
+            frame = json.loads(done.stdout)["scenes"][0]["frames"][0]
+            return frame["wall_s"], frame["reused"], done.stderr
+        seconds_and_reuse()
+        [record] = (self.folder / "store/frames").glob("*/job.json")
+        honest = json.loads(record.read_text())
+        record.write_text(json.dumps({**honest, "wall_s": 1e-9}))
+        seconds, reused, complaints = seconds_and_reuse()
+        self.assertEqual((seconds == 1e-9, reused), (False, False))
+        self.assertIn(str(record.parent), complaints)
+        seconds, reused, complaints = seconds_and_reuse()
+        self.assertEqual((reused, str(record.parent) in complaints), (True, False))
+
     def test_export_overwrites_no_files_of_the_user(self):
         self.put("work/scene.pov", "// months of work")
         self.assert_refused("export", "absorbing_slab", "-e", "povray", "-o", self.folder / "work",
