@@ -3,6 +3,7 @@
  * The program neph-vdb: the one place that knows OpenVDB (scenes/volume_vdb.h says why it is a
  * program). No exception leaves it.
  */
+#include "scenes/openvdb_grids.h"
 #include "scenes/volume_vdb.h"
 
 #include <algorithm>
@@ -29,7 +30,6 @@
 
 #include <openvdb/io/Compression.h>
 #include <openvdb/io/GridDescriptor.h>
-#include <openvdb/openvdb.h>
 #include <openvdb/tools/Dense.h>
 #include <tbb/global_control.h>
 

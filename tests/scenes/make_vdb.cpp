@@ -3,13 +3,13 @@
  * The program make_vdb FOLDER: OpenVDB files of all sorts for test_volume_file.c, among them those
  * that neph itself never writes.
  */
+#include "scenes/openvdb_grids.h"
+
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>
 #include <string>
-
-#include <openvdb/openvdb.h>
-#include <openvdb/tools/LevelSetSphere.h>
 
 namespace
 {
@@ -125,9 +125,19 @@ openvdb::GridPtrVec vectors()
 
 openvdb::GridPtrVec level_set()
 {
-    const FloatGrid::Ptr grid = openvdb::tools::createLevelSetSphere<FloatGrid>(
-        3.0f, openvdb::Vec3f(0.0f), 1.0f);
+    const float radius = 3.0f, half_width = 3.0f;
+    const FloatGrid::Ptr grid = FloatGrid::create(half_width);
+    for (int k = -6; k <= 6; k++)
+        for (int j = -6; j <= 6; j++)
+            for (int i = -6; i <= 6; i++)
+                grid->tree().setValue(Coord(i, j, k),
+                                      std::min(std::hypot(static_cast<float>(i),
+                                                          static_cast<float>(j),
+                                                          static_cast<float>(k)) -
+                                                   radius,
+                                               half_width));
     grid->setName("density");
+    grid->setGridClass(openvdb::GRID_LEVEL_SET);
     return {grid};
 }
 
