@@ -47,6 +47,13 @@ static inline void neph_assert_ok_at(enum neph_status status, const struct neph_
     _fail(file, line);
 }
 
+/* Files with tests that run other people's programs keep these in a second group, for `main` to
+ * choose: ctest runs it as engine/<file>, without sanitizers. */
+static inline bool neph_test_wants_engines(int argc, char **argv)
+{
+    return argc == 2 && strcmp(argv[1], "--engines") == 0;
+}
+
 /* Property tests: a small deterministic generator; print the seed when a property fails. */
 static inline uint64_t neph_test_random(uint64_t *state)
 {

@@ -741,9 +741,8 @@ static void test_failures_are_reported(void **state)
     assert_null(frame);
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
-    unlink(pwned_path);
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_probe_without_blender),
         cmocka_unit_test(test_probe_refuses_another_version),
@@ -751,6 +750,8 @@ int main(void)
         cmocka_unit_test(test_tiny_frames_are_refused),
         cmocka_unit_test(test_spec_is_data),
         cmocka_unit_test(test_spec_refuses_what_is_not_a_number),
+    };
+    const struct CMUnitTest engine_tests[] = {
         cmocka_unit_test(test_transmittance_of_a_box),
         cmocka_unit_test(test_transmittance_is_cut),
         cmocka_unit_test(test_transmittance_of_height_fog),
@@ -769,5 +770,7 @@ int main(void)
         cmocka_unit_test(test_export_runs_by_hand),
         cmocka_unit_test(test_failures_are_reported),
     };
+    if (neph_test_wants_engines(argc, argv))
+        return cmocka_run_group_tests(engine_tests, NULL, NULL);
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

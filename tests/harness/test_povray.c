@@ -742,7 +742,7 @@ static void test_probe_refuses_other_versions(void **state)
     assert_string_equal(info.version, "POV-Ray 3.7.0.10");
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_brackets_recover_values),
@@ -755,6 +755,10 @@ int main(void)
         cmocka_unit_test(test_faces_of_containers_stand_alone),
         cmocka_unit_test(test_can_render),
         cmocka_unit_test(test_probe_without_povray),
+        cmocka_unit_test(test_failures_are_told),
+        cmocka_unit_test(test_probe_refuses_other_versions),
+    };
+    const struct CMUnitTest engine_tests[] = {
         cmocka_unit_test(test_transmittance_of_a_box),
         cmocka_unit_test(test_transmittance_of_a_dense_box),
         cmocka_unit_test(test_transmittance_of_height_fog),
@@ -764,8 +768,8 @@ int main(void)
         cmocka_unit_test(test_no_scattering),
         cmocka_unit_test(test_empty_scene),
         cmocka_unit_test(test_export_runs_by_hand),
-        cmocka_unit_test(test_failures_are_told),
-        cmocka_unit_test(test_probe_refuses_other_versions),
     };
+    if (neph_test_wants_engines(argc, argv))
+        return cmocka_run_group_tests(engine_tests, NULL, NULL);
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -339,17 +339,21 @@ static void test_media_without_extinction_are_left_out(void **state)
     neph_scene_destroy(scene);
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_grids),
-        cmocka_unit_test(test_what_is_baked),
-        cmocka_unit_test(test_mixtures),
-        cmocka_unit_test(test_coloured_fog),
         cmocka_unit_test(test_what_does_not_fit_is_refused),
         cmocka_unit_test(test_cycles_refuses_two_phases_in_one_place),
         cmocka_unit_test(test_missing_neph_vdb_is_told),
         cmocka_unit_test(test_media_without_extinction_are_left_out),
     };
+    const struct CMUnitTest engine_tests[] = {
+        cmocka_unit_test(test_grids),
+        cmocka_unit_test(test_what_is_baked),
+        cmocka_unit_test(test_mixtures),
+        cmocka_unit_test(test_coloured_fog),
+    };
+    if (neph_test_wants_engines(argc, argv))
+        return cmocka_run_group_tests(engine_tests, NULL, NULL);
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
