@@ -59,9 +59,10 @@ install_node_modules() { # install_node_modules validate|test
     step npm npm ci --prefix "$report" --no-audit --no-fund "${omit[@]}" && echo "$1" >"$done"
 }
 
-build() { # build PRESET [TARGET]
-    local target=()
-    if [ $# -gt 1 ]; then target=(--target "$2"); fi
+build() { # build PRESET [TARGET]; a target needs nothing of what tests need
+    local testing=ON target=()
+    if [ $# -gt 1 ]; then testing=OFF target=(--target "$2"); fi
     echo "building ($1)"
-    (cd "$root" && step "configure-$1" cmake --preset "$1" && step "build-$1" cmake --build --preset "$1" "${target[@]}")
+    (cd "$root" && step "configure-$1" cmake --preset "$1" -DBUILD_TESTING=$testing &&
+        step "build-$1" cmake --build --preset "$1" "${target[@]}")
 }
