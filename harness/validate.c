@@ -617,7 +617,9 @@ enum neph_status neph_validate(const struct neph_validate_params *params, struct
                                json_t **document, struct neph_diag *diag)
 {
     struct run run = {.params = params, .store = store, .start_s = neph_wall_s()};
-    enum neph_status status = choose_engines(params, &run.field, diag);
+    enum neph_status status = neph_data_check_scenes(params->scenes, params->scene_count, diag);
+    if (!status)
+        status = choose_engines(params, &run.field, diag);
     if (!status)
         status = begin_document(&run, diag);
     if (status)
