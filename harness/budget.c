@@ -10,8 +10,8 @@
 
 enum { RUNGS = 3, RUNG_FACTOR = 8, PILOT_SIDE = 4 };
 
-/* A pilot has time to start its program on a machine that is busy with other things. */
-static const double pilot_limit_s = 60.0;
+/* What a pilot needs when the machine is busy with ten other things: it tells slow from hanging. */
+static const double pilot_limit_s = 300.0;
 
 /* Of the option "samples"; -1: the engine draws none. */
 static int samples_index(const struct neph_engine *engine)

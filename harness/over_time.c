@@ -188,15 +188,16 @@ static enum neph_status make_key(const struct neph_job *job, const char *referen
 static enum neph_status make_entry(const struct work *work, struct neph_job *job, const char *key,
                                    struct neph_diag *diag)
 {
-    char *scratch = NULL, *kept = NULL;
+    struct neph_scratch *scratch = NULL;
+    char *kept = NULL;
     struct neph_cost cost = {0};
     json_t *record = NULL;
-    enum neph_status status = neph_store_begin(work->store, key, &scratch, diag);
+    enum neph_status status = neph_store_begin(work->store, &scratch, diag);
     if (status)
         return status;
-    status = render_frames(work, job, scratch, &cost, diag);
+    status = render_frames(work, job, neph_scratch_path(scratch), &cost, diag);
     if (!status)
-        status = measure(work, scratch, diag);
+        status = measure(work, neph_scratch_path(scratch), diag);
     if (!status && !(record = json_pack("{s:s, s:s, s:s, s:s, s:i, s:f, s:f, s:f}", "format",
                                         "neph-sequence-1", "scene", work->scene->name, "engine",
                                         job->engine->name, "version", job->info->version, "frames",
@@ -209,7 +210,7 @@ static enum neph_status make_entry(const struct work *work, struct neph_job *job
         neph_store_abandon(work->store, key, scratch, &kept);
     json_decref(record);
     free(kept);
-    free(scratch);
+    neph_scratch_destroy(scratch);
     return status;
 }
 

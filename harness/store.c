@@ -275,7 +275,7 @@ static bool has_ending(const char *name, const char *ending)
 
 static bool worth_keeping(const char *name)
 {
-    static const char *const endings[] = {".log", ".json", ".pov"};
+    static const char *const endings[] = {".log", ".json", ".pov", ".png"};
     for (size_t i = 0; i < sizeof(endings) / sizeof(endings[0]); i++)
         if (has_ending(name, endings[i]))
             return true;
