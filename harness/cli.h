@@ -23,6 +23,7 @@ neph_verb neph_cli_benchmark;
 neph_verb neph_cli_compare;
 neph_verb neph_cli_flicker;
 neph_verb neph_cli_metrics;
+neph_verb neph_cli_conform;
 neph_verb neph_cli_validate;
 neph_verb neph_cli_study;
 neph_verb neph_cli_scenes;

@@ -170,8 +170,8 @@ static enum neph_status render_shot(const struct neph_job *job, struct neph_imag
                          : job->engine->render(&job->shot, frame, cost, diag);
 }
 
-enum neph_status neph_job_render(const struct neph_job *job, struct neph_image **frame,
-                                 struct neph_cost *cost, struct neph_diag *diag)
+enum neph_status neph_job_render_unchecked(const struct neph_job *job, struct neph_image **frame,
+                                           struct neph_cost *cost, struct neph_diag *diag)
 {
     struct neph_job held = *job;
     struct neph_scene *still = NULL;
@@ -182,10 +182,23 @@ enum neph_status neph_job_render(const struct neph_job *job, struct neph_image *
     if (!status)
         status = render_shot(&held, &rendered, cost, diag);
     if (!status)
-        status = check_frame(&held, rendered, diag);
-    if (!status)
         status = label_frame(&held, cost, rendered, diag);
     neph_scene_destroy(still);
+    if (status) {
+        neph_image_destroy(rendered);
+        return status;
+    }
+    *frame = rendered;
+    return NEPH_OK;
+}
+
+enum neph_status neph_job_render(const struct neph_job *job, struct neph_image **frame,
+                                 struct neph_cost *cost, struct neph_diag *diag)
+{
+    struct neph_image *rendered = NULL;
+    enum neph_status status = neph_job_render_unchecked(job, &rendered, cost, diag);
+    if (!status)
+        status = check_frame(job, rendered, diag);
     if (status) {
         neph_image_destroy(rendered);
         return status;

@@ -65,6 +65,10 @@ void neph_job_close(struct neph_job *job);
 enum neph_status neph_job_render(const struct neph_job *job, struct neph_image **frame,
                                  struct neph_cost *cost, struct neph_diag *diag);
 
+/* The same for those who count what is wrong with a frame themselves: its values are not checked. */
+enum neph_status neph_job_render_unchecked(const struct neph_job *job, struct neph_image **frame,
+                                           struct neph_cost *cost, struct neph_diag *diag);
+
 /* The content address: scene, engine, version, device, settings, size, frame, layers, seed. */
 enum neph_status neph_job_key(const struct neph_job *job, char key[NEPH_HASH_HEX_SIZE],
                               struct neph_diag *diag);

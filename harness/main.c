@@ -21,6 +21,7 @@ static const struct {
     {"compare", neph_cli_compare,
      "measure the error of frames of any renderer against a reference"},
     {"flicker", neph_cli_flicker, "measure the flicker and the lag of a sequence of any renderer"},
+    {"conform", neph_cli_conform, "whether a device renders real sizes right, and as another does"},
     {"metrics", neph_cli_metrics, "list what can be measured, with definitions and sources"},
     {"scenes", neph_cli_scenes, "list the catalogue, or show and check one scene"},
     {"engines", neph_cli_engines, "list the engines, or explain the settings of one"},
