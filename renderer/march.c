@@ -5,6 +5,7 @@
 #include "renderer/compute.h"
 #include "renderer/gpu_scene.h"
 #include "renderer/march_cut.h"
+#include "renderer/reach.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -71,9 +72,10 @@ bool neph_march_can_render(const struct neph_scene *scene, enum neph_march_light
                            char *reason, size_t reason_size)
 {
     const char *obstacle = find_obstacle(scene, lighting);
-    if (obstacle)
-        snprintf(reason, reason_size, "%s", obstacle);
-    return !obstacle;
+    if (!obstacle)
+        return neph_float32_reaches(scene, reason, reason_size);
+    snprintf(reason, reason_size, "%s", obstacle);
+    return false;
 }
 
 static enum neph_status check_range(const char *name, int value, int maximum,

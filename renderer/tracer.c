@@ -7,6 +7,7 @@
 #include "base/interrupt.h"
 #include "renderer/compute.h"
 #include "renderer/gpu_scene.h"
+#include "renderer/reach.h"
 #include "scenes/media.h"
 #include "scenes/trapped_light.h"
 
@@ -150,9 +151,10 @@ bool neph_tracer_can_render(const struct neph_scene *scene, char *reason, size_t
         cannot = "more than single scattering in a fog and several clouds of coloured extinction";
     if (neph_scene_traps_light(scene))
         cannot = neph_trapped_light_reason;
-    if (cannot)
-        snprintf(reason, reason_size, "%s", cannot);
-    return !cannot;
+    if (!cannot)
+        return neph_float32_reaches(scene, reason, reason_size);
+    snprintf(reason, reason_size, "%s", cannot);
+    return false;
 }
 
 static enum neph_status check(const struct neph_scene *scene,

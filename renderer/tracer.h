@@ -62,7 +62,8 @@ struct neph_tracer_stats {
     int dispatches;
 };
 
-/* False, with the reason in words, for what this estimator cannot do. */
+/* False, with the reason in words, for what this estimator cannot do, or where a medium
+ * lies beyond the reach of float32 (renderer/reach.h). */
 bool neph_tracer_can_render(const struct neph_scene *scene, char *reason, size_t reason_size);
 
 /* Render a frame: R G B, volume.*, order1.* (scattered exactly once, by a medium), transmittance.*,
