@@ -63,7 +63,9 @@ static void print_findings(const json_t *list, bool details)
 {
     for (size_t i = 0; i < json_array_size(list); i++) {
         const json_t *item = json_array_get(list, i);
-        if (details || !neph_mask_is_detail(neph_json_text(item, "mask")))
+        const bool is_of_part = strcmp(neph_json_text(item, "finding"), "clipped") == 0 &&
+                                strcmp(neph_json_text(item, "mask"), "all") != 0;
+        if (details || (!is_of_part && !neph_mask_is_detail(neph_json_text(item, "mask"))))
             printf("%s of %s over '%s': %s: %s\n", neph_json_text(item, "finding"),
                    neph_json_text(item, "quantity"), neph_json_text(item, "mask"),
                    neph_json_text(item, "verdict"), neph_json_text(item, "text"));

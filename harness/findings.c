@@ -2,6 +2,7 @@
 #include "harness/findings.h"
 
 #include "base/text.h"
+#include "harness/measure.h"
 #include "metrics/extractors/flicker_verdict.h"
 #include "metrics/extractors/two_seed.h"
 
@@ -138,6 +139,46 @@ static void add_noise_floor(const json_t *list, const char *quantity, const char
                           error, noise));
 }
 
+/* What an item says of pixels above `above`, when it is of that quantity and mask; else NULL. */
+static json_t *clipped_of(const json_t *item, const char *quantity, const char *mask,
+                          const char *above)
+{
+    json_t *clipped = json_object_get(item, "clipped");
+    return clipped && is(clipped, "above", above) && is(item, "quantity", quantity) &&
+                   is(item, "mask", mask)
+               ? clipped
+               : NULL;
+}
+
+static void add_clipped(const json_t *list, const char *quantity, const char *mask,
+                        const char *above, json_t **out)
+{
+    const size_t count = json_array_size(list);
+    const bool has_overall = count > 0 &&
+                             !json_object_get(json_array_get(list, count - 1), "frame");
+    for (size_t i = count; i-- > 0;) {
+        const json_t *item = json_array_get(list, i);
+        if (has_overall && json_object_get(item, "frame"))
+            return; /* those of all frames are the last */
+        json_t *clipped = clipped_of(item, quantity, mask, above);
+        if (!clipped)
+            continue;
+        const double reference = json_number_value(json_object_get(clipped, "reference"));
+        const double test = json_number_value(json_object_get(clipped, "test"));
+        if (reference == 0.0 && test == 0.0)
+            return;
+        json_t *found = finding("clipped", quantity, mask, "clipped",
+                                "%.3g %% of the pixels of the reference and %.3g %% of the test's "
+                                "are above %s: metrics that end there, such as %s, do not see what "
+                                "differs in them; a lower --exposure shows it",
+                                100.0 * reference, 100.0 * test, above,
+                                neph_json_text(item, "metric"));
+        neph_json_set(&found, "clipped", json_incref(clipped));
+        neph_json_add(out, found);
+        return;
+    }
+}
+
 /* Flicker is never told without the price at which it may have been bought. */
 static void add_half_life(const json_t *list, const char *quantity, json_t **out)
 {
@@ -182,6 +223,9 @@ json_t *neph_findings(const json_t *measurements, bool frozen)
             add_flicker(measurements, quantities[q], mask, frozen, &out);
             add_reference_limited(measurements, quantities[q], mask, &out);
             add_noise_floor(measurements, quantities[q], mask, &out);
+            for (int b = NEPH_BOUND_NONE + 1; b < NEPH_BOUND_COUNT; b++)
+                add_clipped(measurements, quantities[q], mask,
+                            neph_bound_name((enum neph_display_bound)b), &out);
         }
         add_edge_ratio(measurements, quantities[q], &out);
         add_half_life(measurements, quantities[q], &out);

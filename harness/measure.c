@@ -25,6 +25,16 @@ json_t *neph_viewing_json(const struct neph_viewing *viewing)
                      viewing->exposure_ev, "white_cd_per_m2", viewing->white_cd_per_m2);
 }
 
+static const char *const bound_names[NEPH_BOUND_COUNT] = {
+    [NEPH_BOUND_WHITE] = "display white",
+    [NEPH_BOUND_PU21] = "10000 cd/m2",
+};
+
+const char *neph_bound_name(enum neph_display_bound bound)
+{
+    return bound_names[bound];
+}
+
 json_t *neph_measurement_json(const struct neph_measurement *m)
 {
     const bool bounded = m->interval != NEPH_INTERVAL_NONE &&
@@ -37,6 +47,10 @@ json_t *neph_measurement_json(const struct neph_measurement *m)
         (json_int_t)m->pixel_count);
     if (!m->defined)
         neph_json_set(&item, "undefined_because", json_string(m->undefined_because));
+    if (m->clipped.bound != NEPH_BOUND_NONE)
+        neph_json_set(&item, "clipped",
+                      json_pack("{s:s, s:f, s:f}", "above", neph_bound_name(m->clipped.bound),
+                                "reference", m->clipped.reference, "test", m->clipped.test));
     if (m->frame >= 0)
         neph_json_set(&item, "frame", json_integer(m->frame));
     return item;

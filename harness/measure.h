@@ -39,6 +39,8 @@ enum neph_status neph_measure(const struct neph_image *reference, const struct n
 /* One number in the form of scripts/report/README.md; NULL when memory is short. */
 json_t *neph_measurement_json(const struct neph_measurement *m);
 const char *neph_interval_name(enum neph_interval_kind kind);
+/* What nothing is brighter than to a metric; NULL for NEPH_BOUND_NONE. */
+const char *neph_bound_name(enum neph_display_bound bound);
 json_t *neph_viewing_json(const struct neph_viewing *viewing);
 
 /* Whether a mask is of a kind of which there are many. */

@@ -35,6 +35,13 @@ struct neph_viewing {
 
 struct neph_pair_codes; /* extractors/pair_codes.h */
 
+/* For the hook `bound` of an extractor of display values. */
+static inline enum neph_display_bound neph_bound_is_white(const struct neph_settings *settings)
+{
+    (void)settings;
+    return NEPH_BOUND_WHITE;
+}
+
 /* The same frame twice, linear data; all pointers are borrowed for the call. Every sample of the
  * planes is finite, but for depth, where +inf is the sky: bad frames do not come this far. */
 struct neph_frame_pair {
@@ -85,6 +92,9 @@ struct neph_extractor {
      * NULL when it can. NULL hook: it always can. `first` is the first frame. */
     const char *(*obstacle)(const struct neph_frame_pair *first,
                             const struct neph_settings *settings);
+    /* Beyond what all is alike to it, but to its metrics in the unit of the quantity. NULL hook:
+     * NEPH_BOUND_NONE. */
+    enum neph_display_bound (*bound)(const struct neph_settings *settings);
     /* `state` is zeroed memory of state_size; `first` lives for this call only. */
     enum neph_status (*init)(void *state, const struct neph_frame_pair *first,
                              const struct neph_settings *settings, struct neph_diag *diag);

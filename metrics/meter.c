@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "metrics/meter.h"
 
+#include "metrics/clipping.h"
 #include "metrics/extractors/pair_codes.h"
 #include "metrics/interval.h"
 #include "metrics/pooling.h"
@@ -38,6 +39,8 @@ struct neph_meter {
     struct run *runs;          /* owned; made at the first frame */
     int run_count;
     struct neph_pair_codes *codes;         /* one for each quantity; owned */
+    const struct neph_mask **bare_masks;   /* those of `masks`; owned */
+    struct neph_clipping **clipping;       /* by quantity, NULL where nobody asks; owned */
     struct neph_measurement *measurements; /* owned */
     int measurement_count, measurement_room;
 };
@@ -73,7 +76,9 @@ static enum neph_status copy_params(struct neph_meter *meter,
     meter->choices = calloc((size_t)params->choice_count + 1, sizeof(*meter->choices));
     meter->masks = calloc((size_t)params->mask_count + 1, sizeof(*meter->masks));
     meter->codes = calloc((size_t)neph_quantity_count(), sizeof(*meter->codes));
-    if (!meter->choices || !meter->masks || !meter->codes)
+    meter->clipping = calloc((size_t)neph_quantity_count(), sizeof(*meter->clipping));
+    meter->bare_masks = calloc((size_t)params->mask_count + 1, sizeof(*meter->bare_masks));
+    if (!meter->choices || !meter->masks || !meter->codes || !meter->clipping || !meter->bare_masks)
         return neph_fail_memory(diag);
     for (int i = 0; i < params->choice_count; i++)
         meter->choices[meter->choice_count++] = params->choices[i];
@@ -82,6 +87,7 @@ static enum neph_status copy_params(struct neph_meter *meter,
                                                         &meter->masks[meter->mask_count], diag);
         if (status)
             return status;
+        meter->bare_masks[i] = params->masks[i];
         meter->mask_count++;
     }
     return NEPH_OK;
@@ -119,6 +125,10 @@ void neph_meter_destroy(struct neph_meter *meter)
         neph_pool_mask_finish(&meter->masks[i]);
     for (int q = 0; meter->codes && q < neph_quantity_count(); q++)
         neph_pair_codes_finish(&meter->codes[q]);
+    for (int q = 0; meter->clipping && q < neph_quantity_count(); q++)
+        neph_clipping_destroy(meter->clipping[q]);
+    free(meter->clipping);
+    free(meter->bare_masks);
     free(meter->codes);
     free(meter->runs);
     free(meter->choices);
@@ -286,6 +296,35 @@ static struct neph_measurement blank(const struct run *run, const struct neph_me
     return measured;
 }
 
+static enum neph_display_bound bound_of(const struct run *run, const struct neph_metric *metric)
+{
+    const struct neph_extractor *extractor = run->choice->extractor;
+    return extractor->bound && metric->unit ? extractor->bound(&run->choice->settings)
+                                            : NEPH_BOUND_NONE;
+}
+
+static struct neph_clipping *clipping_of(const struct neph_meter *meter,
+                                         const struct neph_quantity *quantity)
+{
+    return meter->clipping[quantity - neph_quantity_at(0)];
+}
+
+/* Say what the display has cut off, and that it is why no error is left. */
+static void note_clipping(const struct neph_meter *meter, const struct run *run, int mask,
+                          struct neph_measurement *measured)
+{
+    const struct neph_clipping *clipping = clipping_of(meter, run->quantity);
+    const enum neph_display_bound bound = bound_of(run, measured->metric);
+    const bool of_all = measured->frame < 0;
+    if (!clipping || bound == NEPH_BOUND_NONE)
+        return;
+    measured->clipped = neph_clipping_shares(clipping, bound, meter->bare_masks[mask], mask,
+                                             of_all);
+    if (measured->undefined_because == neph_pool_no_error &&
+        neph_clipping_differs(clipping, mask, of_all))
+        measured->undefined_because = neph_pool_hidden_error;
+}
+
 static enum neph_status append_pooled(struct neph_meter *meter, const struct run *run,
                                       const struct neph_metric *metric, int mask, size_t bad_count,
                                       int frame, const struct neph_pooled *pooled,
@@ -305,6 +344,7 @@ static enum neph_status append_pooled(struct neph_meter *meter, const struct run
         measured.high = pooled->high;
         measured.n = pooled->tile_count;
     }
+    note_clipping(meter, run, mask, &measured);
     return append(meter, &measured, diag);
 }
 
@@ -402,6 +442,7 @@ static enum neph_status take_scalars(struct neph_meter *meter, const struct run 
         measured.value = measured.defined ? value : 0.0;
         measured.interval = measured.defined ? NEPH_INTERVAL_DETERMINISTIC : NEPH_INTERVAL_NONE;
         measured.pixel_count = meter->masks[0].mask->pixel_count;
+        note_clipping(meter, run, 0, &measured);
         status = append(meter, &measured, diag);
     }
     return status;
@@ -430,6 +471,17 @@ static enum neph_status start_run(struct run *run, const struct neph_frame_pair 
     return extractor->init ? extractor->init(run->state, pair, settings, diag) : NEPH_OK;
 }
 
+/* Whoever looks at display values wants to know what they have lost. */
+static enum neph_status start_clipping(struct neph_meter *meter, const struct run *run,
+                                       struct neph_diag *diag)
+{
+    struct neph_clipping **clipping = &meter->clipping[run->quantity - neph_quantity_at(0)];
+    if (run->obstacle || !run->choice->extractor->bound || *clipping)
+        return NEPH_OK;
+    *clipping = neph_clipping_create(meter->mask_count);
+    return *clipping ? NEPH_OK : neph_fail_memory(diag);
+}
+
 /* At the first frame: one run for each choice and each quantity that both images have. */
 static enum neph_status start_runs(struct neph_meter *meter,
                                    const struct neph_image *const images[3], struct neph_diag *diag)
@@ -453,6 +505,8 @@ static enum neph_status start_runs(struct neph_meter *meter,
             struct run *run = &meter->runs[meter->run_count++];
             *run = (struct run){.choice = choice, .quantity = quantity};
             status = start_run(run, &pair, diag);
+            if (!status)
+                status = start_clipping(meter, run, diag);
         }
     }
     return status;
@@ -546,6 +600,8 @@ enum neph_status neph_meter_frame(struct neph_meter *meter, const struct neph_im
             }
             memset(bad, 0, (size_t)meter->mask_count * sizeof(*bad));
             all_bad = count_bad(meter, &pair, bad);
+            if (clipping_of(meter, quantity))
+                neph_clipping_look(clipping_of(meter, quantity), &pair, meter->bare_masks);
         }
         status = measure_run(meter, run, &pair, bad, all_bad, diag);
     }
@@ -565,9 +621,12 @@ static struct neph_measurement mean_over_frames(const struct neph_meter *meter, 
     mean.frame = -1;
     mean.interval = NEPH_INTERVAL_NONE;
     mean.low = mean.high = 0.0;
+    mean.clipped.reference = mean.clipped.test = 0.0;
     for (int f = 0; f < meter->frame_count; f++) {
         const struct neph_measurement *one = &meter->measurements[which + f * per_frame];
         values[f] = one->value;
+        mean.clipped.reference += one->clipped.reference / meter->frame_count;
+        mean.clipped.test += one->clipped.test / meter->frame_count;
         mean.bad_count = one->bad_count > mean.bad_count ? one->bad_count : mean.bad_count;
         if (mean.defined && !one->defined) {
             mean.defined = false;

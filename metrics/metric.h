@@ -66,6 +66,20 @@ enum neph_interval_kind {
     NEPH_INTERVAL_RUNS,          /* Student's t over independent runs, see series.h: n runs */
 };
 
+/* Beyond what a metric sees no difference. */
+enum neph_display_bound {
+    NEPH_BOUND_NONE,
+    NEPH_BOUND_WHITE, /* a channel above display white: 2^exposure_ev * value > 1 */
+    NEPH_BOUND_PU21,  /* a luminance above the end of PU21's curve, 10000 cd/m2 */
+    NEPH_BOUND_COUNT,
+};
+
+/* The shares of the pixels that are beyond a bound, 0..1. */
+struct neph_clipped {
+    enum neph_display_bound bound;
+    double reference, test; /* 0 without a bound */
+};
+
 /* One number with everything that a report needs beside it. The pointers are static: a
  * measurement owns nothing and outlives the images. No field is ever NaN or infinite. */
 struct neph_measurement {
@@ -82,6 +96,7 @@ struct neph_measurement {
     int n;              /* tiles or batches behind the interval; else frames behind the value */
     size_t pixel_count; /* that the number is taken over */
     size_t bad_count;   /* further pixels of the mask, not finite in one image or in both */
+    struct neph_clipped clipped; /* of the mask, in the frame or in all frames */
 };
 
 /* All quantities: radiance, volume, transmittance, depth. NULL outside 0..count-1. */

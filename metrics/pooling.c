@@ -395,6 +395,8 @@ static const char bad_pixel[] = "a pixel of the mask is not finite in one of the
 static const char no_value[] = "the map has no value in the mask";
 static const char no_mean[] = "the mean of the reference over the mask is not positive";
 const char neph_pool_no_error[] = "there is no error at all to take a ratio of";
+const char neph_pool_hidden_error[] =
+    "the images differ, but only by what the display does not show";
 
 /* The tiles of a mask that have a value, with their columns and the totals of these. */
 struct table {

@@ -26,6 +26,9 @@ void neph_pool_mask_finish(struct neph_pool_mask *pooled); /* a zeroed one is fi
  */
 extern const char neph_pool_no_error[];
 
+/* Why it has none where they differ all the same. */
+extern const char neph_pool_hidden_error[];
+
 /* Where the values come from: neph_extractor.rows with its state. */
 struct neph_pool_source {
     void (*rows)(const void *state, int map, int first_row, int row_count, double *const values[3]);

@@ -492,6 +492,7 @@ const struct neph_extractor neph_extractor_flicker = {
     .map_count = MAP_COUNT,
     .state_size = sizeof(struct flicker),
     .obstacle = flicker_obstacle,
+    .bound = neph_bound_is_white,
     .init = flicker_init,
     .extract = flicker_extract,
     .flush = flicker_flush,

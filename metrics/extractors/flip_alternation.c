@@ -229,6 +229,7 @@ const struct neph_extractor neph_extractor_flip_alternation = {
     .map_count = MAP_COUNT,
     .state_size = sizeof(struct state),
     .obstacle = obstacle,
+    .bound = neph_bound_is_white,
     .init = init,
     .extract = extract,
     .flush = flush,

@@ -574,6 +574,7 @@ const struct neph_extractor neph_extractor_motion = {
     .map_count = MAP_COUNT,
     .state_size = sizeof(struct state),
     .obstacle = obstacle,
+    .bound = neph_bound_is_white,
     .init = init,
     .extract = extract,
     .flush = flush,

@@ -47,6 +47,12 @@ static void rows(const void *opaque, int map, int first_row, int row_count, doub
                (size_t)row_count * state->width_px, values[0]);
 }
 
+static enum neph_display_bound bound(const struct neph_settings *settings)
+{
+    (void)settings;
+    return NEPH_BOUND_PU21;
+}
+
 static const struct neph_option options[] = {{.name = NULL}};
 
 static const struct neph_metric metrics[] = {
@@ -72,6 +78,7 @@ const struct neph_extractor neph_extractor_pu21 = {
     .maps = maps,
     .map_count = 1,
     .state_size = sizeof(struct state),
+    .bound = bound,
     .init = init,
     .extract = extract,
     .rows = rows,

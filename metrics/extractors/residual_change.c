@@ -184,6 +184,7 @@ const struct neph_extractor neph_extractor_residual_change = {
     .maps = maps,
     .map_count = MAP_COUNT,
     .state_size = sizeof(struct state),
+    .bound = neph_bound_is_white,
     .init = init,
     .extract = extract,
     .flush = flush,

@@ -45,6 +45,11 @@ struct state {
     const char *ms_ssim_undefined;
 };
 
+static enum neph_display_bound bound(const struct neph_settings *settings)
+{
+    return settings->values[OPTION_CODE] == NEPH_CODE_PU21 ? NEPH_BOUND_PU21 : NEPH_BOUND_WHITE;
+}
+
 /* libvmaf rounds a half up. */
 static int factor_of(const struct neph_frame_pair *first, const struct neph_settings *settings)
 {
@@ -214,6 +219,7 @@ const struct neph_extractor neph_extractor_ssim = {
     .map_count = 1,
     .state_size = sizeof(struct state),
     .obstacle = obstacle,
+    .bound = bound,
     .init = init,
     .extract = extract,
     .rows = rows,

@@ -167,6 +167,22 @@ class Metrics(unittest.TestCase):
             done = neph("compare", same, same, "--metric", "pu_psnr", "--fail-below", limit)
             self.assertEqual(done.returncode, code, done.stderr)
 
+    def test_what_the_display_does_not_show_is_said(self):
+        half = self.write("half.exr", lambda x, y: 1.5 if x < WIDTH // 2 else 0.5)
+        quarter = self.write("quarter.exr", lambda x, y: 2.5 if x < WIDTH // 4 else 0.5)
+        done = neph("compare", half, quarter, "-m", "flip")
+        self.assertIn("50 % of the pixels of the reference and 25 % of the test's are above display white", done.stdout)
+        done = neph("compare", half, quarter, "-m", "flip", "-m", "mae", "--json")
+        found, = (row for row in json.loads(done.stdout)["findings"] if row["finding"] == "clipped")
+        self.assertEqual(found["clipped"], {"above": "display white", "reference": 0.5, "test": 0.25})
+        clipped = {row["metric"]: row.get("clipped") for row in json.loads(done.stdout)["measurements"]}
+        self.assertEqual((clipped["flip_p95"], clipped["mae"]), (found["clipped"], None))
+        self.assertNotIn("clipped", neph("compare", half, quarter, "-m", "flip", "--exposure", -2).stdout)
+        sun, brighter = self.write("sun.exr", lambda x, y: 500.0), self.write("brighter.exr", lambda x, y: 800.0)
+        done = neph("compare", sun, brighter, "-m", "pu_psnr", "--fail-below", "pu_psnr=40")
+        self.assertEqual((done.returncode, "no error at all" in done.stdout), (1, False), done.stdout)
+        self.assertIn("are above 10000 cd/m2", done.stdout)
+
     def test_a_half_life_that_is_cut_short_keeps_no_limit(self):
         for frame in range(8):
             self.write(f"lights/f.{frame}.exr", lambda x, y: 0.5 + 0.5 * (frame >= 4))
