@@ -1,43 +1,32 @@
 /* SPDX-License-Identifier: MIT
  *
- * fork() and not posix_spawn(), because the child has to ask the kernel to die with us
- * (PR_SET_PDEATHSIG) before it becomes the program. Between fork() and execve() it makes only
- * async-signal-safe calls: other threads of neph may have held any lock.
+ * fork() and not posix_spawn(), because a keeper has to stand between us and the program
+ * (keeper.h). Everything that takes memory or words is done here, on neph's side of the fork.
  */
 #include "base/child.h"
 
 #include "base/clock.h"
 #include "base/files.h"
 #include "base/interrupt.h"
+#include "base/keeper.h"
 
 #include <errno.h>
 #include <fcntl.h>
-#include <limits.h>
-#include <math.h>
 #include <poll.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/pidfd.h>
-#include <sys/prctl.h>
-#include <sys/resource.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <linux/close_range.h>
-
 enum {
     QUOTE_BYTES = 640, /* of the end of the log, so that it fits into a diag */
     QUOTE_LINES = 8,
-    SAMPLE_FIRST_MS = 1, /* of the memory high-water mark, see peak_memory_bytes() */
-    SAMPLE_LAST_MS = 100,
-    EXIT_NOT_STARTED = 127,
+    INTERRUPT_LOOK_MS = 100,
 };
-
-static const double grace_s = 2.0; /* between SIGTERM and SIGKILL */
-static const int64_t memory_noise_bytes = 1 << 20;
 
 /* ---- finding the program --------------------------------------------------------------------- */
 
@@ -58,14 +47,17 @@ static char *program_in(const char *folder, int length, const char *program)
     return NULL;
 }
 
-/* The path of a program for the caller to free; NULL when there is none. */
-static char *find_program(const char *program)
+static const char *program_folders(void)
+{
+    const char *folders = getenv("PATH");
+    return folders ? folders : "/usr/local/bin:/usr/bin:/bin";
+}
+
+char *neph_child_find_program(const char *program)
 {
     if (strchr(program, '/'))
         return is_executable(program) ? strdup(program) : NULL;
-    const char *folders = getenv("PATH");
-    if (!folders)
-        folders = "/usr/local/bin:/usr/bin:/bin";
+    const char *folders = program_folders();
     while (*program) {
         int length = (int)strcspn(folders, ":");
         char *path = program_in(folders, length, program);
@@ -78,7 +70,7 @@ static char *find_program(const char *program)
 
 bool neph_child_program_exists(const char *program)
 {
-    char *path = find_program(program);
+    char *path = neph_child_find_program(program);
     free(path);
     return path != NULL;
 }
@@ -95,90 +87,57 @@ static char *make_absolute(char *path)
     return absolute;
 }
 
-/* ---- the child's side of fork() -------------------------------------------------------------- */
+/* ---- the environment ------------------------------------------------------------------------- */
 
-enum step {
-    STEP_READY, /* everything is set, execve() is next */
-    STEP_DEATH_SIGNAL,
-    STEP_GROUP,
-    STEP_FOLDER,
-    STEP_FILES,
-    STEP_EXEC,
+/* Made for the child: no variable of the user's but PATH, so that none changes what it does. */
+struct environment {
+    char **entries; /* NULL-terminated */
+    size_t count, capacity;
 };
 
-/* What the child tells before it becomes the program. When execve() succeeds, STEP_READY was the
- * last report, because the pipe closes itself. */
-struct report {
-    enum step step;
-    int error;                 /* errno of the step that failed */
-    int64_t peak_memory_bytes; /* of the copy of neph that it still is */
-};
-
-struct launch {
-    const char *program;
-    char *const *argv;
-    char *const *environment;
-    const char *folder;
-    int input_fd, output_fd, report_fd;
-    pid_t parent;
-};
-
-static void send_report(const struct launch *launch, enum step step, int error)
+static void free_environment(struct environment *environment)
 {
-    struct rusage usage = {0};
-    getrusage(RUSAGE_SELF, &usage);
-    struct report report = {step, error, (int64_t)usage.ru_maxrss * 1024};
-    ssize_t written = write(launch->report_fd, &report, sizeof(report));
-    (void)written; /* below PIPE_BUF it is all or nothing; nothing reads as a failed start */
+    for (size_t i = 0; i < environment->count; i++)
+        free(environment->entries[i]);
+    free(environment->entries);
 }
 
-_Noreturn static void give_up(const struct launch *launch, enum step step)
+static bool add_variable(struct environment *environment, char *entry)
 {
-    send_report(launch, step, errno);
-    _exit(EXIT_NOT_STARTED);
+    if (entry)
+        environment->entries[environment->count++] = entry;
+    return entry != NULL;
 }
 
-/* fork() was called with all signals blocked, so that none of neph's handlers runs in here. */
-static void restore_signals(void)
+static bool add_variables(const struct neph_child_params *params, struct environment *environment)
 {
-    struct sigaction standard = {.sa_handler = SIG_DFL};
-    sigaction(SIGINT, &standard, NULL);
-    sigaction(SIGTERM, &standard, NULL);
-    sigaction(SIGPIPE, &standard, NULL);
-    sigset_t none;
-    sigemptyset(&none);
-    sigprocmask(SIG_SETMASK, &none, NULL);
+    bool added = add_variable(environment, neph_format("PATH=%s", program_folders())) &&
+                 add_variable(environment, strdup("LANG=C.UTF-8"));
+    if (params->home) {
+        char *home = make_absolute(strdup(params->home));
+        added = added && home && add_variable(environment, neph_format("HOME=%s", home)) &&
+                add_variable(environment, neph_format("TMPDIR=%s", home));
+        free(home);
+    } else
+        added = added && add_variable(environment, strdup("HOME=/nonexistent"));
+    for (const char *const *more = params->environment; added && more && *more; more++)
+        added = add_variable(environment, strdup(*more));
+    return added;
 }
 
-_Noreturn static void become_program(const struct launch *launch)
+/* free_environment() whatever the status. */
+static enum neph_status make_environment(const struct neph_child_params *params,
+                                         struct environment *environment, struct neph_diag *diag)
 {
-    if (prctl(PR_SET_PDEATHSIG, SIGKILL) != 0)
-        give_up(launch, STEP_DEATH_SIGNAL);
-    if (getppid() != launch->parent) /* neph died before the line above */
-        _exit(EXIT_NOT_STARTED);
-    if (setpgid(0, 0) != 0)
-        give_up(launch, STEP_GROUP);
-    if (launch->folder && chdir(launch->folder) != 0)
-        give_up(launch, STEP_FOLDER);
-    if (dup2(launch->input_fd, STDIN_FILENO) < 0 || dup2(launch->output_fd, STDOUT_FILENO) < 0 ||
-        dup2(launch->output_fd, STDERR_FILENO) < 0)
-        give_up(launch, STEP_FILES);
-    close_range(STDERR_FILENO + 1, UINT_MAX, CLOSE_RANGE_CLOEXEC); /* whatever libraries left */
-    restore_signals();
-    send_report(launch, STEP_READY, 0);
-    execve(launch->program, launch->argv, launch->environment);
-    give_up(launch, STEP_EXEC);
+    size_t count = 4 + 1; /* PATH, LANG, HOME, TMPDIR; the NULL */
+    for (const char *const *more = params->environment; more && *more; more++)
+        count++;
+    *environment = (struct environment){.entries = calloc(count, sizeof(char *))};
+    return environment->entries && add_variables(params, environment) ? NEPH_OK
+                                                                      : neph_fail_memory(diag);
 }
 
 /* ---- starting -------------------------------------------------------------------------------- */
-
-struct child {
-    pid_t pid; /* also its process group */
-    int fd;    /* pidfd */
-    double start_s;
-    int64_t inherited_peak_bytes; /* of neph, which the kernel counts as the child's */
-    int64_t seen_peak_bytes;
-};
 
 static enum neph_status fail_start(const char *program, const char *what, int error,
                                    struct neph_diag *diag)
@@ -187,72 +146,44 @@ static enum neph_status fail_start(const char *program, const char *what, int er
                      "cannot start '%s': %s: %s", program, what, strerror(error));
 }
 
-static enum neph_status explain_report(const struct neph_child_params *params,
-                                       const struct report *report, struct neph_diag *diag)
+static enum neph_status explain_start(const struct neph_child_params *params,
+                                      const struct neph_keeper_report *report,
+                                      struct neph_diag *diag)
 {
     const char *program = params->argv[0];
     switch (report->step) {
-    case STEP_DEATH_SIGNAL:
+    case NEPH_KEEPER_SILENCE:
+        return neph_fail(diag, NEPH_ERR_ENGINE, "'%s' was killed before it started", program);
+    case NEPH_KEEPER_DEATH_SIGNAL:
         return fail_start(program, "prctl", report->error, diag);
-    case STEP_GROUP:
+    case NEPH_KEEPER_GROUP:
         return fail_start(program, "setpgid", report->error, diag);
-    case STEP_FOLDER:
+    case NEPH_KEEPER_FOLDER:
         return fail_start(program, params->working_directory, report->error, diag);
-    case STEP_FILES:
-        return fail_start(program, "dup2", report->error, diag);
-    case STEP_EXEC:
+    case NEPH_KEEPER_FILES:
+        return fail_start(program, "its files", report->error, diag);
+    case NEPH_KEEPER_FORK:
+        return fail_start(program, "fork", report->error, diag);
+    case NEPH_KEEPER_EXEC:
         return neph_fail(diag, NEPH_ERR_UNAVAILABLE, "cannot run '%s': %s", program,
                          strerror(report->error));
-    case STEP_READY:
+    case NEPH_KEEPER_READY:
         break;
     }
     return NEPH_OK;
 }
 
-/* Read reports until execve() closes the pipe; the last one counts. */
-static enum neph_status await_start(int report_fd, const struct neph_child_params *params,
-                                    struct child *child, struct neph_diag *diag)
-{
-    bool heard = false;
-    struct report report = {0}, next;
-    for (;;) {
-        ssize_t got = read(report_fd, &next, sizeof(next));
-        if (got < 0 && errno == EINTR)
-            continue;
-        if (got != (ssize_t)sizeof(next))
-            break;
-        report = next;
-        heard = true;
-    }
-    if (!heard)
-        return neph_fail(diag, NEPH_ERR_ENGINE, "'%s' was killed before it started",
-                         params->argv[0]);
-    child->inherited_peak_bytes = report.peak_memory_bytes;
-    return explain_report(params, &report, diag);
-}
-
-static pid_t fork_without_signals(void)
-{
-    sigset_t all, before;
-    sigfillset(&all);
-    pthread_sigmask(SIG_SETMASK, &all, &before);
-    pid_t pid = fork();
-    if (pid != 0)
-        pthread_sigmask(SIG_SETMASK, &before, NULL);
-    return pid;
-}
-
 /* Open what the child will have as stdin, stdout and stderr. */
-static enum neph_status open_files(const struct neph_child_params *params, struct launch *launch,
-                                   struct neph_diag *diag)
+static enum neph_status open_files(const struct neph_child_params *params,
+                                   struct neph_keeper_job *job, struct neph_diag *diag)
 {
     /* Not neph's stdin: a child in the background of a terminal would be stopped on reading it. */
-    launch->input_fd = open("/dev/null", O_RDONLY | O_CLOEXEC);
-    if (launch->input_fd < 0)
+    job->input_fd = open("/dev/null", O_RDONLY | O_CLOEXEC);
+    if (job->input_fd < 0)
         return fail_start(params->argv[0], "/dev/null", errno, diag);
     const char *output = params->log_path ? params->log_path : "/dev/null";
-    launch->output_fd = open(output, O_WRONLY | O_CREAT | O_TRUNC | O_APPEND | O_CLOEXEC, 0666);
-    if (launch->output_fd < 0)
+    job->output_fd = open(output, O_WRONLY | O_CREAT | O_TRUNC | O_APPEND | O_CLOEXEC, 0666);
+    if (job->output_fd < 0)
         return neph_fail(diag, NEPH_ERR_IO, "cannot write '%s': %s", output, strerror(errno));
     return NEPH_OK;
 }
@@ -264,176 +195,100 @@ static void close_if_open(int *fd)
     *fd = -1;
 }
 
-/* fork() and wait until the program runs. On failure nothing is left behind. */
-static enum neph_status fork_and_exec(const struct neph_child_params *params, struct launch *launch,
-                                      struct child *child, struct neph_diag *diag)
+static pid_t fork_without_signals(void)
 {
-    int report_fds[2];
-    if (pipe2(report_fds, O_CLOEXEC) != 0)
-        return fail_start(params->argv[0], "pipe2", errno, diag);
-    launch->report_fd = report_fds[1];
-    launch->parent = getpid();
-    child->start_s = neph_wall_s();
-    child->pid = fork_without_signals();
-    if (child->pid == 0)
-        become_program(launch);
+    sigset_t all, before;
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &before);
+    const pid_t pid = fork();
+    if (pid != 0)
+        pthread_sigmask(SIG_SETMASK, &before, NULL);
+    return pid;
+}
 
-    enum neph_status status = NEPH_OK;
-    if (child->pid < 0)
-        status = fail_start(params->argv[0], "fork", errno, diag);
-    close(report_fds[1]);
-    if (!status) {
-        status = await_start(report_fds[0], params, child, diag);
-        child->fd = status ? -1 : pidfd_open(child->pid, 0);
-        if (!status && child->fd < 0) {
-            status = fail_start(params->argv[0], "pidfd_open", errno, diag);
-            kill(-child->pid, SIGKILL);
-        }
-        if (status)
-            waitpid(child->pid, NULL, 0);
+/* ---- waiting --------------------------------------------------------------------------------- */
+
+/* The keeper's report, telling it of an interrupt meanwhile; false when it died without one. */
+static bool await_report(int talk_fd, struct neph_keeper_report *report)
+{
+    /* The descriptor of an interrupt that was acknowledged stays readable: then look by the clock.
+     */
+    bool told = false, by_clock = false;
+    for (;;) {
+        struct pollfd fds[] = {
+            {.fd = talk_fd, .events = POLLIN},
+            {.fd = told || by_clock ? -1 : neph_interrupt_fd(), .events = POLLIN},
+        };
+        poll(fds, sizeof(fds) / sizeof(fds[0]), by_clock ? INTERRUPT_LOOK_MS : -1);
+        if (!told && neph_interrupted())
+            told = send(talk_fd, "", 1, MSG_NOSIGNAL) == 1;
+        else if (fds[1].revents != 0)
+            by_clock = true;
+        if (fds[0].revents == 0)
+            continue;
+        const ssize_t got = recv(talk_fd, report, sizeof(*report), 0);
+        if (got >= 0 || errno != EINTR)
+            return got == (ssize_t)sizeof(*report);
     }
-    close(report_fds[0]);
+}
+
+/* Run the program under a keeper to the end of both. */
+static enum neph_status run_kept(const struct neph_child_params *params,
+                                 struct neph_keeper_job *job, struct neph_keeper_report *report,
+                                 struct neph_diag *diag)
+{
+    int talk_fds[2];
+    if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, talk_fds) != 0)
+        return fail_start(params->argv[0], "socketpair", errno, diag);
+    job->talk_fd = talk_fds[1];
+    job->start_s = neph_wall_s();
+    const pid_t keeper = fork_without_signals();
+    if (keeper == 0)
+        neph_keeper_run(job);
+    const int error = errno;
+    close(talk_fds[1]);
+    enum neph_status status = NEPH_OK;
+    if (keeper < 0)
+        status = fail_start(params->argv[0], "fork", error, diag);
+    else if (!await_report(talk_fds[0], report))
+        status = neph_fail(diag, NEPH_ERR_ENGINE,
+                           "the process that watches over '%s' was killed, and it as well",
+                           params->argv[0]);
+    close(talk_fds[0]);
+    while (keeper > 0 && waitpid(keeper, NULL, 0) < 0 && errno == EINTR)
+        continue;
     return status;
 }
 
-static enum neph_status start(const struct neph_child_params *params, struct child *child,
-                              struct neph_diag *diag)
+static enum neph_status run(const struct neph_child_params *params,
+                            struct neph_keeper_report *report, struct neph_diag *diag)
 {
-    struct launch launch = {.input_fd = -1, .output_fd = -1};
+    struct neph_keeper_job job = {.input_fd = -1, .output_fd = -1};
+    struct environment environment = {.entries = NULL};
     enum neph_status status = NEPH_OK;
-    char *found = find_program(params->argv[0]);
+    char *found = neph_child_find_program(params->argv[0]);
     if (!found) {
         status = neph_fail(diag, NEPH_ERR_UNAVAILABLE, "there is no program '%s'", params->argv[0]);
         neph_hint(diag, "install it, or add its folder to PATH");
         return status;
     }
     char *program = make_absolute(found);
-    if (!program) {
-        status = neph_fail_memory(diag);
-        goto done;
-    }
-    launch.program = program;
-    launch.folder = params->working_directory;
+    status = program ? make_environment(params, &environment, diag) : neph_fail_memory(diag);
+    job.program = program;
+    job.folder = params->working_directory;
+    job.time_limit_s = params->time_limit_s;
     /* execve() takes pointers to non-const for historical reasons and changes nothing. */
-    launch.argv = (char *const *)params->argv;
-    launch.environment = params->environment ? (char *const *)params->environment : environ;
-    status = open_files(params, &launch, diag);
+    job.argv = (char *const *)params->argv;
+    job.environment = environment.entries;
     if (!status)
-        status = fork_and_exec(params, &launch, child, diag);
-done:
-    close_if_open(&launch.output_fd);
-    close_if_open(&launch.input_fd);
+        status = open_files(params, &job, diag);
+    if (!status)
+        status = run_kept(params, &job, report, diag);
+    close_if_open(&job.output_fd);
+    close_if_open(&job.input_fd);
+    free_environment(&environment);
     free(program);
     return status;
-}
-
-/* ---- waiting --------------------------------------------------------------------------------- */
-
-/* The high-water mark of the program's own memory so far; 0 when it cannot be told. */
-static int64_t sample_peak_bytes(pid_t pid)
-{
-    char path[64], text[4096];
-    snprintf(path, sizeof(path), "/proc/%d/status", (int)pid);
-    int fd = open(path, O_RDONLY | O_CLOEXEC);
-    if (fd < 0)
-        return 0;
-    ssize_t got = read(fd, text, sizeof(text) - 1);
-    close(fd);
-    text[got > 0 ? got : 0] = '\0';
-    const char *line = strstr(text, "\nVmHWM:");
-    long long peak_kib = 0;
-    if (!line || sscanf(line, "\nVmHWM: %lld kB", &peak_kib) != 1)
-        return 0;
-    return (int64_t)peak_kib * 1024;
-}
-
-static void sample_memory(struct child *child)
-{
-    int64_t peak_bytes = sample_peak_bytes(child->pid);
-    if (peak_bytes > child->seen_peak_bytes)
-        child->seen_peak_bytes = peak_bytes;
-}
-
-/* Wait for at most `timeout_ms`. True when the child has ended. */
-static bool wait_for_end(const struct child *child, bool mind_interrupt, int timeout_ms)
-{
-    struct pollfd fds[] = {
-        {.fd = child->fd, .events = POLLIN},
-        {.fd = mind_interrupt ? neph_interrupt_fd() : -1, .events = POLLIN},
-    };
-    poll(fds, sizeof(fds) / sizeof(fds[0]), timeout_ms);
-    return fds[0].revents != 0;
-}
-
-static int timeout_ms(double deadline_s, int longest_ms)
-{
-    double left_ms = ceil(1e3 * (deadline_s - neph_wall_s()));
-    return left_ms < 0.0 ? 0 : left_ms < longest_ms ? (int)left_ms : longest_ms;
-}
-
-/* Wait until the child ends, ending it when it must. The reason for ending it, or NEPH_OK. */
-static enum neph_status watch(struct child *child, double time_limit_s)
-{
-    enum neph_status ended_for = NEPH_OK;
-    bool killed = false;
-    double deadline_s = time_limit_s > 0.0 ? child->start_s + time_limit_s : INFINITY;
-    int pause_ms = SAMPLE_FIRST_MS;
-    while (!wait_for_end(child, ended_for == NEPH_OK, timeout_ms(deadline_s, pause_ms))) {
-        sample_memory(child);
-        pause_ms = pause_ms * 2 < SAMPLE_LAST_MS ? pause_ms * 2 : SAMPLE_LAST_MS;
-        bool overdue = neph_wall_s() >= deadline_s;
-        if (ended_for == NEPH_OK && (overdue || neph_interrupted())) {
-            ended_for = overdue ? NEPH_ERR_TIMEOUT : NEPH_ERR_INTERRUPTED;
-            kill(-child->pid, SIGTERM);
-            deadline_s = neph_wall_s() + grace_s;
-        } else if (overdue && !killed) {
-            kill(-child->pid, SIGKILL);
-            killed = true;
-            deadline_s = INFINITY;
-        }
-    }
-    return ended_for;
-}
-
-/* ru_maxrss starts with the memory of neph itself at the fork: execve() hands the high-water mark
- * of the old image on (exec_mmap() in the kernel's fs/exec.c). Above that it is exact; below, the
- * samples of the program's own mark are what has been measured. */
-static int64_t peak_memory_bytes(const struct child *child, const struct rusage *usage)
-{
-    int64_t reported_bytes = (int64_t)usage->ru_maxrss * 1024;
-    if (reported_bytes > child->inherited_peak_bytes + memory_noise_bytes ||
-        child->seen_peak_bytes == 0)
-        return reported_bytes;
-    return child->seen_peak_bytes < reported_bytes ? child->seen_peak_bytes : reported_bytes;
-}
-
-static double seconds(struct timeval time)
-{
-    return (double)time.tv_sec + 1e-6 * (double)time.tv_usec;
-}
-
-static enum neph_status reap(const struct child *child, struct neph_child_result *result,
-                             struct neph_diag *diag)
-{
-    /* While the leader is not reaped its number is not given away, so the group is still ours. */
-    double wall_s = neph_wall_s() - child->start_s;
-    kill(-child->pid, SIGKILL);
-    int wait_status = 0;
-    struct rusage usage;
-    pid_t reaped;
-    do
-        reaped = wait4(child->pid, &wait_status, 0, &usage);
-    while (reaped < 0 && errno == EINTR);
-    if (reaped < 0)
-        return neph_fail(diag, NEPH_ERR_INTERNAL, "wait4: %s", strerror(errno));
-    *result = (struct neph_child_result){
-        .exit_code = WIFEXITED(wait_status) ? WEXITSTATUS(wait_status) : 0,
-        .signal = WIFSIGNALED(wait_status) ? WTERMSIG(wait_status) : 0,
-        .wall_s = wall_s,
-        .cpu_s = seconds(usage.ru_utime) + seconds(usage.ru_stime),
-        .peak_memory_bytes = peak_memory_bytes(child, &usage),
-    };
-    return NEPH_OK;
 }
 
 /* ---- explaining ------------------------------------------------------------------------------ */
@@ -515,12 +370,12 @@ static enum neph_status explain_end(const struct neph_child_params *params,
 enum neph_status neph_child_run(const struct neph_child_params *params,
                                 struct neph_child_result *result, struct neph_diag *diag)
 {
-    struct child child = {.fd = -1};
-    enum neph_status status = start(params, &child, diag);
+    struct neph_keeper_report report;
+    enum neph_status status = run(params, &report, diag);
+    if (!status)
+        status = explain_start(params, &report, diag);
     if (status)
         return status;
-    enum neph_status ended_for = watch(&child, params->time_limit_s);
-    status = reap(&child, result, diag);
-    close(child.fd);
-    return status ? status : explain_end(params, result, ended_for, diag);
+    *result = report.result;
+    return explain_end(params, result, report.ended_for, diag);
 }

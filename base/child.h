@@ -12,34 +12,46 @@
 #include <stdint.h>
 
 struct neph_child_params {
-    const char *const *argv;        /* argv[0] is looked up in neph's PATH; NULL-terminated */
-    const char *working_directory;  /* NULL: unchanged; does not move a relative argv[0] */
-    const char *log_path;           /* stdout and stderr go here (truncated); NULL: /dev/null */
-    const char *const *environment; /* NULL: inherited; else the whole environment */
-    double time_limit_s;            /* <= 0: none */
+    const char *const *argv; /* argv[0] is looked up in neph's PATH; NULL-terminated */
+    const char
+        *working_directory; /* NULL: unchanged; moves neither a relative argv[0] nor `home` */
+    const char *log_path;   /* stdout and stderr go here (truncated); NULL: /dev/null */
+    /* The environment is made anew: PATH as neph has it, LANG=C.UTF-8, HOME and TMPDIR at `home`
+     * (NULL: HOME=/nonexistent), then these "NAME=value" (NULL: none). Nothing else of the user's
+     * environment reaches a child. */
+    const char *home;
+    const char *const *environment;
+    double time_limit_s; /* <= 0: none */
 };
 
 struct neph_child_result {
     int exit_code; /* valid when signal is 0 */
     int signal;    /* the signal that ended it, or 0 */
     double wall_s;
-    double cpu_s; /* user + system of the child and what it waited for */
-    /* Maximum resident set of the child or of one process that it waited for. Exact when above
-     * neph's own memory at the start; below it the kernel's number is neph's, and this is the
-     * high-water mark of the child alone, sampled every 0.1 s. */
+    double cpu_s; /* user + system of the child and of all that it started and that was reaped */
+    /* Maximum resident set of the child or of one process beneath it. Exact when above neph's own
+     * memory at the start; below it the kernel's number is neph's, and this is the high-water mark
+     * of the child alone, sampled every 0.1 s. */
     int64_t peak_memory_bytes;
 };
 
-/* Run to the end, which is the end of the child: what is left of its group then gets SIGKILL. On
- * time limit or neph_interrupted() the whole group gets SIGTERM, two seconds later SIGKILL, and the
- * status is NEPH_ERR_TIMEOUT or NEPH_ERR_INTERRUPTED. If neph itself (or the thread that calls
- * this) dies, even by SIGKILL, the child is killed too; its own children are not. stdin is
- * /dev/null. NEPH_ERR_UNAVAILABLE: no such program, or not one that can be executed.
+/* Run to the end, which is the end of the child: everything that it has started and left behind, in
+ * whatever group or session, then gets SIGKILL and is gone when this returns. On time limit or
+ * neph_interrupted() the child's group gets SIGTERM, two seconds later SIGKILL, and the status is
+ * NEPH_ERR_TIMEOUT or NEPH_ERR_INTERRUPTED. If neph itself dies, even by SIGKILL, the child and all
+ * beneath it are killed too. (To find what has left the group takes a kernel with
+ * CONFIG_PROC_CHILDREN, as all distributions have it; without it the group alone is killed.) stdin
+ * is /dev/null. NEPH_ERR_UNAVAILABLE: no such program, or not one that can be executed.
  * NEPH_ERR_ENGINE: it ended with a non-zero exit code or a signal; the diag quotes the last lines
  * of its log. NEPH_ERR_IO: no such working directory, or the log cannot be written. `result` is
- * filled in every case in which the child has run. May be called from several threads. */
+ * filled in every case in which the child has run and its end was seen. May be called from several
+ * threads. */
 enum neph_status neph_child_run(const struct neph_child_params *params,
                                 struct neph_child_result *result, struct neph_diag *diag);
+
+/* The path of the file that argv[0] = `program` means, for the caller to free; NULL when there is
+ * none that can be executed, or no memory. */
+char *neph_child_find_program(const char *program);
 
 /* True when `program` is an executable found in PATH (or is a path to one). */
 bool neph_child_program_exists(const char *program);

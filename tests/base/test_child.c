@@ -267,21 +267,55 @@ static void test_relative_program(void **state)
     assert_int_equal(result.exit_code, 5);
 }
 
+/* PATH and what the caller names, and nothing of the user's, whose settings are not the child's. */
 static void test_environment(void **state)
 {
+    const struct scratch *scratch = *state;
     char log[SCRATCH_PATH_MAX];
     const char *const argv[] = {"env", NULL};
-    const char *const environment[] = {"NEPH_ONLY=this", NULL};
-    struct neph_child_params params = {
-        .argv = argv, .environment = environment, .log_path = scratch_path(state, log, "log")};
+    const char *const more[] = {"NEPH_ONLY=this", NULL};
+    struct neph_child_params params = {.argv = argv, .log_path = scratch_path(state, log, "log")};
     struct neph_child_result result;
     struct neph_diag diag = {0};
-    neph_assert_ok(neph_child_run(&params, &result, &diag), &diag);
-    assert_log(log, "NEPH_ONLY=this\n");
-
     setenv("NEPH_TEST_INHERITED", "yes", 1);
-    neph_assert_ok(run_shell("test \"$NEPH_TEST_INHERITED\" = yes", NULL, 0.0, &result, &diag),
-                   &diag);
+    setenv("LD_LIBRARY_PATH", "/nonexistent", 1);
+    neph_assert_ok(neph_child_run(&params, &result, &diag), &diag);
+    char *expected = neph_format("PATH=%s\nLANG=C.UTF-8\nHOME=/nonexistent\n", getenv("PATH"));
+    assert_log(log, expected);
+    free(expected);
+
+    params.home = scratch->folder;
+    params.environment = more;
+    neph_assert_ok(neph_child_run(&params, &result, &diag), &diag);
+    unsetenv("NEPH_TEST_INHERITED");
+    unsetenv("LD_LIBRARY_PATH");
+    expected = neph_format("PATH=%s\nLANG=C.UTF-8\nHOME=%s\nTMPDIR=%s\nNEPH_ONLY=this\n",
+                           getenv("PATH"), scratch->folder, scratch->folder);
+    assert_log(log, expected);
+    free(expected);
+}
+
+/* A home that is named from here is meant from here, whichever folder the child works in. */
+static void test_relative_home(void **state)
+{
+    const struct scratch *scratch = *state;
+    char log[SCRATCH_PATH_MAX];
+    const char *const argv[] = {"sh", "-c", "cd \"$HOME\" && pwd", NULL};
+    struct neph_child_params params = {.argv = argv,
+                                       .working_directory = "/",
+                                       .home = ".",
+                                       .log_path = scratch_path(state, log, "log")};
+    struct neph_child_result result;
+    struct neph_diag diag = {0};
+    char *before = getcwd(NULL, 0);
+    assert_int_equal(chdir(scratch->folder), 0);
+    const enum neph_status status = neph_child_run(&params, &result, &diag);
+    assert_int_equal(chdir(before), 0);
+    free(before);
+    neph_assert_ok(status, &diag);
+    char *expected = neph_format("%s\n", scratch->folder);
+    assert_log(log, expected);
+    free(expected);
 }
 
 static void test_log_that_cannot_be_written(void **state)
@@ -393,22 +427,67 @@ static void test_leftovers_are_killed(void **state)
     assert_dies(read_pid(path));
 }
 
-/* kill -9 of neph: a process between us and the child plays it. */
-static void test_child_dies_with_us(void **state)
+/* An engine behind a script: the script goes on while the engine does, in a session of its own. */
+static void write_wrapper(char script[2 * SCRATCH_PATH_MAX], const char *pid_path, const char *then)
 {
-    char path[SCRATCH_PATH_MAX], script[SCRATCH_PATH_MAX + 64];
-    scratch_path(state, path, "pid");
-    snprintf(script, sizeof(script), "echo $$ > %s; exec sleep 63", path);
-    pid_t neph = fork();
+    snprintf(script, 2 * SCRATCH_PATH_MAX,
+             "(setsid sh -c 'echo $$ > %s; trap \"\" TERM HUP; while :; do sleep 0.1; done' &); "
+             "while ! test -s %s; do sleep 0.01; done; %s",
+             pid_path, pid_path, then);
+}
+
+static void test_nothing_escapes_into_another_session(void **state)
+{
+    char path[SCRATCH_PATH_MAX], script[2 * SCRATCH_PATH_MAX];
+    struct neph_diag diag = {0};
+    write_wrapper(script, scratch_path(state, path, "left"), "true");
+    neph_assert_ok(run_shell(script, NULL, 0.0, NULL, &diag), &diag);
+    assert_true(is_dead(read_pid(path)));
+
+    write_wrapper(script, scratch_path(state, path, "late"), "exec sleep 60");
+    assert_int_equal(run_shell(script, NULL, 0.5, NULL, NULL), NEPH_ERR_TIMEOUT);
+    assert_true(is_dead(read_pid(path)));
+}
+
+/* Runs the script in a process that plays neph, and kills that with all that it has of a group. */
+static void kill_neph_in(const char *script, const char *pid_path)
+{
+    const pid_t neph = fork();
     if (neph == 0) {
+        setpgid(0, 0);
         run_shell(script, NULL, 0.0, NULL, NULL);
         _exit(0);
     }
-    pid_t child = read_pid(path);
+    const pid_t child = read_pid(pid_path);
     assert_false(is_dead(child));
-    assert_int_equal(kill(neph, SIGKILL), 0);
+    assert_int_equal(kill(-neph, SIGKILL), 0);
     assert_int_equal(waitpid(neph, NULL, 0), neph);
     assert_dies(child);
+}
+
+/* kill -9 of neph: the child dies, and an engine behind a wrapper as well. */
+static void test_child_dies_with_us(void **state)
+{
+    char path[SCRATCH_PATH_MAX], script[2 * SCRATCH_PATH_MAX];
+    scratch_path(state, path, "pid");
+    snprintf(script, sizeof(script), "echo $$ > %s; exec sleep 63", path);
+    kill_neph_in(script, path);
+    write_wrapper(script, scratch_path(state, path, "wrapped"), "exec sleep 64");
+    kill_neph_in(script, path);
+}
+
+/* Whoever kills the process between neph and the child ends the child, and is told so. */
+static void test_child_dies_with_its_keeper(void **state)
+{
+    char path[SCRATCH_PATH_MAX], script[SCRATCH_PATH_MAX + 64];
+    struct neph_diag diag = {0};
+    scratch_path(state, path, "pid");
+    snprintf(script, sizeof(script), "echo $$ > %s; kill -9 $PPID; exec sleep 65", path);
+    const double start_s = neph_wall_s();
+    assert_int_equal(run_shell(script, NULL, 0.0, NULL, &diag), NEPH_ERR_ENGINE);
+    assert_true(neph_wall_s() - start_s < 30.0);
+    assert_non_null(strstr(diag.message, "watches over 'sh'"));
+    assert_dies(read_pid(path));
 }
 
 /* ---- what it used ---------------------------------------------------------------------------- */
@@ -444,6 +523,23 @@ static void test_cpu_time_of_grandchildren(void **state)
     script = neph_format("'%s' burn-cpu 0.2; '%s' burn-cpu 0.2; true", program, program);
     neph_assert_ok(run_shell(script, NULL, 60.0, &result, &diag), &diag);
     assert_true(result.cpu_s >= 0.36);
+    free(script);
+    free(program);
+}
+
+/* Nobody waits for an engine whose wrapper has let go of it, but its work is work. */
+static void test_cpu_time_of_orphans(void **state)
+{
+    char path[SCRATCH_PATH_MAX];
+    struct neph_child_result result;
+    struct neph_diag diag = {0};
+    char *program = realpath(self, NULL);
+    scratch_path(state, path, "done");
+    char *script = neph_format("(setsid sh -c '\"%s\" burn-cpu 0.2; : > %s' &); "
+                               "while ! test -e %s; do sleep 0.01; done",
+                               program, path, path);
+    neph_assert_ok(run_shell(script, NULL, 60.0, &result, &diag), &diag);
+    assert_true(result.cpu_s >= 0.18);
     free(script);
     free(program);
 }
@@ -504,6 +600,7 @@ int main(int argc, char **argv)
         scratch_test(test_working_directory),
         scratch_test(test_relative_program),
         scratch_test(test_environment),
+        scratch_test(test_relative_home),
         scratch_test(test_log_that_cannot_be_written),
         scratch_test(test_child_starts_clean),
         scratch_test(test_timeout),
@@ -512,9 +609,12 @@ int main(int argc, char **argv)
         cmocka_unit_test(test_sigkill_after_two_seconds),
         scratch_test(test_timeout_kills_grandchildren),
         scratch_test(test_leftovers_are_killed),
+        scratch_test(test_nothing_escapes_into_another_session),
         scratch_test(test_child_dies_with_us),
+        scratch_test(test_child_dies_with_its_keeper),
         cmocka_unit_test(test_cpu_time),
         cmocka_unit_test(test_cpu_time_of_grandchildren),
+        scratch_test(test_cpu_time_of_orphans),
         cmocka_unit_test(test_peak_memory),
         cmocka_unit_test(test_our_own_memory_is_not_the_childs),
     };

@@ -157,6 +157,22 @@ static int child_is_stopped(void)
     return 0;
 }
 
+/* What is put in order after Ctrl-C may take children too: they run, and we sleep meanwhile. */
+static int child_after_acknowledgement(void)
+{
+    neph_interrupt_install();
+    raise(SIGINT);
+    CHECK(neph_interrupted());
+    neph_interrupt_acknowledge();
+    const char *const argv[] = {"sleep", "0.5", NULL};
+    struct neph_child_params params = {.argv = argv};
+    struct neph_child_result result = {0};
+    const double before_s = neph_cpu_s();
+    CHECK(neph_child_run(&params, &result, NULL) == NEPH_OK);
+    CHECK(neph_cpu_s() - before_s < 0.1);
+    return 0;
+}
+
 /* A shell that forgot SIGCHLD must not cost us the exit codes. */
 static int inherited_sigchld(void)
 {
@@ -197,6 +213,7 @@ static void test_children_are_stopped(void **state)
 {
     (void)state;
     assert_alone(child_is_stopped);
+    assert_alone(child_after_acknowledgement);
 }
 
 static void test_inherited_sigchld(void **state)

@@ -1,0 +1,352 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * All of this runs in a process that was forked from a neph with threads, which may have held any
+ * lock: only async-signal-safe calls, no memory, no printf.
+ */
+#include "base/keeper.h"
+
+#include "base/clock.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <limits.h>
+#include <math.h>
+#include <poll.h>
+#include <signal.h>
+#include <string.h>
+#include <sys/pidfd.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+enum {
+    TALK_FD = STDERR_FILENO + 1,
+    SAMPLE_FIRST_MS = 1, /* of the memory high-water mark, see peak_memory_bytes() */
+    SAMPLE_LAST_MS = 100,
+    EXIT_NOT_STARTED = 127,
+};
+
+static const double grace_s = 2.0; /* between SIGTERM and SIGKILL */
+static const int64_t memory_noise_bytes = 1 << 20;
+
+/* Not "neph": `killall -9 neph` is to leave somebody who ends the program. */
+static const char process_name[] = "engine-keeper";
+
+struct keeper {
+    const struct neph_keeper_job *job;
+    pid_t pid;                    /* of the program; also its process group */
+    int fd;                       /* pidfd */
+    bool alone;                   /* neph is dead */
+    int64_t inherited_peak_bytes; /* of neph, which the kernel counts as the program's */
+    int64_t seen_peak_bytes;
+    struct neph_keeper_report report;
+};
+
+/* ---- the program's side of fork() ------------------------------------------------------------ */
+
+/* What it tells before it becomes the program. When execve() succeeds, READY was the last word,
+ * because the pipe closes itself. */
+struct first_words {
+    enum neph_keeper_step step;
+    int error;
+    int64_t peak_memory_bytes; /* of the copy of neph that it still is */
+};
+
+static void send_first_words(int fd, enum neph_keeper_step step, int error)
+{
+    struct rusage usage = {0};
+    getrusage(RUSAGE_SELF, &usage);
+    const struct first_words words = {step, error, (int64_t)usage.ru_maxrss * 1024};
+    const ssize_t written = write(fd, &words, sizeof(words));
+    (void)written; /* below PIPE_BUF it is all or nothing; nothing reads as a failed start */
+}
+
+_Noreturn static void give_up(int fd, enum neph_keeper_step step)
+{
+    send_first_words(fd, step, errno);
+    _exit(EXIT_NOT_STARTED);
+}
+
+/* They were blocked before the first fork(), so that none of neph's handlers runs in here. */
+static void restore_signals(void)
+{
+    const struct sigaction standard = {.sa_handler = SIG_DFL};
+    sigaction(SIGINT, &standard, NULL);
+    sigaction(SIGTERM, &standard, NULL);
+    sigaction(SIGPIPE, &standard, NULL);
+    sigset_t none;
+    sigemptyset(&none);
+    sigprocmask(SIG_SETMASK, &none, NULL);
+}
+
+_Noreturn static void become_program(const struct neph_keeper_job *job, pid_t keeper, int words_fd)
+{
+    if (prctl(PR_SET_PDEATHSIG, SIGKILL) != 0)
+        give_up(words_fd, NEPH_KEEPER_DEATH_SIGNAL);
+    if (getppid() != keeper) /* it died before the line above */
+        _exit(EXIT_NOT_STARTED);
+    if (setpgid(0, 0) != 0)
+        give_up(words_fd, NEPH_KEEPER_GROUP);
+    if (job->folder && chdir(job->folder) != 0)
+        give_up(words_fd, NEPH_KEEPER_FOLDER);
+    restore_signals();
+    send_first_words(words_fd, NEPH_KEEPER_READY, 0);
+    execve(job->program, job->argv, job->environment);
+    give_up(words_fd, NEPH_KEEPER_EXEC);
+}
+
+/* ---- starting -------------------------------------------------------------------------------- */
+
+static bool fail_start(struct keeper *keeper, enum neph_keeper_step step, int error)
+{
+    keeper->report.step = step;
+    keeper->report.error = error;
+    return false;
+}
+
+/* stdin, stdout and stderr become the program's, the connection to neph comes next, and nothing
+ * else of neph stays open. All are lifted first, because neph may have been started without its
+ * first three files, and then ours lie there. */
+static bool arrange_files(const struct neph_keeper_job *job)
+{
+    const int input_fd = fcntl(job->input_fd, F_DUPFD_CLOEXEC, TALK_FD);
+    const int output_fd = fcntl(job->output_fd, F_DUPFD_CLOEXEC, TALK_FD);
+    const int talk_fd = fcntl(job->talk_fd, F_DUPFD_CLOEXEC, TALK_FD + 1);
+    return input_fd >= 0 && output_fd >= 0 && talk_fd >= 0 && dup2(input_fd, STDIN_FILENO) >= 0 &&
+           dup2(output_fd, STDOUT_FILENO) >= 0 && dup2(output_fd, STDERR_FILENO) >= 0 &&
+           dup3(talk_fd, TALK_FD, O_CLOEXEC) >= 0 && close_range(TALK_FD + 1, UINT_MAX, 0) == 0;
+}
+
+/* Read the program's first words until execve() closes the pipe; the last ones count. */
+static bool await_start(struct keeper *keeper, int words_fd)
+{
+    struct first_words words = {.step = NEPH_KEEPER_SILENCE}, next;
+    for (;;) {
+        const ssize_t got = read(words_fd, &next, sizeof(next));
+        if (got < 0 && errno == EINTR)
+            continue;
+        if (got != (ssize_t)sizeof(next))
+            break;
+        words = next;
+    }
+    keeper->inherited_peak_bytes = words.peak_memory_bytes;
+    return words.step == NEPH_KEEPER_READY || fail_start(keeper, words.step, words.error);
+}
+
+static bool start(struct keeper *keeper)
+{
+    int words_fds[2];
+    if (pipe2(words_fds, O_CLOEXEC) != 0)
+        return fail_start(keeper, NEPH_KEEPER_FILES, errno);
+    const pid_t self = getpid();
+    keeper->pid = fork();
+    if (keeper->pid == 0)
+        become_program(keeper->job, self, words_fds[1]);
+    if (keeper->pid < 0)
+        return fail_start(keeper, NEPH_KEEPER_FORK, errno);
+    close(words_fds[1]);
+    const bool started = await_start(keeper, words_fds[0]);
+    close(words_fds[0]);
+    if (!started)
+        return false;
+    keeper->fd = pidfd_open(keeper->pid, 0);
+    return keeper->fd >= 0 || fail_start(keeper, NEPH_KEEPER_FILES, errno);
+}
+
+/* ---- numbers in /proc ------------------------------------------------------------------------ */
+
+/* What fits of a file, as a string; false when it cannot be opened. */
+static bool read_text(const char *path, char *text, size_t size)
+{
+    const int fd = open(path, O_RDONLY | O_CLOEXEC);
+    if (fd < 0)
+        return false;
+    const ssize_t got = read(fd, text, size - 1);
+    close(fd);
+    text[got > 0 ? got : 0] = '\0';
+    return true;
+}
+
+/* The number after white space; `*text` moves behind it. Negative when there is none. */
+static long long next_number(const char **text)
+{
+    const char *at = *text + strspn(*text, " \t\n");
+    long long number = *at >= '0' && *at <= '9' ? 0 : -1;
+    for (; *at >= '0' && *at <= '9'; at++)
+        number = 10 * number + (*at - '0');
+    *text = at;
+    return number;
+}
+
+/* "/proc/<pid>/status" */
+static void name_status_file(pid_t pid, char path[64])
+{
+    char digits[16];
+    int count = 0;
+    for (pid_t rest = pid; rest > 0; rest /= 10)
+        digits[count++] = (char)('0' + rest % 10);
+    char *at = stpcpy(path, "/proc/");
+    while (count > 0)
+        *at++ = digits[--count];
+    stpcpy(at, "/status");
+}
+
+/* The high-water mark of the program's own memory so far, as far as it can be told. */
+static void sample_memory(struct keeper *keeper)
+{
+    static const char key[] = "\nVmHWM:";
+    char path[64], text[4096];
+    name_status_file(keeper->pid, path);
+    const char *line = read_text(path, text, sizeof(text)) ? strstr(text, key) : NULL;
+    if (!line)
+        return;
+    line += sizeof(key) - 1;
+    const int64_t peak_bytes = (int64_t)next_number(&line) * 1024;
+    if (peak_bytes > keeper->seen_peak_bytes)
+        keeper->seen_peak_bytes = peak_bytes;
+}
+
+/* ---- waiting --------------------------------------------------------------------------------- */
+
+/* Wait for at most `timeout_ms`. True when the program has ended or neph has. */
+static bool wait_for_end(struct keeper *keeper, bool *interrupted, int timeout_ms)
+{
+    struct pollfd fds[] = {{.fd = keeper->fd, .events = POLLIN}, {.fd = TALK_FD, .events = POLLIN}};
+    poll(fds, sizeof(fds) / sizeof(fds[0]), timeout_ms);
+    if (fds[1].revents != 0) {
+        char word;
+        const ssize_t got = recv(TALK_FD, &word, sizeof(word), MSG_DONTWAIT);
+        keeper->alone = got == 0 || (got < 0 && errno != EAGAIN && errno != EINTR);
+        *interrupted |= got > 0;
+    }
+    return fds[0].revents != 0 || keeper->alone;
+}
+
+static int timeout_ms(double deadline_s, int longest_ms)
+{
+    const double left_ms = ceil(1e3 * (deadline_s - neph_wall_s()));
+    return left_ms < 0.0 ? 0 : left_ms < longest_ms ? (int)left_ms : longest_ms;
+}
+
+/* With its group, which it may have left. */
+static void kill_program(const struct keeper *keeper)
+{
+    kill(-keeper->pid, SIGKILL);
+    kill(keeper->pid, SIGKILL);
+}
+
+/* Wait until the program ends, ending it when it must. */
+static void watch(struct keeper *keeper)
+{
+    const struct neph_keeper_job *job = keeper->job;
+    enum neph_status *ended_for = &keeper->report.ended_for;
+    bool killed = false, interrupted = false;
+    double deadline_s = job->time_limit_s > 0.0 ? job->start_s + job->time_limit_s : INFINITY;
+    int pause_ms = SAMPLE_FIRST_MS;
+    while (!wait_for_end(keeper, &interrupted, timeout_ms(deadline_s, pause_ms))) {
+        sample_memory(keeper);
+        pause_ms = pause_ms * 2 < SAMPLE_LAST_MS ? pause_ms * 2 : SAMPLE_LAST_MS;
+        const bool overdue = neph_wall_s() >= deadline_s;
+        if (*ended_for == NEPH_OK && (overdue || interrupted)) {
+            *ended_for = overdue ? NEPH_ERR_TIMEOUT : NEPH_ERR_INTERRUPTED;
+            kill(-keeper->pid, SIGTERM);
+            deadline_s = neph_wall_s() + grace_s;
+        } else if (overdue && !killed) {
+            kill_program(keeper);
+            killed = true;
+            deadline_s = INFINITY;
+        }
+    }
+    keeper->report.result.wall_s = neph_wall_s() - job->start_s;
+}
+
+/* ---- the end --------------------------------------------------------------------------------- */
+
+static double seconds(struct timeval time)
+{
+    return (double)time.tv_sec + 1e-6 * (double)time.tv_usec;
+}
+
+/* ru_maxrss of the program starts with the memory of neph itself at the fork: execve() hands the
+ * high-water mark of the old image on (exec_mmap() in the kernel's fs/exec.c). Above that it is
+ * exact; below, the samples of the program's own mark are what has been measured. */
+static int64_t peak_memory_bytes(const struct keeper *keeper, int64_t reported_bytes)
+{
+    if (reported_bytes > keeper->inherited_peak_bytes + memory_noise_bytes ||
+        keeper->seen_peak_bytes == 0)
+        return reported_bytes;
+    return keeper->seen_peak_bytes < reported_bytes ? keeper->seen_peak_bytes : reported_bytes;
+}
+
+static void account(struct keeper *keeper, pid_t pid, int wait_status, const struct rusage *usage)
+{
+    struct neph_child_result *result = &keeper->report.result;
+    int64_t peak_bytes = (int64_t)usage->ru_maxrss * 1024;
+    if (pid == keeper->pid) {
+        result->exit_code = WIFEXITED(wait_status) ? WEXITSTATUS(wait_status) : 0;
+        result->signal = WIFSIGNALED(wait_status) ? WTERMSIG(wait_status) : 0;
+        peak_bytes = peak_memory_bytes(keeper, peak_bytes);
+    }
+    result->cpu_s += seconds(usage->ru_utime) + seconds(usage->ru_stime);
+    if (peak_bytes > result->peak_memory_bytes)
+        result->peak_memory_bytes = peak_bytes;
+}
+
+/* False when the kernel does not list them. */
+static bool kill_children(void)
+{
+    char text[4096]; /* what does not fit comes in the next round */
+    if (!read_text("/proc/thread-self/children", text, sizeof(text)))
+        return false;
+    const char *rest = text;
+    for (long long pid; (pid = next_number(&rest)) > 0 && *rest;)
+        kill((pid_t)pid, SIGKILL);
+    return true;
+}
+
+/* What the program has left, and what that leaves when it is killed: all become our children. As
+ * nobody else reaps them, their numbers are not given away. */
+static void end_leftovers(struct keeper *keeper)
+{
+    for (;;) {
+        int wait_status = 0;
+        struct rusage usage;
+        const pid_t pid = wait4(-1, &wait_status, WNOHANG, &usage);
+        if (pid > 0)
+            account(keeper, pid, wait_status, &usage);
+        else if (pid < 0 || !kill_children())
+            return; /* there is none, or none that we could find */
+        else
+            waitid(P_ALL, 0, &(siginfo_t){0}, WEXITED | WNOWAIT);
+    }
+}
+
+static void end_program(struct keeper *keeper)
+{
+    int wait_status = 0;
+    struct rusage usage;
+    kill_program(keeper);
+    if (wait4(keeper->pid, &wait_status, 0, &usage) == keeper->pid)
+        account(keeper, keeper->pid, wait_status, &usage);
+    end_leftovers(keeper);
+}
+
+_Noreturn void neph_keeper_run(const struct neph_keeper_job *job)
+{
+    struct keeper keeper = {.job = job, .fd = -1};
+    prctl(PR_SET_NAME, process_name);
+    setpgid(0, 0);            /* what kills neph's whole group is to leave us */
+    signal(SIGCHLD, SIG_DFL); /* ignored, it would throw the exit codes away */
+    if (!arrange_files(job))
+        fail_start(&keeper, NEPH_KEEPER_FILES, errno);
+    else if (prctl(PR_SET_CHILD_SUBREAPER, 1) != 0)
+        fail_start(&keeper, NEPH_KEEPER_DEATH_SIGNAL, errno);
+    else if (start(&keeper))
+        watch(&keeper);
+    if (keeper.pid > 0)
+        end_program(&keeper);
+    send(TALK_FD, &keeper.report, sizeof(keeper.report), MSG_NOSIGNAL);
+    _exit(0);
+}
