@@ -31,12 +31,12 @@ enum neph_status neph_job_key(const struct neph_job *job, char key[NEPH_HASH_HEX
 {
     const struct neph_shot *shot = &job->shot;
     char *settings = neph_settings_text(job->engine, &shot->settings);
-    char *text = neph_format("neph-job-1\nscene %s\nengine %s driver %u\nversion %s\ndevice %s\n"
-                             "settings %s\nsize %dx%d\nframe %d\nlayers %u\nseed %llu\nrepeat %d\n",
-                             shot->scene->hash, job->engine->name, (unsigned)job->engine->version,
-                             job->info->version, job->info->device, settings ? settings : "",
-                             shot->width_px, shot->height_px, shot->frame, shot->layers,
-                             (unsigned long long)shot->seed, job->repeat);
+    char *text = neph_format(
+        "neph-job-1\nscene %s\nengine %s driver %u\nversion %s\nbuild %s\n"
+        "device %s\nsettings %s\nsize %dx%d\nframe %d\nlayers %u\nseed %llu\nrepeat %d\n",
+        shot->scene->hash, job->engine->name, (unsigned)job->engine->version, job->info->version,
+        job->info->build, job->info->device, settings ? settings : "", shot->width_px,
+        shot->height_px, shot->frame, shot->layers, (unsigned long long)shot->seed, job->repeat);
     enum neph_status status = settings && text ? neph_hash(text, strlen(text), key, diag)
                                                : neph_fail_memory(diag);
     free(settings);
@@ -92,6 +92,7 @@ static enum neph_status label_frame(const struct neph_job *job, const struct nep
         {"neph.scene_hash", shot->scene->hash},
         {"neph.engine", job->engine->name},
         {"neph.engine_version", job->info->version},
+        {"neph.engine_build", job->info->build},
         {"neph.device", job->info->device},
         {"neph.settings", settings},
         {"neph.rung", neph_rung_name(job->engine->rung)},
@@ -221,14 +222,15 @@ static json_t *make_record(const struct neph_job *job, const struct neph_job_res
     char created[32];
     utc_now(created);
     return json_pack(
-        "{s:s, s:s, s:s, s:s, s:i, s:s, s:s, s:s, s:[i,i], s:i, s:i, s:i, s:i, s:f, s:f, s:f, s:I}",
+        "{s:s, s:s, s:s, s:s, s:i, s:s, s:s, s:s, s:s, s:[i,i], s:i, s:i, s:i, s:i, s:f, s:f, s:f, "
+        "s:I}",
         "format", "neph-job-1", "scene", shot->scene->name, "scene_hash", shot->scene->hash,
         "engine", job->engine->name, "driver", (int)job->engine->version, "version",
-        job->info->version, "device", job->info->device, "settings", result->settings, "size_px",
-        shot->width_px, shot->height_px, "frame", shot->frame, "layers", (int)shot->layers, "seed",
-        (int)shot->seed, "repeat", job->repeat, "render_s", result->cost.render_s, "wall_s",
-        result->cost.wall_s, "cpu_s", result->cost.cpu_s, "peak_memory_bytes",
-        (json_int_t)result->cost.peak_memory_bytes);
+        job->info->version, "build", job->info->build, "device", job->info->device, "settings",
+        result->settings, "size_px", shot->width_px, shot->height_px, "frame", shot->frame,
+        "layers", (int)shot->layers, "seed", (int)shot->seed, "repeat", job->repeat, "render_s",
+        result->cost.render_s, "wall_s", result->cost.wall_s, "cpu_s", result->cost.cpu_s,
+        "peak_memory_bytes", (json_int_t)result->cost.peak_memory_bytes);
 }
 
 static struct neph_cost cost_of_record(const json_t *record)

@@ -20,9 +20,9 @@
 #include "harness/bakes.h"
 #include "harness/engines/baked_scene.h"
 #include "harness/engines/cycles_spec.h"
+#include "harness/engines/program.h"
 #include "scenes/volume_file.h"
 
-#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -35,9 +35,8 @@ static const char script_name[] = "blender_render.py";
 /* Blender writes nothing smaller: it silently makes it 4 x 4. */
 enum { SIDE_MIN_PX = 4 };
 
-/* What Blender may see of our environment: PYTHONPATH and BLENDER_* would change what it does. */
-static const char *const inherited[] = {"PATH", "LD_LIBRARY_PATH", "TMPDIR"};
-enum { INHERITED_COUNT = sizeof(inherited) / sizeof(inherited[0]) };
+/* Python asks for no files beside Blender's own, and leaves none. */
+static const char *const environment[] = {"PYTHONNOUSERSITE=1", "PYTHONDONTWRITEBYTECODE=1", NULL};
 
 /* Defaults by measurement over height fogs of vertical optical depth 0.07 to 10 and views up and
  * down. At a step of 0.1 scale heights single scattering is within 0.1 % row by row and 0.03 % over
@@ -75,87 +74,6 @@ static char *script_path(void)
 {
     const char *data = getenv("NEPH_DATA_DIR");
     return neph_format("%s/scripts/%s", data && data[0] ? data : NEPH_SOURCE_DIR, script_name);
-}
-
-struct environment {
-    char *entries[INHERITED_COUNT + 4];
-};
-
-static void free_environment(struct environment *environment)
-{
-    for (size_t i = 0; environment->entries[i]; i++)
-        free(environment->entries[i]);
-}
-
-static bool make_environment(struct environment *environment)
-{
-    static const char *const fixed[] = {"LANG=C.UTF-8", "PYTHONNOUSERSITE=1",
-                                        "PYTHONDONTWRITEBYTECODE=1"};
-    size_t count = 0;
-    *environment = (struct environment){{NULL}};
-    for (size_t i = 0; i < sizeof(fixed) / sizeof(fixed[0]); i++) {
-        environment->entries[count] = neph_format("%s", fixed[i]);
-        if (!environment->entries[count++])
-            return false;
-    }
-    for (size_t i = 0; i < INHERITED_COUNT; i++) {
-        const char *value = getenv(inherited[i]);
-        if (!value)
-            continue;
-        environment->entries[count] = neph_format("%s=%s", inherited[i], value);
-        if (!environment->entries[count++])
-            return false;
-    }
-    return true;
-}
-
-/* Run Blender with that environment. */
-static enum neph_status run_blender(const char *const *argv, const char *directory,
-                                    const char *log_path, double time_limit_s,
-                                    struct neph_child_result *result, struct neph_diag *diag)
-{
-    struct environment environment;
-    enum neph_status status = NEPH_OK;
-    if (!make_environment(&environment))
-        status = neph_fail_memory(diag);
-    struct neph_child_params params = {
-        .argv = argv,
-        .working_directory = directory,
-        .log_path = log_path,
-        .environment = (const char *const *)environment.entries,
-        .time_limit_s = time_limit_s,
-    };
-    if (!status)
-        status = neph_child_run(&params, result, diag);
-    if (status == NEPH_ERR_UNAVAILABLE)
-        neph_hint(diag, "%s", install_line);
-    free_environment(&environment);
-    return status;
-}
-
-/* What `blender --version` prints, for the caller to free; NULL when it cannot be had. */
-static char *version_text(struct neph_diag *diag)
-{
-    const char *argv[] = {"blender", "--version", NULL};
-    const char *temporary = getenv("TMPDIR");
-    struct neph_child_result result;
-    char *directory = neph_format("%s/neph-blender-XXXXXX", temporary ? temporary : "/tmp");
-    if (!directory || !mkdtemp(directory)) {
-        neph_fail(diag, NEPH_ERR_IO, "cannot make a temporary folder in '%s' (TMPDIR): %s",
-                  temporary ? temporary : "/tmp", strerror(errno));
-        free(directory);
-        return NULL;
-    }
-    char *log = neph_path_join(directory, "version.log");
-    char *text = NULL;
-    size_t size;
-    if (!log || run_blender(argv, NULL, log, probe_limit_s, &result, diag) ||
-        neph_file_read(log, 1 << 16, &text, &size, diag))
-        text = NULL;
-    free(log);
-    neph_dir_remove(directory, NULL);
-    free(directory);
-    return text;
 }
 
 /* The version after "Blender " at the start of a line. */
@@ -205,7 +123,8 @@ static void probe(struct neph_engine_info *info)
         snprintf(info->missing, sizeof(info->missing),
                  "'%.300s' is not there; NEPH_DATA_DIR names the folder that holds scripts/",
                  script ? script : script_name);
-    else if ((text = version_text(&diag)))
+    else if (neph_program_ask("blender", "Blender ", probe_limit_s, &text, info->build, &diag) ==
+             NEPH_OK)
         judge_version(text, info);
     else
         snprintf(info->missing, sizeof(info->missing), "'blender --version' failed: %.400s",
@@ -363,8 +282,15 @@ static enum neph_status run_script(const struct session *session, const char *bl
     char *log = neph_path_join(session->directory, "blender.log");
     if (!log)
         return neph_fail_memory(diag);
-    enum neph_status status = run_blender(argv, session->directory, log, time_limit_s, result,
-                                          diag);
+    const struct neph_child_params params = {.argv = argv,
+                                             .working_directory = session->directory,
+                                             .log_path = log,
+                                             .home = session->directory,
+                                             .environment = environment,
+                                             .time_limit_s = time_limit_s};
+    enum neph_status status = neph_child_run(&params, result, diag);
+    if (status == NEPH_ERR_UNAVAILABLE)
+        neph_hint(diag, "%s", install_line);
     free(log);
     return status;
 }

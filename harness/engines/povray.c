@@ -21,6 +21,7 @@
 #include "harness/engines/baked_scene.h"
 #include "harness/engines/povray_exposure.h"
 #include "harness/engines/povray_scene.h"
+#include "harness/engines/program.h"
 #include "scenes/media.h"
 #include "scenes/volume_file.h"
 
@@ -61,33 +62,6 @@ static const double radiance_black = 1e-13;
 
 /* ---- Probe ---------------------------------------------------------------------------------- */
 
-/* What `povray --version` prints, for the caller to free; NULL when it cannot be had. */
-static char *version_text(struct neph_diag *diag)
-{
-    const char *argv[] = {"povray", "--version", NULL};
-    const char *temporary = getenv("TMPDIR");
-    char *directory = neph_format("%s/neph-povray-XXXXXX", temporary ? temporary : "/tmp");
-    char *log = NULL, *text = NULL;
-    size_t size = 0;
-    if (!directory || !mkdtemp(directory)) {
-        neph_fail(diag, NEPH_ERR_IO, "cannot make a temporary folder in '%s' (TMPDIR): %s",
-                  temporary ? temporary : "/tmp", strerror(errno));
-        free(directory);
-        return NULL;
-    }
-    log = neph_path_join(directory, "version.log");
-    struct neph_child_params params = {
-        .argv = argv, .log_path = log, .time_limit_s = probe_limit_s};
-    struct neph_child_result result;
-    if (!log || neph_child_run(&params, &result, diag) ||
-        neph_file_read(log, 1 << 16, &text, &size, diag))
-        text = NULL;
-    free(log);
-    neph_dir_remove(directory, NULL);
-    free(directory);
-    return text;
-}
-
 /* The word after "POV-Ray " that starts with a digit, such as "3.7.0.10.unofficial". */
 static bool parse_version(const char *text, char version[64])
 {
@@ -112,10 +86,10 @@ static void probe(struct neph_engine_info *info)
         return;
     }
     struct neph_diag diag = {0};
-    char version[64] = "";
-    char *text = version_text(&diag);
-    info->broken = !text;
-    if (!text) {
+    char version[64] = "", *text = NULL;
+    info->broken = neph_program_ask("povray", "POV-Ray ", probe_limit_s, &text, info->build,
+                                    &diag) != NEPH_OK;
+    if (info->broken) {
         snprintf(info->missing, sizeof(info->missing), "'povray --version' failed: %.400s",
                  diag.message);
         return;
@@ -223,6 +197,28 @@ static enum neph_status name_files(const char *directory, const char *name, stru
     return neph_fail_memory(diag);
 }
 
+/* With POVINI naming it, it is the only one that is read: neither the system's, nor the user's in
+ * ~/.povray, nor one in the working folder. It names no Library_Path; pictures need no other file
+ * than the volumes beside them. */
+static const char ini_name[] = "povray.ini";
+static const char ini_text[] =
+    "; What decides a picture and stands on no command line; read instead of\n"
+    "; any other povray.ini.\n"
+    "Antialias=off\nJitter=off\nQuality=9\n"
+    "Bounding=on\nBounding_Method=1\nBounding_Threshold=3\n"
+    "Remove_Bounds=on\nSplit_Unions=off\n"
+    "Output_to_File=on\nOutput_Alpha=off\nContinue_Trace=off\n"
+    "Clock=0\nInitial_Frame=1\nFinal_Frame=1\nField_Render=off\n";
+
+static enum neph_status write_ini(const char *directory, struct neph_diag *diag)
+{
+    char *path = neph_path_join(directory, ini_name);
+    const enum neph_status status = path ? neph_file_write(path, ini_text, strlen(ini_text), diag)
+                                         : neph_fail_memory(diag);
+    free(path);
+    return status;
+}
+
 static enum neph_status write_scene(const struct session *session,
                                     const struct neph_povray_pass *pass, const char *path,
                                     struct neph_diag *diag)
@@ -248,9 +244,12 @@ static enum neph_status run_povray(struct session *session, const struct files *
                           "Dither=off", width, height, "+Q9",   "-A",
                           "-D",         "-P",  "-C",   "-GA",   "+BS8",
                           threads,      NULL};
+    const char *const environment[] = {"POVINI=povray.ini", NULL}; /* in the working folder */
     struct neph_child_params params = {.argv = argv,
                                        .working_directory = session->shot.scratch_directory,
                                        .log_path = files->log_path,
+                                       .home = session->shot.scratch_directory,
+                                       .environment = environment,
                                        .time_limit_s = session->shot.time_limit_s};
     struct neph_child_result result = {0};
     enum neph_status status = neph_child_run(&params, &result, diag);
@@ -738,7 +737,7 @@ static enum neph_status adapt_scene(const struct neph_shot *shot, struct session
     return status;
 }
 
-/* Grids go to `directory`. finish() whatever the status. */
+/* Grids and the ini go to `directory`. finish() whatever the status. */
 static enum neph_status start(const struct neph_shot *shot, const char *directory,
                               struct session *session, struct neph_diag *diag)
 {
@@ -748,6 +747,8 @@ static enum neph_status start(const struct neph_shot *shot, const char *director
     if (!can_render(shot->scene, &shot->settings, reason, sizeof(reason)))
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "POV-Ray cannot: %s", reason);
     enum neph_status status = adapt_scene(shot, session, diag);
+    if (!status)
+        status = write_ini(directory, diag);
     return status ? status : write_grids(session, directory, diag);
 }
 
@@ -798,7 +799,8 @@ static enum neph_status export_scene(const struct neph_shot *shot, const char *d
     finish(&session);
     if (!status)
         snprintf(command, command_size,
-                 "povray +Iscene.pov +Oscene.png +FN16 Dither=off +W%d +H%d -A -D -P -GA +WT%d "
+                 "POVINI=povray.ini povray +Iscene.pov +Oscene.png +FN16 Dither=off +W%d +H%d -A "
+                 "-D -P -GA +WT%d "
                  "+BS8",
                  shot->width_px, shot->height_px, session.threads);
     return status;
