@@ -183,12 +183,14 @@ static enum neph_status render(const struct request *request, struct neph_diag *
         return status;
     neph_conform_count(report, &expected, &sound);
     if (request->json) {
-        neph_cli_print_json(report);
+        status = neph_cli_print_json(report, diag);
     } else {
         print_wrong(report);
         printf("%d of %d pictures are finite and nowhere negative\n", sound, expected);
         json_decref(report);
     }
+    if (status)
+        return status;
     if (expected == 0)
         return neph_fail(diag, NEPH_ERR_GATE, "no engine could render any of these scenes");
     if (sound < expected)
@@ -220,18 +222,20 @@ static void print_comparison(const json_t *report)
 static enum neph_status compare(const struct request *request, struct neph_diag *diag)
 {
     json_t *report = NULL;
-    const enum neph_status status = neph_conform_compare(request->folders[0], request->folders[1],
-                                                         &report, diag);
+    enum neph_status status = neph_conform_compare(request->folders[0], request->folders[1],
+                                                   &report, diag);
     if (status)
         return status;
     const long long expected = json_integer_value(json_object_get(report, "expected"));
     const long long agreeing = json_integer_value(json_object_get(report, "agreeing"));
     if (request->json) {
-        neph_cli_print_json(report);
+        status = neph_cli_print_json(report, diag);
     } else {
         print_comparison(report);
         json_decref(report);
     }
+    if (status)
+        return status;
     if (expected == 0)
         return neph_fail(diag, NEPH_ERR_GATE, "there is nothing to compare in these folders");
     if (agreeing < expected)

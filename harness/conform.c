@@ -33,7 +33,7 @@ static int list_pictures(const char *only_engine, struct picture pictures[])
         if (only_engine && strcmp(only_engine, engine->name) != 0)
             continue;
         struct picture picture = {.engine = engine};
-        engine->probe(&picture.info);
+        neph_engine_probe(engine, &picture.info);
         const struct neph_preset *preset = engine->presets;
         do {
             picture.preset = preset && preset->name ? preset : NULL;
@@ -214,10 +214,11 @@ static enum neph_status describe_frame(const struct neph_image *frame, const cha
         status = neph_exr_write(path, lattice, diag);
     neph_image_destroy(lattice);
     for (int c = 0; c < frame->channel_count; c++)
-        json_array_append_new(channels, channel_json(frame, &frame->channels[c]));
-    if (status || json_object_set_new(entry, "hash", json_string(hash)) ||
-        json_object_set(entry, "channels", channels))
-        status = status ? status : neph_fail_memory(diag);
+        neph_json_add(&channels, channel_json(frame, &frame->channels[c]));
+    if (!status)
+        status = neph_json_put(entry, "hash", json_string(hash), diag);
+    if (!status)
+        return neph_json_put(entry, "channels", channels, diag);
     json_decref(channels);
     return status;
 }

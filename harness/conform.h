@@ -13,7 +13,7 @@
 
 #include "base/status.h"
 
-#include <jansson.h>
+#include "harness/json.h"
 #include <stdbool.h>
 
 #define NEPH_CONFORM_PICTURES_MAX 64

@@ -222,7 +222,7 @@ static bool is_chance(const struct pair *pair, const char *channel)
 
 /* --- one picture -------------------------------------------------------------------------- */
 
-static bool compare_channels(const struct pair *pair, json_t *channels, char *because, size_t size)
+static bool compare_channels(const struct pair *pair, json_t **channels, char *because, size_t size)
 {
     bool agrees = true;
     for (int c = 0; c < pair->lattice[0]->channel_count; c++) {
@@ -239,12 +239,11 @@ static bool compare_channels(const struct pair *pair, json_t *channels, char *be
                      "value apart, %.2g allowed",
                      name, distance.beyond, distance.allowed, distance.mean, distance.mean_allowed);
         agrees = agrees && within;
-        json_array_append_new(channels,
-                              json_pack("{s:s, s:b, s:f, s:I, s:I, s:f, s:f}", "channel", name,
-                                        "within", within, "worst", distance.worst, "beyond",
-                                        (json_int_t)distance.beyond, "allowed",
-                                        (json_int_t)distance.allowed, "mean", distance.mean,
-                                        "mean_allowed", distance.mean_allowed));
+        neph_json_add(channels, json_pack("{s:s, s:b, s:f, s:I, s:I, s:f, s:f}", "channel", name,
+                                          "within", within, "worst", distance.worst, "beyond",
+                                          (json_int_t)distance.beyond, "allowed",
+                                          (json_int_t)distance.allowed, "mean", distance.mean,
+                                          "mean_allowed", distance.mean_allowed));
     }
     return agrees;
 }
@@ -281,7 +280,7 @@ static double pixel_count_of(const json_t *entry)
 
 /* NEPH_OK: `*agrees` says it. */
 static enum neph_status compare_lattices(const char *const folders[2], const char *name,
-                                         const json_t *const entries[2], json_t *channels,
+                                         const json_t *const entries[2], json_t **channels,
                                          bool *agrees, char *because, size_t size,
                                          struct neph_diag *diag)
 {
@@ -332,12 +331,13 @@ static enum neph_status compare_picture(const char *const folders[2],
     if (difference)
         snprintf(because, sizeof(because), "%s", difference);
     else if (!status)
-        status = compare_lattices(folders, name, entries, channels, &agrees, because,
+        status = compare_lattices(folders, name, entries, &channels, &agrees, because,
                                   sizeof(because), diag);
-    if (!status && json_array_append_new(pictures, json_pack("{s:s, s:b, s:O, s:s}", "picture",
-                                                             name, "agrees", agrees, "channels",
-                                                             channels, "because", because)))
-        status = neph_fail_memory(diag);
+    if (!status)
+        return neph_json_append(pictures,
+                                json_pack("{s:s, s:b, s:o, s:s}", "picture", name, "agrees", agrees,
+                                          "channels", channels, "because", because),
+                                diag);
     json_decref(channels);
     return status;
 }

@@ -10,7 +10,7 @@
 
 #include "base/status.h"
 
-#include <jansson.h>
+#include "harness/json.h"
 
 enum neph_entry_state {
     NEPH_ENTRY_ABSENT,
