@@ -184,6 +184,15 @@ static enum neph_status make_key(const struct neph_job *job, const char *referen
     return status;
 }
 
+/* What of the pictures the store keeps. */
+static json_t *picture_names(void)
+{
+    json_t *names = json_pack("[s]", "a4_radiance.png");
+    for (int i = 0; i < FLIPBOOK; i++)
+        neph_json_add(&names, json_sprintf("flip_%d.png", i));
+    return names;
+}
+
 /* Render and measure into a scratch folder, and publish the last frame and what was measured. */
 static enum neph_status make_entry(const struct work *work, struct neph_job *job, const char *key,
                                    struct neph_diag *diag)
@@ -198,11 +207,11 @@ static enum neph_status make_entry(const struct work *work, struct neph_job *job
     status = render_frames(work, job, neph_scratch_path(scratch), &cost, diag);
     if (!status)
         status = measure(work, neph_scratch_path(scratch), diag);
-    if (!status && !(record = json_pack("{s:s, s:s, s:s, s:s, s:i, s:f, s:f, s:f}", "format",
+    if (!status && !(record = json_pack("{s:s, s:s, s:s, s:s, s:i, s:f, s:f, s:f, s:o}", "format",
                                         "neph-sequence-1", "scene", work->scene->name, "engine",
                                         job->engine->name, "version", job->info->version, "frames",
                                         FRAMES, "render_s", cost.render_s, "wall_s", cost.wall_s,
-                                        "cpu_s", cost.cpu_s)))
+                                        "cpu_s", cost.cpu_s, "pictures", picture_names())))
         status = neph_fail_memory(diag);
     if (!status)
         status = neph_store_publish(work->store, key, scratch, record, diag);

@@ -2,6 +2,7 @@
 #include "harness/progress.h"
 
 #include "base/clock.h"
+#include "base/text.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -117,6 +118,7 @@ void neph_progress_warn(const char *format, ...)
     va_start(arguments, format);
     vsnprintf(text, sizeof(text), format, arguments);
     va_end(arguments);
+    neph_text_clean(text, sizeof(text));
     fprintf(stderr, "%sneph: %s\n", isatty(STDERR_FILENO) == 1 ? "\r\033[K" : "", text);
 }
 

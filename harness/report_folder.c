@@ -3,6 +3,7 @@
 
 #include "base/files.h"
 #include "base/owned.h"
+#include "harness/json.h"
 
 #include <dirent.h>
 #include <errno.h>

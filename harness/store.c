@@ -273,22 +273,24 @@ static bool has_ending(const char *name, const char *ending)
     return length >= ending_length && strcmp(name + length - ending_length, ending) == 0;
 }
 
-static bool worth_keeping(const char *name)
+static bool worth_keeping(const char *name, const json_t *record)
 {
-    static const char *const endings[] = {".log", ".json", ".pov", ".png"};
+    static const char *const endings[] = {".log", ".json", ".pov"};
     for (size_t i = 0; i < sizeof(endings) / sizeof(endings[0]); i++)
         if (has_ending(name, endings[i]))
             return true;
-    return strcmp(name, "frame.exr") == 0;
+    return strcmp(name, "frame.exr") == 0 || neph_entry_has_picture(record, name);
 }
 
-static enum neph_status tidy_entry(const char *path, const char *name, struct neph_diag *diag)
+static enum neph_status tidy_entry(const char *path, const char *name, const json_t *record,
+                                   struct neph_diag *diag)
 {
-    return worth_keeping(name) ? neph_file_sync(path, diag) : neph_dir_remove(path, diag);
+    return worth_keeping(name, record) ? neph_file_sync(path, diag) : neph_dir_remove(path, diag);
 }
 
-/* Remove what need not be kept and bring the rest to disk, the files and then their names. */
-static enum neph_status tidy(const char *scratch, struct neph_diag *diag)
+/* Remove what need not be kept and bring the rest to disk, the files and then their names. `record`
+ * NULL: no pictures. */
+static enum neph_status tidy(const char *scratch, const json_t *record, struct neph_diag *diag)
 {
     DIR *directory = opendir(scratch);
     if (!directory)
@@ -298,7 +300,7 @@ static enum neph_status tidy(const char *scratch, struct neph_diag *diag)
         if (strcmp(entry->d_name, ".") == 0 || strcmp(entry->d_name, "..") == 0)
             continue;
         char *path = neph_path_join(scratch, entry->d_name);
-        status = path ? tidy_entry(path, entry->d_name, diag) : neph_fail_memory(diag);
+        status = path ? tidy_entry(path, entry->d_name, record, diag) : neph_fail_memory(diag);
         free(path);
     }
     closedir(directory);
@@ -343,7 +345,7 @@ enum neph_status neph_store_publish(struct neph_store *store, const char *key,
     enum neph_status status = entry ? neph_entry_write_record(path, key, record, diag)
                                     : neph_fail_memory(diag);
     if (!status)
-        status = tidy(path, diag);
+        status = tidy(path, record, diag);
     if (!status)
         status = neph_lock_wait(store->lock, &lock, diag);
     if (!status) {
@@ -361,7 +363,7 @@ void neph_store_abandon(struct neph_store *store, const char *key,
     char *entry = neph_path_join(store->failed, key);
     int lock = -1;
     *kept = NULL;
-    if (!entry || tidy(path, NULL) || neph_lock_wait(store->lock, &lock, NULL)) {
+    if (!entry || tidy(path, NULL, NULL) || neph_lock_wait(store->lock, &lock, NULL)) {
         free(entry);
         return;
     }

@@ -51,9 +51,9 @@ enum neph_status neph_store_begin(struct neph_store *store, struct neph_scratch 
                                   struct neph_diag *diag);
 
 /* Turn scratch/frame.exr into the finished frame of `key`. `record` is written as job.json with its
- * signature added (store_entry.h). Of the other files logs, inputs and pictures (.log .json .pov .png) are
- * kept.
- * If another run was first and its entry is good, that one stays; a bad one is replaced. */
+ * signature added (store_entry.h). Of the other files logs and inputs (.log .json .pov) are kept,
+ * and the pictures that the record lists by name, ["flip_0.png", ...], in "pictures". If another
+ * run was first and its entry is good, that one stays; a bad one is replaced. */
 enum neph_status neph_store_publish(struct neph_store *store, const char *key,
                                     const struct neph_scratch *scratch, json_t *record,
                                     struct neph_diag *diag);

@@ -1,16 +1,17 @@
 /* SPDX-License-Identifier: MIT
  *
  * One entry of the store: a folder with frame.exr and job.json, the record of the job. The record
- * holds the key of the job, the hash of the frame and a hash over the rest of itself, so that
- * neither another job's entry nor an edited number is taken for what was measured. This is no
- * protection against somebody who computes the hashes anew.
+ * holds the key of the job, the hashes of the frame and of other results (*.json) and a hash over
+ * the rest of itself, so that neither another job's entry nor an edited number is taken for what
+ * was measured. This is no protection against somebody who computes the hashes anew.
  */
 #ifndef NEPH_HARNESS_STORE_ENTRY_H
 #define NEPH_HARNESS_STORE_ENTRY_H
 
 #include "base/status.h"
-
 #include "harness/json.h"
+
+#include <stdbool.h>
 
 enum neph_entry_state {
     NEPH_ENTRY_ABSENT,
@@ -26,9 +27,12 @@ enum { NEPH_ENTRY_WHY_BYTES = 1200 };
 enum neph_entry_state neph_entry_check(const char *folder, const char *key, json_t **record,
                                        char why[NEPH_ENTRY_WHY_BYTES]);
 
-/* Sign `record` ("key", "frame_blake2b", "record_blake2b" are added to it) for the frame.exr in
- * `folder` and write it there as job.json. */
+/* Sign `record` ("key", "frame_blake2b", "results_blake2b", "record_blake2b" are added to it) for
+ * frame.exr, the *.json and the pictures in `folder` and write it there as job.json. */
 enum neph_status neph_entry_write_record(const char *folder, const char *key, json_t *record,
                                          struct neph_diag *diag);
+
+/* Whether the record, which may be NULL, lists this file in "pictures". */
+bool neph_entry_has_picture(const json_t *record, const char *name);
 
 #endif

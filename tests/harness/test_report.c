@@ -146,7 +146,8 @@ static void test_what_is_drawn_is_drawn_once(void **state)
 
     /* The next scene is done; the document is another object with the same in it. */
     json_t *next = document_json(state);
-    json_array_append_new(json_object_get(next, "scenes"), scene_json(state, "smoke"));
+    neph_assert_ok(
+        neph_json_append(json_object_get(next, "scenes"), scene_json(state, "smoke"), NULL), NULL);
     publish(report, next);
     assert_true(inode_of(state, "out/report/images/fog/march.png") == picture);
     inode_of(state, "out/report/images/smoke/march.png");
@@ -174,9 +175,9 @@ static void test_what_changed_is_drawn_anew(void **state)
     const ino_t picture = inode_of(state, "out/report/images/fog/march.png");
     const ino_t chart = inode_of(state, "out/report/charts/speed.svg");
     json_t *scene = json_array_get(json_object_get(document, "scenes"), 0);
-    json_object_set_new(scene, "exposure_ev", json_real(1.0));
+    neph_assert_ok(neph_json_put(scene, "exposure_ev", json_real(1.0), NULL), NULL);
     json_t *spec = json_object_get(json_array_get(json_object_get(document, "charts"), 0), "spec");
-    json_object_set_new(spec, "width", json_integer(2));
+    neph_assert_ok(neph_json_put(spec, "width", json_integer(2), NULL), NULL);
     publish(report, document);
     assert_false(inode_of(state, "out/report/images/fog/march.png") == picture);
     assert_false(inode_of(state, "out/report/charts/speed.svg") == chart);
@@ -193,7 +194,8 @@ static void test_a_failure_leaves_the_report_before(void **state)
     const ino_t page = inode_of(state, "out/report");
     json_t *frames = json_object_get(json_array_get(json_object_get(broken, "scenes"), 0),
                                      "frames");
-    json_object_set_new(json_array_get(frames, 1), "exr", json_string("/nowhere.exr"));
+    neph_assert_ok(
+        neph_json_put(json_array_get(frames, 1), "exr", json_string("/nowhere.exr"), NULL), NULL);
     struct neph_diag diag = {0};
     assert_int_equal(neph_report_publish(report, broken, &diag), NEPH_ERR_NOT_FOUND);
     assert_true(inode_of(state, "out/report") == page);
@@ -207,8 +209,8 @@ static void test_the_last_of_two_runs_stands(void **state)
 {
     struct neph_report *first = open_report(state), *second = open_report(state);
     json_t *one = document_json(state), *two = document_json(state);
-    json_object_set_new(one, "title", json_string("one"));
-    json_object_set_new(two, "title", json_string("two"));
+    neph_assert_ok(neph_json_put(one, "title", json_string("one"), NULL), NULL);
+    neph_assert_ok(neph_json_put(two, "title", json_string("two"), NULL), NULL);
     publish(first, one);
     publish(second, two);
     neph_report_close(second);

@@ -173,6 +173,34 @@ static void test_damaged_and_missing_files_are_absent(void **state)
     neph_store_close(store);
 }
 
+/* Numbers and pictures beside the frame are results, too; other pictures are not kept. */
+static void test_edited_results_are_absent(void **state)
+{
+    static const char *const results[] = {"flicker.json", "flip_0.png"};
+    struct neph_store *store = open_store(state);
+    char folder[SCRATCH_PATH_MAX];
+    entry_path(state, "frames", key_a, folder);
+    for (int i = 0; i < 2; i++) {
+        struct neph_scratch *scratch = NULL;
+        json_t *record = json_pack("{s:f, s:[s]}", "wall_s", 1.0, "pictures", "flip_0.png");
+        neph_assert_ok(neph_store_begin(store, &scratch, NULL), NULL);
+        write_text(neph_scratch_path(scratch), "frame.exr", "frame");
+        write_text(neph_scratch_path(scratch), "flicker.json", "{\"a4_p95\": 0.0191}");
+        write_text(neph_scratch_path(scratch), "flip_0.png", "picture");
+        write_text(neph_scratch_path(scratch), "pass_0.png", "large");
+        neph_assert_ok(neph_store_publish(store, key_a, scratch, record, NULL), NULL);
+        neph_scratch_destroy(scratch);
+        json_decref(record);
+        neph_assert_close(find(store, key_a), 1.0, 0.0, 0.0);
+        char *dropped = neph_path_join(folder, "pass_0.png");
+        assert_false(neph_path_exists(dropped));
+        free(dropped);
+        write_text(folder, results[i], "edited");
+        neph_assert_close(find(store, key_a), -1.0, 0.0, 0.0);
+    }
+    neph_store_close(store);
+}
+
 static void test_who_publishes_second_keeps_the_first_if_it_is_good(void **state)
 {
     struct neph_store *store = open_store(state);
@@ -301,6 +329,7 @@ int main(void)
         scratch_test(test_edited_records_are_absent),
         scratch_test(test_records_without_signature_are_absent),
         scratch_test(test_damaged_and_missing_files_are_absent),
+        scratch_test(test_edited_results_are_absent),
         scratch_test(test_who_publishes_second_keeps_the_first_if_it_is_good),
         scratch_test(test_runs_at_the_same_time_have_folders_of_their_own),
         scratch_test(test_failed_tries_stay_until_their_key_succeeds),
