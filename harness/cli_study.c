@@ -6,6 +6,7 @@
 
 #include "base/files.h"
 #include "harness/data.h"
+#include "harness/studies.h"
 #include "harness/study.h"
 
 #include <argp.h>
@@ -13,13 +14,13 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-enum { KEY_JSON = 1, KEY_SIZE, KEY_SET, KEY_TIME_LIMIT, ASSIGNMENTS_MAX = 16 };
+enum { KEY_JSON = 1, KEY_RENEW, KEY_SIZE, KEY_SET, KEY_TIME_LIMIT, ASSIGNMENTS_MAX = 16 };
 
 struct request {
     const char *engine, *scene, *size, *output, *time_limit;
     const char *assignments[ASSIGNMENTS_MAX];
     int assignment_count;
-    bool json;
+    bool json, renew;
 };
 
 static const struct argp_option options[] = {
@@ -28,6 +29,10 @@ static const struct argp_option options[] = {
      0},
     {"output", 'o', "DIR", 0, "Folder of the store (default: out)", 0},
     {"time-limit", KEY_TIME_LIMIT, "S", 0, "Seconds per child process (default: 300)", 0},
+    {"renew", KEY_RENEW, NULL, 0,
+     "Make the studies that come with neph (scenes/studies) where they are missing or of another "
+     "version; of the whole catalogue, or of the scene given alone",
+     0},
     {"json", KEY_JSON, NULL, 0, "The study as JSON on stdout", 0},
     {0},
 };
@@ -38,6 +43,9 @@ static error_t parse(int key, char *argument, struct argp_state *state)
     switch (key) {
     case KEY_JSON:
         request->json = true;
+        return 0;
+    case KEY_RENEW:
+        request->renew = true;
         return 0;
     case KEY_SIZE:
         request->size = argument;
@@ -62,7 +70,9 @@ static error_t parse(int key, char *argument, struct argp_state *state)
             argp_error(state, "one engine and one scene, not '%s' as well", argument);
         return 0;
     case ARGP_KEY_END:
-        if (!request->scene)
+        if (request->renew && request->scene)
+            argp_error(state, "--renew takes one scene at the most, and studies every engine");
+        if (!request->renew && !request->scene)
             argp_error(state, "an engine and a scene are needed");
         return 0;
     }
@@ -72,7 +82,7 @@ static error_t parse(int key, char *argument, struct argp_state *state)
 static const struct argp argp = {
     .options = options,
     .parser = parse,
-    .args_doc = "ENGINE SCENE",
+    .args_doc = "ENGINE SCENE\n--renew [SCENE]",
     .doc = "Halve the step of an engine that marches through uneven media until its bias is known: "
            "the mean radiance at each step, the bias against the extrapolated limit of infinitely "
            "small steps, and the coarsest setting that is good enough. Engines: cycles, povray, "
@@ -84,6 +94,7 @@ static const struct argp argp = {
            "noise lets it be seen, says whether that was right.\n\n"
            "Examples:\n"
            "  neph study povray height_fog_up\n"
+           "  neph study --renew\n"
            "  neph study cycles height_fog_down --size 96x54 --set samples=256 --json",
 };
 
@@ -163,36 +174,62 @@ static enum neph_status explain(enum neph_outcome outcome, const char *reason,
                                             : neph_fail(diag, statuses[outcome], "%s", reason);
 }
 
-enum neph_status neph_cli_study(int argc, char **argv, struct neph_diag *diag)
+static enum neph_status run_study(const struct request *request, struct neph_store *store,
+                                  struct neph_diag *diag)
 {
-    struct request request = {.size = "64x36", .output = "out", .time_limit = "300"};
-    argp_parse(&argp, argc, argv, 0, NULL, &request);
     struct neph_scene *scene = NULL;
-    struct neph_store *store = NULL;
     struct neph_engine_info info;
     struct neph_job job;
     struct neph_study study;
     enum neph_outcome outcome = NEPH_OUTCOME_RENDERED;
     char reason[1600] = "";
-    char *folder = neph_path_join(request.output, "store");
-    enum neph_status status = folder ? neph_cli_check_output("-o", request.output, diag)
-                                     : neph_fail_memory(diag);
+    enum neph_status status = neph_data_load_scene(request->scene, &scene, diag);
     if (!status)
-        status = neph_data_load_scene(request.scene, &scene, diag);
-    if (!status)
-        status = prepare(&request, scene, &info, &job, diag);
-    if (!status)
-        status = neph_store_open(folder, &store, diag);
+        status = prepare(request, scene, &info, &job, diag);
     if (!status)
         status = neph_study_run(&job, store, &study, &outcome, reason, diag);
     if (!status)
         status = explain(outcome, reason, diag);
-    if (!status && request.json)
+    if (!status && request->json)
         status = neph_cli_print_json(neph_study_json(&study), diag);
     else if (!status)
-        print_study(&study, &request);
-    neph_store_close(store);
+        print_study(&study, request);
     neph_scene_destroy(scene);
+    return status;
+}
+
+/* The only operand of --renew stands where the engine's name does else. */
+static enum neph_status run_renewal(const struct request *request, struct neph_store *store,
+                                    struct neph_diag *diag)
+{
+    char **names = NULL;
+    int count = 0, limit_s = 0;
+    enum neph_status status = neph_cli_parse_int("time limit", request->time_limit, 1, 1000000,
+                                                 &limit_s, diag);
+    if (!status && request->engine)
+        return neph_studies_renew(&request->engine, 1, limit_s, store, false, diag);
+    if (!status)
+        status = neph_data_list_scenes(NEPH_DATA_CATALOG, &names, &count, diag);
+    if (!status)
+        status = neph_studies_renew((const char *const *)names, count, limit_s, store, false, diag);
+    neph_data_free_names(names);
+    return status;
+}
+
+enum neph_status neph_cli_study(int argc, char **argv, struct neph_diag *diag)
+{
+    struct request request = {.size = "64x36", .output = "out", .time_limit = "300"};
+    argp_parse(&argp, argc, argv, 0, NULL, &request);
+    struct neph_store *store = NULL;
+    char *folder = neph_path_join(request.output, "store");
+    enum neph_status status = folder ? neph_cli_check_output("-o", request.output, diag)
+                                     : neph_fail_memory(diag);
+    if (!status)
+        status = neph_store_open(folder, &store, diag);
+    if (!status)
+        status = request.renew ? run_renewal(&request, store, diag)
+                               : run_study(&request, store, diag);
+    neph_store_close(store);
     free(folder);
     return status;
 }

@@ -1,8 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/studies.h"
 
+#include "base/clock.h"
 #include "base/files.h"
 #include "harness/data.h"
+#include "harness/progress.h"
+#include "harness/study.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -92,13 +95,22 @@ static size_t place_of(const json_t *list, const char *scene)
     return i;
 }
 
-static enum neph_status write_file(const char *path, const json_t *content, struct neph_diag *diag)
+/* A study a line, so that a change can be read. */
+static enum neph_status write_file(const char *path, const json_t *list, struct neph_diag *diag)
 {
-    char *text = json_dumps(content, JSON_INDENT(1) | JSON_REAL_PRECISION(9));
-    char *lines = text ? neph_format("%s\n", text) : NULL;
-    const enum neph_status status = lines ? neph_file_write(path, lines, strlen(lines), diag)
+    char *text = neph_format("{\"format\": \"%s\", \"studies\": [\n", format);
+    for (size_t i = 0; i < json_array_size(list) && text; i++) {
+        char *line = json_dumps(json_array_get(list, i), JSON_REAL_PRECISION(9));
+        const char *end = i + 1 < json_array_size(list) ? "," : "";
+        char *longer = line ? neph_format("%s%s%s\n", text, line, end) : NULL;
+        free(line);
+        free(text);
+        text = longer;
+    }
+    char *whole = text ? neph_format("%s]}\n", text) : NULL;
+    const enum neph_status status = whole ? neph_file_write(path, whole, strlen(whole), diag)
                                           : neph_fail_memory(diag);
-    free(lines);
+    free(whole);
     free(text);
     return status;
 }
@@ -118,10 +130,100 @@ enum neph_status neph_studies_keep(const struct neph_job *job, const json_t *stu
         const size_t place = place_of(list, job->shot.scene->name);
         const int failed = place < json_array_size(list) ? json_array_set_new(list, place, entry)
                                                          : json_array_append_new(list, entry);
-        status = failed ? neph_fail_memory(diag) : write_file(path, content, diag);
+        status = failed ? neph_fail_memory(diag) : write_file(path, list, diag);
     }
     json_decref(content);
     free(path);
+    return status;
+}
+
+/* ---- renewal --------------------------------------------------------------------------------- */
+
+/* `*word` says what became of it. */
+static enum neph_status make_anew(const struct neph_job *job, struct neph_store *store,
+                                  const char **word, struct neph_diag *diag)
+{
+    const struct neph_job small = neph_studies_job(job);
+    struct neph_study made;
+    enum neph_outcome outcome;
+    char reason[1600];
+    enum neph_status status = neph_study_run(&small, store, &made, &outcome, reason, diag);
+    *word = neph_outcome_name(outcome);
+    if (status || outcome != NEPH_OUTCOME_RENDERED)
+        return status;
+    json_t *study = neph_study_json(&made);
+    neph_json_set(&study, "size_px", json_pack("[i,i]", small.shot.width_px, small.shot.height_px));
+    status = neph_json_check(study, diag);
+    if (!status)
+        status = neph_studies_keep(job, study, diag);
+    json_decref(study);
+    *word = "studied";
+    return status;
+}
+
+static enum neph_status renew(const struct neph_scene *scene, const struct neph_engine *engine,
+                              double time_limit_s, struct neph_store *store, const char **word,
+                              struct neph_diag *diag)
+{
+    struct neph_engine_info info;
+    neph_engine_probe(engine, &info);
+    const struct neph_job job = {.engine = engine,
+                                 .info = &info,
+                                 .shot = {.scene = scene,
+                                          .settings = neph_settings_default(engine),
+                                          .seed = 1,
+                                          .time_limit_s = time_limit_s}};
+    json_t *there = NULL;
+    *word = "needs none";
+    if (!neph_study_applies(engine, scene))
+        return NEPH_OK;
+    enum neph_status status = neph_studies_find(&job, &there, diag);
+    *word = "is there";
+    if (!status && !there)
+        status = make_anew(&job, store, word, diag);
+    json_decref(there);
+    return status;
+}
+
+static enum neph_status renew_scene(const char *name, double time_limit_s, struct neph_store *store,
+                                    struct neph_progress *progress, struct neph_diag *diag)
+{
+    struct neph_scene *scene = NULL;
+    int engine_count;
+    const struct neph_engine *const *engines = neph_engines(&engine_count);
+    enum neph_status status = neph_data_load_scene(name, &scene, diag);
+    if (status == NEPH_ERR_NOT_FOUND)
+        return NEPH_OK;
+    for (int i = 0; i < engine_count && !status; i++) {
+        if (engines[i]->rung != NEPH_RUNG_WITNESS || !engines[i]->step.option)
+            continue;
+        char what[256];
+        const char *word = "";
+        snprintf(what, sizeof(what), "%s of %s", engines[i]->name, scene->name);
+        progress->kind = i;
+        neph_progress_begin(progress, what);
+        const double start_s = neph_wall_s();
+        status = renew(scene, engines[i], time_limit_s, store, &word, diag);
+        if (!status)
+            neph_progress_step(progress, what, word, neph_wall_s() - start_s);
+    }
+    neph_scene_destroy(scene);
+    return status;
+}
+
+enum neph_status neph_studies_renew(const char *const *scenes, int scene_count, double time_limit_s,
+                                    struct neph_store *store, bool quiet, struct neph_diag *diag)
+{
+    int engine_count;
+    const struct neph_engine *const *engines = neph_engines(&engine_count);
+    struct neph_progress progress = neph_progress_start(quiet, 0);
+    for (int i = 0; i < engine_count; i++)
+        if (engines[i]->rung == NEPH_RUNG_WITNESS && engines[i]->step.option)
+            neph_progress_expect(&progress, i, scene_count, 0.0);
+    enum neph_status status = NEPH_OK;
+    for (int i = 0; i < scene_count && !status; i++)
+        status = renew_scene(scenes[i], time_limit_s, store, &progress, diag);
+    neph_progress_end(&progress);
     return status;
 }
 

@@ -1,0 +1,225 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Budgets of time, on an engine made up for it that says it took a second for each sample of each
+ * pixel, and is stopped when that is more than it was given. Its noise is known:
+ * a pixel is 1 + u / sqrt(samples) with u uniform in -0.5 .. 0.5.
+ */
+#include "tests/base/scratch.h"
+
+#include "base/exr.h"
+#include "harness/budget.h"
+
+enum { WIDTH = 64, HEIGHT = 36, PIXELS = WIDTH * HEIGHT };
+
+/* "Seconds" of the engine: samples times pixels. */
+static const double start_s = 1000.0;
+
+static const struct neph_option options[] = {
+    {.name = "samples",
+     .kind = NEPH_OPTION_INTEGER,
+     .default_value = 64,
+     .minimum = 1,
+     .maximum = 8192,
+     .help = "of a pixel"},
+    {.name = NULL},
+};
+
+static void probe(struct neph_engine_info *info)
+{
+    *info = (struct neph_engine_info){.available = true, .version = "1", .device = "none"};
+}
+
+static bool can_render(const struct neph_scene *scene, const struct neph_settings *settings,
+                       char *reason, size_t reason_size)
+{
+    (void)scene, (void)settings, (void)reason, (void)reason_size;
+    return true;
+}
+
+static enum neph_status render(const struct neph_shot *shot, struct neph_image **frame,
+                               struct neph_cost *cost, struct neph_diag *diag)
+{
+    const double samples = shot->settings.values[0];
+    const size_t pixels = (size_t)shot->width_px * (size_t)shot->height_px;
+    uint64_t state = shot->seed;
+    float *planes[3];
+    *cost = (struct neph_cost){.wall_s = start_s + samples * (double)pixels};
+    if (cost->wall_s > shot->time_limit_s)
+        return neph_fail(diag, NEPH_ERR_TIMEOUT, "stopped after %g s", shot->time_limit_s);
+    neph_assert_ok(neph_image_create(shot->width_px, shot->height_px, frame, diag), diag);
+    neph_assert_ok(neph_image_add_rgb(*frame, NULL, planes, diag), diag);
+    for (size_t p = 0; p < pixels; p++)
+        for (int c = 0; c < 3; c++)
+            planes[c][p] = (float)(1.0 + neph_test_uniform(&state, -0.5, 0.5) / sqrt(samples));
+    return NEPH_OK;
+}
+
+static enum neph_status hang(const struct neph_shot *shot, struct neph_image **frame,
+                             struct neph_cost *cost, struct neph_diag *diag)
+{
+    (void)frame;
+    *cost = (struct neph_cost){.wall_s = shot->time_limit_s};
+    return neph_fail(diag, NEPH_ERR_TIMEOUT, "stopped after %g s", shot->time_limit_s);
+}
+
+#define ENGINE(name_, render_, stochastic_)                                                        \
+    {                                                                                              \
+        .name = name_, .summary = "made up", .rung = NEPH_RUNG_WITNESS, .options = options,        \
+        .version = 1, .stochastic = stochastic_, .probe = probe, .can_render = can_render,         \
+        .render = render_                                                                          \
+    }
+static const struct neph_engine sampler = ENGINE("sampler", render, true);
+static const struct neph_engine marcher = ENGINE("marcher", render, false);
+static const struct neph_engine stuck = ENGINE("stuck", hang, true);
+
+/* One store for all that a test asks. */
+struct bench {
+    struct neph_store *store;
+    struct neph_scene scene;
+    struct neph_engine_info info;
+};
+
+static struct bench open_bench(void **state)
+{
+    char folder[SCRATCH_PATH_MAX];
+    struct neph_diag diag = {0};
+    struct bench bench = {.scene = {.name = "none", .hash = "0", .medium_count = 1}};
+    neph_assert_ok(neph_store_open(scratch_path(state, folder, "store"), &bench.store, &diag),
+                   &diag);
+    return bench;
+}
+
+static struct neph_job_result run(struct bench *bench, const struct neph_engine *engine,
+                                  double budget_s, double *samples)
+{
+    struct neph_diag diag = {0};
+    struct neph_job_result result;
+    engine->probe(&bench->info);
+    struct neph_job job = {.engine = engine,
+                           .info = &bench->info,
+                           .shot = {.scene = &bench->scene,
+                                    .settings = neph_settings_default(engine),
+                                    .width_px = WIDTH,
+                                    .height_px = HEIGHT,
+                                    .layers = NEPH_LAYER_RADIANCE,
+                                    .seed = 1}};
+    neph_assert_ok(neph_budget_run(&job, budget_s, bench->store, &result, &diag), &diag);
+    *samples = job.shot.settings.values[0];
+    return result;
+}
+
+static const double all_s = start_s + 64.0 * PIXELS, eighth_s = start_s + 8.0 * PIXELS,
+                    least_s = start_s + 1.0 * PIXELS;
+
+static void test_what_fits_is_rendered_as_asked(void **state)
+{
+    struct bench bench = open_bench(state);
+    double samples;
+    struct neph_job_result result = run(&bench, &sampler, all_s, &samples);
+    assert_int_equal(result.outcome, NEPH_OUTCOME_RENDERED);
+    assert_true(samples == 64.0);
+    assert_string_equal(result.note, "");
+    neph_job_result_finish(&result);
+    neph_store_close(bench.store);
+}
+
+static void test_what_does_not_fit_gets_fewer_samples_and_says_so(void **state)
+{
+    const struct {
+        double budget_s, samples;
+        const char *said;
+    } cases[] = {{all_s - 1.0, 8.0, "rendered with 8, whose noise is 2.8 times"},
+                 {eighth_s, 8.0, "64 samples"},
+                 {eighth_s - 1.0, 1.0, "rendered with 1, whose noise is 8.0 times"},
+                 {least_s, 1.0, "did not fit"}};
+    for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+        struct bench bench = open_bench(state);
+        double samples;
+        snprintf(bench.scene.hash, sizeof(bench.scene.hash), "%zu", i);
+        struct neph_job_result result = run(&bench, &sampler, cases[i].budget_s, &samples);
+        assert_int_equal(result.outcome, NEPH_OUTCOME_RENDERED);
+        assert_true(samples == cases[i].samples);
+        assert_non_null(strstr(result.note, cases[i].said));
+        neph_job_result_finish(&result);
+        neph_store_close(bench.store);
+    }
+}
+
+/* With a larger budget than before the store is still asked first; with more in the store, more. */
+static void test_what_is_there_is_taken(void **state)
+{
+    struct bench bench = open_bench(state);
+    double samples;
+    struct neph_job_result result = run(&bench, &sampler, eighth_s, &samples);
+    neph_job_result_finish(&result);
+    result = run(&bench, &sampler, all_s, &samples);
+    assert_true(result.reused);
+    assert_true(samples == 8.0);
+    assert_non_null(strstr(result.note, "rendered with 8"));
+    neph_job_result_finish(&result);
+    neph_store_close(bench.store);
+}
+
+/* The number after `before` in `text`. */
+static double number_after(const char *text, const char *before)
+{
+    const char *place = strstr(text, before);
+    assert_non_null(place);
+    return strtod(place + strlen(before), NULL);
+}
+
+/* Not one sample fits: a picture of a quarter of the side tells how long all would take, and how
+ * noisy that would be. The variance of a uniform number of the width 1 is 1/12; the noise is told
+ * to two digits, from 144 * 3 * 2 values whose own scatter is sqrt(4/5 / 864), 3 %. */
+static void test_what_cannot_fit_is_told_with_its_noise(void **state)
+{
+    struct bench bench = open_bench(state);
+    double samples;
+    struct neph_job_result result = run(&bench, &sampler, least_s - 1.0, &samples);
+    assert_int_equal(result.outcome, NEPH_OUTCOME_OVER_BUDGET);
+    assert_null(result.frame_path);
+    const double about_s = number_after(result.reason, "it would take about ");
+    assert_true(fabs(about_s - 16.0 * 64.0 * (start_s + PIXELS / 16.0)) < 1.0);
+    const double noise = number_after(result.reason, "noise would be about ") / 100.0;
+    const double expected = sqrt(1.0 / 12.0 / 64.0);
+    assert_true(fabs(noise / expected - 1.0) < 4.0 * 0.03);
+    neph_job_result_finish(&result);
+    neph_store_close(bench.store);
+}
+
+/* An engine that draws nothing has nothing to give up. */
+static void test_nothing_is_given_up_without_chance(void **state)
+{
+    struct bench bench = open_bench(state);
+    double samples;
+    struct neph_job_result result = run(&bench, &marcher, all_s - 1.0, &samples);
+    assert_int_equal(result.outcome, NEPH_OUTCOME_OVER_BUDGET);
+    assert_null(strstr(result.reason, "noise"));
+    assert_true(samples == 64.0);
+    neph_job_result_finish(&result);
+    neph_store_close(bench.store);
+}
+
+/* One that never ends is not slow but broken: that fails a run. */
+static void test_what_hangs_is_no_question_of_budget(void **state)
+{
+    struct bench bench = open_bench(state);
+    double samples;
+    struct neph_job_result result = run(&bench, &stuck, 1.0, &samples);
+    assert_int_equal(result.outcome, NEPH_OUTCOME_TIMEOUT);
+    neph_job_result_finish(&result);
+    neph_store_close(bench.store);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        scratch_test(test_what_fits_is_rendered_as_asked),
+        scratch_test(test_what_does_not_fit_gets_fewer_samples_and_says_so),
+        scratch_test(test_what_is_there_is_taken),
+        scratch_test(test_what_cannot_fit_is_told_with_its_noise),
+        scratch_test(test_nothing_is_given_up_without_chance),
+        scratch_test(test_what_hangs_is_no_question_of_budget),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

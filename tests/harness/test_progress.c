@@ -1,0 +1,58 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The time that is left.
+ */
+#include "tests/neph_test.h"
+
+#include "harness/progress.h"
+
+static void step(struct neph_progress *progress, int kind, double seconds)
+{
+    progress->kind = kind;
+    neph_progress_step(progress, "a step", "over", seconds);
+}
+
+static void test_nothing_is_known_before_the_first_step(void **state)
+{
+    (void)state;
+    const struct neph_progress progress = neph_progress_start(true, 5);
+    assert_true(neph_progress_left_s(&progress) < 0.0);
+}
+
+/* Two steps of 100 s and 18 of 1 s: a mean over all steps would be off by a factor of ten. */
+static void test_kinds_have_paces_of_their_own(void **state)
+{
+    (void)state;
+    struct neph_progress progress = neph_progress_start(true, 0);
+    neph_progress_expect(&progress, 0, 2, 50.0);
+    neph_progress_expect(&progress, 7, 18, 0.0);
+    assert_true(neph_progress_left_s(&progress) == 100.0);
+    step(&progress, 0, 100.0);
+    step(&progress, 7, 1.0);
+    assert_true(neph_progress_left_s(&progress) == 100.0 + 17.0);
+    step(&progress, 0, 100.0);
+    assert_true(neph_progress_left_s(&progress) == 17.0);
+}
+
+static void test_steps_that_fall_away_are_not_waited_for(void **state)
+{
+    (void)state;
+    struct neph_progress progress = neph_progress_start(true, 0);
+    int done, total;
+    neph_progress_expect(&progress, 3, 4, 2.0);
+    neph_progress_expect(&progress, 3, -3, 0.0);
+    assert_true(neph_progress_left_s(&progress) == 2.0);
+    neph_progress_count(&progress, &done, &total);
+    assert_int_equal(done, 0);
+    assert_int_equal(total, 1);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_nothing_is_known_before_the_first_step),
+        cmocka_unit_test(test_kinds_have_paces_of_their_own),
+        cmocka_unit_test(test_steps_that_fall_away_are_not_waited_for),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
