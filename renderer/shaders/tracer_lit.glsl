@@ -11,8 +11,8 @@
 // Light is scattered once, and the sun shines. With light from all around, too, half of all
 // collisions are free flights, which are good for that.
 layout(constant_id = 11) const bool LIT = false;
-const float LIT_SHARE = ENVIRONMENT ? 0.4 : 0.8;
-const float FREE_SHARE = ENVIRONMENT ? 0.5 : 0.1; // the rest is even in x
+const float LIT_SHARE = ENVIRONMENT ? 0.45 : 0.9;
+const float FREE_SHARE = ENVIRONMENT ? 0.5 : 0.05; // the rest is even in x
 
 const uint LIT_EDGES = 16; // NEPH_TRACER_LIT_EDGES
 
