@@ -120,25 +120,28 @@ static inline double neph_pow(double x, double p)
     return p == 0.0 ? 1.0 : value;
 }
 
-/* Cube root of any sign, also of denormals. Relative error below 1e-14. +-0, +-inf and NaN come
- * back as they are. */
+/* Cube root of any sign, also of denormals. Relative error below 1e-15. +-0, +-inf and NaN come
+ * back as they are. Without divisions, which cost as much as all the rest. */
 static inline double neph_cbrt(double x)
 {
     const double size = fabs(x);
-    const double scale = size < 1.0 ? 0x1p60 : 0x1p-60; /* no denormal, and y^3 stays finite */
-    const double unscale = size < 1.0 ? 0x1p-20 : 0x1p20;
-    const double scaled = size * scale;
+    const double scaled = size < 0x1p-1022 ? size * 0x1p54 : size; /* the guess needs an exponent */
+    const double unscale = size < 0x1p-1022 ? 0x1p-18 : 1.0;
 
-    /* A third of the exponent is a first guess, good to 3.5 % [Kahan 1991]; the bits are divided
-     * as a double, since there is no vector division of integers. */
+    /* Minus a third of the exponent is a first guess of 1 / cbrt, good to 3.4 % [as Kahan 1991];
+     * the bits are divided as a double, since there is no vector division of integers. */
     const double upper = neph_of_bits((neph_bits_of(scaled) >> 32) | 0x4330000000000000u) - 0x1p52;
-    const double third = upper * (1.0 / 3.0) + 715094163.0;
-    double y = neph_of_bits(neph_bits_of(third + 0x1p52) << 32);
-    for (int i = 0; i < 2; i++) { /* Halley: an error e becomes 2/3 e^3 */
-        const double cube = y * y * y;
-        y *= (cube + 2.0 * scaled) / (2.0 * cube + scaled);
-    }
-    const double value = copysign(y * unscale, x);
+    const double third = 1430186011.0 - upper * (1.0 / 3.0);
+    double r = neph_of_bits(neph_bits_of(third + 0x1p52) << 32);
+
+    /* With e = 1 - x r^3, 1 / cbrt x is r (1 - e)^(-1/3) and cbrt x is x r^2 (1 - e)^(-2/3), as far
+     * as their series are needed: |e| is at most 0.103, and then 5e-6. */
+    const double e = 1.0 - scaled * r * r * r;
+    r += r * e * (1.0 / 3.0 + e * (2.0 / 9.0 + e * (14.0 / 81.0 + e * (35.0 / 243.0))));
+    const double y = scaled * r * r;
+    const double left = 1.0 - y * r;
+    const double root = y + y * left * (2.0 / 3.0 + left * (5.0 / 9.0));
+    const double value = copysign(root * unscale, x);
     return size > 0.0 && size <= 0x1.fffffffffffffp1023 ? value : x;
 }
 
