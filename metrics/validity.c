@@ -1,7 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 #include "metrics/validity.h"
 
+#include "metrics/vector_math.h"
+
 #include <math.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -69,6 +72,37 @@ static void count_sample(struct neph_validity_channel *counts, const struct rule
         counts->first_non_finite = pixel;
 }
 
+/* Whether all values of a run are finite and none is below zero; if so, their least and largest. In
+ * integers, which have a minimum and a maximum in vectors: the bits of such floats are in order. */
+NEPH_VECTOR static bool is_plain_run(int count, const float *restrict values, float *restrict min,
+                                     float *restrict max)
+{
+    uint32_t least = UINT32_MAX, largest = 0;
+    for (int i = 0; i < count; i++) {
+        uint32_t bits;
+        memcpy(&bits, &values[i], sizeof(bits));
+        least = bits < least ? bits : least;
+        largest = bits > largest ? bits : largest;
+    }
+    memcpy(min, &least, sizeof(*min));
+    memcpy(max, &largest, sizeof(*max));
+    return largest < 0x7f800000u; /* +inf; what has the sign bit, -0 too, is above */
+}
+
+/* Nearly all rows are plain, and are looked at in vectors. */
+static void count_row(struct neph_validity_channel *counts, const struct rule *rule, int width_px,
+                      const float *samples, int y)
+{
+    float min, max;
+    if (width_px > 0 && is_plain_run(width_px, samples, &min, &max)) {
+        count_finite(counts, min);
+        count_finite(counts, max);
+        return;
+    }
+    for (int x = 0; x < width_px; x++)
+        count_sample(counts, rule, samples[x], (struct neph_validity_pixel){x, y});
+}
+
 enum neph_status neph_validity_count(const struct neph_image *image, struct neph_validity *validity,
                                      struct neph_diag *diag)
 {
@@ -83,10 +117,9 @@ enum neph_status neph_validity_count(const struct neph_image *image, struct neph
         const struct rule *rule = rule_of(channel->name);
         struct neph_validity_channel *counts = &counted.channels[i];
         counts->name = channel->name;
-        const float *sample = channel->samples;
         for (int y = 0; y < image->height_px; y++)
-            for (int x = 0; x < image->width_px; x++)
-                count_sample(counts, rule, *sample++, (struct neph_validity_pixel){x, y});
+            count_row(counts, rule, image->width_px,
+                      channel->samples + (size_t)y * (size_t)image->width_px, y);
         counted.non_finite_count += counts->non_finite_count;
         counted.negative_count += counts->negative_count;
     }

@@ -81,6 +81,39 @@ static void test_planted_faults_are_counted(void **state)
     neph_image_destroy(image);
 }
 
+/* Rows are looked at in vectors first: a single odd value anywhere in a row must show. */
+static void test_one_fault_in_a_long_row(void **state)
+{
+    (void)state;
+    enum { WIDTH = 67, HEIGHT = 3 };
+    const struct {
+        float value;
+        size_t non_finite, negative;
+    } faults[] = {{NAN, 1, 0},   {-NAN, 1, 0},    {INFINITY, 1, 0}, {-INFINITY, 1, 0},
+                  {-1.0f, 0, 1}, {-1e-45f, 0, 1}, {-0.0f, 0, 0},    {0.0f, 0, 0}};
+    float values[WIDTH * HEIGHT];
+    for (size_t i = 0; i < sizeof(faults) / sizeof(faults[0]); i++)
+        for (int x = 0; x < WIDTH; x++) {
+            for (int p = 0; p < WIDTH * HEIGHT; p++)
+                values[p] = 1.0f + (float)p;
+            values[WIDTH + x] = faults[i].value;
+            struct neph_image *image = create_image(WIDTH, HEIGHT);
+            add_channel(image, "R", values);
+            struct neph_validity validity = count(image);
+            const struct neph_validity_channel *red = &validity.channels[0];
+            assert_int_equal(red->non_finite_count, faults[i].non_finite);
+            assert_int_equal(red->negative_count, faults[i].negative);
+            const struct neph_validity_pixel *at = red->non_finite_count ? &red->first_non_finite
+                                                                         : &red->first_negative;
+            assert_int_equal(at->x_px, faults[i].non_finite + faults[i].negative ? x : 0);
+            assert_int_equal(at->y_px, faults[i].non_finite + faults[i].negative ? 1 : 0);
+            assert_true(red->min == (isfinite(faults[i].value) ? faults[i].value : 1.0f));
+            assert_true(red->max == (float)(WIDTH * HEIGHT));
+            neph_validity_finish(&validity);
+            neph_image_destroy(image);
+        }
+}
+
 static void test_negative_values_have_an_allowance(void **state)
 {
     (void)state;
@@ -266,6 +299,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_clean_frame_passes),
         cmocka_unit_test(test_planted_faults_are_counted),
+        cmocka_unit_test(test_one_fault_in_a_long_row),
         cmocka_unit_test(test_negative_values_have_an_allowance),
         cmocka_unit_test(test_channel_of_nothing_finite),
         cmocka_unit_test(test_mismatches_are_named),
