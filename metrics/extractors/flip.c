@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: MIT
  *
  * The work goes tile by tile, so that it stays in the second-level cache: rows enter a ring, each
- * filtered horizontally once, and leave as a row of the map as soon as the rows below that the
- * vertical filters need are there. What a pixel gets does not depend on its tile.
+ * filtered horizontally once, and leave as rows of the map as soon as the rows below that the
+ * vertical filters need are there. They leave in batches, and a tile is narrow, so that the lines
+ * that one output of a batch needs stay in the first-level cache. What a pixel gets does not depend
+ * on its tile.
  */
 #include "metrics/extractors/flip.h"
 
@@ -11,12 +13,17 @@
 
 #include <math.h>
 #include <stdatomic.h>
+#include <stdbool.h>
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
 enum {
-    TILE_WIDTH_PX = 256,
-    TILE_HEIGHT_PX = 128,
+    TILE_WIDTH_PX = 192,
+    TILE_HEIGHT_PX = 256,
+    BATCH_ROWS = 4,
+    LANES = 8, /* of the widest vectors: rows are worked on in whole vectors, past their end */
+    STRIDE = TILE_WIDTH_PX + LANES, /* at a power of two, rows fall on each other in the cache */
 };
 
 /* Rows of one image in the ring, and the filter that makes each: those of colour from luminance Yn
@@ -34,16 +41,6 @@ enum ring_row {
 };
 
 enum input_row { INPUT_LUMINANCE, INPUT_RED_GREEN, INPUT_BLUE_YELLOW, INPUT_COUNT };
-
-static const enum input_row ring_input[RING_COUNT] = {
-    [RING_LUMINANCE] = INPUT_LUMINANCE,
-    [RING_RED_GREEN] = INPUT_RED_GREEN,
-    [RING_BLUE_YELLOW_NARROW] = INPUT_BLUE_YELLOW,
-    [RING_BLUE_YELLOW_WIDE] = INPUT_BLUE_YELLOW,
-    [RING_SMOOTH] = INPUT_LUMINANCE,
-    [RING_EDGE] = INPUT_LUMINANCE,
-    [RING_POINT] = INPUT_LUMINANCE,
-};
 
 /* What an image contributes to a row of the map. */
 enum output_row {
@@ -85,14 +82,14 @@ struct workspace {
     atomic_flag taken;
     double *memory;
     double *input[INPUT_COUNT];      /* input_stride each */
-    double *ring[2][RING_COUNT];     /* of reference and test: ring_rows * TILE_WIDTH_PX */
-    double *output[2][OUTPUT_COUNT]; /* TILE_WIDTH_PX each */
-    const double **lines;            /* 2 radius + 1 rows under a kernel */
+    double *ring[2][RING_COUNT];     /* of reference and test: ring_rows * STRIDE */
+    double *output[2][OUTPUT_COUNT]; /* BATCH_ROWS * STRIDE each */
+    const double **lines;            /* 2 radius + BATCH_ROWS rows under a kernel */
 };
 
 struct neph_flip {
     int radius_px; /* largest of all kernels */
-    int ring_rows, input_stride;
+    int ring_rows, margin_px, input_stride;
     struct kernel kernels[RING_COUNT];
     double *weights; /* of all kernels */
     int workspace_count;
@@ -115,12 +112,12 @@ static const double rgb_of_xyz[3][3] = {
     {0.05288129285455714, -0.20401120612390997, 1.1511299134617756},
 };
 
-/* Largest colour difference in the gamut, green to blue, to the power of 0.7, and the share of it
- * that is spread over 0 .. 0.95. */
+/* The largest colour difference in the gamut, green to blue, is 41.27609841185736 to the power of
+ * 0.7; differences below 0.4 of that, the knee, are spread over 0 .. 0.95, those above over the
+ * rest. Here in log2: the knee as HyAB, log2(0.4 * 41.27...) / 0.7, and the factor below it. */
 static const double color_exponent = 0.7;
-static const double largest_color_difference = 41.27609841185736;
-static const double knee_share = 0.4;
-static const double knee_value = 0.95;
+static const double log2_knee = 5.779009439549646;
+static const double log2_below_knee = -4.119307189126324;
 
 static const double feature_width_deg = 0.082;
 
@@ -231,7 +228,7 @@ static enum neph_status make_kernels(struct neph_flip *flip, double pixels_per_d
     const int feature_radius = (int)ceil(3.0 * feature_sigma_px);
     const int color_radius = (int)ceil(3.0 * sqrt(0.04 / (2.0 * pi * pi)) * pixels_per_degree);
     flip->radius_px = color_radius > feature_radius ? color_radius : feature_radius;
-    const size_t stride = (size_t)flip->radius_px + 1;
+    const size_t stride = (size_t)flip->radius_px + 2; /* pairs of weights: a 0 at the end */
 
     flip->weights = calloc(RING_COUNT * stride, sizeof(*flip->weights));
     if (!flip->weights)
@@ -250,29 +247,34 @@ static enum neph_status make_kernels(struct neph_flip *flip, double pixels_per_d
 static bool make_workspace(const struct neph_flip *flip, struct workspace *space)
 {
     const size_t input_size = (size_t)flip->input_stride;
-    const size_t ring_size = (size_t)flip->ring_rows * TILE_WIDTH_PX;
-    space->memory = calloc(INPUT_COUNT * input_size + 2 * RING_COUNT * ring_size +
-                               2 * OUTPUT_COUNT * TILE_WIDTH_PX,
+    const size_t ring_size = (size_t)flip->ring_rows * STRIDE;
+    const size_t output_size = (size_t)BATCH_ROWS * STRIDE;
+    space->memory = calloc(LANES + INPUT_COUNT * input_size + 2 * RING_COUNT * ring_size +
+                               2 * OUTPUT_COUNT * output_size,
                            sizeof(*space->memory));
     space->lines = calloc((size_t)flip->ring_rows, sizeof(*space->lines));
     if (!space->memory || !space->lines)
         return false;
 
-    double *next = space->memory;
-    for (int i = 0; i < INPUT_COUNT; i++, next += input_size)
-        space->input[i] = next;
+    /* Rows start where vectors do, so that no vector lies on two lines of the cache. */
+    const size_t vector_size = LANES * sizeof(*space->memory);
+    double *next = space->memory +
+                   (vector_size - (uintptr_t)space->memory % vector_size) / sizeof(*space->memory);
     for (int i = 0; i < 2 * RING_COUNT; i++, next += ring_size)
         space->ring[i / RING_COUNT][i % RING_COUNT] = next;
-    for (int i = 0; i < 2 * OUTPUT_COUNT; i++, next += TILE_WIDTH_PX)
+    for (int i = 0; i < 2 * OUTPUT_COUNT; i++, next += output_size)
         space->output[i / OUTPUT_COUNT][i % OUTPUT_COUNT] = next;
+    for (int i = 0; i < INPUT_COUNT; i++, next += input_size)
+        space->input[i] = next;
     atomic_flag_clear(&space->taken);
     return true;
 }
 
 static enum neph_status make_workspaces(struct neph_flip *flip, struct neph_diag *diag)
 {
-    flip->ring_rows = 2 * flip->radius_px + 1;
-    flip->input_stride = TILE_WIDTH_PX + 2 * flip->radius_px;
+    flip->ring_rows = 2 * flip->radius_px + BATCH_ROWS;
+    flip->margin_px = flip->radius_px + 1; /* of that 0 */
+    flip->input_stride = STRIDE + 2 * flip->margin_px;
     const int count = neph_processor_count();
     flip->workspaces = calloc((size_t)count, sizeof(*flip->workspaces));
     if (!flip->workspaces)
@@ -323,15 +325,20 @@ void neph_flip_destroy(struct neph_flip *flip)
 
 /* ---- rows in --------------------------------------------------------------------------------- */
 
-/* Samples x0 - margin .. of a row, the borders repeated outwards. */
+NEPH_VECTOR static void widen(int count, const float *restrict from, double *restrict to)
+{
+    for (int i = 0; i < count; i++)
+        to[i] = from[i];
+}
+
+/* Samples x0 .. of a row, the borders repeated outwards. */
 static void copy_row(const float *row, int width_px, int x0, int count, double *to)
 {
     const int before = x0 < 0 ? -x0 : 0;
     const int last = width_px - x0 < count ? width_px - x0 : count;
     for (int i = 0; i < before; i++)
         to[i] = row[0];
-    for (int i = before; i < last; i++)
-        to[i] = row[x0 + i];
+    widen(last - before, row + x0 + before, to + before);
     for (int i = last; i < count; i++)
         to[i] = row[width_px - 1];
 }
@@ -462,12 +469,65 @@ NEPH_VECTOR static void filter_odd(const struct kernel *kernel, const double *co
     }
 }
 
-static void filter(const struct kernel *kernel, const double *const *lines, int count, double *out)
+/* One kernel down the columns. */
+static void filter_columns(const struct kernel *kernel, const double *const *lines, int count,
+                           double *out)
 {
     if (kernel->is_odd)
         filter_odd(kernel, lines, count, out);
     else
         filter_even(kernel, lines, count, out);
+}
+
+/* Along a row, all kernels of an input at once, since they share its sums and differences: a kernel
+ * of smaller radius has weights of 0 beyond it. `center` is the input above out[0]. */
+NEPH_VECTOR static void filter_luminance(const struct kernel *kernels, int radius, int count,
+                                         const double *restrict center, double *restrict luminance,
+                                         double *restrict smooth, double *restrict edge,
+                                         double *restrict point)
+{
+    const double *wl = kernels[RING_LUMINANCE].weights, *ws = kernels[RING_SMOOTH].weights;
+    const double *we = kernels[RING_EDGE].weights, *wp = kernels[RING_POINT].weights;
+    for (int x = 0; x < count; x++) {
+        luminance[x] = wl[0] * center[x];
+        smooth[x] = ws[0] * center[x];
+        edge[x] = 0.0;
+        point[x] = wp[0] * center[x];
+    }
+    for (int j = 1; j <= radius; j += 2) {
+        const double wl0 = wl[j], ws0 = ws[j], we0 = we[j], wp0 = wp[j];
+        const double wl1 = wl[j + 1], ws1 = ws[j + 1], we1 = we[j + 1], wp1 = wp[j + 1];
+        const double *a = center - j - 1, *b = center + j;
+        for (int x = 0; x < count; x++) {
+            const double sum0 = a[x + 1] + b[x], sum1 = a[x] + b[x + 1];
+            const double difference0 = b[x] - a[x + 1], difference1 = b[x + 1] - a[x];
+            luminance[x] += wl0 * sum0 + wl1 * sum1;
+            smooth[x] += ws0 * sum0 + ws1 * sum1;
+            edge[x] += we0 * difference0 + we1 * difference1;
+            point[x] += wp0 * sum0 + wp1 * sum1;
+        }
+    }
+}
+
+NEPH_VECTOR static void filter_blue_yellow(const struct kernel *kernels, int radius, int count,
+                                           const double *restrict center, double *restrict wide,
+                                           double *restrict narrow)
+{
+    const double *ww = kernels[RING_BLUE_YELLOW_WIDE].weights;
+    const double *wn = kernels[RING_BLUE_YELLOW_NARROW].weights;
+    for (int x = 0; x < count; x++) {
+        wide[x] = ww[0] * center[x];
+        narrow[x] = wn[0] * center[x];
+    }
+    for (int j = 1; j <= radius; j += 2) {
+        const double ww0 = ww[j], wn0 = wn[j], ww1 = ww[j + 1], wn1 = wn[j + 1];
+        const double *a = center - j - 1, *b = center + j;
+        for (int x = 0; x < count; x++) {
+            const double sum0 = a[x + 1] + b[x], sum1 = a[x] + b[x + 1];
+            wide[x] += ww0 * sum0 + ww1 * sum1;
+            narrow[x] += wn0 * sum0 + wn1 * sum1;
+        }
+    }
 }
 
 /* ---- a row of the map ------------------------------------------------------------------------ */
@@ -510,32 +570,44 @@ NEPH_VECTOR static void to_length(int count, double *restrict x, const double *r
         x[i] = sqrt(x[i] * x[i] + y[i] * y[i]);
 }
 
-/* Share 0..1 of the largest colour difference: HyAB [Abasi 2020], bent and stretched. */
-static inline double color_share(double dl, double da, double db)
+/* log2 of the share 0..1 of the largest colour difference: HyAB [Abasi 2020], to the power of 0.7,
+ * bent at the knee and stretched. -inf for none. Below the knee a line in log2 of HyAB; above it,
+ * from 5.78 to 7.67 for the whole gamut, a polynomial at Chebyshev nodes, good to 1e-14. */
+static inline double log2_color_share(double dl, double da, double db)
 {
-    const double knee = knee_share * largest_color_difference;
-    const double bent = neph_pow(fabs(dl) + sqrt(da * da + db * db), color_exponent);
-    const double below = bent * (knee_value / knee);
-    const double above = knee_value +
-                         (bent - knee) * ((1.0 - knee_value) / (largest_color_difference - knee));
-    return bent < knee ? below : above;
+    const double hyab = neph_log2(fabs(dl) + sqrt(da * da + db * db));
+    const double below = color_exponent * hyab + log2_below_knee;
+    const double u = hyab - 6.75;
+    double above = 5.6052371859025904e-11;
+    above = above * u - 3.2959300258398745e-10;
+    above = above * u - 9.82282815675955e-09;
+    above = above * u - 9.622368843539889e-08;
+    above = above * u - 3.2054471584292027e-07;
+    above = above * u + 5.624554051323427e-06;
+    above = above * u + 0.00011920720519270522;
+    above = above * u + 0.0012712900627835373;
+    above = above * u + 0.00883268323479774;
+    above = above * u + 0.038528872287022044;
+    above = above * u - 0.04385414628950054;
+    return hyab < log2_knee ? below : above;
 }
 
 /* color^(1 - feature) */
 NEPH_VECTOR static void combine(int count, double *const reference[OUTPUT_COUNT],
-                                double *const test[OUTPUT_COUNT], double *restrict out)
+                                double *const test[OUTPUT_COUNT], size_t at, double *restrict out)
 {
-    const double *l0 = reference[0], *a0 = reference[1], *b0 = reference[2];
-    const double *l1 = test[0], *a1 = test[1], *b1 = test[2];
-    const double *edge0 = reference[OUTPUT_EDGE_X], *edge1 = test[OUTPUT_EDGE_X];
-    const double *point0 = reference[OUTPUT_POINT_X], *point1 = test[OUTPUT_POINT_X];
+    const double *l0 = reference[0] + at, *a0 = reference[1] + at, *b0 = reference[2] + at;
+    const double *l1 = test[0] + at, *a1 = test[1] + at, *b1 = test[2] + at;
+    const double *edge0 = reference[OUTPUT_EDGE_X] + at, *edge1 = test[OUTPUT_EDGE_X] + at;
+    const double *point0 = reference[OUTPUT_POINT_X] + at, *point1 = test[OUTPUT_POINT_X] + at;
     for (int i = 0; i < count; i++) {
-        const double color = color_share(l0[i] - l1[i], a0[i] - a1[i], b0[i] - b1[i]);
+        const double color = log2_color_share(l0[i] - l1[i], a0[i] - a1[i], b0[i] - b1[i]);
         const double edge = fabs(edge0[i] - edge1[i]);
         const double point = fabs(point0[i] - point1[i]);
         const double larger = edge > point ? edge : point;
         const double feature = clamp(sqrt(larger * 0.70710678118654752), 0.0, 1.0);
-        out[i] = clamp(neph_pow(color, 1.0 - feature), 0.0, 1.0);
+        const double power = neph_exp2(color * (1.0 - feature));
+        out[i] = feature < 1.0 ? clamp(power, 0.0, 1.0) : 1.0; /* 0^0 is 1 */
     }
 }
 
@@ -551,8 +623,8 @@ struct map_job {
     struct neph_flip *flip;
     int width_px, height_px, tiles_per_row;
     const float *const *images[2];
-    const struct neph_flip_display *display;
-    bool keep_larger;
+    const struct neph_flip_display *displays;
+    int display_count;
     double *map;
 };
 
@@ -571,62 +643,78 @@ static struct tile tile_at(const struct map_job *job, int index)
     return tile;
 }
 
-/* Filter row y of an image along x into its place in the ring. */
-static void enter_row(const struct map_job *job, struct workspace *space, const struct tile *tile,
-                      int image, int y)
+/* Columns to work on: those of the tile in whole vectors. */
+static int lane_count(const struct tile *tile)
 {
-    const struct neph_flip *flip = job->flip;
-    const int margin = flip->radius_px;
-    const int count = tile->width_px + 2 * margin;
-    for (int c = 0; c < 3; c++)
-        copy_row(job->images[image][c] + (size_t)y * (size_t)job->width_px, job->width_px,
-                 tile->x0 - margin, count, space->input[c]);
-    apply_display(job->display, count, space->input);
-    to_opponents(count, space->input[0], space->input[1], space->input[2]);
-
-    const size_t place = (size_t)(y % flip->ring_rows) * TILE_WIDTH_PX;
-    for (int k = 0; k < RING_COUNT; k++) {
-        const struct kernel *kernel = &flip->kernels[k];
-        const double *first = space->input[ring_input[k]] + margin - kernel->radius_px;
-        for (int j = 0; j <= 2 * kernel->radius_px; j++)
-            space->lines[j] = first + j;
-        filter(kernel, space->lines, tile->width_px, space->ring[image][k] + place);
-    }
+    return (tile->width_px + LANES - 1) / LANES * LANES;
 }
 
-/* Filter row y down the columns, and turn it into L a b and the strengths of edge and point. */
-static void leave_row(const struct map_job *job, struct workspace *space, const struct tile *tile,
-                      int image, int y)
+/* Filter row y of an image along x into its place in the ring. */
+static void enter_row(const struct map_job *job, struct workspace *space, const struct tile *tile,
+                      const struct neph_flip_display *display, int image, int y)
 {
     const struct neph_flip *flip = job->flip;
+    const int margin = flip->margin_px;
+    const int count = lane_count(tile);
+    for (int c = 0; c < 3; c++)
+        copy_row(job->images[image][c] + (size_t)y * (size_t)job->width_px, job->width_px,
+                 tile->x0 - margin, count + 2 * margin, space->input[c]);
+    apply_display(display, count + 2 * margin, space->input);
+    to_opponents(count + 2 * margin, space->input[0], space->input[1], space->input[2]);
+
+    const size_t place = (size_t)(y % flip->ring_rows) * STRIDE;
+    double *ring[RING_COUNT];
+    for (int k = 0; k < RING_COUNT; k++)
+        ring[k] = space->ring[image][k] + place;
+    filter_luminance(flip->kernels, flip->radius_px, count, space->input[INPUT_LUMINANCE] + margin,
+                     ring[RING_LUMINANCE], ring[RING_SMOOTH], ring[RING_EDGE], ring[RING_POINT]);
+    filter_blue_yellow(flip->kernels, flip->radius_px, count,
+                       space->input[INPUT_BLUE_YELLOW] + margin, ring[RING_BLUE_YELLOW_WIDE],
+                       ring[RING_BLUE_YELLOW_NARROW]);
+    const struct kernel *red_green = &flip->kernels[RING_RED_GREEN];
+    for (int j = -red_green->radius_px; j <= red_green->radius_px; j++)
+        space->lines[j + red_green->radius_px] = space->input[INPUT_RED_GREEN] + margin + j;
+    filter_even(red_green, space->lines, count, ring[RING_RED_GREEN]);
+}
+
+/* Filter rows y .. y + row_count - 1 down the columns, and turn them into L a b and the strengths
+ * of edge and point. */
+static void leave_rows(const struct map_job *job, struct workspace *space, const struct tile *tile,
+                       int image, int y, int row_count)
+{
+    const struct neph_flip *flip = job->flip;
+    const int count = lane_count(tile);
     double *const *out = space->output[image];
     for (int i = 0; i < OUTPUT_COUNT; i++) {
         const struct kernel *kernel = &flip->kernels[outputs[i].kernel];
         const double *ring = space->ring[image][outputs[i].row];
-        for (int j = 0; j <= 2 * kernel->radius_px; j++) {
+        for (int j = 0; j < 2 * kernel->radius_px + row_count; j++) {
             const int wanted = y + j - kernel->radius_px;
             const int row = wanted < 0 ? 0 : wanted >= job->height_px ? job->height_px - 1 : wanted;
-            space->lines[j] = ring + (size_t)(row % flip->ring_rows) * TILE_WIDTH_PX;
+            space->lines[j] = ring + (size_t)(row % flip->ring_rows) * STRIDE;
         }
-        filter(kernel, space->lines, tile->width_px, out[i]);
+        for (int row = 0; row < row_count; row++)
+            filter_columns(kernel, space->lines + row, count, out[i] + (size_t)row * STRIDE);
     }
-    to_lab(tile->width_px, out[OUTPUT_LUMINANCE], out[OUTPUT_RED_GREEN],
-           out[OUTPUT_BLUE_YELLOW_WIDE], out[OUTPUT_BLUE_YELLOW_NARROW]);
-    to_length(tile->width_px, out[OUTPUT_EDGE_X], out[OUTPUT_EDGE_Y]);
-    to_length(tile->width_px, out[OUTPUT_POINT_X], out[OUTPUT_POINT_Y]);
+    for (size_t at = 0; at < (size_t)row_count * STRIDE; at += STRIDE) {
+        to_lab(count, out[OUTPUT_LUMINANCE] + at, out[OUTPUT_RED_GREEN] + at,
+               out[OUTPUT_BLUE_YELLOW_WIDE] + at, out[OUTPUT_BLUE_YELLOW_NARROW] + at);
+        to_length(count, out[OUTPUT_EDGE_X] + at, out[OUTPUT_EDGE_Y] + at);
+        to_length(count, out[OUTPUT_POINT_X] + at, out[OUTPUT_POINT_Y] + at);
+    }
 }
 
+/* Row y of the map from row `row` of the batch; of later displays, where it is larger. */
 static void write_row(const struct map_job *job, struct workspace *space, const struct tile *tile,
-                      int y)
+                      bool is_first, int row, int y)
 {
     double *to = job->map + (size_t)y * (size_t)job->width_px + tile->x0;
-    double *const *reference = space->output[0], *const *test = space->output[1];
     double *scratch = space->input[0];
-    combine(tile->width_px, reference, test, scratch);
-    if (job->keep_larger)
-        keep_larger_of(tile->width_px, scratch, to);
-    else
+    combine(lane_count(tile), space->output[0], space->output[1], (size_t)row * STRIDE, scratch);
+    if (is_first)
         memcpy(to, scratch, (size_t)tile->width_px * sizeof(*to));
+    else
+        keep_larger_of(tile->width_px, scratch, to);
 }
 
 /* There are as many workspaces as threads run, so one is free or will be at once. */
@@ -637,27 +725,38 @@ static struct workspace *take_workspace(struct neph_flip *flip)
             return &flip->workspaces[i];
 }
 
+static void map_display(const struct map_job *job, struct workspace *space, const struct tile *tile,
+                        int display)
+{
+    const int radius = job->flip->radius_px;
+    const int end = tile->y0 + tile->height_px;
+    int next = tile->y0 > radius ? tile->y0 - radius : 0;
+    for (int y = tile->y0; y < end; y += BATCH_ROWS) {
+        const int row_count = end - y < BATCH_ROWS ? end - y : BATCH_ROWS;
+        for (; next < y + row_count + radius && next < job->height_px; next++)
+            for (int image = 0; image < 2; image++)
+                enter_row(job, space, tile, &job->displays[display], image, next);
+        for (int image = 0; image < 2; image++)
+            leave_rows(job, space, tile, image, y, row_count);
+        for (int row = 0; row < row_count; row++)
+            write_row(job, space, tile, display == 0, row, y + row);
+    }
+}
+
+/* All displays of a tile one after another, while its samples and its map are in the cache. */
 static void map_tile(int index, void *context)
 {
     const struct map_job *job = context;
     struct workspace *space = take_workspace(job->flip);
     const struct tile tile = tile_at(job, index);
-    const int radius = job->flip->radius_px;
-    int next = tile.y0 > radius ? tile.y0 - radius : 0;
-    for (int y = tile.y0; y < tile.y0 + tile.height_px; y++) {
-        for (; next <= y + radius && next < job->height_px; next++)
-            for (int image = 0; image < 2; image++)
-                enter_row(job, space, &tile, image, next);
-        for (int image = 0; image < 2; image++)
-            leave_row(job, space, &tile, image, y);
-        write_row(job, space, &tile, y);
-    }
+    for (int i = 0; i < job->display_count; i++)
+        map_display(job, space, &tile, i);
     atomic_flag_clear(&space->taken);
 }
 
 enum neph_status neph_flip_map(struct neph_flip *flip, int width_px, int height_px,
                                const float *const reference[3], const float *const test[3],
-                               const struct neph_flip_display *display, bool keep_larger,
+                               const struct neph_flip_display *displays, int display_count,
                                double *map, struct neph_diag *diag)
 {
     struct map_job job = {
@@ -666,8 +765,8 @@ enum neph_status neph_flip_map(struct neph_flip *flip, int width_px, int height_
         .height_px = height_px,
         .tiles_per_row = (width_px + TILE_WIDTH_PX - 1) / TILE_WIDTH_PX,
         .images = {reference, test},
-        .display = display,
-        .keep_larger = keep_larger,
+        .displays = displays,
+        .display_count = display_count,
         .map = map,
     };
     const int tile_rows = (height_px + TILE_HEIGHT_PX - 1) / TILE_HEIGHT_PX;

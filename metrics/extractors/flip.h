@@ -10,8 +10,6 @@
 
 #include "base/status.h"
 
-#include <stdbool.h>
-
 /* The curves of NVlabs/flip. ACES and Hable are quotients of quadratics by channel, Reinhard
  * divides a colour by 1 + its luminance. Index of the choices in neph_flip_tones. */
 enum neph_flip_tone {
@@ -41,11 +39,11 @@ enum neph_status neph_flip_create(double pixels_per_degree, struct neph_flip **f
 void neph_flip_destroy(struct neph_flip *flip);
 
 /* Planes of width * height finite samples; the borders are repeated outwards. Writes width * height
- * values to `map`, or, when `keep_larger`, only where they are larger than what is there. The same
- * bits on any number of threads. Errors: NEPH_ERR_INTERRUPTED. */
+ * values to `map`: of each pixel the largest over the displays, of which there is at least one. The
+ * same bits on any number of threads. Errors: NEPH_ERR_INTERRUPTED. */
 enum neph_status neph_flip_map(struct neph_flip *flip, int width_px, int height_px,
                                const float *const reference[3], const float *const test[3],
-                               const struct neph_flip_display *display, bool keep_larger,
+                               const struct neph_flip_display *displays, int display_count,
                                double *map, struct neph_diag *diag);
 
 /* The luminance x > 0 of grey that a curve maps to `value`, 0 < value < 1. */

@@ -109,7 +109,7 @@ static enum neph_status add_pair(struct state *state, enum side side, int distan
         return NEPH_OK;
     enum neph_status status = neph_flip_map(state->flip, state->width_px, state->height_px,
                                             (const float *const *)earlier, planes, &state->display,
-                                            false, state->map, diag);
+                                            1, state->map, diag);
     double *sum = state->sums[side][distance - 1];
     for (size_t i = 0; i < pixel_count(state) && !status; i++)
         sum[i] += state->map[i];

@@ -56,7 +56,7 @@ static enum neph_status extract(void *opaque, const struct neph_frame_pair *pair
 {
     struct state *state = opaque;
     return neph_flip_map(state->flip, pair->width_px, pair->height_px, pair->reference, pair->test,
-                         &state->display, false, state->map, diag);
+                         &state->display, 1, state->map, diag);
 }
 
 static void rows(const void *opaque, int map, int first_row, int row_count, double *const values[3])

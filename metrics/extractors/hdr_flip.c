@@ -11,8 +11,10 @@
  */
 #include "metrics/extractors/extractors.h"
 #include "metrics/extractors/flip.h"
+#include "metrics/vector_math.h"
 
 #include <math.h>
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -23,8 +25,8 @@ struct exposures {
 
 struct state {
     struct neph_flip *flip;
-    enum neph_flip_tone tone;
     struct exposures exposures;
+    struct neph_flip_display *displays; /* one for each exposure */
     int width_px;
     double *map;
 };
@@ -78,44 +80,79 @@ static const char *obstacle(const struct neph_frame_pair *first,
            "stop_ev";
 }
 
-static int compare(const void *a, const void *b)
+/* What the rule asks of the finite luminances; a bad pixel has no say. */
+struct census {
+    size_t count, positive_count;
+    double largest;
+};
+
+static struct census take_census(const struct neph_frame_pair *pair)
 {
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
+    struct census census = {.largest = -INFINITY};
+    for (size_t i = 0; i < pixel_count(pair); i++) {
+        const double luminance = luminance_at(pair, i);
+        if (!isfinite(luminance))
+            continue;
+        census.count++;
+        census.positive_count += luminance > 0.0;
+        census.largest = luminance > census.largest ? luminance : census.largest;
+    }
+    return census;
+}
+
+enum { DIGIT_BITS = 16, DIGIT_VALUES = 1 << DIGIT_BITS };
+
+/* An unsigned number in the order of the doubles. */
+static uint64_t key_of(double value)
+{
+    const uint64_t bits = neph_bits_of(value);
+    return bits >> 63 ? ~bits : bits | 0x8000000000000000u;
+}
+
+static double value_of(uint64_t key)
+{
+    return neph_of_bits(key >> 63 ? key ^ 0x8000000000000000u : ~key);
+}
+
+/* The finite luminance of that rank in ascending order, digit by digit from the first: each look at
+ * the picture counts those that begin as the result does. `counts` holds DIGIT_VALUES. */
+static double luminance_of_rank(const struct neph_frame_pair *pair, size_t rank, size_t *counts)
+{
+    uint64_t key = 0;
+    for (int shift = 64 - DIGIT_BITS; shift >= 0; shift -= DIGIT_BITS) {
+        const uint64_t known = shift == 64 - DIGIT_BITS ? 0 : UINT64_MAX << (shift + DIGIT_BITS);
+        memset(counts, 0, DIGIT_VALUES * sizeof(*counts));
+        for (size_t i = 0; i < pixel_count(pair); i++) {
+            const double luminance = luminance_at(pair, i);
+            const uint64_t candidate = key_of(luminance);
+            if (isfinite(luminance) && (candidate & known) == key)
+                counts[candidate >> shift & (DIGIT_VALUES - 1)]++;
+        }
+        uint64_t digit = 0;
+        for (; rank >= counts[digit]; digit++)
+            rank -= counts[digit];
+        key |= digit << shift;
+    }
+    return value_of(key);
 }
 
 /* Element n / 2 of n sorted values, over all pixels and, if that is not positive, over the positive
- * ones, of which the caller knows that there are some. Sorts. */
-static double median_of(double *luminances, size_t count)
-{
-    qsort(luminances, count, sizeof(*luminances), compare);
-    const double median = luminances[count / 2];
-    if (median > 0.0)
-        return median;
-    size_t first = count / 2;
-    while (luminances[first] <= 0.0)
-        first++;
-    return luminances[first + (count - first) / 2];
-}
-
+ * ones, of which the caller knows that there are some. */
 static enum neph_status range_by_rule(const struct neph_frame_pair *pair, enum neph_flip_tone tone,
                                       struct exposures *range, struct neph_diag *diag)
 {
-    const size_t count = pixel_count(pair);
-    double *luminances = malloc(count * sizeof(*luminances));
-    if (!luminances)
+    size_t *counts = malloc(DIGIT_VALUES * sizeof(*counts));
+    if (!counts)
         return neph_fail_memory(diag);
-    size_t known = 0; /* a bad pixel has no say */
-    for (size_t i = 0; i < count; i++) {
-        const double luminance = luminance_at(pair, i);
-        if (isfinite(luminance))
-            luminances[known++] = luminance;
-    }
-    const double median = median_of(luminances, known);
+    const struct census census = take_census(pair);
+    const size_t first_positive = census.count - census.positive_count;
+    const size_t middle = first_positive > census.count / 2
+                              ? first_positive + census.positive_count / 2
+                              : census.count / 2;
     const double bright = neph_flip_tone_inverse(tone, anchor);
-    range->start_ev = log2(bright / luminances[known - 1]);
-    range->stop_ev = log2(bright / median);
-    free(luminances);
+    range->start_ev = log2(bright / census.largest);
+    range->stop_ev = log2(bright / luminance_of_rank(pair, middle, counts));
+    free(counts);
     return NEPH_OK;
 }
 
@@ -139,22 +176,6 @@ static enum neph_status choose_exposures(const struct neph_frame_pair *pair,
 
 /* ---- the extractor --------------------------------------------------------------------------- */
 
-static enum neph_status init(void *opaque, const struct neph_frame_pair *first,
-                             const struct neph_settings *settings, struct neph_diag *diag)
-{
-    struct state *state = opaque;
-    state->tone = (enum neph_flip_tone)settings->values[OPTION_TONE];
-    state->width_px = first->width_px;
-    enum neph_status status = choose_exposures(first, state->tone, settings, &state->exposures,
-                                               diag);
-    if (status)
-        return status;
-    state->map = calloc(pixel_count(first), sizeof(*state->map));
-    if (!state->map)
-        return neph_fail_memory(diag);
-    return neph_flip_create(first->viewing->pixels_per_degree, &state->flip, diag);
-}
-
 static double exposure_at(const struct exposures *range, int index)
 {
     const double step_ev = range->count > 1
@@ -163,17 +184,30 @@ static double exposure_at(const struct exposures *range, int index)
     return range->start_ev + step_ev * index;
 }
 
+static enum neph_status init(void *opaque, const struct neph_frame_pair *first,
+                             const struct neph_settings *settings, struct neph_diag *diag)
+{
+    struct state *state = opaque;
+    const enum neph_flip_tone tone = (enum neph_flip_tone)settings->values[OPTION_TONE];
+    state->width_px = first->width_px;
+    enum neph_status status = choose_exposures(first, tone, settings, &state->exposures, diag);
+    if (status)
+        return status;
+    state->displays = calloc((size_t)state->exposures.count, sizeof(*state->displays));
+    state->map = calloc(pixel_count(first), sizeof(*state->map));
+    if (!state->displays || !state->map)
+        return neph_fail_memory(diag);
+    for (int i = 0; i < state->exposures.count; i++)
+        state->displays[i] = (struct neph_flip_display){exposure_at(&state->exposures, i), tone};
+    return neph_flip_create(first->viewing->pixels_per_degree, &state->flip, diag);
+}
+
 static enum neph_status extract(void *opaque, const struct neph_frame_pair *pair,
                                 struct neph_diag *diag)
 {
     struct state *state = opaque;
-    enum neph_status status = NEPH_OK;
-    for (int i = 0; i < state->exposures.count && !status; i++) {
-        const struct neph_flip_display display = {exposure_at(&state->exposures, i), state->tone};
-        status = neph_flip_map(state->flip, pair->width_px, pair->height_px, pair->reference,
-                               pair->test, &display, i > 0, state->map, diag);
-    }
-    return status;
+    return neph_flip_map(state->flip, pair->width_px, pair->height_px, pair->reference, pair->test,
+                         state->displays, state->exposures.count, state->map, diag);
 }
 
 static void rows(const void *opaque, int map, int first_row, int row_count, double *const values[3])
@@ -203,6 +237,7 @@ static void stop(void *opaque)
 {
     struct state *state = opaque;
     neph_flip_destroy(state->flip);
+    free(state->displays);
     free(state->map);
 }
 

@@ -167,8 +167,8 @@ static double *flip_of(const struct pictures *pictures, int first, double pixels
     neph_assert_ok(neph_flip_create(pixels_per_degree, &flip, &diag), &diag);
     neph_assert_ok(neph_flip_map(flip, pictures->width_px, pictures->height_px,
                                  (const float *const *)pictures->planes[first],
-                                 (const float *const *)pictures->planes[!first], &display, false,
-                                 map, &diag),
+                                 (const float *const *)pictures->planes[!first], &display, 1, map,
+                                 &diag),
                    &diag);
     neph_flip_destroy(flip);
     return map;
@@ -323,7 +323,7 @@ static double moved_noise(uint32_t x, uint32_t y, uint32_t c, uint32_t seed, boo
 static void test_tiles_do_not_show(void **state)
 {
     (void)state;
-    enum { WIDTH = 300, HEIGHT = 150, DX = 19, DY = 11, MARGIN = 10 };
+    enum { WIDTH = 300, HEIGHT = 290, DX = 19, DY = 11, MARGIN = 10 };
     const struct neph_flip_display display = {0.0, NEPH_FLIP_NONE};
     struct pictures whole = draw(noise, WIDTH + DX, HEIGHT + DY, 77);
     struct pictures moved = draw(moved_noise, WIDTH, HEIGHT, 77);
@@ -336,6 +336,41 @@ static void test_tiles_do_not_show(void **state)
     free(moved_map);
     free_pictures(&whole);
     free_pictures(&moved);
+}
+
+/* Several displays at once: of each pixel the largest of what they give one by one, to the bit. */
+static void test_largest_of_displays(void **state)
+{
+    (void)state;
+    const struct neph_flip_display displays[] = {
+        {-4.0, NEPH_FLIP_ACES}, {-1.0, NEPH_FLIP_ACES}, {1.0, NEPH_FLIP_REINHARD}};
+    struct pictures pictures = draw(bright, 210, 37, 88);
+    const size_t count = pixel_count(&pictures);
+    double *single[3], *together = calloc(count, sizeof(*together));
+    assert_non_null(together);
+    struct neph_flip *flip = NULL;
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_flip_create(67.0, &flip, &diag), &diag);
+    neph_assert_ok(neph_flip_map(flip, pictures.width_px, pictures.height_px,
+                                 (const float *const *)pictures.planes[0],
+                                 (const float *const *)pictures.planes[1], displays, 3, together,
+                                 &diag),
+                   &diag);
+    neph_flip_destroy(flip);
+    int chosen[3] = {0};
+    for (int i = 0; i < 3; i++)
+        single[i] = flip_of(&pictures, 0, 67.0, displays[i]);
+    for (size_t p = 0; p < count; p++) {
+        assert_true(together[p] == fmax(fmax(single[0][p], single[1][p]), single[2][p]));
+        for (int i = 0; i < 3; i++)
+            chosen[i] += together[p] == single[i][p];
+    }
+    for (int i = 0; i < 3; i++) {
+        assert_true(chosen[i] > 0); /* or the picture would not tell */
+        free(single[i]);
+    }
+    free(together);
+    free_pictures(&pictures);
 }
 
 static void test_threads_do_not_show(void **state)
@@ -816,6 +851,7 @@ int main(void)
         cmocka_unit_test(test_uniform_greys),
         cmocka_unit_test(test_properties),
         cmocka_unit_test(test_tiles_do_not_show),
+        cmocka_unit_test(test_largest_of_displays),
         cmocka_unit_test(test_threads_do_not_show),
         cmocka_unit_test(test_distance_out_of_range),
         cmocka_unit_test(test_tables),
