@@ -51,7 +51,8 @@ static const struct argp_option options[] = {
      "The reference by another seed: takes the reference's own noise out of squared errors", 0},
     {"versus", KEY_VERSUS, "WORD", 0,
      "Another test of the same frames: each number's difference, test - other, paired frame by "
-     "frame, with intervals and corrected p-values; without these where a sequence has one number",
+     "frame, or tile by tile where a sequence has one number, with intervals and corrected "
+     "p-values",
      0},
     {"warm-up", KEY_WARM_UP, "N", 0, "Leave out the first N frames (default: 0)", 0},
     {"by-position", KEY_BY_POSITION, NULL, 0,
@@ -75,7 +76,7 @@ static const struct argp_option options[] = {
     {"negative-ok", KEY_NEGATIVE_OK, NULL, 0,
      "Values below 0 are no reason to stop: a filter with negative lobes made them", 2},
     {"json", KEY_JSON, NULL, 0, "Results as JSON on stdout", 3},
-    {"csv", KEY_CSV, "FILE", 0, "Results as CSV", 3},
+    {"csv", KEY_CSV, "FILE", 0, "Results as CSV; '-': on stdout, in place of the table", 3},
     {"maps", KEY_MAPS, "DIR", 0, "Maps as EXR, and as PNG on a fixed scale", 3},
     {"quiet", 'q', NULL, 0, "No progress", 3},
     {0},
@@ -268,6 +269,8 @@ enum neph_status neph_cli_comparison_prepare(const struct neph_cli_comparison *a
                                              struct neph_comparison *comparison,
                                              struct neph_diag *diag)
 {
+    if (asked->json && asked->csv && strcmp(asked->csv, "-") == 0)
+        return neph_fail(diag, NEPH_ERR_USAGE, "--json and --csv - are both for stdout");
     enum neph_status status = parse_viewing(asked, &comparison->viewing, diag);
     for (int i = 0; i < asked->metric_count && !status; i++)
         status = choose_word(comparison, asked->metrics[i], diag);
@@ -373,9 +376,10 @@ static enum neph_status print_all(const struct neph_cli_comparison *asked, json_
                          "nothing to measure over the mask '%s': the reference has no such pixels, "
                          "or lacks the layer that it is made from",
                          asked->mask);
+    const bool csv_on_stdout = asked->csv && strcmp(asked->csv, "-") == 0;
     if (asked->json)
         status = neph_cli_print_json(json_incref(document), diag);
-    else
+    else if (!csv_on_stdout)
         neph_comparison_print(document, asked->rings || asked->mask, asked->metric_count > 0);
     return asked->csv && !status ? neph_comparison_write_csv(asked->csv, list, diag) : status;
 }
@@ -400,11 +404,13 @@ static enum neph_status find_versus(const struct neph_cli_comparison *asked,
 
 /* Differences of what was asked for alone: p-values are corrected for these. */
 static json_t *subtract(const struct neph_cli_comparison *asked, const json_t *document,
-                        const json_t *other_document, struct neph_diag *diag)
+                        const struct neph_drawn *drawn, const json_t *other_document,
+                        const struct neph_drawn *other_drawn, struct neph_diag *diag)
 {
     json_t *numbers = wanted_rows(asked, json_object_get(document, "measurements"), is_wanted);
     json_t *others = wanted_rows(asked, json_object_get(other_document, "measurements"), is_wanted);
-    json_t *differences = neph_versus(numbers, others, diag);
+    json_t *differences = neph_versus(&(struct neph_versus_side){numbers, drawn},
+                                      &(struct neph_versus_side){others, other_drawn}, diag);
     json_decref(numbers);
     json_decref(others);
     return differences;
@@ -414,23 +420,25 @@ static json_t *subtract(const struct neph_cli_comparison *asked, const json_t *d
 static enum neph_status add_versus(const struct neph_cli_comparison *asked,
                                    const struct neph_comparison *comparison,
                                    const struct neph_sequence *other_test, json_t *document,
-                                   struct neph_diag *diag)
+                                   const struct neph_drawn *drawn, struct neph_diag *diag)
 {
     struct neph_comparison other = *comparison;
+    struct neph_drawn other_drawn = {0};
     json_t *other_document = NULL, *differences = NULL;
     other.test = *other_test;
     other.maps_directory = NULL;
-    enum neph_status status = neph_comparison_run(&other, &other_document, diag);
+    enum neph_status status = neph_comparison_run(&other, &other_document, &other_drawn, diag);
     if (status == NEPH_ERR_GATE && other_document)
         neph_hint(diag, "these are frames of --versus; if they are meant to be frozen, say "
                         "--frozen-ok");
     if (!status) {
-        differences = subtract(asked, document, other_document, diag);
+        differences = subtract(asked, document, drawn, other_document, &other_drawn, diag);
         status = differences ? NEPH_OK : NEPH_ERR_MEMORY;
     }
     if (differences)
         status = neph_json_put(document, "versus", differences, diag);
     json_decref(other_document);
+    neph_measurements_destroy(other_drawn.list, other_drawn.count);
     return status;
 }
 
@@ -447,11 +455,13 @@ enum neph_status neph_cli_comparison_run(const struct neph_cli_comparison *asked
         return status;
     json_t *document = NULL;
     struct neph_sequence other = {0};
+    struct neph_drawn drawn = {0};
     status = find_versus(asked, comparison, &other, diag);
     if (!status)
-        status = neph_comparison_run(comparison, &document, diag);
+        status = neph_comparison_run(comparison, &document, asked->versus ? &drawn : NULL, diag);
     if (!status && asked->versus)
-        status = add_versus(asked, comparison, &other, document, diag);
+        status = add_versus(asked, comparison, &other, document, &drawn, diag);
+    neph_measurements_destroy(drawn.list, drawn.count);
     neph_sequence_finish(&other);
     if (!document)
         return status;

@@ -22,6 +22,7 @@ struct work {
     const struct neph_comparison *asked;
     int frame_count; /* to measure */
     int done_count;
+    bool with_draws;
     bool is_picture;                              /* values of a display and not of physics */
     struct neph_image *reference, *second, *test; /* of the frame at hand; owned */
     struct neph_mask *masks[NEPH_MASKS_MAX];      /* owned */
@@ -369,6 +370,7 @@ static enum neph_status start(struct work *work, struct neph_diag *diag)
         .mask_count = work->mask_count,
         .frame_count = work->frame_count,
         .intervals = true,
+        .draws = work->with_draws,
     };
     return neph_meter_create(&params, &work->meter, diag);
 }
@@ -538,9 +540,9 @@ static enum neph_status conclude(struct work *work, bool interrupted, json_t **d
 }
 
 enum neph_status neph_comparison_run(const struct neph_comparison *comparison, json_t **document,
-                                     struct neph_diag *diag)
+                                     struct neph_drawn *drawn, struct neph_diag *diag)
 {
-    struct work work = {.asked = comparison, .maps = json_array()};
+    struct work work = {.asked = comparison, .with_draws = drawn != NULL, .maps = json_array()};
     *document = NULL;
     enum neph_status status = check_counts(comparison, &work, diag);
     if (!status && comparison->maps_directory)
@@ -554,6 +556,8 @@ enum neph_status neph_comparison_run(const struct neph_comparison *comparison, j
         const enum neph_status finished = conclude(&work, interrupted, document, diag);
         status = finished ? finished : status;
     }
+    if (drawn && *document)
+        drawn->list = neph_meter_release(work.meter, &drawn->count);
     neph_meter_destroy(work.meter);
     neph_masks_destroy(work.masks, work.mask_count);
     neph_image_destroy(work.reference);

@@ -33,6 +33,37 @@ static void print_line(const json_t *item, bool with_frame)
                                  : neph_json_text(item, "undefined_because"));
 }
 
+static bool is_hidden(const json_t *item, bool details)
+{
+    return !details && neph_mask_is_detail(neph_json_text(item, "mask"));
+}
+
+/* Each reason once. */
+static void print_versus_reasons(const json_t *list, bool details)
+{
+    json_t *counts = json_object();
+    for (size_t i = 0; i < json_array_size(list); i++) {
+        const json_t *item = json_array_get(list, i);
+        const char *because = neph_json_text(item, "because");
+        if (*because && !is_hidden(item, details))
+            neph_json_set(&counts, because,
+                          json_integer(json_integer_value(json_object_get(counts, because)) + 1));
+    }
+    const char *because;
+    json_t *count;
+    json_object_foreach(counts, because, count)
+        printf("no p-value for %lld numbers: %s\n", (long long)json_integer_value(count), because);
+    json_decref(counts);
+}
+
+static void print_p(const json_t *p)
+{
+    if (json_is_number(p))
+        printf(" %9.2g", json_number_value(p));
+    else
+        printf(" %9s", "-");
+}
+
 static void print_versus(const json_t *list, bool details)
 {
     if (json_array_size(list) > 0)
@@ -42,21 +73,20 @@ static void print_versus(const json_t *list, bool details)
         const json_t *item = json_array_get(list, i);
         const json_t *interval = json_object_get(item, "interval");
         char bounds[48] = "-";
-        if (!details && neph_mask_is_detail(neph_json_text(item, "mask")))
+        if (is_hidden(item, details))
             continue;
         if (json_is_array(interval))
             snprintf(bounds, sizeof(bounds), "%.2e..%.2e",
                      json_number_value(json_array_get(interval, 0)),
                      json_number_value(json_array_get(interval, 1)));
-        printf("%-14s %-13s %-22s %14.6e  %-22s ", neph_json_text(item, "quantity"),
+        printf("%-14s %-13s %-22s %14.6e  %-22s", neph_json_text(item, "quantity"),
                neph_json_text(item, "mask"), neph_json_text(item, "metric"),
                json_number_value(json_object_get(item, "difference")), bounds);
-        if (json_is_number(json_object_get(item, "p")))
-            printf("%9.2g %9.2g\n", json_number_value(json_object_get(item, "p_holm")),
-                   json_number_value(json_object_get(item, "p_sign")));
-        else
-            printf("%9s %9s\n", "-", "-");
+        print_p(json_object_get(item, "p_holm"));
+        print_p(json_object_get(item, "p_sign"));
+        printf("\n");
     }
+    print_versus_reasons(list, details);
 }
 
 static void print_findings(const json_t *list, bool details)
@@ -208,8 +238,11 @@ enum neph_status neph_comparison_write_csv(const char *path, const json_t *list,
     if (!out)
         return neph_fail_memory(diag);
     write_csv_lines(out, list);
-    enum neph_status status = fclose(out) == 0 ? neph_file_write(path, text, size, diag)
-                                               : neph_fail_memory(diag);
+    enum neph_status status = fclose(out) == 0 ? NEPH_OK : neph_fail_memory(diag);
+    if (!status && strcmp(path, "-") == 0)
+        fwrite(text, 1, size, stdout); /* whether it went out is looked at once, at the end */
+    else if (!status)
+        status = neph_file_write(path, text, size, diag);
     free(text);
     return status;
 }

@@ -14,7 +14,7 @@
  * too. `all`: every number, else of flicker those that stand for the rest. */
 void neph_comparison_print(const json_t *document, bool details, bool all);
 
-/* Write an array of measurements as CSV (RFC 4180), a line of names first. */
+/* Write an array of measurements as CSV (RFC 4180), a line of names first; "-" is stdout. */
 enum neph_status neph_comparison_write_csv(const char *path, const json_t *measurements,
                                            struct neph_diag *diag);
 

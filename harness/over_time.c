@@ -155,7 +155,7 @@ static enum neph_status measure(const struct work *work, const char *folder, str
         status = neph_sequence_find(1, (const char *const *)&work->reference_path,
                                     &comparison.reference, diag);
     if (!status)
-        status = neph_comparison_run(&comparison, &document, diag);
+        status = neph_comparison_run(&comparison, &document, NULL, diag);
     if (!status && !(text = json_dumps(document, JSON_INDENT(1))))
         status = neph_fail_memory(diag);
     if (!status)

@@ -154,28 +154,42 @@ static struct neph_bootstrap_bounds bounds_of(double *draws, double value)
     return (struct neph_bootstrap_bounds){true, fmin(low, value), fmax(high, value)};
 }
 
+enum neph_status neph_bootstrap_draws(struct neph_resampling *resampling, const double *tiles,
+                                      int tile_count, int sum_count,
+                                      const struct neph_bootstrapped *statistics,
+                                      int statistic_count, double *draws, struct neph_diag *diag)
+{
+    if (sum_count < 1 || sum_count > NEPH_BOOTSTRAP_SUMS_MAX)
+        return neph_fail(diag, NEPH_ERR_INTERNAL, "a bootstrap over %d sums, 1..%d are possible",
+                         sum_count, NEPH_BOOTSTRAP_SUMS_MAX);
+    if (resampling->tile_count != tile_count) {
+        const enum neph_status status = draw_all(resampling, tile_count, diag);
+        if (status)
+            return status;
+    }
+    resample(resampling, tiles, sum_count, statistics, statistic_count, draws);
+    return NEPH_OK;
+}
+
 enum neph_status neph_bootstrap_tiles(struct neph_resampling *resampling, const double *tiles,
                                       int tile_count, int sum_count,
                                       const struct neph_bootstrapped *statistics,
                                       int statistic_count, struct neph_bootstrap_bounds *bounds,
                                       struct neph_diag *diag)
 {
-    if (sum_count < 1 || sum_count > NEPH_BOOTSTRAP_SUMS_MAX)
-        return neph_fail(diag, NEPH_ERR_INTERNAL, "a bootstrap over %d sums, 1..%d are possible",
-                         sum_count, NEPH_BOOTSTRAP_SUMS_MAX);
     for (int k = 0; k < statistic_count; k++)
         bounds[k] = (struct neph_bootstrap_bounds){0};
     if (tile_count < NEPH_BOOTSTRAP_TILES_MIN || statistic_count < 1)
         return NEPH_OK;
-    if (resampling->tile_count != tile_count) {
-        const enum neph_status status = draw_all(resampling, tile_count, diag);
-        if (status)
-            return status;
-    }
     double *draws = calloc((size_t)statistic_count * NEPH_BOOTSTRAP_RESAMPLES, sizeof(*draws));
     if (!draws)
         return neph_fail_memory(diag);
-    resample(resampling, tiles, sum_count, statistics, statistic_count, draws);
+    const enum neph_status status = neph_bootstrap_draws(resampling, tiles, tile_count, sum_count,
+                                                         statistics, statistic_count, draws, diag);
+    if (status) {
+        free(draws);
+        return status;
+    }
     double totals[NEPH_BOOTSTRAP_SUMS_MAX] = {0};
     for (int t = 0; t < tile_count; t++)
         for (int s = 0; s < sum_count; s++)

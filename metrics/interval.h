@@ -14,13 +14,13 @@
 #ifndef NEPH_METRICS_INTERVAL_H
 #define NEPH_METRICS_INTERVAL_H
 
-#include "base/status.h"
+#include "metrics/metric.h"
 
 #include <stdbool.h>
 #include <stdint.h>
 
 enum {
-    NEPH_BOOTSTRAP_RESAMPLES = 1000,
+    NEPH_BOOTSTRAP_RESAMPLES = NEPH_DRAWS_COUNT,
     NEPH_BOOTSTRAP_TILES_MIN = 20, /* below, a percentile interval covers too little: none given */
     NEPH_BOOTSTRAP_SUMS_MAX = 48,
     NEPH_TILE_SIDE_PX = 16,
@@ -70,5 +70,14 @@ enum neph_status neph_bootstrap_tiles(struct neph_resampling *resampling, const 
                                       const struct neph_bootstrapped *statistics,
                                       int statistic_count, struct neph_bootstrap_bounds *bounds,
                                       struct neph_diag *diag);
+
+/* What lies behind bounds: the value of each statistic in each draw, NAN where it is undefined.
+ * `draws` receives NEPH_BOOTSTRAP_RESAMPLES values for each statistic in turn. At least
+ * NEPH_BOOTSTRAP_TILES_MIN tiles. As many tiles are always drawn alike: draws of two sets of
+ * numbers from the same tiles are pairs. */
+enum neph_status neph_bootstrap_draws(struct neph_resampling *resampling, const double *tiles,
+                                      int tile_count, int sum_count,
+                                      const struct neph_bootstrapped *statistics,
+                                      int statistic_count, double *draws, struct neph_diag *diag);
 
 #endif

@@ -31,7 +31,7 @@ struct neph_meter {
     struct neph_viewing viewing;
     struct neph_pool_mask *masks; /* owned; the masks themselves are borrowed */
     int mask_count;
-    bool intervals;
+    bool intervals, draws;
 
     int width_px, height_px;   /* of the first frame; 0 before it */
     int frame_count;           /* so far */
@@ -72,6 +72,7 @@ static enum neph_status copy_params(struct neph_meter *meter,
 {
     meter->viewing = params->viewing;
     meter->intervals = params->intervals;
+    meter->draws = params->draws;
     meter->announced_frame_count = params->frame_count;
     meter->choices = calloc((size_t)params->choice_count + 1, sizeof(*meter->choices));
     meter->masks = calloc((size_t)params->mask_count + 1, sizeof(*meter->masks));
@@ -133,8 +134,30 @@ void neph_meter_destroy(struct neph_meter *meter)
     free(meter->runs);
     free(meter->choices);
     free(meter->masks);
-    free(meter->measurements);
+    neph_measurements_destroy(meter->measurements, meter->measurement_count);
     free(meter);
+}
+
+/* Forget those from `first` on. */
+static void drop_draws(struct neph_measurement *measurements, int first, int count)
+{
+    for (int i = first; i < count; i++)
+        free((void *)(uintptr_t)measurements[i].draws);
+}
+
+void neph_measurements_destroy(struct neph_measurement *measurements, int count)
+{
+    drop_draws(measurements, 0, measurements ? count : 0);
+    free(measurements);
+}
+
+struct neph_measurement *neph_meter_release(struct neph_meter *meter, int *count)
+{
+    struct neph_measurement *released = meter->measurements;
+    *count = meter->measurement_count;
+    meter->measurements = NULL;
+    meter->measurement_count = meter->measurement_room = 0;
+    return released;
 }
 
 /* ---- a pair of frames ------------------------------------------------------------------------ */
@@ -344,6 +367,7 @@ static enum neph_status append_pooled(struct neph_meter *meter, const struct run
         measured.high = pooled->high;
         measured.n = pooled->tile_count;
     }
+    measured.draws = pooled->draws;
     note_clipping(meter, run, mask, &measured);
     return append(meter, &measured, diag);
 }
@@ -376,9 +400,17 @@ static int count_metrics(const struct neph_extractor *extractor)
     return count;
 }
 
+static enum neph_pool_certainty certainty_of(const struct neph_meter *meter, int frame)
+{
+    const bool is_final = frame < 0 || meter->announced_frame_count == 1;
+    if (!meter->intervals)
+        return NEPH_POOL_NUMBER_ALONE;
+    return meter->draws && is_final ? NEPH_POOL_DRAWS : NEPH_POOL_INTERVAL;
+}
+
 /* Pool one map; `numbers` holds a row of mask_count for each metric of the extractor. */
 static enum neph_status pool_one_map(const struct neph_meter *meter, const struct run *run, int map,
-                                     struct neph_pooled *numbers, struct neph_diag *diag)
+                                     int frame, struct neph_pooled *numbers, struct neph_diag *diag)
 {
     const struct neph_metric *all = run->choice->extractor->metrics, *some[NEPH_POOL_METRICS_MAX];
     int count = 0, index[NEPH_POOL_METRICS_MAX];
@@ -393,8 +425,9 @@ static enum neph_status pool_one_map(const struct neph_meter *meter, const struc
     if (!pooled)
         return neph_fail_memory(diag);
     const struct neph_pool_source source = source_of(meter, run, map);
-    const enum neph_status status = neph_pool_map(
-        &source, some, count, meter->masks, meter->mask_count, meter->intervals, pooled, diag);
+    const enum neph_status status = neph_pool_map(&source, some, count, meter->masks,
+                                                  meter->mask_count, certainty_of(meter, frame),
+                                                  pooled, diag);
     for (int k = 0; k < meter->mask_count; k++)
         for (int m = 0; m < count; m++)
             numbers[index[m] * meter->mask_count + k] = pooled[k * count + m];
@@ -411,14 +444,18 @@ static enum neph_status take_pooled(struct neph_meter *meter, const struct run *
     struct neph_pooled *numbers = calloc((size_t)(metric_count * mask_count) + 1, sizeof(*numbers));
     enum neph_status status = numbers ? NEPH_OK : neph_fail_memory(diag);
     for (int map = 0; map < extractor->map_count && !status; map++)
-        status = pool_one_map(meter, run, map, numbers, diag);
+        status = pool_one_map(meter, run, map, frame, numbers, diag);
     for (int k = 0; k < mask_count && !status; k++)
         for (int m = 0; m < metric_count && !status; m++) {
-            const struct neph_pooled *number = &numbers[m * mask_count + k];
+            struct neph_pooled *number = &numbers[m * mask_count + k];
             if (number->defined || number->undefined_because) /* else it is not of this quantity */
                 status = append_pooled(meter, run, &extractor->metrics[m], k, bad ? bad[k] : 0,
                                        frame, number, diag);
+            if (!status)
+                number->draws = NULL; /* the measurement has them */
         }
+    for (int i = 0; numbers && i < metric_count * mask_count; i++)
+        free(numbers[i].draws);
     free(numbers);
     return status;
 }
@@ -606,8 +643,10 @@ enum neph_status neph_meter_frame(struct neph_meter *meter, const struct neph_im
         status = measure_run(meter, run, &pair, bad, all_bad, diag);
     }
     free(bad);
-    if (status)
-        meter->measurement_count = count_before; /* half a frame is none */
+    if (status) { /* half a frame is none */
+        drop_draws(meter->measurements, count_before, meter->measurement_count);
+        meter->measurement_count = count_before;
+    }
     meter->frame_count += !status;
     return status;
 }
@@ -621,6 +660,7 @@ static struct neph_measurement mean_over_frames(const struct neph_meter *meter, 
     mean.frame = -1;
     mean.interval = NEPH_INTERVAL_NONE;
     mean.low = mean.high = 0.0;
+    mean.draws = NULL;
     mean.clipped.reference = mean.clipped.test = 0.0;
     for (int f = 0; f < meter->frame_count; f++) {
         const struct neph_measurement *one = &meter->measurements[which + f * per_frame];

@@ -25,6 +25,8 @@ struct neph_meter_params {
     int mask_count;
     int frame_count; /* of neph_meter_frame() to come; 0: not known, and what needs it says so */
     bool intervals;  /* bootstrap each number that allows it; costs as much as the numbers do */
+    bool draws; /* with intervals: keep the draws of numbers of a sequence, or of its only frame,
+                   8 KB each */
 };
 
 struct neph_meter;
@@ -50,6 +52,11 @@ enum neph_status neph_meter_finish(struct neph_meter *meter, struct neph_diag *d
 
 /* What was measured so far, in order: by frame, quantity, extractor, mask. Owned by the meter. */
 const struct neph_measurement *neph_meter_measurements(const struct neph_meter *meter, int *count);
+
+/* The measurements, `count` of them, for the caller: the meter then has none. Free them with
+ * neph_measurements_destroy(). */
+struct neph_measurement *neph_meter_release(struct neph_meter *meter, int *count);
+void neph_measurements_destroy(struct neph_measurement *measurements, int count); /* NULL is fine */
 
 /* A map that can be shown, after its frame (temporal: after _finish), as an image for a file:
  * channel "Y", or R G B. NEPH_ERR_UNSUPPORTED when the extractor had an obstacle. */

@@ -9,6 +9,8 @@
 
 #include "base/image.h"
 
+#include <stdint.h>
+
 enum neph_quantity_bit {
     NEPH_RADIANCE = 1,
     NEPH_VOLUME = 2,
@@ -80,7 +82,17 @@ struct neph_clipped {
     double reference, test; /* 0 without a bound */
 };
 
-/* One number with everything that a report needs beside it. The pointers are static: a
+enum { NEPH_DRAWS_COUNT = 1000 }; /* of a bootstrap */
+
+/* A number in each draw of a bootstrap over tiles. Those of two numbers are pairs when they are of
+ * the same tiles. */
+struct neph_draws {
+    int tile_count;
+    uint64_t tiles; /* a hash of which they are */
+    double values[NEPH_DRAWS_COUNT];
+};
+
+/* One number with everything that a report needs beside it. The other pointers are static: a
  * measurement owns nothing and outlives the images. No field is ever NaN or infinite. */
 struct neph_measurement {
     const struct neph_metric *metric;
@@ -96,7 +108,8 @@ struct neph_measurement {
     int n;              /* tiles or batches behind the interval; else frames behind the value */
     size_t pixel_count; /* that the number is taken over */
     size_t bad_count;   /* further pixels of the mask, not finite in one image or in both */
-    struct neph_clipped clipped; /* of the mask, in the frame or in all frames */
+    struct neph_clipped clipped;    /* of the mask, in the frame or in all frames */
+    const struct neph_draws *draws; /* of the one who gave the measurement; NULL: not asked for */
 };
 
 /* All quantities: radiance, volume, transmittance, depth. NULL outside 0..count-1. */

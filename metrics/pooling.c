@@ -611,6 +611,67 @@ static enum neph_status add_intervals(struct table *table, int metric_count,
     return status;
 }
 
+/* Which tiles the rows are of (FNV-1a). */
+static uint64_t hash_of_tiles(const struct table *table)
+{
+    uint64_t hash = 0xcbf29ce484222325u;
+    for (int r = 0; r < table->row_count; r++)
+        hash = (hash ^ (uint64_t)table->tiles[r]) * 0x100000001b3u;
+    return hash;
+}
+
+/* A draw in which more lies below the percentile has a lower one: Bahadur's representation (Annals
+ * of Mathematical Statistics 37, 1966), read back through the order statistics. */
+static void invert_draws(const struct table *table, const struct statistic *statistic,
+                         double *draws)
+{
+    double share = 0.0;
+    evaluate(statistic, table->totals, &share);
+    for (int d = 0; d < NEPH_DRAWS_COUNT; d++) {
+        const double at = statistic->metric->parameter - (draws[d] - share);
+        draws[d] = percentile_at(statistic->metric, table->selector, fmin(fmax(at, 0.0), 1.0));
+    }
+}
+
+static enum neph_status keep_draws(const struct table *table, const struct statistic *statistic,
+                                   const double *values, struct neph_pooled *pooled,
+                                   struct neph_diag *diag)
+{
+    struct neph_draws *draws = malloc(sizeof(*draws));
+    if (!draws)
+        return neph_fail_memory(diag);
+    draws->tile_count = table->row_count;
+    draws->tiles = hash_of_tiles(table);
+    memcpy(draws->values, values, sizeof(draws->values));
+    if (is_percentile(statistic->metric))
+        invert_draws(table, statistic, draws->values);
+    pooled->draws = draws;
+    return NEPH_OK;
+}
+
+/* After add_intervals(), which has filled the columns. */
+static enum neph_status add_draws(struct table *table, int metric_count, struct neph_pooled *pooled,
+                                  struct neph_diag *diag)
+{
+    if (table->row_count < NEPH_BOOTSTRAP_TILES_MIN)
+        return NEPH_OK;
+    struct neph_bootstrapped statistics[METRICS_MAX];
+    for (int m = 0; m < metric_count; m++)
+        statistics[m] = (struct neph_bootstrapped){evaluate, &table->statistics[m]};
+    double *all = malloc((size_t)metric_count * NEPH_DRAWS_COUNT * sizeof(*all));
+    if (!all)
+        return neph_fail_memory(diag);
+    enum neph_status status = neph_bootstrap_draws(&table->set->mask->resampling, table->rows,
+                                                   table->row_count, table->column_count,
+                                                   statistics, metric_count, all, diag);
+    for (int m = 0; m < metric_count && !status; m++)
+        if (pooled[m].has_interval)
+            status = keep_draws(table, &table->statistics[m], all + (size_t)m * NEPH_DRAWS_COUNT,
+                                &pooled[m], diag);
+    free(all);
+    return status;
+}
+
 static const char *undefined_because(const struct neph_metric *metric)
 {
     switch (metric->pool) {
@@ -672,7 +733,7 @@ static enum neph_status select_from(struct table *table, const struct neph_key_r
 
 static enum neph_status pool_mask(const struct walk *walk, const struct gathered *set,
                                   const struct neph_metric *const *metrics, int metric_count,
-                                  bool intervals, struct neph_pooled *pooled,
+                                  enum neph_pool_certainty certainty, struct neph_pooled *pooled,
                                   struct neph_diag *diag)
 {
     struct table table = {.set = set};
@@ -687,8 +748,10 @@ static enum neph_status pool_mask(const struct walk *walk, const struct gathered
         status = select_from(&table, &runs, metric_count, diag);
     if (!status)
         take_values(walk->source, &table, metric_count, pooled);
-    if (!status && intervals && table.row_count > 0)
+    if (!status && certainty >= NEPH_POOL_INTERVAL && table.row_count > 0)
         status = add_intervals(&table, metric_count, pooled, diag);
+    if (!status && certainty == NEPH_POOL_DRAWS)
+        status = add_draws(&table, metric_count, pooled, diag);
     neph_selector_destroy(table.selector);
     free(table.rows);
     free(table.tiles);
@@ -697,8 +760,9 @@ static enum neph_status pool_mask(const struct walk *walk, const struct gathered
 
 enum neph_status neph_pool_map(const struct neph_pool_source *source,
                                const struct neph_metric *const *metrics, int metric_count,
-                               struct neph_pool_mask *masks, int mask_count, bool intervals,
-                               struct neph_pooled *pooled, struct neph_diag *diag)
+                               struct neph_pool_mask *masks, int mask_count,
+                               enum neph_pool_certainty certainty, struct neph_pooled *pooled,
+                               struct neph_diag *diag)
 {
     struct walk walk = {.source = source,
                         .tiling = neph_tiling_of(source->width_px, source->height_px),
@@ -722,7 +786,7 @@ enum neph_status neph_pool_map(const struct neph_pool_source *source,
     if (!status && atomic_load(&walk.out_of_memory))
         status = neph_fail_memory(diag);
     for (int s = 0; s < mask_count && !status; s++)
-        status = pool_mask(&walk, &walk.sets[s], metrics, metric_count, intervals,
+        status = pool_mask(&walk, &walk.sets[s], metrics, metric_count, certainty,
                            pooled + (size_t)s * (size_t)metric_count, diag);
     finish_sets(walk.sets, mask_count);
     return status;

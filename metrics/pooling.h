@@ -39,6 +39,13 @@ struct neph_pool_source {
 
 enum { NEPH_POOL_METRICS_MAX = 16 }; /* of one map */
 
+/* How sure a number is to be. */
+enum neph_pool_certainty {
+    NEPH_POOL_NUMBER_ALONE,
+    NEPH_POOL_INTERVAL, /* bootstrap over tiles (interval.h) */
+    NEPH_POOL_DRAWS,    /* and keep its draws */
+};
+
 /* One number over one mask. */
 struct neph_pooled {
     bool defined;
@@ -46,17 +53,20 @@ struct neph_pooled {
     double value;
     bool has_interval;
     double low, high;
-    int tile_count;     /* that have a value */
-    size_t pixel_count; /* that have a value */
+    int tile_count;           /* that have a value */
+    size_t pixel_count;       /* that have a value */
+    struct neph_draws *draws; /* with an interval, when they were asked for; the caller's, by free()
+                               */
 };
 
 /* Pool one map: `metrics` are `metric_count` metrics of that map (and of one second map at most);
- * `pooled` receives metric_count numbers for each mask, mask by mask. `intervals`: also bootstrap
- * over tiles (interval.h). Percentiles get the interval of Woodruff (JASA 47, 1952): the bootstrap
- * of the share below the percentile, read back through the order statistics. */
+ * `pooled` receives metric_count numbers for each mask, mask by mask. Percentiles get the interval
+ * of Woodruff (JASA 47, 1952): the bootstrap of the share below the percentile, read back through
+ * the order statistics. */
 enum neph_status neph_pool_map(const struct neph_pool_source *source,
                                const struct neph_metric *const *metrics, int metric_count,
-                               struct neph_pool_mask *masks, int mask_count, bool intervals,
-                               struct neph_pooled *pooled, struct neph_diag *diag);
+                               struct neph_pool_mask *masks, int mask_count,
+                               enum neph_pool_certainty certainty, struct neph_pooled *pooled,
+                               struct neph_diag *diag);
 
 #endif

@@ -34,8 +34,8 @@ struct wanted {
 
 struct neph_selector {
     const struct neph_key_runs *runs;
-    size_t below[BUCKETS + 1]; /* keys in the buckets before */
-    double sums[BUCKETS];
+    size_t below[BUCKETS + 1];      /* keys in the buckets before */
+    double sums_below[BUCKETS + 1]; /* of the values in the buckets before */
     bool has_sums;
     int open_bucket;        /* that `middle` counts; -1: none */
     int open_middle;        /* of the open bucket, that `last` counts; -1: none */
@@ -315,14 +315,31 @@ static void sum_buckets(struct neph_selector *selector)
 {
     if (selector->has_sums)
         return;
-    memset(selector->sums, 0, sizeof(selector->sums));
+    double *sums = selector->sums_below + 1;
+    memset(selector->sums_below, 0, sizeof(selector->sums_below));
     const struct neph_key_runs *runs = selector->runs;
     for (int r = 0; r < runs->run_count; r++) {
         const uint32_t *keys = runs->keys + runs->first[r];
         for (uint32_t i = 0; i < runs->counts[r]; i++)
-            selector->sums[keys[i] >> LOW_BITS] += neph_key_value(keys[i]);
+            sums[keys[i] >> LOW_BITS] += neph_key_value(keys[i]);
     }
+    for (int b = 1; b < BUCKETS; b++)
+        sums[b] += sums[b - 1];
     selector->has_sums = true;
+}
+
+/* By bisection: the first bucket with which the running sum exceeds `target`, or BUCKETS. */
+static int bucket_of_sum(const struct neph_selector *selector, double target)
+{
+    int first = 0, end = BUCKETS;
+    while (first < end) {
+        const int middle = first + (end - first) / 2;
+        if (selector->sums_below[middle + 1] <= target)
+            first = middle + 1;
+        else
+            end = middle;
+    }
+    return first;
 }
 
 /* Within the open bucket: the first key whose running sum exceeds `target`, or its last one. */
@@ -362,17 +379,12 @@ static double first_above(struct neph_selector *selector, double target)
 double neph_select_weighted(struct neph_selector *selector, double share)
 {
     sum_buckets(selector);
-    double total = 0.0;
-    for (int b = 0; b < BUCKETS; b++)
-        total += selector->sums[b];
-    int bucket = 0;
-    double running = 0.0;
-    for (; bucket < BUCKETS && running + selector->sums[bucket] <= share * total; bucket++)
-        running += selector->sums[bucket];
+    const double target = share * selector->sums_below[BUCKETS];
+    const int bucket = bucket_of_sum(selector, target);
     if (bucket == BUCKETS) /* a share of 1, or nothing but zeros: the largest */
         return selector->runs->key_count > 0
                    ? neph_key_value(neph_select_rank(selector, selector->runs->key_count - 1))
                    : 0.0;
     open_bucket(selector, bucket);
-    return first_above(selector, share * total - running);
+    return first_above(selector, target - selector->sums_below[bucket]);
 }

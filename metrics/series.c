@@ -231,6 +231,32 @@ enum neph_status neph_series_paired(const double *a, const double *b, int count,
     return NEPH_OK;
 }
 
+struct neph_paired neph_series_paired_draws(double a, const struct neph_draws *draws_a, double b,
+                                            const struct neph_draws *draws_b)
+{
+    struct neph_paired paired = {.p = 1.0, .p_sign = 1.0};
+    double differences[NEPH_DRAWS_COUNT];
+    for (int d = 0; d < NEPH_DRAWS_COUNT; d++)
+        differences[d] = draws_a->values[d] - draws_b->values[d];
+    if (draws_a->tile_count != draws_b->tile_count || draws_a->tiles != draws_b->tiles ||
+        !all_finite(differences, NEPH_DRAWS_COUNT) || !isfinite(a - b))
+        return paired;
+    const double mean = mean_of(differences, NEPH_DRAWS_COUNT);
+    const double error = sqrt(variance_of(differences, NEPH_DRAWS_COUNT, mean));
+    paired.difference = (struct neph_mean){
+        .defined = true,
+        .value = a - b,
+        .low = fmin(a - b, neph_percentile(differences, NEPH_DRAWS_COUNT, interval_alpha / 2.0)),
+        .high = fmax(a - b,
+                     neph_percentile(differences, NEPH_DRAWS_COUNT, 1.0 - interval_alpha / 2.0)),
+        .interval = NEPH_INTERVAL_TILES,
+        .n = draws_a->tile_count,
+        .standard_error = error,
+    };
+    paired.p = student_p(&paired.difference);
+    return paired;
+}
+
 bool neph_alarm(double worse_by, double tolerated, double p_adjusted, double alpha)
 {
     return worse_by > tolerated && p_adjusted <= alpha;

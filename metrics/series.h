@@ -65,6 +65,14 @@ enum neph_status neph_series_paired(const double *a, const double *b, int count,
                                     enum neph_replicate replicate, struct neph_paired *paired,
                                     struct neph_diag *diag);
 
+/* a - b of two numbers with their draws (metric.h), which are of the same tiles: as they are drawn
+ * alike, what both have in common falls out. The interval, NEPH_INTERVAL_TILES with n tiles, is
+ * from the 2.5th to the 97.5th percentile of the differences of the draws; p is Student's t on
+ * their standard deviation, n - 1 degrees of freedom; there are no signs. Undefined when the tiles
+ * are not the same, or a draw is not finite. */
+struct neph_paired neph_series_paired_draws(double a, const struct neph_draws *draws_a, double b,
+                                            const struct neph_draws *draws_b);
+
 /* Whether to wake somebody: the change is for the worse by more than is tolerated, and certainly
  * there. `worse_by` is positive for the worse; `p_adjusted` comes from neph_holm() over all that is
  * watched, or is held against neph_sidak_alpha(). */

@@ -132,18 +132,29 @@ class Metrics(unittest.TestCase):
                          done.stderr)
         self.assertEqual(neph("compare", reference, self.folder / "test", "--fail-above", "mae@edge_near_1=1").returncode, 0)
 
-    def test_versus_of_flicker_is_a_difference_without_an_interval(self):
+    def test_versus_of_flicker_says_how_sure_it_is(self):
         reference = self.write("reference.exr", lambda x, y: 0.5)
-        for name, height in (("strong", 0.2), ("weak", 0.1)):
+        draw = random.Random(20261122)
+        for name, height in (("strong", 0.2), ("weak", 0.1), ("twin", 0.2)):
             for frame in range(16):
-                self.write(f"{name}/f.{frame:02}.exr", lambda x, y: 0.5 + height * (frame % 4 == 0) + 0.001 * (frame % 3))
+                self.write(f"{name}/f.{frame:02}.exr",
+                           lambda x, y: 0.5 + height * (frame % 4 == 0) + 0.001 * (frame % 3) + draw.gauss(0, 1e-3))
         run = ("flicker", "-r", reference, self.folder / "strong", "-m", "a4_p95", "--mask", "all", "--json", "--versus")
         done = neph(*run, self.folder / "weak")
         self.assertEqual(done.returncode, 0, done.stderr)
         row, = json.loads(done.stdout)["versus"]
-        self.assertEqual((row["metric"], row["interval"], row["p"]), ("a4_p95", None, None))
+        self.assertEqual((row["metric"], row["interval_kind"], row["n"]), ("a4_p95", "bootstrap over tiles", 192))
+        self.assertLess(row["interval"][0], row["difference"])
+        self.assertLess(row["difference"], row["interval"][1])
+        self.assertLess(row["p_holm"], 1e-6)
         encoded = [1.055 * v ** (1 / 2.4) - 0.055 for v in (0.7, 0.6)]
-        self.assertAlmostEqual(row["difference"], (encoded[0] - encoded[1]) / 2, delta=1e-4)
+        self.assertAlmostEqual(row["difference"], (encoded[0] - encoded[1]) / 2, delta=2e-3)
+        row, = json.loads(neph(*run, self.folder / "twin").stdout)["versus"]
+        self.assertTrue(row["interval"][0] < 0 < row["interval"][1] and row["p"] > 0.01, row)
+        text = neph("compare", reference, self.folder / "strong", "-m", "mae", "--versus", self.folder / "weak").stdout
+        self.assertIn("no p-value for 1 numbers: 16 frames are too few: intervals and p-values of a mean need 64", text)
+        text = neph("compare", reference, self.folder / "strong/f.04.exr", "-m", "mae", "--versus", self.folder / "weak/f.04.exr").stdout
+        self.assertNotIn("no p-value", text)
         lost = neph(*run, self.folder / "nowhere")
         self.assertEqual((lost.returncode, lost.stdout), (66, ""), lost.stderr)
 
