@@ -101,6 +101,10 @@ static enum neph_status parse_choice(const struct neph_option *option, const cha
 static enum neph_status parse_number(const struct neph_option *option, const char *text,
                                      double *value, struct neph_diag *diag)
 {
+    if (isnan(option->default_value) && strcmp(text, "auto") == 0) {
+        *value = NAN;
+        return NEPH_OK;
+    }
     const bool integer = option->kind == NEPH_OPTION_INTEGER;
     char *end;
     errno = 0;
@@ -184,8 +188,8 @@ enum neph_status neph_options_preset(const struct neph_option *options, const ch
 /* The shortest text that reads back as the same double. */
 static void print_number(char text[32], double value)
 {
-    snprintf(text, 32, "%.15g", value);
-    if (strtod(text, NULL) != value)
+    snprintf(text, 32, isnan(value) ? "auto" : "%.15g", value);
+    if (!isnan(value) && strtod(text, NULL) != value)
         snprintf(text, 32, "%.17g", value);
 }
 

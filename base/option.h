@@ -20,7 +20,8 @@ enum neph_option_kind {
 struct neph_option {
     const char *name;
     enum neph_option_kind kind;
-    double default_value;       /* CHOICE: index into choices */
+    double default_value;       /* CHOICE: index into choices; REAL: NAN: "auto", whoever has the
+                                   option chooses when the value is NAN */
     double minimum, maximum;    /* INTEGER and REAL */
     const char *const *choices; /* CHOICE: NULL-terminated */
     const char *help;           /* one line, with the unit */

@@ -6,6 +6,7 @@
 #include "base/text.h"
 
 #include <errno.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -106,7 +107,9 @@ json_t *neph_cli_options_json(const struct neph_option *options)
             neph_json_set(&item, "choices", choices);
             neph_json_set(&item, "default", json_string(o->choices[(int)o->default_value]));
         } else {
-            neph_json_set(&item, "default", json_real(o->default_value));
+            neph_json_set(&item, "default",
+                          isnan(o->default_value) ? json_string("auto")
+                                                  : json_real(o->default_value));
             neph_json_set(&item, "minimum", json_real(o->minimum));
             neph_json_set(&item, "maximum", json_real(o->maximum));
         }
@@ -128,8 +131,8 @@ void neph_cli_print_options(const struct neph_option *options)
                 printf(" %s%s", o->choices[i], i == (int)o->default_value ? " (default)" : "");
             printf("\n");
         } else {
-            printf("    %-*s %g..%g, default %g\n", width, "", o->minimum, o->maximum,
-                   o->default_value);
+            printf("    %-*s %g..%g, default ", width, "", o->minimum, o->maximum);
+            printf(isnan(o->default_value) ? "auto\n" : "%g\n", o->default_value);
         }
     }
 }

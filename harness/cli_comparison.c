@@ -442,6 +442,45 @@ static enum neph_status add_versus(const struct neph_cli_comparison *asked,
     return status;
 }
 
+static bool has_numbers_of(const json_t *measurements, const struct neph_extractor *extractor)
+{
+    for (size_t i = 0; i < json_array_size(measurements); i++) {
+        const struct neph_extractor *owner = NULL;
+        neph_metric_find(neph_json_text(json_array_get(measurements, i), "metric"), &owner);
+        if (owner == extractor)
+            return true;
+    }
+    return false;
+}
+
+/* What was asked for by name and gave nothing is not passed over. */
+static enum neph_status check_taken(const char *word, const json_t *measurements,
+                                    const json_t *not_taken, struct neph_diag *diag)
+{
+    const struct neph_extractor *extractor = neph_extractor_find(word);
+    if (!extractor)
+        neph_metric_find(word, &extractor);
+    if (!extractor || has_numbers_of(measurements, extractor)) /* "all" is none */
+        return NEPH_OK;
+    const char *because = "the images have nothing that it is taken of";
+    for (size_t i = 0; i < json_array_size(not_taken); i++)
+        if (strcmp(neph_json_text(json_array_get(not_taken, i), "extractor"), extractor->name) == 0)
+            because = neph_json_text(json_array_get(not_taken, i), "because");
+    return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "%s was not measured: %s", word, because);
+}
+
+static enum neph_status check_all_taken(const struct neph_cli_comparison *asked,
+                                        const json_t *measurements, const json_t *not_taken,
+                                        struct neph_diag *diag)
+{
+    enum neph_status status = NEPH_OK;
+    if (asked->metric_count == 0 && asked->purpose)
+        status = check_taken(asked->purpose, measurements, not_taken, diag);
+    for (int i = 0; i < asked->metric_count && !status; i++)
+        status = check_taken(asked->metrics[i], measurements, not_taken, diag);
+    return status;
+}
+
 enum neph_status neph_cli_comparison_run(const struct neph_cli_comparison *asked,
                                          const struct neph_comparison *comparison,
                                          struct neph_diag *diag)
@@ -468,6 +507,8 @@ enum neph_status neph_cli_comparison_run(const struct neph_cli_comparison *asked
     json_t *all = json_copy(json_object_get(document, "measurements"));
     const enum neph_status printed = print_all(asked, document, status ? NULL : diag);
     status = status ? status : printed;
+    if (!status)
+        status = check_all_taken(asked, all, json_object_get(document, "not_taken"), diag);
     for (int i = 0; i < asked->limit_count && !status; i++)
         status = neph_limit_check(all, &limits[i], diag);
     json_decref(all);

@@ -18,6 +18,7 @@ struct neph_cli_limit {
 };
 
 struct neph_cli_comparison {
+    const char *purpose; /* the extractor that the verb is there for, when none is named; or NULL */
     const char *metrics[NEPH_CHOICES_MAX];
     const char *settings[NEPH_CHOICES_MAX];
     struct neph_cli_limit limits[NEPH_CLI_LIMITS_MAX];

@@ -70,7 +70,7 @@ static const struct argp argp = {
         "Each is " NEPH_SEQUENCE_HELP ". Frames are counted from the first after --warm-up; only "
         "whole cycles of four are measured, and 128 frames make good intervals. Flicker without "
         "the half-life beside it says little: a picture that never changes does not flicker. "
-        "Exit code 1 when frames are frozen.\n\n"
+        "Exit code 1 when frames are frozen, 2 when they are too few.\n\n"
         "Examples:\n"
         "  neph flicker --reference still.exr 'taa/frame.*.exr' --warm-up 44\n"
         "  neph flicker --reference 'full/*.exr' 'fast/*.exr' --mask depth_edge --maps out\n"
@@ -113,7 +113,7 @@ static enum neph_status split(struct request *request, struct neph_comparison *c
 
 enum neph_status neph_cli_flicker(int argc, char **argv, struct neph_diag *diag)
 {
-    struct request request = {.references = {0}};
+    struct request request = {.shared = {.purpose = "flicker"}};
     argp_parse(&argp, argc, argv, 0, NULL, &request);
     struct neph_comparison comparison = {.choice_count = 0};
     enum neph_status status = neph_cli_comparison_prepare(&request.shared, true, &comparison, diag);

@@ -36,10 +36,10 @@ enum option_index { OPTION_TONE, OPTION_START, OPTION_STOP, OPTION_COUNT };
 static const struct neph_option options[] = {
     [OPTION_TONE] = {"tone", NEPH_OPTION_CHOICE, NEPH_FLIP_ACES, 0.0, 0.0, neph_flip_tones,
                      "tone curve at each exposure; none: a clamp alone"},
-    [OPTION_START] = {"start_ev", NEPH_OPTION_REAL, 0.0, -200.0, 200.0, NULL,
-                      "first exposure [EV]; as stop_ev, both 0: by the published rule"},
-    [OPTION_STOP] = {"stop_ev", NEPH_OPTION_REAL, 0.0, -200.0, 200.0, NULL,
-                     "last exposure [EV], above start_ev"},
+    [OPTION_START] = {"start_ev", NEPH_OPTION_REAL, NAN, -200.0, 200.0, NULL,
+                      "first exposure [EV]; auto, as for the last: by the published rule"},
+    [OPTION_STOP] = {"stop_ev", NEPH_OPTION_REAL, NAN, -200.0, 200.0, NULL,
+                     "last exposure [EV], above the first"},
     [OPTION_COUNT] = {"exposures", NEPH_OPTION_INTEGER, 0.0, 0.0, 256.0, NULL,
                       "how many, evenly from first to last; 0: max(2, ceil(stop - start))"},
     {0},
@@ -52,7 +52,7 @@ static const double anchor = 0.85;
 
 static bool is_given(const struct neph_settings *settings)
 {
-    return settings->values[OPTION_START] != 0.0 || settings->values[OPTION_STOP] != 0.0;
+    return !isnan(settings->values[OPTION_START]) && !isnan(settings->values[OPTION_STOP]);
 }
 
 static double luminance_at(const struct neph_frame_pair *pair, size_t i)
@@ -161,13 +161,20 @@ static enum neph_status choose_exposures(const struct neph_frame_pair *pair,
                                          const struct neph_settings *settings,
                                          struct exposures *range, struct neph_diag *diag)
 {
-    range->start_ev = settings->values[OPTION_START];
-    range->stop_ev = settings->values[OPTION_STOP];
     if (!is_given(settings)) {
         enum neph_status status = range_by_rule(pair, tone, range, diag);
         if (status)
             return status;
     }
+    const double start_ev = settings->values[OPTION_START], stop_ev = settings->values[OPTION_STOP];
+    range->start_ev = isnan(start_ev) ? range->start_ev : start_ev;
+    range->stop_ev = isnan(stop_ev) ? range->stop_ev : stop_ev;
+    if (!is_given(settings) && range->start_ev > range->stop_ev)
+        return neph_fail(
+            diag, NEPH_ERR_INPUT,
+            "hdr_flip: the exposures go from %g EV down to %g EV, one of which is by the "
+            "published rule: give both",
+            range->start_ev, range->stop_ev);
     range->count = (int)settings->values[OPTION_COUNT];
     if (range->count == 0)
         range->count = (int)fmax(2.0, ceil(range->stop_ev - range->start_ev));

@@ -65,6 +65,9 @@ class Metrics(unittest.TestCase):
             rows = list(csv.DictReader(file))
         row = next(row for row in rows if row["metric"] == "rmse")
         self.assertEqual((float(row["value"]), int(row["pixel_count"])), (0.125, WIDTH * HEIGHT))
+        text = neph("compare", reference, test, "--csv", "-", "--metric", "error").stdout
+        self.assertEqual(text, (self.folder / "out.csv").read_text())
+        self.assertEqual(neph("compare", reference, test, "--csv", "-", "--json").returncode, 64)
         maps = {path.name for path in (self.folder / "maps").iterdir()}
         self.assertLessEqual({"difference_radiance.exr", "difference_radiance.png"}, maps)
 
@@ -200,7 +203,7 @@ class Metrics(unittest.TestCase):
             self.write(f"stuck/f.{frame}.exr", lambda x, y: 0.5 + 0.001 * frame)
             self.write(f"prompt/f.{frame}.exr", lambda x, y: 0.5 + 0.5 * (frame >= 4) + 0.001 * (frame % 2))
         for test, code in (("stuck", 1), ("prompt", 0)):
-            done = neph("flicker", "-r", self.folder / "lights", self.folder / test, "-s", "lag.step_frame=4",
+            done = neph("flicker", "-r", self.folder / "lights", self.folder / test, "-m", "lag", "-s", "lag.step_frame=4",
                         "--fail-above", "half_life_p50=20")
             self.assertEqual((done.returncode, "at least 4" in done.stderr), (code, code == 1), done.stderr)
 
@@ -416,8 +419,12 @@ class Metrics(unittest.TestCase):
             for first, name in ((0, "shots/b{}_v2.exr"), (0, "zero/f.{:04d}.exr"), (1, "one/s_{:04d}_v3.exr")):
                 self.write(name.format(frame + first), lambda x, y: 0.5 + 0.25 * (frame % 4 == 0) + 1e-4 * frame, width=8, height=8)
         shots, zero, one = (self.folder / name for name in ("shots", "zero", "one"))
-        self.assertEqual(neph("flicker", "-r", zero, shots, "--fail-above", "residual_change_rms=1e-9").returncode, 0)
-        for run in (("flicker", "-r", zero, one), ("compare", zero, one), ("compare", zero, shots, "--versus", one),
+        self.assertEqual(neph("flicker", "-r", zero, shots, "-m", "residual_change", "--fail-above", "residual_change_rms=1e-9").returncode, 0)
+        few = neph("flicker", "-r", zero, shots)
+        self.assertEqual((few.returncode, "flicker was not measured: flicker needs at least 16 frames" in few.stderr), (2, True), few.stderr)
+        self.assertIn("residual_change_rms", few.stdout)  # what can be said is said
+        self.assertEqual(neph("flicker", "-r", zero, shots, "-m", "mae", "-m", "motion").returncode, 2)
+        for run in (("flicker", "-r", zero, one, "-m", "residual_change"), ("compare", zero, one), ("compare", zero, shots, "--versus", one),
                     ("compare", zero, shots, "--second-reference", one)):
             done = neph(*run, "-q")
             self.assertEqual((done.returncode, done.stdout), (65, ""), (run, done.stderr))

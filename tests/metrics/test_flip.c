@@ -551,6 +551,8 @@ static void test_hdr_obstacles(void **state)
     assert_non_null(strstr(extractor->obstacle(&pair, &settings), "no positive luminance"));
     neph_assert_ok(neph_options_set(extractor->options, "x", "start_ev=2", &settings, &diag),
                    &diag);
+    assert_non_null(strstr(extractor->obstacle(&pair, &settings), "no positive luminance"));
+    neph_assert_ok(neph_options_set(extractor->options, "x", "stop_ev=0", &settings, &diag), &diag);
     assert_non_null(strstr(extractor->obstacle(&pair, &settings), "not below stop_ev"));
     neph_assert_ok(neph_options_set(extractor->options, "x", "stop_ev=5", &settings, &diag), &diag);
     assert_null(extractor->obstacle(&pair, &settings));
@@ -590,6 +592,48 @@ static void test_exposures_are_frozen(void **state)
         free_images(&pairs[i]);
     free_pictures(&first);
     free_pictures(&second);
+}
+
+/* An exposure that is not given is that of the rule; 0 EV is given too. */
+static void test_one_exposure_is_enough(void **state)
+{
+    (void)state;
+    struct pictures pictures = draw(bright, 20, 12, 81);
+    const struct neph_viewing viewing = NEPH_VIEWING_DEFAULTS;
+    struct neph_frame_pair pair = pair_of(&pictures, 0, &viewing);
+    struct extraction rule = extraction_begin(&neph_extractor_hdr_flip, &pair, NULL);
+    const double start_ev = extraction_scalar(&rule, "hdr_flip_start_ev");
+    const double stop_ev = extraction_scalar(&rule, "hdr_flip_stop_ev");
+    assert_true(start_ev < 0.0 && stop_ev > start_ev);
+    const struct {
+        const char *given[3];
+        double start_ev, stop_ev;
+    } cases[] = {
+        {{"stop_ev=7"}, start_ev, 7.0},
+        {{"start_ev=-20"}, -20.0, stop_ev},
+        {{"stop_ev=0", "start_ev=-3"}, -3.0, 0.0},
+        {{"stop_ev=9", "start_ev=0"}, 0.0, 9.0},
+        {{"stop_ev=9", "stop_ev=auto"}, start_ev, stop_ev},
+    };
+    for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+        struct extraction run = extraction_begin(&neph_extractor_hdr_flip, &pair, cases[i].given);
+        assert_true(extraction_scalar(&run, "hdr_flip_start_ev") == cases[i].start_ev);
+        assert_true(extraction_scalar(&run, "hdr_flip_stop_ev") == cases[i].stop_ev);
+        extraction_end(&run);
+    }
+    struct neph_settings settings = neph_options_default(neph_extractor_hdr_flip.options);
+    struct neph_diag diag = {0};
+    neph_assert_ok(
+        neph_options_set(neph_extractor_hdr_flip.options, "x", "start_ev=100", &settings, &diag),
+        &diag);
+    void *opaque = calloc(1, neph_extractor_hdr_flip.state_size);
+    assert_int_equal(neph_extractor_hdr_flip.init(opaque, &pair, &settings, &diag), NEPH_ERR_INPUT);
+    assert_non_null(strstr(diag.message, "from 100 EV down to"));
+    neph_extractor_hdr_flip.close(opaque);
+    free(opaque);
+    extraction_end(&rule);
+    free_images(&pair);
+    free_pictures(&pictures);
 }
 
 /* The exposures are the reference's, so reference and test cannot change places; but the unit of
@@ -861,6 +905,7 @@ int main(void)
         cmocka_unit_test(test_median_of_zero_is_no_agreement),
         cmocka_unit_test(test_hdr_obstacles),
         cmocka_unit_test(test_exposures_are_frozen),
+        cmocka_unit_test(test_one_exposure_is_enough),
         cmocka_unit_test(test_hdr_symmetries),
         cmocka_unit_test(test_alternation),
         cmocka_unit_test(test_a_short_sequence_is_an_obstacle),
