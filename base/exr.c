@@ -7,16 +7,15 @@
 #include "base/exr.h"
 
 #include "base/files.h"
+#include "base/text.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <limits.h>
 #include <math.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <openexr.h>
@@ -364,17 +363,9 @@ static enum neph_status check_prefix(const char *path, struct stream *stream,
 
 static enum neph_status open_stream(const char *path, struct stream *stream, struct neph_diag *diag)
 {
-    *stream = (struct stream){.fd = open(path, O_RDONLY | O_CLOEXEC)};
-    if (stream->fd < 0)
-        return neph_fail(diag, errno == ENOENT ? NEPH_ERR_NOT_FOUND : NEPH_ERR_IO,
-                         "cannot read '%s': %s", path, strerror(errno));
-    struct stat info;
-    if (fstat(stream->fd, &info) != 0)
-        return neph_fail(diag, NEPH_ERR_IO, "cannot read '%s': %s", path, strerror(errno));
-    if (!S_ISREG(info.st_mode))
-        return neph_fail(diag, NEPH_ERR_IO, "cannot read '%s': not a regular file", path);
-    stream->size_bytes = (uint64_t)info.st_size;
-    return check_prefix(path, stream, diag);
+    *stream = (struct stream){.fd = -1};
+    const enum neph_status status = neph_file_open(path, &stream->fd, &stream->size_bytes, diag);
+    return status ? status : check_prefix(path, stream, diag);
 }
 
 /* What the header says about the pixels. */
@@ -499,8 +490,12 @@ static enum neph_status add_channels(struct neph_image *image, const struct layo
                                      struct neph_diag *diag)
 {
     enum neph_status status = NEPH_OK;
-    for (int i = 0; i < layout->channels->num_channels && !status; i++)
-        status = neph_image_add_channel(image, layout->channels->entries[i].name.str, NULL, diag);
+    for (int i = 0; i < layout->channels->num_channels && !status; i++) {
+        /* Names are shown, in JSON too; what is in them is for whoever wrote the file to choose. */
+        char *name = neph_text_clean_copy(layout->channels->entries[i].name.str);
+        status = name ? neph_image_add_channel(image, name, NULL, diag) : neph_fail_memory(diag);
+        free(name);
+    }
     return status;
 }
 

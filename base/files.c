@@ -14,6 +14,7 @@
 #include <string.h>
 #include <sys/random.h>
 #include <sys/stat.h>
+#include <sys/statvfs.h>
 #include <unistd.h>
 
 enum {
@@ -60,7 +61,7 @@ static bool write_all(int fd, const void *data, size_t size)
 
 /* ---- reading --------------------------------------------------------------------------------- */
 
-/* Read to the end and not by st_size, which is 0 for pipes and /proc. */
+/* Read to the end and not by st_size, which is 0 in /proc. */
 static enum neph_status read_to_end(int fd, const char *path, size_t limit_bytes, char **data,
                                     size_t *size, struct neph_diag *diag)
 {
@@ -103,13 +104,51 @@ static enum neph_status read_to_end(int fd, const char *path, size_t limit_bytes
     return NEPH_OK;
 }
 
+static enum neph_status refuse_kind(const char *path, mode_t mode, struct neph_diag *diag)
+{
+    if (S_ISDIR(mode)) {
+        errno = EISDIR;
+        return fail_read(path, diag);
+    }
+    neph_fail(diag, NEPH_ERR_INPUT, "cannot read '%s': %s is not a regular file", path,
+              S_ISFIFO(mode)   ? "a pipe"
+              : S_ISSOCK(mode) ? "a socket"
+                               : "a device");
+    neph_hint(diag, "write it to a file first");
+    return NEPH_ERR_INPUT;
+}
+
+enum neph_status neph_file_open(const char *path, int *fd, uint64_t *size_bytes,
+                                struct neph_diag *diag)
+{
+    /* O_NONBLOCK: a pipe that nobody writes to must be refused and not waited for. */
+    const int opened = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
+    struct stat info;
+    if (opened < 0)
+        return fail_read(path, diag);
+    enum neph_status status = NEPH_OK;
+    if (fstat(opened, &info) != 0)
+        status = fail_read(path, diag);
+    else if (!S_ISREG(info.st_mode))
+        status = refuse_kind(path, info.st_mode, diag);
+    if (status) {
+        close(opened);
+        return status;
+    }
+    if (size_bytes)
+        *size_bytes = (uint64_t)info.st_size;
+    *fd = opened;
+    return NEPH_OK;
+}
+
 enum neph_status neph_file_read(const char *path, size_t limit_bytes, char **data, size_t *size,
                                 struct neph_diag *diag)
 {
-    int fd = open(path, O_RDONLY | O_CLOEXEC);
-    if (fd < 0)
-        return fail_read(path, diag);
-    enum neph_status status = read_to_end(fd, path, limit_bytes, data, size, diag);
+    int fd;
+    enum neph_status status = neph_file_open(path, &fd, NULL, diag);
+    if (status)
+        return status;
+    status = read_to_end(fd, path, limit_bytes, data, size, diag);
     close(fd);
     return status;
 }
@@ -289,11 +328,12 @@ static enum neph_status copy_bytes(int from_fd, const char *from, int to_fd, con
 
 enum neph_status neph_file_copy(const char *from, const char *to, struct neph_diag *diag)
 {
-    int from_fd = open(from, O_RDONLY | O_CLOEXEC);
-    if (from_fd < 0)
-        return fail_read(from, diag);
+    int from_fd;
+    enum neph_status status = neph_file_open(from, &from_fd, NULL, diag);
+    if (status)
+        return status;
     struct temporary file;
-    enum neph_status status = temporary_open(&file, to, diag);
+    status = temporary_open(&file, to, diag);
     if (!status)
         status = copy_bytes(from_fd, from, file.fd, to, diag);
     if (!status)
@@ -383,6 +423,16 @@ enum neph_status neph_dir_remove(const char *path, struct neph_diag *diag)
     if (!remove_at(AT_FDCWD, path))
         return neph_fail(diag, NEPH_ERR_IO, "cannot remove '%s': %s", path, strerror(errno));
     return NEPH_OK;
+}
+
+bool neph_disk_is_full(const char *folder)
+{
+    static const uint64_t room_bytes = 1 << 16; /* what failed was larger than what is left */
+    struct statvfs info;
+    if (statvfs(folder, &info) != 0 || info.f_blocks == 0)
+        return false;
+    return (uint64_t)info.f_bavail * info.f_frsize < room_bytes ||
+           (info.f_files > 0 && info.f_favail == 0);
 }
 
 /* ---- paths ----------------------------------------------------------------------------------- */

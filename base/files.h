@@ -9,10 +9,17 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
-/* Read a whole file (or pipe) of at most `limit_bytes`. `*data` is NUL-terminated (the NUL is not
- * counted in `*size`) and freed by the caller with free(). NEPH_ERR_NOT_FOUND: no such file.
- * NEPH_ERR_INPUT: larger than the limit. NEPH_ERR_IO: anything else. */
+/* Open a regular file for reading; never waits. `*fd` is for close(), `*size_bytes` may be NULL.
+ * NEPH_ERR_NOT_FOUND: no such file. NEPH_ERR_INPUT: a pipe, a device or the like, which could be
+ * waited for for ever and not be read twice. NEPH_ERR_IO: a folder, or anything else. */
+enum neph_status neph_file_open(const char *path, int *fd, uint64_t *size_bytes,
+                                struct neph_diag *diag);
+
+/* Read a whole file of at most `limit_bytes`. `*data` is NUL-terminated (the NUL is not
+ * counted in `*size`) and freed by the caller with free(). Errors as of neph_file_open();
+ * NEPH_ERR_INPUT also when it is larger than the limit. */
 enum neph_status neph_file_read(const char *path, size_t limit_bytes, char **data, size_t *size,
                                 struct neph_diag *diag);
 
@@ -49,6 +56,10 @@ enum neph_status neph_dir_create(const char *path, struct neph_diag *diag);
 /* rm -rf, without following symbolic links. A path that is not there is fine. Paths of dots and
  * slashes alone ("", "/", "..") are refused: NEPH_ERR_INTERNAL. */
 enum neph_status neph_dir_remove(const char *path, struct neph_diag *diag);
+
+/* Is there no room left on the file system of `folder`, for somebody who is not root? False also
+ * when that cannot be told. */
+bool neph_disk_is_full(const char *folder);
 
 /* Both follow symbolic links. */
 bool neph_path_exists(const char *path);

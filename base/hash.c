@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 #include "base/hash.h"
 
+#include "base/files.h"
+
 #include <errno.h>
-#include <fcntl.h>
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
@@ -66,12 +67,9 @@ enum neph_status neph_hash_file(const char *path, char hex[NEPH_HASH_HEX_SIZE],
         status = neph_fail_memory(diag);
         goto done;
     }
-    fd = open(path, O_RDONLY | O_CLOEXEC);
-    if (fd < 0) {
-        status = neph_fail(diag, errno == ENOENT ? NEPH_ERR_NOT_FOUND : NEPH_ERR_IO,
-                           "cannot read '%s': %s", path, strerror(errno));
+    status = neph_file_open(path, &fd, NULL, diag);
+    if (status)
         goto done;
-    }
     crypto_generichash_state state;
     crypto_generichash_init(&state, NULL, 0, DIGEST_BYTES);
     if (!absorb_file(&state, fd, buffer)) {

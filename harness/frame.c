@@ -2,11 +2,11 @@
 #include "harness/frame.h"
 
 #include "base/exr.h"
+#include "base/files.h"
 #include "base/png.h"
 #include "metrics/validity.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -25,14 +25,15 @@ static enum neph_status find_format(const char *path, const struct format **form
                                     struct neph_diag *diag)
 {
     unsigned char magic[4] = {0};
-    const int fd = open(path, O_RDONLY | O_CLOEXEC);
-    const ssize_t got = fd < 0 ? -1 : pread(fd, magic, sizeof(magic), 0);
+    int fd;
+    const enum neph_status status = neph_file_open(path, &fd, NULL, diag);
+    if (status)
+        return status;
+    const ssize_t got = pread(fd, magic, sizeof(magic), 0);
     const int error = errno;
-    if (fd >= 0)
-        close(fd);
+    close(fd);
     if (got < 0)
-        return neph_fail(diag, error == ENOENT ? NEPH_ERR_NOT_FOUND : NEPH_ERR_IO,
-                         "cannot read '%s': %s", path, strerror(error));
+        return neph_fail(diag, NEPH_ERR_IO, "cannot read '%s': %s", path, strerror(error));
     for (size_t i = 0; i < sizeof(formats) / sizeof(formats[0]); i++)
         if (memcmp(magic, formats[i].magic, sizeof(magic)) == 0) {
             *format = &formats[i];

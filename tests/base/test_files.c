@@ -57,7 +57,7 @@ static void test_limit_holds_for_what_has_no_size(void **state)
     (void)state;
     char *data = NULL;
     size_t size = 0;
-    assert_int_equal(neph_file_read("/dev/zero", 100000, &data, &size, NULL), NEPH_ERR_INPUT);
+    assert_int_equal(neph_file_read("/proc/self/status", 100, &data, &size, NULL), NEPH_ERR_INPUT);
     neph_assert_ok(neph_file_read("/proc/self/status", 100000, &data, &size, NULL), NULL);
     assert_true(size > 0);
     assert_non_null(strstr(data, "VmHWM"));
@@ -248,6 +248,32 @@ static void test_paths(void **state)
     free(text);
 }
 
+/* None of them may be waited for; a test that hangs is ended by ctest. */
+static void test_what_is_no_regular_file_is_refused_at_once(void **state)
+{
+    char fifo[SCRATCH_PATH_MAX], copy[SCRATCH_PATH_MAX];
+    assert_int_equal(mkfifo(scratch_path(state, fifo, "fifo"), 0600), 0);
+    scratch_path(state, copy, "copy");
+    const char *const paths[] = {fifo, "/dev/zero", "/dev/null", "/dev/tty"};
+    for (size_t i = 0; i < sizeof(paths) / sizeof(paths[0]); i++) {
+        char *data = NULL;
+        size_t size = 0;
+        int fd = -1;
+        struct neph_diag diag = {0};
+        if (strcmp(paths[i], "/dev/tty") == 0 && access(paths[i], R_OK) != 0)
+            continue;
+        const enum neph_status status = neph_file_open(paths[i], &fd, NULL, &diag);
+        if (status == NEPH_ERR_IO && strcmp(paths[i], "/dev/tty") == 0)
+            continue; /* there is no terminal here */
+        assert_int_equal(status, NEPH_ERR_INPUT);
+        assert_int_equal(fd, -1);
+        assert_non_null(strstr(diag.message, i == 0 ? "a pipe is not a regular file"
+                                                    : "a device is not a regular file"));
+        assert_int_equal(neph_file_read(paths[i], 10, &data, &size, NULL), NEPH_ERR_INPUT);
+        assert_int_equal(neph_file_copy(paths[i], copy, NULL), NEPH_ERR_INPUT);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -255,6 +281,7 @@ int main(void)
         scratch_test(test_limit_is_inclusive),
         cmocka_unit_test(test_limit_holds_for_what_has_no_size),
         scratch_test(test_missing_and_unreadable),
+        scratch_test(test_what_is_no_regular_file_is_refused_at_once),
         scratch_test(test_replacing_is_atomic),
         scratch_test(test_failed_write_leaves_nothing),
         scratch_test(test_mode_follows_umask),
