@@ -46,6 +46,8 @@ void neph_interrupt_install(void)
         install(SIGINT);
     /* An ignored SIGCHLD, which exec inherits, would throw away the exit codes of our children. */
     signal(SIGCHLD, SIG_DFL);
+    /* A file that reaches `ulimit -f` is an error of write(), with words, and not a sudden end. */
+    signal(SIGXFSZ, SIG_IGN);
 }
 
 bool neph_interrupted(void)

@@ -10,7 +10,8 @@
 
 /* Install the handlers. Call once, from main, before any thread or child. A second Ctrl-C ends the
  * program at once. A SIGINT that was ignored at the start (`neph &` in a script) stays ignored.
- * Also undoes an inherited SIG_IGN of SIGCHLD, which would lose the exit codes of children. */
+ * Also undoes an inherited SIG_IGN of SIGCHLD, which would lose the exit codes of children, and
+ * ignores SIGXFSZ, so that a file that may not grow fails to be written (EFBIG). */
 void neph_interrupt_install(void);
 
 /* True once a signal has come that was not acknowledged. */

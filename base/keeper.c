@@ -76,6 +76,7 @@ static void restore_signals(void)
     sigaction(SIGINT, &standard, NULL);
     sigaction(SIGTERM, &standard, NULL);
     sigaction(SIGPIPE, &standard, NULL);
+    sigaction(SIGXFSZ, &standard, NULL);
     sigset_t none;
     sigemptyset(&none);
     sigprocmask(SIG_SETMASK, &none, NULL);

@@ -339,12 +339,14 @@ static void test_child_starts_clean(void **state)
     sigaddset(&blocked, SIGUSR1);
     sigprocmask(SIG_BLOCK, &blocked, &before);
     void (*sigpipe)(int) = signal(SIGPIPE, SIG_IGN);
+    void (*sigxfsz)(int) = signal(SIGXFSZ, SIG_IGN);
     struct neph_diag diag = {0};
     enum neph_status status = run_shell("test ! -e /proc/self/fd/77 || echo file;"
                                         "grep SigBlk /proc/self/status | tr -d '\\t';"
                                         "grep SigIgn /proc/self/status | tr -d '\\t';"
                                         "readlink /proc/self/fd/0",
                                         log, 0.0, NULL, &diag);
+    signal(SIGXFSZ, sigxfsz);
     signal(SIGPIPE, sigpipe);
     sigprocmask(SIG_SETMASK, &before, NULL);
     close(leaked_fd);
