@@ -152,7 +152,7 @@ static enum neph_status build_volume(const struct neph_raw_volume *raw, const ch
     char *path = NULL;
     enum neph_status status = resolve_file(raw->file, scene_path, &path, diag);
     if (!status)
-        status = neph_volume_read(path, raw->grid, limit_bytes, &medium->grid, diag);
+        status = neph_volume_read(path, raw->file, raw->grid, limit_bytes, &medium->grid, diag);
     free(path);
     return status ? status : place_volume(medium->grid, raw, diag);
 }

@@ -2,6 +2,7 @@
  *
  * What ties the values of a scene file to each other.
  */
+#include "base/text.h"
 #include "scenes/build.h"
 #include "scenes/check.h"
 #include "scenes/media.h"
@@ -63,10 +64,9 @@ static bool is_identifier(const char *text)
 
 static bool has_control(const char *text, const char *except)
 {
-    for (; *text; text++)
-        if (((unsigned char)*text < 0x20 || *text == 0x7f) && !strchr(except, *text))
-            return true;
-    return false;
+    const size_t length = strlen(text);
+    const bool has_line = strchr(text, '\n') && !strchr(except, '\n');
+    return has_line || strchr(text, '\t') || neph_text_first_unfit(text, length) < length;
 }
 
 static enum neph_status check_names(const struct rules *rules, const struct neph_raw_scene *raw,

@@ -33,29 +33,34 @@ static const struct format formats[] = {
 };
 enum { FORMAT_COUNT = sizeof(formats) / sizeof(formats[0]) };
 
-/* NULL, and the words in `diag`, when the extension is unknown. */
-static const struct format *find_format(const char *path, struct neph_diag *diag)
+/* NULL when the extension is unknown. */
+static const struct format *find_format(const char *path)
 {
     const char *name = strrchr(path, '/');
     const char *extension = strrchr(name ? name : path, '.');
     for (int i = 0; extension && i < FORMAT_COUNT; i++)
         if (strcasecmp(extension, formats[i].extension) == 0)
             return &formats[i];
-    neph_fail(diag, NEPH_ERR_INPUT, "'%s' is no volume file that neph knows", path);
-    neph_hint(diag, "its name must end in .vdb or .df3");
     return NULL;
+}
+
+static enum neph_status refuse_format(const char *shown, struct neph_diag *diag)
+{
+    neph_fail(diag, NEPH_ERR_INPUT, "'%s' is no volume file that neph knows", shown);
+    neph_hint(diag, "its name must end in .vdb or .df3");
+    return NEPH_ERR_INPUT;
 }
 
 bool neph_volume_has_known_extension(const char *path)
 {
-    return find_format(path, NULL) != NULL;
+    return find_format(path) != NULL;
 }
 
 enum neph_status neph_volume_write(const char *path, const struct neph_grid *grid,
                                    struct neph_diag *diag)
 {
-    const struct format *format = find_format(path, diag);
-    return format ? format->write(path, grid, diag) : NEPH_ERR_INPUT;
+    const struct format *format = find_format(path);
+    return format ? format->write(path, grid, diag) : refuse_format(path, diag);
 }
 
 enum neph_status neph_volume_check_size(const struct neph_volume_request *request,
@@ -113,13 +118,13 @@ static enum neph_status read_and_seal(neph_volume_reader *read,
     return status;
 }
 
-enum neph_status neph_volume_read(const char *path, const char *grid_name,
+enum neph_status neph_volume_read(const char *path, const char *shown, const char *grid_name,
                                   size_t memory_limit_bytes, struct neph_grid **grid,
                                   struct neph_diag *diag)
 {
-    const struct format *format = find_format(path, diag);
+    const struct format *format = find_format(path);
     if (!format)
-        return NEPH_ERR_INPUT;
+        return refuse_format(shown, diag);
     struct neph_volume_request request = {path, grid_name, memory_limit_bytes, 0};
     struct neph_diag inner = {.line = 0};
     FILE *file = NULL;
@@ -129,7 +134,7 @@ enum neph_status neph_volume_read(const char *path, const char *grid_name,
     if (file)
         fclose(file);
     if (status) {
-        neph_fail(diag, status, "cannot read the volume '%s': %s", path, inner.message);
+        neph_fail(diag, status, "cannot read the volume '%s': %s", shown, inner.message);
         if (inner.hint[0])
             neph_hint(diag, "%s", inner.hint);
     }

@@ -13,11 +13,13 @@
  * file's transform; a .df3 fills the unit cube: node i at (i + 0.5) / size). The grid covers the
  * active voxels of a .vdb. `grid_name` is for .vdb alone; NULL: the only grid, or "density".
  *
- * Every error names the file and what is wrong with it: not readable, truncated, says it is larger
- * than it is, no such grid (lists those there are), not a float or half grid, rotated or sheared,
- * NaN, infinite or negative values, larger than `memory_limit_bytes` of float nodes
- * (NEPH_ERR_INPUT). Memory stays below the limit plus the tree of the file. */
-enum neph_status neph_volume_read(const char *path, const char *grid_name,
+ * `shown` is what messages call the file: as the user wrote it, since `path` may hold more than
+ * that (the value of an environment variable). Every error names the file so, and what is wrong
+ * with it: not readable, truncated, says it is larger than it is, no such grid (lists those there
+ * are), not a float or half grid, rotated or sheared, NaN, infinite or negative values, larger than
+ * `memory_limit_bytes` of float nodes (NEPH_ERR_INPUT). Memory stays below the limit plus the tree
+ * of the file. */
+enum neph_status neph_volume_read(const char *path, const char *shown, const char *grid_name,
                                   size_t memory_limit_bytes, struct neph_grid **grid,
                                   struct neph_diag *diag);
 

@@ -105,7 +105,7 @@ static void test_voxels(void **state)
 static enum neph_status copy_volume(void *context, struct neph_diag *diag)
 {
     struct neph_grid *grid = NULL;
-    enum neph_status status = neph_volume_read(context, NULL, 1 << 20, &grid, diag);
+    enum neph_status status = neph_volume_read(context, context, NULL, 1 << 20, &grid, diag);
     if (!status)
         status = neph_volume_write(context, grid, diag);
     neph_grid_destroy(grid);

@@ -63,6 +63,9 @@ static const struct bad {
     const char *words; /* must be in the message or the hint */
 } bad[] = {
     {"extinction_per_m: 0.5", "extinction_per_m: -0.5", 9, "-0.5"},
+    {"title: a probe", "title: \"a\\x9b2J\"", 2, "control"},
+    {"title: a probe", "title: \"a\\u202eb\"", 2, "control"},
+    {"title: a probe", "title: \"a\\tb\"", 2, "control"},
     {"extinction_per_m: 0.5", "extinction_per_m: nan", 9, "nan"},
     {"extinction_per_m: 0.5", "extinction_per_m: 1e999", 9, "1e999"},
     {"extinction_per_m: 0.5", "extinction_per_m: thick", 9, "thick"},
@@ -231,6 +234,24 @@ static enum neph_status load_volume(const char *file, struct neph_scene **scene,
     free(scene_path);
     neph_dir_remove(folder, NULL);
     return status;
+}
+
+/* The environment may hold more than its owner wants to see on a screen or in a log. */
+static void test_messages_never_show_what_the_environment_holds(void **state)
+{
+    (void)state;
+    static const char *const files[] = {"$NEPH_TEST_SECRET", "$NEPH_TEST_SECRET/none.df3",
+                                        "$NEPH_TEST_SECRET/none.vdb"};
+    setenv("NEPH_TEST_SECRET", "hunter2", 1);
+    for (size_t i = 0; i < sizeof(files) / sizeof(files[0]); i++) {
+        struct neph_scene *scene = NULL;
+        struct neph_diag diag = {.line = 0};
+        assert_int_not_equal(load_volume(files[i], &scene, &diag), NEPH_OK);
+        assert_null(strstr(diag.message, "hunter2"));
+        assert_null(strstr(diag.hint, "hunter2"));
+        assert_non_null(strstr(diag.message, files[i]));
+    }
+    unsetenv("NEPH_TEST_SECRET");
 }
 
 static void test_volumes_are_read_and_put_in_place(void **state)
@@ -475,6 +496,7 @@ int main(void)
         cmocka_unit_test(test_hash_of_old_scenes),
         cmocka_unit_test(test_unreal_layers_are_mapped),
         cmocka_unit_test(test_damaged_files_never_crash),
+        cmocka_unit_test(test_messages_never_show_what_the_environment_holds),
         cmocka_unit_test(test_all_scenes_load),
         cmocka_unit_test(test_camera_rays),
     };

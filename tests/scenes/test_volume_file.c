@@ -41,7 +41,7 @@ static struct neph_grid *read_grid(const char *path, const char *name)
 {
     struct neph_grid *grid = NULL;
     struct neph_diag diag = {0};
-    neph_assert_ok(neph_volume_read(path, name, LIMIT, &grid, &diag), &diag);
+    neph_assert_ok(neph_volume_read(path, path, name, LIMIT, &grid, &diag), &diag);
     return grid;
 }
 
@@ -50,7 +50,7 @@ static void assert_refused(const char *path, const char *name, size_t limit_byte
 {
     struct neph_grid *grid = NULL;
     struct neph_diag diag = {0};
-    const enum neph_status status = neph_volume_read(path, name, limit_bytes, &grid, &diag);
+    const enum neph_status status = neph_volume_read(path, path, name, limit_bytes, &grid, &diag);
     assert_null(grid);
     if (status == expected && strstr(diag.message, words) && strstr(diag.message, path))
         return;
@@ -229,7 +229,7 @@ static void test_refused_samples(void **state)
     /* 60 nodes of 4 bytes */
     assert_refused(scratch_path(state, path, "plain.vdb"), NULL, 239, NEPH_ERR_INPUT, "the limit");
     struct neph_grid *grid = NULL;
-    neph_assert_ok(neph_volume_read(path, NULL, 240, &grid, NULL), NULL);
+    neph_assert_ok(neph_volume_read(path, path, NULL, 240, &grid, NULL), NULL);
     neph_grid_destroy(grid);
 }
 
@@ -405,7 +405,7 @@ static void read_damaged(const char *path)
 {
     struct neph_grid *grid = NULL;
     struct neph_diag diag = {0};
-    const enum neph_status status = neph_volume_read(path, NULL, MIB, &grid, &diag);
+    const enum neph_status status = neph_volume_read(path, path, NULL, MIB, &grid, &diag);
     if (!status) {
         assert_true(sizeof(float) * (size_t)node_count(grid) <= MIB);
         for (int n = 0; n < node_count(grid); n++)
