@@ -5,11 +5,44 @@
 #include "base/image.h"
 #include "base/text.h"
 
+#include <argp.h>
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/types.h>
+
+static ssize_t write_clean(void *cookie, const char *bytes, size_t size)
+{
+    char *text = malloc(size + 1);
+    if (!text)
+        return 0;
+    for (size_t i = 0; i < size; i++)
+        text[i] = bytes[i] ? bytes[i] : '?';
+    text[size] = '\0';
+    char *clean = neph_text_clean_copy(text);
+    if (clean)
+        fputs(clean, cookie);
+    free(clean);
+    free(text);
+    return clean ? (ssize_t)size : 0;
+}
+
+void neph_cli_parse(const struct argp *argp, int argc, char **argv, void *request)
+{
+    /* getopt(3) inside argp knows no stream but stderr, which is a variable in glibc. */
+    FILE *terminal = stderr;
+    FILE *clean = fopencookie(terminal, "w", (cookie_io_functions_t){.write = write_clean});
+    if (clean) {
+        setvbuf(clean, NULL, _IOLBF, 0); /* whole lines: no character is cut in two */
+        stderr = clean;
+    }
+    argp_parse(argp, argc, argv, 0, NULL, request);
+    stderr = terminal;
+    if (clean)
+        fclose(clean);
+}
 
 enum neph_status neph_cli_parse_size(const char *text, int *width_px, int *height_px,
                                      struct neph_diag *diag)
@@ -89,8 +122,11 @@ enum neph_status neph_cli_check_output(const char *option, const char *path, str
 enum neph_status neph_cli_print_json(json_t *json, struct neph_diag *diag)
 {
     enum neph_status status = neph_json_check(json, diag);
-    if (!status && (json_dumpf(json, stdout, JSON_INDENT(2)) != 0 || putchar('\n') == EOF))
-        status = neph_fail(diag, NEPH_ERR_IO, "cannot write to stdout: %s", strerror(errno));
+    const bool written = !status && json_dumpf(json, stdout, JSON_INDENT(2)) == 0;
+    if (!status && !written && !ferror(stdout)) /* what stdout does not take is told at the end */
+        status = neph_json_check(NULL, diag);
+    if (!status)
+        putchar('\n');
     json_decref(json);
     return status;
 }

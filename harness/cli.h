@@ -30,6 +30,10 @@ neph_verb neph_cli_scenes;
 neph_verb neph_cli_engines;
 neph_verb neph_cli_doctor;
 
+/* argp_parse(), whose complaints quote the command line, with their bytes made fit for a terminal
+ * (base/text.h). Ends the process on a wrong option (EX_USAGE) and after --help. */
+void neph_cli_parse(const struct argp *argp, int argc, char **argv, void *request);
+
 /* Parse "WIDTHxHEIGHT". */
 enum neph_status neph_cli_parse_size(const char *text, int *width_px, int *height_px,
                                      struct neph_diag *diag);
@@ -65,7 +69,7 @@ json_t *neph_cli_options_json(const struct neph_option *options);
 void neph_cli_print_options(const struct neph_option *options);
 
 /* Print JSON on stdout, indented, with a newline at the end; consumes the reference.
- * NEPH_ERR_INTERNAL: it is NULL, because it could not be made. NEPH_ERR_IO: stdout took no more. */
+ * NEPH_ERR_INTERNAL: it is NULL, because it could not be made. */
 enum neph_status neph_cli_print_json(json_t *json, struct neph_diag *diag)
     __attribute__((warn_unused_result));
 

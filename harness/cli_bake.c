@@ -155,7 +155,7 @@ static void print_result(const char *path, const struct result *result)
 enum neph_status neph_cli_bake(int argc, char **argv, struct neph_diag *diag)
 {
     struct request request = {.medium = "1"};
-    argp_parse(&argp, argc, argv, 0, NULL, &request);
+    neph_cli_parse(&argp, argc, argv, &request);
     struct neph_scene *scene = NULL;
     struct result result = {.medium = NULL};
     if (!neph_volume_has_known_extension(request.output)) {

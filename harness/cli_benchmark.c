@@ -274,7 +274,7 @@ enum neph_status neph_cli_benchmark(int argc, char **argv, struct neph_diag *dia
 {
     struct request request = {
         .engines = "tracer,cycles", .size = "96x54", .output = "out", .seconds = "4"};
-    argp_parse(&argp, argc, argv, 0, NULL, &request);
+    neph_cli_parse(&argp, argc, argv, &request);
     struct neph_scene *scene = NULL;
     double rung_s = 0.0;
     int voxels = 0;

@@ -43,7 +43,8 @@ static const struct argp argp = {
     .doc =
         "Measure the error of TEST against REFERENCE: EXR frames on linear data, or PNG pictures.\v"
         "Each is " NEPH_SEQUENCE_HELP ". Values that are not finite, or negative, are an error "
-        "before anything else. The sign is test - reference. PNG pictures are decoded from sRGB.\n"
+        "before anything else. The sign is test - reference. PNG pictures are decoded from sRGB. "
+        "Frames are files: pipes, and so <(COMMAND) of a shell, are refused.\n"
         "\n"
         "Examples:\n"
         "  neph compare exact.exr march.exr\n"
@@ -55,7 +56,7 @@ static const struct argp argp = {
 enum neph_status neph_cli_compare(int argc, char **argv, struct neph_diag *diag)
 {
     struct request request = {.reference = NULL};
-    argp_parse(&argp, argc, argv, 0, NULL, &request);
+    neph_cli_parse(&argp, argc, argv, &request);
     struct neph_comparison comparison = {.choice_count = 0};
     enum neph_status status = neph_cli_comparison_prepare(&request.shared, false, &comparison,
                                                           diag);

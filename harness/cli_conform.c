@@ -248,6 +248,6 @@ enum neph_status neph_cli_conform(int argc, char **argv, struct neph_diag *diag)
 {
     struct request request = {
         .size = "1920x1080", .output = "out/conform", .pictures = "6", .samples = "16"};
-    argp_parse(&argp, argc, argv, 0, NULL, &request);
+    neph_cli_parse(&argp, argc, argv, &request);
     return request.folders[0] ? compare(&request, diag) : render(&request, diag);
 }

@@ -114,7 +114,7 @@ static enum neph_status split(struct request *request, struct neph_comparison *c
 enum neph_status neph_cli_flicker(int argc, char **argv, struct neph_diag *diag)
 {
     struct request request = {.shared = {.purpose = "flicker"}};
-    argp_parse(&argp, argc, argv, 0, NULL, &request);
+    neph_cli_parse(&argp, argc, argv, &request);
     struct neph_comparison comparison = {.choice_count = 0};
     enum neph_status status = neph_cli_comparison_prepare(&request.shared, true, &comparison, diag);
     if (!status)

@@ -169,7 +169,7 @@ enum neph_status neph_cli_scenes(int argc, char **argv, struct neph_diag *diag)
                "Examples:\n  neph scenes\n  neph scenes two_layer_fog\n  neph scenes my_fog.yaml",
     };
     struct request request = {0};
-    argp_parse(&argp, argc, argv, 0, NULL, &request);
+    neph_cli_parse(&argp, argc, argv, &request);
     if (request.name)
         return show_scene(&request, diag);
     enum neph_status status = NEPH_OK;
@@ -210,7 +210,7 @@ enum neph_status neph_cli_engines(int argc, char **argv, struct neph_diag *diag)
                "Examples:\n  neph engines\n  neph engines march --json",
     };
     struct request request = {0};
-    argp_parse(&argp, argc, argv, 0, NULL, &request);
+    neph_cli_parse(&argp, argc, argv, &request);
     if (request.name && !neph_engine_find(request.name))
         return neph_fail(diag, NEPH_ERR_USAGE, "there is no engine '%s'; `neph engines` lists them",
                          request.name);
@@ -286,7 +286,7 @@ enum neph_status neph_cli_doctor(int argc, char **argv, struct neph_diag *diag)
                "work.\n\nExample:\n  neph doctor",
     };
     struct request request = {0};
-    argp_parse(&argp, argc, argv, 0, NULL, &request);
+    neph_cli_parse(&argp, argc, argv, &request);
     json_t *list = json_array();
     int count, missing = 0, broken = 0;
     const struct neph_engine *const *engines = neph_engines(&count);

@@ -168,7 +168,7 @@ enum neph_status neph_cli_metrics(int argc, char **argv, struct neph_diag *diag)
                "  neph metrics --masks",
     };
     struct request request = {0};
-    argp_parse(&argp, argc, argv, 0, NULL, &request);
+    neph_cli_parse(&argp, argc, argv, &request);
     const struct neph_extractor *only = NULL;
     enum neph_status status = request.name ? check_name(request.name, &only, diag) : NEPH_OK;
     if (status)

@@ -387,7 +387,7 @@ static struct request default_request(const char *engine)
 enum neph_status neph_cli_render(int argc, char **argv, struct neph_diag *diag)
 {
     struct request request = default_request("march");
-    argp_parse(&render_argp, argc, argv, 0, NULL, &request);
+    neph_cli_parse(&render_argp, argc, argv, &request);
     struct neph_scene *scene = NULL;
     struct neph_engine_info info;
     struct neph_job job;
@@ -432,7 +432,7 @@ static enum neph_status export_files(const struct request *request, struct neph_
 enum neph_status neph_cli_export(int argc, char **argv, struct neph_diag *diag)
 {
     struct request request = default_request("povray");
-    argp_parse(&export_argp, argc, argv, 0, NULL, &request);
+    neph_cli_parse(&export_argp, argc, argv, &request);
     struct neph_scene *scene = NULL, *still = NULL;
     struct neph_engine_info info;
     struct neph_job job;

@@ -219,7 +219,7 @@ static enum neph_status run_renewal(const struct request *request, struct neph_s
 enum neph_status neph_cli_study(int argc, char **argv, struct neph_diag *diag)
 {
     struct request request = {.size = "64x36", .output = "out", .time_limit = "300"};
-    argp_parse(&argp, argc, argv, 0, NULL, &request);
+    neph_cli_parse(&argp, argc, argv, &request);
     struct neph_store *store = NULL;
     char *folder = neph_path_join(request.output, "store");
     enum neph_status status = folder ? neph_cli_check_output("-o", request.output, diag)

@@ -354,7 +354,7 @@ static enum neph_status run_catalog(const struct request *request, struct neph_d
 enum neph_status neph_cli_validate(int argc, char **argv, struct neph_diag *diag)
 {
     struct request request = {.output = "out"};
-    argp_parse(&argp, argc, argv, 0, NULL, &request);
+    neph_cli_parse(&argp, argc, argv, &request);
     const enum neph_status status = neph_cli_check_output("-o", request.output, diag);
     if (status)
         return status;

@@ -171,6 +171,28 @@ static enum neph_status render_shot(const struct neph_job *job, struct neph_imag
                          : job->engine->render(&job->shot, frame, cost, diag);
 }
 
+/* Programs that run out of disk say so in their own words, or die, or leave half a picture. */
+static enum neph_status name_full_disk(enum neph_status status, const struct neph_shot *shot,
+                                       struct neph_diag *diag)
+{
+    static const char *const words[] = {"No space left on device", "Disk quota exceeded",
+                                        "Disk full"};
+    const bool may_be = status == NEPH_ERR_ENGINE || status == NEPH_ERR_INPUT ||
+                        status == NEPH_ERR_IO || status == NEPH_ERR_NOT_FOUND;
+    if (!may_be || !shot->scratch_directory)
+        return status;
+    bool full = neph_disk_is_full(shot->scratch_directory);
+    for (size_t i = 0; diag && i < sizeof(words) / sizeof(words[0]); i++)
+        full |= strcasestr(diag->message, words[i]) != NULL;
+    if (!full || !diag)
+        return full ? NEPH_ERR_IO : status;
+    const struct neph_diag before = *diag;
+    neph_fail(diag, NEPH_ERR_IO, "the disk is full at '%s': %s", shot->scratch_directory,
+              before.message);
+    neph_hint(diag, "%s", before.hint);
+    return NEPH_ERR_IO;
+}
+
 enum neph_status neph_job_render_unchecked(const struct neph_job *job, struct neph_image **frame,
                                            struct neph_cost *cost, struct neph_diag *diag)
 {
@@ -181,7 +203,7 @@ enum neph_status neph_job_render_unchecked(const struct neph_job *job, struct ne
     if (!status)
         status = check_possible(&held, diag);
     if (!status)
-        status = render_shot(&held, &rendered, cost, diag);
+        status = name_full_disk(render_shot(&held, &rendered, cost, diag), &held.shot, diag);
     if (!status)
         status = label_frame(&held, cost, rendered, diag);
     neph_scene_destroy(still);

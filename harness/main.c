@@ -2,9 +2,15 @@
 #include "harness/cli.h"
 
 #include "base/interrupt.h"
+#include "base/text.h"
 
+#include <errno.h>
+#include <stdbool.h>
 #include <stdio.h>
+#include <stdio_ext.h>
+#include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 static const struct {
     const char *name;
@@ -55,6 +61,28 @@ static void print_diag(const char *verb, enum neph_status status, const struct n
         fprintf(stderr, "  hint: %s\n", diag->hint);
 }
 
+/* What did not arrive is an error, whatever the verb thinks; but one problem is enough. */
+static int close_output(int exit_code)
+{
+    errno = 0;
+    const bool flushed = fflush(stdout) == 0; /* as late as here, where the buffer was large */
+    if (flushed && !ferror(stdout))
+        return exit_code;
+    fprintf(stderr, "neph: the output was cut: cannot write to stdout%s%s\n", errno ? ": " : "",
+            errno ? strerror(errno) : "");
+    __fpurge(stdout);
+    clearerr(stdout);
+    return exit_code ? exit_code : neph_status_exit_code(NEPH_ERR_IO);
+}
+
+/* argp ends the process itself after --help. */
+static void close_output_at_exit(void)
+{
+    const int exit_code = close_output(0);
+    if (exit_code)
+        _exit(exit_code);
+}
+
 static int run_verb(int index, int argc, char **argv)
 {
     char name[64];
@@ -64,11 +92,15 @@ static int run_verb(int index, int argc, char **argv)
     const enum neph_status status = verbs[index].run(argc, argv, &diag);
     if (status != NEPH_OK && diag.message[0])
         print_diag(verbs[index].name, status, &diag);
-    if (fflush(stdout) != 0 && status == NEPH_OK) {
-        perror("neph: stdout");
-        return neph_status_exit_code(NEPH_ERR_IO);
-    }
-    return neph_status_exit_code(status);
+    return close_output(neph_status_exit_code(status));
+}
+
+static int refuse_verb(const char *verb)
+{
+    char text[256];
+    neph_text_format(text, sizeof(text), "%s", verb);
+    fprintf(stderr, "neph: there is no verb '%s'; `neph --help` lists them\n", text);
+    return neph_status_exit_code(NEPH_ERR_USAGE);
 }
 
 int main(int argc, char **argv)
@@ -77,19 +109,19 @@ int main(int argc, char **argv)
         print_help(stderr);
         return neph_status_exit_code(NEPH_ERR_USAGE);
     }
+    neph_interrupt_install();
+    atexit(close_output_at_exit);
     if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0 ||
         strcmp(argv[1], "help") == 0) {
         print_help(stdout);
-        return 0;
+        return close_output(0);
     }
     if (strcmp(argv[1], "--version") == 0) {
         printf("neph %s\n", NEPH_VERSION);
-        return 0;
+        return close_output(0);
     }
-    neph_interrupt_install();
     for (int i = 0; i < VERB_COUNT; i++)
         if (strcmp(argv[1], verbs[i].name) == 0)
             return run_verb(i, argc - 1, argv + 1);
-    fprintf(stderr, "neph: there is no verb '%s'; `neph --help` lists them\n", argv[1]);
-    return neph_status_exit_code(NEPH_ERR_USAGE);
+    return refuse_verb(argv[1]);
 }

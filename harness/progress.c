@@ -56,6 +56,14 @@ static void print_place(const struct neph_progress *progress, int ahead)
     fprintf(stderr, "[%d/%d] ", done + ahead, total);
 }
 
+/* What is being done may be named by a file. */
+static void print_name(const char *what)
+{
+    char name[512];
+    neph_text_format(name, sizeof(name), "%s", what);
+    fputs(name, stderr);
+}
+
 /* " (about 4 min left)". */
 static void print_left(const struct neph_progress *progress)
 {
@@ -73,7 +81,7 @@ void neph_progress_begin(struct neph_progress *progress, const char *what)
         return;
     fprintf(stderr, "\r\033[K");
     print_place(progress, 1);
-    fprintf(stderr, "%s", what);
+    print_name(what);
     print_left(progress);
     fflush(stderr);
 }
@@ -91,7 +99,8 @@ void neph_progress_step(struct neph_progress *progress, const char *what, const 
     if (progress->quiet || progress->terminal)
         return;
     print_place(progress, 0);
-    fprintf(stderr, "%s: %s, %.1f s", what, outcome, seconds);
+    print_name(what);
+    fprintf(stderr, ": %s, %.1f s", outcome, seconds);
     print_left(progress);
     fprintf(stderr, "\n");
 }
@@ -106,7 +115,7 @@ void neph_progress_tick(struct neph_progress *progress, const char *what)
         return;
     progress->told_s = elapsed_s;
     print_place(progress, 0);
-    fprintf(stderr, "%s", what);
+    print_name(what);
     print_left(progress);
     fprintf(stderr, "\n");
 }
