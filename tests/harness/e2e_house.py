@@ -33,6 +33,11 @@ class House(unittest.TestCase):
                  if "<jansson.h>" in path.read_text()]
         self.assertEqual(users, ["json.h"])
 
+    def test_command_lines_are_parsed_where_complaints_are_cleaned(self):
+        users = [path.relative_to(ROOT / "harness").as_posix() for path in (ROOT / "harness").rglob("*.c")
+                 if re.search(r"\bargp_parse\(", path.read_text())]
+        self.assertEqual(users, ["cli.c"])
+
 
 if __name__ == "__main__":
     unittest.main()

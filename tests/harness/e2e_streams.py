@@ -14,7 +14,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).parent))
 import frames  # noqa: E402
 
 NEPH = os.environ["NEPH"]
-VERBS = ("validate", "render", "export", "compare", "flicker", "metrics", "bake", "study", "benchmark", "scenes", "engines", "doctor")
+VERBS = ("validate", "render", "export", "compare", "flicker", "metrics", "bake", "study", "benchmark", "conform", "scenes", "engines", "doctor")
 BLENDER = """#!/bin/sh
 case "$1" in --version) echo "Blender 3.4.1"; exit 0;; esac
 {body}
@@ -48,14 +48,14 @@ class Output(unittest.TestCase):
         a, b = self.write("a.exr", 0.5), self.write("b.exr", 0.6)
         for number in range(12):
             self.write(f"f_{number:02}.exr", 0.5 + 0.01 * (number % 3))
-        small = ["--size", "8x8", "-o", self.folder]
+        small = ["--size", "8x8", "-o", self.folder / "out"]
         commands = [["--help"], ["--version"], ["help"], *([verb, "--help"] for verb in VERBS),
                     ["validate", "--usage"], ["scenes", "white_furnace", "--json"], ["scenes", "white_furnace"], ["engines", "exact"], ["engines", "exact", "--json"],
                     ["metrics"], ["metrics", "--masks", "--json"], ["doctor"], ["compare", a, b], ["compare", a, b, "--json"],
                     ["flicker", "--reference", a, self.folder / "f_*.exr", "-q"],
-                    ["render", "absorbing_slab", "-e", "exact", *small], ["export", "absorbing_slab", "-o", self.folder],
+                    ["render", "absorbing_slab", "-e", "exact", *small], ["export", "absorbing_slab", "-o", self.folder / "export"],
                     ["bake", "gaussian_blob", "-o", self.folder / "blob.df3"],
-                    ["validate", "absorbing_slab", "-e", "exact", "-e", "oracle", "--no-charts", "-q", *small]]
+                    ["validate", "absorbing_slab", "-e", "exact", "-e", "oracle", "--no-charts", "-q", "--size", "8x8", "-o", self.folder / "report"]]
         with open("/dev/full", "wb") as full:
             for command in commands:
                 done = neph(*command, stdout=full)
