@@ -61,9 +61,10 @@ enum neph_status neph_dir_remove(const char *path, struct neph_diag *diag);
  * when that cannot be told. */
 bool neph_disk_is_full(const char *folder);
 
-/* Both follow symbolic links. */
+/* All follow symbolic links. */
 bool neph_path_exists(const char *path);
 bool neph_path_is_dir(const char *path);
+bool neph_path_is_same(const char *a, const char *b); /* both are there, and are one file */
 
 /* "folder/name" ("name" for the folder "") as a new string for the caller to free; NULL when memory
  * is short. */

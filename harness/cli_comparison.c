@@ -77,7 +77,8 @@ static const struct argp_option options[] = {
      "Values below 0 are no reason to stop: a filter with negative lobes made them", 2},
     {"json", KEY_JSON, NULL, 0, "Results as JSON on stdout", 3},
     {"csv", KEY_CSV, "FILE", 0, "Results as CSV; '-': on stdout, in place of the table", 3},
-    {"maps", KEY_MAPS, "DIR", 0, "Maps as EXR, and as PNG on a fixed scale", 3},
+    {"maps", KEY_MAPS, "DIR", 0,
+     "Maps as EXR, and as PNG on a fixed scale: DIR/MAP_QUANTITY[_FRAME].exr and .png", 3},
     {"quiet", 'q', NULL, 0, "No progress", 3},
     {0},
 };

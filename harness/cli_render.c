@@ -251,17 +251,35 @@ static enum neph_status make_job(const struct request *request, const struct nep
     return status;
 }
 
+/* DIR/SCENE_ENGINE_FRAME.exr, which is not to be the very file that --depth is read from. */
+static enum neph_status name_frame(const struct request *request, const struct neph_job *job,
+                                   const char *depth, char **path, struct neph_diag *diag)
+{
+    char *named = neph_format("%s/%s_%s_%04d.exr", request->output, job->shot.scene->name,
+                              job->engine->name, job->shot.frame);
+    if (!named)
+        return neph_fail_memory(diag);
+    if (depth && neph_path_is_same(named, depth)) {
+        neph_fail(diag, NEPH_ERR_USAGE, "the frame would be written over '%s' of --depth", depth);
+        neph_hint(diag, "name another folder with -o");
+        free(named);
+        return NEPH_ERR_USAGE;
+    }
+    *path = named;
+    return NEPH_OK;
+}
+
 /* A scratch folder inside the output folder; engines keep their logs there when they fail. */
 static enum neph_status render_one(const struct request *request, struct neph_job *job,
-                                   json_t *results, struct neph_diag *diag)
+                                   const char *depth, json_t *results, struct neph_diag *diag)
 {
-    char *path = neph_format("%s/%s_%s_%04d.exr", request->output, job->shot.scene->name,
-                             job->engine->name, job->shot.frame);
+    char *path = NULL;
     struct neph_scratch *scratch = NULL;
     struct neph_image *frame = NULL;
     struct neph_cost cost = {0};
-    enum neph_status status = path ? neph_cli_begin_scratch(request->output, &scratch, diag)
-                                   : neph_fail_memory(diag);
+    enum neph_status status = name_frame(request, job, depth, &path, diag);
+    if (!status)
+        status = neph_cli_begin_scratch(request->output, &scratch, diag);
     if (!status) {
         job->shot.scratch_directory = neph_scratch_path(scratch);
         status = neph_job_render(job, &frame, &cost, diag);
@@ -321,7 +339,7 @@ static enum neph_status render_next(const struct request *request, struct neph_j
     if (!status && i == 0)
         status = neph_job_open(job, diag);
     if (!status)
-        status = render_one(request, job, results, diag);
+        status = render_one(request, job, path, results, diag);
     if (status == NEPH_ERR_INPUT && given)
         neph_hint(diag, "that is '%s' of --depth, in frame %d", path, job->shot.frame);
     neph_image_destroy(given);

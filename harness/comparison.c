@@ -7,6 +7,7 @@
 #include "base/png.h"
 #include "harness/findings.h"
 #include "harness/frame.h"
+#include "harness/map_names.h"
 #include "harness/progress.h"
 #include "metrics/display.h"
 #include "metrics/validity.h"
@@ -304,11 +305,8 @@ static enum neph_status write_map(struct work *work, const struct neph_quantity 
     enum neph_status status = neph_meter_map(work->meter, quantity, extractor, index, &image, diag);
     if (status)
         return status;
-    char number[16] = "";
-    if (frame >= 0 && work->frame_count > 1)
-        snprintf(number, sizeof(number), "_%04d", frame);
-    char *stem = neph_format("%s/%s_%s%s", work->asked->maps_directory, map->name, quantity->name,
-                             number);
+    char *stem = neph_map_stem(work->asked->maps_directory, map, quantity,
+                               work->frame_count > 1 ? frame : -1);
     char *exr = neph_format("%s.exr", stem ? stem : ""),
          *png = neph_format("%s.png", stem ? stem : "");
     status = stem && exr && png ? neph_exr_write(exr, image, diag) : neph_fail_memory(diag);
@@ -454,9 +452,9 @@ static void add_overlooked(const struct work *work, json_t **list)
                             ? neph_image_channel(images[k], overlooked[i].channel) != NULL
                             : neph_image_attribute(images[k], overlooked[i].attribute) != NULL;
         if (is_there)
-            neph_json_add(list, json_pack("{s:s, s:s, s:s}", "extractor", "everything", "quantity",
-                                          overlooked[i].quantity, "because",
-                                          overlooked[i].because));
+            neph_json_add(list,
+                          json_pack("{s:s, s:s, s:s}", "extractor", "everything", "quantity",
+                                    overlooked[i].quantity, "because", overlooked[i].because));
     }
 }
 
@@ -545,6 +543,8 @@ enum neph_status neph_comparison_run(const struct neph_comparison *comparison, j
     struct work work = {.asked = comparison, .with_draws = drawn != NULL, .maps = json_array()};
     *document = NULL;
     enum neph_status status = check_counts(comparison, &work, diag);
+    if (!status && comparison->maps_directory)
+        status = neph_map_names_check(comparison, diag);
     if (!status && comparison->maps_directory)
         status = neph_dir_create(comparison->maps_directory, diag);
     if (!status)

@@ -111,9 +111,9 @@ class Output(unittest.TestCase):
             self.assertFalse((self.folder / "out/report").exists())
 
     def test_runs_at_the_same_time_share_a_folder(self):
-        for _ in range(3):
+        for _ in range(2):
             runs = [subprocess.Popen([NEPH, *SMALL, "fence_backlit", "--json", "-o", str(self.folder)], stdout=subprocess.PIPE,
-                                     stderr=subprocess.PIPE, text=True) for _ in range(6)]
+                                     stderr=subprocess.PIPE, text=True) for _ in range(4)]
             for run, (output, complaints) in [(run, run.communicate(timeout=120)) for run in runs]:
                 self.assertEqual((run.returncode, "is not used" in complaints), (0, False), complaints)
                 for scene in json.loads(output)["scenes"]:
@@ -175,6 +175,19 @@ class Output(unittest.TestCase):
         for _ in range(2):  # its own it replaces
             done = neph("export", "absorbing_slab", "-e", "povray", "-o", self.folder / "new")
             self.assertEqual(done.returncode, 0, done.stderr)
+
+    def test_inputs_are_not_overwritten(self):
+        neph("render", "absorbing_slab", "-e", "exact", "--size", "8x6", "-q", "-o", self.folder)
+        frame = self.folder / "absorbing_slab_exact_0000.exr"
+        own = frame.rename(self.folder / "flip_radiance_0003.exr")
+        before = tree(self.folder)
+        done = neph("compare", own, own, "-m", "flip", "--maps", self.folder)
+        self.assertEqual((done.returncode, str(own) in done.stderr), (64, True), done.stderr)
+        own.rename(self.folder / "absorbing_slab_realtime_0000.exr")
+        done = neph("render", "absorbing_slab", "-e", "realtime", "--size", "8x6", "-q", "-o", self.folder,
+                    "--depth", self.folder / "absorbing_slab_realtime_0000.exr")
+        self.assertEqual((done.returncode, "--depth" in done.stderr), (64, True), done.stderr)
+        self.assertEqual(list(tree(self.folder).values()), list(before.values()))
 
     def test_render_leaves_its_frame_alone_beside_the_users_files(self):
         self.put(".neph-scratch.1/log", "kept by an older version")

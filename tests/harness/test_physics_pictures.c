@@ -52,10 +52,10 @@ static json_t *document(const char *const *names, const char *const *frames, int
     fill_truth(truth);
     json_t *rows = json_array();
     for (int i = 0; i < count; i++)
-        neph_json_add(
-            &rows, json_pack("{s:s, s:s, s:o, s:[], s:[]}", "check", "probe", "participant",
-                            names[i], "exr", frames[i] ? json_pack("[s]", frames[i]) : json_array(),
-                            "pictures", "differences"));
+        neph_json_add(&rows, json_pack("{s:s, s:s, s:o, s:[], s:[]}", "check", "probe",
+                                       "participant", names[i], "exr",
+                                       frames[i] ? json_pack("[s]", frames[i]) : json_array(),
+                                       "pictures", "differences"));
     return json_pack("{s:[{s:s, s:[o]}], s:o}", "checks", "name", "probe", "views",
                      neph_physics_view_json(&view, truth), "rows", rows);
 }
@@ -137,6 +137,12 @@ static void test_every_frame_is_drawn(void **state)
     assert_false(same_bytes(scratch, truth, picture_of(physics, 1, "pictures")));
     assert_false(same_bytes(scratch, picture_of(physics, 1, "differences"),
                             picture_of(physics, 2, "differences")));
+
+    json_t *once = json_deep_copy(
+        physics); /* a report that is published again draws nothing twice */
+    neph_assert_ok(neph_physics_pictures(physics, scratch->folder, &diag), &diag);
+    assert_true(json_equal(physics, once));
+    json_decref(once);
     json_decref(physics);
 }
 
