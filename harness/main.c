@@ -3,6 +3,7 @@
 
 #include "base/interrupt.h"
 #include "base/text.h"
+#include "harness/surroundings.h"
 
 #include <errno.h>
 #include <stdbool.h>
@@ -120,6 +121,7 @@ int main(int argc, char **argv)
         printf("neph %s\n", NEPH_VERSION);
         return close_output(0);
     }
+    neph_surroundings_settle(stderr);
     for (int i = 0; i < VERB_COUNT; i++)
         if (strcmp(argv[1], verbs[i].name) == 0)
             return run_verb(i, argc - 1, argv + 1);
