@@ -45,6 +45,16 @@ static inline const char *scratch_path(void **state, char path[SCRATCH_PATH_MAX]
     return path;
 }
 
+/* A file as it comes from elsewhere. Unlike neph_file_write() it is not flushed to the disk, which
+ * a loop over damaged files would wait for most of its time. */
+static inline void scratch_write(const char *path, const void *data, size_t size)
+{
+    FILE *file = fopen(path, "wb");
+    assert_non_null(file);
+    assert_true(fwrite(data, 1, size, file) == size);
+    assert_int_equal(fclose(file), 0);
+}
+
 /* The number of things in the folder of the test, hidden ones too: temporary files that were left
  * behind show up here. */
 static inline int scratch_count(void **state)

@@ -426,7 +426,7 @@ static void damage(const char *original, const char *path, int count, uint64_t *
     for (int i = 0; i < count; i++) {
         memcpy(copy, bytes, size);
         const size_t kept = mutate(copy, size, seed);
-        neph_assert_ok(neph_file_write(path, copy, kept, NULL), NULL);
+        scratch_write(path, copy, kept);
         read_damaged(path);
     }
     free(copy);
