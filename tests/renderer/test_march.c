@@ -244,8 +244,7 @@ static const struct {
  * floor of a few 1e-7. Solids (the ground) are lit but throw no shadow on the medium here. */
 static void test_volume_converges_at_second_order(void **state)
 {
-    static const int counts[] = {16, 32, 64, 128, 256};
-    enum { count_count = sizeof(counts) / sizeof(counts[0]) };
+    static const int counts[] = {64, 256};
     for (size_t s = 0; s < sizeof(smooth_scenes) / sizeof(smooth_scenes[0]); s++) {
         struct test_scene test;
         test_scene_init(&test);
@@ -255,9 +254,9 @@ static void test_volume_converges_at_second_order(void **state)
         params.height_px = 12;
         struct neph_ray_light *light = exact_light(&test, params.width_px, params.height_px);
         for (size_t m = 0; m < sizeof(mode_pairs) / sizeof(mode_pairs[0]); m++) {
-            double errors[count_count];
+            double errors[2];
             print_message("%-16s %s:", smooth_scenes[s].name, mode_pairs[m].name);
-            for (int c = 0; c < count_count; c++) {
+            for (int c = 0; c < 2; c++) {
                 params.transmittance = mode_pairs[m].transmittance;
                 params.sun = mode_pairs[m].sun;
                 params.steps = params.sun_steps = counts[c];
@@ -266,10 +265,10 @@ static void test_volume_converges_at_second_order(void **state)
                 print_message(" %.1e", errors[c]);
                 neph_image_destroy(frame);
             }
-            const double order = log2(errors[2] / errors[4]) / 2.0;
+            const double order = log2(errors[0] / errors[1]) / 2.0;
             print_message("  order %.2f\n", order);
-            assert_true(errors[4] < 5e-7 || order > 1.8);
-            assert_true(errors[4] < 5e-3);
+            assert_true(errors[1] < 5e-7 || order > 1.8);
+            assert_true(errors[1] < 5e-3);
         }
         free(light);
     }
@@ -340,7 +339,10 @@ static void test_many_solids(void **state)
     struct test_scene test;
     test_scene_init(&test);
     scene_fog_up(&test);
-    struct neph_image *without = render(*state, &test, &exact_48, NULL);
+    struct neph_march_params params = exact_48; /* the limit is one of a pixel */
+    params.width_px = 12;
+    params.height_px = 9;
+    struct neph_image *without = render(*state, &test, &params, NULL);
     struct neph_solid *behind = calloc(NEPH_SCENE_SOLIDS_MAX, sizeof(*behind));
     assert_non_null(behind);
     for (int i = 0; i < NEPH_SCENE_SOLIDS_MAX; i++) /* the camera's, and not the sun's */
@@ -349,7 +351,7 @@ static void test_many_solids(void **state)
     test.scene.solids = behind;
     test.scene.solid_count = NEPH_SCENE_SOLIDS_MAX;
     struct neph_march_stats stats;
-    struct neph_image *with = render(*state, &test, &exact_48, &stats);
+    struct neph_image *with = render(*state, &test, &params, &stats);
     assert_true(stats.dispatches > 1);
     for (int c = 0; c < with->channel_count; c++)
         assert_memory_equal(with->channels[c].samples, without->channels[c].samples,
@@ -357,7 +359,7 @@ static void test_many_solids(void **state)
     /* And the last of them is seen by the sun rays of the last step. */
     behind[NEPH_SCENE_SOLIDS_MAX - 1].center_m = neph_vec3_scale(test.scene.sun.direction, 1e4);
     behind[NEPH_SCENE_SOLIDS_MAX - 1].radius_m = 3e3;
-    struct neph_image *shaded = render(*state, &test, &exact_48, NULL);
+    struct neph_image *shaded = render(*state, &test, &params, NULL);
     const float *volume = neph_image_channel(shaded, "volume.G");
     for (size_t i = 0; i < neph_image_pixel_count(shaded); i++)
         assert_true(volume[i] == 0.0f);
@@ -687,40 +689,6 @@ static void test_extreme_inputs_give_no_nonsense(void **state)
     assert_int_equal(nonsense, 0);
 }
 
-/* --- cost --------------------------------------------------------------------------------- */
-
-/* A number for people; nothing depends on it. */
-static void test_cost_of_a_small_frame(void **state)
-{
-    (void)state;
-    struct neph_vulkan *vulkan = NULL;
-    struct neph_diag diag = {0};
-    neph_assert_ok(neph_vulkan_create(NULL, &vulkan, &diag), &diag);
-    struct test_scene test;
-    test_scene_init(&test);
-    scene_fog_two_layers(&test);
-    struct neph_march_params params = exact_48;
-    params.width_px = 192;
-    params.height_px = 108;
-    for (int mode = 0; mode < 3; mode++) {
-        params.transmittance = mode > 0 ? NEPH_MARCH_MARCHED : NEPH_MARCH_EXACT;
-        params.sun = mode > 1 ? NEPH_MARCH_MARCHED : NEPH_MARCH_EXACT;
-        params.sun_steps = 8;
-        struct neph_march_stats best = {.gpu_s = INFINITY}, stats;
-        for (int i = 0; i < 5; i++) {
-            neph_image_destroy(render(vulkan, &test, &params, &stats));
-            if (stats.gpu_s < best.gpu_s)
-                best = stats;
-        }
-        print_message("192x108, 64 steps, T %s, sun %s: %.1f ms GPU, %.1f ms wall, %.3g "
-                      "evaluations/s\n",
-                      mode > 0 ? "marched" : "exact", mode > 1 ? "marched (8)" : "exact",
-                      1e3 * best.gpu_s, 1e3 * best.wall_s,
-                      (double)best.density_evaluations / best.gpu_s);
-    }
-    neph_vulkan_destroy(vulkan);
-}
-
 /* Last: the flag stays up. */
 static void test_interruption_is_heard(void **state)
 {
@@ -755,7 +723,6 @@ int main(void)
         cmocka_unit_test(test_parameters_out_of_range_are_refused),
         cmocka_unit_test(test_says_what_it_cannot),
         cmocka_unit_test(test_extreme_inputs_give_no_nonsense),
-        cmocka_unit_test(test_cost_of_a_small_frame),
         cmocka_unit_test(test_interruption_is_heard),
     };
     return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);

@@ -13,8 +13,6 @@
 #include "truth/doubling.h"
 #include "truth/transport.h"
 
-#include <time.h>
-
 #define COUNT(array) (sizeof(array) / sizeof((array)[0]))
 
 static const double pi = 3.14159265358979323846264338328;
@@ -510,56 +508,6 @@ static void test_never_nonsense(void **state)
     }
 }
 
-/* ---- cost (printed, not asserted) ---- */
-
-static double seconds(void)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
-static void print_cost(const char *name, const struct neph_scene *scene, struct neph_vec3 origin,
-                       struct neph_vec3 forward)
-{
-    enum { WIDTH = 16, HEIGHT = 9 };
-    const double start_s = seconds();
-    double error = 0.0, sum = 0.0;
-    for (int i = 0; i < WIDTH * HEIGHT; i++) {
-        const struct neph_vec3 d = neph_vec3_normalize((struct neph_vec3){
-            forward.x + (i % WIDTH + 0.5) / WIDTH - 0.5,
-            forward.y - ((i / WIDTH + 0.5) / HEIGHT - 0.5) * HEIGHT / WIDTH, forward.z});
-        const struct neph_ray_light light = neph_transport_ray(scene, origin, d);
-        error = fmax(error, light.quadrature_error);
-        sum += light.volume.r;
-    }
-    const double per_ray_s = (seconds() - start_s) / (WIDTH * HEIGHT);
-    print_message("%-14s %7.1f us/ray, %5.2f s of one CPU for 96x54, mean %.4f, error %.1g\n", name,
-                  1e6 * per_ray_s, 96 * 54 * per_ray_s, sum / (WIDTH * HEIGHT), error);
-}
-
-static void test_cost(void **state)
-{
-    (void)state;
-    const struct neph_vec3 sun = {0.3, 0.8, 0.4}, eye = {0, 0, 12}, ahead = {0, 0, -1};
-    for (int side = 16; side <= 32; side *= 2) {
-        const double h = 8.0 / side;
-        struct neph_medium grid = lattice(2.0, side, (struct neph_vec3){-4, -4, -4},
-                                          (struct neph_vec3){h, h, h}, 5);
-        struct neph_scene scene = sunny(grid, sun);
-        print_cost(side == 16 ? "grid 16^3" : "grid 32^3", &scene, eye, ahead);
-        neph_grid_destroy(grid.grid);
-    }
-    struct neph_scene scene = sunny(blob(1.0, (struct neph_vec3){0}, 2.0), sun);
-    print_cost("Gaussian", &scene, eye, ahead);
-    scene = sunny(shell(1e-5, (struct neph_vec3){0, -6.4e6, 0}, 6.4e6, 8e3), sun);
-    struct neph_solid ground = {
-        .kind = NEPH_SOLID_SPHERE, .center_m = {0, -6.4e6, 0}, .radius_m = 6.4e6};
-    scene.solid_count = 1;
-    scene.solids = &ground;
-    print_cost("shell", &scene, (struct neph_vec3){0, 100, 0}, ahead);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -571,7 +519,6 @@ int main(void)
         cmocka_unit_test(test_clouds_far_away),
         cmocka_unit_test(test_shadow_of_a_small_cloud),
         cmocka_unit_test(test_never_nonsense),
-        cmocka_unit_test(test_cost),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

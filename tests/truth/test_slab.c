@@ -8,8 +8,6 @@
 #include "truth/doubling.h"
 #include "truth/slab.h"
 
-#include <time.h>
-
 #define COUNT(array) (sizeof(array) / sizeof((array)[0]))
 
 static const double pi = 3.14159265358979323846264338328;
@@ -426,26 +424,6 @@ static void test_what_is_refused(void **state)
     }
 }
 
-/* ---- cost (printed, not asserted) ---- */
-
-static void test_cost(void **state)
-{
-    (void)state;
-    const struct neph_slab_params params[] = {
-        {64.0, 1.0, hg(0.85), 0.7, 0, NULL, 0},
-        {64.0, 1.0, hg(0.85), 0.7, COUNT(views5), views5, 0},
-    };
-    for (size_t i = 0; i < COUNT(params); i++) {
-        struct timespec start, end;
-        clock_gettime(CLOCK_MONOTONIC, &start);
-        neph_slab_destroy(make(params[i]));
-        clock_gettime(CLOCK_MONOTONIC, &end);
-        print_message("optical depth 64, g 0.85, %d views: %.3f s\n", params[i].view_count,
-                      (double)(end.tv_sec - start.tv_sec) +
-                          1e-9 * (double)(end.tv_nsec - start.tv_nsec));
-    }
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -461,7 +439,6 @@ int main(void)
         cmocka_unit_test(test_number_of_nodes),
         cmocka_unit_test(test_nothing_there),
         cmocka_unit_test(test_what_is_refused),
-        cmocka_unit_test(test_cost),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

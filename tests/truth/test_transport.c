@@ -10,8 +10,6 @@
 #include "tests/scenes/reference_values.h"
 #include "truth/transport.h"
 
-#include <time.h>
-
 #define COUNT(array) (sizeof(array) / sizeof((array)[0]))
 
 static const double pi = 3.14159265358979323846264338328;
@@ -639,41 +637,6 @@ static void test_never_nonsense(void **state)
         }
 }
 
-/* ---- cost (printed, not asserted) ---- */
-
-static double seconds(void)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
-static void test_cost_of_a_fence(void **state)
-{
-    (void)state;
-    enum { WIDTH = 48, HEIGHT = 27 };
-    struct fence *fences = test_malloc(4 * sizeof(*fences));
-    make_fences(fences);
-    for (int f = 0; f < 4; f++) {
-        const double start_s = seconds();
-        double sum = 0.0, error = 0.0;
-        for (int i = 0; i < WIDTH * HEIGHT; i++) {
-            const struct neph_vec3 d = neph_vec3_normalize((struct neph_vec3){
-                (i % WIDTH + 0.5) / WIDTH * 2.0 - 1.0,
-                (0.5 - (i / WIDTH + 0.5) / HEIGHT) * 2.0 * HEIGHT / WIDTH, -1.2});
-            const struct neph_ray_light light = neph_transport_ray(
-                &fences[f].scene, (struct neph_vec3){0, 1.2, 0}, d);
-            sum += light.volume.r;
-            error = fmax(error, light.quadrature_error);
-        }
-        const double per_ray_s = (seconds() - start_s) / (WIDTH * HEIGHT);
-        print_message("60 bars in %-16s %7.1f us/ray, %5.2f s for 192x108, mean %.6f, error %.1g\n",
-                      fences[f].name, 1e6 * per_ray_s, 192 * 108 * per_ray_s,
-                      sum / (WIDTH * HEIGHT), error);
-    }
-    test_free(fences);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -693,7 +656,6 @@ int main(void)
         cmocka_unit_test(test_white_furnace),
         cmocka_unit_test(test_what_is_refused),
         cmocka_unit_test(test_never_nonsense),
-        cmocka_unit_test(test_cost_of_a_fence),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
