@@ -37,8 +37,10 @@ typedef struct neph_view view_maker(const struct neph_scene *scene, struct neph_
 
 /* `flights`: with the tables of the first flight. */
 static struct estimate estimate_with(const struct neph_scene *scene, view_maker *make,
-                                     const void *context, enum part part, int samples, bool flights)
+                                     const void *context, enum part part, int all_samples,
+                                     bool flights)
 {
+    const int samples = neph_test_paths(all_samples);
     struct neph_diag diag = {0};
     struct neph_tracker *tracker;
     neph_assert_ok(neph_tracker_create(scene, &tracker, &diag), &diag);
@@ -302,7 +304,7 @@ static void check_line(const char *name, const struct neph_scene *scene, const s
         assert_true(off <= allowed);
         error = fmax(error, found.error[j] + truth[j].error);
     }
-    assert_true(error < 0.04 * most); /* the test can fail */
+    assert_true(error < neph_test_noise(0.04) * most); /* the test can fail */
 }
 
 /* Each channel of the tracer's single scattering against that of its grey scene. */
@@ -600,7 +602,7 @@ static void test_colour_of_all_orders(void **state)
                                                         i % 2 == 1);
             const double error = hypot(found.error[j], alone.error[j]);
             neph_assert_close(found.mean[j], alone.mean[j], 0.0, sigmas * error);
-            assert_true(error < 0.03 * alone.mean[j]); /* the test can fail */
+            assert_true(error < neph_test_noise(0.03) * alone.mean[j]); /* the test can fail */
         }
     }
     free_media(&scene);

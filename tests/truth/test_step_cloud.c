@@ -33,7 +33,7 @@ static void test_i3rc_step_cloud(void **state)
         double depths[32];
         struct neph_step_cloud_params params = neph_step_cloud_i3rc(experiment, depths);
         params.seed = 20051;
-        params.photons = 200000;
+        params.photons = neph_test_paths(200000);
         struct neph_step_cloud_fluxes fluxes;
         struct neph_diag diag = {.message = ""};
         neph_assert_ok(neph_step_cloud_solve(&params, &fluxes, NULL, &diag), &diag);
@@ -66,12 +66,12 @@ static void test_equal_columns_are_a_slab(void **state)
         struct neph_estimate nadir[3];
         struct neph_slab *slab = NULL;
         struct neph_diag diag = {.message = ""};
-        neph_assert_ok(
-            neph_step_cloud_solve(&(struct neph_step_cloud_params){3, depths, cases[i].width_m,
-                                                                   10.0, cases[i].albedo, phase,
-                                                                   cases[i].sun_cosine, 7, 100000},
-                                  &fluxes, nadir, &diag),
-            &diag);
+        neph_assert_ok(neph_step_cloud_solve(
+                           &(struct neph_step_cloud_params){
+                               3, depths, cases[i].width_m, 10.0, cases[i].albedo, phase,
+                               cases[i].sun_cosine, 7, neph_test_paths(100000)},
+                           &fluxes, nadir, &diag),
+                       &diag);
         neph_assert_ok(
             neph_slab_create(&(struct neph_slab_params){cases[i].depth, cases[i].albedo, phase,
                                                         cases[i].sun_cosine, 1, straight_up, 0},
@@ -95,7 +95,7 @@ static void test_wide_and_narrow_columns(void **state)
     (void)state;
     const double depths[2] = {0.5, 4.0};
     struct neph_step_cloud_params params = {
-        2, depths, 1e6, 10.0, 1.0, {NEPH_PHASE_ISOTROPIC, 0.0}, 0.7, 11, 100000};
+        2, depths, 1e6, 10.0, 1.0, {NEPH_PHASE_ISOTROPIC, 0.0}, 0.7, 11, neph_test_paths(100000)};
     struct neph_step_cloud_fluxes wide, narrow;
     double reflected[3];
     const double slabs[3] = {0.5, 4.0, 2.25};
@@ -110,7 +110,7 @@ static void test_wide_and_narrow_columns(void **state)
     }
     neph_assert_ok(neph_step_cloud_solve(&params, &wide, NULL, NULL), NULL);
     params.column_width_m = 1e-3;
-    params.photons = 3000;
+    params.photons = neph_test_paths(3000);
     neph_assert_ok(neph_step_cloud_solve(&params, &narrow, NULL, NULL), NULL);
     /* The part of the columns within a few thicknesses of a side: 10 / 1e6. */
     assert_estimate(wide.reflected, 0.5 * (reflected[0] + reflected[1]), 1e-4);
