@@ -174,6 +174,16 @@ static void fill_contrast(struct kernel *kernel, double spread, double pixels_pe
     }
 }
 
+/* Leave out the ends of a kernel that together are lost in the rounding of its sum. */
+static void trim_kernel(struct kernel *kernel)
+{
+    double left_out = 2.0 * kernel->weights[kernel->radius_px];
+    while (kernel->radius_px > 0 && left_out < 1e-14) {
+        kernel->weights[kernel->radius_px--] = 0.0;
+        left_out += 2.0 * kernel->weights[kernel->radius_px];
+    }
+}
+
 static void make_contrast_kernels(struct kernel *kernels, double pixels_per_degree)
 {
     const struct {
@@ -184,6 +194,8 @@ static void make_contrast_kernels(struct kernel *kernels, double pixels_per_degr
     scale_kernel(&kernels[RING_LUMINANCE], 1.0 / kernel_sum(&kernels[RING_LUMINANCE]));
     fill_contrast(&kernels[RING_RED_GREEN], 0.0053, pixels_per_degree);
     scale_kernel(&kernels[RING_RED_GREEN], 1.0 / kernel_sum(&kernels[RING_RED_GREEN]));
+    trim_kernel(&kernels[RING_LUMINANCE]);
+    trim_kernel(&kernels[RING_RED_GREEN]);
 
     /* Blue-yellow is the sum of two separable kernels: together they have the volume 1. */
     struct kernel *first = &kernels[RING_BLUE_YELLOW_WIDE];
@@ -469,14 +481,15 @@ NEPH_VECTOR static void filter_odd(const struct kernel *kernel, const double *co
     }
 }
 
-/* One kernel down the columns. */
-static void filter_columns(const struct kernel *kernel, const double *const *lines, int count,
-                           double *out)
+/* One kernel down the columns: rows of out, STRIDE apart, from as many lines and 2 radius more. */
+static void filter_columns(const struct kernel *kernel, const double *const *lines, int row_count,
+                           int count, double *out)
 {
-    if (kernel->is_odd)
-        filter_odd(kernel, lines, count, out);
-    else
-        filter_even(kernel, lines, count, out);
+    for (int row = 0; row < row_count; row++)
+        if (kernel->is_odd)
+            filter_odd(kernel, lines + row, count, out + (size_t)row * STRIDE);
+        else
+            filter_even(kernel, lines + row, count, out + (size_t)row * STRIDE);
 }
 
 /* Along a row, all kernels of an input at once, since they share its sums and differences: a kernel
@@ -693,8 +706,7 @@ static void leave_rows(const struct map_job *job, struct workspace *space, const
             const int row = wanted < 0 ? 0 : wanted >= job->height_px ? job->height_px - 1 : wanted;
             space->lines[j] = ring + (size_t)(row % flip->ring_rows) * STRIDE;
         }
-        for (int row = 0; row < row_count; row++)
-            filter_columns(kernel, space->lines + row, count, out[i] + (size_t)row * STRIDE);
+        filter_columns(kernel, space->lines, row_count, count, out[i]);
     }
     for (size_t at = 0; at < (size_t)row_count * STRIDE; at += STRIDE) {
         to_lab(count, out[OUTPUT_LUMINANCE] + at, out[OUTPUT_RED_GREEN] + at,
