@@ -341,6 +341,18 @@ static void make_image(struct reader *reader, size_t channel_count, uint32_t cod
     free(linear);
 }
 
+/* Of what says so: pixels per unit, of which fewer make a pixel larger. */
+static void add_pixel_aspect(struct reader *reader)
+{
+    const float aspect = png_get_pixel_aspect_ratio(reader->png, reader->info); /* 0: not known */
+    if (aspect == 0.0f || aspect == 1.0f)
+        return;
+    const enum neph_status status = neph_image_set_attribute(reader->image, "pixel_aspect",
+                                                             reader->diag, "%.9g", (double)aspect);
+    if (status)
+        escape_with(reader, status);
+}
+
 static void read_picture(struct reader *reader)
 {
     /* A damaged colour chunk would else be dropped in silence, and the picture taken for sRGB. */
@@ -360,6 +372,7 @@ static void read_picture(struct reader *reader)
     if (has_alpha)
         check_opaque(reader, (size_t)reader->width_px * (size_t)reader->height_px, code_max);
     make_image(reader, channel_count, code_max);
+    add_pixel_aspect(reader);
 }
 
 enum neph_status neph_png_read_image(const char *path, struct neph_image **image,

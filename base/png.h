@@ -23,7 +23,8 @@ enum neph_status neph_png_read_rgb16(const char *path, int *width_px, int *heigh
 /* Read any PNG (1 to 16 bits; grey, palette or RGB; interlaced or not) as linear R G B, display
  * value 1 at the largest code, by the inverse of the sRGB curve (IEC 61966-2-1:1999), evaluated in
  * double and rounded once. The attribute "encoding" = "sRGB" says that it was a display picture,
- * and no radiance. An alpha channel is dropped when it is opaque everywhere.
+ * and no radiance; "pixel_aspect" is width / height of a pixel, where the file says that it is not
+ * 1. An alpha channel is dropped when it is opaque everywhere.
  *
  * A file without colour chunks is taken for sRGB. With chunks it must be sRGB: an sRGB chunk, a
  * profile that libpng knows to be sRGB, a cICP of 1/13/0/1, or gAMA 0.45455 and the chromaticities

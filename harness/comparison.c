@@ -18,6 +18,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+enum { OVERLOOKED_COUNT = 3 };
+
 /* What is at work between the first frame and the last. */
 struct work {
     const struct neph_comparison *asked;
@@ -30,7 +32,9 @@ struct work {
     int mask_count;
     struct neph_meter *meter; /* owned */
     struct neph_frozen frozen;
-    json_t *maps; /* owned */
+    bool has_overlooked[OVERLOOKED_COUNT]; /* any frame so far */
+    char strangers[400];                   /* names of channels that mean nothing here */
+    json_t *maps;                          /* owned */
 };
 
 static bool is_picture(const struct neph_image *image)
@@ -373,6 +377,49 @@ static enum neph_status start(struct work *work, struct neph_diag *diag)
     return neph_meter_create(&params, &work->meter, diag);
 }
 
+/* What a frame may have that no metric looks at. */
+static const struct overlooked {
+    const char *channel, *attribute; /* the one or the other */
+    const char *what, *because;
+} overlooked[OVERLOOKED_COUNT] = {
+    {"A", NULL, "alpha", "R G B are compared as they are, and no metric looks at A"},
+    {"vector.Z", NULL, "channel Z", "beside X and Y it is no depth"},
+    {NULL, "pixel_aspect", "the pixel aspect ratio", "pixels are taken for square"},
+};
+
+static void note_overlooked(struct work *work, const struct neph_image *image)
+{
+    for (int i = 0; i < OVERLOOKED_COUNT; i++)
+        work->has_overlooked[i] |= overlooked[i].channel
+                                       ? neph_image_channel(image, overlooked[i].channel) != NULL
+                                       : neph_image_attribute(image, overlooked[i].attribute) !=
+                                             NULL;
+}
+
+static bool is_stranger(const char *channel)
+{
+    return !neph_validity_knows(channel) && strcmp(channel, "A") != 0 &&
+           strncmp(channel, "vector.", strlen("vector.")) != 0;
+}
+
+/* The first few channels of the first test frame that mean nothing here. */
+static void note_strangers(struct work *work, const struct neph_image *image)
+{
+    enum { SHOWN_MAX = 6 };
+    size_t used = 0;
+    int count = 0;
+    for (int c = 0; c < image->channel_count; c++) {
+        if (!is_stranger(image->channels[c].name))
+            continue;
+        if (++count <= SHOWN_MAX && used < sizeof(work->strangers))
+            used += (size_t)snprintf(work->strangers + used, sizeof(work->strangers) - used, " %s",
+                                     image->channels[c].name);
+    }
+    if (count > SHOWN_MAX && used < sizeof(work->strangers))
+        snprintf(work->strangers + used, sizeof(work->strangers) - used, " and %d more",
+                 count - SHOWN_MAX);
+}
+
 /* Which of many frames it is that does not fit. */
 static enum neph_status name_file(enum neph_status status, const char *path, struct neph_diag *diag)
 {
@@ -389,8 +436,14 @@ static enum neph_status measure_frame(struct work *work, int frame, struct neph_
     enum neph_status status = read_frames(work, index, diag);
     if (!status)
         status = name_file(check_kinds(work, diag), work->asked->test.paths[index], diag);
-    if (!status && frame == 0)
+    if (!status && frame == 0) {
+        note_strangers(work, work->test);
         status = start(work, diag);
+    }
+    if (!status) {
+        note_overlooked(work, work->reference);
+        note_overlooked(work, work->test);
+    }
     if (!status)
         status = neph_frozen_add(&work->frozen, work->test, NULL, diag);
     if (!status)
@@ -434,28 +487,24 @@ static void add_one_sided(const struct work *work, json_t **list)
     }
 }
 
-/* What the frames have and no metric looks at. */
+static void append_overlooked(json_t **list, const char *what, const char *because)
+{
+    neph_json_add(list, json_pack("{s:s, s:s, s:s}", "extractor", "everything", "quantity", what,
+                                  "because", because));
+}
+
 static void add_overlooked(const struct work *work, json_t **list)
 {
-    static const struct {
-        const char *channel, *attribute, *quantity, *because;
-    } overlooked[] = {
-        {"A", NULL, "alpha", "R G B are compared as they are, and no metric looks at A"},
-        {"vector.Z", NULL, "channel Z", "beside X and Y it is no depth"},
-        {NULL, "pixel_aspect", "the pixel aspect ratio", "pixels are taken for square"},
-    };
-    for (size_t i = 0; i < sizeof(overlooked) / sizeof(overlooked[0]); i++) {
-        const struct neph_image *const images[] = {work->reference, work->test};
-        bool is_there = false;
-        for (int k = 0; k < 2 && images[k]; k++)
-            is_there |= overlooked[i].channel
-                            ? neph_image_channel(images[k], overlooked[i].channel) != NULL
-                            : neph_image_attribute(images[k], overlooked[i].attribute) != NULL;
-        if (is_there)
-            neph_json_add(list,
-                          json_pack("{s:s, s:s, s:s}", "extractor", "everything", "quantity",
-                                    overlooked[i].quantity, "because", overlooked[i].because));
-    }
+    char what[sizeof(work->strangers) + 16];
+    for (int i = 0; i < OVERLOOKED_COUNT; i++)
+        if (work->has_overlooked[i])
+            append_overlooked(list, overlooked[i].what, overlooked[i].because);
+    snprintf(what, sizeof(what), "channels%s", work->strangers);
+    if (work->strangers[0])
+        append_overlooked(
+            list, what,
+            "they have no meaning here; --layer NAME takes NAME.R, NAME.Z, ... for R, "
+            "Z, ...");
 }
 
 static json_t *not_taken(const struct work *work)

@@ -163,6 +163,15 @@ static enum neph_status set_vector_aside(const char *path, struct neph_image *im
     return NEPH_OK;
 }
 
+/* Blender's sky lies at 1e10; no scene is measured in units of which so many are near. */
+static void mark_sky(struct neph_image *image)
+{
+    static const float far = 1e10f;
+    float *depth = neph_image_channel(image, "Z");
+    for (size_t i = 0; depth && i < neph_image_pixel_count(image); i++)
+        depth[i] = depth[i] >= far ? INFINITY : depth[i]; /* a NaN stays */
+}
+
 enum neph_status neph_frame_read(const char *path, const char *layer, size_t negative_allowed,
                                  struct neph_image **image, struct neph_diag *diag)
 {
@@ -181,6 +190,8 @@ enum neph_status neph_frame_read(const char *path, const char *layer, size_t neg
         status = make_grey_rgb(frame, diag);
     if (!status)
         drop_strangers(frame);
+    if (!status)
+        mark_sky(frame);
     if (!status)
         status = check(path, frame, negative_allowed, diag);
     if (status)

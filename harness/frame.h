@@ -11,9 +11,9 @@
  * (metrics/validity.h); the diag names the file. A PNG has the attribute "encoding" = "sRGB".
  * `layer`: its channels "<layer>.R" are R, and so on, and there is no other colour; NULL: the names
  * are as they are. Y alone is a grey picture. X, Y and Z beside R G B are a vector and are called
- * vector.X, ... Channels that have no meaning for us and hold values that are not finite
- * (identifiers) are left out. `negative_allowed`: values below 0 that are let through, as for
- * neph_validity_gate().
+ * vector.X, ... A depth of 1e10 or more is the sky, +inf. Channels that have no meaning for us and
+ * hold values that are not finite (identifiers) are left out. `negative_allowed`: values below 0
+ * that are let through, as for neph_validity_gate().
  * NEPH_ERR_GATE: a value is not finite (depth may be +inf), or too many are negative.
  * NEPH_ERR_INPUT: neither format, or of a kind that is not read, or damaged; colours that are not
  * in Rec.709, or CIE XYZ. NEPH_ERR_NOT_FOUND, NEPH_ERR_IO. */

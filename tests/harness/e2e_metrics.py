@@ -290,6 +290,12 @@ class Metrics(unittest.TestCase):
         self.assertIn("pixels are taken for square", neph("compare", wide, wide, "-m", "mae").stdout)
         for pair in ((plain, alpha), (alpha, plain)):
             self.assertIn("not taken: everything of alpha", neph("compare", *pair, "-m", "mae").stdout)
+        (self.folder / "some").mkdir()
+        for frame in range(3):  # the one in the middle has alpha
+            write(f"some/f{frame}.exr", "RGBA" if frame == 1 else "RGB")
+        self.assertIn("not taken: everything of alpha", neph("compare", plain, self.folder / "some", "-m", "mae").stdout)
+        layers = write("layers.exr", ["R", "G", "B", "right.R", "depth.Z"])
+        self.assertIn("not taken: everything of channels depth.Z right.R: ", neph("compare", layers, layers, "-m", "mae").stdout)
 
     def test_identifiers_beside_the_picture_are_not_gated(self):
         count = WIDTH * HEIGHT

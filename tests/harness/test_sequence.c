@@ -405,6 +405,25 @@ static void test_colours_that_are_none_of_ours(void **state)
     }
 }
 
+/* As Blender writes it. */
+static void test_a_depth_of_1e10_is_the_sky(void **state)
+{
+    char path[SCRATCH_PATH_MAX];
+    struct neph_image *image = NULL;
+    float *depth;
+    neph_assert_ok(neph_image_create(3, 1, &image, NULL), NULL);
+    neph_assert_ok(neph_image_add_channel(image, "Z", &depth, NULL), NULL);
+    depth[0] = 1e10f;
+    depth[1] = 9.9e9f;
+    depth[2] = INFINITY;
+    neph_assert_ok(neph_exr_write(scratch_path(state, path, "frame.exr"), image, NULL), NULL);
+    neph_image_destroy(image);
+    neph_assert_ok(neph_frame_read(path, NULL, 0, &image, NULL), NULL);
+    depth = neph_image_channel(image, "Z");
+    assert_true(isinf(depth[0]) && depth[1] == 9.9e9f && isinf(depth[2]));
+    neph_image_destroy(image);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -415,6 +434,7 @@ int main(void)
         scratch_test(test_frames_by_content),
         scratch_test(test_frames_that_are_none),
         scratch_test(test_colours_that_are_none_of_ours),
+        scratch_test(test_a_depth_of_1e10_is_the_sky),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
