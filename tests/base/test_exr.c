@@ -656,6 +656,26 @@ static void test_flipped_bytes_in_every_compression(void **state)
     }
 }
 
+/* Whoever wrote the file chose them, and they are shown. */
+static void test_names_of_channels_are_fit_to_be_shown(void **state)
+{
+    char path[SCRATCH_PATH_MAX];
+    struct neph_image *written = NULL, *read = NULL;
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_image_create(2, 1, &written, &diag), &diag);
+    float *samples;
+    neph_assert_ok(neph_image_add_channel(written, "mask.a\x1b[2J\xc2\x9b\xff", &samples, &diag),
+                   &diag);
+    samples[1] = 3.0f;
+    neph_assert_ok(neph_exr_write(scratch_path(state, path, "named.exr"), written, &diag), &diag);
+    neph_assert_ok(neph_exr_read(path, &read, &diag), &diag);
+    const float *found = neph_image_channel(read, "mask.a\\x1b[2J\\u009b\\xff");
+    assert_non_null(found);
+    assert_true(found[1] == 3.0f);
+    neph_image_destroy(written);
+    neph_image_destroy(read);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -679,6 +699,7 @@ int main(void)
         scratch_test(test_truncated_at_every_length),
         scratch_test(test_random_garbage),
         scratch_test(test_flipped_bytes),
+        scratch_test(test_names_of_channels_are_fit_to_be_shown),
         scratch_test(test_flipped_bytes_in_every_compression),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -101,13 +101,6 @@ class Output(unittest.TestCase):
             for byte in (b"\x1b", b"\xc2\x9b", b"\xe2\x80\xae", b"\xff"):
                 self.assertNotIn(byte, done.stdout + done.stderr, command)
 
-    def test_names_of_channels_do_not_act_on_the_terminal(self):
-        path = self.folder / "named.exr"
-        path.write_bytes(frames.exr_bytes(4, 4, {**{c: [0.5] * 16 for c in "RGB"}, "mask.m\x1b[2J\u202e": [1.0] * 16}))
-        done = neph("compare", path, path, "--json")
-        self.assertEqual(done.returncode, 0, done.stderr)
-        self.assertNotIn(b"\x1b", done.stdout + done.stderr)
-
     def blender(self, body):
         program = self.folder / "bin/blender"
         program.parent.mkdir(exist_ok=True)
