@@ -23,21 +23,29 @@ struct bound {
     double relative, of_largest, share, mean;
 };
 
-/* Where the numbers come from. Vulkan lets exp(x) be off by 3 + 2 |x| units in the last place and a
- * division by 2.5: an optical depth of 16, behind which a march sees nothing, gives 35 units or
- * 4e-6 for each of the exponentials of view and sun; a place 1 km from the camera is known to 6e-5
- * m, and densities rise by some 1e-2 per metre at the edges of clouds, over 64 steps: together
- * below 2e-4 of the value and 2e-5 of the largest. Two of a thousand pixels may see the other side
- * of a silhouette or of a shadow's edge. `realtime` keeps its history in half precision, units of
- * 5e-4, which stays in the history for several frames, and decides by thresholds whether history
- * holds: more pixels may differ, and the mean still may not. `tracer` draws the same random
- * numbers, but a collision that the last bit makes null sends the whole rest of the path elsewhere:
- * its radiance is held by its own variance instead, see neph_conform_compare(). */
+/* Where the numbers come from.
+ *
+ * Any: Vulkan lets exp(x) be off by 3 + 2 |x| units in the last place and a division by 2.5. An
+ * optical depth of 16, behind which a march sees nothing, gives 35 units or 4e-6 for each of the
+ * exponentials of view and sun; a place 1 km from the camera is known to 6e-5 m, and densities rise
+ * by some 1e-2 per metre at the edges of clouds, over 64 steps: together below 2e-4 of the value
+ * and 2e-5 of the largest. Two of a thousand pixels may see the other side of a silhouette or of a
+ * shadow's edge.
+ *
+ * Z: the distance to a sphere takes three roundings of its radius, 4.5e-4 of the way from an eye
+ * 1/2500 of the radius above it, as in scene atmosphere_shell.
+ *
+ * realtime: history is kept in half precision, units of 5e-4, over several frames, and thresholds
+ * decide whether it holds, so that more pixels may differ, and the mean still may not. Of 203
+ * pictures on an NVIDIA H100 and on lavapipe the worst had 3.3 % beyond, the next one 1 %.
+ *
+ * tracer: the random numbers are the same, but a collision that the last bit makes null sends the
+ * rest of the path elsewhere: its light is held by its own variance, see measure_chance(). */
 static const struct bound bounds[] = {
-    {"realtime", "Z", 1e-5, 0.0, 0.002, 1e-3},
-    {"realtime", "volume.distance", 1e-2, 1e-3, 0.03, 1e-2},
-    {"realtime", "", 4e-3, 1e-3, 0.02, 5e-4},
-    {"", "Z", 1e-5, 0.0, 0.002, 1e-3},
+    {"realtime", "Z", 5e-4, 0.0, 0.002, 1e-3},
+    {"realtime", "volume.distance", 1e-2, 1e-3, 0.05, 1e-2},
+    {"realtime", "", 4e-3, 1e-3, 0.05, 5e-4},
+    {"", "Z", 5e-4, 0.0, 0.002, 1e-3},
     {"", "volume.distance", 2e-3, 1e-4, 0.01, 1e-3},
     {"", "", 2e-4, 2e-5, 0.002, 2e-5},
 };
@@ -155,7 +163,7 @@ struct pair {
 };
 
 struct distance {
-    double worst; /* |a - b| of a pixel less its bound's relative part, of the largest value */
+    double worst; /* |a - b| of a pixel, of the channel's largest value */
     size_t beyond, allowed;
     double mean, mean_allowed; /* both of the largest value */
 };

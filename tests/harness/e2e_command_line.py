@@ -28,7 +28,7 @@ class CommandLine(unittest.TestCase):
         self.folder = pathlib.Path(folder.name)
 
     def test_help_of_every_verb_has_an_example(self):
-        for verb in ("validate", "render", "export", "compare", "flicker", "metrics", "bake", "study", "benchmark", "scenes", "engines", "doctor"):
+        for verb in ("validate", "render", "export", "compare", "flicker", "conform", "metrics", "bake", "study", "benchmark", "scenes", "engines", "doctor"):
             done = neph(verb, "--help")
             self.assertEqual(done.returncode, 0, verb)
             self.assertIn("Example", done.stdout, verb)
