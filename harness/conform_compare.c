@@ -194,7 +194,9 @@ static struct distance measure(const struct pair *pair, const char *channel,
         if (a[i] == b[i])
             continue;
         const double apart = fabs((double)a[i] - b[i]), size = fmax(fabs(a[i]), fabs(b[i]));
-        distance.beyond += !(apart <= bound->relative * size + bound->of_largest * largest);
+        const bool within = isfinite(apart) &&
+                            apart <= bound->relative * size + bound->of_largest * largest;
+        distance.beyond += !within;
         if (isfinite(apart))
             distance.worst = fmax(distance.worst, apart / fmax(largest, 1e-30));
     }
