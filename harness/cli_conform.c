@@ -94,7 +94,8 @@ static const struct argp argp = {
         "Render every scene at a real size with every engine of ours that runs on a Vulkan "
         "device, and count what is not finite or below zero: exit 1 if anything is. Or hold two "
         "such folders, of two devices, against each other: exit 1 if a picture is further apart "
-        "than float32 and each engine's own decisions explain.\v"
+        "than float32 and each engine's own decisions explain; --scene and --engine compare a "
+        "part.\v"
         "DIR gets SCENE.json with counts, means and hashes of whole pictures, and 48x27 pixels "
         "of each as EXR: small enough to carry from one machine to another. Scenes may be "
         "rendered by several runs into one folder. The device is lavapipe unless "
@@ -222,7 +223,8 @@ static void print_comparison(const json_t *report)
 static enum neph_status compare(const struct request *request, struct neph_diag *diag)
 {
     json_t *report = NULL;
-    enum neph_status status = neph_conform_compare(request->folders[0], request->folders[1],
+    const struct neph_conform_part part = {request->engine, request->scenes, request->scene_count};
+    enum neph_status status = neph_conform_compare(request->folders[0], request->folders[1], &part,
                                                    &report, diag);
     if (status)
         return status;

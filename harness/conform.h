@@ -41,12 +41,21 @@ enum neph_status neph_conform_render(const struct neph_conform_params *params, j
  * engine that failed counts as a picture. */
 void neph_conform_count(const json_t *report, int *expected, int *sound);
 
+/* What of two folders is compared: an engine's pictures alone (NULL: all) of these scenes alone, by
+ * name (none: all). */
+struct neph_conform_part {
+    const char *engine;
+    const char *const *scenes;
+    int scene_count;
+};
+
 /* Hold the pictures of two folders against each other. `*report`: {"devices": [2], "expected",
  * "agreeing", "pictures": [{"picture", "agrees", "channels": [...], "because"}]}, for
  * json_decref(). A picture that only one folder holds, or that is of another scene, size or
  * setting, does not agree. NEPH_ERR_NOT_FOUND, NEPH_ERR_INPUT: no folder of neph_conform_render().
  */
-enum neph_status neph_conform_compare(const char *folder_a, const char *folder_b, json_t **report,
+enum neph_status neph_conform_compare(const char *folder_a, const char *folder_b,
+                                      const struct neph_conform_part *part, json_t **report,
                                       struct neph_diag *diag);
 
 #endif

@@ -359,10 +359,26 @@ static const json_t *picture_of(const json_t *scene, const char *name)
     return find_named(json_object_get(scene, "pictures"), "picture", name);
 }
 
+static bool is_wanted_scene(const struct neph_conform_part *part, const json_t *scene)
+{
+    const char *name = json_string_value(json_object_get(scene, "scene"));
+    bool wanted = part->scene_count == 0;
+    for (int i = 0; i < part->scene_count && name; i++)
+        wanted = wanted || strcmp(part->scenes[i], name) == 0;
+    return wanted;
+}
+
+static bool is_wanted(const struct neph_conform_part *part, const json_t *entry)
+{
+    const char *engine = json_string_value(json_object_get(entry, "engine"));
+    return !part->engine || !engine || strcmp(part->engine, engine) == 0;
+}
+
 /* The pictures of `scene`, folder `which`'s, beside those of the other folder; those that both have
  * are compared when it is the first folder's turn. */
 static enum neph_status compare_scene(const char *const folders[2], const json_t *scene,
-                                      const json_t *other, int which, json_t *pictures,
+                                      const json_t *other, int which,
+                                      const struct neph_conform_part *part, json_t *pictures,
                                       struct neph_diag *diag)
 {
     const bool same_scene = other && json_equal(json_object_get(scene, "scene_hash"),
@@ -374,7 +390,7 @@ static enum neph_status compare_scene(const char *const folders[2], const json_t
     {
         const char *name = json_string_value(json_object_get(entry, "picture"));
         const json_t *beside = name ? picture_of(other, name) : NULL;
-        if (status || (which == 1 && beside) ||
+        if (status || !is_wanted(part, entry) || (which == 1 && beside) ||
             (!is_expected(entry) && (!beside || !is_expected(beside))))
             continue;
         const json_t *const entries[2] = {which == 0 ? entry : NULL, which == 0 ? beside : entry};
@@ -384,7 +400,8 @@ static enum neph_status compare_scene(const char *const folders[2], const json_t
 }
 
 static enum neph_status compare_all(const char *const folders[2], json_t *const scenes[2],
-                                    json_t *pictures, struct neph_diag *diag)
+                                    const struct neph_conform_part *part, json_t *pictures,
+                                    struct neph_diag *diag)
 {
     enum neph_status status = NEPH_OK;
     for (int which = 0; which < 2; which++) {
@@ -392,9 +409,9 @@ static enum neph_status compare_all(const char *const folders[2], json_t *const 
         json_t *scene;
         json_object_foreach(scenes[which], file, scene)
         {
-            if (!status)
+            if (!status && is_wanted_scene(part, scene))
                 status = compare_scene(folders, scene, json_object_get(scenes[1 - which], file),
-                                       which, pictures, diag);
+                                       which, part, pictures, diag);
         }
     }
     return status;
@@ -415,7 +432,8 @@ static int count_agreeing(const json_t *pictures)
     return count;
 }
 
-enum neph_status neph_conform_compare(const char *folder_a, const char *folder_b, json_t **report,
+enum neph_status neph_conform_compare(const char *folder_a, const char *folder_b,
+                                      const struct neph_conform_part *part, json_t **report,
                                       struct neph_diag *diag)
 {
     const char *const folders[2] = {folder_a, folder_b};
@@ -424,7 +442,7 @@ enum neph_status neph_conform_compare(const char *folder_a, const char *folder_b
     if (!status)
         status = read_folder(folder_b, &scenes[1], diag);
     if (!status)
-        status = compare_all(folders, scenes, pictures, diag);
+        status = compare_all(folders, scenes, part, pictures, diag);
     if (!status) {
         made = json_pack("{s:[O,O], s:i, s:i, s:O}", "devices", first_device(scenes[0]),
                          first_device(scenes[1]), "expected", (int)json_array_size(pictures),

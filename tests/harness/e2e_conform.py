@@ -65,6 +65,19 @@ class Conform(unittest.TestCase):
         self.assertEqual(len(channels), 11)
         self.assertEqual({c["worst"] for c in channels.values()}, {0.0})
 
+    def test_a_part(self):
+        for part in (("-e", "tracer"), ("--scene", "voxel_grid")):
+            done = conform(*part, self.made, self.made)
+            self.assertEqual(done.returncode, 1)
+            self.assertIn("nothing to compare", done.stderr)
+        folder = self.changed()
+        self.rewrite(folder, lambda scene: scene["pictures"].append(
+            {**scene["pictures"][0], "picture": "height_fog_level_tracer", "engine": "tracer"}))
+        self.assertEqual(conform(self.made, folder).returncode, 1)
+        done = conform("-e", "march", "--scene", "height_fog_level", self.made, folder)
+        self.assertEqual(done.returncode, 0, done.stdout)
+        self.assertIn("1 of 1 pictures agree", done.stdout)
+
     def test_other_pixels(self):
         folder = self.changed()
         path = os.path.join(folder, "height_fog_level_march.exr")
