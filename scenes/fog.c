@@ -42,7 +42,7 @@ double neph_fog_layer_optical_depth(const struct neph_fog_layer *layer, double y
     const double decay = fabs(rate_per_m) * length_m;
     /* Beyond e^-40 the end of the ray adds nothing in double, and length may be infinite. */
     if (decay > 40.0)
-        return density_per_m / layer->falloff_per_m / fabs(k_y) * half;
+        return density_per_m / fabs(layer->falloff_per_m) / fabs(k_y) * half;
     return density_per_m * (half * (length_m * neph_phi(decay)));
 }
 
@@ -52,6 +52,11 @@ double neph_fog_layer_distance_m(const struct neph_fog_layer *layer, double y_m,
 {
     if (layer->extinction_per_m == 0.0)
         return INFINITY;
+    if (layer->falloff_per_m < 0.0) { /* the same upside down */
+        const struct neph_fog_layer mirror = {layer->extinction_per_m, -layer->falloff_per_m,
+                                              -layer->height_m};
+        return neph_fog_layer_distance_m(&mirror, -y_m, -k_y, optical_depth);
+    }
     const double rate_per_m = layer->falloff_per_m * fabs(k_y);
     const double folds = layer->falloff_per_m * (y_m - layer->height_m); /* density at y, as e^- */
     /* The density changes by less than rounding over the way: even. */
@@ -91,10 +96,16 @@ static double optical_depth(const struct neph_medium *medium, struct neph_vec3 o
     return sum;
 }
 
-/* Fog is densest at the bottom. */
+/* A layer is densest at the bottom, or at the top where it thins out downwards. */
 static double bound_per_m(const struct neph_medium *medium, const struct neph_bounds *box)
 {
-    return extinction_per_m(medium, box->min_m);
+    double sum_per_m = 0.0;
+    for (int i = 0; i < medium->layer_count; i++) {
+        const struct neph_fog_layer *layer = &medium->layers[i];
+        const bool is_mirrored = layer->falloff_per_m < 0.0;
+        sum_per_m += layer_extinction_per_m(layer, is_mirrored ? box->max_m.y : box->min_m.y);
+    }
+    return sum_per_m;
 }
 
 static struct neph_bounds support(const struct neph_medium *medium)

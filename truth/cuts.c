@@ -81,19 +81,6 @@ static void cut_sun_kinks(struct cuts *cuts, const struct ray *ray,
 
 enum { LADDER_COUNT = 9 };
 
-/* How far from height y along k_y until a layer has given an optical depth: the inverse of its
- * closed form, in logarithms, for the density at y may underflow. NaN or +inf when it never has. */
-static double layer_distance_m(const struct neph_fog_layer *layer, double y_m, double k_y,
-                               double optical_depth)
-{
-    const double rate_per_m = layer->falloff_per_m * fabs(k_y);
-    const double exponent = log(optical_depth * rate_per_m / layer->extinction_per_m) +
-                            layer->falloff_per_m * (y_m - layer->height_m);
-    if (k_y > 0.0)
-        return -log1p(-exp(exponent)) / rate_per_m;
-    return (exponent > 36.0 ? exponent : log1p(exp(exponent))) / rate_per_m;
-}
-
 /* Cuts where a layer has given its whole / 2 * 64^-k from either end: between two of them its
  * density changes 64-fold at most, or it gives less than 1e-14 of its whole. However far away or
  * thin a layer is, some piece has its scale. */
@@ -110,8 +97,8 @@ static void cut_fog(struct cuts *cuts, const struct ray *ray, const struct neph_
         if (layer->falloff_per_m * k_y == 0.0)
             continue; /* even along the ray */
         for (int k = 0; k < LADDER_COUNT && step > 0.0; k++, step /= 64.0) {
-            cut(cuts, near_m + layer_distance_m(layer, near_y_m, k_y, step));
-            cut(cuts, far_m - layer_distance_m(layer, far_y_m, -k_y, step));
+            cut(cuts, near_m + neph_fog_layer_distance_m(layer, near_y_m, k_y, step));
+            cut(cuts, far_m - neph_fog_layer_distance_m(layer, far_y_m, -k_y, step));
         }
     }
 }

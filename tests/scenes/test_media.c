@@ -109,6 +109,51 @@ static void test_fog_layer_is_never_nonsense(void **state)
                     }
 }
 
+struct fog_ray {
+    struct neph_fog_layer layer;
+    double y_m, k_y;
+};
+
+static void fog_on_ray(double t_m, void *context, double value[3])
+{
+    const struct fog_ray *ray = context;
+    value[0] = ray->layer.extinction_per_m *
+               exp(-ray->layer.falloff_per_m * (ray->y_m + t_m * ray->k_y - ray->layer.height_m));
+    value[1] = value[2] = 0.0;
+}
+
+/* Fog that thins out downwards: the same formula, against quadrature and its own inverse. */
+static void test_fog_upside_down(void **state)
+{
+    (void)state;
+    static const double falloffs[] = {-1e-3, -0.1, -2.0}, slopes[] = {-1.0, -0.3, 0.2, 1.0};
+    static const double lengths[] = {0.5, 20.0, 300.0};
+    for (size_t b = 0; b < COUNT(falloffs); b++)
+        for (size_t k = 0; k < COUNT(slopes); k++)
+            for (size_t l = 0; l < COUNT(lengths); l++) {
+                struct fog_ray ray = {{0.2, falloffs[b], 1.0}, 3.0, slopes[k]};
+                struct neph_interval pieces[64];
+                double expected[3];
+                for (int i = 0; i < 64; i++)
+                    pieces[i] = (struct neph_interval){lengths[l] * i / 64.0,
+                                                       lengths[l] * (i + 1) / 64.0};
+                neph_integrate(fog_on_ray, &ray, pieces, 64, expected);
+                const double depth = neph_fog_layer_optical_depth(&ray.layer, ray.y_m, ray.k_y,
+                                                                  lengths[l]);
+                /* Exponents up to 600 are rounded. */
+                neph_assert_close(depth, expected[0], 1e-12 + 600.0 * unit_roundoff * 4.0, 0.0);
+                const double part_m = 0.25 * lengths[l];
+                const double part = neph_fog_layer_optical_depth(&ray.layer, ray.y_m, ray.k_y,
+                                                                 part_m);
+                if (part < 0.999 * depth) /* else nothing is left to invert */
+                    neph_assert_close(neph_fog_layer_distance_m(&ray.layer, ray.y_m, ray.k_y, part),
+                                      part_m, 1e-9, 0.0);
+            }
+    const struct neph_fog_layer layer = {1e-3, -0.01, 0.0};
+    neph_assert_close(neph_fog_layer_optical_depth(&layer, 0.0, -1.0, INFINITY), 0.1, 1e-15, 0.0);
+    assert_true(neph_fog_layer_optical_depth(&layer, 0.0, 1.0, INFINITY) == INFINITY);
+}
+
 /* To infinity: finite upwards, opaque on the level and downwards, whatever the eye's height. */
 static void test_infinite_rays(void **state)
 {
@@ -407,6 +452,7 @@ int main(void)
         cmocka_unit_test(test_phi),
         cmocka_unit_test(test_fog_layer_against_reference),
         cmocka_unit_test(test_fog_layer_is_never_nonsense),
+        cmocka_unit_test(test_fog_upside_down),
         cmocka_unit_test(test_infinite_rays),
         cmocka_unit_test(test_optical_depth_adds_and_reverses),
         cmocka_unit_test(test_bounds_clip),
