@@ -92,7 +92,7 @@ static struct neph_medium build_shell(const struct neph_raw_shell *raw)
 static enum neph_status build_grid(const struct neph_raw_grid *raw, struct neph_medium *medium,
                                    struct neph_diag *diag)
 {
-    *medium = start_medium(NEPH_MEDIUM_GRID, &raw->optics, NULL);
+    *medium = start_medium(NEPH_MEDIUM_GRID, &raw->optics, raw->bounds);
     medium->extinction_per_m = raw->extinction_per_m;
     enum neph_status status = neph_grid_create(raw->size, vec3(raw->origin_m), vec3(raw->spacing_m),
                                                &medium->grid, diag);
@@ -145,7 +145,7 @@ static enum neph_status place_volume(struct neph_grid *grid, const struct neph_r
 static enum neph_status build_volume(const struct neph_raw_volume *raw, const char *scene_path,
                                      struct neph_medium *medium, struct neph_diag *diag)
 {
-    *medium = start_medium(NEPH_MEDIUM_GRID, &raw->optics, NULL);
+    *medium = start_medium(NEPH_MEDIUM_GRID, &raw->optics, raw->bounds);
     medium->extinction_per_m = raw->extinction_per_m;
     const size_t limit_bytes = raw->memory_limit_mib ? (size_t)*raw->memory_limit_mib << 20
                                                      : NEPH_GRID_NODES_MAX * sizeof(float);

@@ -322,6 +322,14 @@ static enum neph_status check_solids(const struct rules *rules, const struct nep
 
 /* --- Media --- */
 
+/* `bounds` may be NULL. */
+static enum neph_status check_optional_bounds(const struct rules *rules, const char *owner,
+                                              const struct neph_raw_bounds *bounds)
+{
+    return bounds ? check_extent(rules, at("%s.bounds", owner).text, bounds->min_m, bounds->max_m)
+                  : NEPH_OK;
+}
+
 static enum neph_status check_homogeneous(const struct rules *rules, const char *owner,
                                           const struct neph_raw_homogeneous *medium)
 {
@@ -359,8 +367,7 @@ static enum neph_status check_height_fog(const struct rules *rules, const char *
 {
     if (!fog->layers == !fog->unreal_layers)
         return FAIL(rules, at("%s", owner), "give exactly one of layers, unreal_layers");
-    enum neph_status status = fog->bounds ? check_extent(rules, at("%s.bounds", owner).text,
-                                                         fog->bounds->min_m, fog->bounds->max_m)
+    enum neph_status status = fog->bounds ? check_optional_bounds(rules, owner, fog->bounds)
                                           : check_unbounded(rules, owner, fog);
     return status ? status : check_optics(rules, owner, &fog->optics);
 }
@@ -368,10 +375,7 @@ static enum neph_status check_height_fog(const struct rules *rules, const char *
 static enum neph_status check_gaussian(const struct rules *rules, const char *owner,
                                        const struct neph_raw_gaussian *gaussian)
 {
-    const struct neph_raw_bounds *bounds = gaussian->bounds;
-    enum neph_status status = bounds ? check_extent(rules, at("%s.bounds", owner).text,
-                                                    bounds->min_m, bounds->max_m)
-                                     : NEPH_OK;
+    const enum neph_status status = check_optional_bounds(rules, owner, gaussian->bounds);
     return status ? status : check_optics(rules, owner, &gaussian->optics);
 }
 
@@ -390,7 +394,8 @@ static enum neph_status check_grid(const struct rules *rules, const char *owner,
     if (wanted != (long)grid->values_count)
         return FAIL(rules, at("%s.values", owner), "%u values for %d x %d x %d = %ld nodes",
                     grid->values_count, grid->size[0], grid->size[1], grid->size[2], wanted);
-    return check_optics(rules, owner, &grid->optics);
+    const enum neph_status status = check_optional_bounds(rules, owner, grid->bounds);
+    return status ? status : check_optics(rules, owner, &grid->optics);
 }
 
 static enum neph_status check_volume(const struct rules *rules, const char *owner,
@@ -398,7 +403,8 @@ static enum neph_status check_volume(const struct rules *rules, const char *owne
 {
     if (volume->file[0] != '$' && !neph_volume_has_known_extension(volume->file))
         return FAIL(rules, at("%s.file", owner), "'%s' must end in .vdb or .df3", volume->file);
-    return check_optics(rules, owner, &volume->optics);
+    const enum neph_status status = check_optional_bounds(rules, owner, volume->bounds);
+    return status ? status : check_optics(rules, owner, &volume->optics);
 }
 
 static enum neph_status check_horizon(const struct rules *rules, const char *owner,

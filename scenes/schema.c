@@ -277,6 +277,8 @@ static const cyaml_schema_field_t grid_fields[] = {
                          NEPH_SCENE_VOXELS_MAX),
     FIELD_NUMBER("extinction_per_m", struct neph_raw_grid, extinction_per_m),
     FIELDS_OPTICS(struct neph_raw_grid),
+    CYAML_FIELD_MAPPING_PTR("bounds", CYAML_FLAG_OPTIONAL, struct neph_raw_grid, bounds,
+                            bounds_fields),
     CYAML_FIELD_END,
 };
 
@@ -289,6 +291,8 @@ static const cyaml_schema_field_t volume_fields[] = {
                         memory_limit_mib),
     FIELD_NUMBER("extinction_per_m", struct neph_raw_volume, extinction_per_m),
     FIELDS_OPTICS(struct neph_raw_volume),
+    CYAML_FIELD_MAPPING_PTR("bounds", CYAML_FLAG_OPTIONAL, struct neph_raw_volume, bounds,
+                            bounds_fields),
     CYAML_FIELD_END,
 };
 
@@ -390,6 +394,9 @@ static const cyaml_schema_value_t scene = {
 
 /* 1e6 m: beyond it float32 renderers resolve 6 cm and less, so no engine could be compared. */
 #define FAR_M 1e6
+
+/* Balls of ground and air may be planets. */
+#define PLANET_M 1e8
 #define FAST_M_PER_S 1e5 /* a time lapse: 3 km per frame at 30 Hz */
 #define BRIGHT 1e9       /* one float32 pixel still holds the sum of 1e29 of them */
 
@@ -424,8 +431,8 @@ static const struct neph_field fields[] = {
     {"solids[].box.min_m[]", "m", -FAR_M, FAR_M, NULL},
     {"solids[].box.max_m[]", "m", -FAR_M, FAR_M, NULL},
     {"solids[].box.albedo[]", "", 0, 1, albedo_note},
-    {"solids[].sphere.center_m[]", "m", -FAR_M, FAR_M, NULL},
-    {"solids[].sphere.radius_m", "m", 1e-4, FAR_M, NULL},
+    {"solids[].sphere.center_m[]", "m", -PLANET_M, PLANET_M, NULL},
+    {"solids[].sphere.radius_m", "m", 1e-4, PLANET_M, NULL},
     {"solids[].sphere.albedo[]", "", 0, 1, albedo_note},
     {"solids[].fence.origin_m[]", "m", -FAR_M, FAR_M, NULL},
     {"solids[].fence.bars", "", 1, NEPH_SCENE_SOLIDS_MAX, NULL},
@@ -473,7 +480,7 @@ static const struct neph_field fields[] = {
     {"media[].gaussian.asymmetry_g", "", -0.999, 0.999, g_note},
     {"media[].gaussian.bounds.min_m[]", "m", -FAR_M, FAR_M, NULL},
     {"media[].gaussian.bounds.max_m[]", "m", -FAR_M, FAR_M, NULL},
-    {"media[].shell.center_m[]", "m", -1e8, 1e8, NULL},
+    {"media[].shell.center_m[]", "m", -PLANET_M, PLANET_M, NULL},
     {"media[].shell.radius_m", "m", 1, 1e8, NULL},
     {"media[].shell.scale_height_m", "m", 1e-2, 1e7, NULL},
     {"media[].shell.extinction_per_m", "1/m", 0, 1e4, NULL},
@@ -483,8 +490,8 @@ static const struct neph_field fields[] = {
     {"media[].shell.asymmetry_g", "", -0.999, 0.999, g_note},
     {"media[].shell.bounds", "", 0, 0,
      "an atmosphere needs finite bounds: trackers and other engines must know where it ends"},
-    {"media[].shell.bounds.min_m[]", "m", -1e8, 1e8, NULL},
-    {"media[].shell.bounds.max_m[]", "m", -1e8, 1e8, NULL},
+    {"media[].shell.bounds.min_m[]", "m", -PLANET_M, PLANET_M, NULL},
+    {"media[].shell.bounds.max_m[]", "m", -PLANET_M, PLANET_M, NULL},
     {"media[].grid.size[]", "nodes", 1, 1024, NULL},
     {"media[].grid.origin_m[]", "m", -FAR_M, FAR_M, NULL},
     {"media[].grid.spacing_m[]", "m", 1e-4, FAR_M, NULL},
@@ -494,6 +501,8 @@ static const struct neph_field fields[] = {
     {"media[].grid.albedo[]", "", 0, 1, albedo_note},
     {"media[].grid.voxels", "nodes", NEPH_BAKE_RESOLUTION_MIN, NEPH_GRID_SIDE_MAX, voxels_note},
     {"media[].grid.asymmetry_g", "", -0.999, 0.999, g_note},
+    {"media[].grid.bounds.min_m[]", "m", -FAR_M, FAR_M, NULL},
+    {"media[].grid.bounds.max_m[]", "m", -FAR_M, FAR_M, NULL},
     {"media[].volume.center_m[]", "m", -FAR_M, FAR_M, NULL},
     {"media[].volume.longest_side_m", "m", 1e-3, FAR_M, NULL},
     {"media[].volume.memory_limit_mib", "MiB", 1, NEPH_GRID_NODES_MAX * sizeof(float) >> 20,
@@ -503,6 +512,8 @@ static const struct neph_field fields[] = {
     {"media[].volume.albedo[]", "", 0, 1, albedo_note},
     {"media[].volume.voxels", "nodes", NEPH_BAKE_RESOLUTION_MIN, NEPH_GRID_SIDE_MAX, voxels_note},
     {"media[].volume.asymmetry_g", "", -0.999, 0.999, g_note},
+    {"media[].volume.bounds.min_m[]", "m", -FAR_M, FAR_M, NULL},
+    {"media[].volume.bounds.max_m[]", "m", -FAR_M, FAR_M, NULL},
     {"media[].horizon.seed", "", 0, 1e9, NULL},
     {"media[].horizon.planet_radius_m", "m", 1e3, 1e8, NULL},
     {"media[].horizon.bottom_m", "m", -FAR_M, FAR_M, NULL},

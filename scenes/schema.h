@@ -138,6 +138,7 @@ struct neph_raw_grid {
     unsigned values_count;
     double extinction_per_m;
     struct neph_raw_optics optics;
+    struct neph_raw_bounds *bounds; /* NULL: unbounded */
 };
 
 /* Voxels from a file, put in place by the block of them (nodes times spacing). */
@@ -148,6 +149,7 @@ struct neph_raw_volume {
     int *memory_limit_mib;
     double extinction_per_m;
     struct neph_raw_optics optics;
+    struct neph_raw_bounds *bounds; /* NULL: unbounded */
 };
 
 /* NULL: the article's value, neph_horizon_defaults(). */

@@ -154,6 +154,12 @@ static const struct row {
     {"grid: {size: [2, 1, 1], origin_m: [0, 0, 0], spacing_m: [1, 1, 1], values: [0, 1], " OPTICS
      "}",
      NULL},
+    {"grid: {size: [2, 1, 1], origin_m: [0, 0, 0], spacing_m: [1, 1, 1], values: [0, 1], " OPTICS
+     ", " BOUNDS "}",
+     NULL},
+    {"grid: {size: [2, 1, 1], origin_m: [0, 0, 0], spacing_m: [1, 1, 1], values: [0, 1], " OPTICS
+     ", bounds: {min_m: [0, 0, 0], max_m: [1, 0, 1]}}",
+     "bounds"},
     {"grid: {size: [2, 1, 1], origin_m: [0, 0, 0], spacing_m: [1, 1, 1], values: [0], " OPTICS "}",
      "1 values for 2 x 1 x 1 = 2 nodes"},
     {"grid: {size: [2, 1, 0], origin_m: [0, 0, 0], spacing_m: [1, 1, 1], values: [0], " OPTICS "}",
@@ -252,6 +258,28 @@ static void test_messages_never_show_what_the_environment_holds(void **state)
         assert_non_null(strstr(diag.message, files[i]));
     }
     unsetenv("NEPH_TEST_SECRET");
+}
+
+/* Its bounds cut a grid: of four nodes of 1 only the middle is left. */
+static void test_a_grid_keeps_to_its_bounds(void **state)
+{
+    (void)state;
+    struct neph_scene *scene = NULL;
+    struct neph_diag diag = {0};
+    const char *text =
+        "name: probe\ntitle: a probe\nphysics: none\n"
+        "camera: {position_m: [0, 0, 9], look_at_m: [0, 0, 0], vertical_fov_deg: 40}\n"
+        "scattering: none\n"
+        "solids:\n  - sphere: {center_m: [0, -6371000, 0], radius_m: 6370990, albedo: [0, 0, 0]}\n"
+        "media:\n  - grid: {size: [2, 1, 2], origin_m: [-1, 0, -1], spacing_m: [2, 2, 2], "
+        "values: [1, 1, 1, 1], " OPTICS
+        ", bounds: {min_m: [-0.5, -0.5, -0.25], max_m: [0.5, 0.5, 0.5]}}\n";
+    neph_assert_ok(load_text(text, strlen(text), &scene, &diag), &diag);
+    const struct neph_vec3 eye_m = {0.2, 0.0, 9.0}, ahead = {0, 0, -1};
+    const double per_m = scene->media[0].extinction_per_m;
+    neph_assert_close(neph_scene_optical_depth(scene, eye_m, ahead, 0.0, INFINITY).g, 0.75 * per_m,
+                      1e-12, 0.0);
+    neph_scene_destroy(scene);
 }
 
 static void test_volumes_are_read_and_put_in_place(void **state)
@@ -507,6 +535,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_what_is_wrong_is_named),
         cmocka_unit_test(test_media_of_all_kinds),
+        cmocka_unit_test(test_a_grid_keeps_to_its_bounds),
         cmocka_unit_test(test_volumes_are_read_and_put_in_place),
         cmocka_unit_test(test_volumes_that_are_not_there),
         cmocka_unit_test(test_defaults_and_units),
