@@ -77,8 +77,15 @@ struct neph_gpu_solid neph_gpu_solid_from(const struct neph_solid *solid,
     };
     const bool is_box = solid->kind == NEPH_SOLID_BOX;
     set_position(gpu.low_m, is_box ? solid->box.min_m : solid->center_m, camera_position_m);
-    set_position(gpu.high_m, is_box ? solid->box.max_m : solid->center_m, camera_position_m);
     set_rgb(gpu.albedo, solid->albedo);
+    if (is_box) {
+        set_position(gpu.high_m, solid->box.max_m, camera_position_m);
+        return gpu;
+    }
+    const struct neph_gpu_globe globe = neph_gpu_globe_from(solid->center_m, solid->radius_m,
+                                                            camera_position_m);
+    memcpy(gpu.high_m, globe.up, sizeof(gpu.high_m));
+    gpu.albedo[3] = globe.camera_altitude_m;
     return gpu;
 }
 

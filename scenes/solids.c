@@ -10,8 +10,18 @@
 
 #include <math.h>
 
-/* A shadow ray starts on a surface: what is nearer than this is the surface itself. */
-static const double shadow_start_m = 1e-9;
+/* A shadow ray starts on a surface: what is nearer than this is the surface itself. Points of a
+ * ball are rounded to 1e-16 of its size, which a low sun makes longer. */
+static double shadow_start_m(const struct neph_solid *solid)
+{
+    return fmax(1e-9, solid->kind == NEPH_SOLID_SPHERE ? 1e-12 * solid->radius_m : 0.0);
+}
+
+/* radius^2 - distance^2, which cancels on the surface of a planet. */
+static double half_chord_squared(double radius_m, double distance_m)
+{
+    return (radius_m - distance_m) * (radius_m + distance_m);
+}
 
 /* The entry and exit of a ray; false when it misses. */
 static bool sphere_interval(const struct neph_solid *sphere, struct neph_vec3 origin_m,
@@ -20,8 +30,7 @@ static bool sphere_interval(const struct neph_solid *sphere, struct neph_vec3 or
     const struct neph_vec3 offset_m = neph_vec3_sub(origin_m, sphere->center_m);
     const double middle_m = -neph_vec3_dot(offset_m, direction);
     const struct neph_vec3 nearest_m = neph_vec3_along(offset_m, direction, middle_m);
-    const double half_squared = sphere->radius_m * sphere->radius_m -
-                                neph_vec3_dot(nearest_m, nearest_m);
+    const double half_squared = half_chord_squared(sphere->radius_m, neph_vec3_length(nearest_m));
     if (half_squared <= 0.0)
         return false;
     *t0_m = middle_m - sqrt(half_squared);
@@ -80,12 +89,20 @@ struct neph_hit neph_scene_hit(const struct neph_scene *scene, struct neph_vec3 
     return hit;
 }
 
+struct neph_vec3 neph_hit_outside_m(const struct neph_hit *hit, struct neph_vec3 point_m)
+{
+    double scale_m = fmax(1.0, neph_vec3_length(point_m) + hit->t_m);
+    if (hit->solid->kind == NEPH_SOLID_SPHERE)
+        scale_m = fmax(scale_m, hit->solid->radius_m);
+    return neph_vec3_along(point_m, hit->normal, 1e-12 * scale_m);
+}
+
 bool neph_scene_sees_sun(const struct neph_scene *scene, struct neph_vec3 point_m)
 {
     for (int i = 0; i < scene->solid_count; i++) {
         double t0_m, t1_m;
         if (solid_interval(&scene->solids[i], point_m, scene->sun.direction, &t0_m, &t1_m) &&
-            t1_m > shadow_start_m)
+            t1_m > shadow_start_m(&scene->solids[i]))
             return false;
     }
     return true;
@@ -168,8 +185,8 @@ static bool sphere_shadow(const struct neph_solid *sphere, struct neph_vec3 sun,
         } else {
             const double middle = -neph_vec3_dot(w_across, d_across) / speed_squared;
             const struct neph_vec3 nearest = neph_vec3_along(w_across, d_across, middle);
-            const double half_squared = sphere->radius_m * sphere->radius_m -
-                                        neph_vec3_dot(nearest, nearest);
+            const double half_squared = half_chord_squared(sphere->radius_m,
+                                                           neph_vec3_length(nearest));
             if (half_squared > 0.0) {
                 const double half = sqrt(half_squared / speed_squared);
                 const double c0 = fmax(a0, middle - half), c1 = fmin(a1, middle + half);

@@ -17,6 +17,10 @@ struct neph_hit {
 struct neph_hit neph_scene_hit(const struct neph_scene *scene, struct neph_vec3 origin_m,
                                struct neph_vec3 direction);
 
+/* The point of a hit, moved off its surface by more than its rounding, whatever the world's scale.
+ */
+struct neph_vec3 neph_hit_outside_m(const struct neph_hit *hit, struct neph_vec3 point_m);
+
 /* True when no solid stands between the point and the sun. */
 bool neph_scene_sees_sun(const struct neph_scene *scene, struct neph_vec3 point_m);
 

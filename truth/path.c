@@ -129,20 +129,13 @@ static bool meet_medium(struct path *path, const struct neph_collision *collisio
     return true;
 }
 
-/* Off the surface by more than the rounding of the hit point, whatever the world's scale. */
-static struct neph_vec3 outside_m(struct neph_vec3 point_m, const struct neph_hit *hit)
-{
-    const double scale_m = fmax(1.0, neph_vec3_length(point_m) + hit->t_m);
-    return neph_vec3_along(point_m, hit->normal, 1e-12 * scale_m);
-}
-
 /* Without the sunlight. */
 static bool leave_surface(struct path *path, const struct neph_hit *hit)
 {
     if (!reflect(path, hit->solid->albedo))
         return false;
     const struct neph_vec3 point_m = neph_vec3_along(path->at_m, path->direction, hit->t_m);
-    path->at_m = outside_m(point_m, hit);
+    path->at_m = neph_hit_outside_m(hit, point_m);
     path->direction = neph_cosine_sample(hit->normal, path->random);
     return true;
 }
@@ -281,8 +274,8 @@ static struct neph_rgb sunlit_surface(const struct neph_scene *scene, const stru
     const double cosine = neph_vec3_dot(view->hit.normal, scene->sun.direction);
     if (!scene->sun.present || cosine <= 0.0)
         return black;
-    const struct neph_vec3 point_m = outside_m(
-        neph_vec3_along(view->origin_m, view->direction, view->hit.t_m), &view->hit);
+    const struct neph_vec3 point_m = neph_hit_outside_m(
+        &view->hit, neph_vec3_along(view->origin_m, view->direction, view->hit.t_m));
     if (!neph_scene_sees_sun(scene, point_m))
         return black;
     const struct neph_rgb depth = neph_scene_optical_depth(scene, point_m, scene->sun.direction,

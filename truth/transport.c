@@ -406,9 +406,7 @@ static struct neph_rgb surface_radiance(const struct neph_scene *scene, const st
     const double cosine = neph_vec3_dot(hit->normal, scene->sun.direction);
     if (!scene->sun.present || cosine <= 0.0)
         return (struct neph_rgb){0, 0, 0};
-    /* Leave the surface by more than the rounding of the hit point, whatever the world's scale. */
-    const double scale_m = fmax(1.0, neph_vec3_length(point_m) + hit->t_m);
-    const struct neph_vec3 outside_m = neph_vec3_along(point_m, hit->normal, 1e-12 * scale_m);
+    const struct neph_vec3 outside_m = neph_hit_outside_m(hit, point_m);
     if (!neph_scene_sees_sun(scene, outside_m))
         return (struct neph_rgb){0, 0, 0};
     const struct neph_rgb light = neph_rgb_scale(transmittance(sun_optical_depth(scene, outside_m)),

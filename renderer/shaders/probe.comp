@@ -61,7 +61,7 @@ vec4 answer(Probe p)
         return vec4(fog_distance_to(layer, p.b.x, p.b.y, p.b.z),
                     fog_distance_to_thin_end(layer, p.b.x, p.b.y, THIN), 0.0, 0.0);
     case PROBE_SOLID: {
-        Solid solid = Solid(p.a.xyz, p.kind, p.b.xyz, p.b.w, vec4(0.0));
+        Solid solid = Solid(p.a.xyz, p.kind, p.b.xyz, p.b.w, vec4(0.0, 0.0, 0.0, p.a.w));
         float t0, t1;
         bool met = solid_interval(solid, p.c.xyz, p.d.xyz, t0, t1);
         return vec4(t0, t1, met ? 1.0 : 0.0, 0.0);

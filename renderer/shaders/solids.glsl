@@ -4,7 +4,7 @@
 #ifndef NEPH_SOLIDS_GLSL
 #define NEPH_SOLIDS_GLSL
 
-#include "numbers.glsl"
+#include "globe.glsl"
 
 // enum neph_solid_kind
 const uint SOLID_BOX = 0;
@@ -13,9 +13,9 @@ const uint SOLID_SPHERE = 1;
 struct Solid {
     vec3 low_m; // of a sphere: its centre
     uint kind;
-    vec3 high_m;
+    vec3 high_m; // of a sphere: the direction from its centre to the camera, unit
     float radius_m;
-    vec4 albedo;
+    vec4 albedo; // w: of a sphere, how high the camera is above it
 };
 
 // A direction component below this is parallel to the face; what is left cannot overflow when a
@@ -57,10 +57,21 @@ bool sphere_interval(vec3 center_m, float radius_m, vec3 origin_m, vec3 directio
     return half_chord_m > 0.0;
 }
 
+// Where camera and ray start within a radius of its surface and of each other a ball is ground: there
+// the nearest point's distance from the centre would cancel against the radius (half a metre at
+// Earth's size), and heights over the ground do not. Elsewhere the heights would.
+bool ball_interval(Solid ball, vec3 origin_m, vec3 direction, out float t0_m, out float t1_m)
+{
+    if (ball.albedo.w >= ball.radius_m || dot(origin_m, origin_m) >= ball.radius_m * ball.radius_m)
+        return sphere_interval(ball.low_m, ball.radius_m, origin_m, direction, t0_m, t1_m);
+    Globe globe = Globe(ball.high_m, length(ball.low_m), ball.albedo.w, ball.radius_m, vec2(0.0));
+    return globe_interval(globe, globe_ray(globe, origin_m, direction), 0.0, t0_m, t1_m);
+}
+
 bool solid_interval(Solid solid, vec3 origin_m, vec3 direction, out float t0_m, out float t1_m)
 {
     if (solid.kind == SOLID_SPHERE)
-        return sphere_interval(solid.low_m, solid.radius_m, origin_m, direction, t0_m, t1_m);
+        return ball_interval(solid, origin_m, direction, t0_m, t1_m);
     t0_m = -FAR_M;
     t1_m = FAR_M;
     return clip_box(solid.low_m, solid.high_m, origin_m, direction, t0_m, t1_m);

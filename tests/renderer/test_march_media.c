@@ -126,6 +126,19 @@ static void test_shell(void **state)
     check(*state, &test, "shell", 512, 1.8);
 }
 
+/* Fog on the ground of a planet: how far a ray goes through it is where it meets the ball. */
+static void test_fog_on_a_planet(void **state)
+{
+    const double radius_m = 6.371e6;
+    struct test_scene test;
+    test_scene_init(&test);
+    struct neph_medium *fog = test_add_medium(&test, 0.03, 0.1, 0.0);
+    fog->bounds = (struct neph_bounds){{-900, -10, -900}, {900, 60, 900}};
+    test_add_sphere(&test, (struct neph_vec3){0.0, -radius_m, 0.0}, radius_m);
+    test.key.look_at_m = (struct neph_vec3){0.0, 0.4, -10.0};
+    check(*state, &test, "planet", 128, 1.8);
+}
+
 /* Trilinear densities have kinks at the faces of their cells. */
 static void test_grid(void **state)
 {
@@ -288,6 +301,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_gaussian),
         cmocka_unit_test(test_shell),
+        cmocka_unit_test(test_fog_on_a_planet),
         cmocka_unit_test(test_grid),
         cmocka_unit_test(test_all_at_once_and_coloured),
         cmocka_unit_test(test_horizon_transmittance_converges),

@@ -459,6 +459,16 @@ static void test_boxes(void **state)
     free(probes);
 }
 
+/* What the device knows of a sphere when the camera is at the origin. */
+static void place_sphere(struct probe *p)
+{
+    const struct neph_solid sphere = {
+        .kind = NEPH_SOLID_SPHERE, .center_m = vec3(p->a), .radius_m = (double)p->b[3]};
+    const struct neph_gpu_solid gpu = neph_gpu_solid_from(&sphere, (struct neph_vec3){0, 0, 0});
+    memcpy(p->b, gpu.high_m, sizeof(gpu.high_m));
+    p->a[3] = gpu.albedo[3];
+}
+
 static void test_spheres(void **state)
 {
     struct probe *probes = new_probes();
@@ -472,6 +482,7 @@ static void test_spheres(void **state)
         for (int k = 0; k < 3; k++)
             p->a[k] = uniform(&random, -reach_m, reach_m);
         p->b[3] = scale(&random, 0.01, 20.0);
+        place_sphere(p);
         random_ray(&random, p, p->a, p->b[3]);
     }
     struct answer *answers = ask(*state, probes, count);
@@ -506,6 +517,54 @@ static void test_spheres(void **state)
     free(probes);
 }
 
+/* The Earth below, from up to 100 m over it: where rays meet the ground. Its place is exact in
+ * float32, its radius is in double what it is there. The height of the ray's start is good to a few
+ * roundings of its distance from the camera; on the way down that grows by 1 / sine. */
+static void test_the_ground_of_a_planet(void **state)
+{
+    struct probe *probes = new_probes();
+    uint64_t random = seed;
+    const int count = PROBES_MAX;
+    const double radius_m = 6371000.0;
+    for (int i = 0; i < count; i++) {
+        struct probe *p = &probes[i];
+        p->what = PROBE_SOLID;
+        p->kind = NEPH_SOLID_SPHERE;
+        p->a[1] = -6371000.0f - (i % 2 ? 1.5f : 50.0f);
+        p->b[3] = (float)radius_m;
+        place_sphere(p);
+        p->c[0] = uniform(&random, -100.0, 100.0);
+        p->c[1] = uniform(&random, -1.0, 50.0);
+        p->c[2] = uniform(&random, -100.0, 100.0);
+        direction(&random, p->d);
+        p->d[1] = -fabsf(p->d[1]);
+    }
+    struct answer *answers = ask(*state, probes, count);
+    int met = 0;
+    for (int i = 0; i < count; i++) {
+        const struct probe *p = &probes[i];
+        const struct neph_solid earth = {
+            .kind = NEPH_SOLID_SPHERE, .center_m = vec3(p->a), .radius_m = radius_m};
+        struct neph_solid solids[1] = {earth};
+        const struct neph_scene scene = {.solid_count = 1, .solids = solids};
+        const struct neph_hit hit = neph_scene_hit(&scene, vec3(p->c),
+                                                   neph_vec3_normalize(vec3(p->d)));
+        const double height_m = neph_vec3_length(neph_vec3_sub(vec3(p->c), earth.center_m)) -
+                                radius_m;
+        const double sine = -(double)p->d[1];
+        if (height_m < 0.01 || sine < 0.02)
+            continue;
+        met++;
+        assert_true(answers[i].value[2] > 0.0f);
+        neph_assert_close(answers[i].value[0], hit.t_m, 8.0 * epsilon,
+                          8.0 * epsilon * (100.0 + hit.t_m) / sine);
+    }
+    print_message("the ground of a planet: %d rays of %d\n", met, count);
+    assert_true(met > count / 2);
+    free(answers);
+    free(probes);
+}
+
 int main(void)
 {
     print_message("seed %llu\n", (unsigned long long)seed);
@@ -519,6 +578,7 @@ int main(void)
         cmocka_unit_test(test_fog_distances_leave_out_what_they_say),
         cmocka_unit_test(test_boxes),
         cmocka_unit_test(test_spheres),
+        cmocka_unit_test(test_the_ground_of_a_planet),
     };
     return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
 }

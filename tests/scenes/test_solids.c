@@ -305,6 +305,32 @@ static void test_a_lit_face_sees_the_sun(void **state)
     assert_false(neph_scene_sees_sun(&scene, (struct neph_vec3){0.3, -1.0, 0.2}));
 }
 
+/* Nor does the ball of a planet, whose points are rounded to 1e-9 m, under a sun of 0.1 degrees. */
+static void test_a_planet_does_not_shade_its_day(void **state)
+{
+    (void)state;
+    const double radius_m = 6.371e6;
+    struct neph_solid ball = {
+        .kind = NEPH_SOLID_SPHERE, .center_m = {0, -radius_m, 0}, .radius_m = radius_m};
+    struct neph_scene scene = {.solid_count = 1, .solids = &ball, .sun = {.present = true}};
+    uint64_t random = 27182;
+    for (int i = 0; i < 2000; i++) {
+        const double sine = i % 2 ? 2e-3 : 0.5;
+        scene.sun.direction = (struct neph_vec3){sqrt(1.0 - sine * sine), sine, 0.0};
+        const struct neph_vec3 eye_m = {neph_test_uniform(&random, -9.0, 9.0), 1.6, 0.0};
+        const struct neph_vec3 ray = neph_vec3_normalize(
+            (struct neph_vec3){neph_test_uniform(&random, -1, 1), -0.5, -1.0});
+        const struct neph_hit hit = neph_scene_hit(&scene, eye_m, ray);
+        /* The plane below the eye, and what the ball has sunk there: d^2 / 2 R. */
+        neph_assert_close(hit.t_m, 1.6 / -ray.y, 1e-5, 0.0);
+        const struct neph_vec3 point_m = neph_hit_outside_m(&hit,
+                                                            neph_vec3_along(eye_m, ray, hit.t_m));
+        assert_true(neph_scene_sees_sun(&scene, point_m));
+        const struct neph_vec3 up = {0.3, 0.1, 0.9};
+        assert_null(neph_scene_hit(&scene, point_m, neph_vec3_normalize(up)).solid);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -315,6 +341,7 @@ int main(void)
         cmocka_unit_test(test_shadow_interval_against_brute_force),
         cmocka_unit_test(test_shadow_range_only_cuts),
         cmocka_unit_test(test_a_lit_face_sees_the_sun),
+        cmocka_unit_test(test_a_planet_does_not_shade_its_day),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
