@@ -591,6 +591,36 @@ static void test_only_srgb_is_taken_for_srgb(void **state)
     }
 }
 
+static void say_wide(png_structp png, png_infop info)
+{
+    png_set_pHYs(png, info, 1000, 2000, PNG_RESOLUTION_METER); /* of them fewer to the metre */
+}
+
+static void say_square(png_structp png, png_infop info)
+{
+    png_set_pHYs(png, info, 3000, 3000, PNG_RESOLUTION_METER);
+}
+
+static void test_the_shape_of_a_pixel_is_said(void **state)
+{
+    static const struct {
+        void (*decorate)(png_structp png, png_infop info);
+        const char *expected;
+    } cases[] = {{NULL, NULL}, {say_square, NULL}, {say_wide, "2"}};
+    char path[SCRATCH_PATH_MAX];
+    scratch_path(state, path, "shape.png");
+    for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+        const uint8_t bytes[3] = {1, 2, 3};
+        write_foreign(
+            path, (struct foreign){1, 1, 8, PNG_COLOR_TYPE_RGB, 0, 0.0, cases[i].decorate}, bytes);
+        struct neph_image *image = read_picture(path, 1, 1);
+        const char *aspect = neph_image_attribute(image, "pixel_aspect");
+        assert_true(aspect ? cases[i].expected && strcmp(aspect, cases[i].expected) == 0
+                           : !cases[i].expected);
+        neph_image_destroy(image);
+    }
+}
+
 /* A damaged gAMA, even one that libpng would drop with a warning, is no sRGB. */
 static void test_damaged_colour_chunk_is_refused(void **state)
 {
@@ -673,6 +703,7 @@ int main(void)
         scratch_test(test_translucent_pixels_are_refused),
         scratch_test(test_clear_colours),
         scratch_test(test_only_srgb_is_taken_for_srgb),
+        scratch_test(test_the_shape_of_a_pixel_is_said),
         scratch_test(test_damaged_colour_chunk_is_refused),
         scratch_test(test_small_file_of_a_huge_picture),
         scratch_test(test_damaged_pictures),

@@ -86,6 +86,7 @@ static enum neph_status measure(void *context, struct neph_diag *diag)
                                         .masks = (const struct neph_mask *const *)&mask,
                                         .mask_count = 1,
                                         .intervals = job->intervals,
+                                        .draws = job->intervals,
                                         .frame_count = job->frame_count},
             &meter, diag);
     for (int i = 0; i < job->frame_count && !status; i++)
