@@ -235,10 +235,10 @@ static bool compare_channels(const struct pair *pair, json_t **channels, char *b
 /* What both must share before any value is compared; NULL: nothing is in the way. */
 static const char *find_difference(const json_t *a, const json_t *b)
 {
-    static const char *const keys[] = {"outcome", "settings", "size_px", "pictures"};
+    static const char *const keys[] = {"outcome", "engine", "settings", "size_px", "pictures"};
     static const char *const differences[] = {"one rendered it and the other did not",
-                                              "the settings differ", "the sizes differ",
-                                              "the sequences differ in length"};
+                                              "the engines differ", "the settings differ",
+                                              "the sizes differ", "the sequences differ in length"};
     for (size_t k = 0; k < sizeof(keys) / sizeof(keys[0]); k++)
         if (!json_equal(json_object_get(a, keys[k]), json_object_get(b, keys[k])))
             return differences[k];
@@ -271,9 +271,8 @@ static enum neph_status compare_lattices(const char *const folders[2], const cha
     if (!status)
         status = neph_validity_same_channels(a, b, diag);
     if (!status) {
-        const struct pair pair = {json_string_value(json_object_get(entries[0], "engine")),
-                                  {entries[0], entries[1]},
-                                  {a, b}};
+        const char *engine = json_string_value(json_object_get(entries[0], "engine"));
+        const struct pair pair = {engine ? engine : "", {entries[0], entries[1]}, {a, b}};
         *agrees = compare_channels(&pair, channels, because, size);
     }
     neph_image_destroy(a);

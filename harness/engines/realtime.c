@@ -226,7 +226,7 @@ const struct neph_engine neph_engine_realtime = {
     .presets = neph_rt_presets,
     .sequence = &sequence_of,
     .takes_given = true,
-    .version = 1,
+    .version = 2, /* no fused fraction of a voxel */
     .shortcut_of = "march",
     .stochastic = true,
     .step = {.option = NULL},

@@ -108,7 +108,8 @@ class Conform(unittest.TestCase):
         self.assertEqual(conform(self.made, empty + "/none").returncode, 66)
 
     def test_what_cannot_be_compared(self):
-        for key, value, words in (("settings", "steps=8", "settings differ"),
+        for key, value, words in (("engine", 7, "engines differ"),
+                                  ("settings", "steps=8", "settings differ"),
                                   ("size_px", [64, 36], "sizes differ"),
                                   ("outcome", "failed", "one rendered it")):
             with self.subTest(key):
