@@ -68,8 +68,8 @@ struct neph_march_stats {
 
 /* False, with the reason in words, when the scene asks for what this lighting leaves out or has not
  * got: multiple scattering of `single`, anything less of the others; background light on media or
- * solids; another medium than Horizon's clouds in their light. Or when a medium lies beyond the reach
- * of float32 (renderer/reach.h). */
+ * solids; another medium than Horizon's clouds in their light. Or when a medium lies beyond the
+ * reach of float32 (renderer/reach.h). */
 bool neph_march_can_render(const struct neph_scene *scene, enum neph_march_lighting lighting,
                            char *reason, size_t reason_size);
 
