@@ -2,7 +2,7 @@
 #include "harness/budget.h"
 
 #include "base/exr.h"
-#include "metrics/statistics.h"
+#include "harness/noise.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -54,24 +54,6 @@ static void write_note(const struct neph_job *job, const struct neph_settings *a
              most, budget_s, samples, sqrt(most / samples));
 }
 
-/* Relative to the mean radiance: root mean square of half the difference of two seeds. */
-static double relative_noise(const struct neph_image *a, const struct neph_image *b)
-{
-    float *first[3], *second[3];
-    if (!neph_image_rgb(a, NULL, first) || !neph_image_rgb(b, NULL, second))
-        return NAN;
-    const size_t count = neph_image_pixel_count(a);
-    struct neph_sum squares = {0.0, 0.0}, sum = {0.0, 0.0};
-    for (int c = 0; c < 3; c++)
-        for (size_t p = 0; p < count; p++) {
-            const double x = (double)first[c][p], y = (double)second[c][p];
-            neph_sum_add(&squares, 0.5 * (x - y) * (x - y));
-            neph_sum_add(&sum, 0.5 * (x + y));
-        }
-    const double samples = 3.0 * (double)count;
-    return sqrt(neph_sum_value(&squares) / samples) / (neph_sum_value(&sum) / samples);
-}
-
 struct pilot {
     struct neph_job job;
     struct neph_job_result results[2]; /* of two seeds; of one where nothing is random */
@@ -105,7 +87,7 @@ static enum neph_status run_pilot(const struct neph_job *job, double budget_s,
     if (!status && frames[0])
         status = neph_exr_read(pilot->results[1].frame_path, &frames[1], diag);
     if (!status && frames[1])
-        pilot->noise = relative_noise(frames[0], frames[1]);
+        pilot->noise = neph_noise_of_two(frames[0], frames[1]);
     neph_image_destroy(frames[0]);
     neph_image_destroy(frames[1]);
     return status;
@@ -122,7 +104,7 @@ static void explain(const struct pilot *pilot, const struct neph_settings *asked
     const double about_s = pilot->results[0].cost.wall_s * PILOT_SIDE * PILOT_SIDE * factor;
     char noise[96] = "";
     if (isfinite(pilot->noise))
-        snprintf(noise, sizeof(noise), ", and its noise would be about %.2g %% of a pixel",
+        snprintf(noise, sizeof(noise), ", and its noise would be about %.2g %% of the rms radiance",
                  100.0 * pilot->noise / sqrt(factor));
     result->outcome = NEPH_OUTCOME_OVER_BUDGET;
     snprintf(result->reason, sizeof(result->reason),

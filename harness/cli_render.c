@@ -11,12 +11,16 @@
 #include "harness/data.h"
 #include "harness/frame_stats.h"
 #include "harness/job.h"
+#include "harness/noise.h"
 #include "harness/progress.h"
 #include "harness/scene_layers.h"
+#include "harness/seed.h"
 #include "harness/sequence.h"
+#include "harness/step_depth.h"
 #include "scenes/motion.h"
 
 #include <argp.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -31,7 +35,8 @@ enum {
     KEY_CHECKPOINT,
     KEY_SCENE_LAYERS,
     KEY_STATS,
-    KEY_DEPTH
+    KEY_DEPTH,
+    KEY_NOISE
 };
 
 /* A sequence engine goes on beyond the scene's last key. */
@@ -42,7 +47,7 @@ struct request {
     const char *assignments[SETTINGS_MAX];
     int assignment_count;
     const char *size, *frame, *frames, *seed, *time_limit, *preset, *depth;
-    bool json, quiet, scene_layers, stats;
+    bool noise, json, quiet, scene_layers, stats;
 };
 
 static const struct argp_option render_options[] = {
@@ -56,7 +61,10 @@ static const struct argp_option render_options[] = {
     {"frame", KEY_FRAME, "N", 0, "First frame, 0-based (default: 0)", 0},
     {"frames", KEY_FRAMES, "N", 0,
      "How many frames (default: 1); engine realtime goes on beyond the scene's last", 0},
-    {"seed", KEY_SEED, "N", 0, "Random seed (default: 1)", 0},
+    {"seed", KEY_SEED, "N", 0,
+     "Random seed (default: one of the scene's own, so that the errors of two "
+     "scenes are independent; it is in the results and in the frame, as neph.seed)",
+     0},
     {"time-limit", KEY_TIME_LIMIT, "S", 0, "Seconds per child process (default: 600)", 0},
     {"checkpoint", KEY_CHECKPOINT, "FILE", 0,
      "Engines oracle and tracer: go on from what FILE holds, if it is there, and leave all paths "
@@ -78,6 +86,10 @@ static const struct argp_option render_options[] = {
      "(engines that count them)",
      0},
     {"output", 'o', "DIR", 0, "Folder to write to (default: .)", 0},
+    {"noise", KEY_NOISE, NULL, 0,
+     "Engine cycles: render every frame with a second seed, too, for its noise; other engines by "
+     "chance know theirs",
+     0},
     {"json", KEY_JSON, NULL, 0, "Results as JSON on stdout", 0},
     {"quiet", 'q', NULL, 0, "No progress", 0},
     {0},
@@ -92,6 +104,9 @@ static error_t parse(int key, char *argument, struct argp_state *state)
         return 0;
     case 'p':
         request->preset = argument;
+        return 0;
+    case KEY_NOISE:
+        request->noise = true;
         return 0;
     case KEY_STATS:
         request->stats = true;
@@ -219,7 +234,7 @@ static enum neph_status make_job(const struct request *request, const struct nep
         neph_hint(diag, "`neph engines` lists them");
         return NEPH_ERR_USAGE;
     }
-    int first = 0, seed = 1, limit_s = 600;
+    int first = 0, seed = (int)neph_seed_of(scene, 1), limit_s = 600;
     *job = (struct neph_job){.engine = engine,
                              .info = info,
                              .shot = {.scene = scene,
@@ -234,7 +249,7 @@ static enum neph_status make_job(const struct request *request, const struct nep
         status = count_frames(request, engine, scene, first, frame_count, diag);
     if (!status)
         status = check_engine(request, engine, *frame_count, diag);
-    if (!status)
+    if (!status && request->seed)
         status = neph_cli_parse_int("seed", request->seed, 0, 0x7fffffff, &seed, diag);
     if (!status)
         status = neph_cli_parse_int("time limit", request->time_limit, 1, 1000000, &limit_s, diag);
@@ -269,6 +284,50 @@ static enum neph_status name_frame(const struct request *request, const struct n
     return NEPH_OK;
 }
 
+static json_t *real_or_null(double value)
+{
+    return isfinite(value) ? json_real(value) : json_null();
+}
+
+/* By its own variance, or by a second seed when that was asked for; NaN: not known. */
+static enum neph_status find_noise(const struct request *request, const struct neph_job *job,
+                                   const struct neph_image *frame, double *noise,
+                                   struct neph_diag *diag)
+{
+    *noise = neph_noise_of_frame(frame);
+    if (isfinite(*noise) || !job->engine->stochastic)
+        return NEPH_OK;
+    if (!request->noise) {
+        if (!request->quiet)
+            fprintf(stderr,
+                    "neph render: %s does not know its noise: --noise renders a second seed\n",
+                    job->engine->name);
+        return NEPH_OK;
+    }
+    struct neph_job second = *job;
+    struct neph_image *other = NULL;
+    struct neph_cost cost;
+    second.shot.seed = job->shot.seed == 0x7fffffff ? 0 : job->shot.seed + 1;
+    const enum neph_status status = neph_job_render(&second, &other, &cost, diag);
+    if (!status)
+        *noise = neph_noise_of_two(frame, other);
+    neph_image_destroy(other);
+    return status;
+}
+
+/* On stderr, what a picture does not show. */
+static void say(const struct request *request, const struct neph_job *job, double noise,
+                double step_depth)
+{
+    char *warning = neph_step_depth_warning(step_depth, job->engine);
+    if (warning)
+        fprintf(stderr, "neph render: warning: frame %d: %s\n", job->shot.frame, warning);
+    free(warning);
+    if (isfinite(noise) && !request->quiet)
+        fprintf(stderr, "frame %d: noise %.2g %% of the rms radiance, seed %llu\n", job->shot.frame,
+                100.0 * noise, (unsigned long long)job->shot.seed);
+}
+
 /* A scratch folder inside the output folder; engines keep their logs there when they fail. */
 static enum neph_status render_one(const struct request *request, struct neph_job *job,
                                    const char *depth, json_t *results, struct neph_diag *diag)
@@ -284,18 +343,25 @@ static enum neph_status render_one(const struct request *request, struct neph_jo
         job->shot.scratch_directory = neph_scratch_path(scratch);
         status = neph_job_render(job, &frame, &cost, diag);
     }
+    double noise = NAN;
+    if (!status)
+        status = find_noise(request, job, frame, &noise, diag);
     if (!status && request->scene_layers)
         status = neph_scene_layers_add(job->shot.scene, job->shot.frame, frame, diag);
     if (!status)
         status = neph_exr_write(path, frame, diag);
+    const double step_depth = status ? NAN : neph_step_depth(&job->shot, job->engine);
+    if (!status)
+        say(request, job, noise, step_depth);
     if (!status)
         status = neph_json_append(
             results,
-            json_pack("{s:s, s:i, s:[i,i], s:f, s:f, s:f, s:I, s:o}", "exr", path, "frame",
-                      job->shot.frame, "size_px", frame->width_px, frame->height_px, "render_s",
-                      cost.render_s, "wall_s", cost.wall_s, "cpu_s", cost.cpu_s,
+            json_pack("{s:s, s:i, s:[i,i], s:f, s:f, s:f, s:I, s:o, s:I, s:o, s:o}", "exr", path,
+                      "frame", job->shot.frame, "size_px", frame->width_px, frame->height_px,
+                      "render_s", cost.render_s, "wall_s", cost.wall_s, "cpu_s", cost.cpu_s,
                       "peak_memory_bytes", (json_int_t)cost.peak_memory_bytes, "stats",
-                      neph_frame_stats(frame)),
+                      neph_frame_stats(frame), "seed", (json_int_t)job->shot.seed, "noise",
+                      real_or_null(noise), "step_optical_depth", real_or_null(step_depth)),
             diag);
     if (!status && !request->json)
         printf("%s\n", path);
@@ -398,7 +464,6 @@ static struct request default_request(const char *engine)
                             .size = "192x108",
                             .frame = "0",
                             .frames = "1",
-                            .seed = "1",
                             .time_limit = "600"};
 }
 

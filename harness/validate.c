@@ -15,6 +15,8 @@
 #include "harness/over_time.h"
 #include "harness/progress.h"
 #include "harness/scene_layers.h"
+#include "harness/seed.h"
+#include "harness/step_depth.h"
 #include "harness/studies.h"
 #include "harness/study.h"
 
@@ -99,19 +101,22 @@ static json_t *engines_json(const struct field *field)
 }
 
 /* `study` is taken over; NULL: none was made. */
-static json_t *frame_json(const struct neph_engine *engine, const struct neph_job_result *result,
+static json_t *frame_json(const struct neph_job *job, const struct neph_job_result *result,
                           json_t *study)
 {
+    const struct neph_engine *engine = job->engine;
+    const double depth = neph_step_depth(&job->shot, engine);
     return json_pack(
-        "{s:s, s:s, s:s, s:s, s:s, s:s, s:b, s:f, s:f, s:f, s:I, s:s?, s:n, s:n, s:{s:n, s:n}, "
-        "s:[], s:o, s:b, s:n}",
+        "{s:s, s:s, s:s, s:s, s:s, s:s, s:b, s:f, s:f, s:f, s:I, s:I, s:o, s:s?, s:n, s:n, "
+        "s:{s:n, s:n}, s:[], s:o, s:b, s:n}",
         "engine", engine->name, "rung", neph_rung_name(engine->rung), "status",
         neph_outcome_name(result->outcome), "reason", result->reason, "note", result->note,
         "settings", result->settings, "reused", result->reused, "render_s", result->cost.render_s,
         "wall_s", result->cost.wall_s, "cpu_s", result->cost.cpu_s, "peak_memory_bytes",
-        (json_int_t)result->cost.peak_memory_bytes, "exr", result->frame_path, "exr_second",
-        "picture", "difference", "radiance", "transmittance", "measurements", "study",
-        study ? study : json_null(), "look", engine->look, "bake");
+        (json_int_t)result->cost.peak_memory_bytes, "seed", (json_int_t)job->shot.seed,
+        "step_optical_depth", isfinite(depth) ? json_real(depth) : json_null(), "exr",
+        result->frame_path, "exr_second", "picture", "difference", "radiance", "transmittance",
+        "measurements", "study", study ? study : json_null(), "look", engine->look, "bake");
 }
 
 /* Measure one rendered frame, against the truth when there is one. */
@@ -296,6 +301,15 @@ static enum neph_status choose_step(const struct run *run, struct neph_job *job,
     return status;
 }
 
+/* A step that is too long shows in no picture. */
+static void warn_of_steps(const struct neph_job *job)
+{
+    char *warning = neph_step_depth_warning(neph_step_depth(&job->shot, job->engine), job->engine);
+    if (warning)
+        fprintf(stderr, "warning: %s: %s\n", job->shot.scene->name, warning);
+    free(warning);
+}
+
 /* One picture; witnesses within their budget. */
 static enum neph_status render(const struct run *run, struct neph_job *job,
                                struct neph_job_result *result, struct neph_diag *diag)
@@ -309,7 +323,7 @@ static enum neph_status run_frame(struct run *run, int index, const struct neph_
                                   json_t *frames, struct neph_settings *chosen,
                                   struct neph_diag *diag)
 {
-    struct neph_job job = job_of(run, index, scene, 1);
+    struct neph_job job = job_of(run, index, scene, neph_seed_of(scene, 1));
     char what[256];
     snprintf(what, sizeof(what), "%s with %s", scene->name, job.engine->name);
     run->progress.kind = KIND_FRAME + index;
@@ -324,7 +338,9 @@ static enum neph_status run_frame(struct run *run, int index, const struct neph_
     if (status)
         json_decref(study);
     else
-        status = neph_json_append(frames, frame_json(job.engine, &result, study), diag);
+        status = neph_json_append(frames, frame_json(&job, &result, study), diag);
+    if (!status)
+        warn_of_steps(&job);
     if (!status)
         neph_progress_step(&run->progress, what,
                            result.reused ? "reused" : neph_outcome_name(result.outcome),
@@ -342,7 +358,7 @@ static enum neph_status run_second_seed(struct run *run, int index, const struct
                                         json_t *frame, const struct neph_settings *chosen,
                                         struct neph_diag *diag)
 {
-    struct neph_job job = job_of(run, index, scene, 2);
+    struct neph_job job = job_of(run, index, scene, neph_seed_of(scene, 2));
     job.shot.settings = *chosen;
     job.shot.time_limit_s = SECOND_SEED_PATIENCE * run->params->budget_s;
     char what[256];

@@ -10,6 +10,7 @@
 #include "harness/physics/phases.h"
 #include "harness/physics/pictures.h"
 #include "harness/progress.h"
+#include "harness/seed.h"
 #include "harness/study.h"
 #include "metrics/significance.h"
 #include "scenes/media.h"
@@ -112,7 +113,8 @@ static enum neph_status render(const struct entrant *entrant, const struct seen 
                  .width_px = seen->view->width_px,
                  .height_px = seen->view->height_px,
                  .layers = NEPH_LAYER_RADIANCE,
-                 .seed = entrant->participant->refined ? 1 : (uint64_t)(pass + 1),
+                 .seed = neph_seed_of(&seen->stage->scene,
+                                      entrant->participant->refined ? 1 : pass + 1),
                  .time_limit_s = time_limit_s},
     };
     return neph_job_run(&job, store, result, diag);
@@ -281,7 +283,7 @@ static enum neph_status choose_step(const struct entrant *entrant, const struct 
                                           .width_px = seen->view->width_px,
                                           .height_px = seen->view->height_px,
                                           .layers = NEPH_LAYER_RADIANCE,
-                                          .seed = 1,
+                                          .seed = neph_seed_of(&seen->stage->scene, 1),
                                           .time_limit_s = time_limit_s}};
     const enum neph_status status = neph_study_run(&job, store, &study, &outcome, reason, diag);
     if (status || outcome != NEPH_OUTCOME_RENDERED)

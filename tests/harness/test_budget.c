@@ -181,7 +181,7 @@ static void test_what_cannot_fit_is_told_with_its_noise(void **state)
     const double about_s = number_after(result.reason, "it would take about ");
     assert_true(fabs(about_s - 16.0 * 64.0 * (start_s + PIXELS / 16.0)) < 1.0);
     const double noise = number_after(result.reason, "noise would be about ") / 100.0;
-    const double expected = sqrt(1.0 / 12.0 / 64.0);
+    const double expected = sqrt(1.0 / 13.0 / 64.0);
     assert_true(fabs(noise / expected - 1.0) < 4.0 * 0.03);
     neph_job_result_finish(&result);
     neph_store_close(bench.store);

@@ -62,9 +62,8 @@ static json_t *scene_json(const struct device *device)
     json_t *channels = json_pack("[{s:s, s:f, s:f, s:i}]", "channel", device->channel, "mean",
                                  device->mean, "largest", 1.0, "far", 0);
     if (device->variance >= 0.0)
-        json_array_append_new(channels,
-                              json_pack("{s:s, s:f, s:f, s:i}", "channel", "variance.R", "mean",
-                                        device->variance, "largest", 1.0, "far", 0));
+        neph_json_add(&channels, json_pack("{s:s, s:f, s:f, s:i}", "channel", "variance.R", "mean",
+                                           device->variance, "largest", 1.0, "far", 0));
     return json_pack("{s:s, s:s, s:s, s:s, s:[{s:s, s:s, s:s, s:s, s:i, s:[i,i], s:o}]}", "format",
                      "neph-conform-1", "scene", "s", "scene_hash", "0", "device", "d", "pictures",
                      "picture", "s_e", "engine", device->engine, "settings", "", "outcome",

@@ -1,0 +1,132 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * What is said beside a frame because no picture shows it: how much optical depth one step of a
+ * marcher spans, how noisy the frame is; and the seeds that make scenes independent.
+ */
+#include "tests/neph_test.h"
+
+#include "harness/noise.h"
+#include "harness/seed.h"
+#include "harness/step_depth.h"
+
+static const struct neph_rgb white = {1, 1, 1};
+
+/* A slab 10 m deep, seen from straight ahead. */
+struct stage {
+    struct neph_scene scene;
+    struct neph_camera_key key;
+};
+
+static void make_slab(struct stage *stage, double optical_depth)
+{
+    *stage = (struct stage){.key = {.position_m = {0, 0, 20}, .look_at_m = {0, 0, 0}}};
+    stage->scene = (struct neph_scene){
+        .camera_key_count = 1,
+        .camera_keys = &stage->key,
+        .camera_up = {0, 1, 0},
+        .vertical_fov_rad = 0.1,
+        .frame_count = 1,
+        .medium_count = 1,
+        .media = {{.kind = NEPH_MEDIUM_GAUSSIAN,
+                   .bounds = {{-50, -50, -5}, {50, 50, 5}},
+                   .extinction_color = white,
+                   .albedo = white,
+                   /* so wide that it is even */
+                   .gaussian = {{0, 0, 0}, 1e4},
+                   .extinction_per_m = 0.1 * optical_depth}},
+    };
+}
+
+static double step_depth(const struct stage *stage, const char *engine_name)
+{
+    const struct neph_engine *engine = neph_engine_find(engine_name);
+    assert_non_null(engine);
+    const struct neph_shot shot = {.scene = &stage->scene,
+                                   .settings = neph_settings_default(engine),
+                                   .width_px = 64,
+                                   .height_px = 36};
+    return neph_step_depth(&shot, engine);
+}
+
+/* Depth / steps, within the slant of the outermost rays: 1 / cos 0.1. */
+static void test_a_step_spans_its_part_of_the_depth(void **state)
+{
+    (void)state;
+    const struct neph_engine *povray = neph_engine_find("povray");
+    const struct neph_settings settings = neph_settings_default(povray);
+    const double intervals = neph_setting(povray, &settings, "intervals");
+    struct stage stage;
+    for (double depth = 4.0; depth < 2000.0; depth *= 4.0) {
+        make_slab(&stage, depth);
+        neph_assert_close(step_depth(&stage, "march"), depth / 64.0, 0.01, 0.0);
+        neph_assert_close(step_depth(&stage, "povray"), depth / intervals, 0.01, 0.0);
+        assert_true(isnan(step_depth(&stage, "exact")));
+    }
+}
+
+static void test_long_steps_are_warned_of(void **state)
+{
+    (void)state;
+    struct stage stage;
+    const struct neph_engine *march = neph_engine_find("march");
+    make_slab(&stage, 1000.0);
+    char *warning = neph_step_depth_warning(step_depth(&stage, "march"), march);
+    assert_non_null(warning);
+    assert_non_null(strstr(warning, "raise its steps"));
+    free(warning);
+    make_slab(&stage, 10.0);
+    assert_null(neph_step_depth_warning(step_depth(&stage, "march"), march));
+    assert_null(neph_step_depth_warning(NAN, march));
+}
+
+static void test_scenes_have_seeds_of_their_own(void **state)
+{
+    (void)state;
+    struct neph_scene a = {.hash = "0a"}, b = {.hash = "0b"};
+    assert_true(neph_seed_of(&a, 1) == neph_seed_of(&a, 1));
+    assert_true(neph_seed_of(&a, 1) != neph_seed_of(&a, 2));
+    assert_true(neph_seed_of(&a, 1) != neph_seed_of(&b, 1));
+    for (int i = 1; i < 1000; i++)
+        assert_true(neph_seed_of(&a, i) >= 1 && neph_seed_of(&a, i) <= 0x7fffffff);
+}
+
+static struct neph_image *noisy(uint64_t seed, double noise)
+{
+    struct neph_image *image = NULL;
+    float *rgb[3], *variance[3];
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_image_create(64, 64, &image, &diag), &diag);
+    neph_assert_ok(neph_image_add_rgb(image, NULL, rgb, &diag), &diag);
+    neph_assert_ok(neph_image_add_rgb(image, "variance", variance, &diag), &diag);
+    for (int c = 0; c < 3; c++)
+        for (int i = 0; i < 64 * 64; i++) {
+            /* uniform of variance 1 */
+            const double x = neph_test_uniform(&seed, -sqrt(3.0), sqrt(3.0));
+            rgb[c][i] = (float)(2.0 + noise * x);
+            variance[c][i] = (float)(noise * noise);
+        }
+    return image;
+}
+
+/* Both ways, with 12288 numbers: to sqrt(2 / 12288) and four times that. */
+static void test_noise_is_known(void **state)
+{
+    (void)state;
+    struct neph_image *a = noisy(1, 0.02), *b = noisy(2, 0.02);
+    neph_assert_close(neph_noise_of_frame(a), 0.01, 0.01, 0.0);
+    neph_assert_close(neph_noise_of_two(a, b), 0.01, 4.0 * sqrt(2.0 / 12288.0), 0.0);
+    assert_true(neph_noise_of_two(a, a) == 0.0);
+    neph_image_destroy(a);
+    neph_image_destroy(b);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_a_step_spans_its_part_of_the_depth),
+        cmocka_unit_test(test_long_steps_are_warned_of),
+        cmocka_unit_test(test_scenes_have_seeds_of_their_own),
+        cmocka_unit_test(test_noise_is_known),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
