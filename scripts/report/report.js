@@ -833,7 +833,7 @@
               why(frame) && el("div", { class: "small" }, why(frame)),
               frame.note && el("div", { class: "small" }, frame.note),
               frame.step_optical_depth > 1 && el("div", { class: "small" }, el("b", {}, "Steps too long: "), "one spans an optical depth of up to ", number(`${path}/step_optical_depth`), "; what happens within a step is not seen."),
-              frame.status === "rendered" && typeof frame.seed === "number" && el("div", { class: "small soft" }, "seed ", number(`${path}/seed`)),
+              frame.status === "rendered" && typeof frame.seed === "number" && el("div", { class: "small soft" }, `seed ${frame.seed}`),
               frame.settings && el("div", { class: "small soft" }, frame.settings),
               frame.status === "missing" && engine?.install_line && el("div", {}, el("code", {}, engine.install_line))),
             el("td", { class: "words" }, engine?.version || absent("not known"), engine?.device && el("div", { class: "small soft" }, engine.device)),
