@@ -15,6 +15,10 @@
  * balance heuristic over the channels (B. Miller, I. Georgiev, W. Jarosz, "A Null-Scattering Path
  * Integral Formulation of Light Transport", SIGGRAPH 2019).
  *
+ * Where light is scattered once, and optical depths are known, the first collision is drawn by the
+ * sunlight that comes from there (truth/lit_flight.h). Horizon's clouds are not among those: against
+ * the light, at optical depths above 10, their error bar knows too little (the oracle's does not).
+ *
  * What the scene's switches mean: `none` and `single` know one event: sunlight and, where there is
  * environment light, the background reach a surface (or, in `single`, a medium) without having been
  * scattered before. `multiple` knows all.

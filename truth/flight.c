@@ -205,7 +205,6 @@ static void init_lit(struct neph_flight *flight)
 {
     const struct neph_scene *scene = flight->scene;
     const double end = flight->depth[NEPH_FLIGHT_MEAN][flight->count - 1];
-    flight->lit.is_known = false;
     if (scene->scattering != NEPH_SCATTERING_SINGLE || !scene->sun.present || !(end > 0.0))
         return;
     neph_lit_flight_edges(&flight->lit, end);
@@ -221,6 +220,12 @@ void neph_flight_init(struct neph_flight *flight, const struct neph_scene *scene
 {
     flight->scene = scene;
     flight->ray = *ray;
+    flight->is_table = neph_flight_is_possible(scene);
+    flight->lit.is_known = flight->guess.lit.is_known = false;
+    if (!flight->is_table) {
+        neph_guess_init(&flight->guess, scene, ray);
+        return;
+    }
     flight->t_m[0] = 0.0;
     flight->count = 1;
     for (int m = 0; m < scene->medium_count; m++)

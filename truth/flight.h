@@ -8,6 +8,7 @@
 #ifndef NEPH_TRUTH_FLIGHT_H
 #define NEPH_TRUTH_FLIGHT_H
 
+#include "truth/guess.h"
 #include "truth/lit_flight.h"
 #include "truth/tracking.h"
 
@@ -30,12 +31,17 @@ struct neph_flight {
     /* Optical depth from the start, per channel, and the mean of these. */
     double depth[4][NEPH_FLIGHT_EDGES_MAX];
     struct neph_lit_flight lit; /* used when `lit.is_known` */
+    /* Where a medium has no closed form there is no table, and the guess in its place is used when
+     * `guess.lit.is_known`. */
+    bool is_table;
+    struct neph_guess guess;
 };
 
 /* Whether all media have the closed forms that this takes. */
 bool neph_flight_is_possible(const struct neph_scene *scene);
 
-/* Tabulate a ray, and the sunlight along it where that is all the light there is to scatter. */
+/* Tabulate a ray, where that is possible, and the sunlight along it where that is all the light
+ * there is to scatter. */
 void neph_flight_init(struct neph_flight *flight, const struct neph_scene *scene,
                       const struct neph_ray *ray);
 

@@ -420,8 +420,7 @@ enum neph_status neph_oracle_render(const struct neph_scene *scene,
     struct render render = {.scene = scene,
                             .params = params,
                             .camera = neph_scene_camera(scene, params->frame),
-                            .has_flights = neph_flight_is_possible(scene) &&
-                                           scene->scattering != NEPH_SCATTERING_NONE,
+                            .has_flights = scene->scattering != NEPH_SCATTERING_NONE,
                             .start_s = neph_wall_s(),
                             .saved_s = neph_wall_s()};
     status = prepare(&render, diag);

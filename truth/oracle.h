@@ -15,6 +15,10 @@
  * along (spectral MIS of B. Miller, I. Georgiev, W. Jarosz, "A null-scattering path integral
  * formulation of light transport", SIGGRAPH 2019).
  *
+ * Where light is scattered once, the first collision is drawn by the sunlight that comes from there
+ * (truth/lit_flight.h; where a medium has no closed form by a guess at it, truth/guess.h), for
+ * against the light free flights end far from where it is.
+ *
  * The scene's switches: `none` and `single` know one event, the surface in view or (in `single`) a
  * medium; the sun, and with environment light the background, reach it unscattered. `multiple`
  * knows all.

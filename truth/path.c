@@ -28,6 +28,7 @@ struct path {
     double value[3];       /* f / mean p */
     double probability[3]; /* p / mean p */
     double roulette;       /* played below this value */
+    double sun_depth;      /* guessed, where the light from there must be known well; else 0 */
 };
 
 static const struct neph_rgb black = {0, 0, 0};
@@ -85,10 +86,13 @@ static bool survives(struct path *path)
 
 /* ---- light that arrives at a point ---- */
 
-static struct neph_rgb transmittance(const struct path *path, struct neph_vec3 direction)
+/* `expected_depth` as in neph_tracker_transmittance(). */
+static struct neph_rgb transmittance(const struct path *path, struct neph_vec3 direction,
+                                     double expected_depth)
 {
     const struct neph_ray ray = {path->at_m, direction, INFINITY};
-    return neph_tracker_transmittance(path->tracker, &ray, path->random, path->cost);
+    return neph_tracker_transmittance(path->tracker, &ray, expected_depth, path->random,
+                                      path->cost);
 }
 
 /* Sunlight that the path brings when the point scatters `per_sr` of it towards the camera. */
@@ -97,8 +101,8 @@ static struct neph_rgb sunlight(const struct path *path, double per_sr)
     const struct neph_sun *sun = &path->scene->sun;
     if (!sun->present || per_sr == 0.0 || !neph_scene_sees_sun(path->scene, path->at_m))
         return black;
-    const struct neph_rgb light = neph_rgb_mul(sun->irradiance_w_per_m2,
-                                               transmittance(path, sun->direction));
+    const struct neph_rgb light = neph_rgb_mul(
+        sun->irradiance_w_per_m2, transmittance(path, sun->direction, path->sun_depth));
     return neph_rgb_scale(neph_rgb_mul(path_value(path), light), per_sr);
 }
 
@@ -109,7 +113,7 @@ static struct neph_rgb surroundings(const struct path *path)
         neph_scene_hit(path->scene, path->at_m, path->direction).solid)
         return black;
     const struct neph_rgb light = neph_rgb_mul(path->scene->background_w_per_m2_sr,
-                                               transmittance(path, path->direction));
+                                               transmittance(path, path->direction, 0.0));
     return neph_rgb_mul(path_value(path), light);
 }
 
@@ -202,12 +206,37 @@ static bool enter_lit_volume(struct path *path, const struct neph_flight *flight
     return collision->medium >= 0;
 }
 
+/* The same where optical depths are guesses: the transmittance from the camera is an estimate, too.
+ */
+static bool enter_guessed_volume(struct path *path, const struct neph_guess *guess,
+                                 struct neph_collision *collision)
+{
+    const struct neph_guessed guessed = neph_guess_draw(guess, path->scene, path->random);
+    *collision = guessed.collision;
+    if (collision->medium < 0)
+        return false;
+    const struct neph_ray way = {path->at_m, path->direction, collision->t_m};
+    const struct neph_rgb light = neph_tracker_transmittance(
+        path->tracker, &way, fmax(1.0, guessed.view_depth), path->random, path->cost);
+    path->value[0] = guessed.value[0] * light.r;
+    path->value[1] = guessed.value[1] * light.g;
+    path->value[2] = guessed.value[2] * light.b;
+    path->sun_depth = fmax(1.0, guessed.sun_depth);
+    path->cost->collisions++;
+    path->cost->lookups++;
+    return true;
+}
+
 /* The first collision on the view's ray; false when there is none. */
 static bool enter_volume(struct path *path, const struct neph_view *view,
                          const struct neph_flight *flight, struct neph_collision *collision)
 {
     if (flight && flight->lit.is_known)
         return enter_lit_volume(path, flight, collision);
+    if (flight && flight->guess.lit.is_known)
+        return enter_guessed_volume(path, &flight->guess, collision);
+    if (flight && !flight->is_table)
+        flight = NULL;
     const struct neph_ray ray = {path->at_m, path->direction, view->hit.t_m};
     *collision = flight ? neph_flight_collide(flight, path->channel, path->random)
                         : neph_tracker_collide(path->tracker, &ray, path->channel, path->random,

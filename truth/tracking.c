@@ -139,6 +139,7 @@ struct walk {
     int index;
     double t_m;            /* of the present candidate */
     double majorant_per_m; /* there, of the channel of the most extinction */
+    double raised;         /* so much higher than it need be */
     struct neph_segments segments;
 };
 
@@ -146,7 +147,7 @@ struct walk {
 static bool walk_next(struct walk *walk, struct neph_random *random)
 {
     struct neph_segments *segments = &walk->segments;
-    const double scale = walk->tracked->color_max;
+    const double scale = walk->tracked->color_max * walk->raised;
     double left = exponential(random);
     for (;;) {
         const double majorant_per_m = segments->majorant_per_m * scale;
@@ -164,8 +165,10 @@ static bool walk_next(struct walk *walk, struct neph_random *random)
 }
 
 static bool walk_start(struct walk *walk, const struct tracked *tracked, int index,
-                       const struct neph_ray *ray, double end_m, struct neph_random *random)
+                       const struct neph_ray *ray, double end_m, double raised,
+                       struct neph_random *random)
 {
+    walk->raised = raised;
     walk->tracked = tracked;
     walk->index = index;
     if (!neph_segments_start(&walk->segments, tracked->medium, tracked->majorants, ray->origin_m,
@@ -223,7 +226,7 @@ static void collide_candidates(const struct neph_tracker *tracker, const struct 
     for (int m = 0; m < tracker->count; m++) {
         const struct tracked *tracked = &tracker->media[m];
         if (tracked->method == METHOD_CANDIDATES && tracked->color_max > 0.0)
-            count += walk_start(&walks[count], tracked, m, ray, collision->t_m, random);
+            count += walk_start(&walks[count], tracked, m, ray, collision->t_m, 1.0, random);
     }
     while (count > 0) {
         struct walk *walk = nearest_walk(walks, count);
@@ -290,21 +293,25 @@ static bool survives(double transmittance[3], struct neph_random *random)
 }
 
 static void track_ratio(const struct tracked *tracked, const struct neph_ray *ray,
-                        struct neph_random *random, double transmittance[3],
+                        double expected_depth, struct neph_random *random, double transmittance[3],
                         struct neph_tracking_cost *cost)
 {
+    const double raised_most = 16.0;
     struct walk walk;
-    bool more = walk_start(&walk, tracked, 0, ray, ray->end_m, random);
+    bool more = walk_start(&walk, tracked, 0, ray, ray->end_m,
+                           fmax(1.0, fmin(expected_depth, raised_most)), random);
     while (more) {
         const double density = walk_density(&walk, ray, cost) / tracked->color_max;
         for (int j = 0; j < 3; j++)
             transmittance[j] *= fmax(0.0, 1.0 - density * tracked->color[j]);
-        more = survives(transmittance, random) && walk_next(&walk, random);
+        more = (expected_depth > 0.0 || survives(transmittance, random)) &&
+               walk_next(&walk, random);
     }
 }
 
 struct neph_rgb neph_tracker_transmittance(const struct neph_tracker *tracker,
-                                           const struct neph_ray *ray, struct neph_random *random,
+                                           const struct neph_ray *ray, double expected_depth,
+                                           struct neph_random *random,
                                            struct neph_tracking_cost *cost)
 {
     struct neph_rgb depth = {0, 0, 0};
@@ -313,7 +320,7 @@ struct neph_rgb neph_tracker_transmittance(const struct neph_tracker *tracker,
         const struct tracked *tracked = &tracker->media[m];
         if (!tracked->exact) {
             if (tracked->color_max > 0.0 && fmax(ratio[0], fmax(ratio[1], ratio[2])) > 0.0)
-                track_ratio(tracked, ray, random, ratio, cost);
+                track_ratio(tracked, ray, expected_depth, random, ratio, cost);
             continue;
         }
         const double own = neph_medium_optical_depth(tracked->medium, ray->origin_m, ray->direction,

@@ -58,9 +58,12 @@ struct neph_collision neph_tracker_collide(const struct neph_tracker *tracker,
 /* An unbiased estimate of the transmittance of the whole ray, per channel: exact where the media
  * have closed forms (and then no random number is used), else by ratio tracking (J. Novak, A.
  * Selle, W. Jarosz, "Residual Ratio Tracking for Estimating Attenuation in Participating Media",
- * SIGGRAPH Asia 2014). */
+ * SIGGRAPH Asia 2014). `expected_depth` is about the ray's optical depth where even a faint
+ * estimate must be a good one: the majorants are raised by it (16-fold at most), for with a tight
+ * majorant the relative variance is e^(optical depth). 0: a faint one may be all or nothing. */
 struct neph_rgb neph_tracker_transmittance(const struct neph_tracker *tracker,
-                                           const struct neph_ray *ray, struct neph_random *random,
+                                           const struct neph_ray *ray, double expected_depth,
+                                           struct neph_random *random,
                                            struct neph_tracking_cost *cost);
 
 #endif
