@@ -456,20 +456,34 @@ static void test_damaged_files_never_crash(void **state)
     }
 }
 
-/* A scene file with its clouds in an eighth of the voxels per side: with all of them they are
- * loaded end to end, by `neph scenes`. In a file of the same name in `folder`. */
-static char *with_fewer_voxels(const char *path, const char *folder)
+/* The text of a scene with its clouds in an eighth of the voxels per side: with all of them they
+ * are loaded end to end, by `neph scenes`. */
+static char *with_fewer_voxels(char *text)
+{
+    char *value = strstr(text, "voxels: "), *rest;
+    if (!value)
+        return text;
+    value += strlen("voxels: ");
+    const long voxels = strtol(value, &rest, 10);
+    char *edited_text = neph_format("%.*s%ld%s", (int)(value - text), text, voxels / 8, rest);
+    free(text);
+    return edited_text;
+}
+
+/* A copy of a scene file in another folder; NULL if the sanitizers have seen its like: procedural
+ * clouds differ in numbers alone, and make the same noise for seconds each. */
+static char *copy_scene(const char *path, const char *folder, int *cloud_count)
 {
     char *text, *copy = neph_path_join(folder, strrchr(path, '/') + 1);
     size_t size;
     neph_assert_ok(neph_file_read(path, 1 << 20, &text, &size, NULL), NULL);
-    char *rest = strstr(text, "voxels: ");
-    int voxels = rest ? (int)strtol(rest + 8, &rest, 10) : 0;
-    char *edited_text = rest ? neph_format("%.*s%d%s", (int)(strstr(text, "voxels: ") + 8 - text),
-                                           text, voxels / 8, rest)
-                             : strdup(text);
-    scratch_write(copy, edited_text, strlen(edited_text));
-    free(edited_text);
+    text = with_fewer_voxels(text);
+    if (strstr(text, "horizon:") && (*cloud_count)++ % NEPH_TEST_EVERY != 0) {
+        free(copy);
+        copy = NULL;
+    } else {
+        scratch_write(copy, text, strlen(text));
+    }
     free(text);
     return copy;
 }
@@ -479,17 +493,19 @@ static int load_folder(const char *folder, const char *scratch, bool with_gates)
 {
     DIR *directory = opendir(folder);
     assert_non_null(directory);
-    int count = 0;
+    int count = 0, cloud_count = 0;
     for (struct dirent *entry; (entry = readdir(directory));) {
         if (!strstr(entry->d_name, ".yaml"))
             continue;
         char *path = neph_path_join(folder, entry->d_name);
-        char *copy = with_fewer_voxels(path, scratch);
+        char *copy = copy_scene(path, scratch, &cloud_count);
+        free(path);
+        if (!copy)
+            continue;
         struct neph_diag diag = {.line = 0};
         struct neph_scene *scene = NULL;
         const enum neph_status status = neph_scene_load(copy, &scene, &diag);
         free(copy);
-        free(path);
         if (status == NEPH_ERR_NOT_FOUND && strstr(diag.message, "environment variable")) {
             print_message("not loaded: %s\n", diag.message);
             continue;
