@@ -99,7 +99,8 @@ const struct neph_engine neph_engine_tracer = {
     .typical_s = 8.0,
     .rests = true,
     .stochastic = true,
-    .bias = NULL,
+    .bias = "none; in procedural clouds, light scattered once and seen against the sun at optical "
+            "depths above 10 has a larger error than the frame says",
     .options = options,
     .version = 4,
     .probe = neph_vulkan_probe,
