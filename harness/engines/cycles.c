@@ -590,7 +590,8 @@ const struct neph_engine neph_engine_cycles = {
         "scattering, more where little sun arrives; 3e-4 of transmittance); what it has no formula "
         "for is baked to voxels; throughput below "
         "1e-6 is cut to 0 (optical depth > 13.8); air thinner than 1e-6 of the densest does not "
-        "scatter",
+        "scatter; paths end at 1024 bounces, Blender's own limit: -2 % at an optical depth of 64 "
+        "without absorption, -3 % in a white furnace of optical depth 100",
     .options = options,
     .version = 2,
     .stochastic = true,

@@ -32,6 +32,9 @@ static const double face_step = 4e-6;
 static const double sphere_error_px = 0.01;
 static const double sensor_mm = 24.0; /* height; in blender_render.py too */
 
+/* Of Blender's property; it has no longest (the 5000 mm of its sliders are the sliders'). */
+static const double shortest_lens_mm = 1.0;
+
 /* ---- adapting the scene ---------------------------------------------------------------------- */
 
 static bool is_box(const struct neph_bounds *b)
@@ -223,8 +226,9 @@ enum neph_status neph_cycles_world(const struct neph_scene *scene, struct neph_c
     struct neph_cycles_world adapted = {.unit_m = 1.0};
     enum neph_status status = NEPH_OK;
     const double lens_mm = sensor_mm / 2.0 / tan(scene->vertical_fov_rad / 2.0);
-    if (!(lens_mm >= 1.0 && lens_mm <= 5000.0)) /* Blender would clamp it without a word */
-        return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "a field of view outside 0.3..170 degrees");
+    if (!(lens_mm >= shortest_lens_mm)) /* Blender would clamp it without a word */
+        return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
+                         "a field of view above 170.4 degrees: Blender has no lens below 1 mm");
     for (int i = 0; i < scene->medium_count && !status; i++)
         if (has_extinction(&scene->media[i]))
             status = adapt_medium(scene, i, &adapted, diag);

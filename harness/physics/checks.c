@@ -220,6 +220,9 @@ void neph_check_get(int index, struct neph_check *check)
     check->title = rungs[row->rung].title;
     check->uneven = row->medium != NEPH_STAGE_SLAB && row->medium != NEPH_STAGE_BOX &&
                     row->medium != NEPH_STAGE_STEP_CLOUD; /* of homogeneous boxes */
+    /* Without absorption the number of scatterings falls off as e^(-n pi^2 / 3 tau^2): at 30, one
+     * path in 40 of those that stay long has more than 1024. */
+    check->deep = row->optical_depth >= 30.0 && row->albedo > 0.99;
     check->truth_only = row->observable == CONSERVATION;
     switch (row->observable) {
     case LOOK_DOWN:

@@ -34,6 +34,7 @@ struct neph_check {
     struct neph_view views[NEPH_CHECK_VIEWS_MAX];
     int view_count;
     bool uneven; /* the medium is not homogeneous: renderers that march through it have a step */
+    bool deep;   /* light is scattered a thousand times and more on its way out */
     bool truth_only; /* many frames: for our tracers alone */
 };
 

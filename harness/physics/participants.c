@@ -37,7 +37,7 @@ const struct neph_participant *neph_participant_at(int index)
 /* The first row that fits speaks. A NULL participant fits all. */
 static const struct {
     const char *participant;
-    enum { ALWAYS, LOWERED, BAKED, STEPPED } when;
+    enum { ALWAYS, LOWERED, BAKED, STEPPED, DEEP } when;
     const char *cause;
 } causes[] = {
     {"povray", LOWERED,
@@ -46,6 +46,9 @@ static const struct {
     {NULL, LOWERED, "it models single scattering only"},
     {"march octaves", ALWAYS,
      "a sum of octaves is a look: it saturates with optical depth and does not conserve energy"},
+    {"cycles", DEEP,
+     "it ends paths at 1024 bounces, Blender's own limit, and beyond an optical depth of some 30 "
+     "light without absorption scatters more often than that"},
     {"cycles", STEPPED,
      "it marches through uneven media in steps with one random offset: e^-tau of a noisy optical "
      "depth is too bright on average (Jensen), and less so with smaller steps"},
@@ -62,6 +65,8 @@ static bool applies(int when, const struct neph_check *check, const struct neph_
         return part->baked;
     case STEPPED:
         return part->stepped && check->uneven;
+    case DEEP:
+        return check->deep;
     default:
         return true;
     }
