@@ -101,16 +101,18 @@ static void explain(const struct pilot *pilot, const struct neph_settings *asked
     const int index = samples_index(engine);
     const double factor = index < 0 ? 1.0
                                     : asked->values[index] / pilot->job.shot.settings.values[index];
-    const double about_s = pilot->results[0].cost.wall_s * PILOT_SIDE * PILOT_SIDE * factor;
+    const struct neph_cost *cost = &pilot->results[0].cost;
+    const double least_s = cost->wall_s + cost->render_s * (PILOT_SIDE * PILOT_SIDE * factor - 1.0);
     char noise[96] = "";
     if (isfinite(pilot->noise))
         snprintf(noise, sizeof(noise), ", and its noise would be about %.2g %% of the rms radiance",
                  100.0 * pilot->noise / sqrt(factor));
     result->outcome = NEPH_OUTCOME_OVER_BUDGET;
-    snprintf(result->reason, sizeof(result->reason),
-             "did not fit into %g s: by a picture of %dx%d px it would take about %.0f s%s; "
-             "--budget gives it more",
-             budget_s, pilot->job.shot.width_px, pilot->job.shot.height_px, about_s, noise);
+    snprintf(
+        result->reason, sizeof(result->reason),
+        "did not fit into %g s: by a picture of %dx%d px its radiance alone would take %.0f s%s; "
+        "--budget gives it more",
+        budget_s, pilot->job.shot.width_px, pilot->job.shot.height_px, least_s, noise);
 }
 
 enum neph_status neph_budget_run(struct neph_job *job, double budget_s, struct neph_store *store,

@@ -4,9 +4,9 @@
 #include <stddef.h>
 #include <string.h>
 
-/* A fog with lit ground, a slab with all orders of scattering, a cloud of optical depths of tens:
- * for each there is truth, and between them every engine has something that it can do. */
-static const char *const quick_scenes[] = {"height_fog_down", "slab_multiple_thin",
+/* A fog with lit ground, a slab, a cloud of optical depths of tens: every engine can do them, and
+ * there is an exact answer to each. */
+static const char *const quick_scenes[] = {"height_fog_down", "scattering_slab_above",
                                            "grid_cloud_single", NULL};
 static const char *const quick_engines[] = {"exact",  "tracer", "march", "realtime",
                                             "cycles", "povray", NULL};

@@ -490,6 +490,15 @@ function checkContent(data, seen) {
       }
     });
   }
+  for (const sequence of data.sequences ?? []) {
+    for (const row of sequence.rows) {
+      for (const path of [...row.pictures, row.map]) {
+        if (!path) continue;
+        expected.add(path);
+        sizes.set(path, sequence.size_px);
+      }
+    }
+  }
   for (const path of expected) if (!sources.has(path)) find(`${path} is in the data and not on the page`);
   for (const chart of data.charts) if (chart.svg) expected.add(chart.svg);
   for (const image of seen.images) {

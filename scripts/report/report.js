@@ -1074,7 +1074,7 @@
       sequence.rows.length > 0 && sequencePictures(sequence, q),
       sequence.rows.some((row) => row.measurements.length > 0) && sequenceNumbers(sequence, q),
       el("ul", {}, sequence.rows.map((row) => row.status === "rendered"
-        ? row.findings.map((finding) => el("li", {}, el("b", {}, row.preset), ` over ${maskName(finding.mask)}: ${finding.text}`))
+        ? row.findings.map((finding) => el("li", {}, el("b", {}, row.preset), `, ${maskName(finding.mask)}: ${finding.text}`))
         : el("li", {}, el("b", {}, row.preset), " ", word(STATUSES, row.status), " ", why(row)))),
     ];
   }
@@ -1115,7 +1115,7 @@
       el("tbody", {}, first.measurements.map((measurement, m) => el("tr", {},
         el("th", { scope: "row" }, metricName(measurement.metric), el("small", {}, maskName(measurement.mask))),
         sequence.rows.map((row, r) => el("td", { class: "num" }, row.measurements.length === 0 ? absent() : flickerNumber(`sequences/${q}/rows/${r}/measurements/${m}`))))))),
-      "Radiance as displayed, 1 is white. In brackets: 95\u00a0% interval over the picture.");
+      "Radiance as displayed, 1 is white. In brackets: 95\u00a0% interval over the picture. The amplitude over four frames is of that cycle alone, as is its map: what flickers at another period stands in the deviation.");
   }
 
   function flickerNumber(path) {
