@@ -50,7 +50,7 @@ static const struct argp_option options[] = {
     {"samples", KEY_SAMPLES, "N", 0,
      "Of the physics suite: paths per pixel and seed of our tracers (default: 256)", 0},
     {"engine", 'e', "NAME", 0, "Only this engine; may be given several times (default: all)", 0},
-    {"size", KEY_SIZE, "WxH", 0, "Size in pixels (default: 192x108; quick: 160x90)", 0},
+    {"size", KEY_SIZE, "WxH", 0, "Size in pixels (default: 192x108; quick: 128x72)", 0},
     {"output", 'o', "DIR", 0, "Folder of the store and the report (default: out)", 0},
     {"no-charts", KEY_NO_CHARTS, NULL, 0,
      "Leave out the speed-against-accuracy charts and the sequence; so do named scenes and engines",
