@@ -18,33 +18,37 @@ step() { # step NAME COMMAND...
     fi
 }
 
-# What the command `$1` (validate or test) needs and the machine lacks.
+# What is missing of the packages of a need: build, validate (and what that builds on) or test (all).
 missing_packages() {
-    local package command needed_by
-    while read -r package command needed_by _; do
+    local package command need needs=" build "
+    if [ "$1" != build ]; then needs+="validate "; fi
+    if [ "$1" = test ]; then needs+="test "; fi
+    while read -r package command need _; do
         case $package in '' | '#'*) continue ;; esac
-        if [ "$needed_by" = test ] && [ "$1" != test ]; then continue; fi
+        if [[ $needs != *" $need "* ]]; then continue; fi
         if [ "$command" != - ] && command -v "$command" >/dev/null; then continue; fi
         dpkg-query -W -f '${db:Status-Status}\n' "$package" 2>/dev/null | grep -qx installed || echo "$package"
     done <"$root/scripts/packages.txt"
 }
 
-install_packages() { # install_packages validate|test
+install_packages() { # install_packages build|validate|test
     local missing line
     mapfile -t missing < <(missing_packages "$1")
     [ ${#missing[@]} -gt 0 ] || return 0
-    line="apt-get update && apt-get install -y --no-install-recommends ${missing[*]}"
     if [ "$(id -u)" -ne 0 ]; then
+        line="apt-get update && apt-get install -y --no-install-recommends $(missing_packages "${2:-$1}" | tr '\n' ' ')"
         printf 'These packages are missing, and only root can install them. Run:\n  sudo sh -c "%s"\n' "$line" >&2
         exit 69
     fi
+    line="apt-get update && apt-get install -y --no-install-recommends ${missing[*]}"
     echo "installing ${#missing[@]} packages: ${missing[*]}"
     export DEBIAN_FRONTEND=noninteractive
-    if ! step apt-update apt-get update ||
+    if ! { [ -n "${lists_are_fresh-}" ] || step apt-update apt-get update; } ||
         ! step apt-install apt-get install -y --no-install-recommends "${missing[@]}"; then
         printf 'The packages could not be installed (offline?). When the network is there, run:\n  %s\n' "$line" >&2
         exit 69
     fi
+    lists_are_fresh=yes
 }
 
 # The report's JavaScript, pinned by package-lock.json: for validate Vega alone, for test the browser
