@@ -16,7 +16,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { FRAMES = 32, FLIPBOOK = 4, PRESETS = 2 };
+enum { FRAMES = 24, FLIPBOOK = 4, PRESETS = 2 };
 
 /* Part of the key under which measurements are kept; raise it when a metric of flicker changes. */
 enum { MEASURED_REVISION = 1 };

@@ -378,18 +378,45 @@ static enum neph_status run_second_seed(struct run *run, int index, const struct
     return status;
 }
 
+/* A shortcut stands against the engine whose model it renders; whom it differs from else is no
+ * question. */
+static bool is_peer(const struct run *run, int index)
+{
+    return !run->field.engines[index]->shortcut_of;
+}
+
+static bool has_second_seed(const struct run *run, int index)
+{
+    return run->field.engines[index]->stochastic && is_peer(run, index);
+}
+
+/* Who disagrees with whom, of those that are peers. */
+static enum neph_status attribute(const struct run *run, const json_t *frames, json_t **attribution,
+                                  struct neph_diag *diag)
+{
+    json_t *peers = json_array();
+    for (int i = 0; i < run->field.count; i++)
+        if (is_peer(run, i))
+            neph_json_add(&peers, json_incref(json_array_get(frames, (size_t)i)));
+    enum neph_status status = neph_json_check(peers, diag);
+    if (!status)
+        status = neph_attribute(peers, attribution, diag);
+    json_decref(peers);
+    return status;
+}
+
 /* A second seed of every stochastic engine, where there are three engines to tell apart. */
 static enum neph_status run_second_seeds(struct run *run, const struct neph_scene *scene,
                                          json_t *frames, const struct neph_settings *chosen,
                                          struct neph_diag *diag)
 {
     int rendered = 0;
-    for (size_t i = 0; i < json_array_size(frames); i++)
-        rendered += is_rendered(json_array_get(frames, i));
+    for (int i = 0; i < run->field.count; i++)
+        rendered += is_peer(run, i) && is_rendered(json_array_get(frames, (size_t)i));
     enum neph_status status = NEPH_OK;
     for (int i = 0; i < run->field.count && !status; i++) {
         json_t *frame = json_array_get(frames, (size_t)i);
-        if (!run->field.engines[i]->stochastic)
+        if (!has_second_seed(run, i))
             continue;
         if (rendered >= 3 && is_rendered(frame))
             status = run_second_seed(run, i, scene, frame, &chosen[i], diag);
@@ -410,7 +437,7 @@ static enum neph_status run_scene(struct run *run, const struct neph_scene *scen
     if (!status)
         status = run_second_seeds(run, scene, frames, chosen, diag);
     if (!status)
-        status = neph_attribute(frames, &attribution, diag);
+        status = attribute(run, frames, &attribution, diag);
     if (!status)
         status = scene_document(scene, frame_of(run->params, scene), frames, document, diag);
     if (!status)
@@ -568,7 +595,7 @@ static void expect_all(struct run *run)
         const struct neph_engine *engine = run->field.engines[i];
         const double guess_s = run->field.infos[i].available ? engine->typical_s : 0.0;
         neph_progress_expect(progress, KIND_FRAME + i, params->scene_count, guess_s);
-        if (engine->stochastic)
+        if (has_second_seed(run, i))
             neph_progress_expect(progress, KIND_SECOND_SEED + i, params->scene_count, guess_s);
     }
     if (params->charts)
@@ -586,7 +613,7 @@ static enum neph_status leave_out(struct run *run, const char *name, struct neph
     run->absent_count++;
     for (int i = 0; i < run->field.count; i++) {
         neph_progress_expect(&run->progress, KIND_FRAME + i, -1, 0.0);
-        if (run->field.engines[i]->stochastic)
+        if (has_second_seed(run, i))
             neph_progress_expect(&run->progress, KIND_SECOND_SEED + i, -1, 0.0);
     }
     return neph_json_append(part_of(run, "absent"), item, diag);

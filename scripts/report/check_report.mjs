@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
 //
-// node check_report.mjs [--quick] [--screenshots DIR] REPORT_DIR
+// node check_report.mjs [--data | --quick] [--screenshots DIR] REPORT_DIR
 //
 // Opens a finished report from disk in headless Chromium and holds the page against data.json:
 // every number shown is the number in the data, every number and every reason in the data is
 // shown, every picture is there, strings stayed text, nothing was asked of a network, and the page
-// is readable (contrast, names, no sideways scrolling). --quick looks at one window alone; without
+// is readable (contrast, names, no sideways scrolling). --data looks at
+// data.json alone, without a browser; --quick at one window alone; without
 // it also at a dark, a narrow, a printed page and one without scripts.
 // Exit status: 0 the report holds, 1 it does not (findings on stdout), 2 wrong use.
 // $CHROMIUM names another browser than /usr/bin/chromium.
@@ -601,9 +602,10 @@ async function checkPage(folder, data, { quick, screenshots }) {
 // ------------------------------------------------------------------------------------------ main
 
 function parseArguments(given) {
-  const options = { quick: false, screenshots: null, folder: null };
+  const options = { data: false, quick: false, screenshots: null, folder: null };
   for (let n = 0; n < given.length; n++) {
     if (given[n] === "--quick") options.quick = true;
+    else if (given[n] === "--data") options.data = true;
     else if (given[n] === "--screenshots" && given[n + 1]) options.screenshots = resolve(given[++n]);
     else if (!given[n].startsWith("-") && options.folder === null) options.folder = resolve(given[n]);
     else return null;
@@ -614,7 +616,7 @@ function parseArguments(given) {
 async function main() {
   const options = parseArguments(argv.slice(2));
   if (!options) {
-    stderr.write("usage: node check_report.mjs [--quick] [--screenshots DIR] REPORT_DIR\n");
+    stderr.write("usage: node check_report.mjs [--data | --quick] [--screenshots DIR] REPORT_DIR\n");
     return 2;
   }
   const { folder } = options;
@@ -632,7 +634,7 @@ async function main() {
       data = null;
     }
   }
-  if (data && existsSync(join(folder, "index.html"))) {
+  if (data && !options.data && existsSync(join(folder, "index.html"))) {
     if (options.screenshots) mkdirSync(options.screenshots, { recursive: true });
     try {
       await checkPage(folder, data, options);

@@ -417,12 +417,12 @@ class Page(unittest.TestCase):
     def check(self, folder, *options):
         return node(PAGE / "check_report.mjs", *options, folder)
 
-    def broken(self, name, change):
+    def broken(self, name, change, how="--quick"):
         """A copy of the good report with one thing wrong."""
         folder = pathlib.Path(self.temporary.name, name)
         shutil.copytree(self.good, folder)
         change(folder)
-        return self.check(folder, "--quick")
+        return self.check(folder, how)
 
     def test_a_good_report_holds_together(self):
         result = self.check(self.good)
@@ -457,12 +457,12 @@ class Page(unittest.TestCase):
         self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
 
     def changed_data(self, name, change):
-        """A good page of data that are wrong in themselves."""
+        """Data that are wrong in themselves, whatever a page shows of them."""
         def rewrite(folder):
             data = report_data()
             change(data)
             write_data(folder, data)
-        result = self.broken(name, rewrite)
+        result = self.broken(name, rewrite, "--data")
         self.assertEqual(result.returncode, 1)
         return result.stdout
 
