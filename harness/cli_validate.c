@@ -225,17 +225,12 @@ static enum neph_status make_params(const struct request *request, const struct 
     return status;
 }
 
-struct page {
-    struct neph_report *report;
-};
-
 static enum neph_status show_page(json_t *document, void *context, struct neph_diag *diag)
 {
-    const struct page *page = context;
-    return neph_report_publish(page->report, document, diag);
+    return neph_report_publish(context, document, diag);
 }
 
-static enum neph_status run_suite(const struct request *request, struct page *page,
+static enum neph_status run_suite(const struct request *request, struct neph_report *report,
                                   const char *const *scenes, int scene_count,
                                   struct neph_store *store, json_t **document,
                                   struct neph_diag *diag)
@@ -246,7 +241,7 @@ static enum neph_status run_suite(const struct request *request, struct page *pa
     params.scenes = scenes;
     params.scene_count = scene_count;
     params.show = show_page;
-    params.context = page;
+    params.context = report;
     if (is_physics(request)) {
         params.scene_count = 0;
         params.charts = NULL;
@@ -317,23 +312,23 @@ static enum neph_status run(const struct request *request, const char *const *sc
                             int scene_count, struct neph_diag *diag)
 {
     struct neph_store *store = NULL;
-    struct page page = {NULL};
+    struct neph_report *report = NULL;
     json_t *document = NULL;
     char *store_folder = neph_path_join(request->output, "store");
     char *report_folder = neph_path_join(request->output, "report");
     enum neph_status status = store_folder && report_folder
-                                  ? neph_report_open(report_folder, &page.report, diag)
+                                  ? neph_report_open(report_folder, &report, diag)
                                   : neph_fail_memory(diag);
     if (!status)
         status = neph_store_open(store_folder, &store, diag);
     if (!status)
-        status = run_suite(request, &page, scenes, scene_count, store, &document, diag);
-    status = publish(page.report, document, status, diag);
+        status = run_suite(request, report, scenes, scene_count, store, &document, diag);
+    status = publish(report, document, status, diag);
     if (!status)
         status = tell(request, document, report_folder, diag);
     json_decref(document);
     neph_store_close(store);
-    neph_report_close(page.report);
+    neph_report_close(report);
     free(store_folder);
     free(report_folder);
     return status;

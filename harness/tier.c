@@ -15,7 +15,6 @@ static const char *const quick_charts[] = {"slab", NULL};
 static const struct neph_tier tiers[] = {
     {
         .name = "quick",
-        .help = "a fog, a slab, a cloud, a chart and a sequence: a few minutes on two cores",
         .scenes = quick_scenes,
         .engines = quick_engines,
         .width_px = 128,
@@ -26,7 +25,6 @@ static const struct neph_tier tiers[] = {
     },
     {
         .name = "full",
-        .help = "the whole catalogue, all engines, all charts: the better part of an hour",
         .width_px = 192,
         .height_px = 108,
         .budget_s = 300.0,

@@ -9,7 +9,6 @@
 
 struct neph_tier {
     const char *name;
-    const char *help;           /* one line */
     const char *const *scenes;  /* of the catalogue, NULL-terminated; NULL: all of it */
     const char *const *engines; /* NULL-terminated; NULL: every engine that is no shortcut */
     int width_px, height_px;    /* of the scenes' pictures */

@@ -475,12 +475,35 @@ static struct counts count_frames(const json_t *scenes, int expected)
     return counts;
 }
 
+/* Of a frame, or of a row or the reference of a sequence. */
+static bool is_broken(const json_t *item)
+{
+    const char *outcome = neph_json_text(item, "status");
+    return strcmp(outcome, neph_outcome_name(NEPH_OUTCOME_FAILED)) == 0 ||
+           strcmp(outcome, neph_outcome_name(NEPH_OUTCOME_TIMEOUT)) == 0;
+}
+
+static bool sequences_pass(const json_t *sequences)
+{
+    for (size_t i = 0; i < json_array_size(sequences); i++) {
+        const json_t *sequence = json_array_get(sequences, i);
+        const json_t *rows = json_object_get(sequence, "rows");
+        if (is_broken(json_object_get(sequence, "reference")))
+            return false;
+        for (size_t r = 0; r < json_array_size(rows); r++)
+            if (is_broken(json_array_get(rows, r)))
+                return false;
+    }
+    return true;
+}
+
 /* A failed gate or an engine that broke fails the run; a missing one does not. Nor does a run pass
  * that lost a frame or compared none. */
 static bool document_passes(const json_t *document, const struct counts *counts)
 {
     const json_t *scenes = json_object_get(document, "scenes");
-    if (counts->reported != counts->expected || counts->compared == 0)
+    if (counts->reported != counts->expected || counts->compared == 0 ||
+        !sequences_pass(json_object_get(document, "sequences")))
         return false;
     for (size_t i = 0; i < json_array_size(scenes); i++) {
         const json_t *scene = json_array_get(scenes, i);
@@ -491,10 +514,7 @@ static bool document_passes(const json_t *document, const struct counts *counts)
                 return false;
         const json_t *frames = json_object_get(scene, "frames");
         for (size_t j = 0; j < json_array_size(frames); j++) {
-            const char *outcome = json_string_value(
-                json_object_get(json_array_get(frames, j), "status"));
-            if (strcmp(outcome, neph_outcome_name(NEPH_OUTCOME_FAILED)) == 0 ||
-                strcmp(outcome, neph_outcome_name(NEPH_OUTCOME_TIMEOUT)) == 0)
+            if (is_broken(json_array_get(frames, j)))
                 return false;
         }
     }
