@@ -48,7 +48,9 @@ static const struct argp_option options[] = {
      "shows them with this)",
      0},
     {"second-reference", KEY_SECOND, "WORD", 0,
-     "The reference by another seed: takes the reference's own noise out of squared errors", 0},
+     "The reference by another seed: takes the reference's own noise out of squared errors; or, "
+     "with lag.old=second, the same scene without its step",
+     0},
     {"versus", KEY_VERSUS, "WORD", 0,
      "Another test of the same frames: each number's difference, test - other, paired frame by "
      "frame, or tile by tile where a sequence has one number, with intervals and corrected "
@@ -57,10 +59,11 @@ static const struct argp_option options[] = {
     {"warm-up", KEY_WARM_UP, "N", 0, "Leave out the first N frames (default: 0)", 0},
     {"by-position", KEY_BY_POSITION, NULL, 0,
      "Frames belong together by their place in the sequence, whatever their numbers", 0},
-    {"fps", KEY_VIEWING, "HZ", 0, "Frame rate of the display (default: 60)", 1},
+    {"fps", KEY_VIEWING, "HZ", 0,
+     "Frame rate of the display (default: 60; of flicker what the frames say, else 30)", 1},
     {"ppd", KEY_VIEWING + 1, "N", 0,
      "Pixels per degree of the display (default: 67.02, 0.7 m from a screen 0.7 m and 3840 px "
-     "wide; a desk monitor has 40)",
+     "wide; of flicker 60; a desk monitor has 40)",
      1},
     {"exposure", KEY_VIEWING + 2, "EV", 0, "Display value = 2^EV times radiance (default: 0)", 1},
     {"white", KEY_VIEWING + 3, "CD_PER_M2", 0, "Luminance of the display value 1 (default: 100)",
@@ -210,10 +213,14 @@ static enum neph_status apply_setting(struct neph_comparison *comparison, const 
                             &find_choice(comparison, extractor)->settings, diag);
 }
 
-static enum neph_status parse_viewing(const struct neph_cli_comparison *asked,
+static enum neph_status parse_viewing(const struct neph_cli_comparison *asked, bool temporal,
                                       struct neph_viewing *viewing, struct neph_diag *diag)
 {
     *viewing = NEPH_VIEWING_DEFAULTS;
+    if (temporal) {
+        viewing->frame_rate_hz = 30.0;
+        viewing->pixels_per_degree = 60.0;
+    }
     const struct {
         const char *name;
         double *value;
@@ -272,7 +279,8 @@ enum neph_status neph_cli_comparison_prepare(const struct neph_cli_comparison *a
 {
     if (asked->json && asked->csv && strcmp(asked->csv, "-") == 0)
         return neph_fail(diag, NEPH_ERR_USAGE, "--json and --csv - are both for stdout");
-    enum neph_status status = parse_viewing(asked, &comparison->viewing, diag);
+    enum neph_status status = parse_viewing(asked, temporal, &comparison->viewing, diag);
+    comparison->own_frame_rate = temporal && !asked->viewing[0];
     for (int i = 0; i < asked->metric_count && !status; i++)
         status = choose_word(comparison, asked->metrics[i], diag);
     for (int i = 0; i < neph_extractor_count() && asked->metric_count == 0; i++) {

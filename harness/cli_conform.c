@@ -145,6 +145,10 @@ static void print_wrong(const json_t *report)
     json_t *scene, *entry;
     json_array_foreach(report, i, scene)
     {
+        const char *absent = json_string_value(json_object_get(scene, "absent"));
+        if (absent)
+            printf("%s: left out: %s\n", json_string_value(json_object_get(scene, "scene")),
+                   absent);
         json_array_foreach(json_object_get(scene, "pictures"), j, entry)
         {
             const char *reason = json_string_value(json_object_get(entry, "reason"));
@@ -163,6 +167,7 @@ static enum neph_status render(const struct request *request, struct neph_diag *
     struct neph_conform_params params = {.folder = request->output,
                                          .scenes = names,
                                          .engine = request->engine,
+                                         .skip_absent = request->scene_count == 0,
                                          .quiet = request->quiet || request->json};
     json_t *report = NULL;
     int expected = 0, sound = 0;

@@ -66,15 +66,20 @@ static const struct argp argp = {
     .doc =
         "Measure the flicker of a sequence: amplitude at the periods of a four-frame cycle, noise, "
         "visibility at the frame rate of the display, change that the reference does not have, "
-        "and (with a step in the reference) half-life.\v"
+        "and lag: half-life and ghosts (with a step or a cut in the reference), gain and delay "
+        "(with "
+        "light that goes up and down), ghosts behind moving edges (with motion vectors).\v"
         "Each is " NEPH_SEQUENCE_HELP ". Frames are counted from the first after --warm-up; only "
         "whole cycles of four are measured, and 128 frames make good intervals. Flicker without "
-        "the half-life beside it says little: a picture that never changes does not flicker. "
+        "the lag beside it says little: a picture that never changes does not flicker; `neph "
+        "scenes "
+        "NAME --variant sun_step` makes scenes to measure it with. "
         "Exit code 1 when frames are frozen, 2 when they are too few.\n\n"
         "Examples:\n"
         "  neph flicker --reference still.exr 'taa/frame.*.exr' --warm-up 44\n"
         "  neph flicker --reference 'full/*.exr' 'fast/*.exr' --mask depth_edge --maps out\n"
         "  neph flicker --reference lights/ taa/ -s lag.step_frame=16 --metric lag\n"
+        "  neph flicker --reference sines/ taa/ --warm-up 64 -s follow.period_1=32 -m follow\n"
         "  neph flicker --reference ref.png 'game/*.png' --fps 30 --fail-above "
         "a4_p95@all=0.0157",
 };

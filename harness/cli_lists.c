@@ -10,11 +10,13 @@
 #include "harness/engine.h"
 #include "harness/validate.h"
 #include "scenes/media.h"
+#include "scenes/variant.h"
 #include "scenes/volume_file.h"
 
 #include <argp.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 enum { KEY_JSON = 1 };
 
@@ -159,17 +161,118 @@ static enum neph_status list_folder(const struct request *request, enum neph_dat
     return status;
 }
 
+/* ---- variants -------------------------------------------------------------------------------- */
+
+enum { KEY_VARIANT = 0x100, KEY_AT, KEY_FRAMES };
+
+static const struct argp_option variant_options[] = {
+    {"variant", KEY_VARIANT, "KIND", 0,
+     "Print the scene as a scene file in which something happens, to measure lag with: sun_step "
+     "(the sun four times as bright from a frame on), sun_sine (1 + 0.3 times the sum of sines of "
+     "16, 32 and 64 frames), camera_cut (the camera turns by half its field of view)",
+     1},
+    {"at", KEY_AT, "FRAME", 0, "Of the step or cut (default: the middle)", 1},
+    {"frames", KEY_FRAMES, "N", 0, "Of the sequence (default: the scene's own, or 128 of one)", 1},
+    {0},
+};
+
+struct scenes_request {
+    struct request shared;
+    const char *variant, *at, *frames; /* NULL: not given */
+};
+
+static error_t parse_scenes(int key, char *argument, struct argp_state *state)
+{
+    struct scenes_request *request = state->input;
+    switch (key) {
+    case ARGP_KEY_INIT:
+        state->child_inputs[0] = &request->shared;
+        return 0;
+    case KEY_VARIANT:
+        request->variant = argument;
+        return 0;
+    case KEY_AT:
+        request->at = argument;
+        return 0;
+    case KEY_FRAMES:
+        request->frames = argument;
+        return 0;
+    case ARGP_KEY_END:
+        if (request->variant && (!request->shared.name || request->shared.json))
+            argp_error(state, "--variant is of one scene, and prints YAML");
+        if (!request->variant && (request->at || request->frames))
+            argp_error(state, "--at and --frames are of a --variant");
+        return 0;
+    }
+    return ARGP_ERR_UNKNOWN;
+}
+
+static enum neph_status parse_kind(const char *word, enum neph_variant_kind *kind,
+                                   struct neph_diag *diag)
+{
+    for (int k = 0; k < NEPH_VARIANT_KIND_COUNT; k++)
+        if (strcmp(word, neph_variant_name((enum neph_variant_kind)k)) == 0) {
+            *kind = (enum neph_variant_kind)k;
+            return NEPH_OK;
+        }
+    neph_fail(diag, NEPH_ERR_USAGE, "there is no variant '%s'", word);
+    neph_hint(diag, "sun_step, sun_sine or camera_cut");
+    return NEPH_ERR_USAGE;
+}
+
+static enum neph_status print_variant_of(const struct scenes_request *request,
+                                         const struct neph_scene *scene, struct neph_diag *diag)
+{
+    struct neph_variant variant = {.frame_count = scene->frame_count > 1 ? scene->frame_count
+                                                                         : 128};
+    char *text = NULL;
+    enum neph_status status = parse_kind(request->variant, &variant.kind, diag);
+    if (!status && request->frames)
+        status = neph_cli_parse_int("--frames", request->frames, 2, NEPH_VARIANT_FRAMES_MAX,
+                                    &variant.frame_count, diag);
+    variant.frame = variant.frame_count / 2;
+    if (!status && request->at)
+        status = neph_cli_parse_int("--at", request->at, 1, variant.frame_count - 1, &variant.frame,
+                                    diag);
+    if (!status)
+        status = neph_scene_variant_text(scene, &variant, &text, diag);
+    if (!status)
+        fputs(text, stdout);
+    free(text);
+    return status;
+}
+
+static enum neph_status print_variant(const struct scenes_request *request, struct neph_diag *diag)
+{
+    struct neph_scene *scene = NULL;
+    enum neph_status status = neph_data_load_scene(request->shared.name, &scene, diag);
+    if (!status)
+        status = print_variant_of(request, scene, diag);
+    neph_scene_destroy(scene);
+    return status;
+}
+
+/* ---- the verbs ------------------------------------------------------------------------------- */
+
 enum neph_status neph_cli_scenes(int argc, char **argv, struct neph_diag *diag)
 {
+    static const struct argp shared_argp = {.options = options, .parser = parse};
+    static const struct argp_child children[] = {{&shared_argp, 0, NULL, 0}, {0}};
     static const struct argp argp = {
-        .options = options,
-        .parser = parse,
+        .options = variant_options,
+        .parser = parse_scenes,
+        .children = children,
         .args_doc = "[SCENE]",
         .doc = "List the catalogue, or check and describe one scene (a file or a name).\v"
-               "Examples:\n  neph scenes\n  neph scenes two_layer_fog\n  neph scenes my_fog.yaml",
+               "A variant's file must have the variant's name.\n\n"
+               "Examples:\n  neph scenes\n  neph scenes two_layer_fog\n  neph scenes my_fog.yaml\n"
+               "  neph scenes my_fog.yaml --variant sun_step > my_fog_sun_step.yaml",
     };
-    struct request request = {0};
-    neph_cli_parse(&argp, argc, argv, &request);
+    struct scenes_request asked = {.variant = NULL};
+    neph_cli_parse(&argp, argc, argv, &asked);
+    if (asked.variant)
+        return print_variant(&asked, diag);
+    const struct request request = asked.shared;
     if (request.name)
         return show_scene(&request, diag);
     enum neph_status status = NEPH_OK;

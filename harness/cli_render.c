@@ -196,7 +196,7 @@ static enum neph_status count_frames(const struct request *request,
                                      const struct neph_scene *scene, int first, int *frame_count,
                                      struct neph_diag *diag)
 {
-    const int most = engine->sequence ? frames_max : scene->frame_count - first;
+    const int most = engine->remembers ? frames_max : scene->frame_count - first;
     const enum neph_status status = neph_cli_parse_int("number of frames", request->frames, 1, most,
                                                        frame_count, diag);
     if (status)

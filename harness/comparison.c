@@ -10,6 +10,7 @@
 #include "harness/map_names.h"
 #include "harness/progress.h"
 #include "metrics/display.h"
+#include "metrics/extractors/cycle_frequency.h"
 #include "metrics/validity.h"
 
 #include <math.h>
@@ -23,6 +24,7 @@ enum { OVERLOOKED_COUNT = 3 };
 /* What is at work between the first frame and the last. */
 struct work {
     const struct neph_comparison *asked;
+    struct neph_viewing viewing;
     int frame_count; /* to measure */
     int done_count;
     bool with_draws;
@@ -34,6 +36,7 @@ struct work {
     struct neph_frozen frozen;
     bool has_overlooked[OVERLOOKED_COUNT]; /* any frame so far */
     char strangers[400];                   /* names of channels that mean nothing here */
+    char declared_cycles[512];             /* by the first test frame; else empty */
     json_t *maps;                          /* owned */
 };
 
@@ -153,10 +156,10 @@ static enum neph_status check_kinds(const struct work *work, struct neph_diag *d
                          "scale",
                          is_picture(work->test) ? "the test" : "the reference",
                          is_picture(work->test) ? "the reference" : "the test");
-    if (is_picture(work->test) && work->asked->viewing.exposure_ev != 0.0)
+    if (is_picture(work->test) && work->viewing.exposure_ev != 0.0)
         return neph_fail(diag, NEPH_ERR_INPUT,
                          "an exposure of %g EV for pictures that have one already",
-                         work->asked->viewing.exposure_ev);
+                         work->viewing.exposure_ev);
     return NEPH_OK;
 }
 
@@ -315,7 +318,7 @@ static enum neph_status write_map(struct work *work, const struct neph_quantity 
          *png = neph_format("%s.png", stem ? stem : "");
     status = stem && exr && png ? neph_exr_write(exr, image, diag) : neph_fail_memory(diag);
     if (!status)
-        status = write_picture(png, image, map, &work->asked->viewing, diag);
+        status = write_picture(png, image, map, &work->viewing, diag);
     if (!status)
         status = neph_json_append(work->maps, json_string(exr), diag);
     if (!status)
@@ -354,6 +357,15 @@ static enum neph_status write_maps(struct work *work, int frame, struct neph_dia
 
 /* ---- the run --------------------------------------------------------------------------------- */
 
+/* As fast as the frames were meant to be shown, when they say so and nobody wants otherwise. */
+static void take_frame_rate(struct work *work)
+{
+    const char *text = neph_image_attribute(work->test, NEPH_FRAME_RATE_ATTRIBUTE);
+    const double rate_hz = text ? strtod(text, NULL) : 0.0;
+    if (work->asked->own_frame_rate && isfinite(rate_hz) && rate_hz > 0.0)
+        work->viewing.frame_rate_hz = rate_hz;
+}
+
 static enum neph_status start(struct work *work, struct neph_diag *diag)
 {
     enum neph_status status = check_channels(work->reference, work->test, diag);
@@ -362,16 +374,17 @@ static enum neph_status start(struct work *work, struct neph_diag *diag)
     if (!status)
         status = check_mask(work, diag);
     work->is_picture = is_picture(work->reference);
+    take_frame_rate(work);
     if (status)
         return status;
     const struct neph_meter_params params = {
         .choices = work->asked->choices,
         .choice_count = work->asked->choice_count,
-        .viewing = work->asked->viewing,
+        .viewing = work->viewing,
         .masks = (const struct neph_mask *const *)work->masks,
         .mask_count = work->mask_count,
         .frame_count = work->frame_count,
-        .intervals = true,
+        .intervals = !work->asked->plain,
         .draws = work->with_draws,
     };
     return neph_meter_create(&params, &work->meter, diag);
@@ -437,6 +450,9 @@ static enum neph_status measure_frame(struct work *work, int frame, struct neph_
     if (!status)
         status = name_file(check_kinds(work, diag), work->asked->test.paths[index], diag);
     if (!status && frame == 0) {
+        const char *declared = neph_image_attribute(work->test, NEPH_CYCLE_ATTRIBUTE);
+        snprintf(work->declared_cycles, sizeof(work->declared_cycles), "%s",
+                 declared ? declared : "");
         note_strangers(work, work->test);
         status = start(work, diag);
     }
@@ -542,11 +558,12 @@ static json_t *document_of(const struct work *work, bool interrupted)
         json_t *item = neph_measurement_json(&all[i]);
         if (work->is_picture && strcmp(all[i].unit, all[i].quantity->unit) == 0)
             neph_json_set(&item, "unit", json_string("display value"));
-        neph_json_set(&item, "viewing", neph_viewing_json(&work->asked->viewing));
+        neph_json_set(&item, "viewing", neph_viewing_json(&work->viewing));
         neph_json_add(&measurements, item);
     }
     json_t *findings = neph_findings(measurements,
-                                     work->frozen.frozen_count > 0 && !work->asked->frozen_is_fine);
+                                     work->frozen.frozen_count > 0 && !work->asked->frozen_is_fine,
+                                     work->declared_cycles);
     return json_pack("{s:s, s:o, s:o, s:i, s:i, s:i, s:b, s:o, s:o, s:o, s:O}", "version",
                      NEPH_VERSION, "reference", sequence_json(&work->asked->reference), "test",
                      sequence_json(&work->asked->test), "warm_up_frames",
@@ -589,7 +606,10 @@ static enum neph_status conclude(struct work *work, bool interrupted, json_t **d
 enum neph_status neph_comparison_run(const struct neph_comparison *comparison, json_t **document,
                                      struct neph_drawn *drawn, struct neph_diag *diag)
 {
-    struct work work = {.asked = comparison, .with_draws = drawn != NULL, .maps = json_array()};
+    struct work work = {.asked = comparison,
+                        .viewing = comparison->viewing,
+                        .with_draws = drawn != NULL,
+                        .maps = json_array()};
     *document = NULL;
     enum neph_status status = check_counts(comparison, &work, diag);
     if (!status && comparison->maps_directory)

@@ -15,6 +15,7 @@ struct neph_comparison {
     struct neph_meter_choice choices[NEPH_CHOICES_MAX];
     int choice_count;
     struct neph_viewing viewing;
+    bool own_frame_rate;   /* the rate is that of the test's frames, where they tell it */
     const char *mask;      /* the one that has to be there; NULL: any */
     const char *layer;     /* whose channels are R G B Z ...; NULL: names are as they are */
     const char *mask_file; /* a picture that is above 0.5 inside a mask of the user's; or NULL */
@@ -24,6 +25,7 @@ struct neph_comparison {
     size_t negative_allowed;    /* values below 0 that a frame may hold */
     bool by_position;           /* numbers of frames need not agree */
     bool frozen_is_fine;        /* frames equal to the one before are no reason to fail */
+    bool plain;                 /* numbers without intervals, which cost as much again */
     bool quiet;                 /* no progress */
 };
 

@@ -102,8 +102,18 @@ static void print_findings(const json_t *list, bool details)
     }
 }
 
-/* Of the numbers of flicker and of motion, the few that a first look needs. */
+/* Of the numbers of sequences, the few that a first look needs; of lag none are left out. */
 static const char *const headlines[] = {
+    "seen_contrast",
+    "seen_share",
+    "seen_share_6db_more",
+    "seen_share_6db_less",
+    "seen_p",
+    "pop_share",
+    "seen_hz",
+    "seen_period",
+    "coherent_contrast",
+    "worst_tile_contrast",
     "std_p95",
     "a4_mean",
     "a4_p95",
@@ -111,8 +121,6 @@ static const char *const headlines[] = {
     "block_a4_p95",
     "cyclic_share",
     "restless_share",
-    "visible_flicker_p95",
-    "visible_flicker_share",
     "age_slope",
     "reference_a4_p95",
     "residual_change_rms",
@@ -120,6 +128,14 @@ static const char *const headlines[] = {
     "motion_residual_excess",
     "motion_coverage",
     "disoccluded_recovery",
+    "follow_gain_1_p50",
+    "follow_lag_1_p50",
+    "follow_gain_2_p50",
+    "follow_lag_2_p50",
+    "follow_gain_3_p50",
+    "follow_lag_3_p50",
+    "edge_ghost_residual_4",
+    "edge_ghost_frames",
 };
 
 static bool stands_for_others(const json_t *item)
@@ -133,6 +149,18 @@ static bool stands_for_others(const json_t *item)
         if (strcmp(headlines[h], metric) == 0)
             return true;
     return false;
+}
+
+/* Under which numbers of displays hold. */
+static void print_viewing(const json_t *viewing)
+{
+    if (viewing)
+        printf("display: %g frames a second, %g pixels per degree, %g EV, white %g cd/m2, dark "
+               "surround\n",
+               json_number_value(json_object_get(viewing, "frame_rate_hz")),
+               json_number_value(json_object_get(viewing, "pixels_per_degree")),
+               json_number_value(json_object_get(viewing, "exposure_ev")),
+               json_number_value(json_object_get(viewing, "white_cd_per_m2")));
 }
 
 /* Of a sequence the table holds what is said of all its frames, if there is such a thing. Of a
@@ -168,6 +196,7 @@ void neph_comparison_print(const json_t *document, bool details, bool all)
         printf("not taken: %s of %s: %s\n", neph_json_text(item, "extractor"),
                neph_json_text(item, "quantity"), neph_json_text(item, "because"));
     }
+    print_viewing(json_object_get(json_array_get(list, 0), "viewing"));
     printf("frames: %lld measured, %lld of them frozen\n",
            (long long)json_integer_value(json_object_get(document, "frames")),
            (long long)json_integer_value(json_object_get(document, "frozen")));

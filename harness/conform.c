@@ -257,7 +257,7 @@ static enum neph_status conform_picture(const struct neph_conform_params *params
                                         json_t *entries, struct neph_diag *diag)
 {
     const double start_s = neph_wall_s();
-    const int count = picture->engine->sequence ? params->pictures : 1;
+    const int count = picture->engine->remembers ? params->pictures : 1;
     struct neph_job job;
     struct neph_image *frame = NULL;
     struct tally tally = {0};
@@ -351,6 +351,15 @@ static enum neph_status conform_scene(const struct neph_conform_params *params, 
     return status;
 }
 
+static enum neph_status leave_out(const char *scene, const char *why, int picture_count,
+                                  struct neph_progress *progress, json_t *report,
+                                  struct neph_diag *diag)
+{
+    neph_progress_expect(progress, progress->kind, -picture_count, 0.0);
+    return neph_json_append(
+        report, json_pack("{s:s, s:s, s:[]}", "scene", scene, "absent", why, "pictures"), diag);
+}
+
 /* --- all of them -------------------------------------------------------------------------- */
 
 enum neph_status neph_conform_render(const struct neph_conform_params *params, json_t **report,
@@ -373,9 +382,16 @@ enum neph_status neph_conform_render(const struct neph_conform_params *params, j
     struct neph_progress progress = neph_progress_start(params->quiet,
                                                         params->scene_count * picture_count);
     enum neph_status status = neph_dir_create(params->folder, diag);
-    for (int i = 0; i < params->scene_count && !status; i++)
+    for (int i = 0; i < params->scene_count && !status; i++) {
+        struct neph_diag why = {.line = 0};
         status = conform_scene(params, params->scenes[i], pictures, picture_count, &progress, made,
+                               &why);
+        if (status == NEPH_ERR_NOT_FOUND && params->skip_absent)
+            status = leave_out(params->scenes[i], why.message, picture_count, &progress, made,
                                diag);
+        else if (status && diag)
+            *diag = why;
+    }
     neph_progress_end(&progress);
     if (status)
         json_decref(made);

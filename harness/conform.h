@@ -27,13 +27,15 @@ struct neph_conform_params {
     int scene_count;
     const char *engine; /* this one alone; NULL: all of ours that run on a Vulkan device */
     int width_px, height_px;
-    int pictures; /* of a sequence of `realtime` */
-    int samples;  /* paths per pixel of `tracer` */
-    bool quiet;   /* no progress */
+    int pictures;     /* of a sequence of `realtime` */
+    int samples;      /* paths per pixel of `tracer` */
+    bool quiet;       /* no progress */
+    bool skip_absent; /* a scene whose file or data is not there is left out, not an error */
 };
 
-/* Render and count. `*report` is the list of what FOLDER/SCENE.json hold, for json_decref().
- * NEPH_ERR_UNAVAILABLE: no such device. What is wrong with a picture is in the report. */
+/* Render and count. `*report` is the list of what FOLDER/SCENE.json hold, for json_decref(); a
+ * scene that is left out is {"scene", "absent": why, "pictures": []}. NEPH_ERR_UNAVAILABLE: no such
+ * device. What is wrong with a picture is in the report. */
 enum neph_status neph_conform_render(const struct neph_conform_params *params, json_t **report,
                                      struct neph_diag *diag);
 

@@ -74,8 +74,7 @@ struct neph_engine_step {
     double order; /* error ~ step^order */
 };
 
-/* Engines whose pictures follow from those before. Their shots have the scene over time, where
- * others get the scene of the picture (scenes/motion.h). */
+/* Pictures in a row, from what is set up once. */
 struct neph_engine_sequence {
     /* Before the first picture, which is the shot's. `*sequence` is for _close. */
     enum neph_status (*open)(const struct neph_shot *shot, void **sequence, struct neph_diag *diag);
@@ -96,7 +95,9 @@ struct neph_engine {
     const char *bias; /* its known bias, in words, printed beside its numbers; NULL: none known */
     const struct neph_option *options;           /* ends with a NULL name */
     const struct neph_preset *presets;           /* ends with a NULL name; NULL: none */
-    const struct neph_engine_sequence *sequence; /* NULL: each picture stands alone */
+    const struct neph_engine_sequence *sequence; /* NULL: each picture is set up anew */
+    bool remembers;   /* its pictures follow from those before. Its shots have the scene over time,
+                         where others get the scene of the picture (scenes/motion.h) */
     bool takes_given; /* a depth and radiance of the solids from a file */
     uint32_t version; /* of our own driver; raise it when its output changes */
     bool look; /* a lighting model that is no physics and does not claim to be: what it is off by is

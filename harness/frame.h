@@ -7,6 +7,9 @@
 
 #include "base/image.h"
 
+/* Of a frame that is one of a sequence: how many of them a second it was made for. */
+#define NEPH_FRAME_RATE_ATTRIBUTE "neph.frame_rate_hz"
+
 /* Read an OpenEXR or PNG file, told apart by content, and pass it through gate G0
  * (metrics/validity.h); the diag names the file. A PNG has the attribute "encoding" = "sRGB".
  * `layer`: its channels "<layer>.R" are R, and so on, and there is no other colour; NULL: the names

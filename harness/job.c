@@ -4,6 +4,7 @@
 #include "base/exr.h"
 #include "base/files.h"
 #include "base/text.h"
+#include "harness/frame.h"
 #include "scenes/motion.h"
 
 #include <errno.h>
@@ -107,6 +108,9 @@ static enum neph_status label_frame(const struct neph_job *job, const struct nep
     if (!status)
         status = neph_image_set_attribute(frame, "neph.frame", diag, "%d", shot->frame);
     if (!status)
+        status = neph_image_set_attribute(frame, NEPH_FRAME_RATE_ATTRIBUTE, diag, "%.15g",
+                                          shot->scene->frame_rate_hz);
+    if (!status)
         status = neph_image_set_attribute(frame, "neph.seed", diag, "%llu",
                                           (unsigned long long)shot->seed);
     if (!status)
@@ -156,7 +160,7 @@ void neph_job_close(struct neph_job *job)
 static enum neph_status hold_scene(const struct neph_engine *engine, struct neph_shot *shot,
                                    struct neph_scene **still, struct neph_diag *diag)
 {
-    if (engine->sequence || !neph_scene_moves(shot->scene))
+    if (engine->remembers || !neph_scene_moves(shot->scene))
         return NEPH_OK;
     const enum neph_status status = neph_scene_at(shot->scene, shot->frame, still, diag);
     if (!status)
@@ -228,6 +232,22 @@ enum neph_status neph_job_render(const struct neph_job *job, struct neph_image *
     }
     *frame = rendered;
     return NEPH_OK;
+}
+
+enum neph_status neph_outcome_check(enum neph_outcome outcome, const char *reason,
+                                    struct neph_diag *diag)
+{
+    static const enum neph_status statuses[] = {
+        [NEPH_OUTCOME_RENDERED] = NEPH_OK,
+        [NEPH_OUTCOME_CANNOT] = NEPH_ERR_UNSUPPORTED,
+        [NEPH_OUTCOME_MISSING] = NEPH_ERR_UNAVAILABLE,
+        [NEPH_OUTCOME_FAILED] = NEPH_ERR_ENGINE,
+        [NEPH_OUTCOME_TIMEOUT] = NEPH_ERR_TIMEOUT,
+        [NEPH_OUTCOME_INTERRUPTED] = NEPH_ERR_INTERRUPTED,
+        [NEPH_OUTCOME_OVER_BUDGET] = NEPH_ERR_TIMEOUT,
+    };
+    const enum neph_status status = statuses[outcome];
+    return status ? neph_fail(diag, status, "%s", reason) : NEPH_OK;
 }
 
 static void utc_now(char text[32])

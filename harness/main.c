@@ -19,8 +19,7 @@ static const struct {
     const char *help;
 } verbs[] = {
     {"validate", neph_cli_validate, "run scenes over all engines, gate the errors, write a report"},
-    {"study", neph_cli_study,
-     "how far an engine's steps are from their limit, and which are enough"},
+    {"study", neph_cli_study, "what takes longer: steps against their limit, flicker of presets"},
     {"render", neph_cli_render, "render a scene with one engine"},
     {"export", neph_cli_export, "leave a scene as files for Blender or POV-Ray"},
     {"bake", neph_cli_bake, "a medium of a scene as a volume file, with what that costs"},

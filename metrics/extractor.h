@@ -16,7 +16,7 @@
 #include "base/option.h"
 #include "metrics/metric.h"
 
-#define NEPH_MAPS_MAX 24
+#define NEPH_MAPS_MAX 144
 
 /* How the frames are meant to be looked at. Part of every record: another display, other numbers.
  */
@@ -48,7 +48,8 @@ struct neph_frame_pair {
     const struct neph_quantity *quantity;
     int width_px, height_px, plane_count;
     const float *reference[3], *test[3];
-    const float *reference_second[3]; /* the reference by another seed; NULL: there is none */
+    const float *reference_second[3]; /* the reference by another seed, or (lag.old=second) without
+                                         its step; NULL: there is none */
     const struct neph_image *reference_image, *test_image; /* their further layers */
     double scene_mean; /* mean luminance (depth: mean over the solid) of the whole reference; NaN
                           when it is not above 0 */
@@ -109,6 +110,8 @@ struct neph_extractor {
      * A value is finite, or NaN where the map has none (outside SSIM's valid region; the sky of a
      * depth). Called from several threads; must give the same bits whatever the strips. */
     void (*rows)(const void *state, int map, int first_row, int row_count, double *const values[3]);
+    /* Why a map has no value, a static string. NULL hook: its `empty_because`. */
+    const char *(*empty)(const void *state, int map);
     /* A number of the whole frame or sequence. NULL when it is defined, else why it is not. */
     const char *(*scalar)(const void *state, int which, double *value);
     void (*close)(void *state);

@@ -388,7 +388,8 @@ static struct neph_pool_source source_of(const struct neph_meter *meter, const s
         .width_px = meter->width_px,
         .height_px = meter->height_px,
         .plane_count = planes ? planes : run->quantity->plane_count,
-        .empty_because = extractor->maps[map].empty_because,
+        .empty_because = extractor->empty ? extractor->empty(run->state, map)
+                                          : extractor->maps[map].empty_because,
     };
 }
 

@@ -35,6 +35,8 @@ enum neph_pool {
     NEPH_POOL_MEAN,                /* mean v */
     NEPH_POOL_RMS,                 /* sqrt(mean v^2) */
     NEPH_POOL_ROOT_MEAN,           /* sqrt(mean v), 0 when the mean is negative */
+    NEPH_POOL_ROOT_OF_MEAN,        /* (mean v)^(1/p): Minkowski's mean, of a map of p-th powers */
+    NEPH_POOL_ROOT_MEAN_ABOVE,     /* the same, but none unless mean v > mean w / sqrt(pixels) */
     NEPH_POOL_MEAN_OVER,           /* mean v / mean w */
     NEPH_POOL_ROOT_MEAN_OVER,      /* sqrt(mean v / mean w) */
     NEPH_POOL_RMS_OVER,            /* sqrt(mean v^2) / mean w */

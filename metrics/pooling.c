@@ -66,7 +66,8 @@ static bool has_part_v(enum neph_pool pool)
 static bool needs_over(enum neph_pool pool)
 {
     return pool == NEPH_POOL_MEAN_OVER || pool == NEPH_POOL_ROOT_MEAN_OVER ||
-           pool == NEPH_POOL_RMS_OVER || pool == NEPH_POOL_ROOT_MEAN_LESS;
+           pool == NEPH_POOL_RMS_OVER || pool == NEPH_POOL_ROOT_MEAN_LESS ||
+           pool == NEPH_POOL_ROOT_MEAN_ABOVE;
 }
 
 /* ---- the walk over a map --------------------------------------------------------------------- */
@@ -364,7 +365,10 @@ static bool evaluate(const void *context, const double *sums, double *value)
     case NEPH_POOL_RMS:
         return known(sqrt(sums[SUM_V2] / n), value);
     case NEPH_POOL_ROOT_MEAN:
+    case NEPH_POOL_ROOT_MEAN_ABOVE: /* a draw may well be below: the interval then begins at 0 */
         return known(sqrt(fmax(mean, 0.0)), value);
+    case NEPH_POOL_ROOT_OF_MEAN:
+        return known(pow(fmax(mean, 0.0), 1.0 / metric->parameter), value);
     case NEPH_POOL_MEAN_OVER:
         return sums[SUM_W] > 0.0 && known(sums[SUM_V] / sums[SUM_W], value);
     case NEPH_POOL_ROOT_MEAN_OVER:
@@ -394,6 +398,7 @@ static const char no_pixel[] = "the mask is empty";
 static const char bad_pixel[] = "a pixel of the mask is not finite in one of the images";
 static const char no_value[] = "the map has no value in the mask";
 static const char no_mean[] = "the mean of the reference over the mask is not positive";
+static const char below_noise[] = "not above the noise of the mask";
 const char neph_pool_no_error[] = "there is no error at all to take a ratio of";
 const char neph_pool_hidden_error[] =
     "the images differ, but only by what the display does not show";
@@ -561,6 +566,9 @@ static bool value_of(struct table *table, const struct statistic *statistic, dou
     const size_t n = (size_t)table->totals[SUM_N];
     if (metric->pool == NEPH_POOL_MAX)
         return known(table->max, value);
+    if (metric->pool == NEPH_POOL_ROOT_MEAN_ABOVE &&
+        !(table->totals[SUM_V] > table->totals[SUM_W] / sqrt((double)n)))
+        return false;
     if (is_percentile(metric))
         return known(percentile_at(metric, table->selector, metric->parameter), value);
     if (metric->pool == NEPH_POOL_SHARE_ABOVE)
@@ -681,6 +689,8 @@ static const char *undefined_because(const struct neph_metric *metric)
     case NEPH_POOL_ROOT_MEAN_OVER:
     case NEPH_POOL_PSNR:
         return neph_pool_no_error;
+    case NEPH_POOL_ROOT_MEAN_ABOVE:
+        return below_noise;
     default:
         return no_value;
     }

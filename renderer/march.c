@@ -306,6 +306,7 @@ enum neph_status neph_march_frame(struct neph_march *march, const struct neph_sc
         neph_image_destroy(made);
         return status;
     }
+    work.stats.rays = march->cut.rays;
     work.stats.wall_s = neph_wall_s() - start_s;
     *image = made;
     if (stats)

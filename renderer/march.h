@@ -63,6 +63,7 @@ struct neph_march_stats {
     /* Closed-form optical depths, counted by the shader: whole rays, steps, sun rays. */
     uint64_t closed_forms;
     uint64_t view_steps; /* of view rays alone */
+    uint64_t rays;       /* of view */
     int dispatches;
 };
 

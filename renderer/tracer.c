@@ -25,6 +25,9 @@ static const uint32_t view_spirv[] = {
 static const uint32_t lit_spirv[] = {
 #include "shaders/tracer_lit.comp.inc"
 };
+static const uint32_t guess_spirv[] = {
+#include "shaders/tracer_guess.comp.inc"
+};
 static const uint32_t first_spirv[] = {
 #include "shaders/tracer_first.comp.inc"
 };
@@ -58,14 +61,16 @@ struct gpu_progress {
 };
 
 enum {
-    first_bytes = 32, /* struct First of shaders/tracer.glsl */
+    first_bytes = 48, /* struct First of shaders/tracer.glsl */
     depths_bytes = 4 * NEPH_SCENE_MEDIA_MAX * NEPH_FOG_LAYERS_MAX,
-    lit_edges = 16,            /* LIT_EDGES of shaders/tracer_lit.glsl */
-    lit_bytes = 8 * lit_edges, /* of a medium or layer */
-    state_bytes = 224,         /* struct State of shaders/tracer.comp */
-    result_bytes = 48,         /* struct Result of shaders/tracer.glsl */
-    track_steps = 8,           /* of a turn, through majorant cells */
-    pool_pixels = 8,           /* POOL_PIXELS of shaders/tracer.glsl */
+    lit_edges = 16,                      /* LIT_EDGES of shaders/tracer_lit.glsl */
+    lit_bytes = 4 * (3 * lit_edges + 1), /* its struct LitTable */
+    guess_stretches = 90,                /* GUESS_STRETCHES of shaders/tracer_guess.glsl */
+    guess_bytes = 4 * (4 + guess_stretches + lit_edges), /* its struct Guess */
+    state_bytes = 240,                                   /* struct State of shaders/tracer.comp */
+    result_bytes = 48,                                   /* struct Result of shaders/tracer.glsl */
+    track_steps = 8,                                     /* of a turn, through majorant cells */
+    pool_pixels = 8,                                     /* POOL_PIXELS of shaders/tracer.glsl */
     pool_items = pool_pixels * NEPH_TRACER_BATCH_SAMPLES,
     pixel_local_size = 64, /* of tracer_view.comp and tracer_sum.comp */
     chunk_pixels_max = 1 << 16,
@@ -110,23 +115,25 @@ static bool needs_paths(const struct neph_scene *scene)
     return scene->scattering == NEPH_SCATTERING_MULTIPLE || lights(scene) || is_open(scene);
 }
 
-/* All light is sunlight scattered once, from a collision whose place is known: it is drawn by that
- * light. */
+/* All sunlight is scattered once: first collisions are drawn by that light, or by a guess of it. */
 static bool is_lit_once(const struct neph_scene *scene)
 {
     return scene->scattering == NEPH_SCATTERING_SINGLE && scene->sun.present &&
-           is_positive(scene->sun.irradiance_w_per_m2) && scene->medium_count > 0 &&
-           !is_open(scene);
+           is_positive(scene->sun.irradiance_w_per_m2) && scene->medium_count > 0;
 }
 
-/* Tables of the light of a pixel: one per medium, or two where a fog may have two layers. */
+/* Tables of the light of a pixel: one per medium, or two where a fog may have two layers; one of
+ * all where it is guessed. */
 static size_t lit_tables(const struct neph_scene *scene)
 {
     bool has_layers = false;
     for (int i = 0; i < scene->medium_count; i++)
         has_layers = has_layers || scene->media[i].kind == NEPH_MEDIUM_HEIGHT_FOG;
-    return is_lit_once(scene) ? (size_t)scene->medium_count * (has_layers ? NEPH_FOG_LAYERS_MAX : 1)
-                              : 0;
+    if (!is_lit_once(scene))
+        return 0;
+    if (is_open(scene))
+        return 1;
+    return (size_t)scene->medium_count * (has_layers ? NEPH_FOG_LAYERS_MAX : 1);
 }
 
 static bool is_bounded(const struct neph_medium *medium)
@@ -221,7 +228,7 @@ static void add_pixel(double *sums, const struct gpu_pixel *pixel)
 static char *identity_of(const struct neph_scene *scene, const struct neph_tracer_params *params,
                          const struct neph_vulkan *vulkan)
 {
-    return neph_format("tracer 5, scene %s, frame %.17g, %d x %d, seed %llu, on %s, %s",
+    return neph_format("tracer 6, scene %s, frame %.17g, %d x %d, seed %llu, on %s, %s",
                        scene->hash, params->frame, params->width_px, params->height_px,
                        (unsigned long long)params->seed, vulkan->description.device,
                        vulkan->description.driver);
@@ -238,6 +245,7 @@ enum binding {
     BINDING_FIRSTS,
     BINDING_DEPTHS,
     BINDING_LITS,
+    BINDING_GUESSES,
     BINDING_COUNT,
 };
 
@@ -245,7 +253,7 @@ struct render {
     struct neph_vulkan *vulkan;
     const struct neph_tracer_params *params;
     double start_s;
-    const struct neph_kernel *path, *view, *lit, *first, *sum;
+    const struct neph_kernel *path, *view, *lit, *first, *sum; /* NULL: not needed */
     struct neph_gpu_scene scene;
     struct neph_buffer buffers[BINDING_COUNT], pixels_readback, progress_readback;
     uint32_t local_size; /* of the path kernel */
@@ -332,20 +340,25 @@ static enum neph_status get_kernels(struct render *render, const struct neph_sce
                       render->scene.frame->medium_count, tracked_count, tracked_order, track_steps,
                       scene->solid_count > 0, is_lit_once(scene)},
     };
+    const bool is_lit = render->lit_tables > 0, is_open = render->is_open;
     const struct {
         const struct neph_kernel **kernel;
         const char *name;
         const uint32_t *spirv;
         size_t spirv_size_bytes;
+        bool is_needed; /* the compiler's time is most of a short render */
     } wanted[] = {
-        {&render->view, "tracer_view", view_spirv, sizeof(view_spirv)},
-        {&render->lit, "tracer_lit", lit_spirv, sizeof(lit_spirv)},
-        {&render->first, "tracer_first", first_spirv, sizeof(first_spirv)},
-        {&render->path, "tracer", path_spirv, sizeof(path_spirv)},
-        {&render->sum, "tracer_sum", sum_spirv, sizeof(sum_spirv)},
+        {&render->view, "tracer_view", view_spirv, sizeof(view_spirv), true},
+        {&render->lit, "tracer_lit", lit_spirv, sizeof(lit_spirv), is_lit && !is_open},
+        {&render->lit, "tracer_guess", guess_spirv, sizeof(guess_spirv), is_lit && is_open},
+        {&render->first, "tracer_first", first_spirv, sizeof(first_spirv), is_lit || !is_open},
+        {&render->path, "tracer", path_spirv, sizeof(path_spirv), render->needs_paths},
+        {&render->sum, "tracer_sum", sum_spirv, sizeof(sum_spirv), true},
     };
     enum neph_status status = NEPH_OK;
     for (size_t i = 0; !status && i < sizeof(wanted) / sizeof(wanted[0]); i++) {
+        if (!wanted[i].is_needed)
+            continue;
         params.name = wanted[i].name;
         params.spirv = wanted[i].spirv;
         params.spirv_size_bytes = wanted[i].spirv_size_bytes;
@@ -377,6 +390,9 @@ static enum neph_status create_buffers(struct render *render, struct neph_diag *
         {&render->buffers[BINDING_LITS], NEPH_BUFFER_DEVICE,
          (render->lit_tables > 0 ? render->chunk_pixels * render->lit_tables : 1) * lit_bytes,
          "tracer light"},
+        {&render->buffers[BINDING_GUESSES], NEPH_BUFFER_DEVICE,
+         (render->lit_tables > 0 && render->is_open ? render->chunk_pixels : 1) * guess_bytes,
+         "tracer guesses"},
         {&render->buffers[BINDING_POOLS], NEPH_BUFFER_DEVICE, pools * sizeof(uint32_t),
          "tracer pools"},
         {&render->buffers[BINDING_PIXELS], NEPH_BUFFER_DEVICE, pixels_bytes, "tracer pixels"},
@@ -512,7 +528,7 @@ static enum neph_status view_chunk(struct render *render, const struct gpu_run *
         return NEPH_OK;
     enum neph_status status = run_kernel(render, render->view, run, pixel_groups(run->pixel_count),
                                          BINDING_PIXELS, &render->pixels_readback, diag);
-    if (!status && render->lit_tables > 0)
+    if (!status && render->lit)
         status = run_kernel(
             render, render->lit, run,
             pixel_groups((uint32_t)render->lit_tables * lit_edges * run->pixel_count),
@@ -585,7 +601,7 @@ static enum neph_status trace_chunk(struct render *render, const struct gpu_run 
                                     struct neph_diag *diag)
 {
     enum neph_status status = view_chunk(render, run, diag);
-    if (!status && !render->is_open)
+    if (!status && render->first)
         status = run_kernel(render, render->first, run,
                             pixel_groups(run->pixel_count * NEPH_TRACER_BATCH_SAMPLES),
                             BINDING_PIXELS, NULL, diag);

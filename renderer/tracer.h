@@ -15,9 +15,9 @@
  * balance heuristic over the channels (B. Miller, I. Georgiev, W. Jarosz, "A Null-Scattering Path
  * Integral Formulation of Light Transport", SIGGRAPH 2019).
  *
- * Where light is scattered once, and optical depths are known, the first collision is drawn by the
- * sunlight that comes from there (truth/lit_flight.h). Horizon's clouds are not among those: against
- * the light, at optical depths above 10, their error bar knows too little (the oracle's does not).
+ * Where light is scattered once, the first collision is drawn by the sunlight that comes from there
+ * (truth/lit_flight.h); in a scene with Horizon clouds, where free flights would miss it, by a
+ * guess of that light, and ratio tracking with raised majorants tells what arrives (truth/guess.h).
  *
  * What the scene's switches mean: `none` and `single` know one event: sunlight and, where there is
  * environment light, the background reach a surface (or, in `single`, a medium) without having been
@@ -61,7 +61,7 @@ struct neph_tracer_stats {
     double gpu_s; /* device time of all dispatches; NaN when the device has no clock */
     double wall_s;
     uint64_t collisions;   /* real ones */
-    uint64_t lookups;      /* densities looked up at a point */
+    uint64_t lookups;      /* densities looked up at a point, by paths */
     uint64_t closed_forms; /* optical depths of one medium in closed form */
     int dispatches;
 };

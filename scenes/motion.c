@@ -8,6 +8,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* --- between keys ---------------------------------------------------------------------------- */
 
@@ -164,6 +165,37 @@ bool neph_scene_moves(const struct neph_scene *scene)
     return scene->sun_key_count > 0 || scene->wind_key_count > 0;
 }
 
+/* All that engines take from the time of a picture; doubles alone, so that bytes can be compared.
+ */
+struct moment {
+    struct neph_camera camera;
+    struct neph_vec3 sun_direction, wind_m;
+    struct neph_rgb sun_w_per_m2;
+    double width_px, height_px; /* of the largest picture */
+};
+_Static_assert(sizeof(struct moment) == 24 * sizeof(double), "no padding");
+
+static struct moment moment_at(const struct neph_scene *scene, double frame)
+{
+    const struct neph_sun sun = neph_scene_sun(scene, frame);
+    int width_px = 16384, height_px = 16384;
+    neph_scene_frame_size(scene, frame, &width_px, &height_px);
+    return (struct moment){
+        .camera = neph_scene_camera(scene, frame),
+        .sun_direction = sun.direction,
+        .sun_w_per_m2 = sun.irradiance_w_per_m2,
+        .wind_m = neph_scene_wind_displacement_m(scene, frame),
+        .width_px = width_px,
+        .height_px = height_px,
+    };
+}
+
+bool neph_scene_is_same_moment(const struct neph_scene *scene, double frame_a, double frame_b)
+{
+    const struct moment a = moment_at(scene, frame_a), b = moment_at(scene, frame_b);
+    return memcmp(&a, &b, sizeof(a)) == 0;
+}
+
 /* --- a scene that stands still --------------------------------------------------------------- */
 
 /* One block, so that it is freed at once; the scene comes first. */
@@ -209,7 +241,7 @@ enum neph_status neph_scene_at(const struct neph_scene *scene, double frame,
     if (!made)
         return neph_fail_memory(diag);
     made->scene = *scene;
-    made->scene.is_still = true;
+    made->scene.borrows = true;
     made->camera_key = neph_camera_key_at(scene, neph_scene_time_frame(scene, frame));
     made->scene.camera_keys = &made->camera_key;
     made->scene.camera_key_count = 1;

@@ -32,6 +32,10 @@ struct neph_vec3 neph_scene_wind_displacement_m(const struct neph_scene *scene, 
 /* Whether anything but the camera changes from frame to frame. */
 bool neph_scene_moves(const struct neph_scene *scene);
 
+/* Whether two pictures show the same: camera, sun, the wind's displacement and the size have the
+ * same bits. What differs by less than can be seen is another moment. */
+bool neph_scene_is_same_moment(const struct neph_scene *scene, double frame_a, double frame_b);
+
 /* The scene as it stands in one picture, for engines that know nothing of time: its sun and media
  * where they are then, one camera key, no wind, pause or size. The hash is that of `scene`: a
  * picture's frame is part of its job. Costs one allocation and no work that grows with the scene:

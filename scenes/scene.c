@@ -14,7 +14,7 @@ void neph_scene_destroy(struct neph_scene *scene)
 {
     if (!scene)
         return;
-    if (scene->is_still) {
+    if (scene->borrows) {
         free(scene);
         return;
     }

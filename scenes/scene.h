@@ -220,7 +220,8 @@ struct neph_scene {
     double exposure_ev; /* display = radiance * 2^ev; frozen for all pictures of the scene */
     int gate_count;
     struct neph_gate *gates; /* owned */
-    bool is_still; /* made by neph_scene_at(): what is owned belongs to the scene it came from */
+    bool borrows; /* made by neph_scene_at() or neph_scene_variant(): what is owned belongs to the
+                     scene it came from */
 
     /* BLAKE2b of everything above that changes a rendered value (not names, gates, exposure). */
     char hash[NEPH_HASH_HEX_SIZE];

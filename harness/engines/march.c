@@ -10,14 +10,17 @@
 
 #include "base/clock.h"
 #include "harness/frame_stats.h"
-#include "renderer/march.h"
+#include "renderer/march_average.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <sys/resource.h>
 
 static const char *const modes[] = {"exact", "marched", NULL};
+static const char *const rays[] = {"1",  "2",  "4",   "8",   "16",
+                                   "32", "64", "128", "256", NULL}; /* 2 to the index */
 
-enum { OPTION_STEPS, OPTION_TRANSMITTANCE, OPTION_SUN, OPTION_SUN_STEPS };
+enum { OPTION_STEPS, OPTION_TRANSMITTANCE, OPTION_SUN, OPTION_SUN_STEPS, OPTION_RAYS_PER_PX };
 
 static const struct neph_option options[] = {
     [OPTION_STEPS] = {"steps", NEPH_OPTION_INTEGER, 64, 1, NEPH_MARCH_STEPS_MAX, NULL,
@@ -31,6 +34,10 @@ static const struct neph_option options[] = {
          "optical depth towards the sun: closed form (but for Horizon clouds), or marched"},
     [OPTION_SUN_STEPS] = {"sun_steps", NEPH_OPTION_INTEGER, 16, 1, NEPH_MARCH_STEPS_MAX, NULL,
                           "steps per marched sun ray"},
+    [OPTION_RAYS_PER_PX] =
+        {"rays_per_px", NEPH_OPTION_CHOICE, 0, 0, 0, rays,
+         "rays averaged over the square of a pixel, at the points of a Hammersley set; 1: through "
+         "its centre. Depth is always that of the centre"},
     {.name = NULL},
 };
 
@@ -45,7 +52,7 @@ static enum neph_status label(struct neph_image *frame, const struct neph_march_
         {"density_evaluations", (double)stats->density_evaluations},
         {"density_evaluations_per_pixel", (double)stats->density_evaluations / pixels},
         {"closed_forms", (double)stats->closed_forms},
-        {"rays", pixels},
+        {"rays", (double)stats->rays},
         {"view_steps", (double)stats->view_steps},
         {"gpu_ms", 1e3 * stats->gpu_s},
         {"wall_ms", 1e3 * stats->wall_s},
@@ -56,12 +63,28 @@ static enum neph_status label(struct neph_image *frame, const struct neph_march_
     return status;
 }
 
-static enum neph_status render(enum neph_march_lighting lighting, const struct neph_shot *shot,
-                               struct neph_image **frame, struct neph_cost *cost,
+/* ---- pictures in a row ----------------------------------------------------------------------- */
+
+struct sequence {
+    enum neph_march_lighting lighting;
+    int width_px, height_px;
+    struct neph_vulkan *vulkan;
+    struct neph_march *march; /* for pictures of this size */
+};
+
+static void close_sequence(void *opened)
+{
+    struct sequence *sequence = opened;
+    if (!sequence)
+        return;
+    neph_march_destroy(sequence->march);
+    neph_vulkan_destroy(sequence->vulkan);
+    free(sequence);
+}
+
+static enum neph_status set_up(struct sequence *sequence, const struct neph_shot *shot,
                                struct neph_diag *diag)
 {
-    const double wall_start_s = neph_wall_s(), cpu_start_s = neph_cpu_s();
-    const struct neph_vulkan_params device = neph_vulkan_device_params();
     const double *values = shot->settings.values;
     const struct neph_march_params params = {
         .width_px = shot->width_px,
@@ -70,18 +93,52 @@ static enum neph_status render(enum neph_march_lighting lighting, const struct n
         .steps = (int)values[OPTION_STEPS],
         .transmittance = (enum neph_march_mode)values[OPTION_TRANSMITTANCE],
         .sun = (enum neph_march_mode)values[OPTION_SUN],
-        .lighting = lighting,
+        .lighting = sequence->lighting,
         .sun_steps = (int)values[OPTION_SUN_STEPS],
     };
-    struct neph_vulkan *vulkan = NULL;
+    neph_march_destroy(sequence->march);
+    sequence->march = NULL;
+    sequence->width_px = shot->width_px;
+    sequence->height_px = shot->height_px;
+    return neph_march_create(sequence->vulkan, shot->scene, &params, &sequence->march, diag);
+}
+
+static enum neph_status open_sequence(enum neph_march_lighting lighting,
+                                      const struct neph_shot *shot, void **opened,
+                                      struct neph_diag *diag)
+{
+    const struct neph_vulkan_params device = neph_vulkan_device_params();
+    struct sequence *sequence = calloc(1, sizeof(*sequence));
+    if (!sequence)
+        return neph_fail_memory(diag);
+    sequence->lighting = lighting;
+    enum neph_status status = neph_vulkan_create(&device, &sequence->vulkan, diag);
+    if (!status)
+        status = set_up(sequence, shot, diag);
+    if (status)
+        close_sequence(sequence);
+    else
+        *opened = sequence;
+    return status;
+}
+
+static enum neph_status next_picture(void *opened, const struct neph_shot *shot,
+                                     struct neph_image **frame, struct neph_cost *cost,
+                                     struct neph_diag *diag)
+{
+    struct sequence *sequence = opened;
+    const double wall_start_s = neph_wall_s(), cpu_start_s = neph_cpu_s();
+    const int rays_per_px = 1 << (int)shot->settings.values[OPTION_RAYS_PER_PX];
     struct neph_image *image = NULL;
     struct neph_march_stats stats = {.gpu_s = NAN};
-    enum neph_status status = neph_vulkan_create(&device, &vulkan, diag);
+    const bool fits = shot->width_px == sequence->width_px &&
+                      shot->height_px == sequence->height_px && sequence->march;
+    enum neph_status status = fits ? NEPH_OK : set_up(sequence, shot, diag);
     if (!status)
-        status = neph_march_render(vulkan, shot->scene, &params, &image, &stats, diag);
+        status = neph_march_average(sequence->march, shot->scene, shot->frame, rays_per_px, &image,
+                                    &stats, diag);
     if (!status)
         status = label(image, &stats, diag);
-    neph_vulkan_destroy(vulkan);
     if (status) {
         neph_image_destroy(image);
         return status;
@@ -97,6 +154,26 @@ static enum neph_status render(enum neph_march_lighting lighting, const struct n
     *frame = image;
     return NEPH_OK;
 }
+
+/* A picture alone pays for what it is set up with. */
+static enum neph_status render(enum neph_march_lighting lighting, const struct neph_shot *shot,
+                               struct neph_image **frame, struct neph_cost *cost,
+                               struct neph_diag *diag)
+{
+    const double wall_start_s = neph_wall_s(), cpu_start_s = neph_cpu_s();
+    void *sequence = NULL;
+    enum neph_status status = open_sequence(lighting, shot, &sequence, diag);
+    if (!status)
+        status = next_picture(sequence, shot, frame, cost, diag);
+    close_sequence(sequence);
+    if (!status) {
+        cost->wall_s = neph_wall_s() - wall_start_s;
+        cost->cpu_s = neph_cpu_s() - cpu_start_s;
+    }
+    return status;
+}
+
+/* ---- the engines ----------------------------------------------------------------------------- */
 
 static const struct neph_engine_step step = {
     .option = "steps", .coarsest = 16, .refine = 2, .level_count = 5, .order = 2};
@@ -114,6 +191,15 @@ static enum neph_status render_single(const struct neph_shot *shot, struct neph_
     return render(NEPH_MARCH_SINGLE, shot, frame, cost, diag);
 }
 
+static enum neph_status open_single(const struct neph_shot *shot, void **opened,
+                                    struct neph_diag *diag)
+{
+    return open_sequence(NEPH_MARCH_SINGLE, shot, opened, diag);
+}
+
+static const struct neph_engine_sequence sequence_of_single = {
+    .open = open_single, .next = next_picture, .close = close_sequence};
+
 const struct neph_engine neph_engine_march = {
     .name = "march",
     .summary = "our Vulkan ray marcher: full resolution, fixed steps, single scattering",
@@ -126,6 +212,7 @@ const struct neph_engine neph_engine_march = {
     .probe = neph_vulkan_probe,
     .can_render = can_render_single,
     .render = render_single,
+    .sequence = &sequence_of_single,
 };
 
 static bool can_render_octaves(const struct neph_scene *scene, const struct neph_settings *settings,
@@ -141,6 +228,15 @@ static enum neph_status render_octaves(const struct neph_shot *shot, struct neph
     return render(NEPH_MARCH_OCTAVES, shot, frame, cost, diag);
 }
 
+static enum neph_status open_octaves(const struct neph_shot *shot, void **opened,
+                                     struct neph_diag *diag)
+{
+    return open_sequence(NEPH_MARCH_OCTAVES, shot, opened, diag);
+}
+
+static const struct neph_engine_sequence sequence_of_octaves = {
+    .open = open_octaves, .next = next_picture, .close = close_sequence};
+
 const struct neph_engine neph_engine_march_octaves = {
     .name = "march_octaves",
     .summary = "the same with multiple scattering as a sum of octaves: a look, not physics",
@@ -154,6 +250,7 @@ const struct neph_engine neph_engine_march_octaves = {
     .probe = neph_vulkan_probe,
     .can_render = can_render_octaves,
     .render = render_octaves,
+    .sequence = &sequence_of_octaves,
 };
 
 static bool can_render_horizon(const struct neph_scene *scene, const struct neph_settings *settings,
@@ -169,6 +266,15 @@ static enum neph_status render_horizon(const struct neph_shot *shot, struct neph
     return render(NEPH_MARCH_HORIZON, shot, frame, cost, diag);
 }
 
+static enum neph_status open_horizon(const struct neph_shot *shot, void **opened,
+                                     struct neph_diag *diag)
+{
+    return open_sequence(NEPH_MARCH_HORIZON, shot, opened, diag);
+}
+
+static const struct neph_engine_sequence sequence_of_horizon = {
+    .open = open_horizon, .next = next_picture, .close = close_sequence};
+
 const struct neph_engine neph_engine_march_horizon = {
     .name = "march_horizon",
     .summary = "the same with the light of Horizon's clouds: a look, not physics",
@@ -182,4 +288,5 @@ const struct neph_engine neph_engine_march_horizon = {
     .probe = neph_vulkan_probe,
     .can_render = can_render_horizon,
     .render = render_horizon,
+    .sequence = &sequence_of_horizon,
 };

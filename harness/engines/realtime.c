@@ -9,6 +9,8 @@
 #include "base/clock.h"
 #include "harness/data.h"
 #include "harness/frame_stats.h"
+#include "metrics/extractors/cycle_frequency.h"
+#include "renderer/realtime/dither.h"
 #include "renderer/realtime/options.h"
 #include "renderer/realtime/pipeline.h"
 
@@ -114,6 +116,37 @@ static double of_targets(uint64_t bytes)
     return bytes > 0 ? (double)bytes : NAN;
 }
 
+/* What comes again and again in a sequence with these settings, for the metrics of flicker. */
+static enum neph_status label_cycles(struct neph_image *frame, const struct neph_settings *settings,
+                                     struct neph_diag *diag)
+{
+    const double *values = settings->values;
+    const bool jitters = values[RT_TAA] != 0.0 && values[RT_TAA_JITTER] != RT_JITTER_NONE;
+    const bool splits = values[RT_SPLIT] == RT_SPLIT_FOUR;
+    const bool rests = splits && values[RT_OVERRIDE] != RT_OVERRIDE_NONE;
+    const struct {
+        const char *name;
+        double period; /* frames; below 2: none */
+    } cycles[] = {
+        {"slot", splits ? 4.0 : 0.0},
+        {"TAA jitter", jitters ? values[RT_TAA_JITTER_LENGTH] : 0.0},
+        {"ray dither", values[RT_RAY_DITHER_AMOUNT] > 0.0
+                           ? neph_rt_dither_period((int)values[RT_RAY_DITHER])
+                           : 0.0},
+        {"upscale dither", values[RT_UPSCALE_AMOUNT_PX] > 0.0
+                               ? neph_rt_dither_period((int)values[RT_UPSCALE_DITHER])
+                               : 0.0},
+        {"override rest", rests ? 4.0 * values[RT_OVERRIDE_REST] : 0.0},
+    };
+    char text[256] = "";
+    for (size_t i = 0, used = 0; i < sizeof(cycles) / sizeof(cycles[0]); i++)
+        if (cycles[i].period >= 2.0)
+            used += (size_t)snprintf(text + used, sizeof(text) - used, "%s%s %.0f",
+                                     used ? ", " : "", cycles[i].name, cycles[i].period);
+    return text[0] ? neph_image_set_attribute(frame, NEPH_CYCLE_ATTRIBUTE, diag, "%s", text)
+                   : NEPH_OK;
+}
+
 static enum neph_status label(struct neph_image *frame, const struct neph_realtime_stats *stats,
                               struct neph_diag *diag)
 {
@@ -164,6 +197,8 @@ static enum neph_status next_picture(void *opened, const struct neph_shot *shot,
         status = neph_realtime_render(sequence->realtime, &picture, &image, &stats, diag);
     if (!status)
         status = label(image, &stats, diag);
+    if (!status)
+        status = label_cycles(image, &shot->settings, diag);
     if (status) {
         neph_image_destroy(image);
         return status;
@@ -225,6 +260,7 @@ const struct neph_engine neph_engine_realtime = {
     .options = neph_rt_options,
     .presets = neph_rt_presets,
     .sequence = &sequence_of,
+    .remembers = true,
     .takes_given = true,
     .version = 2, /* no fused fraction of a voxel */
     .shortcut_of = "march",

@@ -99,10 +99,11 @@ const struct neph_engine neph_engine_tracer = {
     .typical_s = 8.0,
     .rests = true,
     .stochastic = true,
-    .bias = "none; in procedural clouds, light scattered once and seen against the sun at optical "
-            "depths above 10 has a larger error than the frame says",
+    .bias =
+        "none; in a procedural cloud within a medium without end, light scattered once and seen "
+        "against the sun at optical depths above 10 has a larger error than the frame says",
     .options = options,
-    .version = 4,
+    .version = 5,
     .probe = neph_vulkan_probe,
     .can_render = can_render,
     .render = render,

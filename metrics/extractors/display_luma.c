@@ -56,8 +56,21 @@ static void convert(const float *restrict r, const float *restrict g, const floa
     }
 }
 
+NEPH_VECTOR
+static void convert_to_luma(const float *restrict r, const float *restrict g,
+                            const float *restrict b, size_t count, double gain,
+                            double *restrict luma)
+{
+    for (size_t i = 0; i < count; i++)
+        luma[i] = neph_luminance(encoded(displayed(r[i], gain)), encoded(displayed(g[i], gain)),
+                                 encoded(displayed(b[i], gain)));
+}
+
 void neph_display_luma(const float *const rgb[3], size_t count, double gain, double *luma,
                        double *luminance)
 {
-    convert(rgb[0], rgb[1], rgb[2], count, gain, luma, luminance);
+    if (luminance)
+        convert(rgb[0], rgb[1], rgb[2], count, gain, luma, luminance);
+    else
+        convert_to_luma(rgb[0], rgb[1], rgb[2], count, gain, luma);
 }

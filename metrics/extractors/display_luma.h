@@ -13,7 +13,7 @@
  *   luma      0.2126 R' + 0.7152 G' + 0.0722 B' with c' = c <= 0.0031308 ? 12.92 c
  *             : 1.055 c^(1/2.4) - 0.055 (IEC 61966-2-1, the weights of ITU-R BT.709)
  *   luminance 0.2126 R + 0.7152 G + 0.0722 B of the clamped values, 1 = display white
- * Both in [0, 1] up to rounding, and right to 2e-15 of themselves. */
+ * Both in [0, 1] up to rounding, and right to 2e-15 of themselves. `luminance` may be NULL. */
 void neph_display_luma(const float *const rgb[3], size_t count, double gain, double *luma,
                        double *luminance);
 

@@ -23,8 +23,12 @@
     of(residual_change) \
     of(motion) \
     of(lag) \
+    of(follow) \
     of(trail) \
-    of(flicker)
+    of(ghost) \
+    of(flicker) \
+    of(cycles) \
+    of(seen)
 /* clang-format on */
 
 #define NEPH_EXTRACTOR_DECLARED(name) extern const struct neph_extractor neph_extractor_##name;

@@ -9,7 +9,6 @@
 #include "metrics/extractors/flicker_verdict.h"
 #include "metrics/extractors/flicker_watch.h"
 #include "metrics/extractors/phase_age.h"
-#include "metrics/extractors/visible_flicker.h"
 #include "metrics/statistics.h"
 
 #include <math.h>
@@ -73,7 +72,6 @@ enum map {
     CYCLE_SHARE,
     CYCLIC,
     UNREST,
-    VISIBLE,
     AGE, /* NEPH_AGE_COUNT of them */
     AGE_SLOPE = AGE + NEPH_AGE_COUNT,
     REFERENCE_STD,
@@ -103,7 +101,6 @@ static const struct neph_map maps[MAP_COUNT] = {
     [CYCLE_SHARE] = MAP("cycle_share", false, 1.0),
     [CYCLIC] = MAP("cyclic", false, 1.0),
     [UNREST] = MAP("unrest", false, LUMA_SCALE),
-    [VISIBLE] = MAP("visible_flicker", false, 2.0),
     [AGE] = MAP("age_0", true, LUMA_SCALE),
     [AGE + 1] = MAP("age_1", true, LUMA_SCALE),
     [AGE + 2] = MAP("age_2", true, LUMA_SCALE),
@@ -160,10 +157,6 @@ static const struct neph_metric metrics[] = {
            "share of pixels with A4 or A2 above 1/255 that also stands out of noise (p < 1e-5)"),
     POOLED("restless_share", 0.0, 1.0, SHARE_ABOVE, 1.0 / 255.0, UNREST,
            "share of pixels with mad - 2 p2p / (N - 1) above 1/255: more than any fade"),
-    SUMMARY("visible_flicker", INFINITY, VISIBLE,
-            "flicker of the display's luminance in units of the eye's threshold (a model)"),
-    POOLED("visible_flicker_share", 0.0, 1.0, SHARE_ABOVE, 1.0, VISIBLE,
-           "share of pixels with flicker above the eye's threshold (a model)"),
     AGE_METRIC("0", 0),
     AGE_METRIC("1", 1),
     AGE_METRIC("2", 2),
@@ -185,7 +178,6 @@ static const struct neph_metric metrics[] = {
 /* ---- the life -------------------------------------------------------------------------------- */
 
 struct flicker {
-    struct neph_viewing viewing;
     struct neph_phase_age scheme;
     struct neph_flicker_window window;
     int warm_up;
@@ -217,7 +209,6 @@ static enum neph_status flicker_init(void *state, const struct neph_frame_pair *
 {
     struct flicker *flicker = state;
     *flicker = (struct flicker){
-        .viewing = *first->viewing,
         .scheme = {.order = (enum neph_slot_order)settings->values[SLOT_ORDER],
                    .first_slot = (int)settings->values[FIRST_SLOT],
                    .slot_px = (int)settings->values[SLOT_PX],
@@ -253,47 +244,6 @@ static void flicker_close(void *state)
 
 /* ---- after the last frame -------------------------------------------------------------------- */
 
-/* Mean over all frames of a signal less what it was in frame 0. */
-static double mean_move(const struct flicker *flicker, const double *sums)
-{
-    const double *phase = sums + NEPH_FLICKER_PHASE_0;
-    return ((phase[0] + phase[1]) + (phase[2] + phase[3])) / (double)flicker->window.frame_count;
-}
-
-/* The parts of the cycle of the luminance, and the mean of the test: what it was in frame 0, and
- * how far it moved from there, itself and with the reference. */
-static void visible_row(const void *context, int row, double *quarter_cos, double *quarter_sin,
-                        double *half, double *mean)
-{
-    const struct flicker *flicker = context;
-    const struct neph_flicker_watch *watch = &flicker->watch;
-    for (int x = 0; x < flicker->width_px; x++) {
-        double sums[NEPH_FLICKER_SUM_COUNT], reference_sums[NEPH_FLICKER_SUM_COUNT];
-        neph_flicker_sums_of(&watch->test.luminance.sums, x, row, sums);
-        neph_flicker_sums_of(&watch->reference.luminance.sums, x, row, reference_sums);
-        const struct neph_flicker_spectrum spectrum = neph_flicker_spectrum_of(&flicker->window,
-                                                                               sums);
-        quarter_cos[x] = spectrum.quarter_cos;
-        quarter_sin[x] = spectrum.quarter_sin;
-        half[x] = spectrum.half;
-        mean[x] = neph_flicker_first(watch, &watch->test.luminance, x, row) +
-                  mean_move(flicker, sums) + mean_move(flicker, reference_sums);
-    }
-}
-
-static enum neph_status find_visible(struct flicker *flicker, struct neph_diag *diag)
-{
-    const struct neph_visible_flicker_params params = {
-        .width_px = flicker->width_px,
-        .height_px = flicker->height_px,
-        .frame_rate_hz = flicker->viewing.frame_rate_hz,
-        .pixels_per_degree = flicker->viewing.pixels_per_degree,
-        .row = visible_row,
-        .context = flicker,
-    };
-    return neph_visible_flicker(&params, flicker->values[VISIBLE], diag);
-}
-
 static int lesser(int a, int b)
 {
     return a < b ? a : b;
@@ -310,7 +260,7 @@ static struct neph_flicker_spectrum block_spectrum(const struct flicker *flicker
     for (int v = top; v < bottom; v++) {
         for (int u = left; u < right; u++) {
             double sums[NEPH_FLICKER_SUM_COUNT];
-            neph_flicker_sums_of(&watch->test.luma.sums, u, v, sums);
+            neph_flicker_sums_of(&watch->test.sums, u, v, sums);
             for (int s = 0; s < NEPH_FLICKER_LINEAR_COUNT; s++)
                 total[s] += sums[s];
         }
@@ -333,8 +283,8 @@ static void find_ages(const struct flicker *flicker, int x, int y, const double 
                       double ages[NEPH_AGE_COUNT])
 {
     const struct neph_flicker_watch *watch = &flicker->watch;
-    const double first = neph_flicker_first(watch, &watch->test.luma, x, y) -
-                         neph_flicker_first(watch, &watch->reference.luma, x, y);
+    const double first = neph_flicker_first(watch, &watch->test, x, y) -
+                         neph_flicker_first(watch, &watch->reference, x, y);
     const double cycle_count = (double)(flicker->window.frame_count / CYCLE);
     for (int age = 0; age < NEPH_AGE_COUNT; age++) {
         const int frame = neph_frame_of_age(&flicker->scheme, x, y, age);
@@ -347,7 +297,7 @@ static void find_ages(const struct flicker *flicker, int x, int y, const double 
 static void find_pixel(const struct flicker *flicker, int x, int y, double values[MAP_COUNT])
 {
     double sums[NEPH_FLICKER_SUM_COUNT];
-    neph_flicker_sums_of(&flicker->watch.test.luma.sums, x, y, sums);
+    neph_flicker_sums_of(&flicker->watch.test.sums, x, y, sums);
     const struct neph_flicker_spectrum spectrum = neph_flicker_spectrum_of(&flicker->window, sums);
     const int frame_count = flicker->window.frame_count;
     values[STD] = sqrt(neph_flicker_variance(&flicker->window, sums, false));
@@ -365,7 +315,7 @@ static void find_pixel(const struct flicker *flicker, int x, int y, double value
 static void find_reference(const struct flicker *flicker, int x, int y, double values[MAP_COUNT])
 {
     double sums[NEPH_FLICKER_SUM_COUNT];
-    neph_flicker_sums_of(&flicker->watch.reference.luma.sums, x, y, sums);
+    neph_flicker_sums_of(&flicker->watch.reference.sums, x, y, sums);
     const struct neph_flicker_spectrum spectrum = neph_flicker_spectrum_of(&flicker->window, sums);
     values[REFERENCE_STD] = sqrt(neph_flicker_variance(&flicker->window, sums, false));
     values[REFERENCE_A4] = spectrum.a4;
@@ -391,8 +341,7 @@ static void find_row(int row, void *context)
         if (flicker->watch.reference_moves)
             find_reference(flicker, x, row, values);
         for (int map = 0; map < MAP_COUNT; map++)
-            if (map != VISIBLE)
-                flicker->values[map][row_begin(flicker, row) + (size_t)x] = values[map];
+            flicker->values[map][row_begin(flicker, row) + (size_t)x] = values[map];
     }
 }
 
@@ -431,8 +380,6 @@ static enum neph_status flicker_flush(void *state, struct neph_diag *diag)
     if (flicker->watch.frames_seen < flicker->window.frame_count)
         return NEPH_OK;
     enum neph_status status = allocate_maps(flicker, diag);
-    if (!status)
-        status = find_visible(flicker, diag);
     if (!status)
         status = neph_parallel_rows(flicker->height_px, find_row, flicker, diag);
     if (status)
@@ -473,15 +420,11 @@ static const char *flicker_scalar(const void *state, int which, double *value)
 
 const struct neph_extractor neph_extractor_flicker = {
     .name = "flicker",
-    .help = "amplitude, cause and visibility of flicker before a camera that stands still",
+    .help = "amplitude and cause of flicker before a camera that stands still",
     .source = "discrete Fourier transform of display luma per pixel at the periods of 4 and 2 "
-              "frames; eye: castleCSF and FovVideoVDP",
+              "frames",
     .details = "d: luma of encoded display values, test - reference of the same frame\n"
                "A4 = (2 / N) |sum d e^(-i pi t / 2)|, A2 = (1 / N) |sum d (-1)^t|, N frames\n"
-               "visible_flicker = sqrt((w(fps / 4) A4)^2 + (w(fps / 2) A2)^2) / (0.011 L): of\n"
-               "display luminance 0..1 after FLIP's achromatic filter, test - reference, noise\n"
-               "kept; L its mean in the test, at least 0.001;\n"
-               "w(f) = exp(-(f^0.1898 - 5^0.1898)^2 / 0.1231)\n"
                "cyclic_share: p is that of normal noise; of fireflies clamped to one value up to\n"
                "6e-4 pass",
     .quantities = NEPH_RADIANCE | NEPH_VOLUME,

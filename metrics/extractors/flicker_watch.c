@@ -51,36 +51,17 @@ static enum neph_status let_move(const struct neph_flicker_watch *watch,
                                    diag);
 }
 
-static enum neph_status picture_begin(const struct neph_flicker_watch *watch,
-                                      struct neph_flicker_picture *picture, struct neph_diag *diag)
+static void forget_recent(struct neph_flicker_signal *signal)
 {
-    picture->luma.first = allocate(watch->padded_width_px, watch->height_px);
-    picture->luminance.first = allocate(watch->padded_width_px, watch->height_px);
-    return picture->luma.first && picture->luminance.first ? NEPH_OK : neph_fail_memory(diag);
+    free(signal->recent);
+    signal->recent = NULL;
 }
 
-static enum neph_status picture_let_move(const struct neph_flicker_watch *watch,
-                                         struct neph_flicker_picture *picture, int luma_sum_count,
-                                         struct neph_diag *diag)
+static void signal_end(struct neph_flicker_signal *signal)
 {
-    enum neph_status status = let_move(watch, &picture->luma, luma_sum_count, diag);
-    return status ? status : let_move(watch, &picture->luminance, NEPH_FLICKER_BRIEF_COUNT, diag);
-}
-
-static void forget_recent(struct neph_flicker_picture *picture)
-{
-    free(picture->luma.recent);
-    free(picture->luminance.recent);
-    picture->luma.recent = picture->luminance.recent = NULL;
-}
-
-static void picture_end(struct neph_flicker_picture *picture)
-{
-    forget_recent(picture);
-    free(picture->luma.first);
-    free(picture->luminance.first);
-    neph_flicker_sums_end(&picture->luma.sums);
-    neph_flicker_sums_end(&picture->luminance.sums);
+    forget_recent(signal);
+    free(signal->first);
+    neph_flicker_sums_end(&signal->sums);
 }
 
 static void forget_planes(struct neph_flicker_watch *watch)
@@ -113,21 +94,19 @@ static void compare_reference(int row, void *context)
 }
 
 static void convert(const struct neph_flicker_watch *watch, const float *const planes[3], int row,
-                    double *luma, double *luminance)
+                    double *luma)
 {
     const size_t begin = plane_row(watch, row);
     const float *const rows[3] = {planes[0] + begin, planes[1] + begin, planes[2] + begin};
-    neph_display_luma(rows, (size_t)watch->width_px, watch->gain, luma, luminance);
+    neph_display_luma(rows, (size_t)watch->width_px, watch->gain, luma, NULL);
 }
 
 static void look_at_first(int row, void *context)
 {
     const struct frame_work *work = context;
     struct neph_flicker_watch *watch = work->watch;
-    convert(watch, work->pair->test, row, row_of(watch, watch->test.luma.first, row),
-            row_of(watch, watch->test.luminance.first, row));
-    convert(watch, work->pair->reference, row, row_of(watch, watch->reference.luma.first, row),
-            row_of(watch, watch->reference.luminance.first, row));
+    convert(watch, work->pair->test, row, row_of(watch, watch->test.first, row));
+    convert(watch, work->pair->reference, row, row_of(watch, watch->reference.first, row));
     const size_t begin = plane_row(watch, row);
     for (int c = 0; c < 3; c++)
         memcpy(watch->reference_planes[c] + begin, work->pair->reference[c] + begin,
@@ -142,15 +121,13 @@ static void subtract(double *restrict values, const double *restrict others, int
 }
 
 /* A row of a picture as its difference to frame 0. */
-static void look_at_picture(const struct frame_work *work, struct neph_flicker_picture *picture,
+static void look_at_picture(const struct frame_work *work, struct neph_flicker_signal *signal,
                             const float *const planes[3], int row)
 {
     const struct neph_flicker_watch *watch = work->watch;
-    double *luma = recent_of(watch, &picture->luma, row, work->t);
-    double *luminance = recent_of(watch, &picture->luminance, row, work->t);
-    convert(watch, planes, row, luma, luminance);
-    subtract(luma, row_of(watch, picture->luma.first, row), watch->width_px);
-    subtract(luminance, row_of(watch, picture->luminance.first, row), watch->width_px);
+    double *luma = recent_of(watch, signal, row, work->t);
+    convert(watch, planes, row, luma);
+    subtract(luma, row_of(watch, signal->first, row), watch->width_px);
 }
 
 static void take_out(const struct frame_work *work, struct neph_flicker_signal *test,
@@ -172,21 +149,17 @@ static void look_at_row(int row, void *context)
 {
     const struct frame_work *work = context;
     struct neph_flicker_watch *watch = work->watch;
-    struct neph_flicker_picture *test = &watch->test, *reference = &watch->reference;
+    struct neph_flicker_signal *test = &watch->test, *reference = &watch->reference;
     look_at_picture(work, test, work->pair->test, row);
     if (watch->reference_moves) {
         look_at_picture(work, reference, work->pair->reference, row);
-        take_out(work, &test->luma, &reference->luma, row);
-        take_out(work, &test->luminance, &reference->luminance, row);
+        take_out(work, test, reference, row);
     }
     if (work->cycle_count == 0)
         return;
-    add_cycles(work, &test->luma, row);
-    add_cycles(work, &test->luminance, row);
-    if (watch->reference_moves) {
-        add_cycles(work, &reference->luma, row);
-        add_cycles(work, &reference->luminance, row);
-    }
+    add_cycles(work, test, row);
+    if (watch->reference_moves)
+        add_cycles(work, reference, row);
 }
 
 /* Whether the reference is another than in frame 0; from then on it is taken to move. */
@@ -203,7 +176,7 @@ static enum neph_status watch_reference(struct frame_work *work, struct neph_dia
         return status;
     forget_planes(watch);
     watch->reference_moves = true;
-    return picture_let_move(watch, &watch->reference, NEPH_FLICKER_VARIANCE_COUNT, diag);
+    return let_move(watch, &watch->reference, NEPH_FLICKER_VARIANCE_COUNT, diag);
 }
 
 /* At the last frame of a block, and of all: what the frames of the block are multiplied by. */
@@ -254,12 +227,11 @@ enum neph_status neph_flicker_watch_begin(struct neph_flicker_watch *watch,
         watch->reference_planes[c] = calloc(pixel_count, sizeof(float));
         complete = complete && watch->reference_planes[c];
     }
-    enum neph_status status = complete ? NEPH_OK : neph_fail_memory(diag);
-    if (!status)
-        status = picture_begin(watch, &watch->reference, diag);
-    if (!status)
-        status = picture_begin(watch, &watch->test, diag);
-    return status ? status : picture_let_move(watch, &watch->test, NEPH_FLICKER_SUM_COUNT, diag);
+    watch->reference.first = allocate(watch->padded_width_px, watch->height_px);
+    watch->test.first = allocate(watch->padded_width_px, watch->height_px);
+    complete = complete && watch->reference.first && watch->test.first;
+    return complete ? let_move(watch, &watch->test, NEPH_FLICKER_SUM_COUNT, diag)
+                    : neph_fail_memory(diag);
 }
 
 void neph_flicker_watch_stop(struct neph_flicker_watch *watch)
@@ -272,8 +244,8 @@ void neph_flicker_watch_stop(struct neph_flicker_watch *watch)
 void neph_flicker_watch_end(struct neph_flicker_watch *watch)
 {
     neph_flicker_watch_stop(watch);
-    picture_end(&watch->test);
-    picture_end(&watch->reference);
+    signal_end(&watch->test);
+    signal_end(&watch->reference);
     free(watch->reference_row_moved);
     *watch = (struct neph_flicker_watch){0};
 }

@@ -2,11 +2,10 @@
  *
  * The frames of a test and of its reference, as the sums that flicker is taken from
  * (flicker_sums.h). The signal is d = x - r: the display luma of the test minus that of the
- * reference in the same frame, so that what the reference does is not held against the test. The
- * luminance of the display is treated likewise, for what can be seen; and once the reference moves
- * it is summed up as well.
+ * reference in the same frame, so that what the reference does is not held against the test. Once
+ * the reference moves it is summed up as well.
  *
- * Bytes per pixel while frames come: 388, and 300 more when the reference moves.
+ * Bytes per pixel while frames come: 268, and 196 more when the reference moves.
  */
 #ifndef NEPH_METRICS_EXTRACTORS_FLICKER_WATCH_H
 #define NEPH_METRICS_EXTRACTORS_FLICKER_WATCH_H
@@ -14,17 +13,12 @@
 #include "metrics/extractor.h"
 #include "metrics/extractors/flicker_sums.h"
 
-/* One signal: what it was in frame 0, how far it was from that in the last frames, and their sums.
- * While it has not moved, the sums are 0 and need not be there. */
+/* The luma of an image: what it was in frame 0, how far it was from that in the last frames, and
+ * their sums. While it has not moved, the sums are 0 and need not be there. */
 struct neph_flicker_signal {
     double *first;  /* rows of padded_width_px */
     double *recent; /* the frames that are not summed up yet, see flicker_watch.c */
     struct neph_flicker_sums sums;
-};
-
-/* The luma and the luminance of an image. */
-struct neph_flicker_picture {
-    struct neph_flicker_signal luma, luminance;
 };
 
 /* All owned. Start from {0}. */
@@ -33,8 +27,8 @@ struct neph_flicker_watch {
     double gain; /* display value = gain * radiance */
     int frame_count;
     int frames_seen;
-    struct neph_flicker_picture test; /* its `first` is of the test, but the sums are of d */
-    struct neph_flicker_picture reference;
+    struct neph_flicker_signal test; /* its `first` is of the test, but the sums are of d */
+    struct neph_flicker_signal reference;
     bool reference_moves;
     float *reference_planes[3]; /* frame 0; NULL when the reference moves */
     bool *reference_row_moved;

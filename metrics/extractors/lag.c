@@ -1,40 +1,68 @@
 /* SPDX-License-Identifier: MIT
  *
- * How long a renderer takes to follow a step of the scene: sun switched, card removed. The camera
- * stands still, the reference steps from one frame to the next at `step_frame`.
+ * How long a renderer takes to follow a step of the scene: sun switched, card removed, camera cut.
+ * The reference steps from one frame to the next at `step_frame`.
  *
- * On the luminance Y of linear data, with Y_old the reference in the frame before the step and
- * n = 1, 2, ... the frames from the step on:
- *   s(n) = (test(n) - reference(n)) / (Y_old - reference(1)),  q = |s|
- * s(0) is taken with the test of the frame before the step and reference(1); it is 1 when the test
- * had settled. An exponential average with the weight alpha has q(n) = (1 - alpha)^n.
+ * On the luminance Y of linear data, with n = 1, 2, ... the frames from the step on and Y_old what
+ * the reference would show without the step:
+ *   s(n) = (test(n) - reference(n)) / (Y_old - reference),  q = |s|
+ * Y_old is the reference in the frame before the step, and the step that of n = 1; or, where the
+ * reference moves of itself as well, both are of the same moment: Y_old(n) is the second
+ * reference, the same sequence without the step. s(0) = 1 + (test(0) - reference(0)) / step(1) is
+ * of the frame before; it is 1 when the test had settled. An exponential average with the weight
+ * alpha has q(n) = (1 - alpha)^n.
  *
  * A time is that of the last crossing: from there to the end of the sequence q stays at or below
  * the limit. Between frames log q is linear, which is exact for an exponential average (s is linear
  * where it changes its sign). A pixel that has not settled when the sequence ends counts with all
  * its frames, which is too few: the shares of such pixels are reported beside.
+ *
+ * A ghost is where more than a tenth of the step is left: its area is a share of the whole mask,
+ * pixels that do not step (and show no ghost) included. What a renderer never gets right counts as
+ * well, so that its area at the end stands beside.
  */
 #include "metrics/extractors/extractors.h"
 
 #include "base/threads.h"
+#include "metrics/extractors/visible_step.h"
 #include "metrics/statistics.h"
 
 #include <math.h>
+#include <stdint.h>
 #include <stdlib.h>
 
 enum { RESIDUAL_FRAME = 16, PHASE_COUNT = 4, LIMIT_COUNT = 3 };
+enum { GHOST_LIMIT = 1, GHOST_FRAMES = 32 }; /* which of the limits; how long ghosts are summed */
 
 static const double limits[LIMIT_COUNT] = {0.5, 0.1, 0.01};
 
-/* Of the display, in encoded values: a smaller step cannot be shown in 8 bits. */
-static const double step_floor = 1.0 / 255.0;
+enum map {
+    HALF_LIFE,
+    TO_10,
+    TO_1,
+    OVERSHOOT,
+    RESIDUAL,
+    UNSETTLED,
+    STEPS,
+    GHOST_SUM,
+    NEVER,
+    GHOST_END,
+    GHOST_1,
+    GHOST_4,
+    GHOST_8,
+    GHOST_16,
+    MAP_COUNT
+};
 
-enum map { HALF_LIFE, TO_10, TO_1, OVERSHOOT, RESIDUAL, UNSETTLED, MAP_COUNT };
+static const int ghost_ages[] = {1, 4, 8, 16}; /* of the last four maps */
 
 static const char no_step[] =
     "no pixel of the mask steps by 1/255 of display luma in the reference at step_frame";
 static const char too_short[] =
     "fewer than 16 frames since the step, or no pixel of the mask steps at step_frame";
+
+static const char too_short_for_ghosts[] =
+    "the sequence ends earlier after step_frame, or no pixel of the picture steps there";
 
 static const struct neph_map maps[MAP_COUNT] = {
     [HALF_LIFE] = {"half_life", "frame", 1, false, 16.0, no_step},
@@ -43,6 +71,14 @@ static const struct neph_map maps[MAP_COUNT] = {
     [OVERSHOOT] = {"overshoot", "1", 1, false, 1.0, no_step},
     [RESIDUAL] = {"residual_16", "1", 1, false, 1.0, too_short},
     [UNSETTLED] = {NULL, "1", 1, false, 0.0, no_step},
+    [STEPS] = {NULL, "1", 1, false, 0.0, NULL},
+    [GHOST_SUM] = {"ghost_frames", "frame", 1, false, GHOST_FRAMES, too_short_for_ghosts},
+    [NEVER] = {NULL, "1", 1, false, 0.0, too_short_for_ghosts},
+    [GHOST_END] = {NULL, "1", 1, false, 0.0, too_short_for_ghosts},
+    [GHOST_1] = {NULL, "1", 1, false, 0.0, too_short_for_ghosts},
+    [GHOST_4] = {NULL, "1", 1, false, 0.0, too_short_for_ghosts},
+    [GHOST_8] = {NULL, "1", 1, false, 0.0, too_short_for_ghosts},
+    [GHOST_16] = {NULL, "1", 1, false, 0.0, too_short_for_ghosts},
 };
 
 static const struct neph_metric metrics[] = {
@@ -66,6 +102,22 @@ static const struct neph_metric metrics[] = {
      "share of pixels with more than 10 % of the step left at the end"},
     {"share_unsettled_1", "1", 0, 1, NEPH_POOL_SHARE_ABOVE, 0.5, UNSETTLED, 0,
      "share of pixels with more than 1 % of the step left at the end"},
+    {"step_share", "1", 0, 1, NEPH_POOL_MEAN, 0, STEPS, 0,
+     "share of pixels that step by 1/255 of display luma: the times are of these"},
+    {"share_never_settled", "1", 0, 1, NEPH_POOL_MEAN, 0, NEVER, 0,
+     "share of all pixels that have not once come within 10 % of the step since it"},
+    {"ghost_area_1", "1", 0, 1, NEPH_POOL_MEAN, 0, GHOST_1, 0,
+     "share of all pixels with more than 10 % of the step left in its 1st frame"},
+    {"ghost_area_4", "1", 0, 1, NEPH_POOL_MEAN, 0, GHOST_4, 0,
+     "share of all pixels with more than 10 % of the step left in its 4th frame"},
+    {"ghost_area_8", "1", 0, 1, NEPH_POOL_MEAN, 0, GHOST_8, 0,
+     "share of all pixels with more than 10 % of the step left in its 8th frame"},
+    {"ghost_area_16", "1", 0, 1, NEPH_POOL_MEAN, 0, GHOST_16, 0,
+     "share of all pixels with more than 10 % of the step left in its 16th frame"},
+    {"ghost_area_end", "1", 0, 1, NEPH_POOL_MEAN, 0, GHOST_END, 0,
+     "the same in the last frame: late enough, it is what is wrong for other reasons than lag"},
+    {"ghost_area_frames", "frame", 0, GHOST_FRAMES, NEPH_POOL_MEAN, 0, GHOST_SUM, 0,
+     "sum over the first 32 frames of the share with more than 10 % of the step left"},
     {"half_life_phase_0", "frame", 0, INFINITY, NEPH_POOL_SCALAR, 0, 0, 0,
      "mean half-life where x / slot_px is even and y / slot_px is even"},
     {"half_life_phase_1", "frame", 0, INFINITY, NEPH_POOL_SCALAR, 0, 1, 0,
@@ -77,13 +129,18 @@ static const struct neph_metric metrics[] = {
     {.name = NULL},
 };
 
-enum { STEP_FRAME, SLOT_PX };
+enum { STEP_FRAME, SLOT_PX, OLD };
+
+static const char *const olds[] = {"before", "second", NULL};
 
 static const struct neph_option options[] = {
     {"step_frame", NEPH_OPTION_INTEGER, -1, -1, 1e6, NULL,
      "first frame of the reference after its step, counted from 0; -1: there is none"},
     {"slot_px", NEPH_OPTION_INTEGER, 1, 1, 16, NULL,
      "side of the squares of pixels that are traced together [px], for half_life_phase_*"},
+    {"old", NEPH_OPTION_CHOICE, 0, 0, 0, olds,
+     "what the reference would show without the step: the frame before it, or in each frame the "
+     "second reference, for scenes that move"},
     {.name = NULL},
 };
 
@@ -96,15 +153,18 @@ enum plane {
     CROSSING, /* one plane a limit: when q came down to it; negative: q is above it */
     BEYOND = CROSSING + LIMIT_COUNT, /* largest -s */
     LEFT,                            /* q(16); NaN before */
+    GHOSTS,                          /* an integer: see ghost_bit() */
     PLANE_COUNT,
 };
 
 struct state {
     int width_px, height_px;
     int step_frame, slot_px;
+    bool old_is_second;          /* else it is the frame before the step */
     int frame_count;             /* from the step on */
     double gain;                 /* display value of the radiance 1 */
     double *planes[PLANE_COUNT]; /* in one block, owned through the first */
+    bool any_step;
     double phase_means[PHASE_COUNT];
     bool phase_defined[PHASE_COUNT];
 };
@@ -112,9 +172,10 @@ struct state {
 static const char *obstacle(const struct neph_frame_pair *first,
                             const struct neph_settings *settings)
 {
-    (void)first;
     if (settings->values[STEP_FRAME] < 0.0)
         return "no step: give -s lag.step_frame=N";
+    if (settings->values[OLD] > 0.0 && !first->reference_second[0])
+        return "lag.old=second needs the scene without its step as the second reference";
     if (settings->values[STEP_FRAME] < 1.0)
         return "step_frame must be at least 1: the frame before the step is needed";
     return NULL;
@@ -129,6 +190,7 @@ static enum neph_status init(void *state_, const struct neph_frame_pair *first,
                             .height_px = first->height_px,
                             .step_frame = (int)settings->values[STEP_FRAME],
                             .slot_px = (int)settings->values[SLOT_PX],
+                            .old_is_second = settings->values[OLD] > 0.0,
                             .gain = exp2(first->viewing->exposure_ev)};
     double *block = calloc(pixel_count, PLANE_COUNT * sizeof(*block));
     if (!block)
@@ -141,13 +203,6 @@ static enum neph_status init(void *state_, const struct neph_frame_pair *first,
 static double luminance_at(const float *const planes[3], size_t i)
 {
     return neph_luminance((double)planes[0][i], (double)planes[1][i], (double)planes[2][i]);
-}
-
-/* The sRGB curve (IEC 61966-2-1), going on above 1 so that a step beyond white is one too. */
-static double encoded(double display)
-{
-    const double c = fmax(display, 0.0);
-    return c <= 0.0031308 ? 12.92 * c : 1.055 * pow(c, 1.0 / 2.4) - 0.055;
 }
 
 struct work {
@@ -166,17 +221,48 @@ static void keep_row(int row, void *context)
     }
 }
 
-static void begin_pixel(const struct state *state, double reference, size_t i)
+static double old_at(const struct work *work, size_t i)
 {
-    const double old = state->planes[OLD_REFERENCE][i];
-    const double shown = encoded(state->gain * old) - encoded(state->gain * reference);
-    const double step = fabs(shown) > step_floor ? old - reference : (double)NAN;
-    const double s = (state->planes[OLD_TEST][i] - reference) / step;
+    return work->state->old_is_second ? luminance_at(work->pair->reference_second, i)
+                                      : work->state->planes[OLD_REFERENCE][i];
+}
+
+/* NaN when it is too small to follow. */
+static double step_at(const struct work *work, double reference, size_t i)
+{
+    const double old = old_at(work, i);
+    return neph_is_visible_step(old, reference, work->state->gain) ? old - reference : (double)NAN;
+}
+
+static void begin_pixel(const struct work *work, double reference, size_t i)
+{
+    const struct state *state = work->state;
+    const double step = step_at(work, reference, i);
+    const double s = 1.0 + (state->planes[OLD_TEST][i] - state->planes[OLD_REFERENCE][i]) / step;
     state->planes[STEP][i] = step;
     state->planes[LAST_S][i] = s;
     for (int k = 0; k < LIMIT_COUNT; k++)
         state->planes[CROSSING + k][i] = fabs(s) > limits[k] ? -1.0 : 0.0;
     state->planes[LEFT][i] = NAN;
+}
+
+/* A bit a frame, the first 32 from the step on, of those with a ghost; and one that is set once
+ * there is none. */
+static uint64_t ghost_bit(int n)
+{
+    return (uint64_t)1 << (n - 1);
+}
+
+static const uint64_t settled_bit = (uint64_t)1 << GHOST_FRAMES;
+
+static void follow_ghost(const struct state *state, bool is_ghost, size_t i)
+{
+    uint64_t bits = (uint64_t)state->planes[GHOSTS][i];
+    if (!is_ghost)
+        bits |= settled_bit;
+    else if (state->frame_count <= GHOST_FRAMES)
+        bits |= ghost_bit(state->frame_count);
+    state->planes[GHOSTS][i] = (double)bits;
 }
 
 /* Where between two frames q comes down to the limit, 0..1. */
@@ -198,6 +284,7 @@ static void follow_pixel(const struct state *state, double residual, size_t i)
         else if (*crossing < 0.0)
             *crossing = state->frame_count - 1 + fraction(before, now, limits[k]);
     }
+    follow_ghost(state, fabs(now) > limits[GHOST_LIMIT], i);
     state->planes[BEYOND][i] = fmax(state->planes[BEYOND][i], -now);
     if (state->frame_count == RESIDUAL_FRAME)
         state->planes[LEFT][i] = fabs(now);
@@ -212,7 +299,9 @@ static void follow_row(int row, void *context)
     for (size_t i = first; i < first + width; i++) {
         const double reference = luminance_at(work->pair->reference, i);
         if (state->frame_count == 1)
-            begin_pixel(state, reference, i);
+            begin_pixel(work, reference, i);
+        else if (state->old_is_second && !isnan(state->planes[STEP][i]))
+            state->planes[STEP][i] = step_at(work, reference, i);
         if (!isnan(state->planes[STEP][i]))
             follow_pixel(state, luminance_at(work->pair->test, i) - reference, i);
     }
@@ -271,24 +360,55 @@ static enum neph_status flush(void *state_, struct neph_diag *diag)
         neph_hint(diag, "frames are counted from 0, without those that are left out as warm-up");
         return NEPH_ERR_USAGE;
     }
+    const size_t pixel_count = (size_t)state->width_px * (size_t)state->height_px;
+    for (size_t i = 0; i < pixel_count && !state->any_step; i++)
+        state->any_step = !isnan(state->planes[STEP][i]);
     take_phases(state);
     return NEPH_OK;
+}
+
+/* Pixels that do not step have no ghost. */
+static double ghost_of(const struct state *state, int map, size_t i)
+{
+    const uint64_t bits = (uint64_t)state->planes[GHOSTS][i];
+    const bool steps = !isnan(state->planes[STEP][i]);
+    if (!state->any_step)
+        return NAN;
+    if (map == NEVER)
+        return steps && !(bits & settled_bit);
+    if (map == GHOST_END)
+        return steps && state->planes[CROSSING + GHOST_LIMIT][i] < 0.0;
+    const int frames_needed = map == GHOST_SUM ? GHOST_FRAMES : ghost_ages[map - GHOST_1];
+    if (state->frame_count < frames_needed)
+        return NAN;
+    if (map != GHOST_SUM)
+        return steps && (bits & ghost_bit(frames_needed));
+    int count = 0;
+    for (int n = 1; n <= GHOST_FRAMES; n++)
+        count += steps && (bits & ghost_bit(n));
+    return count;
 }
 
 static double value_of(const struct state *state, int map, size_t i)
 {
     double above = 0.0;
     switch (map) {
+    case STEPS:
+        return !isnan(state->planes[STEP][i]);
+    case HALF_LIFE:
+    case TO_10:
+    case TO_1:
+        return time_of(state, map - HALF_LIFE, i);
     case OVERSHOOT:
         return isnan(state->planes[STEP][i]) ? (double)NAN : state->planes[BEYOND][i];
     case RESIDUAL:
-        return state->planes[LEFT][i];
+        return isnan(state->planes[STEP][i]) ? (double)NAN : state->planes[LEFT][i];
     case UNSETTLED:
         for (int k = 0; k < LIMIT_COUNT; k++)
             above += state->planes[CROSSING + k][i] < 0.0;
         return isnan(state->planes[STEP][i]) ? (double)NAN : above;
     default:
-        return time_of(state, map - HALF_LIFE, i);
+        return ghost_of(state, map, i);
     }
 }
 
@@ -317,15 +437,19 @@ static void finish(void *state_)
 
 const struct neph_extractor neph_extractor_lag = {
     .name = "lag",
-    .help = "how many frames the test takes to follow a step of the reference (static camera)",
+    .help =
+        "how many frames the test takes to follow a step or a cut of the reference, and its ghosts",
     .source = "step response; an exponential average of weight a has the half-life "
               "ln(1/2) / ln(1 - a): Yang, Liu, Salvi, A Survey of Temporal Antialiasing "
               "Techniques, Computer Graphics Forum 39, 2020",
-    .details = "what is left: |test - reference| / |step| of linear luminance\n"
-               "a time is that of the last crossing, in frames, 1 being the first after the step;\n"
-               "between frames the logarithm of what is left is linear\n"
-               "a pixel that never settles counts with all frames since the step\n"
-               "pixels whose step is below 1/255 of the encoded display value are left out",
+    .details =
+        "what is left: |test - reference| / |step| of linear luminance; where the reference\n"
+        "moves of itself: lag.old=second, with the scene without its step as the second\n"
+        "reference; a pixel whose step is once too small to be seen is then left out\n"
+        "a time is that of the last crossing, in frames, 1 being the first after the step;\n"
+        "between frames the logarithm of what is left is linear\n"
+        "a pixel that never settles counts with all frames since the step\n"
+        "pixels whose step is below 1/255 of the encoded display value are left out",
     .quantities = NEPH_RADIANCE | NEPH_VOLUME,
     .temporal = true,
     .options = options,

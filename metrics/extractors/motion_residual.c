@@ -6,14 +6,12 @@
  * which would reward blur.
  *
  * Of each pixel and frame but the first:
- *   in the picture   the place where it was lies within the frame before
- *   seen before      and there is its depth: within the tolerance at that place (1 / Z linear
- * between the four pixels around, exact for planes) or at one of the four disoccluded      in the
- * picture and not seen before valid            the depth agrees at that very place, no step of
- * depth lies within 1 px of the pixel, nor on the four pixels around the place Depth is Z of the
- * image that has the motion; in the sky volume.distance where it is finite. The depth that is
- * looked for is motion.depth, or without it the depth of now: then a surface that comes nearer by
- * more than the tolerance in a frame counts as disoccluded.
+ * - in the picture: the place where it was (moved.h) lies within the frame before;
+ * - seen before: and there is its depth, within the tolerance, at that place (1 / Z linear between
+ *   the four pixels around, exact for planes) or at one of the four;
+ * - disoccluded: in the picture and not seen before;
+ * - valid: the depth agrees at that very place, and no step of depth lies within 1 px of the pixel,
+ *   nor on the four pixels around the place.
  *
  * Residuals x_t - (x_t-1 moved), bilinear, are taken of valid pixels. The change of test -
  * reference since the frame before, in place, is taken of disoccluded pixels and of those seen
@@ -23,6 +21,7 @@
 
 #include "base/threads.h"
 #include "metrics/extractors/display_luma.h"
+#include "metrics/extractors/moved.h"
 
 #include <math.h>
 #include <stdint.h>
@@ -50,7 +49,7 @@ static const struct neph_map maps[MAP_COUNT] = {
 
 enum { AGE_COUNT = 33, AGE_UNKNOWN = 255 };
 
-static const double recovered_share = 0.1, opaque_transmittance = 0.5;
+static const double recovered_share = 0.1;
 
 enum { RECOVERY = AGE_COUNT }; /* of the scalars; those below are ages */
 
@@ -131,90 +130,11 @@ struct state {
     struct ages totals;     /* after the last frame */
 };
 
-/* ---- the layers ------------------------------------------------------------------------------ */
-
-struct layers {
-    const char *of; /* "reference" or "test" */
-    const float *x_px, *y_px, *depth_m;
-    const float *before_m;   /* NULL: not known */
-    const float *distance_m; /* NULL: none */
-    float *transmittance[3];
-    bool has_transmittance;
-};
-
-static bool find_layers_in(const struct neph_image *image, const char *of, struct layers *layers)
-{
-    *layers = (struct layers){
-        .of = of,
-        .x_px = neph_image_channel(image, "motion.x"),
-        .y_px = neph_image_channel(image, "motion.y"),
-        .depth_m = neph_image_channel(image, "Z"),
-        .before_m = neph_image_channel(image, "motion.depth"),
-        .distance_m = neph_image_channel(image, "volume.distance"),
-    };
-    layers->has_transmittance = neph_image_rgb(image, "transmittance", layers->transmittance);
-    return layers->x_px && layers->y_px && layers->depth_m;
-}
-
-static bool find_layers(const struct neph_frame_pair *pair, struct layers *layers)
-{
-    return find_layers_in(pair->reference_image, "reference", layers) ||
-           find_layers_in(pair->test_image, "test", layers);
-}
-
-/* Whether volume.distance is where that lies which is seen. */
-static bool shows_medium(const struct layers *layers, size_t i)
-{
-    if (!layers->distance_m || isinf(layers->distance_m[i]))
-        return false;
-    return isinf(layers->depth_m[i]) ||
-           (layers->has_transmittance &&
-            neph_luminance((double)layers->transmittance[0][i], (double)layers->transmittance[1][i],
-                           (double)layers->transmittance[2][i]) < opaque_transmittance);
-}
-
 static const char *obstacle(const struct neph_frame_pair *first,
                             const struct neph_settings *settings)
 {
     (void)settings;
-    struct layers layers;
-    return find_layers(first, &layers)
-               ? NULL
-               : "neither image has both motion vectors (motion.x, motion.y) and depth (Z)";
-}
-
-struct check {
-    const char *name;
-    const float *samples; /* NULL: not there */
-    bool any_sign;
-};
-
-static enum neph_status check_layer(const struct check *check, const char *of,
-                                    const struct neph_frame_pair *pair, struct neph_diag *diag)
-{
-    const size_t width = (size_t)pair->width_px, count = width * (size_t)pair->height_px;
-    for (size_t i = 0; check->samples && i < count; i++)
-        if (isnan(check->samples[i]) || (!check->any_sign && check->samples[i] < 0.0f))
-            return neph_fail(
-                diag, NEPH_ERR_GATE, "'%s' of the %s is %g at the pixel (%zu, %zu) of frame %d",
-                check->name, of, (double)check->samples[i], i % width, i / width, pair->frame);
-    return NEPH_OK;
-}
-
-static enum neph_status check_layers(const struct layers *layers,
-                                     const struct neph_frame_pair *pair, struct neph_diag *diag)
-{
-    const struct check checks[] = {
-        {"motion.x", layers->x_px, true},
-        {"motion.y", layers->y_px, true},
-        {"Z", layers->depth_m, false},
-        {"motion.depth", layers->before_m, false},
-        {"volume.distance", layers->distance_m, false},
-    };
-    enum neph_status status = NEPH_OK;
-    for (size_t i = 0; i < sizeof(checks) / sizeof(checks[0]) && !status; i++)
-        status = check_layer(&checks[i], layers->of, pair, diag);
-    return status;
+    return neph_moved_obstacle(first);
 }
 
 /* ---- beginning ------------------------------------------------------------------------------- */
@@ -257,15 +177,9 @@ static enum neph_status init(void *state_, const struct neph_frame_pair *first,
 struct work {
     struct state *state;
     const struct neph_frame_pair *pair;
-    struct layers layers;
+    struct neph_moved moved;
     struct frame *now, *before;
 };
-
-/* A depth of 0 counts as the nearest that a float can tell. */
-static double nearness(float depth_m)
-{
-    return 1.0 / fmax((double)depth_m, 1e-30);
-}
 
 static void look_row(int row, void *context)
 {
@@ -284,8 +198,7 @@ static void look_row(int row, void *context)
         neph_display_luma(planes[k], width, state->gain, state->luminance ? other : signals_of[k],
                           state->luminance ? signals_of[k] : other);
     for (size_t i = first; i < first + width; i++)
-        work->now->nearness_per_m[i] = nearness(
-            shows_medium(&work->layers, i) ? work->layers.distance_m[i] : work->layers.depth_m[i]);
+        work->now->nearness_per_m[i] = neph_moved_nearness_per_m(&work->moved, i);
 }
 
 static void mark_row(int row, void *context)
@@ -307,61 +220,10 @@ static void mark_row(int row, void *context)
     }
 }
 
-/* Four pixels of the frame before and their weights. */
-struct place {
-    size_t taps[4];
-    double weights[4];
-    size_t nearest;
-};
-
-/* Motion is rounded to float: what is out by less than this is not. */
-static const double border_slack_px = 1e-3;
-
-static bool find_place(const struct state *state, double x_px, double y_px, struct place *place)
-{
-    const double last_x = state->width_px - 1, last_y = state->height_px - 1;
-    if (!(x_px >= -border_slack_px && x_px <= last_x + border_slack_px &&
-          y_px >= -border_slack_px && y_px <= last_y + border_slack_px))
-        return false;
-    const double x = fmin(fmax(x_px, 0.0), last_x), y = fmin(fmax(y_px, 0.0), last_y);
-    const size_t width = (size_t)state->width_px, left = (size_t)x, top = (size_t)y;
-    const size_t right = left + (x > (double)left), bottom = top + (y > (double)top);
-    const double fx = x - (double)left, fy = y - (double)top;
-    *place = (struct place){
-        .taps = {top * width + left, top * width + right, bottom * width + left,
-                 bottom * width + right},
-        .weights = {(1.0 - fx) * (1.0 - fy), fx * (1.0 - fy), (1.0 - fx) * fy, fx * fy},
-        .nearest = (size_t)(y + 0.5) * width + (size_t)(x + 0.5),
-    };
-    return true;
-}
-
-static double at_place(const struct place *place, const double *plane)
-{
-    double sum = 0.0;
-    for (int k = 0; k < 4; k++)
-        sum += place->weights[k] * plane[place->taps[k]];
-    return sum;
-}
-
-static bool any_step(const struct place *place, const uint8_t *step)
+static bool any_step(const struct neph_place *place, const uint8_t *step)
 {
     return step[place->taps[0]] || step[place->taps[1]] || step[place->taps[2]] ||
            step[place->taps[3]];
-}
-
-static bool agrees(double nearness_per_m, double wanted_per_m, double tolerance)
-{
-    return fabs(nearness_per_m - wanted_per_m) <= tolerance * wanted_per_m;
-}
-
-static bool any_agrees(const struct place *place, const double *nearness_per_m, double wanted_per_m,
-                       double tolerance)
-{
-    for (int k = 0; k < 4; k++)
-        if (agrees(nearness_per_m[place->taps[k]], wanted_per_m, tolerance))
-            return true;
-    return false;
 }
 
 static bool step_within_1_px(const struct state *state, const uint8_t *step, int x, int y)
@@ -373,17 +235,12 @@ static bool step_within_1_px(const struct state *state, const uint8_t *step, int
     return false;
 }
 
-static double wanted_nearness(const struct work *work, size_t i)
-{
-    const bool known = work->layers.before_m && !shows_medium(&work->layers, i);
-    return known ? nearness(work->layers.before_m[i]) : work->now->nearness_per_m[i];
-}
-
-static void add_residuals(const struct work *work, const struct place *place, size_t i)
+static void add_residuals(const struct work *work, const struct neph_place *place, size_t i)
 {
     struct pixel *pixel = &work->state->pixels[i];
-    const double test = work->now->test[i] - at_place(place, work->before->test);
-    const double reference = work->now->reference[i] - at_place(place, work->before->reference);
+    const double test = work->now->test[i] - neph_place_value(place, work->before->test);
+    const double reference = work->now->reference[i] -
+                             neph_place_value(place, work->before->reference);
     pixel->test += test * test;
     pixel->reference += reference * reference;
     pixel->valid++;
@@ -407,16 +264,18 @@ static void compare_pixel(const struct work *work, int x, int y, struct ages *ag
 {
     const struct state *state = work->state;
     const size_t i = (size_t)y * (size_t)state->width_px + (size_t)x;
-    struct place place;
+    struct neph_place place;
     uint8_t *age = &work->now->age[i];
     *age = AGE_UNKNOWN;
-    if (!find_place(state, x + (double)work->layers.x_px[i], y + (double)work->layers.y_px[i],
-                    &place))
+    if (!neph_place_find(&work->moved, state->width_px, state->height_px, x, y, &place))
         return;
-    const double wanted = wanted_nearness(work, i);
+    const double wanted_per_m = neph_moved_nearness_before_per_m(&work->moved, i,
+                                                                 work->now->nearness_per_m[i]);
     const double *nearness_per_m = work->before->nearness_per_m;
-    const bool there = agrees(at_place(&place, nearness_per_m), wanted, state->depth_tolerance);
-    const bool seen = there || any_agrees(&place, nearness_per_m, wanted, state->depth_tolerance);
+    const double tolerance = state->depth_tolerance;
+    const bool there = neph_place_agrees(&place, nearness_per_m, wanted_per_m, tolerance);
+    const bool seen = there ||
+                      neph_place_any_agrees(&place, nearness_per_m, wanted_per_m, tolerance);
     if (there && !any_step(&place, work->before->step) &&
         !step_within_1_px(state, work->now->step, x, y))
         add_residuals(work, &place, i);
@@ -444,11 +303,7 @@ static enum neph_status extract(void *state_, const struct neph_frame_pair *pair
                         .pair = pair,
                         .now = &state->frames[state->frame_count % 2],
                         .before = &state->frames[(state->frame_count + 1) % 2]};
-    if (!find_layers(pair, &work.layers))
-        return neph_fail(diag, NEPH_ERR_INPUT,
-                         "frame %d lacks motion.x, motion.y or Z, the first one has them",
-                         pair->frame);
-    enum neph_status status = check_layers(&work.layers, pair, diag);
+    enum neph_status status = neph_moved_find(pair, &work.moved, diag);
     if (!status)
         status = neph_parallel_rows(state->height_px, look_row, &work, diag);
     if (!status)

@@ -115,9 +115,11 @@ int neph_rt_constants(const struct neph_rt_device *device,
                       uint32_t constants[NEPH_KERNEL_CONSTANTS_MAX])
 {
     constants[RT_CHOICE_CONSTANT - 1] = device->specialises;
-    for (int s = 0; s < RT_SETTING_COUNT && device->specialises; s++)
-        if (neph_rt_options[s].kind == NEPH_OPTION_CHOICE)
-            constants[RT_CHOICE_CONSTANT + s] = (uint32_t)device->view->settings[s];
+    for (int s = 0; s < RT_SETTING_COUNT && device->specialises; s++) {
+        const float value = device->view->settings[s];
+        const bool is_choice = neph_rt_options[s].kind == NEPH_OPTION_CHOICE;
+        constants[RT_CHOICE_CONSTANT + s] = is_choice ? (uint32_t)value : value != 0.0f;
+    }
     return RT_CHOICE_CONSTANT + RT_SETTING_COUNT;
 }
 

@@ -70,9 +70,19 @@ static uint32_t word(const struct neph_rt_dither *dither, int kind, uint32_t x, 
         return mask_word(dither->noise_ranks, x, y, channel) + steps[channel % CHANNELS] * frame;
     case RT_DITHER_SPATIOTEMPORAL:
         return mask_word(dither->noise_ranks + (1 + frame % MASK_FRAMES) * slice, x, y, channel);
+    case RT_DITHER_SLICE:
+        return mask_word(dither->noise_ranks + slice, x, y, channel) +
+               steps[channel % CHANNELS] * frame;
     default:
         return 0x80000000u;
     }
+}
+
+int neph_rt_dither_period(int kind)
+{
+    return kind == RT_DITHER_INTERLEAVED      ? GRADIENT_FRAMES
+           : kind == RT_DITHER_SPATIOTEMPORAL ? MASK_FRAMES
+                                              : 0;
 }
 
 float neph_rt_dither(const struct neph_rt_dither *dither, int kind, int x_px, int y_px,

@@ -20,6 +20,8 @@
  *
  * spatiotemporal: v(x, y, frame), blue noise of 64x64 pixels and 32 frames.
  *
+ * slice: v(x, y, 0) + frame g, the first of those 32 in place of the spatial mask.
+ *
  * Channels are unrelated numbers of the same pixel. They have other places: white another seed, the
  * masks coordinates shifted by 47 and 37 pixels, interleaved x and y swapped (1, 3) and mirrored
  * (2, 3). And those kinds that go round the circle by the same step in all pixels go another step
@@ -37,6 +39,9 @@ struct neph_rt_dither {
     uint32_t seed;               /* of the white one */
     const uint32_t *noise_ranks; /* borrowed; as of neph_rt_noise_ranks(), for the blue ones */
 };
+
+/* After how many frames the numbers of a pixel come again; 0: never, or they do not change. */
+int neph_rt_dither_period(int kind);
 
 /* `kind`: RT_DITHER_*; "none" is 0.5. For any pixel. */
 float neph_rt_dither(const struct neph_rt_dither *dither, int kind, int x_px, int y_px,

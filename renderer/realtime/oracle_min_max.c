@@ -5,7 +5,8 @@ static float choose(const struct neph_rt_oracle *oracle, int x, int y)
 {
     const int map = (int)oracle->view->settings[RT_DEPTH_MAP];
     const bool nearest = map == RT_DEPTH_MAP_NEAREST ||
-                         (map == RT_DEPTH_MAP_CHECKERBOARD && x % 2 == y % 2);
+                         (map == RT_DEPTH_MAP_CHECKERBOARD && x % 2 == y % 2) ||
+                         (map == RT_DEPTH_MAP_REVERSED && x % 2 != y % 2);
     float chosen[4], depth[4];
     neph_rt_fetch_full(oracle, RT_STEADY_DEPTH, 2 * x, 2 * y, chosen);
     for (int i = 1; i < 4; i++) {

@@ -18,13 +18,13 @@ struct ray {
     int tile_x, tile_y;
     float value[4];
     float depth_m;
-    bool is_usable, is_in_box;
+    bool is_usable, is_sky, is_in_box;
 };
 
 struct history {
     double value[4];
     float age;
-    bool is_void;
+    bool is_void, is_rejected;
     double motion_px;
 };
 
@@ -139,6 +139,21 @@ static float ray_depth_m(const struct neph_rt_oracle *oracle, int tile_x, int ti
     return NEPH_RT_TILE_UNIT_M * tile[1];
 }
 
+/* The half-pixel that a tile's ray goes through, and its depth [m]. */
+static float marched_depth_m(const struct neph_rt_oracle *oracle, const struct ray *ray,
+                             int half_pixel[2])
+{
+    float tile[4], depth[4];
+    neph_rt_fetch_tile(oracle, RT_TILE, ray->tile_x, ray->tile_y, tile);
+    const int *offset = neph_rt_slot_place(oracle->view, (int)tile[0]);
+    half_pixel[0] = held_int(2 * ray->tile_x + offset[0], 0,
+                             (int)oracle->view->half_size_px[0] - 1);
+    half_pixel[1] = held_int(2 * ray->tile_y + offset[1], 0,
+                             (int)oracle->view->half_size_px[1] - 1);
+    neph_rt_fetch_half(oracle, RT_HALF_DEPTH, half_pixel[0], half_pixel[1], depth);
+    return depth[0];
+}
+
 static void load_rays(const struct neph_rt_oracle *oracle, int tile_x, int tile_y,
                       struct ray rays[RAYS])
 {
@@ -149,17 +164,18 @@ static void load_rays(const struct neph_rt_oracle *oracle, int tile_x, int tile_
         neph_rt_fetch_tile(oracle, RT_RAY, ray->tile_x, ray->tile_y, ray->value);
         ray->depth_m = ray_depth_m(oracle, tile_x, tile_y, i, ray);
         ray->is_usable = choice(oracle, RT_VALIDITY) == 0 || neph_rt_is_sound(ray->value);
+        ray->is_sky = is_sky(marched_depth_m(oracle, ray, (int[2]){0, 0}));
     }
 }
 
-/* NULL if no ray can be used. */
+/* Of the rays from `asked` on; NULL if none can be used. */
 static const struct ray *nearest_ray(const struct neph_rt_oracle *oracle,
-                                     const struct ray rays[RAYS], float own_m)
+                                     const struct ray rays[RAYS], int asked, float own_m)
 {
     const bool is_limited = choice(oracle, RT_CLAMP_PIXEL_DEPTH) != 0;
     float least_m = is_limited ? NEPH_RT_FAR_M : setting(oracle, RT_SKY_M);
     const struct ray *first = NULL, *nearest = NULL;
-    for (int i = 0; i < RAYS; i++) {
+    for (int i = asked; i < RAYS; i++) {
         if (!rays[i].is_usable)
             continue;
         if (!first)
@@ -199,6 +215,9 @@ static void to_space(int space, const double value[4], double seen[4])
     if (space == RT_SPACE_REINHARD)
         for (int c = 0; c < 3; c++)
             seen[c] = value[c] / (1.0 + luminance(value));
+    if (space == RT_SPACE_CHANNELS)
+        for (int c = 0; c < 3; c++)
+            seen[c] = value[c] / (1.0 + value[c]);
     if (space == RT_SPACE_YCOCG) {
         seen[0] = r / 4 + g / 2 + b / 4;
         seen[1] = r / 2 - b / 2;
@@ -212,6 +231,9 @@ static void from_space(int space, const double seen[4], double brightest, double
     if (space == RT_SPACE_REINHARD)
         for (int c = 0; c < 3; c++)
             value[c] = seen[c] / fmax(1.0 - luminance(seen), 1.0 / (1.0 + brightest));
+    if (space == RT_SPACE_CHANNELS)
+        for (int c = 0; c < 3; c++)
+            value[c] = seen[c] / fmax(1.0 - seen[c], 0x1p-24);
     if (space == RT_SPACE_YCOCG) {
         value[0] = fmax(seen[0] + seen[1] - seen[2], 0.0);
         value[1] = fmax(seen[0] + seen[2], 0.0);
@@ -219,18 +241,26 @@ static void from_space(int space, const double seen[4], double brightest, double
     }
 }
 
+static bool is_alike(const struct neph_rt_oracle *oracle, float transmittance, float other)
+{
+    const float opacity = 1.0f - fmaxf(transmittance, other);
+    const bool of_opacity = choice(oracle, RT_CONTRAST) == RT_CONTRAST_OPACITY;
+    const float unit = of_opacity ? fmaxf(opacity, 1e-6f) : 1.0f;
+    return fabsf(transmittance - other) < setting(oracle, RT_BOX_TRANSMITTANCE) * unit;
+}
+
 static void choose_rays(const struct neph_rt_oracle *oracle, struct ray rays[RAYS],
-                        const struct ray *nearest, float own_m)
+                        const struct ray *nearest, float own_m, bool own_is_sky)
 {
     int count = 0;
     for (int i = 0; i < RAYS; i++) {
         struct ray *ray = &rays[i];
-        const float contrast = fabsf(ray->value[3] - nearest->value[3]);
-        const bool is_alike = fabsf(own_m - ray->depth_m) <
-                                  setting(oracle, RT_BOX_DEPTH) * ray->depth_m ||
-                              contrast < setting(oracle, RT_BOX_TRANSMITTANCE);
-        const bool is_asked = i > 0 || choice(oracle, RT_BOX_CENTRE) != 0;
-        ray->is_in_box = ray == nearest || (ray->is_usable && is_asked && is_alike);
+        const bool belongs = fabsf(own_m - ray->depth_m) <
+                                 setting(oracle, RT_BOX_DEPTH) * ray->depth_m ||
+                             is_alike(oracle, ray->value[3], nearest->value[3]);
+        const bool is_asked = (i > 0 || choice(oracle, RT_BOX_CENTRE) != 0) &&
+                              (!choice(oracle, RT_BOX_SAME_KIND) || ray->is_sky == own_is_sky);
+        ray->is_in_box = ray == nearest || (ray->is_usable && is_asked && belongs);
         count += ray->is_in_box;
     }
     for (int i = 0; i < RAYS && count < choice(oracle, RT_BOX_LEAST); i++)
@@ -264,8 +294,24 @@ static void extend_by_variance(struct box *box, const struct ray rays[RAYS], int
     extend(box, high);
 }
 
+/* The colour to the surface of a box that it is not in, on the way to its middle. */
+static void clip(const struct box *box, const double seen[4], double limited[4])
+{
+    double part = 1.0;
+    for (int c = 0; c < 3; c++) {
+        const double reach = (box->high[c] - box->low[c]) / 2;
+        const double away = fabs(seen[c] - (box->high[c] + box->low[c]) / 2);
+        part = away > reach ? fmin(part, reach / away) : part;
+    }
+    for (int c = 0; c < 3; c++) {
+        const double middle = (box->high[c] + box->low[c]) / 2;
+        limited[c] = middle + part * (seen[c] - middle);
+    }
+}
+
 static void hold_among_rays(const struct neph_rt_oracle *oracle, struct ray rays[RAYS],
-                            const struct ray *nearest, float own_m, double value[4])
+                            const struct ray *nearest, float own_m, bool own_is_sky,
+                            double value[4])
 {
     if (choice(oracle, RT_BOX) == RT_BOX_NONE)
         return;
@@ -274,7 +320,7 @@ static void hold_among_rays(const struct neph_rt_oracle *oracle, struct ray rays
     double seen[4], limited[4];
     ray_in_space(nearest, space, box.low);
     memcpy(box.high, box.low, sizeof(box.high));
-    choose_rays(oracle, rays, nearest, own_m);
+    choose_rays(oracle, rays, nearest, own_m, own_is_sky);
     if (choice(oracle, RT_BOX) == RT_BOX_VARIANCE)
         extend_by_variance(&box, rays, space, setting(oracle, RT_BOX_SIGMA));
     for (int i = 0; i < RAYS && choice(oracle, RT_BOX) == RT_BOX_MIN_MAX; i++) {
@@ -283,14 +329,15 @@ static void hold_among_rays(const struct neph_rt_oracle *oracle, struct ray rays
             extend(&box, seen);
     }
     to_space(space, value, seen);
-    bool is_inside = true;
-    for (int c = 0; c < 4; c++) {
+    for (int c = 0; c < 4; c++)
         limited[c] = held(seen[c], box.low[c], box.high[c]);
-        is_inside = is_inside && limited[c] == seen[c];
-    }
+    value[3] = limited[3];
+    if (!memcmp(limited, seen, 3 * sizeof(*seen)))
+        return;
+    if (choice(oracle, RT_BOX_HOLD) == RT_HOLD_CLIP)
+        clip(&box, seen, limited);
     const double first[3] = {nearest->value[0], nearest->value[1], nearest->value[2]};
-    if (!is_inside)
-        from_space(space, limited, fmax(luminance(value), luminance(first)), value);
+    from_space(space, limited, fmax(luminance(value), luminance(first)), value);
 }
 
 /* --- history --------------------------------------------------------------------------------- */
@@ -371,6 +418,14 @@ static struct history history_about(const struct neph_rt_oracle *oracle, const d
     return history;
 }
 
+static double followed_jitter_px(const struct neph_rt_oracle *oracle, const float jitter_px[2],
+                                 int axis)
+{
+    const bool is_followed = choice(oracle, RT_REPROJECT_JITTER) &&
+                             choice(oracle, RT_JITTERED_DEPTH);
+    return is_followed ? jitter_px[axis] : 0.0;
+}
+
 static bool find_before(const struct neph_rt_oracle *oracle, const double place_px[2],
                         double distance_m, double before_px[2])
 {
@@ -387,7 +442,8 @@ static bool find_before(const struct neph_rt_oracle *oracle, const double place_
     bool is_seen = project(view, &view->before, moved_m, seen_px) > 0.0;
     for (int axis = 0; axis < 2; axis++) {
         /* exactly the place at rest */
-        before_px[axis] = place_px[axis] + (seen_px[axis] - now_px[axis]);
+        before_px[axis] = place_px[axis] + (seen_px[axis] - now_px[axis]) -
+                          followed_jitter_px(oracle, view->jitter_before_px, axis);
         is_seen = is_seen && before_px[axis] >= 0.0 && before_px[axis] <= view->size_px[axis];
     }
     return is_seen;
@@ -420,6 +476,8 @@ static bool is_same_scene(const struct neph_rt_oracle *oracle, const double plac
     const int x = (int)floor(before_px[0] / 2), y = (int)floor(before_px[1] / 2);
     bool found = false;
     for (int i = 0; i < 9; i++) {
+        if (i != 4 && !choice(oracle, RT_REJECT_AROUND))
+            continue;
         float before[4];
         neph_rt_fetch_half(oracle, RT_HALF_DEPTH_BEFORE, x + i % 3 - 1, y + i / 3 - 1, before);
         const double before_m = is_sky(before[0]) ? setting(oracle, RT_SKY_M) : before[0];
@@ -428,24 +486,52 @@ static bool is_same_scene(const struct neph_rt_oracle *oracle, const double plac
     return found && expected_m > 0.0;
 }
 
+static float nearest_in_tile_m(const struct neph_rt_oracle *oracle, int target, int x, int y)
+{
+    float nearest_m = NEPH_RT_FAR_M;
+    for (int i = 0; i < 4; i++) {
+        float depth[4];
+        neph_rt_fetch_half(oracle, target, x / 2 * 2 + i % 2, y / 2 * 2 + i / 2, depth);
+        nearest_m = fminf(nearest_m, depth[0]);
+    }
+    return is_sky(nearest_m) ? setting(oracle, RT_SKY_M) : nearest_m;
+}
+
+static bool is_rejected(const struct neph_rt_oracle *oracle, int x, int y, const double place_px[2],
+                        const double before_px[2], float depth_m)
+{
+    const float most_m = setting(oracle, RT_REJECT_NEAREST_M);
+    const bool looks = setting(oracle, RT_REJECT_DEPTH) > 0.0f ||
+                       setting(oracle, RT_REJECT_SCENE_M) > 0.0f;
+    if (looks && !is_same_scene(oracle, place_px, before_px, depth_m))
+        return true;
+    const float now_m = nearest_in_tile_m(oracle, RT_HALF_DEPTH, x, y);
+    const float before_m = nearest_in_tile_m(
+        oracle, RT_HALF_DEPTH_BEFORE, (int)floor(before_px[0] / 2), (int)floor(before_px[1] / 2));
+    return most_m > 0.0f && fabsf(now_m - before_m) > most_m;
+}
+
 static struct history history_of(const struct neph_rt_oracle *oracle, int x, int y, float depth_m,
                                  float distance_m)
 {
     const struct neph_rt_view *view = oracle->view;
     const struct history none = {.is_void = true};
-    const double place_px[2] = {2.0 * x + 1.0, 2.0 * y + 1.0};
-    double before_px[2];
+    const double centre_px[2] = {2.0 * x + 1.0, 2.0 * y + 1.0};
+    double place_px[2], before_px[2];
+    for (int axis = 0; axis < 2; axis++)
+        place_px[axis] = centre_px[axis] + followed_jitter_px(oracle, view->jitter_px, axis);
     if (choice(oracle, RT_VALIDITY) && !view->has_history)
         return none;
     if (choice(oracle, RT_CUT_RESET) && view->is_cut)
         return none;
+    if (known_distance_m(distance_m) < setting(oracle, RT_REPROJECT_LEAST_M))
+        return none;
     if (!find_before(oracle, place_px, known_distance_m(distance_m), before_px))
         return none;
-    if ((setting(oracle, RT_REJECT_DEPTH) > 0.0f || setting(oracle, RT_REJECT_SCENE_M) > 0.0f) &&
-        !is_same_scene(oracle, place_px, before_px, depth_m))
-        return none;
+    if (is_rejected(oracle, x, y, place_px, before_px, depth_m))
+        return (struct history){.is_void = true, .is_rejected = true};
     struct history history = history_about(oracle, before_px);
-    history.motion_px = hypot(before_px[0] - place_px[0], before_px[1] - place_px[1]);
+    history.motion_px = hypot(before_px[0] - centre_px[0], before_px[1] - centre_px[1]);
     return history;
 }
 
@@ -464,14 +550,11 @@ static double beyond(double value, double least)
 /* What a ray sees now against the memory of the half-pixel it went through. */
 static double change_at_ray(const struct neph_rt_oracle *oracle, const struct ray *ray)
 {
-    float tile[4], depth[4], distance[4];
-    neph_rt_fetch_tile(oracle, RT_TILE, ray->tile_x, ray->tile_y, tile);
+    float distance[4];
+    int at[2];
     neph_rt_fetch_tile(oracle, RT_RAY_DISTANCE, ray->tile_x, ray->tile_y, distance);
-    const int *offset = neph_rt_slot_place(oracle->view, (int)tile[0]);
-    const int x = held_int(2 * ray->tile_x + offset[0], 0, (int)oracle->view->half_size_px[0] - 1);
-    const int y = held_int(2 * ray->tile_y + offset[1], 0, (int)oracle->view->half_size_px[1] - 1);
-    neph_rt_fetch_half(oracle, RT_HALF_DEPTH, x, y, depth);
-    const struct history then = history_of(oracle, x, y, depth[0], distance[0]);
+    const float depth_m = marched_depth_m(oracle, ray, at);
+    const struct history then = history_of(oracle, at[0], at[1], depth_m, distance[0]);
     if (then.is_void)
         return 1.0;
     const double now = luminance((double[3]){ray->value[0], ray->value[1], ray->value[2]});
@@ -504,6 +587,70 @@ static void put_result(const struct neph_rt_oracle *oracle, int x, int y, const 
     neph_rt_put_half(oracle, RT_HISTORY_STATE, x, y, state);
 }
 
+/* A ray's place from the half-pixel's own, in tiles along one axis. */
+static double way(int half_pixel, int ray_tile_offset)
+{
+    return ray_tile_offset - (half_pixel % 2 ? 0.25 : -0.25);
+}
+
+static double ray_weight(const struct neph_rt_oracle *oracle, int kind, const struct ray *ray,
+                         const double ways[2], float own_m)
+{
+    if (kind == RT_FALLBACK_BILINEAR)
+        return fmax(1.0 - fabs(ways[0]), 0.0) * fmax(1.0 - fabs(ways[1]), 0.0);
+    const double difference_m = fabsf(own_m - ray->depth_m);
+    return exp(-ways[0] * ways[0] - ways[1] * ways[1]) /
+           (difference_m + setting(oracle, RT_UPSCALE_TOLERANCE_M));
+}
+
+static void stand_in(const struct neph_rt_oracle *oracle, int kind, int x, int y,
+                     const struct ray rays[RAYS], const struct ray *nearest, float own_m,
+                     bool own_is_sky, double value[4])
+{
+    const struct ray *taken = nearest, *around_it = nearest_ray(oracle, rays, 1, own_m);
+    if (kind == RT_FALLBACK_AROUND && around_it)
+        taken = around_it;
+    if (kind == RT_FALLBACK_TILE && rays[0].is_usable)
+        taken = &rays[0];
+    double sum[4] = {0.0}, total = 0.0;
+    const bool is_mean = kind == RT_FALLBACK_BILINEAR || kind == RT_FALLBACK_BILATERAL;
+    for (int i = 0; i < RAYS && is_mean; i++) {
+        const double ways[2] = {way(x, around[i][0]), way(y, around[i][1])};
+        const double weight = ray_weight(oracle, kind, &rays[i], ways, own_m);
+        const bool is_foreign = kind == RT_FALLBACK_BILATERAL && rays[i].is_sky != own_is_sky;
+        if (!rays[i].is_usable || is_foreign || weight == 0.0)
+            continue;
+        total += weight;
+        for (int c = 0; c < 4; c++)
+            sum[c] += weight * rays[i].value[c];
+    }
+    for (int c = 0; c < 4; c++)
+        value[c] = total > 0.0 ? sum[c] / total : taken->value[c];
+}
+
+/* Of a fresh ray. */
+static double fresh_weight(const struct neph_rt_oracle *oracle, double age, double part)
+{
+    const double age_max = setting(oracle, RT_HISTORY_AGE_MAX);
+    const double of_history = 1.0 - 1.0 / fmin(age, age_max);
+    return age_max > 0.0 ? 1.0 - part * setting(oracle, RT_HISTORY_FADE) * of_history
+                         : setting(oracle, RT_FRESH_WEIGHT);
+}
+
+static void blend_fresh(const struct neph_rt_oracle *oracle, const double history[4],
+                        const double ray[4], double weight, double value[4])
+{
+    const int space = choice(oracle, RT_FRESH_SPACE);
+    const bool is_direct = space == RT_SPACE_LINEAR || weight == 0.0 || weight == 1.0;
+    double seen[2][4], mixed[4];
+    to_space(is_direct ? RT_SPACE_LINEAR : space, history, seen[0]);
+    to_space(is_direct ? RT_SPACE_LINEAR : space, ray, seen[1]);
+    for (int c = 0; c < 4; c++)
+        mixed[c] = blend(seen[0][c], seen[1][c], weight);
+    from_space(is_direct ? RT_SPACE_LINEAR : space, mixed, fmax(luminance(history), luminance(ray)),
+               value);
+}
+
 static void reconstruct(const struct neph_rt_oracle *oracle, int x, int y)
 {
     struct ray rays[RAYS];
@@ -513,7 +660,7 @@ static void reconstruct(const struct neph_rt_oracle *oracle, int x, int y)
     float own_m = is_sky(depth[0]) ? setting(oracle, RT_SKY_M) : depth[0];
     if (choice(oracle, RT_CLAMP_PIXEL_DEPTH))
         own_m = neph_rt_stored_depth_m(oracle->view, depth[0]);
-    const struct ray *nearest = nearest_ray(oracle, rays, own_m);
+    const struct ray *nearest = nearest_ray(oracle, rays, 0, own_m);
     if (!nearest) {
         put_result(oracle, x, y, (double[4]){0, 0, 0, 1}, 0.0f, NEPH_RT_FAR_M);
         return;
@@ -525,29 +672,37 @@ static void reconstruct(const struct neph_rt_oracle *oracle, int x, int y)
     neph_rt_fetch_tile(oracle, RT_TILE, x / 2, y / 2, tile);
     const bool is_fresh = rays[0].is_usable && (int)tile[0] == neph_rt_slot_of(oracle->view, x, y);
     struct history history = history_of(oracle, x, y, depth[0], distance[0]);
+    double part = 1.0;
     if (!history.is_void) {
         double boxed[4];
         memcpy(boxed, history.value, sizeof(boxed));
-        hold_among_rays(oracle, rays, nearest, own_m, boxed);
+        hold_among_rays(oracle, rays, nearest, own_m, is_sky(depth[0]), boxed);
         const double share = box_share(oracle, history.motion_px, nearest);
+        if (memcmp(boxed, history.value, 3 * sizeof(*boxed)))
+            part = 1.0 - share * (1.0 - (double)setting(oracle, RT_BOX_AGE));
         for (int c = 0; c < 4; c++)
             history.value[c] = blend(history.value[c], boxed[c], share);
     }
 
-    float age = history.is_void ? 1.0f : history.age;
-    if (is_fresh && !history.is_void)
-        age = fminf(history.age + 1.0f, 255.0f);
     const double age_max = setting(oracle, RT_HISTORY_AGE_MAX);
-    double ray_weight = 1.0;
-    if (!history.is_void && is_fresh)
-        ray_weight = age_max > 0.0 ? 1.0 / fmin(age, age_max) : setting(oracle, RT_FRESH_WEIGHT);
-    else if (!history.is_void)
-        ray_weight = 1.0 - (double)setting(oracle, RT_HISTORY_WEIGHT);
-    double value[4];
+    double age = history.is_void ? 1.0 : history.age, value[4], own[4];
     for (int c = 0; c < 4; c++)
-        value[c] = blend(history.value[c], is_fresh ? rays[0].value[c] : nearest->value[c],
-                         ray_weight);
-    put_result(oracle, x, y, value, age, known_distance_m(distance[0]));
+        own[c] = is_fresh ? rays[0].value[c] : nearest->value[c];
+    memcpy(value, own, sizeof(value));
+    if (history.is_void && !is_fresh) {
+        const int kind = choice(oracle, history.is_rejected ? RT_FALLBACK_REJECTED : RT_FALLBACK);
+        stand_in(oracle, kind, x, y, rays, nearest, own_m, is_sky(depth[0]), value);
+    } else if (is_fresh && !history.is_void) {
+        age = fmin(age + 1.0, 255.0);
+        blend_fresh(oracle, history.value, own, fresh_weight(oracle, age, part), value);
+    } else if (!history.is_void) {
+        if (age_max > 0.0 && part < 1.0)
+            age = fmax(part * fmin(age, age_max), 1.0);
+        for (int c = 0; c < 4; c++)
+            value[c] = blend(history.value[c], own[c],
+                             1.0 - (double)setting(oracle, RT_HISTORY_WEIGHT));
+    }
+    put_result(oracle, x, y, value, (float)age, known_distance_m(distance[0]));
 }
 
 void neph_rt_oracle_reconstruct(const struct neph_rt_oracle *oracle)

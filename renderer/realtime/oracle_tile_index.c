@@ -38,7 +38,8 @@ static float compared_depth_m(const struct neph_rt_oracle *oracle, float depth_m
 {
     if (depth_m < NEPH_RT_FAR_M)
         return depth_m;
-    return choice(oracle, RT_FAR) == RT_FAR_INFINITE ? INFINITY : oracle->view->settings[RT_SKY_M];
+    return choice(oracle, RT_FAR) == RT_FAR_INFINITE ? INFINITY
+                                                     : oracle->view->settings[RT_OVERRIDE_SKY_M];
 }
 
 static void tile_depths_m(const struct neph_rt_oracle *oracle, int x, int y, float depths_m[4])

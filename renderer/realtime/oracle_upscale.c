@@ -5,7 +5,7 @@
 
 #include <math.h>
 
-enum { TAPS = 4, SHARED_FRAMES = 16 };
+enum { TAPS_MAX = 9, SHARED_FRAMES = 16 };
 
 static const float law_per_m = 0.00025f;
 
@@ -13,13 +13,28 @@ struct tap {
     float volume[4];
     float distance_m;
     float difference_m;
-    double place; /* bilinear weight */
-    bool is_used;
+    double place; /* weight, bilinear or Gaussian */
+    bool is_used, is_foreign;
 };
 
 static float setting(const struct neph_rt_oracle *oracle, int index)
 {
     return oracle->view->settings[index];
+}
+
+static int choice(const struct neph_rt_oracle *oracle, int index)
+{
+    return (int)oracle->view->settings[index];
+}
+
+static bool is_square(const struct neph_rt_oracle *oracle)
+{
+    return choice(oracle, RT_UPSCALE) == RT_UPSCALE_SQUARE;
+}
+
+static int tap_count(const struct neph_rt_oracle *oracle)
+{
+    return is_square(oracle) ? 9 : 4;
 }
 
 static bool is_usable(const struct neph_rt_oracle *oracle, const float volume[4], float age)
@@ -81,55 +96,67 @@ static void shift_px(const struct neph_rt_oracle *oracle, int x, int y, float sh
 static float compared_depth_m(const struct neph_rt_oracle *oracle, float eye_m)
 {
     if (setting(oracle, RT_CLAMP_PIXEL_DEPTH) != 0)
-        return neph_rt_stored_depth_m(oracle->view, eye_m);
-    return eye_m >= NEPH_RT_FAR_M ? setting(oracle, RT_SKY_M) : eye_m;
+        return neph_rt_limited_depth_m(oracle->view, eye_m, setting(oracle, RT_UPSCALE_SKY_M));
+    return eye_m >= NEPH_RT_FAR_M ? setting(oracle, RT_UPSCALE_SKY_M) : eye_m;
 }
 
 static struct tap tap_at(const struct neph_rt_oracle *oracle, const int corner[2], int i,
                          const float fraction[2], float scene_m)
 {
-    const int x = corner[0] + i % 2, y = corner[1] + i / 2;
+    const int side = is_square(oracle) ? 3 : 2;
+    const int x = corner[0] + i % side, y = corner[1] + i / side;
     float state[4], depth[4];
     struct tap tap;
     neph_rt_fetch_half(oracle, RT_HISTORY, x, y, tap.volume);
     neph_rt_fetch_half(oracle, RT_HISTORY_STATE, x, y, state);
     neph_rt_fetch_half(oracle, RT_HALF_DEPTH, x, y, depth);
     tap.distance_m = state[1];
-    tap.difference_m = fabsf(scene_m - compared_depth_m(oracle, depth[0]));
+    tap.difference_m = fabsf(compared_depth_m(oracle, scene_m) -
+                             compared_depth_m(oracle, depth[0]));
     tap.place = (double)(i % 2 ? fraction[0] : 1.0f - fraction[0]) *
                 (double)(i / 2 ? fraction[1] : 1.0f - fraction[1]);
+    if (is_square(oracle))
+        tap.place = exp(-pow(fraction[0] - i % 3, 2.0) - pow(fraction[1] - i / 3, 2.0));
     tap.is_used = is_usable(oracle, tap.volume, state[0]);
+    tap.is_foreign = choice(oracle, RT_UPSCALE_SAME_KIND) &&
+                     (depth[0] >= NEPH_RT_FAR_M) != (scene_m >= NEPH_RT_FAR_M);
     return tap;
 }
 
-static int nearest_tap(const struct tap taps[TAPS], const float fraction[2])
+static int nearest_tap(const struct neph_rt_oracle *oracle, const struct tap taps[TAPS_MAX],
+                       const float fraction[2])
 {
+    static const int square_order[9] = {4, 0, 1, 2, 3, 5, 6, 7, 8};
     const int first = (fraction[0] < 0.5f ? 0 : 1) + (fraction[1] < 0.5f ? 0 : 2);
     int nearest = -1;
-    for (int i = 0; i < TAPS; i++) {
-        const struct tap *asked = &taps[i ^ first];
-        if (asked->is_used && (nearest < 0 || asked->difference_m < taps[nearest].difference_m))
-            nearest = i ^ first;
+    for (int i = 0; i < tap_count(oracle); i++) {
+        const int asked = is_square(oracle) ? square_order[i] : i ^ first;
+        if (taps[asked].is_used &&
+            (nearest < 0 || taps[asked].difference_m < taps[nearest].difference_m))
+            nearest = asked;
     }
     return nearest;
 }
 
-static bool depth_matters(const struct neph_rt_oracle *oracle, const struct tap taps[TAPS])
+static bool depth_matters(const struct neph_rt_oracle *oracle, const struct tap taps[TAPS_MAX])
 {
     const float contrast = setting(oracle, RT_UPSCALE_CONTRAST);
     float least = INFINITY, largest = -INFINITY;
-    for (int i = 0; i < TAPS; i++) {
+    for (int i = 0; i < tap_count(oracle); i++) {
         if (taps[i].is_used && taps[i].volume[3] < least)
             least = taps[i].volume[3];
         if (taps[i].is_used && taps[i].volume[3] > largest)
             largest = taps[i].volume[3];
     }
-    return contrast == 0.0f || largest - least > contrast * largest;
+    const bool of_opacity = choice(oracle, RT_CONTRAST) == RT_CONTRAST_OPACITY;
+    const float unit = of_opacity ? 1.0f - least : largest;
+    return contrast == 0.0f || largest - least > contrast * unit;
 }
 
-static bool all_within(const struct tap taps[TAPS], float limit_m)
+static bool all_within(const struct neph_rt_oracle *oracle, const struct tap taps[TAPS_MAX],
+                       float limit_m)
 {
-    for (int i = 0; i < TAPS; i++)
+    for (int i = 0; i < tap_count(oracle); i++)
         if (taps[i].is_used && !(taps[i].difference_m < limit_m))
             return false;
     return true;
@@ -137,27 +164,37 @@ static bool all_within(const struct tap taps[TAPS], float limit_m)
 
 /* ---- the choice ------------------------------------------------------------------------------ */
 
-static double tap_weight(int upscale, const struct tap *tap, bool is_nearest, bool regardless,
-                         float limit_m)
+static double tap_weight(const struct neph_rt_oracle *oracle, const struct tap *tap,
+                         bool is_nearest, bool regardless, float limit_m)
 {
     const float margin_m = limit_m - tap->difference_m;
-    if (!tap->is_used)
+    const double depth_m = (double)tap->difference_m + setting(oracle, RT_UPSCALE_TOLERANCE_M);
+    if (!tap->is_used || tap->is_foreign)
         return 0.0;
-    if (upscale == RT_UPSCALE_BILINEAR || (upscale == RT_UPSCALE_BILATERAL && regardless))
+    switch (choice(oracle, RT_UPSCALE)) {
+    case RT_UPSCALE_BILINEAR:
         return tap->place;
-    if (upscale == RT_UPSCALE_BILATERAL)
-        return margin_m > 0.0f ? tap->place * (double)margin_m : 0.0;
-    return regardless || is_nearest ? 1.0 : 0.0;
+    case RT_UPSCALE_BILATERAL:
+        return regardless ? tap->place : margin_m > 0.0f ? tap->place * (double)margin_m : 0.0;
+    case RT_UPSCALE_INVERSE:
+        return regardless ? tap->place : 1.0 / depth_m;
+    case RT_UPSCALE_SQUARE:
+        return regardless ? tap->place : tap->place / depth_m;
+    default:
+        return regardless || is_nearest ? 1.0 : 0.0;
+    }
 }
 
 /* A mean of floats, rounded once, lies between them. */
-static void blend(const struct tap taps[TAPS], const double weights[TAPS], int nearest,
+static void blend(const struct tap taps[], const double weights[], int count, int nearest,
                   float volume[4])
 {
-    const double total = weights[0] + weights[1] + weights[2] + weights[3];
+    double total = 0.0;
+    for (int i = 0; i < count; i++)
+        total += weights[i];
     for (int c = 0; c < 4; c++) {
         double sum = 0.0;
-        for (int i = 0; i < TAPS; i++)
+        for (int i = 0; i < count; i++)
             if (weights[i] > 0.0)
                 sum += weights[i] * (double)taps[i].volume[c];
         volume[c] = total > 0.0 ? (float)(sum / total) : taps[nearest].volume[c];
@@ -166,35 +203,36 @@ static void blend(const struct tap taps[TAPS], const double weights[TAPS], int n
 
 static void upscale_pixel(const struct neph_rt_oracle *oracle, int x, int y)
 {
-    const int upscale = (int)setting(oracle, RT_UPSCALE);
     float depth[4], shift[2], fraction[2];
     int corner[2];
     neph_rt_fetch_full(oracle, RT_DEPTH, x, y, depth);
     shift_px(oracle, x, y, shift);
     for (int axis = 0; axis < 2; axis++) {
         const float place = place_of(oracle, axis, axis ? y : x) + shift[axis];
-        corner[axis] = (int)floorf(place);
-        fraction[axis] = place - floorf(place);
+        const float first = is_square(oracle) ? floorf(place + 0.5f) - 1.0f : floorf(place);
+        corner[axis] = (int)first;
+        fraction[axis] = place - first;
     }
-    const float scene_m = compared_depth_m(oracle, depth[0]);
-    const float limit_m = setting(oracle, RT_UPSCALE_DEPTH) * scene_m;
+    const float limit_m = setting(oracle, RT_UPSCALE_DEPTH) * compared_depth_m(oracle, depth[0]);
 
-    struct tap taps[TAPS];
-    for (int i = 0; i < TAPS; i++)
-        taps[i] = tap_at(oracle, corner, i, fraction, scene_m);
-    const int nearest = nearest_tap(taps, fraction);
+    struct tap taps[TAPS_MAX];
+    for (int i = 0; i < tap_count(oracle); i++)
+        taps[i] = tap_at(oracle, corner, i, fraction, depth[0]);
+    const int nearest = nearest_tap(oracle, taps, fraction);
     if (nearest < 0) {
         neph_rt_put_full(oracle, RT_VOLUME, x, y, (float[4]){0, 0, 0, 1});
         neph_rt_put_full(oracle, RT_VOLUME_DISTANCE, x, y, (float[4]){0});
         return;
     }
+    const int upscale = choice(oracle, RT_UPSCALE);
+    const bool allows = upscale == RT_UPSCALE_MEAN || upscale == RT_UPSCALE_INVERSE;
     const bool regardless = !depth_matters(oracle, taps) ||
-                            (upscale == RT_UPSCALE_MEAN && all_within(taps, limit_m));
-    double weights[TAPS];
-    for (int i = 0; i < TAPS; i++)
-        weights[i] = tap_weight(upscale, &taps[i], i == nearest, regardless, limit_m);
+                            (allows && all_within(oracle, taps, limit_m));
+    double weights[TAPS_MAX];
+    for (int i = 0; i < tap_count(oracle); i++)
+        weights[i] = tap_weight(oracle, &taps[i], i == nearest, regardless, limit_m);
     float volume[4];
-    blend(taps, weights, nearest, volume);
+    blend(taps, weights, tap_count(oracle), nearest, volume);
     neph_rt_put_full(oracle, RT_VOLUME, x, y, volume);
     neph_rt_put_full(oracle, RT_VOLUME_DISTANCE, x, y, (float[4]){taps[nearest].distance_m});
 }

@@ -298,7 +298,7 @@ static bool needs_masks(const struct neph_realtime *realtime)
     bool needs = false;
     for (size_t i = 0; i < sizeof(dithers) / sizeof(dithers[0]); i++) {
         const int dither = choice_of(realtime, dithers[i]);
-        needs |= dither == RT_DITHER_BLUE || dither == RT_DITHER_SPATIOTEMPORAL;
+        needs |= dither >= RT_DITHER_BLUE;
     }
     return needs && choice_of(realtime, RT_SPLIT) == RT_SPLIT_FOUR;
 }
@@ -449,6 +449,7 @@ static void set_view(struct neph_realtime *realtime, const struct neph_scene *sc
     view->has_history = realtime->has_past && !(is_cut && choice_of(realtime, RT_CUT_RESET));
     view->resting = is_resting(realtime);
     memcpy(view->jitter_px, now->jitter_px, sizeof(view->jitter_px));
+    memcpy(view->jitter_before_px, before->jitter_px, sizeof(view->jitter_before_px));
     set_vector(view->wind_m, neph_vec3_sub(now->drift_m, before->drift_m));
 }
 

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * Each preset is the defaults, `fixed`, with what it does otherwise.
+ * Each preset is the defaults, `fixed`, with what it does otherwise. All march one ray in 16 pixels
+ * and run with the anti-aliasing of Unreal Engine 4.26. What is a guess in each is said below; in
+ * all of them the distance that is kept with a ray is ours, the mean of what it sees.
  *
  * seed   the article on the frame split, to the letter, with its faults: one ray at a time is right
  *        only for depths below 10 km (X8), the override sees defaults and not choices (X11), the
@@ -8,16 +10,29 @@
  *        are no multiple of 4 are off (X4, X5, X6), reprojection by the tile's own distance taken
  *        for an eye depth (X9), no wind, no validity, no cut (X10), both shifts of the upscale from
  *        one number (X13), a jitter of 8 over a cycle of 4 (X14) that moves the depth map (X15).
- *        Its fresh pixel's blend is dead code (X1) and so is not here. With the anti-aliasing of
- *        Unreal Engine 4.26.
- * ue     after Unreal Engine 5's volumetric render target, mode 0: the same slot everywhere, no
- *        override, no box, history void where the scene behind it has changed, bilateral upscale.
- *        It also marches each tile once more to the nearest depth; we do not.
- * c52e   after c52e/SkyRendering: fresh rays weigh a fifth, the box is taken in tone-mapped
- *        colour and lets similar transmittances in, depth matters in the upscale where the
- *        transmittance has contrast.
- * unity  after HDRP's volumetric clouds: a running mean inside the box of all nine rays, and a
- *        bilateral upscale.
+ *        Its fresh pixel's blend is dead code (X1) and so is not here. The sky is 20 km away where
+ *        the article writes that, and elsewhere where Unreal's depth buffer has its 0.
+ *        Known of Unreal alone: that 0, 1000 km, and that the matrices have the jitter in them.
+ *        Guesses: amount and law of the upscale's shift, its slice of the mask, what the 25 % are
+ *        parts of, the mask of the rays' dither. Left out: marching from the end of the froxels on,
+ *        cirrus, aerial perspective; neighbours of a split view beyond its side are held at it.
+ * ue     after Unreal Engine 5's volumetric render target, mode 0, without its second trace: the
+ *        branch that compares history with the half-pixel's own depth, 10 %, and takes the nearest
+ *        of the eight rays around instead. The other branch, where compute shaders are to be had,
+ *        traces each tile to its nearest and to its farthest depth and keeps two layers; the rules
+ *        that go with it (reject_scene_m = 2000, reject_nearest_m = 1000) are settings, off here.
+ *        Guesses: the noises, of which shift and ray; no acceptance of noisy taps (Unreal's 20);
+ *        history is compared with the depth map of the frame before and not with the depth of the
+ *        ray that it came from.
+ * c52e   after c52e/SkyRendering: fresh rays weigh a fifth, mixed and held in tone-mapped colour,
+ *        the box lets similar opacities in, depth matters in the upscale where opacity has
+ *        contrast. Guesses: it has no jitter of its own, ours is Unreal's; its rays beyond the
+ *        sides of the picture are black, ours are held there.
+ * unity  after HDRP's volumetric clouds with ghosting reduction (a box, which is off by default
+ *        there): a running mean of at most 16 rays, clipped to the rays that end in the sky as the
+ *        half-pixel does, or on solids, void where the depth has changed by 20 %, and bilateral
+ *        from 3x3 half-pixels. Guesses: the noise; the far plane, 1 km, that its tolerance of
+ *        depth is a part of; its tiles of the other colour are the ones that are ahead.
  * ours   `fixed`, but the history of what is at rest is held in the box only where a ray sees that
  *        the light has changed, and voided where the scene behind it has; no dither in the upscale,
  *        so that the anti-aliasing can be quick. docs/realtime.md holds what it was measured at.
@@ -30,23 +45,30 @@ const struct neph_preset neph_rt_presets[] = {
     {"off", "every pixel, every frame, no history: `march` itself",
      "split=none taa=off ray_dither=none warm_up=0"},
     {"seed", "the Red Dead Redemption 2 frame split as the article has it, faults included",
-     "override=parallel sky_m=20000 ray_depth_max_m=10000 clamp_pixel_depth=off edge_tiles=dropped "
-     "gather=normalised tile_origin=buffer jittered_depth=on ray_dither=blue box_centre=off "
-     "reproject_depth=tile reproject_measure=eye wind=off validity=off cut_reset=off "
-     "upscale_dither=blue upscale_pair=shared taa_jitter_length=8"},
+     "depth_map=reversed override=parallel sky_m=20000 ray_depth_max_m=10000 "
+     "clamp_pixel_depth=off edge_tiles=dropped gather=normalised tile_origin=buffer "
+     "jittered_depth=on ray_dither=blue box_centre=off reproject_depth=tile reproject_measure=eye "
+     "reproject_jitter=on wind=off validity=off cut_reset=off upscale_dither=slice "
+     "upscale_pair=shared taa_jitter_length=8"},
     {"fixed", "the same with its faults mended: the defaults", ""},
-    {"ue", "after Unreal Engine 5's volumetric render target, mode 0",
-     "depth_map=farthest slot_order=diagonal slot_checkerboard=off override=none "
-     "jittered_depth=on ray_dither=interleaved box=none reject_scene_m=2000 upscale=bilateral "
-     "upscale_dither=white upscale_law=constant upscale_amount_px=0.5 taa_jitter_length=8"},
+    {"ue", "after Unreal Engine 5's volumetric render target, mode 0, of one trace",
+     "slot_order=anticlockwise slot_checkerboard=off override=none jittered_depth=on "
+     "ray_dither=interleaved fallback=bilinear fallback_rejected=around box=none "
+     "reproject_depth=tile reproject_measure=eye wind=off reject_depth=0.1 reject_around=off "
+     "upscale=inverse upscale_depth=0.1 upscale_dither=white upscale_law=constant "
+     "upscale_amount_px=0.5 taa_jitter_length=8"},
     {"c52e", "after c52e/SkyRendering, an open implementation of the article",
-     "override=parallel jittered_depth=on ray_dither=blue fresh_weight=0.2 box_depth=0.3 "
-     "box_transmittance=0.2 box_space=reinhard reproject_depth=tile upscale_depth=0.1 "
-     "upscale_contrast=0.2 upscale_dither=none taa_jitter_length=8"},
+     "override=parallel jittered_depth=on ray_dither=blue fresh_weight=0.2 fresh_space=channels "
+     "fallback=tile box_depth=0.3 box_transmittance=0.2 contrast=opacity box_space=channels "
+     "reproject_depth=tile upscale_depth=0.1 upscale_contrast=0.2 upscale_dither=none "
+     "taa_jitter_length=8"},
     {"unity", "after Unity HDRP's volumetric clouds",
-     "override=none jittered_depth=on ray_dither=white fresh_weight=0.1 box_depth=10 "
-     "upscale=bilateral upscale_dither=none taa_jitter_length=8"},
-    {"ours", "no box for what is at rest and in the same light; measures best here",
+     "depth_map=nearest override=none jittered_depth=on ray_dither=white history_age_max=16 "
+     "history_fade=0.95 fallback=bilateral fallback_rejected=bilateral box_depth=1000000 "
+     "box_same_kind=on box_hold=clip box_age=0.5 reproject_depth=tile wind=off reject_depth=0.2 "
+     "reject_around=off upscale=square upscale_tolerance_m=0.01 upscale_same_kind=on "
+     "upscale_dither=none taa_jitter_length=8"},
+    {"ours", "no box for what is at rest and in the same light; quick anti-aliasing",
      "reject_depth=0.1 box_motion_px=0.05 box_change=0.1 upscale_dither=none taa_alpha=0.1 "
      "taa_box=variance taa_sigma=1"},
     {.name = NULL},

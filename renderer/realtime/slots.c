@@ -5,10 +5,11 @@
 
 const int *neph_rt_slot_place(const struct neph_rt_view *view, int slot)
 {
-    static const int places[3][4][2] = {
+    static const int places[4][4][2] = {
         [RT_SLOT_ORDER_CLOCKWISE] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}},
         [RT_SLOT_ORDER_RASTER] = {{0, 0}, {1, 0}, {0, 1}, {1, 1}},
         [RT_SLOT_ORDER_DIAGONAL] = {{0, 0}, {1, 1}, {1, 0}, {0, 1}},
+        [RT_SLOT_ORDER_ANTICLOCKWISE] = {{0, 0}, {0, 1}, {1, 1}, {1, 0}},
     };
     return places[(int)view->settings[RT_SLOT_ORDER]][slot];
 }
@@ -29,10 +30,15 @@ int neph_rt_default_slot(const struct neph_rt_view *view, int tile_x, int tile_y
     return (int)(view->frame % 4 + (uint32_t)ahead) % 4;
 }
 
+float neph_rt_limited_depth_m(const struct neph_rt_view *view, float depth_m, float sky_m)
+{
+    const float limited_m = depth_m >= NEPH_RT_FAR_M
+                                ? sky_m
+                                : fminf(depth_m, view->settings[RT_RAY_DEPTH_MAX_M]);
+    return fminf(limited_m, NEPH_RT_HALF_MAX * NEPH_RT_TILE_UNIT_M);
+}
+
 float neph_rt_stored_depth_m(const struct neph_rt_view *view, float depth_m)
 {
-    const float stored_m = depth_m >= NEPH_RT_FAR_M
-                               ? view->settings[RT_SKY_M]
-                               : fminf(depth_m, view->settings[RT_RAY_DEPTH_MAX_M]);
-    return fminf(stored_m, NEPH_RT_HALF_MAX * NEPH_RT_TILE_UNIT_M);
+    return neph_rt_limited_depth_m(view, depth_m, view->settings[RT_SKY_M]);
 }

@@ -20,6 +20,9 @@ int neph_rt_slot_of(const struct neph_rt_view *view, int half_x, int half_y);
 /* The slot whose turn it is (A4). */
 int neph_rt_default_slot(const struct neph_rt_view *view, int tile_x, int tile_y);
 
+/* A depth with the sky at `sky_m` and solids before ray_depth_max_m [m]. */
+float neph_rt_limited_depth_m(const struct neph_rt_view *view, float depth_m, float sky_m);
+
 /* The depth that a ray which ends at `depth_m` is stored with (A6) [m]. */
 float neph_rt_stored_depth_m(const struct neph_rt_view *view, float depth_m);
 

@@ -60,6 +60,7 @@ struct neph_rt_view {
     float jitter_px[2]; /* of this frame's rays, added to the pixel's centre; x right, y down */
     float wind_m[3];    /* displacement of the medium since the frame before */
     uint32_t resting;   /* no override in this frame (override_rest) */
+    float jitter_before_px[2]; /* jitter_px of the frame before */
 };
 
 _Static_assert(sizeof(struct neph_rt_camera) == 64, "std430 Camera");

@@ -50,6 +50,7 @@ layout(std430, binding = REALTIME_BINDING) readonly buffer View {
     float jitter_px[2];
     float wind_m[3];
     uint resting;
+    float jitter_before_px[2];
 } view;
 
 // Ranks of the blue noise masks: 64x64, then 64x64x32 (renderer/blue_noise.h).
@@ -63,6 +64,8 @@ layout(std430, binding = REALTIME_BINDING + 2) buffer Targets {
 
 int choice(int index) { return SPECIALISED ? known_choice(index) : int(view.settings[index]); }
 float setting(int index) { return view.settings[index]; } // of one that is a number
+// Whether a number is other than 0, where that is "never" or "off".
+bool is_set(int index) { return SPECIALISED ? known_choice(index) != 0 : setting(index) != 0.0; }
 
 ivec2 view_origin() { return ivec2(view.origin_px[0], view.origin_px[1]); }
 ivec2 view_size() { return ivec2(view.size_px[0], view.size_px[1]); }

@@ -1,19 +1,20 @@
 // SPDX-License-Identifier: MIT
 //
-// The settings that are choices, known before a shader is compiled: what was not chosen costs nothing.
+// The settings that are choices, and which numbers are 0, known before a shader is compiled: what
+// was not chosen costs nothing.
 // On lavapipe that is most of the cost, because it runs both sides of every branch.
 #ifndef NEPH_REALTIME_CHOICES_GLSL
 #define NEPH_REALTIME_CHOICES_GLSL
 
 #include "realtime_names.h"
 
-#if RT_SETTING_COUNT != 70
+#if RT_SETTING_COUNT != 86
 #error "a constant and a case for each setting, please"
 #endif
 
 layout(constant_id = 7) const bool SPECIALISED = false; // else choices are read from the view
 
-// Constant RT_CHOICE_CONSTANT + index.
+// Constant RT_CHOICE_CONSTANT + index: the choice; of a number, whether it is other than 0.
 layout(constant_id = 8) const int CHOICE_0 = 0;
 layout(constant_id = 9) const int CHOICE_1 = 0;
 layout(constant_id = 10) const int CHOICE_2 = 0;
@@ -84,6 +85,22 @@ layout(constant_id = 74) const int CHOICE_66 = 0;
 layout(constant_id = 75) const int CHOICE_67 = 0;
 layout(constant_id = 76) const int CHOICE_68 = 0;
 layout(constant_id = 77) const int CHOICE_69 = 0;
+layout(constant_id = 78) const int CHOICE_70 = 0;
+layout(constant_id = 79) const int CHOICE_71 = 0;
+layout(constant_id = 80) const int CHOICE_72 = 0;
+layout(constant_id = 81) const int CHOICE_73 = 0;
+layout(constant_id = 82) const int CHOICE_74 = 0;
+layout(constant_id = 83) const int CHOICE_75 = 0;
+layout(constant_id = 84) const int CHOICE_76 = 0;
+layout(constant_id = 85) const int CHOICE_77 = 0;
+layout(constant_id = 86) const int CHOICE_78 = 0;
+layout(constant_id = 87) const int CHOICE_79 = 0;
+layout(constant_id = 88) const int CHOICE_80 = 0;
+layout(constant_id = 89) const int CHOICE_81 = 0;
+layout(constant_id = 90) const int CHOICE_82 = 0;
+layout(constant_id = 91) const int CHOICE_83 = 0;
+layout(constant_id = 92) const int CHOICE_84 = 0;
+layout(constant_id = 93) const int CHOICE_85 = 0;
 
 int known_choice(int index)
 {
@@ -157,7 +174,23 @@ int known_choice(int index)
     case 66: return CHOICE_66;
     case 67: return CHOICE_67;
     case 68: return CHOICE_68;
-    default: return CHOICE_69;
+    case 69: return CHOICE_69;
+    case 70: return CHOICE_70;
+    case 71: return CHOICE_71;
+    case 72: return CHOICE_72;
+    case 73: return CHOICE_73;
+    case 74: return CHOICE_74;
+    case 75: return CHOICE_75;
+    case 76: return CHOICE_76;
+    case 77: return CHOICE_77;
+    case 78: return CHOICE_78;
+    case 79: return CHOICE_79;
+    case 80: return CHOICE_80;
+    case 81: return CHOICE_81;
+    case 82: return CHOICE_82;
+    case 83: return CHOICE_83;
+    case 84: return CHOICE_84;
+    default: return CHOICE_85;
     }
 }
 

@@ -49,6 +49,8 @@ uint dither_word(int kind, ivec2 pixel, uint frame, uint channel)
         return mask_word(SPATIAL_MASK, pixel, channel) + DITHER_STEPS[channel & 3u] * frame;
     case RT_DITHER_SPATIOTEMPORAL:
         return mask_word(SPATIOTEMPORAL_MASK + 4096u * (frame & 31u), pixel, channel);
+    case RT_DITHER_SLICE:
+        return mask_word(SPATIOTEMPORAL_MASK, pixel, channel) + DITHER_STEPS[channel & 3u] * frame;
     default:
         return 0x80000000u;
     }

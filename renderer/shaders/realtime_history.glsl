@@ -11,10 +11,12 @@ struct History {
     vec4 value;
     float age; // in rays
     bool is_void;
+    bool is_rejected; // void because the scene behind it has changed
     float motion_px; // since the frame before
 };
 
-const History NO_HISTORY = History(vec4(0.0), 0.0, true, 0.0);
+const History NO_HISTORY = History(vec4(0.0), 0.0, true, false, 0.0);
+const History REJECTED = History(vec4(0.0), 0.0, true, true, 0.0);
 
 bool checks_validity() { return choice(RT_VALIDITY) != 0; }
 
@@ -26,7 +28,7 @@ History history_at(ivec2 half_pixel)
     float age = fetch_half(RT_HISTORY_STATE_BEFORE, half_pixel).x;
     bool has_age = is_finite(age) && age > 0.0;
     bool is_void = checks_validity() && !(has_age && is_sound(value));
-    return History(value, has_age ? age : 0.0, is_void, 0.0);
+    return History(value, has_age ? age : 0.0, is_void, false, 0.0);
 }
 
 // Of the taps -1, 0, 1 and 2, for a place between tap 0 and tap 1.
@@ -97,6 +99,14 @@ float known_distance_m(float distance_m)
     return is_finite(distance_m) && distance_m > 0.0 ? min(distance_m, FAR_M) : FAR_M;
 }
 
+// A frame's rays go through places shifted by its jitter. The article's reprojection knows, by
+// Unreal's matrices, which have the jitter in them; others leave it out.
+vec2 ray_jitter_px(float jitter_px[2])
+{
+    bool is_followed = choice(RT_REPROJECT_JITTER) != 0 && choice(RT_JITTERED_DEPTH) != 0;
+    return is_followed ? vec2(jitter_px[0], jitter_px[1]) : vec2(0.0);
+}
+
 // Where the medium was seen that now is `distance_m` away; false if nowhere. The motion is added to
 // the place, because both projections of a resting camera are rounded the same way (if no product
 // is fused into one of them alone): the history of a still image must not creep.
@@ -110,7 +120,7 @@ bool find_before(vec2 place_px, float distance_m, out vec2 before_px)
     precise vec3 moved_m = choice(RT_WIND) != 0 ? point_m - wind_m() : point_m;
     vec3 seen = project(view.before, moved_m);
     precise vec2 motion_px = seen.xy - project(view.now, point_m).xy;
-    before_px = place_px + motion_px;
+    before_px = place_px + motion_px - ray_jitter_px(view.jitter_before_px);
     return seen.z > 0.0 && all(greaterThanEqual(before_px, vec2(0.0))) &&
            all(lessThanEqual(before_px, vec2(view_size())));
 }
@@ -119,15 +129,15 @@ bool is_same_depth(float expected_m, float before_m)
 {
     float difference_m = abs(expected_m - before_m);
     bool is_near = min(expected_m, before_m) < setting(RT_REJECT_WITHIN_M);
-    bool far_off = setting(RT_REJECT_DEPTH) > 0.0 &&
+    bool far_off = is_set(RT_REJECT_DEPTH) &&
                    difference_m >= setting(RT_REJECT_DEPTH) * expected_m;
-    bool off_by_metres = setting(RT_REJECT_SCENE_M) > 0.0 && is_near &&
+    bool off_by_metres = is_set(RT_REJECT_SCENE_M) && is_near &&
                          difference_m >= setting(RT_REJECT_SCENE_M);
     return !far_off && !off_by_metres;
 }
 
 // Whether the scene behind that history had the depth that this half-pixel's scene had there and
-// then. One of 3x3 half-pixels is enough: near and far ones take turns from one to the next (A2),
+// then. One of 3x3 half-pixels is enough (reject_around): near and far ones take turns from one to the next (A2),
 // so that the very one may be of the other kind wherever the image moves by an odd number of them.
 // The sky is a depth of its own, at sky_m; it has no eye depth that would turn with the camera.
 bool is_same_scene(vec2 place_px, vec2 before_px, float depth_m)
@@ -142,11 +152,34 @@ bool is_same_scene(vec2 place_px, vec2 before_px, float depth_m)
         return false;
     ivec2 nearest = ivec2(floor(0.5 * before_px));
     for (int i = 0; i < 9; i++) {
+        if (i != 4 && choice(RT_REJECT_AROUND) == 0)
+            continue;
         float before_m = fetch_half(RT_HALF_DEPTH_BEFORE, nearest + ivec2(i % 3, i / 3) - 1).x;
         if (is_same_depth(expected_m, is_sky(before_m) ? setting(RT_SKY_M) : before_m))
             return true;
     }
     return false;
+}
+
+// The nearest depth of the tile that a half-pixel is in [m].
+float nearest_in_tile_m(int target, ivec2 half_pixel)
+{
+    float nearest_m = FAR_M;
+    for (int i = 0; i < 4; i++) {
+        float depth_m = fetch_half(target, half_pixel - (half_pixel & 1) + ivec2(i & 1, i >> 1)).x;
+        if (depth_m < nearest_m)
+            nearest_m = depth_m;
+    }
+    return is_sky(nearest_m) ? setting(RT_SKY_M) : nearest_m;
+}
+
+// Unreal's test for edges that the one above has missed: what came near, or no longer is.
+bool is_same_edge(ivec2 half_pixel, vec2 before_px)
+{
+    precise float change_m =
+        abs(nearest_in_tile_m(RT_HALF_DEPTH, half_pixel) -
+            nearest_in_tile_m(RT_HALF_DEPTH_BEFORE, ivec2(floor(0.5 * before_px))));
+    return change_m <= setting(RT_REJECT_NEAREST_M);
 }
 
 // --- both ---------------------------------------------------------------------------------------
@@ -156,14 +189,19 @@ History history_of(ivec2 half_pixel, float depth_m, float distance_m)
 {
     bool is_new = (checks_validity() && view.has_history == 0u) ||
                   (choice(RT_CUT_RESET) != 0 && view.is_cut != 0u);
-    vec2 place_px = vec2(2 * half_pixel + 1), before_px;
-    if (is_new || !find_before(place_px, known_distance_m(distance_m), before_px))
+    vec2 centre_px = vec2(2 * half_pixel + 1), before_px;
+    vec2 place_px = centre_px + ray_jitter_px(view.jitter_px);
+    bool is_too_near = is_set(RT_REPROJECT_LEAST_M) &&
+                       known_distance_m(distance_m) < setting(RT_REPROJECT_LEAST_M);
+    if (is_new || is_too_near || !find_before(place_px, known_distance_m(distance_m), before_px))
         return NO_HISTORY;
-    bool rejects = setting(RT_REJECT_DEPTH) > 0.0 || setting(RT_REJECT_SCENE_M) > 0.0;
+    bool rejects = is_set(RT_REJECT_DEPTH) || is_set(RT_REJECT_SCENE_M);
     if (rejects && !is_same_scene(place_px, before_px, depth_m))
-        return NO_HISTORY;
+        return REJECTED;
+    if (is_set(RT_REJECT_NEAREST_M) && !is_same_edge(half_pixel, before_px))
+        return REJECTED;
     History history = history_about(before_px);
-    history.motion_px = distance(before_px, place_px);
+    history.motion_px = distance(before_px, centre_px);
     return history;
 }
 

@@ -21,71 +21,88 @@
 #define RT_SLOT_CHECKERBOARD 8
 #define RT_OVERRIDE 9
 #define RT_OVERRIDE_DEPTH 10
-#define RT_OVERRIDE_REST 11
-#define RT_FAR 12
-#define RT_SKY_M 13
-#define RT_RAY_DEPTH_MAX_M 14
-#define RT_CLAMP_PIXEL_DEPTH 15
-#define RT_DEPTH_FORMAT 16
-#define RT_COLOR_FORMAT 17
-#define RT_EDGE_TILES 18
-#define RT_GATHER 19
-#define RT_TILE_ORIGIN 20
-#define RT_JITTERED_DEPTH 21
-#define RT_RAY_DITHER 22
-#define RT_RAY_DITHER_AMOUNT 23
-// Reconstruction at half resolution.
-#define RT_FRESH_WEIGHT 24
-#define RT_HISTORY_WEIGHT 25
-#define RT_HISTORY_AGE_MAX 26
-#define RT_HISTORY_FILTER 27
-#define RT_BOX 28
-#define RT_BOX_DEPTH 29
-#define RT_BOX_TRANSMITTANCE 30
-#define RT_BOX_SIGMA 31
-#define RT_BOX_SPACE 32
-#define RT_BOX_CENTRE 33
-#define RT_BOX_LEAST 34
-#define RT_REPROJECT_DEPTH 35
-#define RT_REPROJECT_MEASURE 36
-#define RT_WIND 37
-#define RT_VALIDITY 38
-#define RT_CUT_RESET 39
-#define RT_REJECT_DEPTH 40
-#define RT_REJECT_SCENE_M 41
-#define RT_REJECT_WITHIN_M 42
+#define RT_OVERRIDE_SKY_M 11
+#define RT_OVERRIDE_REST 12
+#define RT_FAR 13
+#define RT_SKY_M 14
+#define RT_RAY_DEPTH_MAX_M 15
+#define RT_CLAMP_PIXEL_DEPTH 16
+#define RT_DEPTH_FORMAT 17
+#define RT_COLOR_FORMAT 18
+#define RT_EDGE_TILES 19
+#define RT_GATHER 20
+#define RT_TILE_ORIGIN 21
+#define RT_JITTERED_DEPTH 22
+#define RT_RAY_DITHER 23
+#define RT_RAY_DITHER_AMOUNT 24
+// Reconstruction at half resolution: what a half-pixel takes.
+#define RT_FRESH_WEIGHT 25
+#define RT_FRESH_SPACE 26
+#define RT_HISTORY_WEIGHT 27
+#define RT_HISTORY_AGE_MAX 28
+#define RT_HISTORY_FADE 29
+#define RT_HISTORY_FILTER 30
+#define RT_FALLBACK 31
+#define RT_FALLBACK_REJECTED 32
+// The box that its history is held in.
+#define RT_BOX 33
+#define RT_BOX_DEPTH 34
+#define RT_BOX_TRANSMITTANCE 35
+#define RT_CONTRAST 36
+#define RT_BOX_SAME_KIND 37
+#define RT_BOX_SIGMA 38
+#define RT_BOX_SPACE 39
+#define RT_BOX_HOLD 40
+#define RT_BOX_AGE 41
+#define RT_BOX_CENTRE 42
+#define RT_BOX_LEAST 43
+#define RT_BOX_MOTION_PX 44
+#define RT_BOX_CHANGE 45
+// Where its history was, and whether it is one.
+#define RT_REPROJECT_DEPTH 46
+#define RT_REPROJECT_MEASURE 47
+#define RT_REPROJECT_JITTER 48
+#define RT_REPROJECT_LEAST_M 49
+#define RT_WIND 50
+#define RT_VALIDITY 51
+#define RT_CUT_RESET 52
+#define RT_REJECT_DEPTH 53
+#define RT_REJECT_SCENE_M 54
+#define RT_REJECT_WITHIN_M 55
+#define RT_REJECT_NEAREST_M 56
+#define RT_REJECT_AROUND 57
 // Upscale to full resolution.
-#define RT_UPSCALE 43
-#define RT_UPSCALE_DEPTH 44
-#define RT_UPSCALE_CONTRAST 45
-#define RT_UPSCALE_DITHER 46
-#define RT_UPSCALE_AMOUNT_PX 47
-#define RT_UPSCALE_LAW 48
-#define RT_UPSCALE_PAIR 49
+#define RT_UPSCALE 58
+#define RT_UPSCALE_DEPTH 59
+#define RT_UPSCALE_SKY_M 60
+#define RT_UPSCALE_CONTRAST 61
+#define RT_UPSCALE_TOLERANCE_M 62
+#define RT_UPSCALE_SAME_KIND 63
+#define RT_UPSCALE_DITHER 64
+#define RT_UPSCALE_AMOUNT_PX 65
+#define RT_UPSCALE_LAW 66
+#define RT_UPSCALE_PAIR 67
 // Temporal anti-aliasing.
-#define RT_TAA 50
-#define RT_TAA_JITTER 51
-#define RT_TAA_JITTER_LENGTH 52
-#define RT_TAA_MOTION 53
-#define RT_TAA_SPACE 54
-#define RT_TAA_HDR_WEIGHT 55
-#define RT_TAA_FILTER 56
-#define RT_TAA_BOX 57
-#define RT_TAA_SIGMA 58
-#define RT_TAA_HISTORY 59
-#define RT_TAA_ALPHA 60
-#define RT_TAA_ALPHA_MOVING 61
-#define RT_TAA_VELOCITY_PX 62
-#define RT_TAA_CONTRAST 63
-#define RT_TAA_FORMAT 64
-#define RT_TAA_ROUNDING 65
-#define RT_TAA_GUARD 66
-// When the box is needed at all.
-#define RT_BOX_MOTION_PX 67
-#define RT_BOX_CHANGE 68
+#define RT_TAA 68
+#define RT_TAA_JITTER 69
+#define RT_TAA_JITTER_LENGTH 70
+#define RT_TAA_MOTION 71
+#define RT_TAA_SPACE 72
+#define RT_TAA_HDR_WEIGHT 73
+#define RT_TAA_FILTER 74
+#define RT_TAA_BOX 75
+#define RT_TAA_SIGMA 76
+#define RT_TAA_HISTORY 77
+#define RT_TAA_ALPHA 78
+#define RT_TAA_ALPHA_MOVING 79
+#define RT_TAA_VELOCITY_PX 80
+#define RT_TAA_CONTRAST 81
+#define RT_TAA_FORMAT 82
+#define RT_TAA_ROUNDING 83
+#define RT_TAA_GUARD 84
 // The sequence; no shader asks for it.
-#define RT_WARM_UP 69
-#define RT_SETTING_COUNT 70
+#define RT_WARM_UP 85
+#define RT_SETTING_COUNT 86
 
 // Specialization constant of setting 0 in the shaders; those of choices are their values.
 #define RT_CHOICE_CONSTANT 8
@@ -98,10 +115,12 @@
 #define RT_DEPTH_MAP_CHECKERBOARD 0
 #define RT_DEPTH_MAP_NEAREST 1
 #define RT_DEPTH_MAP_FARTHEST 2
+#define RT_DEPTH_MAP_REVERSED 3
 
 #define RT_SLOT_ORDER_CLOCKWISE 0 // (0,0) (1,0) (1,1) (0,1)
 #define RT_SLOT_ORDER_RASTER 1    // (0,0) (1,0) (0,1) (1,1)
 #define RT_SLOT_ORDER_DIAGONAL 2  // (0,0) (1,1) (1,0) (0,1)
+#define RT_SLOT_ORDER_ANTICLOCKWISE 3 // (0,0) (0,1) (1,1) (1,0)
 
 #define RT_OVERRIDE_NONE 0
 #define RT_OVERRIDE_PARALLEL 1
@@ -126,8 +145,9 @@
 #define RT_DITHER_NONE 0
 #define RT_DITHER_WHITE 1
 #define RT_DITHER_INTERLEAVED 2
-#define RT_DITHER_BLUE 3
+#define RT_DITHER_BLUE 3 // from here on a mask is read
 #define RT_DITHER_SPATIOTEMPORAL 4
+#define RT_DITHER_SLICE 5
 
 #define RT_FILTER_NEAREST 0
 #define RT_FILTER_BILINEAR 1
@@ -141,6 +161,19 @@
 #define RT_SPACE_LINEAR 0
 #define RT_SPACE_REINHARD 1
 #define RT_SPACE_YCOCG 2
+#define RT_SPACE_CHANNELS 3 // not of TAA, whose Reinhard is that of the channels
+
+#define RT_FALLBACK_NEAREST 0
+#define RT_FALLBACK_AROUND 1
+#define RT_FALLBACK_TILE 2
+#define RT_FALLBACK_BILINEAR 3
+#define RT_FALLBACK_BILATERAL 4
+
+#define RT_CONTRAST_TRANSMITTANCE 0
+#define RT_CONTRAST_OPACITY 1
+
+#define RT_HOLD_CLAMP 0
+#define RT_HOLD_CLIP 1
 
 #define RT_REPROJECT_TILE 0
 #define RT_REPROJECT_PIXEL 1
@@ -152,6 +185,8 @@
 #define RT_UPSCALE_BILINEAR 1
 #define RT_UPSCALE_MEAN 2
 #define RT_UPSCALE_BILATERAL 3
+#define RT_UPSCALE_INVERSE 4
+#define RT_UPSCALE_SQUARE 5
 
 #define RT_LAW_CONSTANT 0
 #define RT_LAW_OPACITY 1

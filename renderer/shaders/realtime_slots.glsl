@@ -18,10 +18,11 @@ ivec2 target_size(int target)
 }
 
 // By RT_SLOT_ORDER_*.
-const ivec2 SLOT_PLACES[3][4] = ivec2[3][4](
+const ivec2 SLOT_PLACES[4][4] = ivec2[4][4](
     ivec2[4](ivec2(0, 0), ivec2(1, 0), ivec2(1, 1), ivec2(0, 1)),
     ivec2[4](ivec2(0, 0), ivec2(1, 0), ivec2(0, 1), ivec2(1, 1)),
-    ivec2[4](ivec2(0, 0), ivec2(1, 1), ivec2(1, 0), ivec2(0, 1)));
+    ivec2[4](ivec2(0, 0), ivec2(1, 1), ivec2(1, 0), ivec2(0, 1)),
+    ivec2[4](ivec2(0, 0), ivec2(0, 1), ivec2(1, 1), ivec2(1, 0)));
 
 // Where in its tile a slot lies, in half-pixels.
 ivec2 slot_place(int slot) { return SLOT_PLACES[choice(RT_SLOT_ORDER)][slot]; }
@@ -46,13 +47,14 @@ int default_slot(ivec2 tile)
 
 bool is_sky(float depth_m) { return depth_m >= FAR_M; }
 
-// A6: the depth that a ray is stored with. The sky lies at sky_m and solids before ray_depth_max_m,
-// in either format of the target.
-float stored_depth_m(float depth_m)
+// With the sky at `sky_m` and solids before ray_depth_max_m, in either format of the target.
+float limited_depth_m(float depth_m, float sky_m)
 {
-    float stored_m = is_sky(depth_m) ? setting(RT_SKY_M)
-                                     : min(depth_m, setting(RT_RAY_DEPTH_MAX_M));
-    return min(stored_m, HALF_MAX * TILE_UNIT_M);
+    float limited_m = is_sky(depth_m) ? sky_m : min(depth_m, setting(RT_RAY_DEPTH_MAX_M));
+    return min(limited_m, HALF_MAX * TILE_UNIT_M);
 }
+
+// A6: the depth that a ray is stored with.
+float stored_depth_m(float depth_m) { return limited_depth_m(depth_m, setting(RT_SKY_M)); }
 
 #endif

@@ -4,7 +4,8 @@
 // A2: the depth map at half resolution. One half-pixel stands for 2x2 pixels by one of their eye
 // depths: on the checkerboard's white squares (x % 2 == y % 2) the nearest, on the black ones the
 // farthest, so that 2x2 half-pixels, a tile, know two near and two far depths of their 4x4 pixels.
-// "Nearest" and "farthest" are meant in distance: in a reversed depth buffer the names swap.
+// "Nearest" and "farthest" are meant in distance: in a reversed depth buffer the names swap. The
+// article takes the minimum of such a buffer, the farthest, on the white squares: `reversed`.
 #extension GL_GOOGLE_include_directive : require
 
 #include "realtime_pass.glsl"
@@ -14,9 +15,10 @@ void main()
     ivec2 element;
     if (!own_element(half_size(), element))
         return;
+    bool is_white = (element.x & 1) == (element.y & 1);
     bool nearest = choice(RT_DEPTH_MAP) == RT_DEPTH_MAP_NEAREST ||
-                   (choice(RT_DEPTH_MAP) == RT_DEPTH_MAP_CHECKERBOARD &&
-                    (element.x & 1) == (element.y & 1));
+                   (choice(RT_DEPTH_MAP) == RT_DEPTH_MAP_CHECKERBOARD && is_white) ||
+                   (choice(RT_DEPTH_MAP) == RT_DEPTH_MAP_REVERSED && !is_white);
     float chosen_m = fetch_full(RT_STEADY_DEPTH, 2 * element).x;
     for (int i = 1; i < 4; i++) {
         float depth_m = fetch_full(RT_STEADY_DEPTH, 2 * element + ivec2(i & 1, i >> 1)).x;

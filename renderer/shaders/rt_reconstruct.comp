@@ -35,6 +35,7 @@ struct Ray {
     vec4 value;
     float depth_m;
     bool is_usable;
+    bool is_sky; // known where somebody asks
     bool is_in_box;
 };
 
@@ -62,6 +63,18 @@ ivec2 gathered_texel(ivec2 tile, ivec2 offset)
     return clamp(found - corner + offset, ivec2(0), size_quarter - 1);
 }
 
+// The half-pixel that a tile's ray goes through.
+ivec2 ray_half_pixel(ivec2 tile)
+{
+    return min(2 * tile + slot_place(int(fetch_tile(RT_TILE, tile).x)), half_size() - 1);
+}
+
+bool asks_for_kinds()
+{
+    return choice(RT_BOX_SAME_KIND) != 0 || choice(RT_FALLBACK) == RT_FALLBACK_BILATERAL ||
+           choice(RT_FALLBACK_REJECTED) == RT_FALLBACK_BILATERAL;
+}
+
 float ray_depth_m(ivec2 tile, int ray)
 {
     ivec2 offset = AROUND[ray];
@@ -78,6 +91,8 @@ void load_rays(ivec2 tile)
         rays[i].value = fetch_tile(RT_RAY, ray_tile(tile, i));
         rays[i].depth_m = ray_depth_m(tile, i);
         rays[i].is_usable = !checks_validity() || is_sound(rays[i].value);
+        rays[i].is_sky = asks_for_kinds() &&
+                         is_sky(fetch_half(RT_HALF_DEPTH, ray_half_pixel(ray_tile(tile, i))).x);
     }
 }
 
@@ -87,13 +102,14 @@ float depth_difference_m(float own_m, int ray)
     return difference_m;
 }
 
-// A9: the first of the nearest in depth; -1 if no ray can be used. The article looks no farther than
-// 20 km, which is as far apart as limited depths can be, and there keeps to the first.
-int nearest_ray(float own_m)
+// A9: of the rays from `first` on the first of the nearest in depth; -1 if none can be used. The
+// article looks no farther than 20 km, which is as far apart as limited depths can be, and there
+// keeps to the first.
+int nearest_ray(float own_m, int first)
 {
     float least_m = choice(RT_CLAMP_PIXEL_DEPTH) != 0 ? FAR_M : setting(RT_SKY_M);
     int nearest = -1;
-    for (int i = 0; i < 9; i++) {
+    for (int i = first; i < 9; i++) {
         if (!rays[i].is_usable)
             continue;
         float difference_m = depth_difference_m(own_m, i);
@@ -105,20 +121,34 @@ int nearest_ray(float own_m)
     return nearest;
 }
 
-bool is_accepted(int ray, int nearest, float own_m)
+const float OPACITY_LEAST = 1e-6; // c52e's, against 0 / 0
+
+bool is_alike(float transmittance, float other)
 {
-    precise float contrast = abs(rays[ray].value.a - rays[nearest].value.a);
-    precise float allowed_m = setting(RT_BOX_DEPTH) * rays[ray].depth_m;
-    bool is_candidate = rays[ray].is_usable && (ray != 0 || choice(RT_BOX_CENTRE) != 0);
-    return ray == nearest || (is_candidate && (depth_difference_m(own_m, ray) < allowed_m ||
-                                               contrast < setting(RT_BOX_TRANSMITTANCE)));
+    precise float difference = abs(transmittance - other);
+    precise float opacity = 1.0 - (transmittance > other ? transmittance : other);
+    precise float allowed = setting(RT_BOX_TRANSMITTANCE) *
+                            (choice(RT_CONTRAST) == RT_CONTRAST_TRANSMITTANCE ? 1.0
+                             : opacity > OPACITY_LEAST                        ? opacity
+                                                                              : OPACITY_LEAST);
+    return difference < allowed;
 }
 
-void choose_rays(int nearest, float own_m)
+bool is_accepted(int ray, int nearest, float own_m, bool own_is_sky)
+{
+    precise float allowed_m = setting(RT_BOX_DEPTH) * rays[ray].depth_m;
+    bool is_candidate = rays[ray].is_usable && (ray != 0 || choice(RT_BOX_CENTRE) != 0) &&
+                        (choice(RT_BOX_SAME_KIND) == 0 || rays[ray].is_sky == own_is_sky);
+    return ray == nearest ||
+           (is_candidate && (depth_difference_m(own_m, ray) < allowed_m ||
+                             is_alike(rays[ray].value.a, rays[nearest].value.a)));
+}
+
+void choose_rays(int nearest, float own_m, bool own_is_sky)
 {
     int count = 0;
     for (int i = 0; i < 9; i++) {
-        rays[i].is_in_box = is_accepted(i, nearest, own_m);
+        rays[i].is_in_box = is_accepted(i, nearest, own_m, own_is_sky);
         count += int(rays[i].is_in_box);
     }
     if (count < int(setting(RT_BOX_LEAST)))
@@ -153,14 +183,14 @@ void extend_by_variance(inout Box box, int space)
     extend(box, mean + half_width);
 }
 
-vec4 held_among_rays(vec4 value, int nearest, float own_m)
+vec4 held_among_rays(vec4 value, int nearest, float own_m, bool own_is_sky)
 {
     if (choice(RT_BOX) == RT_BOX_NONE)
         return value;
     int space = choice(RT_BOX_SPACE);
     vec4 first = to_space(space, rays[nearest].value);
     Box box = Box(first, first);
-    choose_rays(nearest, own_m);
+    choose_rays(nearest, own_m, own_is_sky);
     if (choice(RT_BOX) == RT_BOX_MIN_MAX)
         extend_by_rays(box, space);
     else
@@ -181,8 +211,7 @@ float beyond(float value, float least)
 float change_at_ray(ivec2 tile, int ray)
 {
     ivec2 own_tile = ray_tile(tile, ray);
-    ivec2 place = 2 * own_tile + slot_place(int(fetch_tile(RT_TILE, own_tile).x));
-    place = min(place, half_size() - 1);
+    ivec2 place = ray_half_pixel(own_tile);
     History then = history_of(place, fetch_half(RT_HALF_DEPTH, place).x,
                               fetch_tile(RT_RAY_DISTANCE, own_tile).x);
     float now_luminance = luminance(rays[ray].value.rgb);
@@ -210,11 +239,62 @@ vec4 blend(vec4 a, vec4 b, float weight_of_b)
     return a + weight_of_b * (b - a);
 }
 
-float fresh_weight(float age)
+// `part`: of the history's age that counts (box_age).
+float fresh_weight(float age, float part)
 {
-    float age_max = setting(RT_HISTORY_AGE_MAX);
-    return age_max > 0.0 ? 1.0 / min(age, age_max) : setting(RT_FRESH_WEIGHT);
+    if (!is_set(RT_HISTORY_AGE_MAX))
+        return setting(RT_FRESH_WEIGHT);
+    float of_history = 1.0 - 1.0 / min(age, setting(RT_HISTORY_AGE_MAX));
+    return 1.0 - part * setting(RT_HISTORY_FADE) * of_history;
 }
+
+// In fresh_space, and there as with box_space.
+vec4 blend_fresh(vec4 history, vec4 ray, float weight)
+{
+    int space = choice(RT_FRESH_SPACE);
+    if (space == RT_SPACE_LINEAR || weight == 0.0 || weight == 1.0)
+        return blend(history, ray, weight);
+    float brightest = max(luminance(history.rgb), luminance(ray.rgb));
+    return from_space(space, blend(to_space(space, history), to_space(space, ray), weight),
+                      brightest);
+}
+
+// --- without history ----------------------------------------------------------------------------
+
+// Of the tiles before, at and after a half-pixel's own along one axis, in the middle of which it is
+// not, but a quarter of a tile from there towards the one before (or after: mirrored).
+const vec3 LINEAR_WEIGHTS = vec3(0.25, 0.75, 0.0);
+const vec3 GAUSSIAN_WEIGHTS = vec3(0.569782825, 0.939413063, 0.209611387); // exp(-d^2)
+
+vec4 mean_of_rays(int kind, ivec2 half_pixel, int nearest, float own_m, bool own_is_sky)
+{
+    bool by_depth = kind == RT_FALLBACK_BILATERAL;
+    vec4 sum = vec4(0.0);
+    float total = 0.0;
+    for (int i = 0; i < 9; i++) {
+        ivec2 at = 1 + AROUND[i] * (1 - 2 * (half_pixel & 1));
+        float weight = by_depth ? GAUSSIAN_WEIGHTS[at.x] * GAUSSIAN_WEIGHTS[at.y] /
+                                      (depth_difference_m(own_m, i) + setting(RT_UPSCALE_TOLERANCE_M))
+                                : LINEAR_WEIGHTS[at.x] * LINEAR_WEIGHTS[at.y];
+        if (!rays[i].is_usable || weight == 0.0 || (by_depth && rays[i].is_sky != own_is_sky))
+            continue;
+        sum += weight * rays[i].value;
+        total += weight;
+    }
+    return total > 0.0 ? sum / total : rays[nearest].value;
+}
+
+vec4 stand_in(int kind, ivec2 half_pixel, int nearest, float own_m, bool own_is_sky)
+{
+    int around = kind == RT_FALLBACK_AROUND ? nearest_ray(own_m, 1) : -1;
+    if (kind == RT_FALLBACK_BILINEAR || kind == RT_FALLBACK_BILATERAL)
+        return mean_of_rays(kind, half_pixel, nearest, own_m, own_is_sky);
+    if (kind == RT_FALLBACK_TILE && rays[0].is_usable)
+        return rays[0].value;
+    return rays[around < 0 ? nearest : around].value;
+}
+
+// --- the result ---------------------------------------------------------------------------------
 
 // Sound values stay sound when they are kept in halves.
 float kept(int format_setting, float value)
@@ -243,7 +323,7 @@ void main()
     float own_m = choice(RT_CLAMP_PIXEL_DEPTH) != 0 ? stored_depth_m(depth_m)
                   : is_sky(depth_m)                 ? setting(RT_SKY_M)
                                                     : depth_m;
-    int nearest = nearest_ray(own_m);
+    int nearest = nearest_ray(own_m, 0);
     if (nearest < 0) {
         put_result(half_pixel, vec4(0.0, 0.0, 0.0, 1.0), 0.0, FAR_M);
         return;
@@ -251,18 +331,28 @@ void main()
     bool of_tile = choice(RT_REPROJECT_DEPTH) == RT_REPROJECT_TILE && rays[0].is_usable;
     float distance_m = fetch_tile(RT_RAY_DISTANCE, ray_tile(tile, of_tile ? 0 : nearest)).x;
     History history = history_of(half_pixel, depth_m, distance_m);
-    if (!history.is_void)
-        history.value = blend(history.value, held_among_rays(history.value, nearest, own_m),
-                              box_share(history.motion_px, tile, nearest));
+    float part = 1.0; // of its age that counts
+    if (!history.is_void) {
+        vec4 boxed = held_among_rays(history.value, nearest, own_m, is_sky(depth_m));
+        float share = box_share(history.motion_px, tile, nearest);
+        if (boxed.rgb != history.value.rgb)
+            part = 1.0 - share * (1.0 - setting(RT_BOX_AGE));
+        history.value = blend(history.value, boxed, share);
+    }
 
     bool is_fresh = rays[0].is_usable && int(fetch_tile(RT_TILE, tile).x) == slot_of(half_pixel);
     float age = history.is_void ? 1.0 : history.age;
     vec4 value = rays[is_fresh ? 0 : nearest].value;
     if (is_fresh && !history.is_void) {
         age = min(history.age + 1.0, AGE_MAX);
-        value = blend(history.value, value, fresh_weight(age));
+        value = blend_fresh(history.value, value, fresh_weight(age, part));
     } else if (!history.is_void) {
+        if (is_set(RT_HISTORY_AGE_MAX) && part < 1.0)
+            age = max(part * min(age, setting(RT_HISTORY_AGE_MAX)), 1.0);
         value = blend(value, history.value, setting(RT_HISTORY_WEIGHT));
+    } else if (!is_fresh) {
+        int kind = history.is_rejected ? choice(RT_FALLBACK_REJECTED) : choice(RT_FALLBACK);
+        value = stand_in(kind, half_pixel, nearest, own_m, is_sky(depth_m));
     }
     put_result(half_pixel, value, age, known_distance_m(distance_m));
 }

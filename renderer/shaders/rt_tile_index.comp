@@ -13,8 +13,9 @@
 // of 2x2 tiles, a tile sees what earlier colours chose and what later ones would by default
 // (sequential).
 //
-// "Nearest" and "farthest" go by the scene's depth, in which the sky is the farthest whatever sky_m
-// says. The comparison goes by unlimited depths: ray_depth_max_m is for what is stored. With
+// "Nearest" and "farthest" go by the scene's depth, in which the sky is the farthest whatever
+// override_sky_m says. The comparison goes by unlimited depths: ray_depth_max_m is for what is
+// stored. With
 // `far` = infinite the sky's own depth is infinite there, and |inf - inf| < inf / 4 is false: no
 // ray of the sky covers the sky, and a tile of sky marches slot 0 for ever. What is stored of the
 // sky is sky_m in both cases.
@@ -41,7 +42,7 @@ float slot_depth_m(ivec2 tile, int slot, ivec2 origin_px)
 float compared_depth_m(float depth_m)
 {
     float sky_m = choice(RT_FAR) == RT_FAR_INFINITE ? uintBitsToFloat(0x7f800000u)
-                                                    : setting(RT_SKY_M);
+                                                    : setting(RT_OVERRIDE_SKY_M);
     return is_sky(depth_m) ? sky_m : depth_m;
 }
 

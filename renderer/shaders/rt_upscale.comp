@@ -30,14 +30,20 @@
 //              nearest
 //   bilateral  weights of place times max(0, upscale_depth * scene - difference); if all are 0, as
 //              nearest
+//   inverse    bilinear if all differences are below upscale_depth * scene, else weights
+//              1 / (difference + upscale_tolerance_m) (Unreal Engine 5, upsampling mode 4)
+//   square     of the 3x3 half-pixels about the place weights exp(-d^2) / (difference +
+//              upscale_tolerance_m), d the distance in place (Unity HDRP's BilUpColor3x3)
 //
-// Depths are compared as in the reconstruction: the sky is at sky_m, solids end at ray_depth_max_m
-// if clamp_pixel_depth is on. Pixel and taps have the same limits, so that no ridge is taken for sky
-// because only one of both was limited (X8). Without the limit a ridge within upscale_depth of sky_m
-// is.
+// Depths are compared as in the reconstruction, but with a sky at upscale_sky_m: solids end at
+// ray_depth_max_m if clamp_pixel_depth is on. Pixel and taps have the same limits, so that no ridge
+// is taken for sky because only one of both was limited (X8). Without the limit a ridge within
+// upscale_depth of upscale_sky_m is. With upscale_same_kind no tap of the sky counts on a solid, nor
+// the other way round, as long as there are others.
 //
 // With upscale_contrast > 0 depth matters only where the transmittances of the taps differ by more
-// than this part of the largest; elsewhere nearest and mean take the mean, bilateral is bilinear.
+// than this part of the largest (or of the largest opacity: contrast); elsewhere nearest and mean
+// take the mean, bilateral and inverse are bilinear, and square goes by place alone.
 //
 // With validity on, taps that are void or unsound do not count; a pixel without any tap is void.
 #extension GL_GOOGLE_include_directive : require
@@ -54,9 +60,14 @@ struct Tap {
     vec4 volume;
     float distance_m;
     float difference_m; // of its depth from the pixel's
-    float place; // bilinear weight
+    float place; // weight, bilinear or Gaussian
     bool is_used;
+    bool is_foreign; // of the other kind, sky or solid
 };
+
+const int TAPS_MAX = 9;
+
+int tap_count() { return choice(RT_UPSCALE) == RT_UPSCALE_SQUARE ? 9 : 4; }
 
 // History that may be used; all may be when nobody looks.
 bool is_usable(vec4 volume, float age)
@@ -116,34 +127,63 @@ vec2 shift_px(ivec2 pixel)
 float compared_depth_m(float eye_m)
 {
     if (choice(RT_CLAMP_PIXEL_DEPTH) != 0)
-        return stored_depth_m(eye_m);
-    return is_sky(eye_m) ? setting(RT_SKY_M) : eye_m;
+        return limited_depth_m(eye_m, setting(RT_UPSCALE_SKY_M));
+    return is_sky(eye_m) ? setting(RT_UPSCALE_SKY_M) : eye_m;
 }
 
-// Half-pixel `corner` + (0, 0), (1, 0), (0, 1), (1, 1) for i = 0, 1, 2, 3.
+// The half-pixel that a place's taps are counted from, row by row.
+vec2 corner_of(vec2 place)
+{
+    return choice(RT_UPSCALE) == RT_UPSCALE_SQUARE ? floor(place + 0.5) - 1.0 : floor(place);
+}
+
+ivec2 tap_offset(int i)
+{
+    return choice(RT_UPSCALE) == RT_UPSCALE_SQUARE ? ivec2(i % 3, i / 3) : ivec2(i & 1, i >> 1);
+}
+
+float place_weight(ivec2 at, vec2 fraction)
+{
+    if (choice(RT_UPSCALE) == RT_UPSCALE_SQUARE) {
+        vec2 way = fraction - vec2(at);
+        return exp(-dot(way, way));
+    }
+    precise vec2 side = vec2(at.x == 0 ? 1.0 - fraction.x : fraction.x,
+                             at.y == 0 ? 1.0 - fraction.y : fraction.y);
+    return side.x * side.y;
+}
+
+// `fraction` of the place from the corner, in half-pixels; `scene_m` the pixel's eye depth.
 Tap tap_at(ivec2 corner, int i, vec2 fraction, float scene_m)
 {
-    ivec2 at = ivec2(i & 1, i >> 1);
+    ivec2 at = tap_offset(i);
     vec4 state = fetch_half(RT_HISTORY_STATE, corner + at);
+    float depth_m = fetch_half(RT_HALF_DEPTH, corner + at).x;
     Tap tap;
     tap.volume = fetch_half(RT_HISTORY, corner + at);
     tap.distance_m = state.y;
-    precise float difference_m =
-        abs(scene_m - compared_depth_m(fetch_half(RT_HALF_DEPTH, corner + at).x));
+    precise float difference_m = abs(compared_depth_m(scene_m) - compared_depth_m(depth_m));
     tap.difference_m = difference_m;
-    precise vec2 side = vec2(at.x == 0 ? 1.0 - fraction.x : fraction.x,
-                             at.y == 0 ? 1.0 - fraction.y : fraction.y);
-    tap.place = side.x * side.y;
+    tap.place = place_weight(at, fraction);
     tap.is_used = is_usable(tap.volume, state.x);
+    tap.is_foreign = choice(RT_UPSCALE_SAME_KIND) != 0 && is_sky(depth_m) != is_sky(scene_m);
     return tap;
 }
 
-// By depth; the first that is asked is the nearest in place. -1: none is used.
-int nearest_tap(Tap taps[4], vec2 fraction)
+// The order in which ties are decided: first the nearest in place.
+int asked_tap(int i, vec2 fraction)
 {
-    int first = (fraction.x < 0.5 ? 0 : 1) + (fraction.y < 0.5 ? 0 : 2), nearest = -1;
-    for (int i = 0; i < 4; i++) {
-        int asked = i ^ first;
+    if (choice(RT_UPSCALE) == RT_UPSCALE_SQUARE)
+        return i == 0 ? 4 : i <= 4 ? i - 1 : i;
+    return i ^ ((fraction.x < 0.5 ? 0 : 1) + (fraction.y < 0.5 ? 0 : 2));
+}
+
+// By depth. -1: none is used.
+int nearest_tap(Tap taps[TAPS_MAX], vec2 fraction)
+{
+    int nearest = -1;
+    for (int i = 0; i < tap_count(); i++) {
+        int asked = asked_tap(i, fraction);
         if (taps[asked].is_used &&
             (nearest < 0 || taps[asked].difference_m < taps[nearest].difference_m))
             nearest = asked;
@@ -151,24 +191,25 @@ int nearest_tap(Tap taps[4], vec2 fraction)
     return nearest;
 }
 
-bool depth_matters(Tap taps[4], int nearest)
+bool depth_matters(Tap taps[TAPS_MAX], int nearest)
 {
     float contrast = setting(RT_UPSCALE_CONTRAST);
     float least = taps[nearest].volume.w, largest = least;
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < tap_count(); i++) {
         if (taps[i].is_used && taps[i].volume.w < least)
             least = taps[i].volume.w;
         if (taps[i].is_used && taps[i].volume.w > largest)
             largest = taps[i].volume.w;
     }
     precise float range = largest - least;
-    precise float allowed = contrast * largest;
+    precise float unit = choice(RT_CONTRAST) == RT_CONTRAST_OPACITY ? 1.0 - least : largest;
+    precise float allowed = contrast * unit;
     return contrast == 0.0 || range > allowed;
 }
 
-bool all_within(Tap taps[4], float limit_m)
+bool all_within(Tap taps[TAPS_MAX], float limit_m)
 {
-    for (int i = 0; i < 4; i++)
+    for (int i = 0; i < tap_count(); i++)
         if (taps[i].is_used && !(taps[i].difference_m < limit_m))
             return false;
     return true;
@@ -179,11 +220,15 @@ bool all_within(Tap taps[4], float limit_m)
 // `regardless`: of depth.
 float tap_weight(Tap tap, bool is_nearest, bool regardless, float limit_m)
 {
-    if (!tap.is_used)
+    if (!tap.is_used || tap.is_foreign)
         return 0.0;
     int upscale = choice(RT_UPSCALE);
-    if (upscale == RT_UPSCALE_BILINEAR || (upscale == RT_UPSCALE_BILATERAL && regardless))
+    if (upscale == RT_UPSCALE_BILINEAR || (upscale >= RT_UPSCALE_BILATERAL && regardless))
         return tap.place;
+    if (upscale == RT_UPSCALE_INVERSE)
+        return 1.0 / (tap.difference_m + setting(RT_UPSCALE_TOLERANCE_M));
+    if (upscale == RT_UPSCALE_SQUARE)
+        return tap.place / (tap.difference_m + setting(RT_UPSCALE_TOLERANCE_M));
     if (upscale == RT_UPSCALE_BILATERAL) {
         precise float margin_m = limit_m - tap.difference_m;
         return margin_m > 0.0 ? tap.place * margin_m : 0.0;
@@ -193,13 +238,15 @@ float tap_weight(Tap tap, bool is_nearest, bool regardless, float limit_m)
 
 // Held between the values that it is made of: a constant stays what it is, and no rounding makes a
 // radiance negative.
-vec4 blend(Tap taps[4], float weights[4], int nearest)
+vec4 blend(Tap taps[TAPS_MAX], float weights[TAPS_MAX], int nearest)
 {
-    float total = weights[0] + weights[1] + weights[2] + weights[3];
+    float total = 0.0;
+    for (int i = 0; i < tap_count(); i++)
+        total += weights[i];
     if (!(total > 0.0))
         return taps[nearest].volume;
     vec4 sum = vec4(0.0), least = vec4(FLOAT_MAX), largest = vec4(-FLOAT_MAX);
-    for (int i = 0; i < 4; i++)
+    for (int i = 0; i < tap_count(); i++)
         if (weights[i] > 0.0) {
             vec4 value = taps[i].volume;
             sum += weights[i] / total * value;
@@ -216,13 +263,13 @@ void main()
     if (!own_element(view_size(), pixel))
         return;
     precise vec2 place = place_of(pixel) + shift_px(pixel);
-    vec2 corner = floor(place);
+    vec2 corner = corner_of(place);
     precise vec2 fraction = place - corner;
-    float scene_m = compared_depth_m(fetch_full(RT_DEPTH, pixel).x);
-    precise float limit_m = setting(RT_UPSCALE_DEPTH) * scene_m;
+    float scene_m = fetch_full(RT_DEPTH, pixel).x;
+    precise float limit_m = setting(RT_UPSCALE_DEPTH) * compared_depth_m(scene_m);
 
-    Tap taps[4];
-    for (int i = 0; i < 4; i++)
+    Tap taps[TAPS_MAX];
+    for (int i = 0; i < tap_count(); i++)
         taps[i] = tap_at(ivec2(corner), i, fraction, scene_m);
     int nearest = nearest_tap(taps, fraction);
     if (nearest < 0) {
@@ -230,10 +277,11 @@ void main()
         put_full(RT_VOLUME_DISTANCE, pixel, vec4(0.0));
         return;
     }
-    bool regardless = !depth_matters(taps, nearest) ||
-                      (choice(RT_UPSCALE) == RT_UPSCALE_MEAN && all_within(taps, limit_m));
-    float weights[4];
-    for (int i = 0; i < 4; i++)
+    bool allows = choice(RT_UPSCALE) == RT_UPSCALE_MEAN ||
+                      choice(RT_UPSCALE) == RT_UPSCALE_INVERSE;
+    bool regardless = !depth_matters(taps, nearest) || (allows && all_within(taps, limit_m));
+    float weights[TAPS_MAX];
+    for (int i = 0; i < tap_count(); i++)
         weights[i] = tap_weight(taps[i], i == nearest, regardless, limit_m);
     put_full(RT_VOLUME, pixel, blend(taps, weights, nearest));
     put_full(RT_VOLUME_DISTANCE, pixel, vec4(taps[nearest].distance_m));

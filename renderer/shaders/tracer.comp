@@ -40,8 +40,9 @@ const uint STAGE_DONE = 9;    // no items are left
 
 // What the segment in work is.
 const uint RAY_PATH = 0;
-const uint RAY_SUN = 1;  // how much of the sunlight arrives
-const uint RAY_VIEW = 2; // how much arrives of the light behind the media, if OPEN
+const uint RAY_SUN = 1;   // how much of the sunlight arrives
+const uint RAY_VIEW = 2;  // how much arrives of the light behind the media, if OPEN
+const uint RAY_FIRST = 3; // how much arrives from a first collision whose place is guessed, if OPEN
 
 struct State {
     vec3 origin_m;
@@ -75,6 +76,9 @@ struct State {
     float depth_left; // majorant optical depth to the next tentative collision
     vec3 view_fraction; // if OPEN: of the light behind the media, the part that arrives
     float sun_roulette; // the fraction below which it is played
+    float reach_m;      // of a ray to a first collision: its length
+    float raised;       // majorants are, so many times
+    float sun_depth;    // guessed, where sunlight must be known well; else 0
 };
 
 layout(std430, binding = 5) buffer States {
@@ -195,6 +199,8 @@ void start_path()
     path.channels = vec3(1.0);
     path.events = 0;
     path.ray = RAY_PATH;
+    path.raised = 1.0;
+    path.sun_depth = 0.0;
 }
 
 // Straight to the surface behind the media, if light can come from there that is not known yet.
@@ -226,6 +232,32 @@ void start_at_camera()
     path.sun_fraction = vec3(1.0);
     path.sun_roulette = 0.0;
     path.stage = STAGE_LEAVE;
+}
+
+// Even faint transmittances must be known well where a guess chose the place: with tight majorants the
+// relative variance of ratio tracking is e^(optical depth).
+float raise_for(float guessed_depth)
+{
+    const float RAISED_MAX = 16.0;
+    return clamp(guessed_depth, 1.0, RAISED_MAX);
+}
+
+// The ray to a first collision that is chosen already, if the guess is better than to look for it.
+void start_for_guessed_collision()
+{
+    First first = firsts[pool() * POOL_ITEMS + path.item];
+    if (first.medium == MEDIA_MAX)
+        return;
+    path.throughput = first.weight;
+    if (first.weight == vec3(0.0)) // then the path ends
+        return;
+    path.ray = RAY_FIRST;
+    path.sun_fraction = vec3(1.0);
+    path.sun_roulette = 0.0;
+    path.medium = first.medium;
+    path.reach_m = first.t_m;
+    path.raised = raise_for(first.view_depth);
+    path.sun_depth = max(first.sun_depth, 1.0);
 }
 
 void start_at_first_collision()
@@ -318,7 +350,7 @@ void prepare_next(vec3 direction, float u)
 void prepare_sunlight(float per_sr, float u)
 {
     path.sun_fraction = vec3(1.0);
-    path.sun_roulette = SUN_ROULETTE / max(4.0 * PI * per_sr, 1e-30);
+    path.sun_roulette = path.sun_depth > 0.0 ? 0.0 : SUN_ROULETTE / max(4.0 * PI * per_sr, 1e-30);
     play_sun_roulette(u);
     path.pending = path.throughput * sun_irradiance * (per_sr * path.sun_fraction);
     path.sun_roulette /= max(path.sun_fraction.r, 1.0);
@@ -354,6 +386,7 @@ void happen()
     prepare_next(next, u.z);
     bool is_lit = path.pending != vec3(0.0) && (!SOLIDS || sees_sun(path.origin_m, path.solid));
     path.ray = is_lit ? RAY_SUN : RAY_PATH;
+    path.raised = is_lit ? raise_for(path.sun_depth) : 1.0;
     path.direction = is_lit ? sun_direction : path.next_direction;
     path.stage = STAGE_LEAVE;
 }
@@ -431,7 +464,7 @@ void weigh_fog()
 
 void leave()
 {
-    path.end_m = FAR_M;
+    path.end_m = path.ray == RAY_FIRST ? path.reach_m : FAR_M;
     path.end_medium = MEDIA_MAX;
     path.end_solid = NO_SOLID;
     path.tracked = 0;
@@ -440,7 +473,7 @@ void leave()
         finish_path();
         return;
     }
-    if (SOLIDS && path.ray != RAY_SUN) {
+    if (SOLIDS && (path.ray == RAY_PATH || path.ray == RAY_VIEW)) {
         Hit hit = nearest_hit(path.origin_m, path.direction, path.solid);
         path.end_m = hit.t_m;
         path.end_solid = hit.solid;
@@ -459,16 +492,42 @@ void arrive_behind()
     path.next_direction = path.direction;
 }
 
+// What comes from the guessed place is known: there the path goes on.
+void arrive_at_first()
+{
+    path.throughput *= path.sun_fraction;
+    path.roulette = ROULETTE * most_of(path.throughput);
+    path.origin_m += path.end_m * path.direction;
+    path.ray = RAY_PATH;
+    path.stage = path.roulette > 0.0 ? STAGE_MEDIUM : STAGE_BEHIND;
+    collisions++;
+    lookups++; // of the density there
+}
+
+// A ray that finds out how much arrives is at its end.
+void arrive_with_fraction()
+{
+    bool is_view = OPEN && path.ray == RAY_VIEW;
+    if (is_view)
+        arrive_behind();
+    else
+        add_light(path.pending * path.sun_fraction);
+    path.ray = RAY_PATH;
+    path.raised = 1.0;
+    path.direction = path.next_direction;
+    path.stage = STAGE_LEAVE;
+    if (GUESSED && is_view)
+        start_for_guessed_collision();
+}
+
 void arrive()
 {
+    if (GUESSED && path.ray == RAY_FIRST) {
+        arrive_at_first();
+        return;
+    }
     if (path.ray != RAY_PATH) {
-        if (OPEN && path.ray == RAY_VIEW)
-            arrive_behind();
-        else
-            add_light(path.pending * path.sun_fraction);
-        path.ray = RAY_PATH;
-        path.direction = path.next_direction;
-        path.stage = STAGE_LEAVE;
+        arrive_with_fraction();
         return;
     }
     if (COLOURED && has_fog())
@@ -589,7 +648,7 @@ void track_step(vec3 per_slope, ivec3 side, bvec3 parallel)
     float face_m = min(faces_m.x, min(faces_m.y, faces_m.z));
     float exit_m = max(path.t_m, min(face_m, path.end_m));
     uvec3 cell = uvec3(path.cell);
-    float majorant_per_m = max(tracked.color.r, max(tracked.color.g, tracked.color.b)) *
+    float majorant_per_m = path.raised * max(tracked.color.r, max(tracked.color.g, tracked.color.b)) *
                            majorants[tracked.first + cell.x +
                                      tracked.size.x * (cell.y + tracked.size.y * cell.z)];
     float depth = majorant_per_m * (exit_m - path.t_m);

@@ -18,8 +18,13 @@ layout(constant_id = 7) const uint TRACKED_COUNT = 0;
 layout(constant_id = 8) const uint TRACKED_ORDER = 0x76543210;
 layout(constant_id = 10) const bool SOLIDS = true; // there are some
 
+layout(constant_id = 11) const bool LIT = false;   // light is scattered once, and the sun shines
+
 // Some medium's optical depth has no closed form: then the view ray is a matter of chance too.
 const bool OPEN = (KINDS & OPEN_KINDS) != 0u;
+
+// Then first collisions may be chosen by a guess (tracer_guess.glsl).
+const bool GUESSED = LIT && OPEN;
 
 layout(push_constant) uniform Run {
     uint seed_low;
@@ -79,11 +84,14 @@ layout(std430, binding = 9) buffer Progress {
 
 // A sample's first collision on the view ray, when it is chosen where it counts (forced collision).
 struct First {
-    vec3 weight; // f / p per channel; 0: there is none
+    vec3 weight; // f / p per channel, if OPEN without the transmittance; 0: there is none
     float t_m;
     vec3 channels; // p per channel, relative to the hero
-    uint medium;
+    uint medium;   // MEDIA_MAX: the path has to find it
+    float view_depth, sun_depth; // if OPEN: guessed optical depths to the camera and to the sun
 };
+
+First no_first() { return First(vec3(0.0), 0.0, vec3(1.0), 0, 0.0, 0.0); }
 
 layout(std430, binding = 10) buffer Firsts {
     First firsts[];
@@ -124,6 +132,8 @@ vec3 colour_absorbed_fraction(vec3 optical_depth)
 {
     return COLOURED ? absorbed_fraction(optical_depth) : vec3(absorbed_fraction(optical_depth.r));
 }
+
+float mean_of(vec3 channels) { return dot(channels, vec3(1.0 / 3.0)); }
 
 bool has_fog() { return has_kind(MEDIUM_HOMOGENEOUS) || has_kind(MEDIUM_HEIGHT_FOG); }
 

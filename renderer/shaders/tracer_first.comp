@@ -10,10 +10,11 @@
 // is drawn as if it were alone, and the transmittance of the others up to there is a weight:
 //   L = sum_k integral sigma_k T_k (prod_(j != k) T_j) J dt.
 // The weight is at most the number of layers and media. Where light is scattered once, both the choice
-// and the place go by the sunlight that comes from there (tracer_lit.glsl).
+// and the place go by the sunlight that comes from there (tracer_lit.glsl). If OPEN, that light is a guess
+// (tracer_guess.glsl), and the paths find out what of it arrives.
 #extension GL_GOOGLE_include_directive : require
 
-#include "tracer_lit.glsl"
+#include "tracer_guess.glsl"
 #include "free_path.glsl"
 
 layout(local_size_x = 64) in;
@@ -52,7 +53,7 @@ Choice choose(uint pixel, uint hero, float u)
 
 First first_collision(uint pixel, vec3 direction, uint hero, float u)
 {
-    First first = First(vec3(0.0), 0.0, vec3(1.0), 0);
+    First first = no_first();
     Choice choice = choose(pixel, hero, u);
     if (choice.total[hero] <= 0.0 || choice.depth <= 0.0)
         return first;
@@ -81,7 +82,7 @@ float grey_absorbed(uint pixel, uint m, uint l)
 {
     vec3 parts = colour_absorbed_fraction(frame.media[m].extinction_color *
                                           depths[pixel * PARTS + m * LAYERS_MAX + l]);
-    return dot(parts, vec3(1.0 / 3.0));
+    return mean_of(parts);
 }
 
 // One medium or layer, among all.
@@ -103,10 +104,10 @@ Whole whole_of(uint pixel)
     for (uint m = 0; m < frame.medium_count; m++)
         for (uint l = 0; l < layers_of(m); l++)
             whole.most_log_light =
-                max(whole.most_log_light, lits[lit_table(pixel, m, l) + LIT_EDGES]);
+                max(whole.most_log_light, lits[lit_table(pixel, m, l)].log_whole);
     for (uint m = 0; m < frame.medium_count; m++)
         for (uint l = 0; l < layers_of(m); l++) {
-            float log_light = lits[lit_table(pixel, m, l) + LIT_EDGES] - whole.most_log_light;
+            float log_light = lits[lit_table(pixel, m, l)].log_whole - whole.most_log_light;
             whole.light += exp(max(log_light, EXPONENT_MIN));
             whole.absorbed += grey_absorbed(pixel, m, l);
         }
@@ -123,7 +124,7 @@ Part choose_lit(uint pixel, float u)
             float absorbed = grey_absorbed(pixel, m, l);
             if (is_found || absorbed <= 0.0)
                 continue;
-            float log_light = lits[lit_table(pixel, m, l) + LIT_EDGES] - whole.most_log_light;
+            float log_light = lits[lit_table(pixel, m, l)].log_whole - whole.most_log_light;
             part.medium = m;
             part.layer = l;
             part.lit_chance = LIT_SHARE * exp(max(log_light, EXPONENT_MIN)) / whole.light;
@@ -136,63 +137,9 @@ Part choose_lit(uint pixel, float u)
     return part;
 }
 
-// The probability that a part's collision lies before an edge and is chosen otherwise than by light.
-float other_below(Part part, float mean_color, float x, float last)
-{
-    const float free = FREE_SHARE / (1.0 - LIT_SHARE);
-    float flown = absorbed_fraction(mean_color * x) / absorbed_fraction(mean_color * last);
-    return part.other_chance * mix(x / last, flown, free);
-}
-
-float lit_below(Part part, uint table, uint edge)
-{
-    return edge == 0 ? 0.0 : part.lit_chance * lits[table + LIT_EDGES + edge];
-}
-
-// Where in 0..1 the integral of e^(slope x) reaches the part u of the whole.
-float exponential_quantile(float slope, float u)
-{
-    float size = abs(slope);
-    float from_dense = slope > 0.0 ? 1.0 - u : u;
-    float x = from_dense;
-    if (size > 1e-3)
-        x = -log_1_plus(-min(from_dense * size * phi(size), 1.0 - exp2(-24.0))) / size;
-    return slope > 0.0 ? 1.0 - x : x;
-}
-
-struct LitPlace {
-    float x;       // optical depth in the part alone
-    float density; // probability density of it and of the part
-};
-
-LitPlace lit_place(Part part, uint table, float mean_color, float last)
-{
-    float target = part.u * (part.lit_chance + part.other_chance);
-    uint low = 0, high = LIT_EDGES - 1u;
-    while (high - low > 1u) {
-        uint middle = (low + high) / 2u;
-        if (lit_below(part, table, middle) +
-                other_below(part, mean_color, lit_edge(middle, last), last) <= target)
-            low = middle;
-        else
-            high = middle;
-    }
-    float x0 = lit_edge(low, last), x1 = lit_edge(high, last);
-    float lit = lit_below(part, table, high) - lit_below(part, table, low);
-    float before = lit_below(part, table, low) + other_below(part, mean_color, x0, last);
-    float other = max(other_below(part, mean_color, x1, last) -
-                      other_below(part, mean_color, x0, last), 1e-30);
-    float a = lits[table + low], b = lits[table + high];
-    target = max(target - before, 0.0);
-    float place = target < lit ? exponential_quantile(b - a, target / lit)
-                               : min((target - lit) / other, 1.0);
-    float shape = exp(max(mix(a, b, place) - max(a, b), EXPONENT_MIN)) / phi(abs(b - a));
-    return LitPlace(mix(x0, x1, place), (lit * shape + other) / (x1 - x0));
-}
-
 First lit_collision(uint pixel, vec3 direction, float u)
 {
-    First first = First(vec3(0.0), 0.0, vec3(1.0), 0);
+    First first = no_first();
     Part part = choose_lit(pixel, u);
     uint m = part.medium;
     vec3 color = frame.media[m].extinction_color;
@@ -201,8 +148,9 @@ First lit_collision(uint pixel, vec3 direction, float u)
     if (part.other_chance <= 0.0 || depth <= 0.0 ||
         !clip_medium(m, vec3(0.0), direction, t0_m, t1_m))
         return first;
-    LitPlace place = lit_place(part, lit_table(pixel, m, part.layer),
-                               dot(color, vec3(1.0 / 3.0)), lit_last(color, depth));
+    LitChoice choice = LitChoice(lit_table(pixel, m, part.layer), part.lit_chance,
+                                 part.other_chance, mean_of(color));
+    LitPlace place = lit_place(choice, part.u);
     first.medium = m;
     first.t_m = medium_free_path(m, part.layer, direction, t0_m, t1_m, place.x);
     vec3 way = color * place.x + others_depth(m, part.layer, direction, first.t_m);
@@ -235,6 +183,10 @@ void main()
     vec3 direction = pixel_ray(run.first_pixel + pixel);
     uvec3 bits = pcg3d(sample_key(run.first_pixel + pixel, run.first_sample + sample_index).xyz);
     float u = (float(sample_index / 2) + uniform_from(bits).x) / float(STRATA);
+    if (GUESSED) {
+        firsts[item] = guessed_collision(pixel, direction, vec2(u, uniform_from(bits).y));
+        return;
+    }
     First first = LIT ? lit_collision(pixel, direction, u)
                       : first_collision(pixel, direction, hero_of(bits), u);
     firsts[item] = first;

@@ -13,12 +13,43 @@ layout(local_size_x = 64) in;
 
 shared float log_light[64];
 
+// Behind this no channel's light leaves float32.
+float lit_last(vec3 color, float depth)
+{
+    return min(depth, -EXPONENT_MIN / least_positive(color));
+}
+
+// Two ladders back to back: even up to a depth of 8, exponential beyond, so that the first and last
+// cells stay below 1.
+float lit_edge(uint i, float last)
+{
+    float at = float(i) / float(LIT_EDGES - 1u);
+    float from_end = 2.0 * min(at, 1.0 - at);
+    float stretch = 1.45 * log(max(last / 8.0, 1.0));
+    float part = from_end;
+    if (stretch > 0.01)
+        part = (exp(stretch * from_end) - 1.0) / (exp(stretch) - 1.0);
+    return last * (at <= 0.5 ? 0.5 * part : 1.0 - 0.5 * part);
+}
+
 // Optical depth of the whole way sun - place - camera.
 vec3 way(uint m, uint l, vec3 direction, float t_m, float x)
 {
     vec3 sum = frame.media[m].extinction_color * x +
                scene_optical_depth(t_m * direction, frame.sun_direction, FAR_M);
     return sum + others_depth(m, l, direction, t_m);
+}
+
+// The first and the last edge are looked up a little inside: there a medium has its faces, a sunray
+// may run along one, and the last bit would decide on which side; the last may be infinitely far.
+float lit_inside(uint edge, float last)
+{
+    const float inside = 1.0 / 64.0; // of a cell
+    if (edge == 0u)
+        return inside * lit_edge(1u, last);
+    if (edge == LIT_EDGES - 1u)
+        return last - inside * (last - lit_edge(LIT_EDGES - 2u, last));
+    return lit_edge(edge, last);
 }
 
 float find_log_light(uint pixel, uint m, uint l, uint edge)
@@ -30,33 +61,12 @@ float find_log_light(uint pixel, uint m, uint l, uint edge)
     if (depth <= 0.0 || color == vec3(0.0) ||
         !clip_medium(m, vec3(0.0), direction, t0_m, t1_m))
         return DARK;
-    // Inside: the end may be infinitely far.
-    float x = min(lit_edge(edge, lit_last(color, depth)), depth * (1.0 - 1e-5));
+    float x = lit_inside(edge, lit_last(color, depth));
     vec3 lost = way(m, l, direction, medium_free_path(m, l, direction, t0_m, t1_m, x), x);
     float least = min(lost.r, min(lost.g, lost.b));
     vec3 light = frame.sun_irradiance * color * colour_transmittance(lost - least);
     float result = log(max(light.r + light.g + light.b, 1e-30)) - least;
     return result > DARK ? result : DARK; // also where it is no number
-}
-
-// The table of edges that lie at `first` in the shared array.
-void complete(uint table, uint first, float last)
-{
-    float most = DARK, sum = 0.0;
-    for (uint i = 0; i < LIT_EDGES; i++)
-        most = max(most, log_light[first + i]);
-    for (uint i = 0; i < LIT_EDGES; i++) {
-        float a = max(log_light[first + i] - most, EXPONENT_MIN);
-        lits[table + i] = a;
-        lits[table + LIT_EDGES + i] = sum;
-        if (i + 1u == LIT_EDGES)
-            break;
-        float b = max(log_light[first + i + 1u] - most, EXPONENT_MIN);
-        sum += (lit_edge(i + 1u, last) - lit_edge(i, last)) * exp(max(a, b)) * phi(abs(b - a));
-    }
-    for (uint i = 1; i < LIT_EDGES; i++)
-        lits[table + LIT_EDGES + i] /= max(sum, 1e-30);
-    lits[table + LIT_EDGES] = most + log(max(sum, 1e-30));
 }
 
 void main()
@@ -71,6 +81,11 @@ void main()
     if (!is_any || edge != 0)
         return;
     float depth = is_part ? depths[pixel * PARTS + m * LAYERS_MAX + l] : 0.0;
-    complete(lit_table(pixel, m, l), gl_LocalInvocationID.x,
-             lit_last(frame.media[m].extinction_color, depth));
+    float last = lit_last(frame.media[m].extinction_color, depth);
+    float x[LIT_EDGES], own[LIT_EDGES];
+    for (uint i = 0; i < LIT_EDGES; i++) {
+        x[i] = lit_edge(i, last);
+        own[i] = log_light[gl_LocalInvocationID.x + i];
+    }
+    lit_complete(lit_table(pixel, m, l), x, own);
 }

@@ -8,19 +8,23 @@
 
 #include "tracer.glsl"
 
-// Light is scattered once, and the sun shines. With light from all around, too, half of all
-// collisions are free flights, which are good for that.
-layout(constant_id = 11) const bool LIT = false;
-const float LIT_SHARE = ENVIRONMENT ? 0.45 : 0.9;
-const float FREE_SHARE = ENVIRONMENT ? 0.5 : 0.05; // the rest is even in x
+// With light from all around, too, half of all collisions are free flights, which are good for that.
+// Guesses (OPEN) earn less trust.
+const float LIT_SHARE = ENVIRONMENT ? 0.45 : OPEN ? 0.8 : 0.9;
+const float FREE_SHARE = ENVIRONMENT ? 0.5 : OPEN ? 0.1 : 0.05; // the rest is even in x
 
 const uint LIT_EDGES = 16; // NEPH_TRACER_LIT_EDGES
 
-// Per pixel, medium and layer: logarithms of the light at the edges, over the brightest's; then the
-// part of the light before each edge, but in the place of the first, which is 0, the logarithm of
-// the whole.
+// Of a pixel and a medium or layer; of a pixel and all its media, if OPEN.
+struct LitTable {
+    float x[LIT_EDGES];
+    float log_light[LIT_EDGES]; // over the brightest's
+    float below[LIT_EDGES];     // the part of the light before each edge
+    float log_whole;            // of all the light
+};
+
 layout(std430, binding = 12) buffer Lits {
-    float lits[];
+    LitTable lits[];
 };
 
 const float DARK = -1e4; // for a logarithm of light
@@ -29,26 +33,92 @@ uint lit_layers() { return has_kind(MEDIUM_HEIGHT_FOG) ? LAYERS_MAX : 1u; }
 
 uint lit_table(uint pixel, uint m, uint l)
 {
-    return 2u * LIT_EDGES * ((pixel * frame.medium_count + m) * lit_layers() + l);
+    return (pixel * frame.medium_count + m) * lit_layers() + l;
 }
 
-// Behind this no channel's light leaves float32.
-float lit_last(vec3 color, float depth)
+// The light of a cell: the integral of a log-linear function.
+float cell_light(float width, float log_a, float log_b)
 {
-    return min(depth, -EXPONENT_MIN / least_positive(color));
+    return width * exp(max(max(log_a, log_b), EXPONENT_MIN)) * phi(abs(log_b - log_a));
 }
 
-// Two ladders back to back: even up to a depth of 8, exponential beyond, so that the first and last
-// cells stay below 1.
-float lit_edge(uint i, float last)
+// Of tables that have no light, the places are even.
+void lit_complete(uint table, float x[LIT_EDGES], float log_light[LIT_EDGES])
 {
-    float at = float(i) / float(LIT_EDGES - 1u);
-    float from_end = 2.0 * min(at, 1.0 - at);
-    float stretch = 1.45 * log(max(last / 8.0, 1.0));
-    float part = from_end;
-    if (stretch > 0.01)
-        part = (exp(stretch * from_end) - 1.0) / (exp(stretch) - 1.0);
-    return last * (at <= 0.5 ? 0.5 * part : 1.0 - 0.5 * part);
+    float most = DARK, sum = 0.0;
+    for (uint i = 0; i < LIT_EDGES; i++)
+        most = max(most, log_light[i]);
+    for (uint i = 0; i < LIT_EDGES; i++) {
+        lits[table].x[i] = x[i];
+        lits[table].log_light[i] = max(log_light[i] - most, EXPONENT_MIN);
+        lits[table].below[i] = sum;
+        if (i + 1u < LIT_EDGES)
+            sum += cell_light(x[i + 1u] - x[i], max(log_light[i] - most, EXPONENT_MIN),
+                              max(log_light[i + 1u] - most, EXPONENT_MIN));
+    }
+    for (uint i = 0; i < LIT_EDGES; i++)
+        lits[table].below[i] /= max(sum, 1e-30);
+    lits[table].log_whole = most + log(max(sum, 1e-30));
+}
+
+// --- drawing ------------------------------------------------------------------------------------
+
+// A table, the chances that it is chosen for its light and otherwise, and the mean over the channels
+// of the extinction that x = 1 has.
+struct LitChoice {
+    uint table;
+    float lit_chance, other_chance;
+    float mean_color;
+};
+
+struct LitPlace {
+    float x;
+    float density; // probability density of it, the choice of the table included
+};
+
+// The probability that a place lies before x and is chosen otherwise than by light.
+float other_below(LitChoice choice, float x, float last)
+{
+    const float free = FREE_SHARE / (1.0 - LIT_SHARE);
+    float flown = absorbed_fraction(choice.mean_color * x) / absorbed_fraction(choice.mean_color * last);
+    return choice.other_chance * mix(x / last, flown, free);
+}
+
+// Where in 0..1 the integral of e^(slope x) reaches the part u of the whole.
+float exponential_quantile(float slope, float u)
+{
+    float size = abs(slope);
+    float from_dense = slope > 0.0 ? 1.0 - u : u;
+    float x = from_dense;
+    if (size > 1e-3)
+        x = -log_1_plus(-min(from_dense * size * phi(size), 1.0 - exp2(-24.0))) / size;
+    return slope > 0.0 ? 1.0 - x : x;
+}
+
+LitPlace lit_place(LitChoice choice, float u)
+{
+    uint table = choice.table;
+    float last = lits[table].x[LIT_EDGES - 1u];
+    float target = u * (choice.lit_chance + choice.other_chance);
+    uint low = 0, high = LIT_EDGES - 1u;
+    while (high - low > 1u) {
+        uint middle = (low + high) / 2u;
+        if (choice.lit_chance * lits[table].below[middle] +
+                other_below(choice, lits[table].x[middle], last) <= target)
+            low = middle;
+        else
+            high = middle;
+    }
+    float x0 = lits[table].x[low], x1 = lits[table].x[high];
+    float lit = choice.lit_chance * (lits[table].below[high] - lits[table].below[low]);
+    float other_before = other_below(choice, x0, last);
+    float other = max(other_below(choice, x1, last) - other_before, 1e-30);
+    float a = lits[table].log_light[low], b = lits[table].log_light[high];
+    target = max(target - choice.lit_chance * lits[table].below[low] - other_before, 0.0);
+    float place = target < lit ? exponential_quantile(b - a, target / lit)
+                               : min((target - lit) / other, 1.0);
+    float shape = exp(max(mix(a, b, place) - max(a, b), EXPONENT_MIN)) / phi(abs(b - a));
+    return LitPlace(mix(x0, x1, place), (lit * shape + other) / (x1 - x0));
 }
 
 #endif

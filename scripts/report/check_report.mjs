@@ -137,7 +137,7 @@ function checkSequences(data, { need, text, numeric, list, file }) {
   list(data.sequences ?? [], "sequences").forEach((sequence, q) => {
     const path = `sequences/${q}/`;
     text(sequence, path, "scene", "title", "physics");
-    text(sequence.reference, `${path}reference/`, "engine", "settings", "status", "reason");
+    text(sequence.reference, `${path}reference/`, "engine", "settings", "text", "status", "reason");
     numeric(sequence, path, "frames", "rate_hz", "exposure_ev");
     const counts = new Set();
     list(sequence.rows, `${path}rows`).forEach((row, r) => {
@@ -257,7 +257,7 @@ function numbersToShow(data) {
   paths.push(...numbersWithin(data.progress, "progress").filter((path) => data.verdict === "running" || !path.endsWith("left_s")));
   (data.sequences ?? []).forEach((sequence, q) => {
     paths.push(...["frames", "rate_hz", "exposure_ev"].map((key) => `sequences/${q}/${key}`));
-    sequence.rows.forEach((row, r) => row.measurements.forEach((_, m) => paths.push(`sequences/${q}/rows/${r}/measurements/${m}/value`)));
+    sequence.rows.forEach((row, r) => row.measurements.forEach((_, m) => paths.push(...["value", "against_centre_rays"].map((key) => `sequences/${q}/rows/${r}/measurements/${m}/${key}`))));
   });
   if (!data.physics) return paths;
   for (const key of ["family_alpha", "tests", "critical_z"]) paths.push(`physics/${key}`);
@@ -290,7 +290,7 @@ function stringsToShow(data) {
   }
   for (const scene of data.scenes) for (const frame of scene.frames) texts.push(frame.note);
   for (const sequence of data.sequences ?? []) {
-    texts.push(sequence.title, sequence.physics, sequence.reference.settings);
+    texts.push(sequence.title, sequence.physics, sequence.reference.settings, sequence.reference.text);
     for (const row of sequence.rows) texts.push(row.preset, row.reason.replace(/^cannot:\s*/, ""), ...row.findings.map((finding) => finding.text));
   }
   for (const entry of data.absent ?? []) texts.push(entry.scene, entry.reason, entry.hint);

@@ -53,9 +53,9 @@
     hit_mismatch: ["misses", "share of pixels that are sky in one picture alone"],
     non_finite: ["not finite", "pixels with NaN or infinity"],
     negative: ["negative", "pixels below zero"],
-    visible_flicker_p95: ["visible flicker, 95\u00a0%", "1 is the threshold of an eye, at the frame rate of the scene"],
-    a4_p95: ["amplitude over four frames, 95\u00a0%", "one pixel in 20 swings more"],
-    std_p95: ["deviation over time, 95\u00a0%", "one pixel in 20 deviates more"],
+    seen_contrast: ["flicker seen", "1 is the threshold of an eye, at the frame rate of the scene"],
+    seen_share: ["share where it is seen", "most people see flicker at these pixels"],
+    std_p95: ["standard deviation over time, 95\u00a0%", "one pixel in 20 varies more"],
   };
   const STATUSES = {
     rendered: ["rendered", ""],
@@ -1068,7 +1068,7 @@
       el("h3", {}, sequence.title || sequence.scene),
       el("p", {}, sequence.physics),
       el("p", { class: "small soft" }, number(`${path}/frames`), " frames of ", number(`${path}/size_px/0`), " × ", number(`${path}/size_px/1`), " pixels, as seen at ", number(`${path}/rate_hz`, { unit: "Hz", exact: true }),
-        ", exposure ", number(`${path}/exposure_ev`, { signed: true, unit: "EV", exact: true }), `. Reference: ${sequence.reference.engine}, ${sequence.reference.settings}. `,
+        ", exposure ", number(`${path}/exposure_ev`, { signed: true, unit: "EV", exact: true }), `. Reference: ${sequence.reference.text} (${sequence.reference.settings}), `, number(`${path}/reference/cpu_s`, { unit: "s" }), " of processor time. ",
         "Nothing in the scene moves: all that moves in these pictures is the renderer's doing."),
       sequence.reference.status !== "rendered" && el("p", {}, word(STATUSES, sequence.reference.status), ` ${why(sequence.reference)}`),
       sequence.rows.length > 0 && sequencePictures(sequence, q),
@@ -1082,7 +1082,7 @@
   function sequencePictures(sequence, q) {
     const drawn = sequence.rows.map((row, r) => ({ row, r })).filter(({ row }) => row.pictures.length > 0);
     const cards = el("div", { class: "pictures small-pictures" }, drawn.map(({ row, r }) => pictureCard(row.preset, [`${row.engine} · `, number(`sequences/${q}/rows/${r}/render_s`, { unit: "s" })],
-      flipbook(row, sequence), row.map && el("figure", {}, pixels(row.map, `${sequence.scene}: amplitude of the flicker of ${row.preset}`, "", sequence.size_px), el("figcaption", {}, "how strongly each pixel swings over four frames")))));
+      flipbook(row, sequence), row.map && el("figure", {}, pixels(row.map, `${sequence.scene}: amplitude of the flicker of ${row.preset}`, "", sequence.size_px), el("figcaption", {}, "flicker that is seen: black none, green above 10 times the threshold")))));
     smallPictures.push({ element: cards, size: sequence.size_px, room: 400 });
     return cards;
   }
@@ -1115,11 +1115,12 @@
       el("tbody", {}, first.measurements.map((measurement, m) => el("tr", {},
         el("th", { scope: "row" }, metricName(measurement.metric), el("small", {}, maskName(measurement.mask))),
         sequence.rows.map((row, r) => el("td", { class: "num" }, row.measurements.length === 0 ? absent() : flickerNumber(`sequences/${q}/rows/${r}/measurements/${m}`))))))),
-      "Radiance as displayed, 1 is white. In brackets: 95\u00a0% interval over the picture. The amplitude over four frames is of that cycle alone, as is its map: what flickers at another period stands in the deviation.");
+      "Radiance as displayed, 1 is white. In brackets: 95\u00a0% interval over the picture; then the same number against centre rays alone, which an edge crosses in steps. The amplitude over four frames is of that cycle alone, as is its map: what flickers at another period stands in the deviation.");
   }
 
   function flickerNumber(path) {
-    return [number(`${path}/value`), at(`${path}/interval`) && el("small", {}, "[", number(`${path}/interval/0`), ", ", number(`${path}/interval/1`), "]")];
+    return [number(`${path}/value`), at(`${path}/interval`) && el("small", {}, "[", number(`${path}/interval/0`), ", ", number(`${path}/interval/1`), "]"),
+      el("small", {}, "centre rays ", number(`${path}/against_centre_rays`))];
   }
 
   // --------------------------------------------------------------------------------------- charts

@@ -54,6 +54,22 @@ class CommandLine(unittest.TestCase):
         self.assertIn("-1", done.stderr)
         self.assertIn("0", done.stderr)
 
+    def test_a_variant_is_a_scene_file(self):
+        done = neph("scenes", "height_fog_level", "--variant", "sun_step", "--at", "3", "--frames", "9")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        scene = self.folder / "height_fog_level_sun_step.yaml"
+        scene.write_text(done.stdout)
+        done = neph("scenes", scene, "--json")
+        self.assertEqual((done.returncode, json.loads(done.stdout)["frames"]), (0, 9), done.stderr)
+        for arguments, code, words in (
+                (("sun_step", "--variant", "sun_step"), 2, "moves already"),
+                (("height_fog_level", "--variant", "sun"), 64, "sun_sine"),
+                (("height_fog_level", "--variant", "camera_cut", "--at", "9", "--frames", "9"), 64, "1..8"),
+                (("--variant", "sun_step"), 64, "one scene"),
+                (("height_fog_level", "--at", "3"), 64, "--variant")):
+            done = neph("scenes", *arguments)
+            self.assertEqual((done.returncode, words in done.stderr, done.stdout), (code, True, ""), (arguments, done.stderr))
+
     def test_march_agrees_with_exact_where_the_form_is_closed(self):
         for engine in ("exact", "march"):
             done = neph("render", "height_fog_level", "-e", engine, "--size", "64x36", "-o", self.folder)
@@ -157,7 +173,7 @@ class CommandLine(unittest.TestCase):
 
     @unittest.skipUnless(shutil.which("chromium"), "chromium is not installed: the page is not looked at")
     def test_a_report_of_all_engines_holds_in_a_browser(self):
-        done = neph("validate", "fence_backlit", "sphere_in_fog", "--no-charts", "--size", "48x27", "-q",
+        done = neph("validate", "fence_backlit", "--no-charts", "--size", "48x27", "-q",
                     "-o", self.folder)
         self.assertIn(done.returncode, (0, 1), done.stderr)
         checked = subprocess.run(["node", ROOT / "scripts/report/check_report.mjs", "--quick", self.folder / "report"],

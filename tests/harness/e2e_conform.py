@@ -120,6 +120,25 @@ class Conform(unittest.TestCase):
         self.rewrite(folder, lambda scene: scene.update(scene_hash="0"))
         self.refused(folder, "scenes of that name differ")
 
+    def test_a_scene_whose_data_is_absent_is_left_out_unless_it_is_asked_for(self):
+        data = tempfile.TemporaryDirectory()
+        self.addCleanup(data.cleanup)
+        catalog = pathlib.Path(data.name, "scenes", "catalog")
+        catalog.mkdir(parents=True)
+        pathlib.Path(data.name, "scenes", "failure").mkdir()
+        for name in ("disney_cloud", "height_fog_level"):
+            shutil.copy(pathlib.Path(os.environ["NEPH_SOURCE_DIR"], "scenes", "catalog", f"{name}.yaml"), catalog)
+        environment = {**os.environ, "NEPH_DATA_DIR": data.name}
+        environment.pop("NEPH_DISNEY_CLOUD", None)
+        request = [NEPH, "conform", "-e", "march", "--size", "32x18", "-o", os.path.join(data.name, "out")]
+        done = subprocess.run(request, timeout=300, capture_output=True, text=True, env=environment)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("disney_cloud: left out: ", done.stdout)
+        self.assertIn("NEPH_DISNEY_CLOUD is not set", done.stdout)
+        self.assertIn("1 of 1 pictures are finite", done.stdout)
+        done = subprocess.run([*request, "--scene", "disney_cloud"], timeout=300, capture_output=True, text=True, env=environment)
+        self.assertEqual(done.returncode, 66, done.stderr)
+
     def test_nothing_rendered_is_no_success(self):
         done = conform("--scene", "white_furnace", "-e", "march", "--size", "8x8", "-o",
                        os.path.join(self.folder.name, "none"))

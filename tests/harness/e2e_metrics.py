@@ -111,7 +111,7 @@ class Metrics(unittest.TestCase):
 
     def test_conventions_can_be_asked_for(self):
         for name, words in (("motion", ("motion.x, motion.y", "minus where", "y down")), ("lag", ("last crossing", "logarithm")),
-                            ("flicker", ("0.011", "d: luma"))):
+                            ("flicker", ("2 / N", "d: luma")), ("seen", ("0.5^(R^2)", "below 0.5 Hz"))):
             text, document = neph("metrics", name).stdout, json.loads(neph("metrics", name, "--json").stdout)
             for word in words:
                 self.assertIn(word, text)
@@ -342,6 +342,20 @@ class Metrics(unittest.TestCase):
         draw = random.Random(20261121)
         return lambda: draw.gauss(0.0, sigma)
 
+    def test_a_cycle_of_seven_is_seen(self):
+        """And as fast as the frames say, unless somebody wants otherwise."""
+        for t in range(84):
+            light = 0.5 + 0.05 * math.cos(2 * math.pi * t / 7 + 1)
+            told = [("neph.frame_rate_hz", "string", b"42")]
+            (self.folder / f"seven.{t:04d}.exr").write_bytes(frames.exr_bytes(32, 16, {"Y": [light] * 512}, attributes=told))
+        still = self.folder / "still.exr"
+        still.write_bytes(frames.exr_bytes(32, 16, {"Y": [0.5] * 512}))
+        for options, rate in (((), 42), (("--fps", "24"), 24)):
+            done = neph("flicker", "-r", still, self.folder / "seven.*.exr", "-m", "seen", *options)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertIn(f"display: {rate} frames a second, 60 pixels per degree, 0 EV, white 100 cd/m2, dark surround", done.stdout)
+            self.assertRegex(done.stdout, rf"seen: seen by most in 100 % of .* at {rate / 7:.2g} Hz \(period 7 frames\)")
+
     def test_a_blinking_fence_is_cyclic_at_edges(self):
         noise = self.noise(1e-5)
 
@@ -374,6 +388,24 @@ class Metrics(unittest.TestCase):
         _, verdicts = self.flicker(self.sequence("fade", lambda x, y, t: self.still(x, y) * (1 - t / 256) + noise()))
         self.assertEqual({verdicts["flicker", mask] for mask in ("all", "depth_edge", "non_edge")}, {"calm"})
 
+    def test_a_cycle_of_seven_frames_and_who_declared_it(self):
+        """In one grey of 0.5 a pulse of 1 % in one of seven frames: 0.01 sqrt(6) / 7 of its luma's step."""
+        noise, pulse = self.noise(1e-6), (1.055 * 0.505 ** (1 / 2.4)) - (1.055 * 0.5 ** (1 / 2.4))
+        test = self.sequence("test", lambda x, y, t: 0.5 + (0.005 if t % 7 == 0 else 0.0) + noise(), 64)
+        declared = {"R": [0.5] * WIDTH * HEIGHT, "G": [0.5] * WIDTH * HEIGHT, "B": [0.5] * WIDTH * HEIGHT}
+        (test / "frame.0000.exr").write_bytes(frames.exr_bytes(WIDTH, HEIGHT, {
+            name: [value + 0.005 + noise() for value in values] for name, values in declared.items()},
+            attributes=[("neph.cycles", "string", b"slot 4, TAA jitter 7")]))
+        done = neph("flicker", "-r", self.write("still.exr", lambda x, y: 0.5), test, "-m", "cycles", "--mask", "all", "--fps", 30, "--json")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        values, document = values_of(done), json.loads(done.stdout)
+        self.assertAlmostEqual(values["cycle_7", "all"], pulse * math.sqrt(6) / 7, delta=1e-7)
+        texts = [row["text"] for row in document["findings"] if row["finding"] == "cycle"]
+        self.assertEqual([text.split(":")[0] for text in texts], ["period 7 frames (4.29 Hz at 30 fps, TAA jitter)"])
+        reasons = {row["metric"]: row["undefined_because"] for row in document["measurements"] if row["value"] is None}
+        self.assertIn("not above the noise floor", reasons["cycle_8"])
+        self.assertIn("longer than an eighth of the frames", reasons["cycle_9"])
+
     def test_amplitude_of_linear_light_by_hand(self):
         """Luma of 0.5 +- 1 % in frames 0 and 2 of each cycle: A4 of the display's luma."""
         def srgb(v):
@@ -386,6 +418,56 @@ class Metrics(unittest.TestCase):
         bar = (srgb(0.202) - srgb(0.198)) / 2
         self.assertAlmostEqual(values["a4_mean", "sky"], expected, delta=1e-6)
         self.assertAlmostEqual(values["a4_mean", "solid"], bar, delta=1e-6)
+
+    def test_lag_under_a_sine_of_the_light_in_words(self):
+        """alpha 0.1 at 32 frames, w = pi / 16: gain 0.473586 and a lag of 5.000543 frames."""
+        w, gain, lag = math.pi / 16, 0.473586, 5.000543
+        noise = self.noise(1e-6)
+        lights = self.sequence("lights", lambda x, y, t: 0.5 + 0.2 * math.sin(w * t), 64)
+        taa = self.sequence("taa", lambda x, y, t: 0.5 + 0.2 * gain * math.sin(w * (t - lag)) + noise(), 64)
+        done = neph("flicker", "--reference", lights, taa, "-s", "follow.period_2=32", "--json")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        values, findings = values_of(done), {row["finding"]: row for row in json.loads(done.stdout)["findings"]}
+        self.assertAlmostEqual(values["follow_gain_2_p50", "all"], gain, delta=1e-5)
+        self.assertAlmostEqual(values["follow_lag_2_p95", "all"], lag, delta=1e-3)
+        self.assertIsNone(values["follow_gain_1_p50", "all"])
+        self.assertEqual(findings["follow"]["verdict"], "late")
+        self.assertIn("a lag of 5 frames at a period of 32, and 0.474 of its swing", findings["follow"]["text"])
+        self.assertNotIn("half_life", findings)  # lag is known
+        few = neph("flicker", "--reference", lights, taa, "-s", "follow.period_1=65", "-m", "follow")
+        self.assertIn("the sequence is shorter than a period", few.stdout + few.stderr)
+
+    def test_what_never_settles_is_said(self):
+        """A quarter of the picture is stuck, the rest follows with alpha 0.2: below 0.1 from the 11th frame on."""
+        step = 4
+        lights = self.sequence("lights", lambda x, y, t: 0.2 if t < step else 0.6, 44)
+        taa = self.sequence("taa", lambda x, y, t: 0.2 if t < step or x < WIDTH // 4 else 0.6 - 0.4 * 0.8 ** (t - step + 1), 44)
+        done = neph("flicker", "--reference", lights, taa, "-m", "lag", "-s", f"lag.step_frame={step}", "--json", "--frozen-ok")
+        values, findings = values_of(done), {row["finding"]: row for row in json.loads(done.stdout)["findings"]}
+        expected = {"ghost_area_1": 1, "ghost_area_8": 1, "ghost_area_16": 0.25, "share_never_settled": 0.25, "step_share": 1,
+                    "ghost_area_frames": 0.25 * 32 + 0.75 * 10}
+        self.assertEqual({name: values[name, "all"] for name in expected}, expected)
+        self.assertEqual(findings["unsettled"]["verdict"], "unsettled")
+        self.assertIn("25 % of the picture never settles", findings["unsettled"]["text"])
+
+    def test_ghosts_behind_a_card_in_words(self):
+        """A card of 10 px moves right by 2 px a frame over a dark wall, before an average of alpha 0.2."""
+        history = [0.2] * WIDTH
+        for t in range(40):
+            card = [2 * t - 10 <= x < 2 * t for x in range(WIDTH)]
+            shown = [0.75 if c else 0.2 for c in card]
+            history = [h + 0.2 * (s - h) for h, s in zip(history, shown)]
+            for name, row in (("cards", shown), ("taa", history)):
+                path = self.folder / name / f"frame.{t:04d}.exr"
+                path.parent.mkdir(exist_ok=True)
+                frames.grey_exr(path, WIDTH, 4, row * 4, **{"Z": [1.0 if c else 10.0 for c in card] * 4, "motion.y": [0.0] * 4 * WIDTH,
+                                                            "motion.x": [-2.0 if c else 0.0 for c in card] * 4})
+        done = neph("flicker", "-r", self.folder / "cards", self.folder / "taa", "-m", "ghost", "--json", "--frozen-ok")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        left = (1 - 0.8 ** 5) * 0.8 ** 4
+        self.assertAlmostEqual(values_of(done)["edge_ghost_residual_4", "all"], left, delta=1e-6)
+        found = next(row for row in json.loads(done.stdout)["findings"] if row["finding"] == "edge_ghost")
+        self.assertEqual((found["verdict"], "27.5 % of what was in front is left after 4 frames" in found["text"]), ("ghosts", True), found)
 
     def test_half_life_of_an_exponential_average(self):
         """alpha 0.1: ln(1/2) / ln(0.9) = 6.5788 frames."""

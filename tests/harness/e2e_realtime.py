@@ -21,7 +21,8 @@ CACHE = tempfile.TemporaryDirectory()  # of blue noise, which is made once
 unittest.addModuleCleanup(CACHE.cleanup)
 
 # Fog before a tower that is black, under a sky that is not: what is behind the media is known.
-# Sun, wind and camera move.
+# Sun and camera move. Fog alone, as in test_realtime_pipeline: what its shaders are translated
+# to is in the cache by now.
 MOVING = """
 name: moving
 title: a test
@@ -36,14 +37,12 @@ sun:
   keys:
     - {frame: 0, direction: [0.6, 0.75, 0.3], irradiance_w_per_m2: [6, 6, 6]}
     - {frame: 5, direction: [0.6, 0.75, -0.3], irradiance_w_per_m2: [3, 3, 3]}
-wind: {velocity_m_per_s: [9, 0, 0]}
 background_w_per_m2_sr: [0.5, 0.25, 0.125]
 scattering: single
 solids:
   - box: {min_m: [1, -6, -21], max_m: [3, 6, -20], albedo: [0, 0, 0]}
 media:
   - height_fog: {layers: [{extinction_per_m: 0.02, falloff_per_m: 0.1, height_m: 0}], albedo: [1, 1, 1]}
-  - gaussian: {center_m: [-2, 3, -20], width_m: 3, extinction_per_m: 0.3, albedo: [1, 1, 1]}
 """
 # The camera within a box of haze: every step of every ray is lit through haze.
 BOX = MOVING[:MOVING.index("solids:")].replace("moving", "box") + """
@@ -54,6 +53,12 @@ media:
 BROKEN = MOVING.replace("moving", "broken").replace("frames: {count: 6, rate_hz: 30}", """
 frames: {count: 12, rate_hz: 30, pauses: [{frame: 2, count: 3}], sizes: [{frame: 6, scale: 0.5}, {frame: 10, scale: 1.25}]}
 """).replace("  vertical_fov", "    - {frame: 6, position_m: [5, 3, 0], look_at_m: [0, 2, -10], cut: true}\n  vertical_fov")
+
+
+def with_cloud(scene):
+    """The scene with a blob that drifts in its fog."""
+    return scene.replace("background", "wind: {velocity_m_per_s: [9, 0, 0]}\nbackground") + (
+        "  - gaussian: {center_m: [-2, 3, -20], width_m: 3, extinction_per_m: 0.3, albedo: [1, 1, 1]}\n")
 
 
 def neph(*arguments, **environment):
@@ -76,7 +81,7 @@ class Realtime(unittest.TestCase):
         self.addCleanup(folder.cleanup)
         self.folder = pathlib.Path(folder.name)
         self.moving, self.box, self.broken = (self.folder / f"{name}.yaml" for name in ("moving", "box", "broken"))
-        for path, text in ((self.moving, MOVING), (self.box, BOX), (self.broken, BROKEN)):
+        for path, text in ((self.moving, MOVING), (self.box, BOX), (self.broken, with_cloud(BROKEN))):
             path.write_text(text)
 
     def render(self, name, scene, *options, engine="realtime", steps=4, size=(48, 36)):
@@ -246,7 +251,7 @@ class Realtime(unittest.TestCase):
     def test_faults_that_are_asked_for_end_in_words(self):
         """Without its guard anti-aliasing makes NaN of black under black; no such frame is written."""
         dark = self.folder / "dark.yaml"
-        dark.write_text(BOX.replace("box", "dark").replace("[0.5, 0.25, 0.125]", "[0, 0, 0]").replace("[1, 1, 1]", "[0, 0, 0]"))
+        dark.write_text(MOVING.replace("moving", "dark").replace("[0.5, 0.25, 0.125]", "[0, 0, 0]").replace("[1, 1, 1]", "[0, 0, 0]"))
         out = self.folder / "dark"
         done = neph("render", dark, "-e", "realtime", "-s", "taa_guard=off", "--size", "16x12", "-q", "-o", out)
         self.assertEqual((done.returncode, "non-finite" in done.stderr, "logs" in done.stderr), (3, True, False), done.stderr)
@@ -279,7 +284,9 @@ class Realtime(unittest.TestCase):
     def test_one_given_depth_serves_all_frames_and_hides_what_is_behind(self):
         wall = self.given("wall.exr", Z=5.0)
         results = self.render("wall", self.moving, "--frames", 3, "--depth", wall)
-        sky = self.render("sky", self.moving, "--depth", self.given("sky.exr", Z=INF, R=1.0, G=1.0, B=1.0))
+        blob = self.folder / "blob.yaml"
+        blob.write_text(with_cloud(MOVING.replace("moving", "blob")))
+        sky = self.render("sky", blob, "--depth", self.given("sky.exr", Z=INF, R=1.0, G=1.0, B=1.0))
         for result in results:
             self.assertEqual(set(result["channels"]["Z"]), {5.0})
             # the fog alone, at most 0.02 * e^0.4 per metre over at most 5 m / cos 28 degrees (the corners)

@@ -16,9 +16,18 @@
 /* The settings of an extractor: defaults, but for what these frames must be told of. */
 static inline struct neph_settings synthetic_settings(const struct neph_extractor *extractor)
 {
+    static const struct {
+        const char *extractor, *assignment;
+    } told[] = {
+        {"lag", "step_frame=1"},
+        {"follow", "period_1=8"},
+        {"follow", "period_3=4"},
+    };
     struct neph_settings settings = neph_options_default(extractor->options);
-    if (strcmp(extractor->name, "lag") == 0)
-        neph_options_set(extractor->options, "lag", "step_frame=1", &settings, NULL);
+    for (size_t i = 0; i < sizeof(told) / sizeof(told[0]); i++)
+        if (strcmp(extractor->name, told[i].extractor) == 0)
+            neph_options_set(extractor->options, extractor->name, told[i].assignment, &settings,
+                             NULL);
     return settings;
 }
 

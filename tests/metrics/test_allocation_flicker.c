@@ -8,11 +8,16 @@
 
 enum { W = 21, H = 4, N = 16 };
 
-/* A whole life; the reference moves in frame `*context`, when more is needed. */
-static enum neph_status take_flicker(void *context, struct neph_diag *diag)
+struct life {
+    const struct neph_extractor *extractor;
+    int moves_at; /* frame in which the reference moves */
+};
+
+/* A whole life. */
+static enum neph_status live(void *context, struct neph_diag *diag)
 {
-    const struct neph_extractor *extractor = &neph_extractor_flicker;
-    const int *moves_at = context;
+    const struct life *life = context;
+    const struct neph_extractor *extractor = life->extractor;
     static const float dark[W * H], bright[W * H] = {1.0f};
     const struct neph_viewing viewing = NEPH_VIEWING_DEFAULTS;
     const struct neph_settings settings = neph_options_default(extractor->options);
@@ -30,7 +35,7 @@ static enum neph_status take_flicker(void *context, struct neph_diag *diag)
     enum neph_status status = extractor->init(state, &pair, &settings, diag);
     for (int t = 0; t < N && !status; t++) {
         pair.frame = t;
-        pair.reference[1] = t >= *moves_at ? bright : dark;
+        pair.reference[1] = t >= life->moves_at ? bright : dark;
         status = extractor->extract(state, &pair, diag);
     }
     if (!status)
@@ -43,13 +48,20 @@ static enum neph_status take_flicker(void *context, struct neph_diag *diag)
 static void test_flicker(void **state)
 {
     (void)state;
-    int never = N, later = 5;
-    assert_every_failure_is_told("flicker before a still reference", take_flicker, &never);
-    assert_every_failure_is_told("flicker before a moving reference", take_flicker, &later);
+    struct life still = {&neph_extractor_flicker, N}, moving = {&neph_extractor_flicker, 5};
+    assert_every_failure_is_told("flicker before a still reference", live, &still);
+    assert_every_failure_is_told("flicker before a moving reference", live, &moving);
+}
+
+static void test_seen(void **state)
+{
+    (void)state;
+    struct life life = {&neph_extractor_seen, 5};
+    assert_every_failure_is_told("what is seen of flicker", live, &life);
 }
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_flicker)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_flicker), cmocka_unit_test(test_seen)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -2,7 +2,8 @@
  *
  * All extractors and masks of the tables, through the meter, at sizes that nobody thinks of, with
  * values that nobody wants and settings at their ends: whatever comes out is a finite number within
- * its range, or a reason. New extractors and masks are tried without being named here.
+ * its range, or a reason. New extractors and masks are tried without being named here. Under the
+ * sanitizers sequences see every seventh of these values, images all.
  */
 #include "tests/metrics/synthetic.h"
 #include "tests/neph_test.h"
@@ -221,6 +222,8 @@ static void test_flat_and_extreme_contents(void **state)
     };
     for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++)
         for (int temporal = 0; temporal < 2; temporal++) {
+            if (temporal && i % NEPH_TEST_EVERY != 0)
+                continue;
             struct neph_image *reference = create((struct synthetic){23, 21, 0, 0, false, true});
             struct neph_image *test = create((struct synthetic){23, 21, 0, 0, true, true});
             fill(reference, "", cases[i].reference);
@@ -274,18 +277,21 @@ static bool holds_channel(const struct neph_quantity *quantity, const char *chan
     return strncmp(channel, quantity->layer, strlen(quantity->layer)) == 0;
 }
 
-/* The numbers of the same frames without the plant. */
+/* The number of the same frames without the plant, looked for from *place on: numbers come in the
+ * same order, but a quantity with a bad value has fewer. */
 static void assert_same(const struct neph_measurement *m, const struct neph_measurement *clean,
-                        int clean_count)
+                        int clean_count, int *place)
 {
-    for (int i = 0; i < clean_count; i++)
-        if (clean[i].metric == m->metric && clean[i].quantity == m->quantity &&
-            clean[i].frame == m->frame && strcmp(clean[i].mask, m->mask) == 0) {
-            if (clean[i].defined != m->defined || clean[i].value != m->value)
+    for (int tried = 0; tried < clean_count; tried++, *place = (*place + 1) % clean_count) {
+        const struct neph_measurement *same = &clean[*place];
+        if (same->metric == m->metric && same->quantity == m->quantity && same->frame == m->frame &&
+            strcmp(same->mask, m->mask) == 0) {
+            if (same->defined != m->defined || same->value != m->value)
                 fail_msg("%s of %s over %s: %.17g, without the bad value elsewhere %.17g",
-                         m->metric->name, m->quantity->name, m->mask, m->value, clean[i].value);
+                         m->metric->name, m->quantity->name, m->mask, m->value, same->value);
             return;
         }
+    }
     fail_msg("%s of %s over %s is not there without the bad value", m->metric->name,
              m->quantity->name, m->mask);
 }
@@ -316,7 +322,7 @@ static struct neph_meter *measure_planted(const struct setup *setup, const struc
 static void assert_plant_is_told(const struct setup *setup, const struct plant *plant,
                                  const struct neph_meter *meter, const struct neph_meter *without)
 {
-    int count = 0, clean_count = 0;
+    int count = 0, clean_count = 0, place = 0;
     const struct neph_measurement *all = neph_meter_measurements(meter, &count);
     const struct neph_measurement *clean = neph_meter_measurements(without, &clean_count);
     for (int i = 0; i < count; i++) {
@@ -327,7 +333,7 @@ static void assert_plant_is_told(const struct setup *setup, const struct plant *
                             (m->frame == 1 || m->frame == -1);
         const bool is_inside = mask->inside[plant->y * PLANT_WIDTH + plant->x];
         if (!is_hit)
-            assert_same(m, clean, clean_count);
+            assert_same(m, clean, clean_count, &place);
         else if (is_inside && m->defined)
             fail_msg("%s of %s over %s is %g in spite of %g in %s of the %s", m->metric->name,
                      m->quantity->name, m->mask, m->value, (double)plant->value, plant->channel,
@@ -359,7 +365,8 @@ static void test_bad_values_are_never_silent(void **state)
         const int frame_count = temporal ? 100 : 3;
         struct setup setup = set_up(reference, temporal, false);
         struct neph_meter *without = measure_planted(&setup, NULL, frame_count);
-        for (size_t i = 0; i < sizeof(plants) / sizeof(plants[0]); i++) {
+        for (size_t i = 0; i < sizeof(plants) / sizeof(plants[0]);
+             i += temporal ? NEPH_TEST_EVERY : 1) {
             struct neph_meter *meter = measure_planted(&setup, &plants[i], frame_count);
             assert_plant_is_told(&setup, &plants[i], meter, without);
             neph_meter_destroy(meter);

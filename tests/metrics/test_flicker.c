@@ -9,7 +9,6 @@
 #include "metrics/extractors/flicker_spectrum.h"
 #include "metrics/extractors/flicker_verdict.h"
 #include "metrics/extractors/phase_age.h"
-#include "metrics/extractors/visible_flicker.h"
 
 #include <sched.h>
 
@@ -186,17 +185,8 @@ static void test_nothing_is_exactly_nothing(void **state)
 {
     (void)state;
     enum { W = 19, H = 3, N = 24 };
-    static const char *const names[] = {"std",
-                                        "p2p",
-                                        "mad",
-                                        "a4",
-                                        "a2",
-                                        "block_a4",
-                                        "block_a2",
-                                        "cycle_share",
-                                        "cyclic",
-                                        "unrest",
-                                        "visible_flicker"};
+    static const char *const names[] = {"std",      "p2p",      "mad",         "a4",     "a2",
+                                        "block_a4", "block_a2", "cycle_share", "cyclic", "unrest"};
     struct neph_viewing viewing = NEPH_VIEWING_DEFAULTS;
     viewing.exposure_ev = 0.7;
     uint64_t random = 3;
@@ -689,113 +679,6 @@ static void test_a_phase_that_is_not_there(void **state)
     sequence_destroy(&test);
 }
 
-/* ---- what is seen ---------------------------------------------------------------------------- */
-
-/* The weights that are quoted for ColorVideoVDP's transient channel, to the digits quoted. */
-static void test_weights_of_frequencies(void **state)
-{
-    (void)state;
-    const double quoted[][3] = {{2.5, 0.80, 0.005},
-                                {5.0, 1.0, 1e-15},
-                                {7.5, 0.91, 0.005},
-                                {15.0, 0.45, 0.005},
-                                {30.0, 0.086, 0.0005}};
-    for (size_t i = 0; i < sizeof(quoted) / sizeof(quoted[0]); i++)
-        neph_assert_close(neph_visible_flicker_weight(quoted[i][0]), quoted[i][1], 0.0,
-                          quoted[i][2]);
-}
-
-/* A field that blinks as a whole passes the filter as it is: V = w(15 Hz) contrast / 0.011 at 60
- * frames a second; the contrast is that of linear light, whatever the exposure. */
-static void test_visible_field(void **state)
-{
-    (void)state;
-    enum { W = 30, H = 9, N = 16 };
-    const double mean = 0.125, amplitude = 0x1p-7;
-    struct sequence reference = still(W, H, 0.2), test = sequence_create(W, H, N);
-    struct neph_viewing viewing = NEPH_VIEWING_DEFAULTS;
-    for (int t = 0; t < N; t++) {
-        const double value = mean + (t % 2 ? 0.0 : t % 4 ? -amplitude : amplitude);
-        for (int y = 0; y < H; y++)
-            for (int x = 0; x < W; x++)
-                sequence_set(&test, t, x, y, value, value, value);
-    }
-    for (int k = 0; k < 2; k++) {
-        viewing.exposure_ev = k ? 1.5 : 0.0;
-        viewing.frame_rate_hz = k ? 30.0 : 60.0;
-        struct extraction run = flicker_run(&reference, &test, &viewing, NULL);
-        double *v = flicker_map(&run, "visible_flicker");
-        for (int i = 0; i < W * H; i++)
-            neph_assert_close(
-                v[i], neph_visible_flicker_weight(k ? 7.5 : 15.0) * amplitude / mean / 0.011, 1e-11,
-                0.0);
-        free(v);
-        extraction_end(&run);
-    }
-    sequence_destroy(&reference);
-    sequence_destroy(&test);
-}
-
-/* Stripes of one pixel that blink in turn: the filter leaves sum g_k (-1)^k of them, which at 67
- * pixels per degree is nearly nothing. Counted here from FLIP's formula. In the middle, away from
- * the borders. */
-static void test_visible_stripes(void **state)
-{
-    (void)state;
-    enum { W = 64, H = 3, N = 16, RADIUS = 10 };
-    const double mean = 0.25, amplitude = 0.125;
-    struct sequence reference = still(W, H, 0.2), test = sequence_create(W, H, N);
-    const struct neph_viewing viewing = NEPH_VIEWING_DEFAULTS;
-    for (int t = 0; t < N; t++)
-        for (int y = 0; y < H; y++)
-            for (int x = 0; x < W; x++) {
-                const double value = mean + ((x + t) % 2 ? -amplitude : amplitude);
-                sequence_set(&test, t, x, y, value, value, value);
-            }
-    double total = 0.0, alternating = 0.0;
-    for (int k = -RADIUS; k <= RADIUS; k++) {
-        const double x = k / viewing.pixels_per_degree;
-        const double g = sqrt(M_PI / 0.0047) * exp(-M_PI * M_PI * x * x / 0.0047);
-        total += g;
-        alternating += k % 2 ? -g : g;
-    }
-    struct extraction run = flicker_run(&reference, &test, &viewing, NULL);
-    /* What is left is small, and its rounding is that of the whole: 1e-15 of contrast / 0.011. */
-    neph_assert_close(flicker_at(&run, "visible_flicker", W / 2, 1),
-                      neph_visible_flicker_weight(30.0) * fabs(alternating) / total * amplitude /
-                          mean / 0.011,
-                      1e-11, 1e-12);
-    assert_true(flicker_at(&run, "visible_flicker", W / 2, 1) < 0.1);
-    extraction_end(&run);
-    sequence_destroy(&reference);
-    sequence_destroy(&test);
-}
-
-/* With a reference that moves, the contrast is relative to the mean of the test, not of either
- * frame 0. */
-static void test_visible_with_a_moving_reference(void **state)
-{
-    (void)state;
-    enum { N = 32 };
-    struct sequence reference = sequence_create(2, 1, N), test = sequence_create(2, 1, N);
-    double mean = 0.0;
-    for (int t = 0; t < N; t++) {
-        const double base = 0.25 + (t >= 8 ? 0.25 : 0.0); /* both */
-        const double value = base + (t % 2 ? 0.0 : 0x1p-6);
-        mean += value / N;
-        for (int x = 0; x < 2; x++) {
-            sequence_set(&reference, t, x, 0, base, base, base);
-            sequence_set(&test, t, x, 0, value, value, value);
-        }
-    }
-    struct extraction run = flicker_run(&reference, &test, NULL, NULL);
-    neph_assert_close(flicker_at(&run, "visible_flicker", 0, 0),
-                      neph_visible_flicker_weight(30.0) * 0x1p-7 / mean / 0.011, 1e-11, 0.0);
-    extraction_end(&run);
-    sequence_destroy(&reference);
-    sequence_destroy(&test);
-}
-
 /* ---- the house ------------------------------------------------------------------------------- */
 
 static void allow_processors(const cpu_set_t *allowed)
@@ -870,10 +753,6 @@ int main(void)
         cmocka_unit_test(test_slots_are_traced_in_turn),
         cmocka_unit_test(test_phase_age_table),
         cmocka_unit_test(test_a_phase_that_is_not_there),
-        cmocka_unit_test(test_weights_of_frequencies),
-        cmocka_unit_test(test_visible_field),
-        cmocka_unit_test(test_visible_stripes),
-        cmocka_unit_test(test_visible_with_a_moving_reference),
         cmocka_unit_test(test_bits_do_not_depend_on_threads),
         cmocka_unit_test(test_table),
     };

@@ -246,6 +246,139 @@ static void test_never_settles(void **state)
     extraction_end(&extraction);
 }
 
+/* ---- ghosts ---------------------------------------------------------------------------------- */
+
+/* 0.8^10 = 0.107, 0.8^11 = 0.086; 0.9^21 = 0.109, 0.9^22 = 0.098; pixel 2 is stuck, pixel 3 comes
+ * back, and pixel 4 settles long after the 32 frames. */
+static double ghost_left(int n, int pixel)
+{
+    switch (pixel) {
+    case 0:
+        return pow(0.8, n);
+    case 1:
+        return pow(0.9, n);
+    case 2:
+        return 0.5;
+    case 3:
+        return n == 2 ? 0.0 : -0.3;
+    case 4:
+        return n < 39 ? 1.0 : 0.0;
+    default:
+        return 0.0;
+    }
+}
+
+static void test_ghosts(void **state)
+{
+    (void)state;
+    static const char *const names[] = {"ghost_area_1",      "ghost_area_4",        "ghost_area_8",
+                                        "ghost_area_16",     "share_never_settled", "step_share",
+                                        "ghost_area_frames", "ghost_area_end"};
+    static const double expected[6][8] = {{1, 1, 1, 0, 0, 1, 10, 0}, {1, 1, 1, 1, 0, 1, 21, 0},
+                                          {1, 1, 1, 1, 1, 1, 32, 1}, {1, 1, 1, 1, 0, 1, 31, 1},
+                                          {1, 1, 1, 1, 0, 1, 32, 0}, {0, 0, 0, 0, 0, 1, 0, 0}};
+    struct extraction extraction = run_step(ghost_left, 40);
+    for (int pixel = 0; pixel < 6; pixel++)
+        for (int k = 0; k < 8; k++)
+            neph_assert_close(metric_map_value(&extraction, names[k], pixel), expected[pixel][k],
+                              0.0, 0.0);
+    extraction_end(&extraction);
+}
+
+/* What comes after the end is not known; what comes before is. */
+static void test_ghosts_of_a_short_sequence(void **state)
+{
+    (void)state;
+    struct extraction extraction = run_step(ghost_left, 9);
+    assert_true(metric_map_value(&extraction, "ghost_area_8", 1) == 1.0);
+    assert_true(isnan(metric_map_value(&extraction, "ghost_area_16", 1)));
+    assert_true(isnan(metric_map_value(&extraction, "ghost_area_frames", 1)));
+    assert_true(metric_map_value(&extraction, "share_never_settled", 4) == 1.0);
+    extraction_end(&extraction);
+}
+
+/* ---- a reference that moves ------------------------------------------------------------------ */
+
+/* Clouds that drift, their light four times as strong from frame 3 on. */
+static double drifting(int frame, int pixel, bool stepped)
+{
+    const double cloud = 0.3 + 0.2 * sin(0.9 * pixel - 0.35 * frame);
+    return cloud * (stepped && frame >= 3 ? 0.4 : 0.1);
+}
+
+static struct extraction run_drift(const char *old, double alpha)
+{
+    const char *const assignments[] = {"step_frame=3", old, NULL};
+    struct extraction extraction;
+    for (int frame = 0; frame < 43; frame++) {
+        double lit[PIXELS], unlit[PIXELS], late[PIXELS];
+        for (int i = 0; i < PIXELS; i++) {
+            lit[i] = drifting(frame, i, true);
+            unlit[i] = drifting(frame, i, false);
+            late[i] = lit[i] + pow(1.0 - alpha, frame < 3 ? 0 : frame - 2) * (unlit[i] - lit[i]);
+        }
+        struct neph_image *r = grey_image(lit), *u = grey_image(unlit), *t = grey_image(late);
+        const struct neph_frame_pair pair = extraction_pair(r, u, t, "radiance", frame, &viewing);
+        if (frame == 0)
+            extraction = extraction_begin(&neph_extractor_lag, &pair, assignments);
+        extraction_frame(&extraction, &pair);
+        neph_image_destroy(r);
+        neph_image_destroy(u);
+        neph_image_destroy(t);
+    }
+    extraction_flush(&extraction);
+    return extraction;
+}
+
+/* A renderer that moves with the clouds and follows their light as an average. With the step of
+ * the same moment its half-life is that of the average; with that of the first frame it is not,
+ * since other parts of the cloud have come by. */
+static void test_step_of_a_moving_reference(void **state)
+{
+    (void)state;
+    const double half_life = log(0.5) / log(0.9);
+    struct extraction moving = run_drift("old=second", 0.1);
+    struct extraction fixed = run_drift("old=before", 0.1);
+    double worst = 0.0;
+    for (int i = 0; i < PIXELS; i++) {
+        assert_map(&moving, "half_life", i, half_life, 1e-5, 0.0);
+        assert_map(&moving, "frames_to_10", i, log(0.1) / log(0.9), 1e-5, 0.0);
+        worst = fmax(worst, fabs(metric_map_value(&fixed, "half_life_p50", i) - half_life));
+    }
+    assert_true(worst > 3.0);
+    extraction_end(&moving);
+    extraction_end(&fixed);
+}
+
+/* A pixel that once shows nothing that stepped cannot be followed. */
+static void test_step_that_drifts_away(void **state)
+{
+    (void)state;
+    static const char *const assignments[] = {"step_frame=1", "old=second", NULL};
+    struct extraction extraction;
+    for (int frame = 0; frame < 6; frame++) {
+        double lit[PIXELS], unlit[PIXELS];
+        for (int i = 0; i < PIXELS; i++) {
+            unlit[i] = 0.2;
+            lit[i] = frame < 1 || (i == 0 && frame == 4) ? 0.2 : 0.6;
+        }
+        struct neph_image *r = grey_image(lit), *u = grey_image(unlit);
+        const struct neph_frame_pair pair = extraction_pair(r, u, u, "radiance", frame, &viewing);
+        if (frame == 0)
+            extraction = extraction_begin(&neph_extractor_lag, &pair, assignments);
+        extraction_frame(&extraction, &pair);
+        neph_image_destroy(r);
+        neph_image_destroy(u);
+    }
+    extraction_flush(&extraction);
+    assert_true(isnan(metric_map_value(&extraction, "half_life_p50", 0)));
+    assert_true(metric_map_value(&extraction, "step_share", 0) == 0.0);
+    assert_true(metric_map_value(&extraction, "ghost_area_1", 0) == 0.0);
+    assert_true(metric_map_value(&extraction, "ghost_area_1", 1) == 1.0);
+    assert_map(&extraction, "half_life", 1, 5.0, 0.0, 0.0);
+    extraction_end(&extraction);
+}
+
 /* Pixels that do not step have no lag and no part in any mean; a step below 1/255 of display luma
  * is none. The dark pixel steps by 1e-3, which is 12.92e-3 in luma; the bright one by 5e-3 at 0.9,
  * which is 0.0025. */
@@ -290,8 +423,30 @@ static void test_obstacles(void **state)
     assert_non_null(neph_extractor_lag.obstacle(NULL, &settings));
     settings.values[0] = 1.0;
     assert_null(neph_extractor_lag.obstacle(NULL, &settings));
+    const struct neph_frame_pair alone = {.frame = 0};
+    neph_assert_ok(
+        neph_options_set(neph_extractor_lag.options, "lag", "old=second", &settings, NULL), NULL);
+    assert_non_null(strstr(neph_extractor_lag.obstacle(&alone, &settings), "second reference"));
     extraction_check_table(&neph_extractor_lag);
     extraction_check_table(&neph_extractor_trail);
+}
+
+/* Where nothing steps, no ghost is no praise. */
+static void test_nothing_steps(void **state)
+{
+    (void)state;
+    static const char *const assignments[] = {"step_frame=1", NULL};
+    struct extraction extraction;
+    const double values[PIXELS] = {0.0};
+    struct neph_image *image = grey_image(values);
+    for (int frame = 0; frame < 40; frame++)
+        feed(&extraction, assignments, frame, image, image);
+    extraction_flush(&extraction);
+    assert_true(metric_map_value(&extraction, "step_share", 0) == 0.0);
+    assert_true(isnan(metric_map_value(&extraction, "ghost_area_frames", 0)));
+    assert_true(isnan(metric_map_value(&extraction, "share_never_settled", 0)));
+    extraction_end(&extraction);
+    neph_image_destroy(image);
 }
 
 static void test_sequence_ends_before_the_step(void **state)
@@ -419,8 +574,13 @@ int main(void)
         cmocka_unit_test(test_fade),
         cmocka_unit_test(test_no_lag),
         cmocka_unit_test(test_never_settles),
+        cmocka_unit_test(test_ghosts),
+        cmocka_unit_test(test_ghosts_of_a_short_sequence),
+        cmocka_unit_test(test_step_of_a_moving_reference),
+        cmocka_unit_test(test_step_that_drifts_away),
         cmocka_unit_test(test_floor),
         cmocka_unit_test(test_obstacles),
+        cmocka_unit_test(test_nothing_steps),
         cmocka_unit_test(test_sequence_ends_before_the_step),
         cmocka_unit_test(test_trail_of_an_average),
         cmocka_unit_test(test_trail_map),

@@ -37,13 +37,14 @@ static inline double test_uniform(uint64_t *state)
     return (double)(test_random(state) >> 11) * 0x1p-53;
 }
 
-/* Settings at their defaults, but for the sky at the article's 20 km, with "key=value key=value"
+/* Settings at their defaults, but for skies at the article's 20 km, with "key=value key=value"
  * applied. */
 static inline struct neph_settings test_settings(const char *assignments)
 {
     struct neph_settings settings = neph_options_default(neph_rt_options);
     struct neph_diag diag = {0};
     settings.values[RT_SKY_M] = 20000.0;
+    settings.values[RT_OVERRIDE_SKY_M] = settings.values[RT_UPSCALE_SKY_M] = 20000.0;
     char *copy = strdup(assignments), *rest = copy;
     for (char *word; (word = strsep(&rest, " ")) != NULL;)
         if (*word)

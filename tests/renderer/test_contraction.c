@@ -51,6 +51,12 @@ SHADER(tracer){
 SHADER(tracer_first){
 #include "shaders/tracer_first.comp.inc"
 };
+SHADER(tracer_guess){
+#include "shaders/tracer_guess.comp.inc"
+};
+SHADER(tracer_lit){
+#include "shaders/tracer_lit.comp.inc"
+};
 SHADER(tracer_sum){
 #include "shaders/tracer_sum.comp.inc"
 };
@@ -70,7 +76,8 @@ static const struct shader {
     ENTRY(march),        ENTRY(probe),         ENTRY(probe_media),    ENTRY(rt_compose),
     ENTRY(rt_march),     ENTRY(rt_min_max),    ENTRY(rt_reconstruct), ENTRY(rt_scene),
     ENTRY(rt_taa),       ENTRY(rt_tile_index), ENTRY(rt_upscale),     ENTRY(tracer),
-    ENTRY(tracer_first), ENTRY(tracer_sum),    ENTRY(tracer_view),
+    ENTRY(tracer_first), ENTRY(tracer_guess),  ENTRY(tracer_lit),     ENTRY(tracer_sum),
+    ENTRY(tracer_view),
 };
 
 /* SPIR-V 1.5, section 3 */

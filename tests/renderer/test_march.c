@@ -192,6 +192,8 @@ static void test_marched_transmittance(void **state)
 
     test_scene_init(&test);
     scene_fog_two_layers(&test);
+    params.width_px = 16;
+    params.height_px = 12;
     params.steps = 8192;
     frame = render(*state, &test, &params, NULL);
     const struct worst worst = compare_transmittance(&test, frame, 1e-4, 2e-6);
@@ -250,8 +252,8 @@ static void test_volume_converges_at_second_order(void **state)
         test_scene_init(&test);
         smooth_scenes[s].build(&test);
         struct neph_march_params params = exact_48;
-        params.width_px = 16;
-        params.height_px = 12;
+        params.width_px = 8;
+        params.height_px = 6;
         struct neph_ray_light *light = exact_light(&test, params.width_px, params.height_px);
         for (size_t m = 0; m < sizeof(mode_pairs) / sizeof(mode_pairs[0]); m++) {
             double errors[2];

@@ -11,7 +11,7 @@
 #include "scenes/media.h"
 #include "truth/transport.h"
 
-static const struct neph_march_params params_48 = {.width_px = 48, .height_px = 27, .steps = 64};
+static const struct neph_march_params params_32 = {.width_px = 32, .height_px = 18, .steps = 64};
 
 static struct neph_medium *add_medium(struct test_scene *test, enum neph_medium_kind kind)
 {
@@ -96,7 +96,7 @@ static struct difference compare(struct neph_vulkan *vulkan, struct test_scene *
 static void check(struct neph_vulkan *vulkan, struct test_scene *test, const char *name, int steps,
                   double order_min)
 {
-    struct neph_march_params params = params_48;
+    struct neph_march_params params = params_32;
     params.steps = steps;
     test->scene.scattering = NEPH_SCATTERING_SINGLE;
     const struct difference coarse = compare(vulkan, test, &params);
@@ -161,7 +161,7 @@ static void test_all_at_once_and_coloured(void **state)
     test.scene.media[0].extinction_color = (struct neph_rgb){0.4, 1.0, 2.0};
     test.scene.media[2].extinction_color = (struct neph_rgb){1.0, 0.5, 0.0};
     test.scene.scattering = NEPH_SCATTERING_NONE;
-    struct neph_march_params params = params_48;
+    struct neph_march_params params = params_32;
     const struct difference exact = compare(*state, &test, &params);
     assert_true(exact.transmittance < 3e-6);
     params.transmittance = NEPH_MARCH_MARCHED;

@@ -56,10 +56,10 @@ static float random_depth_m(uint64_t *seed)
 static void test_min_max_equals_the_oracle(void **state)
 {
     static const char *const maps[] = {"depth_map=checkerboard", "depth_map=nearest",
-                                       "depth_map=farthest"};
+                                       "depth_map=farthest", "depth_map=reversed"};
     uint64_t seed = 1;
     for (size_t s = 0; s < sizeof(sizes_px) / sizeof(sizes_px[0]); s++)
-        for (int m = 0; m < 3; m++) {
+        for (int m = 0; m < 4; m++) {
             const uint64_t start = seed;
             const struct neph_settings settings = test_settings(maps[m]);
             struct test_passes test;

@@ -10,7 +10,7 @@
 #include "renderer/realtime/dither.h"
 #include "renderer/realtime/noise.h"
 
-enum { KINDS = RT_DITHER_SPATIOTEMPORAL + 1, CHANNELS = 4 };
+enum { KINDS = RT_DITHER_SLICE + 1, CHANNELS = 4 };
 
 /* Random ranks below 4096, for what masks do not matter to. */
 static void fill_ranks(uint32_t ranks[NEPH_RT_NOISE_COUNT], uint64_t seed)
@@ -329,8 +329,8 @@ static const struct neph_rt_shader *probe(void)
 static void test_the_shader_is_the_same(void **state)
 {
     static const uint32_t frames[] = {0, 1, 31, 63, 64, 1000003, UINT32_MAX};
-    static const char *const kinds[KINDS] = {"none", "white", "interleaved", "blue",
-                                             "spatiotemporal"};
+    static const char *const kinds[KINDS] = {"none", "white",          "interleaved",
+                                             "blue", "spatiotemporal", "slice"};
     const int size_px[2] = {141, 75}, origin_px[2] = {0, 0};
     for (int kind = 0; kind < KINDS; kind++) {
         char assignment[64];

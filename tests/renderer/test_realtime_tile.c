@@ -62,12 +62,13 @@ static struct neph_settings random_settings(uint64_t *seed, int override, int fa
     settings.values[RT_OVERRIDE] = override;
     settings.values[RT_FAR] = far;
     settings.values[RT_GATHER] = gather;
-    settings.values[RT_SLOT_ORDER] = (double)(test_random(seed) % 3);
+    settings.values[RT_SLOT_ORDER] = (double)(test_random(seed) % 4);
     settings.values[RT_SLOT_CHECKERBOARD] = (double)(test_random(seed) % 2);
     settings.values[RT_TILE_ORIGIN] = (double)(test_random(seed) % 2);
     settings.values[RT_DEPTH_FORMAT] = (double)(test_random(seed) % 2);
     settings.values[RT_OVERRIDE_DEPTH] = test_random(seed) % 2 ? 0.25 : 0.0;
     settings.values[RT_SKY_M] = test_random(seed) % 2 ? 20000.0 : 1e15;
+    settings.values[RT_OVERRIDE_SKY_M] = test_random(seed) % 2 ? 20000.0 : 1e6;
     settings.values[RT_RAY_DEPTH_MAX_M] = test_random(seed) % 2 ? 10000.0 : 1e15;
     return settings;
 }
@@ -120,12 +121,12 @@ static void test_tile_index_equals_the_oracle(void **state)
 /* Without override each slot of each tile has its turn, whatever the order and the start. */
 static void test_every_slot_has_a_turn_in_four_frames(void **state)
 {
-    static const char *const orders[] = {"clockwise", "raster", "diagonal"};
-    for (int i = 0; i < 6; i++) {
+    static const char *const orders[] = {"clockwise", "raster", "diagonal", "anticlockwise"};
+    for (int i = 0; i < 8; i++) {
         char assignments[100];
         snprintf(assignments, sizeof(assignments),
-                 "override=none slot_order=%s slot_checkerboard=%s", orders[i % 3],
-                 i < 3 ? "on" : "off");
+                 "override=none slot_order=%s slot_checkerboard=%s", orders[i % 4],
+                 i < 4 ? "on" : "off");
         const struct neph_settings settings = test_settings(assignments);
         struct test_passes test;
         test_passes_open(*state, &settings, (int[2]){21, 10}, (int[2]){0, 0}, 1, &test);

@@ -136,7 +136,13 @@ static const char *const variants[] = {
     "upscale_dither=white upscale_pair=shared upscale=bilinear",
     "ray_depth_max_m=10000 clamp_pixel_depth=on",
     "ray_depth_max_m=10000 clamp_pixel_depth=off",
-    "sky_m=1e15 far=infinite jittered_depth=on",
+    "upscale_sky_m=1e15 far=infinite jittered_depth=on",
+    "upscale=inverse upscale_depth=0.1",
+    "upscale=inverse upscale_tolerance_m=100 upscale_dither=white upscale_law=constant",
+    "upscale=square upscale_same_kind=on",
+    "upscale=square upscale_contrast=0.5 contrast=opacity jittered_depth=on upscale_dither=none",
+    "upscale=mean upscale_same_kind=on upscale_contrast=0.5 contrast=opacity",
+    "upscale_sky_m=1e6 upscale_dither=slice",
     "validity=off",
 };
 enum { VARIANTS = sizeof(variants) / sizeof(variants[0]) };
@@ -505,14 +511,16 @@ static void test_ridges_are_not_sky(void **state)
         const float depths_m[2] = {ridges_m[k], NEPH_RT_FAR_M};
         const bool is_taken_for_sky = ridges_m[k] > 15e3f && ridges_m[k] < 26.6e3f;
         const double limited = leaking_part(
-            *state, "upscale_dither=none sky_m=20000 ray_depth_max_m=10000 clamp_pixel_depth=on",
+            *state,
+            "upscale_dither=none upscale_sky_m=20000 ray_depth_max_m=10000 clamp_pixel_depth=on",
             line, depths_m);
         const double unlimited = leaking_part(
-            *state, "upscale_dither=none sky_m=20000 ray_depth_max_m=10000 clamp_pixel_depth=off",
+            *state,
+            "upscale_dither=none upscale_sky_m=20000 ray_depth_max_m=10000 clamp_pixel_depth=off",
             line, depths_m);
         assert_true(limited <= 1 / 2304.0);
         assert_true(is_taken_for_sky ? unlimited > 0.02 : unlimited <= 1 / 2304.0);
-        assert_true(leaking_part(*state, "upscale_dither=none sky_m=1e6", line, depths_m) <=
+        assert_true(leaking_part(*state, "upscale_dither=none upscale_sky_m=1e6", line, depths_m) <=
                     1 / 2304.0);
     }
 }

@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: MIT
  *
- * Out of memory in the loader of scenes, in a scene made to stand still, and in volume files: see
- * tests/allocation.h.
+ * Out of memory in the loader of scenes, in a scene made to stand still, in variants and in volume
+ * files: see tests/allocation.h.
  */
 #include "tests/allocation.h"
 #include "tests/base/scratch.h"
 
 #include "scenes/motion.h"
 #include "scenes/scene.h"
+#include "scenes/variant.h"
 #include "scenes/volume_file.h"
 
 struct loading {
@@ -102,6 +103,31 @@ static void test_voxels(void **state)
     assert_every_failure_is_told("voxels", load, &loading);
 }
 
+static enum neph_status vary(void *context, struct neph_diag *diag)
+{
+    const struct neph_scene *scene = context;
+    struct neph_scene *made = NULL;
+    char *text = NULL;
+    const struct neph_variant variant = {NEPH_VARIANT_SUN_STEP, 1, 4};
+    enum neph_status status = neph_scene_variant(scene, &variant, &made, diag);
+    assert_int_equal(made != NULL, status == NEPH_OK);
+    if (!status)
+        status = neph_scene_variant_text(scene, &variant, &text, diag);
+    neph_scene_destroy(made);
+    free(text);
+    return status;
+}
+
+static void test_variants(void **state)
+{
+    (void)state;
+    struct neph_scene *scene = NULL;
+    neph_assert_ok(
+        neph_scene_load(NEPH_SOURCE_DIR "/scenes/catalog/fence_backlit.yaml", &scene, NULL), NULL);
+    assert_every_failure_is_told("a variant", vary, scene);
+    neph_scene_destroy(scene);
+}
+
 static enum neph_status copy_volume(void *context, struct neph_diag *diag)
 {
     struct neph_grid *grid = NULL;
@@ -126,10 +152,8 @@ static void test_volume_files(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        scratch_test(test_catalogue),
-        scratch_test(test_motion),
-        scratch_test(test_voxels),
-        scratch_test(test_volume_files),
+        scratch_test(test_catalogue),    scratch_test(test_motion),       scratch_test(test_voxels),
+        cmocka_unit_test(test_variants), scratch_test(test_volume_files),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

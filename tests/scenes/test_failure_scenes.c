@@ -149,6 +149,49 @@ static void test_camera_cuts_once(void **state)
     neph_scene_destroy(scene);
 }
 
+/* The moving scenes of flicker studies move in each of their 256 frames. */
+static void test_what_moves_never_stops(void **state)
+{
+    (void)state;
+    static const char *const names[] = {"pillars_strafe", "lattice_drift", "veil_tower",
+                                        "sun_turns",      "orbit_cloud",   "wires_pan"};
+    for (size_t i = 0; i < sizeof(names) / sizeof(names[0]); i++) {
+        struct neph_scene *scene = load(names[i]);
+        assert_int_equal(scene->frame_count, 256);
+        for (int frame = 1; frame < scene->frame_count; frame++)
+            assert_false(neph_scene_is_same_moment(scene, frame - 1, frame));
+        neph_scene_destroy(scene);
+    }
+}
+
+/* The speeds that their texts give, in pixels at 320x180. */
+static void test_speeds_are_those_of_the_texts(void **state)
+{
+    (void)state;
+    static const double pixel = 0.004; /* of the distance */
+    static const struct {
+        const char *name;
+        double distance_m, px_per_frame;
+    } strafes[] = {
+        {"pillars_strafe", 6.0, 1.3}, {"pillars_strafe", 25.0, 0.3}, {"veil_tower", 59.0, 0.5}};
+    for (size_t i = 0; i < sizeof(strafes) / sizeof(strafes[0]); i++) {
+        struct neph_scene *scene = load(strafes[i].name);
+        const double moved_m = neph_vec3_length(neph_vec3_sub(
+            neph_scene_camera(scene, 101).position_m, neph_scene_camera(scene, 100).position_m));
+        neph_assert_close(moved_m / (strafes[i].distance_m * pixel), strafes[i].px_per_frame, 0.0,
+                          0.05);
+        neph_scene_destroy(scene);
+    }
+    struct neph_scene *scene = load("lattice_drift");
+    neph_assert_close(neph_scene_wind_displacement_m(scene, 1).x / (40.0 * pixel), 0.35, 1e-9, 0.0);
+    neph_scene_destroy(scene);
+    scene = load("wires_pan");
+    const struct neph_vec3 a = neph_scene_camera(scene, 40).forward;
+    const struct neph_vec3 b = neph_scene_camera(scene, 41).forward;
+    neph_assert_close(acos(neph_vec3_dot(a, b)) / pixel, 0.22, 0.0, 0.005);
+    neph_scene_destroy(scene);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -160,6 +203,8 @@ int main(void)
         cmocka_unit_test(test_wind_is_two_pixels_per_frame),
         cmocka_unit_test(test_pan_is_even),
         cmocka_unit_test(test_camera_cuts_once),
+        cmocka_unit_test(test_what_moves_never_stops),
+        cmocka_unit_test(test_speeds_are_those_of_the_texts),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -341,6 +341,50 @@ static void test_still_scene_has_no_time_left(void **state)
     neph_scene_destroy(scene);
 }
 
+/* Each kind of key alone makes another moment, and time that stands still makes none. */
+static void test_moments_are_told_apart(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *camera, *sun, *rest;
+        int frame_a, frame_b;
+        bool same;
+    } cases[] = {
+        {camera, sun, "", 0, 7, true},
+        {camera, sun, "frames: {count: 9, sizes: [{frame: 2, scale: 0.5}]}\n", 1, 2, false},
+        {camera, sun, "frames: {count: 9, sizes: [{frame: 2, scale: 0.5}]}\n", 2, 8, true},
+        {camera, sun,
+         "wind: {velocity_m_per_s: [1, 0, 0]}\n"
+         "frames: {count: 9, pauses: [{frame: 2, count: 3}]}\n"
+         "media: [{gaussian: {center_m: [0, 1, 0], width_m: 1, extinction_per_m: 1,\n"
+         "                    albedo: [1, 1, 1]}}]\n",
+         2, 5, true},
+        {camera, sun,
+         "wind: {velocity_m_per_s: [1, 0, 0]}\n"
+         "media: [{gaussian: {center_m: [0, 1, 0], width_m: 1, extinction_per_m: 1,\n"
+         "                    albedo: [1, 1, 1]}}]\n",
+         2, 3, false},
+        {camera,
+         "sun: {keys: [{frame: 2, direction: [0, 1, 0], irradiance_w_per_m2: [3, 3, 3]},\n"
+         "             {frame: 3, direction: [0, 1, 0], irradiance_w_per_m2: [3, 3, 3.001]}]}\n",
+         "", 2, 3, false},
+        {camera,
+         "sun: {keys: [{frame: 2, direction: [0, 1, 0], irradiance_w_per_m2: [3, 3, 3]},\n"
+         "             {frame: 3, direction: [0, 1, 1], irradiance_w_per_m2: [3, 3, 3]}]}\n",
+         "", 3, 9, true},
+        {"camera: {keys: [{frame: 0, position_m: [0, 1, 50], look_at_m: [0, 1, 0]},\n"
+         "                {frame: 5, position_m: [0, 1, 50], look_at_m: [0, 2, 0]}],\n"
+         "         vertical_fov_deg: 40}\n",
+         sun, "", 4, 5, false},
+    };
+    for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+        struct neph_scene *scene = load_three(cases[i].camera, cases[i].sun, cases[i].rest);
+        assert_int_equal(neph_scene_is_same_moment(scene, cases[i].frame_a, cases[i].frame_b),
+                         cases[i].same);
+        neph_scene_destroy(scene);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -354,6 +398,7 @@ int main(void)
         cmocka_unit_test(test_still_media_are_the_moved_ones),
         cmocka_unit_test(test_still_clouds_are_the_moved_ones),
         cmocka_unit_test(test_still_scene_has_no_time_left),
+        cmocka_unit_test(test_moments_are_told_apart),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -369,6 +369,8 @@ static void test_number_of_nodes(void **state)
     }
     print_message("worst relative change of radiance with the nodes: %.2g\n", worst);
     assert_true(worst < 1e-8);
+    if (NEPH_TEST_EVERY > 1) /* the same matrices, larger */
+        return;
     const struct neph_slab_params sharp = {10.0, 1.0, hg(0.999), 0.3, 0, NULL, 0};
     struct neph_slab_params sharp_other = sharp;
     sharp_other.node_count = 160;

@@ -1,0 +1,429 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Forward by what stands out most of the noise, each step followed by exchanges with near
+ * frequencies; more is taken than is there, and what the others explain as well is dropped again at
+ * the level that counts.
+ */
+#include "metrics/extractors/cycle_search.h"
+
+#include "metrics/extractors/cycle_floor.h"
+#include "metrics/extractors/cycle_tableau.h"
+#include "metrics/significance.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+
+/* A wave is taken on trial above this, and from this share of the movement on. */
+static const double trial_z = 3.0, trial_share = 1e-9;
+
+/* Of a wave that is less apart from the set, its gain is rounding. */
+static const double separation_min = 1e-4;
+
+/* What is told to be there is apart from the rest by more: in noise of a steep spectrum many waves
+ * close together follow what is at lower frequencies. Two neighbours of 31 and 32 frames in 256 are
+ * at 0.2. */
+static const double separation_told = 0.05;
+
+/* From here on what is left of a wave shows the noise at its own frequency. */
+static const double separation_of_probe = 0.25;
+
+/* Frequencies that near [bins of 1 / N] may be mistaken for each other. */
+static const double near_bins = 4.0;
+
+/* Twice the log likelihood by which a wave must be better than another to be told from it. */
+static const double told_apart = 20.0;
+
+/* What rounding leaves of the sum of squares at one frequency. */
+static const double rounding = 1e-14;
+
+enum { ROUNDS = 4, SWEEPS = 4 };
+
+struct search {
+    int frame_count;
+    const struct neph_cycle_frequencies *candidates; /* waves 1 ... of the tableau */
+    double *per_frame;                               /* of waves 1 ..., candidates and bins */
+    double *bins;                                    /* see struct neph_cycle_probe */
+    int count;                                       /* of them */
+    int window_count; /* of further waves, windowed, for what the series have in common */
+    struct neph_cycle_tableau tableau;
+    struct neph_cycle_probe *probes; /* room for all */
+    struct neph_cycle_floor floor;
+    double total;    /* sum of squares about the line */
+    double residual; /* the same beside the set */
+    int inside_count;
+};
+
+/* ---- beginning ------------------------------------------------------------------------------- */
+
+/* Bins of 1 / N where the candidates leave gaps, for the floor. */
+static int add_bins(const struct search *search, double *per_frame, int count)
+{
+    const int candidate_count = search->candidates->count;
+    const int half_lowest = (int)(0.5 * per_frame[0] * (double)search->frame_count);
+    const int lowest = half_lowest > 2 ? half_lowest : 2;
+    for (int k = lowest; 2 * k <= search->frame_count; k++) {
+        const double here = (double)k / (double)search->frame_count;
+        double nearest = INFINITY;
+        for (int i = 0; i < candidate_count; i++)
+            nearest = fmin(nearest, fabs(per_frame[i] - here) * (double)search->frame_count);
+        if (nearest > 0.6)
+            per_frame[count++] = here;
+    }
+    return count;
+}
+
+/* Five bins apart. */
+static int add_windowed(const struct search *search, double *per_frame)
+{
+    int count = 0;
+    for (int k = 3; k + 3 <= search->frame_count / 2; k += 5)
+        per_frame[count++] = (double)k / (double)search->frame_count;
+    return count;
+}
+
+static void share_out_bins(struct search *search)
+{
+    const double n = (double)search->frame_count;
+    for (int i = 0; i < search->count; i++) {
+        double below = 1.0, above = 1.0;
+        for (int j = 0; j < search->count; j++) {
+            const double off = (search->per_frame[j] - search->per_frame[i]) * n;
+            if (off < 0.0)
+                below = fmin(below, -off);
+            if (off > 0.0)
+                above = fmin(above, off);
+        }
+        search->bins[i] = 0.5 * (below + above);
+    }
+}
+
+static enum neph_status begin(struct search *search, const double *moments, struct neph_diag *diag)
+{
+    const int candidate_count = search->candidates->count, n = search->frame_count;
+    const size_t room = (size_t)candidate_count + (size_t)n + 1;
+    search->per_frame = calloc(room, sizeof(*search->per_frame));
+    search->bins = calloc(room, sizeof(*search->bins));
+    search->probes = calloc(room, sizeof(*search->probes));
+    if (!search->per_frame || !search->bins || !search->probes)
+        return neph_fail_memory(diag);
+    for (int i = 0; i < candidate_count; i++)
+        search->per_frame[i] = neph_cycle_per_frame(search->candidates->items[i]);
+    search->count = add_bins(search, search->per_frame, candidate_count);
+    share_out_bins(search);
+    search->window_count = add_windowed(search, search->per_frame + search->count);
+    const enum neph_status status = neph_cycle_tableau_begin(
+        &search->tableau, n, moments, search->per_frame, search->count + search->window_count,
+        search->window_count, diag);
+    if (status)
+        return status;
+    for (int t = 0; t < n; t++)
+        search->total += moments[(size_t)t * (size_t)n + (size_t)t];
+    search->total -= neph_cycle_gain(&search->tableau, 0);
+    search->residual = search->total;
+    return NEPH_OK;
+}
+
+static void end(struct search *search)
+{
+    neph_cycle_tableau_end(&search->tableau);
+    free(search->per_frame);
+    free(search->bins);
+    free(search->probes);
+}
+
+/* ---- steps ----------------------------------------------------------------------------------- */
+
+static void turn(struct search *search, int wave)
+{
+    const double gain = neph_cycle_gain(&search->tableau, wave);
+    const bool leaves = search->tableau.inside[wave];
+    search->residual += leaves ? gain : -gain;
+    search->inside_count += leaves ? -1 : 1;
+    neph_cycle_tableau_turn(&search->tableau, wave);
+}
+
+static struct neph_cycle_probe probe_of(const struct search *search, int wave)
+{
+    const struct neph_cycle_tableau *tableau = &search->tableau;
+    const int dof = neph_cycle_dof(tableau, wave);
+    const double least = rounding * search->total;
+    return (struct neph_cycle_probe){
+        .per_frame = search->per_frame[wave - 1],
+        .power = fmax(neph_cycle_gain(tableau, wave) / (double)dof, least),
+        .bins = search->bins[wave - 1],
+        .dof = dof,
+        .is_noise = !tableau->inside[wave] &&
+                    neph_cycle_separation(tableau, wave) > separation_of_probe,
+    };
+}
+
+/* Over the coefficients of pairs and triples of waves that share no frequency: the means of W_ij^2
+ * and of W_ij W_jk W_ki are the sums of squares and of cubes of the weights of the series that are
+ * their own. Independent pixels count each, the shared half of a noise counts as half. */
+static struct neph_cycle_scatter scatter_of(const struct search *search)
+{
+    const int first = search->count + 1, end = first + search->window_count;
+    double squares = 0.0, cubes = 0.0, pairs = 0.0, triples = 0.0;
+    for (int i = first; i < end; i++)
+        for (int j = first; j < i; j++) {
+            double ij[4];
+            neph_cycle_coherence(&search->tableau, i, j, ij);
+            for (int c = 0; c < 4; c++)
+                squares += ij[c] * ij[c];
+            pairs += 4.0;
+            for (int k = first; k < j; k++) {
+                double jk[4], ki[4];
+                neph_cycle_coherence(&search->tableau, j, k, jk);
+                neph_cycle_coherence(&search->tableau, k, i, ki);
+                for (int c = 0; c < 8; c++)
+                    cubes += ij[c & 3] * jk[(c & 1) << 1 | c >> 2] *
+                             ki[(c >> 2) << 1 | (c & 3) >> 1];
+                triples += 8.0;
+            }
+        }
+    if (triples == 0.0 || squares == 0.0)
+        return (struct neph_cycle_scatter){1.0, 1.0};
+    /* Weights that are positive and of sum 1 hold these bounds, estimates of them may not. */
+    const double variance = fmin(squares / pairs, 1.0), most = variance * sqrt(variance);
+    const double skew = fmin(fmax(cubes / triples, variance * variance), most);
+    return (struct neph_cycle_scatter){variance, variance * variance * variance / (skew * skew)};
+}
+
+static void find_floor(struct search *search)
+{
+    for (int w = 1; w <= search->count; w++)
+        search->probes[w - 1] = probe_of(search, w);
+    search->floor = neph_cycle_floor_of(search->probes, search->count,
+                                        1.0 / (double)search->frame_count, scatter_of(search));
+}
+
+static double z_of(const struct search *search, int wave)
+{
+    const struct neph_cycle_probe probe = probe_of(search, wave);
+    return neph_cycle_floor_z(&search->floor, &probe);
+}
+
+/* Whether a wave may be taken on trial, and by how much it stands out. */
+static bool may_be_taken(const struct search *search, int wave, double *z)
+{
+    const struct neph_cycle_tableau *tableau = &search->tableau;
+    if (tableau->inside[wave] || neph_cycle_gain(tableau, wave) < trial_share * search->total ||
+        neph_cycle_separation(tableau, wave) < separation_min)
+        return false;
+    const struct neph_cycle_probe probe = probe_of(search, wave);
+    *z = neph_cycle_floor_z(&search->floor, &probe);
+    return *z > trial_z || neph_cycle_floor_towers(&search->floor, &probe);
+}
+
+/* The candidate outside that stands out most, or 0. */
+static int most_prominent(const struct search *search)
+{
+    int best = 0;
+    double best_z = -INFINITY;
+    for (int w = 1; w <= search->candidates->count; w++) {
+        double z;
+        if (may_be_taken(search, w, &z) && z > best_z) {
+            best_z = z;
+            best = w;
+        }
+    }
+    return best;
+}
+
+static bool is_near(const struct search *search, int a, int b)
+{
+    const double off = search->per_frame[a - 1] - search->per_frame[b - 1];
+    return fabs(off) * (double)search->frame_count < near_bins;
+}
+
+/* The candidate outside and near `wave` that would explain most, or `wave`, which is outside. */
+static int best_near(const struct search *search, int wave)
+{
+    int best = wave;
+    double best_gain = neph_cycle_gain(&search->tableau, wave) + 1e-12 * search->total;
+    for (int w = 1; w <= search->candidates->count; w++) {
+        if (search->tableau.inside[w] || w == wave || !is_near(search, w, wave) ||
+            neph_cycle_separation(&search->tableau, w) < separation_min)
+            continue;
+        const double gain = neph_cycle_gain(&search->tableau, w);
+        if (gain > best_gain) {
+            best_gain = gain;
+            best = w;
+        }
+    }
+    return best;
+}
+
+/* Exchange members near `around` (0: all) for better neighbours until none is better. */
+static void exchange(struct search *search, int around)
+{
+    bool changed = true;
+    for (int sweep = 0; sweep < SWEEPS && changed; sweep++) {
+        changed = false;
+        for (int w = 1; w <= search->candidates->count; w++) {
+            if (!search->tableau.inside[w] || (around && !is_near(search, w, around)))
+                continue;
+            turn(search, w);
+            const int better = best_near(search, w);
+            turn(search, better);
+            changed = changed || better != w;
+        }
+    }
+}
+
+/* Two members for the two near candidates that explain most together: one after the other may not
+ * lead there. */
+static void exchange_pair(struct search *search, int one, int other)
+{
+    const int count = search->candidates->count;
+    int best[2] = {one, other};
+    double least = search->residual - 1e-12 * search->total;
+    turn(search, one);
+    turn(search, other);
+    for (int w = 1; w <= count; w++) {
+        if (search->tableau.inside[w] || !is_near(search, w, one) ||
+            neph_cycle_separation(&search->tableau, w) < separation_min)
+            continue;
+        turn(search, w);
+        const int partner = best_near(search, other == w ? one : other);
+        const double left = search->residual - neph_cycle_gain(&search->tableau, partner);
+        if (left < least) {
+            least = left;
+            best[0] = w;
+            best[1] = partner;
+        }
+        turn(search, w);
+    }
+    turn(search, best[0]);
+    turn(search, best[1]);
+}
+
+static void exchange_pairs(struct search *search)
+{
+    const int count = search->candidates->count;
+    for (int one = 1; one <= count; one++)
+        for (int other = one + 1; other <= count; other++)
+            if (search->tableau.inside[one] && search->tableau.inside[other] &&
+                is_near(search, one, other))
+                exchange_pair(search, one, other);
+    neph_cycle_tableau_refresh(&search->tableau);
+}
+
+static void take(struct search *search)
+{
+    const int most = search->frame_count / 4 - 1;
+    while (search->inside_count < most) {
+        find_floor(search);
+        const int wave = most_prominent(search);
+        if (!wave)
+            break;
+        turn(search, wave);
+        exchange(search, wave);
+    }
+}
+
+static double z_needed(const struct search *search)
+{
+    /* A power can only be too large: the two-sided test at twice the level. */
+    return neph_normal_critical(2.0 *
+                                neph_sidak_alpha(NEPH_CYCLE_ALPHA, search->candidates->count));
+}
+
+/* Drop the least certain wave until all are certain. */
+static void drop(struct search *search)
+{
+    const double needed = z_needed(search);
+    neph_cycle_tableau_refresh(&search->tableau);
+    for (;;) {
+        int worst = 0;
+        double worst_z = INFINITY;
+        find_floor(search);
+        for (int w = 1; w <= search->candidates->count; w++) {
+            if (!search->tableau.inside[w])
+                continue;
+            const bool is_much = neph_cycle_gain(&search->tableau, w) >=
+                                 NEPH_CYCLE_SHARE_MIN * search->total;
+            const bool is_apart = neph_cycle_separation(&search->tableau, w) >= separation_told;
+            const double z = is_much ? z_of(search, w) : -DBL_MAX;
+            if ((z < needed || !is_apart) && z < worst_z) {
+                worst = w;
+                worst_z = z;
+            }
+        }
+        if (!worst)
+            break;
+        turn(search, worst);
+    }
+}
+
+/* ---- the result ------------------------------------------------------------------------------ */
+
+/* The period that explains best what `wave` does, if it cannot be told from it: 0 if it can. */
+static int also_period(struct search *search, int wave)
+{
+    const double noise = neph_cycle_floor_at(&search->floor, search->per_frame[wave - 1]);
+    const double needed = told_apart * noise * search->floor.scatter.variance;
+    turn(search, wave);
+    const double own = neph_cycle_gain(&search->tableau, wave);
+    int also = 0;
+    double best = own - needed;
+    for (int w = 1; w <= search->candidates->count; w++) {
+        if (search->tableau.inside[w] || w == wave || !is_near(search, w, wave))
+            continue;
+        const double gain = neph_cycle_gain(&search->tableau, w);
+        if (gain > best && neph_cycle_separation(&search->tableau, w) > separation_min) {
+            best = gain;
+            also = search->candidates->items[w - 1].period;
+        }
+    }
+    turn(search, wave);
+    return also;
+}
+
+static enum neph_status report(struct search *search, struct neph_cycle_findings *findings,
+                               struct neph_diag *diag)
+{
+    struct neph_cycle_found *items = calloc((size_t)search->inside_count + 1, sizeof(*items));
+    if (!items)
+        return neph_fail_memory(diag);
+    const double n = (double)search->frame_count;
+    const double white = search->residual / (n - 2.0 - 2.0 * (double)search->inside_count);
+    int count = 0;
+    for (int w = 1; w <= search->candidates->count; w++) {
+        if (!search->tableau.inside[w])
+            continue;
+        const double noise = neph_cycle_floor_at(&search->floor, search->per_frame[w - 1]);
+        items[count++] = (struct neph_cycle_found){
+            .frequency = search->candidates->items[w - 1],
+            .noise = white > 0.0 ? noise / white : 1.0,
+            .also_period = also_period(search, w),
+        };
+    }
+    *findings = (struct neph_cycle_findings){
+        .items = items,
+        .count = count,
+        .scatter = sqrt(search->floor.scatter.variance),
+        .ratio_min = neph_cycle_floor_ratio(&search->floor, z_needed(search)),
+    };
+    return NEPH_OK;
+}
+
+enum neph_status neph_cycle_search(int frame_count, const double *moments,
+                                   const struct neph_cycle_frequencies *candidates,
+                                   struct neph_cycle_findings *findings, struct neph_diag *diag)
+{
+    struct search search = {.frame_count = frame_count, .candidates = candidates};
+    enum neph_status status = begin(&search, moments, diag);
+    for (int round = 0; round < ROUNDS && !status && search.total > 0.0; round++) {
+        take(&search);
+        exchange(&search, 0);
+        drop(&search);
+        if (round + 1 < ROUNDS)
+            exchange_pairs(&search);
+    }
+    if (!status)
+        status = report(&search, findings, diag);
+    end(&search);
+    return status;
+}

@@ -1,0 +1,107 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Where that which a pixel shows was in the frame before, by exact motion vectors, and whether it
+ * was seen there.
+ *
+ * motion.x, motion.y: where it was, minus where it is [px], x to the right, y down. Depth is Z of
+ * the image that has the motion; in the sky, and where a medium hides what is behind it,
+ * volume.distance where that is finite. The depth that is looked for in the frame before is
+ * motion.depth, or without it the depth of now: then a surface that comes nearer by more than the
+ * tolerance in a frame counts as disoccluded. Depths are kept as nearness, 1 / depth [1/m]: 0 is
+ * the sky, and it is linear over the picture of a plane.
+ */
+#ifndef NEPH_METRICS_EXTRACTORS_MOVED_H
+#define NEPH_METRICS_EXTRACTORS_MOVED_H
+
+#include "metrics/extractor.h"
+
+#include <math.h>
+
+/* The layers of a frame; borrowed. */
+struct neph_moved {
+    const char *of; /* "reference" or "test" */
+    const float *x_px, *y_px, *depth_m;
+    const float *before_m;   /* NULL: not known */
+    const float *distance_m; /* NULL: none */
+    float *transmittance[3];
+    bool has_transmittance;
+};
+
+/* Why a sequence that begins like this has no such layers; NULL: it has. */
+const char *neph_moved_obstacle(const struct neph_frame_pair *first);
+
+/* The layers of the reference, or else of the test. NEPH_ERR_INPUT: they are not there.
+ * NEPH_ERR_GATE: one has a value that cannot be. */
+enum neph_status neph_moved_find(const struct neph_frame_pair *pair, struct neph_moved *moved,
+                                 struct neph_diag *diag);
+
+/* Of what a pixel shows, now and, given that, in the frame before. */
+double neph_moved_nearness_per_m(const struct neph_moved *moved, size_t pixel);
+double neph_moved_nearness_before_per_m(const struct neph_moved *moved, size_t pixel,
+                                        double now_per_m);
+
+/* Four pixels of the frame before and their weights. */
+struct neph_place {
+    size_t taps[4];
+    double weights[4];
+    size_t nearest;
+};
+
+/* The place of a pixel in the frame before; false: outside of the picture, but for what rounding
+ * of the motion to float may have moved. */
+static inline bool neph_place_find(const struct neph_moved *moved, int width_px, int height_px,
+                                   int x, int y, struct neph_place *place)
+{
+    const double border_slack_px = 1e-3;
+    const size_t width = (size_t)width_px, i = (size_t)y * width + (size_t)x;
+    const double x_px = x + (double)moved->x_px[i], y_px = y + (double)moved->y_px[i];
+    const double last_x = width_px - 1, last_y = height_px - 1;
+    if (!(x_px >= -border_slack_px && x_px <= last_x + border_slack_px &&
+          y_px >= -border_slack_px && y_px <= last_y + border_slack_px))
+        return false;
+    const double at_x = fmin(fmax(x_px, 0.0), last_x), at_y = fmin(fmax(y_px, 0.0), last_y);
+    const size_t left = (size_t)at_x, top = (size_t)at_y;
+    const size_t right = left + (at_x > (double)left), bottom = top + (at_y > (double)top);
+    const double fx = at_x - (double)left, fy = at_y - (double)top;
+    *place = (struct neph_place){
+        .taps = {top * width + left, top * width + right, bottom * width + left,
+                 bottom * width + right},
+        .weights = {(1.0 - fx) * (1.0 - fy), fx * (1.0 - fy), (1.0 - fx) * fy, fx * fy},
+        .nearest = (size_t)(at_y + 0.5) * width + (size_t)(at_x + 0.5),
+    };
+    return true;
+}
+
+/* A plane of the frame before at the place, bilinear. */
+static inline double neph_place_value(const struct neph_place *place, const double *plane)
+{
+    double sum = 0.0;
+    for (int k = 0; k < 4; k++)
+        sum += place->weights[k] * plane[place->taps[k]];
+    return sum;
+}
+
+static inline bool neph_nearness_agrees(double nearness_per_m, double wanted_per_m,
+                                        double tolerance)
+{
+    return fabs(nearness_per_m - wanted_per_m) <= tolerance * wanted_per_m;
+}
+
+/* Whether the depth agrees at that very place; at one of the four pixels. Either: it was seen. */
+static inline bool neph_place_agrees(const struct neph_place *place, const double *nearness_per_m,
+                                     double wanted_per_m, double tolerance)
+{
+    return neph_nearness_agrees(neph_place_value(place, nearness_per_m), wanted_per_m, tolerance);
+}
+
+static inline bool neph_place_any_agrees(const struct neph_place *place,
+                                         const double *nearness_per_m, double wanted_per_m,
+                                         double tolerance)
+{
+    for (int k = 0; k < 4; k++)
+        if (neph_nearness_agrees(nearness_per_m[place->taps[k]], wanted_per_m, tolerance))
+            return true;
+    return false;
+}
+
+#endif

@@ -1,0 +1,132 @@
+#version 450
+// SPDX-License-Identifier: MIT
+//
+// The path tracer's kernel before the first collisions, where light is scattered once and some medium
+// has no closed form: a guess of the optical depths of each pixel's ray, from densities at a few
+// places, and the table of light that follows from it. One thread per pixel and edge of its table.
+#extension GL_GOOGLE_include_directive : require
+
+#include "tracer_guess.glsl"
+
+layout(local_size_x = 64) in;
+
+// On a ray to the sun, in each medium.
+const uint SUN_PLACES = 12;
+
+// Mean square over square of the mean, of the light of free flights: beyond, a guess is better.
+const float SPREAD_MAX = 4.0;
+
+shared float own_depths[64 * GUESS_PLACES]; // of the stretches of the cell behind each thread's edge
+shared float sun_depths[64];
+
+// Where a ray is in a medium; exact for those without closed forms.
+Stretch inside_of(uint m, vec3 origin_m, vec3 direction, float length_m)
+{
+    Stretch inside = Stretch(0.0, length_m);
+    if (!clip_box(frame.media[m].low_m, frame.media[m].high_m, origin_m, direction, inside.t0_m,
+                  inside.t1_m))
+        return Stretch(0.0, 0.0);
+    if ((OPEN_KINDS & (1u << frame.media[m].kind)) != 0u)
+        narrow(m, origin_m, direction, inside);
+    return inside;
+}
+
+// The hull of all media on the view ray; empty when there is none, or no end.
+Stretch find_hull(vec3 direction)
+{
+    float length_m = scene_hit(vec3(0.0), direction).t_m;
+    Stretch hull = Stretch(length_m, 0.0);
+    for (uint m = 0; m < frame.medium_count; m++) {
+        Stretch inside = inside_of(m, vec3(0.0), direction, length_m);
+        include(hull, inside.t0_m, inside.t1_m);
+    }
+    return hull.t1_m < 0.5 * FAR_M ? hull : Stretch(0.0, 0.0);
+}
+
+float guess_sun_depth(vec3 point_m)
+{
+    float sum = mean_of(scene_optical_depth(point_m, frame.sun_direction, FAR_M));
+    for (uint m = 0; m < frame.medium_count; m++) {
+        if ((OPEN_KINDS & (1u << frame.media[m].kind)) == 0u)
+            continue;
+        Stretch inside = inside_of(m, point_m, frame.sun_direction, FAR_M);
+        float step_m = max(inside.t1_m - inside.t0_m, 0.0) / float(SUN_PLACES);
+        float color = mean_of(frame.media[m].extinction_color);
+        for (uint i = 0; step_m > 0.0 && i < SUN_PLACES; i++) {
+            vec3 at_m = point_m + (inside.t0_m + (float(i) + 0.5) * step_m) * frame.sun_direction;
+            sum += step_m * color * medium_extinction_per_m(m, at_m);
+        }
+    }
+    return sum;
+}
+
+// None the same: what the places have missed is looked for as if there were a little everywhere.
+void sum_depths(uint pixel, uint first)
+{
+    float sum = 0.0;
+    for (uint i = 0; i < GUESS_STRETCHES; i++)
+        sum += own_depths[first * GUESS_PLACES + i];
+    float least = sum > 0.0 ? 0.05 * sum / float(GUESS_STRETCHES) : 1e-6;
+    float depth = 0.0;
+    guesses[pixel].depth[0] = 0.0;
+    for (uint i = 0; i < GUESS_STRETCHES; i++) {
+        depth += max(own_depths[first * GUESS_PLACES + i], least);
+        guesses[pixel].depth[i + 1u] = depth;
+    }
+}
+
+// The logarithm of what SPREAD_MAX limits.
+float log_spread(uint pixel)
+{
+    float squares[LIT_EDGES], most = DARK, sum = 0.0;
+    for (uint i = 0; i < LIT_EDGES; i++) {
+        squares[i] = -lits[pixel].x[i] - 2.0 * guesses[pixel].sun_depth[i];
+        most = max(most, squares[i]);
+    }
+    for (uint i = 0; i + 1u < LIT_EDGES; i++)
+        sum += cell_light(lits[pixel].x[i + 1u] - lits[pixel].x[i], squares[i] - most,
+                          squares[i + 1u] - most);
+    float free = absorbed_fraction(lits[pixel].x[LIT_EDGES - 1u]);
+    return most + log(max(sum * free, 1e-30)) - 2.0 * lits[pixel].log_whole;
+}
+
+void complete(uint pixel, uint first)
+{
+    float x[LIT_EDGES], log_light[LIT_EDGES];
+    for (uint i = 0; i < LIT_EDGES; i++) {
+        x[i] = guesses[pixel].depth[i * GUESS_PLACES];
+        log_light[i] = -x[i] - sun_depths[first + i];
+        guesses[pixel].sun_depth[i] = sun_depths[first + i];
+    }
+    lit_complete(pixel, x, log_light);
+    guesses[pixel].is_known = uint(log_spread(pixel) > log(SPREAD_MAX));
+}
+
+void main()
+{
+    uint edge = gl_GlobalInvocationID.x % LIT_EDGES, pixel = gl_GlobalInvocationID.x / LIT_EDGES;
+    bool is_any = pixel < run.pixel_count;
+    vec3 direction = pixel_ray(run.first_pixel + pixel);
+    Stretch hull = is_any ? find_hull(direction) : Stretch(0.0, 0.0);
+    float stretch_m = (hull.t1_m - hull.t0_m) / float(GUESS_STRETCHES);
+    bool is_seen = stretch_m > 0.0;
+    uint thread = gl_LocalInvocationID.x;
+    float from = float(edge * GUESS_PLACES);
+    if (is_seen)
+        sun_depths[thread] = guess_sun_depth((hull.t0_m + from * stretch_m) * direction);
+    for (uint i = 0; is_seen && i < GUESS_PLACES; i++) {
+        vec3 at_m = (hull.t0_m + (from + float(i) + 0.5) * stretch_m) * direction;
+        own_depths[thread * GUESS_PLACES + i] =
+            stretch_m * mean_of(scene_extinction_per_m(KINDS, at_m));
+    }
+    barrier();
+    if (!is_any || edge != 0u)
+        return;
+    guesses[pixel].t0_m = hull.t0_m;
+    guesses[pixel].stretch_m = stretch_m;
+    guesses[pixel].is_known = 0u;
+    if (!is_seen)
+        return;
+    sum_depths(pixel, thread);
+    complete(pixel, thread);
+}

@@ -1,0 +1,323 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * A variant as a file: the text of the scene that it came from, with some values replaced.
+ */
+#include "scenes/variant.h"
+
+#include "base/files.h"
+#include "base/text.h"
+#include "scenes/document.h"
+#include "scenes/schema.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* name, title, frames, sun or camera, and the files of volumes */
+enum { SPLICES_MAX = 4 + NEPH_SCENE_MEDIA_MAX };
+
+/* Bytes of the file that give way to a text. */
+struct splice {
+    size_t from, to;
+    char *text; /* owned */
+};
+
+struct file {
+    char *text; /* owned */
+    size_t size;
+    struct neph_document document;
+    struct splice splices[SPLICES_MAX];
+    int splice_count;
+};
+
+/* --- places in the file ----------------------------------------------------------------------- */
+
+/* libyaml counts characters, without a byte order mark. */
+static size_t byte_of(const struct file *file, size_t character)
+{
+    size_t byte = strncmp(file->text, "\xef\xbb\xbf", 3) == 0 ? 3 : 0;
+    for (; byte < file->size && (character > 0 || ((unsigned char)file->text[byte] & 0xc0) == 0x80);
+         byte++)
+        character -= ((unsigned char)file->text[byte] & 0xc0) != 0x80;
+    return byte;
+}
+
+static bool is_block(const yaml_node_t *node)
+{
+    return node->type == YAML_MAPPING_NODE && node->data.mapping.style == YAML_BLOCK_MAPPING_STYLE;
+}
+
+/* `text` is consumed; NULL: there was no memory for it. */
+static enum neph_status add_splice(struct file *file, size_t from, size_t to, char *text,
+                                   struct neph_diag *diag)
+{
+    if (!text)
+        return neph_fail_memory(diag);
+    file->splices[file->splice_count++] = (struct splice){from, to, text};
+    return NEPH_OK;
+}
+
+/* A mapping in block style ends where the next key begins: the indentation of that one stays. */
+static enum neph_status replace_node(struct file *file, const yaml_node_t *node, const char *text,
+                                     struct neph_diag *diag)
+{
+    const size_t from = byte_of(file, node->start_mark.index);
+    size_t to = byte_of(file, node->end_mark.index);
+    while (is_block(node) && file->text[to - 1] == ' ')
+        to--;
+    return add_splice(file, from, to, neph_format(is_block(node) ? "%s\n" : "%s", text), diag);
+}
+
+/* Replace the value of a key of the scene, or put both before all others. */
+static enum neph_status replace_key(struct file *file, const char *key, const char *text,
+                                    struct neph_diag *diag)
+{
+    const yaml_node_t *root = neph_document_root(&file->document);
+    const yaml_node_t *value = neph_document_value(&file->document, root, key, strlen(key));
+    if (value)
+        return replace_node(file, value, text, diag);
+    const yaml_node_t *first = yaml_document_get_node(&file->document.yaml,
+                                                      root->data.mapping.pairs.start->key);
+    const size_t place = byte_of(file, first->start_mark.index);
+    const int column = (int)first->start_mark.column;
+    char *pair = is_block(root) ? neph_format("%s: %s\n%*s", key, text, column, "")
+                                : neph_format("%s: %s, ", key, text);
+    return add_splice(file, place, place, pair, diag);
+}
+
+/* --- values ----------------------------------------------------------------------------------- */
+
+static char *quoted(const char *text)
+{
+    char *made = NULL;
+    size_t size = 0;
+    FILE *out = open_memstream(&made, &size);
+    if (!out)
+        return NULL;
+    fputc('\'', out);
+    for (; *text; text++)
+        fputs(*text == '\'' ? "''" : (const char[]){*text, '\0'}, out);
+    fputc('\'', out);
+    if (fclose(out) == 0)
+        return made;
+    free(made);
+    return NULL;
+}
+
+static void put_vec3(FILE *out, const char *key, double x, double y, double z)
+{
+    fprintf(out, "%s: [%.17g, %.17g, %.17g]", key, x, y, z);
+}
+
+/* The key with its value as the file has it, so that it is read as the same number. */
+static bool put_as_it_was(FILE *out, struct file *file, const char *path, const char *before)
+{
+    const char *dot = strrchr(path, '.'), *key = dot + 1;
+    const yaml_node_t *node = neph_document_find(&file->document, path);
+    if (node->type == YAML_MAPPING_NODE)
+        return false; /* only a part of the path is there */
+    const size_t from = byte_of(file, node->start_mark.index);
+    const size_t to = byte_of(file, node->end_mark.index);
+    fprintf(out, "%s%s: %.*s", before, key, (int)(to - from), file->text + from);
+    return true;
+}
+
+static void put_sun(FILE *out, struct file *file, const struct neph_scene *made)
+{
+    fprintf(out, "{keys: [");
+    for (int i = 0; i < made->sun_key_count; i++) {
+        const struct neph_sun_key *key = &made->sun_keys[i];
+        fprintf(out, "%s\n    {frame: %g, ", i ? "," : "", key->frame);
+        if (!put_as_it_was(out, file, "sun.direction", ""))
+            put_vec3(out, "direction", key->direction.x, key->direction.y, key->direction.z);
+        put_vec3(out, ", irradiance_w_per_m2", key->irradiance_w_per_m2.r,
+                 key->irradiance_w_per_m2.g, key->irradiance_w_per_m2.b);
+        fprintf(out, "}");
+    }
+    fprintf(out, "]}");
+}
+
+static void put_camera(FILE *out, struct file *file, const struct neph_scene *made)
+{
+    fprintf(out, "{");
+    put_as_it_was(out, file, "camera.vertical_fov_deg", "");
+    put_as_it_was(out, file, "camera.up", ", ");
+    fprintf(out, ", keys: [");
+    for (int i = 0; i < made->camera_key_count; i++) {
+        const struct neph_camera_key *key = &made->camera_keys[i];
+        fprintf(out, "%s\n    {frame: %g, ", i ? "," : "", key->frame);
+        put_vec3(out, "position_m", key->position_m.x, key->position_m.y, key->position_m.z);
+        put_vec3(out, ", look_at_m", key->look_at_m.x, key->look_at_m.y, key->look_at_m.z);
+        fprintf(out, "%s}", key->cut ? ", cut: true" : "");
+    }
+    fprintf(out, "]}");
+}
+
+static void put_frames(FILE *out, struct file *file, const struct neph_scene *made)
+{
+    (void)file;
+    fprintf(out, "{count: %d, rate_hz: %.17g", made->frame_count, made->frame_rate_hz);
+    for (int i = 0; i < made->frame_scale_count; i++)
+        fprintf(out, "%s{frame: %d, scale: %.17g}", i ? ", " : ", sizes: [",
+                made->frame_scales[i].frame, made->frame_scales[i].scale);
+    fprintf(out, "%s}", made->frame_scale_count > 0 ? "]" : "");
+}
+
+typedef void put_function(FILE *out, struct file *file, const struct neph_scene *made);
+
+static enum neph_status rewrite(struct file *file, const char *key, put_function *put,
+                                const struct neph_scene *made, struct neph_diag *diag)
+{
+    char *text = NULL;
+    size_t size = 0;
+    FILE *out = open_memstream(&text, &size);
+    if (!out)
+        return neph_fail_memory(diag);
+    put(out, file, made);
+    enum neph_status status = fclose(out) == 0 ? replace_key(file, key, text, diag)
+                                               : neph_fail_memory(diag);
+    free(text);
+    return status;
+}
+
+static enum neph_status rewrite_text(struct file *file, const char *key, const char *value,
+                                     struct neph_diag *diag)
+{
+    char *text = quoted(value);
+    enum neph_status status = text ? replace_key(file, key, text, diag) : neph_fail_memory(diag);
+    free(text);
+    return status;
+}
+
+/* In quotes; relative paths start at the scene file, and the variant will lie elsewhere. */
+static enum neph_status absolute_path(const char *scene_path, const char *relative, char **path,
+                                      struct neph_diag *diag)
+{
+    const char *slash = strrchr(scene_path, '/');
+    char *joined = neph_format("%.*s%s", slash ? (int)(slash - scene_path + 1) : 0, scene_path,
+                               relative);
+    if (!joined)
+        return neph_fail_memory(diag);
+    char *absolute = realpath(joined, NULL);
+    enum neph_status status = NEPH_OK;
+    if (!absolute)
+        status = neph_fail(diag, NEPH_ERR_IO, "cannot resolve '%s': %s", joined, strerror(errno));
+    else if (!(*path = quoted(absolute)))
+        status = neph_fail_memory(diag);
+    free(absolute);
+    free(joined);
+    return status;
+}
+
+static enum neph_status rewrite_volume(struct file *file, int medium, const char *scene_path,
+                                       struct neph_diag *diag)
+{
+    char key[64], *path = NULL;
+    snprintf(key, sizeof(key), "media[%d].volume.file", medium);
+    const yaml_node_t *node = neph_document_find(&file->document, key);
+    if (node->type != YAML_SCALAR_NODE || strchr("$/", neph_document_text(node)[0]))
+        return NEPH_OK;
+    enum neph_status status = absolute_path(scene_path, neph_document_text(node), &path, diag);
+    if (!status)
+        status = replace_node(file, node, path, diag);
+    free(path);
+    return status;
+}
+
+/* --- the file --------------------------------------------------------------------------------- */
+
+static enum neph_status read_file(const char *path, struct file *file, struct neph_diag *diag)
+{
+    enum neph_status status = neph_file_read(path, NEPH_SCENE_FILE_MAX_BYTES, &file->text,
+                                             &file->size, diag);
+    if (status)
+        return status;
+    if (!neph_text_is_utf8(file->text, file->size))
+        status = neph_fail(diag, NEPH_ERR_UNSUPPORTED,
+                           "'%s' is not in UTF-8: its variants cannot be written as a file", path);
+    else
+        status = neph_document_init(&file->document, path, file->text, file->size,
+                                    NEPH_SCENE_DEPTH_MAX, diag);
+    if (status)
+        free(file->text);
+    return status;
+}
+
+static void finish(struct file *file)
+{
+    for (int i = 0; i < file->splice_count; i++)
+        free(file->splices[i].text);
+    neph_document_finish(&file->document);
+    free(file->text);
+}
+
+static enum neph_status make_splices(struct file *file, const struct neph_scene *made,
+                                     enum neph_variant_kind kind, struct neph_diag *diag)
+{
+    const bool cuts = kind == NEPH_VARIANT_CAMERA_CUT;
+    enum neph_status status = rewrite_text(file, "name", made->name, diag);
+    if (!status)
+        status = rewrite_text(file, "title", made->title, diag);
+    if (!status)
+        status = rewrite(file, "frames", put_frames, made, diag);
+    if (!status)
+        status = rewrite(file, cuts ? "camera" : "sun", cuts ? put_camera : put_sun, made, diag);
+    for (int i = 0; i < made->medium_count && !status; i++)
+        status = rewrite_volume(file, i, made->path, diag);
+    return status;
+}
+
+static int by_place(const void *a_, const void *b_)
+{
+    const struct splice *a = a_, *b = b_;
+    return (a->from > b->from) - (a->from < b->from);
+}
+
+static enum neph_status join(struct file *file, char **text, struct neph_diag *diag)
+{
+    char *joined = NULL;
+    size_t size = 0, place = 0;
+    FILE *out = open_memstream(&joined, &size);
+    if (!out)
+        return neph_fail_memory(diag);
+    qsort(file->splices, (size_t)file->splice_count, sizeof(file->splices[0]), by_place);
+    for (int i = 0; i < file->splice_count; i++) {
+        fwrite(file->text + place, 1, file->splices[i].from - place, out);
+        fputs(file->splices[i].text, out);
+        place = file->splices[i].to;
+    }
+    fwrite(file->text + place, 1, file->size - place, out);
+    if (fclose(out) != 0) {
+        free(joined);
+        return neph_fail_memory(diag);
+    }
+    *text = joined;
+    return NEPH_OK;
+}
+
+static enum neph_status write_text(const struct neph_scene *made, enum neph_variant_kind kind,
+                                   char **text, struct neph_diag *diag)
+{
+    struct file file = {.splice_count = 0};
+    enum neph_status status = read_file(made->path, &file, diag);
+    if (status)
+        return status;
+    status = make_splices(&file, made, kind, diag);
+    if (!status)
+        status = join(&file, text, diag);
+    finish(&file);
+    return status;
+}
+
+enum neph_status neph_scene_variant_text(const struct neph_scene *scene,
+                                         const struct neph_variant *variant, char **text,
+                                         struct neph_diag *diag)
+{
+    struct neph_scene *made = NULL;
+    enum neph_status status = neph_scene_variant(scene, variant, &made, diag);
+    if (!status)
+        status = write_text(made, variant->kind, text, diag);
+    neph_scene_destroy(made);
+    return status;
+}

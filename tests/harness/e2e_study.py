@@ -1,0 +1,143 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""`neph study flicker` as a user runs it, in small pictures: references, reuse, refusals, Ctrl-C."""
+import csv
+import json
+import os
+import pathlib
+import signal
+import subprocess
+import tempfile
+import time
+import unittest
+import xml.etree.ElementTree
+
+NEPH = os.environ["NEPH"]
+CACHE = tempfile.TemporaryDirectory()  # of blue noise, which is made once
+unittest.addModuleCleanup(CACHE.cleanup)
+ENVIRONMENT = {**os.environ, "NEPH_VULKAN_VALIDATION": "1", "XDG_CACHE_HOME": CACHE.name}
+
+# A wall half before a blob: an edge that a pixel's 16 rays see otherwise than its centre does.
+REST = """
+name: rest
+title: a test
+physics: a test
+camera: {position_m: [0, 2, 0], look_at_m: [0, 2, -10], vertical_fov_deg: 40}
+frames: {count: 20, rate_hz: 30}
+sun: {direction: [0.6, 0.75, 0.3], irradiance_w_per_m2: [6, 6, 6]}
+background_w_per_m2_sr: [0.5, 0.25, 0.125]
+scattering: single
+solids:
+  - box: {min_m: [0.1, -6, -21], max_m: [30, 6, -20], albedo: [0.2, 0.2, 0.2]}
+media:
+  - gaussian: {center_m: [-2, 3, -30], width_m: 3, extinction_per_m: 0.3, albedo: [1, 1, 1]}
+"""
+MOVES = REST.replace("rest", "moves").replace("background", "wind: {velocity_m_per_s: [9, 0, 0]}\nbackground")
+MULTIPLE = REST.replace("rest", "multiple").replace("scattering: single", "scattering: multiple")
+
+
+class Study(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+        self.rest, self.moves, self.multiple = (self.folder / f"{name}.yaml" for name in ("rest", "moves", "multiple"))
+        for path, text in ((self.rest, REST), (self.moves, MOVES), (self.multiple, MULTIPLE)):
+            path.write_text(text)
+
+    def command(self, *arguments, frames=16, seeds=1):
+        return [NEPH, "study", "flicker", *map(str, arguments), "--size", "32x18", "--steps", "3", "--frames", str(frames),
+                "--seeds", str(seeds), "-q", "-o", str(self.folder / "out")]
+
+    def run_neph(self, *arguments, **options):
+        return subprocess.run(self.command(*arguments, **options), capture_output=True, text=True, timeout=300, env=ENVIRONMENT)
+
+    def study(self, *arguments, **options):
+        done = self.run_neph("--json", *arguments, **options)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return json.loads(done.stdout)
+
+    def test_rest_and_motion_have_the_same_policy(self):
+        """`off` is the march through centres: against these it has no error, against the reference it has."""
+        found = self.study(self.rest, self.moves, self.multiple, "--presets", "off,fixed", "--takes", "flicker", frames=24)
+        rest, moves, multiple = found["scenes"]
+        self.assertEqual([s["reference"] for s in (rest, moves)], ["march, 16 rays a pixel, 3 steps"] * 2)
+        self.assertEqual([s["moves"] for s in (rest, moves)], [False, True])
+        self.assertEqual([s["frames"] for s in (rest, moves)], [24, 20])  # motion ends with the scene
+        self.assertEqual([s["reference_pictures"] for s in (rest, moves)], [2, 40])
+        self.assertIn("multiple", multiple["left_out"])
+        for scene in ("rest", "moves"):
+            cell, = (r for r in found["results"] if (r["scene"], r["preset"], r["metric"]) == (scene, "off", "rel_rmse"))
+            self.assertEqual(cell["against_centre_rays"], 0.0)
+            self.assertGreater(cell["value"], 1e-3)
+        self.assertEqual({p["scenes"] for p in found["pairs"] if p["metric"] == "rel_rmse"}, {2})
+        for preset in found["presets"]:
+            self.assertIn("steps=3 ", preset["settings"])
+        views = {(p["rate_hz"], p["pixels_per_degree"]) for p in found["pairs"]}
+        self.assertEqual(views, {(f, ppd) for f in (24, 30, 60) for ppd in (30, 60)})
+
+    def test_tables_csv_and_plot_and_what_is_finished_is_not_rendered_again(self):
+        arguments = (self.rest, "--presets", "fixed,fixed+taa=off", "--takes", "flicker,step")
+        done = self.run_neph(*arguments, "--csv", self.folder / "all.csv", "--markdown", self.folder / "all.md")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual((self.folder / "all.md").read_text(), done.stdout)
+        for word in ("march, 16 rays a pixel, 3 steps", "| first | second |", "Ranking by", "16 frames tell periods of 2 to 4"):
+            self.assertIn(word, done.stdout)
+        with open(self.folder / "all.csv", newline="") as file:
+            rows = list(csv.DictReader(file))
+        self.assertEqual({row["preset"] for row in rows}, {"fixed", "fixed+taa=off"})
+        for row in rows:
+            self.assertTrue(row["value"] or row["because"], row)
+            self.assertEqual(row["counts"] == "0", bool(row["because"]), row)
+        xml.etree.ElementTree.parse(self.folder / "out" / "flicker_lag.svg")
+        store = self.folder / "out" / "store" / "frames"
+        entries = {path: path.stat().st_mtime_ns for path in store.iterdir()}
+        self.assertEqual(len(entries), 2 + 4 + 4)  # a picture of the rest, two of the step, averaged and not; takes
+        again = self.study(*arguments)
+        self.assertIn("taa=off", again["presets"][1]["settings"])
+        self.assertEqual(len(again["results"]), len(rows))
+        self.assertEqual({path: path.stat().st_mtime_ns for path in store.iterdir()}, entries)
+
+    def test_interrupted_it_goes_on_from_there(self):
+        arguments = ("--json", self.moves, "--presets", "fixed", "--takes", "flicker")
+        store = self.folder / "out" / "store" / "frames"
+        run = subprocess.Popen(self.command(*arguments), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=ENVIRONMENT)
+        deadline = time.monotonic() + 60
+        while (not store.exists() or len(list(store.iterdir())) < 3) and time.monotonic() < deadline:
+            time.sleep(0.02)
+        run.send_signal(signal.SIGINT)
+        out, err = run.communicate(timeout=60)
+        self.assertEqual((run.returncode, out), (130, ""), err)
+        self.assertIn("goes on from there", err)
+        kept = {path: path.stat().st_mtime_ns for path in store.iterdir()}
+        self.assertGreaterEqual(len(kept), 3)
+        self.study(*arguments[1:])
+        for path, written in kept.items():
+            self.assertEqual(path.stat().st_mtime_ns, written)
+
+    def test_wrong_words(self):
+        for code, words, arguments in (
+                (64, ("best", "tuning"), ("--suite", "best")),
+                (64, ("not both",), ("--suite", "test", self.rest)),
+                (64, ("nope", "off, seed"), (self.rest, "--presets", "nope")),
+                (64, ("'ours' is twice",), (self.rest, "--presets", "ours,fixed,ours")),
+                (64, ("'zzz'",), (self.rest, "--presets", "ours+zzz=1")),
+                (64, ("'turn'", "sine"), (self.rest, "--takes", "turn")),
+                (64, ("multiple of 4",), (self.rest, "--frames", "18")),
+                (66, ("no_such",), ("no_such",)),
+        ):
+            done = subprocess.run([NEPH, "study", "flicker", *map(str, arguments), "-q", "-o", str(self.folder / "out")],
+                                  capture_output=True, text=True, timeout=60, env=ENVIRONMENT)
+            self.assertEqual((done.returncode, done.stdout), (code, ""), done.stderr)
+            for word in words:
+                self.assertIn(word, done.stderr, arguments)
+
+    def test_kinds_are_listed(self):
+        done = subprocess.run([NEPH, "study", "--help"], capture_output=True, text=True, timeout=60)
+        self.assertEqual(done.returncode, 0)
+        self.assertIn("flicker", done.stdout)
+        self.assertIn("steps", done.stdout)
+
+
+if __name__ == "__main__":
+    unittest.main()

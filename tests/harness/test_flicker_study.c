@@ -1,0 +1,344 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Flicker studies without a renderer: the tables name what there is, suites are disjoint, and what
+ * is said of pairs and rankings is the arithmetic of made-up numbers.
+ */
+#include "tests/neph_test.h"
+
+#include "base/files.h"
+#include "harness/data.h"
+#include "harness/flicker_pairs.h"
+#include "harness/flicker_study_output.h"
+#include "harness/flicker_suites.h"
+#include "metrics/extractor.h"
+#include "metrics/significance.h"
+
+/* ---- tables ---------------------------------------------------------------------------------- */
+
+static bool is_listed(const char *const *names, const char *name)
+{
+    while (*names && strcmp(*names, name) != 0)
+        names++;
+    return *names != NULL;
+}
+
+static void test_metrics_are_of_the_extractors_of_their_takes(void **state)
+{
+    (void)state;
+    assert_in_range(neph_study_metric_count(), 1, NEPH_STUDY_METRICS_MAX);
+    for (int m = 0; neph_study_metrics[m].title; m++) {
+        const struct neph_study_metric *metric = &neph_study_metrics[m];
+        const struct neph_study_take *take = &neph_study_takes[metric->take];
+        const char *const names[] = {metric->metric, metric->alone, metric->never_share};
+        for (size_t i = 0; i < sizeof(names) / sizeof(names[0]); i++) {
+            const struct neph_extractor *owner = NULL;
+            if (!names[i])
+                continue;
+            if (!neph_metric_find(names[i], &owner))
+                fail_msg("there is no metric %s", names[i]);
+            assert_true(is_listed(take->extractors, owner->name));
+            if (metric->of_the_eye && i == 0)
+                assert_true(is_listed(neph_study_eye_extractors, owner->name));
+        }
+        assert_true(!metric->of_the_eye || metric->take == NEPH_STUDY_FLICKER);
+        assert_true(metric->floor > 0.0 && metric->scale > 0.0);
+    }
+    assert_true(neph_study_metrics[neph_study_headline()].of_the_eye);
+    assert_int_equal(neph_study_metrics[neph_study_lag()].take, NEPH_STUDY_STEP);
+}
+
+/* Settings of extractors are words: they have to say the numbers that the variants are made with.
+ */
+static void test_settings_say_what_the_variants_do(void **state)
+{
+    (void)state;
+    char words[64];
+    snprintf(words, sizeof(words), "lag.step_frame=%d", NEPH_STUDY_EVENT_FRAME);
+    assert_true(is_listed(neph_study_takes[NEPH_STUDY_STEP].settings, words));
+    assert_true(is_listed(neph_study_takes[NEPH_STUDY_CUT].settings, words));
+    for (int i = 0; i < NEPH_VARIANT_PERIOD_COUNT; i++) {
+        snprintf(words, sizeof(words), "follow.period_%d=%d", i + 1, neph_variant_periods[i]);
+        assert_true(is_listed(neph_study_takes[NEPH_STUDY_SINE].settings, words));
+        assert_int_equal(neph_study_takes[NEPH_STUDY_SINE].frame_count % neph_variant_periods[i],
+                         0);
+    }
+}
+
+/* ---- suites ---------------------------------------------------------------------------------- */
+
+static void test_suites_hold_scenes_that_are_there(void **state)
+{
+    (void)state;
+    static const char *const suites[] = {"tuning", "test"};
+    for (size_t s = 0; s < sizeof(suites) / sizeof(suites[0]); s++) {
+        char **names = NULL;
+        int count = 0;
+        struct neph_diag diag = {.line = 0};
+        neph_assert_ok(neph_flicker_suite_find(suites[s], &names, &count, &diag), &diag);
+        assert_true(count >= 8);
+        for (int i = 0; i < count; i++) {
+            struct neph_scene *scene = NULL;
+            neph_assert_ok(neph_data_load_scene(names[i], &scene, &diag), &diag);
+            assert_int_equal(scene->scattering, NEPH_SCATTERING_SINGLE);
+            neph_scene_destroy(scene);
+        }
+        neph_data_free_names(names);
+    }
+}
+
+static void test_an_unknown_suite_is_refused_with_those_there_are(void **state)
+{
+    (void)state;
+    char **names = NULL;
+    int count = 0;
+    struct neph_diag diag = {.line = 0};
+    assert_int_equal(neph_flicker_suite_find("best", &names, &count, &diag), NEPH_ERR_USAGE);
+    assert_non_null(strstr(diag.hint, "tuning"));
+    assert_non_null(strstr(diag.hint, "test"));
+}
+
+static void test_a_scene_in_both_suites_is_refused(void **state)
+{
+    (void)state;
+    static const char twice[] = "{\"format\": \"neph-flicker-suites-1\", \"suites\": {"
+                                "\"tuning\": [{\"scene\": \"fog\", \"reason\": \"a\"}],"
+                                "\"test\": [{\"scene\": \"fog\", \"reason\": \"b\"}]}}";
+    char folder[] = "/tmp/neph-suites-XXXXXX", path[128], **names = NULL;
+    int count = 0;
+    struct neph_diag diag = {.line = 0};
+    assert_non_null(mkdtemp(folder));
+    snprintf(path, sizeof(path), "%s/scenes", folder);
+    assert_int_equal(neph_dir_create(path, NULL), NEPH_OK);
+    snprintf(path, sizeof(path), "%s/scenes/studies", folder);
+    assert_int_equal(neph_dir_create(path, NULL), NEPH_OK);
+    snprintf(path, sizeof(path), "%s/scenes/studies/flicker.json", folder);
+    assert_int_equal(neph_file_write(path, twice, strlen(twice), NULL), NEPH_OK);
+    setenv("NEPH_DATA_DIR", folder, 1);
+    assert_int_equal(neph_flicker_suite_find("test", &names, &count, &diag), NEPH_ERR_INPUT);
+    unsetenv("NEPH_DATA_DIR");
+    assert_non_null(strstr(diag.message, "fog"));
+    neph_dir_remove(folder, NULL);
+}
+
+/* ---- numbers of a study ---------------------------------------------------------------------- */
+
+enum { SCENES = 4, PRESETS = 3, SEEDS = 2 };
+
+static const char *const presets[PRESETS] = {"a", "b+\"x\"=1", "c<d"};
+static const struct neph_flicker_study_params params = {
+    .presets = presets,
+    .preset_count = PRESETS,
+    .scene_count = SCENES,
+    .seed_count = SEEDS,
+    .frame_count = 64,
+    .steps = 8,
+    .width_px = 16,
+    .height_px = 9,
+    .takes = {true, true, true, true},
+};
+
+/* Every cell counts and is 1; scenes have names. */
+static void make_study(struct neph_flicker_study *study)
+{
+    static char *names[SCENES] = {"one", "two", "three", "four"};
+    *study = (struct neph_flicker_study){.params = &params, .device = "nowhere"};
+    study->scenes = calloc(SCENES, sizeof(*study->scenes));
+    study->cells = calloc((size_t)(SCENES * PRESETS * SEEDS * neph_study_metric_count()),
+                          sizeof(*study->cells));
+    assert_non_null(study->scenes);
+    assert_non_null(study->cells);
+    for (int s = 0; s < SCENES; s++) {
+        study->scenes[s].name = strdup(names[s]);
+        study->scenes[s].title = strdup(names[s]);
+        study->scenes[s].frame_count = 64;
+    }
+    for (int i = 0; i < PRESETS; i++)
+        study->settings[i] = strdup("");
+    for (int i = 0; i < SCENES * PRESETS * SEEDS * neph_study_metric_count(); i++) {
+        study->cells[i] = (struct neph_study_cell){.value = 1.0, .centre = 1.0, .counts = true};
+        for (int d = 0; d < NEPH_STUDY_DISPLAYS; d++)
+            study->cells[i].displays[d] = 1.0;
+    }
+}
+
+/* The same at all displays. */
+static void set(struct neph_flicker_study *study, int scene, int preset, int seed, int metric,
+                double value)
+{
+    struct neph_study_cell *cell = neph_study_cell_at(study, scene, preset, seed, metric);
+    cell->value = value;
+    for (int d = 0; d < NEPH_STUDY_DISPLAYS; d++)
+        cell->displays[d] = value;
+}
+
+/* Seeds a tenth and ten times make one; differences of 0.1 .. 0.4 decades have the mean 0.25, the
+ * deviation sqrt(0.05 / 3), and Student's interval with three degrees of freedom. */
+static void test_a_pair_is_students_interval_over_scenes(void **state)
+{
+    (void)state;
+    struct neph_flicker_study study;
+    struct neph_study_pair pair;
+    make_study(&study);
+    const int metric = neph_study_headline();
+    for (int s = 0; s < SCENES; s++)
+        for (int seed = 0; seed < SEEDS; seed++) {
+            set(&study, s, 0, seed, metric, pow(10.0, 0.1 * (s + 1)) * (seed ? 10.0 : 0.1));
+            set(&study, s, 1, seed, metric, seed ? 0.1 : 10.0);
+        }
+    neph_assert_ok(neph_study_pair(&study, metric, 0, 0, 1, &pair, NULL), NULL);
+    const double half = neph_student_critical(0.05, 3.0) * sqrt(0.05 / 3.0) / 2.0;
+    assert_int_equal(pair.scene_count, 4);
+    neph_assert_close(pair.mean, 0.25, 1e-12, 0.0);
+    neph_assert_close(pair.low, 0.25 - half, 1e-9, 0.0);
+    neph_assert_close(pair.high, 0.25 + half, 1e-9, 0.0);
+    assert_int_equal(pair.worse, 4);
+    assert_int_equal(pair.better + pair.alike, 0);
+    neph_assert_close(pair.p_sign, 0.125, 1e-12, 0.0);
+    assert_int_equal(neph_study_pair_verdict(&pair), 1);
+    neph_assert_ok(neph_study_pair(&study, metric, 0, 1, 0, &pair, NULL), NULL);
+    assert_int_equal(neph_study_pair_verdict(&pair), -1);
+    neph_flicker_study_finish(&study);
+}
+
+/* Two numbers below the floor are alike, and one seed that does not count leaves its scene out. */
+static void test_what_takes_no_part(void **state)
+{
+    (void)state;
+    struct neph_flicker_study study;
+    struct neph_study_pair pair;
+    make_study(&study);
+    const int metric = neph_study_headline();
+    const double floor = neph_study_metrics[metric].floor;
+    set(&study, 0, 0, 0, metric, 0.0);
+    set(&study, 0, 0, 1, metric, 0.9 * floor);
+    set(&study, 0, 1, 0, metric, 0.1 * floor);
+    set(&study, 0, 1, 1, metric, floor);
+    neph_study_cell_at(&study, 1, 1, 1, metric)->counts = false;
+    set(&study, 2, 0, 1, metric, 0.5);
+    set(&study, 3, 1, 0, metric, NAN);
+    neph_assert_ok(neph_study_pair(&study, metric, 0, 0, 1, &pair, NULL), NULL);
+    assert_int_equal(pair.scene_count, 2);
+    assert_int_equal(pair.alike, 1);
+    assert_int_equal(pair.better, 1);
+    neph_flicker_study_finish(&study);
+}
+
+/* Without a scene in common there is no number, and with one no interval. */
+static void test_few_scenes_have_no_interval(void **state)
+{
+    (void)state;
+    struct neph_flicker_study study;
+    struct neph_study_pair pair;
+    make_study(&study);
+    for (int s = 0; s < SCENES; s++) {
+        const int metric = neph_study_headline();
+        neph_study_cell_at(&study, s, 0, 0, metric)->counts = s == 3;
+        neph_assert_ok(neph_study_pair(&study, metric, 0, 0, 1, &pair, NULL), NULL);
+        if (s < SCENES - 1)
+            continue;
+        assert_int_equal(pair.scene_count, 1);
+        assert_false(pair.has_interval);
+        assert_int_equal(neph_study_pair_verdict(&pair), 0);
+        neph_study_cell_at(&study, s, 0, 0, metric)->counts = false;
+        neph_assert_ok(neph_study_pair(&study, metric, 0, 0, 1, &pair, NULL), NULL);
+        assert_int_equal(pair.scene_count, 0);
+        assert_true(isnan(pair.mean));
+    }
+    neph_flicker_study_finish(&study);
+}
+
+/* c is best, then a, then b, at all displays but one, where a is. How bright a scene is does not
+ * widen the interval of a preset: here all scenes agree on what presets differ by. */
+static void test_a_ranking_that_turns_with_the_display_is_none(void **state)
+{
+    (void)state;
+    static const double relative[PRESETS] = {1.0, 2.0, 0.5};
+    struct neph_flicker_study study;
+    struct neph_study_level levels[PRESETS];
+    int order[PRESETS];
+    char *text = NULL;
+    make_study(&study);
+    const int metric = neph_study_headline();
+    for (int s = 0; s < SCENES; s++)
+        for (int preset = 0; preset < PRESETS; preset++)
+            for (int seed = 0; seed < SEEDS; seed++)
+                set(&study, s, preset, seed, metric, relative[preset] * pow(10.0, s));
+    neph_assert_ok(neph_study_levels(&study, metric, 0, levels, NULL), NULL);
+    for (int preset = 0; preset < PRESETS; preset++) {
+        neph_assert_close(levels[preset].mean, 1.5 + log10(relative[preset]), 1e-12, 0.0);
+        assert_int_equal(levels[preset].scene_count, SCENES);
+        if (levels[preset].has_interval) /* rounding */
+            neph_assert_close(levels[preset].low, levels[preset].high, 1e-12, 0.0);
+    }
+    neph_assert_ok(neph_study_ranking(&study, 0, order, NULL), NULL);
+    assert_true(order[0] == 2 && order[1] == 0 && order[2] == 1);
+    neph_assert_ok(neph_flicker_study_text(&study, &text, NULL), NULL);
+    assert_non_null(strstr(text, "The order holds at all 6 displays."));
+    free(text);
+    for (int s = 0; s < SCENES; s++)
+        for (int seed = 0; seed < SEEDS; seed++)
+            neph_study_cell_at(&study, s, 0, seed, metric)->displays[4] = 1e-2;
+    neph_assert_ok(neph_flicker_study_text(&study, &text, NULL), NULL);
+    assert_non_null(strstr(text, "The order holds at 5 of 6 displays: it is no ranking."));
+    free(text);
+    neph_flicker_study_finish(&study);
+}
+
+/* ---- output ---------------------------------------------------------------------------------- */
+
+static int count_of(const char *text, const char *part)
+{
+    int count = 0;
+    for (text = strstr(text, part); text; text = strstr(text + 1, part))
+        count++;
+    return count;
+}
+
+static void test_output_holds_every_number_and_says_why_some_do_not_count(void **state)
+{
+    (void)state;
+    struct neph_flicker_study study;
+    char *text = NULL, *csv = NULL, *svg = NULL;
+    make_study(&study);
+    const int metric = neph_study_headline();
+    struct neph_study_cell *cell = neph_study_cell_at(&study, 2, 1, 0, metric);
+    cell->counts = false;
+    snprintf(cell->because, sizeof(cell->because), "reference-limited: for a test");
+    neph_assert_ok(neph_flicker_study_text(&study, &text, NULL), NULL);
+    assert_non_null(strstr(text, "three, b+\"x\"=1: reference-limited: for a test."));
+    assert_non_null(strstr(text, "| three | 1 (1) | *1 (1) | 1 (1) |"));
+    assert_non_null(strstr(text, "64 frames tell periods of 2 to 8 frames apart"));
+    neph_assert_ok(neph_flicker_study_csv(&study, &csv, NULL), NULL);
+    assert_int_equal(count_of(csv, "\r\n"),
+                     1 + SCENES * PRESETS * SEEDS * neph_study_metric_count());
+    assert_non_null(strstr(csv, "three,\"b+\"\"x\"\"=1\",1,"));
+    neph_assert_ok(neph_flicker_study_plot(&study, &svg, NULL), NULL);
+    assert_int_equal(count_of(svg, "<circle"), PRESETS);
+    assert_non_null(strstr(svg, "c&#60;d"));
+    json_t *json = neph_flicker_study_json(&study);
+    assert_non_null(json);
+    assert_int_equal(json_array_size(json_object_get(json, "results")),
+                     SCENES * PRESETS * SEEDS * neph_study_metric_count());
+    json_decref(json);
+    free(text);
+    free(csv);
+    free(svg);
+    neph_flicker_study_finish(&study);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_metrics_are_of_the_extractors_of_their_takes),
+        cmocka_unit_test(test_settings_say_what_the_variants_do),
+        cmocka_unit_test(test_suites_hold_scenes_that_are_there),
+        cmocka_unit_test(test_an_unknown_suite_is_refused_with_those_there_are),
+        cmocka_unit_test(test_a_scene_in_both_suites_is_refused),
+        cmocka_unit_test(test_a_pair_is_students_interval_over_scenes),
+        cmocka_unit_test(test_what_takes_no_part),
+        cmocka_unit_test(test_few_scenes_have_no_interval),
+        cmocka_unit_test(test_a_ranking_that_turns_with_the_display_is_none),
+        cmocka_unit_test(test_output_holds_every_number_and_says_why_some_do_not_count),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

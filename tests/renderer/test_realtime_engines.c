@@ -1,0 +1,557 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * What the presets after the article and after other engines do in their own ways, on the device
+ * and in closed form: weights, boxes, rejections and stand-ins of published sources.
+ */
+#include "tests/renderer/reconstruct_test.h"
+
+#include "renderer/realtime/dither.h"
+#include "renderer/realtime/jitter.h"
+
+/* --- the article ------------------------------------------------------------------------------ */
+
+/* The first slice turns by the golden ratio: 0.618034 of the circle a frame. */
+static void test_a_slice_turns(void **state)
+{
+    (void)state;
+    uint32_t *ranks = calloc(NEPH_RT_NOISE_COUNT, sizeof(*ranks));
+    uint64_t seed = 41;
+    for (size_t i = 0; i < NEPH_RT_NOISE_COUNT; i++)
+        ranks[i] = (uint32_t)(test_random(&seed) % 4096);
+    const struct neph_rt_dither dither = {0, ranks};
+    for (int i = 0; i < 64; i++) {
+        const int x = i * 5 % 64, y = i;
+        const double first = neph_rt_dither(&dither, RT_DITHER_SPATIOTEMPORAL, x, y, 0, 0);
+        for (uint32_t frame = 0; frame < 33; frame += 4) {
+            const double value = neph_rt_dither(&dither, RT_DITHER_SLICE, x, y, frame, 0);
+            const double turned = first + 0.6180339887498949 * frame;
+            /* 24 bits of a value, and a step of 32 bits times 32 frames */
+            neph_assert_close(value, turned - floor(turned), 0, 2 * 0x1p-24);
+        }
+    }
+    free(ranks);
+}
+
+/* Its override takes the sky for 1000 km away where 20 km are stored with rays: a ridge at 18 km is
+ * covered by rays of the sky at 20 km, and not by those at 1000. */
+static void test_the_sky_of_the_override(void **state)
+{
+    for (int is_near = 0; is_near < 2; is_near++) {
+        const struct neph_settings settings = test_settings(
+            is_near ? "override=parallel override_sky_m=20000"
+                    : "override=parallel override_sky_m=1e6");
+        struct test_passes test;
+        test_passes_open(*state, &settings, (int[2]){20, 20}, (int[2]){0, 0}, 1, &test);
+        for (size_t i = 0; i < test_elements(&test, RT_HALF_DEPTH); i++)
+            test_set(&test, RT_HALF_DEPTH, i, (float[4]){NEPH_RT_FAR_M});
+        const int usual = neph_rt_default_slot(&test.view, 2, 2), other = (usual + 2) % 4;
+        const int *place = neph_rt_slot_place(&test.view, other);
+        neph_rt_put_half(&test.oracle, RT_HALF_DEPTH, 4 + place[0], 4 + place[1],
+                         (float[4]){18000});
+        test_passes_run(&test, &neph_rt_shader_tile_index, 0, 25);
+        uint32_t *words = test_download(&test, RT_TILE);
+        float tile[4];
+        neph_rt_load(&test.view.targets[RT_TILE], words, 2 * test.view.targets[RT_TILE].width + 2,
+                     tile);
+        assert_int_equal((int)tile[0], is_near ? usual : other);
+        free(words);
+        test_passes_close(&test);
+    }
+}
+
+/* History that says where it was looked up, in half-pixels: before a camera at rest by the
+ * difference of the two frames' jitters, or not at all. */
+static void test_history_follows_the_jitter(void **state)
+{
+    static const struct {
+        const char *assignments;
+        double follows;
+    } cases[] = {
+        {"jittered_depth=on reproject_jitter=on", 1},
+        {"jittered_depth=on reproject_jitter=off", 0},
+        {"jittered_depth=off reproject_jitter=on", 0}, /* the rays of media have none */
+    };
+    for (int i = 0; i < 3; i++) {
+        char words[200];
+        snprintf(words, sizeof(words),
+                 "box=none fresh_weight=0 color_format=float depth_format=float %s",
+                 cases[i].assignments);
+        struct test_passes test;
+        reconstruct_open(*state, words, 32, 24, &test);
+        const float now_px[2] = {0.25f, -0.375f}, before_px[2] = {-0.125f, 0.25f};
+        memcpy(test.view.jitter_px, now_px, sizeof(now_px));
+        memcpy(test.view.jitter_before_px, before_px, sizeof(before_px));
+        for (size_t k = 0; k < test_elements(&test, RT_HISTORY); k++)
+            test_set(&test, RT_HISTORY_BEFORE, k,
+                     (float[4]){(float)(k % 16), (float)(k / 16), 0, 1});
+        reconstruct_run(&test);
+        float value[4];
+        neph_rt_fetch_half(&test.oracle, RT_HISTORY, 7, 5, value);
+        /* half a pixel per pixel; float32 places of up to 32 px */
+        neph_assert_close(value[0], 7 + cases[i].follows * 0.1875, 0, 1e-5);
+        neph_assert_close(value[1], 5 - cases[i].follows * 0.3125, 0, 1e-5);
+        test_passes_close(&test);
+    }
+}
+
+/* --- 3x3 rays -----------------------------------------------------------------------------------
+ */
+
+static const int order[9][2] = {{1, 1}, {2, 1}, {0, 1}, {1, 2}, {1, 0},
+                                {2, 2}, {0, 2}, {2, 0}, {0, 0}};
+
+/* Nine tiles whose rays have the light 1 to 9 in that order and a depth each. */
+static void open_nine(struct neph_vulkan *vulkan, const char *assignments, const float depths_m[9],
+                      struct test_passes *test)
+{
+    char words[300];
+    snprintf(words, sizeof(words), "color_format=float depth_format=float %s", assignments);
+    reconstruct_open(vulkan, words, 12, 12, test);
+    for (int i = 0; i < 9; i++) {
+        const int *at = order[i];
+        const float light = 1.0f + (float)i;
+        float tile[4];
+        int place[2];
+        neph_rt_fetch_tile(&test->oracle, RT_TILE, at[0], at[1], tile);
+        tile[1] = neph_rt_stored_depth_m(&test->view, depths_m[i]) * 1e-4f;
+        neph_rt_put_tile(&test->oracle, RT_TILE, at[0], at[1], tile);
+        neph_rt_put_tile(&test->oracle, RT_RAY, at[0], at[1], (float[4]){light, light, light, 1});
+        reconstruct_marched(test, at[0], at[1], place);
+        neph_rt_put_half(&test->oracle, RT_HALF_DEPTH, place[0], place[1], (float[4]){depths_m[i]});
+    }
+}
+
+/* The half-pixel of the middle tile that is beside its ray: without a ray of its own. */
+static void skipped_one(const struct test_passes *test, int half_pixel[2])
+{
+    reconstruct_marched(test, 1, 1, half_pixel);
+    half_pixel[0] ^= 1;
+}
+
+/* Of the middle tile's half-pixel, from a ray of the nine, in tiles: square of the distance, and
+ * the bilinear weight. */
+static double distance_squared(const int half_pixel[2], int ray, double *bilinear)
+{
+    double sum = 0.0;
+    *bilinear = 1.0;
+    for (int axis = 0; axis < 2; axis++) {
+        const double way = (half_pixel[axis] + 0.5) / 2 - (order[ray][axis] + 0.5);
+        *bilinear *= fmax(1.0 - fabs(way), 0.0);
+        sum += way * way;
+    }
+    return sum;
+}
+
+static const float mixed_m[9] = {100, 90, 104, 400, NEPH_RT_FAR_M, 95, 130, NEPH_RT_FAR_M, 50};
+
+static double mean_of_nine(const int half_pixel[2], bool is_bilateral)
+{
+    double sum = 0.0, total = 0.0;
+    for (int i = 0; i < 9; i++) {
+        double weight;
+        const double square = distance_squared(half_pixel, i, &weight);
+        if (is_bilateral)
+            weight = mixed_m[i] < NEPH_RT_FAR_M ? exp(-square) / (fabs(100.0 - mixed_m[i]) + 2.0)
+                                                : 0.0;
+        sum += weight * (1 + i);
+        total += weight;
+    }
+    return sum / total;
+}
+
+static void test_what_stands_in_for_history(void **state)
+{
+    static const struct {
+        const char *assignments;
+        double expected; /* 0: a mean */
+    } cases[] = {
+        {"fallback=nearest", 1},
+        {"fallback=around", 3}, /* 104 m */
+        {"fallback=tile", 1},
+        {"fallback=bilinear", 0},
+        {"fallback=bilateral upscale_tolerance_m=2", 0},
+    };
+    for (int i = 0; i < 5; i++) {
+        struct test_passes test;
+        open_nine(*state, cases[i].assignments, mixed_m, &test);
+        test.view.has_history = 0;
+        int at[2];
+        skipped_one(&test, at);
+        neph_rt_put_half(&test.oracle, RT_HALF_DEPTH, at[0], at[1], (float[4]){100});
+        reconstruct_run(&test);
+        float value[4];
+        neph_rt_fetch_half(&test.oracle, RT_HISTORY, at[0], at[1], value);
+        const double expected = cases[i].expected ? cases[i].expected : mean_of_nine(at, i == 4);
+        neph_assert_close(value[0], expected, 2e-6, 0); /* nine sums and products of float32 */
+        test_passes_close(&test);
+    }
+}
+
+/* Rejected for its scene, a half-pixel takes what fallback_rejected says; off the screen or in a
+ * first frame what fallback does. */
+static void test_rejected_is_not_absent(void **state)
+{
+    for (int is_rejected = 0; is_rejected < 2; is_rejected++) {
+        struct test_passes test;
+        open_nine(*state, "fallback=tile fallback_rejected=around reject_depth=0.1", mixed_m,
+                  &test);
+        int at[2];
+        skipped_one(&test, at);
+        neph_rt_put_half(&test.oracle, RT_HALF_DEPTH, at[0], at[1], (float[4]){100});
+        reconstruct_fill(&test, RT_HALF_DEPTH_BEFORE, 500, 0, 0, 0);
+        test.view.has_history = (uint32_t)is_rejected;
+        reconstruct_run(&test);
+        float value[4];
+        neph_rt_fetch_half(&test.oracle, RT_HISTORY, at[0], at[1], value);
+        assert_true(value[0] == (is_rejected ? 3.0f : 1.0f));
+        test_passes_close(&test);
+    }
+}
+
+/* --- rejection ----------------------------------------------------------------------------------
+ */
+
+static int count_void(struct test_passes *test)
+{
+    int count = 0;
+    for (size_t i = 0; i < test_elements(test, RT_HISTORY_STATE); i++) {
+        float value[4];
+        test_get(test, RT_HISTORY, i, value);
+        count += value[0] == 0.0f;
+    }
+    return count;
+}
+
+/* History is bright, rays are dark, and none is fresh. */
+static void open_bright(struct neph_vulkan *vulkan, const char *assignments,
+                        struct test_passes *test)
+{
+    char words[200];
+    snprintf(words, sizeof(words), "box=none fresh_weight=0 %s", assignments);
+    reconstruct_open(vulkan, words, 32, 24, test);
+    reconstruct_fill(test, RT_HISTORY_BEFORE, 1, 1, 1, 1);
+}
+
+/* One half-pixel of the frame before was 1200 m nearer: its tile of four is rejected where that is
+ * more than allowed, whatever the half-pixel's own depth. */
+static void test_a_change_of_the_nearest_depth(void **state)
+{
+    static const struct {
+        const char *assignments;
+        int rejected;
+    } cases[] = {{"", 0}, {"reject_nearest_m=1000", 4}, {"reject_nearest_m=1300", 0}};
+    for (int i = 0; i < 3; i++) {
+        struct test_passes test;
+        open_bright(*state, cases[i].assignments, &test);
+        reconstruct_fill(&test, RT_HALF_DEPTH, 1300, 0, 0, 0);
+        reconstruct_fill(&test, RT_HALF_DEPTH_BEFORE, 1300, 0, 0, 0);
+        neph_rt_put_half(&test.oracle, RT_HALF_DEPTH_BEFORE, 7, 6, (float[4]){100});
+        reconstruct_run(&test);
+        assert_int_equal(count_void(&test), cases[i].rejected);
+        test_passes_close(&test);
+    }
+}
+
+/* The very half-pixel, or one of 3x3. */
+static void test_where_a_rejection_looks(void **state)
+{
+    static const char *const assignments[] = {"reject_depth=0.1 reject_around=on",
+                                              "reject_depth=0.1 reject_around=off"};
+    for (int i = 0; i < 2; i++) {
+        struct test_passes test;
+        open_bright(*state, assignments[i], &test);
+        neph_rt_put_half(&test.oracle, RT_HALF_DEPTH_BEFORE, 7, 6, (float[4]){50});
+        reconstruct_run(&test);
+        assert_int_equal(count_void(&test), i);
+        test_passes_close(&test);
+    }
+}
+
+/* A medium 100 m away. */
+static void test_near_media_have_no_history(void **state)
+{
+    static const char *const assignments[] = {"reproject_least_m=99", "reproject_least_m=101"};
+    for (int i = 0; i < 2; i++) {
+        struct test_passes test;
+        open_bright(*state, assignments[i], &test);
+        reconstruct_run(&test);
+        assert_int_equal(count_void(&test), i * 16 * 12);
+        test_passes_close(&test);
+    }
+}
+
+/* --- the box ------------------------------------------------------------------------------------
+ */
+
+/* Rays of (1, 1, 1) and (3, 2, 1), transmittances 0.2 and 0.6: the box has the middle (2, 1.5, 1)
+ * and reaches (1, 0.5, 0). */
+static void open_box(struct neph_vulkan *vulkan, const char *assignments, const float history[4],
+                     float age, struct test_passes *test)
+{
+    char words[300];
+    snprintf(words, sizeof(words), "color_format=float depth_format=float %s", assignments);
+    reconstruct_open(vulkan, words, 12, 12, test);
+    reconstruct_fill(test, RT_RAY, 1, 1, 1, 0.2f);
+    neph_rt_put_tile(&test->oracle, RT_RAY, 2, 2, (float[4]){3, 2, 1, 0.6f});
+    reconstruct_fill(test, RT_HISTORY_BEFORE, history[0], history[1], history[2], history[3]);
+    reconstruct_fill(test, RT_HISTORY_STATE_BEFORE, age, 100, 0, 0);
+}
+
+/* Towards the middle: of (6, 2, 1) a quarter of the way is left, along red. Clamped: (3, 2, 1). */
+static void test_colours_are_clipped(void **state)
+{
+    static const struct {
+        const char *assignments;
+        float history[4];
+        double expected[4];
+        double age, expected_age;
+    } cases[] = {
+        {"box_hold=clip", {6, 2, 1, 0.9f}, {3, 1.625, 1, 0.6}, 8, 8},
+        {"box_hold=clamp", {6, 2, 1, 0.9f}, {3, 2, 1, 0.6}, 8, 8},
+        {"box_hold=clip history_age_max=16 box_age=0.5", {6, 2, 1, 0.9f}, {3, 1.625, 1, 0.6}, 8, 4},
+        {"box_hold=clip history_age_max=16 box_age=0.5",
+         {6, 2, 1, 0.9f},
+         {3, 1.625, 1, 0.6},
+         200,
+         8},
+        {"box_hold=clip history_age_max=16 box_age=0.5", {6, 2, 1, 0.9f}, {3, 1.625, 1, 0.6}, 1, 1},
+        /* transmittance alone is no reason to doubt; nor is what is inside */
+        {"box_hold=clip history_age_max=16 box_age=0.5",
+         {2, 1.5f, 1, 0.9f},
+         {2, 1.5, 1, 0.6},
+         8,
+         8},
+        /* the box has no width along blue: its middle */
+        {"box_hold=clip", {2.5f, 1.5f, 5, 0.4f}, {2, 1.5, 1, 0.4f}, 8, 8},
+    };
+    for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+        struct test_passes test;
+        open_box(*state, cases[i].assignments, cases[i].history, (float)cases[i].age, &test);
+        reconstruct_run(&test);
+        int at[2];
+        skipped_one(&test, at);
+        float value[4], kept[4];
+        neph_rt_fetch_half(&test.oracle, RT_HISTORY, at[0], at[1], value);
+        neph_rt_fetch_half(&test.oracle, RT_HISTORY_STATE, at[0], at[1], kept);
+        for (int c = 0; c < 4; c++)
+            neph_assert_close(value[c], cases[i].expected[c], 1e-6, 0);
+        neph_assert_close(kept[0], cases[i].expected_age, 1e-6, 0);
+        test_passes_close(&test);
+    }
+}
+
+/* HDRP's running mean: the history of n rays weighs v f n / (n + 1), v = 1/2 where it was clipped,
+ * f its accumulation factor. */
+static void test_a_fading_mean(void **state)
+{
+    static const struct {
+        float history[4];
+        double held, part;
+    } cases[] = {{{2, 1.5f, 1, 0.4f}, 2, 1}, {{6, 2, 1, 0.4f}, 3, 0.5}};
+    for (int i = 0; i < 2; i++) {
+        struct test_passes test;
+        open_box(*state, "box_hold=clip history_age_max=16 history_fade=0.95 box_age=0.5",
+                 cases[i].history, 8, &test);
+        reconstruct_run(&test);
+        int at[2];
+        reconstruct_marched(&test, 1, 1, at);
+        float value[4], kept[4];
+        neph_rt_fetch_half(&test.oracle, RT_HISTORY, at[0], at[1], value);
+        neph_rt_fetch_half(&test.oracle, RT_HISTORY_STATE, at[0], at[1], kept);
+        const double weight = cases[i].part * 0.95 * 8 / 9;
+        neph_assert_close(value[0], 1 + weight * (cases[i].held - 1), 1e-6, 0);
+        neph_assert_close(kept[0], 9, 0, 0);
+        test_passes_close(&test);
+    }
+}
+
+/* Rays of solids have the light 1 to 9 but for the sky's, 5 and 8, of which no solid takes any. */
+static void test_the_sky_is_not_in_the_box_of_solids(void **state)
+{
+    static const char *const assignments[] = {"box_depth=1e6 box_same_kind=off",
+                                              "box_depth=1e6 box_same_kind=on"};
+    static const float depths_m[9] = {100, 100, 100, 100, 100, 100, 100, 100, NEPH_RT_FAR_M};
+    for (int i = 0; i < 2; i++) {
+        struct test_passes test;
+        open_nine(*state, assignments[i], depths_m, &test);
+        reconstruct_fill(&test, RT_HISTORY_BEFORE, 20, 20, 20, 1);
+        reconstruct_run(&test);
+        int at[2];
+        skipped_one(&test, at);
+        float value[4];
+        neph_rt_fetch_half(&test.oracle, RT_HISTORY, at[0], at[1], value);
+        assert_true(value[0] == (i ? 8.0f : 9.0f));
+        test_passes_close(&test);
+    }
+}
+
+/* c52e mixes x / (1 + x): a fifth of the way from 3/4 to 1/2 is 0.7, which is 7/3. */
+static void test_fresh_rays_are_mixed_tone_mapped(void **state)
+{
+    struct test_passes test;
+    reconstruct_open(*state, "box=none fresh_weight=0.2 fresh_space=channels color_format=float",
+                     12, 12, &test);
+    reconstruct_fill(&test, RT_RAY, 1, 3, 0, 0.5f);
+    reconstruct_fill(&test, RT_HISTORY_BEFORE, 3, 3, 0, 1);
+    reconstruct_run(&test);
+    int at[2];
+    reconstruct_marched(&test, 1, 1, at);
+    float value[4];
+    neph_rt_fetch_half(&test.oracle, RT_HISTORY, at[0], at[1], value);
+    const double expected[4] = {7.0 / 3.0, 3, 0, 0.9};
+    for (int c = 0; c < 4; c++)
+        neph_assert_close(value[c], expected[c], 1e-6, 0);
+    test_passes_close(&test);
+}
+
+/* --- the upscale --------------------------------------------------------------------------------
+ */
+
+/* A view of 12x12 pixels whose half-pixels have the light 0 but for one, all at one depth. */
+static void open_upscale(struct neph_vulkan *vulkan, const char *assignments,
+                         struct test_passes *test)
+{
+    char words[300];
+    snprintf(words, sizeof(words), "upscale_dither=none color_format=float %s", assignments);
+    const struct neph_settings settings = test_settings(words);
+    test_passes_open(vulkan, &settings, (int[2]){12, 12}, (int[2]){0, 0}, 3, test);
+    reconstruct_fill(test, RT_DEPTH, 100, 0, 0, 0);
+    reconstruct_fill(test, RT_HALF_DEPTH, 100, 0, 0, 0);
+    reconstruct_fill(test, RT_HISTORY, 0, 0, 0, 1);
+    reconstruct_fill(test, RT_HISTORY_STATE, 1, 100, 0, 0);
+}
+
+static void upscale(struct test_passes *test, int x, int y, float value[4])
+{
+    struct neph_diag diag = {0};
+    test_passes_run(test, &neph_rt_shader_upscale, 0, 12 * 12);
+    neph_assert_ok(
+        neph_rt_device_download(&test->device, RT_VOLUME, test->oracle.targets[RT_VOLUME], &diag),
+        &diag);
+    neph_rt_fetch_full(&test->oracle, RT_VOLUME, x, y, value);
+}
+
+/* The weights that HDRP has in its table for the upper left pixel of a half-pixel, row by row. */
+static void test_square_weights_are_the_published(void **state)
+{
+    static const double weights[9] = {0.324652, 0.535261, 0.119433, 0.535261, 0.882497,
+                                      0.196912, 0.119433, 0.196912, 0.0439369};
+    double total = 0.0;
+    for (int i = 0; i < 9; i++)
+        total += weights[i];
+    for (int i = 0; i < 9; i++) {
+        struct test_passes test;
+        float value[4];
+        open_upscale(*state, "upscale=square", &test);
+        neph_rt_put_half(&test.oracle, RT_HISTORY, 2 + i % 3, 2 + i / 3, (float[4]){1, 0, 0, 1});
+        upscale(&test, 6, 6, value);
+        neph_assert_close(value[0], weights[i] / total, 0, 1e-6); /* six digits */
+        test_passes_close(&test);
+    }
+}
+
+/* Pixel (6, 6) lies 3/4 of the way from half-pixel 2 to 3, along both axes. */
+static void test_inverse_weights(void **state)
+{
+    static const struct {
+        const char *assignments;
+        float other_m; /* of three taps; of one, of light 1, as the pixel */
+        double expected;
+    } cases[] = {
+        {"upscale=inverse upscale_depth=0.1", 109, 0.5625},
+        {"upscale=inverse upscale_depth=0.1", 111, 1 / (1 + 3 / 12.0)},
+        {"upscale=inverse upscale_depth=0.1 upscale_tolerance_m=11", 111, 1 / (1 + 3 / 2.0)},
+        {"upscale=inverse upscale_same_kind=on", NEPH_RT_FAR_M, 1},
+        {"upscale=bilinear upscale_same_kind=on", NEPH_RT_FAR_M, 1},
+        {"upscale=bilinear upscale_same_kind=off", NEPH_RT_FAR_M, 0.5625},
+    };
+    for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+        struct test_passes test;
+        float value[4];
+        open_upscale(*state, cases[i].assignments, &test);
+        reconstruct_fill(&test, RT_HALF_DEPTH, cases[i].other_m, 0, 0, 0);
+        neph_rt_put_half(&test.oracle, RT_HALF_DEPTH, 3, 3, (float[4]){100});
+        neph_rt_put_half(&test.oracle, RT_HISTORY, 3, 3, (float[4]){1, 0, 0, 1});
+        upscale(&test, 6, 6, value);
+        neph_assert_close(value[0], cases[i].expected, 1e-6, 0);
+        test_passes_close(&test);
+    }
+}
+
+/* Transmittances 0.99 and 0.97 differ by 2 % of the larger and by two thirds of the opacity. */
+static void test_contrast_of_opacity(void **state)
+{
+    static const char *const assignments[] = {
+        "upscale=nearest upscale_contrast=0.2 contrast=transmittance",
+        "upscale=nearest upscale_contrast=0.2 contrast=opacity"};
+    for (int i = 0; i < 2; i++) {
+        struct test_passes test;
+        float value[4];
+        open_upscale(*state, assignments[i], &test);
+        reconstruct_fill(&test, RT_HALF_DEPTH, 500, 0, 0, 0);
+        reconstruct_fill(&test, RT_HISTORY, 0, 0, 0, 0.97f);
+        neph_rt_put_half(&test.oracle, RT_HALF_DEPTH, 2, 2, (float[4]){100});
+        neph_rt_put_half(&test.oracle, RT_HISTORY, 2, 2, (float[4]){1, 0, 0, 0.99f});
+        upscale(&test, 6, 6, value);
+        neph_assert_close(value[0], i ? 1.0 : 0.25, 1e-6, 0);
+        test_passes_close(&test);
+    }
+}
+
+/* --- lengths of the jitter ----------------------------------------------------------------------
+ */
+
+/* What a slot that is marched every four frames sees of `length` places: all of them once in
+ * 4 length / gcd(4, length) frames. Of 8 these are 2, of 7 all 7, in 28 frames. */
+static int places_of_a_slot(int length)
+{
+    double seen[64][2];
+    int count = 0;
+    for (uint32_t frame = 0; frame < 4 * 64; frame += 4) {
+        double place_px[2];
+        neph_rt_jitter(RT_JITTER_UE, length, frame, place_px);
+        int k = 0;
+        while (k < count && memcmp(seen[k], place_px, sizeof(place_px)))
+            k++;
+        if (k == count)
+            memcpy(seen[count++], place_px, sizeof(place_px));
+    }
+    return count;
+}
+
+static void test_lengths_of_the_jitter(void **state)
+{
+    (void)state;
+    for (int length = 1; length <= 64; length++) {
+        const int shared = length % 4 == 0 ? 4 : length % 2 == 0 ? 2 : 1;
+        assert_int_equal(places_of_a_slot(length), length / shared);
+        char assignment[64];
+        snprintf(assignment, sizeof(assignment), "taa_jitter_length=%d", length);
+        assert_true(test_settings(assignment).values[RT_TAA_JITTER_LENGTH] == length);
+    }
+    assert_int_equal(places_of_a_slot(8), 2);
+    assert_int_equal(places_of_a_slot(7), 7);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_a_slice_turns),
+        cmocka_unit_test(test_the_sky_of_the_override),
+        cmocka_unit_test(test_history_follows_the_jitter),
+        cmocka_unit_test(test_what_stands_in_for_history),
+        cmocka_unit_test(test_rejected_is_not_absent),
+        cmocka_unit_test(test_a_change_of_the_nearest_depth),
+        cmocka_unit_test(test_where_a_rejection_looks),
+        cmocka_unit_test(test_near_media_have_no_history),
+        cmocka_unit_test(test_colours_are_clipped),
+        cmocka_unit_test(test_a_fading_mean),
+        cmocka_unit_test(test_the_sky_is_not_in_the_box_of_solids),
+        cmocka_unit_test(test_fresh_rays_are_mixed_tone_mapped),
+        cmocka_unit_test(test_square_weights_are_the_published),
+        cmocka_unit_test(test_inverse_weights),
+        cmocka_unit_test(test_contrast_of_opacity),
+        cmocka_unit_test(test_lengths_of_the_jitter),
+    };
+    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
+}

@@ -1,0 +1,131 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The presets that others are measured against keep their bits: `off` is the march, `fixed` the
+ * defaults, and `ours` what the published study used. One hash of all channels of eight frames;
+ * a change of any of them is meant, or a fault.
+ *
+ * Bits are those of one driver: another one, or its compiler for another processor, may round
+ * elsewhere. There the test only says so; what must hold everywhere is in the other tests.
+ */
+#include "tests/renderer/renderer_test.h"
+
+#include "base/files.h"
+#include "base/hash.h"
+#include "renderer/realtime/options.h"
+#include "renderer/realtime/pipeline.h"
+
+#include <stdlib.h>
+
+enum { WIDTH_PX = 96, HEIGHT_PX = 54, FRAMES = 8 };
+
+static const char measured_on[] =
+    "llvmpipe Mesa 22.3.6 (LLVM 15.0.6); llvmpipe (LLVM 15.0.6, 256 bits)";
+
+static const struct {
+    const char *scene, *preset, *hash; /* its first 16 digits */
+} frozen[] = {
+    {"fence_pitch4", "off", "9652205c75101298"},  {"fence_pitch4", "fixed", "a619b209dd5ad141"},
+    {"fence_pitch4", "ours", "27baff9335b8da31"}, {"foliage", "off", "729c6a6546b29a5d"},
+    {"foliage", "fixed", "8dfb9f476494dec3"},     {"foliage", "ours", "fa0fcf445ce6db8d"},
+    {"camera_pan", "off", "02deb60100520354"},    {"camera_pan", "fixed", "df6f0c3ddf11ccbc"},
+    {"camera_pan", "ours", "133ef90a3259714b"},
+};
+
+/* Blue noise is made once for all tests. */
+static char cache_folder[] = "/tmp/neph-test-frozen-XXXXXX";
+
+static struct neph_scene *load(const char *name)
+{
+    char path[512];
+    snprintf(path, sizeof(path), NEPH_SOURCE_DIR "/scenes/failure/%s.yaml", name);
+    struct neph_scene *scene = NULL;
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_scene_load(path, &scene, &diag), &diag);
+    return scene;
+}
+
+static struct neph_realtime *open_preset(struct neph_vulkan *vulkan, const struct neph_scene *scene,
+                                         const char *preset)
+{
+    struct neph_settings settings;
+    struct neph_diag diag = {0};
+    neph_assert_ok(
+        neph_options_preset(neph_rt_options, "realtime", neph_rt_presets, preset, &settings, &diag),
+        &diag);
+    settings.values[RT_STEPS] = 16;
+    const struct neph_realtime_params params = {.width_px = WIDTH_PX,
+                                                .height_px = HEIGHT_PX,
+                                                .settings = &settings,
+                                                .seed = 1,
+                                                .cache_folder = cache_folder};
+    struct neph_realtime *realtime = NULL;
+    neph_assert_ok(neph_realtime_create(vulkan, scene, &params, &realtime, &diag), &diag);
+    return realtime;
+}
+
+static void hash_frames(struct neph_vulkan *vulkan, const char *scene_name, const char *preset,
+                        char hex[NEPH_HASH_HEX_SIZE])
+{
+    enum { CHANNELS_MAX = 16, PIXELS = WIDTH_PX * HEIGHT_PX };
+    struct neph_scene *scene = load(scene_name);
+    struct neph_realtime *realtime = open_preset(vulkan, scene, preset);
+    float *all = calloc((size_t)FRAMES * CHANNELS_MAX * PIXELS, sizeof(*all));
+    size_t count = 0;
+    struct neph_diag diag = {0};
+    for (int frame = 0; frame < FRAMES; frame++) {
+        struct neph_image *image = NULL;
+        const struct neph_realtime_frame picture = {scene, frame, NULL};
+        neph_assert_ok(neph_realtime_render(realtime, &picture, &image, NULL, &diag), &diag);
+        assert_true(image->channel_count <= CHANNELS_MAX);
+        for (int c = 0; c < image->channel_count; c++, count += PIXELS)
+            memcpy(all + count, image->channels[c].samples, PIXELS * sizeof(*all));
+        neph_image_destroy(image);
+    }
+    neph_assert_ok(neph_hash(all, count * sizeof(*all), hex, &diag), &diag);
+    free(all);
+    neph_realtime_destroy(realtime);
+    neph_scene_destroy(scene);
+}
+
+static void test_frozen_presets_keep_their_bits(void **state)
+{
+    struct neph_vulkan *vulkan = *state;
+    const struct neph_vulkan_description description = neph_vulkan_describe(vulkan);
+    char device[sizeof(description.driver) + sizeof(description.device)];
+    snprintf(device, sizeof(device), "%s; %s", description.driver, description.device);
+    const bool is_known = strcmp(device, measured_on) == 0;
+    int wrong = 0;
+    for (size_t i = 0; i < sizeof(frozen) / sizeof(frozen[0]) && is_known; i++) {
+        char hex[NEPH_HASH_HEX_SIZE];
+        hash_frames(vulkan, frozen[i].scene, frozen[i].preset, hex);
+        if (strncmp(hex, frozen[i].hash, 16) == 0)
+            continue;
+        print_error("{\"%s\", \"%s\", \"%.16s\"} was \"%s\"\n", frozen[i].scene, frozen[i].preset,
+                    hex, frozen[i].hash);
+        wrong++;
+    }
+    if (!is_known) {
+        print_message("frozen on %s; this is %s\n", measured_on, device);
+        skip();
+    }
+    assert_int_equal(wrong, 0);
+}
+
+static int setup(void **state)
+{
+    return mkdtemp(cache_folder) ? test_vulkan_setup(state) : -1;
+}
+
+static int teardown(void **state)
+{
+    neph_dir_remove(cache_folder, NULL);
+    return test_vulkan_teardown(state);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_frozen_presets_keep_their_bits),
+    };
+    return cmocka_run_group_tests(tests, setup, teardown);
+}
