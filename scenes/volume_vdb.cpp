@@ -3,8 +3,8 @@
  * The program neph-vdb: the one place that knows OpenVDB (scenes/volume_vdb.h says why it is a
  * program). No exception leaves it.
  */
-#include "scenes/openvdb_grids.h"
 #include "scenes/volume_vdb.h"
+#include "scenes/openvdb_grids.h"
 
 #include <algorithm>
 #include <cmath>

@@ -53,8 +53,7 @@ enum {
 /* out_i = diagonal_i in_i + sum_j kernel_ij w_j in_j: light that goes straight and light that is
  * turned. Apart, because directions of weight 0 have no column in a matrix with weights inside.
  * The diagonal is kept twice, for the directions of rows and of columns. */
-struct operator
-{
+struct transfer {
     double *row_diagonal, *column_diagonal, *kernel;
 };
 
@@ -64,7 +63,7 @@ struct solver {
     double *memory;                            /* owned; all of the following */
     double *row_legendre, *column_legendre;    /* [direction][l - mode]; rows times (2l+1) moment */
     double *matrix;                            /* nodes * nodes, for solve() */
-    struct operator operators[OPERATOR_COUNT]; /* consecutive diagonals and kernel each */
+    struct transfer operators[OPERATOR_COUNT]; /* consecutive diagonals and kernel each */
 };
 
 static size_t operator_size(const struct solver *solver)
@@ -90,7 +89,7 @@ static enum neph_status solver_init(struct solver *solver, const struct neph_dou
     solver->matrix = solver->memory + legendre_size;
     double *next = solver->matrix + solver->nodes * solver->nodes;
     for (int i = 0; i < OPERATOR_COUNT; i++, next += size)
-        solver->operators[i] = (struct operator){next, next + solver->rows,
+        solver->operators[i] = (struct transfer){next, next + solver->rows,
                                                  next + solver->rows + solver->columns};
     return NEPH_OK;
 }
@@ -114,8 +113,8 @@ static void fold(const struct solver *solver, const double *a, const double *b, 
 }
 
 /* out = a b. */
-static void multiply(const struct solver *solver, const struct operator* a,
-                     const struct operator* b, struct operator* out)
+static void multiply(const struct solver *solver, const struct transfer *a,
+                     const struct transfer *b, struct transfer *out)
 {
     const size_t columns = solver->columns;
     fold(solver, a->kernel, b->kernel, out->kernel);
@@ -130,19 +129,19 @@ static void multiply(const struct solver *solver, const struct operator* a,
 }
 
 /* out += factor a. Diagonals and kernel are consecutive. */
-static void accumulate(const struct solver *solver, double factor, const struct operator* a,
-                       struct operator* out)
+static void accumulate(const struct solver *solver, double factor, const struct transfer *a,
+                       struct transfer *out)
 {
     for (size_t i = 0; i < operator_size(solver); i++)
         out->row_diagonal[i] += factor * a->row_diagonal[i];
 }
 
-static void set_zero(const struct solver *solver, struct operator* out)
+static void set_zero(const struct solver *solver, struct transfer *out)
 {
     memset(out->row_diagonal, 0, operator_size(solver) * sizeof(double));
 }
 
-static void set_identity(const struct solver *solver, struct operator* out)
+static void set_identity(const struct solver *solver, struct transfer *out)
 {
     set_zero(solver, out);
     for (size_t i = 0; i < solver->rows + solver->columns; i++)
@@ -150,9 +149,9 @@ static void set_identity(const struct solver *solver, struct operator* out)
 }
 
 /* cosh(sqrt(z) t) and sinh(sqrt(z) t) / sqrt(z), as power series. */
-static void hyperbolic(const struct solver *solver, const struct operator* z, double t,
-                       struct operator* even, struct operator* odd, struct operator* power,
-                       struct operator* next)
+static void hyperbolic(const struct solver *solver, const struct transfer *z, double t,
+                       struct transfer *even, struct transfer *odd, struct transfer *power,
+                       struct transfer *next)
 {
     set_zero(solver, even);
     set_zero(solver, odd);
@@ -163,7 +162,7 @@ static void hyperbolic(const struct solver *solver, const struct operator* z, do
         accumulate(solver, term * t / (2 * k + 1), power, odd);
         term *= t * t / ((2 * k + 1) * (2 * k + 2));
         multiply(solver, power, z, next);
-        struct operator* swap = power;
+        struct transfer *swap = power;
         power = next;
         next = swap;
     }
@@ -215,7 +214,7 @@ static void solve(double *matrix, double *right, size_t n, size_t m)
 
 /* Divide from the left: (diagonal + kernel W) out = right, where `right` and `out` are kernels
  * without a diagonal; the rows of the views follow from those of the nodes. */
-static void divide(const struct solver *solver, const struct operator* divisor, double *right)
+static void divide(const struct solver *solver, const struct transfer *divisor, double *right)
 {
     const size_t nodes = solver->nodes, columns = solver->columns;
     for (size_t i = 0; i < nodes; i++)
@@ -283,8 +282,8 @@ static void phase_parts(const struct solver *solver, int mode, size_t row, size_
 }
 
 /* X and Y of the head of this file. */
-static void make_generator(const struct solver *solver, int mode, struct operator* x,
-                           struct operator* y)
+static void make_generator(const struct solver *solver, int mode, struct transfer *x,
+                           struct transfer *y)
 {
     const struct neph_doubling *layer = solver->layer;
     for (size_t i = 0; i < solver->rows; i++) {
@@ -305,7 +304,7 @@ static void make_generator(const struct solver *solver, int mode, struct operato
 
 /* out = the sum of the four hyperbolic functions with these factors. */
 static void combine(struct solver *solver, double cosh_xy, double cosh_yx, double sinh_xy,
-                    double sinh_yx, struct operator* out)
+                    double sinh_yx, struct transfer *out)
 {
     set_zero(solver, out);
     accumulate(solver, cosh_xy, &solver->operators[COSH_XY], out);
@@ -319,7 +318,7 @@ static void combine(struct solver *solver, double cosh_xy, double cosh_yx, doubl
  * C = cosh of X Y, D of Y X, S = sinh / sqrt of X Y, times X; S' = that of Y X, times Y. */
 static void thin_layer(struct solver *solver, int mode, double t)
 {
-    struct operator* o = solver->operators;
+    struct transfer *o = solver->operators;
     make_generator(solver, mode, &o[X], &o[Y]);
     multiply(solver, &o[X], &o[Y], &o[PRODUCT]);
     hyperbolic(solver, &o[PRODUCT], t, &o[COSH_XY], &o[ODD], &o[SCRATCH], &o[SCRATCH_2]);
@@ -345,7 +344,7 @@ static void thin_layer(struct solver *solver, int mode, double t)
 /* Light that goes straight through an optical depth t, exact: the diagonal of the transmission. */
 static void set_direct(struct solver *solver, double t)
 {
-    const struct operator* transmission = & solver->operators[TRANSMISSION];
+    const struct transfer *transmission = &solver->operators[TRANSMISSION];
     for (size_t i = 0; i < solver->rows; i++)
         transmission->row_diagonal[i] = exp(-t / solver->layer->row_cosines[i]);
     for (size_t k = 0; k < solver->columns; k++)
@@ -363,7 +362,7 @@ static void negate(const struct solver *solver, const double *kernel, double *ou
  *   DOWN = AGAIN T,  UP = R DOWN,  R' = R + T UP,  T' = T DOWN. */
 static void double_layer(struct solver *solver)
 {
-    struct operator* o = solver->operators;
+    struct transfer *o = solver->operators;
     fold(solver, o[REFLECTION].kernel, o[REFLECTION].kernel, o[NEXT].kernel);
     set_identity(solver, &o[DIVISOR]);
     negate(solver, o[NEXT].kernel, o[DIVISOR].kernel);
@@ -376,7 +375,7 @@ static void double_layer(struct solver *solver)
     multiply(solver, &o[TRANSMISSION], &o[UP], &o[NEXT]);
     accumulate(solver, 1.0, &o[NEXT], &o[REFLECTION]);
     multiply(solver, &o[TRANSMISSION], &o[DOWN], &o[NEXT]);
-    const struct operator transmission = o[TRANSMISSION];
+    const struct transfer transmission = o[TRANSMISSION];
     o[TRANSMISSION] = o[NEXT];
     o[NEXT] = transmission;
 }

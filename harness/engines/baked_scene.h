@@ -5,7 +5,7 @@
 #ifndef NEPH_HARNESS_ENGINES_BAKED_SCENE_H
 #define NEPH_HARNESS_ENGINES_BAKED_SCENE_H
 
-#include "harness/engine.h"
+#include "harness/engines/engine.h"
 #include "scenes/bake.h"
 
 /* The option of such engines; 0: what the scene says. */

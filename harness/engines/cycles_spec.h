@@ -5,7 +5,7 @@
 #ifndef NEPH_HARNESS_ENGINES_CYCLES_SPEC_H
 #define NEPH_HARNESS_ENGINES_CYCLES_SPEC_H
 
-#include "harness/engine.h"
+#include "harness/engines/engine.h"
 #include "harness/json.h"
 #include "scenes/grid.h"
 

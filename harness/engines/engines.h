@@ -5,7 +5,7 @@
 #ifndef NEPH_HARNESS_ENGINES_ENGINES_H
 #define NEPH_HARNESS_ENGINES_ENGINES_H
 
-#include "harness/engine.h"
+#include "harness/engines/engine.h"
 
 extern const struct neph_engine neph_engine_exact;
 extern const struct neph_engine neph_engine_oracle;

@@ -9,7 +9,7 @@
 #include "harness/engines/vulkan_device.h"
 
 #include "base/clock.h"
-#include "harness/frame_stats.h"
+#include "harness/engines/frame_stats.h"
 #include "renderer/march_average.h"
 
 #include <math.h>

@@ -6,7 +6,7 @@
 #ifndef NEPH_HARNESS_ENGINES_PROGRAM_H
 #define NEPH_HARNESS_ENGINES_PROGRAM_H
 
-#include "harness/engine.h"
+#include "harness/engines/engine.h"
 
 /* Ask `program` (in PATH) with --version. `*text` is what it says from the first `name` on, for the
  * caller to free; `build` a digest of that text and of the program's file. What a run that was

@@ -8,7 +8,7 @@
 
 #include "base/clock.h"
 #include "harness/data.h"
-#include "harness/frame_stats.h"
+#include "harness/engines/frame_stats.h"
 #include "metrics/extractors/cycle_frequency.h"
 #include "renderer/realtime/dither.h"
 #include "renderer/realtime/options.h"

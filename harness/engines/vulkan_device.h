@@ -5,7 +5,7 @@
 #ifndef NEPH_HARNESS_ENGINES_VULKAN_DEVICE_H
 #define NEPH_HARNESS_ENGINES_VULKAN_DEVICE_H
 
-#include "harness/engine.h"
+#include "harness/engines/engine.h"
 #include "renderer/vulkan.h"
 
 /* NEPH_VULKAN_DEVICE: a part of the device's name. NEPH_VULKAN_VALIDATION=1: with the validation

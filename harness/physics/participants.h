@@ -5,7 +5,7 @@
 #ifndef NEPH_HARNESS_PHYSICS_PARTICIPANTS_H
 #define NEPH_HARNESS_PHYSICS_PARTICIPANTS_H
 
-#include "harness/engine.h"
+#include "harness/engines/engine.h"
 #include "harness/physics/checks.h"
 
 #include <stdbool.h>

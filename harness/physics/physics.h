@@ -9,7 +9,7 @@
 #define NEPH_HARNESS_PHYSICS_PHYSICS_H
 
 #include "harness/json.h"
-#include "harness/store.h"
+#include "harness/run/store.h"
 
 struct neph_physics_params {
     const char *const *engines; /* names; engine_count 0: all */

@@ -5,8 +5,8 @@
 #include "tests/allocation.h"
 #include "tests/base/scratch.h"
 
-#include "harness/frame.h"
-#include "harness/sequence.h"
+#include "harness/compare/frame.h"
+#include "harness/compare/sequence.h"
 
 #define CORPUS NEPH_SOURCE_DIR "/tests/fuzz/corpus/"
 

@@ -4,7 +4,7 @@
  */
 #include "tests/neph_test.h"
 
-#include "harness/attribution.h"
+#include "harness/report/attribution.h"
 #include "metrics/pair.h"
 
 static const char *const names[4] = {"a", "b", "c", "d"};

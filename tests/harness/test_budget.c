@@ -7,7 +7,7 @@
 #include "tests/base/scratch.h"
 
 #include "base/exr.h"
-#include "harness/budget.h"
+#include "harness/run/budget.h"
 
 enum { WIDTH = 64, HEIGHT = 36, PIXELS = WIDTH * HEIGHT };
 

@@ -8,7 +8,7 @@
 
 #include "base/exr.h"
 #include "base/files.h"
-#include "harness/conform.h"
+#include "harness/run/conform.h"
 
 /* --- counting ----------------------------------------------------------------------------- */
 

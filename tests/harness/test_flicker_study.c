@@ -7,9 +7,9 @@
 
 #include "base/files.h"
 #include "harness/data.h"
-#include "harness/flicker_pairs.h"
-#include "harness/flicker_study_output.h"
-#include "harness/flicker_suites.h"
+#include "harness/study/flicker_pairs.h"
+#include "harness/study/flicker_study_output.h"
+#include "harness/study/flicker_suites.h"
 #include "metrics/extractor.h"
 #include "metrics/significance.h"
 

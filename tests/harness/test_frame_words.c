@@ -5,9 +5,9 @@
  */
 #include "tests/neph_test.h"
 
-#include "harness/noise.h"
-#include "harness/seed.h"
-#include "harness/step_depth.h"
+#include "harness/report/step_depth.h"
+#include "harness/run/noise.h"
+#include "harness/run/seed.h"
 
 static const struct neph_rgb white = {1, 1, 1};
 

@@ -6,7 +6,7 @@
 #include "tests/base/scratch.h"
 #include "tests/neph_test.h"
 
-#include "harness/job.h"
+#include "harness/run/job.h"
 #include "scenes/motion.h"
 
 static bool can_render(const struct neph_scene *scene, const struct neph_settings *settings,

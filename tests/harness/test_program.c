@@ -6,7 +6,7 @@
 #include "harness/engines/program.h"
 
 #include "base/files.h"
-#include "harness/job.h"
+#include "harness/run/job.h"
 #include "tests/neph_test.h"
 
 #include <dirent.h>

@@ -6,7 +6,7 @@
 #include "tests/base/scratch.h"
 
 #include "base/exr.h"
-#include "harness/report.h"
+#include "harness/report/report.h"
 
 #include <sys/stat.h>
 #include <unistd.h>

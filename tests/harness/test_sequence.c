@@ -7,8 +7,8 @@
 
 #include "base/exr.h"
 #include "base/png.h"
-#include "harness/frame.h"
-#include "harness/sequence.h"
+#include "harness/compare/frame.h"
+#include "harness/compare/sequence.h"
 
 #include <unistd.h>
 

@@ -7,7 +7,7 @@
 #include "tests/base/scratch.h"
 
 #include "base/lock.h"
-#include "harness/store.h"
+#include "harness/run/store.h"
 
 #include <fcntl.h>
 #include <sys/stat.h>

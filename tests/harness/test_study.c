@@ -6,7 +6,7 @@
  */
 #include "tests/base/scratch.h"
 
-#include "harness/study.h"
+#include "harness/study/study.h"
 
 enum { WIDTH = 64, HEIGHT = 36, PIXELS = WIDTH * HEIGHT };
 

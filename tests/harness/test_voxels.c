@@ -8,8 +8,8 @@
 #include "tests/neph_test.h"
 
 #include "base/files.h"
-#include "harness/bakes.h"
 #include "harness/engines/baked_scene.h"
+#include "harness/engines/bakes.h"
 #include "harness/engines/engines.h"
 #include "scenes/grid.h"
 #include "scenes/media.h"

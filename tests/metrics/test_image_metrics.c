@@ -9,8 +9,8 @@
 #include "metrics/extractors/code_value.h"
 #include "metrics/extractors/extractors.h"
 #include "metrics/extractors/ms_ssim.h"
-#include "metrics/statistics.h"
 #include "metrics/extractors/two_seed.h"
+#include "metrics/statistics.h"
 
 /* Both sides sum a few hundred thousand terms in double precision; nothing else is approximate but
  * the table of code values, which is held to its own bound below. */

@@ -130,12 +130,11 @@ openvdb::GridPtrVec level_set()
     for (int k = -6; k <= 6; k++)
         for (int j = -6; j <= 6; j++)
             for (int i = -6; i <= 6; i++)
-                grid->tree().setValue(Coord(i, j, k),
-                                      std::min(std::hypot(static_cast<float>(i),
-                                                          static_cast<float>(j),
-                                                          static_cast<float>(k)) -
-                                                   radius,
-                                               half_width));
+                grid->tree().setValue(Coord(i, j, k), std::min(std::hypot(static_cast<float>(i),
+                                                                          static_cast<float>(j),
+                                                                          static_cast<float>(k)) -
+                                                                   radius,
+                                                               half_width));
     grid->setName("density");
     grid->setGridClass(openvdb::GRID_LEVEL_SET);
     return {grid};

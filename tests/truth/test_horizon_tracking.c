@@ -290,7 +290,7 @@ static void test_clouds_against_the_light(void **state)
             "%.3f, variance %.3f, %.0f lookups a path\n",
             tau, mean, sqrt(variance), skewness, z1, z2 - z1 * z1,
             (double)(cost.lookups - before) / n);
-            continue;
+        continue;
         assert_true(fabs(skewness) < 9.0);
         assert_true(fabs(z1) < sigmas / sqrt(SEEDS) + fabs(skewness) / (2.0 * sqrt(PATHS)));
         assert_true(fabs(z2 - z1 * z1 - 1.0) <

@@ -1,0 +1,180 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * `neph bake SCENE`.
+ */
+#include "harness/cli/cli.h"
+
+#include "harness/data.h"
+#include "harness/engines/bakes.h"
+#include "scenes/media.h"
+#include "scenes/volume_file.h"
+
+#include <argp.h>
+#include <stdio.h>
+
+enum { KEY_JSON = 1, KEY_MEDIUM, KEY_RESOLUTION };
+
+struct request {
+    const char *scene, *output, *medium, *resolution;
+    bool json;
+};
+
+static const struct argp_option options[] = {
+    {"medium", KEY_MEDIUM, "N", 0, "Which medium of the scene, from 1 (default: 1)", 0},
+    {"resolution", KEY_RESOLUTION, "N", 0,
+     "Nodes along the longest side, 2..1024 (default: the scene's bake_resolution, and a grid as "
+     "it is)",
+     0},
+    {"output", 'o', "FILE", 0, "FILE.vdb (OpenVDB) or FILE.df3 (POV-Ray)", 0},
+    {"json", KEY_JSON, NULL, 0, "The result as JSON on stdout", 0},
+    {0},
+};
+
+static error_t parse(int key, char *argument, struct argp_state *state)
+{
+    struct request *request = state->input;
+    switch (key) {
+    case KEY_JSON:
+        request->json = true;
+        return 0;
+    case KEY_MEDIUM:
+        request->medium = argument;
+        return 0;
+    case KEY_RESOLUTION:
+        request->resolution = argument;
+        return 0;
+    case 'o':
+        request->output = neph_cli_output(state, "--output", argument);
+        return 0;
+    case ARGP_KEY_ARG:
+        if (request->scene)
+            argp_error(state, "one scene, not '%s' as well", argument);
+        request->scene = argument;
+        return 0;
+    case ARGP_KEY_END:
+        if (!request->scene)
+            argp_error(state, "which scene? `neph scenes` lists the catalogue");
+        else if (!request->output)
+            argp_error(state, "write where? -o FILE.vdb or -o FILE.df3");
+        return 0;
+    }
+    return ARGP_ERR_UNKNOWN;
+}
+
+static const struct argp argp = {
+    .options = options,
+    .parser = parse,
+    .args_doc = "SCENE",
+    .doc = "Write a medium of a scene as a file of voxels, and say what that costs: the grid is "
+           "held against the medium at random places, and along random chords by their exact "
+           "optical depths. So the error of a renderer that is given the file can be told from "
+           "the error of the file.\v"
+           "Densities have no unit: extinction [1/m] = density * the extinction of density 1, "
+           "which is printed. A .vdb holds the nodes in metres and world axes. A .df3 holds "
+           "density / largest density in 32 bits with a layer of zeros around it; POV-Ray puts it "
+           "in place with `interpolate 1`, `scale (size + 2) * spacing` and `translate origin - "
+           "spacing`.\n\n"
+           "Examples:\n"
+           "  neph bake gaussian_blob -o blob.vdb\n"
+           "  neph bake my_clouds.yaml --medium 2 --resolution 256 -o clouds.df3 --json",
+};
+
+struct result {
+    const struct neph_medium *medium;
+    struct neph_bake bake;
+    double cut_error; /* in transmittance, of cutting an endless medium to a box */
+};
+
+static enum neph_status bake(const struct request *request, const struct neph_scene *scene,
+                             struct result *result, struct neph_diag *diag)
+{
+    int number = 1, resolution = 0;
+    if (scene->medium_count == 0)
+        return neph_fail(diag, NEPH_ERR_INPUT, "scene %s has no medium", scene->name);
+    enum neph_status status = neph_cli_parse_int("medium", request->medium, 1, scene->medium_count,
+                                                 &number, diag);
+    if (!status && request->resolution)
+        status = neph_cli_parse_int("resolution", request->resolution, NEPH_BAKE_RESOLUTION_MIN,
+                                    NEPH_GRID_SIDE_MAX, &resolution, diag);
+    if (status)
+        return status;
+    result->medium = &scene->media[number - 1];
+    if (resolution == 0 && !neph_medium_is_whole_grid(result->medium))
+        resolution = scene->bake_resolution;
+    const struct neph_bounds box = neph_medium_container(scene, result->medium, &result->cut_error);
+    return neph_medium_bake(result->medium, &box, resolution, &result->bake, diag);
+}
+
+static json_t *vector_json(struct neph_vec3 v)
+{
+    return json_pack("[f,f,f]", v.x, v.y, v.z);
+}
+
+static json_t *result_json(const char *path, const struct result *result)
+{
+    const struct neph_grid *grid = result->bake.grid;
+    return json_pack("{s:s, s:s, s:[i,i,i], s:o, s:o, s:f, s:f, s:b, s:f, s:i, s:i, s:o}", "file",
+                     path, "kind", neph_medium_kind_name(result->medium->kind), "size",
+                     grid->size[0], grid->size[1], grid->size[2], "origin_m",
+                     vector_json(grid->origin_m), "spacing_m", vector_json(grid->spacing_m),
+                     "density_maximum", (double)grid->maximum, "extinction_of_density_1_per_m",
+                     result->bake.extinction_per_m, "is_copy", result->bake.is_copy, "cut_error",
+                     result->cut_error, "points", result->bake.error.point_count, "chords",
+                     result->bake.error.chord_count, "error", neph_bakes_json(&result->bake, 1));
+}
+
+static void print_error(const struct neph_bake_error *error)
+{
+    printf("  extinction     rms %.3g %%, largest %.3g %% of the largest (%d places)\n",
+           100.0 * error->extinction_rms_relative, 100.0 * error->extinction_max_relative,
+           error->point_count);
+    printf("  optical depth  rms %.3g, largest %.3g, mean %+.3g (%d chords)\n",
+           error->optical_depth_rms, error->optical_depth_max, error->optical_depth_mean,
+           error->chord_count);
+    printf("  transmittance  largest %.3g\n", error->transmittance_max);
+}
+
+static void print_result(const char *path, const struct result *result)
+{
+    const struct neph_grid *grid = result->bake.grid;
+    printf("%s: %s as %d x %d x %d nodes of %.6g x %.6g x %.6g m, the first at (%.6g, %.6g, %.6g) "
+           "m\n",
+           path, neph_medium_kind_name(result->medium->kind), grid->size[0], grid->size[1],
+           grid->size[2], grid->spacing_m.x, grid->spacing_m.y, grid->spacing_m.z, grid->origin_m.x,
+           grid->origin_m.y, grid->origin_m.z);
+    printf("  density 1 is an extinction of %.9g per metre; the largest density is %.9g\n",
+           result->bake.extinction_per_m, (double)grid->maximum);
+    if (result->bake.is_copy)
+        printf("  the medium's own grid, unchanged: nothing is lost\n");
+    else
+        print_error(&result->bake.error);
+    if (result->cut_error > 0.0)
+        printf("  cut to a box, which costs up to %.3g of transmittance\n", result->cut_error);
+}
+
+enum neph_status neph_cli_bake(int argc, char **argv, struct neph_diag *diag)
+{
+    struct request request = {.medium = "1"};
+    neph_cli_parse(&argp, argc, argv, &request);
+    struct neph_scene *scene = NULL;
+    struct result result = {.medium = NULL};
+    if (!neph_volume_has_known_extension(request.output)) {
+        neph_fail(diag, NEPH_ERR_USAGE, "'%s' is no volume file that neph knows", request.output);
+        neph_hint(diag, "-o FILE.vdb for OpenVDB, -o FILE.df3 for POV-Ray");
+        return NEPH_ERR_USAGE;
+    }
+    enum neph_status status = neph_cli_check_output("-o", request.output, diag);
+    if (!status)
+        status = neph_data_load_scene(request.scene, &scene, diag);
+    if (!status)
+        status = bake(&request, scene, &result, diag);
+    if (!status)
+        status = neph_volume_write(request.output, result.bake.grid, diag);
+    if (!status && request.json)
+        status = neph_cli_print_json(result_json(request.output, &result), diag);
+    else if (!status)
+        print_result(request.output, &result);
+    neph_bake_finish(&result.bake);
+    neph_scene_destroy(scene);
+    return status;
+}

@@ -1,0 +1,295 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * `neph benchmark SCENE`.
+ */
+#include "harness/cli/cli.h"
+
+#include "base/threads.h"
+#include "harness/data.h"
+#include "harness/run/benchmark.h"
+#include "scenes/bake.h"
+#include "scenes/horizon.h"
+#include "scenes/media.h"
+
+#include <argp.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { KEY_JSON = 1, KEY_SIZE, KEY_SET, KEY_SECONDS, KEY_VOXELS, SETTINGS_MAX = 16 };
+
+struct request {
+    const char *scene, *engines, *size, *output, *seconds, *voxels;
+    const char *settings[SETTINGS_MAX];
+    int setting_count;
+    bool json, quiet;
+};
+
+static const struct argp_option options[] = {
+    {"engines", 'e', "A,B", 0,
+     "Engines, the first being the one that the others are measured by (default: tracer,cycles)",
+     0},
+    {"size", KEY_SIZE, "WxH", 0, "Size in pixels (default: 96x54)", 0},
+    {"seconds", KEY_SECONDS, "S", 0,
+     "About how long the last of four rungs takes, each half the one above it (default: 4)", 0},
+    {"set", KEY_SET, "ENGINE:KEY=VALUE", 0, "A setting of an engine; may be given several times",
+     0},
+    {"voxels", KEY_VOXELS, "N", 0,
+     "First turn every medium but fog into a voxel grid of N nodes along its longest side, so that "
+     "all engines render the same one",
+     0},
+    {"output", 'o', "DIR", 0, "Folder for scratch files (default: out)", 0},
+    {"json", KEY_JSON, NULL, 0, "Everything as JSON on stdout", 0},
+    {"quiet", 'q', NULL, 0, "No progress", 0},
+    {0},
+};
+
+static error_t parse(int key, char *argument, struct argp_state *state)
+{
+    struct request *request = state->input;
+    switch (key) {
+    case 'e':
+        request->engines = argument;
+        return 0;
+    case 'o':
+        request->output = neph_cli_output(state, "--output", argument);
+        return 0;
+    case 'q':
+        request->quiet = true;
+        return 0;
+    case KEY_JSON:
+        request->json = true;
+        return 0;
+    case KEY_SIZE:
+        request->size = argument;
+        return 0;
+    case KEY_SECONDS:
+        request->seconds = argument;
+        return 0;
+    case KEY_VOXELS:
+        request->voxels = argument;
+        return 0;
+    case KEY_SET:
+        if (request->setting_count == SETTINGS_MAX)
+            argp_error(state, "more than %d settings", SETTINGS_MAX);
+        request->settings[request->setting_count++] = argument;
+        return 0;
+    case ARGP_KEY_ARG:
+        if (request->scene)
+            argp_error(state, "one scene, not '%s' as well", argument);
+        request->scene = argument;
+        return 0;
+    case ARGP_KEY_END:
+        if (!request->scene)
+            argp_error(state, "which scene? `neph scenes` lists the catalogue");
+        return 0;
+    }
+    return ARGP_ERR_UNKNOWN;
+}
+
+static const struct argp argp = {
+    .options = options,
+    .parser = parse,
+    .args_doc = "SCENE",
+    .doc = "How long engines take for the same noise, on the same cores in one run: noise^2 x time "
+           "of each, and how many times the time of the first engine the others need.\v"
+           "Noise is measured between two seeds, error against two independent references of the "
+           "tracer, whose own noise so falls out. Time is rendering alone, each engine's start "
+           "(kernels "
+           "compiled, grids read) apart; starting Blender itself is in neither. Intervals hold 95 "
+           "%, from the scatter of the four rungs; keep the machine "
+           "quiet. The bias is what no time removes.\n\n"
+           "Examples:\n"
+           "  neph benchmark slab_multiple_thin\n"
+           "  neph benchmark gaussian_blob --voxels 64 --seconds 10\n"
+           "  neph benchmark voxel_grid -e tracer,oracle --json\n"
+           "  neph benchmark height_fog_up --set cycles:step=0.1",
+};
+
+/* --- the scene ---------------------------------------------------------------------------- */
+
+static enum neph_status to_voxels(struct neph_scene *scene, int resolution, struct neph_diag *diag)
+{
+    for (int m = 0; m < scene->medium_count; m++) {
+        struct neph_medium *medium = &scene->media[m];
+        if (medium->layer_count > 0 || medium->kind == NEPH_MEDIUM_GRID)
+            continue;
+        const struct neph_bounds box = neph_medium_support(medium);
+        struct neph_bake bake;
+        const enum neph_status status = neph_medium_bake(medium, &box, resolution, &bake, diag);
+        if (status)
+            return status;
+        struct neph_medium baked = neph_medium_from_bake(medium, &bake);
+        bake.grid = NULL; /* the scene's now */
+        neph_bake_finish(&bake);
+        baked.horizon = NULL;
+        neph_horizon_destroy(medium->horizon);
+        *medium = baked;
+    }
+    return neph_scene_hash(scene, diag);
+}
+
+/* --- jobs --------------------------------------------------------------------------------- */
+
+static enum neph_status fill_job(const char *name, const struct neph_scene *scene,
+                                 const struct request *request, struct neph_engine_info *info,
+                                 struct neph_job *job, struct neph_diag *diag)
+{
+    const struct neph_engine *engine = neph_engine_find(name);
+    char reason[256];
+    if (!engine) {
+        neph_fail(diag, NEPH_ERR_USAGE, "there is no engine '%s'", name);
+        neph_hint(diag, "`neph engines` lists them");
+        return NEPH_ERR_USAGE;
+    }
+    if (!neph_benchmark_applies(engine, reason, sizeof(reason)))
+        return neph_fail(diag, NEPH_ERR_USAGE, "engine '%s' %s", name, reason);
+    neph_engine_probe(engine, info);
+    *job = (struct neph_job){.engine = engine,
+                             .info = info,
+                             .shot = {.scene = scene,
+                                      .settings = neph_settings_default(engine),
+                                      .layers = NEPH_LAYER_RADIANCE,
+                                      .time_limit_s = 3600.0}};
+    return neph_cli_parse_size(request->size, &job->shot.width_px, &job->shot.height_px, diag);
+}
+
+/* "cycles:step=0.1" */
+static enum neph_status apply_setting(struct neph_benchmark *benchmark, const char *text,
+                                      struct neph_diag *diag)
+{
+    const char *colon = strchr(text, ':');
+    for (int e = 0; colon && e < benchmark->engine_count; e++) {
+        struct neph_job *job = &benchmark->engines[e].job;
+        const size_t length = strlen(job->engine->name);
+        if ((size_t)(colon - text) == length && strncmp(text, job->engine->name, length) == 0)
+            return neph_settings_set(job->engine, &job->shot.settings, colon + 1, diag);
+    }
+    return neph_fail(diag, NEPH_ERR_USAGE, "setting '%s': ENGINE:KEY=VALUE of one of the engines",
+                     text);
+}
+
+static enum neph_status fill_benchmark(const struct request *request,
+                                       const struct neph_scene *scene,
+                                       struct neph_engine_info *infos,
+                                       struct neph_benchmark *benchmark, struct neph_diag *diag)
+{
+    char names[256];
+    snprintf(names, sizeof(names), "%s", request->engines);
+    char *rest = names;
+    enum neph_status status = fill_job("tracer", scene, request, &infos[NEPH_BENCHMARK_ENGINES_MAX],
+                                       &benchmark->reference, diag);
+    for (char *name = strsep(&rest, ","); name && !status; name = strsep(&rest, ",")) {
+        const int e = benchmark->engine_count;
+        if (e == NEPH_BENCHMARK_ENGINES_MAX)
+            return neph_fail(diag, NEPH_ERR_USAGE, "more than %d engines",
+                             NEPH_BENCHMARK_ENGINES_MAX);
+        status = fill_job(name, scene, request, &infos[e], &benchmark->engines[e].job, diag);
+        benchmark->engine_count++;
+    }
+    for (int i = 0; i < request->setting_count && !status; i++)
+        status = apply_setting(benchmark, request->settings[i], diag);
+    return status;
+}
+
+/* --- results ------------------------------------------------------------------------------ */
+
+static void print_engine(const struct neph_benchmark_engine *engine)
+{
+    for (int k = 0; k < NEPH_BENCHMARK_RUNGS; k++) {
+        const struct neph_benchmark_rung *rung = &engine->rungs[k];
+        printf("%-8s %8d %10.3f %10.3f%% %10.3f%% %14.4g\n", engine->job.engine->name,
+               rung->samples, rung->render_s, 100.0 * sqrt(rung->noise2),
+               100.0 * sqrt(fmax(0.0, rung->error2)), rung->noise2 * rung->render_s);
+    }
+}
+
+static void print_benchmark(const struct neph_benchmark *benchmark)
+{
+    const struct neph_shot *shot = &benchmark->reference.shot;
+    printf("%s, %d x %d, %d cores; reference: tracer, 2 x %d samples, noise %.2g %%\n",
+           shot->scene->name, shot->width_px, shot->height_px, neph_processor_count(),
+           benchmark->reference_samples, 100.0 * benchmark->reference_noise);
+    printf("%-8s %8s %10s %11s %11s %14s\n", "engine", "samples", "seconds", "noise", "error",
+           "noise^2 x time");
+    for (int e = 0; e < benchmark->engine_count; e++)
+        print_engine(&benchmark->engines[e]);
+    for (int e = 0; e < benchmark->engine_count; e++) {
+        const struct neph_benchmark_engine *engine = &benchmark->engines[e];
+        printf("%s: start %.2f s; noise^2 x time %.4g s (%.4g..%.4g); bias of the mean %+.2f %% "
+               "(%+.2f..%+.2f)",
+               engine->job.engine->name, engine->start_s, engine->cost_s.value, engine->cost_s.low,
+               engine->cost_s.high, 100.0 * engine->bias.value, 100.0 * engine->bias.low,
+               100.0 * engine->bias.high);
+        if (e > 0)
+            printf("; needs %.3g (%.3g..%.3g) times the time of %s for the same noise",
+                   engine->times.value, engine->times.low, engine->times.high,
+                   benchmark->engines[0].job.engine->name);
+        printf("\n");
+    }
+}
+
+static void set_scratch(struct neph_benchmark *benchmark, const char *path)
+{
+    benchmark->reference.shot.scratch_directory = path;
+    for (int e = 0; e < benchmark->engine_count; e++)
+        benchmark->engines[e].job.shot.scratch_directory = path;
+}
+
+static enum neph_status run(const struct request *request, struct neph_scene *scene, double rung_s,
+                            struct neph_diag *diag)
+{
+    struct neph_benchmark benchmark = {.engine_count = 0};
+    struct neph_engine_info infos[NEPH_BENCHMARK_ENGINES_MAX + 1];
+    struct neph_scratch *scratch = NULL;
+    enum neph_status status = fill_benchmark(request, scene, infos, &benchmark, diag);
+    if (!status)
+        status = neph_cli_open_folder(request->output, diag);
+    if (!status)
+        status = neph_cli_begin_scratch(request->output, &scratch, diag);
+    if (!status)
+        set_scratch(&benchmark, neph_scratch_path(scratch));
+    if (!status)
+        status = neph_benchmark_run(&benchmark, rung_s, request->quiet || request->json, diag);
+    neph_cli_end_scratch(scratch, status, diag);
+    if (status)
+        return status;
+    if (request->json)
+        return neph_cli_print_json(neph_benchmark_json(&benchmark), diag);
+    print_benchmark(&benchmark);
+    return NEPH_OK;
+}
+
+static enum neph_status parse_seconds(const char *text, double *seconds, struct neph_diag *diag)
+{
+    char *end;
+    *seconds = strtod(text, &end);
+    if (end == text || *end || !(*seconds >= 0.01) || !(*seconds <= 1e4))
+        return neph_fail(diag, NEPH_ERR_USAGE, "seconds '%s': a number in 0.01..10000", text);
+    return NEPH_OK;
+}
+
+enum neph_status neph_cli_benchmark(int argc, char **argv, struct neph_diag *diag)
+{
+    struct request request = {
+        .engines = "tracer,cycles", .size = "96x54", .output = "out", .seconds = "4"};
+    neph_cli_parse(&argp, argc, argv, &request);
+    struct neph_scene *scene = NULL;
+    double rung_s = 0.0;
+    int voxels = 0;
+    enum neph_status status = neph_cli_check_output("-o", request.output, diag);
+    if (!status)
+        status = parse_seconds(request.seconds, &rung_s, diag);
+    if (!status && request.voxels)
+        status = neph_cli_parse_int("voxels", request.voxels, NEPH_BAKE_RESOLUTION_MIN,
+                                    NEPH_GRID_SIDE_MAX, &voxels, diag);
+    if (!status)
+        status = neph_data_load_scene(request.scene, &scene, diag);
+    if (!status && voxels > 0)
+        status = to_voxels(scene, voxels, diag);
+    if (!status)
+        status = run(&request, scene, rung_s, diag);
+    neph_scene_destroy(scene);
+    return status;
+}

@@ -1,0 +1,76 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The command line: one function per verb, each with its own argp parser. stdout carries results
+ * alone; progress and problems go to stderr.
+ */
+#ifndef NEPH_HARNESS_CLI_CLI_H
+#define NEPH_HARNESS_CLI_CLI_H
+
+#include "base/option.h"
+#include "base/scratch.h"
+#include "base/status.h"
+#include "harness/json.h"
+
+#include <argp.h>
+
+/* Run a verb on its own arguments (argv[0] is "neph VERB"). */
+typedef enum neph_status neph_verb(int argc, char **argv, struct neph_diag *diag);
+
+neph_verb neph_cli_render;
+neph_verb neph_cli_export;
+neph_verb neph_cli_bake;
+neph_verb neph_cli_benchmark;
+neph_verb neph_cli_compare;
+neph_verb neph_cli_flicker;
+neph_verb neph_cli_metrics;
+neph_verb neph_cli_conform;
+neph_verb neph_cli_validate;
+neph_verb neph_cli_study;
+neph_verb neph_cli_scenes;
+neph_verb neph_cli_engines;
+neph_verb neph_cli_doctor;
+
+/* argp_parse(), whose complaints quote the command line, with their bytes made fit for a terminal
+ * (base/text.h). Ends the process on a wrong option (EX_USAGE) and after --help. */
+void neph_cli_parse(const struct argp *argp, int argc, char **argv, void *request);
+
+/* Parse "WIDTHxHEIGHT". */
+enum neph_status neph_cli_parse_size(const char *text, int *width_px, int *height_px,
+                                     struct neph_diag *diag);
+
+/* Parse an integer in minimum..maximum; `what` names it in the error. */
+enum neph_status neph_cli_parse_int(const char *what, const char *text, long minimum, long maximum,
+                                    int *value, struct neph_diag *diag);
+
+/* A file or folder to write to, whose name is written into results and read back from there:
+ * NEPH_ERR_USAGE when it is not UTF-8, since JSON could not hold it. `option` names it: "-o". */
+enum neph_status neph_cli_check_output(const char *option, const char *path,
+                                       struct neph_diag *diag);
+
+/* The argument of an option that names a file or folder to write to. An empty one, which is what
+ * -o "$UNSET" gives, is argp's usage error: it would mean the root or the working folder. */
+const char *neph_cli_output(const struct argp_state *state, const char *option,
+                            const char *argument);
+
+/* Make the folder of an output if need be, and remove what killed runs left of the next there. */
+enum neph_status neph_cli_open_folder(const char *output, struct neph_diag *diag);
+
+/* A folder for an engine's files inside that folder. End it with neph_cli_end_scratch(). */
+enum neph_status neph_cli_begin_scratch(const char *output, struct neph_scratch **scratch,
+                                        struct neph_diag *diag);
+
+/* Remove it; after a failure of the engine, `status`, it stays if it holds logs, and the diag says
+ * where. `scratch` may be NULL. */
+void neph_cli_end_scratch(struct neph_scratch *scratch, enum neph_status status,
+                          struct neph_diag *diag);
+
+/* A table of options, for JSON and for people. */
+json_t *neph_cli_options_json(const struct neph_option *options);
+void neph_cli_print_options(const struct neph_option *options);
+
+/* Print JSON on stdout, indented, with a newline at the end; consumes the reference.
+ * NEPH_ERR_INTERNAL: it is NULL, because it could not be made. */
+enum neph_status neph_cli_print_json(json_t *json, struct neph_diag *diag)
+    __attribute__((warn_unused_result));
+
+#endif

@@ -1,0 +1,192 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * `neph metrics`: what can be measured, by which definition.
+ */
+#include "harness/cli/cli.h"
+
+#include "metrics/extractor.h"
+#include "metrics/mask.h"
+
+#include <argp.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { KEY_JSON = 1, KEY_MASKS };
+
+struct request {
+    const char *name;
+    bool json, masks;
+};
+
+static const struct argp_option options[] = {
+    {"json", KEY_JSON, NULL, 0, "Results as JSON on stdout", 0},
+    {"masks", KEY_MASKS, NULL, 0, "List the masks instead", 0},
+    {"quiet", 'q', NULL, 0, "Accepted; this verb prints results alone", 0},
+    {0},
+};
+
+static error_t parse(int key, char *argument, struct argp_state *state)
+{
+    struct request *request = state->input;
+    switch (key) {
+    case 'q':
+        return 0;
+    case KEY_JSON:
+        request->json = true;
+        return 0;
+    case KEY_MASKS:
+        request->masks = true;
+        return 0;
+    case ARGP_KEY_ARG:
+        if (request->name)
+            argp_error(state, "one name, not '%s' as well", argument);
+        request->name = argument;
+        return 0;
+    }
+    return ARGP_ERR_UNKNOWN;
+}
+
+/* A bound of a range; JSON has no infinity. */
+static json_t *bound_json(double bound)
+{
+    return isfinite(bound) ? json_real(bound) : json_null();
+}
+
+static json_t *metric_json(const struct neph_metric *metric)
+{
+    return json_pack("{s:s, s:s?, s:o, s:o, s:s}", "name", metric->name, "unit", metric->unit,
+                     "low", bound_json(metric->low), "high", bound_json(metric->high), "help",
+                     metric->help);
+}
+
+static json_t *quantities_json(const struct neph_extractor *extractor)
+{
+    json_t *list = json_array();
+    for (int q = 0; q < neph_quantity_count(); q++)
+        if (extractor->quantities & (unsigned)neph_quantity_at(q)->bit)
+            neph_json_add(&list, json_string(neph_quantity_at(q)->name));
+    return list;
+}
+
+static json_t *extractor_json(const struct neph_extractor *extractor)
+{
+    json_t *metrics = json_array(), *maps = json_array();
+    for (const struct neph_metric *metric = extractor->metrics; metric->name; metric++)
+        neph_json_add(&metrics, metric_json(metric));
+    for (int m = 0; m < extractor->map_count; m++)
+        if (extractor->maps[m].name)
+            neph_json_add(&maps, json_string(extractor->maps[m].name));
+    return json_pack("{s:s, s:s, s:s, s:s?, s:b, s:b, s:o, s:o, s:o, s:o}", "name", extractor->name,
+                     "help", extractor->help, "source", extractor->source, "details",
+                     extractor->details, "temporal", extractor->temporal, "costly",
+                     extractor->costly, "quantities", quantities_json(extractor), "options",
+                     neph_cli_options_json(extractor->options), "metrics", metrics, "maps", maps);
+}
+
+static void print_metric(const struct neph_metric *metric)
+{
+    char range[64] = "";
+    if (isfinite(metric->low) || isfinite(metric->high))
+        snprintf(range, sizeof(range), " %g..%g", metric->low, metric->high);
+    printf("    %-24s %s  [%s%s]\n", metric->name, metric->help,
+           metric->unit ? metric->unit : "unit of the quantity", range);
+}
+
+static void print_details(const char *lines)
+{
+    while (lines && *lines) {
+        const size_t length = strcspn(lines, "\n");
+        printf("    %.*s\n", (int)length, lines);
+        lines += length + (lines[length] ? 1 : 0);
+    }
+}
+
+static void print_extractor(const struct neph_extractor *extractor, bool fully)
+{
+    printf("%s: %s%s%s\n", extractor->name, extractor->help,
+           extractor->temporal ? " (sequences)" : "",
+           extractor->costly ? " (only when asked for)" : "");
+    printf("    source: %s\n", extractor->source);
+    if (fully) {
+        print_details(extractor->details);
+        neph_cli_print_options(extractor->options);
+    }
+    for (const struct neph_metric *metric = extractor->metrics; metric->name; metric++)
+        print_metric(metric);
+    for (int m = 0; m < extractor->map_count && fully; m++)
+        if (extractor->maps[m].name)
+            printf("    map %-20s shown %g..%g%s%s\n", extractor->maps[m].name,
+                   extractor->maps[m].is_signed ? -extractor->maps[m].scale : 0.0,
+                   extractor->maps[m].scale, extractor->maps[m].unit ? " " : " display values",
+                   extractor->maps[m].unit ? extractor->maps[m].unit : "");
+}
+
+static enum neph_status list_masks(bool as_json, struct neph_diag *diag)
+{
+    json_t *list = json_array();
+    for (int i = 0; i < neph_mask_kind_count(); i++) {
+        const struct neph_mask_kind *kind = neph_mask_kind_at(i);
+        neph_json_add(&list, json_pack("{s:s, s:s?, s:s}", "name", kind->name, "needs", kind->needs,
+                                       "help", kind->help));
+        if (!as_json)
+            printf("%-14s %s%s%s%s\n", kind->name, kind->help, kind->needs ? " [needs " : "",
+                   kind->needs ? kind->needs : "", kind->needs ? "]" : "");
+    }
+    enum neph_status status = NEPH_OK;
+    if (as_json)
+        status = neph_cli_print_json(json_incref(list), diag);
+    else
+        printf(
+            "%-14s a channel mask.NAME of the reference, above 0.5 inside (mask.cloud, mask.fog, "
+            "mask.sun)\n",
+            "NAME");
+    json_decref(list);
+    return status;
+}
+
+static enum neph_status check_name(const char *name, const struct neph_extractor **extractor,
+                                   struct neph_diag *diag)
+{
+    *extractor = neph_extractor_find(name);
+    if (*extractor || neph_metric_find(name, extractor))
+        return NEPH_OK;
+    neph_fail(diag, NEPH_ERR_USAGE, "there is no extractor or metric '%s'", name);
+    neph_hint(diag, "`neph metrics` lists them");
+    return NEPH_ERR_USAGE;
+}
+
+enum neph_status neph_cli_metrics(int argc, char **argv, struct neph_diag *diag)
+{
+    static const struct argp argp = {
+        .options = options,
+        .parser = parse,
+        .args_doc = "[NAME]",
+        .doc = "List what can be measured, with definition, unit, range and source; or explain one "
+               "extractor with its settings.\v"
+               "Examples:\n  neph metrics\n  neph metrics flip\n  neph metrics a4_p95\n"
+               "  neph metrics --masks",
+    };
+    struct request request = {0};
+    neph_cli_parse(&argp, argc, argv, &request);
+    const struct neph_extractor *only = NULL;
+    enum neph_status status = request.name ? check_name(request.name, &only, diag) : NEPH_OK;
+    if (status)
+        return status;
+    if (request.masks)
+        return list_masks(request.json, diag);
+    json_t *list = json_array();
+    for (int i = 0; i < neph_extractor_count(); i++) {
+        const struct neph_extractor *extractor = neph_extractor_at(i);
+        if (only && extractor != only)
+            continue;
+        if (request.json)
+            neph_json_add(&list, extractor_json(extractor));
+        else
+            print_extractor(extractor, only != NULL);
+    }
+    if (request.json)
+        status = neph_cli_print_json(json_incref(list), diag);
+    json_decref(list);
+    return status;
+}

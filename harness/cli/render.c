@@ -1,0 +1,537 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * `neph render` and `neph export`: one scene, one engine.
+ */
+#include "harness/cli/cli.h"
+
+#include "base/clock.h"
+#include "base/exr.h"
+#include "base/files.h"
+#include "base/owned.h"
+#include "harness/compare/sequence.h"
+#include "harness/data.h"
+#include "harness/engines/frame_stats.h"
+#include "harness/progress.h"
+#include "harness/report/scene_layers.h"
+#include "harness/report/step_depth.h"
+#include "harness/run/job.h"
+#include "harness/run/noise.h"
+#include "harness/run/seed.h"
+#include "scenes/motion.h"
+
+#include <argp.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+enum {
+    SETTINGS_MAX = 96,
+    KEY_SIZE = 1,
+    KEY_FRAME,
+    KEY_FRAMES,
+    KEY_SEED,
+    KEY_TIME_LIMIT,
+    KEY_JSON,
+    KEY_CHECKPOINT,
+    KEY_SCENE_LAYERS,
+    KEY_STATS,
+    KEY_DEPTH,
+    KEY_NOISE
+};
+
+/* A sequence engine goes on beyond the scene's last key. */
+static const int frames_max = 100000;
+
+struct request {
+    const char *scene, *engine, *output, *checkpoint;
+    const char *assignments[SETTINGS_MAX];
+    int assignment_count;
+    const char *size, *frame, *frames, *seed, *time_limit, *preset, *depth;
+    bool noise, json, quiet, scene_layers, stats;
+};
+
+static const struct argp_option render_options[] = {
+    {"engine", 'e', "NAME", 0, "Engine; `neph engines` lists them (default: march)", 0},
+    {"preset", 'p', "NAME", 0,
+     "Engine realtime: a set of settings by name, before any --set; `neph engines realtime` lists "
+     "them",
+     0},
+    {"set", 's', "KEY=VALUE", 0, "A setting of the engine; may be given several times", 0},
+    {"size", KEY_SIZE, "WxH", 0, "Size in pixels (default: 192x108)", 0},
+    {"frame", KEY_FRAME, "N", 0, "First frame, 0-based (default: 0)", 0},
+    {"frames", KEY_FRAMES, "N", 0,
+     "How many frames (default: 1); engine realtime goes on beyond the scene's last", 0},
+    {"seed", KEY_SEED, "N", 0,
+     "Random seed (default: one of the scene's own, so that the errors of two "
+     "scenes are independent; it is in the results and in the frame, as neph.seed)",
+     0},
+    {"time-limit", KEY_TIME_LIMIT, "S", 0, "Seconds per child process (default: 600)", 0},
+    {"checkpoint", KEY_CHECKPOINT, "FILE", 0,
+     "Engines oracle and tracer: go on from what FILE holds, if it is there, and leave all paths "
+     "in it: an interrupted render loses seconds (oracle) or the batch in work (tracer), and a "
+     "finished one can be given more samples",
+     0},
+    {"scene-layers", KEY_SCENE_LAYERS, NULL, 0,
+     "Add what the scene knows for `neph compare` and `neph flicker`: masks of clouds, fog, thin "
+     "objects and the sun, and motion vectors of solids and sky before a camera that moves",
+     0},
+    {"depth", KEY_DEPTH, "FILES", 0,
+     "Engine realtime: Z [m along the camera's axis; inf: sky] of these EXR files in place of the "
+     "scene's solids, which still shade the media, and R G B, which is what is behind the media "
+     "(without: black). "
+     "FILES: " NEPH_SEQUENCE_HELP "; one file serves all frames",
+     0},
+    {"stats", KEY_STATS, NULL, 0,
+     "What each frame has cost: density evaluations, rays, steps, bytes, device time per pass "
+     "(engines that count them)",
+     0},
+    {"output", 'o', "DIR", 0, "Folder to write to (default: .)", 0},
+    {"noise", KEY_NOISE, NULL, 0,
+     "Engine cycles: render every frame with a second seed, too, for its noise; other engines by "
+     "chance know theirs",
+     0},
+    {"json", KEY_JSON, NULL, 0, "Results as JSON on stdout", 0},
+    {"quiet", 'q', NULL, 0, "No progress", 0},
+    {0},
+};
+
+static error_t parse(int key, char *argument, struct argp_state *state)
+{
+    struct request *request = state->input;
+    switch (key) {
+    case 'e':
+        request->engine = argument;
+        return 0;
+    case 'p':
+        request->preset = argument;
+        return 0;
+    case KEY_NOISE:
+        request->noise = true;
+        return 0;
+    case KEY_STATS:
+        request->stats = true;
+        return 0;
+    case KEY_DEPTH:
+        request->depth = argument;
+        return 0;
+    case 's':
+        if (request->assignment_count == SETTINGS_MAX)
+            argp_error(state, "more than %d settings", SETTINGS_MAX);
+        request->assignments[request->assignment_count++] = argument;
+        return 0;
+    case 'o':
+        request->output = neph_cli_output(state, "--output", argument);
+        return 0;
+    case KEY_CHECKPOINT:
+        request->checkpoint = neph_cli_output(state, "--checkpoint", argument);
+        return 0;
+    case 'q':
+        request->quiet = true;
+        return 0;
+    case KEY_SCENE_LAYERS:
+        request->scene_layers = true;
+        return 0;
+    case KEY_JSON:
+        request->json = true;
+        return 0;
+    case KEY_SIZE:
+        request->size = argument;
+        return 0;
+    case KEY_FRAME:
+        request->frame = argument;
+        return 0;
+    case KEY_FRAMES:
+        request->frames = argument;
+        return 0;
+    case KEY_SEED:
+        request->seed = argument;
+        return 0;
+    case KEY_TIME_LIMIT:
+        request->time_limit = argument;
+        return 0;
+    case ARGP_KEY_ARG:
+        if (request->scene)
+            argp_error(state, "one scene, not '%s' as well", argument);
+        request->scene = argument;
+        return 0;
+    case ARGP_KEY_END:
+        if (!request->scene)
+            argp_error(state, "which scene? `neph scenes` lists the catalogue");
+        return 0;
+    }
+    return ARGP_ERR_UNKNOWN;
+}
+
+static const struct argp render_argp = {
+    .options = render_options,
+    .parser = parse,
+    .args_doc = "SCENE",
+    .doc = "Render a scene (a file, or a name of the catalogue) with one engine.\v"
+           "Writes DIR/SCENE_ENGINE_FRAME.exr: R G B, volume.*, transmittance.* and Z, 32-bit "
+           "float, with the settings as attributes. Frames that are finished when an engine fails "
+           "or Ctrl-C comes stay.\n\n"
+           "Examples:\n"
+           "  neph render height_fog_level -o out\n"
+           "  neph render my_fog.yaml -e cycles -s samples=256 --size 640x360 -o out\n"
+           "  neph render camera_dolly --engine march --frames 8 -o out\n"
+           "  neph render camera_dolly -e realtime -p ours --frames 8 --stats -o out\n"
+           "  neph render cloud_below -e tracer -s samples=65536 --checkpoint below.sums",
+};
+
+static const struct argp export_argp = {
+    .options = render_options,
+    .parser = parse,
+    .args_doc = "SCENE",
+    .doc = "Leave a scene as files that open in Blender or render with POV-Ray by hand.\v"
+           "Prints the one-line command to run inside DIR, which is a new or empty folder, or that "
+           "of an export before, whose files are replaced.\n\n"
+           "Examples:\n"
+           "  neph export fence_backlit --engine povray -o fence_pov\n"
+           "  neph export fence_backlit --engine cycles -o fence_blend",
+};
+
+/* --frames; single frames end with the scene. */
+static enum neph_status count_frames(const struct request *request,
+                                     const struct neph_engine *engine,
+                                     const struct neph_scene *scene, int first, int *frame_count,
+                                     struct neph_diag *diag)
+{
+    const int most = engine->remembers ? frames_max : scene->frame_count - first;
+    const enum neph_status status = neph_cli_parse_int("number of frames", request->frames, 1, most,
+                                                       frame_count, diag);
+    if (status)
+        neph_hint(diag, "scene %s ends with frame %d", scene->name, scene->frame_count - 1);
+    return status;
+}
+
+/* Options that only some engines have a use for. */
+static enum neph_status check_engine(const struct request *request,
+                                     const struct neph_engine *engine, int frame_count,
+                                     struct neph_diag *diag)
+{
+    if (request->checkpoint && (!engine->rests || frame_count > 1))
+        return neph_fail(diag, NEPH_ERR_USAGE,
+                         "--checkpoint is for one frame of an engine that adds up paths (oracle, "
+                         "tracer)");
+    if (request->depth && !engine->takes_given)
+        return neph_fail(diag, NEPH_ERR_USAGE,
+                         "--depth is for engine realtime; engine %s renders the scene's solids",
+                         engine->name);
+    if (request->preset && !engine->presets)
+        return neph_fail(diag, NEPH_ERR_USAGE,
+                         "--preset is for engine realtime; engine %s has no presets", engine->name);
+    return NEPH_OK;
+}
+
+/* The shot that a request asks for; `*frame_count` from --frames. */
+static enum neph_status make_job(const struct request *request, const struct neph_scene *scene,
+                                 struct neph_engine_info *info, struct neph_job *job,
+                                 int *frame_count, struct neph_diag *diag)
+{
+    const struct neph_engine *engine = neph_engine_find(request->engine);
+    if (!engine) {
+        neph_fail(diag, NEPH_ERR_USAGE, "there is no engine '%s'", request->engine);
+        neph_hint(diag, "`neph engines` lists them");
+        return NEPH_ERR_USAGE;
+    }
+    int first = 0, seed = (int)neph_seed_of(scene, 1), limit_s = 600;
+    *job = (struct neph_job){.engine = engine,
+                             .info = info,
+                             .shot = {.scene = scene,
+                                      .settings = neph_settings_default(engine),
+                                      .layers = NEPH_LAYERS_ALL}};
+    enum neph_status status = neph_cli_parse_size(request->size, &job->shot.width_px,
+                                                  &job->shot.height_px, diag);
+    if (!status)
+        status = neph_cli_parse_int("frame", request->frame, 0, scene->frame_count - 1, &first,
+                                    diag);
+    if (!status)
+        status = count_frames(request, engine, scene, first, frame_count, diag);
+    if (!status)
+        status = check_engine(request, engine, *frame_count, diag);
+    if (!status && request->seed)
+        status = neph_cli_parse_int("seed", request->seed, 0, 0x7fffffff, &seed, diag);
+    if (!status)
+        status = neph_cli_parse_int("time limit", request->time_limit, 1, 1000000, &limit_s, diag);
+    if (!status && request->preset)
+        status = neph_settings_preset(engine, request->preset, &job->shot.settings, diag);
+    for (int i = 0; i < request->assignment_count && !status; i++)
+        status = neph_settings_set(engine, &job->shot.settings, request->assignments[i], diag);
+    job->shot.checkpoint = request->checkpoint;
+    job->shot.frame = first;
+    job->shot.seed = (uint64_t)seed;
+    job->shot.time_limit_s = limit_s;
+    if (!status)
+        neph_engine_probe(engine, info);
+    return status;
+}
+
+/* DIR/SCENE_ENGINE_FRAME.exr, which is not to be the very file that --depth is read from. */
+static enum neph_status name_frame(const struct request *request, const struct neph_job *job,
+                                   const char *depth, char **path, struct neph_diag *diag)
+{
+    char *named = neph_format("%s/%s_%s_%04d.exr", request->output, job->shot.scene->name,
+                              job->engine->name, job->shot.frame);
+    if (!named)
+        return neph_fail_memory(diag);
+    if (depth && neph_path_is_same(named, depth)) {
+        neph_fail(diag, NEPH_ERR_USAGE, "the frame would be written over '%s' of --depth", depth);
+        neph_hint(diag, "name another folder with -o");
+        free(named);
+        return NEPH_ERR_USAGE;
+    }
+    *path = named;
+    return NEPH_OK;
+}
+
+static json_t *real_or_null(double value)
+{
+    return isfinite(value) ? json_real(value) : json_null();
+}
+
+/* By its own variance, or by a second seed when that was asked for; NaN: not known. */
+static enum neph_status find_noise(const struct request *request, const struct neph_job *job,
+                                   const struct neph_image *frame, double *noise,
+                                   struct neph_diag *diag)
+{
+    *noise = neph_noise_of_frame(frame);
+    if (isfinite(*noise) || !job->engine->stochastic)
+        return NEPH_OK;
+    if (!request->noise) {
+        if (!request->quiet)
+            fprintf(stderr,
+                    "neph render: %s does not know its noise: --noise renders a second seed\n",
+                    job->engine->name);
+        return NEPH_OK;
+    }
+    struct neph_job second = *job;
+    struct neph_image *other = NULL;
+    struct neph_cost cost;
+    second.shot.seed = job->shot.seed == 0x7fffffff ? 0 : job->shot.seed + 1;
+    const enum neph_status status = neph_job_render(&second, &other, &cost, diag);
+    if (!status)
+        *noise = neph_noise_of_two(frame, other);
+    neph_image_destroy(other);
+    return status;
+}
+
+/* On stderr, what a picture does not show. */
+static void say(const struct request *request, const struct neph_job *job, double noise,
+                double step_depth)
+{
+    char *warning = neph_step_depth_warning(step_depth, job->engine);
+    if (warning)
+        fprintf(stderr, "neph render: warning: frame %d: %s\n", job->shot.frame, warning);
+    free(warning);
+    if (isfinite(noise) && !request->quiet)
+        fprintf(stderr, "frame %d: noise %.2g %% of the rms radiance, seed %llu\n", job->shot.frame,
+                100.0 * noise, (unsigned long long)job->shot.seed);
+}
+
+/* A scratch folder inside the output folder; engines keep their logs there when they fail. */
+static enum neph_status render_one(const struct request *request, struct neph_job *job,
+                                   const char *depth, json_t *results, struct neph_diag *diag)
+{
+    char *path = NULL;
+    struct neph_scratch *scratch = NULL;
+    struct neph_image *frame = NULL;
+    struct neph_cost cost = {0};
+    enum neph_status status = name_frame(request, job, depth, &path, diag);
+    if (!status)
+        status = neph_cli_begin_scratch(request->output, &scratch, diag);
+    if (!status) {
+        job->shot.scratch_directory = neph_scratch_path(scratch);
+        status = neph_job_render(job, &frame, &cost, diag);
+    }
+    double noise = NAN;
+    if (!status)
+        status = find_noise(request, job, frame, &noise, diag);
+    if (!status && request->scene_layers)
+        status = neph_scene_layers_add(job->shot.scene, job->shot.frame, frame, diag);
+    if (!status)
+        status = neph_exr_write(path, frame, diag);
+    const double step_depth = status ? NAN : neph_step_depth(&job->shot, job->engine);
+    if (!status)
+        say(request, job, noise, step_depth);
+    if (!status)
+        status = neph_json_append(
+            results,
+            json_pack("{s:s, s:i, s:[i,i], s:f, s:f, s:f, s:I, s:o, s:I, s:o, s:o}", "exr", path,
+                      "frame", job->shot.frame, "size_px", frame->width_px, frame->height_px,
+                      "render_s", cost.render_s, "wall_s", cost.wall_s, "cpu_s", cost.cpu_s,
+                      "peak_memory_bytes", (json_int_t)cost.peak_memory_bytes, "stats",
+                      neph_frame_stats(frame), "seed", (json_int_t)job->shot.seed, "noise",
+                      real_or_null(noise), "step_optical_depth", real_or_null(step_depth)),
+            diag);
+    if (!status && !request->json)
+        printf("%s\n", path);
+    neph_cli_end_scratch(scratch, status, diag);
+    job->shot.scratch_directory = NULL;
+    neph_image_destroy(frame);
+    free(path);
+    return status;
+}
+
+/* The file that takes the solids' place in the i-th picture: the only one, or one for each picture;
+ * NULL without --depth. */
+static const char *depth_path(const struct neph_sequence *depths, int i)
+{
+    return depths->count == 0 ? NULL : depths->paths[depths->count > 1 ? i : 0];
+}
+
+static enum neph_status find_depths(const struct request *request, int frame_count,
+                                    struct neph_sequence *depths, struct neph_diag *diag)
+{
+    if (!request->depth)
+        return NEPH_OK;
+    const enum neph_status status = neph_sequence_find(1, &request->depth, depths, diag);
+    if (!status && depths->count != 1 && depths->count != frame_count)
+        return neph_fail(diag, NEPH_ERR_USAGE,
+                         "--depth gives %d files and --frames asks for %d; give one file for all "
+                         "frames or one for each",
+                         depths->count, frame_count);
+    return status;
+}
+
+/* Where the i-th picture gets what it is asked for; opens the sequence before the first. */
+static enum neph_status render_next(const struct request *request, struct neph_job *job,
+                                    const struct neph_sequence *depths, int i, json_t *results,
+                                    struct neph_diag *diag)
+{
+    const char *path = depth_path(depths, i);
+    struct neph_image *given = NULL;
+    enum neph_status status = path ? neph_exr_read(path, &given, diag) : NEPH_OK;
+    job->shot.given = given;
+    if (!status && i == 0)
+        status = neph_job_open(job, diag);
+    if (!status)
+        status = render_one(request, job, path, results, diag);
+    if (status == NEPH_ERR_INPUT && given)
+        neph_hint(diag, "that is '%s' of --depth, in frame %d", path, job->shot.frame);
+    neph_image_destroy(given);
+    return status;
+}
+
+static void print_stats(const json_t *results)
+{
+    json_t *stats = json_array(), *result;
+    size_t index;
+    json_array_foreach(results, index, result)
+        neph_json_add(&stats, json_incref(json_object_get(result, "stats")));
+    neph_frame_stats_print(stats);
+    json_decref(stats);
+}
+
+static enum neph_status render_frames(const struct request *request, struct neph_job *job,
+                                      int frame_count, struct neph_diag *diag)
+{
+    json_t *results = json_array();
+    struct neph_sequence depths = {0};
+    const int width_px = job->shot.width_px, height_px = job->shot.height_px;
+    struct neph_progress progress = neph_progress_start(request->quiet || request->json,
+                                                        frame_count);
+    enum neph_status status = find_depths(request, frame_count, &depths, diag);
+    if (!status)
+        status = neph_cli_open_folder(request->output, diag);
+    for (int i = 0; i < frame_count && !status; i++) {
+        char what[128];
+        snprintf(what, sizeof(what), "frame %d", job->shot.frame);
+        neph_progress_begin(&progress, what);
+        job->shot.width_px = width_px;
+        job->shot.height_px = height_px;
+        neph_scene_frame_size(job->shot.scene, job->shot.frame, &job->shot.width_px,
+                              &job->shot.height_px);
+        const double start_s = neph_wall_s();
+        status = render_next(request, job, &depths, i, results, diag);
+        neph_progress_step(&progress, what, neph_status_name(status), neph_wall_s() - start_s);
+        job->shot.frame++;
+    }
+    neph_progress_end(&progress);
+    neph_job_close(job);
+    neph_sequence_finish(&depths);
+    if (request->stats && !request->json && json_array_size(results) > 0)
+        print_stats(results);
+    const enum neph_status printed =
+        request->json ? neph_cli_print_json(json_incref(results), status ? NULL : diag) : NEPH_OK;
+    json_decref(results);
+    return status ? status : printed;
+}
+
+static struct request default_request(const char *engine)
+{
+    return (struct request){.engine = engine,
+                            .output = ".",
+                            .size = "192x108",
+                            .frame = "0",
+                            .frames = "1",
+                            .time_limit = "600"};
+}
+
+enum neph_status neph_cli_render(int argc, char **argv, struct neph_diag *diag)
+{
+    struct request request = default_request("march");
+    neph_cli_parse(&render_argp, argc, argv, &request);
+    struct neph_scene *scene = NULL;
+    struct neph_engine_info info;
+    struct neph_job job;
+    int frame_count = 1;
+    enum neph_status status = neph_cli_check_output("-o", request.output, diag);
+    if (!status)
+        status = neph_data_load_scene(request.scene, &scene, diag);
+    if (!status)
+        status = make_job(&request, scene, &info, &job, &frame_count, diag);
+    if (!status)
+        status = render_frames(&request, &job, frame_count, diag);
+    neph_scene_destroy(scene);
+    return status;
+}
+
+/* The files have names such as scene.blend, which a user's own work may have, too. */
+static const struct neph_owned_kind export_folder = {.name = "export", .version = 1};
+
+static enum neph_status export_files(const struct request *request, struct neph_job *job,
+                                     struct neph_diag *diag)
+{
+    char reason[512], command[1024];
+    if (!job->engine->export_scene)
+        return neph_fail(diag, NEPH_ERR_USAGE,
+                         "engine %s has nothing to export; use --engine cycles or povray",
+                         job->engine->name);
+    if (!job->engine->can_render(job->shot.scene, &job->shot.settings, reason, sizeof(reason)))
+        return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "%s cannot: %s", job->engine->name, reason);
+    enum neph_status status = neph_owned_claim(request->output, &export_folder, diag);
+    if (!status)
+        status = job->engine->export_scene(&job->shot, request->output, command, sizeof(command),
+                                           diag);
+    if (status)
+        return status;
+    if (request->json)
+        return neph_cli_print_json(
+            json_pack("{s:s, s:s}", "folder", request->output, "command", command), diag);
+    printf("in %s: %s\n", request->output, command);
+    return NEPH_OK;
+}
+
+enum neph_status neph_cli_export(int argc, char **argv, struct neph_diag *diag)
+{
+    struct request request = default_request("povray");
+    neph_cli_parse(&export_argp, argc, argv, &request);
+    struct neph_scene *scene = NULL, *still = NULL;
+    struct neph_engine_info info;
+    struct neph_job job;
+    int frame_count = 1;
+    enum neph_status status = neph_cli_check_output("-o", request.output, diag);
+    if (!status)
+        status = neph_data_load_scene(request.scene, &scene, diag);
+    if (!status)
+        status = make_job(&request, scene, &info, &job, &frame_count, diag);
+    if (!status && neph_scene_moves(scene))
+        status = neph_scene_at(scene, job.shot.frame, &still, diag);
+    if (still)
+        job.shot.scene = still;
+    if (!status)
+        status = export_files(&request, &job, diag);
+    neph_scene_destroy(still);
+    neph_scene_destroy(scene);
+    return status;
+}

@@ -1,0 +1,49 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * `neph study KIND ...`: each kind of study is a file and a line here.
+ */
+#include "harness/cli/study.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static const struct {
+    const char *name;
+    neph_verb *run;
+    const char *help;
+} kinds[] = {
+    {"steps", neph_cli_study_steps,
+     "how far an engine's steps are from their limit, and which are enough"},
+    {"flicker", neph_cli_study_flicker,
+     "which preset of the real-time renderer flickers and lags less, with intervals"},
+};
+enum { KIND_COUNT = sizeof(kinds) / sizeof(kinds[0]) };
+
+static void print_help(FILE *out)
+{
+    fprintf(out, "Usage: neph study KIND [ARGUMENT...]\n\n");
+    for (int i = 0; i < KIND_COUNT; i++)
+        fprintf(out, "  %-9s %s\n", kinds[i].name, kinds[i].help);
+    fprintf(out, "\n`neph study KIND --help` teaches each with examples. Without a KIND, "
+                 "`neph study ENGINE SCENE`\nand `neph study --renew` are of `steps`.\n\n"
+                 "Examples:\n"
+                 "  neph study steps march fence_backlit\n"
+                 "  neph study flicker --suite test --markdown study.md\n");
+}
+
+enum neph_status neph_cli_study(int argc, char **argv, struct neph_diag *diag)
+{
+    const char *first = argc > 1 ? argv[1] : "--help";
+    if (strcmp(first, "--help") == 0 || strcmp(first, "-?") == 0) {
+        print_help(argc > 1 ? stdout : stderr);
+        return argc > 1 ? NEPH_OK : NEPH_ERR_USAGE;
+    }
+    for (int i = 0; i < KIND_COUNT; i++)
+        if (strcmp(first, kinds[i].name) == 0) {
+            char name[64];
+            snprintf(name, sizeof(name), "neph study %s", kinds[i].name);
+            argv[1] = name;
+            return kinds[i].run(argc - 1, argv + 1, diag);
+        }
+    return neph_cli_study_steps(argc, argv, diag);
+}

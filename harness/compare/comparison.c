@@ -1,0 +1,645 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/compare/comparison.h"
+
+#include "base/exr.h"
+#include "base/files.h"
+#include "base/interrupt.h"
+#include "base/png.h"
+#include "harness/compare/findings.h"
+#include "harness/compare/frame.h"
+#include "harness/compare/map_names.h"
+#include "harness/progress.h"
+#include "metrics/display.h"
+#include "metrics/extractors/cycle_frequency.h"
+#include "metrics/validity.h"
+
+#include <math.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { OVERLOOKED_COUNT = 3 };
+
+/* What is at work between the first frame and the last. */
+struct work {
+    const struct neph_comparison *asked;
+    struct neph_viewing viewing;
+    int frame_count; /* to measure */
+    int done_count;
+    bool with_draws;
+    bool is_picture;                              /* values of a display and not of physics */
+    struct neph_image *reference, *second, *test; /* of the frame at hand; owned */
+    struct neph_mask *masks[NEPH_MASKS_MAX];      /* owned */
+    int mask_count;
+    struct neph_meter *meter; /* owned */
+    struct neph_frozen frozen;
+    bool has_overlooked[OVERLOOKED_COUNT]; /* any frame so far */
+    char strangers[400];                   /* names of channels that mean nothing here */
+    char declared_cycles[512];             /* by the first test frame; else empty */
+    json_t *maps;                          /* owned */
+};
+
+static bool is_picture(const struct neph_image *image)
+{
+    return neph_image_attribute(image, "encoding") != NULL;
+}
+
+/* ---- frames ---------------------------------------------------------------------------------- */
+
+static enum neph_status check_numbers(const struct neph_comparison *asked, struct neph_diag *diag)
+{
+    if (asked->by_position)
+        return NEPH_OK;
+    enum neph_status status = neph_sequence_check_numbers(&asked->reference, "the reference",
+                                                          &asked->test, "the test", diag);
+    if (!status)
+        status = neph_sequence_check_numbers(&asked->reference, "the reference", &asked->second,
+                                             "the second reference", diag);
+    return status;
+}
+
+static enum neph_status check_counts(const struct neph_comparison *asked, struct work *work,
+                                     struct neph_diag *diag)
+{
+    const int test = asked->test.count, reference = asked->reference.count;
+    if (reference != 1 && reference != test)
+        return neph_fail(diag, NEPH_ERR_INPUT,
+                         "%d reference frames for %d test frames: one for all, or as many",
+                         reference, test);
+    if (asked->second.count > 0 && asked->second.count != reference)
+        return neph_fail(diag, NEPH_ERR_INPUT,
+                         "%d frames of the second reference, %d of the first: as many are needed",
+                         asked->second.count, reference);
+    enum neph_status status = check_numbers(asked, diag);
+    if (status)
+        return status;
+    if (asked->warm_up_frames >= test)
+        return neph_fail(diag, NEPH_ERR_INPUT,
+                         "a warm-up of %d frames leaves nothing of a sequence of %d",
+                         asked->warm_up_frames, test);
+    work->frame_count = test - asked->warm_up_frames;
+    return NEPH_OK;
+}
+
+/* Read a frame of a sequence into `image`, unless it is the one frame that stands for all. */
+static enum neph_status read_next(const struct neph_sequence *sequence, int index,
+                                  const char *layer, size_t negative_allowed,
+                                  struct neph_image **image, struct neph_diag *diag)
+{
+    if (sequence->count == 0 || (sequence->count == 1 && *image))
+        return NEPH_OK;
+    neph_image_destroy(*image);
+    *image = NULL;
+    return neph_frame_read(sequence->paths[sequence->count == 1 ? 0 : index], layer,
+                           negative_allowed, image, diag);
+}
+
+static enum neph_status read_frames(struct work *work, int index, struct neph_diag *diag)
+{
+    const struct neph_comparison *asked = work->asked;
+    enum neph_status status = read_next(&asked->reference, index, asked->layer,
+                                        asked->negative_allowed, &work->reference, diag);
+    if (!status)
+        status = read_next(&asked->second, index, asked->layer, asked->negative_allowed,
+                           &work->second, diag);
+    if (!status) {
+        neph_image_destroy(work->test);
+        work->test = NULL;
+        status = neph_frame_read(asked->test.paths[index], asked->layer, asked->negative_allowed,
+                                 &work->test, diag);
+    }
+    return status;
+}
+
+/* Of a crop the pixels alone do not say where they belong, and of no pixel how wide it is. */
+static enum neph_status check_places(const struct neph_image *reference,
+                                     const struct neph_image *other, struct neph_diag *diag)
+{
+    static const struct {
+        const char *attribute, *what, *usual, *hint;
+    } places[] = {
+        {"crop", "the data window", "the whole picture",
+         "write data windows that are equal to the display window"},
+        {"pixel_aspect", "the pixel aspect ratio", "1", "render both with the same pixels"},
+    };
+    for (size_t i = 0; other && i < sizeof(places) / sizeof(places[0]); i++) {
+        const char *first = neph_image_attribute(reference, places[i].attribute);
+        const char *second = neph_image_attribute(other, places[i].attribute);
+        first = first ? first : places[i].usual;
+        second = second ? second : places[i].usual;
+        if (strcmp(first, second) == 0)
+            continue;
+        neph_fail(diag, NEPH_ERR_INPUT,
+                  "the images are not of the same place: %s of the reference is %s, that of the "
+                  "other image %s",
+                  places[i].what, first, second);
+        neph_hint(diag, "%s", places[i].hint);
+        return NEPH_ERR_INPUT;
+    }
+    return NEPH_OK;
+}
+
+static enum neph_status check_kinds(const struct work *work, struct neph_diag *diag)
+{
+    enum neph_status status = check_places(work->reference, work->test, diag);
+    if (!status)
+        status = check_places(work->reference, work->second, diag);
+    if (status)
+        return status;
+    if (work->second && is_picture(work->second) != is_picture(work->reference))
+        return neph_fail(diag, NEPH_ERR_INPUT,
+                         "of the two references one is a picture for a display, one linear data");
+    if (is_picture(work->reference) != is_picture(work->test))
+        return neph_fail(diag, NEPH_ERR_INPUT,
+                         "%s is a picture for a display, %s is linear data: they have no common "
+                         "scale",
+                         is_picture(work->test) ? "the test" : "the reference",
+                         is_picture(work->test) ? "the reference" : "the test");
+    if (is_picture(work->test) && work->viewing.exposure_ev != 0.0)
+        return neph_fail(diag, NEPH_ERR_INPUT,
+                         "an exposure of %g EV for pictures that have one already",
+                         work->viewing.exposure_ev);
+    return NEPH_OK;
+}
+
+/* The channels of an image in one line, the first few of many. */
+static void list_channels(const struct neph_image *image, char *text, size_t size)
+{
+    enum { SHOWN_MAX = 8 };
+    size_t used = 0;
+    for (int c = 0; c < image->channel_count && c < SHOWN_MAX && used < size; c++)
+        used += (size_t)snprintf(text + used, size - used, " %s", image->channels[c].name);
+    if (image->channel_count > SHOWN_MAX && used < size)
+        snprintf(text + used, size - used, " ...");
+}
+
+static bool has(const struct neph_image *image, const struct neph_quantity *quantity)
+{
+    const float *planes[3];
+    return neph_quantity_planes(quantity, image, planes);
+}
+
+/* A comparison of nothing would pass every gate, and so would one without radiance where one of the
+ * two has it. What else only one of them has is named among what was not taken. */
+static enum neph_status check_channels(const struct neph_image *reference,
+                                       const struct neph_image *test, struct neph_diag *diag)
+{
+    char in_reference[160] = "", in_test[160] = "";
+    const bool both_or_none = has(reference, neph_quantity_at(0)) == has(test, neph_quantity_at(0));
+    for (int q = 0; q < neph_quantity_count() && both_or_none; q++)
+        if (has(reference, neph_quantity_at(q)) && has(test, neph_quantity_at(q)))
+            return NEPH_OK;
+    list_channels(reference, in_reference, sizeof(in_reference));
+    list_channels(test, in_test, sizeof(in_test));
+    neph_fail(diag, NEPH_ERR_INPUT, "%s: the channels of the reference are%s, of the test%s",
+              both_or_none ? "nothing can be compared" : "only one of the two has radiance",
+              in_reference, in_test);
+    neph_hint(diag, "radiance is in channels R G B, or in Y alone when it is grey; --layer NAME "
+                    "takes NAME.R NAME.G NAME.B for it");
+    return NEPH_ERR_INPUT;
+}
+
+/* ---- masks ----------------------------------------------------------------------------------- */
+
+/* Masks of the whole window: where any of its reference frames has them, so that a number is taken
+ * at the same places in all frames. */
+static enum neph_status unite_masks(struct work *work, struct neph_diag *diag)
+{
+    const struct neph_comparison *asked = work->asked;
+    enum neph_status status = NEPH_OK;
+    for (int i = 1; i < work->frame_count && !status; i++) {
+        struct neph_image *frame = NULL;
+        status = neph_frame_read(asked->reference.paths[asked->warm_up_frames + i], asked->layer,
+                                 SIZE_MAX, &frame, diag);
+        if (!status)
+            status = neph_masks_unite(frame, work->masks, work->mask_count, diag);
+        neph_image_destroy(frame);
+        if (!status && neph_interrupted())
+            status = neph_fail(diag, NEPH_ERR_INTERRUPTED, "interrupted");
+    }
+    return status;
+}
+
+static enum neph_status add_mask_of_file(struct work *work, struct neph_diag *diag)
+{
+    struct neph_image *picture = NULL;
+    enum neph_status status = neph_frame_read(work->asked->mask_file, NULL, SIZE_MAX, &picture,
+                                              diag);
+    if (!status && work->mask_count == NEPH_MASKS_MAX)
+        status = neph_fail(diag, NEPH_ERR_INPUT, "more than %d masks", NEPH_MASKS_MAX);
+    if (!status)
+        status = neph_mask_from_image(picture, "file", &work->masks[work->mask_count], diag);
+    if (!status)
+        work->mask_count++;
+    if (!status && work->masks[work->mask_count - 1]->pixel_count == 0)
+        status = neph_fail(diag, NEPH_ERR_INPUT, "the mask '%s' is empty: no pixel is above 0.5",
+                           work->asked->mask_file);
+    neph_image_destroy(picture);
+    return status;
+}
+
+static enum neph_status make_masks(struct work *work, struct neph_diag *diag)
+{
+    const struct neph_comparison *asked = work->asked;
+    enum neph_status status = neph_masks_create(work->reference, asked->detail_masks, work->masks,
+                                                &work->mask_count, diag);
+    if (!status && asked->reference.count > 1 && work->mask_count > 1)
+        status = unite_masks(work, diag);
+    work->mask_count = neph_masks_trim(work->masks, work->mask_count);
+    if (!status && asked->mask_file)
+        status = add_mask_of_file(work, diag);
+    return status;
+}
+
+/* Said at the first frame, and not when all is measured. */
+static enum neph_status check_mask(const struct work *work, struct neph_diag *diag)
+{
+    char names[400] = "";
+    size_t used = 0;
+    for (int i = 0; i < work->mask_count; i++) {
+        const char *name = work->masks[i]->name;
+        if (!work->asked->mask || strcmp(name, work->asked->mask) == 0)
+            return NEPH_OK;
+        if (used < sizeof(names))
+            used += (size_t)snprintf(names + used, sizeof(names) - used, " %s", name);
+    }
+    neph_fail(diag, NEPH_ERR_UNSUPPORTED,
+              "nothing to measure over the mask '%s': the reference has no such pixels, or nothing "
+              "else, or lacks the layer that it is made from",
+              work->asked->mask);
+    neph_hint(diag, "masks of this reference:%s; `neph metrics --masks` says what each needs",
+              names);
+    return NEPH_ERR_UNSUPPORTED;
+}
+
+/* ---- maps ------------------------------------------------------------------------------------ */
+
+/* Maps in the unit of the quantity are drawn as displayed: see struct neph_map. */
+static double picture_scale(const struct neph_map *map, const struct neph_viewing *viewing)
+{
+    return map->unit ? map->scale : map->scale * exp2(-viewing->exposure_ev);
+}
+
+static enum neph_status write_picture(const char *path, const struct neph_image *image,
+                                      const struct neph_map *map,
+                                      const struct neph_viewing *viewing, struct neph_diag *diag)
+{
+    const float *planes[3] = {neph_image_channel(image, "Y"), NULL, NULL};
+    float *rgb[3];
+    const bool is_rgb = neph_image_rgb(image, NULL, rgb);
+    for (int c = 0; is_rgb && c < 3; c++)
+        planes[c] = rgb[c];
+    const size_t pixel_count = neph_image_pixel_count(image);
+    uint8_t *picture = malloc(3 * pixel_count);
+    if (!picture)
+        return neph_fail_memory(diag);
+    enum neph_status status = neph_display_map(planes, is_rgb ? 3 : 1, pixel_count, map->is_signed,
+                                               picture_scale(map, viewing), picture, diag);
+    if (!status)
+        status = neph_png_write_rgb8(path, image->width_px, image->height_px, picture, diag);
+    free(picture);
+    return status;
+}
+
+/* DIR/NAME_QUANTITY[_FRAME].exr and .png. */
+static enum neph_status write_map(struct work *work, const struct neph_quantity *quantity,
+                                  const struct neph_extractor *extractor, int index, int frame,
+                                  struct neph_diag *diag)
+{
+    const struct neph_map *map = &extractor->maps[index];
+    struct neph_image *image = NULL;
+    enum neph_status status = neph_meter_map(work->meter, quantity, extractor, index, &image, diag);
+    if (status)
+        return status;
+    char *stem = neph_map_stem(work->asked->maps_directory, map, quantity,
+                               work->frame_count > 1 ? frame : -1);
+    char *exr = neph_format("%s.exr", stem ? stem : ""),
+         *png = neph_format("%s.png", stem ? stem : "");
+    status = stem && exr && png ? neph_exr_write(exr, image, diag) : neph_fail_memory(diag);
+    if (!status)
+        status = write_picture(png, image, map, &work->viewing, diag);
+    if (!status)
+        status = neph_json_append(work->maps, json_string(exr), diag);
+    if (!status)
+        status = neph_json_append(work->maps, json_string(png), diag);
+    free(stem);
+    free(exr);
+    free(png);
+    neph_image_destroy(image);
+    return status;
+}
+
+static bool map_is_shown(const struct neph_map *map, const struct neph_quantity *quantity)
+{
+    return map->name && (map->quantities == 0 || (map->quantities & (unsigned)quantity->bit));
+}
+
+/* The maps of the frame at hand, or (frame < 0) those of the sequence. */
+static enum neph_status write_maps(struct work *work, int frame, struct neph_diag *diag)
+{
+    enum neph_status status = NEPH_OK;
+    for (int c = 0; work->asked->maps_directory && c < work->asked->choice_count; c++) {
+        const struct neph_extractor *extractor = work->asked->choices[c].extractor;
+        if (extractor->temporal != (frame < 0))
+            continue;
+        for (int q = 0; q < neph_quantity_count(); q++) {
+            const struct neph_quantity *quantity = neph_quantity_at(q);
+            if (neph_meter_obstacle(work->meter, quantity, extractor))
+                continue;
+            for (int m = 0; m < extractor->map_count && !status; m++)
+                if (map_is_shown(&extractor->maps[m], quantity))
+                    status = write_map(work, quantity, extractor, m, frame, diag);
+        }
+    }
+    return status;
+}
+
+/* ---- the run --------------------------------------------------------------------------------- */
+
+/* As fast as the frames were meant to be shown, when they say so and nobody wants otherwise. */
+static void take_frame_rate(struct work *work)
+{
+    const char *text = neph_image_attribute(work->test, NEPH_FRAME_RATE_ATTRIBUTE);
+    const double rate_hz = text ? strtod(text, NULL) : 0.0;
+    if (work->asked->own_frame_rate && isfinite(rate_hz) && rate_hz > 0.0)
+        work->viewing.frame_rate_hz = rate_hz;
+}
+
+static enum neph_status start(struct work *work, struct neph_diag *diag)
+{
+    enum neph_status status = check_channels(work->reference, work->test, diag);
+    if (!status)
+        status = make_masks(work, diag);
+    if (!status)
+        status = check_mask(work, diag);
+    work->is_picture = is_picture(work->reference);
+    take_frame_rate(work);
+    if (status)
+        return status;
+    const struct neph_meter_params params = {
+        .choices = work->asked->choices,
+        .choice_count = work->asked->choice_count,
+        .viewing = work->viewing,
+        .masks = (const struct neph_mask *const *)work->masks,
+        .mask_count = work->mask_count,
+        .frame_count = work->frame_count,
+        .intervals = !work->asked->plain,
+        .draws = work->with_draws,
+    };
+    return neph_meter_create(&params, &work->meter, diag);
+}
+
+/* What a frame may have that no metric looks at. */
+static const struct overlooked {
+    const char *channel, *attribute; /* the one or the other */
+    const char *what, *because;
+} overlooked[OVERLOOKED_COUNT] = {
+    {"A", NULL, "alpha", "R G B are compared as they are, and no metric looks at A"},
+    {"vector.Z", NULL, "channel Z", "beside X and Y it is no depth"},
+    {NULL, "pixel_aspect", "the pixel aspect ratio", "pixels are taken for square"},
+};
+
+static void note_overlooked(struct work *work, const struct neph_image *image)
+{
+    for (int i = 0; i < OVERLOOKED_COUNT; i++)
+        work->has_overlooked[i] |= overlooked[i].channel
+                                       ? neph_image_channel(image, overlooked[i].channel) != NULL
+                                       : neph_image_attribute(image, overlooked[i].attribute) !=
+                                             NULL;
+}
+
+static bool is_stranger(const char *channel)
+{
+    return !neph_validity_knows(channel) && strcmp(channel, "A") != 0 &&
+           strncmp(channel, "vector.", strlen("vector.")) != 0;
+}
+
+/* The first few channels of the first test frame that mean nothing here. */
+static void note_strangers(struct work *work, const struct neph_image *image)
+{
+    enum { SHOWN_MAX = 6 };
+    size_t used = 0;
+    int count = 0;
+    for (int c = 0; c < image->channel_count; c++) {
+        if (!is_stranger(image->channels[c].name))
+            continue;
+        if (++count <= SHOWN_MAX && used < sizeof(work->strangers))
+            used += (size_t)snprintf(work->strangers + used, sizeof(work->strangers) - used, " %s",
+                                     image->channels[c].name);
+    }
+    if (count > SHOWN_MAX && used < sizeof(work->strangers))
+        snprintf(work->strangers + used, sizeof(work->strangers) - used, " and %d more",
+                 count - SHOWN_MAX);
+}
+
+/* Which of many frames it is that does not fit. */
+static enum neph_status name_file(enum neph_status status, const char *path, struct neph_diag *diag)
+{
+    if (status != NEPH_ERR_INPUT || !diag)
+        return status;
+    char what[sizeof(diag->message)];
+    memcpy(what, diag->message, sizeof(what));
+    return neph_fail(diag, status, "'%s': %s", path, what);
+}
+
+static enum neph_status measure_frame(struct work *work, int frame, struct neph_diag *diag)
+{
+    const int index = work->asked->warm_up_frames + frame;
+    enum neph_status status = read_frames(work, index, diag);
+    if (!status)
+        status = name_file(check_kinds(work, diag), work->asked->test.paths[index], diag);
+    if (!status && frame == 0) {
+        const char *declared = neph_image_attribute(work->test, NEPH_CYCLE_ATTRIBUTE);
+        snprintf(work->declared_cycles, sizeof(work->declared_cycles), "%s",
+                 declared ? declared : "");
+        note_strangers(work, work->test);
+        status = start(work, diag);
+    }
+    if (!status) {
+        note_overlooked(work, work->reference);
+        note_overlooked(work, work->test);
+    }
+    if (!status)
+        status = neph_frozen_add(&work->frozen, work->test, NULL, diag);
+    if (!status)
+        status = name_file(
+            neph_meter_frame(work->meter, work->reference, work->second, work->test, diag),
+            work->asked->test.paths[index], diag);
+    if (!status)
+        status = write_maps(work, frame, diag);
+    return status;
+}
+
+static enum neph_status measure_all(struct work *work, struct neph_diag *diag)
+{
+    struct neph_progress progress = neph_progress_start(
+        work->asked->quiet || work->frame_count == 1, work->frame_count);
+    enum neph_status status = NEPH_OK;
+    for (int frame = 0; frame < work->frame_count && !status; frame++) {
+        const char *path = work->asked->test.paths[work->asked->warm_up_frames + frame];
+        neph_progress_begin(&progress, path);
+        status = neph_interrupted() ? neph_fail(diag, NEPH_ERR_INTERRUPTED, "interrupted")
+                                    : measure_frame(work, frame, diag);
+        work->done_count += !status;
+        if (!status)
+            neph_progress_tick(&progress, path);
+    }
+    neph_progress_end(&progress);
+    return status;
+}
+
+/* What one of the images has and the other has not. */
+static void add_one_sided(const struct work *work, json_t **list)
+{
+    for (int q = 0; q < neph_quantity_count() && work->reference && work->test; q++) {
+        const struct neph_quantity *quantity = neph_quantity_at(q);
+        if (has(work->reference, quantity) != has(work->test, quantity))
+            neph_json_add(list,
+                          json_pack("{s:s, s:s, s:s}", "extractor", "everything", "quantity",
+                                    quantity->name, "because",
+                                    has(work->test, quantity) ? "the reference does not have it"
+                                                              : "the test does not have it"));
+    }
+}
+
+static void append_overlooked(json_t **list, const char *what, const char *because)
+{
+    neph_json_add(list, json_pack("{s:s, s:s, s:s}", "extractor", "everything", "quantity", what,
+                                  "because", because));
+}
+
+static void add_overlooked(const struct work *work, json_t **list)
+{
+    char what[sizeof(work->strangers) + 16];
+    for (int i = 0; i < OVERLOOKED_COUNT; i++)
+        if (work->has_overlooked[i])
+            append_overlooked(list, overlooked[i].what, overlooked[i].because);
+    snprintf(what, sizeof(what), "channels%s", work->strangers);
+    if (work->strangers[0])
+        append_overlooked(
+            list, what,
+            "they have no meaning here; --layer NAME takes NAME.R, NAME.Z, ... for R, "
+            "Z, ...");
+}
+
+static json_t *not_taken(const struct work *work)
+{
+    json_t *list = json_array();
+    add_one_sided(work, &list);
+    add_overlooked(work, &list);
+    for (int c = 0; c < work->asked->choice_count; c++) {
+        const struct neph_extractor *extractor = work->asked->choices[c].extractor;
+        for (int q = 0; q < neph_quantity_count(); q++) {
+            const struct neph_quantity *quantity = neph_quantity_at(q);
+            const char *because = neph_meter_obstacle(work->meter, quantity, extractor);
+            if (because && neph_meter_takes(work->meter, quantity, extractor))
+                neph_json_add(&list, json_pack("{s:s, s:s, s:s}", "extractor", extractor->name,
+                                               "quantity", quantity->name, "because", because));
+        }
+    }
+    return list;
+}
+
+/* What was compared: the first file and how many there are. */
+static json_t *sequence_json(const struct neph_sequence *sequence)
+{
+    return json_pack("{s:o, s:i}", "first",
+                     sequence->count > 0 ? neph_json_cleaned(sequence->paths[0]) : json_null(),
+                     "count", sequence->count);
+}
+
+static json_t *document_of(const struct work *work, bool interrupted)
+{
+    json_t *measurements = json_array();
+    int count = 0;
+    const struct neph_measurement *all = neph_meter_measurements(work->meter, &count);
+    for (int i = 0; i < count; i++) {
+        json_t *item = neph_measurement_json(&all[i]);
+        if (work->is_picture && strcmp(all[i].unit, all[i].quantity->unit) == 0)
+            neph_json_set(&item, "unit", json_string("display value"));
+        neph_json_set(&item, "viewing", neph_viewing_json(&work->viewing));
+        neph_json_add(&measurements, item);
+    }
+    json_t *findings = neph_findings(measurements,
+                                     work->frozen.frozen_count > 0 && !work->asked->frozen_is_fine,
+                                     work->declared_cycles);
+    return json_pack("{s:s, s:o, s:o, s:i, s:i, s:i, s:b, s:o, s:o, s:o, s:O}", "version",
+                     NEPH_VERSION, "reference", sequence_json(&work->asked->reference), "test",
+                     sequence_json(&work->asked->test), "warm_up_frames",
+                     work->asked->warm_up_frames, "frames", work->done_count, "frozen",
+                     work->frozen.frozen_count, "interrupted", interrupted, "measurements",
+                     measurements, "findings", findings, "not_taken", not_taken(work), "maps",
+                     work->maps);
+}
+
+static enum neph_status judge_frozen(const struct work *work, struct neph_diag *diag)
+{
+    if (work->frozen.frozen_count == 0 || work->asked->frozen_is_fine)
+        return NEPH_OK;
+    neph_fail(
+        diag, NEPH_ERR_GATE,
+        "%d of %d test frames are bit for bit the frame before, first '%s': that says nothing "
+        "about stability",
+        work->frozen.frozen_count, work->done_count,
+        work->asked->test.paths[work->asked->warm_up_frames + work->frozen.first_frozen]);
+    neph_hint(diag, "if they are meant to be (a deterministic renderer of a still scene), say "
+                    "--frozen-ok");
+    return NEPH_ERR_GATE;
+}
+
+/* The numbers of the sequence so far, and all together as a document. */
+static enum neph_status conclude(struct work *work, bool interrupted, json_t **document,
+                                 struct neph_diag *diag)
+{
+    struct neph_diag *words = interrupted ? NULL : diag; /* what is said already stays said */
+    enum neph_status status = neph_meter_finish(work->meter, words);
+    if (!status)
+        status = write_maps(work, -1, words);
+    if (!status) {
+        *document = document_of(work, interrupted);
+        status = neph_json_check(*document, words);
+    }
+    return status || interrupted ? status : judge_frozen(work, diag);
+}
+
+enum neph_status neph_comparison_run(const struct neph_comparison *comparison, json_t **document,
+                                     struct neph_drawn *drawn, struct neph_diag *diag)
+{
+    struct work work = {.asked = comparison,
+                        .viewing = comparison->viewing,
+                        .with_draws = drawn != NULL,
+                        .maps = json_array()};
+    *document = NULL;
+    enum neph_status status = check_counts(comparison, &work, diag);
+    if (!status && comparison->maps_directory)
+        status = neph_map_names_check(comparison, diag);
+    if (!status && comparison->maps_directory)
+        status = neph_dir_create(comparison->maps_directory, diag);
+    if (!status)
+        status = measure_all(&work, diag);
+    const bool interrupted = status == NEPH_ERR_INTERRUPTED && work.done_count > 0;
+    if (interrupted)
+        neph_interrupt_acknowledge();
+    if (!status || interrupted) {
+        const enum neph_status finished = conclude(&work, interrupted, document, diag);
+        status = finished ? finished : status;
+    }
+    if (drawn && *document)
+        drawn->list = neph_meter_release(work.meter, &drawn->count);
+    neph_meter_destroy(work.meter);
+    neph_masks_destroy(work.masks, work.mask_count);
+    neph_image_destroy(work.reference);
+    neph_image_destroy(work.second);
+    neph_image_destroy(work.test);
+
+    json_decref(work.maps);
+    return status;
+}
+
+void neph_comparison_finish(struct neph_comparison *comparison)
+{
+    neph_sequence_finish(&comparison->reference);
+    neph_sequence_finish(&comparison->second);
+    neph_sequence_finish(&comparison->test);
+}

@@ -1,0 +1,202 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/compare/frame.h"
+
+#include "base/exr.h"
+#include "base/files.h"
+#include "base/png.h"
+#include "metrics/validity.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+static const struct format {
+    const char *name;
+    unsigned char magic[4]; /* the first bytes of every file */
+    enum neph_status (*read)(const char *path, struct neph_image **image, struct neph_diag *diag);
+} formats[] = {
+    {"OpenEXR", {0x76, 0x2f, 0x31, 0x01}, neph_exr_read},
+    {"PNG", {0x89, 'P', 'N', 'G'}, neph_png_read_image},
+};
+
+static enum neph_status find_format(const char *path, const struct format **format,
+                                    struct neph_diag *diag)
+{
+    unsigned char magic[4] = {0};
+    int fd;
+    const enum neph_status status = neph_file_open(path, &fd, NULL, diag);
+    if (status)
+        return status;
+    const ssize_t got = pread(fd, magic, sizeof(magic), 0);
+    const int error = errno;
+    close(fd);
+    if (got < 0)
+        return neph_fail(diag, NEPH_ERR_IO, "cannot read '%s': %s", path, strerror(error));
+    for (size_t i = 0; i < sizeof(formats) / sizeof(formats[0]); i++)
+        if (memcmp(magic, formats[i].magic, sizeof(magic)) == 0) {
+            *format = &formats[i];
+            return NEPH_OK;
+        }
+    neph_fail(diag, NEPH_ERR_INPUT, "'%s' is neither an OpenEXR nor a PNG file", path);
+    neph_hint(diag, got < (ssize_t)sizeof(magic) ? "it is empty or cut short"
+                                                 : "convert it to one of the two");
+    return NEPH_ERR_INPUT;
+}
+
+static enum neph_status check(const char *path, const struct neph_image *image,
+                              size_t negative_allowed, struct neph_diag *diag)
+{
+    struct neph_validity validity = {0};
+    enum neph_status status = neph_validity_count(image, &validity, diag);
+    if (!status)
+        status = neph_validity_gate(&validity, negative_allowed, diag);
+    if (status == NEPH_ERR_GATE && diag) {
+        char what[sizeof(diag->message)];
+        memcpy(what, diag->message, sizeof(what));
+        neph_fail(diag, status, "'%s': %s", path, what);
+        neph_hint(diag, validity.non_finite_count > 0
+                            ? "such a frame is no measurement"
+                            : "if a filter with negative lobes made them, say --negative-ok");
+    }
+    neph_validity_finish(&validity);
+    return status;
+}
+
+static bool is_finite(const float *samples, size_t count)
+{
+    for (size_t i = 0; i < count; i++)
+        if (!isfinite(samples[i]))
+            return false;
+    return true;
+}
+
+/* A channel that is nothing to us may hold anything; what is not even a number goes. */
+static void drop_strangers(struct neph_image *image)
+{
+    for (int i = image->channel_count - 1; i >= 0; i--) {
+        const struct neph_channel *channel = &image->channels[i];
+        if (!neph_validity_knows(channel->name) &&
+            !is_finite(channel->samples, neph_image_pixel_count(image)))
+            neph_image_remove_channel(image, channel->name);
+    }
+}
+
+/* Luminance alone is a grey picture, as in OpenEXR's own tools; with chroma (RY, BY) it is not. */
+static enum neph_status make_grey_rgb(struct neph_image *image, struct neph_diag *diag)
+{
+    static const char *const colour[] = {"R", "G", "B", "RY", "BY"};
+    float *rgb[3];
+    for (size_t c = 0; c < sizeof(colour) / sizeof(colour[0]); c++)
+        if (neph_image_channel(image, colour[c]))
+            return NEPH_OK;
+    if (!neph_image_channel(image, "Y"))
+        return NEPH_OK;
+    enum neph_status status = neph_image_add_rgb(image, NULL, rgb, diag);
+    for (int c = 0; c < 3 && !status; c++)
+        memcpy(rgb[c], neph_image_channel(image, "Y"),
+               neph_image_pixel_count(image) * sizeof(*rgb[c]));
+    return status;
+}
+
+static bool has_any(const struct neph_image *image, const char *const *names, int count)
+{
+    for (int i = 0; i < count; i++)
+        if (neph_image_channel(image, names[i]))
+            return true;
+    return false;
+}
+
+static bool has_colour(const struct neph_image *image)
+{
+    static const char *const names[] = {"R", "G", "B", "Y"};
+    return has_any(image, names, 4);
+}
+
+/* A colour that the layer lacks is lacking: that of the whole picture is another. */
+static enum neph_status take_layer(const char *path, struct neph_image *image, const char *layer,
+                                   struct neph_diag *diag)
+{
+    static const char *const colours[] = {"R", "G", "B", "A", "X", "Y"};
+    for (size_t c = 0; c < sizeof(colours) / sizeof(colours[0]); c++)
+        neph_image_remove_channel(image, colours[c]);
+    enum neph_status status = neph_image_take_layer(image, layer, diag);
+    if (status && diag)
+        neph_locate(diag, path, 0, 0);
+    return status;
+}
+
+static enum neph_status check_primaries(const char *path, const struct neph_image *image,
+                                        struct neph_diag *diag)
+{
+    const char *primaries = neph_image_attribute(image, "primaries");
+    if (!primaries || !has_colour(image))
+        return NEPH_OK;
+    neph_fail(diag, NEPH_ERR_INPUT, "'%s' is not in Rec.709: its chromaticities are %s", path,
+              primaries);
+    neph_hint(diag,
+              "convert it to linear Rec.709, white D65: luminance and all pictures are of it");
+    return NEPH_ERR_INPUT;
+}
+
+/* X Y Z are one vector or one colour: Z is no depth there, and Y no grey picture. */
+static enum neph_status set_vector_aside(const char *path, struct neph_image *image,
+                                         struct neph_diag *diag)
+{
+    static const char *const vector[] = {"X", "Y", "Z"}, *const rgb[] = {"R", "G", "B"};
+    for (int c = 0; c < 3; c++)
+        if (!neph_image_channel(image, vector[c]))
+            return NEPH_OK;
+    if (!has_any(image, rgb, 3)) {
+        neph_fail(diag, NEPH_ERR_INPUT,
+                  "'%s' has channels X Y Z and no R G B: CIE XYZ, or a vector, is neither radiance "
+                  "nor depth",
+                  path);
+        neph_hint(diag, "convert colours to R G B in linear Rec.709; depth is a Z without X and Y");
+        return NEPH_ERR_INPUT;
+    }
+    for (int i = 0; i < image->channel_count; i++)
+        for (int c = 0; c < 3; c++)
+            if (strcmp(image->channels[i].name, vector[c]) == 0)
+                snprintf(image->channels[i].name, NEPH_IMAGE_NAME_MAX, "vector.%s", vector[c]);
+    return NEPH_OK;
+}
+
+/* Blender's sky lies at 1e10; no scene is measured in units of which so many are near. */
+static void mark_sky(struct neph_image *image)
+{
+    static const float far = 1e10f;
+    float *depth = neph_image_channel(image, "Z");
+    for (size_t i = 0; depth && i < neph_image_pixel_count(image); i++)
+        depth[i] = depth[i] >= far ? INFINITY : depth[i]; /* a NaN stays */
+}
+
+enum neph_status neph_frame_read(const char *path, const char *layer, size_t negative_allowed,
+                                 struct neph_image **image, struct neph_diag *diag)
+{
+    const struct format *format = NULL;
+    struct neph_image *frame = NULL;
+    enum neph_status status = find_format(path, &format, diag);
+    if (!status)
+        status = format->read(path, &frame, diag);
+    if (!status && layer)
+        status = take_layer(path, frame, layer, diag);
+    if (!status)
+        status = set_vector_aside(path, frame, diag);
+    if (!status)
+        status = check_primaries(path, frame, diag);
+    if (!status)
+        status = make_grey_rgb(frame, diag);
+    if (!status)
+        drop_strangers(frame);
+    if (!status)
+        mark_sky(frame);
+    if (!status)
+        status = check(path, frame, negative_allowed, diag);
+    if (status)
+        neph_image_destroy(frame);
+    else
+        *image = frame;
+    return status;
+}

@@ -1,0 +1,26 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * A frame of any renderer, from a file.
+ */
+#ifndef NEPH_HARNESS_COMPARE_FRAME_H
+#define NEPH_HARNESS_COMPARE_FRAME_H
+
+#include "base/image.h"
+
+/* Of a frame that is one of a sequence: how many of them a second it was made for. */
+#define NEPH_FRAME_RATE_ATTRIBUTE "neph.frame_rate_hz"
+
+/* Read an OpenEXR or PNG file, told apart by content, and pass it through gate G0
+ * (metrics/validity.h); the diag names the file. A PNG has the attribute "encoding" = "sRGB".
+ * `layer`: its channels "<layer>.R" are R, and so on, and there is no other colour; NULL: the names
+ * are as they are. Y alone is a grey picture. X, Y and Z beside R G B are a vector and are called
+ * vector.X, ... A depth of 1e10 or more is the sky, +inf. Channels that have no meaning for us and
+ * hold values that are not finite (identifiers) are left out. `negative_allowed`: values below 0
+ * that are let through, as for neph_validity_gate().
+ * NEPH_ERR_GATE: a value is not finite (depth may be +inf), or too many are negative.
+ * NEPH_ERR_INPUT: neither format, or of a kind that is not read, or damaged; colours that are not
+ * in Rec.709, or CIE XYZ. NEPH_ERR_NOT_FOUND, NEPH_ERR_IO. */
+enum neph_status neph_frame_read(const char *path, const char *layer, size_t negative_allowed,
+                                 struct neph_image **image, struct neph_diag *diag);
+
+#endif

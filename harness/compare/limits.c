@@ -1,0 +1,146 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/compare/limits.h"
+
+#include "harness/compare/measure.h"
+#include "metrics/pooling.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum neph_status neph_limit_parse(const char *text, bool below, struct neph_limit *limit,
+                                  struct neph_diag *diag)
+{
+    char rest[64], *end;
+    const char *colon = strchr(text, ':');
+    *limit = (struct neph_limit){"radiance", "", "all", 0.0, below};
+    bool fits = !colon || (size_t)(colon - text) < sizeof(limit->quantity);
+    if (colon && fits)
+        snprintf(limit->quantity, sizeof(limit->quantity), "%.*s", (int)(colon - text), text);
+    const char *name = colon ? colon + 1 : text;
+    fits &= sscanf(name, "%63[^@=]@%63[^=]=%63s", limit->metric, limit->mask, rest) == 3 ||
+            sscanf(name, "%63[^@=]=%63s", limit->metric, rest) == 2;
+    if (!fits)
+        return neph_fail(diag, NEPH_ERR_USAGE, "limit '%s' is not [QUANTITY:]METRIC[@MASK]=LIMIT",
+                         text);
+    limit->value = strtod(rest, &end);
+    if (*end || !isfinite(limit->value) || limit->value < 0.0)
+        return neph_fail(diag, NEPH_ERR_USAGE, "limit '%s' is not a finite number >= 0", rest);
+    if (!neph_quantity_find(limit->quantity))
+        return neph_fail(diag, NEPH_ERR_USAGE, "limit '%s': there is no quantity '%s'", text,
+                         limit->quantity);
+    if (neph_metric_find(limit->metric, NULL))
+        return NEPH_OK;
+    neph_fail(diag, NEPH_ERR_USAGE, "limit '%s': there is no metric '%s'", text, limit->metric);
+    neph_hint(diag, "`neph metrics` lists them");
+    return NEPH_ERR_USAGE;
+}
+
+static bool matches(const json_t *item, const struct neph_limit *limit)
+{
+    return strcmp(neph_json_text(item, "quantity"), limit->quantity) == 0 &&
+           strcmp(neph_json_text(item, "metric"), limit->metric) == 0 &&
+           strcmp(neph_json_text(item, "mask"), limit->mask) == 0;
+}
+
+/* " in frame N", or nothing for a number of all frames. */
+static void name_frame(const json_t *item, char *text, size_t size)
+{
+    const json_t *frame = json_object_get(item, "frame");
+    text[0] = '\0';
+    if (frame)
+        snprintf(text, size, " in frame %lld", (long long)json_integer_value(frame));
+}
+
+/* A PSNR of equal images is no number, and keeps every limit. */
+static bool is_without_error(const json_t *item)
+{
+    return strcmp(neph_json_text(item, "undefined_because"), neph_pool_no_error) == 0;
+}
+
+/* How far a value is beyond its limit; <= 0: it is not. */
+static double excess(const json_t *item, const struct neph_limit *limit)
+{
+    const double size = fabs(json_number_value(json_object_get(item, "value")));
+    return limit->below ? limit->value - size : size - limit->value;
+}
+
+/* Times of the lag test stop counting at the end of the sequence: where more pixels than `share`
+ * are on their way still, the number is a lower bound, and below no limit. */
+static const struct bounded_time {
+    const char *metric, *unsettled;
+    double share;
+} bounded_times[] = {
+    {"half_life_p50", "share_unsettled", 0.5},
+    {"half_life_p95", "share_unsettled", 0.05},
+    {"half_life_mean", "share_unsettled", 0.0},
+    {"half_life_phase_0", "share_unsettled", 0.0},
+    {"half_life_phase_1", "share_unsettled", 0.0},
+    {"half_life_phase_2", "share_unsettled", 0.0},
+    {"half_life_phase_3", "share_unsettled", 0.0},
+    {"frames_to_10_p95", "share_unsettled_10", 0.05},
+    {"frames_to_1_p95", "share_unsettled_1", 0.05},
+};
+
+static bool is_lower_bound(const json_t *list, const struct neph_limit *limit)
+{
+    for (size_t b = 0; b < sizeof(bounded_times) / sizeof(bounded_times[0]); b++) {
+        const struct bounded_time *time = &bounded_times[b];
+        if (strcmp(time->metric, limit->metric) != 0)
+            continue;
+        const json_t *share = neph_measurement_find(list, limit->quantity, time->unsettled,
+                                                    limit->mask);
+        return json_number_value(json_object_get(share, "value")) > time->share;
+    }
+    return false;
+}
+
+/* Every number of that name is held to the limit, of all frames and of each; the worst is named. */
+enum neph_status neph_limit_check(const json_t *list, const struct neph_limit *limit,
+                                  struct neph_diag *diag)
+{
+    const json_t *worst = NULL;
+    bool without_error = false;
+    int beyond_count = 0;
+    char where[32];
+    for (size_t i = 0; i < json_array_size(list); i++) {
+        const json_t *item = json_array_get(list, i);
+        if (!matches(item, limit))
+            continue;
+        if (is_without_error(item)) {
+            without_error = true;
+            continue;
+        }
+        name_frame(item, where, sizeof(where));
+        if (!json_is_number(json_object_get(item, "value")))
+            return neph_fail(diag, NEPH_ERR_GATE, "%s of %s over '%s'%s is not defined: %s",
+                             limit->metric, limit->quantity, limit->mask, where,
+                             neph_json_text(item, "undefined_because"));
+        beyond_count += excess(item, limit) > 0.0;
+        if (!worst || excess(item, limit) > excess(worst, limit))
+            worst = item;
+    }
+    if (!worst && !without_error) {
+        neph_fail(diag, NEPH_ERR_UNSUPPORTED, "%s of %s over '%s' was not measured of these images",
+                  limit->metric, limit->quantity, limit->mask);
+        neph_hint(diag, "the images lack this quantity, the reference this mask, or see 'not "
+                        "taken' above");
+        return NEPH_ERR_UNSUPPORTED;
+    }
+    if (beyond_count == 0 && worst && !limit->below && is_lower_bound(list, limit))
+        return neph_fail(diag, NEPH_ERR_GATE,
+                         "%s of %s over '%s' is at least %.6g: the sequence ends too early to hold "
+                         "it to the limit %g",
+                         limit->metric, limit->quantity, limit->mask,
+                         json_number_value(json_object_get(worst, "value")), limit->value);
+    if (beyond_count == 0)
+        return NEPH_OK;
+    name_frame(worst, where, sizeof(where));
+    neph_fail(diag, NEPH_ERR_GATE, "%s of %s over '%s' is %.6g%s, %s the limit %g", limit->metric,
+              limit->quantity, limit->mask, json_number_value(json_object_get(worst, "value")),
+              where, limit->below ? "below" : "above", limit->value);
+    if (beyond_count > 1)
+        neph_hint(diag, "the worst of %d such numbers", beyond_count);
+    return NEPH_ERR_GATE;
+}

@@ -1,0 +1,27 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Limits that measured numbers are held to: --fail-above and --fail-below.
+ */
+#ifndef NEPH_HARNESS_COMPARE_LIMITS_H
+#define NEPH_HARNESS_COMPARE_LIMITS_H
+
+#include "base/image.h"
+#include "harness/json.h"
+
+struct neph_limit {
+    char quantity[32], metric[64], mask[NEPH_IMAGE_NAME_MAX];
+    double value; /* >= 0; |number| is held to it */
+    bool below;   /* below it is a failure, else above */
+};
+
+/* "[QUANTITY:]METRIC[@MASK]=LIMIT"; radiance and all when left out. NEPH_ERR_USAGE. */
+enum neph_status neph_limit_parse(const char *text, bool below, struct neph_limit *limit,
+                                  struct neph_diag *diag);
+
+/* Hold every number of that name in an array of measurements to the limit, of all frames and of
+ * each; the error names the worst. NEPH_ERR_GATE: beyond it, or not defined, or a time that the
+ * sequence is too short for. NEPH_ERR_UNSUPPORTED: there is no such number. */
+enum neph_status neph_limit_check(const json_t *measurements, const struct neph_limit *limit,
+                                  struct neph_diag *diag);
+
+#endif

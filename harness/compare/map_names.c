@@ -1,0 +1,72 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/compare/map_names.h"
+
+#include "base/files.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+char *neph_map_stem(const char *folder, const struct neph_map *map,
+                    const struct neph_quantity *quantity, int frame)
+{
+    char *name = frame < 0 ? neph_format("%s_%s", map->name, quantity->name)
+                           : neph_format("%s_%s_%04d", map->name, quantity->name, frame);
+    char *stem = name ? neph_path_join(folder, name) : NULL;
+    free(name);
+    return stem;
+}
+
+/* "MAP_QUANTITY" and then an ending, or a number and an ending. */
+static bool is_name_of(const struct neph_map *map, const char *name)
+{
+    for (int q = 0; map->name && q < neph_quantity_count(); q++) {
+        char *stem = neph_map_stem("", map, neph_quantity_at(q), -1);
+        const size_t length = stem ? strlen(stem) : 0;
+        const bool begins = stem && strncmp(name, stem, length) == 0;
+        free(stem);
+        if (!begins)
+            continue;
+        const char *rest = name + length;
+        rest += *rest == '_' ? 1 + strspn(rest + 1, "0123456789") : 0;
+        if (strcmp(rest, ".exr") == 0 || strcmp(rest, ".png") == 0)
+            return true;
+    }
+    return false;
+}
+
+static bool is_map_name(const struct neph_comparison *comparison, const char *name)
+{
+    for (int c = 0; c < comparison->choice_count; c++) {
+        const struct neph_extractor *extractor = comparison->choices[c].extractor;
+        for (int m = 0; m < extractor->map_count; m++)
+            if (is_name_of(&extractor->maps[m], name))
+                return true;
+    }
+    return false;
+}
+
+static bool is_in_folder(const char *path, const char *slash, const char *folder)
+{
+    char *parent = slash ? strndup(path, (size_t)(slash - path) + 1) : strdup(".");
+    const bool same = parent && neph_path_is_same(parent, folder);
+    free(parent);
+    return same;
+}
+
+enum neph_status neph_map_names_check(const struct neph_comparison *comparison,
+                                      struct neph_diag *diag)
+{
+    const struct neph_sequence *const sequences[] = {&comparison->reference, &comparison->second,
+                                                     &comparison->test};
+    for (int s = 0; s < 3; s++)
+        for (int i = 0; i < sequences[s]->count; i++) {
+            const char *path = sequences[s]->paths[i], *slash = strrchr(path, '/');
+            if (!is_map_name(comparison, slash ? slash + 1 : path) ||
+                !is_in_folder(path, slash, comparison->maps_directory))
+                continue;
+            neph_fail(diag, NEPH_ERR_USAGE, "a map would be written over the frame '%s'", path);
+            neph_hint(diag, "name another folder with --maps");
+            return NEPH_ERR_USAGE;
+        }
+    return NEPH_OK;
+}

@@ -1,0 +1,464 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/compare/sequence.h"
+
+#include "base/files.h"
+#include "harness/compare/frame_number.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <glob.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+/* ---- order ------------------------------------------------------------------------------------
+ */
+
+static int compare_paths(const void *a, const void *b)
+{
+    const char *first = *(char *const *)a, *second = *(char *const *)b;
+    const int order = neph_frame_compare_shapes(first, second);
+    return order != 0 ? order : strcmp(first, second);
+}
+
+/* How many of the sorted paths, from the first on, are of its shape. */
+static int shape_count(char *const *paths, int count)
+{
+    int same = 1;
+    while (same < count && neph_frame_compare_shapes(paths[0], paths[same]) == 0)
+        same++;
+    return same;
+}
+
+static enum neph_status arrange_each(char **paths, int count, struct neph_diag *diag)
+{
+    enum neph_status status = NEPH_OK;
+    for (int first = 0, index; first < count && !status;) {
+        const int same = shape_count(paths + first, count - first);
+        status = neph_frame_arrange(paths + first, same, &index, diag);
+        first += same;
+    }
+    return status;
+}
+
+static void sort(char **paths, int count)
+{
+    if (count > 1)
+        qsort(paths, (size_t)count, sizeof(*paths), compare_paths);
+}
+
+/* ---- the list -------------------------------------------------------------------------------- */
+
+/* Takes `path` over, also on failure; NULL is a failed allocation of the caller. */
+static enum neph_status append(struct neph_sequence *list, char *path, struct neph_diag *diag)
+{
+    const size_t count = (size_t)list->count;
+    if (path && (count & (count - 1)) == 0) { /* full at every power of two */
+        char **grown = realloc(list->paths, (count ? 2 * count : 1) * sizeof(*grown));
+        if (!grown) {
+            free(path);
+            path = NULL;
+        } else {
+            list->paths = grown;
+        }
+    }
+    if (!path)
+        return neph_fail_memory(diag);
+    list->paths[list->count++] = path;
+    return NEPH_OK;
+}
+
+void neph_sequence_finish(struct neph_sequence *sequence)
+{
+    for (int i = 0; i < sequence->count; i++)
+        free(sequence->paths[i]);
+    free(sequence->paths);
+    free(sequence->numbers);
+    *sequence = (struct neph_sequence){0};
+}
+
+/* ---- folders --------------------------------------------------------------------------------- */
+
+/* What is wanted of a name in a folder. */
+typedef bool name_filter(const char *name, const void *wanted);
+
+static bool has_extension(const char *name, const void *wanted)
+{
+    return name[0] != '.' && strcasecmp(name + neph_frame_extension_start(name), wanted) == 0;
+}
+
+/* The files of a folder that pass, as folder/name; `folder` may be "" for the working one. */
+static enum neph_status list_folder(const char *folder, name_filter *passes, const void *wanted,
+                                    struct neph_sequence *list, struct neph_diag *diag)
+{
+    DIR *stream = opendir(*folder ? folder : ".");
+    if (!stream)
+        return neph_fail(diag, errno == ENOENT ? NEPH_ERR_NOT_FOUND : NEPH_ERR_IO,
+                         "cannot read the folder '%s': %s", folder, strerror(errno));
+    enum neph_status status = NEPH_OK;
+    const struct dirent *entry;
+    while (!status && (entry = readdir(stream))) {
+        if (!passes(entry->d_name, wanted))
+            continue;
+        char *path = neph_path_join(folder, entry->d_name);
+        if (path && neph_path_is_dir(path))
+            free(path);
+        else
+            status = append(list, path, diag);
+    }
+    closedir(stream);
+    return status;
+}
+
+static enum neph_status expand_folder(const char *word, struct neph_sequence *list,
+                                      struct neph_diag *diag)
+{
+    const int before = list->count;
+    enum neph_status status = list_folder(word, has_extension, ".exr", list, diag);
+    if (!status && list->count == before)
+        status = list_folder(word, has_extension, ".png", list, diag);
+    if (!status && list->count == before)
+        status = neph_fail(diag, NEPH_ERR_NOT_FOUND,
+                           "the folder '%s' holds neither .exr nor .png files", word);
+    return status;
+}
+
+/* ---- patterns -------------------------------------------------------------------------------- */
+
+/* A name with a %d or %0Nd in it. */
+struct pattern {
+    const char *name; /* of the file */
+    size_t head;      /* before the % */
+    const char *tail; /* behind the d */
+    size_t width;     /* N; 0 for %d */
+};
+
+/* The length of the %d or %0Nd at `text`, or 0. */
+static size_t conversion_length(const char *text, size_t *width)
+{
+    *width = 0;
+    if (text[0] == '%' && text[1] == 'd')
+        return 2;
+    if (text[0] == '%' && text[1] == '0' && text[2] >= '1' && text[2] <= '9' && text[3] == 'd') {
+        *width = (size_t)(text[2] - '0');
+        return 4;
+    }
+    return 0;
+}
+
+static enum neph_status parse_pattern(const char *word, struct pattern *pattern,
+                                      struct neph_diag *diag)
+{
+    pattern->name = word + neph_frame_name_start(word);
+    const char *percent = strchr(pattern->name, '%');
+    const size_t length = percent ? conversion_length(percent, &pattern->width) : 0;
+    if (length == 0 || strchr(percent + length, '%') || percent > strchr(word, '%')) {
+        neph_fail(diag, NEPH_ERR_USAGE, "'%s' is neither a file nor a pattern", word);
+        neph_hint(diag,
+                  "a pattern has one %%d or %%04d in the name of the file, as frame.%%04d.exr");
+        return NEPH_ERR_USAGE;
+    }
+    pattern->head = (size_t)(percent - pattern->name);
+    pattern->tail = percent + length;
+    return NEPH_OK;
+}
+
+/* Could printf have made this name? */
+static bool matches_pattern(const char *name, const void *wanted)
+{
+    const struct pattern *pattern = wanted;
+    if (strncmp(name, pattern->name, pattern->head) != 0)
+        return false;
+    const char *digits = name + pattern->head;
+    const size_t count = strspn(digits, "0123456789");
+    const size_t least = pattern->width ? pattern->width : 1;
+    const bool is_padded = count > least && digits[0] == '0';
+    return count >= least && !is_padded && strcmp(digits + count, pattern->tail) == 0;
+}
+
+static enum neph_status expand_pattern(const char *word, struct neph_sequence *list,
+                                       struct neph_diag *diag)
+{
+    struct pattern pattern;
+    enum neph_status status = parse_pattern(word, &pattern, diag);
+    if (status)
+        return status;
+    char *folder = strndup(word, neph_frame_name_start(word));
+    if (!folder)
+        return neph_fail_memory(diag);
+    const int before = list->count;
+    status = list_folder(folder, matches_pattern, &pattern, list, diag);
+    free(folder);
+    if (!status && list->count == before)
+        status = neph_fail(diag, NEPH_ERR_NOT_FOUND, "no file matches '%s'", word);
+    return status;
+}
+
+static enum neph_status expand_glob(const char *word, struct neph_sequence *list,
+                                    struct neph_diag *diag)
+{
+    glob_t found = {0};
+    const int result = glob(word, GLOB_NOSORT, NULL, &found);
+    enum neph_status status = NEPH_OK;
+    const int before = list->count;
+    if (result == GLOB_NOSPACE)
+        status = neph_fail_memory(diag);
+    for (size_t i = 0; !status && i < found.gl_pathc; i++)
+        if (!neph_path_is_dir(found.gl_pathv[i]))
+            status = append(list, strdup(found.gl_pathv[i]), diag);
+    if (!status && list->count == before)
+        status = neph_fail(diag, NEPH_ERR_NOT_FOUND, "no file matches '%s'", word);
+    globfree(&found);
+    return status;
+}
+
+/* ---- the whole ------------------------------------------------------------------------------- */
+
+/* A folder of beauty.0001.exr, depth.0001.exr, ... is not one sequence. */
+static enum neph_status check_one_series(const char *word, char *const *paths, int count,
+                                         struct neph_diag *diag)
+{
+    const int other = count > 0 ? shape_count(paths, count) : 0;
+    bool has_series = other > 1;
+    for (int first = other; first < count;) {
+        const int same = shape_count(paths + first, count - first);
+        has_series |= same > 1;
+        first += same;
+    }
+    if (!has_series || other == count)
+        return NEPH_OK;
+    neph_fail(diag, NEPH_ERR_INPUT, "'%s' holds more than one sequence: '%s' and '%s'", word,
+              paths[0], paths[other]);
+    neph_hint(diag, "name one of them by a pattern such as frame.%%04d.exr");
+    return NEPH_ERR_INPUT;
+}
+
+static enum neph_status expand(const char *word, struct neph_sequence *list, struct neph_diag *diag)
+{
+    const int before = list->count;
+    if (neph_path_exists(word) && !neph_path_is_dir(word))
+        return append(list, strdup(word), diag);
+    enum neph_status status;
+    if (neph_path_is_dir(word))
+        status = expand_folder(word, list, diag);
+    else if (strchr(word, '%'))
+        status = expand_pattern(word, list, diag);
+    else if (strpbrk(word, "*?["))
+        status = expand_glob(word, list, diag);
+    else
+        status = neph_fail(diag, NEPH_ERR_NOT_FOUND, "there is no file '%s'", word);
+    if (status)
+        return status;
+    char **found = list->paths + before;
+    const int count = list->count - before;
+    sort(found, count);
+    status = check_one_series(word, found, count, diag);
+    return status ? status : arrange_each(found, count, diag);
+}
+
+static enum neph_status check_formats(const struct neph_sequence *list, struct neph_diag *diag)
+{
+    const char *first = list->paths[0];
+    for (int i = 1; i < list->count; i++) {
+        const char *path = list->paths[i];
+        if (strcasecmp(first + neph_frame_extension_start(first),
+                       path + neph_frame_extension_start(path)) != 0)
+            return neph_fail(diag, NEPH_ERR_INPUT,
+                             "the files are of different kinds: '%s' and '%s'", first, path);
+    }
+    return NEPH_OK;
+}
+
+/* Take over the order of `sorted`, which is of one series, and its numbers. */
+static enum neph_status take_order(struct neph_sequence *list, char *const *sorted, int index,
+                                   struct neph_diag *diag)
+{
+    memcpy(list->paths, sorted, (size_t)list->count * sizeof(*sorted));
+    if (index == NEPH_FRAME_NO_RUN)
+        return NEPH_OK;
+    list->numbers = calloc((size_t)list->count, sizeof(*list->numbers));
+    if (!list->numbers)
+        return neph_fail_memory(diag);
+    for (int i = 0; i < list->count; i++)
+        list->numbers[i] = neph_frame_number_at(list->paths[i], index);
+    return NEPH_OK;
+}
+
+static enum neph_status number_all(struct neph_sequence *list, struct neph_diag *diag)
+{
+    char **sorted = malloc((size_t)list->count * sizeof(*sorted));
+    if (!sorted)
+        return neph_fail_memory(diag);
+    memcpy(sorted, list->paths, (size_t)list->count * sizeof(*sorted));
+    sort(sorted, list->count);
+    int index = NEPH_FRAME_NO_RUN;
+    enum neph_status status;
+    if (shape_count(sorted, list->count) < list->count) {
+        status = arrange_each(sorted, list->count, diag);
+    } else {
+        status = neph_frame_arrange(sorted, list->count, &index, diag);
+        if (!status)
+            status = take_order(list, sorted, index, diag);
+    }
+    free(sorted);
+    return status;
+}
+
+enum neph_status neph_sequence_find(int word_count, const char *const *words,
+                                    struct neph_sequence *sequence, struct neph_diag *diag)
+{
+    struct neph_sequence list = {0};
+    enum neph_status status = NEPH_OK;
+    if (word_count < 1)
+        status = neph_fail(diag, NEPH_ERR_USAGE, "no frames are named");
+    for (int i = 0; i < word_count && !status; i++)
+        status = expand(words[i], &list, diag);
+    if (!status)
+        status = check_formats(&list, diag);
+    if (!status)
+        status = number_all(&list, diag);
+    if (status)
+        neph_sequence_finish(&list);
+    else
+        *sequence = list;
+    return status;
+}
+
+enum neph_status neph_sequence_check_numbers(const struct neph_sequence *one, const char *what,
+                                             const struct neph_sequence *other,
+                                             const char *other_what, struct neph_diag *diag)
+{
+    const bool both_numbered = one->numbers && other->numbers && one->count == other->count;
+    if (!both_numbered || one->numbers[0] == other->numbers[0])
+        return NEPH_OK;
+    neph_fail(diag, NEPH_ERR_INPUT,
+              "%s has the frames %lld to %lld, %s %lld to %lld: frame by frame they do not belong "
+              "together",
+              what, one->numbers[0], one->numbers[one->count - 1], other_what, other->numbers[0],
+              other->numbers[other->count - 1]);
+    neph_hint(diag, "give those of the same numbers; if they were counted from different starts, "
+                    "say --by-position");
+    return NEPH_ERR_INPUT;
+}
+
+/* ---- whose operands -------------------------------------------------------------------------- */
+
+static bool is_file(const char *word)
+{
+    return neph_path_exists(word) && !neph_path_is_dir(word);
+}
+
+/* Which operands are of a series of the references, when the frame number is the run `from_end`
+ * counted from the last one on; without such a run, those that are a reference. */
+static int mark_references(int from_end, int reference_count, const char *const *references,
+                           int operand_count, const char *const *operands, bool *is_reference)
+{
+    int marked = 0;
+    for (int i = 0; i < operand_count; i++) {
+        is_reference[i] = false;
+        for (int r = 0; r < reference_count && is_file(operands[i]) && !is_reference[i]; r++)
+            is_reference[i] = is_file(references[r]) &&
+                              neph_frame_equal_but_for(references[r], operands[i],
+                                                       neph_frame_run_count(references[r]) - 1 -
+                                                           from_end);
+        marked += is_reference[i];
+    }
+    return marked;
+}
+
+/* The operands that are left are files of one series, or one word of any kind. `*other` is one that
+ * does not fit. */
+static bool is_one_test(int operand_count, const char *const *operands, const bool *is_reference,
+                        const char **test, const char **other)
+{
+    int changing = NEPH_FRAME_NO_RUN;
+    *test = NULL;
+    for (int i = 0; i < operand_count; i++) {
+        if (is_reference[i])
+            continue;
+        if (!*test) {
+            *test = operands[i];
+            continue;
+        }
+        *other = operands[i];
+        if (!is_file(*test) || !is_file(*other) || neph_frame_compare_shapes(*test, *other) != 0)
+            return false;
+        for (int run = neph_frame_run_count(*test) - 1; run >= 0; run--) {
+            if (run == changing || !neph_frame_differs_at(*test, *other, run))
+                continue;
+            if (changing != NEPH_FRAME_NO_RUN)
+                return false;
+            changing = run;
+        }
+    }
+    return true;
+}
+
+static bool fits(int reference_count, int marked, int operand_count)
+{
+    const int references = reference_count + marked, tests = operand_count - marked;
+    return references == 1 || references == tests;
+}
+
+static enum neph_status fail_split(struct neph_diag *diag)
+{
+    neph_hint(diag, "put quotes around patterns: --reference 'ref/*.exr' 'test/*.exr'");
+    return NEPH_ERR_USAGE;
+}
+
+/* How far from the last run the frame number is. The first of these with which the rest is one
+ * test, and rather one with which there are as many references as tests, or one for all: none, so
+ * that no operand is of the reference; the last run, the one before it, ... */
+static int choose_frame_run(int reference_count, const char *const *references, int operand_count,
+                            const char *const *operands, bool *is_reference)
+{
+    const char *test = NULL, *other = NULL;
+    int most = 0, chosen = 0;
+    bool has_chosen = false;
+    for (int r = 0; r < reference_count; r++)
+        most = neph_frame_run_count(references[r]) > most ? neph_frame_run_count(references[r])
+                                                          : most;
+    for (int from_end = 0; from_end < most; from_end++)
+        if (mark_references(from_end, reference_count, references, operand_count, operands,
+                            is_reference) == operand_count)
+            return from_end; /* nothing is left: to be refused */
+    for (int i = 0; i <= most; i++) {
+        const int from_end = i == 0 ? most : i - 1;
+        const int marked = mark_references(from_end, reference_count, references, operand_count,
+                                           operands, is_reference);
+        if (!is_one_test(operand_count, operands, is_reference, &test, &other))
+            continue;
+        if (fits(reference_count, marked, operand_count))
+            return from_end;
+        chosen = has_chosen ? chosen : from_end;
+        has_chosen = true;
+    }
+    return chosen;
+}
+
+enum neph_status neph_sequence_split(int reference_count, const char *const *references,
+                                     int operand_count, const char *const *operands,
+                                     bool *is_reference, struct neph_diag *diag)
+{
+    const char *test = NULL, *other = NULL;
+    const int from_end = choose_frame_run(reference_count, references, operand_count, operands,
+                                          is_reference);
+    mark_references(from_end, reference_count, references, operand_count, operands, is_reference);
+    if (!is_one_test(operand_count, operands, is_reference, &test, &other)) {
+        neph_fail(diag, NEPH_ERR_USAGE,
+                  "the frames to be tested are of more than one sequence: '%s' and '%s'", test,
+                  other);
+        return fail_split(diag);
+    }
+    if (test)
+        return NEPH_OK;
+    if (operand_count == 0)
+        neph_fail(diag, NEPH_ERR_USAGE, "no frames to be tested are named");
+    else
+        neph_fail(diag, NEPH_ERR_USAGE,
+                  "no frames are left to be tested: '%s' and all behind it look like frames of "
+                  "the reference",
+                  operands[0]);
+    return fail_split(diag);
+}

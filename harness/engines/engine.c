@@ -1,0 +1,97 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The registry of engines, and the settings that their option tables describe.
+ */
+#include "harness/engines/engine.h"
+
+#include "base/text.h"
+#include "harness/engines/engines.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static const struct neph_engine *const registry[] = {
+    &neph_engine_exact,    &neph_engine_oracle,        &neph_engine_tracer,
+    &neph_engine_march,    &neph_engine_march_octaves, &neph_engine_march_horizon,
+    &neph_engine_realtime, &neph_engine_cycles,        &neph_engine_povray,
+};
+
+static const char *const rung_names[] = {
+    [NEPH_RUNG_EXACT] = "exact",
+    [NEPH_RUNG_TRACER] = "tracer",
+    [NEPH_RUNG_WITNESS] = "witness",
+    [NEPH_RUNG_MODEL] = "model",
+};
+
+const struct neph_engine *const *neph_engines(int *count)
+{
+    *count = (int)(sizeof(registry) / sizeof(registry[0]));
+    return registry;
+}
+
+const struct neph_engine *neph_engine_find(const char *name)
+{
+    int count;
+    const struct neph_engine *const *engines = neph_engines(&count);
+    for (int i = 0; i < count; i++)
+        if (strcmp(engines[i]->name, name) == 0)
+            return engines[i];
+    return NULL;
+}
+
+const char *neph_rung_name(enum neph_rung rung)
+{
+    return rung_names[rung];
+}
+
+void neph_engine_probe(const struct neph_engine *engine, struct neph_engine_info *info)
+{
+    engine->probe(info);
+    neph_text_clean(info->version, sizeof(info->version));
+    neph_text_clean(info->device, sizeof(info->device));
+    neph_text_clean(info->missing, sizeof(info->missing));
+    neph_text_clean(info->install_line, sizeof(info->install_line));
+}
+
+const char *neph_engine_state_name(const struct neph_engine_info *info)
+{
+    return info->available ? "ok" : info->broken ? "broken" : "missing";
+}
+
+struct neph_settings neph_settings_default(const struct neph_engine *engine)
+{
+    return neph_options_default(engine->options);
+}
+
+enum neph_status neph_settings_set(const struct neph_engine *engine, struct neph_settings *settings,
+                                   const char *assignment, struct neph_diag *diag)
+{
+    char owner[64];
+    snprintf(owner, sizeof(owner), "engine %s", engine->name);
+    const enum neph_status status = neph_options_set(engine->options, owner, assignment, settings,
+                                                     diag);
+    if (status && diag && !diag->hint[0])
+        neph_hint(diag, "`neph engines %s` explains its settings", engine->name);
+    return status;
+}
+
+enum neph_status neph_settings_preset(const struct neph_engine *engine, const char *name,
+                                      struct neph_settings *settings, struct neph_diag *diag)
+{
+    char owner[64];
+    snprintf(owner, sizeof(owner), "engine %s", engine->name);
+    return neph_options_preset(engine->options, owner, engine->presets, name, settings, diag);
+}
+
+double neph_setting(const struct neph_engine *engine, const struct neph_settings *settings,
+                    const char *name)
+{
+    const int index = neph_option_find(engine->options, name);
+    return index < 0 ? NAN : settings->values[index];
+}
+
+char *neph_settings_text(const struct neph_engine *engine, const struct neph_settings *settings)
+{
+    return neph_options_text(engine->options, settings);
+}

@@ -1,0 +1,170 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Engines: one interface for everything that turns a scene into frames. An engine is one file
+ * under harness/engines/ with one table; adding one touches that file and the registry line in
+ * engine.c.
+ */
+#ifndef NEPH_HARNESS_ENGINES_ENGINE_H
+#define NEPH_HARNESS_ENGINES_ENGINE_H
+
+#include "base/image.h"
+#include "base/option.h"
+#include "scenes/scene.h"
+
+#include <stdint.h>
+
+/* The rungs of the ladder of truth, highest first. */
+enum neph_rung {
+    NEPH_RUNG_EXACT,   /* closed forms and converged double-precision quadrature */
+    NEPH_RUNG_TRACER,  /* our unbiased tracers */
+    NEPH_RUNG_WITNESS, /* other people's renderers */
+    NEPH_RUNG_MODEL,   /* our real-time models: the thing under test */
+};
+
+#define NEPH_BUILD_SIZE 17 /* 16 hexadecimal digits and the NUL */
+
+/* What is installed. */
+struct neph_engine_info {
+    bool available;
+    bool broken;                 /* not available although it is installed: the probe failed */
+    char version[128];           /* such as "Blender 3.4.1"; part of the job key */
+    char build[NEPH_BUILD_SIZE]; /* a digest of the program, "" of our own; part of the job key */
+    char device[128];       /* where it runs, and what of its surroundings decides bits; job key */
+    char missing[512];      /* why it is not available or is broken, in words */
+    char install_line[256]; /* the exact command that would mend it */
+};
+
+/* Which layers of the frame are wanted; what is not wanted is not paid for. */
+enum neph_layers {
+    NEPH_LAYER_RADIANCE = 1,      /* R G B and volume.* */
+    NEPH_LAYER_TRANSMITTANCE = 2, /* transmittance.* */
+    NEPH_LAYER_DEPTH = 4,         /* Z */
+    NEPH_LAYERS_ALL = 7,
+};
+
+/* One frame to render. All pointers are borrowed. */
+struct neph_shot {
+    const struct neph_scene *scene;
+    struct neph_settings settings;
+    int width_px, height_px;
+    int frame;       /* 0-based */
+    unsigned layers; /* enum neph_layers */
+    uint64_t seed;
+    const char *scratch_directory;  /* exists, empty, is ours: inputs, logs and outputs go there */
+    double time_limit_s;            /* per child process */
+    const struct neph_image *given; /* engines that take one: Z and R G B in place of the solids */
+    const char *checkpoint; /* engines that `rests`: file to leave unfinished work in and to go on
+                               from; NULL: none */
+};
+
+/* What it cost. */
+struct neph_cost {
+    double render_s; /* the radiance pass alone, without start-up where the engine can tell */
+    double wall_s;   /* all passes and children, start-up included */
+    double cpu_s;
+    int64_t peak_memory_bytes;
+};
+
+/* How an engine's march through uneven media is refined, for the step-halving study. */
+struct neph_engine_step {
+    const char *option; /* name in the table of options; NULL: no steps */
+    double coarsest;    /* setting of the first level */
+    double refine;      /* factor from one level to the next: 0.5 for lengths, 2 for counts */
+    int level_count;
+    double order; /* error ~ step^order */
+};
+
+/* Pictures in a row, from what is set up once. */
+struct neph_engine_sequence {
+    /* Before the first picture, which is the shot's. `*sequence` is for _close. */
+    enum neph_status (*open)(const struct neph_shot *shot, void **sequence, struct neph_diag *diag);
+
+    /* The next picture; its size may be another. As neph_engine.render. */
+    enum neph_status (*next)(void *sequence, const struct neph_shot *shot,
+                             struct neph_image **frame, struct neph_cost *cost,
+                             struct neph_diag *diag);
+
+    /* NULL is fine. */
+    void (*close)(void *sequence);
+};
+
+struct neph_engine {
+    const char *name;
+    const char *summary; /* one line */
+    enum neph_rung rung;
+    const char *bias; /* its known bias, in words, printed beside its numbers; NULL: none known */
+    const struct neph_option *options;           /* ends with a NULL name */
+    const struct neph_preset *presets;           /* ends with a NULL name; NULL: none */
+    const struct neph_engine_sequence *sequence; /* NULL: each picture is set up anew */
+    bool remembers;   /* its pictures follow from those before. Its shots have the scene over time,
+                         where others get the scene of the picture (scenes/motion.h) */
+    bool takes_given; /* a depth and radiance of the solids from a file */
+    uint32_t version; /* of our own driver; raise it when its output changes */
+    bool look; /* a lighting model that is no physics and does not claim to be: what it is off by is
+                  the gap of a model */
+    const char *shortcut_of; /* the engine of whose model it is a cheaper rendering, which is what
+                                it is measured against; it takes part in comparisons with physics
+                                only when it is named. NULL: it is no shortcut */
+    bool rests;              /* it leaves its work in a checkpoint and goes on from there */
+    double typical_s; /* about how long a picture of the catalogue takes on two cores: for the time
+                         left, before anything is measured */
+    bool stochastic;  /* another seed gives another frame of the same mean */
+    struct neph_engine_step step;
+
+    /* Look for the engine. Never fails and ends in bounded time: `available`, `broken` and
+     * `missing` say how it is. Called through neph_engine_probe(). */
+    void (*probe)(struct neph_engine_info *info);
+
+    /* Fills `reason` with what it cannot model with these settings ("multiple scattering") and
+     * returns false, or returns true. */
+    bool (*can_render)(const struct neph_scene *scene, const struct neph_settings *settings,
+                       char *reason, size_t reason_size);
+
+    /* Render one frame. The caller adds the common attributes (scene hash, engine, settings, seed,
+     * seconds) and checks the frame; the engine adds only what it alone knows. Attributes
+     * "neph.stats.NAME" are numbers of what the frame has cost, for `neph render --stats`
+     * (frame_stats.h). */
+    enum neph_status (*render)(const struct neph_shot *shot, struct neph_image **frame,
+                               struct neph_cost *cost, struct neph_diag *diag);
+
+    /* Leave files in `directory` that a person can open and render by hand; NULL: not offered.
+     * `command` receives the one-line command. */
+    enum neph_status (*export_scene)(const struct neph_shot *shot, const char *directory,
+                                     char *command, size_t command_size, struct neph_diag *diag);
+};
+
+/* All engines in the order of the ladder; `*count` receives how many. */
+const struct neph_engine *const *neph_engines(int *count);
+
+/* By name; NULL when there is none. */
+const struct neph_engine *neph_engine_find(const char *name);
+
+/* Look for an engine. The texts of `info` are fit for terminals and JSON (base/text.h), whatever a
+ * driver or program is called. */
+void neph_engine_probe(const struct neph_engine *engine, struct neph_engine_info *info);
+
+/* "ok"; "missing": not installed, or of a wrong version; "broken": installed, and its probe failed,
+ * which fails a run where a missing engine does not. */
+const char *neph_engine_state_name(const struct neph_engine_info *info);
+
+/* Every option at its default. */
+struct neph_settings neph_settings_default(const struct neph_engine *engine);
+
+/* Apply "key=value". Errors name the key, the value, the allowed range and the known keys. */
+enum neph_status neph_settings_set(const struct neph_engine *engine, struct neph_settings *settings,
+                                   const char *assignment, struct neph_diag *diag);
+
+/* Every option as a preset has it. Errors name the presets there are. */
+enum neph_status neph_settings_preset(const struct neph_engine *engine, const char *name,
+                                      struct neph_settings *settings, struct neph_diag *diag);
+
+/* The value of an option by name; the name must exist in the table. */
+double neph_setting(const struct neph_engine *engine, const struct neph_settings *settings,
+                    const char *name);
+
+/* "steps=64 sun=exact", canonical: all options, table order. For the caller to free. */
+char *neph_settings_text(const struct neph_engine *engine, const struct neph_settings *settings);
+
+const char *neph_rung_name(enum neph_rung rung);
+
+#endif

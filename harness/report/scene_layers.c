@@ -1,0 +1,220 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/report/scene_layers.h"
+
+#include "metrics/motion.h"
+#include "scenes/media.h"
+#include "scenes/motion.h"
+#include "scenes/solids.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* As the mask `medium` of metrics/mask.h. */
+static const double least_optical_depth = 1e-3;
+
+static const double sun_radius_rad = 0.00465; /* half the angle of the sun seen from the Earth */
+
+struct view {
+    const struct neph_scene *scene;
+    struct neph_camera camera;
+    int width_px, height_px;
+};
+
+static struct neph_vec3 ray_of(const struct view *view, int x, int y)
+{
+    return neph_camera_ray(&view->camera, view->width_px, view->height_px, x, y);
+}
+
+static bool is_fog(const struct neph_medium *medium)
+{
+    return medium->kind == NEPH_MEDIUM_HOMOGENEOUS || medium->kind == NEPH_MEDIUM_HEIGHT_FOG;
+}
+
+static bool has_media(const struct neph_scene *scene, bool fog)
+{
+    for (int m = 0; m < scene->medium_count; m++)
+        if (is_fog(&scene->media[m]) == fog)
+            return true;
+    return false;
+}
+
+/* Add "mask.NAME" unless it is there; NULL samples then. */
+static enum neph_status add_mask(struct neph_image *image, const char *name, float **samples,
+                                 struct neph_diag *diag)
+{
+    *samples = NULL;
+    return neph_image_channel(image, name) ? NEPH_OK
+                                           : neph_image_add_channel(image, name, samples, diag);
+}
+
+/* ---- media ----------------------------------------------------------------------------------- */
+
+/* Optical depth of the fogs to the solid of the pixel, per channel. */
+static struct neph_rgb fog_optical_depth(const struct view *view, struct neph_vec3 direction,
+                                         double distance_m)
+{
+    struct neph_rgb total = {0.0, 0.0, 0.0};
+    for (int m = 0; m < view->scene->medium_count; m++) {
+        const struct neph_medium *medium = &view->scene->media[m];
+        if (!is_fog(medium))
+            continue;
+        const double depth = neph_medium_optical_depth(medium, view->camera.position_m, direction,
+                                                       0.0, distance_m);
+        total.r += depth * medium->extinction_color.r;
+        total.g += depth * medium->extinction_color.g;
+        total.b += depth * medium->extinction_color.b;
+    }
+    return total;
+}
+
+/* A float transmittance says nothing of optical depths beyond 80. */
+static double optical_depth_of(float transmittance)
+{
+    return fmin(-log((double)transmittance), 80.0);
+}
+
+static bool is_seen(double r, double g, double b)
+{
+    return fmax(r, fmax(g, b)) > least_optical_depth;
+}
+
+/* What the transmittance of the frame lacks beyond the fogs is the clouds'. */
+static enum neph_status add_media(const struct view *view, struct neph_image *image,
+                                  struct neph_diag *diag)
+{
+    float *transmittance[3], *fog = NULL, *cloud = NULL;
+    const float *depth_m = neph_image_channel(image, "Z");
+    if (!depth_m || !neph_image_rgb(image, "transmittance", transmittance))
+        return NEPH_OK;
+    const bool with_fog = has_media(view->scene, true), with_cloud = has_media(view->scene, false);
+    enum neph_status status = with_fog ? add_mask(image, "mask.fog", &fog, diag) : NEPH_OK;
+    if (!status && with_cloud)
+        status = add_mask(image, "mask.cloud", &cloud, diag);
+    for (int y = 0; !status && (fog || cloud) && y < view->height_px; y++)
+        for (int x = 0; x < view->width_px; x++) {
+            const size_t i = (size_t)y * (size_t)view->width_px + (size_t)x;
+            const struct neph_vec3 direction = ray_of(view, x, y);
+            const double cosine = neph_vec3_dot(direction, view->camera.forward);
+            const struct neph_rgb of_fog = fog_optical_depth(view, direction,
+                                                             (double)depth_m[i] / cosine);
+            if (fog)
+                fog[i] = is_seen(of_fog.r, of_fog.g, of_fog.b) ? 1.0f : 0.0f;
+            if (cloud)
+                cloud[i] = is_seen(optical_depth_of(transmittance[0][i]) - of_fog.r,
+                                   optical_depth_of(transmittance[1][i]) - of_fog.g,
+                                   optical_depth_of(transmittance[2][i]) - of_fog.b)
+                               ? 1.0f
+                               : 0.0f;
+        }
+    return status;
+}
+
+/* ---- thin objects and the sun ---------------------------------------------------------------- */
+
+static void mark_around(const struct view *view, int x, int y, float *samples)
+{
+    for (int v = y - 1; v <= y + 1; v++)
+        for (int u = x - 1; u <= x + 1; u++)
+            if (u >= 0 && v >= 0 && u < view->width_px && v < view->height_px)
+                samples[(size_t)v * (size_t)view->width_px + (size_t)u] = 1.0f;
+}
+
+static enum neph_status add_thin(const struct view *view, struct neph_image *image,
+                                 struct neph_diag *diag)
+{
+    bool any = false;
+    for (int s = 0; s < view->scene->solid_count; s++)
+        any |= view->scene->solids[s].thin;
+    float *thin = NULL;
+    enum neph_status status = any ? add_mask(image, "mask.thin", &thin, diag) : NEPH_OK;
+    for (int y = 0; thin && y < view->height_px; y++)
+        for (int x = 0; x < view->width_px; x++) {
+            const struct neph_hit hit = neph_scene_hit(view->scene, view->camera.position_m,
+                                                       ray_of(view, x, y));
+            if (hit.solid && hit.solid->thin)
+                mark_around(view, x, y, thin);
+        }
+    return status;
+}
+
+static enum neph_status add_sun(const struct view *view, struct neph_image *image,
+                                struct neph_diag *diag)
+{
+    const struct neph_sun *sun = &view->scene->sun;
+    const double pixel_rad = view->camera.vertical_fov_rad / view->height_px;
+    const double least_cosine = cos(sun_radius_rad + 0.5 * pixel_rad);
+    float *samples = NULL;
+    enum neph_status status = sun->present ? add_mask(image, "mask.sun", &samples, diag) : NEPH_OK;
+    for (int y = 0; samples && y < view->height_px; y++)
+        for (int x = 0; x < view->width_px; x++) {
+            const struct neph_vec3 direction = ray_of(view, x, y);
+            const bool near = neph_vec3_dot(direction, sun->direction) >= least_cosine;
+            if (near && !neph_scene_hit(view->scene, view->camera.position_m, direction).solid)
+                samples[(size_t)y * (size_t)view->width_px + (size_t)x] = 1.0f;
+        }
+    return status;
+}
+
+/* ---- motion ---------------------------------------------------------------------------------- */
+
+static struct neph_motion_camera motion_camera(const struct neph_camera *camera)
+{
+    return (struct neph_motion_camera){
+        .position_m = {camera->position_m.x, camera->position_m.y, camera->position_m.z},
+        .right = {camera->right.x, camera->right.y, camera->right.z},
+        .up = {camera->up.x, camera->up.y, camera->up.z},
+        .forward = {camera->forward.x, camera->forward.y, camera->forward.z},
+        .vertical_fov_rad = camera->vertical_fov_rad,
+    };
+}
+
+/* Beyond a cut nothing that is seen has been seen before, though depth and cameras alone would find
+ * a place for some of it. */
+static void mark_without_past(const struct neph_image *image, float *x_px, float *y_px)
+{
+    for (size_t i = 0; i < neph_image_pixel_count(image); i++)
+        x_px[i] = y_px[i] = NEPH_MOTION_NOWHERE_PX;
+}
+
+static enum neph_status add_motion(const struct neph_scene *scene, const struct view *view,
+                                   int frame, struct neph_image *image, struct neph_diag *diag)
+{
+    const float *depth_m = neph_image_channel(image, "Z");
+    float *x_px = NULL, *y_px = NULL, *before_m = NULL;
+    if (!depth_m || scene->camera_key_count < 2 || neph_image_channel(image, "motion.x"))
+        return NEPH_OK;
+    const struct neph_camera camera_before = neph_scene_camera(scene, frame - 1);
+    const struct neph_motion_camera now = motion_camera(&view->camera);
+    const struct neph_motion_camera before = motion_camera(&camera_before);
+    enum neph_status status = neph_image_add_channel(image, "motion.x", &x_px, diag);
+    if (!status)
+        status = neph_image_add_channel(image, "motion.y", &y_px, diag);
+    if (!status)
+        status = neph_image_add_channel(image, "motion.depth", &before_m, diag);
+    if (!status && neph_scene_is_cut(scene, frame - 1, frame))
+        mark_without_past(image, x_px, y_px);
+    else if (!status)
+        status = neph_motion_of_depth(&now, &before, view->width_px, view->height_px, depth_m,
+                                      NEPH_MOTION_EYE_DEPTH, x_px, y_px, before_m, diag);
+    return status;
+}
+
+enum neph_status neph_scene_layers_add(const struct neph_scene *scene, int frame,
+                                       struct neph_image *image, struct neph_diag *diag)
+{
+    struct neph_scene *still = NULL; /* sun and media are where they are in this frame */
+    enum neph_status status = neph_scene_at(scene, frame, &still, diag);
+    if (status)
+        return status;
+    const struct view view = {still, neph_scene_camera(still, frame), image->width_px,
+                              image->height_px};
+    status = add_media(&view, image, diag);
+    if (!status)
+        status = add_thin(&view, image, diag);
+    if (!status)
+        status = add_sun(&view, image, diag);
+    if (!status)
+        status = add_motion(scene, &view, frame, image, diag);
+    neph_scene_destroy(still);
+    return status;
+}

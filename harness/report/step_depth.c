@@ -1,0 +1,153 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/report/step_depth.h"
+
+#include "base/files.h"
+#include "scenes/media.h"
+#include "scenes/motion.h"
+#include "scenes/solids.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { COLUMNS = 32, ROWS = 18, PLACES_MAX = 64 };
+
+/* Engines with a fixed number of steps to a ray. */
+static const struct {
+    const char *option; /* that says how many */
+    bool shared;        /* over the hull of all media, without what lies behind an opaque fog */
+} marchers[] = {
+    {"steps", true},      /* march */
+    {"intervals", false}, /* POV-Ray: of each medium's container */
+};
+
+/* OPAQUE of renderer/shaders/fog.glsl. */
+static const double opaque_optical_depth = 16.0;
+
+struct ray {
+    const struct neph_scene *scene;
+    const struct neph_bounds *containers; /* of the media */
+    struct neph_vec3 origin_m, direction;
+    double end_m;
+};
+
+static bool clip(const struct ray *ray, int medium, double *t0_m, double *t1_m)
+{
+    *t0_m = 0.0;
+    *t1_m = ray->end_m;
+    return neph_bounds_clip(&ray->containers[medium], ray->origin_m, ray->direction, t0_m, t1_m);
+}
+
+static double brightest(struct neph_rgb color)
+{
+    return fmax(color.r, fmax(color.g, color.b));
+}
+
+/* The largest optical depth of a step on a stretch, of media first .. last, while anything can be
+ * seen of it: deep inside, where e^-4 of the light is left, long steps do no harm. */
+static double most_on(const struct ray *ray, int first, int last, double t0_m, double t1_m,
+                      int steps)
+{
+    const int places = steps < PLACES_MAX ? steps : PLACES_MAX;
+    const double faint_depth = 4.0;
+    double most = 0.0, depth = 0.0;
+    for (int i = 0; i < places && depth < faint_depth; i++) {
+        const struct neph_vec3 at_m = neph_vec3_along(ray->origin_m, ray->direction,
+                                                      t0_m + (t1_m - t0_m) * (i + 0.5) / places);
+        double extinction_per_m = 0.0;
+        for (int m = first; m <= last; m++)
+            extinction_per_m += brightest(ray->scene->media[m].extinction_color) *
+                                neph_medium_extinction_per_m(&ray->scene->media[m], at_m);
+        most = fmax(most, extinction_per_m * (t1_m - t0_m) / steps);
+        depth += extinction_per_m * (t1_m - t0_m) / places;
+    }
+    return most;
+}
+
+/* Where a fog is opaque: no further does the marcher go. */
+static double opaque_end_m(const struct ray *ray, const struct neph_medium *medium, double t0_m)
+{
+    const double y_m = ray->origin_m.y + t0_m * ray->direction.y;
+    double end_m = INFINITY;
+    for (int l = 0; l < medium->layer_count; l++)
+        end_m = fmin(end_m,
+                     t0_m + neph_fog_layer_distance_m(&medium->layers[l], y_m, ray->direction.y,
+                                                      opaque_optical_depth));
+    return end_m;
+}
+
+static double shared_steps(const struct ray *ray, int steps)
+{
+    double low_m = INFINITY, high_m = -INFINITY, opaque_m = INFINITY, t0_m, t1_m;
+    for (int m = 0; m < ray->scene->medium_count; m++)
+        if (clip(ray, m, &t0_m, &t1_m)) {
+            low_m = fmin(low_m, t0_m);
+            high_m = fmax(high_m, t1_m);
+            opaque_m = fmin(opaque_m, opaque_end_m(ray, &ray->scene->media[m], t0_m));
+        }
+    high_m = fmin(high_m, opaque_m);
+    return low_m < high_m ? most_on(ray, 0, ray->scene->medium_count - 1, low_m, high_m, steps)
+                          : 0.0;
+}
+
+static double own_steps(const struct ray *ray, int steps)
+{
+    double most = 0.0, t0_m, t1_m;
+    for (int m = 0; m < ray->scene->medium_count; m++)
+        if (clip(ray, m, &t0_m, &t1_m))
+            most = fmax(most, most_on(ray, m, m, t0_m, t1_m, steps));
+    return most;
+}
+
+static double most_of_frame(const struct neph_shot *shot, const struct neph_scene *scene,
+                            bool shared, int steps)
+{
+    struct neph_bounds containers[NEPH_SCENE_MEDIA_MAX];
+    const struct neph_camera camera = neph_scene_camera(scene, shot->frame);
+    double most = 0.0, cut_error;
+    for (int m = 0; m < scene->medium_count; m++)
+        containers[m] = neph_medium_container(scene, &scene->media[m], &cut_error);
+    for (int i = 0; i < COLUMNS * ROWS; i++) {
+        /* Pixel centres of the picture itself, so that its shape counts. */
+        const int column = (2 * (i % COLUMNS) + 1) * shot->width_px / (2 * COLUMNS);
+        const int row = (2 * (i / COLUMNS) + 1) * shot->height_px / (2 * ROWS);
+        struct ray ray = {
+            .scene = scene,
+            .containers = containers,
+            .origin_m = camera.position_m,
+            .direction = neph_camera_ray(&camera, shot->width_px, shot->height_px, column, row)};
+        ray.end_m = neph_scene_hit(scene, ray.origin_m, ray.direction).t_m;
+        most = fmax(most, shared ? shared_steps(&ray, steps) : own_steps(&ray, steps));
+    }
+    return most;
+}
+
+/* Of a scene that may move, at the shot's frame. */
+static double most_of_moment(const struct neph_shot *shot, bool shared, int steps)
+{
+    if (!neph_scene_moves(shot->scene))
+        return most_of_frame(shot, shot->scene, shared, steps);
+    struct neph_scene *still = NULL;
+    if (neph_scene_at(shot->scene, shot->frame, &still, NULL))
+        return NAN;
+    const double most = most_of_frame(shot, still, shared, steps);
+    neph_scene_destroy(still);
+    return most;
+}
+
+double neph_step_depth(const struct neph_shot *shot, const struct neph_engine *engine)
+{
+    for (size_t i = 0; engine->step.option && i < sizeof(marchers) / sizeof(marchers[0]); i++)
+        if (strcmp(engine->step.option, marchers[i].option) == 0)
+            return most_of_moment(shot, marchers[i].shared,
+                                  (int)neph_setting(engine, &shot->settings, engine->step.option));
+    return NAN;
+}
+
+char *neph_step_depth_warning(double depth, const struct neph_engine *engine)
+{
+    if (!(depth > NEPH_STEP_DEPTH_MAX))
+        return NULL;
+    return neph_format("a step of %s spans an optical depth of up to %.3g, and what happens within "
+                       "a step is lost: raise its %s",
+                       engine->name, depth, engine->step.option);
+}

@@ -1,0 +1,62 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * How long engines take for the same noise. A Monte Carlo renderer's squared noise falls as
+ * cost / time; the ratio of two engines' costs is the ratio of their times to equal noise, whatever
+ * that noise is. The engines render a ladder of sample counts, turn and turn about in one run on
+ * the same cores, each rung with two seeds:
+ *
+ *   noise^2 = mean (a - b)^2 / 2           of the two seeds a, b
+ *   error^2 = mean (a - r) (a - s)         of two independent references r, s of the tracer, whose
+ *                                          own noise so falls out
+ *
+ * both over pixels and channels and in parts of the reference's mean square. What error^2 has more
+ * than noise^2 is bias, which time does not remove.
+ */
+#ifndef NEPH_HARNESS_RUN_BENCHMARK_H
+#define NEPH_HARNESS_RUN_BENCHMARK_H
+
+#include "harness/run/job.h"
+
+enum { NEPH_BENCHMARK_RUNGS = 4, NEPH_BENCHMARK_ENGINES_MAX = 4 };
+
+struct neph_benchmark_rung {
+    int samples;
+    double render_s;       /* of one seed, the start left out; mean of the two */
+    double noise2, error2; /* squared and relative; error2 is a difference and may be below 0 */
+};
+
+/* A number with its 95 % interval. */
+struct neph_benchmark_value {
+    double value, low, high;
+};
+
+struct neph_benchmark_engine {
+    struct neph_job job; /* its engine, settings and shot */
+    double start_s;      /* of a render whose samples take no time; starting Blender is not in it */
+    struct neph_benchmark_rung rungs[NEPH_BENCHMARK_RUNGS];
+    struct neph_benchmark_value cost_s; /* noise2 * render_s: the time to a relative noise of 1 */
+    struct neph_benchmark_value times;  /* cost over that of the first engine */
+    struct neph_benchmark_value bias;   /* of the mean radiance, relative; of all rungs and seeds */
+};
+
+struct neph_benchmark {
+    int engine_count;
+    struct neph_benchmark_engine engines[NEPH_BENCHMARK_ENGINES_MAX];
+    struct neph_job reference;
+    int reference_samples;  /* of each of the two */
+    double reference_noise; /* relative, of their mean */
+};
+
+/* False, with the reason in words, for engines without noise or without a number of samples. */
+bool neph_benchmark_applies(const struct neph_engine *engine, char *reason, size_t reason_size);
+
+/* Fill in the measurements. `benchmark` comes with `engine_count` jobs and the reference's job (of
+ * the tracer), all of one scene and size, with a scratch folder that is theirs. The last rung takes
+ * about `rung_s` seconds. */
+enum neph_status neph_benchmark_run(struct neph_benchmark *benchmark, double rung_s, bool quiet,
+                                    struct neph_diag *diag);
+
+/* For the caller to free. */
+json_t *neph_benchmark_json(const struct neph_benchmark *benchmark);
+
+#endif

@@ -1,0 +1,150 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/run/budget.h"
+
+#include "base/exr.h"
+#include "harness/run/noise.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { RUNGS = 3, RUNG_FACTOR = 8, PILOT_SIDE = 4 };
+
+/* What a pilot needs when the machine is busy with ten other things: it tells slow from hanging. */
+static const double pilot_limit_s = 300.0;
+
+/* Of the option "samples"; -1: the engine draws none. */
+static int samples_index(const struct neph_engine *engine)
+{
+    for (int i = 0; engine->options[i].name && engine->stochastic; i++)
+        if (strcmp(engine->options[i].name, "samples") == 0)
+            return i;
+    return -1;
+}
+
+/* The settings that are tried, most samples first; returns how many. */
+static int list_rungs(const struct neph_job *job, struct neph_settings rungs[RUNGS])
+{
+    const int index = samples_index(job->engine);
+    int count = 0;
+    double samples = index < 0 ? 1.0 : job->shot.settings.values[index];
+    for (; count < RUNGS && samples >= 1.0; samples = floor(samples / RUNG_FACTOR)) {
+        rungs[count] = job->shot.settings;
+        if (index >= 0)
+            rungs[count].values[index] = samples;
+        count++;
+        if (index < 0)
+            break;
+    }
+    return count;
+}
+
+/* What is lost with the samples. The noise of a Monte Carlo mean falls with the root of their
+ * number. */
+static void write_note(const struct neph_job *job, const struct neph_settings *asked,
+                       double budget_s, char note[NEPH_JOB_NOTE_SIZE])
+{
+    const int index = samples_index(job->engine);
+    if (index < 0 || asked->values[index] == job->shot.settings.values[index])
+        return;
+    const double most = asked->values[index], samples = job->shot.settings.values[index];
+    snprintf(note, NEPH_JOB_NOTE_SIZE,
+             "%g samples per pixel did not fit into %g s: rendered with %g, whose noise is %.1f "
+             "times as large",
+             most, budget_s, samples, sqrt(most / samples));
+}
+
+struct pilot {
+    struct neph_job job;
+    struct neph_job_result results[2]; /* of two seeds; of one where nothing is random */
+    double noise;                      /* NaN: not known */
+};
+
+static void finish_pilot(struct pilot *pilot)
+{
+    neph_job_result_finish(&pilot->results[0]);
+    neph_job_result_finish(&pilot->results[1]);
+}
+
+/* A small picture of the fewest samples, by two seeds where the engine draws random numbers. */
+static enum neph_status run_pilot(const struct neph_job *job, double budget_s,
+                                  struct neph_store *store, struct pilot *pilot,
+                                  struct neph_diag *diag)
+{
+    *pilot = (struct pilot){.job = *job, .noise = NAN};
+    struct neph_shot *shot = &pilot->job.shot;
+    shot->width_px = (shot->width_px + PILOT_SIDE - 1) / PILOT_SIDE;
+    shot->height_px = (shot->height_px + PILOT_SIDE - 1) / PILOT_SIDE;
+    shot->time_limit_s = fmax(budget_s, pilot_limit_s);
+    struct neph_image *frames[2] = {NULL, NULL};
+    enum neph_status status = neph_job_run(&pilot->job, store, &pilot->results[0], diag);
+    const bool again = job->engine->stochastic && pilot->results[0].frame_path;
+    shot->seed++;
+    if (!status && again)
+        status = neph_job_run(&pilot->job, store, &pilot->results[1], diag);
+    if (!status && pilot->results[1].frame_path)
+        status = neph_exr_read(pilot->results[0].frame_path, &frames[0], diag);
+    if (!status && frames[0])
+        status = neph_exr_read(pilot->results[1].frame_path, &frames[1], diag);
+    if (!status && frames[1])
+        pilot->noise = neph_noise_of_two(frames[0], frames[1]);
+    neph_image_destroy(frames[0]);
+    neph_image_destroy(frames[1]);
+    return status;
+}
+
+/* Nothing fitted: what the pilot says of that. `asked` are the settings that were wished for. */
+static void explain(const struct pilot *pilot, const struct neph_settings *asked, double budget_s,
+                    struct neph_job_result *result)
+{
+    const struct neph_engine *engine = pilot->job.engine;
+    const int index = samples_index(engine);
+    const double factor = index < 0 ? 1.0
+                                    : asked->values[index] / pilot->job.shot.settings.values[index];
+    const struct neph_cost *cost = &pilot->results[0].cost;
+    const double least_s = cost->wall_s + cost->render_s * (PILOT_SIDE * PILOT_SIDE * factor - 1.0);
+    char noise[96] = "";
+    if (isfinite(pilot->noise))
+        snprintf(noise, sizeof(noise), ", and its noise would be about %.2g %% of the rms radiance",
+                 100.0 * pilot->noise / sqrt(factor));
+    result->outcome = NEPH_OUTCOME_OVER_BUDGET;
+    snprintf(
+        result->reason, sizeof(result->reason),
+        "did not fit into %g s: by a picture of %dx%d px its radiance alone would take %.0f s%s; "
+        "--budget gives it more",
+        budget_s, pilot->job.shot.width_px, pilot->job.shot.height_px, least_s, noise);
+}
+
+enum neph_status neph_budget_run(struct neph_job *job, double budget_s, struct neph_store *store,
+                                 struct neph_job_result *result, struct neph_diag *diag)
+{
+    const struct neph_settings asked = job->shot.settings;
+    struct neph_settings rungs[RUNGS];
+    const int rung_count = list_rungs(job, rungs);
+    enum neph_status status = NEPH_OK;
+    bool found = false;
+    *result = (struct neph_job_result){.outcome = NEPH_OUTCOME_FAILED};
+    job->shot.time_limit_s = budget_s;
+    for (int i = 0; i < rung_count && !status && !found; i++) {
+        neph_job_result_finish(result);
+        job->shot.settings = rungs[i];
+        status = neph_job_reuse(job, store, result, &found, diag);
+    }
+    if (!found)
+        result->outcome = NEPH_OUTCOME_TIMEOUT;
+    for (int i = 0; i < rung_count && !status && result->outcome == NEPH_OUTCOME_TIMEOUT; i++) {
+        neph_job_result_finish(result);
+        job->shot.settings = rungs[i];
+        status = neph_job_run(job, store, result, diag);
+    }
+    if (!status && result->outcome == NEPH_OUTCOME_TIMEOUT) {
+        struct pilot pilot;
+        status = run_pilot(job, budget_s, store, &pilot, diag);
+        if (!status && pilot.results[0].frame_path)
+            explain(&pilot, &asked, budget_s, result);
+        finish_pilot(&pilot);
+    }
+    if (!status && result->outcome == NEPH_OUTCOME_RENDERED)
+        write_note(job, &asked, budget_s, result->note);
+    return status;
+}

@@ -1,0 +1,416 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/run/conform.h"
+
+#include "base/clock.h"
+#include "base/exr.h"
+#include "base/files.h"
+#include "harness/data.h"
+#include "harness/progress.h"
+#include "harness/run/job.h"
+#include "metrics/validity.h"
+#include "scenes/motion.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char *const engine_names[] = {"march", "march_octaves", "march_horizon", "tracer",
+                                           "realtime"};
+
+/* One picture, or the last of a sequence. */
+struct picture {
+    const struct neph_engine *engine;
+    const struct neph_preset *preset; /* NULL: the defaults */
+    struct neph_engine_info info;
+};
+
+static int list_pictures(const char *only_engine, struct picture pictures[])
+{
+    int count = 0;
+    for (size_t e = 0; e < sizeof(engine_names) / sizeof(engine_names[0]); e++) {
+        const struct neph_engine *engine = neph_engine_find(engine_names[e]);
+        if (only_engine && strcmp(only_engine, engine->name) != 0)
+            continue;
+        struct picture picture = {.engine = engine};
+        neph_engine_probe(engine, &picture.info);
+        const struct neph_preset *preset = engine->presets;
+        do {
+            picture.preset = preset && preset->name ? preset : NULL;
+            pictures[count++] = picture;
+        } while (preset && preset->name && (++preset)->name && count < NEPH_CONFORM_PICTURES_MAX);
+    }
+    return count;
+}
+
+static char *name_picture(const char *scene, const struct picture *picture)
+{
+    return neph_format("%s_%s%s%s", scene, picture->engine->name, picture->preset ? "_" : "",
+                       picture->preset ? picture->preset->name : "");
+}
+
+/* --- rendering ---------------------------------------------------------------------------- */
+
+/* Presets are of light scattered once; in a scene of all orders, and in Horizon's clouds, they are
+ * as well tried by the first lighting that can. Without one the last tried stays, and says why not.
+ */
+static enum neph_status choose_lighting(const struct neph_scene *scene,
+                                        const struct neph_engine *engine,
+                                        struct neph_settings *settings, struct neph_diag *diag)
+{
+    static const char *const lightings[] = {"lighting=octaves", "lighting=horizon",
+                                            "lighting=single"};
+    char reason[512];
+    enum neph_status status = NEPH_OK;
+    for (size_t i = 0; i < sizeof(lightings) / sizeof(lightings[0]) && !status; i++) {
+        if (engine->can_render(scene, settings, reason, sizeof(reason)))
+            return NEPH_OK;
+        status = neph_settings_set(engine, settings, lightings[i], diag);
+    }
+    return status;
+}
+
+static enum neph_status fill_job(const struct neph_conform_params *params,
+                                 const struct neph_scene *scene, const struct picture *picture,
+                                 struct neph_job *job, struct neph_diag *diag)
+{
+    const struct neph_engine *engine = picture->engine;
+    char samples[64];
+    *job = (struct neph_job){.engine = engine,
+                             .info = &picture->info,
+                             .shot = {.scene = scene,
+                                      .settings = neph_settings_default(engine),
+                                      .width_px = params->width_px,
+                                      .height_px = params->height_px,
+                                      .layers = NEPH_LAYERS_ALL,
+                                      .seed = 1}};
+    snprintf(samples, sizeof(samples), "samples=%d", params->samples);
+    if (strcmp(engine->name, "tracer") == 0)
+        return neph_settings_set(engine, &job->shot.settings, samples, diag);
+    if (!picture->preset)
+        return NEPH_OK;
+    const enum neph_status status = neph_settings_preset(engine, picture->preset->name,
+                                                         &job->shot.settings, diag);
+    return status ? status : choose_lighting(scene, engine, &job->shot.settings, diag);
+}
+
+/* What is wrong with the values of one picture after the other. */
+struct tally {
+    size_t non_finite, negative;
+    char first[256]; /* where the first of them is; empty: there is none */
+};
+
+static enum neph_status tally_add(struct tally *tally, const struct neph_image *frame,
+                                  int frame_number, struct neph_diag *diag)
+{
+    struct neph_validity validity;
+    struct neph_diag words = {.line = 0};
+    const enum neph_status status = neph_validity_count(frame, &validity, diag);
+    if (status)
+        return status;
+    tally->non_finite += validity.non_finite_count;
+    tally->negative += validity.negative_count;
+    if (!tally->first[0] && neph_validity_gate(&validity, 0, &words))
+        snprintf(tally->first, sizeof(tally->first), "frame %d: %.200s", frame_number,
+                 words.message);
+    neph_validity_finish(&validity);
+    return NEPH_OK;
+}
+
+/* The last of the job's pictures, all of them counted. */
+static enum neph_status render_pictures(struct neph_job *job, int count, struct tally *tally,
+                                        struct neph_image **last, struct neph_diag *diag)
+{
+    const int width_px = job->shot.width_px, height_px = job->shot.height_px;
+    struct neph_image *frame = NULL;
+    enum neph_status status = NEPH_OK;
+    for (int i = 0; i < count && !status; i++) {
+        struct neph_cost cost;
+        neph_image_destroy(frame);
+        frame = NULL;
+        job->shot.frame = i;
+        job->shot.width_px = width_px;
+        job->shot.height_px = height_px;
+        neph_scene_frame_size(job->shot.scene, i, &job->shot.width_px, &job->shot.height_px);
+        if (i == 0)
+            status = neph_job_open(job, diag);
+        if (!status)
+            status = neph_job_render_unchecked(job, &frame, &cost, diag);
+        if (!status)
+            status = tally_add(tally, frame, i, diag);
+    }
+    neph_job_close(job);
+    if (status) {
+        neph_image_destroy(frame);
+        return status;
+    }
+    *last = frame;
+    return NEPH_OK;
+}
+
+/* --- what is kept ------------------------------------------------------------------------- */
+
+static int least(int a, int b)
+{
+    return a < b ? a : b;
+}
+
+/* Pixels in the middle of equal parts of the picture. */
+static enum neph_status take_lattice(const struct neph_image *frame, struct neph_image **lattice,
+                                     struct neph_diag *diag)
+{
+    const int width_px = least(frame->width_px, NEPH_CONFORM_LATTICE_WIDTH_PX);
+    const int height_px = least(frame->height_px, NEPH_CONFORM_LATTICE_HEIGHT_PX);
+    struct neph_image *taken = NULL;
+    enum neph_status status = neph_image_create(width_px, height_px, &taken, diag);
+    for (int c = 0; c < frame->channel_count && !status; c++) {
+        float *to;
+        const float *from = frame->channels[c].samples;
+        status = neph_image_add_channel(taken, frame->channels[c].name, &to, diag);
+        for (int y = 0; y < height_px && !status; y++)
+            for (int x = 0; x < width_px; x++) {
+                const int at_x = (2 * x + 1) * frame->width_px / (2 * width_px);
+                const int at_y = (2 * y + 1) * frame->height_px / (2 * height_px);
+                to[y * width_px + x] = from[(size_t)at_y * (size_t)frame->width_px + (size_t)at_x];
+            }
+    }
+    if (status) {
+        neph_image_destroy(taken);
+        return status;
+    }
+    *lattice = taken;
+    return NEPH_OK;
+}
+
+/* Of all pixels; the far ones of a distance are counted apart. */
+static json_t *channel_json(const struct neph_image *frame, const struct neph_channel *channel)
+{
+    const size_t count = neph_image_pixel_count(frame);
+    double sum = 0.0, largest = 0.0;
+    size_t finite = 0;
+    for (size_t p = 0; p < count; p++) {
+        const double value = channel->samples[p];
+        if (!isfinite(value))
+            continue;
+        finite++;
+        sum += value;
+        largest = fmax(largest, fabs(value));
+    }
+    return json_pack("{s:s, s:f, s:f, s:I}", "channel", channel->name, "mean",
+                     finite > 0 ? sum / (double)finite : 0.0, "largest", largest, "far",
+                     (json_int_t)(count - finite));
+}
+
+static enum neph_status describe_frame(const struct neph_image *frame, const char *path,
+                                       json_t *entry, struct neph_diag *diag)
+{
+    char hash[NEPH_HASH_HEX_SIZE];
+    struct neph_image *lattice = NULL;
+    json_t *channels = json_array();
+    enum neph_status status = neph_frozen_hash(frame, hash, diag);
+    if (!status)
+        status = take_lattice(frame, &lattice, diag);
+    if (!status)
+        status = neph_exr_write(path, lattice, diag);
+    neph_image_destroy(lattice);
+    for (int c = 0; c < frame->channel_count; c++)
+        neph_json_add(&channels, channel_json(frame, &frame->channels[c]));
+    if (!status)
+        status = neph_json_put(entry, "hash", json_string(hash), diag);
+    if (!status)
+        return neph_json_put(entry, "channels", channels, diag);
+    json_decref(channels);
+    return status;
+}
+
+/* --- one picture -------------------------------------------------------------------------- */
+
+static json_t *entry_json(const char *name, const struct neph_job *job, int pictures,
+                          const struct tally *tally, enum neph_status status, const char *reason,
+                          double seconds)
+{
+    const bool cannot = status == NEPH_ERR_UNSUPPORTED;
+    char *settings = neph_settings_text(job->engine, &job->shot.settings);
+    json_t *entry = json_pack(
+        "{s:s, s:s, s:s, s:s, s:i, s:[i,i], s:I, s:I, s:s, s:s, s:f}", "picture", name, "engine",
+        job->engine->name, "settings", settings ? settings : "", "outcome",
+        status == NEPH_OK ? "rendered"
+        : cannot          ? "cannot"
+                          : "failed",
+        "pictures", pictures, "size_px", job->shot.width_px, job->shot.height_px, "non_finite",
+        (json_int_t)tally->non_finite, "negative", (json_int_t)tally->negative, "first_wrong",
+        tally->first, "reason", reason, "seconds", seconds);
+    free(settings);
+    return entry;
+}
+
+/* Engines may fail: that is news, in the report. */
+static bool ends_run(enum neph_status status)
+{
+    return status == NEPH_ERR_INTERRUPTED || status == NEPH_ERR_MEMORY ||
+           status == NEPH_ERR_UNAVAILABLE;
+}
+
+static enum neph_status conform_picture(const struct neph_conform_params *params,
+                                        const struct neph_scene *scene,
+                                        const struct picture *picture, const char *name,
+                                        json_t *entries, struct neph_diag *diag)
+{
+    const double start_s = neph_wall_s();
+    const int count = picture->engine->remembers ? params->pictures : 1;
+    struct neph_job job;
+    struct neph_image *frame = NULL;
+    struct tally tally = {0};
+    struct neph_diag words = {.line = 0};
+    enum neph_status status = fill_job(params, scene, picture, &job, diag);
+    if (status)
+        return status;
+    const enum neph_status rendered = render_pictures(&job, count, &tally, &frame, &words);
+    if (ends_run(rendered)) {
+        *diag = words;
+        return rendered;
+    }
+    char *path = neph_format("%s/%s.exr", params->folder, name);
+    json_t *entry = entry_json(name, &job, count, &tally, rendered, words.message,
+                               neph_wall_s() - start_s);
+    status = path && entry ? NEPH_OK : neph_fail_memory(diag);
+    if (!status && frame)
+        status = describe_frame(frame, path, entry, diag);
+    if (!status && json_array_append(entries, entry))
+        status = neph_fail_memory(diag);
+    json_decref(entry);
+    neph_image_destroy(frame);
+    free(path);
+    return status;
+}
+
+static const char *outcome_of(const json_t *entry)
+{
+    return json_string_value(json_object_get(entry, "outcome"));
+}
+
+static bool is_sound(const json_t *entry)
+{
+    return strcmp(outcome_of(entry), "rendered") == 0 &&
+           json_integer_value(json_object_get(entry, "non_finite")) == 0 &&
+           json_integer_value(json_object_get(entry, "negative")) == 0;
+}
+
+/* --- one scene ---------------------------------------------------------------------------- */
+
+static enum neph_status write_json(const char *folder, const char *scene, const json_t *json,
+                                   struct neph_diag *diag)
+{
+    char *path = neph_format("%s/%s.json", folder, scene);
+    char *text = json_dumps(json, JSON_INDENT(1) | JSON_REAL_PRECISION(9));
+    const enum neph_status status = path && text ? neph_file_write(path, text, strlen(text), diag)
+                                                 : neph_fail_memory(diag);
+    free(text);
+    free(path);
+    return status;
+}
+
+static enum neph_status conform_scene(const struct neph_conform_params *params, const char *which,
+                                      const struct picture pictures[], int picture_count,
+                                      struct neph_progress *progress, json_t *report,
+                                      struct neph_diag *diag)
+{
+    struct neph_scene *scene = NULL;
+    enum neph_status status = neph_data_load_scene(which, &scene, diag);
+    if (status)
+        return status;
+    json_t *entries = json_array();
+    for (int i = 0; i < picture_count && !status; i++) {
+        const double start_s = neph_wall_s();
+        char *name = name_picture(scene->name, &pictures[i]);
+        status = name ? NEPH_OK : neph_fail_memory(diag);
+        if (!status) {
+            neph_progress_begin(progress, name);
+            status = conform_picture(params, scene, &pictures[i], name, entries, diag);
+        }
+        const json_t *entry = json_array_get(entries, (size_t)i);
+        const char *outcome = !entry ? neph_status_name(status) : outcome_of(entry);
+        if (entry && strcmp(outcome, "rendered") == 0 && !is_sound(entry))
+            outcome = json_string_value(json_object_get(entry, "first_wrong"));
+        neph_progress_step(progress, name ? name : "?", outcome, neph_wall_s() - start_s);
+        free(name);
+    }
+    json_t *json = json_pack("{s:s, s:s, s:s, s:s, s:s, s:O}", "format", "neph-conform-1", "scene",
+                             scene->name, "scene_hash", scene->hash, "device",
+                             pictures[0].info.device, "driver", pictures[0].info.version,
+                             "pictures", entries);
+    if (!status && !json)
+        status = neph_fail_memory(diag);
+    if (!status)
+        status = write_json(params->folder, scene->name, json, diag);
+    if (!status && json_array_append(report, json))
+        status = neph_fail_memory(diag);
+    json_decref(json);
+    json_decref(entries);
+    neph_scene_destroy(scene);
+    return status;
+}
+
+static enum neph_status leave_out(const char *scene, const char *why, int picture_count,
+                                  struct neph_progress *progress, json_t *report,
+                                  struct neph_diag *diag)
+{
+    neph_progress_expect(progress, progress->kind, -picture_count, 0.0);
+    return neph_json_append(
+        report, json_pack("{s:s, s:s, s:[]}", "scene", scene, "absent", why, "pictures"), diag);
+}
+
+/* --- all of them -------------------------------------------------------------------------- */
+
+enum neph_status neph_conform_render(const struct neph_conform_params *params, json_t **report,
+                                     struct neph_diag *diag)
+{
+    struct picture pictures[NEPH_CONFORM_PICTURES_MAX];
+    const int picture_count = list_pictures(params->engine, pictures);
+    if (picture_count == 0) {
+        neph_fail(diag, NEPH_ERR_USAGE, "'%s' is no engine of ours on a Vulkan device",
+                  params->engine);
+        neph_hint(diag, "march, march_octaves, march_horizon, tracer or realtime");
+        return NEPH_ERR_USAGE;
+    }
+    if (!pictures[0].info.available) {
+        neph_fail(diag, NEPH_ERR_UNAVAILABLE, "%s", pictures[0].info.missing);
+        neph_hint(diag, "%s", pictures[0].info.install_line);
+        return NEPH_ERR_UNAVAILABLE;
+    }
+    json_t *made = json_array();
+    struct neph_progress progress = neph_progress_start(params->quiet,
+                                                        params->scene_count * picture_count);
+    enum neph_status status = neph_dir_create(params->folder, diag);
+    for (int i = 0; i < params->scene_count && !status; i++) {
+        struct neph_diag why = {.line = 0};
+        status = conform_scene(params, params->scenes[i], pictures, picture_count, &progress, made,
+                               &why);
+        if (status == NEPH_ERR_NOT_FOUND && params->skip_absent)
+            status = leave_out(params->scenes[i], why.message, picture_count, &progress, made,
+                               diag);
+        else if (status && diag)
+            *diag = why;
+    }
+    neph_progress_end(&progress);
+    if (status)
+        json_decref(made);
+    else
+        *report = made;
+    return status;
+}
+
+void neph_conform_count(const json_t *report, int *expected, int *sound)
+{
+    *expected = *sound = 0;
+    size_t i, j;
+    json_t *scene, *entry;
+    json_array_foreach(report, i, scene)
+    {
+        json_array_foreach(json_object_get(scene, "pictures"), j, entry)
+        {
+            *expected += strcmp(outcome_of(entry), "cannot") != 0;
+            *sound += is_sound(entry);
+        }
+    }
+}

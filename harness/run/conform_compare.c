@@ -1,0 +1,424 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/run/conform.h"
+
+#include "base/exr.h"
+#include "base/files.h"
+#include "metrics/validity.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* How far two devices may be apart in a channel. A pixel is within its bound when
+ *   |a - b| <= relative max(|a|, |b|) + of_largest L,   L: the channel's largest value in A or B.
+ * A share of the pixels may be beyond: where a decision hangs on the last bit, a device that takes
+ * the other side is as right. The means over all pixels, of which the folder holds a few only, are
+ * held to `mean` (of L). */
+struct bound {
+    const char *engine;  /* "": any */
+    const char *channel; /* or its layer, with the '.' */
+    double relative, of_largest, share, mean;
+};
+
+/* Where the numbers come from.
+ *
+ * Any: Vulkan lets exp(x) be off by 3 + 2 |x| units in the last place and a division by 2.5. An
+ * optical depth of 16, behind which a march sees nothing, gives 35 units or 4e-6 for each of the
+ * exponentials of view and sun; a place 1 km from the camera is known to 6e-5 m, and densities rise
+ * by some 1e-2 per metre at the edges of clouds, over 64 steps: together below 2e-4 of the value
+ * and 2e-5 of the largest. Two of a thousand pixels may see the other side of a silhouette or of a
+ * shadow's edge.
+ *
+ * Z: the distance to a sphere takes three roundings of its radius, 4.5e-4 of the way from an eye
+ * 1/2500 of the radius above it, as in scene atmosphere_shell.
+ *
+ * realtime: history is kept in half precision, units of 5e-4, over several frames, and thresholds
+ * decide whether it holds, so that more pixels may differ, and the mean still may not. Of 203
+ * pictures on an NVIDIA H100 and on lavapipe the worst had 3.3 % beyond, the next one 1 %.
+ *
+ * tracer: the random numbers are the same, but a collision that the last bit makes null sends the
+ * rest of the path elsewhere, where it is as right. Of 33 such pictures the worst had 3.2 % beyond
+ * and a mean 1e-4 off. */
+static const struct bound bounds[] = {
+    {"realtime", "Z", 5e-4, 0.0, 0.002, 1e-3},
+    {"realtime", "volume.distance", 1e-2, 1e-3, 0.05, 1e-2},
+    {"realtime", "", 4e-3, 1e-3, 0.05, 5e-4},
+    {"tracer", "Z", 5e-4, 0.0, 0.002, 1e-3},
+    {"tracer", "", 2e-4, 2e-5, 0.05, 5e-4},
+    {"", "Z", 5e-4, 0.0, 0.002, 1e-3},
+    {"", "volume.distance", 2e-3, 1e-4, 0.01, 1e-3},
+    {"", "", 2e-4, 2e-5, 0.002, 2e-5},
+};
+
+static bool is_of(const char *channel, const char *name)
+{
+    const size_t length = strlen(name);
+    if (length == 0 || name[length - 1] == '.')
+        return strncmp(channel, name, length) == 0;
+    return strcmp(channel, name) == 0;
+}
+
+static const struct bound *find_bound(const char *engine, const char *channel)
+{
+    const struct bound *bound = bounds;
+    while (!((!bound->engine[0] || strcmp(bound->engine, engine) == 0) &&
+             is_of(channel, bound->channel)))
+        bound++; /* the last one is of all */
+    return bound;
+}
+
+/* --- folders ------------------------------------------------------------------------------ */
+
+static int keep_json(const struct dirent *entry)
+{
+    const size_t length = strlen(entry->d_name);
+    return entry->d_name[0] != '.' && length > 5 &&
+           strcmp(entry->d_name + length - 5, ".json") == 0;
+}
+
+static enum neph_status check_scene(const char *path, const json_t *scene, struct neph_diag *diag)
+{
+    const char *format = json_string_value(json_object_get(scene, "format"));
+    if (format && strcmp(format, "neph-conform-1") == 0 &&
+        json_is_string(json_object_get(scene, "scene_hash")) &&
+        json_is_string(json_object_get(scene, "device")) &&
+        json_is_array(json_object_get(scene, "pictures")))
+        return NEPH_OK;
+    return neph_fail(diag, NEPH_ERR_INPUT, "'%s' is not a file of `neph conform`", path);
+}
+
+static enum neph_status read_scene(const char *folder, const char *file, json_t *scenes,
+                                   struct neph_diag *diag)
+{
+    char *path = neph_path_join(folder, file);
+    json_error_t error;
+    json_t *scene = path ? json_load_file(path, JSON_REJECT_DUPLICATES, &error) : NULL;
+    enum neph_status status = path ? NEPH_OK : neph_fail_memory(diag);
+    if (!status && !scene)
+        status = neph_fail(diag, NEPH_ERR_INPUT, "'%s': %s", path, error.text);
+    if (!status)
+        status = check_scene(path, scene, diag);
+    if (!status && json_object_set(scenes, file, scene))
+        status = neph_fail_memory(diag);
+    json_decref(scene);
+    free(path);
+    return status;
+}
+
+/* The scenes of a folder, by the names of their files. */
+static enum neph_status read_folder(const char *folder, json_t **scenes, struct neph_diag *diag)
+{
+    struct dirent **entries = NULL;
+    const int count = scandir(folder, &entries, keep_json, alphasort);
+    if (count < 0)
+        return neph_fail(diag, NEPH_ERR_NOT_FOUND, "'%s': %s", folder, strerror(errno));
+    json_t *read = json_object();
+    enum neph_status status = NEPH_OK;
+    for (int i = 0; i < count; i++) {
+        if (!status)
+            status = read_scene(folder, entries[i]->d_name, read, diag);
+        free(entries[i]);
+    }
+    free(entries);
+    if (!status && json_object_size(read) == 0)
+        status = neph_fail(diag, NEPH_ERR_INPUT, "'%s' holds nothing of `neph conform`", folder);
+    if (status)
+        json_decref(read);
+    else
+        *scenes = read;
+    return status;
+}
+
+/* --- one channel -------------------------------------------------------------------------- */
+
+static const json_t *find_named(const json_t *list, const char *key, const char *name)
+{
+    size_t i;
+    json_t *item;
+    json_array_foreach(list, i, item)
+    {
+        const char *text = json_string_value(json_object_get(item, key));
+        if (text && strcmp(text, name) == 0)
+            return item;
+    }
+    return NULL;
+}
+
+static double number_of(const json_t *entry, const char *channel, const char *key)
+{
+    const json_t *item = find_named(json_object_get(entry, "channels"), "channel", channel);
+    return item ? json_number_value(json_object_get(item, key)) : NAN;
+}
+
+/* Both entries of a picture, and both lattices. */
+struct pair {
+    const char *engine;
+    const json_t *entry[2];
+    const struct neph_image *lattice[2];
+};
+
+struct distance {
+    double worst; /* |a - b| of a pixel, of the channel's largest value */
+    size_t beyond, allowed;
+    double mean, mean_allowed; /* both of the largest value */
+};
+
+static double largest_of(const struct pair *pair, const char *channel)
+{
+    return fmax(number_of(pair->entry[0], channel, "largest"),
+                number_of(pair->entry[1], channel, "largest"));
+}
+
+static double mean_apart(const struct pair *pair, const char *channel)
+{
+    return fabs(number_of(pair->entry[0], channel, "mean") -
+                number_of(pair->entry[1], channel, "mean"));
+}
+
+static struct distance measure(const struct pair *pair, const char *channel,
+                               const struct bound *bound)
+{
+    const float *a = neph_image_channel(pair->lattice[0], channel);
+    const float *b = neph_image_channel(pair->lattice[1], channel);
+    const size_t count = neph_image_pixel_count(pair->lattice[0]);
+    const double largest = largest_of(pair, channel);
+    struct distance distance = {.allowed = (size_t)(bound->share * (double)count),
+                                .mean = mean_apart(pair, channel) / fmax(largest, 1e-30),
+                                .mean_allowed = bound->mean};
+    for (size_t i = 0; i < count; i++) {
+        if (a[i] == b[i])
+            continue;
+        const double apart = fabs((double)a[i] - b[i]), size = fmax(fabs(a[i]), fabs(b[i]));
+        const bool within = isfinite(apart) &&
+                            apart <= bound->relative * size + bound->of_largest * largest;
+        distance.beyond += !within;
+        if (isfinite(apart))
+            distance.worst = fmax(distance.worst, apart / fmax(largest, 1e-30));
+    }
+    return distance;
+}
+
+static bool is_within(const struct distance *distance)
+{
+    return distance->beyond <= distance->allowed && distance->mean <= distance->mean_allowed;
+}
+
+/* --- one picture -------------------------------------------------------------------------- */
+
+static bool compare_channels(const struct pair *pair, json_t **channels, char *because, size_t size)
+{
+    bool agrees = true;
+    for (int c = 0; c < pair->lattice[0]->channel_count; c++) {
+        const char *name = pair->lattice[0]->channels[c].name;
+        if (strncmp(name, "variance.", strlen("variance.")) == 0)
+            continue; /* an estimate of chance, not of light */
+        const struct distance distance = measure(pair, name, find_bound(pair->engine, name));
+        const bool within = is_within(&distance);
+        if (!within && agrees)
+            snprintf(because, size,
+                     "%s: %zu pixels beyond the bound, %zu allowed; means %.2g of the largest "
+                     "value apart, %.2g allowed",
+                     name, distance.beyond, distance.allowed, distance.mean, distance.mean_allowed);
+        agrees = agrees && within;
+        neph_json_add(channels, json_pack("{s:s, s:b, s:f, s:I, s:I, s:f, s:f}", "channel", name,
+                                          "within", within, "worst", distance.worst, "beyond",
+                                          (json_int_t)distance.beyond, "allowed",
+                                          (json_int_t)distance.allowed, "mean", distance.mean,
+                                          "mean_allowed", distance.mean_allowed));
+    }
+    return agrees;
+}
+
+/* What both must share before any value is compared; NULL: nothing is in the way. */
+static const char *find_difference(const json_t *a, const json_t *b)
+{
+    static const char *const keys[] = {"outcome", "engine", "settings", "size_px", "pictures"};
+    static const char *const differences[] = {"one rendered it and the other did not",
+                                              "the engines differ", "the settings differ",
+                                              "the sizes differ", "the sequences differ in length"};
+    for (size_t k = 0; k < sizeof(keys) / sizeof(keys[0]); k++)
+        if (!json_equal(json_object_get(a, keys[k]), json_object_get(b, keys[k])))
+            return differences[k];
+    return strcmp(json_string_value(json_object_get(a, "outcome")), "rendered") != 0 ? "both failed"
+                                                                                     : NULL;
+}
+
+static enum neph_status read_lattice(const char *folder, const char *name,
+                                     struct neph_image **lattice, struct neph_diag *diag)
+{
+    char *path = neph_format("%s/%s.exr", folder, name);
+    const enum neph_status status = path ? neph_exr_read(path, lattice, diag)
+                                         : neph_fail_memory(diag);
+    free(path);
+    return status;
+}
+
+/* NEPH_OK: `*agrees` says it. */
+static enum neph_status compare_lattices(const char *const folders[2], const char *name,
+                                         const json_t *const entries[2], json_t **channels,
+                                         bool *agrees, char *because, size_t size,
+                                         struct neph_diag *diag)
+{
+    struct neph_image *a = NULL, *b = NULL;
+    enum neph_status status = read_lattice(folders[0], name, &a, diag);
+    if (!status)
+        status = read_lattice(folders[1], name, &b, diag);
+    if (!status)
+        status = neph_validity_same_size(a, b, diag);
+    if (!status)
+        status = neph_validity_same_channels(a, b, diag);
+    if (!status) {
+        const char *engine = json_string_value(json_object_get(entries[0], "engine"));
+        const struct pair pair = {engine ? engine : "", {entries[0], entries[1]}, {a, b}};
+        *agrees = compare_channels(&pair, channels, because, size);
+    }
+    neph_image_destroy(a);
+    neph_image_destroy(b);
+    return status;
+}
+
+static bool is_expected(const json_t *entry)
+{
+    const char *outcome = json_string_value(json_object_get(entry, "outcome"));
+    return !outcome || strcmp(outcome, "cannot") != 0;
+}
+
+/* A picture of one folder or of both (the other entry is NULL then). */
+static enum neph_status compare_picture(const char *const folders[2],
+                                        const json_t *const entries[2], bool same_scene,
+                                        json_t *pictures, struct neph_diag *diag)
+{
+    char because[512] = "";
+    const json_t *any = entries[0] ? entries[0] : entries[1];
+    const char *name = json_string_value(json_object_get(any, "picture"));
+    bool agrees = false;
+    json_t *channels = json_array();
+    enum neph_status status = name ? NEPH_OK
+                                   : neph_fail(diag, NEPH_ERR_INPUT, "a picture without a name");
+    const char *difference = NULL;
+    if (!entries[0] || !entries[1])
+        difference = entries[0] ? "only the first folder has it" : "only the second folder has it";
+    else
+        difference = same_scene ? find_difference(entries[0], entries[1])
+                                : "the scenes of that name differ";
+    if (difference)
+        snprintf(because, sizeof(because), "%s", difference);
+    else if (!status)
+        status = compare_lattices(folders, name, entries, &channels, &agrees, because,
+                                  sizeof(because), diag);
+    if (!status)
+        return neph_json_append(pictures,
+                                json_pack("{s:s, s:b, s:o, s:s}", "picture", name, "agrees", agrees,
+                                          "channels", channels, "because", because),
+                                diag);
+    json_decref(channels);
+    return status;
+}
+
+/* --- all of them -------------------------------------------------------------------------- */
+
+static const json_t *picture_of(const json_t *scene, const char *name)
+{
+    return find_named(json_object_get(scene, "pictures"), "picture", name);
+}
+
+static bool is_wanted_scene(const struct neph_conform_part *part, const json_t *scene)
+{
+    const char *name = json_string_value(json_object_get(scene, "scene"));
+    bool wanted = part->scene_count == 0;
+    for (int i = 0; i < part->scene_count && name; i++)
+        wanted = wanted || strcmp(part->scenes[i], name) == 0;
+    return wanted;
+}
+
+static bool is_wanted(const struct neph_conform_part *part, const json_t *entry)
+{
+    const char *engine = json_string_value(json_object_get(entry, "engine"));
+    return !part->engine || !engine || strcmp(part->engine, engine) == 0;
+}
+
+/* The pictures of `scene`, folder `which`'s, beside those of the other folder; those that both have
+ * are compared when it is the first folder's turn. */
+static enum neph_status compare_scene(const char *const folders[2], const json_t *scene,
+                                      const json_t *other, int which,
+                                      const struct neph_conform_part *part, json_t *pictures,
+                                      struct neph_diag *diag)
+{
+    const bool same_scene = other && json_equal(json_object_get(scene, "scene_hash"),
+                                                json_object_get(other, "scene_hash"));
+    enum neph_status status = NEPH_OK;
+    size_t i;
+    json_t *entry;
+    json_array_foreach(json_object_get(scene, "pictures"), i, entry)
+    {
+        const char *name = json_string_value(json_object_get(entry, "picture"));
+        const json_t *beside = name ? picture_of(other, name) : NULL;
+        if (status || !is_wanted(part, entry) || (which == 1 && beside) ||
+            (!is_expected(entry) && (!beside || !is_expected(beside))))
+            continue;
+        const json_t *const entries[2] = {which == 0 ? entry : NULL, which == 0 ? beside : entry};
+        status = compare_picture(folders, entries, same_scene, pictures, diag);
+    }
+    return status;
+}
+
+static enum neph_status compare_all(const char *const folders[2], json_t *const scenes[2],
+                                    const struct neph_conform_part *part, json_t *pictures,
+                                    struct neph_diag *diag)
+{
+    enum neph_status status = NEPH_OK;
+    for (int which = 0; which < 2; which++) {
+        const char *file;
+        json_t *scene;
+        json_object_foreach(scenes[which], file, scene)
+        {
+            if (!status && is_wanted_scene(part, scene))
+                status = compare_scene(folders, scene, json_object_get(scenes[1 - which], file),
+                                       which, part, pictures, diag);
+        }
+    }
+    return status;
+}
+
+static json_t *first_device(json_t *scenes)
+{
+    return json_object_get(json_object_iter_value(json_object_iter(scenes)), "device");
+}
+
+static int count_agreeing(const json_t *pictures)
+{
+    int count = 0;
+    size_t i;
+    json_t *picture;
+    json_array_foreach(pictures, i, picture)
+        count += json_is_true(json_object_get(picture, "agrees"));
+    return count;
+}
+
+enum neph_status neph_conform_compare(const char *folder_a, const char *folder_b,
+                                      const struct neph_conform_part *part, json_t **report,
+                                      struct neph_diag *diag)
+{
+    const char *const folders[2] = {folder_a, folder_b};
+    json_t *scenes[2] = {NULL, NULL}, *pictures = json_array(), *made = NULL;
+    enum neph_status status = read_folder(folder_a, &scenes[0], diag);
+    if (!status)
+        status = read_folder(folder_b, &scenes[1], diag);
+    if (!status)
+        status = compare_all(folders, scenes, part, pictures, diag);
+    if (!status) {
+        made = json_pack("{s:[O,O], s:i, s:i, s:O}", "devices", first_device(scenes[0]),
+                         first_device(scenes[1]), "expected", (int)json_array_size(pictures),
+                         "agreeing", count_agreeing(pictures), "pictures", pictures);
+        status = made ? NEPH_OK : neph_fail_memory(diag);
+    }
+    json_decref(pictures);
+    json_decref(scenes[0]);
+    json_decref(scenes[1]);
+    if (!status)
+        *report = made;
+    return status;
+}

@@ -1,0 +1,17 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The noise of a picture: the rms over its pixels of the standard error, over the rms radiance.
+ */
+#ifndef NEPH_HARNESS_RUN_NOISE_H
+#define NEPH_HARNESS_RUN_NOISE_H
+
+#include "base/image.h"
+
+/* From the frame's own variance layer; NaN when it has none. */
+double neph_noise_of_frame(const struct neph_image *frame);
+
+/* Of either of two frames of the same job with different seeds: half the mean of their squared
+ * differences is the variance of one. NaN when they have no common R G B. */
+double neph_noise_of_two(const struct neph_image *a, const struct neph_image *b);
+
+#endif

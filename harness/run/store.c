@@ -1,0 +1,375 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/run/store.h"
+
+#include "base/files.h"
+#include "base/lock.h"
+#include "base/owned.h"
+#include "harness/progress.h"
+#include "harness/run/store_entry.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
+
+static const char work_prefix[] = "work-";
+
+/* An engine's rest is of one key, and so of one version and device; nobody will go on with it when
+ * those have changed, which the store cannot know. */
+static const time_t rest_limit_s = 30 * 24 * 3600;
+
+struct neph_store {
+    char *folder, *frames, *failed, *tmp, *resting, *lock;
+};
+
+/* ---- whose folder it is ---------------------------------------------------------------------- */
+
+static bool is_key(const char *name)
+{
+    return strlen(name) == NEPH_HASH_HEX_SIZE - 1 &&
+           strspn(name, "0123456789abcdef") == NEPH_HASH_HEX_SIZE - 1;
+}
+
+/* <key>.<pid>: work in progress of stores without a marker. */
+static bool is_old_work(const char *name)
+{
+    const char *pid = name + NEPH_HASH_HEX_SIZE;
+    return strlen(name) > NEPH_HASH_HEX_SIZE && name[NEPH_HASH_HEX_SIZE - 1] == '.' &&
+           strspn(name, "0123456789abcdef") == NEPH_HASH_HEX_SIZE - 1 &&
+           strspn(pid, "0123456789") == strlen(pid);
+}
+
+static bool is_old_entry(const char *name)
+{
+    return is_key(name) || is_old_work(name) || neph_file_is_temporary(name);
+}
+
+static bool is_store_part(const char *name)
+{
+    static const char *const parts[] = {"frames", "failed", "tmp", "resting"};
+    for (size_t i = 0; i < sizeof(parts) / sizeof(parts[0]); i++)
+        if (strcmp(name, parts[i]) == 0)
+            return true;
+    return false;
+}
+
+/* Whether `folder`/`part` is a folder of such names alone. */
+static bool holds_alone(const char *folder, const char *part, bool (*fits)(const char *))
+{
+    char *path = neph_path_join(folder, part);
+    DIR *directory = path ? opendir(path) : NULL;
+    bool alone = directory != NULL;
+    for (const struct dirent *entry; alone && (entry = readdir(directory));)
+        alone = strcmp(entry->d_name, ".") == 0 || strcmp(entry->d_name, "..") == 0 ||
+                fits(entry->d_name);
+    if (directory)
+        closedir(directory);
+    free(path);
+    return alone;
+}
+
+/* A store of before the marker: its four folders, and nothing in them but what it names. */
+static bool is_old_store(const char *folder)
+{
+    return holds_alone(folder, ".", is_store_part) && holds_alone(folder, "frames", is_key) &&
+           holds_alone(folder, "failed", is_key) && holds_alone(folder, "tmp", is_old_entry) &&
+           holds_alone(folder, "resting", is_old_entry);
+}
+
+static const struct neph_owned_kind store_kind = {
+    .name = "store", .version = 1, .is_old = is_old_store};
+
+/* ---- leftovers ------------------------------------------------------------------------------- */
+
+/* Call `visit` with the path of everything in `folder` whose name fits. */
+static void
+visit_entries(const struct neph_store *store, const char *folder, bool (*fits)(const char *),
+              void (*visit)(const struct neph_store *, const char *path, const char *name))
+{
+    DIR *directory = opendir(folder);
+    if (!directory)
+        return;
+    for (const struct dirent *entry; (entry = readdir(directory));) {
+        char *path = fits(entry->d_name) ? neph_path_join(folder, entry->d_name) : NULL;
+        if (path)
+            visit(store, path, entry->d_name);
+        free(path);
+    }
+    closedir(directory);
+}
+
+static bool is_finished(const struct neph_store *store, const char *key)
+{
+    char *entry = neph_path_join(store->frames, key);
+    const bool finished = entry && neph_path_exists(entry);
+    free(entry);
+    return finished;
+}
+
+static void remove_entry(const struct neph_store *store, const char *path, const char *name)
+{
+    (void)store, (void)name;
+    neph_dir_remove(path, NULL);
+}
+
+static void remove_if_finished(const struct neph_store *store, const char *path, const char *name)
+{
+    if (is_finished(store, name))
+        neph_dir_remove(path, NULL);
+}
+
+static void remove_rest_if_old(const struct neph_store *store, const char *path, const char *name)
+{
+    struct stat info;
+    const bool old = stat(path, &info) == 0 && time(NULL) - info.st_mtime > rest_limit_s;
+    if (old || is_finished(store, name))
+        neph_dir_remove(path, NULL);
+}
+
+static void sweep(const struct neph_store *store)
+{
+    neph_scratch_sweep(store->tmp, work_prefix);
+    neph_file_sweep(store->folder);
+    neph_file_sweep(store->resting);
+    visit_entries(store, store->tmp, is_old_work, remove_entry);
+    visit_entries(store, store->failed, is_key, remove_if_finished);
+    visit_entries(store, store->resting, is_key, remove_rest_if_old);
+}
+
+/* ---- opening --------------------------------------------------------------------------------- */
+
+static enum neph_status name_parts(const char *folder, struct neph_store *store,
+                                   struct neph_diag *diag)
+{
+    store->folder = strdup(folder);
+    store->frames = neph_path_join(folder, "frames");
+    store->failed = neph_path_join(folder, "failed");
+    store->tmp = neph_path_join(folder, "tmp");
+    store->resting = neph_path_join(folder, "resting");
+    store->lock = neph_path_join(folder, ".neph-lock");
+    return store->folder && store->frames && store->failed && store->tmp && store->resting &&
+                   store->lock
+               ? NEPH_OK
+               : neph_fail_memory(diag);
+}
+
+static enum neph_status make_parts(const struct neph_store *store, struct neph_diag *diag)
+{
+    const char *const parts[] = {store->frames, store->failed, store->tmp, store->resting};
+    enum neph_status status = neph_owned_claim(store->folder, &store_kind, diag);
+    for (size_t i = 0; i < sizeof(parts) / sizeof(parts[0]) && !status; i++)
+        status = neph_dir_create(parts[i], diag);
+    return status;
+}
+
+enum neph_status neph_store_open(const char *folder, struct neph_store **store,
+                                 struct neph_diag *diag)
+{
+    struct neph_store *opened = calloc(1, sizeof(*opened));
+    if (!opened)
+        return neph_fail_memory(diag);
+    int lock = -1;
+    enum neph_status status = name_parts(folder, opened, diag);
+    if (!status)
+        status = make_parts(opened, diag);
+    if (!status)
+        status = neph_lock_wait(opened->lock, &lock, diag);
+    if (status) {
+        neph_store_close(opened);
+        return status;
+    }
+    sweep(opened);
+    close(lock);
+    *store = opened;
+    return NEPH_OK;
+}
+
+void neph_store_close(struct neph_store *store)
+{
+    if (!store)
+        return;
+    free(store->folder);
+    free(store->frames);
+    free(store->failed);
+    free(store->tmp);
+    free(store->resting);
+    free(store->lock);
+    free(store);
+}
+
+/* ---- finding --------------------------------------------------------------------------------- */
+
+/* Take a bad entry away, in one step for those who look for it; under the lock. */
+static void discard(const struct neph_store *store, const char *entry, const char *why)
+{
+    struct neph_scratch *bin = NULL;
+    neph_progress_warn("'%s' is not used and is removed: %s", entry, why);
+    if (neph_scratch_create(store->tmp, work_prefix, &bin, NULL) == NEPH_OK) {
+        char *path = neph_path_join(neph_scratch_path(bin), "entry");
+        if (!path || rename(entry, path) != 0)
+            neph_progress_warn("'%s' cannot be removed: %s", entry, strerror(errno));
+        free(path);
+    }
+    neph_scratch_destroy(bin);
+}
+
+/* Look again under the lock: it may have been replaced by a good one meanwhile. */
+static enum neph_entry_state discard_if_bad(const struct neph_store *store, const char *entry,
+                                            const char *key, json_t **record)
+{
+    char why[NEPH_ENTRY_WHY_BYTES];
+    int lock = -1;
+    if (neph_lock_wait(store->lock, &lock, NULL))
+        return NEPH_ENTRY_BAD;
+    const enum neph_entry_state state = neph_entry_check(entry, key, record, why);
+    if (state == NEPH_ENTRY_BAD)
+        discard(store, entry, why);
+    close(lock);
+    return state;
+}
+
+bool neph_store_find(struct neph_store *store, const char *key, char **frame_path, json_t **record)
+{
+    char why[NEPH_ENTRY_WHY_BYTES];
+    char *entry = neph_path_join(store->frames, key);
+    char *path = entry ? neph_path_join(entry, "frame.exr") : NULL;
+    json_t *found = NULL;
+    enum neph_entry_state state = path ? neph_entry_check(entry, key, &found, why)
+                                       : NEPH_ENTRY_ABSENT;
+    if (state == NEPH_ENTRY_BAD)
+        state = discard_if_bad(store, entry, key, &found);
+    if (state == NEPH_ENTRY_UNREADABLE)
+        neph_progress_warn("'%s' is not used: %s", entry, why);
+    free(entry);
+    if (state != NEPH_ENTRY_GOOD) {
+        free(path);
+        return false;
+    }
+    *frame_path = path;
+    *record = found;
+    return true;
+}
+
+char *neph_store_resting_place(const struct neph_store *store, const char *key)
+{
+    return neph_path_join(store->resting, key);
+}
+
+/* ---- working --------------------------------------------------------------------------------- */
+
+enum neph_status neph_store_begin(struct neph_store *store, struct neph_scratch **scratch,
+                                  struct neph_diag *diag)
+{
+    return neph_scratch_create(store->tmp, work_prefix, scratch, diag);
+}
+
+static bool has_ending(const char *name, const char *ending)
+{
+    const size_t length = strlen(name), ending_length = strlen(ending);
+    return length >= ending_length && strcmp(name + length - ending_length, ending) == 0;
+}
+
+static bool worth_keeping(const char *name, const json_t *record)
+{
+    static const char *const endings[] = {".log", ".json", ".pov"};
+    for (size_t i = 0; i < sizeof(endings) / sizeof(endings[0]); i++)
+        if (has_ending(name, endings[i]))
+            return true;
+    return strcmp(name, "frame.exr") == 0 || neph_entry_has_picture(record, name);
+}
+
+static enum neph_status tidy_entry(const char *path, const char *name, const json_t *record,
+                                   struct neph_diag *diag)
+{
+    return worth_keeping(name, record) ? neph_file_sync(path, diag) : neph_dir_remove(path, diag);
+}
+
+/* Remove what need not be kept and bring the rest to disk, the files and then their names. `record`
+ * NULL: no pictures. */
+static enum neph_status tidy(const char *scratch, const json_t *record, struct neph_diag *diag)
+{
+    DIR *directory = opendir(scratch);
+    if (!directory)
+        return neph_fail(diag, NEPH_ERR_IO, "cannot open '%s': %s", scratch, strerror(errno));
+    enum neph_status status = NEPH_OK;
+    for (const struct dirent *entry; !status && (entry = readdir(directory));) {
+        if (strcmp(entry->d_name, ".") == 0 || strcmp(entry->d_name, "..") == 0)
+            continue;
+        char *path = neph_path_join(scratch, entry->d_name);
+        status = path ? tidy_entry(path, entry->d_name, record, diag) : neph_fail_memory(diag);
+        free(path);
+    }
+    closedir(directory);
+    return status ? status : neph_file_sync(scratch, diag);
+}
+
+static void remove_failed_try(const struct neph_store *store, const char *key)
+{
+    char *failed = neph_path_join(store->failed, key);
+    if (failed)
+        neph_dir_remove(failed, NULL);
+    free(failed);
+}
+
+/* Under the lock. An entry that is there and good is as good as ours. */
+static enum neph_status put_entry(const struct neph_store *store, const char *key,
+                                  const char *scratch, const char *entry, struct neph_diag *diag)
+{
+    char why[NEPH_ENTRY_WHY_BYTES];
+    json_t *theirs = NULL;
+    const enum neph_entry_state state = neph_entry_check(entry, key, &theirs, why);
+    json_decref(theirs);
+    if (state == NEPH_ENTRY_GOOD)
+        return NEPH_OK;
+    if (state == NEPH_ENTRY_UNREADABLE)
+        return neph_fail(diag, NEPH_ERR_IO, "'%s' is in the way: %s", entry, why);
+    if (state == NEPH_ENTRY_BAD)
+        discard(store, entry, why);
+    if (rename(scratch, entry) != 0)
+        return neph_fail(diag, NEPH_ERR_IO, "cannot publish '%s': %s", entry, strerror(errno));
+    remove_failed_try(store, key);
+    return neph_file_sync(store->frames, diag);
+}
+
+enum neph_status neph_store_publish(struct neph_store *store, const char *key,
+                                    const struct neph_scratch *scratch, json_t *record,
+                                    struct neph_diag *diag)
+{
+    const char *path = neph_scratch_path(scratch);
+    char *entry = neph_path_join(store->frames, key);
+    int lock = -1;
+    enum neph_status status = entry ? neph_entry_write_record(path, key, record, diag)
+                                    : neph_fail_memory(diag);
+    if (!status)
+        status = tidy(path, record, diag);
+    if (!status)
+        status = neph_lock_wait(store->lock, &lock, diag);
+    if (!status) {
+        status = put_entry(store, key, path, entry, diag);
+        close(lock);
+    }
+    free(entry);
+    return status;
+}
+
+void neph_store_abandon(struct neph_store *store, const char *key,
+                        const struct neph_scratch *scratch, char **kept)
+{
+    const char *path = neph_scratch_path(scratch);
+    char *entry = neph_path_join(store->failed, key);
+    int lock = -1;
+    *kept = NULL;
+    if (!entry || tidy(path, NULL, NULL) || neph_lock_wait(store->lock, &lock, NULL)) {
+        free(entry);
+        return;
+    }
+    if (neph_dir_remove(entry, NULL) == NEPH_OK && rename(path, entry) == 0)
+        *kept = entry;
+    else
+        free(entry);
+    close(lock);
+}

@@ -1,0 +1,90 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/study/flicker_metrics.h"
+
+#include <stddef.h>
+
+static const char *const of_flicker[] = {"seen", "cycles", "flicker", "error", NULL};
+static const char *const of_lag[] = {"lag", NULL};
+static const char *const of_follow[] = {"follow", NULL};
+
+/* NEPH_STUDY_EVENT_FRAME and neph_variant_periods in words; a test holds them to these. */
+static const char *const at_event[] = {"lag.step_frame=32", NULL};
+static const char *const at_periods[] = {"follow.period_1=16", "follow.period_2=32",
+                                         "follow.period_3=64", NULL};
+
+const struct neph_study_take neph_study_takes[NEPH_STUDY_TAKES] = {
+    [NEPH_STUDY_FLICKER] = {"flicker", NEPH_VARIANT_KIND_COUNT, 0, of_flicker, NULL},
+    [NEPH_STUDY_STEP] = {"step", NEPH_VARIANT_SUN_STEP, 80, of_lag, at_event},
+    [NEPH_STUDY_SINE] = {"sine", NEPH_VARIANT_SUN_SINE, 128, of_follow, at_periods},
+    [NEPH_STUDY_CUT] = {"cut", NEPH_VARIANT_CAMERA_CUT, 64, of_lag, at_event},
+};
+
+/* Film, television, games; a desk and a living room. */
+const struct neph_study_display neph_study_displays[NEPH_STUDY_DISPLAYS] = {
+    {30.0, 60.0}, {24.0, 60.0}, {60.0, 60.0}, {30.0, 30.0}, {24.0, 30.0}, {60.0, 30.0},
+};
+
+const char *const neph_study_eye_extractors[] = {"seen", NULL};
+
+/* Floors: of display values a four-hundredth of an 8-bit step; of the eye a thousandth of its
+ * threshold, or of the pixels; of times a hundredth of a frame. */
+const struct neph_study_metric neph_study_metrics[] = {
+    {"Flicker seen, contrast over threshold", NEPH_STUDY_FLICKER, "seen_contrast", "all", 1, 1e-3,
+     NULL, NULL, true},
+    {"Flicker seen at depth edges, contrast over threshold", NEPH_STUDY_FLICKER, "seen_contrast",
+     "depth_edge", 1, 1e-3, NULL, NULL, true},
+    {"Share of the pixels whose flicker is seen [1/1000]", NEPH_STUDY_FLICKER, "seen_share", "all",
+     1e3, 1e-3, NULL, NULL, true},
+    {"All that repeats every 4 frames, RMS at depth edges [1/1000 of white]", NEPH_STUDY_FLICKER,
+     "repeats_4", "depth_edge", 1e3, 1e-5, NULL, NULL, false},
+    {"All that repeats every 7 frames, RMS at depth edges [1/1000 of white]", NEPH_STUDY_FLICKER,
+     "repeats_7", "depth_edge", 1e3, 1e-5, NULL, NULL, false},
+    {"All that repeats every 8 frames, RMS at depth edges [1/1000 of white]", NEPH_STUDY_FLICKER,
+     "repeats_8", "depth_edge", 1e3, 1e-5, NULL, NULL, false},
+    {"Neither cycle nor drift, RMS at depth edges [1/1000 of white]", NEPH_STUDY_FLICKER,
+     "cycle_noise", "depth_edge", 1e3, 1e-5, NULL, NULL, false},
+    {"A4 at depth edges [1/1000 of white], 95th percentile", NEPH_STUDY_FLICKER, "a4_p95",
+     "depth_edge", 1e3, 1e-5, "reference_a4_p95", NULL, false},
+    {"Standard deviation over time at depth edges [1/1000 of white], 95th percentile",
+     NEPH_STUDY_FLICKER, "std_p95", "depth_edge", 1e3, 1e-5, "reference_std_p95", NULL, false},
+    {"Relative RMSE [1/1000]", NEPH_STUDY_FLICKER, "rel_rmse", "all", 1e3, 1e-6, NULL, NULL, false},
+    {"Half-life after a step of the sun [frames], median", NEPH_STUDY_STEP, "half_life_p50", "all",
+     1, 1e-2, NULL, NULL, false},
+    {"Half-life after a step of the sun [frames], 95th percentile", NEPH_STUDY_STEP,
+     "half_life_p95", "all", 1, 1e-2, NULL, "share_unsettled", false},
+    {"Frames to 10 % after a step of the sun, 95th percentile", NEPH_STUDY_STEP, "frames_to_10_p95",
+     "all", 1, 1e-2, NULL, "share_unsettled_10", false},
+    {"Lag behind a sun that swings in 16 frames [frames], median", NEPH_STUDY_SINE,
+     "follow_lag_1_p50", "all", 1, 1e-2, NULL, NULL, false},
+    {"Lag behind a sun that swings in 32 frames [frames], median", NEPH_STUDY_SINE,
+     "follow_lag_2_p50", "all", 1, 1e-2, NULL, NULL, false},
+    {"Lag behind a sun that swings in 64 frames [frames], median", NEPH_STUDY_SINE,
+     "follow_lag_3_p50", "all", 1, 1e-2, NULL, NULL, false},
+    {"Ghosts after a cut of the camera [area times frames]", NEPH_STUDY_CUT, "ghost_area_frames",
+     "all", 1, 1e-2, NULL, NULL, false},
+    {.title = NULL},
+};
+
+int neph_study_metric_count(void)
+{
+    int count = 0;
+    while (neph_study_metrics[count].title)
+        count++;
+    return count;
+}
+
+int neph_study_headline(void)
+{
+    int index = 0;
+    while (!neph_study_metrics[index].of_the_eye)
+        index++;
+    return index;
+}
+
+int neph_study_lag(void)
+{
+    int index = 0;
+    while (neph_study_metrics[index].take != NEPH_STUDY_STEP)
+        index++;
+    return index;
+}

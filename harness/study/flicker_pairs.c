@@ -1,0 +1,130 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/study/flicker_pairs.h"
+
+#include "metrics/series.h"
+#include "metrics/significance.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+double neph_study_decades(const struct neph_flicker_study *study, int metric, int display,
+                          int scene, int preset)
+{
+    const double floor = neph_study_metrics[metric].floor;
+    double sum = 0.0;
+    for (int seed = 0; seed < study->params->seed_count; seed++) {
+        const struct neph_study_cell *cell = neph_study_cell_at(study, scene, preset, seed, metric);
+        const double value = cell->displays[display];
+        if (!cell->counts || isnan(value))
+            return NAN;
+        sum += log10(fmax(value, floor));
+    }
+    return sum / study->params->seed_count;
+}
+
+/* ---- pairs ----------------------------------------------------------------------------------- */
+
+static void count_signs(const double *a, const double *b, int count, struct neph_study_pair *pair)
+{
+    for (int i = 0; i < count; i++) {
+        pair->better += a[i] < b[i];
+        pair->worse += a[i] > b[i];
+        pair->alike += a[i] == b[i];
+    }
+    pair->p_sign = neph_sign_p(pair->worse, pair->better);
+}
+
+enum neph_status neph_study_pair(const struct neph_flicker_study *study, int metric, int display,
+                                 int first, int second, struct neph_study_pair *pair,
+                                 struct neph_diag *diag)
+{
+    const int scene_count = study->params->scene_count;
+    double *a = calloc(2 * (size_t)scene_count, sizeof(*a)), *b = a + scene_count;
+    if (!a)
+        return neph_fail_memory(diag);
+    struct neph_study_pair found = {.mean = NAN, .p_sign = 1.0};
+    for (int scene = 0; scene < scene_count; scene++) {
+        a[found.scene_count] = neph_study_decades(study, metric, display, scene, first);
+        b[found.scene_count] = neph_study_decades(study, metric, display, scene, second);
+        found.scene_count += !isnan(a[found.scene_count]) && !isnan(b[found.scene_count]);
+    }
+    struct neph_paired paired = {.p = 1.0};
+    enum neph_status status = NEPH_OK;
+    if (found.scene_count > 0)
+        status = neph_series_paired(a, b, found.scene_count, NEPH_REPLICATE_RUNS, &paired, diag);
+    if (!status && paired.difference.defined) {
+        found.mean = paired.difference.value;
+        found.has_interval = paired.difference.interval != NEPH_INTERVAL_NONE;
+        found.low = paired.difference.low;
+        found.high = paired.difference.high;
+    }
+    count_signs(a, b, found.scene_count, &found);
+    free(a);
+    if (!status)
+        *pair = found;
+    return status;
+}
+
+int neph_study_pair_verdict(const struct neph_study_pair *pair)
+{
+    if (!pair->has_interval)
+        return 0;
+    return pair->low > 0.0 ? 1 : pair->high < 0.0 ? -1 : 0;
+}
+
+/* ---- levels ---------------------------------------------------------------------------------- */
+
+/* Mean over the presets in a scene; NaN when one has none. */
+static double scene_mean(const struct neph_flicker_study *study, int metric, int display, int scene)
+{
+    double sum = 0.0;
+    for (int preset = 0; preset < study->params->preset_count; preset++)
+        sum += neph_study_decades(study, metric, display, scene, preset);
+    return sum / study->params->preset_count;
+}
+
+enum neph_status neph_study_levels(const struct neph_flicker_study *study, int metric, int display,
+                                   struct neph_study_level *levels, struct neph_diag *diag)
+{
+    const int scene_count = study->params->scene_count;
+    double *own = calloc((size_t)scene_count, sizeof(*own));
+    if (!own)
+        return neph_fail_memory(diag);
+    for (int preset = 0; preset < study->params->preset_count; preset++) {
+        int count = 0;
+        double of_all = 0.0;
+        for (int scene = 0; scene < scene_count; scene++) {
+            const double mean = scene_mean(study, metric, display, scene);
+            if (isnan(mean))
+                continue;
+            own[count++] = neph_study_decades(study, metric, display, scene, preset) - mean;
+            of_all += mean;
+        }
+        const struct neph_mean mean = neph_series_mean(own, count, NEPH_REPLICATE_RUNS);
+        of_all = count > 0 ? of_all / count : NAN;
+        levels[preset] = (struct neph_study_level){
+            .scene_count = count,
+            .mean = of_all + mean.value,
+            .has_interval = mean.interval == NEPH_INTERVAL_RUNS,
+            .low = of_all + mean.low,
+            .high = of_all + mean.high,
+        };
+    }
+    free(own);
+    return NEPH_OK;
+}
+
+enum neph_status neph_study_ranking(const struct neph_flicker_study *study, int display, int *order,
+                                    struct neph_diag *diag)
+{
+    struct neph_study_level levels[NEPH_STUDY_PRESETS_MAX];
+    const enum neph_status status = neph_study_levels(study, neph_study_headline(), display, levels,
+                                                      diag);
+    for (int preset = 0; preset < study->params->preset_count && !status; preset++) {
+        int place = preset; /* an insertion: equals keep their order */
+        for (; place > 0 && levels[order[place - 1]].mean > levels[preset].mean; place--)
+            order[place] = order[place - 1];
+        order[place] = preset;
+    }
+    return status;
+}

@@ -1,0 +1,470 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/study/flicker_study.h"
+
+#include "base/clock.h"
+#include "base/files.h"
+#include "harness/compare/measure.h"
+#include "harness/data.h"
+#include "harness/run/seed.h"
+#include "harness/study/take.h"
+#include "metrics/extractors/flicker_verdict.h"
+#include "scenes/motion.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { KIND_REFERENCE, KIND_TAKE }; /* of progress */
+
+/* Guesses before the first is over, on two cores. */
+static const double reference_typical_s = 10.0, take_typical_s = 30.0;
+
+struct work {
+    const struct neph_flicker_study_params *params;
+    struct neph_flicker_study *study;
+    struct neph_store *store;
+    struct neph_progress progress;
+    struct neph_engine_info info;
+    struct neph_reference reference; /* of the take at hand */
+};
+
+struct neph_study_cell *neph_study_cell_at(const struct neph_flicker_study *study, int scene,
+                                           int preset, int seed, int metric)
+{
+    const struct neph_flicker_study_params *params = study->params;
+    const int row = (scene * params->preset_count + preset) * params->seed_count + seed;
+    return &study->cells[row * neph_study_metric_count() + metric];
+}
+
+/* ---- jobs ------------------------------------------------------------------------------------ */
+
+/* Each '+' of "NAME+KEY=VALUE+..." ends a word: the preset, then what it is changed by, which has
+ * the last word on steps too. */
+static enum neph_status apply_preset(const char *text, int steps, struct neph_job *job,
+                                     struct neph_diag *diag)
+{
+    char shared[32], *words = strdup(text), *rest = words;
+    snprintf(shared, sizeof(shared), "steps=%d", steps);
+    enum neph_status status = words ? neph_settings_preset(job->engine, strsep(&rest, "+"),
+                                                           &job->shot.settings, diag)
+                                    : neph_fail_memory(diag);
+    if (!status)
+        status = neph_settings_set(job->engine, &job->shot.settings, shared, diag);
+    while (rest && !status)
+        status = neph_settings_set(job->engine, &job->shot.settings, strsep(&rest, "+"), diag);
+    free(words);
+    return status;
+}
+
+static enum neph_status make_job(const struct work *work, const struct neph_scene *scene,
+                                 int preset, int seed, struct neph_job *job, struct neph_diag *diag)
+{
+    const struct neph_flicker_study_params *params = work->params;
+    const struct neph_engine *engine = neph_engine_find("realtime");
+    *job = (struct neph_job){.engine = engine,
+                             .info = &work->info,
+                             .shot = {.scene = scene,
+                                      .settings = neph_settings_default(engine),
+                                      .width_px = params->width_px,
+                                      .height_px = params->height_px,
+                                      .layers = NEPH_LAYERS_ALL,
+                                      .seed = scene ? neph_seed_of(scene, seed + 1) : 1}};
+    return apply_preset(params->presets[preset], params->steps, job, diag);
+}
+
+/* ---- readings -------------------------------------------------------------------------------- */
+
+enum { READINGS_MAX = 2 + NEPH_STUDY_DISPLAYS };
+
+static struct neph_viewing viewing_of(const struct neph_scene *scene, int display)
+{
+    struct neph_viewing viewing = NEPH_VIEWING_DEFAULTS;
+    viewing.exposure_ev = scene->exposure_ev;
+    viewing.frame_rate_hz = neph_study_displays[display].frame_rate_hz;
+    viewing.pixels_per_degree = neph_study_displays[display].pixels_per_degree;
+    return viewing;
+}
+
+static const char *const display_names[NEPH_STUDY_DISPLAYS] = {
+    "averaged", "display_1", "display_2", "display_3", "display_4", "display_5"};
+static const char centre_name[] = "centre";
+
+/* All metrics against the averaged reference and the centre rays; those of the eye also at the
+ * other displays. */
+static int readings_of(const struct neph_scene *scene, enum neph_study_take_id id,
+                       struct neph_reading readings[READINGS_MAX])
+{
+    const struct neph_study_take *take = &neph_study_takes[id];
+    const struct neph_viewing viewing = viewing_of(scene, 0);
+    int count = 0;
+    readings[count++] = (struct neph_reading){display_names[0], NEPH_REFERENCE_AVERAGED,
+                                              take->extractors, take->settings, viewing};
+    readings[count++] = (struct neph_reading){centre_name, NEPH_REFERENCE_CENTRE, take->extractors,
+                                              take->settings, viewing};
+    for (int d = 1; d < NEPH_STUDY_DISPLAYS && id == NEPH_STUDY_FLICKER; d++)
+        readings[count++] = (struct neph_reading){display_names[d], NEPH_REFERENCE_AVERAGED,
+                                                  neph_study_eye_extractors, NULL,
+                                                  viewing_of(scene, d)};
+    return count;
+}
+
+/* ---- numbers --------------------------------------------------------------------------------- */
+
+/* Of all frames, which stands behind those of single ones. */
+static const json_t *find_number(const json_t *document, const char *metric, const char *mask)
+{
+    const json_t *list = json_object_get(document, "measurements");
+    for (size_t i = json_array_size(list); i-- > 0;) {
+        const json_t *item = json_array_get(list, i);
+        if (strcmp(neph_json_text(item, "metric"), metric) == 0 &&
+            strcmp(neph_json_text(item, "mask"), mask) == 0 &&
+            strcmp(neph_json_text(item, "quantity"), "radiance") == 0)
+            return item;
+    }
+    return NULL;
+}
+
+static double number_of(const json_t *document, const char *metric, const char *mask)
+{
+    const json_t *value = json_object_get(find_number(document, metric, mask), "value");
+    return json_is_number(value) ? json_number_value(value) : NAN;
+}
+
+static void say_why(struct neph_study_cell *cell, const char *why)
+{
+    snprintf(cell->because, sizeof(cell->because), "%s", why);
+}
+
+/* Whether a number takes part in comparisons, and why not. */
+static void judge(const struct neph_study_metric *metric, const json_t *document,
+                  struct neph_study_cell *cell)
+{
+    const json_t *found = find_number(document, metric->metric, metric->mask);
+    const double alone = metric->alone ? number_of(document, metric->alone, metric->mask) : NAN;
+    const double never = metric->never_share
+                             ? number_of(document, metric->never_share, metric->mask)
+                             : NAN;
+    if (!found)
+        say_why(cell, "the scene has no such pixels");
+    else if (isnan(cell->value))
+        say_why(cell, neph_json_text(found, "undefined_because"));
+    else if (alone > 0.0 && neph_flicker_reference_limited(cell->value, alone))
+        say_why(cell, "reference-limited: the reference alone has more than a third of it");
+    else if (never > NEPH_STUDY_NEVER_MOST)
+        say_why(cell, "more than 5 % of the pixels never get there");
+    else
+        cell->counts = true;
+    if (cell->counts)
+        say_why(cell, "");
+}
+
+static enum neph_status read_cells(struct work *work, const char *folder, int scene,
+                                   enum neph_study_take_id id, int preset, int seed,
+                                   struct neph_diag *diag)
+{
+    json_t *documents[NEPH_STUDY_DISPLAYS] = {NULL}, *centre = NULL;
+    enum neph_status status = neph_take_document(folder, centre_name, &centre, diag);
+    for (int d = 0; d < (id == NEPH_STUDY_FLICKER ? NEPH_STUDY_DISPLAYS : 1) && !status; d++)
+        status = neph_take_document(folder, display_names[d], &documents[d], diag);
+    for (int m = 0; neph_study_metrics[m].title && !status; m++) {
+        const struct neph_study_metric *metric = &neph_study_metrics[m];
+        struct neph_study_cell *cell = neph_study_cell_at(work->study, scene, preset, seed, m);
+        if (metric->take != id)
+            continue;
+        cell->value = number_of(documents[0], metric->metric, metric->mask);
+        cell->centre = number_of(centre, metric->metric, metric->mask);
+        cell->displays[0] = cell->value;
+        for (int d = 1; d < NEPH_STUDY_DISPLAYS && metric->of_the_eye; d++)
+            cell->displays[d] = number_of(documents[d], metric->metric, metric->mask);
+        judge(metric, documents[0], cell);
+    }
+    for (int d = 0; d < NEPH_STUDY_DISPLAYS; d++)
+        json_decref(documents[d]);
+    json_decref(centre);
+    return status;
+}
+
+/* The same word for all metrics of a take. */
+static void mark_cells(struct work *work, int scene, enum neph_study_take_id id, int preset,
+                       int seed, const char *why)
+{
+    for (int m = 0; neph_study_metrics[m].title; m++)
+        if (neph_study_metrics[m].take == id)
+            say_why(neph_study_cell_at(work->study, scene, preset, seed, m), why);
+}
+
+/* ---- one take -------------------------------------------------------------------------------- */
+
+/* Presets that share their steps share the reference. */
+static enum neph_status have_reference(struct work *work, const struct neph_job *job, int count,
+                                       struct neph_study_scene *row, struct neph_diag *diag)
+{
+    char key[NEPH_HASH_HEX_SIZE];
+    struct neph_reference *reference = &work->reference;
+    enum neph_status status = neph_reference_key(job, count, key, diag);
+    if (status || (reference->text && strcmp(reference->key, key) == 0))
+        return status;
+    neph_reference_finish(reference);
+    work->progress.kind = KIND_REFERENCE;
+    status = neph_reference_make(job, count, work->store, &work->progress, reference, diag);
+    if (status)
+        return status;
+    row->picture_count += reference->picture_count;
+    row->reference_s += reference->cost.cpu_s;
+    if (!row->reference && !(row->reference = strdup(reference->text)))
+        status = neph_fail_memory(diag);
+    return status;
+}
+
+static enum neph_status run_take(struct work *work, const struct neph_job *job, int scene,
+                                 enum neph_study_take_id id, int preset, int seed,
+                                 struct neph_diag *diag)
+{
+    struct neph_study_scene *row = &work->study->scenes[scene];
+    const int own = neph_study_takes[id].frame_count, count = own ? own : row->frame_count;
+    struct neph_reading readings[READINGS_MAX];
+    char *folder = NULL;
+    json_t *record = NULL;
+    enum neph_status status = have_reference(work, job, count, row, diag);
+    if (status)
+        return status;
+    const struct neph_take take = {.job = *job,
+                                   .frame_count = count,
+                                   .reference = &work->reference,
+                                   .readings = readings,
+                                   .reading_count = readings_of(job->shot.scene, id, readings),
+                                   .plain = true, /* scenes are what is counted */
+                                   .frozen_is_fine = true};
+    status = neph_take_run(&take, work->store, &folder, &record, diag);
+    if (!status)
+        status = read_cells(work, folder, scene, id, preset, seed, diag);
+    if (!status)
+        row->takes_s += json_number_value(json_object_get(record, "cpu_s"));
+    json_decref(record);
+    free(folder);
+    return status;
+}
+
+/* What breaks is news of one take; what cannot be rendered and what ends the run goes on. */
+static enum neph_status try_take(struct work *work, const struct neph_scene *scene, int index,
+                                 enum neph_study_take_id id, int preset, int seed,
+                                 struct neph_diag *diag)
+{
+    struct neph_job job;
+    struct neph_diag why = {.line = 0};
+    char what[256];
+    snprintf(what, sizeof(what), "%s, %s, preset %s, seed %d", work->study->scenes[index].name,
+             neph_study_takes[id].name, work->params->presets[preset], seed + 1);
+    neph_progress_begin(&work->progress, what);
+    enum neph_status status = make_job(work, scene, preset, seed, &job, &why);
+    const double start_s = neph_wall_s();
+    if (!status)
+        status = run_take(work, &job, index, id, preset, seed, &why);
+    work->progress.kind = KIND_TAKE;
+    if (status == NEPH_ERR_ENGINE || status == NEPH_ERR_GATE) {
+        work->study->failed_count++;
+        neph_progress_warn("%s: %s", what, why.message);
+        mark_cells(work, index, id, preset, seed, why.message);
+        status = NEPH_OK;
+    }
+    if (status && diag)
+        *diag = why;
+    if (!status)
+        neph_progress_step(&work->progress, what, "measured", neph_wall_s() - start_s);
+    return status;
+}
+
+/* ---- one scene ------------------------------------------------------------------------------- */
+
+/* `*made` is NULL when the scene itself is the take. */
+static enum neph_status make_variant(const struct neph_scene *scene, enum neph_study_take_id id,
+                                     struct neph_scene **made, struct neph_diag *diag)
+{
+    const struct neph_study_take *take = &neph_study_takes[id];
+    const struct neph_variant variant = {take->variant, NEPH_STUDY_EVENT_FRAME, take->frame_count};
+    return take->variant == NEPH_VARIANT_KIND_COUNT
+               ? NEPH_OK
+               : neph_scene_variant(scene, &variant, made, diag);
+}
+
+static enum neph_status run_takes(struct work *work, const struct neph_scene *scene, int index,
+                                  enum neph_study_take_id id, struct neph_diag *diag)
+{
+    const struct neph_flicker_study_params *params = work->params;
+    const enum neph_variant_kind kind = neph_study_takes[id].variant;
+    const char *obstacle = kind == NEPH_VARIANT_KIND_COUNT ? NULL
+                                                           : neph_variant_obstacle(scene, kind);
+    struct neph_scene *variant = NULL;
+    enum neph_status status = obstacle ? NEPH_OK : make_variant(scene, id, &variant, diag);
+    for (int preset = 0; preset < params->preset_count && !status; preset++)
+        for (int seed = 0; seed < params->seed_count && !status; seed++) {
+            if (obstacle)
+                mark_cells(work, index, id, preset, seed, obstacle);
+            else
+                status = try_take(work, variant ? variant : scene, index, id, preset, seed, diag);
+        }
+    neph_scene_destroy(variant);
+    return status;
+}
+
+/* Whether every preset can render it; `why` says what one cannot. */
+static bool can_render(struct work *work, const struct neph_scene *scene, char *why, size_t size)
+{
+    for (int preset = 0; preset < work->params->preset_count; preset++) {
+        struct neph_job job;
+        if (make_job(work, scene, preset, 0, &job, NULL) == NEPH_OK &&
+            !job.engine->can_render(scene, &job.shot.settings, why, size))
+            return false;
+    }
+    return true;
+}
+
+static bool moves(const struct neph_scene *scene)
+{
+    for (int frame = 1; frame < scene->frame_count; frame++)
+        if (!neph_scene_is_same_moment(scene, 0, frame))
+            return true;
+    return false;
+}
+
+/* Whole cycles of four; motion ends with the scene. */
+static enum neph_status describe(const struct work *work, const struct neph_scene *scene,
+                                 struct neph_study_scene *row, struct neph_diag *diag)
+{
+    const int asked = work->params->frame_count;
+    row->moves = moves(scene);
+    row->frame_count = row->moves && scene->frame_count < asked ? scene->frame_count / 4 * 4
+                                                                : asked;
+    row->name = strdup(scene->name);
+    row->title = strdup(scene->title);
+    return row->name && row->title ? NEPH_OK : neph_fail_memory(diag);
+}
+
+static enum neph_status run_scene(struct work *work, int index, struct neph_diag *diag)
+{
+    struct neph_scene *scene = NULL;
+    struct neph_study_scene *row = &work->study->scenes[index];
+    char why[512] = "";
+    enum neph_status status = neph_data_load_scene(work->params->scenes[index], &scene, diag);
+    const bool can = !status && can_render(work, scene, why, sizeof(why));
+    if (!status && !can && !(row->left_out = strdup(why)))
+        status = neph_fail_memory(diag);
+    for (int id = 0; id < NEPH_STUDY_TAKES && can && !status; id++)
+        if (work->params->takes[id])
+            status = run_takes(work, scene, index, (enum neph_study_take_id)id, diag);
+    neph_scene_destroy(scene);
+    return status;
+}
+
+/* ---- the whole ------------------------------------------------------------------------------- */
+
+static enum neph_status prepare(struct work *work, struct neph_diag *diag)
+{
+    const struct neph_flicker_study_params *params = work->params;
+    struct neph_flicker_study *study = work->study;
+    const size_t rows = (size_t)params->scene_count * (size_t)params->preset_count *
+                        (size_t)params->seed_count;
+    const size_t cell_count = rows * (size_t)neph_study_metric_count();
+    study->scenes = calloc((size_t)params->scene_count, sizeof(*study->scenes));
+    study->cells = calloc(cell_count, sizeof(*study->cells));
+    if (!study->scenes || !study->cells)
+        return neph_fail_memory(diag);
+    for (size_t i = 0; i < cell_count; i++) {
+        study->cells[i] = (struct neph_study_cell){.value = NAN, .centre = NAN};
+        for (int d = 0; d < NEPH_STUDY_DISPLAYS; d++)
+            study->cells[i].displays[d] = NAN;
+        say_why(&study->cells[i], "not asked for");
+    }
+    snprintf(study->device, sizeof(study->device), "%s", work->info.device);
+    enum neph_status status = NEPH_OK;
+    for (int preset = 0; preset < params->preset_count && !status; preset++) {
+        struct neph_job job;
+        status = make_job(work, NULL, preset, 0, &job, diag);
+        if (!status &&
+            !(study->settings[preset] = neph_settings_text(job.engine, &job.shot.settings)))
+            status = neph_fail_memory(diag);
+    }
+    return status;
+}
+
+/* One take of a scene: its reference, and a sequence for each preset and seed. */
+static enum neph_status expect_take(struct work *work, const struct neph_scene *scene,
+                                    enum neph_study_take_id id, int frame_count,
+                                    struct neph_diag *diag)
+{
+    const struct neph_flicker_study_params *params = work->params;
+    const enum neph_variant_kind kind = neph_study_takes[id].variant;
+    struct neph_scene *variant = NULL;
+    if (kind != NEPH_VARIANT_KIND_COUNT && neph_variant_obstacle(scene, kind))
+        return NEPH_OK;
+    const enum neph_status status = make_variant(scene, id, &variant, diag);
+    if (status)
+        return status;
+    const int own = neph_study_takes[id].frame_count;
+    neph_progress_expect(
+        &work->progress, KIND_REFERENCE,
+        neph_reference_picture_count(variant ? variant : scene, 0, own ? own : frame_count),
+        reference_typical_s);
+    neph_progress_expect(&work->progress, KIND_TAKE, params->preset_count * params->seed_count,
+                         take_typical_s);
+    neph_scene_destroy(variant);
+    return NEPH_OK;
+}
+
+/* Every scene is loaded once before the first is rendered: a wrong name is told at once. */
+static enum neph_status expect(struct work *work, struct neph_diag *diag)
+{
+    enum neph_status status = NEPH_OK;
+    for (int i = 0; i < work->params->scene_count && !status; i++) {
+        struct neph_study_scene *row = &work->study->scenes[i];
+        struct neph_scene *scene = NULL;
+        char why[512];
+        status = neph_data_load_scene(work->params->scenes[i], &scene, diag);
+        if (!status)
+            status = describe(work, scene, row, diag);
+        for (int id = 0; id < NEPH_STUDY_TAKES && !status; id++)
+            if (work->params->takes[id] && can_render(work, scene, why, sizeof(why)))
+                status = expect_take(work, scene, (enum neph_study_take_id)id, row->frame_count,
+                                     diag);
+        neph_scene_destroy(scene);
+    }
+    return status;
+}
+
+enum neph_status neph_flicker_study_run(const struct neph_flicker_study_params *params,
+                                        struct neph_store *store, struct neph_flicker_study *study,
+                                        struct neph_diag *diag)
+{
+    struct work work = {.params = params,
+                        .study = study,
+                        .store = store,
+                        .progress = neph_progress_start(params->quiet, 0)};
+    *study = (struct neph_flicker_study){.params = params};
+    neph_engine_probe(neph_engine_find("realtime"), &work.info);
+    enum neph_status status = prepare(&work, diag);
+    if (!status)
+        status = expect(&work, diag);
+    for (int scene = 0; scene < params->scene_count && !status; scene++)
+        status = run_scene(&work, scene, diag);
+    neph_progress_end(&work.progress);
+    neph_reference_finish(&work.reference);
+    if (status == NEPH_ERR_INTERRUPTED)
+        neph_hint(diag, "what is finished is in the store: the same command goes on from there");
+    return status;
+}
+
+void neph_flicker_study_finish(struct neph_flicker_study *study)
+{
+    for (int i = 0; study->scenes && i < study->params->scene_count; i++) {
+        free(study->scenes[i].name);
+        free(study->scenes[i].title);
+        free(study->scenes[i].left_out);
+        free(study->scenes[i].reference);
+    }
+    for (int i = 0; i < NEPH_STUDY_PRESETS_MAX; i++)
+        free(study->settings[i]);
+    free(study->scenes);
+    free(study->cells);
+    *study = (struct neph_flicker_study){.params = NULL};
+}

@@ -1,0 +1,157 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The plot is drawn here and not by Vega, so that a study on a machine without node has it.
+ */
+#include "harness/study/flicker_study_output.h"
+
+#include "harness/study/flicker_pairs.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+enum { WIDTH = 720, HEIGHT = 520, LEFT = 90, RIGHT = 30, TOP = 50, BOTTOM = 110 };
+
+/* A logarithmic axis between two powers of ten, from one pixel to another. */
+struct axis {
+    double low, high; /* log10 */
+    double start_px, end_px;
+};
+
+static double at_px(const struct axis *axis, double decades)
+{
+    const double part = (decades - axis->low) / (axis->high - axis->low);
+    return axis->start_px + part * (axis->end_px - axis->start_px);
+}
+
+static bool is_drawn(const struct neph_study_level *x, const struct neph_study_level *y)
+{
+    return !isnan(x->mean) && !isnan(y->mean);
+}
+
+/* The whole tenths of a decade around all that is drawn. */
+static struct axis fit(const struct neph_study_level *levels, const struct neph_study_level *others,
+                       int count, double start_px, double end_px)
+{
+    struct axis axis = {INFINITY, -INFINITY, start_px, end_px};
+    for (int i = 0; i < count; i++) {
+        if (!is_drawn(&levels[i], &others[i]))
+            continue;
+        axis.low = fmin(axis.low, levels[i].has_interval ? levels[i].low : levels[i].mean);
+        axis.high = fmax(axis.high, levels[i].has_interval ? levels[i].high : levels[i].mean);
+    }
+    axis.low = floor(10.0 * axis.low - 1.0) / 10.0;
+    axis.high = ceil(10.0 * axis.high + 1.0) / 10.0;
+    return axis;
+}
+
+/* Ticks at 1, 2 and 5 of each decade. */
+static void draw_ticks(const struct axis *axis, bool is_x, FILE *out)
+{
+    static const double marks[] = {1, 2, 5};
+    for (int decade = (int)floor(axis->low); decade <= (int)ceil(axis->high); decade++)
+        for (size_t i = 0; i < sizeof(marks) / sizeof(marks[0]); i++) {
+            const double value = marks[i] * pow(10.0, decade), place = log10(value);
+            if (place < axis->low || place > axis->high)
+                continue;
+            const double px = at_px(axis, place);
+            const int bottom = HEIGHT - BOTTOM;
+            if (is_x)
+                fprintf(out,
+                        "<path d=\"M%.1f %d V%d\" stroke=\"#ddd\"/>"
+                        "<text x=\"%.1f\" y=\"%d\" text-anchor=\"middle\">%g</text>\n",
+                        px, TOP, bottom, px, bottom + 18, value);
+            else
+                fprintf(out,
+                        "<path d=\"M%d %.1f H%d\" stroke=\"#ddd\"/>"
+                        "<text x=\"%d\" y=\"%.1f\" text-anchor=\"end\">%g</text>\n",
+                        LEFT, px, WIDTH - RIGHT, LEFT - 8, px + 4, value);
+        }
+}
+
+/* Names of presets are the user's. */
+static void print_escaped(const char *text, FILE *out)
+{
+    for (; *text; text++) {
+        if (*text == '<' || *text == '&' || *text == '"')
+            fprintf(out, "&#%d;", *text);
+        else
+            fputc(*text, out);
+    }
+}
+
+static void draw_point(const struct axis *x, const struct axis *y,
+                       const struct neph_study_level *lag, const struct neph_study_level *flicker,
+                       const char *name, FILE *out)
+{
+    const double x_px = at_px(x, lag->mean), y_px = at_px(y, flicker->mean);
+    if (lag->has_interval)
+        fprintf(out, "<path d=\"M%.1f %.1f H%.1f\" stroke=\"#336\"/>", at_px(x, lag->low), y_px,
+                at_px(x, lag->high));
+    if (flicker->has_interval)
+        fprintf(out, "<path d=\"M%.1f %.1f V%.1f\" stroke=\"#336\"/>", x_px, at_px(y, flicker->low),
+                at_px(y, flicker->high));
+    fprintf(out,
+            "<circle cx=\"%.1f\" cy=\"%.1f\" r=\"5\" fill=\"#336\"/><text x=\"%.1f\" y=\"%.1f\">",
+            x_px, y_px, x_px + 9, y_px - 7);
+    print_escaped(name, out);
+    fprintf(out, "</text>\n");
+}
+
+static void draw(const struct neph_flicker_study *study, const struct neph_study_level *lag,
+                 const struct neph_study_level *flicker, FILE *out)
+{
+    const int count = study->params->preset_count;
+    const struct axis x = fit(lag, flicker, count, LEFT, WIDTH - RIGHT);
+    const struct axis y = fit(flicker, lag, count, HEIGHT - BOTTOM, TOP);
+    if (x.high < x.low) { /* nothing fits */
+        fprintf(out, "<text x=\"%d\" y=\"%d\">No scene has both numbers for all presets.</text>\n",
+                LEFT, HEIGHT / 2);
+        return;
+    }
+    draw_ticks(&x, true, out);
+    draw_ticks(&y, false, out);
+    for (int i = 0; i < count; i++)
+        if (is_drawn(&lag[i], &flicker[i]))
+            draw_point(&x, &y, &lag[i], &flicker[i], study->params->presets[i], out);
+}
+
+enum neph_status neph_flicker_study_plot(const struct neph_flicker_study *study, char **svg,
+                                         struct neph_diag *diag)
+{
+    struct neph_study_level lag[NEPH_STUDY_PRESETS_MAX], flicker[NEPH_STUDY_PRESETS_MAX];
+    enum neph_status status = neph_study_levels(study, neph_study_lag(), 0, lag, diag);
+    if (!status)
+        status = neph_study_levels(study, neph_study_headline(), 0, flicker, diag);
+    size_t size;
+    *svg = NULL;
+    FILE *out = status ? NULL : open_memstream(svg, &size);
+    if (!out)
+        return status ? status : neph_fail_memory(diag);
+    fprintf(out,
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"%d\" height=\"%d\" font-family="
+            "\"sans-serif\" font-size=\"13\">\n<rect width=\"100%%\" height=\"100%%\" "
+            "fill=\"#fff\"/>\n<text x=\"%d\" y=\"28\" font-size=\"16\">Flicker against lag: the "
+            "lower left is best</text>\n",
+            WIDTH, HEIGHT, LEFT);
+    draw(study, lag, flicker, out);
+    fprintf(
+        out,
+        "<text x=\"%d\" y=\"%d\" text-anchor=\"middle\">%s</text>\n"
+        "<text transform=\"translate(24 %d) rotate(-90)\" text-anchor=\"middle\">%s</text>\n"
+        "<text x=\"%d\" y=\"%d\" font-size=\"11\">Geometric means over the %d and %d scenes in "
+        "which all presets have a number; 95 %% intervals of what a</text>\n"
+        "<text x=\"%d\" y=\"%d\" font-size=\"11\">preset differs from the mean of all in the same "
+        "scene. Reference: 16 rays a pixel, %d steps, of the same moment.</text>\n</svg>\n",
+        (LEFT + WIDTH - RIGHT) / 2, HEIGHT - BOTTOM + 42,
+        neph_study_metrics[neph_study_lag()].title, (TOP + HEIGHT - BOTTOM) / 2,
+        neph_study_metrics[neph_study_headline()].title, LEFT, HEIGHT - 40, flicker[0].scene_count,
+        lag[0].scene_count, LEFT, HEIGHT - 24, study->params->steps);
+    const bool cut = ferror(out) != 0, closed = fclose(out) == 0;
+    if (cut || !closed) {
+        free(*svg);
+        *svg = NULL;
+        return neph_fail_memory(diag);
+    }
+    return NEPH_OK;
+}

@@ -1,0 +1,221 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/study/reference.h"
+
+#include "base/files.h"
+#include "scenes/motion.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char *const rays_settings[NEPH_REFERENCE_RAYS_COUNT] = {
+    [NEPH_REFERENCE_AVERAGED] = "rays_per_px=16",
+    [NEPH_REFERENCE_CENTRE] = "rays_per_px=1",
+};
+_Static_assert(NEPH_REFERENCE_RAYS_PER_PX == 16, "what rays_settings says");
+
+/* ---- the model of the test ------------------------------------------------------------------- */
+
+/* By the test's setting "lighting". */
+static const struct neph_engine *engine_of(const struct neph_job *test)
+{
+    static const char *const marches[] = {"march", "march_octaves", "march_horizon"};
+    const int lighting = neph_option_find(test->engine->options, "lighting");
+    return neph_engine_find(marches[lighting < 0 ? 0 : (int)test->shot.settings.values[lighting]]);
+}
+
+/* What march and test both can be set to, as the test has it: steps, transmittance, sun. */
+static struct neph_settings settings_of(const struct neph_job *test,
+                                        const struct neph_engine *march)
+{
+    struct neph_settings settings = neph_settings_default(march);
+    for (int i = 0; march->options[i].name; i++) {
+        const int same = neph_option_find(test->engine->options, march->options[i].name);
+        if (same >= 0)
+            settings.values[i] = test->shot.settings.values[same];
+    }
+    return settings;
+}
+
+static enum neph_status job_of(const struct neph_job *test, enum neph_reference_rays rays,
+                               struct neph_engine_info *info, struct neph_job *job,
+                               struct neph_diag *diag)
+{
+    const struct neph_engine *march = engine_of(test);
+    neph_engine_probe(march, info);
+    *job = (struct neph_job){.engine = march, .info = info, .shot = test->shot};
+    job->shot.settings = settings_of(test, march);
+    job->shot.seed = 1; /* nothing is random */
+    job->shot.layers = NEPH_LAYERS_ALL;
+    return neph_settings_set(march, &job->shot.settings, rays_settings[rays], diag);
+}
+
+/* ---- pictures -------------------------------------------------------------------------------- */
+
+/* The first frame from `first` on that shows the same as `frame`. */
+static int same_as(const struct neph_scene *scene, int first, int frame)
+{
+    int same = first;
+    while (!neph_scene_is_same_moment(scene, same, frame))
+        same++;
+    return same;
+}
+
+/* Whether anything moves: 1, or as many as there are. */
+static int path_count(const struct neph_scene *scene, int first, int frame_count)
+{
+    for (int i = 1; i < frame_count; i++)
+        if (same_as(scene, first, first + i) != first)
+            return frame_count;
+    return 1;
+}
+
+int neph_reference_picture_count(const struct neph_scene *scene, int first, int frame_count)
+{
+    int count = 0;
+    for (int frame = first; frame < first + frame_count; frame++)
+        count += same_as(scene, first, frame) == frame;
+    return NEPH_REFERENCE_RAYS_COUNT * count;
+}
+
+static void add_cost(struct neph_cost *sum, const struct neph_cost *cost)
+{
+    sum->render_s += cost->render_s;
+    sum->wall_s += cost->wall_s;
+    sum->cpu_s += cost->cpu_s;
+    if (cost->peak_memory_bytes > sum->peak_memory_bytes)
+        sum->peak_memory_bytes = cost->peak_memory_bytes;
+}
+
+/* The device is set up for the first picture that the store has not got. */
+static enum neph_status make_picture(struct neph_job *job, struct neph_store *store,
+                                     struct neph_job_result *result, struct neph_diag *diag)
+{
+    bool found = false;
+    enum neph_status status = neph_job_reuse(job, store, result, &found, diag);
+    if (status || found)
+        return status;
+    neph_job_result_finish(result);
+    if (!job->sequence)
+        status = neph_job_open(job, diag);
+    if (!status)
+        status = neph_job_run(job, store, result, diag);
+    return status ? status : neph_outcome_check(result->outcome, result->reason, diag);
+}
+
+/* The picture of the job's frame: its file in the store, for the caller. */
+static enum neph_status take_picture(struct neph_job *job, struct neph_store *store,
+                                     struct neph_progress *progress,
+                                     struct neph_reference *reference, char **path,
+                                     struct neph_diag *diag)
+{
+    struct neph_job_result result = {.settings = NULL};
+    char what[160];
+    snprintf(what, sizeof(what), "reference of %s, frame %d", job->shot.scene->name,
+             job->shot.frame);
+    neph_progress_begin(progress, what);
+    const enum neph_status status = make_picture(job, store, &result, diag);
+    if (!status) {
+        *path = result.frame_path;
+        result.frame_path = NULL;
+        add_cost(&reference->cost, &result.cost);
+        reference->picture_count++;
+        reference->reused_count += result.reused;
+        neph_progress_tick(progress, what);
+    }
+    neph_job_result_finish(&result);
+    return status;
+}
+
+static enum neph_status make_frames(struct neph_job *job, int frame_count, struct neph_store *store,
+                                    struct neph_progress *progress,
+                                    struct neph_reference *reference, struct neph_sequence *frames,
+                                    struct neph_diag *diag)
+{
+    const int first = job->shot.frame;
+    const struct neph_scene *scene = job->shot.scene;
+    frames->paths = calloc((size_t)frame_count, sizeof(*frames->paths));
+    enum neph_status status = frames->paths ? NEPH_OK : neph_fail_memory(diag);
+    for (int i = 0; i < frame_count && !status; i++) {
+        const int same = same_as(scene, first, first + i) - first;
+        job->shot.frame = first + i;
+        if (same == i)
+            status = take_picture(job, store, progress, reference, &frames->paths[i], diag);
+        else if (!(frames->paths[i] = strdup(frames->paths[same])))
+            status = neph_fail_memory(diag);
+        frames->count += !status;
+    }
+    neph_job_close(job);
+    job->shot.frame = first;
+    return status;
+}
+
+/* ---- the whole ------------------------------------------------------------------------------- */
+
+static enum neph_status describe(const struct neph_job *averaged, struct neph_reference *reference,
+                                 struct neph_diag *diag)
+{
+    reference->text = neph_format(
+        "%s, %d rays a pixel, %g steps", averaged->engine->name, NEPH_REFERENCE_RAYS_PER_PX,
+        neph_setting(averaged->engine, &averaged->shot.settings, "steps"));
+    reference->settings = neph_settings_text(averaged->engine, &averaged->shot.settings);
+    return reference->text && reference->settings ? NEPH_OK : neph_fail_memory(diag);
+}
+
+/* The key of the first averaged picture stands for all settings; the others follow by number. */
+enum neph_status neph_reference_key(const struct neph_job *test, int frame_count,
+                                    char key[NEPH_HASH_HEX_SIZE], struct neph_diag *diag)
+{
+    struct neph_engine_info info;
+    struct neph_job job;
+    char first[NEPH_HASH_HEX_SIZE];
+    enum neph_status status = job_of(test, NEPH_REFERENCE_AVERAGED, &info, &job, diag);
+    if (!status)
+        status = neph_job_key(&job, first, diag);
+    if (status)
+        return status;
+    char *text = neph_format("neph-reference-1\nfirst %s\nframes %d\n", first, frame_count);
+    status = text ? neph_hash(text, strlen(text), key, diag) : neph_fail_memory(diag);
+    free(text);
+    return status;
+}
+
+enum neph_status neph_reference_make(const struct neph_job *test, int frame_count,
+                                     struct neph_store *store, struct neph_progress *progress,
+                                     struct neph_reference *reference, struct neph_diag *diag)
+{
+    const int count = path_count(test->shot.scene, test->shot.frame, frame_count);
+    struct neph_reference made = {.text = NULL};
+    enum neph_status status = neph_reference_key(test, frame_count, made.key, diag);
+    for (int rays = 0; rays < NEPH_REFERENCE_RAYS_COUNT && !status; rays++) {
+        struct neph_engine_info info;
+        struct neph_job job;
+        status = job_of(test, (enum neph_reference_rays)rays, &info, &job, diag);
+        if (!status)
+            status = make_frames(&job, count, store, progress, &made, &made.frames[rays], diag);
+        if (!status && rays == NEPH_REFERENCE_AVERAGED)
+            status = describe(&job, &made, diag);
+    }
+    if (status)
+        neph_reference_finish(&made);
+    else
+        *reference = made;
+    return status;
+}
+
+void neph_reference_finish(struct neph_reference *reference)
+{
+    for (int rays = 0; rays < NEPH_REFERENCE_RAYS_COUNT; rays++)
+        neph_sequence_finish(&reference->frames[rays]);
+    free(reference->text);
+    free(reference->settings);
+    *reference = (struct neph_reference){.text = NULL};
+}
+
+json_t *neph_reference_json(const struct neph_reference *reference)
+{
+    return json_pack("{s:s, s:s, s:i, s:i, s:f, s:f, s:f}", "text", reference->text, "settings",
+                     reference->settings, "pictures", reference->picture_count, "reused",
+                     reference->reused_count, "render_s", reference->cost.render_s, "wall_s",
+                     reference->cost.wall_s, "cpu_s", reference->cost.cpu_s);
+}

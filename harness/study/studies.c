@@ -1,0 +1,243 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/study/studies.h"
+
+#include "base/clock.h"
+#include "base/files.h"
+#include "harness/data.h"
+#include "harness/progress.h"
+#include "harness/study/study.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char format[] = "neph-studies-1";
+
+struct neph_job neph_studies_job(const struct neph_job *job)
+{
+    struct neph_job small = *job;
+    small.shot.width_px = NEPH_STUDIES_WIDTH_PX;
+    small.shot.height_px = NEPH_STUDIES_HEIGHT_PX;
+    small.shot.layers = NEPH_LAYER_RADIANCE;
+    return small;
+}
+
+static char *file_of(const struct neph_engine *engine)
+{
+    char *name = neph_format("scenes/studies/%s.json", engine->name);
+    char *path = name ? neph_data_path(name) : NULL;
+    free(name);
+    return path;
+}
+
+/* The file's content, or an empty one where there is no file. */
+static enum neph_status load(const char *path, json_t **content, struct neph_diag *diag)
+{
+    json_error_t error;
+    if (!neph_path_exists(path)) {
+        *content = json_pack("{s:s, s:[]}", "format", format, "studies");
+        return *content ? NEPH_OK : neph_fail_memory(diag);
+    }
+    json_t *loaded = json_load_file(path, JSON_REJECT_DUPLICATES, &error);
+    const char *found = json_string_value(json_object_get(loaded, "format"));
+    if (found && strcmp(found, format) == 0 && json_is_array(json_object_get(loaded, "studies"))) {
+        *content = loaded;
+        return NEPH_OK;
+    }
+    neph_fail(diag, NEPH_ERR_INPUT, "%s",
+              loaded ? "these are not the step studies of neph" : error.text);
+    neph_locate(diag, path, loaded ? 1 : error.line, loaded ? 1 : error.column);
+    neph_hint(diag, "`neph study --renew` makes the file anew once this one is gone");
+    json_decref(loaded);
+    return NEPH_ERR_INPUT;
+}
+
+static bool has_text(const json_t *entry, const char *key, const char *text)
+{
+    const char *value = json_string_value(json_object_get(entry, key));
+    return value && strcmp(value, text) == 0;
+}
+
+static bool is_of(const json_t *entry, const struct neph_job *job)
+{
+    return has_text(entry, "scene_hash", job->shot.scene->hash) &&
+           has_text(entry, "version", job->info->version) &&
+           json_integer_value(json_object_get(entry, "driver")) == (json_int_t)job->engine->version;
+}
+
+enum neph_status neph_studies_find(const struct neph_job *job, json_t **study,
+                                   struct neph_diag *diag)
+{
+    *study = NULL;
+    json_t *content = NULL;
+    char *path = file_of(job->engine);
+    enum neph_status status = path ? load(path, &content, diag) : neph_fail_memory(diag);
+    const json_t *list = json_object_get(content, "studies");
+    for (size_t i = 0; i < json_array_size(list) && !*study && !status; i++) {
+        const json_t *entry = json_array_get(list, i);
+        if (!is_of(entry, job))
+            continue;
+        *study = json_deep_copy(json_object_get(entry, "study"));
+        if (!*study || json_object_set_new(*study, "shipped", json_true()) != 0)
+            status = neph_fail_memory(diag);
+    }
+    json_decref(content);
+    free(path);
+    return status;
+}
+
+/* The place of the scene's entry, or one past the last. */
+static size_t place_of(const json_t *list, const char *scene)
+{
+    size_t i = 0;
+    while (i < json_array_size(list) && !has_text(json_array_get(list, i), "scene", scene))
+        i++;
+    return i;
+}
+
+/* A study a line, so that a change can be read. */
+static enum neph_status write_file(const char *path, const json_t *list, struct neph_diag *diag)
+{
+    char *text = neph_format("{\"format\": \"%s\", \"studies\": [\n", format);
+    for (size_t i = 0; i < json_array_size(list) && text; i++) {
+        char *line = json_dumps(json_array_get(list, i), JSON_REAL_PRECISION(9));
+        const char *end = i + 1 < json_array_size(list) ? "," : "";
+        char *longer = line ? neph_format("%s%s%s\n", text, line, end) : NULL;
+        free(line);
+        free(text);
+        text = longer;
+    }
+    char *whole = text ? neph_format("%s]}\n", text) : NULL;
+    const enum neph_status status = whole ? neph_file_write(path, whole, strlen(whole), diag)
+                                          : neph_fail_memory(diag);
+    free(whole);
+    free(text);
+    return status;
+}
+
+enum neph_status neph_studies_keep(const struct neph_job *job, const json_t *study,
+                                   struct neph_diag *diag)
+{
+    json_t *content = NULL;
+    char *path = file_of(job->engine);
+    enum neph_status status = path ? load(path, &content, diag) : neph_fail_memory(diag);
+    if (!status) {
+        json_t *list = json_object_get(content, "studies");
+        json_t *entry = json_pack("{s:s, s:s, s:s, s:i, s:O}", "scene", job->shot.scene->name,
+                                  "scene_hash", job->shot.scene->hash, "version",
+                                  job->info->version, "driver", (int)job->engine->version, "study",
+                                  (json_t *)study);
+        const size_t place = place_of(list, job->shot.scene->name);
+        const int failed = place < json_array_size(list) ? json_array_set_new(list, place, entry)
+                                                         : json_array_append_new(list, entry);
+        status = failed ? neph_fail_memory(diag) : write_file(path, list, diag);
+    }
+    json_decref(content);
+    free(path);
+    return status;
+}
+
+/* ---- renewal --------------------------------------------------------------------------------- */
+
+/* `*word` says what became of it. */
+static enum neph_status make_anew(const struct neph_job *job, struct neph_store *store,
+                                  const char **word, struct neph_diag *diag)
+{
+    const struct neph_job small = neph_studies_job(job);
+    struct neph_study made;
+    enum neph_outcome outcome;
+    char reason[1600];
+    enum neph_status status = neph_study_run(&small, store, &made, &outcome, reason, diag);
+    *word = neph_outcome_name(outcome);
+    if (status || outcome != NEPH_OUTCOME_RENDERED)
+        return status;
+    json_t *study = neph_study_json(&made);
+    neph_json_set(&study, "size_px", json_pack("[i,i]", small.shot.width_px, small.shot.height_px));
+    status = neph_json_check(study, diag);
+    if (!status)
+        status = neph_studies_keep(job, study, diag);
+    json_decref(study);
+    *word = "studied";
+    return status;
+}
+
+static enum neph_status renew(const struct neph_scene *scene, const struct neph_engine *engine,
+                              double time_limit_s, struct neph_store *store, const char **word,
+                              struct neph_diag *diag)
+{
+    struct neph_engine_info info;
+    neph_engine_probe(engine, &info);
+    const struct neph_job job = {.engine = engine,
+                                 .info = &info,
+                                 .shot = {.scene = scene,
+                                          .settings = neph_settings_default(engine),
+                                          .seed = 1,
+                                          .time_limit_s = time_limit_s}};
+    json_t *there = NULL;
+    *word = "needs none";
+    if (!neph_study_applies(engine, scene))
+        return NEPH_OK;
+    enum neph_status status = neph_studies_find(&job, &there, diag);
+    *word = "is there";
+    if (!status && !there)
+        status = make_anew(&job, store, word, diag);
+    json_decref(there);
+    return status;
+}
+
+static enum neph_status renew_scene(const char *name, double time_limit_s, struct neph_store *store,
+                                    struct neph_progress *progress, struct neph_diag *diag)
+{
+    struct neph_scene *scene = NULL;
+    int engine_count;
+    const struct neph_engine *const *engines = neph_engines(&engine_count);
+    enum neph_status status = neph_data_load_scene(name, &scene, diag);
+    if (status == NEPH_ERR_NOT_FOUND)
+        return NEPH_OK;
+    for (int i = 0; i < engine_count && !status; i++) {
+        if (engines[i]->rung != NEPH_RUNG_WITNESS || !engines[i]->step.option)
+            continue;
+        char what[256];
+        const char *word = "";
+        snprintf(what, sizeof(what), "%s of %s", engines[i]->name, scene->name);
+        progress->kind = i;
+        neph_progress_begin(progress, what);
+        const double start_s = neph_wall_s();
+        status = renew(scene, engines[i], time_limit_s, store, &word, diag);
+        if (!status)
+            neph_progress_step(progress, what, word, neph_wall_s() - start_s);
+    }
+    neph_scene_destroy(scene);
+    return status;
+}
+
+enum neph_status neph_studies_renew(const char *const *scenes, int scene_count, double time_limit_s,
+                                    struct neph_store *store, bool quiet, struct neph_diag *diag)
+{
+    int engine_count;
+    const struct neph_engine *const *engines = neph_engines(&engine_count);
+    struct neph_progress progress = neph_progress_start(quiet, 0);
+    for (int i = 0; i < engine_count; i++)
+        if (engines[i]->rung == NEPH_RUNG_WITNESS && engines[i]->step.option)
+            neph_progress_expect(&progress, i, scene_count, 0.0);
+    enum neph_status status = NEPH_OK;
+    for (int i = 0; i < scene_count && !status; i++)
+        status = renew_scene(scenes[i], time_limit_s, store, &progress, diag);
+    neph_progress_end(&progress);
+    return status;
+}
+
+enum neph_status neph_studies_apply(const json_t *study, const struct neph_engine *engine,
+                                    struct neph_settings *settings, struct neph_diag *diag)
+{
+    const size_t chosen = (size_t)json_integer_value(json_object_get(study, "chosen"));
+    const json_t *level = json_array_get(json_object_get(study, "levels"), chosen);
+    const char *option = json_string_value(json_object_get(study, "option"));
+    const json_t *setting = json_object_get(level, "setting");
+    if (!option || !json_is_number(setting))
+        return neph_fail(diag, NEPH_ERR_INPUT, "a step study of %s chooses no setting",
+                         engine->name);
+    char assignment[128];
+    snprintf(assignment, sizeof(assignment), "%s=%.9g", option, json_number_value(setting));
+    return neph_settings_set(engine, settings, assignment, diag);
+}

@@ -1,0 +1,263 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/study/study.h"
+
+#include "base/exr.h"
+#include "metrics/statistics.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+bool neph_study_applies(const struct neph_engine *engine, const struct neph_scene *scene)
+{
+    if (!engine->step.option)
+        return false;
+    for (int m = 0; m < scene->medium_count; m++)
+        if (scene->media[m].kind != NEPH_MEDIUM_HOMOGENEOUS)
+            return true;
+    return false;
+}
+
+static int option_index(const struct neph_engine *engine, const char *name)
+{
+    for (int i = 0; engine->options[i].name; i++)
+        if (strcmp(engine->options[i].name, name) == 0)
+            return i;
+    return -1; /* a test holds every engine to naming an option of its own */
+}
+
+/* Pictures of all levels, channels averaged, by seed; seed 1 is missing where nothing is random. */
+struct pictures {
+    size_t pixel_count;
+    int seed_count;
+    double *grey[NEPH_STUDY_LEVELS_MAX][2];
+};
+
+static void free_pictures(struct pictures *pictures)
+{
+    for (int i = 0; i < NEPH_STUDY_LEVELS_MAX; i++) {
+        free(pictures->grey[i][0]);
+        free(pictures->grey[i][1]);
+    }
+}
+
+static enum neph_status take_picture(const struct neph_image *frame, struct pictures *pictures,
+                                     double **grey, struct neph_diag *diag)
+{
+    float *planes[3];
+    if (!neph_image_rgb(frame, NULL, planes))
+        return neph_fail(diag, NEPH_ERR_ENGINE, "the frame of a study has no radiance");
+    pictures->pixel_count = neph_image_pixel_count(frame);
+    *grey = malloc(pictures->pixel_count * sizeof(**grey));
+    if (!*grey)
+        return neph_fail_memory(diag);
+    for (size_t p = 0; p < pictures->pixel_count; p++)
+        (*grey)[p] = ((double)planes[0][p] + (double)planes[1][p] + (double)planes[2][p]) / 3.0;
+    return NEPH_OK;
+}
+
+/* A weighted sum of levels. */
+struct blend {
+    double weights[NEPH_STUDY_LEVELS_MAX];
+};
+
+static double blend_pixel(const struct pictures *pictures, const struct blend *blend, int seed,
+                          size_t pixel)
+{
+    double sum = 0.0;
+    for (int i = 0; i < NEPH_STUDY_LEVELS_MAX && pictures->grey[i][seed]; i++)
+        sum += blend->weights[i] * pictures->grey[i][seed][pixel];
+    return sum;
+}
+
+/* Its mean over the picture and the seeds, and the standard error of that: from the differences of
+ * the seeds, pixel by pixel. Levels share their seeds, and with them most of their noise, which
+ * therefore cancels from the difference of two levels. */
+static double blend_mean(const struct pictures *pictures, const struct blend *blend, double *noise)
+{
+    struct neph_sum sum = {0.0, 0.0}, squares = {0.0, 0.0};
+    const int seeds = pictures->seed_count;
+    for (size_t p = 0; p < pictures->pixel_count; p++) {
+        double values[2] = {0.0, 0.0};
+        for (int s = 0; s < seeds; s++)
+            values[s] = blend_pixel(pictures, blend, s, p);
+        neph_sum_add(&sum, values[0] + values[1]);
+        if (seeds == 2)
+            neph_sum_add(&squares, pow(values[0] - values[1], 2.0));
+    }
+    const double count = (double)pictures->pixel_count;
+    *noise = 0.5 * sqrt(neph_sum_value(&squares)) / count;
+    return neph_sum_value(&sum) / (seeds * count);
+}
+
+static enum neph_status render_level(const struct neph_job *job, struct neph_store *store,
+                                     int index, struct pictures *pictures,
+                                     struct neph_study_level *level, enum neph_outcome *outcome,
+                                     char reason[1600], struct neph_diag *diag)
+{
+    struct neph_job placed = *job;
+    enum neph_status status = NEPH_OK;
+    *outcome = NEPH_OUTCOME_RENDERED;
+    for (int s = 0; s < pictures->seed_count && !status && *outcome == NEPH_OUTCOME_RENDERED; s++) {
+        struct neph_job_result result;
+        struct neph_image *frame = NULL;
+        placed.shot.seed = job->shot.seed + (uint64_t)s;
+        status = neph_job_run(&placed, store, &result, diag);
+        *outcome = result.outcome;
+        level->wall_s += result.cost.wall_s;
+        memcpy(reason, result.reason, sizeof(result.reason));
+        if (!status && result.frame_path)
+            status = neph_exr_read(result.frame_path, &frame, diag);
+        if (!status && frame)
+            status = take_picture(frame, pictures, &pictures->grey[index][s], diag);
+        neph_image_destroy(frame);
+        neph_job_result_finish(&result);
+    }
+    return status;
+}
+
+/* Of the finest level. Where the error does not shrink as it should, the limit is in doubt by the
+ * last change: first order is what is left to believe in. */
+static double worst_bias(const struct neph_study *study)
+{
+    const struct neph_study_level *finest = &study->levels[study->level_count - 1];
+    const bool doubtful = fabs(study->observed_order - study->order) > NEPH_STUDY_ORDER_SLACK;
+    return doubtful ? fabs(finest->bias - finest[-1].bias) : fabs(finest->bias); /* NaN: no */
+}
+
+static enum neph_study_verdict judge(const struct neph_study *study)
+{
+    const double bias = worst_bias(study);
+    const double noise = 2.0 * study->levels[study->level_count - 1].bias_noise;
+    return bias + noise <= NEPH_STUDY_TOLERANCE ? NEPH_STUDY_WITHIN
+           : bias <= noise                      ? NEPH_STUDY_NOISE
+                                                : NEPH_STUDY_OFF;
+}
+
+static bool is_good(const struct neph_study_level *level, enum neph_study_verdict verdict)
+{
+    const double bias = fabs(level->bias), noise = 2.0 * level->bias_noise;
+    return verdict == NEPH_STUDY_WITHIN ? bias + noise <= NEPH_STUDY_TOLERANCE : bias <= noise;
+}
+
+/* The coarsest level from which on all are good. */
+static void choose(struct neph_study *study)
+{
+    study->verdict = judge(study);
+    study->chosen = study->level_count - 1;
+    while (study->verdict != NEPH_STUDY_OFF && study->chosen > 0 &&
+           is_good(&study->levels[study->chosen - 1], study->verdict))
+        study->chosen--;
+}
+
+/* From the last two levels, by the known order. */
+static struct blend limit_of(const struct neph_study *study, double factor)
+{
+    const int last = study->level_count - 1;
+    const double gain = last > 0 ? 1.0 / (pow(factor, study->order) - 1.0) : 0.0;
+    struct blend limit = {{0.0}};
+    limit.weights[last] = 1.0 + gain;
+    if (last > 0)
+        limit.weights[last - 1] = -gain;
+    return limit;
+}
+
+/* log of the ratio of the last two changes; NaN where they are lost in noise or rounding. */
+static double observe_order(const struct pictures *pictures, const struct neph_study *study,
+                            double factor)
+{
+    const int last = study->level_count - 1;
+    if (last < 2)
+        return NAN;
+    struct blend last_change = {{0.0}}, change_before = {{0.0}};
+    last_change.weights[last] = change_before.weights[last - 1] = 1.0;
+    last_change.weights[last - 1] = change_before.weights[last - 2] = -1.0;
+    double noise, noise_before;
+    const double step = blend_mean(pictures, &last_change, &noise);
+    const double before = blend_mean(pictures, &change_before, &noise_before);
+    const bool is_clear = fabs(step) > 4.0 * noise && fabs(before) > 4.0 * noise_before &&
+                          fabs(step) > 1e-7 * fabs(study->limit) && before / step > 0.0;
+    return is_clear ? log(before / step) / log(factor) : NAN;
+}
+
+static void extrapolate(const struct pictures *pictures, struct neph_study *study, double factor)
+{
+    const struct blend limit = limit_of(study, factor);
+    double noise;
+    study->limit = blend_mean(pictures, &limit, &noise);
+    if (study->limit == 0.0)
+        return;
+    for (int i = 0; i < study->level_count; i++) {
+        struct neph_study_level *level = &study->levels[i];
+        struct blend alone = {{0.0}}, difference = limit;
+        alone.weights[i] = 1.0;
+        for (int k = 0; k < study->level_count; k++)
+            difference.weights[k] = alone.weights[k] - limit.weights[k];
+        level->radiance = blend_mean(pictures, &alone, &level->noise);
+        level->bias = blend_mean(pictures, &difference, &level->bias_noise) / study->limit;
+        level->bias_noise /= fabs(study->limit);
+    }
+    study->observed_order = observe_order(pictures, study, factor);
+    choose(study);
+}
+
+enum neph_status neph_study_run(const struct neph_job *job, struct neph_store *store,
+                                struct neph_study *study, enum neph_outcome *outcome,
+                                char reason[1600], struct neph_diag *diag)
+{
+    const struct neph_engine_step *step = &job->engine->step;
+    const int index = option_index(job->engine, step->option);
+    struct neph_job placed = *job;
+    struct pictures pictures = {.seed_count = job->engine->stochastic ? 2 : 1};
+    enum neph_status status = NEPH_OK;
+    *outcome = NEPH_OUTCOME_RENDERED;
+    *study = (struct neph_study){.option = step->option, .order = step->order};
+    for (int i = 0; i < step->level_count && i < NEPH_STUDY_LEVELS_MAX && !status &&
+                    *outcome == NEPH_OUTCOME_RENDERED;
+         i++) {
+        struct neph_study_level *level = &study->levels[study->level_count++];
+        level->setting = step->coarsest * pow(step->refine, i);
+        placed.shot.settings.values[index] = level->setting;
+        status = render_level(&placed, store, i, &pictures, level, outcome, reason, diag);
+    }
+    if (!status && *outcome == NEPH_OUTCOME_RENDERED)
+        extrapolate(&pictures, study, fmax(step->refine, 1.0 / step->refine));
+    if (!status && *outcome == NEPH_OUTCOME_RENDERED && study->limit == 0.0) {
+        *outcome = NEPH_OUTCOME_CANNOT;
+        snprintf(reason, 1600, "the picture is black: there is nothing to be off from");
+    }
+    free_pictures(&pictures);
+    return status;
+}
+
+const char *neph_study_verdict_name(enum neph_study_verdict verdict)
+{
+    static const char *const names[] = {
+        [NEPH_STUDY_WITHIN] = "within", [NEPH_STUDY_NOISE] = "noise", [NEPH_STUDY_OFF] = "off"};
+    return names[verdict];
+}
+
+json_t *neph_study_json(const struct neph_study *study)
+{
+    json_t *levels = json_array();
+    for (int i = 0; i < study->level_count; i++) {
+        const struct neph_study_level *level = &study->levels[i];
+        neph_json_add(&levels, json_pack("{s:f, s:f, s:f, s:f, s:f, s:f}", "setting",
+                                         level->setting, "radiance", level->radiance, "noise",
+                                         level->noise, "bias", level->bias, "bias_noise",
+                                         level->bias_noise, "wall_s", level->wall_s));
+    }
+    json_t *observed = isfinite(study->observed_order) ? json_real(study->observed_order)
+                                                       : json_null();
+    return json_pack("{s:s, s:f, s:o, s:f, s:o, s:i, s:s, s:f}", "option", study->option, "order",
+                     study->order, "observed_order", observed, "limit", study->limit, "levels",
+                     levels, "chosen", study->chosen, "verdict",
+                     neph_study_verdict_name(study->verdict), "tolerance", NEPH_STUDY_TOLERANCE);
+}
+
+void neph_study_apply(const struct neph_study *study, const struct neph_engine *engine,
+                      struct neph_settings *settings)
+{
+    settings->values[option_index(engine, study->option)] = study->levels[study->chosen].setting;
+}

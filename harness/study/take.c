@@ -1,0 +1,289 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/study/take.h"
+
+#include "base/exr.h"
+#include "base/files.h"
+#include "base/png.h"
+#include "harness/compare/comparison.h"
+#include "metrics/display.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Part of the key under which measurements are kept; raise it when a metric over time changes. */
+enum { MEASURED_REVISION = 2 };
+
+/* ---- frames ---------------------------------------------------------------------------------- */
+
+static char *frame_path(const struct neph_take *take, const char *folder, int frame)
+{
+    return frame == take->frame_count - 1 ? neph_path_join(folder, "frame.exr")
+                                          : neph_format("%s/frame_%04d.exr", folder, frame);
+}
+
+static enum neph_status write_flip(const struct neph_take *take, const struct neph_image *image,
+                                   const char *folder, int number, struct neph_diag *diag)
+{
+    float *planes[3];
+    if (!neph_image_rgb(image, NULL, planes))
+        return neph_fail(diag, NEPH_ERR_ENGINE, "a frame of the sequence has no radiance");
+    const float *const constant[3] = {planes[0], planes[1], planes[2]};
+    uint8_t *rgb = malloc(3 * neph_image_pixel_count(image));
+    char *path = neph_format("%s/flip_%d.png", folder, number);
+    enum neph_status status = rgb && path ? NEPH_OK : neph_fail_memory(diag);
+    if (!status)
+        status = neph_display_encode(constant, neph_image_pixel_count(image),
+                                     take->job.shot.scene->exposure_ev, rgb, diag);
+    if (!status)
+        status = neph_png_write_rgb8(path, image->width_px, image->height_px, rgb, diag);
+    free(path);
+    free(rgb);
+    return status;
+}
+
+/* What is measured over time is radiance: other layers would only be written, read and measured. */
+static void keep_radiance(struct neph_image *frame)
+{
+    for (int c = frame->channel_count - 1; c >= 0; c--) {
+        const char *name = frame->channels[c].name;
+        if (strcmp(name, "R") != 0 && strcmp(name, "G") != 0 && strcmp(name, "B") != 0)
+            neph_image_remove_channel(frame, name);
+    }
+}
+
+static void add_cost(struct neph_cost *sum, const struct neph_cost *cost)
+{
+    sum->render_s += cost->render_s;
+    sum->wall_s += cost->wall_s;
+    sum->cpu_s += cost->cpu_s;
+}
+
+static enum neph_status render_frame(const struct neph_take *take, const struct neph_job *job,
+                                     int number, const char *folder, struct neph_cost *total,
+                                     struct neph_diag *diag)
+{
+    struct neph_image *frame = NULL;
+    struct neph_cost cost = {0};
+    const int flip = number - (take->frame_count - NEPH_TAKE_PICTURES);
+    char *path = frame_path(take, folder, number);
+    enum neph_status status = path ? neph_job_render(job, &frame, &cost, diag)
+                                   : neph_fail_memory(diag);
+    if (!status) {
+        keep_radiance(frame);
+        add_cost(total, &cost);
+        status = neph_exr_write(path, frame, diag);
+    }
+    if (!status && take->with_pictures && flip >= 0)
+        status = write_flip(take, frame, folder, flip, diag);
+    neph_image_destroy(frame);
+    free(path);
+    return status;
+}
+
+static enum neph_status render_frames(const struct neph_take *take, const char *folder,
+                                      struct neph_cost *total, struct neph_diag *diag)
+{
+    struct neph_job job = take->job;
+    job.shot.scratch_directory = folder;
+    enum neph_status status = neph_job_open(&job, diag);
+    for (int i = 0; i < take->frame_count && !status; i++) {
+        job.shot.frame = take->job.shot.frame + i;
+        status = render_frame(take, &job, i, folder, total, diag);
+    }
+    neph_job_close(&job);
+    return status;
+}
+
+/* ---- measuring ------------------------------------------------------------------------------- */
+
+static enum neph_status list_frames(const struct neph_take *take, const char *folder,
+                                    struct neph_sequence *frames, struct neph_diag *diag)
+{
+    frames->paths = calloc((size_t)take->frame_count, sizeof(*frames->paths));
+    if (!frames->paths)
+        return neph_fail_memory(diag);
+    for (; frames->count < take->frame_count; frames->count++)
+        if (!(frames->paths[frames->count] = frame_path(take, folder, frames->count)))
+            return neph_fail_memory(diag);
+    return NEPH_OK;
+}
+
+static enum neph_status choose(const struct neph_reading *reading,
+                               struct neph_comparison *comparison, struct neph_diag *diag)
+{
+    enum neph_status status = NEPH_OK;
+    for (int i = 0; reading->extractors[i]; i++) {
+        const struct neph_extractor *extractor = neph_extractor_find(reading->extractors[i]);
+        struct neph_meter_choice *choice = &comparison->choices[comparison->choice_count++];
+        *choice = (struct neph_meter_choice){extractor, neph_options_default(extractor->options)};
+        const size_t length = strlen(extractor->name);
+        for (int k = 0; reading->settings && reading->settings[k] && !status; k++)
+            if (strncmp(reading->settings[k], extractor->name, length) == 0 &&
+                reading->settings[k][length] == '.')
+                status = neph_options_set(extractor->options, extractor->name,
+                                          reading->settings[k] + length + 1, &choice->settings,
+                                          diag);
+    }
+    return status;
+}
+
+static enum neph_status write_document(const char *folder, const char *name, const json_t *document,
+                                       struct neph_diag *diag)
+{
+    char *path = neph_format("%s/%s.json", folder, name);
+    char *text = json_dumps(document, JSON_INDENT(1));
+    const enum neph_status status = path && text ? neph_file_write(path, text, strlen(text), diag)
+                                                 : neph_fail_memory(diag);
+    free(text);
+    free(path);
+    return status;
+}
+
+static enum neph_status read_off(const struct neph_take *take, const struct neph_reading *reading,
+                                 const char *folder, struct neph_diag *diag)
+{
+    struct neph_comparison comparison = {
+        .reference = take->reference->frames[reading->against], /* borrowed */
+        .viewing = reading->viewing,
+        .detail_masks = take->all_masks,
+        .maps_directory = take->map_file && reading == take->readings ? folder : NULL,
+        .frozen_is_fine = take->frozen_is_fine,
+        .plain = take->plain,
+        .by_position = true,
+        .quiet = true};
+    json_t *document = NULL;
+    enum neph_status status = choose(reading, &comparison, diag);
+    if (!status)
+        status = list_frames(take, folder, &comparison.test, diag);
+    if (!status)
+        status = neph_comparison_run(&comparison, &document, NULL, diag);
+    if (!status)
+        status = write_document(folder, reading->name, document, diag);
+    json_decref(document);
+    neph_sequence_finish(&comparison.test);
+    return status;
+}
+
+/* ---- the store ------------------------------------------------------------------------------- */
+
+/* All that a document depends on, but for the frames. */
+static char *reading_text(const struct neph_reading *reading)
+{
+    const struct neph_viewing *viewing = &reading->viewing;
+    char *text = neph_format("%s against %d at %g Hz %g ppd %g EV %g cd/m2:", reading->name,
+                             (int)reading->against, viewing->frame_rate_hz,
+                             viewing->pixels_per_degree, viewing->exposure_ev,
+                             viewing->white_cd_per_m2);
+    const char *const *const lists[] = {reading->extractors, reading->settings};
+    for (size_t l = 0; l < sizeof(lists) / sizeof(lists[0]); l++)
+        for (int i = 0; text && lists[l] && lists[l][i]; i++) {
+            char *longer = neph_format("%s %s", text, lists[l][i]);
+            free(text);
+            text = longer;
+        }
+    return text;
+}
+
+static enum neph_status make_key(const struct neph_take *take, char key[NEPH_HASH_HEX_SIZE],
+                                 struct neph_diag *diag)
+{
+    char first[NEPH_HASH_HEX_SIZE];
+    enum neph_status status = neph_job_key(&take->job, first, diag);
+    if (status)
+        return status;
+    char *text = neph_format("neph-take-1\nfirst %s\nframes %d\nreference %s\nmeasured %d\nmasks "
+                             "%d plain %d\npictures %d %s\n",
+                             first, take->frame_count, take->reference->key, MEASURED_REVISION,
+                             take->all_masks, take->plain, take->with_pictures,
+                             take->map_file ? take->map_file : "");
+    for (int i = 0; i < take->reading_count && text; i++) {
+        char *reading = reading_text(&take->readings[i]);
+        char *longer = reading ? neph_format("%s%s\n", text, reading) : NULL;
+        free(reading);
+        free(text);
+        text = longer;
+    }
+    status = text ? neph_hash(text, strlen(text), key, diag) : neph_fail_memory(diag);
+    free(text);
+    return status;
+}
+
+/* What of the pictures the store keeps. */
+static json_t *picture_names(const struct neph_take *take)
+{
+    json_t *names = json_array();
+    if (take->map_file)
+        neph_json_add(&names, json_string(take->map_file));
+    for (int i = 0; i < NEPH_TAKE_PICTURES && take->with_pictures; i++)
+        neph_json_add(&names, json_sprintf("flip_%d.png", i));
+    return names;
+}
+
+static json_t *record_of(const struct neph_take *take, const struct neph_cost *cost)
+{
+    return json_pack("{s:s, s:s, s:s, s:s, s:i, s:f, s:f, s:f, s:o}", "format", "neph-take-1",
+                     "scene", take->job.shot.scene->name, "engine", take->job.engine->name,
+                     "version", take->job.info->version, "frames", take->frame_count, "render_s",
+                     cost->render_s, "wall_s", cost->wall_s, "cpu_s", cost->cpu_s, "pictures",
+                     picture_names(take));
+}
+
+static enum neph_status make_entry(const struct neph_take *take, struct neph_store *store,
+                                   const char *key, struct neph_diag *diag)
+{
+    struct neph_scratch *scratch = NULL;
+    char *kept = NULL;
+    struct neph_cost cost = {0};
+    enum neph_status status = neph_store_begin(store, &scratch, diag);
+    if (status)
+        return status;
+    const char *folder = neph_scratch_path(scratch);
+    status = render_frames(take, folder, &cost, diag);
+    for (int i = 0; i < take->reading_count && !status; i++)
+        status = read_off(take, &take->readings[i], folder, diag);
+    json_t *record = status ? NULL : record_of(take, &cost);
+    if (!status)
+        status = neph_json_check(record, diag);
+    if (!status)
+        status = neph_store_publish(store, key, scratch, record, diag);
+    else
+        neph_store_abandon(store, key, scratch, &kept);
+    json_decref(record);
+    free(kept);
+    neph_scratch_destroy(scratch);
+    return status;
+}
+
+enum neph_status neph_take_run(const struct neph_take *take, struct neph_store *store,
+                               char **folder, json_t **record, struct neph_diag *diag)
+{
+    char key[NEPH_HASH_HEX_SIZE], *last_frame = NULL;
+    enum neph_status status = make_key(take, key, diag);
+    if (!status && !neph_store_find(store, key, &last_frame, record)) {
+        status = make_entry(take, store, key, diag);
+        if (!status && !neph_store_find(store, key, &last_frame, record))
+            status = neph_fail(diag, NEPH_ERR_IO,
+                               "the sequence %s is not readable after publishing", key);
+    }
+    if (status)
+        return status;
+    *strrchr(last_frame, '/') = '\0';
+    *folder = last_frame;
+    return NEPH_OK;
+}
+
+enum neph_status neph_take_document(const char *folder, const char *reading, json_t **document,
+                                    struct neph_diag *diag)
+{
+    char *path = neph_format("%s/%s.json", folder, reading);
+    json_error_t error;
+    if (!path)
+        return neph_fail_memory(diag);
+    *document = json_load_file(path, 0, &error);
+    const enum neph_status status = *document ? NEPH_OK
+                                              : neph_fail(diag, NEPH_ERR_IO, "cannot read '%s': %s",
+                                                          path, error.text);
+    free(path);
+    return status;
+}

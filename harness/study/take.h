@@ -1,0 +1,48 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * A take: a sequence of a shortcut, rendered, measured against its reference, and kept in the store
+ * as numbers and a few pictures. Its frames are not kept.
+ */
+#ifndef NEPH_HARNESS_STUDY_TAKE_H
+#define NEPH_HARNESS_STUDY_TAKE_H
+
+#include "harness/study/reference.h"
+#include "metrics/extractor.h"
+
+enum { NEPH_TAKE_PICTURES = 4 }; /* of the last frames */
+
+/* One pass over the frames, which gives one document (comparison.h). */
+struct neph_reading {
+    const char *name; /* of the document, unique in the take */
+    enum neph_reference_rays against;
+    const char *const *extractors; /* names, NULL-terminated */
+    const char *const *settings;   /* "extractor.key=value", NULL-terminated; NULL: none */
+    struct neph_viewing viewing;
+};
+
+/* All pointers are borrowed. */
+struct neph_take {
+    struct neph_job job; /* of the first frame */
+    int frame_count;
+    const struct neph_reference *reference;
+    const struct neph_reading *readings;
+    int reading_count;
+    bool with_pictures;   /* keep flip_0.png .. of the last frames */
+    const char *map_file; /* the picture to keep of the first reading's maps: "a4_radiance.png";
+                             NULL: none */
+    bool all_masks;       /* also those of which there are many */
+    bool plain;           /* numbers without intervals */
+    bool frozen_is_fine;  /* frames equal to the one before are no reason to fail */
+};
+
+/* Take it from the store, or render, measure and publish it. `*folder` (to free) is the entry's,
+ * `*record` (to json_decref) its job.json: "frames", "render_s", "wall_s", "cpu_s", "pictures".
+ * Errors: those of rendering and measuring; NEPH_ERR_GATE for frozen frames. */
+enum neph_status neph_take_run(const struct neph_take *take, struct neph_store *store,
+                               char **folder, json_t **record, struct neph_diag *diag);
+
+/* The document of a reading in an entry's folder, for the caller to json_decref. */
+enum neph_status neph_take_document(const char *folder, const char *reading, json_t **document,
+                                    struct neph_diag *diag);
+
+#endif
