@@ -10,7 +10,7 @@
 #include "harness/data.h"
 #include "harness/engines/frame_stats.h"
 #include "metrics/extractors/cycle_frequency.h"
-#include "renderer/realtime/dither.h"
+#include "renderer/realtime/noise.h"
 #include "renderer/realtime/options.h"
 #include "renderer/realtime/pipeline.h"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// Names that the shaders of the real-time renderer, its CPU oracle and its table of options have in
+// Names that the shaders of the real-time renderer, their twins in C and its table of options have in
 // common: this file is both GLSL and C. What a setting means is said once, in
 // renderer/realtime/options.c; `neph engines realtime` prints it.
 #ifndef NEPH_REALTIME_NAMES_H
@@ -141,7 +141,7 @@
 #define RT_TILE_ORIGIN_VIEW 0
 #define RT_TILE_ORIGIN_BUFFER 1
 
-// renderer/realtime/dither.h
+// realtime_dither.glsl
 #define RT_DITHER_NONE 0
 #define RT_DITHER_WHITE 1
 #define RT_DITHER_INTERLEAVED 2

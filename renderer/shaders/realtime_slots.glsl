@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // Tiles of 2x2 half-pixels: which of the four has a ray in which frame (A4), and the depth that
-// rays and half-pixels are compared by (A6). renderer/realtime/slots.h is its mirror.
+// rays and half-pixels are compared by (A6). tests/renderer/twins/slots.h is its twin.
 #ifndef NEPH_REALTIME_SLOTS_GLSL
 #define NEPH_REALTIME_SLOTS_GLSL
 

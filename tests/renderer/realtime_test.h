@@ -10,8 +10,8 @@
 
 #include "renderer/realtime/layout.h"
 #include "renderer/realtime/options.h"
-#include "renderer/realtime/oracle.h"
 #include "renderer/realtime/shaders.h"
+#include "tests/renderer/twins/twin.h"
 
 #include <stdlib.h>
 

@@ -6,8 +6,8 @@
 #ifndef NEPH_TESTS_RECONSTRUCT_TEST_H
 #define NEPH_TESTS_RECONSTRUCT_TEST_H
 
-#include "renderer/realtime/slots.h"
 #include "tests/renderer/realtime_test.h"
+#include "tests/renderer/twins/slots.h"
 
 /* A view that fills its buffers: all solids 100 m away, all rays and histories (0, 0, 0, 1), what
  * they show 100 m away, every tile at the slot whose turn it is. The camera rests; there is

@@ -7,8 +7,8 @@
 #include "tests/renderer/realtime_test.h"
 
 #include "renderer/blue_noise.h"
-#include "renderer/realtime/dither.h"
 #include "renderer/realtime/noise.h"
+#include "tests/renderer/twins/dither.h"
 
 enum { KINDS = RT_DITHER_SLICE + 1, CHANNELS = 4 };
 
@@ -319,9 +319,9 @@ static void test_channels_cover_the_square(void **state)
 static const struct neph_rt_shader *probe(void)
 {
     static const uint32_t spirv[] = {
-#include "shaders/rt_probe_dither.comp.inc"
+#include "shaders/probe_dither.comp.inc"
     };
-    static const struct neph_rt_shader shader = {"rt_probe_dither", spirv, sizeof(spirv)};
+    static const struct neph_rt_shader shader = {"probe_dither", spirv, sizeof(spirv)};
     return &shader;
 }
 

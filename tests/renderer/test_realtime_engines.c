@@ -5,8 +5,8 @@
  */
 #include "tests/renderer/reconstruct_test.h"
 
-#include "renderer/realtime/dither.h"
 #include "renderer/realtime/jitter.h"
+#include "tests/renderer/twins/dither.h"
 
 /* --- the article ------------------------------------------------------------------------------ */
 

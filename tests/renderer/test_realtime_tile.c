@@ -3,8 +3,8 @@
  * Which slot of a tile has the ray (A4-A6): the shader against the oracle, and what the choice does
  * to the depths that have a ray near by.
  */
-#include "renderer/realtime/slots.h"
 #include "tests/renderer/realtime_test.h"
+#include "tests/renderer/twins/slots.h"
 
 static const int sizes_px[][2] = {{1, 1}, {2, 3}, {5, 4}, {64, 36}, {127, 33}, {641, 363}};
 

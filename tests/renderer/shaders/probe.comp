@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: MIT
 //
 // The functions of the included files, value by value, for tests/renderer/test_shaders.c: one
-// thread is one call. Not used by any renderer.
+// thread is one call.
 #extension GL_GOOGLE_include_directive : require
 
 #include "fog.glsl"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "renderer/realtime/dither.h"
+#include "tests/renderer/twins/dither.h"
 
 #include "renderer/shaders/realtime_names.h"
 
@@ -76,13 +76,6 @@ static uint32_t word(const struct neph_rt_dither *dither, int kind, uint32_t x, 
     default:
         return 0x80000000u;
     }
-}
-
-int neph_rt_dither_period(int kind)
-{
-    return kind == RT_DITHER_INTERLEAVED      ? GRADIENT_FRAMES
-           : kind == RT_DITHER_SPATIOTEMPORAL ? MASK_FRAMES
-                                              : 0;
 }
 
 float neph_rt_dither(const struct neph_rt_dither *dither, int kind, int x_px, int y_px,

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "renderer/realtime/oracle.h"
+#include "tests/renderer/twins/twin.h"
 
 static float choose(const struct neph_rt_oracle *oracle, int x, int y)
 {

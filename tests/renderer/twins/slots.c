@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "renderer/realtime/slots.h"
+#include "tests/renderer/twins/slots.h"
 
 #include <math.h>
 

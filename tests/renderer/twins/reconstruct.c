@@ -2,8 +2,8 @@
  *
  * Which rays and which box: float32, as in the shader. Places and values: double.
  */
-#include "renderer/realtime/oracle.h"
-#include "renderer/realtime/slots.h"
+#include "tests/renderer/twins/slots.h"
+#include "tests/renderer/twins/twin.h"
 
 #include <math.h>
 #include <string.h>

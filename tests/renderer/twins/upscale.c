@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-#include "renderer/realtime/dither.h"
-#include "renderer/realtime/oracle.h"
-#include "renderer/realtime/slots.h"
+#include "tests/renderer/twins/dither.h"
+#include "tests/renderer/twins/slots.h"
+#include "tests/renderer/twins/twin.h"
 
 #include <math.h>
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "renderer/realtime/oracle.h"
+#include "tests/renderer/twins/twin.h"
 
 void neph_rt_oracle_compose(const struct neph_rt_oracle *oracle)
 {

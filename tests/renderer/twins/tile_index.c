@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-#include "renderer/realtime/oracle.h"
-#include "renderer/realtime/slots.h"
+#include "tests/renderer/twins/slots.h"
+#include "tests/renderer/twins/twin.h"
 
 #include <math.h>
 

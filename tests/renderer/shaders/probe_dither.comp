@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: MIT
 //
 // Dither number by number, for tests/renderer/test_realtime_dither.c: of kind ray_dither and the
-// channel of the run, at the view's frame; the first pixel is (-70, -5). Not used by any renderer.
+// channel of the run, at the view's frame; the first pixel is (-70, -5).
 #extension GL_GOOGLE_include_directive : require
 
 #include "realtime_dither.glsl"
