@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * What tests of single passes share: the same random or adversarial targets on the device and in
- * the oracle's memory, and a comparison of what both make of them.
+ * the twin's memory, and a comparison of what both make of them.
  */
 #ifndef NEPH_TESTS_REALTIME_TEST_H
 #define NEPH_TESTS_REALTIME_TEST_H
@@ -19,7 +19,7 @@
 struct test_passes {
     struct neph_rt_view view;
     struct neph_rt_device device;
-    struct neph_rt_oracle oracle;
+    struct twin twin;
     uint32_t noise_ranks[NEPH_RT_NOISE_COUNT]; /* random, below 4096 */
 };
 
@@ -55,7 +55,7 @@ static inline struct neph_settings test_settings(const char *assignments)
 }
 
 /* A view of this size at the corner of its buffers, a camera of 50 degrees in both frames; the test
- * changes oracle.view (which is `view`) and targets before test_passes_run(). */
+ * changes twin.view (which is `view`) and targets before test_passes_run(). */
 static inline void test_passes_open(struct neph_vulkan *vulkan,
                                     const struct neph_settings *settings, const int size_px[2],
                                     const int origin_px[2], uint64_t seed, struct test_passes *test)
@@ -79,16 +79,16 @@ static inline void test_passes_open(struct neph_vulkan *vulkan,
     struct neph_diag diag = {0};
     neph_assert_ok(
         neph_rt_device_create(vulkan, &test->view, test->noise_ranks, &test->device, &diag), &diag);
-    test->oracle.view = &test->view;
-    test->oracle.noise_ranks = test->noise_ranks;
+    test->twin.view = &test->view;
+    test->twin.noise_ranks = test->noise_ranks;
     for (int t = 0; t < RT_TARGET_COUNT; t++)
-        test->oracle.targets[t] = calloc(neph_rt_device_words(&test->device, t), sizeof(uint32_t));
+        test->twin.targets[t] = calloc(neph_rt_device_words(&test->device, t), sizeof(uint32_t));
 }
 
 static inline void test_passes_close(struct test_passes *test)
 {
     for (int t = 0; t < RT_TARGET_COUNT; t++)
-        free(test->oracle.targets[t]);
+        free(test->twin.targets[t]);
     neph_rt_device_destroy(&test->device);
 }
 
@@ -100,29 +100,29 @@ static inline size_t test_elements(const struct test_passes *test, int target)
 static inline void test_set(struct test_passes *test, int target, size_t index,
                             const float value[4])
 {
-    neph_rt_store(&test->view.targets[target], test->oracle.targets[target], index, value);
+    neph_rt_store(&test->view.targets[target], test->twin.targets[target], index, value);
 }
 
 static inline void test_get(const struct test_passes *test, int target, size_t index,
                             float value[4])
 {
-    neph_rt_load(&test->view.targets[target], test->oracle.targets[target], index, value);
+    neph_rt_load(&test->view.targets[target], test->twin.targets[target], index, value);
 }
 
-/* Give the device the view and all targets as the oracle has them, and run a pass there. */
+/* Give the device the view and all targets as the twin has them, and run a pass there. */
 static inline void test_passes_run(struct test_passes *test, const struct neph_rt_shader *shader,
                                    uint32_t colour, size_t thread_count)
 {
     struct neph_diag diag = {0};
     *test->device.view = test->view;
     for (int t = 0; t < RT_TARGET_COUNT; t++)
-        neph_assert_ok(neph_rt_device_upload(&test->device, t, test->oracle.targets[t], &diag),
+        neph_assert_ok(neph_rt_device_upload(&test->device, t, test->twin.targets[t], &diag),
                        &diag);
     neph_assert_ok(neph_rt_device_run(&test->device, shader, colour, thread_count, NULL, &diag),
                    &diag);
 }
 
-/* What the device made of a target, in words as the oracle's; for the caller to free. */
+/* What the device made of a target, in words as the twin's; for the caller to free. */
 static inline uint32_t *test_download(struct test_passes *test, int target)
 {
     struct neph_diag diag = {0};
@@ -137,10 +137,9 @@ static inline void test_same_words(struct test_passes *test, int target, uint64_
     uint32_t *words = test_download(test, target);
     const size_t count = neph_rt_device_words(&test->device, target);
     for (size_t i = 0; i < count; i++)
-        if (words[i] != test->oracle.targets[target][i])
-            fail_msg("seed %llu: word %zu of target %d is %08x on the device, %08x in the oracle",
-                     (unsigned long long)seed, i, target, words[i],
-                     test->oracle.targets[target][i]);
+        if (words[i] != test->twin.targets[target][i])
+            fail_msg("seed %llu: word %zu of target %d is %08x on the device, %08x in the twin",
+                     (unsigned long long)seed, i, target, words[i], test->twin.targets[target][i]);
     free(words);
 }
 

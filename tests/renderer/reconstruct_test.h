@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * What the tests of the reconstruction share: a few frames of it on the device, whose results come
- * back into the oracle's memory to be looked at.
+ * back into the twin's memory to be looked at.
  */
 #ifndef NEPH_TESTS_RECONSTRUCT_TEST_H
 #define NEPH_TESTS_RECONSTRUCT_TEST_H
@@ -31,7 +31,7 @@ static inline void reconstruct_open(struct neph_vulkan *vulkan, const char *assi
     reconstruct_fill(test, RT_RAY_DISTANCE, 100, 0, 0, 0);
     reconstruct_fill(test, RT_HISTORY_BEFORE, 0, 0, 0, 1);
     reconstruct_fill(test, RT_HISTORY_STATE_BEFORE, 1, 100, 0, 0);
-    neph_rt_oracle_tile_index(&test->oracle);
+    twin_tile_index(&test->twin);
 }
 
 static inline size_t reconstruct_threads(const struct test_passes *test)
@@ -43,7 +43,7 @@ static inline void reconstruct_fetch(struct test_passes *test, int target)
 {
     struct neph_diag diag = {0};
     neph_assert_ok(
-        neph_rt_device_download(&test->device, target, test->oracle.targets[target], &diag), &diag);
+        neph_rt_device_download(&test->device, target, test->twin.targets[target], &diag), &diag);
 }
 
 static inline void reconstruct_run(struct test_passes *test)
@@ -55,9 +55,9 @@ static inline void reconstruct_run(struct test_passes *test)
 
 static inline void reconstruct_swap(struct test_passes *test, int a, int b)
 {
-    uint32_t *words = test->oracle.targets[a];
-    test->oracle.targets[a] = test->oracle.targets[b];
-    test->oracle.targets[b] = words;
+    uint32_t *words = test->twin.targets[a];
+    test->twin.targets[a] = test->twin.targets[b];
+    test->twin.targets[b] = words;
 }
 
 /* This frame becomes the one before; its depths stay. */
@@ -65,11 +65,11 @@ static inline void reconstruct_next_frame(struct test_passes *test)
 {
     reconstruct_swap(test, RT_HISTORY, RT_HISTORY_BEFORE);
     reconstruct_swap(test, RT_HISTORY_STATE, RT_HISTORY_STATE_BEFORE);
-    memcpy(test->oracle.targets[RT_HALF_DEPTH_BEFORE], test->oracle.targets[RT_HALF_DEPTH],
+    memcpy(test->twin.targets[RT_HALF_DEPTH_BEFORE], test->twin.targets[RT_HALF_DEPTH],
            neph_rt_device_words(&test->device, RT_HALF_DEPTH) * sizeof(uint32_t));
     test->view.has_history = 1;
     test->view.frame++;
-    neph_rt_oracle_tile_index(&test->oracle);
+    twin_tile_index(&test->twin);
 }
 
 /* The half-pixel that a tile marches. */
@@ -77,8 +77,8 @@ static inline void reconstruct_marched(const struct test_passes *test, int tile_
                                        int half_pixel[2])
 {
     float tile[4];
-    neph_rt_fetch_tile(&test->oracle, RT_TILE, tile_x, tile_y, tile);
-    const int *place = neph_rt_slot_place(&test->view, (int)tile[0]);
+    twin_fetch_tile(&test->twin, RT_TILE, tile_x, tile_y, tile);
+    const int *place = twin_slot_place(&test->view, (int)tile[0]);
     half_pixel[0] = 2 * tile_x + place[0];
     half_pixel[1] = 2 * tile_y + place[1];
 }

@@ -18,7 +18,7 @@ static void compose_both(struct test_passes *test)
 {
     test_passes_run(test, &neph_rt_shader_compose, 0,
                     (size_t)test->view.size_px[0] * test->view.size_px[1]);
-    neph_rt_oracle_compose(&test->oracle);
+    twin_compose(&test->twin);
 }
 
 /* 0, and 1e-6 .. 1e6 on a logarithmic scale. */
@@ -29,7 +29,7 @@ static float random_radiance(uint64_t *seed)
 
 /* The shader multiplies, rounds, adds and rounds, as C does: with one rounding of a fused
  * multiply-add one value in nine would be another float. */
-static void test_compose_equals_the_oracle(void **state)
+static void test_compose_equals_the_twin(void **state)
 {
     uint64_t seed = 20261126;
     for (size_t s = 0; s < sizeof(sizes_px) / sizeof(sizes_px[0]); s++)
@@ -78,8 +78,8 @@ static void test_identities(void **state)
         for (uint32_t y = 0; y < test.view.size_px[1]; y++)
             for (uint32_t x = 0; x < test.view.size_px[0]; x++) {
                 float color[4], behind[4];
-                neph_rt_fetch_full(&test.oracle, RT_COLOR, (int)x, (int)y, color);
-                neph_rt_fetch_full(&test.oracle, RT_BEHIND, (int)x, (int)y, behind);
+                twin_fetch_full(&test.twin, RT_COLOR, (int)x, (int)y, color);
+                twin_fetch_full(&test.twin, RT_BEHIND, (int)x, (int)y, behind);
                 for (int c = 0; c < 3; c++)
                     assert_true(color[c] == cases[k].behind_weight * behind[c] +
                                                 cases[k].volume_weight * cases[k].volume[c]);
@@ -111,7 +111,7 @@ static void test_the_rest_of_the_buffer_is_left_alone(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_compose_equals_the_oracle),
+        cmocka_unit_test(test_compose_equals_the_twin),
         cmocka_unit_test(test_identities),
         cmocka_unit_test(test_the_rest_of_the_buffer_is_left_alone),
     };

@@ -53,7 +53,7 @@ static float random_depth_m(uint64_t *seed)
     }
 }
 
-static void test_min_max_equals_the_oracle(void **state)
+static void test_min_max_equals_the_twin(void **state)
 {
     static const char *const maps[] = {"depth_map=checkerboard", "depth_map=nearest",
                                        "depth_map=farthest", "depth_map=reversed"};
@@ -69,7 +69,7 @@ static void test_min_max_equals_the_oracle(void **state)
                 test_set(&test, RT_STEADY_DEPTH, i, (float[4]){random_depth_m(&seed)});
             test_passes_run(&test, &neph_rt_shader_min_max, 0,
                             (size_t)test.view.half_size_px[0] * test.view.half_size_px[1]);
-            neph_rt_oracle_min_max(&test.oracle);
+            twin_min_max(&test.twin);
             test_same_words(&test, RT_HALF_DEPTH, start);
             test_passes_close(&test);
         }
@@ -84,17 +84,17 @@ static void test_a_tile_has_two_near_and_two_far(void **state)
     struct neph_rt_view view;
     neph_rt_view_init(&view, &settings, (int[2]){8, 8}, (int[2]){0, 0}, (int[2]){8, 8});
     uint32_t depth[64], half[16];
-    const struct neph_rt_oracle oracle = {
-        .view = &view, .targets = {[RT_STEADY_DEPTH] = depth, [RT_HALF_DEPTH] = half}};
+    const struct twin twin = {.view = &view,
+                              .targets = {[RT_STEADY_DEPTH] = depth, [RT_HALF_DEPTH] = half}};
     for (size_t i = 0; i < 64; i++)
         neph_rt_store(&view.targets[RT_STEADY_DEPTH], depth, i, (float[4]){i % 2 ? near_m : far_m});
-    neph_rt_oracle_min_max(&oracle);
+    twin_min_max(&twin);
     for (int tile = 0; tile < 4; tile++) {
         int near_count = 0;
         for (int slot = 0; slot < 4; slot++) {
             float value[4];
-            neph_rt_fetch_half(&oracle, RT_HALF_DEPTH, tile % 2 * 2 + slot % 2,
-                               tile / 2 * 2 + slot / 2, value);
+            twin_fetch_half(&twin, RT_HALF_DEPTH, tile % 2 * 2 + slot % 2, tile / 2 * 2 + slot / 2,
+                            value);
             near_count += value[0] == near_m;
         }
         assert_int_equal(near_count, 2);
@@ -106,7 +106,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_every_half_comes_back),
         cmocka_unit_test(test_halves_round_to_nearest_even),
-        cmocka_unit_test(test_min_max_equals_the_oracle),
+        cmocka_unit_test(test_min_max_equals_the_twin),
         cmocka_unit_test(test_a_tile_has_two_near_and_two_far),
     };
     return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);

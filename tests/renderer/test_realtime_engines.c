@@ -18,12 +18,12 @@ static void test_a_slice_turns(void **state)
     uint64_t seed = 41;
     for (size_t i = 0; i < NEPH_RT_NOISE_COUNT; i++)
         ranks[i] = (uint32_t)(test_random(&seed) % 4096);
-    const struct neph_rt_dither dither = {0, ranks};
+    const struct twin_dither dither = {0, ranks};
     for (int i = 0; i < 64; i++) {
         const int x = i * 5 % 64, y = i;
-        const double first = neph_rt_dither(&dither, RT_DITHER_SPATIOTEMPORAL, x, y, 0, 0);
+        const double first = twin_dither(&dither, RT_DITHER_SPATIOTEMPORAL, x, y, 0, 0);
         for (uint32_t frame = 0; frame < 33; frame += 4) {
-            const double value = neph_rt_dither(&dither, RT_DITHER_SLICE, x, y, frame, 0);
+            const double value = twin_dither(&dither, RT_DITHER_SLICE, x, y, frame, 0);
             const double turned = first + 0.6180339887498949 * frame;
             /* 24 bits of a value, and a step of 32 bits times 32 frames */
             neph_assert_close(value, turned - floor(turned), 0, 2 * 0x1p-24);
@@ -44,10 +44,9 @@ static void test_the_sky_of_the_override(void **state)
         test_passes_open(*state, &settings, (int[2]){20, 20}, (int[2]){0, 0}, 1, &test);
         for (size_t i = 0; i < test_elements(&test, RT_HALF_DEPTH); i++)
             test_set(&test, RT_HALF_DEPTH, i, (float[4]){NEPH_RT_FAR_M});
-        const int usual = neph_rt_default_slot(&test.view, 2, 2), other = (usual + 2) % 4;
-        const int *place = neph_rt_slot_place(&test.view, other);
-        neph_rt_put_half(&test.oracle, RT_HALF_DEPTH, 4 + place[0], 4 + place[1],
-                         (float[4]){18000});
+        const int usual = twin_default_slot(&test.view, 2, 2), other = (usual + 2) % 4;
+        const int *place = twin_slot_place(&test.view, other);
+        twin_put_half(&test.twin, RT_HALF_DEPTH, 4 + place[0], 4 + place[1], (float[4]){18000});
         test_passes_run(&test, &neph_rt_shader_tile_index, 0, 25);
         uint32_t *words = test_download(&test, RT_TILE);
         float tile[4];
@@ -86,7 +85,7 @@ static void test_history_follows_the_jitter(void **state)
                      (float[4]){(float)(k % 16), (float)(k / 16), 0, 1});
         reconstruct_run(&test);
         float value[4];
-        neph_rt_fetch_half(&test.oracle, RT_HISTORY, 7, 5, value);
+        twin_fetch_half(&test.twin, RT_HISTORY, 7, 5, value);
         /* half a pixel per pixel; float32 places of up to 32 px */
         neph_assert_close(value[0], 7 + cases[i].follows * 0.1875, 0, 1e-5);
         neph_assert_close(value[1], 5 - cases[i].follows * 0.3125, 0, 1e-5);
@@ -112,12 +111,12 @@ static void open_nine(struct neph_vulkan *vulkan, const char *assignments, const
         const float light = 1.0f + (float)i;
         float tile[4];
         int place[2];
-        neph_rt_fetch_tile(&test->oracle, RT_TILE, at[0], at[1], tile);
-        tile[1] = neph_rt_stored_depth_m(&test->view, depths_m[i]) * 1e-4f;
-        neph_rt_put_tile(&test->oracle, RT_TILE, at[0], at[1], tile);
-        neph_rt_put_tile(&test->oracle, RT_RAY, at[0], at[1], (float[4]){light, light, light, 1});
+        twin_fetch_tile(&test->twin, RT_TILE, at[0], at[1], tile);
+        tile[1] = twin_stored_depth_m(&test->view, depths_m[i]) * 1e-4f;
+        twin_put_tile(&test->twin, RT_TILE, at[0], at[1], tile);
+        twin_put_tile(&test->twin, RT_RAY, at[0], at[1], (float[4]){light, light, light, 1});
         reconstruct_marched(test, at[0], at[1], place);
-        neph_rt_put_half(&test->oracle, RT_HALF_DEPTH, place[0], place[1], (float[4]){depths_m[i]});
+        twin_put_half(&test->twin, RT_HALF_DEPTH, place[0], place[1], (float[4]){depths_m[i]});
     }
 }
 
@@ -177,10 +176,10 @@ static void test_what_stands_in_for_history(void **state)
         test.view.has_history = 0;
         int at[2];
         skipped_one(&test, at);
-        neph_rt_put_half(&test.oracle, RT_HALF_DEPTH, at[0], at[1], (float[4]){100});
+        twin_put_half(&test.twin, RT_HALF_DEPTH, at[0], at[1], (float[4]){100});
         reconstruct_run(&test);
         float value[4];
-        neph_rt_fetch_half(&test.oracle, RT_HISTORY, at[0], at[1], value);
+        twin_fetch_half(&test.twin, RT_HISTORY, at[0], at[1], value);
         const double expected = cases[i].expected ? cases[i].expected : mean_of_nine(at, i == 4);
         neph_assert_close(value[0], expected, 2e-6, 0); /* nine sums and products of float32 */
         test_passes_close(&test);
@@ -197,12 +196,12 @@ static void test_rejected_is_not_absent(void **state)
                   &test);
         int at[2];
         skipped_one(&test, at);
-        neph_rt_put_half(&test.oracle, RT_HALF_DEPTH, at[0], at[1], (float[4]){100});
+        twin_put_half(&test.twin, RT_HALF_DEPTH, at[0], at[1], (float[4]){100});
         reconstruct_fill(&test, RT_HALF_DEPTH_BEFORE, 500, 0, 0, 0);
         test.view.has_history = (uint32_t)is_rejected;
         reconstruct_run(&test);
         float value[4];
-        neph_rt_fetch_half(&test.oracle, RT_HISTORY, at[0], at[1], value);
+        twin_fetch_half(&test.twin, RT_HISTORY, at[0], at[1], value);
         assert_true(value[0] == (is_rejected ? 3.0f : 1.0f));
         test_passes_close(&test);
     }
@@ -245,7 +244,7 @@ static void test_a_change_of_the_nearest_depth(void **state)
         open_bright(*state, cases[i].assignments, &test);
         reconstruct_fill(&test, RT_HALF_DEPTH, 1300, 0, 0, 0);
         reconstruct_fill(&test, RT_HALF_DEPTH_BEFORE, 1300, 0, 0, 0);
-        neph_rt_put_half(&test.oracle, RT_HALF_DEPTH_BEFORE, 7, 6, (float[4]){100});
+        twin_put_half(&test.twin, RT_HALF_DEPTH_BEFORE, 7, 6, (float[4]){100});
         reconstruct_run(&test);
         assert_int_equal(count_void(&test), cases[i].rejected);
         test_passes_close(&test);
@@ -260,7 +259,7 @@ static void test_where_a_rejection_looks(void **state)
     for (int i = 0; i < 2; i++) {
         struct test_passes test;
         open_bright(*state, assignments[i], &test);
-        neph_rt_put_half(&test.oracle, RT_HALF_DEPTH_BEFORE, 7, 6, (float[4]){50});
+        twin_put_half(&test.twin, RT_HALF_DEPTH_BEFORE, 7, 6, (float[4]){50});
         reconstruct_run(&test);
         assert_int_equal(count_void(&test), i);
         test_passes_close(&test);
@@ -292,7 +291,7 @@ static void open_box(struct neph_vulkan *vulkan, const char *assignments, const 
     snprintf(words, sizeof(words), "color_format=float depth_format=float %s", assignments);
     reconstruct_open(vulkan, words, 12, 12, test);
     reconstruct_fill(test, RT_RAY, 1, 1, 1, 0.2f);
-    neph_rt_put_tile(&test->oracle, RT_RAY, 2, 2, (float[4]){3, 2, 1, 0.6f});
+    twin_put_tile(&test->twin, RT_RAY, 2, 2, (float[4]){3, 2, 1, 0.6f});
     reconstruct_fill(test, RT_HISTORY_BEFORE, history[0], history[1], history[2], history[3]);
     reconstruct_fill(test, RT_HISTORY_STATE_BEFORE, age, 100, 0, 0);
 }
@@ -331,8 +330,8 @@ static void test_colours_are_clipped(void **state)
         int at[2];
         skipped_one(&test, at);
         float value[4], kept[4];
-        neph_rt_fetch_half(&test.oracle, RT_HISTORY, at[0], at[1], value);
-        neph_rt_fetch_half(&test.oracle, RT_HISTORY_STATE, at[0], at[1], kept);
+        twin_fetch_half(&test.twin, RT_HISTORY, at[0], at[1], value);
+        twin_fetch_half(&test.twin, RT_HISTORY_STATE, at[0], at[1], kept);
         for (int c = 0; c < 4; c++)
             neph_assert_close(value[c], cases[i].expected[c], 1e-6, 0);
         neph_assert_close(kept[0], cases[i].expected_age, 1e-6, 0);
@@ -356,8 +355,8 @@ static void test_a_fading_mean(void **state)
         int at[2];
         reconstruct_marched(&test, 1, 1, at);
         float value[4], kept[4];
-        neph_rt_fetch_half(&test.oracle, RT_HISTORY, at[0], at[1], value);
-        neph_rt_fetch_half(&test.oracle, RT_HISTORY_STATE, at[0], at[1], kept);
+        twin_fetch_half(&test.twin, RT_HISTORY, at[0], at[1], value);
+        twin_fetch_half(&test.twin, RT_HISTORY_STATE, at[0], at[1], kept);
         const double weight = cases[i].part * 0.95 * 8 / 9;
         neph_assert_close(value[0], 1 + weight * (cases[i].held - 1), 1e-6, 0);
         neph_assert_close(kept[0], 9, 0, 0);
@@ -379,7 +378,7 @@ static void test_the_sky_is_not_in_the_box_of_solids(void **state)
         int at[2];
         skipped_one(&test, at);
         float value[4];
-        neph_rt_fetch_half(&test.oracle, RT_HISTORY, at[0], at[1], value);
+        twin_fetch_half(&test.twin, RT_HISTORY, at[0], at[1], value);
         assert_true(value[0] == (i ? 8.0f : 9.0f));
         test_passes_close(&test);
     }
@@ -397,7 +396,7 @@ static void test_fresh_rays_are_mixed_tone_mapped(void **state)
     int at[2];
     reconstruct_marched(&test, 1, 1, at);
     float value[4];
-    neph_rt_fetch_half(&test.oracle, RT_HISTORY, at[0], at[1], value);
+    twin_fetch_half(&test.twin, RT_HISTORY, at[0], at[1], value);
     const double expected[4] = {7.0 / 3.0, 3, 0, 0.9};
     for (int c = 0; c < 4; c++)
         neph_assert_close(value[c], expected[c], 1e-6, 0);
@@ -426,9 +425,9 @@ static void upscale(struct test_passes *test, int x, int y, float value[4])
     struct neph_diag diag = {0};
     test_passes_run(test, &neph_rt_shader_upscale, 0, 12 * 12);
     neph_assert_ok(
-        neph_rt_device_download(&test->device, RT_VOLUME, test->oracle.targets[RT_VOLUME], &diag),
+        neph_rt_device_download(&test->device, RT_VOLUME, test->twin.targets[RT_VOLUME], &diag),
         &diag);
-    neph_rt_fetch_full(&test->oracle, RT_VOLUME, x, y, value);
+    twin_fetch_full(&test->twin, RT_VOLUME, x, y, value);
 }
 
 /* The weights that HDRP has in its table for the upper left pixel of a half-pixel, row by row. */
@@ -443,7 +442,7 @@ static void test_square_weights_are_the_published(void **state)
         struct test_passes test;
         float value[4];
         open_upscale(*state, "upscale=square", &test);
-        neph_rt_put_half(&test.oracle, RT_HISTORY, 2 + i % 3, 2 + i / 3, (float[4]){1, 0, 0, 1});
+        twin_put_half(&test.twin, RT_HISTORY, 2 + i % 3, 2 + i / 3, (float[4]){1, 0, 0, 1});
         upscale(&test, 6, 6, value);
         neph_assert_close(value[0], weights[i] / total, 0, 1e-6); /* six digits */
         test_passes_close(&test);
@@ -470,8 +469,8 @@ static void test_inverse_weights(void **state)
         float value[4];
         open_upscale(*state, cases[i].assignments, &test);
         reconstruct_fill(&test, RT_HALF_DEPTH, cases[i].other_m, 0, 0, 0);
-        neph_rt_put_half(&test.oracle, RT_HALF_DEPTH, 3, 3, (float[4]){100});
-        neph_rt_put_half(&test.oracle, RT_HISTORY, 3, 3, (float[4]){1, 0, 0, 1});
+        twin_put_half(&test.twin, RT_HALF_DEPTH, 3, 3, (float[4]){100});
+        twin_put_half(&test.twin, RT_HISTORY, 3, 3, (float[4]){1, 0, 0, 1});
         upscale(&test, 6, 6, value);
         neph_assert_close(value[0], cases[i].expected, 1e-6, 0);
         test_passes_close(&test);
@@ -490,8 +489,8 @@ static void test_contrast_of_opacity(void **state)
         open_upscale(*state, assignments[i], &test);
         reconstruct_fill(&test, RT_HALF_DEPTH, 500, 0, 0, 0);
         reconstruct_fill(&test, RT_HISTORY, 0, 0, 0, 0.97f);
-        neph_rt_put_half(&test.oracle, RT_HALF_DEPTH, 2, 2, (float[4]){100});
-        neph_rt_put_half(&test.oracle, RT_HISTORY, 2, 2, (float[4]){1, 0, 0, 0.99f});
+        twin_put_half(&test.twin, RT_HALF_DEPTH, 2, 2, (float[4]){100});
+        twin_put_half(&test.twin, RT_HISTORY, 2, 2, (float[4]){1, 0, 0, 0.99f});
         upscale(&test, 6, 6, value);
         neph_assert_close(value[0], i ? 1.0 : 0.25, 1e-6, 0);
         test_passes_close(&test);

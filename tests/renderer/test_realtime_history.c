@@ -27,7 +27,7 @@ static void open_ramp(struct neph_vulkan *vulkan, const char *assignments, int w
 static bool found_at(const struct test_passes *test, int x, int y, double place_px[2])
 {
     float value[4];
-    neph_rt_fetch_half(&test->oracle, RT_HISTORY, x, y, value);
+    twin_fetch_half(&test->twin, RT_HISTORY, x, y, value);
     for (int axis = 0; axis < 2; axis++)
         place_px[axis] = 2.0 * value[axis] + 1.0;
     return value[0] > 0.0f && value[0] < (float)test->view.half_size_px[0] - 1.0f &&
@@ -204,7 +204,7 @@ static void test_filters_are_exact_on_polynomials(void **state)
                                         : degree == 1 ? u + v
                                                       : u * u + u * v + v * v;
                 float value[4];
-                neph_rt_fetch_half(&test.oracle, RT_HISTORY, x, y, value);
+                twin_fetch_half(&test.twin, RT_HISTORY, x, y, value);
                 /* 1e-4 px of place, and rounding */
                 neph_assert_close(value[0], expected, 1e-6, degree * 2e-6);
             }
@@ -224,17 +224,17 @@ static void test_void_taps_have_no_weight(void **state)
         test.view.before.right[2] -= shift; /* a quarter of a half-pixel to the right */
         for (int y = 0; y < 18; y++)
             for (int x = 0; x < 32; x++) {
-                neph_rt_put_half(&test.oracle, RT_HISTORY_STATE_BEFORE, x, y,
-                                 (float[4]){x < 16 ? (float)x : 0.0f, 100});
+                twin_put_half(&test.twin, RT_HISTORY_STATE_BEFORE, x, y,
+                              (float[4]){x < 16 ? (float)x : 0.0f, 100});
                 if (x == 5 && y == 5) /* unsound for all its age */
-                    neph_rt_put_half(&test.oracle, RT_HISTORY_BEFORE, x, y,
-                                     (float[4]){NAN, 1e30f, -1, INFINITY});
+                    twin_put_half(&test.twin, RT_HISTORY_BEFORE, x, y,
+                                  (float[4]){NAN, 1e30f, -1, INFINITY});
             }
         reconstruct_run(&test);
         for (int x = 1; x < 30; x++) {
             float value[4], history[4];
-            neph_rt_fetch_half(&test.oracle, RT_HISTORY, x, 5, value);
-            neph_rt_fetch_half(&test.oracle, RT_HISTORY_STATE, x, 5, history);
+            twin_fetch_half(&test.twin, RT_HISTORY, x, 5, value);
+            twin_fetch_half(&test.twin, RT_HISTORY_STATE, x, 5, history);
             const double expected = x == 4 ? 4 : x == 5 ? 6 : x == 15 ? 15 : x + 0.25;
             const double age = x == 5 ? 6 : x < 16 ? x : 1;
             if (x < 16)
@@ -278,8 +278,8 @@ static int count_without_history(const struct test_passes *test)
     for (int i = 0; i < (int)reconstruct_threads(test); i++) {
         float value[4], history[4];
         const int x = i % (int)test->view.half_size_px[0], y = i / (int)test->view.half_size_px[0];
-        neph_rt_fetch_half(&test->oracle, RT_HISTORY, x, y, value);
-        neph_rt_fetch_half(&test->oracle, RT_HISTORY_STATE, x, y, history);
+        twin_fetch_half(&test->twin, RT_HISTORY, x, y, value);
+        twin_fetch_half(&test->twin, RT_HISTORY_STATE, x, y, history);
         count += value[0] == 0.5f;
         assert_true(value[0] == 0.5f ? history[0] == 1.0f : value[0] == 0.25f);
     }
@@ -363,9 +363,9 @@ static void test_what_was_hidden_is_rejected(void **state)
         for (int y = 0; y < 18; y++)
             for (int x = 0; x < 32; x++) {
                 const bool is_post = x >= 12 && x < 20, was_post = x >= 8 && x < 16;
-                neph_rt_put_half(&test.oracle, RT_HALF_DEPTH, x, y, (float[4]){is_post ? 10 : 100});
-                neph_rt_put_half(&test.oracle, RT_HALF_DEPTH_BEFORE, x, y,
-                                 (float[4]){was_post ? 10 : 100});
+                twin_put_half(&test.twin, RT_HALF_DEPTH, x, y, (float[4]){is_post ? 10 : 100});
+                twin_put_half(&test.twin, RT_HALF_DEPTH_BEFORE, x, y,
+                              (float[4]){was_post ? 10 : 100});
             }
         reconstruct_run(&test);
         assert_int_equal(count_without_history(&test), cases[i].columns * 18);
@@ -386,8 +386,8 @@ static void test_a_steady_scene_is_not_rejected(void **state)
         for (int y = 0; y < 18; y++)
             for (int x = 0; x < 32; x++) {
                 const float depth[4] = {x % 2 == y % 2 ? 10.0f : far_m};
-                neph_rt_put_half(&test.oracle, RT_HALF_DEPTH, x, y, depth);
-                neph_rt_put_half(&test.oracle, RT_HALF_DEPTH_BEFORE, x, y, depth);
+                twin_put_half(&test.twin, RT_HALF_DEPTH, x, y, depth);
+                twin_put_half(&test.twin, RT_HALF_DEPTH_BEFORE, x, y, depth);
             }
         /* by 0 to 5 half-pixels; eye depths of solids stay as they are */
         test.view.before.right[2] -= (float)(i % 6) * 2.0f * 2.0f / 64 *
@@ -410,7 +410,7 @@ static void put_own_rays(struct test_passes *test)
             reconstruct_marched(test, x, y, own);
             const float value[4] = {(float)own[0], (float)own[1], (float)((own[0] ^ own[1]) % 8),
                                     (float)(own[0] % 5) / 4.0f};
-            neph_rt_put_tile(&test->oracle, RT_RAY, x, y, value);
+            twin_put_tile(&test->twin, RT_RAY, x, y, value);
         }
 }
 
@@ -419,7 +419,7 @@ static void assert_own_rays(const struct test_passes *test)
     for (int y = 0; y < (int)test->view.half_size_px[1]; y++)
         for (int x = 0; x < (int)test->view.half_size_px[0]; x++) {
             float value[4];
-            neph_rt_fetch_half(&test->oracle, RT_HISTORY, x, y, value);
+            twin_fetch_half(&test->twin, RT_HISTORY, x, y, value);
             assert_true(value[0] == (float)x && value[1] == (float)y &&
                         value[2] == (float)((x ^ y) % 8) && value[3] == (float)(x % 5) / 4.0f);
         }
@@ -495,7 +495,7 @@ static int count_unsound(const struct test_passes *test)
     for (size_t i = 0; i < test_elements(test, RT_HISTORY); i++) {
         float value[4];
         test_get(test, RT_HISTORY, i, value);
-        count += !neph_rt_is_sound(value);
+        count += !twin_is_sound(value);
     }
     return count;
 }
@@ -515,13 +515,13 @@ static void test_a_bad_ray_is_not_used(void **state)
         reconstruct_fill(&test, RT_HISTORY_BEFORE, 0.5f, 0.5f, 0.5f, 0.5f);
         test.view.before.right[2] -= 0.6f * 2 / 64 * test.view.before.tan_half_width;
         test.view.before.up[2] -= 0.6f * 2 / 36 * test.view.before.tan_half_height;
-        neph_rt_put_tile(&test.oracle, RT_RAY, 8, 5, (float[4]){0.5f, bad[i % 3], 0.5f, 0.5f});
+        twin_put_tile(&test.twin, RT_RAY, 8, 5, (float[4]){0.5f, bad[i % 3], 0.5f, 0.5f});
         int unsound[8];
         for (int frame = 0; frame < 8; frame++) {
             reconstruct_run(&test);
             unsound[frame] = count_unsound(&test);
             reconstruct_next_frame(&test);
-            neph_rt_put_tile(&test.oracle, RT_RAY, 8, 5, (float[4]){0.5f, 0.5f, 0.5f, 0.5f});
+            twin_put_tile(&test.twin, RT_RAY, 8, 5, (float[4]){0.5f, 0.5f, 0.5f, 0.5f});
         }
         for (int frame = 0; frame < 8 && i < 3; frame++)
             assert_int_equal(unsound[frame], 0);
@@ -539,14 +539,14 @@ static void test_without_any_ray(void **state)
     struct test_passes test;
     reconstruct_open(*state, "", 64, 36, &test);
     for (int i = 0; i < 9; i++)
-        neph_rt_put_tile(&test.oracle, RT_RAY, 7 + i % 3, 3 + i / 3, (float[4]){NAN, 0, 0, 1});
+        twin_put_tile(&test.twin, RT_RAY, 7 + i % 3, 3 + i / 3, (float[4]){NAN, 0, 0, 1});
     reconstruct_fill(&test, RT_HISTORY_BEFORE, 0.5f, 0.5f, 0.5f, 0.5f);
     reconstruct_run(&test);
     int void_count = 0;
     for (int i = 0; i < 32 * 18; i++) {
         float value[4], history[4];
-        neph_rt_fetch_half(&test.oracle, RT_HISTORY, i % 32, i / 32, value);
-        neph_rt_fetch_half(&test.oracle, RT_HISTORY_STATE, i % 32, i / 32, history);
+        twin_fetch_half(&test.twin, RT_HISTORY, i % 32, i / 32, value);
+        twin_fetch_half(&test.twin, RT_HISTORY_STATE, i % 32, i / 32, history);
         void_count += history[0] == 0.0f;
         if (history[0] == 0.0f)
             assert_true(value[0] == 0.0f && value[3] == 1.0f && i % 32 / 2 == 8 && i / 64 == 4);
@@ -622,8 +622,8 @@ static void test_ages_average_rays(void **state)
                 int own[2];
                 reconstruct_marched(&test, 1, 1, own);
                 float value[4], history[4];
-                neph_rt_fetch_half(&test.oracle, RT_HISTORY, own[0], own[1], value);
-                neph_rt_fetch_half(&test.oracle, RT_HISTORY_STATE, own[0], own[1], history);
+                twin_fetch_half(&test.twin, RT_HISTORY, own[0], own[1], value);
+                twin_fetch_half(&test.twin, RT_HISTORY_STATE, own[0], own[1], history);
                 neph_assert_close(value[0], expected, 1e-6, 0);
                 neph_assert_close(history[0], frame / 4 + 1, 0, 0);
             }
@@ -681,11 +681,11 @@ static void test_a_view_is_what_it_is_alone(void **state)
                     value[0] = (float)(test_random(&seed) % 4);
                 const int x = e % width, y = e / width;
                 if (is_tile) {
-                    neph_rt_put_tile(&alone.oracle, inputs[t], x, y, value);
-                    neph_rt_put_tile(&beside.oracle, inputs[t], x, y, value);
+                    twin_put_tile(&alone.twin, inputs[t], x, y, value);
+                    twin_put_tile(&beside.twin, inputs[t], x, y, value);
                 } else {
-                    neph_rt_put_half(&alone.oracle, inputs[t], x, y, value);
-                    neph_rt_put_half(&beside.oracle, inputs[t], x, y, value);
+                    twin_put_half(&alone.twin, inputs[t], x, y, value);
+                    twin_put_half(&beside.twin, inputs[t], x, y, value);
                 }
             }
         }
@@ -693,8 +693,8 @@ static void test_a_view_is_what_it_is_alone(void **state)
         reconstruct_run(&beside);
         for (int e = 0; e < 31 * 18; e++) {
             float a[4], b[4];
-            neph_rt_fetch_half(&alone.oracle, RT_HISTORY, e % 31, e / 31, a);
-            neph_rt_fetch_half(&beside.oracle, RT_HISTORY, e % 31, e / 31, b);
+            twin_fetch_half(&alone.twin, RT_HISTORY, e % 31, e / 31, a);
+            twin_fetch_half(&beside.twin, RT_HISTORY, e % 31, e / 31, b);
             assert_memory_equal(a, b, sizeof(a));
         }
         test_passes_close(&alone);

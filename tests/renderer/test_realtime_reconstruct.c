@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT
  *
- * The reconstruction against its oracle, and what its choice of rays and its box do (A8-A10, A12).
+ * The reconstruction against its twin, and what its choice of rays and its box do (A8-A10, A12).
  * Where history comes from is tested in test_realtime_history.c.
  */
 #include "tests/renderer/reconstruct_test.h"
 
 static const int sizes_px[][2] = {{1, 1}, {2, 3}, {5, 4}, {64, 36}, {127, 33}, {641, 363}};
 
-/* --- against the oracle ------------------------------------------------------------------------
+/* --- against the twin ------------------------------------------------------------------------
  */
 
 static double pick(uint64_t *seed, double a, double b, double c)
@@ -112,7 +112,7 @@ static void fill_at_random(struct test_passes *test, uint64_t *seed)
     const bool may_be_bad = test->view.settings[RT_VALIDITY] != 0.0f;
     float value[4];
     for (size_t i = 0; i < test_elements(test, RT_TILE); i++) {
-        const float units = neph_rt_stored_depth_m(&test->view, random_depth_m(seed)) * 1e-4f;
+        const float units = twin_stored_depth_m(&test->view, random_depth_m(seed)) * 1e-4f;
         test_set(test, RT_TILE, i, (float[4]){(float)(test_random(seed) % 4), units});
         random_light(seed, may_be_bad, value);
         test_set(test, RT_RAY, i, value);
@@ -149,7 +149,7 @@ static void open_at_random(struct neph_vulkan *vulkan, const struct neph_setting
 static void compare_words(struct test_passes *test, uint64_t seed)
 {
     test_passes_run(test, &neph_rt_shader_reconstruct, 0, reconstruct_threads(test));
-    neph_rt_oracle_reconstruct(&test->oracle);
+    twin_reconstruct(&test->twin);
     test_same_words(test, RT_HISTORY, seed);
     test_same_words(test, RT_HISTORY_STATE, seed);
 }
@@ -169,7 +169,7 @@ static void choose_single_rays(struct neph_settings *settings)
 }
 
 /* A cut leaves nothing but rays: each half-pixel shows which one it chose. */
-static void test_chosen_rays_are_the_oracle_s(void **state)
+static void test_chosen_rays_are_the_twin_s(void **state)
 {
     uint64_t seed = 11;
     for (size_t s = 0; s < sizeof(sizes_px) / sizeof(sizes_px[0]); s++)
@@ -188,7 +188,7 @@ static void test_chosen_rays_are_the_oracle_s(void **state)
 
 /* A history that is brighter or darker than every ray comes out as one side of the box: bit by bit
  * a ray's channel, and the same one when both sides accept the same rays. */
-static void test_boxes_hold_the_oracle_s_rays(void **state)
+static void test_boxes_hold_the_twin_s_rays(void **state)
 {
     uint64_t seed = 12;
     for (size_t s = 0; s < sizeof(sizes_px) / sizeof(sizes_px[0]); s++)
@@ -235,7 +235,7 @@ static void disturb(struct neph_rt_view *view, int way)
         axis[k] += (float)(shift * camera->forward[k]);
 }
 
-/* What the oracle has for a target, and how much its own result changes when the camera before is
+/* What the twin has for a target, and how much its own result changes when the camera before is
  * disturbed by as much as its places may be off: a slope in smooth places, all of it where a
  * decision is at stake. Places are exact when nothing moves. */
 struct expected {
@@ -244,7 +244,7 @@ struct expected {
     double (*doubt)[4];
 };
 
-static void ask_oracle(struct test_passes *test, struct expected expected[2])
+static void ask_twin(struct test_passes *test, struct expected expected[2])
 {
     const size_t count = test_elements(test, RT_HISTORY);
     const struct neph_rt_camera camera = test->view.before;
@@ -254,7 +254,7 @@ static void ask_oracle(struct test_passes *test, struct expected expected[2])
     for (int way = -1; way < (is_still ? 0 : 10); way++) {
         if (way >= 0)
             disturb(&test->view, way);
-        neph_rt_oracle_reconstruct(&test->oracle);
+        twin_reconstruct(&test->twin);
         test->view.before = camera;
         for (int t = 0; t < 2; t++)
             for (size_t i = 0; i < count; i++) {
@@ -296,7 +296,7 @@ static void compare_value(struct test_passes *test, const struct expected *expec
                                rounding_error(&test->view, expected->target, c, value);
         if (!(actual[c] == value || fabs(actual[c] - value) <= allowed))
             fail_msg("seed %llu: channel %d of element %zu of target %d is %.9g, %.9g in the "
-                     "oracle, allowed %.3g",
+                     "twin, allowed %.3g",
                      (unsigned long long)seed, c, i, expected->target, (double)actual[c], value,
                      allowed);
     }
@@ -311,7 +311,7 @@ static size_t compare_values(struct test_passes *test, uint64_t seed)
         expected[t].value = calloc(count, sizeof(*expected[t].value));
         expected[t].doubt = calloc(count, sizeof(*expected[t].doubt));
     }
-    ask_oracle(test, expected);
+    ask_twin(test, expected);
     size_t doubtful = 0;
     for (int t = 0; t < 2; t++) {
         reconstruct_fetch(test, expected[t].target);
@@ -340,7 +340,7 @@ static void move_at_random(struct neph_rt_view *view, double much, uint64_t *see
 }
 
 /* Any camera, any settings. A still one is compared without any doubt. */
-static void test_values_are_the_oracle_s(void **state)
+static void test_values_are_the_twin_s(void **state)
 {
     uint64_t seed = 13;
     size_t doubtful = 0, total = 0;
@@ -371,17 +371,17 @@ static void put_ray(struct test_passes *test, int x, int y, double depth_m, doub
                     double transmittance)
 {
     float tile[4];
-    neph_rt_fetch_tile(&test->oracle, RT_TILE, x, y, tile);
+    twin_fetch_tile(&test->twin, RT_TILE, x, y, tile);
     tile[1] = (float)(depth_m * 1e-4);
-    neph_rt_put_tile(&test->oracle, RT_TILE, x, y, tile);
+    twin_put_tile(&test->twin, RT_TILE, x, y, tile);
     const float value[4] = {(float)light, (float)light, (float)light, (float)transmittance};
-    neph_rt_put_tile(&test->oracle, RT_RAY, x, y, value);
+    twin_put_tile(&test->twin, RT_RAY, x, y, value);
 }
 
 static double light_at(const struct test_passes *test, int x, int y)
 {
     float value[4];
-    neph_rt_fetch_half(&test->oracle, RT_HISTORY, x, y, value);
+    twin_fetch_half(&test->twin, RT_HISTORY, x, y, value);
     return value[0];
 }
 
@@ -415,8 +415,8 @@ static void test_far_ridges_take_the_sky_s_light(void **state)
                 put_ray(&test, x, 0, 50, 0, 1);
             put_ray(&test, 1, 0, fmin(ridges_m[i], 10000), 1, 1);
             put_ray(&test, 2, 0, 20000, 2, 1);
-            neph_rt_put_half(&test.oracle, RT_HALF_DEPTH, skipped[0], skipped[1],
-                             (float[4]){(float)ridges_m[i]});
+            twin_put_half(&test.twin, RT_HALF_DEPTH, skipped[0], skipped[1],
+                          (float[4]){(float)ridges_m[i]});
             reconstruct_run(&test);
             neph_assert_close(light_at(&test, skipped[0], skipped[1]), limited ? 1.0 : unlimited[i],
                               0, 0);
@@ -513,7 +513,7 @@ static void test_spaces_keep_light_sound(void **state)
         for (size_t t = 0; t < test_elements(&test, RT_HISTORY); t++) {
             float value[4];
             test_get(&test, RT_HISTORY, t, value);
-            assert_true(neph_rt_is_sound(value));
+            assert_true(twin_is_sound(value));
         }
         test_passes_close(&test);
     }
@@ -534,7 +534,7 @@ static void test_no_corner_of_the_box_is_a_firefly(void **state)
     const double brightest = 0.7152 * 70 + 0.0722 * 690;
     for (int x = 2; x < 30; x++) {
         float value[4];
-        neph_rt_fetch_half(&test.oracle, RT_HISTORY, x, 9, value);
+        twin_fetch_half(&test.twin, RT_HISTORY, x, 9, value);
         const double luminance = 0.2126 * value[0] + 0.7152 * value[1] + 0.0722 * value[2];
         assert_true(value[0] > 50.0f);
         assert_true(luminance < 1.3 * (1.0 + brightest));
@@ -556,8 +556,8 @@ static void test_spaces_leave_what_is_in_the_box(void **state)
         reconstruct_run(&test);
         for (int x = 2; x < 30; x++) {
             float before[4], value[4];
-            neph_rt_fetch_half(&test.oracle, RT_HISTORY_BEFORE, x, 9, before);
-            neph_rt_fetch_half(&test.oracle, RT_HISTORY, x, 9, value);
+            twin_fetch_half(&test.twin, RT_HISTORY_BEFORE, x, 9, before);
+            twin_fetch_half(&test.twin, RT_HISTORY, x, 9, value);
             assert_memory_equal(value, before, sizeof(value));
         }
         test_passes_close(&test);
@@ -612,8 +612,8 @@ static void test_where_gathered_depths_drift(void **state)
             put_ray(&test, x, 0, 100 + x, x, 1);
         for (int x = 0; x < 160; x++)
             for (int k = 0; k < 4; k++)
-                neph_rt_put_half(&test.oracle, RT_HALF_DEPTH, 2 * x + k % 2, k / 2,
-                                 (float[4]){101.0f + (float)x});
+                twin_put_half(&test.twin, RT_HALF_DEPTH, 2 * x + k % 2, k / 2,
+                              (float[4]){101.0f + (float)x});
         reconstruct_run(&test);
         for (int x = 0; x < 159; x++) {
             int skipped[2];
@@ -628,9 +628,9 @@ static void test_where_gathered_depths_drift(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_chosen_rays_are_the_oracle_s),
-        cmocka_unit_test(test_boxes_hold_the_oracle_s_rays),
-        cmocka_unit_test(test_values_are_the_oracle_s),
+        cmocka_unit_test(test_chosen_rays_are_the_twin_s),
+        cmocka_unit_test(test_boxes_hold_the_twin_s_rays),
+        cmocka_unit_test(test_values_are_the_twin_s),
         cmocka_unit_test(test_far_ridges_take_the_sky_s_light),
         cmocka_unit_test(test_a_box_of_one_ray_erases_history),
         cmocka_unit_test(test_variance_box),

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * One frame of temporal anti-aliasing (D2-D8, D10) against its oracle, closed forms and bad
+ * One frame of temporal anti-aliasing (D2-D8, D10) against its twin, closed forms and bad
  * numbers; and the jitter that goes before it (D1). What many frames make of it:
  * test_realtime_taa_film.c.
  */
@@ -121,20 +121,20 @@ static void fill_depths(struct test_passes *test, uint64_t *seed)
 static double pixel_value(const struct test_passes *test, int target, int x, int y, int channel)
 {
     float value[4];
-    neph_rt_fetch_full(&test->oracle, target, x, y, value);
+    twin_fetch_full(&test->twin, target, x, y, value);
     return value[channel];
 }
 
-/* Take the device's output for the oracle's. */
+/* Take the device's output for the twin's. */
 static void take_output(struct test_passes *test)
 {
     uint32_t *words = test_download(test, RT_TAA_OUT);
-    memcpy(test->oracle.targets[RT_TAA_OUT], words,
+    memcpy(test->twin.targets[RT_TAA_OUT], words,
            neph_rt_device_words(&test->device, RT_TAA_OUT) * sizeof(*words));
     free(words);
 }
 
-/* --- against the oracle ---------------------------------------------------------------------- */
+/* --- against the twin ---------------------------------------------------------------------- */
 
 /* Any choice for every setting; returned to be printed. */
 static struct neph_settings random_settings(uint64_t *seed, char *text, size_t text_size)
@@ -170,7 +170,7 @@ static struct neph_settings random_settings(uint64_t *seed, char *text, size_t t
     return test_settings(text);
 }
 
-/* How far the device may be from the oracle when no colour is above `most`. float32 rounds some 60
+/* How far the device may be from the twin when no colour is above `most`. float32 rounds some 60
  * times on the way (16 + 9 taps with their weights, box, blend), each time by up to an ulp and
  * either way, which is some 8 ulps together, and twice that is allowed (worst of a million pixels:
  * 5). Multiplied where a step is ill-conditioned: the contrast law acts on differences down to
@@ -201,7 +201,7 @@ static void compare(struct test_passes *test, double most, uint64_t seed, const 
             if (!(fabs((double)actual[c] - (double)expected[c]) <=
                   allowed(&test->view, expected[c], most)) &&
                 !(isnan(actual[c]) && isnan(expected[c]))) /* 0 / 0 without guard */
-                fail_msg("seed %llu, %s: element %zu channel %d is %.9g, %.9g in the oracle, "
+                fail_msg("seed %llu, %s: element %zu channel %d is %.9g, %.9g in the twin, "
                          "allowed %.3g",
                          (unsigned long long)seed, settings, i, c, (double)actual[c],
                          (double)expected[c], allowed(&test->view, expected[c], most));
@@ -209,7 +209,7 @@ static void compare(struct test_passes *test, double most, uint64_t seed, const 
     free(words);
 }
 
-static void test_the_pass_equals_the_oracle(void **state)
+static void test_the_pass_equals_the_twin(void **state)
 {
     static const double brightest[] = {1e-3, 1.0, 100.0, 6e4};
     uint64_t seed = 1;
@@ -233,14 +233,14 @@ static void test_the_pass_equals_the_oracle(void **state)
         fill_colours(&test, RT_COLOR, most, &seed);
         fill_colours(&test, RT_TAA_BEFORE, most, &seed);
         run(&test);
-        neph_rt_oracle_taa(&test.oracle);
+        twin_taa(&test.twin);
         compare(&test, most, start, text);
         test_passes_close(&test);
     }
 }
 
 /* In all settings, with numbers that no renderer should make in both pictures. What comes out is a
- * colour, and the oracle's. Where it differs from the oracle's, the brightest held number, 65504,
+ * colour, and the twin's. Where it differs from the twin's, the brightest held number, 65504,
  * sets the scale. */
 static void test_the_guard_keeps_bad_numbers_out(void **state)
 {
@@ -270,7 +270,7 @@ static void test_the_guard_keeps_bad_numbers_out(void **state)
             }
         }
         run(&test);
-        neph_rt_oracle_taa(&test.oracle);
+        twin_taa(&test.twin);
         compare(&test, 65504.0, start, text);
         take_output(&test);
         for (size_t i = 0; i < test_elements(&test, RT_TAA_OUT); i++) {
@@ -350,9 +350,9 @@ static void test_the_history_comes_from_where_things_were(void **state)
         fill_depths(&test, &seed);
         for (int y = 0; y < size_px[1]; y++)
             for (int x = 0; x < size_px[0]; x++) {
-                neph_rt_put_full(&test.oracle, RT_TAA_BEFORE, x, y,
-                                 (float[4]){(float)x + 0.5f, (float)y + 0.5f, 1.0f});
-                neph_rt_put_full(&test.oracle, RT_COLOR, x, y, (float[4]){0.0f, 0.0f, 2.0f});
+                twin_put_full(&test.twin, RT_TAA_BEFORE, x, y,
+                              (float[4]){(float)x + 0.5f, (float)y + 0.5f, 1.0f});
+                twin_put_full(&test.twin, RT_COLOR, x, y, (float[4]){0.0f, 0.0f, 2.0f});
             }
         run(&test);
         take_output(&test);
@@ -500,9 +500,9 @@ static void test_the_filter_is_about_the_unjittered_place(void **state)
             test.view.jitter_px[axis] = (float)jitter_px[axis];
         for (int y = 0; y < 16; y++)
             for (int x = 0; x < 16; x++)
-                neph_rt_put_full(&test.oracle, RT_COLOR, x, y,
-                                 (float[4]){x == 8 && y == 8, (float)(x + jitter_px[0]) + 1.0f,
-                                            (float)(y + jitter_px[1]) + 1.0f});
+                twin_put_full(&test.twin, RT_COLOR, x, y,
+                              (float[4]){x == 8 && y == 8, (float)(x + jitter_px[0]) + 1.0f,
+                                         (float)(y + jitter_px[1]) + 1.0f});
         run(&test);
         take_output(&test);
         double sum = 0.0;
@@ -560,7 +560,7 @@ static void test_the_box_is_that_of_its_name(void **state)
             test_set(&test, RT_DEPTH, e, (float[4]){1.0f});
             test_set(&test, RT_TAA_BEFORE, e, (float[4]){5.0f, 5.0f, 5.0f});
         }
-        neph_rt_put_full(&test.oracle, RT_COLOR, 4, 4, (float[4]){1.0f, 1.0f, 1.0f});
+        twin_put_full(&test.twin, RT_COLOR, 4, 4, (float[4]){1.0f, 1.0f, 1.0f});
         run(&test);
         take_output(&test);
         neph_assert_close(pixel_value(&test, RT_TAA_OUT, 4, 4, 1), cases[i].centre, 1e-6, 0.0);
@@ -619,11 +619,11 @@ static void test_a_history_in_the_box_is_left_alone(void **state)
             for (int x = 0; x < 64; x++) {
                 /* each plus has all five kinds, the extremes of all three spaces */
                 const int kind = (x + 2 * y) % 5;
-                neph_rt_put_full(&test.oracle, RT_DEPTH, x, y, (float[4]){1.0f});
-                neph_rt_put_full(&test.oracle, RT_COLOR, x, y,
-                                 (float[4]){kind == 1 || kind == 3 ? 9.0f : 0.0f,
-                                            kind == 2 || kind == 3 ? 9.0f : 0.0f,
-                                            kind == 1 || kind == 4 ? 9.0f : 0.0f});
+                twin_put_full(&test.twin, RT_DEPTH, x, y, (float[4]){1.0f});
+                twin_put_full(&test.twin, RT_COLOR, x, y,
+                              (float[4]){kind == 1 || kind == 3 ? 9.0f : 0.0f,
+                                         kind == 2 || kind == 3 ? 9.0f : 0.0f,
+                                         kind == 1 || kind == 4 ? 9.0f : 0.0f});
             }
         run(&test);
         take_output(&test);
@@ -659,10 +659,10 @@ static void test_the_contrast_law_takes_small_differences_whole(void **state)
         const double r = pow(10.0, -3.0 + 4.0 * x / 63.0);
         const float above = (float)(luma * (1.0 + r)), below = (float)(luma * (1.0 - fmin(r, 0.9)));
         for (int y = 0; y < 2; y++) {
-            neph_rt_put_full(&test.oracle, RT_DEPTH, x, y, (float[4]){1.0f});
-            neph_rt_put_full(&test.oracle, RT_TAA_BEFORE, x, y, (float[4]){luma, luma, luma});
+            twin_put_full(&test.twin, RT_DEPTH, x, y, (float[4]){1.0f});
+            twin_put_full(&test.twin, RT_TAA_BEFORE, x, y, (float[4]){luma, luma, luma});
             const float value = y ? below : above;
-            neph_rt_put_full(&test.oracle, RT_COLOR, x, y, (float[4]){value, value, value});
+            twin_put_full(&test.twin, RT_COLOR, x, y, (float[4]){value, value, value});
         }
     }
     run(&test);
@@ -744,7 +744,7 @@ static void test_hdr_weights_hold_bright_samples_back(void **state)
     test_passes_close(&test);
 }
 
-/* Every output is one of the two halves around the exact value, the oracle's choice bit by bit, and
+/* Every output is one of the two halves around the exact value, the twin's choice bit by bit, and
  * the mean of 12288 is the value: to 4 standard errors, a half's step / 2 / sqrt(12288) each. */
 static void test_rounding_by_chance_is_right_on_average(void **state)
 {
@@ -758,7 +758,7 @@ static void test_rounding_by_chance_is_right_on_average(void **state)
         for (size_t e = 0; e < 64 * 64; e++)
             test_set(&test, RT_COLOR, e, (float[4]){value, value, value});
         run(&test);
-        neph_rt_oracle_taa(&test.oracle);
+        twin_taa(&test.twin);
         test_same_words(&test, RT_TAA_OUT, v);
         const double step = fmax(ldexp(1.0, ilogb(values[v] > 0.0 ? values[v] : 1.0) - 10),
                                  0x1p-24);
@@ -778,7 +778,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_the_eight_places_are_those_of_unreal),
         cmocka_unit_test(test_jitter_stays_in_the_pixel_and_repeats),
-        cmocka_unit_test(test_the_pass_equals_the_oracle),
+        cmocka_unit_test(test_the_pass_equals_the_twin),
         cmocka_unit_test(test_the_guard_keeps_bad_numbers_out),
         cmocka_unit_test(test_the_history_comes_from_where_things_were),
         cmocka_unit_test(test_nothing_comes_from_behind),

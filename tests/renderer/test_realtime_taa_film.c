@@ -22,15 +22,14 @@ static void film_open(struct neph_vulkan *vulkan, const char *settings_text, con
         test_set(film, RT_DEPTH, i, (float[4]){128.0f});
     struct neph_diag diag = {0};
     neph_assert_ok(
-        neph_rt_device_upload(&film->device, RT_DEPTH, film->oracle.targets[RT_DEPTH], &diag),
-        &diag);
+        neph_rt_device_upload(&film->device, RT_DEPTH, film->twin.targets[RT_DEPTH], &diag), &diag);
 }
 
 static void film_upload(struct test_passes *film, int target)
 {
     struct neph_diag diag = {0};
-    neph_assert_ok(
-        neph_rt_device_upload(&film->device, target, film->oracle.targets[target], &diag), &diag);
+    neph_assert_ok(neph_rt_device_upload(&film->device, target, film->twin.targets[target], &diag),
+                   &diag);
 }
 
 /* The history before the first frame. */
@@ -41,7 +40,7 @@ static void film_start(struct test_passes *film, float value)
     film_upload(film, RT_TAA_BEFORE);
 }
 
-/* Take one more frame in, of which the oracle has the colours. */
+/* Take one more frame in, of which the twin has the colours. */
 static void film_step(struct test_passes *film)
 {
     struct neph_diag diag = {0};
@@ -52,7 +51,7 @@ static void film_step(struct test_passes *film)
                    &diag);
     neph_rt_device_swap(&film->device, RT_TAA_OUT, RT_TAA_BEFORE);
     neph_assert_ok(neph_rt_device_download(&film->device, RT_TAA_BEFORE,
-                                           film->oracle.targets[RT_TAA_BEFORE], &diag),
+                                           film->twin.targets[RT_TAA_BEFORE], &diag),
                    &diag);
     film->view.frame++;
 }

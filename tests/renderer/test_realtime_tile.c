@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Which slot of a tile has the ray (A4-A6): the shader against the oracle, and what the choice does
+ * Which slot of a tile has the ray (A4-A6): the shader against the twin, and what the choice does
  * to the depths that have a ray near by.
  */
 #include "tests/renderer/realtime_test.h"
@@ -28,22 +28,22 @@ static void run_tile_index(struct test_passes *test)
 static void upload(struct test_passes *test, int target)
 {
     struct neph_diag diag = {0};
-    neph_assert_ok(
-        neph_rt_device_upload(&test->device, target, test->oracle.targets[target], &diag), &diag);
+    neph_assert_ok(neph_rt_device_upload(&test->device, target, test->twin.targets[target], &diag),
+                   &diag);
 }
 
-/* The device's RT_TILE becomes the oracle's, to be looked at. */
+/* The device's RT_TILE becomes the twin's, to be looked at. */
 static void fetch_back(struct test_passes *test, int target)
 {
     struct neph_diag diag = {0};
     neph_assert_ok(
-        neph_rt_device_download(&test->device, target, test->oracle.targets[target], &diag), &diag);
+        neph_rt_device_download(&test->device, target, test->twin.targets[target], &diag), &diag);
 }
 
 static int slot_at(const struct test_passes *test, int x, int y)
 {
     float tile[4];
-    neph_rt_fetch_tile(&test->oracle, RT_TILE, x, y, tile);
+    twin_fetch_tile(&test->twin, RT_TILE, x, y, tile);
     return (int)tile[0];
 }
 
@@ -84,8 +84,8 @@ static void fill_depths(struct test_passes *test, uint64_t *seed)
     }
 }
 
-static void compare_with_oracle(struct neph_vulkan *vulkan, const struct neph_settings *settings,
-                                const int size_px[2], uint64_t seed)
+static void compare_with_twin(struct neph_vulkan *vulkan, const struct neph_settings *settings,
+                              const int size_px[2], uint64_t seed)
 {
     uint64_t random = seed;
     struct test_passes test;
@@ -95,16 +95,16 @@ static void compare_with_oracle(struct neph_vulkan *vulkan, const struct neph_se
     test.view.resting = test_random(&random) % 8 == 0;
     fill_depths(&test, &random);
     for (size_t i = 0; i < neph_rt_device_words(&test.device, RT_TILE); i++)
-        test.oracle.targets[RT_TILE][i] = (uint32_t)test_random(&random); /* of another frame */
+        test.twin.targets[RT_TILE][i] = (uint32_t)test_random(&random); /* of another frame */
     upload(&test, RT_HALF_DEPTH);
     upload(&test, RT_TILE);
     run_tile_index(&test);
-    neph_rt_oracle_tile_index(&test.oracle);
+    twin_tile_index(&test.twin);
     test_same_words(&test, RT_TILE, seed);
     test_passes_close(&test);
 }
 
-static void test_tile_index_equals_the_oracle(void **state)
+static void test_tile_index_equals_the_twin(void **state)
 {
     uint64_t seed = 1;
     for (size_t s = 0; s < sizeof(sizes_px) / sizeof(sizes_px[0]); s++) {
@@ -113,7 +113,7 @@ static void test_tile_index_equals_the_oracle(void **state)
             const struct neph_settings settings = random_settings(&seed, i % 3, i / 3 % 2,
                                                                   i / 6 % 2);
             if (!is_large || i % 5 == 0)
-                compare_with_oracle(*state, &settings, sizes_px[s], test_random(&seed));
+                compare_with_twin(*state, &settings, sizes_px[s], test_random(&seed));
         }
     }
 }
@@ -136,7 +136,7 @@ static void test_every_slot_has_a_turn_in_four_frames(void **state)
             run_tile_index(&test);
             fetch_back(&test, RT_TILE);
             for (int t = 0; t < 18; t++) {
-                const int *place = neph_rt_slot_place(&test.view, slot_at(&test, t % 6, t / 6));
+                const int *place = twin_slot_place(&test.view, slot_at(&test, t % 6, t / 6));
                 marched[t] |= 1u << (place[0] + 2 * place[1]);
             }
         }
@@ -174,7 +174,7 @@ static void test_which_orders_see_near_and_far(void **state)
                 unsigned kinds = 0;
                 for (int i = 0; i < 9; i++) {
                     const int x = t % 10 + i % 3 - 1, y = t / 10 + i / 3 - 1;
-                    const int *place = neph_rt_slot_place(&test.view, slot_at(&test, x, y));
+                    const int *place = twin_slot_place(&test.view, slot_at(&test, x, y));
                     kinds |= place[0] == place[1] ? 1u : 2u;
                 }
                 both_everywhere = both_everywhere && kinds == 3;
@@ -208,9 +208,9 @@ static void test_infinite_sky_starves_three_slots(void **state)
             for (int t = 0; t < 15; t++) {
                 const int x = t % 5, y = t / 5;
                 assert_int_equal(slot_at(&test, x, y),
-                                 i / 2 ? 0 : neph_rt_default_slot(&test.view, x, y));
+                                 i / 2 ? 0 : twin_default_slot(&test.view, x, y));
                 float tile[4];
-                neph_rt_fetch_tile(&test.oracle, RT_TILE, x, y, tile);
+                twin_fetch_tile(&test.twin, RT_TILE, x, y, tile);
                 assert_true(tile[1] == 2.0f); /* A6, with sky_m = 20000 */
             }
         }
@@ -231,10 +231,10 @@ static void test_stored_depths(void **state)
     run_tile_index(&test);
     fetch_back(&test, RT_TILE);
     for (int x = 0; x < 1024; x++) {
-        const int *place = neph_rt_slot_place(&test.view, slot_at(&test, x, 0));
+        const int *place = twin_slot_place(&test.view, slot_at(&test, x, 0));
         float tile[4], depth[4];
-        neph_rt_fetch_tile(&test.oracle, RT_TILE, x, 0, tile);
-        neph_rt_fetch_half(&test.oracle, RT_HALF_DEPTH, 2 * x + place[0], place[1], depth);
+        twin_fetch_tile(&test.twin, RT_TILE, x, 0, tile);
+        twin_fetch_half(&test.twin, RT_HALF_DEPTH, 2 * x + place[0], place[1], depth);
         /* ... and by 2^-24 / 1e-4 of a metre below the normal halves */
         neph_assert_close(tile[1] * 1e4, fmin(depth[0], 1e4), 0x1p-11 + 1e-7, 0x1p-25 * 1e4);
     }
@@ -257,8 +257,8 @@ static void test_a_view_decides_alone(void **state)
         for (int y = 0; y < 18; y++)
             for (int x = 0; x < 31; x++) {
                 float depth[4];
-                neph_rt_fetch_half(&beside.oracle, RT_HALF_DEPTH, x, y, depth);
-                neph_rt_put_half(&alone.oracle, RT_HALF_DEPTH, x, y, depth);
+                twin_fetch_half(&beside.twin, RT_HALF_DEPTH, x, y, depth);
+                twin_put_half(&alone.twin, RT_HALF_DEPTH, x, y, depth);
             }
         upload(&alone, RT_HALF_DEPTH);
         upload(&beside, RT_HALF_DEPTH);
@@ -269,8 +269,8 @@ static void test_a_view_decides_alone(void **state)
         int different = 0;
         for (int t = 0; t < 16 * 9; t++) {
             float a[4], b[4];
-            neph_rt_fetch_tile(&alone.oracle, RT_TILE, t % 16, t / 16, a);
-            neph_rt_fetch_tile(&beside.oracle, RT_TILE, t % 16, t / 16, b);
+            twin_fetch_tile(&alone.twin, RT_TILE, t % 16, t / 16, a);
+            twin_fetch_tile(&beside.twin, RT_TILE, t % 16, t / 16, b);
             different += a[0] != b[0] || a[1] != b[1];
         }
         if (i == 0)
@@ -298,9 +298,9 @@ static void test_normalised_coordinates_leave_the_view(void **state)
         fetch_back(&test, RT_TILE);
         for (int x = 0; x < 16; x++) {
             const bool is_outside = x == 15 &&
-                                    neph_rt_slot_place(&test.view, slot_at(&test, x, 0))[0] == 1;
+                                    twin_slot_place(&test.view, slot_at(&test, x, 0))[0] == 1;
             float tile[4];
-            neph_rt_fetch_tile(&test.oracle, RT_TILE, x, 0, tile);
+            twin_fetch_tile(&test.twin, RT_TILE, x, 0, tile);
             assert_int_equal(tile[1] > 0.01f, is_outside);
         }
     }
@@ -431,14 +431,13 @@ static int count_unmatched(const struct test_passes *test)
             const int x = t % MAP_TILES, y = t / MAP_TILES;
             if (slot == slot_at(test, x, y))
                 continue;
-            const int *place = neph_rt_slot_place(&test->view, slot);
+            const int *place = twin_slot_place(&test->view, slot);
             float depth[4], ray[4];
-            neph_rt_fetch_half(&test->oracle, RT_HALF_DEPTH, 2 * x + place[0], 2 * y + place[1],
-                               depth);
+            twin_fetch_half(&test->twin, RT_HALF_DEPTH, 2 * x + place[0], 2 * y + place[1], depth);
             const double own_m = depth[0] == NEPH_RT_FAR_M ? 20000.0 : depth[0];
             bool matched = false;
             for (int i = 0; i < 9; i++) {
-                neph_rt_fetch_tile(&test->oracle, RT_TILE, x + i % 3 - 1, y + i / 3 - 1, ray);
+                twin_fetch_tile(&test->twin, RT_TILE, x + i % 3 - 1, y + i / 3 - 1, ray);
                 const double ray_m = ray[1] * 1e4;
                 matched = matched || fabs(own_m - ray_m) < 0.1 * ray_m;
             }
@@ -496,8 +495,8 @@ static void test_coverage_equals_the_python_program(void **state)
         test_passes_open(*state, &settings, (int[2]){MAP_PX, MAP_PX}, (int[2]){0, 0}, 1, &test);
         for (int map = 0; map < MAP_COUNT; map++) {
             for (size_t i = 0; i < MAP_PX * MAP_PX; i++)
-                neph_rt_put_full(&test.oracle, RT_STEADY_DEPTH, (int)i % MAP_PX, (int)i / MAP_PX,
-                                 (float[4]){depths_m[map][i]});
+                twin_put_full(&test.twin, RT_STEADY_DEPTH, (int)i % MAP_PX, (int)i / MAP_PX,
+                              (float[4]){depths_m[map][i]});
             test_passes_run(&test, &neph_rt_shader_min_max, 0, MAP_PX * MAP_PX / 4);
             fetch_back(&test, RT_HALF_DEPTH);
             const struct coverage actual = measure_coverage(&test);
@@ -516,7 +515,7 @@ static void test_coverage_equals_the_python_program(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_tile_index_equals_the_oracle),
+        cmocka_unit_test(test_tile_index_equals_the_twin),
         cmocka_unit_test(test_every_slot_has_a_turn_in_four_frames),
         cmocka_unit_test(test_which_orders_see_near_and_far),
         cmocka_unit_test(test_infinite_sky_starves_three_slots),

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * The upscale (A13, A14): the shader against the oracle, and what it promises of constants, edges,
+ * The upscale (A13, A14): the shader against the twin, and what it promises of constants, edges,
  * ridges, voids and of the place that a pixel looks at.
  */
 #include "tests/renderer/realtime_test.h"
@@ -18,19 +18,19 @@ static void upscale_device(struct test_passes *test)
     test_passes_run(test, &neph_rt_shader_upscale, 0, pixel_count(test));
 }
 
-/* What the device made of a target takes the place of what the oracle has. */
+/* What the device made of a target takes the place of what the twin has. */
 static void take_from_device(struct test_passes *test, int target)
 {
-    free(test->oracle.targets[target]);
-    test->oracle.targets[target] = test_download(test, target);
+    free(test->twin.targets[target]);
+    test->twin.targets[target] = test_download(test, target);
 }
 
 static void get_volume(const struct test_passes *test, int x, int y, float volume[4])
 {
-    neph_rt_fetch_full(&test->oracle, RT_VOLUME, x, y, volume);
+    twin_fetch_full(&test->twin, RT_VOLUME, x, y, volume);
 }
 
-/* ---- against the oracle ---------------------------------------------------------------------- */
+/* ---- against the twin ---------------------------------------------------------------------- */
 
 /* Few depths, so that they often agree, and some to either side of a limit: 25 % of 10 m, sky_m and
  * ray_depth_max_m. */
@@ -88,7 +88,7 @@ static void assert_same_volumes(struct test_passes *test, const char *assignment
                                   (is_half ? 0x1p-24f : 0.0f);
             if (!(made[c] == expected[c] || fabsf(made[c] - expected[c]) <= allowed))
                 fail_msg("%s, seed %llu: channel %d of pixel %zu is %a on the device, %a in the "
-                         "oracle",
+                         "twin",
                          assignments, (unsigned long long)seed, c, i, (double)made[c],
                          (double)expected[c]);
         }
@@ -109,7 +109,7 @@ static void compare(struct neph_vulkan *vulkan, const char *assignments, const i
         test.view.jitter_px[axis] = (float)(test_uniform(seed) - 0.5);
     fill(&test, seed, bad);
     upscale_device(&test);
-    neph_rt_oracle_upscale(&test.oracle);
+    twin_upscale(&test.twin);
     assert_same_volumes(&test, assignments, start);
     test_same_words(&test, RT_VOLUME_DISTANCE, start);
     test_passes_close(&test);
@@ -147,7 +147,7 @@ static const char *const variants[] = {
 };
 enum { VARIANTS = sizeof(variants) / sizeof(variants[0]) };
 
-static void test_upscale_equals_the_oracle(void **state)
+static void test_upscale_equals_the_twin(void **state)
 {
     uint64_t seed = 20261127;
     for (int v = 0; v < VARIANTS; v++)
@@ -155,7 +155,7 @@ static void test_upscale_equals_the_oracle(void **state)
             compare(*state, variants[v], sizes_px[s], 0, &seed);
 }
 
-static void test_bad_history_equals_the_oracle(void **state)
+static void test_bad_history_equals_the_twin(void **state)
 {
     uint64_t seed = 20261128;
     for (int v = 0; v < VARIANTS; v++)
@@ -202,14 +202,14 @@ static void test_bad_history_is_not_seen(void **state)
         const int sound_columns = 24;
         for (int y = 0; y < (int)test.view.half_size_px[1]; y++)
             for (int x = sound_columns; x < (int)test.view.half_size_px[0]; x++)
-                neph_rt_put_half(&test.oracle, RT_HISTORY_STATE, x, y, (float[4]){0, 100});
+                twin_put_half(&test.twin, RT_HISTORY_STATE, x, y, (float[4]){0, 100});
         upscale_device(&test);
         take_from_device(&test, RT_VOLUME);
         for (int y = 0; y < sizes_px[3][1]; y++)
             for (int x = 0; x < sizes_px[3][0]; x++) {
                 float volume[4];
                 get_volume(&test, x, y, volume);
-                assert_true(neph_rt_is_sound(volume));
+                assert_true(twin_is_sound(volume));
                 /* The largest shift is 4 half-pixels, and the left taps are up to one away. */
                 if (x >= 2 * (sound_columns + 5))
                     assert_true(volume[0] == 0.0f && volume[3] == 1.0f);
@@ -228,7 +228,7 @@ static void test_validity_keeps_a_nan_out(void **state)
         struct test_passes test;
         test_passes_open(*state, &settings, sizes_px[3], (int[2]){0, 0}, seed, &test);
         fill(&test, &seed, 0);
-        neph_rt_put_half(&test.oracle, RT_HISTORY, 12, 7, (float[4]){NAN, NAN, NAN, NAN});
+        twin_put_half(&test.twin, RT_HISTORY, 12, 7, (float[4]){NAN, NAN, NAN, NAN});
         upscale_device(&test);
         take_from_device(&test, RT_VOLUME);
         int bad = 0;
@@ -394,14 +394,13 @@ static void test_a_view_rectangle_is_a_view(void **state)
         fill(&test, &(uint64_t){77}, 0); /* around it */
         for (int y = 0; y < size_px[1]; y++)
             for (int x = 0; x < size_px[0]; x++)
-                neph_rt_put_full(&test.oracle, RT_DEPTH, x, y, (float[4]){random_depth_m(&seed)});
+                twin_put_full(&test.twin, RT_DEPTH, x, y, (float[4]){random_depth_m(&seed)});
         for (int y = 0; y < (int)test.view.half_size_px[1]; y++)
             for (int x = 0; x < (int)test.view.half_size_px[0]; x++) {
-                neph_rt_put_half(&test.oracle, RT_HALF_DEPTH, x, y,
-                                 (float[4]){random_depth_m(&seed)});
-                neph_rt_put_half(&test.oracle, RT_HISTORY, x, y,
-                                 (float[4]){random_radiance(&seed), 1, 2, 0.5f});
-                neph_rt_put_half(&test.oracle, RT_HISTORY_STATE, x, y, (float[4]){1, 100});
+                twin_put_half(&test.twin, RT_HALF_DEPTH, x, y, (float[4]){random_depth_m(&seed)});
+                twin_put_half(&test.twin, RT_HISTORY, x, y,
+                              (float[4]){random_radiance(&seed), 1, 2, 0.5f});
+                twin_put_half(&test.twin, RT_HISTORY_STATE, x, y, (float[4]){1, 100});
             }
         upscale_device(&test);
         take_from_device(&test, RT_VOLUME);
@@ -432,10 +431,10 @@ static void open_edge(struct neph_vulkan *vulkan, const char *assignments, const
         for (int x = 0; x < sizes_px[3][0]; x++) {
             const bool is_near = line[0] * x + line[1] * y < line[2];
             const float depth[4] = {depths_m[!is_near]};
-            neph_rt_put_full(&test->oracle, RT_DEPTH, x, y, depth);
-            neph_rt_put_full(&test->oracle, RT_STEADY_DEPTH, x, y, depth);
+            twin_put_full(&test->twin, RT_DEPTH, x, y, depth);
+            twin_put_full(&test->twin, RT_STEADY_DEPTH, x, y, depth);
         }
-    neph_rt_oracle_min_max(&test->oracle);
+    twin_min_max(&test->twin);
     for (size_t i = 0; i < test_elements(test, RT_HALF_DEPTH); i++) {
         float depth[4];
         test_get(test, RT_HALF_DEPTH, i, depth);
@@ -458,7 +457,7 @@ static double leaking_part(struct neph_vulkan *vulkan, const char *assignments, 
     for (int y = 0; y < sizes_px[3][1]; y++)
         for (int x = 0; x < sizes_px[3][0]; x++) {
             float depth[4], volume[4];
-            neph_rt_fetch_full(&test.oracle, RT_DEPTH, x, y, depth);
+            twin_fetch_full(&test.twin, RT_DEPTH, x, y, depth);
             get_volume(&test, x, y, volume);
             leaking += volume[0] != (depth[0] == depths_m[0] ? near_value : far_value);
         }
@@ -543,8 +542,8 @@ static void test_depth_matters_with_contrast_alone(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_upscale_equals_the_oracle),
-        cmocka_unit_test(test_bad_history_equals_the_oracle),
+        cmocka_unit_test(test_upscale_equals_the_twin),
+        cmocka_unit_test(test_bad_history_equals_the_twin),
         cmocka_unit_test(test_a_constant_stays_what_it_is),
         cmocka_unit_test(test_bad_history_is_not_seen),
         cmocka_unit_test(test_validity_keeps_a_nan_out),

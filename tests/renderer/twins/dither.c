@@ -57,7 +57,7 @@ static uint32_t mask_word(const uint32_t *ranks, uint32_t x, uint32_t y, uint32_
     return (2u * ranks[row * MASK_SIDE_PX + column] + 1u) << 19;
 }
 
-static uint32_t word(const struct neph_rt_dither *dither, int kind, uint32_t x, uint32_t y,
+static uint32_t word(const struct twin_dither *dither, int kind, uint32_t x, uint32_t y,
                      uint32_t frame, uint32_t channel)
 {
     const size_t slice = MASK_SIDE_PX * MASK_SIDE_PX;
@@ -78,8 +78,8 @@ static uint32_t word(const struct neph_rt_dither *dither, int kind, uint32_t x, 
     }
 }
 
-float neph_rt_dither(const struct neph_rt_dither *dither, int kind, int x_px, int y_px,
-                     uint32_t frame, uint32_t channel)
+float twin_dither(const struct twin_dither *dither, int kind, int x_px, int y_px, uint32_t frame,
+                  uint32_t channel)
 {
     return (float)(word(dither, kind, (uint32_t)x_px, (uint32_t)y_px, frame, channel) >> 8) *
            0x1p-24f;

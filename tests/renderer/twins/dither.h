@@ -7,13 +7,13 @@
 
 #include <stdint.h>
 
-struct neph_rt_dither {
+struct twin_dither {
     uint32_t seed;               /* of the white one */
     const uint32_t *noise_ranks; /* borrowed; neph_rt_noise_ranks(), for the blue ones */
 };
 
 /* `kind`: RT_DITHER_*; "none" is 0.5. For any pixel. */
-float neph_rt_dither(const struct neph_rt_dither *dither, int kind, int x_px, int y_px,
-                     uint32_t frame, uint32_t channel);
+float twin_dither(const struct twin_dither *dither, int kind, int x_px, int y_px, uint32_t frame,
+                  uint32_t channel);
 
 #endif

@@ -28,14 +28,14 @@ struct history {
     double motion_px;
 };
 
-static float setting(const struct neph_rt_oracle *oracle, int index)
+static float setting(const struct twin *twin, int index)
 {
-    return oracle->view->settings[index];
+    return twin->view->settings[index];
 }
 
-static int choice(const struct neph_rt_oracle *oracle, int index)
+static int choice(const struct twin *twin, int index)
 {
-    return (int)oracle->view->settings[index];
+    return (int)twin->view->settings[index];
 }
 
 static int held_int(int value, int low, int high)
@@ -99,20 +99,20 @@ static const int around[RAYS][2] = {{0, 0}, {1, 0},  {-1, 0}, {0, 1},  {0, -1},
                                     {1, 1}, {-1, 1}, {1, -1}, {-1, -1}};
 
 /* Tile of a neighbour along one axis. */
-static int neighbour(const struct neph_rt_oracle *oracle, int axis, int tile, int offset)
+static int neighbour(const struct twin *twin, int axis, int tile, int offset)
 {
-    const struct neph_rt_view *view = oracle->view;
+    const struct neph_rt_view *view = twin->view;
     int last = (int)view->tile_count[axis] - 1;
-    if (choice(oracle, RT_EDGE_TILES) == RT_EDGE_TILES_DROPPED)
+    if (choice(twin, RT_EDGE_TILES) == RT_EDGE_TILES_DROPPED)
         last = view->size_px[axis] < 4 ? 0 : (int)view->size_px[axis] / 4 - 1;
     return held_int(tile + offset, 0, last);
 }
 
 /* Texel along one axis of a 2x2 gather about the tile's upper left corner (0) or lower right one
  * (1). */
-static int gathered(const struct neph_rt_oracle *oracle, int axis, int tile, int offset, int corner)
+static int gathered(const struct twin *twin, int axis, int tile, int offset, int corner)
 {
-    const struct neph_rt_view *view = oracle->view;
+    const struct neph_rt_view *view = twin->view;
     const struct neph_rt_target *full = &view->targets[RT_DEPTH];
     const struct neph_rt_target *quarter = &view->targets[RT_TILE];
     const uint32_t size = axis == 0 ? full->width : full->height;
@@ -124,56 +124,52 @@ static int gathered(const struct neph_rt_oracle *oracle, int axis, int tile, int
     return held_int(beyond - corner + offset, 0, size_quarter - 1);
 }
 
-static float ray_depth_m(const struct neph_rt_oracle *oracle, int tile_x, int tile_y, int i,
+static float ray_depth_m(const struct twin *twin, int tile_x, int tile_y, int i,
                          const struct ray *ray)
 {
     const int *offset = around[i];
     float tile[4];
-    if (choice(oracle, RT_GATHER) == RT_GATHER_NORMALISED && offset[0] + offset[1] != 0) {
+    if (choice(twin, RT_GATHER) == RT_GATHER_NORMALISED && offset[0] + offset[1] != 0) {
         const int corner = offset[0] + offset[1] > 0;
-        neph_rt_fetch(oracle, RT_TILE, gathered(oracle, 0, tile_x, offset[0], corner),
-                      gathered(oracle, 1, tile_y, offset[1], corner), tile);
+        twin_fetch(twin, RT_TILE, gathered(twin, 0, tile_x, offset[0], corner),
+                   gathered(twin, 1, tile_y, offset[1], corner), tile);
     } else {
-        neph_rt_fetch_tile(oracle, RT_TILE, ray->tile_x, ray->tile_y, tile);
+        twin_fetch_tile(twin, RT_TILE, ray->tile_x, ray->tile_y, tile);
     }
-    return NEPH_RT_TILE_UNIT_M * tile[1];
+    return TWIN_TILE_UNIT_M * tile[1];
 }
 
 /* The half-pixel that a tile's ray goes through, and its depth [m]. */
-static float marched_depth_m(const struct neph_rt_oracle *oracle, const struct ray *ray,
-                             int half_pixel[2])
+static float marched_depth_m(const struct twin *twin, const struct ray *ray, int half_pixel[2])
 {
     float tile[4], depth[4];
-    neph_rt_fetch_tile(oracle, RT_TILE, ray->tile_x, ray->tile_y, tile);
-    const int *offset = neph_rt_slot_place(oracle->view, (int)tile[0]);
-    half_pixel[0] = held_int(2 * ray->tile_x + offset[0], 0,
-                             (int)oracle->view->half_size_px[0] - 1);
-    half_pixel[1] = held_int(2 * ray->tile_y + offset[1], 0,
-                             (int)oracle->view->half_size_px[1] - 1);
-    neph_rt_fetch_half(oracle, RT_HALF_DEPTH, half_pixel[0], half_pixel[1], depth);
+    twin_fetch_tile(twin, RT_TILE, ray->tile_x, ray->tile_y, tile);
+    const int *offset = twin_slot_place(twin->view, (int)tile[0]);
+    half_pixel[0] = held_int(2 * ray->tile_x + offset[0], 0, (int)twin->view->half_size_px[0] - 1);
+    half_pixel[1] = held_int(2 * ray->tile_y + offset[1], 0, (int)twin->view->half_size_px[1] - 1);
+    twin_fetch_half(twin, RT_HALF_DEPTH, half_pixel[0], half_pixel[1], depth);
     return depth[0];
 }
 
-static void load_rays(const struct neph_rt_oracle *oracle, int tile_x, int tile_y,
-                      struct ray rays[RAYS])
+static void load_rays(const struct twin *twin, int tile_x, int tile_y, struct ray rays[RAYS])
 {
     for (int i = 0; i < RAYS; i++) {
         struct ray *ray = &rays[i];
-        ray->tile_x = i == 0 ? tile_x : neighbour(oracle, 0, tile_x, around[i][0]);
-        ray->tile_y = i == 0 ? tile_y : neighbour(oracle, 1, tile_y, around[i][1]);
-        neph_rt_fetch_tile(oracle, RT_RAY, ray->tile_x, ray->tile_y, ray->value);
-        ray->depth_m = ray_depth_m(oracle, tile_x, tile_y, i, ray);
-        ray->is_usable = choice(oracle, RT_VALIDITY) == 0 || neph_rt_is_sound(ray->value);
-        ray->is_sky = is_sky(marched_depth_m(oracle, ray, (int[2]){0, 0}));
+        ray->tile_x = i == 0 ? tile_x : neighbour(twin, 0, tile_x, around[i][0]);
+        ray->tile_y = i == 0 ? tile_y : neighbour(twin, 1, tile_y, around[i][1]);
+        twin_fetch_tile(twin, RT_RAY, ray->tile_x, ray->tile_y, ray->value);
+        ray->depth_m = ray_depth_m(twin, tile_x, tile_y, i, ray);
+        ray->is_usable = choice(twin, RT_VALIDITY) == 0 || twin_is_sound(ray->value);
+        ray->is_sky = is_sky(marched_depth_m(twin, ray, (int[2]){0, 0}));
     }
 }
 
 /* Of the rays from `asked` on; NULL if none can be used. */
-static const struct ray *nearest_ray(const struct neph_rt_oracle *oracle,
-                                     const struct ray rays[RAYS], int asked, float own_m)
+static const struct ray *nearest_ray(const struct twin *twin, const struct ray rays[RAYS],
+                                     int asked, float own_m)
 {
-    const bool is_limited = choice(oracle, RT_CLAMP_PIXEL_DEPTH) != 0;
-    float least_m = is_limited ? NEPH_RT_FAR_M : setting(oracle, RT_SKY_M);
+    const bool is_limited = choice(twin, RT_CLAMP_PIXEL_DEPTH) != 0;
+    float least_m = is_limited ? NEPH_RT_FAR_M : setting(twin, RT_SKY_M);
     const struct ray *first = NULL, *nearest = NULL;
     for (int i = asked; i < RAYS; i++) {
         if (!rays[i].is_usable)
@@ -241,29 +237,29 @@ static void from_space(int space, const double seen[4], double brightest, double
     }
 }
 
-static bool is_alike(const struct neph_rt_oracle *oracle, float transmittance, float other)
+static bool is_alike(const struct twin *twin, float transmittance, float other)
 {
     const float opacity = 1.0f - fmaxf(transmittance, other);
-    const bool of_opacity = choice(oracle, RT_CONTRAST) == RT_CONTRAST_OPACITY;
+    const bool of_opacity = choice(twin, RT_CONTRAST) == RT_CONTRAST_OPACITY;
     const float unit = of_opacity ? fmaxf(opacity, 1e-6f) : 1.0f;
-    return fabsf(transmittance - other) < setting(oracle, RT_BOX_TRANSMITTANCE) * unit;
+    return fabsf(transmittance - other) < setting(twin, RT_BOX_TRANSMITTANCE) * unit;
 }
 
-static void choose_rays(const struct neph_rt_oracle *oracle, struct ray rays[RAYS],
-                        const struct ray *nearest, float own_m, bool own_is_sky)
+static void choose_rays(const struct twin *twin, struct ray rays[RAYS], const struct ray *nearest,
+                        float own_m, bool own_is_sky)
 {
     int count = 0;
     for (int i = 0; i < RAYS; i++) {
         struct ray *ray = &rays[i];
         const bool belongs = fabsf(own_m - ray->depth_m) <
-                                 setting(oracle, RT_BOX_DEPTH) * ray->depth_m ||
-                             is_alike(oracle, ray->value[3], nearest->value[3]);
-        const bool is_asked = (i > 0 || choice(oracle, RT_BOX_CENTRE) != 0) &&
-                              (!choice(oracle, RT_BOX_SAME_KIND) || ray->is_sky == own_is_sky);
+                                 setting(twin, RT_BOX_DEPTH) * ray->depth_m ||
+                             is_alike(twin, ray->value[3], nearest->value[3]);
+        const bool is_asked = (i > 0 || choice(twin, RT_BOX_CENTRE) != 0) &&
+                              (!choice(twin, RT_BOX_SAME_KIND) || ray->is_sky == own_is_sky);
         ray->is_in_box = ray == nearest || (ray->is_usable && is_asked && belongs);
         count += ray->is_in_box;
     }
-    for (int i = 0; i < RAYS && count < choice(oracle, RT_BOX_LEAST); i++)
+    for (int i = 0; i < RAYS && count < choice(twin, RT_BOX_LEAST); i++)
         rays[i].is_in_box = rays[i].is_usable;
 }
 
@@ -309,21 +305,21 @@ static void clip(const struct box *box, const double seen[4], double limited[4])
     }
 }
 
-static void hold_among_rays(const struct neph_rt_oracle *oracle, struct ray rays[RAYS],
+static void hold_among_rays(const struct twin *twin, struct ray rays[RAYS],
                             const struct ray *nearest, float own_m, bool own_is_sky,
                             double value[4])
 {
-    if (choice(oracle, RT_BOX) == RT_BOX_NONE)
+    if (choice(twin, RT_BOX) == RT_BOX_NONE)
         return;
-    const int space = choice(oracle, RT_BOX_SPACE);
+    const int space = choice(twin, RT_BOX_SPACE);
     struct box box;
     double seen[4], limited[4];
     ray_in_space(nearest, space, box.low);
     memcpy(box.high, box.low, sizeof(box.high));
-    choose_rays(oracle, rays, nearest, own_m, own_is_sky);
-    if (choice(oracle, RT_BOX) == RT_BOX_VARIANCE)
-        extend_by_variance(&box, rays, space, setting(oracle, RT_BOX_SIGMA));
-    for (int i = 0; i < RAYS && choice(oracle, RT_BOX) == RT_BOX_MIN_MAX; i++) {
+    choose_rays(twin, rays, nearest, own_m, own_is_sky);
+    if (choice(twin, RT_BOX) == RT_BOX_VARIANCE)
+        extend_by_variance(&box, rays, space, setting(twin, RT_BOX_SIGMA));
+    for (int i = 0; i < RAYS && choice(twin, RT_BOX) == RT_BOX_MIN_MAX; i++) {
         ray_in_space(&rays[i], space, seen);
         if (rays[i].is_in_box)
             extend(&box, seen);
@@ -334,7 +330,7 @@ static void hold_among_rays(const struct neph_rt_oracle *oracle, struct ray rays
     value[3] = limited[3];
     if (!memcmp(limited, seen, 3 * sizeof(*seen)))
         return;
-    if (choice(oracle, RT_BOX_HOLD) == RT_HOLD_CLIP)
+    if (choice(twin, RT_BOX_HOLD) == RT_HOLD_CLIP)
         clip(&box, seen, limited);
     const double first[3] = {nearest->value[0], nearest->value[1], nearest->value[2]};
     from_space(space, limited, fmax(luminance(value), luminance(first)), value);
@@ -342,14 +338,14 @@ static void hold_among_rays(const struct neph_rt_oracle *oracle, struct ray rays
 
 /* --- history --------------------------------------------------------------------------------- */
 
-static struct history history_at(const struct neph_rt_oracle *oracle, int x, int y)
+static struct history history_at(const struct twin *twin, int x, int y)
 {
     float value[4], state[4];
-    neph_rt_fetch_half(oracle, RT_HISTORY_BEFORE, x, y, value);
-    neph_rt_fetch_half(oracle, RT_HISTORY_STATE_BEFORE, x, y, state);
+    twin_fetch_half(twin, RT_HISTORY_BEFORE, x, y, value);
+    twin_fetch_half(twin, RT_HISTORY_STATE_BEFORE, x, y, state);
     const bool has_age = isfinite(state[0]) && state[0] > 0.0f;
     struct history history = {.age = has_age ? state[0] : 0.0f};
-    history.is_void = choice(oracle, RT_VALIDITY) != 0 && !(has_age && neph_rt_is_sound(value));
+    history.is_void = choice(twin, RT_VALIDITY) != 0 && !(has_age && twin_is_sound(value));
     for (int c = 0; c < 4; c++)
         history.value[c] = value[c];
     return history;
@@ -376,20 +372,20 @@ static void tap_weights(int kind, double place, double weights[TAPS])
     }
 }
 
-static bool has_void_tap(const struct neph_rt_oracle *oracle, const int base[2])
+static bool has_void_tap(const struct twin *twin, const int base[2])
 {
     bool found = false;
     for (int i = 0; i < TAPS * TAPS; i++)
-        found = found || history_at(oracle, base[0] + i % TAPS - 1, base[1] + i / TAPS - 1).is_void;
+        found = found || history_at(twin, base[0] + i % TAPS - 1, base[1] + i / TAPS - 1).is_void;
     return found;
 }
 
-static struct history history_about(const struct neph_rt_oracle *oracle, const double place_px[2])
+static struct history history_about(const struct twin *twin, const double place_px[2])
 {
     const double place[2] = {0.5 * place_px[0] - 0.5, 0.5 * place_px[1] - 0.5};
     const int base[2] = {(int)floor(place[0]), (int)floor(place[1])};
-    int kind = choice(oracle, RT_HISTORY_FILTER);
-    if (kind == RT_FILTER_CATMULL_ROM && has_void_tap(oracle, base))
+    int kind = choice(twin, RT_HISTORY_FILTER);
+    if (kind == RT_FILTER_CATMULL_ROM && has_void_tap(twin, base))
         kind = RT_FILTER_BILINEAR;
     double weights[2][TAPS], sum[4] = {0}, total = 0.0, heaviest = 0.0;
     for (int axis = 0; axis < 2; axis++)
@@ -400,7 +396,7 @@ static struct history history_about(const struct neph_rt_oracle *oracle, const d
     for (int i = 0; i < TAPS * TAPS; i++) {
         const int x = i % TAPS, y = i / TAPS;
         const double weight = weights[0][x] * weights[1][y];
-        const struct history tap = history_at(oracle, base[0] + x - 1, base[1] + y - 1);
+        const struct history tap = history_at(twin, base[0] + x - 1, base[1] + y - 1);
         if (weight == 0.0 || tap.is_void)
             continue;
         history.is_void = false;
@@ -418,53 +414,51 @@ static struct history history_about(const struct neph_rt_oracle *oracle, const d
     return history;
 }
 
-static double followed_jitter_px(const struct neph_rt_oracle *oracle, const float jitter_px[2],
-                                 int axis)
+static double followed_jitter_px(const struct twin *twin, const float jitter_px[2], int axis)
 {
-    const bool is_followed = choice(oracle, RT_REPROJECT_JITTER) &&
-                             choice(oracle, RT_JITTERED_DEPTH);
+    const bool is_followed = choice(twin, RT_REPROJECT_JITTER) && choice(twin, RT_JITTERED_DEPTH);
     return is_followed ? jitter_px[axis] : 0.0;
 }
 
-static bool find_before(const struct neph_rt_oracle *oracle, const double place_px[2],
-                        double distance_m, double before_px[2])
+static bool find_before(const struct twin *twin, const double place_px[2], double distance_m,
+                        double before_px[2])
 {
-    const struct neph_rt_view *view = oracle->view;
+    const struct neph_rt_view *view = twin->view;
     double direction[3], point_m[3], moved_m[3], now_px[2], seen_px[2];
     direction_at(view, place_px, direction);
-    if (choice(oracle, RT_REPROJECT_MEASURE) == RT_MEASURE_EYE)
+    if (choice(twin, RT_REPROJECT_MEASURE) == RT_MEASURE_EYE)
         distance_m /= dot(direction, view->now.forward);
     for (int i = 0; i < 3; i++) {
         point_m[i] = distance_m * direction[i];
-        moved_m[i] = point_m[i] - (choice(oracle, RT_WIND) ? view->wind_m[i] : 0.0);
+        moved_m[i] = point_m[i] - (choice(twin, RT_WIND) ? view->wind_m[i] : 0.0);
     }
     project(view, &view->now, point_m, now_px);
     bool is_seen = project(view, &view->before, moved_m, seen_px) > 0.0;
     for (int axis = 0; axis < 2; axis++) {
         /* exactly the place at rest */
         before_px[axis] = place_px[axis] + (seen_px[axis] - now_px[axis]) -
-                          followed_jitter_px(oracle, view->jitter_before_px, axis);
+                          followed_jitter_px(twin, view->jitter_before_px, axis);
         is_seen = is_seen && before_px[axis] >= 0.0 && before_px[axis] <= view->size_px[axis];
     }
     return is_seen;
 }
 
-static bool is_same_depth(const struct neph_rt_oracle *oracle, double expected_m, double before_m)
+static bool is_same_depth(const struct twin *twin, double expected_m, double before_m)
 {
     const double difference_m = fabs(expected_m - before_m);
-    const double relative = setting(oracle, RT_REJECT_DEPTH);
-    const double metres = setting(oracle, RT_REJECT_SCENE_M);
+    const double relative = setting(twin, RT_REJECT_DEPTH);
+    const double metres = setting(twin, RT_REJECT_SCENE_M);
     if (relative > 0.0 && difference_m >= relative * expected_m)
         return false;
     return !(metres > 0.0 && difference_m >= metres &&
-             fmin(expected_m, before_m) < setting(oracle, RT_REJECT_WITHIN_M));
+             fmin(expected_m, before_m) < setting(twin, RT_REJECT_WITHIN_M));
 }
 
-static bool is_same_scene(const struct neph_rt_oracle *oracle, const double place_px[2],
+static bool is_same_scene(const struct twin *twin, const double place_px[2],
                           const double before_px[2], float depth_m)
 {
-    const struct neph_rt_view *view = oracle->view;
-    double expected_m = setting(oracle, RT_SKY_M);
+    const struct neph_rt_view *view = twin->view;
+    double expected_m = setting(twin, RT_SKY_M);
     if (!is_sky(depth_m)) {
         double point_m[3], unused_px[2];
         direction_at(view, place_px, point_m);
@@ -476,61 +470,61 @@ static bool is_same_scene(const struct neph_rt_oracle *oracle, const double plac
     const int x = (int)floor(before_px[0] / 2), y = (int)floor(before_px[1] / 2);
     bool found = false;
     for (int i = 0; i < 9; i++) {
-        if (i != 4 && !choice(oracle, RT_REJECT_AROUND))
+        if (i != 4 && !choice(twin, RT_REJECT_AROUND))
             continue;
         float before[4];
-        neph_rt_fetch_half(oracle, RT_HALF_DEPTH_BEFORE, x + i % 3 - 1, y + i / 3 - 1, before);
-        const double before_m = is_sky(before[0]) ? setting(oracle, RT_SKY_M) : before[0];
-        found = found || is_same_depth(oracle, expected_m, before_m);
+        twin_fetch_half(twin, RT_HALF_DEPTH_BEFORE, x + i % 3 - 1, y + i / 3 - 1, before);
+        const double before_m = is_sky(before[0]) ? setting(twin, RT_SKY_M) : before[0];
+        found = found || is_same_depth(twin, expected_m, before_m);
     }
     return found && expected_m > 0.0;
 }
 
-static float nearest_in_tile_m(const struct neph_rt_oracle *oracle, int target, int x, int y)
+static float nearest_in_tile_m(const struct twin *twin, int target, int x, int y)
 {
     float nearest_m = NEPH_RT_FAR_M;
     for (int i = 0; i < 4; i++) {
         float depth[4];
-        neph_rt_fetch_half(oracle, target, x / 2 * 2 + i % 2, y / 2 * 2 + i / 2, depth);
+        twin_fetch_half(twin, target, x / 2 * 2 + i % 2, y / 2 * 2 + i / 2, depth);
         nearest_m = fminf(nearest_m, depth[0]);
     }
-    return is_sky(nearest_m) ? setting(oracle, RT_SKY_M) : nearest_m;
+    return is_sky(nearest_m) ? setting(twin, RT_SKY_M) : nearest_m;
 }
 
-static bool is_rejected(const struct neph_rt_oracle *oracle, int x, int y, const double place_px[2],
+static bool is_rejected(const struct twin *twin, int x, int y, const double place_px[2],
                         const double before_px[2], float depth_m)
 {
-    const float most_m = setting(oracle, RT_REJECT_NEAREST_M);
-    const bool looks = setting(oracle, RT_REJECT_DEPTH) > 0.0f ||
-                       setting(oracle, RT_REJECT_SCENE_M) > 0.0f;
-    if (looks && !is_same_scene(oracle, place_px, before_px, depth_m))
+    const float most_m = setting(twin, RT_REJECT_NEAREST_M);
+    const bool looks = setting(twin, RT_REJECT_DEPTH) > 0.0f ||
+                       setting(twin, RT_REJECT_SCENE_M) > 0.0f;
+    if (looks && !is_same_scene(twin, place_px, before_px, depth_m))
         return true;
-    const float now_m = nearest_in_tile_m(oracle, RT_HALF_DEPTH, x, y);
+    const float now_m = nearest_in_tile_m(twin, RT_HALF_DEPTH, x, y);
     const float before_m = nearest_in_tile_m(
-        oracle, RT_HALF_DEPTH_BEFORE, (int)floor(before_px[0] / 2), (int)floor(before_px[1] / 2));
+        twin, RT_HALF_DEPTH_BEFORE, (int)floor(before_px[0] / 2), (int)floor(before_px[1] / 2));
     return most_m > 0.0f && fabsf(now_m - before_m) > most_m;
 }
 
-static struct history history_of(const struct neph_rt_oracle *oracle, int x, int y, float depth_m,
+static struct history history_of(const struct twin *twin, int x, int y, float depth_m,
                                  float distance_m)
 {
-    const struct neph_rt_view *view = oracle->view;
+    const struct neph_rt_view *view = twin->view;
     const struct history none = {.is_void = true};
     const double centre_px[2] = {2.0 * x + 1.0, 2.0 * y + 1.0};
     double place_px[2], before_px[2];
     for (int axis = 0; axis < 2; axis++)
-        place_px[axis] = centre_px[axis] + followed_jitter_px(oracle, view->jitter_px, axis);
-    if (choice(oracle, RT_VALIDITY) && !view->has_history)
+        place_px[axis] = centre_px[axis] + followed_jitter_px(twin, view->jitter_px, axis);
+    if (choice(twin, RT_VALIDITY) && !view->has_history)
         return none;
-    if (choice(oracle, RT_CUT_RESET) && view->is_cut)
+    if (choice(twin, RT_CUT_RESET) && view->is_cut)
         return none;
-    if (known_distance_m(distance_m) < setting(oracle, RT_REPROJECT_LEAST_M))
+    if (known_distance_m(distance_m) < setting(twin, RT_REPROJECT_LEAST_M))
         return none;
-    if (!find_before(oracle, place_px, known_distance_m(distance_m), before_px))
+    if (!find_before(twin, place_px, known_distance_m(distance_m), before_px))
         return none;
-    if (is_rejected(oracle, x, y, place_px, before_px, depth_m))
+    if (is_rejected(twin, x, y, place_px, before_px, depth_m))
         return (struct history){.is_void = true, .is_rejected = true};
-    struct history history = history_about(oracle, before_px);
+    struct history history = history_about(twin, before_px);
     history.motion_px = hypot(before_px[0] - centre_px[0], before_px[1] - centre_px[1]);
     return history;
 }
@@ -548,13 +542,13 @@ static double beyond(double value, double least)
 }
 
 /* What a ray sees now against the memory of the half-pixel it went through. */
-static double change_at_ray(const struct neph_rt_oracle *oracle, const struct ray *ray)
+static double change_at_ray(const struct twin *twin, const struct ray *ray)
 {
     float distance[4];
     int at[2];
-    neph_rt_fetch_tile(oracle, RT_RAY_DISTANCE, ray->tile_x, ray->tile_y, distance);
-    const float depth_m = marched_depth_m(oracle, ray, at);
-    const struct history then = history_of(oracle, at[0], at[1], depth_m, distance[0]);
+    twin_fetch_tile(twin, RT_RAY_DISTANCE, ray->tile_x, ray->tile_y, distance);
+    const float depth_m = marched_depth_m(twin, ray, at);
+    const struct history then = history_of(twin, at[0], at[1], depth_m, distance[0]);
     if (then.is_void)
         return 1.0;
     const double now = luminance((double[3]){ray->value[0], ray->value[1], ray->value[2]});
@@ -562,29 +556,28 @@ static double change_at_ray(const struct neph_rt_oracle *oracle, const struct ra
     return fmax(most > 0.0 ? fabs(now - before) / most : 0.0, fabs(ray->value[3] - then.value[3]));
 }
 
-static double box_share(const struct neph_rt_oracle *oracle, double motion_px,
-                        const struct ray *nearest)
+static double box_share(const struct twin *twin, double motion_px, const struct ray *nearest)
 {
-    const double moved = beyond(motion_px, setting(oracle, RT_BOX_MOTION_PX));
-    return fmax(moved, beyond(change_at_ray(oracle, nearest), setting(oracle, RT_BOX_CHANGE)));
+    const double moved = beyond(motion_px, setting(twin, RT_BOX_MOTION_PX));
+    return fmax(moved, beyond(change_at_ray(twin, nearest), setting(twin, RT_BOX_CHANGE)));
 }
 
-static double kept(const struct neph_rt_oracle *oracle, int format_setting, double value)
+static double kept(const struct twin *twin, int format_setting, double value)
 {
-    const bool is_limited = choice(oracle, RT_VALIDITY) &&
-                            choice(oracle, format_setting) == RT_FORMAT_HALF;
-    return is_limited && value > NEPH_RT_HALF_MAX ? NEPH_RT_HALF_MAX : value;
+    const bool is_limited = choice(twin, RT_VALIDITY) &&
+                            choice(twin, format_setting) == RT_FORMAT_HALF;
+    return is_limited && value > TWIN_HALF_MAX ? TWIN_HALF_MAX : value;
 }
 
-static void put_result(const struct neph_rt_oracle *oracle, int x, int y, const double value[4],
-                       float age, double distance_m)
+static void put_result(const struct twin *twin, int x, int y, const double value[4], float age,
+                       double distance_m)
 {
     float rounded[4];
     for (int c = 0; c < 4; c++)
-        rounded[c] = (float)kept(oracle, RT_COLOR_FORMAT, value[c]);
-    neph_rt_put_half(oracle, RT_HISTORY, x, y, rounded);
-    const float state[4] = {age, (float)kept(oracle, RT_DEPTH_FORMAT, distance_m)};
-    neph_rt_put_half(oracle, RT_HISTORY_STATE, x, y, state);
+        rounded[c] = (float)kept(twin, RT_COLOR_FORMAT, value[c]);
+    twin_put_half(twin, RT_HISTORY, x, y, rounded);
+    const float state[4] = {age, (float)kept(twin, RT_DEPTH_FORMAT, distance_m)};
+    twin_put_half(twin, RT_HISTORY_STATE, x, y, state);
 }
 
 /* A ray's place from the half-pixel's own, in tiles along one axis. */
@@ -593,21 +586,20 @@ static double way(int half_pixel, int ray_tile_offset)
     return ray_tile_offset - (half_pixel % 2 ? 0.25 : -0.25);
 }
 
-static double ray_weight(const struct neph_rt_oracle *oracle, int kind, const struct ray *ray,
+static double ray_weight(const struct twin *twin, int kind, const struct ray *ray,
                          const double ways[2], float own_m)
 {
     if (kind == RT_FALLBACK_BILINEAR)
         return fmax(1.0 - fabs(ways[0]), 0.0) * fmax(1.0 - fabs(ways[1]), 0.0);
     const double difference_m = fabsf(own_m - ray->depth_m);
     return exp(-ways[0] * ways[0] - ways[1] * ways[1]) /
-           (difference_m + setting(oracle, RT_UPSCALE_TOLERANCE_M));
+           (difference_m + setting(twin, RT_UPSCALE_TOLERANCE_M));
 }
 
-static void stand_in(const struct neph_rt_oracle *oracle, int kind, int x, int y,
-                     const struct ray rays[RAYS], const struct ray *nearest, float own_m,
-                     bool own_is_sky, double value[4])
+static void stand_in(const struct twin *twin, int kind, int x, int y, const struct ray rays[RAYS],
+                     const struct ray *nearest, float own_m, bool own_is_sky, double value[4])
 {
-    const struct ray *taken = nearest, *around_it = nearest_ray(oracle, rays, 1, own_m);
+    const struct ray *taken = nearest, *around_it = nearest_ray(twin, rays, 1, own_m);
     if (kind == RT_FALLBACK_AROUND && around_it)
         taken = around_it;
     if (kind == RT_FALLBACK_TILE && rays[0].is_usable)
@@ -616,7 +608,7 @@ static void stand_in(const struct neph_rt_oracle *oracle, int kind, int x, int y
     const bool is_mean = kind == RT_FALLBACK_BILINEAR || kind == RT_FALLBACK_BILATERAL;
     for (int i = 0; i < RAYS && is_mean; i++) {
         const double ways[2] = {way(x, around[i][0]), way(y, around[i][1])};
-        const double weight = ray_weight(oracle, kind, &rays[i], ways, own_m);
+        const double weight = ray_weight(twin, kind, &rays[i], ways, own_m);
         const bool is_foreign = kind == RT_FALLBACK_BILATERAL && rays[i].is_sky != own_is_sky;
         if (!rays[i].is_usable || is_foreign || weight == 0.0)
             continue;
@@ -629,18 +621,18 @@ static void stand_in(const struct neph_rt_oracle *oracle, int kind, int x, int y
 }
 
 /* Of a fresh ray. */
-static double fresh_weight(const struct neph_rt_oracle *oracle, double age, double part)
+static double fresh_weight(const struct twin *twin, double age, double part)
 {
-    const double age_max = setting(oracle, RT_HISTORY_AGE_MAX);
+    const double age_max = setting(twin, RT_HISTORY_AGE_MAX);
     const double of_history = 1.0 - 1.0 / fmin(age, age_max);
-    return age_max > 0.0 ? 1.0 - part * setting(oracle, RT_HISTORY_FADE) * of_history
-                         : setting(oracle, RT_FRESH_WEIGHT);
+    return age_max > 0.0 ? 1.0 - part * setting(twin, RT_HISTORY_FADE) * of_history
+                         : setting(twin, RT_FRESH_WEIGHT);
 }
 
-static void blend_fresh(const struct neph_rt_oracle *oracle, const double history[4],
-                        const double ray[4], double weight, double value[4])
+static void blend_fresh(const struct twin *twin, const double history[4], const double ray[4],
+                        double weight, double value[4])
 {
-    const int space = choice(oracle, RT_FRESH_SPACE);
+    const int space = choice(twin, RT_FRESH_SPACE);
     const bool is_direct = space == RT_SPACE_LINEAR || weight == 0.0 || weight == 1.0;
     double seen[2][4], mixed[4];
     to_space(is_direct ? RT_SPACE_LINEAR : space, history, seen[0]);
@@ -651,63 +643,62 @@ static void blend_fresh(const struct neph_rt_oracle *oracle, const double histor
                value);
 }
 
-static void reconstruct(const struct neph_rt_oracle *oracle, int x, int y)
+static void reconstruct(const struct twin *twin, int x, int y)
 {
     struct ray rays[RAYS];
     float depth[4], tile[4], distance[4];
-    load_rays(oracle, x / 2, y / 2, rays);
-    neph_rt_fetch_half(oracle, RT_HALF_DEPTH, x, y, depth);
-    float own_m = is_sky(depth[0]) ? setting(oracle, RT_SKY_M) : depth[0];
-    if (choice(oracle, RT_CLAMP_PIXEL_DEPTH))
-        own_m = neph_rt_stored_depth_m(oracle->view, depth[0]);
-    const struct ray *nearest = nearest_ray(oracle, rays, 0, own_m);
+    load_rays(twin, x / 2, y / 2, rays);
+    twin_fetch_half(twin, RT_HALF_DEPTH, x, y, depth);
+    float own_m = is_sky(depth[0]) ? setting(twin, RT_SKY_M) : depth[0];
+    if (choice(twin, RT_CLAMP_PIXEL_DEPTH))
+        own_m = twin_stored_depth_m(twin->view, depth[0]);
+    const struct ray *nearest = nearest_ray(twin, rays, 0, own_m);
     if (!nearest) {
-        put_result(oracle, x, y, (double[4]){0, 0, 0, 1}, 0.0f, NEPH_RT_FAR_M);
+        put_result(twin, x, y, (double[4]){0, 0, 0, 1}, 0.0f, NEPH_RT_FAR_M);
         return;
     }
-    const bool of_tile = choice(oracle, RT_REPROJECT_DEPTH) == RT_REPROJECT_TILE &&
-                         rays[0].is_usable;
+    const bool of_tile = choice(twin, RT_REPROJECT_DEPTH) == RT_REPROJECT_TILE && rays[0].is_usable;
     const struct ray *seen = of_tile ? &rays[0] : nearest;
-    neph_rt_fetch_tile(oracle, RT_RAY_DISTANCE, seen->tile_x, seen->tile_y, distance);
-    neph_rt_fetch_tile(oracle, RT_TILE, x / 2, y / 2, tile);
-    const bool is_fresh = rays[0].is_usable && (int)tile[0] == neph_rt_slot_of(oracle->view, x, y);
-    struct history history = history_of(oracle, x, y, depth[0], distance[0]);
+    twin_fetch_tile(twin, RT_RAY_DISTANCE, seen->tile_x, seen->tile_y, distance);
+    twin_fetch_tile(twin, RT_TILE, x / 2, y / 2, tile);
+    const bool is_fresh = rays[0].is_usable && (int)tile[0] == twin_slot_of(twin->view, x, y);
+    struct history history = history_of(twin, x, y, depth[0], distance[0]);
     double part = 1.0;
     if (!history.is_void) {
         double boxed[4];
         memcpy(boxed, history.value, sizeof(boxed));
-        hold_among_rays(oracle, rays, nearest, own_m, is_sky(depth[0]), boxed);
-        const double share = box_share(oracle, history.motion_px, nearest);
+        hold_among_rays(twin, rays, nearest, own_m, is_sky(depth[0]), boxed);
+        const double share = box_share(twin, history.motion_px, nearest);
         if (memcmp(boxed, history.value, 3 * sizeof(*boxed)))
-            part = 1.0 - share * (1.0 - (double)setting(oracle, RT_BOX_AGE));
+            part = 1.0 - share * (1.0 - (double)setting(twin, RT_BOX_AGE));
         for (int c = 0; c < 4; c++)
             history.value[c] = blend(history.value[c], boxed[c], share);
     }
 
-    const double age_max = setting(oracle, RT_HISTORY_AGE_MAX);
+    const double age_max = setting(twin, RT_HISTORY_AGE_MAX);
     double age = history.is_void ? 1.0 : history.age, value[4], own[4];
     for (int c = 0; c < 4; c++)
         own[c] = is_fresh ? rays[0].value[c] : nearest->value[c];
     memcpy(value, own, sizeof(value));
     if (history.is_void && !is_fresh) {
-        const int kind = choice(oracle, history.is_rejected ? RT_FALLBACK_REJECTED : RT_FALLBACK);
-        stand_in(oracle, kind, x, y, rays, nearest, own_m, is_sky(depth[0]), value);
+        const int kind = choice(twin, history.is_rejected ? RT_FALLBACK_REJECTED : RT_FALLBACK);
+        stand_in(twin, kind, x, y, rays, nearest, own_m, is_sky(depth[0]), value);
     } else if (is_fresh && !history.is_void) {
         age = fmin(age + 1.0, 255.0);
-        blend_fresh(oracle, history.value, own, fresh_weight(oracle, age, part), value);
+        blend_fresh(twin, history.value, own, fresh_weight(twin, age, part), value);
     } else if (!history.is_void) {
         if (age_max > 0.0 && part < 1.0)
             age = fmax(part * fmin(age, age_max), 1.0);
         for (int c = 0; c < 4; c++)
             value[c] = blend(history.value[c], own[c],
-                             1.0 - (double)setting(oracle, RT_HISTORY_WEIGHT));
+                             1.0 - (double)setting(twin, RT_HISTORY_WEIGHT));
     }
-    put_result(oracle, x, y, value, (float)age, known_distance_m(distance[0]));
+    put_result(twin, x, y, value, (float)age, known_distance_m(distance[0]));
 }
 
-void neph_rt_oracle_reconstruct(const struct neph_rt_oracle *oracle)
+void twin_reconstruct(const struct twin *twin)
 {
-    for (int y = 0; y < (int)oracle->view->half_size_px[1]; y++)
-        for (int x = 0; x < (int)oracle->view->half_size_px[0]; x++)
-            reconstruct(oracle, x, y);
+    for (int y = 0; y < (int)twin->view->half_size_px[1]; y++)
+        for (int x = 0; x < (int)twin->view->half_size_px[0]; x++)
+            reconstruct(twin, x, y);
 }

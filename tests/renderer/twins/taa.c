@@ -21,14 +21,14 @@ struct box {
     double low[3], high[3];
 };
 
-static float setting(const struct neph_rt_oracle *oracle, int index)
+static float setting(const struct twin *twin, int index)
 {
-    return oracle->view->settings[index];
+    return twin->view->settings[index];
 }
 
-static int choice(const struct neph_rt_oracle *oracle, int index)
+static int choice(const struct twin *twin, int index)
 {
-    return (int)oracle->view->settings[index];
+    return (int)twin->view->settings[index];
 }
 
 static double hold(double value, double low, double high)
@@ -41,17 +41,17 @@ static bool is_finite(struct colour colour)
     return isfinite(colour.c[0]) && isfinite(colour.c[1]) && isfinite(colour.c[2]);
 }
 
-static struct colour guard(const struct neph_rt_oracle *oracle, struct colour colour)
+static struct colour guard(const struct twin *twin, struct colour colour)
 {
-    for (int c = 0; c < 3 && choice(oracle, RT_TAA_GUARD); c++)
+    for (int c = 0; c < 3 && choice(twin, RT_TAA_GUARD); c++)
         colour.c[c] = hold(colour.c[c], 0.0, half_max);
     return colour;
 }
 
-static struct colour fetch(const struct neph_rt_oracle *oracle, int target, int x, int y)
+static struct colour fetch(const struct twin *twin, int target, int x, int y)
 {
     float value[4];
-    neph_rt_fetch_full(oracle, target, x, y, value);
+    twin_fetch_full(twin, target, x, y, value);
     return (struct colour){{value[0], value[1], value[2]}};
 }
 
@@ -76,29 +76,28 @@ static void place_from_middle(const struct neph_rt_view *view, const struct neph
                (dot(from, camera->up) / (depth * camera->tan_half_height));
 }
 
-static float depth_of_motion(const struct neph_rt_oracle *oracle, int x, int y)
+static float depth_of_motion(const struct twin *twin, int x, int y)
 {
     static const int cross_px[4][2] = {{-2, -2}, {2, -2}, {-2, 2}, {2, 2}};
     float nearest_m[4], depth_m[4];
-    neph_rt_fetch_full(oracle, RT_DEPTH, x, y, nearest_m);
-    for (int i = 0; i < 4 && choice(oracle, RT_TAA_MOTION) == RT_MOTION_CROSS; i++) {
-        neph_rt_fetch_full(oracle, RT_DEPTH, x + cross_px[i][0], y + cross_px[i][1], depth_m);
+    twin_fetch_full(twin, RT_DEPTH, x, y, nearest_m);
+    for (int i = 0; i < 4 && choice(twin, RT_TAA_MOTION) == RT_MOTION_CROSS; i++) {
+        twin_fetch_full(twin, RT_DEPTH, x + cross_px[i][0], y + cross_px[i][1], depth_m);
         if (depth_m[0] < nearest_m[0])
             nearest_m[0] = depth_m[0];
     }
     return nearest_m[0];
 }
 
-static bool find_before(const struct neph_rt_oracle *oracle, int x, int y, float place_px[2],
-                        double *speed_px)
+static bool find_before(const struct twin *twin, int x, int y, float place_px[2], double *speed_px)
 {
-    const struct neph_rt_view *view = oracle->view;
+    const struct neph_rt_view *view = twin->view;
     const struct neph_rt_camera *now = &view->now, *before = &view->before;
     const float width_px = (float)view->size_px[0], height_px = (float)view->size_px[1];
     const float centre_px[2] = {(float)x + 0.5f, (float)y + 0.5f};
     const float right = (2.0f * centre_px[0] / width_px - 1.0f) * now->tan_half_width;
     const float up = (1.0f - 2.0f * centre_px[1] / height_px) * now->tan_half_height;
-    const float depth_m = depth_of_motion(oracle, x, y);
+    const float depth_m = depth_of_motion(twin, x, y);
     float ray[3], ray_before[3], here[2], there[2];
     for (int c = 0; c < 3; c++) {
         ray[c] = now->forward[c] + right * now->right[c] + up * now->up[c];
@@ -126,9 +125,9 @@ static double catmull_rom(double distance)
     return d > 1.0 ? ((-0.5 * d + 2.5) * d - 4.0) * d + 2.0 : (1.5 * d - 2.5) * d * d + 1.0;
 }
 
-static double filter_weight(const struct neph_rt_oracle *oracle, double distance)
+static double filter_weight(const struct twin *twin, double distance)
 {
-    switch (choice(oracle, RT_TAA_HISTORY)) {
+    switch (choice(twin, RT_TAA_HISTORY)) {
     case RT_FILTER_NEAREST: /* halfway it is the next one */
         return distance > -0.5 && distance <= 0.5;
     case RT_FILTER_BILINEAR:
@@ -138,62 +137,60 @@ static double filter_weight(const struct neph_rt_oracle *oracle, double distance
     }
 }
 
-static bool fetch_history(const struct neph_rt_oracle *oracle, const float place_px[2],
-                          struct colour *history)
+static bool fetch_history(const struct twin *twin, const float place_px[2], struct colour *history)
 {
     const float corner[2] = {floorf(place_px[0] - 0.5f), floorf(place_px[1] - 0.5f)};
     const double way[2] = {place_px[0] - 0.5f - corner[0], place_px[1] - 0.5f - corner[1]};
     *history = (struct colour){{0.0}};
     for (int y = -1; y < 3; y++)
         for (int x = -1; x < 3; x++) {
-            const double weight = filter_weight(oracle, x - way[0]) *
-                                  filter_weight(oracle, y - way[1]);
-            const struct colour texel = fetch(oracle, RT_TAA_BEFORE, (int)corner[0] + x,
+            const double weight = filter_weight(twin, x - way[0]) * filter_weight(twin, y - way[1]);
+            const struct colour texel = fetch(twin, RT_TAA_BEFORE, (int)corner[0] + x,
                                               (int)corner[1] + y);
             for (int c = 0; c < 3 && weight != 0.0; c++)
                 history->c[c] += weight * texel.c[c];
         }
-    const bool is_sound = !choice(oracle, RT_TAA_GUARD) || is_finite(*history);
-    *history = guard(oracle, *history);
+    const bool is_sound = !choice(twin, RT_TAA_GUARD) || is_finite(*history);
+    *history = guard(twin, *history);
     return is_sound;
 }
 
 /* --- the frame ----------------------------------------------------------------------------- */
 
 /* A decision of the distance box, therefore float32. */
-static float distance_squared(const struct neph_rt_oracle *oracle, int i)
+static float distance_squared(const struct twin *twin, int i)
 {
-    const float x = (float)(i % 3 - 1) + oracle->view->jitter_px[0];
-    const float y = (float)(i / 3 - 1) + oracle->view->jitter_px[1];
+    const float x = (float)(i % 3 - 1) + twin->view->jitter_px[0];
+    const float y = (float)(i / 3 - 1) + twin->view->jitter_px[1];
     return x * x + y * y;
 }
 
-static struct surroundings look_around(const struct neph_rt_oracle *oracle, int x, int y)
+static struct surroundings look_around(const struct twin *twin, int x, int y)
 {
     struct surroundings around;
     for (int i = 0; i < 9; i++) {
-        const struct colour colour = fetch(oracle, RT_COLOR, x + i % 3 - 1, y + i / 3 - 1);
-        around.counts[i] = !choice(oracle, RT_TAA_GUARD) || is_finite(colour);
-        around.colours[i] = guard(oracle, colour);
+        const struct colour colour = fetch(twin, RT_COLOR, x + i % 3 - 1, y + i / 3 - 1);
+        around.counts[i] = !choice(twin, RT_TAA_GUARD) || is_finite(colour);
+        around.colours[i] = guard(twin, colour);
     }
     return around;
 }
 
-static double hdr_weight(const struct neph_rt_oracle *oracle, struct colour colour)
+static double hdr_weight(const struct twin *twin, struct colour colour)
 {
-    return choice(oracle, RT_TAA_HDR_WEIGHT) ? 1.0 / (luma_4(colour) + 4.0) : 1.0;
+    return choice(twin, RT_TAA_HDR_WEIGHT) ? 1.0 / (luma_4(colour) + 4.0) : 1.0;
 }
 
-static bool filter_frame(const struct neph_rt_oracle *oracle, const struct surroundings *around,
+static bool filter_frame(const struct twin *twin, const struct surroundings *around,
                          struct colour *filtered)
 {
     *filtered = around->colours[4];
-    if (!choice(oracle, RT_TAA_FILTER))
+    if (!choice(twin, RT_TAA_FILTER))
         return around->counts[4];
     double weights = 0.0, sum[3] = {0.0};
     for (int i = 0; i < 9; i++) {
-        const double weight = exp(-2.29 * (double)distance_squared(oracle, i)) *
-                              hdr_weight(oracle, around->colours[i]);
+        const double weight = exp(-2.29 * (double)distance_squared(twin, i)) *
+                              hdr_weight(twin, around->colours[i]);
         weights += around->counts[i] ? weight : 0.0;
         for (int c = 0; c < 3 && around->counts[i]; c++)
             sum[c] += weight * around->colours[i].c[c];
@@ -272,19 +269,18 @@ static struct box variance_box(const struct surroundings *around, struct colour 
     return box;
 }
 
-static struct box distance_box(const struct neph_rt_oracle *oracle,
-                               const struct surroundings *around)
+static struct box distance_box(const struct twin *twin, const struct surroundings *around)
 {
     bool near[9];
     for (int i = 0; i < 9; i++)
-        near[i] = distance_squared(oracle, i) < 2.2801f;
+        near[i] = distance_squared(twin, i) < 2.2801f;
     return extremes(around, near);
 }
 
-static struct colour hold_history(const struct neph_rt_oracle *oracle, struct colour history,
+static struct colour hold_history(const struct twin *twin, struct colour history,
                                   struct surroundings around, struct colour filtered)
 {
-    const int kind = choice(oracle, RT_TAA_BOX), space = choice(oracle, RT_TAA_SPACE);
+    const int kind = choice(twin, RT_TAA_BOX), space = choice(twin, RT_TAA_SPACE);
     if (kind == RT_BOX_NONE)
         return history;
     for (int i = 0; i < 9; i++)
@@ -292,8 +288,8 @@ static struct colour hold_history(const struct neph_rt_oracle *oracle, struct co
     const struct box box = kind == RT_BOX_MIN_MAX ? min_max_box(&around)
                            : kind == RT_BOX_VARIANCE
                                ? variance_box(&around, to_space(space, filtered),
-                                              setting(oracle, RT_TAA_SIGMA))
-                               : distance_box(oracle, &around);
+                                              setting(twin, RT_TAA_SIGMA))
+                               : distance_box(twin, &around);
     struct colour held = to_space(space, history);
     bool is_moved = false;
     for (int c = 0; c < 3; c++) {
@@ -306,24 +302,24 @@ static struct colour hold_history(const struct neph_rt_oracle *oracle, struct co
 
 /* --- blend and output ------------------------------------------------------------------------ */
 
-static double frame_weight(const struct neph_rt_oracle *oracle, double luma, double history_luma,
+static double frame_weight(const struct twin *twin, double luma, double history_luma,
                            double speed_px)
 {
-    const double contrast = setting(oracle, RT_TAA_CONTRAST);
-    const double way = fmin(speed_px / setting(oracle, RT_TAA_VELOCITY_PX), 1.0);
-    const double alpha = (1.0 - way) * setting(oracle, RT_TAA_ALPHA) +
-                         way * setting(oracle, RT_TAA_ALPHA_MOVING);
-    if (contrast == 0.0 || (choice(oracle, RT_TAA_GUARD) && !(history_luma > 0.0)))
+    const double contrast = setting(twin, RT_TAA_CONTRAST);
+    const double way = fmin(speed_px / setting(twin, RT_TAA_VELOCITY_PX), 1.0);
+    const double alpha = (1.0 - way) * setting(twin, RT_TAA_ALPHA) +
+                         way * setting(twin, RT_TAA_ALPHA_MOVING);
+    if (contrast == 0.0 || (choice(twin, RT_TAA_GUARD) && !(history_luma > 0.0)))
         return alpha;
     const double least = contrast * history_luma / fabs(luma - history_luma);
     return least <= alpha ? alpha : least > 1.0 ? 1.0 : least;
 }
 
-static struct colour blend(const struct neph_rt_oracle *oracle, struct colour frame,
-                           struct colour history, double alpha)
+static struct colour blend(const struct twin *twin, struct colour frame, struct colour history,
+                           double alpha)
 {
-    const double of_frame = alpha * hdr_weight(oracle, frame);
-    const double of_history = (1.0 - alpha) * hdr_weight(oracle, history);
+    const double of_frame = alpha * hdr_weight(twin, frame);
+    const double of_history = (1.0 - alpha) * hdr_weight(twin, history);
     const double weight = of_frame / (of_frame + of_history);
     for (int c = 0; c < 3 && weight != 1.0; c++)
         frame.c[c] = (1.0 - weight) * history.c[c] + weight * frame.c[c];
@@ -359,43 +355,43 @@ static float round_by_chance(float value, float number)
     return (number < halves - below ? below + 1.0f : below) * half_step;
 }
 
-static void write(const struct neph_rt_oracle *oracle, int x, int y, struct colour colour)
+static void write(const struct twin *twin, int x, int y, struct colour colour)
 {
-    const struct neph_rt_view *view = oracle->view;
+    const struct neph_rt_view *view = twin->view;
     float numbers[3], value[4] = {0.0f};
     random_numbers((uint32_t[4]){(uint32_t)x, (uint32_t)y, view->frame, view->seed}, numbers);
-    const bool by_chance = choice(oracle, RT_TAA_FORMAT) == RT_FORMAT_HALF &&
-                           choice(oracle, RT_TAA_ROUNDING) == RT_ROUNDING_STOCHASTIC;
+    const bool by_chance = choice(twin, RT_TAA_FORMAT) == RT_FORMAT_HALF &&
+                           choice(twin, RT_TAA_ROUNDING) == RT_ROUNDING_STOCHASTIC;
     for (int c = 0; c < 3; c++) {
-        const double least = choice(oracle, RT_TAA_GUARD) ? 0.0 : -half_max;
+        const double least = choice(twin, RT_TAA_GUARD) ? 0.0 : -half_max;
         value[c] = (float)hold(colour.c[c], least, half_max);
         if (by_chance)
             value[c] = round_by_chance(value[c], numbers[c]);
     }
-    neph_rt_put_full(oracle, RT_TAA_OUT, x, y, value);
+    twin_put_full(twin, RT_TAA_OUT, x, y, value);
 }
 
-static struct colour pixel_colour(const struct neph_rt_oracle *oracle, int x, int y)
+static struct colour pixel_colour(const struct twin *twin, int x, int y)
 {
-    const struct neph_rt_view *view = oracle->view;
-    const bool is_reset = !view->has_history || (view->is_cut && choice(oracle, RT_CUT_RESET));
+    const struct neph_rt_view *view = twin->view;
+    const bool is_reset = !view->has_history || (view->is_cut && choice(twin, RT_CUT_RESET));
     float before_px[2];
     double speed_px;
     struct colour history, filtered;
-    const bool has_history = !is_reset && find_before(oracle, x, y, before_px, &speed_px) &&
-                             fetch_history(oracle, before_px, &history);
-    const struct surroundings around = look_around(oracle, x, y);
-    if (!filter_frame(oracle, &around, &filtered))
+    const bool has_history = !is_reset && find_before(twin, x, y, before_px, &speed_px) &&
+                             fetch_history(twin, before_px, &history);
+    const struct surroundings around = look_around(twin, x, y);
+    if (!filter_frame(twin, &around, &filtered))
         return has_history ? history : (struct colour){{0.0}};
     if (!has_history)
         return filtered;
-    const double alpha = frame_weight(oracle, luma_4(filtered), luma_4(history), speed_px);
-    return blend(oracle, filtered, hold_history(oracle, history, around, filtered), alpha);
+    const double alpha = frame_weight(twin, luma_4(filtered), luma_4(history), speed_px);
+    return blend(twin, filtered, hold_history(twin, history, around, filtered), alpha);
 }
 
-void neph_rt_oracle_taa(const struct neph_rt_oracle *oracle)
+void twin_taa(const struct twin *twin)
 {
-    for (int y = 0; y < (int)oracle->view->size_px[1]; y++)
-        for (int x = 0; x < (int)oracle->view->size_px[0]; x++)
-            write(oracle, x, y, pixel_colour(oracle, x, y));
+    for (int y = 0; y < (int)twin->view->size_px[1]; y++)
+        for (int x = 0; x < (int)twin->view->size_px[0]; x++)
+            write(twin, x, y, pixel_colour(twin, x, y));
 }
