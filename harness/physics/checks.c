@@ -105,9 +105,9 @@ static enum neph_stage_truth truth_of(const struct row *row)
 }
 
 /* A frame 40 degrees high, half-way between the sun's side and across it. */
-static struct neph_view look(const struct row *row, const char *name, double elevation_rad)
+static struct neph_check_view look(const struct row *row, const char *name, double elevation_rad)
 {
-    return (struct neph_view){
+    return (struct neph_check_view){
         .stage = {.name = name,
                   .medium = row->medium,
                   .truth = truth_of(row),
@@ -119,7 +119,7 @@ static struct neph_view look(const struct row *row, const char *name, double ele
                   .view_elevation_rad = elevation_rad,
                   .vertical_fov_rad = 40.0 * DEG,
                   .aspect = 1.5},
-        .weight = NEPH_VIEW_MEAN,
+        .weight = NEPH_CHECK_MEAN,
         .factor = 1.0,
         .width_px = 24,
         .height_px = 16,
@@ -137,11 +137,12 @@ static void add_hemisphere(const struct row *row, struct neph_check *check, doub
     for (int i = 0; i < 4; i++) {
         /* Level faces lean by 1e-9 rad to the slab's side: that is where their camera stands. */
         const double elevation_rad = fmax(faces[i].elevation_rad, 1e-9);
-        struct neph_view view = look(row, check->name, side * fmin(elevation_rad, 89.99 * DEG));
+        struct neph_check_view view = look(row, check->name,
+                                           side * fmin(elevation_rad, 89.99 * DEG));
         view.stage.view_azimuth_rad = faces[i].azimuth_rad;
         view.stage.vertical_fov_rad = 90.0 * DEG;
         view.stage.aspect = 1.0;
-        view.weight = NEPH_VIEW_FLUX;
+        view.weight = NEPH_CHECK_FLUX;
         view.factor = faces[i].factor;
         view.width_px = view.height_px = 16;
         check->views[check->view_count++] = view;
@@ -151,7 +152,7 @@ static void add_hemisphere(const struct row *row, struct neph_check *check, doub
 /* Three rays to a column; as high as Cycles' narrowest field of view. */
 static void add_nadir(const struct row *row, struct neph_check *check)
 {
-    struct neph_view view = look(row, check->name, -90.0 * DEG);
+    struct neph_check_view view = look(row, check->name, -90.0 * DEG);
     view.width_px = 48;
     view.height_px = 16;
     view.stage.aspect = 3.0;
@@ -164,7 +165,7 @@ static void add_reciprocal(const struct row *row, struct neph_check *check)
 {
     const double cosines[2] = {row->sun_cosine, 0.35};
     for (int i = 0; i < 2; i++) {
-        struct neph_view view = look(row, check->name, -asin(cosines[1 - i]));
+        struct neph_check_view view = look(row, check->name, -asin(cosines[1 - i]));
         view.stage.sun_cosine = cosines[i];
         view.stage.vertical_fov_rad = 4.0 * DEG;
         view.factor = (i == 0 ? 1.0 : -1.0) / cosines[i];
@@ -244,11 +245,11 @@ void neph_check_get(int index, struct neph_check *check)
     }
 }
 
-double neph_view_pixel_weight(const struct neph_view *view, const struct neph_camera *camera,
-                              struct neph_vec3 direction)
+double neph_check_pixel_weight(const struct neph_check_view *view, const struct neph_camera *camera,
+                               struct neph_vec3 direction)
 {
     const double pixels = (double)view->width_px * (double)view->height_px;
-    if (view->weight == NEPH_VIEW_MEAN)
+    if (view->weight == NEPH_CHECK_MEAN)
         return 1.0 / pixels;
     const double side = view->stage.view_elevation_rad < 0.0 ? -1.0 : 1.0;
     const double cosine = side * direction.y;

@@ -11,15 +11,15 @@
 enum { NEPH_CHECK_VIEWS_MAX = 8 };
 
 /* How the pixels of a view are added up. */
-enum neph_view_weight {
-    NEPH_VIEW_MEAN, /* the mean over the pixels [W m^-2 sr^-1] */
-    NEPH_VIEW_FLUX, /* the flux through the level [1], per vertical sunlight: sum of
+enum neph_check_weight {
+    NEPH_CHECK_MEAN, /* the mean over the pixels [W m^-2 sr^-1] */
+    NEPH_CHECK_FLUX, /* the flux through the level [1], per vertical sunlight: sum of
                        L |cos| d(solid angle) / (sun_cosine E) over the half on the slab's side */
 };
 
-struct neph_view {
+struct neph_check_view {
     struct neph_stage_params stage;
-    enum neph_view_weight weight;
+    enum neph_check_weight weight;
     double factor; /* of this view in the sum over the views */
     int width_px, height_px;
 };
@@ -31,7 +31,7 @@ struct neph_check {
     const char *rung;  /* what kind of truth, in a word */
     const char *title; /* of the rung, one line */
     char what[320];    /* what is on the stage, in words */
-    struct neph_view views[NEPH_CHECK_VIEWS_MAX];
+    struct neph_check_view views[NEPH_CHECK_VIEWS_MAX];
     int view_count;
     bool uneven; /* the medium is not homogeneous: renderers that march through it have a step */
     bool deep;   /* light is scattered a thousand times and more on its way out */
@@ -44,7 +44,7 @@ int neph_check_count(void);
 void neph_check_get(int index, struct neph_check *check);
 
 /* The weight of a pixel whose ray has this direction, factor left out. */
-double neph_view_pixel_weight(const struct neph_view *view, const struct neph_camera *camera,
-                              struct neph_vec3 direction);
+double neph_check_pixel_weight(const struct neph_check_view *view, const struct neph_camera *camera,
+                               struct neph_vec3 direction);
 
 #endif

@@ -24,7 +24,7 @@ enum { PARTICIPANTS_MAX = 16, PIXELS_MAX = 1024 };
 
 /* One view of a check with the truth of its pixels. */
 struct seen {
-    const struct neph_view *view;
+    const struct neph_check_view *view;
     struct neph_stage *stage;
     int pixel_count;
     double truth[PIXELS_MAX], weight[PIXELS_MAX];
@@ -52,7 +52,8 @@ struct finding {
     double wall_s;
 };
 
-static enum neph_status see(const struct neph_view *view, struct seen *seen, struct neph_diag *diag)
+static enum neph_status see(const struct neph_check_view *view, struct seen *seen,
+                            struct neph_diag *diag)
 {
     seen->view = view;
     seen->pixel_count = view->width_px * view->height_px;
@@ -64,7 +65,7 @@ static enum neph_status see(const struct neph_view *view, struct seen *seen, str
     for (int p = 0; p < seen->pixel_count; p++) {
         const struct neph_vec3 ray = neph_camera_ray(&camera, view->width_px, view->height_px,
                                                      p % view->width_px, p / view->width_px);
-        seen->weight[p] = neph_view_pixel_weight(view, &camera, ray);
+        seen->weight[p] = neph_check_pixel_weight(view, &camera, ray);
         seen->truth[p] = seen->weight[p] > 0.0 ? neph_stage_truth_w_per_m2_sr(seen->stage, ray)
                                                : 0.0;
     }
@@ -163,7 +164,7 @@ static void add_pixel_scores(const struct seen *seen, const struct neph_image *f
 {
     const float *variance = neph_image_channel(frame, "variance.G");
     float truth[PIXELS_MAX];
-    if (!variance || seen->view->weight != NEPH_VIEW_MEAN || seen->truth_error > 0.0)
+    if (!variance || seen->view->weight != NEPH_CHECK_MEAN || seen->truth_error > 0.0)
         return;
     double brightest = 0.0;
     for (int p = 0; p < seen->pixel_count; p++) {

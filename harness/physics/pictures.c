@@ -50,7 +50,7 @@ static double exposure_ev(double brightest)
     return brightest > 0.0 ? floor(2.0 * log2(white / brightest)) / 2.0 : 0.0;
 }
 
-json_t *neph_physics_view_json(const struct neph_view *view, const double *truth_w_per_m2_sr)
+json_t *neph_physics_view_json(const struct neph_check_view *view, const double *truth_w_per_m2_sr)
 {
     const int count = view->width_px * view->height_px;
     double sum = 0.0, brightest = 0.0;

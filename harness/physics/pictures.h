@@ -16,7 +16,7 @@
 
 /* One entry of a check's "views" (scripts/report/README.md), with the true radiance of its pixels
  * [W m^-2 sr^-1] in "truth". The caller's; NULL without memory. */
-json_t *neph_physics_view_json(const struct neph_view *view, const double *truth_w_per_m2_sr);
+json_t *neph_physics_view_json(const struct neph_check_view *view, const double *truth_w_per_m2_sr);
 
 /* Draw the pictures of the suite's document into `folder`, a report: images/physics/..., name them
  * in the document, and take "truth" out of it; a view without it was drawn before and is left as it

@@ -10,7 +10,7 @@
 
 enum { WIDTH = 6, HEIGHT = 4, PIXELS = WIDTH * HEIGHT };
 
-static const struct neph_view view = {
+static const struct neph_check_view view = {
     .stage = {.name = "probe",
               .truth = NEPH_STAGE_TRUTH_SLAB,
               .sun_cosine = 0.5,
