@@ -5,7 +5,7 @@
 #ifndef NEPH_SCENES_VOLUME_FORMAT_H
 #define NEPH_SCENES_VOLUME_FORMAT_H
 
-#include "scenes/volume_file.h"
+#include "scenes/grid.h"
 
 #include <stdio.h>
 

@@ -34,7 +34,6 @@ CIRCLES = {
     "renderer/compute renderer/vulkan",
     "renderer/march renderer/march_cut",
     "scenes/bake scenes/build scenes/grid scenes/horizon scenes/horizon_density scenes/horizon_textures scenes/media scenes/medium_kind scenes/motion scenes/scene scenes/schema",
-    "scenes/volume_file scenes/volume_format",
 }
 INCLUDE = re.compile(r'^#include "([a-z_/]+\.h)"', re.MULTILINE)
 
