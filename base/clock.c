@@ -19,3 +19,10 @@ double neph_cpu_s(void)
 {
     return clock_s(CLOCK_PROCESS_CPUTIME_ID);
 }
+
+void neph_utc_now(char text[32])
+{
+    const time_t now = time(NULL);
+    struct tm utc;
+    strftime(text, 32, "%Y-%m-%dT%H:%M:%SZ", gmtime_r(&now, &utc));
+}

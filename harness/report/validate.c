@@ -24,7 +24,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 #include <unistd.h>
 
 enum { ENGINES_MAX = 16 };
@@ -556,9 +555,7 @@ static json_t *part_of(const struct run *run, const char *key)
 static enum neph_status begin_document(struct run *run, struct neph_diag *diag)
 {
     char created[32];
-    const time_t now = time(NULL);
-    struct tm utc;
-    strftime(created, sizeof(created), "%Y-%m-%dT%H:%M:%SZ", gmtime_r(&now, &utc));
+    neph_utc_now(created);
     run->document = json_pack("{s:s, s:s, s:s, s:s, s:o, s:[i,i], s:o, s:[], s:[], s:[], s:[]}",
                               "format", "neph-report-1", "title", "Nephelometer validation",
                               "created_utc", created, "neph_version", NEPH_VERSION, "host",

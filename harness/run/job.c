@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/run/job.h"
 
+#include "base/clock.h"
 #include "base/exr.h"
 #include "base/files.h"
 #include "base/text.h"
@@ -12,7 +13,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 #include <unistd.h>
 
 static const char *const outcome_names[] = {
@@ -250,19 +250,11 @@ enum neph_status neph_outcome_check(enum neph_outcome outcome, const char *reaso
     return status ? neph_fail(diag, status, "%s", reason) : NEPH_OK;
 }
 
-static void utc_now(char text[32])
-{
-    const time_t now = time(NULL);
-    struct tm utc;
-    gmtime_r(&now, &utc);
-    strftime(text, 32, "%Y-%m-%dT%H:%M:%SZ", &utc);
-}
-
 static json_t *make_record(const struct neph_job *job, const struct neph_job_result *result)
 {
     const struct neph_shot *shot = &job->shot;
     char created[32];
-    utc_now(created);
+    neph_utc_now(created);
     return json_pack(
         "{s:s, s:s, s:s, s:s, s:i, s:s, s:s, s:s, s:s, s:[i,i], s:i, s:i, s:i, s:i, s:f, s:f, s:f, "
         "s:I}",
