@@ -83,7 +83,7 @@ static double student_slope(double t, double dof)
 {
     int sign;
     const double gammas = lgamma_r(0.5 * (dof + 1.0), &sign) - lgamma_r(0.5 * dof, &sign);
-    return 2.0 * exp(gammas - 0.5 * (dof + 1.0) * log1p(t * t / dof)) / sqrt(dof * acos(-1.0));
+    return 2.0 * exp(gammas - 0.5 * (dof + 1.0) * log1p(t * t / dof)) / sqrt(dof * M_PI);
 }
 
 double neph_student_critical(double alpha, double dof)

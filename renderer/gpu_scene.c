@@ -117,7 +117,7 @@ static struct neph_gpu_gaussian gaussian_from(const struct neph_medium *medium,
 {
     const double width_m = medium->gaussian.width_m;
     /* A line outside a sphere of radius r meets at most the whole line's depth at impact r. */
-    const double central = medium->extinction_per_m * width_m * sqrt(2.0 * acos(-1.0));
+    const double central = medium->extinction_per_m * width_m * sqrt(2.0 * M_PI);
     const double widths = sqrt(2.0 * log(fmax(1.0, central / thin_optical_depth)));
     struct neph_gpu_gaussian gpu = {
         .width_m = (float)width_m,
@@ -133,8 +133,7 @@ static struct neph_gpu_shell shell_from(const struct neph_medium *medium,
     const struct neph_shell *shell = &medium->shell;
     /* The whole of a level line, Chapman's sqrt(2 pi r H), bounds what is above its height; r is
      * taken where it matters, a few scale heights up, and the excess of 1 covers the rest. */
-    const double level_m = sqrt(2.0 * acos(-1.0) *
-                                (shell->radius_m + 40.0 * shell->scale_height_m) *
+    const double level_m = sqrt(2.0 * M_PI * (shell->radius_m + 40.0 * shell->scale_height_m) *
                                 shell->scale_height_m);
     const double folds = log(fmax(1.0, medium->extinction_per_m * level_m / thin_optical_depth));
     return (struct neph_gpu_shell){

@@ -5,10 +5,11 @@
 #include "scenes/build.h"
 #include "scenes/motion.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#define RAD_PER_DEG (3.14159265358979323846 / 180.0)
+#define RAD_PER_DEG (M_PI / 180.0)
 
 static struct neph_vec3 vec3(const double v[3])
 {

@@ -11,8 +11,6 @@
 
 #include <math.h>
 
-static const double pi = 3.14159265358979323846264338328;
-
 /* In widths: e^{-r^2/2} = support_level. */
 static const double support_level = 1e-12;
 static const double support_radius = 7.43384437769967690; /* sqrt(2 ln 1e12) */
@@ -32,7 +30,7 @@ static double decay(double w, const void *context)
 static double one_sided_integral(double a, double width)
 {
     if (width * (2.0 * a + width) > short_stretch)
-        return 0.5 * sqrt(pi) * (erfc(a) - erfc(a + width));
+        return 0.5 * sqrt(M_PI) * (erfc(a) - erfc(a + width));
     return exp(-a * a) * neph_gauss(decay, &a, 0.0, width);
 }
 
@@ -43,7 +41,7 @@ static double integral(double a, double b, double width)
         return one_sided_integral(a, width);
     if (b <= 0.0)
         return one_sided_integral(-b, width);
-    return 0.5 * sqrt(pi) * (erf(b) + erf(-a));
+    return 0.5 * sqrt(M_PI) * (erf(b) + erf(-a));
 }
 
 static double extinction_at(const struct neph_medium *medium, struct neph_vec3 point_m)
@@ -89,7 +87,7 @@ static struct neph_bounds container(const struct neph_scene *scene,
 {
     (void)scene;
     const struct neph_rgb c = medium->extinction_color;
-    const double line_m = sqrt(2.0 * pi) * medium->gaussian.width_m;
+    const double line_m = sqrt(2.0 * M_PI) * medium->gaussian.width_m;
     *cut_error = support_level * medium->extinction_per_m * line_m * fmax(c.r, fmax(c.g, c.b));
     return support(medium);
 }

@@ -9,8 +9,6 @@
 
 #include <math.h>
 
-static const double pi = 3.14159265358979323846264338328;
-
 /* --- voxel grids, which have their own module ------------------------------------------------ */
 
 static double grid_extinction_per_m(const struct neph_medium *medium, struct neph_vec3 point_m)
@@ -272,7 +270,7 @@ static double henyey_greenstein_per_sr(double g, double cosine)
     /* 1 + g^2 - 2 g c without its cancellation at the peak, for either sign of g. */
     const double base = g >= 0.0 ? (1.0 - g) * (1.0 - g) + 2.0 * g * (1.0 - cosine)
                                  : (1.0 + g) * (1.0 + g) - 2.0 * g * (1.0 + cosine);
-    return (1.0 - g) * (1.0 + g) / (4.0 * pi * base * sqrt(base));
+    return (1.0 - g) * (1.0 + g) / (4.0 * M_PI * base * sqrt(base));
 }
 
 double neph_phase_per_sr(const struct neph_phase *phase, double cosine)
@@ -281,9 +279,9 @@ double neph_phase_per_sr(const struct neph_phase *phase, double cosine)
     case NEPH_PHASE_HENYEY_GREENSTEIN:
         return henyey_greenstein_per_sr(phase->g, fmin(1.0, fmax(-1.0, cosine)));
     case NEPH_PHASE_RAYLEIGH:
-        return 3.0 / (16.0 * pi) * (1.0 + cosine * cosine);
+        return 3.0 / (16.0 * M_PI) * (1.0 + cosine * cosine);
     case NEPH_PHASE_ISOTROPIC:
         break;
     }
-    return 1.0 / (4.0 * pi);
+    return 1.0 / (4.0 * M_PI);
 }

@@ -8,8 +8,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#define TWO_PI (2.0 * 3.14159265358979323846)
-
 const int neph_variant_periods[NEPH_VARIANT_PERIOD_COUNT] = {16, 32, 64};
 
 /* A step of two stops is far above noise and dither and stays on a display. Three sines of 0.3 of
@@ -72,7 +70,7 @@ static double brightness(const struct neph_variant *variant, int frame)
         return frame < variant->frame ? 1.0 : step_factor;
     for (int k = 0; k < NEPH_VARIANT_PERIOD_COUNT; k++) {
         const int period = neph_variant_periods[k];
-        sum += sin(TWO_PI * (frame % period) / period);
+        sum += sin(2.0 * M_PI * (frame % period) / period);
     }
     return 1.0 + sine_share * sum;
 }

@@ -11,8 +11,6 @@
 
 #include <math.h>
 
-static const double pi = 3.14159265358979323846264338328;
-
 /* ln(1 - w x cot x), without the cancellation at small x where 1 - x cot x = x^2/3 + x^4/45 + ...
  */
 static double log_of_dispersion(double albedo, double x, double tangent)
@@ -35,13 +33,13 @@ static double double_exponential(double albedo, double cosine, double step)
 {
     double sum = 0.0;
     for (int i = -(int)(4.0 / step); i <= (int)(4.0 / step); i++) {
-        const double t = i * step, e = exp(-pi * sinh(t));
+        const double t = i * step, e = exp(-M_PI * sinh(t));
         const double part = 1.0 / (1.0 + e), rest = e / (1.0 + e); /* a and pi/2 - a, over pi/2 */
-        const double weight = pi * cosh(t) * part * rest * 0.5 * pi;
+        const double weight = M_PI * cosh(t) * part * rest * 0.5 * M_PI;
         if (weight == 0.0 || part == 0.0)
             continue;
-        const double tangent = part < 0.5 ? tan(0.5 * pi * part) / cosine
-                                          : 1.0 / (tan(0.5 * pi * rest) * cosine);
+        const double tangent = part < 0.5 ? tan(0.5 * M_PI * part) / cosine
+                                          : 1.0 / (tan(0.5 * M_PI * rest) * cosine);
         sum += weight * log_of_dispersion(albedo, atan(tangent), tangent);
     }
     return sum * step;
@@ -58,8 +56,8 @@ double neph_chandrasekhar_h(double albedo, double cosine)
         step *= 0.5;
         const double now = double_exponential(albedo, cosine, step);
         if (fabs(now - before) < 1e-13)
-            return exp(-now / pi);
+            return exp(-now / M_PI);
         before = now;
     }
-    return exp(-before / pi);
+    return exp(-before / M_PI);
 }

@@ -3,8 +3,6 @@
 
 #include <math.h>
 
-static const double pi = 3.14159265358979323846264338328;
-
 /* The textbook's 1 + g^2 - ((1 - g^2) / (1 - g + 2 g u))^2 over 2 g cancels at both ends of g. Its
  * difference to 1, multiplied out, does not, and holds at g = 0 (L. G. Henyey, J. L. Greenstein,
  * ApJ 93, 1941, for the function). */
@@ -64,7 +62,7 @@ static struct neph_vec3 around(struct neph_vec3 axis, double along, double sine,
 {
     struct neph_vec3 a, b;
     basis(axis, &a, &b);
-    const double azimuth_rad = 2.0 * pi * neph_random_uniform(random);
+    const double azimuth_rad = 2.0 * M_PI * neph_random_uniform(random);
     struct neph_vec3 turned = neph_vec3_scale(axis, along);
     turned = neph_vec3_along(turned, a, sine * cos(azimuth_rad));
     return neph_vec3_normalize(neph_vec3_along(turned, b, sine * sin(azimuth_rad)));

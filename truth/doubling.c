@@ -20,8 +20,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double pi = 3.14159265358979323846264338328;
-
 /* The thin layer's optical depth over the smallest cosine. The norm of X Y is then below 1 per
  * square of the depth, and POWER_COUNT terms leave 1 / 20! = 4e-19. */
 static const double thin_per_cosine = 0.5;
@@ -451,7 +449,7 @@ enum neph_status neph_doubling_mode(const struct neph_doubling *layer, int mode,
 void neph_gauss_legendre(int count, double *nodes, double *weights)
 {
     for (int i = 0; i < count; i++) {
-        double x = cos(pi * (count - i - 0.25) / (count + 0.5)), slope = 1.0;
+        double x = cos(M_PI * (count - i - 0.25) / (count + 0.5)), slope = 1.0;
         for (int step = 0; step < 100; step++) { /* Newton; 4 to 6 steps do */
             double before = 1.0, now = x;
             for (int l = 1; l < count; l++) {

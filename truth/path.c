@@ -12,8 +12,6 @@
 
 #include <math.h>
 
-static const double pi = 3.14159265358979323846264338328;
-
 /* A path that can still bring less than this part of its start may be ended (and is worth more when
  * it is not). */
 static const double roulette_below = 0.05;
@@ -149,7 +147,7 @@ static bool meet_surface(struct path *path, const struct neph_hit *hit, struct n
     if (!leave_surface(path, hit))
         return false;
     const double cosine = neph_vec3_dot(hit->normal, path->scene->sun.direction);
-    add(light, sunlight(path, fmax(0.0, cosine) / pi));
+    add(light, sunlight(path, fmax(0.0, cosine) / M_PI));
     return true;
 }
 
@@ -312,7 +310,7 @@ static struct neph_rgb sunlit_surface(const struct neph_scene *scene, const stru
     const struct neph_rgb light = {exp(-depth.r), exp(-depth.g), exp(-depth.b)};
     return neph_rgb_scale(
         neph_rgb_mul(neph_rgb_mul(view->hit.solid->albedo, scene->sun.irradiance_w_per_m2), light),
-        cosine / pi);
+        cosine / M_PI);
 }
 
 struct neph_view neph_view_create(const struct neph_scene *scene, struct neph_vec3 origin_m,

@@ -13,8 +13,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-static const double pi = 3.14159265358979323846264338328;
-
 /* Modes are solved so many at a time, whatever the number of processors: same bits everywhere. */
 enum { BATCH = 4, NODES_MIN = 32, NODES_MAX = 512 };
 
@@ -296,7 +294,7 @@ static double sum_modes(const struct neph_slab *slab, const double *modes, int v
     for (int m = slab->mode_count - 1; m >= 0; m--)
         sum += (m == 0 ? 1.0 : 2.0) * cos(m * azimuth_rad) *
                modes[(size_t)m * (size_t)slab->view_count + (size_t)view];
-    return sum / (2.0 * pi);
+    return sum / (2.0 * M_PI);
 }
 
 /* Cosine of the turn from the sunlight to a view; `side` is 1 through the slab, -1 back up. */

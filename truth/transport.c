@@ -18,8 +18,6 @@
 #include <stdio.h>
 #include <string.h>
 
-static const double pi = 3.14159265358979323846264338328;
-
 /* Beyond this optical depth less than 1e-19 of the light is left: nothing in double, beside light
  * that has not come as far. */
 static const double opaque_optical_depth = 45.0;
@@ -410,7 +408,7 @@ static struct neph_rgb surface_radiance(const struct neph_scene *scene, const st
     if (!neph_scene_sees_sun(scene, outside_m))
         return (struct neph_rgb){0, 0, 0};
     const struct neph_rgb light = neph_rgb_scale(transmittance(sun_optical_depth(scene, outside_m)),
-                                                 cosine / pi);
+                                                 cosine / M_PI);
     return neph_rgb_mul(neph_rgb_mul(hit->solid->albedo, scene->sun.irradiance_w_per_m2), light);
 }
 

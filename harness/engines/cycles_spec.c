@@ -10,8 +10,6 @@
 #include <math.h>
 #include <stdio.h>
 
-static const double pi = 3.14159265358979323846;
-
 enum {
     SPEC_FORMAT = 2, /* raised together with blender_render.py */
     VOLUME_STACK = 31,
@@ -266,9 +264,9 @@ static int sphere_segments(const struct neph_solid *sphere, const struct neph_ca
     double radius_px = height_px; /* the camera is inside: the silhouette is out of sight */
     if (tangent_squared > 0.0)
         radius_px = px_per_slope * sphere->radius_m / sqrt(tangent_squared);
-    double segments = 2.0 * ceil(pi * sqrt(radius_px / sphere_error_px) / 2.0);
+    double segments = 2.0 * ceil(M_PI * sqrt(radius_px / sphere_error_px) / 2.0);
     segments = fmin(fmax(segments, SPHERE_SEGMENTS_MIN), SPHERE_SEGMENTS_MAX);
-    *error_px = fmax(*error_px, radius_px * pi * pi / (segments * segments));
+    *error_px = fmax(*error_px, radius_px * M_PI * M_PI / (segments * segments));
     return (int)segments;
 }
 

@@ -33,7 +33,6 @@
 #include <unistd.h>
 
 static const double probe_limit_s = 30.0; /* it answers in 0.1 s */
-static const double pi = 3.14159265358979323846;
 static const char install_line[] = "apt-get install povray";
 
 /* Renders of one picture at rising (or falling) gains, at most. */
@@ -566,7 +565,7 @@ static enum neph_status add_surface(struct session *session, struct light *surfa
     add_source(&sources, scene->background_w_per_m2_sr);
     for (int i = 0; scene->sun.present && i < scene->solid_count; i++) {
         struct neph_rgb lit = neph_rgb_mul(scene->solids[i].albedo, scene->sun.irradiance_w_per_m2);
-        add_source(&sources, neph_rgb_scale(lit, 1.0 / pi));
+        add_source(&sources, neph_rgb_scale(lit, 1.0 / M_PI));
     }
     return add_picture(session, "surface", pass, &sources, 1.0, surface, diag);
 }

@@ -22,8 +22,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-static const double pi = 3.14159265358979323846;
-
 /* The radius of the blown-up world. POV-Ray ends rays at 1e7 units; the sun stands at twice the
  * radius, so that no distance exceeds 6e6. */
 static const double world_radius_units = 2e6;
@@ -454,7 +452,7 @@ static void write_sun(struct writer *writer)
     words(writer, "// Sun: irradiance / pi, from far outside all else.\nlight_source { ");
     vector(writer, neph_vec3_scale(sun->direction, sun_distance_units));
     words(writer, " ");
-    colour(writer, neph_rgb_scale(sun->irradiance_w_per_m2, 1.0 / pi));
+    colour(writer, neph_rgb_scale(sun->irradiance_w_per_m2, 1.0 / M_PI));
     words(writer, " parallel point_at 0 }\n\n");
 }
 

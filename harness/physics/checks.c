@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#define DEG (3.14159265358979323846 / 180.0)
+#define DEG (M_PI / 180.0)
 #define ISO                                                                                        \
     {                                                                                              \
         NEPH_PHASE_ISOTROPIC, 0.0                                                                  \

@@ -38,7 +38,7 @@ static void cut(double length, struct neph_interval pieces[PIECES])
 /* Over the versine v = 1 - cosine: the solid angle is 2 pi dv. */
 static void over_versine(double v, void *context, double value[3])
 {
-    const double density = 2.0 * acos(-1.0) * neph_phase_per_sr(context, 1.0 - v);
+    const double density = 2.0 * M_PI * neph_phase_per_sr(context, 1.0 - v);
     value[0] = density;
     value[1] = density * (1.0 - v);
     value[2] = 0.0;

@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define DEG (3.14159265358979323846 / 180.0)
+#define DEG (M_PI / 180.0)
 
 /* The brightest true pixel is shown a little below white. */
 static const double white = 0.9;

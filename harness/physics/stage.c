@@ -164,7 +164,7 @@ static enum neph_status place_medium(struct neph_stage *stage, struct neph_diag 
         medium->kind = NEPH_MEDIUM_GAUSSIAN;
         medium->layer_count = 0;
         medium->gaussian = (struct neph_gaussian){cube_center(), blob_width_m};
-        medium->extinction_per_m = depth / (blob_width_m * sqrt(2.0 * acos(-1.0)));
+        medium->extinction_per_m = depth / (blob_width_m * sqrt(2.0 * M_PI));
         break;
     case NEPH_STAGE_GRID:
         medium->kind = NEPH_MEDIUM_GRID;
@@ -226,7 +226,7 @@ static enum neph_status solve_slab(struct neph_stage *stage, struct neph_diag *d
     double low, high;
     find_cosines(stage, &low, &high);
     for (int i = 0; i < NEPH_STAGE_COSINES; i++) {
-        const double x = cos(acos(-1.0) * i / (NEPH_STAGE_COSINES - 1));
+        const double x = cos(M_PI * i / (NEPH_STAGE_COSINES - 1));
         stage->cosines[i] = fmin(1.0, fmax(low, 0.5 * (low + high) + 0.5 * (high - low) * x));
     }
     return neph_slab_create(&(struct neph_slab_params){.optical_depth = params->optical_depth,

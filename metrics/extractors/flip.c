@@ -121,8 +121,6 @@ static const double log2_below_knee = -4.119307189126324;
 
 static const double feature_width_deg = 0.082;
 
-static const double pi = 3.14159265358979323846;
-
 /* ---- tone curves ----------------------------------------------------------------------------- */
 
 const char *const neph_flip_tones[] = {"none", "aces", "reinhard", "hable", NULL};
@@ -170,7 +168,7 @@ static void fill_contrast(struct kernel *kernel, double spread, double pixels_pe
 {
     for (int i = 0; i <= kernel->radius_px; i++) {
         const double x_deg = i / pixels_per_degree;
-        kernel->weights[i] = exp(-pi * pi * x_deg * x_deg / spread);
+        kernel->weights[i] = exp(-M_PI * M_PI * x_deg * x_deg / spread);
     }
 }
 
@@ -201,9 +199,9 @@ static void make_contrast_kernels(struct kernel *kernels, double pixels_per_degr
     struct kernel *first = &kernels[RING_BLUE_YELLOW_WIDE];
     struct kernel *second = &kernels[RING_BLUE_YELLOW_NARROW];
     fill_contrast(first, wide.spread, pixels_per_degree);
-    scale_kernel(first, sqrt(wide.amplitude * sqrt(pi / wide.spread)));
+    scale_kernel(first, sqrt(wide.amplitude * sqrt(M_PI / wide.spread)));
     fill_contrast(second, narrow.spread, pixels_per_degree);
-    scale_kernel(second, sqrt(narrow.amplitude * sqrt(pi / narrow.spread)));
+    scale_kernel(second, sqrt(narrow.amplitude * sqrt(M_PI / narrow.spread)));
     const double norm = 1.0 / hypot(kernel_sum(first), kernel_sum(second));
     scale_kernel(first, norm);
     scale_kernel(second, norm);
@@ -238,7 +236,7 @@ static enum neph_status make_kernels(struct neph_flip *flip, double pixels_per_d
 {
     const double feature_sigma_px = 0.5 * feature_width_deg * pixels_per_degree;
     const int feature_radius = (int)ceil(3.0 * feature_sigma_px);
-    const int color_radius = (int)ceil(3.0 * sqrt(0.04 / (2.0 * pi * pi)) * pixels_per_degree);
+    const int color_radius = (int)ceil(3.0 * sqrt(0.04 / (2.0 * M_PI * M_PI)) * pixels_per_degree);
     flip->radius_px = color_radius > feature_radius ? color_radius : feature_radius;
     const size_t stride = (size_t)flip->radius_px + 2; /* pairs of weights: a 0 at the end */
 

@@ -22,8 +22,6 @@
 
 enum { PERIODS_MAX = 3, BASIS_MAX = 2 + 2 * PERIODS_MAX };
 
-#define TWO_PI (2.0 * 3.14159265358979323846)
-
 /* Of a sine, over the standard error of its amplitude: white noise alone is above it in 1e-7 of
  * the pixels (exp(-4^2)). */
 static const double least_signal = 4.0;
@@ -116,8 +114,8 @@ static void take_basis(const struct basis *basis, int frame, double values[BASIS
     values[1] = frame;
     for (int k = 0; k < basis->period_count; k++) {
         const double turns = fmod(frame, basis->periods[k]) / basis->periods[k];
-        values[2 + 2 * k] = cos(TWO_PI * turns);
-        values[3 + 2 * k] = sin(TWO_PI * turns);
+        values[2 + 2 * k] = cos(2.0 * M_PI * turns);
+        values[3 + 2 * k] = sin(2.0 * M_PI * turns);
     }
 }
 
@@ -315,12 +313,13 @@ static void compare_sines(const struct state *state, const struct fit fits[PICTU
     const bool moves = reference.above_noise &&
                        neph_is_visible_step(middle - reference.amplitude,
                                             middle + reference.amplitude, state->gain);
-    const double late_rad = remainder(test.phase_rad - reference.phase_rad, TWO_PI);
+    const double late_rad = remainder(test.phase_rad - reference.phase_rad, 2.0 * M_PI);
     values[FOLLOWED] = moves;
     values[GAIN] = moves ? test.amplitude / reference.amplitude : (double)NAN;
     values[LOST] = moves ? !test.above_noise : (double)NAN;
-    values[PHASE_LAG] = moves && test.above_noise ? late_rad / TWO_PI * state->basis.periods[k]
-                                                  : (double)NAN;
+    values[PHASE_LAG] = moves && test.above_noise
+                            ? late_rad / (2.0 * M_PI) * state->basis.periods[k]
+                            : (double)NAN;
 }
 
 /* Where a map of a period that was given stands: in the planes of the sums, which it replaces. */

@@ -19,11 +19,11 @@ static double radical_inverse(uint32_t number, uint32_t base)
 /* A Gaussian cut off at `window_px`: one uniform number makes the radius, the other the angle. */
 static void warp(double u1, double u2, double offset_px[2])
 {
-    static const double sigma_px = 0.47, window_px = 0.5, pi = 3.14159265358979323846;
+    static const double sigma_px = 0.47, window_px = 0.5;
     const double beyond_window = exp(-0.5 * (window_px / sigma_px) * (window_px / sigma_px));
     const double radius_px = sigma_px * sqrt(-2.0 * log((1.0 - u1) * beyond_window + u1));
-    offset_px[0] = radius_px * cos(2.0 * pi * u2);
-    offset_px[1] = radius_px * sin(2.0 * pi * u2);
+    offset_px[0] = radius_px * cos(2.0 * M_PI * u2);
+    offset_px[1] = radius_px * sin(2.0 * M_PI * u2);
 }
 
 void neph_rt_jitter(int kind, int length, uint32_t index, double offset_px[2])
