@@ -18,8 +18,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-static const double pi = 3.14159265358979323846;
-
 enum { WIDTH = 32, HEIGHT = 18 };
 
 /* ---- Scenes in memory ----------------------------------------------------------------------- */
@@ -201,10 +199,10 @@ static void test_phase_constants(void **state)
     for (double c = -1.0; c <= 1.0; c += 0.0625) {
         double excess = neph_povray_phase_excess(NEPH_PHASE_RAYLEIGH);
         neph_assert_close(0.799372013 * (1.0 + c * c),
-                          4.0 * pi * excess * neph_phase_per_sr(&rayleigh, c), 1e-12, 0.0);
+                          4.0 * M_PI * excess * neph_phase_per_sr(&rayleigh, c), 1e-12, 0.0);
         double k = (1.0 - 0.85 * 0.85) / pow(1.0 + 0.85 * 0.85 - 2.0 * 0.85 * c, 1.5);
-        neph_assert_close(k, 4.0 * pi * neph_phase_per_sr(&forward, c), 1e-12, 0.0);
-        neph_assert_close(1.0, 4.0 * pi * neph_phase_per_sr(&isotropic, c), 1e-12, 0.0);
+        neph_assert_close(k, 4.0 * M_PI * neph_phase_per_sr(&forward, c), 1e-12, 0.0);
+        neph_assert_close(1.0, 4.0 * M_PI * neph_phase_per_sr(&isotropic, c), 1e-12, 0.0);
     }
     neph_assert_close(neph_povray_phase_excess(NEPH_PHASE_RAYLEIGH), 1.06583, 1e-5, 0.0);
 }

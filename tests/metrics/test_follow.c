@@ -8,8 +8,6 @@
 
 enum { WIDTH = 40, HEIGHT = 30, PIXELS = WIDTH * HEIGHT };
 
-#define TWO_PI (2.0 * 3.14159265358979323846)
-
 static const struct neph_viewing viewing = {60.0, 67.0, 0.0, 100.0};
 
 /* The value of a pixel in a frame, of the reference or of the test; frames before 0 are the past.
@@ -88,7 +86,7 @@ static double light(double frame)
 {
     double sum = 1.0;
     for (int k = 0; k < 3; k++)
-        sum += 0.2 * sin(TWO_PI * frame / periods[k] + k);
+        sum += 0.2 * sin(2.0 * M_PI * frame / periods[k] + k);
     return sum;
 }
 
@@ -168,7 +166,7 @@ static double lit_and_noisy(int frame, int pixel)
 
 static double dark(int frame, int pixel)
 {
-    return (pixel == 7 ? 0.1 : 1e-4) * (2.0 + sin(TWO_PI * frame / 32.0));
+    return (pixel == 7 ? 0.1 : 1e-4) * (2.0 + sin(2.0 * M_PI * frame / 32.0));
 }
 
 /* ---- the tests ------------------------------------------------------------------------------- */
@@ -183,7 +181,7 @@ static void test_exponential_average(void **state)
         for (int a = 0; a < 2; a++)
             for (int k = 0; k < 3; k++) {
                 char metric[40];
-                const double w = TWO_PI / periods[k], left = 1.0 - alphas[a];
+                const double w = 2.0 * M_PI / periods[k], left = 1.0 - alphas[a];
                 const double re = 1.0 - left * cos(w), im = left * sin(w);
                 const int pixel = a * WIDTH + 11;
                 snprintf(metric, sizeof(metric), "follow_gain_%d_p50", k + 1);

@@ -8,8 +8,6 @@
 #include "metrics/interval.h"
 #include "metrics/statistics.h"
 
-static const double pi = 3.14159265358979323846264338328;
-
 static void test_percentiles_by_hand(void **state)
 {
     (void)state;
@@ -229,7 +227,7 @@ static const double reference_low = 0.7, reference_high = 1.3;
 static double gaussian(uint64_t *random)
 {
     double u = 1.0 - neph_test_uniform(random, 0.0, 1.0);
-    return sqrt(-2.0 * log(u)) * cos(2.0 * pi * neph_test_uniform(random, 0.0, 1.0));
+    return sqrt(-2.0 * log(u)) * cos(2.0 * M_PI * neph_test_uniform(random, 0.0, 1.0));
 }
 
 /* How errors hang together: in squares, the first of which begins outside the image. */
@@ -277,7 +275,7 @@ static void set_truth(struct coverage coverage[COVERED_METRICS])
     double a = 0.01; /* epsilon is the square of it, the scene mean being 1 */
     double inverse_square = (atan(reference_high / a) - atan(reference_low / a)) / a /
                             (reference_high - reference_low);
-    double folded = sqrt(2.0 * variance / pi) * exp(-offset * offset / (2.0 * variance)) +
+    double folded = sqrt(2.0 * variance / M_PI) * exp(-offset * offset / (2.0 * variance)) +
                     offset * erf(offset / sqrt(2.0 * variance));
     const struct coverage expected[COVERED_METRICS] = {
         {"bias", offset, 0},

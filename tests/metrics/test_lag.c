@@ -136,7 +136,7 @@ static void test_slots(void **state)
 static double ringing_left(int n, int pixel)
 {
     (void)pixel;
-    return pow(0.9, n) * cos(0.25 * 3.141592653589793 * n);
+    return pow(0.9, n) * cos(0.25 * M_PI * n);
 }
 
 /* |s| at n = 0..9: 1 .636 0 .515 .656 .418 0 .338 .430 .274: it is above a half for the last time

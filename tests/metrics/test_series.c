@@ -8,8 +8,6 @@
 #include "metrics/series.h"
 #include "metrics/significance.h"
 
-static const double pi = 3.141592653589793;
-
 static uint64_t test_seed(void)
 {
     const char *wanted = getenv("NEPH_TEST_SEED");
@@ -21,7 +19,7 @@ static uint64_t test_seed(void)
 static double normal(uint64_t *random)
 {
     const double u = neph_test_uniform(random, 0x1p-60, 1.0);
-    return sqrt(-2.0 * log(u)) * cos(neph_test_uniform(random, 0.0, 2.0 * pi));
+    return sqrt(-2.0 * log(u)) * cos(neph_test_uniform(random, 0.0, 2.0 * M_PI));
 }
 
 /* Stationary, of variance 1 and mean 0, plus `cycle` times a signal of period 4 and mean 0. */
@@ -30,7 +28,7 @@ static void draw_series(double correlation, double cycle, int count, uint64_t *r
 {
     double x = normal(random);
     for (int i = 0; i < count; i++) {
-        values[i] = x + cycle * cos(0.5 * pi * i) + 0.5 * cycle * cos(pi * i);
+        values[i] = x + cycle * cos(0.5 * M_PI * i) + 0.5 * cycle * cos(M_PI * i);
         x = correlation * x + sqrt(1.0 - correlation * correlation) * normal(random);
     }
 }
@@ -327,12 +325,12 @@ static double student_p_in_closed_form(double t, int dof)
     const double theta = atan(fabs(t) / sqrt(dof));
     double term = dof % 2 ? cos(theta) : 1.0, sum = 0.0;
     if (dof == 1)
-        return 1.0 - 2.0 * theta / pi;
+        return 1.0 - 2.0 * theta / M_PI;
     for (int k = dof % 2 ? 2 : 1; k <= dof - 1; k += 2) {
         sum += term;
         term *= cos(theta) * cos(theta) * k / (k + 1.0);
     }
-    return dof % 2 ? 1.0 - 2.0 / pi * (theta + sin(theta) * sum) : 1.0 - sin(theta) * sum;
+    return dof % 2 ? 1.0 - 2.0 / M_PI * (theta + sin(theta) * sum) : 1.0 - sin(theta) * sum;
 }
 
 static void test_student(void **state)
@@ -356,7 +354,7 @@ static void test_student(void **state)
         neph_assert_close(neph_student_critical(0.05, table[i].dof), table[i].at_5, 0.0, 5e-4);
         neph_assert_close(neph_student_critical(0.01, table[i].dof), table[i].at_1, 0.0, 5e-4);
     }
-    neph_assert_close(neph_student_critical(1e-6, 1.0), 1.0 / tan(0.5e-6 * pi), 1e-11, 0.0);
+    neph_assert_close(neph_student_critical(1e-6, 1.0), 1.0 / tan(0.5e-6 * M_PI), 1e-11, 0.0);
     /* Cornish-Fisher, Abramowitz and Stegun 26.7.5; what is left is 3e-8. */
     const double z = neph_normal_critical(0.05);
     neph_assert_close(neph_student_critical(0.05, 1e4), z + (z * z * z + z) / 4e4, 0.0, 4e-8);

@@ -13,8 +13,6 @@
 
 #include <sys/stat.h>
 
-static const double pi = 3.14159265358979323846;
-
 enum { SIDE_PX = 32, FRAMES = 8, FULL_SIDE_PX = 64, FULL_FRAMES = 32, PIXELS_MAX = 64 * 64 };
 
 /* Low frequencies are those below a quarter of Nyquist's: 48 of a 32x32 slice, 24 of them
@@ -239,8 +237,8 @@ static double power_at(const double *slice, int side, int kx, int ky)
 {
     double re = 0.0, im = 0.0, cosines[64], sines[64];
     for (int i = 0; i < side; i++) {
-        cosines[i] = cos(2.0 * pi * i / side);
-        sines[i] = sin(2.0 * pi * i / side);
+        cosines[i] = cos(2.0 * M_PI * i / side);
+        sines[i] = sin(2.0 * M_PI * i / side);
     }
     for (int y = 0; y < side; y++)
         for (int x = 0; x < side; x++) {
@@ -285,8 +283,8 @@ static double frame_power(const struct stack *stack, int k)
         double re = 0.0, im = 0.0;
         for (int frame = 0; frame < stack->frames; frame++) {
             const double value = stack->values[frame * pixel_count + pixel] - 0.5;
-            re += value * cos(2.0 * pi * k * frame / stack->frames);
-            im += value * sin(2.0 * pi * k * frame / stack->frames);
+            re += value * cos(2.0 * M_PI * k * frame / stack->frames);
+            im += value * sin(2.0 * M_PI * k * frame / stack->frames);
         }
         sum += 12.0 * (re * re + im * im) / stack->frames;
     }

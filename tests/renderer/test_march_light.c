@@ -8,8 +8,6 @@
 #include "renderer/march.h"
 #include "scenes/horizon.h"
 
-#define PI 3.14159265358979323846
-
 static const int width_px = 48, height_px = 27;
 
 /* A flat layer from y = -3 to 0, endless to all sides, seen from above. */
@@ -44,9 +42,9 @@ static double phase_per_sr(const struct neph_phase *phase, double part, double c
 {
     const double g = phase->g * part;
     if (phase->kind == NEPH_PHASE_HENYEY_GREENSTEIN)
-        return (1.0 - g * g) / (4.0 * PI * pow(1.0 + g * g - 2.0 * g * cosine, 1.5));
-    return 1.0 / (4.0 * PI) +
-           part * (3.0 / (16.0 * PI) * (1.0 + cosine * cosine) - 1.0 / (4.0 * PI));
+        return (1.0 - g * g) / (4.0 * M_PI * pow(1.0 + g * g - 2.0 * g * cosine, 1.5));
+    return 1.0 / (4.0 * M_PI) +
+           part * (3.0 / (16.0 * M_PI) * (1.0 + cosine * cosine) - 1.0 / (4.0 * M_PI));
 }
 
 /* Integral over the slab of the octave sum: each octave is an exponential along the ray. */
@@ -213,7 +211,7 @@ static double article_sum(const struct test_scene *test, struct neph_vec3 ray, i
                transmittance * mean;
         transmittance *= exp(-depth);
     }
-    return test->scene.sun.irradiance_w_per_m2.g / PI * sum * (1.0 - transmittance);
+    return test->scene.sun.irradiance_w_per_m2.g / M_PI * sum * (1.0 - transmittance);
 }
 
 static void test_horizon_light_is_the_articles(void **state)

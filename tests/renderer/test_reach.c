@@ -138,9 +138,9 @@ static double half_space(const struct test_scene *test)
 {
     const struct neph_medium *medium = &test->scene.media[0];
     const double mu0 = test->scene.sun.direction.z; /* to the face, and to the camera */
-    const double pi = acos(-1.0), g = medium->phase.g;
+    const double g = medium->phase.g;
     /* View ray -z, sun ahead of the face: the scattering angle's cosine is -mu0. */
-    const double phase = (1.0 - g * g) / (4.0 * pi * pow(1.0 + g * g + 2.0 * g * mu0, 1.5));
+    const double phase = (1.0 - g * g) / (4.0 * M_PI * pow(1.0 + g * g + 2.0 * g * mu0, 1.5));
     return test->scene.sun.irradiance_w_per_m2.r * medium->albedo.r * phase * mu0 / (1.0 + mu0);
 }
 

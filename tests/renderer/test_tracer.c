@@ -20,7 +20,6 @@
 #include <signal.h>
 
 static const uint64_t seed = 20240611;
-static const double pi = 3.14159265358979323846;
 
 static struct neph_tracer_params params_of(int width_px, int height_px, int samples)
 {
@@ -765,7 +764,7 @@ static double half_space(const struct test_scene *test, struct neph_vec3 ray, in
 {
     (void)i, (void)channel, (void)context;
     const double mu0 = test->scene.sun.direction.y, mu = -ray.y;
-    return 0.9 / (4.0 * pi) * mu0 / (mu + mu0) * neph_chandrasekhar_h(0.9, mu) *
+    return 0.9 / (4.0 * M_PI) * mu0 / (mu + mu0) * neph_chandrasekhar_h(0.9, mu) *
            neph_chandrasekhar_h(0.9, mu0);
 }
 

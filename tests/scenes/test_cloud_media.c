@@ -121,7 +121,7 @@ static void test_gaussian_lines(void **state)
     check_lines(&medium, 3.0, 1e-11, 101);
     /* Through the middle: sigma w sqrt(2 pi). */
     const struct line line = {&medium, {-1e3, -0.2, 0.1}, {1, 0, 0}};
-    neph_assert_close(depth(&line, 0.0, INFINITY), 0.7 * 0.8 * sqrt(2.0 * acos(-1.0)), 1e-13, 0.0);
+    neph_assert_close(depth(&line, 0.0, INFINITY), 0.7 * 0.8 * sqrt(2.0 * M_PI), 1e-13, 0.0);
 }
 
 /* Far from the middle both ends are on one side: erf(b) - erf(a) alone would give 0. */

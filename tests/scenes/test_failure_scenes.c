@@ -128,8 +128,7 @@ static void test_pan_is_even(void **state)
     struct neph_scene *scene = load("camera_pan");
     for (int frame = 0; frame < scene->frame_count; frame++) {
         const struct neph_vec3 forward = neph_scene_camera(scene, frame).forward;
-        neph_assert_close(atan2(forward.x, -forward.z), (frame - 32) * acos(-1.0) / 180.0, 0.0,
-                          1e-5);
+        neph_assert_close(atan2(forward.x, -forward.z), (frame - 32) * M_PI / 180.0, 0.0, 1e-5);
     }
     neph_scene_destroy(scene);
 }

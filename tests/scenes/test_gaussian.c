@@ -11,8 +11,6 @@
 
 #define COUNT(array) (sizeof(array) / sizeof((array)[0]))
 
-static const double pi = 3.14159265358979323846264338328;
-
 static const struct neph_bounds everywhere = {{-INFINITY, -INFINITY, -INFINITY},
                                               {INFINITY, INFINITY, INFINITY}};
 
@@ -28,7 +26,7 @@ static struct neph_medium blob(struct neph_vec3 center_m, double width_m, double
 static struct neph_vec3 random_direction(uint64_t *seed)
 {
     const double y = neph_test_uniform(seed, -1.0, 1.0);
-    const double azimuth = neph_test_uniform(seed, 0.0, 2.0 * pi);
+    const double azimuth = neph_test_uniform(seed, 0.0, 2.0 * M_PI);
     const double across = sqrt(1.0 - y * y);
     return (struct neph_vec3){across * cos(azimuth), y, across * sin(azimuth)};
 }

@@ -332,7 +332,7 @@ static void test_defaults_and_units(void **state)
     assert_string_equal(scene->name, "probe");
     assert_int_equal(scene->frame_count, 1);
     assert_false(scene->environment_light);
-    neph_assert_close(scene->vertical_fov_rad, 40.0 * acos(-1.0) / 180.0, 1e-15, 0.0);
+    neph_assert_close(scene->vertical_fov_rad, 40.0 * M_PI / 180.0, 1e-15, 0.0);
     neph_assert_close(scene->sun.direction.y, 1.0, 0.0, 0.0); /* made a unit vector */
     assert_int_equal(scene->media[0].phase.kind, NEPH_PHASE_ISOTROPIC);
     neph_assert_close(scene->media[0].albedo.g, 0.5, 0.0, 0.0);

@@ -241,7 +241,7 @@ static void test_more_cells_are_tighter(void **state)
                                        .extinction_per_m = 1.0,
                                        .gaussian = {{0, 0, 0}, 1.0}};
     const struct neph_bounds box = {{-4, -4, -4}, {4, 4, 4}};
-    const double mean = pow(2.0 * acos(-1.0), 1.5) / 512.0; /* (w sqrt(2 pi))^3 / volume */
+    const double mean = pow(2.0 * M_PI, 1.5) / 512.0; /* (w sqrt(2 pi))^3 / volume */
     double last = 1.0;
     for (int side = 1; side <= 64; side *= 2) {
         struct neph_majorants *m = make(&medium, &box, side * side * side);
@@ -258,7 +258,7 @@ static void test_more_cells_are_tighter(void **state)
                   last / mean);
     /* On each axis the bound is up to half a cell nearer to the middle than the mean place: the
      * integral of e^{-x^2/2} grows by the cell's 1/8, twice a half, over sqrt(2 pi). */
-    assert_true(last < 1.02 * pow(1.0 + 0.125 / sqrt(2.0 * acos(-1.0)), 3.0) * mean);
+    assert_true(last < 1.02 * pow(1.0 + 0.125 / sqrt(2.0 * M_PI), 3.0) * mean);
 }
 
 /* About as many cells as asked for, near to cubes, in a box of any shape. */

@@ -13,7 +13,6 @@
 #define COUNT(array) (sizeof(array) / sizeof((array)[0]))
 
 static const double unit_roundoff = 0x1p-53;
-static const double pi = 3.14159265358979323846264338328;
 
 static const struct neph_bounds everywhere = {{-INFINITY, -INFINITY, -INFINITY},
                                               {INFINITY, INFINITY, INFINITY}};
@@ -172,7 +171,7 @@ static void test_infinite_rays(void **state)
 static struct neph_vec3 random_direction(uint64_t *seed)
 {
     const double y = neph_test_uniform(seed, -1.0, 1.0);
-    const double azimuth = neph_test_uniform(seed, 0.0, 2.0 * pi);
+    const double azimuth = neph_test_uniform(seed, 0.0, 2.0 * M_PI);
     const double across = sqrt(1.0 - y * y);
     return (struct neph_vec3){across * cos(azimuth), y, across * sin(azimuth)};
 }
@@ -326,8 +325,8 @@ static void phase_moments(double v, void *context, double value[3])
     const double from_pole = 2.0 * v * v, jacobian = 4.0 * v;
     const double forward = neph_phase_per_sr(phase, 1.0 - from_pole);
     const double backward = neph_phase_per_sr(phase, from_pole - 1.0);
-    value[0] = 2.0 * pi * jacobian * (forward + backward);
-    value[1] = 2.0 * pi * jacobian * (1.0 - from_pole) * (forward - backward);
+    value[0] = 2.0 * M_PI * jacobian * (forward + backward);
+    value[1] = 2.0 * M_PI * jacobian * (1.0 - from_pole) * (forward - backward);
     value[2] = 0.0;
 }
 

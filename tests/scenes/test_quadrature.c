@@ -10,8 +10,6 @@
 
 #define COUNT(array) (sizeof(array) / sizeof((array)[0]))
 
-static const double pi = 3.14159265358979323846264338328;
-
 /* Three channels of one integrand: f, 2 f and -f/3, so that a mixed-up channel shows. */
 struct scalar {
     double (*function)(double x, double p);
@@ -46,7 +44,7 @@ static double bell(double x, double p)
 
 static double lorentz(double x, double p)
 {
-    return p / (pi * (x * x + p * p));
+    return p / (M_PI * (x * x + p * p));
 }
 
 static double wave(double x, double p)

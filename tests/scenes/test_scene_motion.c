@@ -143,7 +143,7 @@ static void test_sun_goes_along_the_great_circle(void **state)
         "    - {frame: 7, direction: [-1, 1e-5, 0], irradiance_w_per_m2: [3, 2, 0]}\n"
         "    - {frame: 9, direction: [-1, 1.000000001e-5, 0], irradiance_w_per_m2: [3, 2, 0]}\n",
         "frames: {pauses: [{frame: 3, count: 5}]}\n");
-    const double degree = acos(-1.0) / 180.0;
+    const double degree = M_PI / 180.0;
     static const double angles[][2] = {/* picture, degrees from the first key: 120 in 4 frames */
                                        {0, 0},  {2, 0},    {3, 30},   {8, 30},
                                        {9, 60}, {9.5, 75}, {11, 120}, {20, 180 - 5.73e-4}};

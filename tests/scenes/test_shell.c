@@ -13,8 +13,6 @@
 
 #define COUNT(array) (sizeof(array) / sizeof((array)[0]))
 
-static const double pi = 3.14159265358979323846264338328;
-
 static const struct neph_bounds everywhere = {{-INFINITY, -INFINITY, -INFINITY},
                                               {INFINITY, INFINITY, INFINITY}};
 
@@ -33,7 +31,7 @@ static struct neph_vec3 random_direction(uint64_t *seed)
     double y = neph_test_uniform(seed, -1.0, 1.0);
     if (neph_test_uniform(seed, 0, 1) < 0.5)
         y *= 1e-3; /* all but level */
-    const double azimuth = neph_test_uniform(seed, 0.0, 2.0 * pi);
+    const double azimuth = neph_test_uniform(seed, 0.0, 2.0 * M_PI);
     const double across = sqrt(1.0 - y * y);
     return (struct neph_vec3){across * cos(azimuth), y, across * sin(azimuth)};
 }
@@ -82,7 +80,7 @@ static void test_level_rays_from_the_ground(void **state)
     for (size_t i = 0; i < COUNT(xs); i++) {
         const double x = xs[i];
         const struct neph_medium medium = shell(x, 1.0);
-        const double chapman = sqrt(0.5 * pi * x) *
+        const double chapman = sqrt(0.5 * M_PI * x) *
                                (1.0 + 3.0 / (8.0 * x) - 15.0 / (128.0 * x * x) +
                                 105.0 / (1024.0 * x * x * x));
         const double tau = neph_medium_optical_depth(&medium, (struct neph_vec3){0, 0, 0},

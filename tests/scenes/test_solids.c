@@ -8,8 +8,6 @@
 
 #define COUNT(array) (sizeof(array) / sizeof((array)[0]))
 
-static const double pi = 3.14159265358979323846264338328;
-
 static struct neph_solid box(double x0, double y0, double z0, double x1, double y1, double z1)
 {
     return (struct neph_solid){.kind = NEPH_SOLID_BOX, .box = {{x0, y0, z0}, {x1, y1, z1}}};
@@ -174,12 +172,12 @@ static struct neph_vec3 random_direction(uint64_t *seed)
     if (kind < 0.2) /* along an axis */
         return axes[neph_test_random(seed) % 6];
     const double y = neph_test_uniform(seed, -1, 1), across = sqrt(1.0 - y * y);
-    const double azimuth = neph_test_uniform(seed, 0, 2.0 * pi);
+    const double azimuth = neph_test_uniform(seed, 0, 2.0 * M_PI);
     struct neph_vec3 d = {across * cos(azimuth), y, across * sin(azimuth)};
     if (kind < 0.3) /* in a coordinate plane */
         d = neph_vec3_normalize((struct neph_vec3){d.x, 0.0, d.z});
     else if (kind < 0.4) /* the pi/2 of a user's degrees: all but along an axis */
-        d = (struct neph_vec3){cos(pi / 2.0), 1.0, 0.0};
+        d = (struct neph_vec3){cos(M_PI / 2.0), 1.0, 0.0};
     return d;
 }
 

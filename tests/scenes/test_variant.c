@@ -7,8 +7,6 @@
 #include "scenes/motion.h"
 #include "scenes/variant.h"
 
-#define TWO_PI (2.0 * 3.14159265358979323846)
-
 static struct neph_scene *load(const char *path)
 {
     struct neph_scene *scene = NULL;
@@ -59,9 +57,9 @@ static void test_sun_sine(void **state)
     struct neph_scene *made = make(scene, NEPH_VARIANT_SUN_SINE, 0, 256);
     double least = INFINITY;
     for (int frame = 0; frame < 256; frame++) {
-        const double expected = 1.0 +
-                                0.3 * (sin(TWO_PI * frame / 16.0) + sin(TWO_PI * frame / 32.0) +
-                                       sin(TWO_PI * frame / 64.0));
+        const double expected = 1.0 + 0.3 * (sin(2.0 * M_PI * frame / 16.0) +
+                                             sin(2.0 * M_PI * frame / 32.0) +
+                                             sin(2.0 * M_PI * frame / 64.0));
         neph_assert_close(irradiance_of(made, frame), expected * irradiance_of(scene, 0), 1e-12,
                           0.0);
         least = fmin(least, expected);

@@ -15,8 +15,6 @@
 
 #define COUNT(array) (sizeof(array) / sizeof((array)[0]))
 
-static const double pi = 3.14159265358979323846264338328;
-
 static const struct neph_bounds everywhere = {{-INFINITY, -INFINITY, -INFINITY},
                                               {INFINITY, INFINITY, INFINITY}};
 static const struct neph_rgb white = {1, 1, 1};
@@ -79,7 +77,7 @@ static struct neph_scene sunny(struct neph_medium medium, struct neph_vec3 sun)
 static struct neph_vec3 random_direction(uint64_t *seed)
 {
     const double y = neph_test_uniform(seed, -1.0, 1.0), across = sqrt(1.0 - y * y);
-    const double azimuth = neph_test_uniform(seed, 0.0, 2.0 * pi);
+    const double azimuth = neph_test_uniform(seed, 0.0, 2.0 * M_PI);
     return (struct neph_vec3){across * cos(azimuth), y, across * sin(azimuth)};
 }
 
@@ -175,7 +173,7 @@ static double error_along_the_sun(const struct neph_ray_light *light, struct nep
     *largest = 0.0;
     for (int c = 0; c < 3; c++) {
         const double tau = channel(depth, c);
-        const double expected = channel(albedo, c) / (4.0 * pi) *
+        const double expected = channel(albedo, c) / (4.0 * M_PI) *
                                 (away ? -0.5 * expm1(-2.0 * tau) : tau * exp(-tau));
         *largest = fmax(*largest, expected);
         error = fmax(error, fabs(channel(light->volume, c) - expected));
@@ -403,12 +401,12 @@ static void test_coloured_surface_and_furnace(void **state)
     scene.scattering = NEPH_SCATTERING_NONE;
     const struct neph_ray_light light = neph_transport_ray(&scene, (struct neph_vec3){0, 20, 0},
                                                            (struct neph_vec3){0, -1, 0});
-    const double tau = 0.2 * 1.5 * sqrt(2.0 * pi);
+    const double tau = 0.2 * 1.5 * sqrt(2.0 * M_PI);
     for (int c = 0; c < 3; c++) {
         const double t = exp(-channel(tint, c) * tau);
         neph_assert_close(channel(light.transmittance, c), t, 1e-14, 0.0);
-        neph_assert_close(channel(light.radiance, c), channel(floor.albedo, c) / pi * t * t, 1e-13,
-                          0.0);
+        neph_assert_close(channel(light.radiance, c), channel(floor.albedo, c) / M_PI * t * t,
+                          1e-13, 0.0);
     }
     scene.scattering = NEPH_SCATTERING_MULTIPLE;
     scene.sun.present = false;
@@ -498,9 +496,9 @@ static void test_never_nonsense(void **state)
             const struct neph_ray_light light = neph_transport_ray(&scene, origins[o], d);
             for (int c = 0; c < 3; c++) {
                 const double t = channel(light.transmittance, c), l = channel(light.volume, c);
-                if (!(t >= 0.0 && t <= 1.0 && l >= 0.0 && l <= 1.0 / (4.0 * pi) + 1e-9))
+                if (!(t >= 0.0 && t <= 1.0 && l >= 0.0 && l <= 1.0 / (4.0 * M_PI) + 1e-9))
                     print_error("case %zu, origin %zu, channel %d: T %g, L %g\n", i, o, c, t, l);
-                assert_true(t >= 0.0 && t <= 1.0 && l >= 0.0 && l <= 1.0 / (4.0 * pi) + 1e-9);
+                assert_true(t >= 0.0 && t <= 1.0 && l >= 0.0 && l <= 1.0 / (4.0 * M_PI) + 1e-9);
             }
             assert_true(light.quadrature_error >= 0.0 && light.quadrature_error < 1e-9);
         }

@@ -8,8 +8,6 @@
 #include "scenes/media.h"
 #include "truth/transport.h"
 
-static const double pi = 3.14159265358979323846264338328;
-
 static const struct neph_bounds everywhere = {{-INFINITY, -INFINITY, -INFINITY},
                                               {INFINITY, INFINITY, INFINITY}};
 
@@ -61,7 +59,8 @@ static double transmittance(struct neph_medium medium, struct neph_bounds bounds
  * what a box leaves out. */
 static struct neph_vec3 random_view(uint64_t *seed)
 {
-    const double kind = neph_test_uniform(seed, 0, 1), azimuth = neph_test_uniform(seed, 0, 2 * pi);
+    const double kind = neph_test_uniform(seed, 0, 1),
+                 azimuth = neph_test_uniform(seed, 0, 2 * M_PI);
     double y = pow(10.0, neph_test_uniform(seed, -9, 0));
     if (kind < 0.5)
         y = neph_test_uniform(seed, 0, 1);

@@ -9,8 +9,6 @@
 
 #define COUNT(array) (sizeof(array) / sizeof((array)[0]))
 
-static const double pi = 3.14159265358979323846264338328;
-
 /* ---- random numbers ---- */
 
 static void test_streams_are_reproducible_and_differ(void **state)
@@ -80,7 +78,7 @@ static void test_henyey_greenstein_inverts_its_distribution(void **state)
             assert_true(v >= 0.0 && v <= 2.0);
             /* Forward g: u is the share below; mirrored: the share above of the mirror image. */
             const double found = g >= 0.0 ? below(g, 1.0 - v) : below(-g, v - 1.0);
-            const double density = 2.0 * pi * neph_phase_per_sr(&phase, 1.0 - v);
+            const double density = 2.0 * M_PI * neph_phase_per_sr(&phase, 1.0 - v);
             neph_assert_close(found, u, 1e-12, 4e-16 * density);
         }
     }

@@ -17,7 +17,6 @@
 
 #define COUNT(array) (sizeof(array) / sizeof((array)[0]))
 
-static const double pi = 3.14159265358979323846264338328;
 static const double sigmas = 4.5;
 static const struct neph_rgb white = {1, 1, 1};
 static const struct neph_bounds everywhere = {{-INFINITY, -INFINITY, -INFINITY},
@@ -438,7 +437,7 @@ static void test_conservative_slabs(void **state)
         const int samples = rows[i].samples / 10;
         const struct estimate r = estimate(&scene, flux_view, &top, PART_ALL, samples);
         const struct estimate t = estimate(&scene, flux_view, &bottom, PART_ALL, samples);
-        const double direct = exp(-rows[i].optical_depth / 0.7), per_flux = pi / 0.7;
+        const double direct = exp(-rows[i].optical_depth / 0.7), per_flux = M_PI / 0.7;
         neph_assert_close(per_flux * r.mean[0], rows[i].reflected, 0.0,
                           sigmas * per_flux * r.error[0] + 5e-5);
         neph_assert_close(per_flux * t.mean[0] + direct, 1.0 - rows[i].reflected, 0.0,
@@ -514,7 +513,7 @@ static void check_profile(const char *name, struct neph_medium medium, double op
     const struct line line = {{0, 100, 0}, {-0.6, -cosine, 0}}; /* azimuth 0 */
     const struct estimate found = estimate_with(&scene, fixed_view, &line, PART_ALL, 30000,
                                                 flights);
-    const double truth = neph_slab_reflected_per_sr(slab, 0, pi);
+    const double truth = neph_slab_reflected_per_sr(slab, 0, M_PI);
     print_message("%s: %.6f +- %.6f, truth %.6f\n", name, found.mean[0], found.error[0], truth);
     neph_assert_close(found.mean[0], truth, 1e-5, sigmas * found.error[0]);
     neph_slab_destroy(slab);
@@ -569,7 +568,7 @@ static void test_half_space_against_chandrasekhar(void **state)
     const double sine = sqrt(1.0 - view_cosine * view_cosine);
     const struct line line = {{3, 60, 4}, {0, -view_cosine, sine}};
     const struct estimate found = estimate(&scene, fixed_view, &line, PART_ALL, 100000);
-    const double truth = albedo / (4.0 * pi) * sun_cosine / (view_cosine + sun_cosine) *
+    const double truth = albedo / (4.0 * M_PI) * sun_cosine / (view_cosine + sun_cosine) *
                          neph_chandrasekhar_h(albedo, view_cosine) *
                          neph_chandrasekhar_h(albedo, sun_cosine);
     neph_assert_close(found.mean[0], truth, 0.0, sigmas * found.error[0]);

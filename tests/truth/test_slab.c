@@ -10,8 +10,6 @@
 
 #define COUNT(array) (sizeof(array) / sizeof((array)[0]))
 
-static const double pi = 3.14159265358979323846264338328;
-
 static const struct neph_phase isotropic = {NEPH_PHASE_ISOTROPIC, 0.0};
 static const struct neph_phase rayleigh = {NEPH_PHASE_RAYLEIGH, 0.0};
 
@@ -93,7 +91,7 @@ static void test_half_space(void **state)
             for (int v = 0; v < (int)COUNT(views5); v++) {
                 const double mu = views5[v];
                 neph_assert_close(neph_slab_reflected_per_sr(slab, v, 1.0),
-                                  w / (4.0 * pi) * mu0 / (mu + mu0) * h0 *
+                                  w / (4.0 * M_PI) * mu0 / (mu + mu0) * h0 *
                                       neph_chandrasekhar_h(w, mu),
                                   1e-8, 0.0);
             }
@@ -118,7 +116,7 @@ static void test_diffusion_limit(void **state)
         /* What leaves has the law of darkening of the Milne problem, H(mu). */
         for (int v = 0; v < (int)COUNT(views5); v++)
             neph_assert_close(neph_slab_transmitted_per_sr(slab, v, 0.0),
-                              transmitted * mu0 * sqrt(3.0) / (4.0 * pi) *
+                              transmitted * mu0 * sqrt(3.0) / (4.0 * M_PI) *
                                   neph_chandrasekhar_h(1.0, views5[v]),
                               1e-8, 0.0);
         neph_slab_destroy(slab);
@@ -192,12 +190,12 @@ static double second_order(const struct neph_phase *phase, double tau, double mu
             const double m = x[i] * x[i]; /* logarithms at m = 0 */
             double phases = 0.0;
             for (int k = 0; k < AZIMUTHS; k++) {
-                const double between = 2.0 * pi * k / AZIMUTHS;
+                const double between = 2.0 * M_PI * k / AZIMUTHS;
                 phases += neph_phase_per_sr(phase, turn(mu0, m, side == 0, between)) *
                           neph_phase_per_sr(phase,
                                             turn(m, mu, (side == 1) == up, azimuth_rad - between));
             }
-            sum += 2.0 * x[i] * weight[i] * phases * 2.0 * pi / AZIMUTHS *
+            sum += 2.0 * x[i] * weight[i] * phases * 2.0 * M_PI / AZIMUTHS *
                    twice(tau, mu0, m, side == 1, mu, up);
         }
     return sum;
@@ -210,7 +208,7 @@ static void test_second_order(void **state)
     (void)state;
     const struct neph_phase phases[] = {isotropic, rayleigh, hg(0.6), hg(-0.4)};
     static const double views[] = {0.95, 0.5, 0.08}, suns[] = {0.77, 0.2},
-                        azimuths[] = {0.0, 1.0, pi};
+                        azimuths[] = {0.0, 1.0, M_PI};
     const double tau = 0.8, albedo = 1e-4;
     double worst = 0.0;
     for (size_t n = 0; n < COUNT(phases) * COUNT(suns); n += NEPH_TEST_EVERY) {
@@ -257,8 +255,8 @@ static void test_thin_limit(void **state)
         const double e1 = -0.57721566490153286 - log(x) + x - x * x / 4.0 + x * x * x / 18.0;
         const double again = 1.0 - (exp(-x) - x * e1);
         for (int v = 0; v < (int)COUNT(views5); v++) {
-            const double up = neph_once_up(tau, views5[v], 0.7) / (4.0 * pi);
-            const double down = neph_once_down(tau, views5[v], 0.7) / (4.0 * pi);
+            const double up = neph_once_up(tau, views5[v], 0.7) / (4.0 * M_PI);
+            const double down = neph_once_down(tau, views5[v], 0.7) / (4.0 * M_PI);
             const double most = exp(tau / 0.7 + tau / views5[v]) * again / (1.0 - again);
             const double more_up = neph_slab_reflected_per_sr(slab, v, 2.0) - up;
             const double more_down = neph_slab_transmitted_per_sr(slab, v, 2.0) - down;
@@ -311,9 +309,9 @@ static void test_radiances_integrate_to_fluxes(void **state)
         double up = 0.0, down = 0.0;
         for (int i = 0; i < NODES; i++)
             for (int k = 0; k < AZIMUTHS; k++) {
-                const double part = 2.0 * pi / AZIMUTHS * weight[i] * cosines[i] / 0.6;
-                up += part * neph_slab_reflected_per_sr(slab, i, 2.0 * pi * k / AZIMUTHS);
-                down += part * neph_slab_transmitted_per_sr(slab, i, 2.0 * pi * k / AZIMUTHS);
+                const double part = 2.0 * M_PI / AZIMUTHS * weight[i] * cosines[i] / 0.6;
+                up += part * neph_slab_reflected_per_sr(slab, i, 2.0 * M_PI * k / AZIMUTHS);
+                down += part * neph_slab_transmitted_per_sr(slab, i, 2.0 * M_PI * k / AZIMUTHS);
             }
         neph_assert_close(up, neph_slab_fluxes(slab).reflected, 1e-8, 0.0);
         neph_assert_close(down, neph_slab_fluxes(slab).transmitted, 1e-8, 0.0);

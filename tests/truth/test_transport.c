@@ -12,7 +12,6 @@
 
 #define COUNT(array) (sizeof(array) / sizeof((array)[0]))
 
-static const double pi = 3.14159265358979323846264338328;
 static const double unit_roundoff = 0x1p-53;
 
 static const struct neph_bounds everywhere = {{-INFINITY, -INFINITY, -INFINITY},
@@ -130,7 +129,7 @@ static void test_the_sun_behind_an_opaque_medium(void **state)
             neph_scene_optical_depth(&scene, eye_m, cases[i].view, 0.0, INFINITY).r;
         const struct neph_ray_light light = neph_transport_ray(&scene, eye_m, cases[i].view);
         assert_true(depth > 50.0);
-        neph_assert_close(light.volume.r, depth * exp(-depth) / (4.0 * pi),
+        neph_assert_close(light.volume.r, depth * exp(-depth) / (4.0 * M_PI),
                           1e-12 + 4.0 * unit_roundoff * depth, 0.0);
     }
 }
@@ -147,7 +146,7 @@ static void test_a_slanting_sun_behind_a_slab(void **state)
     const struct neph_ray_light light = neph_transport_ray(&scene, (struct neph_vec3){0.3, 0.1, 40},
                                                            (struct neph_vec3){0, 0, -1});
     const double phi = expm1(depth / cosine - depth) / (depth / cosine - depth);
-    neph_assert_close(light.volume.r, depth * exp(-depth / cosine) * phi / (4.0 * pi),
+    neph_assert_close(light.volume.r, depth * exp(-depth / cosine) * phi / (4.0 * M_PI),
                       1e-12 + 4.0 * unit_roundoff * depth, 0.0);
 }
 
@@ -165,7 +164,7 @@ static void test_light_behind_an_opaque_shadow(void **state)
     const struct neph_ray_light light = neph_transport_ray(&scene, (struct neph_vec3){0, 0.5, 20},
                                                            (struct neph_vec3){0, 0, -1});
     neph_assert_close(light.volume.r,
-                      exp(-0.5 * extinction_per_m) * (exp(-60.0) - exp(-100.0)) / (4.0 * pi),
+                      exp(-0.5 * extinction_per_m) * (exp(-60.0) - exp(-100.0)) / (4.0 * M_PI),
                       1e-12 + 4.0 * unit_roundoff * 100.0, 0.0);
 }
 
@@ -191,7 +190,7 @@ static void assert_one_shadow(struct neph_solid solid, double slant, double low_
     const struct neph_ray_light light = neph_transport_ray(&scene, (struct neph_vec3){0, 4, 0},
                                                            (struct neph_vec3){1, 0, 0});
     const double lit = stretch(sigma, 0.0, low_m) + stretch(sigma, high_m, INFINITY);
-    neph_assert_close(light.volume.r, exp(-sigma * 6.0 * secant) / (4.0 * pi) * lit, 1e-13, 0.0);
+    neph_assert_close(light.volume.r, exp(-sigma * 6.0 * secant) / (4.0 * M_PI) * lit, 1e-13, 0.0);
 }
 
 static void test_shadow_of_one_solid(void **state)
@@ -222,7 +221,7 @@ static void test_shadows_overlap_and_rays_end(void **state)
     const struct neph_ray_light light = neph_transport_ray(&scene, (struct neph_vec3){0, 4, 0},
                                                            (struct neph_vec3){1, 0, 0});
     neph_assert_close(light.volume.r,
-                      exp(-sigma * 6.0) / (4.0 * pi) *
+                      exp(-sigma * 6.0) / (4.0 * M_PI) *
                           (stretch(sigma, 0, 10) + stretch(sigma, 17, 40)),
                       1e-13, 0.0);
     neph_assert_close(light.transmittance.r, exp(-40.0 * sigma), 1e-14, 0.0);
@@ -241,7 +240,7 @@ static void test_shadow_in_height_fog(void **state)
                                                            (struct neph_vec3){1, 0, 0});
     const double sigma = 0.02 * exp(-0.05 * 4.0);
     neph_assert_close(light.volume.r,
-                      exp(-sigma / 0.05) / (4.0 * pi) *
+                      exp(-sigma / 0.05) / (4.0 * M_PI) *
                           (stretch(sigma, 0, 30) + stretch(sigma, 33, INFINITY)),
                       1e-13, 0.0);
 }
@@ -366,7 +365,7 @@ static void test_fence_against_brute_force(void **state)
 static struct neph_vec3 random_direction(uint64_t *seed)
 {
     const double y = neph_test_uniform(seed, -1.0, 1.0), across = sqrt(1.0 - y * y);
-    const double azimuth = neph_test_uniform(seed, 0.0, 2.0 * pi);
+    const double azimuth = neph_test_uniform(seed, 0.0, 2.0 * M_PI);
     return (struct neph_vec3){across * cos(azimuth), y, across * sin(azimuth)};
 }
 
@@ -453,9 +452,9 @@ static void test_lambert_through_fog(void **state)
     const double to_eye = exp(-a / b * (exp(-b * 12.0) - 1.0) / k);
     neph_assert_close(light.hit_m, 20.0, 1e-15, 0.0);
     neph_assert_close(light.transmittance.r, to_eye, 1e-13, 0.0);
-    neph_assert_close(light.radiance.r, 0.5 / pi * 3.0 * mu0 * to_sun * to_eye, 1e-11, 0.0);
-    neph_assert_close(light.radiance.g, 0.25 / pi * 2.0 * mu0 * to_sun * to_eye, 1e-11, 0.0);
-    neph_assert_close(light.radiance.b, 0.125 / pi * 1.0 * mu0 * to_sun * to_eye, 1e-11, 0.0);
+    neph_assert_close(light.radiance.r, 0.5 / M_PI * 3.0 * mu0 * to_sun * to_eye, 1e-11, 0.0);
+    neph_assert_close(light.radiance.g, 0.25 / M_PI * 2.0 * mu0 * to_sun * to_eye, 1e-11, 0.0);
+    neph_assert_close(light.radiance.b, 0.125 / M_PI * 1.0 * mu0 * to_sun * to_eye, 1e-11, 0.0);
     assert_true(light.volume.r == 0.0 && light.volume.g == 0.0 && light.volume.b == 0.0);
 }
 
@@ -473,7 +472,7 @@ static void test_a_surface_turned_away_or_shaded_is_black(void **state)
     const struct neph_vec3 underside = neph_vec3_normalize((struct neph_vec3){0, 2, -5});
     const struct neph_vec3 side = neph_vec3_normalize((struct neph_vec3){0, 2.5, -4});
     neph_assert_close(neph_transport_ray(&scene, eye, shaded).radiance.r, 0.0, 0.0, 0.0);
-    neph_assert_close(neph_transport_ray(&scene, eye, lit).radiance.r, 1.0 / pi, 1e-14, 0.0);
+    neph_assert_close(neph_transport_ray(&scene, eye, lit).radiance.r, 1.0 / M_PI, 1e-14, 0.0);
     neph_assert_close(neph_transport_ray(&scene, eye, underside).radiance.r, 0.0, 0.0, 0.0);
     neph_assert_close(neph_transport_ray(&scene, eye, side).radiance.r, 0.0, 0.0, 0.0);
 }
@@ -494,7 +493,7 @@ static void test_a_surface_far_away_is_lit(void **state)
         d = neph_vec3_normalize(d);
         const struct neph_ray_light light = neph_transport_ray(&scene,
                                                                (struct neph_vec3){3, 1e6, 7}, d);
-        neph_assert_close(light.radiance.r, 0.8 / pi, 1e-13, 0.0);
+        neph_assert_close(light.radiance.r, 0.8 / M_PI, 1e-13, 0.0);
     }
 }
 
@@ -624,7 +623,8 @@ static void test_never_nonsense(void **state)
                 &scene, (struct neph_vec3){0.5, eye_m, 0.25},
                 (struct neph_vec3){0.0, k_y, -sqrt(1.0 - k_y * k_y)});
             const bool sane = light.transmittance.r >= 0.0 && light.transmittance.r <= 1.0 &&
-                              light.volume.r >= 0.0 && light.volume.r <= 1.0 / (4.0 * pi) + 1e-12 &&
+                              light.volume.r >= 0.0 &&
+                              light.volume.r <= 1.0 / (4.0 * M_PI) + 1e-12 &&
                               light.radiance.r >= light.volume.r && light.radiance.r <= 1.0 &&
                               light.quadrature_error >= 0.0 && light.quadrature_error < 1e-9;
             if (!sane)
