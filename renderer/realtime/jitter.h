@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Sub-pixel places of a frame's rays, for temporal anti-aliasing to average (D1).
+ * Sub-pixel places of a frame's rays, for temporal anti-aliasing to average.
  */
 #ifndef NEPH_RENDERER_REALTIME_JITTER_H
 #define NEPH_RENDERER_REALTIME_JITTER_H

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * The numbers A.., X.. are those of the feature table and the list of faults of the article on the
- * frame split ("the article": the weather of Red Dead Redemption 2 after F. Bauer, SIGGRAPH 2019,
- * written down for Unreal Engine 4.24).
+ * The settings in the order of the passes. "The article" is the one on the frame split: the weather
+ * of Red Dead Redemption 2 after F. Bauer, SIGGRAPH 2019, written down for Unreal Engine 4.24. A
+ * tile is 2x2 half-resolution texels, 4x4 pixels; its slots are these texels in the order in which
+ * they are marched. docs/realtime.md lists the article's steps and faults with their settings.
  */
 #include "renderer/realtime/options.h"
 
@@ -67,207 +68,235 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
     [RT_SPLIT] = CHOICE("split", RT_SPLIT_FOUR, splits,
                         "none: every pixel every frame; four: one ray per 4x4 pixels, four frames "
                         "for a whole"),
-    [RT_DEPTH_MAP] = CHOICE(
-        "depth_map", RT_DEPTH_MAP_CHECKERBOARD, depth_maps,
-        "which of 2x2 depths a half-pixel takes: the nearest and the farthest by "
-        "turns, the nearest where x % 2 == y % 2 or, reversed, the farthest "
-        "there, as the article's minimum of a reversed depth buffer is (A2)"),
-    [RT_SLOT_ORDER] = CHOICE("slot_order", RT_SLOT_ORDER_CLOCKWISE, slot_orders,
-                             "places of the slots 0 1 2 3 in a tile (A4, X2)"),
+    [RT_DEPTH_MAP] = CHOICE("depth_map", RT_DEPTH_MAP_CHECKERBOARD, depth_maps,
+                            "which of 2x2 depths a half-resolution texel takes: nearest and "
+                            "farthest in a checkerboard, the nearest where x % 2 == y % 2; or, "
+                            "reversed, the farthest there, as the minimum that the article takes "
+                            "of a reversed depth buffer is; or the nearest or farthest everywhere"),
+    [RT_SLOT_ORDER] = CHOICE(
+        "slot_order", RT_SLOT_ORDER_CLOCKWISE, slot_orders,
+        "order in which the four half-resolution texels of a tile are marched; in raster order two "
+        "frames of four have no ray at the nearest depths around, or none at the farthest"),
     [RT_SLOT_CHECKERBOARD] = CHOICE("slot_checkerboard", 1, switches,
-                                    "tiles with x % 2 == y % 2 are one slot ahead (A4)"),
-    [RT_OVERRIDE] = CHOICE("override", RT_OVERRIDE_SEQUENTIAL, overrides,
-                           "tiles may march another slot to cover the depths around (A5): all at "
-                           "once (X11), or in four passes that see what others chose"),
-    [RT_OVERRIDE_DEPTH] = REAL("override_depth", 0.25, 0, 10,
-                               "relative difference up to which a ray covers a depth (A5)"),
+                                    "tiles with x % 2 == y % 2 are one slot ahead, so that nearest "
+                                    "and farthest depths have a ray nearby in every frame"),
+    [RT_OVERRIDE] = CHOICE(
+        "override", RT_OVERRIDE_SEQUENTIAL, overrides,
+        "a tile may march another slot than the one whose turn it is, so that the depths around "
+        "have a ray: all tiles at once, each taking its neighbours to keep their turn (bars as "
+        "wide apart as tiles then flash), or in four passes that see what others chose"),
+    [RT_OVERRIDE_DEPTH] = REAL(
+        "override_depth", 0.25, 0, 10,
+        "relative difference of depth up to which a neighbouring ray stands for a depth"),
     [RT_OVERRIDE_SKY_M] = REAL("override_sky_m", 1e6, 1, 1e15,
-                               "depth of the sky in the override (A5; the article's is that of an "
-                               "Unreal depth buffer's 0, 1e6) [m]"),
+                               "depth of the sky in the override [m]; 1e6 is what Unreal makes of "
+                               "a depth buffer's 0, which the article reads here"),
     [RT_OVERRIDE_REST] = WHOLE("override_rest", 0, 0, 64,
                                "every Nth cycle of four frames is without override, so that no "
-                               "slot starves; 0: none is"),
+                               "slot goes without rays for ever; 0: none is"),
     [RT_FAR] = CHOICE("far", RT_FAR_FINITE, fars,
-                      "depth of the sky in the override: override_sky_m, or infinity (reversed Z "
-                      "without far plane)"),
-    [RT_SKY_M] = REAL("sky_m", 1e6, 1, 1e15,
-                      "depth of the sky as stored with rays and in the reconstruction [m] (A6: "
-                      "20000, so that ridges beyond 15 km pass for sky)"),
-    [RT_RAY_DEPTH_MAX_M] = REAL("ray_depth_max_m", 1e15, 1, 1e15,
-                                "depth that a ray of a solid is stored with at most [m] (A6: "
-                                "10000)"),
-    [RT_CLAMP_PIXEL_DEPTH] = CHOICE("clamp_pixel_depth", 1, switches,
-                                    "the same limits for the pixel's own depth (off: X8)"),
+                      "depth of the sky in the override: override_sky_m, or infinity (reversed "
+                      "depth without far plane), where tiles of sky march slot 0 for ever"),
+    [RT_SKY_M] = REAL(
+        "sky_m", 1e6, 1, 1e15,
+        "depth of the sky as stored with rays and in the reconstruction [m]; with the article's "
+        "20000, and its 10000 as ray_depth_max_m, solids beyond 15 km pass for sky"),
+    [RT_RAY_DEPTH_MAX_M] = REAL(
+        "ray_depth_max_m", 1e15, 1, 1e15,
+        "largest depth that a ray of a solid is stored with [m]; the article has 10000"),
+    [RT_CLAMP_PIXEL_DEPTH] = CHOICE(
+        "clamp_pixel_depth", 1, switches,
+        "sky_m and ray_depth_max_m limit the depth of a half-resolution texel as they do those of "
+        "rays; off: a solid beyond halfway between both takes the sky's clouds"),
     [RT_DEPTH_FORMAT] = CHOICE("depth_format", RT_FORMAT_HALF, formats,
-                               "of tile depths, cloud distances and history states"),
+                               "format of tile depths, cloud distances and history states"),
     [RT_COLOR_FORMAT] = CHOICE("color_format", RT_FORMAT_HALF, formats,
-                               "of rays, histories and the upscaled volume"),
-    [RT_EDGE_TILES] = CHOICE("edge_tiles", RT_EDGE_TILES_KEPT, edge_tiles,
-                             "the last, cut row and column of tiles as a neighbour in the "
-                             "reconstruction (dropped: X4)"),
+                               "format of rays, histories and the upscaled volume"),
+    [RT_EDGE_TILES] = CHOICE(
+        "edge_tiles", RT_EDGE_TILES_KEPT, edge_tiles,
+        "the last, cut row and column of tiles as neighbours in the reconstruction; dropped: "
+        "neighbours end one tile early in sizes that are no multiple of 4"),
     [RT_GATHER] = CHOICE("gather", RT_GATHER_TEXEL, gathers,
-                         "how a tile finds its half-pixels, and a half-pixel the depths of the "
-                         "rays around: by number, or by normalised coordinates, which drift in "
-                         "sizes of 4 n + 1 (X6)"),
-    [RT_TILE_ORIGIN] = CHOICE("tile_origin", RT_TILE_ORIGIN_VIEW, tile_origins,
-                              "where the centre tile of the override looks in a view that does not "
-                              "start at the corner of its buffer (buffer: X5)"),
+                         "how a tile finds its half-resolution texels, and these the depths of the "
+                         "rays around: by texel number, or by normalised coordinates, which in "
+                         "sizes of 4 n + 1 drift to the next tile"),
+    [RT_TILE_ORIGIN] = CHOICE(
+        "tile_origin", RT_TILE_ORIGIN_VIEW, tile_origins,
+        "where the override looks up the tile's own depths in a view that does not start at the "
+        "corner of its buffer; buffer: those of the view that does"),
     [RT_JITTERED_DEPTH] = CHOICE("jittered_depth", 0, switches,
-                                 "depth map and rays follow the jitter of TAA (on: X15)"),
-    [RT_RAY_DITHER] = CHOICE("ray_dither", 4, dithers, "start of the steps along a ray (A7)"),
-    [RT_RAY_DITHER_AMOUNT] = REAL("ray_dither_amount", 1, 0, 1, "of a step"),
+                                 "depth map and rays follow the jitter of TAA; on: the choice of "
+                                 "slots flickers before a camera at rest"),
+    [RT_RAY_DITHER] = CHOICE("ray_dither", 4, dithers,
+                             "noise that shifts the start of the steps along a ray"),
+    [RT_RAY_DITHER_AMOUNT] = REAL("ray_dither_amount", 1, 0, 1, "range of that shift, in steps"),
 
     [RT_FRESH_WEIGHT] = REAL("fresh_weight", 1, 0, 1,
-                             "of this frame's ray at its own place (A8, X1)"),
-    [RT_FRESH_SPACE] = CHOICE("fresh_space", RT_SPACE_LINEAR, spaces,
-                              "where a ray is blended with the history of its place"),
+                             "weight of this frame's ray against the history of its place; the "
+                             "article has 1 (its 0.5 stands behind a return and is never reached)"),
+    [RT_FRESH_SPACE] = CHOICE(
+        "fresh_space", RT_SPACE_LINEAR, spaces,
+        "colour space in which a ray is blended with the history of its place"),
     [RT_HISTORY_WEIGHT] = REAL("history_weight", 1, 0, 1,
-                               "of the history elsewhere; the rest is the ray nearest in depth "
-                               "(A12)"),
-    [RT_HISTORY_AGE_MAX] = WHOLE("history_age_max", 0, 0, 255,
-                                 "fresh rays weigh 1 / (their number so far, at most this); 0: "
-                                 "fresh_weight"),
-    [RT_HISTORY_FADE] = REAL("history_fade", 1, 0, 1,
-                             "with history_age_max, the history's part beside a fresh ray times "
-                             "this"),
+                               "weight of the history at places without a ray in this frame; the "
+                               "rest is the ray nearest in depth"),
+    [RT_HISTORY_AGE_MAX] = WHOLE(
+        "history_age_max", 0, 0,
+        255, "fresh rays weigh 1 / (their number so far, at most this); 0: fresh_weight"),
+    [RT_HISTORY_FADE] = REAL(
+        "history_fade", 1, 0, 1,
+        "with history_age_max, factor of the history's weight beside a fresh ray"),
     [RT_HISTORY_FILTER] = CHOICE("history_filter", RT_FILTER_BILINEAR, filters,
-                                 "of the reprojected history"),
+                                 "how the history is sampled where it was in the frame before"),
     [RT_FALLBACK] = CHOICE(
         "fallback", RT_FALLBACK_NEAREST, fallbacks,
-        "what a half-pixel without ray and history takes: of the tiles around and its own the ray "
-        "nearest in depth; of the eight around alone; the own tile's; the mean of four by place; "
-        "of nine by place and depth, with upscale_tolerance_m, sky from sky alone"),
-    [RT_FALLBACK_REJECTED] = CHOICE("fallback_rejected", RT_FALLBACK_NEAREST, fallbacks,
-                                    "the same where its history is void because the scene behind "
-                                    "has changed (reject_*)"),
+        "what a half-resolution texel without ray and history takes: of the nine tiles around the "
+        "ray nearest in depth; of the eight but its own; its own tile's; the mean of four by "
+        "place; the mean of nine by place and depth, with upscale_tolerance_m, sky from sky alone"),
+    [RT_FALLBACK_REJECTED] = CHOICE(
+        "fallback_rejected", RT_FALLBACK_NEAREST, fallbacks,
+        "what it takes where its history is void because the scene behind has changed (reject_*)"),
     [RT_BOX] = CHOICE("box", RT_BOX_MIN_MAX, boxes,
-                      "what the history is held in: nothing, the accepted rays' extremes, or mean "
-                      "+- box_sigma of them (A10)"),
-    [RT_BOX_DEPTH] = REAL("box_depth", 0.1, 0, 1e6,
-                          "relative difference of depth up to which a ray is accepted (A10)"),
+                      "neighbourhood box that the history is held in: none, the accepted rays' "
+                      "extremes, or mean +- box_sigma of them"),
+    [RT_BOX_DEPTH] = REAL(
+        "box_depth", 0.1,
+        0, 1e6, "relative difference of depth up to which a ray is accepted into the box"),
     [RT_BOX_TRANSMITTANCE] = REAL("box_transmittance", 0, 0, 1,
-                                  "or of transmittance from the nearest ray's; 0: never"),
+                                  "difference of transmittance from the ray nearest in depth up to "
+                                  "which a ray is accepted, too; 0: never"),
     [RT_CONTRAST] = CHOICE("contrast", RT_CONTRAST_TRANSMITTANCE, contrasts,
                            "box_transmittance is a difference of transmittances and "
                            "upscale_contrast a part of the largest; or both are parts of the "
                            "opacity, the smaller of two rays', the largest of the taps'"),
     [RT_BOX_SAME_KIND] = CHOICE("box_same_kind", 0, switches,
-                                "in the box only rays that end as the half-pixel does, in the sky "
-                                "or on a solid"),
-    [RT_BOX_SIGMA] = REAL("box_sigma", 1, 0, 10, "half width of the variance box"),
+                                "in the box only rays that end as the half-resolution texel does, "
+                                "in the sky or on a solid"),
+    [RT_BOX_SIGMA] = REAL("box_sigma", 1, 0, 10,
+                          "half width of the variance box, in standard deviations"),
     [RT_BOX_SPACE] = CHOICE("box_space", RT_SPACE_LINEAR, spaces,
-                            "where the box is taken: reinhard divides by 1 + luminance, channels "
+                            "colour space of the box: reinhard divides by 1 + luminance, channels "
                             "each channel by 1 + itself"),
     [RT_BOX_HOLD] = CHOICE("box_hold", RT_HOLD_CLAMP, holds,
-                           "how: each channel for itself, or colour towards the middle of the box "
-                           "until it is inside (not of box=none)"),
+                           "how history is held in it: each channel clamped, or colour clipped "
+                           "towards the middle of the box until it is inside (not of box=none)"),
     [RT_BOX_AGE] = REAL("box_age", 1, 0, 1,
                         "part of its age that history keeps where the box has moved its colour; "
                         "counts with history_age_max"),
     [RT_BOX_CENTRE] = CHOICE("box_centre", 1, switches,
-                             "the tile's own ray may be in the box (off: X3)"),
-    [RT_BOX_LEAST] = WHOLE("box_least", 0, 0, 9,
-                           "with fewer accepted rays all nine make the box; a box of one ray would "
-                           "erase the history (X3)"),
-    [RT_BOX_MOTION_PX] = REAL("box_motion_px", 0, 0, 100,
-                              "history that has moved by less than this and whose nearest ray sees "
-                              "what its place remembers is not held in the box; full at twice this "
-                              "[px per frame]; 0: always held"),
-    [RT_BOX_CHANGE] = REAL(
-        "box_change", 0, 0, 1,
-        "relative change of that ray since, from which on the box counts all the "
-        "same; full at twice this; 0: always held"),
+                             "the tile's own ray may be in the box; off: it is left out of it "
+                             "unless it is the nearest in depth"),
+    [RT_BOX_LEAST] = WHOLE(
+        "box_least", 0, 0,
+        9, "with fewer accepted rays all nine make the box; a box of one ray erases the history"),
+    [RT_BOX_MOTION_PX] = REAL(
+        "box_motion_px", 0, 0, 100,
+        "history that has moved by less than this and whose nearest ray sees what its place "
+        "remembers is not held in the box; full at twice this [px per frame]; 0: always held"),
+    [RT_BOX_CHANGE] = REAL("box_change", 0, 0, 1,
+                           "relative change of that ray from which on history at rest is held in "
+                           "the box, too; full at twice this; 0: always held"),
 
-    [RT_REPROJECT_DEPTH] = CHOICE("reproject_depth", RT_REPROJECT_PIXEL, reprojections,
-                                  "cloud distance of the tile's own ray (A11, X9), or of the ray "
-                                  "nearest in depth"),
+    [RT_REPROJECT_DEPTH] = CHOICE(
+        "reproject_depth", RT_REPROJECT_PIXEL, reprojections,
+        "cloud distance to look up the history by: that of the tile's own ray, which is wrong at "
+        "depth edges, or that of the ray nearest in depth"),
     [RT_REPROJECT_MEASURE] = CHOICE("reproject_measure", RT_MEASURE_RADIAL, measures,
-                                    "cloud distance taken as eye depth (X9), or along the ray"),
-    [RT_REPROJECT_JITTER] = CHOICE("reproject_jitter", 0, switches,
-                                   "history is looked up by the rays of both frames and not by "
-                                   "the centres of half-pixels; counts with jittered_depth=on"),
+                                    "cloud distance taken as eye depth, too far towards the sides "
+                                    "of the picture, or along the ray"),
+    [RT_REPROJECT_JITTER] = CHOICE(
+        "reproject_jitter", 0, switches,
+        "history is looked up by the rays of both frames and not by the centres of half-resolution "
+        "texels; counts with jittered_depth=on"),
     [RT_REPROJECT_LEAST_M] = REAL("reproject_least_m", 0, 0, 1e6,
                                   "a medium nearer than this has no history [m]"),
-    [RT_WIND] = CHOICE("wind", 1, switches, "history follows the wind (off: X10)"),
+    [RT_WIND] = CHOICE(
+        "wind", 1, switches,
+        "history follows the wind; off: it is looked up as if the medium stood still"),
     [RT_VALIDITY] = CHOICE("validity", 1, switches,
-                           "history and rays that are void, not finite or negative are not used "
-                           "(off: X10)"),
+                           "history and rays that are void, not finite or negative are not used; "
+                           "off: the first frame shows what the memory holds, and a NaN stays"),
     [RT_CUT_RESET] = CHOICE("cut_reset", 1, switches, "a camera cut voids the history"),
     [RT_REJECT_DEPTH] = REAL("reject_depth", 0, 0, 10,
-                             "relative change of the half-pixel's scene depth from which its "
-                             "history is void; 0: never"),
+                             "relative change of the scene's depth behind a half-resolution texel "
+                             "from which its history is void (disocclusion); 0: never"),
     [RT_REJECT_SCENE_M] = REAL("reject_scene_m", 0, 0, 1e6,
-                               "the same as a distance [m], where the scene is or was nearer than "
-                               "reject_within_m; 0: never"),
+                               "change of that depth from which the history is void [m], where the "
+                               "scene is or was nearer than reject_within_m; 0: never"),
     [RT_REJECT_WITHIN_M] = REAL("reject_within_m", 5000, 0, 1e6,
                                 "how near the scene must be, then or now, for reject_scene_m [m]"),
 
     [RT_REJECT_NEAREST_M] = REAL("reject_nearest_m", 0, 0, 1e6,
                                  "change of the nearest depth of its tile beyond which a "
-                                 "half-pixel's history is void [m]; 0: never"),
-    [RT_REJECT_AROUND] = CHOICE("reject_around", 1, switches,
-                                "reject_depth and reject_scene_m are content with one of the 3x3 "
-                                "half-pixels about that place (off: its own alone)"),
+                                 "half-resolution texel's history is void [m]; 0: never"),
+    [RT_REJECT_AROUND] = CHOICE(
+        "reject_around", 1, switches,
+        "history is kept if one of the 3x3 half-resolution texels about its place passes "
+        "reject_depth and reject_scene_m; off: its own alone decides"),
 
-    [RT_UPSCALE] = CHOICE("upscale", RT_UPSCALE_MEAN, upscales,
-                          "nearest in depth; bilinear; mean of four or nearest in depth (A14); "
-                          "weights of place and depth; bilinear, or 1 / (difference of depth + "
-                          "upscale_tolerance_m) of four where depths differ; that times exp(-d^2) "
-                          "of the distance in place, of 3x3"),
+    [RT_UPSCALE] = CHOICE(
+        "upscale", RT_UPSCALE_MEAN, upscales,
+        "how a pixel is made of half-resolution texels: nearest in depth; bilinear; mean of four, "
+        "or nearest where depths differ; weights of place and depth; bilinear, or 1 / (difference "
+        "of depth + upscale_tolerance_m) of four where depths differ; that times exp(-d^2) of the "
+        "distance in place, of 3x3"),
     [RT_UPSCALE_DEPTH] = REAL("upscale_depth", 0.25, 0, 10,
-                              "relative difference of depth up to which four taps are averaged "
-                              "(A14)"),
+                              "relative difference of depth up to which four taps are averaged"),
     [RT_UPSCALE_SKY_M] = REAL("upscale_sky_m", 1e6, 1, 1e15, "depth of the sky in the upscale [m]"),
-    [RT_UPSCALE_CONTRAST] = REAL("upscale_contrast", 0, 0, 1,
-                                 "least contrast of transmittance for which depth matters; 0: "
-                                 "always"),
-    [RT_UPSCALE_TOLERANCE_M] = REAL("upscale_tolerance_m", 1, 1e-6, 1e6,
-                                    "of upscale=inverse and square [m]"),
+    [RT_UPSCALE_CONTRAST] = REAL(
+        "upscale_contrast", 0, 0, 1,
+        "least contrast of transmittance for which depth matters; 0: always"),
+    [RT_UPSCALE_TOLERANCE_M] = REAL(
+        "upscale_tolerance_m", 1, 1e-6, 1e6,
+        "depth added to each difference in upscale=inverse and square [m]"),
     [RT_UPSCALE_SAME_KIND] = CHOICE("upscale_same_kind", 0, switches,
-                                    "sky is made of half-pixels of sky alone, solids of solids "
-                                    "alone, where there are any"),
-    [RT_UPSCALE_DITHER] = CHOICE("upscale_dither", 4, dithers, "of the taps' place (A13)"),
+                                    "sky is made of half-resolution texels of sky alone, solids of "
+                                    "solids alone, where there are any"),
+    [RT_UPSCALE_DITHER] = CHOICE("upscale_dither", 4, dithers,
+                                 "noise that shifts the place of the taps"),
     [RT_UPSCALE_AMOUNT_PX] = REAL("upscale_amount_px", 1, 0, 4,
-                                  "largest shift to either side [half-resolution px]"),
-    [RT_UPSCALE_LAW] = CHOICE("upscale_law", RT_LAW_OPACITY, laws,
-                              "of the shift: everywhere the same, or times (1 - T) max(0, 1 - "
-                              "distance / 4 km), large in near dense fog and small on far clouds "
-                              "(A13)"),
-    [RT_UPSCALE_PAIR] = CHOICE(
-        "upscale_pair", RT_PAIR_INDEPENDENT, pairs,
-        "x and y of the shift from one number, of the pixel and of its mirror "
-        "(X13), or from two"),
+                                  "largest shift to either side [half-resolution texels]"),
+    [RT_UPSCALE_LAW] = CHOICE(
+        "upscale_law", RT_LAW_OPACITY, laws,
+        "how large the shift is: everywhere the same, or times (1 - T) max(0, 1 - distance / 4 "
+        "km), large in near dense fog and small on far clouds; the article has no formula"),
+    [RT_UPSCALE_PAIR] = CHOICE("upscale_pair", RT_PAIR_INDEPENDENT, pairs,
+                               "x and y of the shift from one number, that of the pixel and of its "
+                               "mirror (all shifts of a pixel then lie on one line), or from two"),
 
-    [RT_TAA] = CHOICE("taa", 1, switches, "temporal anti-aliasing of the composed frame (A16)"),
+    [RT_TAA] = CHOICE("taa", 1, switches, "temporal anti-aliasing of the composed frame"),
     [RT_TAA_JITTER] = CHOICE("taa_jitter", RT_JITTER_UE, jitters,
                              "sub-pixel places of the rays: Halton with Gaussian warp, or plain"),
-    [RT_TAA_JITTER_LENGTH] =
-        WHOLE("taa_jitter_length", 7, 1, 64,
-              "places until they repeat; 8 is twice the period of the slots, so that "
-              "each slot sees the same two; 7 has no factor with it, so that "
-              "pictures repeat after 28 frames (X14)"),
-    [RT_TAA_MOTION] = CHOICE("taa_motion", RT_MOTION_CROSS, motions,
-                             "motion of the pixel, or of the nearest of it and four at +-2 px"),
-    [RT_TAA_SPACE] = CHOICE("taa_space", RT_SPACE_YCOCG, taa_spaces, "where the box is taken"),
+    [RT_TAA_JITTER_LENGTH] = WHOLE("taa_jitter_length", 7, 1, 64,
+                                   "places until they repeat; 8 is twice the period of the slots, "
+                                   "so that each slot sees the same two for ever; 7 has no factor "
+                                   "with it: each sees all, and pictures repeat after 28 frames"),
+    [RT_TAA_MOTION] = CHOICE(
+        "taa_motion", RT_MOTION_CROSS, motions,
+        "motion by the depth of the pixel, or of the nearest of it and four at +-2 px"),
+    [RT_TAA_SPACE] = CHOICE("taa_space", RT_SPACE_YCOCG, taa_spaces, "colour space of the box"),
     [RT_TAA_HDR_WEIGHT] = CHOICE("taa_hdr_weight", 1, switches, "blend with weights 1 / (Y + 4)"),
     [RT_TAA_FILTER] = CHOICE("taa_filter", 1, switches,
                              "filter the frame by Gaussian weights about the unjittered place"),
     [RT_TAA_BOX] = CHOICE("taa_box", RT_BOX_MIN_MAX, taa_boxes,
-                          "what the history is held in: mean of the plus' and the square's "
-                          "extremes, mean +- taa_sigma, extremes within 1.51 px"),
-    [RT_TAA_SIGMA] = REAL("taa_sigma", 1.25, 0, 10, "half width of the variance box"),
-    [RT_TAA_HISTORY] = CHOICE("taa_history", RT_FILTER_CATMULL_ROM, filters, "of the history"),
+                          "neighbourhood box that the history is held in: none, mean of the plus' "
+                          "and the square's extremes, mean +- taa_sigma, extremes within 1.51 px"),
+    [RT_TAA_SIGMA] = REAL("taa_sigma", 1.25, 0, 10,
+                          "half width of the variance box, in standard deviations"),
+    [RT_TAA_HISTORY] = CHOICE("taa_history", RT_FILTER_CATMULL_ROM, filters,
+                              "how the history is sampled"),
     [RT_TAA_ALPHA] = REAL("taa_alpha", 0.04, 0, 1, "weight of the frame"),
     [RT_TAA_ALPHA_MOVING] = REAL("taa_alpha_moving", 0.2, 0, 1,
-                                 "the same at taa_velocity_px and above"),
+                                 "weight of the frame at taa_velocity_px and above"),
     [RT_TAA_VELOCITY_PX] = REAL("taa_velocity_px", 20, 0.01, 1000,
-                                "[px per frame]; Unreal counts half-pixels: its 40 are 20"),
+                                "speed of full taa_alpha_moving [px per frame]; Unreal counts "
+                                "halves of pixels: its 40 are 20"),
     [RT_TAA_CONTRAST] = REAL("taa_contrast", 0.01, 0, 1,
                              "least weight of the frame is this times Y of the history over the "
                              "difference of both; 0: off"),
-    [RT_TAA_FORMAT] = CHOICE("taa_format", RT_FORMAT_HALF, formats, "of the history"),
+    [RT_TAA_FORMAT] = CHOICE("taa_format", RT_FORMAT_HALF, formats, "format of the history"),
     [RT_TAA_ROUNDING] = CHOICE("taa_rounding", RT_ROUNDING_STOCHASTIC, roundings,
-                               "of the history to its format"),
+                               "how the history is rounded to its format"),
     [RT_TAA_GUARD] = CHOICE("taa_guard", 1, switches,
                             "what is not finite is left out, colours are held to 0 .. 65504, and "
                             "0 / 0 of the contrast law counts as 0"),

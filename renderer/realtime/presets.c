@@ -4,34 +4,39 @@
  * and run with the anti-aliasing of Unreal Engine 4.26. What is a guess in each is said below; in
  * all of them the distance that is kept with a ray is ours, the mean of what it sees.
  *
- * seed   the article on the frame split, to the letter, with its faults: one ray at a time is right
- *        only for depths below 10 km (X8), the override sees defaults and not choices (X11), the
- *        box of a lonely ray erases the history (X3), the last tiles, split views and sizes that
- *        are no multiple of 4 are off (X4, X5, X6), reprojection by the tile's own distance taken
- *        for an eye depth (X9), no wind, no validity, no cut (X10), both shifts of the upscale from
- *        one number (X13), a jitter of 8 over a cycle of 4 (X14) that moves the depth map (X15).
- *        Its fresh pixel's blend is dead code (X1) and so is not here. The sky is 20 km away where
- *        the article writes that, and elsewhere where Unreal's depth buffer has its 0.
- *        Known of Unreal alone: that 0, 1000 km, and that the matrices have the jitter in them.
- *        Guesses: amount and law of the upscale's shift, its slice of the mask, what the 25 % are
- *        parts of, the mask of the rays' dither. Left out: marching from the end of the froxels on,
- *        cirrus, aerial perspective; neighbours of a split view beyond its side are held at it.
+ * seed   the article on the frame split, to the letter, with its faults:
+ *        - The depths of rays are limited and those of texels are not: geometry beyond 15 km passes
+ *          for sky. The sky is 20 km away where the article writes that, and elsewhere where
+ *          Unreal's depth buffer has its 0.
+ *        - All tiles override at once, each as if the others kept the slot whose turn it is.
+ *        - The box of a single accepted ray erases the history, and the tile's own ray is left out.
+ *        - The last tiles, split views and sizes that are no multiple of 4 are off.
+ *        - History is looked up at the distance of the tile's own ray, taken for an eye depth;
+ *          there is no wind, nothing is ever void, and no cut is noticed.
+ *        - Both shifts of the upscale come from one number.
+ *        - The jitter repeats after 8 frames, twice the four of the slots, and moves the depth map.
+ *        The weight 0.5 of its fresh rays stands behind a return and is never reached: it is not
+ *        here. Known of Unreal alone: where a depth of 0 lies, 1000 km away, and that the matrices
+ *        have the jitter in them. Guesses: amount and law of the upscale's shift, its slice of the
+ *        mask, what the 25 % are parts of, the mask of the rays' dither. Left out: marching from
+ *        the end of the froxels on, cirrus, aerial perspective; neighbours of a split view beyond
+ *        its side are held at it.
  * ue     after Unreal Engine 5's volumetric render target, mode 0, without its second trace: the
- *        branch that compares history with the half-pixel's own depth, 10 %, and takes the nearest
- *        of the eight rays around instead. The other branch, where compute shaders are to be had,
- *        traces each tile to its nearest and to its farthest depth and keeps two layers; the rules
- *        that go with it (reject_scene_m = 2000, reject_nearest_m = 1000) are settings, off here.
- *        Guesses: the noises, of which shift and ray; no acceptance of noisy taps (Unreal's 20);
- *        history is compared with the depth map of the frame before and not with the depth of the
- *        ray that it came from.
+ *        branch that compares history with the half-resolution texel's own depth, 10 %, and takes
+ *        the nearest of the eight rays around instead. The other branch, where compute shaders are
+ *        to be had, traces each tile to its nearest and to its farthest depth and keeps two layers;
+ *        its rules (reject_scene_m = 2000, reject_nearest_m = 1000) are settings, off here.
+ *        Guesses: the noises of shift and ray; no acceptance of noisy taps (Unreal's 20); history
+ *        is compared with the depth map of the frame before and not with the depth of the ray that
+ *        it came from.
  * c52e   after c52e/SkyRendering: fresh rays weigh a fifth, mixed and held in tone-mapped colour,
  *        the box lets similar opacities in, depth matters in the upscale where opacity has
  *        contrast. Guesses: it has no jitter of its own, ours is Unreal's; its rays beyond the
  *        sides of the picture are black, ours are held there.
  * unity  after HDRP's volumetric clouds with ghosting reduction (a box, which is off by default
- *        there): a running mean of at most 16 rays, clipped to the rays that end in the sky as the
- *        half-pixel does, or on solids, void where the depth has changed by 20 %, and bilateral
- *        from 3x3 half-pixels. Guesses: the noise; the far plane, 1 km, that its tolerance of
+ *        there): a running mean of at most 16 rays, clipped to the rays that end as the texel does,
+ *        in the sky or on solids, void where the depth has changed by 20 %, and bilateral from 3x3
+ *        half-resolution texels. Guesses: the noise; the far plane, 1 km, that its tolerance of
  *        depth is a part of; its tiles of the other colour are the ones that are ahead.
  * ours   `fixed`, but the history of what is at rest is held in the box only where a ray sees that
  *        the light has changed, and voided where the scene behind it has; no dither in the upscale,
@@ -50,7 +55,7 @@ const struct neph_preset neph_rt_presets[] = {
      "jittered_depth=on ray_dither=blue box_centre=off reproject_depth=tile reproject_measure=eye "
      "reproject_jitter=on wind=off validity=off cut_reset=off upscale_dither=slice "
      "upscale_pair=shared taa_jitter_length=8"},
-    {"fixed", "the same with its faults mended: the defaults", ""},
+    {"fixed", "the article's frame split with its faults mended: the defaults", ""},
     {"ue", "after Unreal Engine 5's volumetric render target, mode 0, of one trace",
      "slot_order=anticlockwise slot_checkerboard=off override=none jittered_depth=on "
      "ray_dither=interleaved fallback=bilinear fallback_rejected=around box=none "

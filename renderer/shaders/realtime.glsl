@@ -204,7 +204,7 @@ void put(int target, ivec2 texel, vec4 value)
     }
 }
 
-// The same in pixels of the view, half-pixels or tiles, held at the view's sides.
+// Elements by their place in the view: pixels, half-resolution texels or tiles, held at its sides.
 vec4 fetch_full(int target, ivec2 pixel)
 {
     return fetch(target, view_origin() + clamp(pixel, ivec2(0), view_size() - 1));

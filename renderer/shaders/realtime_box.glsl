@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// A10: the box of this frame's rays that history is held in, and the spaces to take it in. Explicit
-// comparisons throughout: a NaN is on neither side of a limit and limits nothing.
+// The neighbourhood clamp: the box of this frame's rays that history is held in, and the colour
+// spaces to take it in. Explicit comparisons throughout: a NaN is on neither side of a limit and
+// limits nothing.
 #ifndef NEPH_REALTIME_BOX_GLSL
 #define NEPH_REALTIME_BOX_GLSL
 
@@ -61,8 +62,8 @@ vec4 to_space(int space, vec4 value)
 const float CHANNEL_LEAST = 1.0 / 16777216.0;
 
 // Components of different colours may come together. In YCoCg a primary can then be negative, which
-// radiance is not. In Reinhard's space they can add up to a luminance of 1 and more, which no colour
-// has there; the way back is then that of a colour with the luminance `brightest`.
+// radiance is not. In Reinhard's space they can add up to a luminance of 1 and more, which no
+// colour has there; the way back is then that of a colour with the luminance `brightest`.
 vec4 from_space(int space, vec4 value, float brightest)
 {
     vec3 color = value.rgb;

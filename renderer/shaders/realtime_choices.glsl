@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
 // The settings that are choices, and which numbers are 0, known before a shader is compiled: what
-// was not chosen costs nothing.
-// On lavapipe that is most of the cost, because it runs both sides of every branch.
+// was not chosen costs nothing. On lavapipe that is most of the cost, because it runs both sides of
+// every branch.
 #ifndef NEPH_REALTIME_CHOICES_GLSL
 #define NEPH_REALTIME_CHOICES_GLSL
 

@@ -35,11 +35,12 @@
 #include "random.glsl"
 #include "realtime.glsl"
 
-// Of the circle, per frame, in each of four channels.
+// Advance of a pixel's number per frame in units of 2^-32, in each of four channels: for masks, and
+// for interleaved gradient noise.
 const uint DITHER_STEPS[4] = uint[](2654435769u, 3144134277u, 1779033703u, 2773480763u);
 const uint GRADIENT_STEPS[4] = uint[](1750839832u, 1761670891u, 1735905692u, 1754675036u);
 
-const uint SPATIAL_MASK = 0u, SPATIOTEMPORAL_MASK = 64u * 64u; // first of their ranks
+const uint SPATIAL_MASK = 0u, SPATIOTEMPORAL_MASK = 64u * 64u; // where their ranks begin
 
 uint white_word(ivec2 pixel, uint frame, uint channel)
 {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// A11: where in the frame before was what a half-pixel shows now, and what did it look like?
+// Reprojection: where in the frame before was what a half-resolution texel shows now, and what did
+// it look like? Where the scene behind it has changed (disocclusion) its history is void.
 #ifndef NEPH_REALTIME_HISTORY_GLSL
 #define NEPH_REALTIME_HISTORY_GLSL
 
@@ -31,7 +32,7 @@ History history_at(ivec2 half_pixel)
     return History(value, has_age ? age : 0.0, is_void, false, 0.0);
 }
 
-// Of the taps -1, 0, 1 and 2, for a place between tap 0 and tap 1.
+// Weights of the taps -1, 0, 1 and 2, for a place between tap 0 and tap 1.
 vec4 tap_weights(int kind, float place)
 {
     if (kind == RT_FILTER_NEAREST)
@@ -59,7 +60,7 @@ int history_filter(ivec2 base)
 // not ring below zero.
 History history_about(vec2 place_px)
 {
-    vec2 place = 0.5 * place_px - 0.5; // in half-pixels from the centre of the first
+    vec2 place = 0.5 * place_px - 0.5; // in texels from the centre of the first
     ivec2 base = ivec2(floor(place));
     int kind = history_filter(base);
     vec4 weights_x = tap_weights(kind, place.x - float(base.x));
@@ -136,10 +137,11 @@ bool is_same_depth(float expected_m, float before_m)
     return !far_off && !off_by_metres;
 }
 
-// Whether the scene behind that history had the depth that this half-pixel's scene had there and
-// then. One of 3x3 half-pixels is enough (reject_around): near and far ones take turns from one to the next (A2),
-// so that the very one may be of the other kind wherever the image moves by an odd number of them.
-// The sky is a depth of its own, at sky_m; it has no eye depth that would turn with the camera.
+// Whether the scene behind that history had the depth that this texel's scene had there and then.
+// One of 3x3 texels is enough (reject_around): in the depth map nearest and farthest take turns
+// from one texel to the next, so that the very one may be of the other kind wherever the image
+// moves by an odd number of them. The sky is a depth of its own, at sky_m; it has no eye depth that
+// would turn with the camera.
 bool is_same_scene(vec2 place_px, vec2 before_px, float depth_m)
 {
     float expected_m = setting(RT_SKY_M);
@@ -161,7 +163,7 @@ bool is_same_scene(vec2 place_px, vec2 before_px, float depth_m)
     return false;
 }
 
-// The nearest depth of the tile that a half-pixel is in [m].
+// The nearest depth of the tile that a half-resolution texel is in [m].
 float nearest_in_tile_m(int target, ivec2 half_pixel)
 {
     float nearest_m = FAR_M;
@@ -173,7 +175,8 @@ float nearest_in_tile_m(int target, ivec2 half_pixel)
     return is_sky(nearest_m) ? setting(RT_SKY_M) : nearest_m;
 }
 
-// Unreal's test for edges that the one above has missed: what came near, or no longer is.
+// Unreal's second test for disocclusion, which sees what came near or no longer is: whether the
+// nearest depth of the tile is that of the tile before.
 bool is_same_edge(ivec2 half_pixel, vec2 before_px)
 {
     precise float change_m =
@@ -184,7 +187,8 @@ bool is_same_edge(ivec2 half_pixel, vec2 before_px)
 
 // --- both ---------------------------------------------------------------------------------------
 
-// The history of a half-pixel whose scene is `depth_m` deep and whose medium is `distance_m` away.
+// The history of a half-resolution texel whose scene is `depth_m` deep and whose medium is
+// `distance_m` away.
 History history_of(ivec2 half_pixel, float depth_m, float distance_m)
 {
     bool is_new = (checks_validity() && view.has_history == 0u) ||

@@ -35,7 +35,7 @@
 #define RT_JITTERED_DEPTH 22
 #define RT_RAY_DITHER 23
 #define RT_RAY_DITHER_AMOUNT 24
-// Reconstruction at half resolution: what a half-pixel takes.
+// Reconstruction at half resolution: what a texel takes.
 #define RT_FRESH_WEIGHT 25
 #define RT_FRESH_SPACE 26
 #define RT_HISTORY_WEIGHT 27
@@ -210,20 +210,21 @@
 #define RT_DEPTH 0      // R: eye depth of the scene [m], FAR_M for the sky; of the jittered rays
 #define RT_BEHIND 1     // RGB: radiance of what is behind all media, of the same rays
 // Half resolution, rounded up.
-#define RT_HALF_DEPTH 2 // R: eye depth [m] chosen from 2x2 pixels (A2)
-#define RT_HALF_DEPTH_BEFORE 3 // the same of the frame before
-#define RT_HISTORY 4    // RGBA: in-scattered radiance, transmittance; written by the reconstruction (A8-A12)
+#define RT_HALF_DEPTH 2 // R: eye depth [m] chosen from 2x2 pixels
+#define RT_HALF_DEPTH_BEFORE 3 // RT_HALF_DEPTH of the frame before
+#define RT_HISTORY 4    // RGBA: in-scattered radiance, transmittance; of the reconstruction
 #define RT_HISTORY_BEFORE 5
-#define RT_HISTORY_STATE 6 // R: number of rays that the history is made of, 0 where it is void; G: cloud distance [m]
+// R: number of rays that the history is made of, 0 where it is void; G: cloud distance [m]
+#define RT_HISTORY_STATE 6
 #define RT_HISTORY_STATE_BEFORE 7
 // Quarter resolution, rounded up.
-#define RT_TILE 8       // R: slot 0..3 of the tile's ray, G: its depth / 10000 m (A5, A6)
-#define RT_RAY 9        // RGBA: in-scattered radiance, transmittance of this frame's ray (A7)
+#define RT_TILE 8       // R: slot 0..3 of the tile's ray, G: its depth / 10000 m
+#define RT_RAY 9        // RGBA: in-scattered radiance, transmittance of this frame's ray
 #define RT_RAY_DISTANCE 10 // R: distance along the ray of what the medium shows [m]
 // Full resolution again.
-#define RT_VOLUME 11    // RGBA: in-scattered radiance, transmittance after the upscale (A13, A14)
+#define RT_VOLUME 11    // RGBA: in-scattered radiance, transmittance after the upscale
 #define RT_VOLUME_DISTANCE 12 // R: [m]
-#define RT_COLOR 13     // RGB: the composed frame (A15)
+#define RT_COLOR 13     // RGB: the composed frame
 #define RT_TAA_OUT 14   // RGB: after TAA; the history of the next frame
 #define RT_TAA_BEFORE 15
 // The depth that the split of the frame starts from: RT_DEPTH without its jitter, unless

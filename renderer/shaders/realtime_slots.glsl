@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// Tiles of 2x2 half-pixels: which of the four has a ray in which frame (A4), and the depth that
-// rays and half-pixels are compared by (A6). tests/renderer/twins/slots.h is its twin.
+// Tiles of 2x2 half-resolution texels: which of the four, the slots, has a ray in which frame, and
+// the depth that rays and texels are compared by. tests/renderer/twins/slots.h is its twin.
 #ifndef NEPH_REALTIME_SLOTS_GLSL
 #define NEPH_REALTIME_SLOTS_GLSL
 
@@ -24,10 +24,10 @@ const ivec2 SLOT_PLACES[4][4] = ivec2[4][4](
     ivec2[4](ivec2(0, 0), ivec2(1, 1), ivec2(1, 0), ivec2(0, 1)),
     ivec2[4](ivec2(0, 0), ivec2(0, 1), ivec2(1, 1), ivec2(1, 0)));
 
-// Where in its tile a slot lies, in half-pixels.
+// Where in its tile a slot lies, in half-resolution texels.
 ivec2 slot_place(int slot) { return SLOT_PLACES[choice(RT_SLOT_ORDER)][slot]; }
 
-// The slot of a half-pixel in its tile.
+// The slot of a half-resolution texel in its tile.
 int slot_of(ivec2 half_pixel)
 {
     int slot = 0;
@@ -36,9 +36,9 @@ int slot_of(ivec2 half_pixel)
     return slot;
 }
 
-// A4: the slots take turns; the tiles on the white squares of a checkerboard are one ahead, so that
-// near and far depths of 3x3 tiles have rays in every frame (in the clockwise order; in the raster
-// order two frames of four are blind to one of them, X2).
+// The slots take turns; the tiles on the white squares of a checkerboard are one ahead, so that
+// near and far depths of 3x3 tiles have rays in every frame. That is so in the clockwise order; in
+// the raster order two frames of four are blind to one of them.
 int default_slot(ivec2 tile)
 {
     bool is_ahead = choice(RT_SLOT_CHECKERBOARD) != 0 && (tile.x & 1) == (tile.y & 1);
@@ -54,7 +54,7 @@ float limited_depth_m(float depth_m, float sky_m)
     return min(limited_m, HALF_MAX * TILE_UNIT_M);
 }
 
-// A6: the depth that a ray is stored with.
+// The depth that a ray is stored with.
 float stored_depth_m(float depth_m) { return limited_depth_m(depth_m, setting(RT_SKY_M)); }
 
 #endif

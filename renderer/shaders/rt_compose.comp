@@ -1,10 +1,10 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// A15: the volume over what is behind it, L = volume + T behind, with T the transmittance of all
-// media together (X12: the article once has T of the fog alone). `precise`, because a fused multiply-
-// add would round once where march.comp rounds twice; and without a volume, (0, 0, 0, 1), the scene
-// comes out as it went in.
+// Composition: the volume over what is behind it, L = volume + T behind, with T the transmittance
+// of all media together (the article has in one place that of the fog alone). `precise`, because a
+// fused multiply-add would round once where march.comp rounds twice. Without a volume, (0, 0, 0,
+// 1), the scene comes out as it went in.
 #extension GL_GOOGLE_include_directive : require
 
 #include "realtime_pass.glsl"

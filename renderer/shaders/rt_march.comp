@@ -1,13 +1,13 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// A7: one ray a tile, through the half-pixel that the tile index chose, as far as its depth; the
-// same march as in march.comp. A dithered start (blue noise on the tiles) turns the bands that few
-// steps leave into noise for the filters behind.
+// The march: one ray a tile, through the half-resolution texel that the tile index chose, as far as
+// its depth; the code is that of march.comp. A dithered start (blue noise on the tiles) turns the
+// bands that few steps leave into noise for the filters behind.
 //
-// The distance that goes with a ray is the mean of what it sees of the medium; a ray that sees none
-// takes its end, or where that is the sky the sky's depth, so that it is a number to reproject with
-// (and at most the largest half).
+// The distance that goes with a ray is the mean of what it sees of the medium. A ray that sees none
+// takes its end, or the sky's depth where that is the sky: a number to reproject with, and at most
+// the largest half.
 #extension GL_GOOGLE_include_directive : require
 
 #include "realtime_march.glsl"

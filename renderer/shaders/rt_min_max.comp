@@ -1,9 +1,9 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// A2: the depth map at half resolution. One half-pixel stands for 2x2 pixels by one of their eye
-// depths: on the checkerboard's white squares (x % 2 == y % 2) the nearest, on the black ones the
-// farthest, so that 2x2 half-pixels, a tile, know two near and two far depths of their 4x4 pixels.
+// The depth map at half resolution. One texel stands for 2x2 pixels by one of their eye depths: on
+// the checkerboard's white squares (x % 2 == y % 2) the nearest, on the black ones the farthest, so
+// that 2x2 texels, a tile, know two near and two far depths of their 4x4 pixels.
 // "Nearest" and "farthest" are meant in distance: in a reversed depth buffer the names swap. The
 // article takes the minimum of such a buffer, the farthest, on the white squares: `reversed`.
 #extension GL_GOOGLE_include_directive : require

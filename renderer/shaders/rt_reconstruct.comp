@@ -1,28 +1,33 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// A8 to A12: the medium at half resolution, from a quarter of its rays and the frame before.
+// The reconstruction: the medium at half resolution, from a quarter of its rays and the frame
+// before.
 //
-// A half-pixel that has a ray in this frame takes it, all of it (fresh_weight = 1, the article's;
-// its 0.5 is never reached, X1) or blended with its history. The others take their history, looked
-// up where the medium was in the frame before, and held in the box of those rays of the 3x3 tiles
-// around that are as deep as they; without history they take the ray that is nearest in depth.
+// A half-resolution texel (half_pixel) that has a ray in this frame takes it, all of it
+// (fresh_weight = 1) or blended with its history. The others take their history, looked up where
+// the medium was in the frame before, and held in the box of those rays of the 3x3 tiles around
+// that are as deep as they: the neighbourhood clamp. Without history they take the ray that is
+// nearest in depth.
 //
-// What the settings keep of the article's faults: the own tile's ray is never in the box
-// (box_centre = off, X3), and a box of one ray erases the history (box_least = 0); neighbours end
-// one tile early in sizes that are no multiple of 4 (edge_tiles = dropped, X4); the depths of six
-// of them are gathered by normalised coordinates, which there come to the next tile after two
-// thirds of the image (gather = normalised, X6); the pixel's own depth is not limited as the rays'
-// are, and from halfway between ray_depth_max_m and sky_m on geometry takes the sky's clouds
-// (clamp_pixel_depth = off, X8); the distance of the tile's ray stands for that of the pixel's
-// cloud, and as an eye depth (reproject_depth, reproject_measure, X9); no wind, and nothing is ever
-// void (wind, validity, X10). The sky's depth is sky_m here with `far` = infinite too: the article
-// says 20 km at this place.
+// What the settings keep of the article's faults:
+// - box_centre = off: the tile's own ray is left out of the clamping box.
+// - box_least = 0: a box of one ray erases the history.
+// - edge_tiles = dropped: neighbours end one tile early in sizes that are no multiple of 4.
+// - gather = normalised: the depths of six neighbours are found by normalised coordinates, which in
+//   such sizes come to the next tile after two thirds of the image.
+// - clamp_pixel_depth = off: the texel's own depth is not limited as the rays' are; from halfway
+//   between ray_depth_max_m and sky_m on geometry takes the sky's clouds.
+// - reproject_depth = tile, reproject_measure = eye: the distance of the tile's ray stands for that
+//   of the texel's cloud, and for an eye depth.
+// - wind = off, validity = off: history does not follow the wind, and nothing is ever void.
+// The article's weight of 0.5 for a fresh ray stands behind a return and is never reached. The
+// sky's depth is sky_m here with `far` = infinite too: the article says 20 km at this place.
 //
 // Void is what validity = on does not use: rays that are not finite or negative, history of age 0,
 // history that is not sound. Off the screen, behind the camera and after a cut (cut_reset) there is
 // no history with validity = off either; in the first frame there is then what the memory holds.
-// The age counts the rays that went into a half-pixel; one that borrowed its first value from a
+// The age counts the rays that went into a texel; one that borrowed its first value from a
 // neighbour's ray is 1 old.
 #extension GL_GOOGLE_include_directive : require
 
@@ -63,7 +68,7 @@ ivec2 gathered_texel(ivec2 tile, ivec2 offset)
     return clamp(found - corner + offset, ivec2(0), size_quarter - 1);
 }
 
-// The half-pixel that a tile's ray goes through.
+// The half-resolution texel that a tile's ray goes through.
 ivec2 ray_half_pixel(ivec2 tile)
 {
     return min(2 * tile + slot_place(int(fetch_tile(RT_TILE, tile).x)), half_size() - 1);
@@ -102,9 +107,9 @@ float depth_difference_m(float own_m, int ray)
     return difference_m;
 }
 
-// A9: of the rays from `first` on the first of the nearest in depth; -1 if none can be used. The
-// article looks no farther than 20 km, which is as far apart as limited depths can be, and there
-// keeps to the first.
+// The ray nearest in depth of those from `first` on, of equal ones the first; -1 if none can be
+// used. The article looks no farther than 20 km, which is as far apart as limited depths can be,
+// and there keeps to the first.
 int nearest_ray(float own_m, int first)
 {
     float least_m = choice(RT_CLAMP_PIXEL_DEPTH) != 0 ? FAR_M : setting(RT_SKY_M);
@@ -204,10 +209,10 @@ float beyond(float value, float least)
     return least > 0.0 ? clamp(value / least - 1.0, 0.0, 1.0) : 1.0;
 }
 
-// By how much the nearest ray differs from what its own half-pixel is remembered as: luminance
-// relative to the larger, or transmittance. This is the temporal gradient of C. Schied, C. Peters
-// and C. Dachsbacher, "Gradient Estimation for Real-Time Adaptive Temporal Filtering", HPG 2018, of
-// which the split of the frame has one for free in each tile.
+// By how much the nearest ray differs from the history of its own texel: luminance relative to the
+// larger, or transmittance. This is the temporal gradient of C. Schied, C. Peters, C. Dachsbacher,
+// "Gradient Estimation for Real-Time Adaptive Temporal Filtering", HPG 2018. The split of the frame
+// has one for free in each tile.
 float change_at_ray(ivec2 tile, int ray)
 {
     ivec2 own_tile = ray_tile(tile, ray);
@@ -221,8 +226,8 @@ float change_at_ray(ivec2 tile, int ray)
     return then.is_void ? 1.0 : max(change, abs(rays[ray].value.a - then.value.a));
 }
 
-// What is at rest and in the same light needs no box: it would only let the depths that this frame's
-// rays happen to have flicker through it.
+// How much of the neighbourhood clamp applies, 0..1. What is at rest and in unchanged light needs
+// none: it would only let the depths that this frame's rays happen to have flicker through it.
 float box_share(float motion_px, ivec2 tile, int nearest)
 {
     float share = beyond(motion_px, setting(RT_BOX_MOTION_PX));
@@ -231,7 +236,7 @@ float box_share(float motion_px, ivec2 tile, int nearest)
     return share;
 }
 
-// `b` or `a` itself at the ends, whatever the other one is.
+// At a weight of 0 or 1 the value itself, whatever the other one is (a NaN, say).
 vec4 blend(vec4 a, vec4 b, float weight_of_b)
 {
     if (weight_of_b == 0.0 || weight_of_b == 1.0)
@@ -239,7 +244,7 @@ vec4 blend(vec4 a, vec4 b, float weight_of_b)
     return a + weight_of_b * (b - a);
 }
 
-// `part`: of the history's age that counts (box_age).
+// Weight of a fresh ray; `part` of the history's age counts (box_age).
 float fresh_weight(float age, float part)
 {
     if (!is_set(RT_HISTORY_AGE_MAX))
@@ -248,7 +253,7 @@ float fresh_weight(float age, float part)
     return 1.0 - part * setting(RT_HISTORY_FADE) * of_history;
 }
 
-// In fresh_space, and there as with box_space.
+// History and ray are blended in fresh_space.
 vec4 blend_fresh(vec4 history, vec4 ray, float weight)
 {
     int space = choice(RT_FRESH_SPACE);
@@ -261,8 +266,8 @@ vec4 blend_fresh(vec4 history, vec4 ray, float weight)
 
 // --- without history ----------------------------------------------------------------------------
 
-// Of the tiles before, at and after a half-pixel's own along one axis, in the middle of which it is
-// not, but a quarter of a tile from there towards the one before (or after: mirrored).
+// Weights of the tile before, of the texel's own and of the one after along one axis. A texel lies
+// a quarter of a tile from its tile's centre towards the one before; the other kind is mirrored.
 const vec3 LINEAR_WEIGHTS = vec3(0.25, 0.75, 0.0);
 const vec3 GAUSSIAN_WEIGHTS = vec3(0.569782825, 0.939413063, 0.209611387); // exp(-d^2)
 

@@ -3,8 +3,9 @@
 //
 // What a game's other passes would hand over: the depth of each pixel and what is seen there behind
 // all media, by one ray through the scene's solids. The depth that the split of the frame starts
-// from comes from a ray of its own when the picture's rays are jittered: a depth map that moves with
-// the jitter makes the choice of slots flicker in front of a camera at rest (X15).
+// from comes from a ray of its own when the picture's rays are jittered: a depth map that moves
+// with the jitter (jittered_depth = on) makes the choice of slots flicker in front of a camera at
+// rest.
 #extension GL_GOOGLE_include_directive : require
 
 #include "realtime_march.glsl"

@@ -1,15 +1,15 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// A16, D2-D8, D10: temporal anti-aliasing as in Unreal Engine 4.26, after B. Karis, "High Quality
-// Temporal Supersampling", SIGGRAPH 2014. Each frame's rays have another sub-pixel place; a pixel
-// is a running mean of them all. The frame, filtered about the unjittered centre of the pixel, is
-// blended into the history, which is read where the frame before showed the same thing, and held in
+// Temporal anti-aliasing as in Unreal Engine 4.26, after B. Karis, "High Quality Temporal
+// Supersampling", SIGGRAPH 2014. Each frame's rays have another sub-pixel place; a pixel is a
+// running mean of them all. The frame, filtered about the unjittered centre of the pixel, is
+// blended into the history. That is read where the frame before showed the same thing, and held in
 // the box of the colours around the pixel, so that what is no longer there cannot stay.
 //
 // Done differently:
-// - Speed is in pixels. Unreal's is in half-pixels (device coordinates are 2 wide), so that its 40
-//   of D7 are taa_velocity_px=20.
+// - Speed is in pixels. Unreal's is in halves of pixels (device coordinates are 2 wide), so its 40
+//   are taa_velocity_px=20.
 // - Catmull-Rom takes all 4x4 texels. Unreal leaves out the corners, whose weights sum to up to
 //   1/64, and divides by the rest.
 // - The variance is the mean square of deviations. Unreal's mean of squares less square of the mean
@@ -22,9 +22,9 @@
 //   others of 3x3; where there are none the history stays; where that is void too the pixel is 0. A
 //   history that is not finite is void. Colours are held to 0 .. 65504. Where the history is black
 //   the contrast law is off: its 0 / 0 would be NaN for ever after.
-// Left out: velocities of moving objects and their anti-ghosting flag (D9; solids of our scenes do
-// not move), the responsive stencil, depth of field, upsampling (the other half of D1 and D5), pre-
-// exposure, and the unfiltered frame that is mixed in where a bilinear history blurs.
+// Left out: velocities of moving objects and their anti-ghosting flag (solids of our scenes do not
+// move), the responsive stencil, depth of field, upsampling with its own jitter and box,
+// pre-exposure, and the unfiltered frame that is mixed in where a bilinear history blurs.
 #extension GL_GOOGLE_include_directive : require
 
 #include "random.glsl"
@@ -32,7 +32,7 @@
 
 bool guarded() { return choice(RT_TAA_GUARD) != 0; }
 
-// 4 times the luma: what the weights of D3 and D7 go by.
+// 4 times the luma: what the HDR weights and the contrast law go by.
 float luma_4(vec3 colour) { return colour.r + 2.0 * colour.g + colour.b; }
 
 // Comparisons, so that NaN stays NaN; between limits that have crossed nothing is held.
@@ -57,7 +57,7 @@ bool is_finite(vec3 value)
     return is_finite(value.r) && is_finite(value.g) && is_finite(value.b);
 }
 
-// --- D2: motion of the camera ---------------------------------------------------------------
+// --- motion of the camera -------------------------------------------------------------------
 
 float dot_in_order(vec3 a, vec3 b)
 {
@@ -119,7 +119,7 @@ bool find_before(ivec2 pixel, out vec2 place_px, out float speed_px)
            before_px.y > 0.0 && before_px.y < float(view.size_px[1]);
 }
 
-// --- D6: history ------------------------------------------------------------------------------
+// --- history ------------------------------------------------------------------------------------
 
 // Weights of four texels in a row for a place `x` of the way from the second to the third.
 vec4 filter_weights(float x)
@@ -153,7 +153,7 @@ bool fetch_history(vec2 place_px, out vec3 history)
     return is_sound;
 }
 
-// --- D4: the frame ----------------------------------------------------------------------------
+// --- the frame ----------------------------------------------------------------------------------
 
 // The 3x3 colours around a pixel, row by row.
 struct Surroundings {
@@ -190,7 +190,7 @@ Surroundings look_around(ivec2 pixel)
     return around;
 }
 
-// D3: bright samples count less, or a single one would shine through for many frames.
+// Bright samples count less, or a single one would shine through for many frames.
 float hdr_weight(vec3 colour)
 {
     return choice(RT_TAA_HDR_WEIGHT) != 0 ? 1.0 / (luma_4(colour) + 4.0) : 1.0;
@@ -217,7 +217,7 @@ bool filter_frame(Surroundings around, out vec3 colour)
     return around.counted != 0u;
 }
 
-// --- D5: the box ------------------------------------------------------------------------------
+// --- the box: neighbourhood clamp ---------------------------------------------------------------
 
 vec3 to_space(vec3 colour)
 {
@@ -265,7 +265,8 @@ Box extremes(Surroundings around, uint among)
     return box;
 }
 
-// Halfway between the plus' and the square's extremes: rounder than the square.
+// Halfway between the extremes of 5 colours, the plus, and of 9, the square: rounder than the
+// square.
 Box rounded_box(Surroundings around)
 {
     Box square = extremes(around, SQUARE), plus = extremes(around, PLUS);
@@ -291,7 +292,7 @@ Box variance_box(Surroundings around, vec3 filtered)
                mix(high, filtered, greaterThan(filtered, high)));
 }
 
-// Of the rays that went through within 1.51 px.
+// Extremes of the rays that went through within 1.51 px.
 Box distance_box(Surroundings around)
 {
     uint near = 0u;
@@ -324,10 +325,10 @@ vec3 hold_history(vec3 history, Surroundings around, vec3 filtered)
     return held == value ? history : from_space(held);
 }
 
-// --- D7: the blend ----------------------------------------------------------------------------
+// --- the blend ----------------------------------------------------------------------------------
 
 // Weight of the frame: more when the picture moves, and enough for a step of taa_contrast of the
-// history's luma (before it was held). So a pixel whose noise is below that is not averaged (D8).
+// history's luma (before it was held). So a pixel whose noise is below that is not averaged.
 float frame_weight(float luma, float history_luma, float speed_px)
 {
     float way = speed_px / setting(RT_TAA_VELOCITY_PX);
@@ -348,7 +349,7 @@ vec3 blend(vec3 frame, vec3 history, float alpha)
     return weight == 1.0 ? frame : history + weight * (frame - history);
 }
 
-// --- D10: the output --------------------------------------------------------------------------
+// --- the output ---------------------------------------------------------------------------------
 
 // One of the two halves next to a value, by a number from 0 to 1: the value is their mean.
 float round_by_chance(float value, float number)

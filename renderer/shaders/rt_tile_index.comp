@@ -1,36 +1,35 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// A4 to A6: which of its four half-pixels a tile marches in this frame, and how deep that one is.
+// The tile index: which of its four half-resolution texels, its slots, a tile marches in this
+// frame, and how deep that one is.
 //
-// The slots take turns. But where none of the eight rays around stands for the depth of a tile's
-// nearest half-pixel, the tile marches that one; else, where none stands for the farthest, that one
-// (A5): history has to be held among rays of its own depth. All tiles at once may take each other
-// for the default and all change together (`override` = parallel, X11: bars with the pitch of the
-// tiles flash with a period of four frames). In four dispatches, one for each colour
+// The slots take turns. Where none of the eight rays around stands for the depth of a tile's
+// nearest texel, the tile marches that one; else, where none stands for the farthest, that one.
+// This is the override: history has to be held among rays of its own depth. In parallel all tiles
+// may take each other for the default and all change together: bars with the pitch of the tiles
+// flash with a period of four frames. Sequential is four dispatches, one for each colour
 //     0 1
 //     2 3
-// of 2x2 tiles, a tile sees what earlier colours chose and what later ones would by default
-// (sequential).
+// of 2x2 tiles; a tile sees what earlier colours chose and what later ones would by default.
 //
 // "Nearest" and "farthest" go by the scene's depth, in which the sky is the farthest whatever
 // override_sky_m says. The comparison goes by unlimited depths: ray_depth_max_m is for what is
-// stored. With
-// `far` = infinite the sky's own depth is infinite there, and |inf - inf| < inf / 4 is false: no
-// ray of the sky covers the sky, and a tile of sky marches slot 0 for ever. What is stored of the
-// sky is sky_m in both cases.
+// stored. With `far` = infinite the sky's own depth is infinite there, and |inf - inf| < inf / 4 is
+// false: no ray of the sky covers the sky, and a tile of sky marches slot 0 for ever. What is
+// stored of the sky is sky_m in both cases.
 //
-// `gather` = normalised finds the half-pixels by the article's normalised coordinates. They fall on
-// the corner between the four, where the drift in sizes that are no multiple of 4 stays below the
-// half texel that would matter: the same four, but not held within the view (what X6 does harm to
-// is the reconstruction). `tile_origin` = buffer forgets the view's origin for the tile itself, but
-// not for its neighbours (X5).
+// `gather` = normalised finds the texels by the article's normalised coordinates. They fall on the
+// corner between the four, and in sizes that are no multiple of 4 they drift by less than the half
+// texel that would matter: the four found are the right ones, but not held within the view. The
+// harm of these coordinates is in the reconstruction. `tile_origin` = buffer forgets the view's
+// origin for the tile itself, but not for its neighbours.
 #extension GL_GOOGLE_include_directive : require
 
 #include "realtime_pass.glsl"
 #include "realtime_slots.glsl"
 
-// Eye depth of one half-pixel of a tile [m].
+// Eye depth of one slot of a tile [m].
 float slot_depth_m(ivec2 tile, int slot, ivec2 origin_px)
 {
     ivec2 half_pixel = origin_px / 2 + 2 * tile + slot_place(slot);

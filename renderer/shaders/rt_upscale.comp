@@ -1,28 +1,30 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// A13, A14: from half to full resolution. A pixel's place in the half-resolution image, shifted by
-// dither, lies between four half-pixels; of these taps it takes what belongs to its own depth.
+// The upscale from half to full resolution. A pixel's place in the half-resolution image, shifted
+// by dither, lies between four half-resolution texels; of these taps it takes what belongs to its
+// own depth.
 //
-// Place: the centre of pixel x lies at (x + 1/2) / 2 - 1/2 half-pixels, which are counted from the
-// centre of the first. The jitter of the scene's rays is added where the volume's have none, so that
-// TAA, which takes it out again, finds both in the same place.
+// Place: the centre of pixel x lies at (x + 1/2) / 2 - 1/2 texels, which are counted from the
+// centre of the first. The jitter of the scene's rays is added where the volume's have none, so
+// that TAA, which takes it out again, finds both in the same place.
 //
-// Shift (A13): up to upscale_amount_px to either side along x and y, by two dither numbers. `shared`
-// is the article's way: the second number is that of the pixel (y, x), and both go round the circle
-// by the same step, 16 frames long. Their difference never changes, so that a pixel's 16 places lie
-// on a line, and on the picture's diagonal all on the diagonal (X13). `independent` has two channels
-// and no period. A place that stays between the same four half-pixels gives `mean` and `nearest` the
-// same taps: below 1/4 half-pixel a shift changes nothing there.
+// Shift: up to upscale_amount_px to either side along x and y, by two dither numbers. `shared` is
+// the article's way: the second number is that of the pixel (y, x), and both advance by one step a
+// frame, for 16 frames. Their difference never changes, so that a pixel's 16 places lie on a line,
+// and on the picture's diagonal all on the diagonal. `independent` has two channels and no period.
+// A place that stays between the same four texels gives `mean` and `nearest` the same taps: below
+// 1/4 texel a shift changes nothing there.
 //
-// Law (A13): the article has "more in near dense fog, less on far clouds" and no formula. Ours:
+// Law of the shift: the article has "more in near dense fog, less on far clouds" and no formula.
+// Ours:
 //
 //   shift = amount (1 - T) max(0, 1 - distance / 4 km)
 //
-// with transmittance T and cloud distance of the half-pixel that the pixel lies in. It has no
-// division, so that every device finds the same taps.
+// with transmittance T and cloud distance of the texel that the pixel lies in. It has no division,
+// so that every device finds the same taps.
 //
-// Choice (A14), by the differences |scene - tap| of eye depths:
+// Choice of taps, by the differences |scene - tap| of eye depths:
 //
 //   nearest    the tap of the least difference; of equal ones that which is nearest in place
 //   bilinear   weights of place alone: what leaks over edges
@@ -32,14 +34,14 @@
 //              nearest
 //   inverse    bilinear if all differences are below upscale_depth * scene, else weights
 //              1 / (difference + upscale_tolerance_m) (Unreal Engine 5, upsampling mode 4)
-//   square     of the 3x3 half-pixels about the place weights exp(-d^2) / (difference +
+//   square     3x3 texels about the place with weights exp(-d^2) / (difference +
 //              upscale_tolerance_m), d the distance in place (Unity HDRP's BilUpColor3x3)
 //
 // Depths are compared as in the reconstruction, but with a sky at upscale_sky_m: solids end at
 // ray_depth_max_m if clamp_pixel_depth is on. Pixel and taps have the same limits, so that no ridge
-// is taken for sky because only one of both was limited (X8). Without the limit a ridge within
-// upscale_depth of upscale_sky_m is. With upscale_same_kind no tap of the sky counts on a solid, nor
-// the other way round, as long as there are others.
+// is taken for sky because only one of both was limited. Without the limit a ridge within
+// upscale_depth of upscale_sky_m is. With upscale_same_kind no tap of the sky counts on a solid,
+// nor the other way round, as long as there are others.
 //
 // With upscale_contrast > 0 depth matters only where the transmittances of the taps differ by more
 // than this part of the largest (or of the largest opacity: contrast); elsewhere nearest and mean
@@ -131,7 +133,7 @@ float compared_depth_m(float eye_m)
     return is_sky(eye_m) ? setting(RT_UPSCALE_SKY_M) : eye_m;
 }
 
-// The half-pixel that a place's taps are counted from, row by row.
+// The half-resolution texel that a place's taps are counted from, row by row.
 vec2 corner_of(vec2 place)
 {
     return choice(RT_UPSCALE) == RT_UPSCALE_SQUARE ? floor(place + 0.5) - 1.0 : floor(place);
@@ -153,7 +155,7 @@ float place_weight(ivec2 at, vec2 fraction)
     return side.x * side.y;
 }
 
-// `fraction` of the place from the corner, in half-pixels; `scene_m` the pixel's eye depth.
+// `fraction` of the place from the corner, in texels; `scene_m` the pixel's eye depth.
 Tap tap_at(ivec2 corner, int i, vec2 fraction, float scene_m)
 {
     ivec2 at = tap_offset(i);
@@ -178,7 +180,7 @@ int asked_tap(int i, vec2 fraction)
     return i ^ ((fraction.x < 0.5 ? 0 : 1) + (fraction.y < 0.5 ? 0 : 2));
 }
 
-// By depth. -1: none is used.
+// The tap nearest in depth; -1: none is used.
 int nearest_tap(Tap taps[TAPS_MAX], vec2 fraction)
 {
     int nearest = -1;
@@ -215,9 +217,10 @@ bool all_within(Tap taps[TAPS_MAX], float limit_m)
     return true;
 }
 
-// --- the choice -----------------------------------------------------------------------------------
+// --- the choice
+// -----------------------------------------------------------------------------------
 
-// `regardless`: of depth.
+// `regardless` of depth.
 float tap_weight(Tap tap, bool is_nearest, bool regardless, float limit_m)
 {
     if (!tap.is_used || tap.is_foreign)

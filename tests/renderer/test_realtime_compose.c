@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * The composition (A15): identities, exactly.
+ * The composition: identities, exactly.
  */
 #include "tests/renderer/realtime_test.h"
 

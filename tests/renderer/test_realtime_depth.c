@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * How targets keep their numbers, and the depth map at half resolution (A2).
+ * How targets keep their numbers, and the depth map at half resolution.
  */
 #include "tests/renderer/realtime_test.h"
 
@@ -75,7 +75,7 @@ static void test_min_max_equals_the_twin(void **state)
         }
 }
 
-/* Each tile knows two nearest and two farthest depths of its 4x4 pixels (A2's check). */
+/* Each tile knows two nearest and two farthest depths of its 4x4 pixels. */
 static void test_a_tile_has_two_near_and_two_far(void **state)
 {
     (void)state;

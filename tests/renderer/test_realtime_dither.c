@@ -297,7 +297,7 @@ static double cells_of_pairs(const struct twin_dither *dither, int kind, bool is
     return mean;
 }
 
-/* X13: with the mirrored pixel's number for the second, 16 pairs of a pixel lie on a line along the
+/* With the mirrored pixel's number for the second, 16 pairs of a pixel lie on a line along the
  * diagonal, which crosses 8 of 16 cells at most. Two channels do without: of 16 random pairs it is
  * 16 (1 - (15/16)^16) = 10.3 cells; the least of what the kinds come to is 9.5. */
 static void test_channels_cover_the_square(void **state)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Where the reconstruction finds its history, how it filters it, and when there is none (A11); what
+ * Where the reconstruction finds its history, how it filters it, and when there is none; what
  * becomes of a sequence of frames.
  */
 #include "tests/renderer/reconstruct_test.h"
@@ -146,7 +146,7 @@ static void test_history_is_where_geometry_says(void **state)
     }
 }
 
-/* X10: without wind in the reprojection the history of a drifting medium is looked up where it was.
+/* Without wind in the reprojection the history of a drifting medium is looked up where it is now.
  * A medium that shows nothing is infinitely far away: passing by does not move it. */
 static void test_what_does_not_move(void **state)
 {
@@ -306,7 +306,7 @@ static void test_cuts_and_first_frames(void **state)
         {"cut_reset=on", true, true, false},
         {"cut_reset=off", true, true, true},
         {"validity=on", false, false, false},
-        {"validity=off", false, false, true}, /* whatever the memory holds (X10) */
+        {"validity=off", false, false, true}, /* whatever the memory holds */
         {"validity=off cut_reset=on", true, false, false},
     };
     for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
@@ -373,7 +373,7 @@ static void test_what_was_hidden_is_rejected(void **state)
     }
 }
 
-/* A scene of checkerboards of near and far (A2), the sky among the far, that nothing happens to but
+/* A scene of checkerboards of near and far, the sky among the far, that nothing happens to but
  * that the camera turns or passes by is never rejected: not where near and far change places with
  * every half-pixel of motion, nor where the sky's eye depth would turn with the camera. */
 static void test_a_steady_scene_is_not_rejected(void **state)
@@ -588,9 +588,9 @@ static void test_garbage_is_no_history(void **state)
     }
 }
 
-/* history_age_max = n: a half-pixel of a still scene is the mean of its rays, from the nth on with
- * weight 1 / n for the newest. fresh_weight alone is exponential from the first (X1: the article's
- * 0.5 would be). */
+/* history_age_max = n: a texel of a still scene is the mean of its rays, from the nth on with weight
+ * 1 / n for the newest. fresh_weight alone is exponential from the first, as the article's 0.5 would
+ * be if it were reached. */
 static void test_ages_average_rays(void **state)
 {
     static const struct {
@@ -651,7 +651,7 @@ static void test_ages_have_limits(void **state)
     test_passes_close(&test);
 }
 
-/* X5 mended: a view in the corner of a buffer full of bad numbers is what it is alone. */
+/* A view in the corner of a buffer full of bad numbers is what it is alone. */
 static void test_a_view_is_what_it_is_alone(void **state)
 {
     static const char *const assignments[] = {"", "history_filter=catmull_rom box=variance",

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * The reconstruction against its twin, and what its choice of rays and its box do (A8-A10, A12).
+ * The reconstruction against its twin, and what its choice of rays and its box do.
  * Where history comes from is tested in test_realtime_history.c.
  */
 #include "tests/renderer/reconstruct_test.h"
@@ -394,8 +394,8 @@ static void skipped_half_pixel(const struct test_passes *test, int tile_x, int t
 }
 
 /* Own ray 10 km, at most, of a ridge; one ray of the sky beside it. Rays are stored 10 km away at
- * most and the sky at 20 km, so that a ridge beyond 15 km, unlimited itself, is nearer to the sky
- * (X8). Beyond 40 km it is farther than 20 km from both, which is where the article starts to
+ * most and the sky at 20 km, so that a ridge beyond 15 km, unlimited itself, is nearer to the sky.
+ * Beyond 40 km it is farther than 20 km from both, which is where the article starts to
  * search: it keeps to the first, its own. */
 static void test_far_ridges_take_the_sky_s_light(void **state)
 {
@@ -564,7 +564,7 @@ static void test_spaces_leave_what_is_in_the_box(void **state)
     }
 }
 
-/* X4: in a size that is no multiple of 4 the article's neighbours end one tile early. The last tile
+/* In a size that is no multiple of 4 the article's neighbours end one tile early. The last tile
  * but one then misses the ray that has its half-pixel's depth. */
 static void test_the_last_cut_tiles(void **state)
 {
@@ -586,7 +586,7 @@ static void test_the_last_cut_tiles(void **state)
     }
 }
 
-/* X6: every tile has a depth of its own and every skipped half-pixel that of the tile to its right,
+/* Every tile has a depth of its own and every skipped half-pixel that of the tile to its right,
  * whose ray it should find. In 641 pixels, 161 tiles, normalised coordinates run ahead by
  * corner * (644 / 641 - 1), half a tile from corner 107 on. That is the lower right one of tile
  * 106: there the tile below it seems to have the depth of the one to the right, and further on the

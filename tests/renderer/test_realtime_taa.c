@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * One frame of temporal anti-aliasing (D2-D8, D10) against its twin, closed forms and bad
- * numbers; and the jitter that goes before it (D1). What many frames make of it:
+ * One frame of temporal anti-aliasing against its twin, closed forms and bad numbers; and the
+ * jitter that goes before it. What many frames make of it:
  * test_realtime_taa_film.c.
  */
 #include "tests/renderer/realtime_test.h"
@@ -10,7 +10,7 @@
 
 static const double float_ulp = 0x1p-24, half_ulp = 0x1p-11; /* relative, rounded to nearest */
 
-/* --- jitter (D1) --------------------------------------------------------------------------- */
+/* --- jitter -------------------------------------------------------------------------------- */
 
 /* As listed in an analysis of Unreal Engine 4.26; printed with 9 digits from float32. */
 static void test_the_eight_places_are_those_of_unreal(void **state)
@@ -285,7 +285,7 @@ static void test_the_guard_keeps_bad_numbers_out(void **state)
     }
 }
 
-/* --- motion (D2) ----------------------------------------------------------------------------- */
+/* --- motion ---------------------------------------------------------------------------------- */
 
 /* float32 knows the cameras' axes to 6e-8 and places in 127 pixels to 8e-6 px: a few times that. */
 static const double motion_error_px = 1e-4;
@@ -450,7 +450,7 @@ static void test_a_pan_by_whole_pixels_moves_the_history_whole(void **state)
     }
 }
 
-/* --- the frame (D4), resets ------------------------------------------------------------------ */
+/* --- the frame, resets ----------------------------------------------------------------------- */
 
 /* No history: whatever it holds, the output is the filtered frame. */
 static void test_a_cut_and_the_first_frame_take_nothing_over(void **state)
@@ -523,7 +523,7 @@ static void test_the_filter_is_about_the_unjittered_place(void **state)
     test_passes_close(&test);
 }
 
-/* --- the box (D5) ---------------------------------------------------------------------------- */
+/* --- the box --------------------------------------------------------------------------------- */
 
 /* A history that is too bright is held at the box's upper side. One colour of nine is 1: at the
  * centre, a side and a corner of the pixel's surroundings. */
@@ -636,7 +636,7 @@ static void test_a_history_in_the_box_is_left_alone(void **state)
     }
 }
 
-/* --- the blend (D7, D8) and the format (D10) -------------------------------------------------- */
+/* --- the blend and the format --------------------------------------------------------------- */
 
 /* What weight a frame of 1 had over a history of 0 ... read off the output. */
 static double weight_of(double out, double frame, double history)

@@ -259,7 +259,7 @@ static void test_rounding_by_chance_does_not_stall(void **state)
     test_passes_close(&film);
 }
 
-/* --- the contrast law's price (D8) -------------------------------------------------------------
+/* --- the contrast law's price ------------------------------------------------------------------
  */
 
 /* A number of the normal distribution, by Box and Muller. */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Which slot of a tile has the ray (A4-A6): the shader against the twin, and what the choice does
+ * Which slot of a tile has the ray: the shader against the twin, and what the choice does
  * to the depths that have a ray near by.
  */
 #include "tests/renderer/realtime_test.h"
@@ -146,9 +146,9 @@ static void test_every_slot_has_a_turn_in_four_frames(void **state)
     }
 }
 
-/* Half-pixels with x % 2 == y % 2 have near depths, the others far ones (A2). How many of four
+/* Half-pixels with x % 2 == y % 2 have near depths, the others far ones. How many of four
  * frames have, about every tile, rays of both kinds? Clockwise with the checkerboard all of them;
- * raster order, which the article's comments take for the game's, blinds two (X2); without the
+ * raster order, which the article's comments take for the game's, blinds two; without the
  * checkerboard all tiles agree and no frame has both. */
 static void test_which_orders_see_near_and_far(void **state)
 {
@@ -211,14 +211,14 @@ static void test_infinite_sky_starves_three_slots(void **state)
                                  i / 2 ? 0 : twin_default_slot(&test.view, x, y));
                 float tile[4];
                 twin_fetch_tile(&test.twin, RT_TILE, x, y, tile);
-                assert_true(tile[1] == 2.0f); /* A6, with sky_m = 20000 */
+                assert_true(tile[1] == 2.0f); /* with sky_m = 20000 */
             }
         }
         test_passes_close(&test);
     }
 }
 
-/* A6: what a half keeps of a depth is off by its rounding, 2^-11. */
+/* What a half keeps of a depth is off by its rounding, 2^-11. */
 static void test_stored_depths(void **state)
 {
     const struct neph_settings settings = test_settings("override=none ray_depth_max_m=10000");
@@ -242,7 +242,7 @@ static void test_stored_depths(void **state)
 }
 
 /* A view in the corner of a larger buffer decides as it would alone; with tile_origin=buffer its
- * own depths are those of the neighbour view (X5). */
+ * own depths are those of the neighbour view. */
 static void test_a_view_decides_alone(void **state)
 {
     static const char *const origins[] = {"tile_origin=view", "tile_origin=buffer"};
@@ -467,7 +467,7 @@ static struct coverage measure_coverage(struct test_passes *test)
 
 /* The numbers were counted by the same rule on the same maps in a Python program of its own, in
  * double precision. Of 4 * 3072 half-pixels; starved slots of 4096. A fence with the pitch of the
- * tiles is where the parallel override fails: two frames without a single matching ray (X11). */
+ * tiles is where the parallel override fails: two frames without a single matching ray. */
 static void test_coverage_equals_the_python_program(void **state)
 {
     static const char *const modes[MODE_COUNT] = {"override=none", "override=parallel",

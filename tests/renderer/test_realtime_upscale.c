@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * The upscale (A13, A14): the shader against the twin, and what it promises of constants, edges,
+ * The upscale: the shader against the twin, and what it promises of constants, edges,
  * ridges, voids and of the place that a pixel looks at.
  */
 #include "tests/renderer/realtime_test.h"
@@ -218,7 +218,7 @@ static void test_bad_history_is_not_seen(void **state)
     }
 }
 
-/* X10: one NaN in the history is in the picture, unless somebody looks. */
+/* One NaN in the history is in the picture, unless somebody looks. */
 static void test_validity_keeps_a_nan_out(void **state)
 {
     for (int validity = 0; validity < 2; validity++) {
@@ -340,7 +340,7 @@ static void test_the_law_of_the_shift(void **state)
         }
 }
 
-/* X13, seen in the picture: with `shared` the two shifts of a pixel keep their difference round the
+/* Seen in the picture: with `shared` the two shifts of a pixel keep their difference round the
  * circle of 2 over 16 frames, and start anew; with `independent` they do not. */
 static void test_shared_shifts_stay_on_a_line(void **state)
 {
@@ -420,7 +420,7 @@ static void test_a_view_rectangle_is_a_view(void **state)
 
 static const float near_value = 1.0f, far_value = 1000.0f;
 
-/* A scene of two depths, its depth map (A2), and a history that has one value on each. Near is
+/* A scene of two depths, its depth map, and a history that has one value on each. Near is
  * where a x + b y < c. */
 static void open_edge(struct neph_vulkan *vulkan, const char *assignments, const int line[3],
                       const float depths_m[2], struct test_passes *test)
@@ -498,7 +498,7 @@ static void test_sloped_edges_hardly_leak(void **state)
     }
 }
 
-/* X8: before a sky that counts as 20 km, a ridge is its own whatever its distance, if the limit of
+/* Before a sky that counts as 20 km, a ridge is its own whatever its distance, if the limit of
  * stored depths holds for the pixel too. Else the sky's pixels take one between 15 and 25 km for
  * sky, and the ridge's own pixels one between 16 and 26.7 km. A sky beyond everything needs no
  * limit. */
