@@ -40,11 +40,11 @@ static const struct neph_option options[] = {
     [WARM_UP] = {"warm_up", NEPH_OPTION_INTEGER, 0.0, 0.0, 1e6, NULL,
                  "frames at the start that are not looked at; of the rest whole cycles of 4 count"},
     [TREND] = {"trend", NEPH_OPTION_CHOICE, 0.0, 0.0, 0.0, trend_choices,
-               "the line in each pixel, fitted together with a cycle of 4, before A4, A2 and "
+               "the line in each pixel, fitted together with a cycle of 4, before a4, a2 and "
                "cycle_share"},
     [NOISE_FLOOR] =
         {"noise_floor", NEPH_OPTION_CHOICE, 0.0, 0.0, 0.0, noise_choices,
-         "the mean power of the 4 bins beside N/4 and of the 2 below N/2, in A4 and A2"},
+         "the mean power of the 4 bins beside N/4 and of the 2 below N/2, in a4 and a2"},
     [SLOT_ORDER] = {"slot_order", NEPH_OPTION_CHOICE, 0.0, 0.0, 0.0, order_choices,
                     "in which the 2x2 slots of a cycle are traced: (0,0)(1,0)(1,1)(0,1), "
                     "(0,0)(1,0)(0,1)(1,1), (0,0)(1,1)(1,0)(0,1)"},
@@ -147,14 +147,17 @@ static const struct neph_metric metrics[] = {
     SUMMARY_AND_SHARES("std", STD, "the population standard deviation of d"),
     SUMMARY_AND_SHARES("p2p", P2P, "the largest minus the smallest d"),
     SUMMARY_AND_SHARES("mad", MAD, "the mean of |d_t - d_(t-1)|"),
-    SUMMARY_AND_SHARES("a4", A4, "A4, the amplitude of d at the period of 4 frames"),
-    SUMMARY_AND_SHARES("a2", A2, "A2, the amplitude of d at the period of 2 frames"),
-    SUMMARY_AND_SHARES("block_a4", BLOCK_A4, "A4 of the mean of d over aligned 2x2 slots"),
-    SUMMARY_AND_SHARES("block_a2", BLOCK_A2, "A2 of the mean of d over aligned 2x2 slots"),
+    SUMMARY_AND_SHARES("a4", A4,
+                       "four-frame flicker, the amplitude of d at the period of 4 frames"),
+    SUMMARY_AND_SHARES("a2", A2, "two-frame flicker, the amplitude of d at the period of 2 frames"),
+    SUMMARY_AND_SHARES("block_a4", BLOCK_A4,
+                       "four-frame flicker of the mean of d over aligned 2x2 slots"),
+    SUMMARY_AND_SHARES("block_a2", BLOCK_A2,
+                       "two-frame flicker of the mean of d over aligned 2x2 slots"),
     SUMMARY("cycle_share", 1.0, CYCLE_SHARE,
-            "(A4^2 / 2 + A2^2) / variance of the detrended d: 1 cycle of 4, 0 noise or drift"),
+            "(a4^2 / 2 + a2^2) / variance of the detrended d: 1 cycle of 4, 0 noise or drift"),
     POOLED("cyclic_share", 0.0, 1.0, SHARE_ABOVE, 0.5, CYCLIC,
-           "share of pixels with A4 or A2 above 1/255 that also stands out of noise (p < 1e-5)"),
+           "share of pixels with a4 or a2 above 1/255 that also stands out of noise (p < 1e-5)"),
     POOLED("restless_share", 0.0, 1.0, SHARE_ABOVE, 1.0 / 255.0, UNREST,
            "share of pixels with mad - 2 p2p / (N - 1) above 1/255: more than any fade"),
     AGE_METRIC("0", 0),
@@ -163,9 +166,9 @@ static const struct neph_metric metrics[] = {
     AGE_METRIC("3", 3),
     POOLED("age_slope", -1.0, 1.0, MEAN, 0.0, AGE_SLOPE,
            "slope of mean d over the ages 0..3 [per frame]: 0 is right reprojection, else lag"),
-    SUMMARY("reference_std", 2.0, REFERENCE_STD, "std of the reference alone"),
-    SUMMARY("reference_a4", 2.0, REFERENCE_A4, "A4 of the reference alone"),
-    SUMMARY("reference_a2", 2.0, REFERENCE_A2, "A2 of the reference alone"),
+    SUMMARY("reference_std", 2.0, REFERENCE_STD, "standard deviation of the reference alone"),
+    SUMMARY("reference_a4", 2.0, REFERENCE_A4, "four-frame flicker of the reference alone"),
+    SUMMARY("reference_a2", 2.0, REFERENCE_A2, "two-frame flicker of the reference alone"),
     PHASE_AGES(0),
     PHASE_AGES(1),
     PHASE_AGES(2),
@@ -249,7 +252,7 @@ static int lesser(int a, int b)
     return a < b ? a : b;
 }
 
-/* Of the mean over the 2x2 of slots that a pixel is in, cut at the border of the image. */
+/* Spectrum of the mean over the 2x2 slots that a pixel is in, cut at the border of the image. */
 static struct neph_flicker_spectrum block_spectrum(const struct flicker *flicker, int x, int y)
 {
     const struct neph_flicker_watch *watch = &flicker->watch;
@@ -424,7 +427,7 @@ const struct neph_extractor neph_extractor_flicker = {
     .source = "discrete Fourier transform of display luma per pixel at the periods of 4 and 2 "
               "frames",
     .details = "d: luma of encoded display values, test - reference of the same frame\n"
-               "A4 = (2 / N) |sum d e^(-i pi t / 2)|, A2 = (1 / N) |sum d (-1)^t|, N frames\n"
+               "a4 = (2 / N) |sum d e^(-i pi t / 2)|, a2 = (1 / N) |sum d (-1)^t|, N frames\n"
                "cyclic_share: p is that of normal noise; of fireflies clamped to one value up to\n"
                "6e-4 pass",
     .quantities = NEPH_RADIANCE | NEPH_VOLUME,

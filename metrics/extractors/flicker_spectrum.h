@@ -14,7 +14,7 @@
 /* What is the same for all pixels.
  * The trend is the line of the least-squares fit of a line and a cycle of four frames together: a
  * line is then taken out wholly, and of a cycle nothing. (A line fitted alone also follows the
- * cycle: it takes up to 12 / N^2 of a pure A4.) */
+ * cycle: it takes up to 12 / N^2 of a pure four-frame flicker.) */
 struct neph_flicker_window {
     int frame_count; /* N, a multiple of 4, at least 16 */
     bool detrend;    /* take the trend out of the signal */
@@ -33,8 +33,8 @@ struct neph_flicker_spectrum {
      * 1 and 2; half: those at N/2 - 1 and N/2 - 2, since there are none above (the bins beyond N/2
      * repeat them). For white noise of standard deviation s these are 4 s^2 / N and s^2 / N. */
     double quarter_noise, half_noise;
-    /* A4 = 2 |D_(N/4)| / N and A2 = |D_(N/2)| / N, with the noise floor subtracted:
-     * sqrt(max(0, A^2 - noise)). */
+    /* Four-frame flicker, 2 |D_(N/4)| / N, and two-frame flicker, |D_(N/2)| / N, both with the
+     * noise floor subtracted: sqrt(max(0, amplitude^2 - noise)). */
     double a4, a2;
 };
 

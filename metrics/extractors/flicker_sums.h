@@ -25,7 +25,7 @@ enum neph_flicker_sum {
     /* Sum of v_t (c - (C - 1) / 2), with c the cycle that t is in of C = N / 4. */
     NEPH_FLICKER_TREND,
     NEPH_FLICKER_BRIEF_COUNT,
-    /* j = 1, 2: sums of v_t q_t cos(j w t) over even, then odd t, then the same with sin; q is
+    /* j = 1, 2: sums of v_t q_t cos(j w t) over even, then odd t, then those with sin; q is
      * 1 -1 -1 1, the parts of (-i)^t. They span the bins N/4 - j and N/4 + j. */
     NEPH_FLICKER_QUARTER = NEPH_FLICKER_BRIEF_COUNT,
     /* j = 1, 2: sums of v_t (-1)^t cos(j w t), then sin: the bins N/2 - j. */

@@ -38,16 +38,16 @@ enum neph_flicker_kind {
     NEPH_FLICKER_CYCLIC,   /* the cycle of four frames shows */
 };
 
-/* Of a mask: `cyclic_share` of its pixels are cyclic, `restless_share` have an unrest above a step
- * of the display (the metrics of these names). */
+/* The kind of a mask of which `cyclic_share` is cyclic and `restless_share` has an unrest above a
+ * step of the display (the metrics of these names). */
 enum neph_flicker_kind neph_flicker_verdict(double cyclic_share, double restless_share);
 
 /* "cyclic", "restless" or "calm". */
 const char *neph_flicker_kind_name(enum neph_flicker_kind kind);
 
 /* How much stronger the flicker is at edges than elsewhere: ratio of the two 95th percentiles of
- * A4, the second one floored at a quarter of a step of the display, 1/1020, so that a clean
- * surrounding does not make a ratio of nothing. 1 for two equal numbers above that. */
+ * four-frame flicker, the second one floored at a quarter of a step of the display, 1/1020, so that
+ * a clean surrounding does not make a ratio of nothing. 1 for two equal numbers above that. */
 double neph_flicker_edge_ratio(double edge_a4_p95, double other_a4_p95);
 
 /* Whether a number of flicker says more about the reference than about the test: the same number

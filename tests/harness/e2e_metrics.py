@@ -407,7 +407,7 @@ class Metrics(unittest.TestCase):
         self.assertIn("longer than an eighth of the frames", reasons["cycle_9"])
 
     def test_amplitude_of_linear_light_by_hand(self):
-        """Luma of 0.5 +- 1 % in frames 0 and 2 of each cycle: A4 of the display's luma."""
+        """Luma of 0.5 +- 1 % in frames 0 and 2 of each cycle: four-frame flicker of the display's luma."""
         def srgb(v):
             return 1.055 * v ** (1 / 2.4) - 0.055
         wave = (0.01, 0.0, -0.01, 0.0)

@@ -328,15 +328,15 @@ static struct dodge jitter_of(int length)
     return dodge;
 }
 
-/* The dodge that A4 fell for: 7 is prime to 4. What a person sees, and the budget, change from 7 to
- * 8 by what the eye's weights explain; A4 by all. */
+/* The dodge that four-frame flicker fell for: 7 is prime to 4. What a person sees, and the budget,
+ * change from 7 to 8 by what the eye's weights explain; four-frame flicker by all. */
 static void test_a_jitter_of_seven_hides_from_no_one(void **state)
 {
     (void)state;
     const struct dodge seven = jitter_of(7), eight = jitter_of(8);
     const double seen = seen_of(&eight) / seen_of(&seven);
     const double explained = seen_by_the_eye(&eight) / seen_by_the_eye(&seven);
-    print_message("from 7 to 8: seen x %.4f, of which the eye explains x %.4f; A4 %.2g and %.2g\n",
+    print_message("from 7 to 8: seen x %.4f, of which the eye explains x %.4f; a4 %.2g and %.2g\n",
                   seen, explained, a4_of(&seven), a4_of(&eight));
     neph_assert_close(seen, explained, 0.02, 0.0);
     assert_true(a4_of(&seven) < 0.01 * a4_of(&eight));

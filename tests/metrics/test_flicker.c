@@ -71,7 +71,7 @@ static struct sequence still(int width_px, int height_px, double luma)
     return reference;
 }
 
-/* x = 0.5 + A cos(pi t / 2 + phase), a pixel per phase: A4 = A, std = A / sqrt 2, and all of it is
+/* x = 0.5 + A cos(pi t / 2 + phase), a pixel per phase: a4 = A, std = A / sqrt 2, and all of it is
  * the cycle. */
 static void test_period_of_four(void **state)
 {
@@ -104,7 +104,7 @@ static void test_period_of_four(void **state)
     sequence_destroy(&test);
 }
 
-/* x = 0.5 + A cos(pi t + phase): every other frame, A2 = A |cos phase| = std, p2p and mad 2 A2. */
+/* x = 0.5 + A cos(pi t + phase): every other frame, a2 = A |cos phase| = std, p2p and mad 2 a2. */
 static void test_period_of_two(void **state)
 {
     (void)state;
@@ -128,7 +128,7 @@ static void test_period_of_two(void **state)
     sequence_destroy(&test);
 }
 
-/* One frame in four: h, 0, 0, 0 is h / 4 of each part, A4 = h / 2 and A2 = h / 4. The two lumas are
+/* One frame in four: h, 0, 0, 0 is h / 4 of each part, a4 = h / 2 and a2 = h / 4. The two lumas are
  * those of exact floats, so the closed form holds to double precision. */
 static void test_blink(void **state)
 {
@@ -151,7 +151,7 @@ static void test_blink(void **state)
 }
 
 /* In the dark the luma is 12.92 times the linear value, and multiples of 2^-16 are exact: a ramp
- * without rounding. It leaks sqrt(2) and 1/2 of its slope into A4 and A2 unless it is taken out. */
+ * without rounding. It leaks sqrt(2) and 1/2 of its slope into a4 and a2 unless it is taken out. */
 static void test_ramp(void **state)
 {
     (void)state;
@@ -436,9 +436,9 @@ static struct neph_flicker_spectrum spectrum_of(const double *v, int n,
     return neph_flicker_spectrum_of(window, values);
 }
 
-/* White noise of standard deviation s: A4^2 and its floor have the mean 4 s^2 / N, A2^2 and its
+/* White noise of standard deviation s: a4^2 and its floor have the mean 4 s^2 / N, a2^2 and its
  * floor s^2 / N. The first is chi-square with 2 degrees of freedom per pixel, the floor with 8,
- * A2^2 with 1 and its floor with 4: relative standard errors over m pixels of sqrt(2 / (dof m)),
+ * a2^2 with 1 and its floor with 4: relative standard errors over m pixels of sqrt(2 / (dof m)),
  * five of which are allowed. Detrending takes a share of about 1 / N, in bins far from these less.
  * The two probabilities are uniform: the share below p is binomial. */
 static void test_white_noise(void **state)

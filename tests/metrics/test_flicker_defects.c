@@ -274,7 +274,7 @@ static void test_defects_get_their_names(void **state)
     }
 }
 
-/* The numbers of the fence: A4 of h / 2, A2 of h / 4 on the bars alone; the mask of edges is 7 px
+/* The numbers of the fence: a4 of h / 2, a2 of h / 4 on the bars alone; the mask of edges is 7 px
  * wide, so a seventh of it blinks. Floats of linear light shift lumas by up to 2^-24. */
 static void test_numbers_of_the_blinking_fence(void **state)
 {
