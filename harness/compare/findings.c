@@ -209,13 +209,14 @@ static void add_edge_ratio(const json_t *list, const char *quantity, json_t **ou
     const double low = neph_flicker_edge_ratio(bound(edge, 0), bound(other, 1));
     const double high = neph_flicker_edge_ratio(bound(edge, 1), bound(other, 0));
     const bool floored = other_p95 <= 0.0 || ratio < edge_p95 / other_p95;
-    json_t *item = finding("edge_ratio", quantity, "depth_edge", ratio > 1.0 ? "edges" : "even",
-                           floored ? "A4 at depth edges (p95 %.3g) is %.3g times a quarter of a "
-                                     "step of an 8-bit display; elsewhere it is below that "
-                                     "(p95 %.3g)"
-                                   : "A4 at depth edges (p95 %.3g) is %.3g times as strong as "
-                                     "elsewhere (p95 %.3g)",
-                           edge_p95, ratio, other_p95);
+    json_t *item = finding(
+        "edge_ratio", quantity, "depth_edge", ratio > 1.0 ? "edges" : "even",
+        floored ? "four-frame flicker at depth edges (p95 %.3g) is %.3g times a quarter of a "
+                  "step of an 8-bit display; elsewhere it is below that "
+                  "(p95 %.3g)"
+                : "four-frame flicker at depth edges (p95 %.3g) is %.3g times as strong as "
+                  "elsewhere (p95 %.3g)",
+        edge_p95, ratio, other_p95);
     neph_json_set(&item, "value", json_real(ratio));
     neph_json_set(&item, "interval", bounded ? json_pack("[f,f]", low, high) : json_null());
     neph_json_add(out, item);
