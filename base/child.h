@@ -6,10 +6,10 @@
 #ifndef NEPH_BASE_CHILD_H
 #define NEPH_BASE_CHILD_H
 
+#include "base/child_result.h"
 #include "base/status.h"
 
 #include <stdbool.h>
-#include <stdint.h>
 
 struct neph_child_params {
     const char *const *argv; /* argv[0] is looked up in neph's PATH; NULL-terminated */
@@ -22,17 +22,6 @@ struct neph_child_params {
     const char *home;
     const char *const *environment;
     double time_limit_s; /* <= 0: none */
-};
-
-struct neph_child_result {
-    int exit_code; /* valid when signal is 0 */
-    int signal;    /* the signal that ended it, or 0 */
-    double wall_s;
-    double cpu_s; /* user + system of the child and of all that it started and that was reaped */
-    /* Maximum resident set of the child or of one process beneath it. Exact when above neph's own
-     * memory at the start; below it the kernel's number is neph's, and this is the high-water mark
-     * of the child alone, sampled every 0.1 s. */
-    int64_t peak_memory_bytes;
 };
 
 /* Run to the end, which is the end of the child: everything that it has started and left behind, in

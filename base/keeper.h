@@ -8,7 +8,8 @@
 #ifndef NEPH_BASE_KEEPER_H
 #define NEPH_BASE_KEEPER_H
 
-#include "base/child.h"
+#include "base/child_result.h"
+#include "base/status.h"
 
 /* What the program is and gets. All is made before fork(): after it nothing may be allocated. */
 struct neph_keeper_job {

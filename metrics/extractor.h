@@ -117,13 +117,4 @@ struct neph_extractor {
     void (*close)(void *state);
 };
 
-/* All extractors, in the order of reports. NULL outside 0..count-1. */
-int neph_extractor_count(void);
-const struct neph_extractor *neph_extractor_at(int index);
-const struct neph_extractor *neph_extractor_find(const char *name);
-
-/* A metric by name over all extractors; NULL when there is none. `*owner` (if not NULL) receives
- * its extractor. */
-const struct neph_metric *neph_metric_find(const char *name, const struct neph_extractor **owner);
-
 #endif

@@ -6,6 +6,7 @@
 
 #include "base/threads.h"
 #include "harness/data.h"
+#include "harness/engines/engines.h"
 #include "harness/run/benchmark.h"
 #include "scenes/bake.h"
 #include "scenes/horizon.h"

@@ -6,6 +6,7 @@
 #include "harness/compare/limits.h"
 #include "harness/compare/measure.h"
 #include "harness/compare/versus.h"
+#include "metrics/extractors/extractors.h"
 
 #include <string.h>
 

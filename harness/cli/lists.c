@@ -7,7 +7,7 @@
 #include "base/child.h"
 #include "base/files.h"
 #include "harness/data.h"
-#include "harness/engines/engine.h"
+#include "harness/engines/engines.h"
 #include "harness/report/validate.h"
 #include "scenes/media.h"
 #include "scenes/variant.h"

@@ -4,7 +4,7 @@
  */
 #include "harness/cli/cli.h"
 
-#include "metrics/extractor.h"
+#include "metrics/extractors/extractors.h"
 #include "metrics/mask.h"
 
 #include <argp.h>

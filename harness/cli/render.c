@@ -10,6 +10,7 @@
 #include "base/owned.h"
 #include "harness/compare/sequence.h"
 #include "harness/data.h"
+#include "harness/engines/engines.h"
 #include "harness/engines/frame_stats.h"
 #include "harness/progress.h"
 #include "harness/report/scene_layers.h"

@@ -6,6 +6,7 @@
 
 #include "base/files.h"
 #include "harness/data.h"
+#include "harness/engines/engines.h"
 #include "harness/study/studies.h"
 #include "harness/study/study.h"
 

@@ -603,6 +603,18 @@ static enum neph_status conclude(struct work *work, bool interrupted, json_t **d
     return status || interrupted ? status : judge_frozen(work, diag);
 }
 
+/* The folder of the maps, after a look that none takes the place of a frame that is read. */
+static enum neph_status open_maps(const struct neph_comparison *asked, struct neph_diag *diag)
+{
+    const struct neph_sequence *const sequences[] = {&asked->reference, &asked->second,
+                                                     &asked->test};
+    enum neph_status status = NEPH_OK;
+    for (int s = 0; s < 3 && !status; s++)
+        status = neph_map_names_check(sequences[s], asked->maps_directory, asked->choices,
+                                      asked->choice_count, diag);
+    return status ? status : neph_dir_create(asked->maps_directory, diag);
+}
+
 enum neph_status neph_comparison_run(const struct neph_comparison *comparison, json_t **document,
                                      struct neph_drawn *drawn, struct neph_diag *diag)
 {
@@ -613,9 +625,7 @@ enum neph_status neph_comparison_run(const struct neph_comparison *comparison, j
     *document = NULL;
     enum neph_status status = check_counts(comparison, &work, diag);
     if (!status && comparison->maps_directory)
-        status = neph_map_names_check(comparison, diag);
-    if (!status && comparison->maps_directory)
-        status = neph_dir_create(comparison->maps_directory, diag);
+        status = open_maps(comparison, diag);
     if (!status)
         status = measure_all(&work, diag);
     const bool interrupted = status == NEPH_ERR_INTERRUPTED && work.done_count > 0;

@@ -3,6 +3,7 @@
 
 #include "base/files.h"
 #include "harness/compare/measure.h"
+#include "metrics/extractors/extractors.h"
 
 #include <stdio.h>
 #include <stdlib.h>

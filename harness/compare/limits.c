@@ -2,6 +2,7 @@
 #include "harness/compare/limits.h"
 
 #include "harness/compare/measure.h"
+#include "metrics/extractors/extractors.h"
 #include "metrics/pooling.h"
 
 #include <math.h>

@@ -34,10 +34,10 @@ static bool is_name_of(const struct neph_map *map, const char *name)
     return false;
 }
 
-static bool is_map_name(const struct neph_comparison *comparison, const char *name)
+static bool is_map_name(const struct neph_meter_choice *choices, int choice_count, const char *name)
 {
-    for (int c = 0; c < comparison->choice_count; c++) {
-        const struct neph_extractor *extractor = comparison->choices[c].extractor;
+    for (int c = 0; c < choice_count; c++) {
+        const struct neph_extractor *extractor = choices[c].extractor;
         for (int m = 0; m < extractor->map_count; m++)
             if (is_name_of(&extractor->maps[m], name))
                 return true;
@@ -53,20 +53,18 @@ static bool is_in_folder(const char *path, const char *slash, const char *folder
     return same;
 }
 
-enum neph_status neph_map_names_check(const struct neph_comparison *comparison,
+enum neph_status neph_map_names_check(const struct neph_sequence *frames, const char *folder,
+                                      const struct neph_meter_choice *choices, int choice_count,
                                       struct neph_diag *diag)
 {
-    const struct neph_sequence *const sequences[] = {&comparison->reference, &comparison->second,
-                                                     &comparison->test};
-    for (int s = 0; s < 3; s++)
-        for (int i = 0; i < sequences[s]->count; i++) {
-            const char *path = sequences[s]->paths[i], *slash = strrchr(path, '/');
-            if (!is_map_name(comparison, slash ? slash + 1 : path) ||
-                !is_in_folder(path, slash, comparison->maps_directory))
-                continue;
-            neph_fail(diag, NEPH_ERR_USAGE, "a map would be written over the frame '%s'", path);
-            neph_hint(diag, "name another folder with --maps");
-            return NEPH_ERR_USAGE;
-        }
+    for (int i = 0; i < frames->count; i++) {
+        const char *path = frames->paths[i], *slash = strrchr(path, '/');
+        if (!is_map_name(choices, choice_count, slash ? slash + 1 : path) ||
+            !is_in_folder(path, slash, folder))
+            continue;
+        neph_fail(diag, NEPH_ERR_USAGE, "a map would be written over the frame '%s'", path);
+        neph_hint(diag, "name another folder with --maps");
+        return NEPH_ERR_USAGE;
+    }
     return NEPH_OK;
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/compare/measure.h"
 
+#include "metrics/extractors/extractors.h"
 #include "metrics/validity.h"
 
 #include <string.h>

@@ -1,21 +1,10 @@
-/* SPDX-License-Identifier: MIT
- *
- * The registry of engines, and the settings that their option tables describe.
- */
+/* SPDX-License-Identifier: MIT */
 #include "harness/engines/engine.h"
 
 #include "base/text.h"
-#include "harness/engines/engines.h"
 
 #include <math.h>
 #include <stdio.h>
-#include <string.h>
-
-static const struct neph_engine *const registry[] = {
-    &neph_engine_exact,    &neph_engine_oracle,        &neph_engine_tracer,
-    &neph_engine_march,    &neph_engine_march_octaves, &neph_engine_march_horizon,
-    &neph_engine_realtime, &neph_engine_cycles,        &neph_engine_povray,
-};
 
 static const char *const rung_names[] = {
     [NEPH_RUNG_EXACT] = "exact",
@@ -23,22 +12,6 @@ static const char *const rung_names[] = {
     [NEPH_RUNG_WITNESS] = "witness",
     [NEPH_RUNG_MODEL] = "model",
 };
-
-const struct neph_engine *const *neph_engines(int *count)
-{
-    *count = (int)(sizeof(registry) / sizeof(registry[0]));
-    return registry;
-}
-
-const struct neph_engine *neph_engine_find(const char *name)
-{
-    int count;
-    const struct neph_engine *const *engines = neph_engines(&count);
-    for (int i = 0; i < count; i++)
-        if (strcmp(engines[i]->name, name) == 0)
-            return engines[i];
-    return NULL;
-}
 
 const char *neph_rung_name(enum neph_rung rung)
 {

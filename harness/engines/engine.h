@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * Engines: one interface for everything that turns a scene into frames. An engine is one file
- * under harness/engines/ with one table; adding one touches that file and the registry line in
- * engine.c.
+ * under harness/engines/ with one table, and a line in engines.h.
  */
 #ifndef NEPH_HARNESS_ENGINES_ENGINE_H
 #define NEPH_HARNESS_ENGINES_ENGINE_H
@@ -132,12 +131,6 @@ struct neph_engine {
     enum neph_status (*export_scene)(const struct neph_shot *shot, const char *directory,
                                      char *command, size_t command_size, struct neph_diag *diag);
 };
-
-/* All engines in the order of the ladder; `*count` receives how many. */
-const struct neph_engine *const *neph_engines(int *count);
-
-/* By name; NULL when there is none. */
-const struct neph_engine *neph_engine_find(const char *name);
 
 /* Look for an engine. The texts of `info` are fit for terminals and JSON (base/text.h), whatever a
  * driver or program is called. */

@@ -1,20 +1,34 @@
 /* SPDX-License-Identifier: MIT
  *
- * The registry's list of engines, one table per file of this folder.
+ * The list of engines, in the order of the ladder: the one line that a new one needs beside its
+ * file.
  */
 #ifndef NEPH_HARNESS_ENGINES_ENGINES_H
 #define NEPH_HARNESS_ENGINES_ENGINES_H
 
 #include "harness/engines/engine.h"
 
-extern const struct neph_engine neph_engine_exact;
-extern const struct neph_engine neph_engine_oracle;
-extern const struct neph_engine neph_engine_tracer;
-extern const struct neph_engine neph_engine_march;
-extern const struct neph_engine neph_engine_march_octaves;
-extern const struct neph_engine neph_engine_march_horizon;
-extern const struct neph_engine neph_engine_realtime;
-extern const struct neph_engine neph_engine_cycles;
-extern const struct neph_engine neph_engine_povray;
+/* clang-format off */
+#define NEPH_ENGINES(of) \
+    of(exact) \
+    of(oracle) \
+    of(tracer) \
+    of(march) \
+    of(march_octaves) \
+    of(march_horizon) \
+    of(realtime) \
+    of(cycles) \
+    of(povray)
+/* clang-format on */
+
+#define NEPH_ENGINE_DECLARED(name) extern const struct neph_engine neph_engine_##name;
+NEPH_ENGINES(NEPH_ENGINE_DECLARED)
+#undef NEPH_ENGINE_DECLARED
+
+/* All engines; `*count` receives how many. */
+const struct neph_engine *const *neph_engines(int *count);
+
+/* By name; NULL when there is none. */
+const struct neph_engine *neph_engine_find(const char *name);
 
 #endif

@@ -4,6 +4,7 @@
 #include "base/clock.h"
 #include "base/exr.h"
 #include "harness/engines/bakes.h"
+#include "harness/engines/engines.h"
 #include "harness/physics/checks.h"
 #include "harness/physics/participants.h"
 #include "harness/physics/phases.h"

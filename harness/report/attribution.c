@@ -2,7 +2,7 @@
 #include "harness/report/attribution.h"
 
 #include "base/exr.h"
-#include "harness/engines/engine.h"
+#include "harness/engines/engines.h"
 #include "metrics/pair.h"
 #include "metrics/significance.h"
 

@@ -11,6 +11,7 @@
 #include "base/files.h"
 #include "harness/compare/measure.h"
 #include "harness/data.h"
+#include "harness/engines/engines.h"
 #include "harness/progress.h"
 #include "harness/run/job.h"
 

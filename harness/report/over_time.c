@@ -5,6 +5,7 @@
 #include "base/files.h"
 #include "harness/compare/measure.h"
 #include "harness/data.h"
+#include "harness/engines/engines.h"
 #include "harness/study/take.h"
 
 #include <stdio.h>

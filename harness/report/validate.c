@@ -9,6 +9,7 @@
 #include "harness/compare/measure.h"
 #include "harness/data.h"
 #include "harness/engines/bakes.h"
+#include "harness/engines/engines.h"
 #include "harness/progress.h"
 #include "harness/report/attribution.h"
 #include "harness/report/over_time.h"

@@ -5,6 +5,7 @@
 #include "base/exr.h"
 #include "base/files.h"
 #include "harness/data.h"
+#include "harness/engines/engines.h"
 #include "harness/progress.h"
 #include "harness/run/job.h"
 #include "metrics/validity.h"

@@ -5,6 +5,7 @@
 #include "base/files.h"
 #include "harness/compare/measure.h"
 #include "harness/data.h"
+#include "harness/engines/engines.h"
 #include "harness/run/seed.h"
 #include "harness/study/take.h"
 #include "metrics/extractors/flicker_verdict.h"

@@ -2,6 +2,7 @@
 #include "harness/study/reference.h"
 
 #include "base/files.h"
+#include "harness/engines/engines.h"
 #include "scenes/motion.h"
 
 #include <stdio.h>

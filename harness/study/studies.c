@@ -4,6 +4,7 @@
 #include "base/clock.h"
 #include "base/files.h"
 #include "harness/data.h"
+#include "harness/engines/engines.h"
 #include "harness/progress.h"
 #include "harness/study/study.h"
 

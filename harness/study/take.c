@@ -6,6 +6,7 @@
 #include "base/png.h"
 #include "harness/compare/comparison.h"
 #include "metrics/display.h"
+#include "metrics/extractors/extractors.h"
 
 #include <stdio.h>
 #include <stdlib.h>

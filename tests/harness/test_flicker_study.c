@@ -10,7 +10,7 @@
 #include "harness/study/flicker_pairs.h"
 #include "harness/study/flicker_study_output.h"
 #include "harness/study/flicker_suites.h"
-#include "metrics/extractor.h"
+#include "metrics/extractors/extractors.h"
 #include "metrics/significance.h"
 
 /* ---- tables ---------------------------------------------------------------------------------- */

@@ -5,6 +5,7 @@
  */
 #include "tests/neph_test.h"
 
+#include "harness/engines/engines.h"
 #include "harness/report/step_depth.h"
 #include "harness/run/noise.h"
 #include "harness/run/seed.h"

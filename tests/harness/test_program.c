@@ -6,6 +6,7 @@
 #include "harness/engines/program.h"
 
 #include "base/files.h"
+#include "harness/engines/engines.h"
 #include "harness/run/job.h"
 #include "tests/neph_test.h"
 

@@ -11,6 +11,7 @@
 #include "tests/metrics/synthetic.h"
 
 #include "base/clock.h"
+#include "metrics/extractors/extractors.h"
 #include "metrics/meter.h"
 
 #include <argp.h>

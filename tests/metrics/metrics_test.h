@@ -8,6 +8,7 @@
 #include "tests/neph_test.h"
 
 #include "base/image.h"
+#include "metrics/extractors/extractors.h"
 #include "metrics/meter.h"
 
 static inline struct neph_image *create_image(int width_px, int height_px)

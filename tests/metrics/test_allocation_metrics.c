@@ -2,6 +2,7 @@
  *
  * Out of memory in masks, validity and every extractor through the meter: see tests/allocation.h.
  */
+#include "metrics/extractors/extractors.h"
 #include "tests/allocation.h"
 #include "tests/metrics/synthetic.h"
 

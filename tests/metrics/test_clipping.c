@@ -5,6 +5,7 @@
  */
 #include "tests/metrics/metrics_test.h"
 
+#include "metrics/extractors/extractors.h"
 #include "metrics/pooling.h"
 
 enum { WIDTH = 16, HEIGHT = 12, ALL = WIDTH * HEIGHT, UPPER = ALL / 2, FRAMES = 4 };

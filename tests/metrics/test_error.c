@@ -5,7 +5,7 @@
  */
 #include "tests/metrics/metrics_test.h"
 
-#include "metrics/extractor.h"
+#include "metrics/extractors/extractors.h"
 
 static const double tight = 1e-12;
 

@@ -5,6 +5,7 @@
  * its range, or a reason. New extractors and masks are tried without being named here. Under the
  * sanitizers sequences see every seventh of these values, images all.
  */
+#include "metrics/extractors/extractors.h"
 #include "tests/metrics/synthetic.h"
 #include "tests/neph_test.h"
 

@@ -6,6 +6,7 @@
 #include "tests/metrics/flicker_test.h"
 
 #include "metrics/extractors/display_luma.h"
+#include "metrics/extractors/extractors.h"
 #include "metrics/extractors/flicker_spectrum.h"
 #include "metrics/extractors/flicker_verdict.h"
 #include "metrics/extractors/phase_age.h"

@@ -5,6 +5,7 @@
  */
 #include "tests/metrics/metrics_test.h"
 
+#include "metrics/extractors/extractors.h"
 #include "metrics/interval.h"
 #include "metrics/statistics.h"
 

@@ -5,6 +5,7 @@
  */
 #include "tests/metrics/metrics_test.h"
 
+#include "metrics/extractors/extractors.h"
 #include "metrics/series.h"
 
 enum { SIDE = 32, PIXELS = SIDE * SIDE };

@@ -1,6 +1,4 @@
 /* SPDX-License-Identifier: MIT */
-#include "metrics/extractor.h"
-
 #include "metrics/extractors/extractors.h"
 
 #include <string.h>
