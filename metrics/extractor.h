@@ -7,8 +7,8 @@
  * follow.
  *
  * The life of one: init; for each frame, in order when `temporal`, extract; then flush when
- * `temporal`; close, always, also after a failure of init. After each extract (temporal: after
- * flush) the maps are read, by strips of rows and from several threads.
+ * `temporal` and there is one; close, always, also after a failure of init. After each extract (temporal: after
+ * the last) the maps are read, by strips of rows and from several threads.
  */
 #ifndef NEPH_METRICS_EXTRACTOR_H
 #define NEPH_METRICS_EXTRACTOR_H
@@ -104,7 +104,7 @@ struct neph_extractor {
      * has a bad value; it is then asked for nothing more, and the words are its obstacle. */
     enum neph_status (*extract)(void *state, const struct neph_frame_pair *pair,
                                 struct neph_diag *diag);
-    /* After the last frame. */
+    /* After the last frame. NULL hook: nothing is left to do then. */
     enum neph_status (*flush)(void *state, struct neph_diag *diag);
     /* Write rows first_row .. first_row + row_count - 1 of a map: width values a row, planes apart.
      * A value is finite, or NaN where the map has none (outside SSIM's valid region; the sky of a

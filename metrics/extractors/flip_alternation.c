@@ -139,13 +139,6 @@ static enum neph_status extract(void *opaque, const struct neph_frame_pair *pair
     return NEPH_OK;
 }
 
-static enum neph_status flush(void *opaque, struct neph_diag *diag)
-{
-    (void)opaque;
-    (void)diag;
-    return NEPH_OK;
-}
-
 enum map_index { EXCESS_1, EXCESS_2, REFERENCE_1, REFERENCE_2, MAP_COUNT };
 
 static const struct {
@@ -232,7 +225,6 @@ const struct neph_extractor neph_extractor_flip_alternation = {
     .bound = neph_bound_is_white,
     .init = init,
     .extract = extract,
-    .flush = flush,
     .rows = rows,
     .close = stop,
 };

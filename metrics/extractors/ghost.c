@@ -76,12 +76,9 @@ static const struct neph_option options[] = {
     {.name = NULL},
 };
 
-/* What is kept of a frame until the next. */
-struct frame {
-    double *reference, *nearness_per_m;
-    double *front; /* Y of what hid the pixel */
-    uint8_t *age;  /* 0: was not disoccluded, or longer ago than AGE_LAST */
-};
+/* The planes of a frame that is kept: Y of the reference, and of what hid the pixel. Its age is 0
+ * where it was not disoccluded, or longer ago than AGE_LAST. */
+enum { REFERENCE, FRONT };
 
 /* Sums at one age. */
 struct age_sums {
@@ -99,27 +96,9 @@ struct state {
     int frame_count;
     double gain; /* display value of the radiance 1 */
     double depth_tolerance;
-    struct frame frames[2]; /* by parity; owned */
-    struct pixel *pixels;   /* owned */
+    struct neph_kept frames[2];
+    struct pixel *pixels; /* owned */
 };
-
-static const char *obstacle(const struct neph_frame_pair *first,
-                            const struct neph_settings *settings)
-{
-    (void)settings;
-    return neph_moved_obstacle(first);
-}
-
-static enum neph_status make_frame(struct frame *frame, size_t pixel_count, struct neph_diag *diag)
-{
-    double *values = calloc(pixel_count, 3 * sizeof(*values));
-    *frame = (struct frame){.reference = values, .age = calloc(pixel_count, sizeof(*frame->age))};
-    if (!values || !frame->age)
-        return neph_fail_memory(diag);
-    frame->nearness_per_m = values + pixel_count;
-    frame->front = values + 2 * pixel_count;
-    return NEPH_OK;
-}
 
 static enum neph_status init(void *state_, const struct neph_frame_pair *first,
                              const struct neph_settings *settings, struct neph_diag *diag)
@@ -131,10 +110,8 @@ static enum neph_status init(void *state_, const struct neph_frame_pair *first,
                             .gain = exp2(first->viewing->exposure_ev),
                             .depth_tolerance = settings->values[DEPTH_TOLERANCE]};
     state->pixels = calloc(pixel_count, sizeof(*state->pixels));
-    if (!state->pixels)
-        return neph_fail_memory(diag);
-    enum neph_status status = make_frame(&state->frames[0], pixel_count, diag);
-    return status ? status : make_frame(&state->frames[1], pixel_count, diag);
+    return state->pixels ? neph_kept_init(state->frames, pixel_count, diag)
+                         : neph_fail_memory(diag);
 }
 
 /* ---- a frame --------------------------------------------------------------------------------- */
@@ -143,7 +120,7 @@ struct work {
     struct state *state;
     const struct neph_frame_pair *pair;
     struct neph_moved moved;
-    struct frame *now, *before;
+    struct neph_kept *now, *before;
 };
 
 static double luminance_at(const float *const planes[3], size_t i)
@@ -156,7 +133,7 @@ static void look_row(int row, void *context)
     const struct work *work = context;
     const size_t width = (size_t)work->state->width_px, first = (size_t)row * width;
     for (size_t i = first; i < first + width; i++) {
-        work->now->reference[i] = luminance_at(work->pair->reference, i);
+        work->now->planes[REFERENCE][i] = luminance_at(work->pair->reference, i);
         work->now->nearness_per_m[i] = neph_moved_nearness_per_m(&work->moved, i);
     }
 }
@@ -165,29 +142,28 @@ static void look_row(int row, void *context)
 static void follow_age(const struct work *work, int x, int y, size_t i)
 {
     const struct state *state = work->state;
-    const struct frame *before = work->before;
+    const struct neph_kept *before = work->before;
     struct neph_place place;
     work->now->age[i] = 0;
     if (!neph_place_find(&work->moved, state->width_px, state->height_px, x, y, &place))
         return;
     const double wanted_per_m = neph_moved_nearness_before_per_m(&work->moved, i,
                                                                  work->now->nearness_per_m[i]);
-    const double tolerance = state->depth_tolerance;
-    if (!neph_place_agrees(&place, before->nearness_per_m, wanted_per_m, tolerance) &&
-        !neph_place_any_agrees(&place, before->nearness_per_m, wanted_per_m, tolerance)) {
+    if (!neph_place_was_seen(&place, before->nearness_per_m, wanted_per_m,
+                             state->depth_tolerance)) {
         work->now->age[i] = 1;
-        work->now->front[i] = neph_place_value(&place, before->reference);
+        work->now->planes[FRONT][i] = neph_place_value(&place, before->planes[REFERENCE]);
         return;
     }
     const int age = before->age[place.nearest];
     work->now->age[i] = (uint8_t)(age > 0 && age < AGE_LAST ? age + 1 : 0);
-    work->now->front[i] = before->front[place.nearest];
+    work->now->planes[FRONT][i] = before->planes[FRONT][place.nearest];
 }
 
 static void add_pixel(const struct work *work, size_t i)
 {
     struct pixel *pixel = &work->state->pixels[i];
-    const double reference = work->now->reference[i], front = work->now->front[i];
+    const double reference = work->now->planes[REFERENCE][i], front = work->now->planes[FRONT][i];
     const double residual = luminance_at(work->pair->test, i) - reference;
     const double hidden = front - reference;
     const int age = work->now->age[i];
@@ -234,13 +210,6 @@ static enum neph_status extract(void *state_, const struct neph_frame_pair *pair
     return status;
 }
 
-static enum neph_status flush(void *state, struct neph_diag *diag)
-{
-    (void)state;
-    (void)diag;
-    return NEPH_OK;
-}
-
 /* ---- the numbers ----------------------------------------------------------------------------- */
 
 static double value_of_age(const struct age_sums *sums, int map)
@@ -277,10 +246,7 @@ static void rows(const void *state_, int map, int first_row, int row_count, doub
 static void finish(void *state_)
 {
     struct state *state = state_;
-    for (int k = 0; k < 2; k++) {
-        free(state->frames[k].reference);
-        free(state->frames[k].age);
-    }
+    neph_kept_finish(state->frames);
     free(state->pixels);
 }
 
@@ -303,10 +269,9 @@ const struct neph_extractor neph_extractor_ghost = {
     .maps = maps,
     .map_count = MAP_COUNT,
     .state_size = sizeof(struct state),
-    .obstacle = obstacle,
+    .obstacle = neph_moved_obstacle,
     .init = init,
     .extract = extract,
-    .flush = flush,
     .rows = rows,
     .close = finish,
 };

@@ -99,13 +99,9 @@ static const struct neph_option options[] = {
     {.name = NULL},
 };
 
-/* What is kept of a frame until the next. */
-struct frame {
-    double *test, *reference; /* the signal */
-    double *nearness_per_m;   /* 1 / depth, 0: sky */
-    uint8_t *step;            /* whether depth steps from here to a 4-neighbour */
-    uint8_t *age;             /* frames since disocclusion, at most 254 */
-};
+/* The planes of a frame that is kept: the signal. Its flags say whether depth steps from here to a
+ * 4-neighbour; its age counts frames since disocclusion, at most 254. */
+enum { OF_TEST, OF_REFERENCE };
 
 struct pixel {
     double test, reference; /* sums of squares */
@@ -124,34 +120,13 @@ struct state {
     double gain; /* display value of the radiance 1 */
     bool luminance;
     double depth_tolerance, edge_ratio;
-    struct frame frames[2]; /* by parity; owned */
-    struct pixel *pixels;   /* owned */
-    struct ages *rows;      /* owned */
-    struct ages totals;     /* after the last frame */
+    struct neph_kept frames[2];
+    struct pixel *pixels; /* owned */
+    struct ages *rows;    /* owned */
+    struct ages totals;   /* after the last frame */
 };
 
-static const char *obstacle(const struct neph_frame_pair *first,
-                            const struct neph_settings *settings)
-{
-    (void)settings;
-    return neph_moved_obstacle(first);
-}
-
 /* ---- beginning ------------------------------------------------------------------------------- */
-
-static enum neph_status make_frame(struct frame *frame, size_t pixel_count, struct neph_diag *diag)
-{
-    double *signals_of = calloc(pixel_count, 3 * sizeof(*signals_of));
-    uint8_t *flags = calloc(pixel_count, 2);
-    *frame = (struct frame){.test = signals_of, .step = flags};
-    if (!signals_of || !flags)
-        return neph_fail_memory(diag);
-    frame->reference = signals_of + pixel_count;
-    frame->nearness_per_m = signals_of + 2 * pixel_count;
-    frame->age = flags + pixel_count;
-    memset(frame->age, AGE_UNKNOWN, pixel_count);
-    return NEPH_OK;
-}
 
 static enum neph_status init(void *state_, const struct neph_frame_pair *first,
                              const struct neph_settings *settings, struct neph_diag *diag)
@@ -168,8 +143,10 @@ static enum neph_status init(void *state_, const struct neph_frame_pair *first,
     state->rows = calloc((size_t)first->height_px, sizeof(*state->rows));
     if (!state->pixels || !state->rows)
         return neph_fail_memory(diag);
-    enum neph_status status = make_frame(&state->frames[0], pixel_count, diag);
-    return status ? status : make_frame(&state->frames[1], pixel_count, diag);
+    const enum neph_status status = neph_kept_init(state->frames, pixel_count, diag);
+    for (int k = 0; k < 2 && !status; k++)
+        memset(state->frames[k].age, AGE_UNKNOWN, pixel_count);
+    return status;
 }
 
 /* ---- a frame --------------------------------------------------------------------------------- */
@@ -178,7 +155,7 @@ struct work {
     struct state *state;
     const struct neph_frame_pair *pair;
     struct neph_moved moved;
-    struct frame *now, *before;
+    struct neph_kept *now, *before;
 };
 
 static void look_row(int row, void *context)
@@ -192,7 +169,8 @@ static void look_row(int row, void *context)
         planes[1][c] = work->pair->test[c] + first;
     }
     /* Both signals come at once; the one that is not wanted goes where the depth will stand. */
-    double *signals_of[2] = {work->now->reference + first, work->now->test + first};
+    double *signals_of[2] = {work->now->planes[OF_REFERENCE] + first,
+                             work->now->planes[OF_TEST] + first};
     double *other = work->now->nearness_per_m + first;
     for (int k = 0; k < 2; k++)
         neph_display_luma(planes[k], width, state->gain, state->luminance ? other : signals_of[k],
@@ -216,7 +194,7 @@ static void mark_row(int row, void *context)
         bool steps = false;
         for (int k = 0; k < 4; k++)
             steps |= fmax(here, others[k]) > ratio * fmin(here, others[k]);
-        work->now->step[(size_t)row * (size_t)width + (size_t)x] = steps;
+        work->now->flags[(size_t)row * (size_t)width + (size_t)x] = steps;
     }
 }
 
@@ -238,9 +216,10 @@ static bool step_within_1_px(const struct state *state, const uint8_t *step, int
 static void add_residuals(const struct work *work, const struct neph_place *place, size_t i)
 {
     struct pixel *pixel = &work->state->pixels[i];
-    const double test = work->now->test[i] - neph_place_value(place, work->before->test);
-    const double reference = work->now->reference[i] -
-                             neph_place_value(place, work->before->reference);
+    const double test = work->now->planes[OF_TEST][i] -
+                        neph_place_value(place, work->before->planes[OF_TEST]);
+    const double reference = work->now->planes[OF_REFERENCE][i] -
+                             neph_place_value(place, work->before->planes[OF_REFERENCE]);
     pixel->test += test * test;
     pixel->reference += reference * reference;
     pixel->valid++;
@@ -249,8 +228,9 @@ static void add_residuals(const struct work *work, const struct neph_place *plac
 static void add_change(const struct work *work, bool fresh, size_t i)
 {
     struct pixel *pixel = &work->state->pixels[i];
-    const double now = work->now->test[i] - work->now->reference[i];
-    const double change = now - (work->before->test[i] - work->before->reference[i]);
+    const double now = work->now->planes[OF_TEST][i] - work->now->planes[OF_REFERENCE][i];
+    const double change = now - (work->before->planes[OF_TEST][i] -
+                                 work->before->planes[OF_REFERENCE][i]);
     *(fresh ? &pixel->fresh : &pixel->rest) += change * change;
     *(fresh ? &pixel->fresh_count : &pixel->rest_count) += 1;
 }
@@ -274,15 +254,14 @@ static void compare_pixel(const struct work *work, int x, int y, struct ages *ag
     const double *nearness_per_m = work->before->nearness_per_m;
     const double tolerance = state->depth_tolerance;
     const bool there = neph_place_agrees(&place, nearness_per_m, wanted_per_m, tolerance);
-    const bool seen = there ||
-                      neph_place_any_agrees(&place, nearness_per_m, wanted_per_m, tolerance);
-    if (there && !any_step(&place, work->before->step) &&
-        !step_within_1_px(state, work->now->step, x, y))
+    const bool seen = neph_place_was_seen(&place, nearness_per_m, wanted_per_m, tolerance);
+    if (there && !any_step(&place, work->before->flags) &&
+        !step_within_1_px(state, work->now->flags, x, y))
         add_residuals(work, &place, i);
     add_change(work, !seen, i);
     *age = seen ? one_older(work->before->age[place.nearest]) : 0;
     if (*age < AGE_COUNT) {
-        const double residual = work->now->test[i] - work->now->reference[i];
+        const double residual = work->now->planes[OF_TEST][i] - work->now->planes[OF_REFERENCE][i];
         ages->squares[*age] += residual * residual;
         ages->counts[*age] += 1.0;
     }
@@ -403,10 +382,7 @@ static const char *scalar(const void *state_, int which, double *value)
 static void finish(void *state_)
 {
     struct state *state = state_;
-    for (int k = 0; k < 2; k++) {
-        free(state->frames[k].test);
-        free(state->frames[k].step);
-    }
+    neph_kept_finish(state->frames);
     free(state->pixels);
     free(state->rows);
 }
@@ -428,7 +404,7 @@ const struct neph_extractor neph_extractor_motion = {
     .maps = maps,
     .map_count = MAP_COUNT,
     .state_size = sizeof(struct state),
-    .obstacle = obstacle,
+    .obstacle = neph_moved_obstacle,
     .bound = neph_bound_is_white,
     .init = init,
     .extract = extract,

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "metrics/extractors/moved.h"
 
+#include <stdlib.h>
+
 static const double opaque_transmittance = 0.5;
 
 static bool find_in(const struct neph_image *image, const char *of, struct neph_moved *moved)
@@ -23,8 +25,10 @@ static bool find(const struct neph_frame_pair *pair, struct neph_moved *moved)
            find_in(pair->test_image, "test", moved);
 }
 
-const char *neph_moved_obstacle(const struct neph_frame_pair *first)
+const char *neph_moved_obstacle(const struct neph_frame_pair *first,
+                                const struct neph_settings *settings)
 {
+    (void)settings;
     struct neph_moved moved;
     return find(first, &moved)
                ? NULL
@@ -97,4 +101,28 @@ double neph_moved_nearness_before_per_m(const struct neph_moved *moved, size_t p
 {
     return moved->before_m && !shows_medium(moved, pixel) ? nearness_per_m(moved->before_m[pixel])
                                                           : now_per_m;
+}
+
+enum neph_status neph_kept_init(struct neph_kept frames[2], size_t pixel_count,
+                                struct neph_diag *diag)
+{
+    for (int k = 0; k < 2; k++) {
+        double *values = calloc(pixel_count, 3 * sizeof(*values));
+        uint8_t *bytes = calloc(pixel_count, 2);
+        frames[k] = (struct neph_kept){.nearness_per_m = values, .age = bytes};
+        if (!values || !bytes)
+            return neph_fail_memory(diag);
+        frames[k].planes[0] = values + pixel_count;
+        frames[k].planes[1] = values + 2 * pixel_count;
+        frames[k].flags = bytes + pixel_count;
+    }
+    return NEPH_OK;
+}
+
+void neph_kept_finish(struct neph_kept frames[2])
+{
+    for (int k = 0; k < 2; k++) {
+        free(frames[k].nearness_per_m);
+        free(frames[k].age);
+    }
 }

@@ -16,6 +16,7 @@
 #include "metrics/extractor.h"
 
 #include <math.h>
+#include <stdint.h>
 
 /* The layers of a frame; borrowed. */
 struct neph_moved {
@@ -27,8 +28,9 @@ struct neph_moved {
     bool has_transmittance;
 };
 
-/* Why a sequence that begins like this has no such layers; NULL: it has. */
-const char *neph_moved_obstacle(const struct neph_frame_pair *first);
+/* The hook `obstacle` of an extractor: why a sequence that begins like this has no such layers. */
+const char *neph_moved_obstacle(const struct neph_frame_pair *first,
+                                const struct neph_settings *settings);
 
 /* The layers of the reference, or else of the test. NEPH_ERR_INPUT: they are not there.
  * NEPH_ERR_GATE: one has a value that cannot be. */
@@ -39,6 +41,20 @@ enum neph_status neph_moved_find(const struct neph_frame_pair *pair, struct neph
 double neph_moved_nearness_per_m(const struct neph_moved *moved, size_t pixel);
 double neph_moved_nearness_before_per_m(const struct neph_moved *moved, size_t pixel,
                                         double now_per_m);
+
+/* What is kept of a frame until the next, a value for each pixel; zeros at first. */
+struct neph_kept {
+    double *nearness_per_m;
+    double *planes[2];
+    uint8_t *age; /* in frames */
+    uint8_t *flags;
+};
+
+/* Two frames, for the one at hand and the one before, which change places by parity. Free with
+ * neph_kept_finish(), after an error too. */
+enum neph_status neph_kept_init(struct neph_kept frames[2], size_t pixel_count,
+                                struct neph_diag *diag);
+void neph_kept_finish(struct neph_kept frames[2]);
 
 /* Four pixels of the frame before and their weights. */
 struct neph_place {
@@ -87,17 +103,19 @@ static inline bool neph_nearness_agrees(double nearness_per_m, double wanted_per
     return fabs(nearness_per_m - wanted_per_m) <= tolerance * wanted_per_m;
 }
 
-/* Whether the depth agrees at that very place; at one of the four pixels. Either: it was seen. */
+/* Whether the depth agrees at that very place. */
 static inline bool neph_place_agrees(const struct neph_place *place, const double *nearness_per_m,
                                      double wanted_per_m, double tolerance)
 {
     return neph_nearness_agrees(neph_place_value(place, nearness_per_m), wanted_per_m, tolerance);
 }
 
-static inline bool neph_place_any_agrees(const struct neph_place *place,
-                                         const double *nearness_per_m, double wanted_per_m,
-                                         double tolerance)
+/* Whether it was seen: the depth agrees there, or at one of the four pixels. */
+static inline bool neph_place_was_seen(const struct neph_place *place, const double *nearness_per_m,
+                                       double wanted_per_m, double tolerance)
 {
+    if (neph_place_agrees(place, nearness_per_m, wanted_per_m, tolerance))
+        return true;
     for (int k = 0; k < 4; k++)
         if (neph_nearness_agrees(nearness_per_m[place->taps[k]], wanted_per_m, tolerance))
             return true;

@@ -144,13 +144,6 @@ static enum neph_status extract(void *state_, const struct neph_frame_pair *pair
     return status;
 }
 
-static enum neph_status flush(void *state, struct neph_diag *diag)
-{
-    (void)state;
-    (void)diag;
-    return NEPH_OK;
-}
-
 static void rows(const void *state_, int map, int first_row, int row_count, double *const values[3])
 {
     const struct state *state = state_;
@@ -187,7 +180,6 @@ const struct neph_extractor neph_extractor_residual_change = {
     .bound = neph_bound_is_white,
     .init = init,
     .extract = extract,
-    .flush = flush,
     .rows = rows,
     .close = finish,
 };

@@ -106,7 +106,8 @@ static inline void extraction_frame(struct extraction *extraction,
 static inline void extraction_flush(struct extraction *extraction)
 {
     struct neph_diag diag = {0};
-    neph_assert_ok(extraction->extractor->flush(extraction->state, &diag), &diag);
+    if (extraction->extractor->flush)
+        neph_assert_ok(extraction->extractor->flush(extraction->state, &diag), &diag);
 }
 
 static inline int extraction_map_index(const struct neph_extractor *extractor, const char *name)
@@ -195,7 +196,6 @@ static inline void extraction_check_table(const struct neph_extractor *extractor
     assert_true(extractor->options && extractor->metrics);
     assert_true(extractor->map_count <= NEPH_MAPS_MAX);
     assert_true(extractor->init && extractor->extract);
-    assert_true(!extractor->temporal || extractor->flush);
     for (const struct neph_metric *metric = extractor->metrics; metric->name; metric++) {
         assert_true(metric->help && strlen(metric->help) > 0);
         assert_true(metric->low < metric->high);

@@ -38,7 +38,7 @@ static enum neph_status live(void *context, struct neph_diag *diag)
         pair.reference[1] = t >= life->moves_at ? bright : dark;
         status = extractor->extract(state, &pair, diag);
     }
-    if (!status)
+    if (!status && extractor->flush)
         status = extractor->flush(state, diag);
     extractor->close(state);
     free(state);
