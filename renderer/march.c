@@ -15,23 +15,6 @@ static const uint32_t march_spirv[] = {
 #include "shaders/march.comp.inc"
 };
 
-/* struct Pixel of shaders/march.comp */
-struct gpu_pixel {
-    float radiance[3];
-    float eye_depth_m;
-    float volume[3];
-    uint32_t density_evaluations;
-    float transmittance[3];
-    uint32_t closed_forms;
-    float volume_distance_m;
-    uint32_t view_steps;
-    uint32_t padding[2];
-};
-_Static_assert(offsetof(struct gpu_pixel, volume) == 16, "std430 Pixel.volume");
-_Static_assert(offsetof(struct gpu_pixel, transmittance) == 32, "std430 Pixel.transmittance");
-_Static_assert(offsetof(struct gpu_pixel, volume_distance_m) == 48, "std430 Pixel.distance");
-_Static_assert(sizeof(struct gpu_pixel) == 64, "std430 Pixel");
-
 /* --- what can be rendered ----------------------------------------------------------------- */
 
 static bool is_positive(struct neph_rgb rgb)
@@ -121,7 +104,7 @@ struct neph_march {
 
 static enum neph_status create_buffers(struct neph_march *march, struct neph_diag *diag)
 {
-    const size_t pixels_bytes = march->cut.rays * sizeof(struct gpu_pixel);
+    const size_t pixels_bytes = march->cut.rays * sizeof(struct neph_gpu_march_pixel);
     const size_t states_bytes = march->cut.rays * NEPH_MARCH_STATE_BYTES;
     enum neph_status status = neph_buffer_create(march->vulkan, NEPH_BUFFER_DEVICE, pixels_bytes,
                                                  "march pixels", &march->pixels, diag);
@@ -212,8 +195,8 @@ static float in_file_m(float distance_m)
     return distance_m < NEPH_GPU_FAR_M ? distance_m : INFINITY;
 }
 
-static void unpack(const struct gpu_pixel *pixel, size_t index, const struct layers *layers,
-                   struct neph_march_stats *stats)
+static void unpack(const struct neph_gpu_march_pixel *pixel, size_t index,
+                   const struct layers *layers, struct neph_march_stats *stats)
 {
     for (int c = 0; c < 3; c++) {
         layers->radiance[c][index] = pixel->radiance[c];
@@ -237,7 +220,7 @@ struct work {
 };
 
 /* One dispatch; the last of its rays also brings the results. */
-static enum neph_status march_run(const struct neph_march_run *run, void *context,
+static enum neph_status march_run(const struct neph_gpu_march_run *run, void *context,
                                   struct neph_diag *diag)
 {
     struct work *work = context;
@@ -248,7 +231,7 @@ static enum neph_status march_run(const struct neph_march_run *run, void *contex
         .group_count = (run->ray_count + NEPH_MARCH_LOCAL_SIZE - 1) / NEPH_MARCH_LOCAL_SIZE,
         .copy_from = &march->pixels,
         .copy_to = is_last ? &march->readback : NULL,
-        .copy_size_bytes = run->ray_count * sizeof(struct gpu_pixel),
+        .copy_size_bytes = run->ray_count * sizeof(struct neph_gpu_march_pixel),
     };
     neph_gpu_scene_bind(&march->scene, &dispatch);
     dispatch.buffers[NEPH_GPU_SCENE_BUFFERS] = &march->states;
@@ -260,7 +243,7 @@ static enum neph_status march_run(const struct neph_march_run *run, void *contex
         return status;
     work->stats.gpu_s += gpu_s;
     work->stats.dispatches++;
-    const struct gpu_pixel *pixels = march->readback.mapped;
+    const struct neph_gpu_march_pixel *pixels = march->readback.mapped;
     for (uint32_t i = 0; is_last && i < run->ray_count; i++)
         unpack(&pixels[i], (size_t)run->first_ray + i, &work->layers, &work->stats);
     return NEPH_OK;
@@ -274,7 +257,7 @@ static enum neph_status get_kernel(struct neph_march *march, const struct neph_k
         .spirv = march_spirv,
         .spirv_size_bytes = sizeof(march_spirv),
         .buffer_count = NEPH_GPU_SCENE_BUFFERS + 2,
-        .push_size_bytes = sizeof(struct neph_march_run),
+        .push_size_bytes = sizeof(struct neph_gpu_march_run),
         .constant_count = NEPH_MARCH_CONSTANTS,
     };
     neph_march_constants(&march->scene, &march->params, params.constants);

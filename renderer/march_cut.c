@@ -92,7 +92,7 @@ enum neph_status neph_march_cut_run(const struct neph_march_cut *cut, neph_march
 {
     for (uint64_t ray = 0; ray < cut->ray_count; ray += cut->rays)
         for (uint64_t step = 0; step < cut->step_count; step += cut->steps) {
-            const struct neph_march_run run = {
+            const struct neph_gpu_march_run run = {
                 .first_ray = (uint32_t)ray,
                 .ray_count = (uint32_t)least(cut->rays, cut->ray_count - ray),
                 .first_step = (uint32_t)step,

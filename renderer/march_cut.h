@@ -11,22 +11,15 @@
 #include "renderer/march.h"
 
 enum {
-    NEPH_MARCH_LOCAL_SIZE = 64,  /* of shaders/march.glsl */
-    NEPH_MARCH_STATE_BYTES = 96, /* of its struct State, one for each ray of a dispatch */
+    NEPH_MARCH_LOCAL_SIZE = 64, /* of shaders/march.glsl */
+    NEPH_MARCH_STATE_BYTES = sizeof(
+        struct neph_gpu_march_state), /* one for each ray of a dispatch */
     NEPH_MARCH_CONSTANTS = NEPH_GPU_SCENE_CONSTANTS + 3,
 };
 
 struct neph_march_cut {
     uint64_t ray_count, step_count; /* of the whole */
     uint64_t rays, steps;           /* at most, in one dispatch */
-};
-
-/* push_constant Run of shaders/march.glsl */
-struct neph_march_run {
-    uint32_t first_ray;
-    uint32_t ray_count;
-    uint32_t first_step;
-    uint32_t end_step;
 };
 
 /* Whether sun rays are marched at all. */
@@ -47,7 +40,7 @@ enum neph_status neph_march_cut_make(const struct neph_vulkan *vulkan,
                                      struct neph_march_cut *cut, struct neph_diag *diag);
 
 /* Runs one dispatch. The last of its rays ends with end_step = step_count. */
-typedef enum neph_status neph_march_body(const struct neph_march_run *run, void *context,
+typedef enum neph_status neph_march_body(const struct neph_gpu_march_run *run, void *context,
                                          struct neph_diag *diag);
 
 /* All dispatches, in the order in which they must come; the first error ends it.

@@ -35,42 +35,11 @@ static const uint32_t sum_spirv[] = {
 #include "shaders/tracer_sum.comp.inc"
 };
 
-/* push_constant Run of shaders/tracer.glsl */
-struct gpu_run {
-    uint32_t seed_low, seed_high;
-    uint32_t first_pixel, pixel_count;
-    uint32_t first_sample;
-    uint32_t first_pool;
-    uint32_t turns;
-    uint32_t is_fresh;
-};
-
-/* struct Pixel of shaders/tracer.glsl */
-struct gpu_pixel {
-    float behind[3], eye_depth_m;
-    float transmittance[4];
-    float sums[3][4]; /* order1, higher, surface */
-    float spread[4];
-    float padding[4];
-};
-_Static_assert(sizeof(struct gpu_pixel) == 112, "std430 Pixel");
-
-/* buffer Progress of shaders/tracer.glsl */
-struct gpu_progress {
-    uint32_t items_done, collisions, lookups, closed_forms;
-};
-
 enum {
-    first_bytes = 48, /* struct First of shaders/tracer.glsl */
     depths_bytes = 4 * NEPH_SCENE_MEDIA_MAX * NEPH_FOG_LAYERS_MAX,
-    lit_edges = 16,                      /* LIT_EDGES of shaders/tracer_lit.glsl */
-    lit_bytes = 4 * (3 * lit_edges + 1), /* its struct LitTable */
-    guess_stretches = 90,                /* GUESS_STRETCHES of shaders/tracer_guess.glsl */
-    guess_bytes = 4 * (4 + guess_stretches + lit_edges), /* its struct Guess */
-    state_bytes = 240,                                   /* struct State of shaders/tracer.comp */
-    result_bytes = 48,                                   /* struct Result of shaders/tracer.glsl */
-    track_steps = 8,                                     /* of a turn, through majorant cells */
-    pool_pixels = 8,                                     /* POOL_PIXELS of shaders/tracer.glsl */
+    lit_edges = 16,  /* LIT_EDGES of shaders/tracer_lit.glsl */
+    track_steps = 8, /* of a turn, through majorant cells */
+    pool_pixels = 8, /* POOL_PIXELS of shaders/tracer.glsl */
     pool_items = pool_pixels * NEPH_TRACER_BATCH_SAMPLES,
     pixel_local_size = 64, /* of tracer_view.comp and tracer_sum.comp */
     chunk_pixels_max = 1 << 16,
@@ -214,7 +183,7 @@ static size_t sums_count(const struct sums *sums)
     return head_count + sums->pixel_count * sums_per_pixel;
 }
 
-static void add_pixel(double *sums, const struct gpu_pixel *pixel)
+static void add_pixel(double *sums, const struct neph_gpu_tracer_pixel *pixel)
 {
     for (int c = 0; c < 3; c++) {
         for (int layer = 0; layer < 3; layer++)
@@ -264,7 +233,7 @@ struct render {
     uint32_t window;   /* pools in one dispatch; follows the device's speed */
     size_t pixel_count, chunk_pixels;
     size_t viewed_first; /* first pixel of the chunk that the device holds; SIZE_MAX: none */
-    struct gpu_progress progress;
+    struct neph_gpu_progress progress;
     struct sums sums;
     struct sums batch; /* counts whole or not at all */
     float *view_light; /* per pixel: behind, eye depth, transmittance */
@@ -333,7 +302,7 @@ static enum neph_status get_kernels(struct render *render, const struct neph_sce
     const uint32_t tracked_count = tracked_media(render->scene.frame, &tracked_order);
     struct neph_kernel_params params = {
         .buffer_count = BINDING_COUNT,
-        .push_size_bytes = sizeof(struct gpu_run),
+        .push_size_bytes = sizeof(struct neph_gpu_tracer_run),
         .constant_count = 12,
         .constants = {render->scene.constants[0], render->scene.constants[1], render->local_size,
                       scene->scattering == NEPH_SCATTERING_MULTIPLE, reflects(scene), lights(scene),
@@ -372,34 +341,36 @@ static enum neph_status create_buffers(struct render *render, struct neph_diag *
     const size_t pools = (render->chunk_pixels + pool_pixels - 1) / pool_pixels;
     const size_t threads = (pools < window_pools_max ? pools : window_pools_max) *
                            render->local_size;
-    const size_t pixels_bytes = render->chunk_pixels * sizeof(struct gpu_pixel);
+    const size_t pixels_bytes = render->chunk_pixels * sizeof(struct neph_gpu_tracer_pixel);
     const struct {
         struct neph_buffer *buffer;
         enum neph_buffer_use use;
         size_t size_bytes;
         const char *name;
     } wanted[] = {
-        {&render->buffers[BINDING_STATES], NEPH_BUFFER_DEVICE, threads * state_bytes,
-         "tracer states"},
-        {&render->buffers[BINDING_RESULTS], NEPH_BUFFER_DEVICE, pools * pool_items * result_bytes,
-         "tracer results"},
-        {&render->buffers[BINDING_FIRSTS], NEPH_BUFFER_DEVICE, pools * pool_items * first_bytes,
-         "tracer first collisions"},
+        {&render->buffers[BINDING_STATES], NEPH_BUFFER_DEVICE,
+         threads * sizeof(struct neph_gpu_tracer_state), "tracer states"},
+        {&render->buffers[BINDING_RESULTS], NEPH_BUFFER_DEVICE,
+         pools * pool_items * sizeof(struct neph_gpu_result), "tracer results"},
+        {&render->buffers[BINDING_FIRSTS], NEPH_BUFFER_DEVICE,
+         pools * pool_items * sizeof(struct neph_gpu_first), "tracer first collisions"},
         {&render->buffers[BINDING_DEPTHS], NEPH_BUFFER_DEVICE, render->chunk_pixels * depths_bytes,
          "tracer depths"},
         {&render->buffers[BINDING_LITS], NEPH_BUFFER_DEVICE,
-         (render->lit_tables > 0 ? render->chunk_pixels * render->lit_tables : 1) * lit_bytes,
+         (render->lit_tables > 0 ? render->chunk_pixels * render->lit_tables : 1) *
+             sizeof(struct neph_gpu_lit_table),
          "tracer light"},
         {&render->buffers[BINDING_GUESSES], NEPH_BUFFER_DEVICE,
-         (render->lit_tables > 0 && render->is_open ? render->chunk_pixels : 1) * guess_bytes,
+         (render->lit_tables > 0 && render->is_open ? render->chunk_pixels : 1) *
+             sizeof(struct neph_gpu_guess),
          "tracer guesses"},
         {&render->buffers[BINDING_POOLS], NEPH_BUFFER_DEVICE, pools * sizeof(uint32_t),
          "tracer pools"},
         {&render->buffers[BINDING_PIXELS], NEPH_BUFFER_DEVICE, pixels_bytes, "tracer pixels"},
-        {&render->buffers[BINDING_PROGRESS], NEPH_BUFFER_DEVICE, sizeof(struct gpu_progress),
+        {&render->buffers[BINDING_PROGRESS], NEPH_BUFFER_DEVICE, sizeof(struct neph_gpu_progress),
          "tracer progress"},
         {&render->pixels_readback, NEPH_BUFFER_READBACK, pixels_bytes, "tracer pixels readback"},
-        {&render->progress_readback, NEPH_BUFFER_READBACK, sizeof(struct gpu_progress),
+        {&render->progress_readback, NEPH_BUFFER_READBACK, sizeof(struct neph_gpu_progress),
          "tracer progress readback"},
     };
     enum neph_status status = NEPH_OK;
@@ -489,7 +460,7 @@ static void finish(struct render *render)
 /* --- dispatches --------------------------------------------------------------------------- */
 
 static enum neph_status run_kernel(struct render *render, const struct neph_kernel *kernel,
-                                   const struct gpu_run *run, uint32_t group_count,
+                                   const struct neph_gpu_tracer_run *run, uint32_t group_count,
                                    enum binding copy_from, struct neph_buffer *copy_to,
                                    struct neph_diag *diag)
 {
@@ -521,7 +492,7 @@ static uint32_t pixel_groups(uint32_t pixel_count)
 }
 
 /* Make a chunk the one that the device holds. */
-static enum neph_status view_chunk(struct render *render, const struct gpu_run *run,
+static enum neph_status view_chunk(struct render *render, const struct neph_gpu_tracer_run *run,
                                    struct neph_diag *diag)
 {
     if (render->viewed_first == run->first_pixel)
@@ -536,8 +507,8 @@ static enum neph_status view_chunk(struct render *render, const struct gpu_run *
     if (status)
         return status;
     render->viewed_first = run->first_pixel;
-    render->progress = (struct gpu_progress){0}; /* the kernel has set it to 0 */
-    const struct gpu_pixel *pixels = render->pixels_readback.mapped;
+    render->progress = (struct neph_gpu_progress){0}; /* the kernel has set it to 0 */
+    const struct neph_gpu_tracer_pixel *pixels = render->pixels_readback.mapped;
     for (size_t i = 0; i < run->pixel_count; i++)
         memcpy(render->view_light + (run->first_pixel + i) * view_floats, &pixels[i],
                view_floats * sizeof(float));
@@ -545,7 +516,7 @@ static enum neph_status view_chunk(struct render *render, const struct gpu_run *
 }
 
 /* One dispatch of the path kernel; `*items_done` grows by what it finished. */
-static enum neph_status run_window(struct render *render, const struct gpu_run *run,
+static enum neph_status run_window(struct render *render, const struct neph_gpu_tracer_run *run,
                                    uint32_t pool_count, uint32_t *items_done,
                                    struct neph_diag *diag)
 {
@@ -554,7 +525,7 @@ static enum neph_status run_window(struct render *render, const struct gpu_run *
     if (status)
         return status;
     /* Counters only grow, modulo 2^32. */
-    const struct gpu_progress *now = render->progress_readback.mapped;
+    const struct neph_gpu_progress *now = render->progress_readback.mapped;
     double *head = render->batch.values;
     *items_done += now->items_done - render->progress.items_done;
     head[head_collisions] += now->collisions - render->progress.collisions;
@@ -574,7 +545,7 @@ static void adapt_window(struct render *render, double dispatch_s)
 }
 
 /* All paths of a batch for the pools of the chunk. */
-static enum neph_status trace_paths(struct render *render, struct gpu_run run,
+static enum neph_status trace_paths(struct render *render, struct neph_gpu_tracer_run run,
                                     struct neph_diag *diag)
 {
     const uint32_t pools = (run.pixel_count + pool_pixels - 1) / pool_pixels;
@@ -597,7 +568,7 @@ static enum neph_status trace_paths(struct render *render, struct gpu_run run,
     return NEPH_OK;
 }
 
-static enum neph_status trace_chunk(struct render *render, const struct gpu_run *run,
+static enum neph_status trace_chunk(struct render *render, const struct neph_gpu_tracer_run *run,
                                     struct neph_diag *diag)
 {
     enum neph_status status = view_chunk(render, run, diag);
@@ -613,10 +584,10 @@ static enum neph_status trace_chunk(struct render *render, const struct gpu_run 
     return status;
 }
 
-static struct gpu_run chunk_run(const struct render *render, size_t first)
+static struct neph_gpu_tracer_run chunk_run(const struct render *render, size_t first)
 {
     const size_t left = render->pixel_count - first;
-    return (struct gpu_run){
+    return (struct neph_gpu_tracer_run){
         .seed_low = (uint32_t)render->params->seed,
         .seed_high = (uint32_t)(render->params->seed >> 32),
         .first_pixel = (uint32_t)first,
@@ -630,7 +601,7 @@ static enum neph_status view_all(struct render *render, struct neph_diag *diag)
 {
     enum neph_status status = NEPH_OK;
     for (size_t first = 0; !status && first < render->pixel_count; first += render->chunk_pixels) {
-        const struct gpu_run run = chunk_run(render, first);
+        const struct neph_gpu_tracer_run run = chunk_run(render, first);
         status = view_chunk(render, &run, diag);
     }
     return status;
@@ -641,11 +612,11 @@ static enum neph_status trace_batch(struct render *render, struct neph_diag *dia
     double *values = render->batch.values;
     memset(values, 0, sums_count(&render->batch) * sizeof(*values));
     for (size_t first = 0; first < render->pixel_count; first += render->chunk_pixels) {
-        const struct gpu_run run = chunk_run(render, first);
+        const struct neph_gpu_tracer_run run = chunk_run(render, first);
         const enum neph_status status = trace_chunk(render, &run, diag);
         if (status)
             return status;
-        const struct gpu_pixel *pixels = render->pixels_readback.mapped;
+        const struct neph_gpu_tracer_pixel *pixels = render->pixels_readback.mapped;
         for (size_t i = 0; i < run.pixel_count; i++)
             add_pixel(sums_of(&render->batch, first + i), &pixels[i]);
     }

@@ -157,7 +157,7 @@ struct scene_run {
     double *gpu_s;
 };
 
-static enum neph_status run_scene_dispatch(const struct neph_march_run *run, void *context,
+static enum neph_status run_scene_dispatch(const struct neph_gpu_march_run *run, void *context,
                                            struct neph_diag *diag)
 {
     struct scene_run *work = context;
@@ -193,7 +193,7 @@ static enum neph_status run_on_scene(struct neph_realtime *realtime,
         .spirv_size_bytes = shader->spirv_size_bytes,
         .buffer_count = NEPH_GPU_SCENE_BUFFERS + 4,
         .array_count = RT_TARGET_COUNT,
-        .push_size_bytes = sizeof(struct neph_march_run),
+        .push_size_bytes = sizeof(struct neph_gpu_march_run),
     };
     params.constant_count = neph_rt_constants(&realtime->device, params.constants);
     neph_march_constants(&realtime->scene, &realtime->march, params.constants);

@@ -7,7 +7,7 @@
 
 #include "march.glsl"
 
-struct Pixel {
+struct MarchPixel {
     vec3 radiance; // with everything
     float eye_depth_m; // FAR_M for the sky
     vec3 volume; // in-scattered alone
@@ -20,14 +20,14 @@ struct Pixel {
 };
 
 layout(std430, binding = 6) writeonly buffer Pixels {
-    Pixel pixels[];
+    MarchPixel pixels[];
 };
 
-Pixel finished_pixel(vec3 direction, Hit hit, Sums sums)
+MarchPixel finished_pixel(vec3 direction, Hit hit, Sums sums)
 {
     vec3 optical_depth = view_optical_depth(direction, hit.t_m, sums);
     vec3 behind = radiance_behind(hit, direction);
-    Pixel pixel;
+    MarchPixel pixel;
     pixel.volume = view_scattered(sums, optical_depth);
     pixel.transmittance = fraction_through(optical_depth);
     precise vec3 radiance = pixel.volume + pixel.transmittance * behind; // as rt_compose.comp does

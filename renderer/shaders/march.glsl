@@ -21,7 +21,7 @@
 
 layout(local_size_x = 64) in;
 
-layout(push_constant) uniform Run {
+layout(push_constant) uniform MarchRun {
     uint first_ray;
     uint ray_count;
     uint first_step;
@@ -50,7 +50,7 @@ vec3 marched_depth(Sums sums)
     return COLOURED ? sums.depth.value.xyz : sums.scattered.value.www;
 }
 
-struct State {
+struct MarchState {
     Sums sums;
     uint density_evaluations;
     uint closed_forms;
@@ -58,7 +58,7 @@ struct State {
 };
 
 layout(std430, binding = 5) buffer States {
-    State states[];
+    MarchState states[];
 };
 
 uint view_steps = 0; // of this ray, where it met a medium's stretch
@@ -118,7 +118,7 @@ Sums sums_at_start(uint thread)
 
 void sums_keep(uint thread, Sums sums)
 {
-    states[thread] = State(sums, density_evaluations, closed_forms, view_steps);
+    states[thread] = MarchState(sums, density_evaluations, closed_forms, view_steps);
 }
 
 // Of the whole ray.

@@ -44,7 +44,7 @@ const uint RAY_SUN = 1;   // how much of the sunlight arrives
 const uint RAY_VIEW = 2;  // how much arrives of the light behind the media, if OPEN
 const uint RAY_FIRST = 3; // how much arrives from a first collision whose place is guessed, if OPEN
 
-struct State {
+struct TracerState {
     vec3 origin_m;
     uint stage;
     vec3 direction;
@@ -82,10 +82,10 @@ struct State {
 };
 
 layout(std430, binding = 5) buffer States {
-    State states[];
+    TracerState states[];
 };
 
-State path;
+TracerState path;
 
 // What every turn needs of the scene, read before there is any branch or loop: inside of one, lavapipe
 // reads a buffer lane by lane, even where all lanes want the same.

@@ -26,7 +26,7 @@ const bool OPEN = (KINDS & OPEN_KINDS) != 0u;
 // Then first collisions may be chosen by a guess (tracer_guess.glsl).
 const bool GUESSED = LIT && OPEN;
 
-layout(push_constant) uniform Run {
+layout(push_constant) uniform TracerRun {
     uint seed_low;
     uint seed_high;
     uint first_pixel;  // of the chunk of the frame that is in work, in raster order
@@ -61,7 +61,7 @@ layout(std430, binding = 7) buffer Pools {
 };
 
 // Per pixel of the chunk: what needs no chance, and the sums of a batch.
-struct Pixel {
+struct TracerPixel {
     vec4 behind;        // background, or sunlight reflected by the surface; black if OPEN;
                         // w: eye depth [m]
     vec4 transmittance; // w: free
@@ -71,7 +71,7 @@ struct Pixel {
 };
 
 layout(std430, binding = 8) buffer Pixels {
-    Pixel pixels[];
+    TracerPixel pixels[];
 };
 
 // What the batches have cost and how far they are. Only ever added to.
