@@ -256,8 +256,3 @@ struct neph_paired neph_series_paired_draws(double a, const struct neph_draws *d
     paired.p = student_p(&paired.difference);
     return paired;
 }
-
-bool neph_alarm(double worse_by, double tolerated, double p_adjusted, double alpha)
-{
-    return worse_by > tolerated && p_adjusted <= alpha;
-}

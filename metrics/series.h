@@ -73,9 +73,4 @@ enum neph_status neph_series_paired(const double *a, const double *b, int count,
 struct neph_paired neph_series_paired_draws(double a, const struct neph_draws *draws_a, double b,
                                             const struct neph_draws *draws_b);
 
-/* Whether to wake somebody: the change is for the worse by more than is tolerated, and certainly
- * there. `worse_by` is positive for the worse; `p_adjusted` comes from neph_holm() over all that is
- * watched, or is held against neph_sidak_alpha(). */
-bool neph_alarm(double worse_by, double tolerated, double p_adjusted, double alpha);
-
 #endif

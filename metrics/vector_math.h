@@ -111,15 +111,6 @@ static inline double neph_exp2(double y)
     return (1.0 + f * p) * neph_power_of_two(half) * neph_power_of_two(k - half);
 }
 
-/* x^p for x >= 0 and finite p. Relative error below 1e-15 (1 + |log2 of the result|), which is
- * 2e-14 for results within a factor of a million of 1, and 1.1e-12 at the ends of the range.
- * x^0 = 1; 0^p = 0 for p > 0 and +inf for p < 0; NaN for x < 0. */
-static inline double neph_pow(double x, double p)
-{
-    const double value = neph_exp2(p * neph_log2(x));
-    return p == 0.0 ? 1.0 : value;
-}
-
 /* Cube root of any sign, also of denormals. Relative error below 1e-15. +-0, +-inf and NaN come
  * back as they are. Without divisions, which cost as much as all the rest. */
 static inline double neph_cbrt(double x)

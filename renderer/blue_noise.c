@@ -350,22 +350,6 @@ void neph_blue_noise_destroy(struct neph_blue_noise *noise)
     free(noise);
 }
 
-static int wrap(int value, int period)
-{
-    const int rest = value % period;
-    return rest < 0 ? rest + period : rest;
-}
-
-double neph_blue_noise_value(const struct neph_blue_noise *noise, int x_px, int y_px,
-                             uint32_t frame)
-{
-    const int width = noise->request.width_px, height = noise->request.height_px;
-    const int slice = (int)(frame % (uint32_t)noise->request.frame_count);
-    const int x = wrap(x_px, width), y = wrap(y_px, height);
-    const int rank = noise->ranks[((ptrdiff_t)slice * height + y) * width + x];
-    return (rank + 0.5) / (width * height);
-}
-
 /* ---- the cache ------------------------------------------------------------------------------- */
 
 char *neph_blue_noise_path(const struct neph_blue_noise_request *request, const char *cache_folder)
@@ -430,27 +414,30 @@ static bool decode(const char *data, size_t size, struct neph_blue_noise *noise)
     return is_whole;
 }
 
-/* False when there is no whole file; that is no failure. */
-static bool read_mask(const char *path, struct neph_blue_noise *noise)
+/* NULL when there is no whole file; that is no failure. */
+static struct neph_blue_noise *read_mask(const char *path,
+                                         const struct neph_blue_noise_request *request)
 {
-    const size_t limit_bytes = 2 * voxel_count(&noise->request) + 256;
+    const size_t limit_bytes = 2 * voxel_count(request) + 256;
+    struct neph_blue_noise *noise = NULL;
     char *data = NULL;
     size_t size = 0;
     if (neph_file_read(path, limit_bytes, &data, &size, NULL))
-        return false;
-    const bool is_whole = decode(data, size, noise);
+        return NULL;
+    if (!mask_start(request, &noise, NULL) && !decode(data, size, noise)) {
+        neph_blue_noise_destroy(noise);
+        noise = NULL;
+    }
     free(data);
-    return is_whole;
+    return noise;
 }
 
-static enum neph_status make_and_write(const char *path, const char *cache_folder,
-                                       struct neph_blue_noise *noise, struct neph_diag *diag)
+static enum neph_status write_mask(const char *path, const char *cache_folder,
+                                   const struct neph_blue_noise *noise, struct neph_diag *diag)
 {
     char *data = NULL;
     size_t size = 0;
-    enum neph_status status = make_ranks(&noise->request, noise->ranks, diag);
-    if (!status)
-        status = encode(noise, &data, &size, diag);
+    enum neph_status status = encode(noise, &data, &size, diag);
     if (!status)
         status = neph_dir_create(cache_folder, diag);
     if (!status)
@@ -463,16 +450,16 @@ enum neph_status neph_blue_noise_load(const struct neph_blue_noise_request *requ
                                       const char *cache_folder, struct neph_blue_noise **noise,
                                       struct neph_diag *diag)
 {
-    struct neph_blue_noise *made = NULL;
-    char *path = NULL;
-    enum neph_status status = mask_start(request, &made, diag);
-    if (status)
-        return status;
-    path = neph_blue_noise_path(request, cache_folder);
+    char *path = neph_blue_noise_path(request, cache_folder);
     if (!path)
-        status = neph_fail_memory(diag);
-    else if (!read_mask(path, made))
-        status = make_and_write(path, cache_folder, made, diag);
+        return neph_fail_memory(diag);
+    enum neph_status status = NEPH_OK;
+    struct neph_blue_noise *made = read_mask(path, request);
+    if (!made) {
+        status = neph_blue_noise_create(request, &made, diag);
+        if (!status)
+            status = write_mask(path, cache_folder, made, diag);
+    }
     free(path);
     if (status)
         neph_blue_noise_destroy(made);

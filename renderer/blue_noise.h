@@ -65,9 +65,4 @@ enum neph_status neph_blue_noise_load(const struct neph_blue_noise_request *requ
  * ranks>", then the ranks in 2 bytes each, least byte first. */
 char *neph_blue_noise_path(const struct neph_blue_noise_request *request, const char *cache_folder);
 
-/* (rank + 0.5) / (width_px * height_px), in 0 .. 1 without the ends; pixels and frames go on
- * without end, by repetition in both directions. */
-double neph_blue_noise_value(const struct neph_blue_noise *noise, int x_px, int y_px,
-                             uint32_t frame);
-
 #endif

@@ -422,11 +422,6 @@ struct neph_vulkan_description neph_vulkan_describe(const struct neph_vulkan *vu
     return vulkan->description;
 }
 
-int neph_vulkan_message_count(const struct neph_vulkan *vulkan)
-{
-    return vulkan->message_count;
-}
-
 enum neph_status neph_vulkan_check(const struct neph_vulkan *vulkan, struct neph_diag *diag)
 {
     if (vulkan->message_count == 0)

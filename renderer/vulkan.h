@@ -42,10 +42,8 @@ int neph_vulkan_destroy(struct neph_vulkan *vulkan);
 
 struct neph_vulkan_description neph_vulkan_describe(const struct neph_vulkan *vulkan);
 
-/* Validation messages of warning or above so far; 0 without validation. */
-int neph_vulkan_message_count(const struct neph_vulkan *vulkan);
-
-/* NEPH_ERR_INTERNAL with the text of the first validation message, when there was any. */
+/* NEPH_ERR_INTERNAL with the text of the first validation message of warning or above, when there
+ * was any. */
 enum neph_status neph_vulkan_check(const struct neph_vulkan *vulkan, struct neph_diag *diag);
 
 #endif

@@ -12,7 +12,8 @@ static const double ladder[NEPH_FLIGHT_LADDER] = {0.05, 0.1, 0.2, 0.4, 0.8, 1.6,
 /* A collision is placed to this part of an interval's optical depth. */
 static const double placement = 1e-12;
 
-bool neph_flight_is_possible(const struct neph_scene *scene)
+/* Whether all media have the closed forms that a table takes. */
+static bool is_possible(const struct neph_scene *scene)
 {
     for (int m = 0; m < scene->medium_count; m++)
         if (!neph_medium_has_closed_form(&scene->media[m]))
@@ -220,7 +221,7 @@ void neph_flight_init(struct neph_flight *flight, const struct neph_scene *scene
 {
     flight->scene = scene;
     flight->ray = *ray;
-    flight->is_table = neph_flight_is_possible(scene);
+    flight->is_table = is_possible(scene);
     flight->lit.is_known = flight->guess.lit.is_known = false;
     if (!flight->is_table) {
         neph_guess_init(&flight->guess, scene, ray);

@@ -37,9 +37,6 @@ struct neph_flight {
     struct neph_guess guess;
 };
 
-/* Whether all media have the closed forms that this takes. */
-bool neph_flight_is_possible(const struct neph_scene *scene);
-
 /* Tabulate a ray, where that is possible, and the sunlight along it where that is all the light
  * there is to scatter. */
 void neph_flight_init(struct neph_flight *flight, const struct neph_scene *scene,

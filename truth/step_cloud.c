@@ -181,16 +181,3 @@ enum neph_status neph_step_cloud_solve(const struct neph_step_cloud_params *para
     free(work.sums);
     return status;
 }
-
-struct neph_step_cloud_params neph_step_cloud_i3rc(int experiment, double optical_depths[32])
-{
-    for (int i = 0; i < 32; i++)
-        optical_depths[i] = i < 16 ? 2.0 : 18.0;
-    return (struct neph_step_cloud_params){.column_count = 32,
-                                           .optical_depths = optical_depths,
-                                           .column_width_m = 500.0 / 32.0,
-                                           .thickness_m = 250.0,
-                                           .albedo = experiment <= 2 ? 1.0 : 0.99,
-                                           .phase = {NEPH_PHASE_HENYEY_GREENSTEIN, 0.85},
-                                           .sun_cosine = experiment % 2 ? 1.0 : 0.5};
-}

@@ -48,9 +48,4 @@ enum neph_status neph_step_cloud_solve(const struct neph_step_cloud_params *para
                                        struct neph_step_cloud_fluxes *fluxes,
                                        struct neph_estimate *nadir_per_sr, struct neph_diag *diag);
 
-/* Case 1 of the intercomparison: 16 columns of optical depth 2, 16 of 18, over 500 m, 250 m thick,
- * Henyey-Greenstein 0.85. Experiments 1..4: sun at 0 and 60 degrees with albedo 1, then with 0.99.
- * `optical_depths` holds 32. Seed and photons are left to the caller. */
-struct neph_step_cloud_params neph_step_cloud_i3rc(int experiment, double optical_depths[32]);
-
 #endif

@@ -27,11 +27,6 @@ void neph_engine_probe(const struct neph_engine *engine, struct neph_engine_info
     neph_text_clean(info->install_line, sizeof(info->install_line));
 }
 
-const char *neph_engine_state_name(const struct neph_engine_info *info)
-{
-    return info->available ? "ok" : info->broken ? "broken" : "missing";
-}
-
 struct neph_settings neph_settings_default(const struct neph_engine *engine)
 {
     return neph_options_default(engine->options);

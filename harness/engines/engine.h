@@ -136,10 +136,6 @@ struct neph_engine {
  * driver or program is called. */
 void neph_engine_probe(const struct neph_engine *engine, struct neph_engine_info *info);
 
-/* "ok"; "missing": not installed, or of a wrong version; "broken": installed, and its probe failed,
- * which fails a run where a missing engine does not. */
-const char *neph_engine_state_name(const struct neph_engine_info *info);
-
 /* Every option at its default. */
 struct neph_settings neph_settings_default(const struct neph_engine *engine);
 

@@ -7,8 +7,10 @@
 #include <math.h>
 #include <stdlib.h>
 
-double neph_study_decades(const struct neph_flicker_study *study, int metric, int display,
-                          int scene, int preset)
+/* log10 of a metric of a preset in a scene, mean over seeds, floored; NaN when a seed has none that
+ * counts. */
+static double decades(const struct neph_flicker_study *study, int metric, int display, int scene,
+                      int preset)
 {
     const double floor = neph_study_metrics[metric].floor;
     double sum = 0.0;
@@ -44,8 +46,8 @@ enum neph_status neph_study_pair(const struct neph_flicker_study *study, int met
         return neph_fail_memory(diag);
     struct neph_study_pair found = {.mean = NAN, .p_sign = 1.0};
     for (int scene = 0; scene < scene_count; scene++) {
-        a[found.scene_count] = neph_study_decades(study, metric, display, scene, first);
-        b[found.scene_count] = neph_study_decades(study, metric, display, scene, second);
+        a[found.scene_count] = decades(study, metric, display, scene, first);
+        b[found.scene_count] = decades(study, metric, display, scene, second);
         found.scene_count += !isnan(a[found.scene_count]) && !isnan(b[found.scene_count]);
     }
     struct neph_paired paired = {.p = 1.0};
@@ -79,7 +81,7 @@ static double scene_mean(const struct neph_flicker_study *study, int metric, int
 {
     double sum = 0.0;
     for (int preset = 0; preset < study->params->preset_count; preset++)
-        sum += neph_study_decades(study, metric, display, scene, preset);
+        sum += decades(study, metric, display, scene, preset);
     return sum / study->params->preset_count;
 }
 
@@ -97,7 +99,7 @@ enum neph_status neph_study_levels(const struct neph_flicker_study *study, int m
             const double mean = scene_mean(study, metric, display, scene);
             if (isnan(mean))
                 continue;
-            own[count++] = neph_study_decades(study, metric, display, scene, preset) - mean;
+            own[count++] = decades(study, metric, display, scene, preset) - mean;
             of_all += mean;
         }
         const struct neph_mean mean = neph_series_mean(own, count, NEPH_REPLICATE_RUNS);

@@ -26,11 +26,6 @@ enum neph_status neph_study_pair(const struct neph_flicker_study *study, int met
 /* 1: the interval lies above 0, the first is worse; -1: better; 0: neither is certain. */
 int neph_study_pair_verdict(const struct neph_study_pair *pair);
 
-/* log10 of a metric of a preset in a scene, mean over seeds, floored; NaN when a seed has none that
- * counts. */
-double neph_study_decades(const struct neph_flicker_study *study, int metric, int display,
-                          int scene, int preset);
-
 /* A preset's metric over the scenes in which all presets have one. */
 struct neph_study_level {
     int scene_count;

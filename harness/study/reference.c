@@ -121,7 +121,6 @@ static enum neph_status take_picture(struct neph_job *job, struct neph_store *st
         result.frame_path = NULL;
         add_cost(&reference->cost, &result.cost);
         reference->picture_count++;
-        reference->reused_count += result.reused;
         neph_progress_tick(progress, what);
     }
     neph_job_result_finish(&result);
@@ -211,12 +210,4 @@ void neph_reference_finish(struct neph_reference *reference)
     free(reference->text);
     free(reference->settings);
     *reference = (struct neph_reference){.text = NULL};
-}
-
-json_t *neph_reference_json(const struct neph_reference *reference)
-{
-    return json_pack("{s:s, s:s, s:i, s:i, s:f, s:f, s:f}", "text", reference->text, "settings",
-                     reference->settings, "pictures", reference->picture_count, "reused",
-                     reference->reused_count, "render_s", reference->cost.render_s, "wall_s",
-                     reference->cost.wall_s, "cpu_s", reference->cost.cpu_s);
 }

@@ -33,7 +33,6 @@ struct neph_reference {
     char *settings;               /* of the averaged ones; owned */
     char key[NEPH_HASH_HEX_SIZE]; /* of all that the pictures depend on */
     int picture_count;            /* that differ, of both kinds: rendered or taken from the store */
-    int reused_count;             /* of them, taken from the store */
     struct neph_cost cost;        /* of all these pictures, when they were rendered */
 };
 
@@ -53,8 +52,5 @@ enum neph_status neph_reference_make(const struct neph_job *test, int frame_coun
                                      struct neph_reference *reference, struct neph_diag *diag);
 
 void neph_reference_finish(struct neph_reference *reference);
-
-/* {"text", "settings", "pictures", "reused", "render_s", "wall_s", "cpu_s"} */
-json_t *neph_reference_json(const struct neph_reference *reference);
 
 #endif

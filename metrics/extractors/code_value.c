@@ -56,14 +56,6 @@ double neph_code_peak(enum neph_code_kind kind)
     return curves[kind].peak;
 }
 
-double neph_code_exact(enum neph_code_kind kind, double value)
-{
-    if (kind == NEPH_CODE_DISPLAY && value <= srgb_break)
-        return srgb_slope * fmax(value, 0.0);
-    double clamped = fmin(fmax(value, curves[kind].low), curves[kind].high);
-    return fmax(curves[kind].of(clamped), 0.0);
-}
-
 /* ---- the table ------------------------------------------------------------------------------- */
 
 struct neph_code {

@@ -38,8 +38,4 @@ double neph_code_peak(enum neph_code_kind kind);
 void neph_code_pixels(const struct neph_code *code, const float *const planes[3], size_t first,
                       size_t count, double *codes);
 
-/* The curve of a kind itself, from its formula: PU21 of a luminance in cd/m2, 255 times the sRGB
- * encoding of a display value; clamped as above. */
-double neph_code_exact(enum neph_code_kind kind, double value);
-
 #endif

@@ -425,16 +425,6 @@ static void test_holm_keeps_the_family_quiet(void **state)
     assert_true(plain > 0.3 * REPLICATIONS);
 }
 
-static void test_alarm(void **state)
-{
-    (void)state;
-    assert_true(neph_alarm(0.2, 0.1, 0.01, 0.05));
-    assert_false(neph_alarm(0.2, 0.1, 0.06, 0.05));  /* perhaps chance */
-    assert_false(neph_alarm(0.05, 0.1, 0.0, 0.05));  /* certain, and too small to matter */
-    assert_false(neph_alarm(-0.2, 0.1, 0.01, 0.05)); /* for the better */
-    assert_false(neph_alarm(NAN, 0.1, 0.01, 0.05));
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -455,7 +445,6 @@ int main(void)
         cmocka_unit_test(test_sign_test),
         cmocka_unit_test(test_holm),
         cmocka_unit_test(test_holm_keeps_the_family_quiet),
-        cmocka_unit_test(test_alarm),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
