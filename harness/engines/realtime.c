@@ -99,9 +99,9 @@ static enum neph_status label_passes(struct neph_image *frame,
                                      struct neph_diag *diag)
 {
     enum neph_status status = NEPH_OK;
-    for (int i = 0; neph_realtime_pass_name(i) && !status; i++) {
+    for (int i = 0; neph_rt_passes[i].name && !status; i++) {
         char name[NEPH_IMAGE_NAME_MAX];
-        snprintf(name, sizeof(name), "%s_gpu_ms", neph_realtime_pass_name(i));
+        snprintf(name, sizeof(name), "%s_gpu_ms", neph_rt_passes[i].name);
         for (char *c = name; *c; c++)
             *c = *c == ' ' || *c == '-' ? '_' : *c;
         if (stats->pass_gpu_s[i] > 0.0) /* it ran, on a device with a clock */

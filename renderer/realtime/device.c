@@ -10,8 +10,7 @@ enum { local_size = 64 }; /* of shaders/realtime_pass.glsl */
 
 size_t neph_rt_device_words(const struct neph_rt_device *device, int target)
 {
-    const struct neph_rt_target *shape = &device->view->targets[target];
-    return (size_t)shape->width * shape->height * neph_rt_format_words(shape->format);
+    return device->targets[target].size_bytes / sizeof(uint32_t);
 }
 
 static enum neph_status create_noise(struct neph_rt_device *device, const uint32_t *ranks,
@@ -29,31 +28,47 @@ static enum neph_status create_noise(struct neph_rt_device *device, const uint32
     return NEPH_OK;
 }
 
-static enum neph_status create_targets(struct neph_rt_device *device, struct neph_diag *diag)
+static enum neph_status create_target(struct neph_rt_device *device, int target,
+                                      struct neph_diag *diag)
 {
-    size_t most = 1;
+    const struct neph_rt_target *shape = &device->view->targets[target];
+    const size_t words = (size_t)shape->width * shape->height * neph_rt_format_words(shape->format);
+    uint32_t *zeros = calloc(words, sizeof(*zeros));
+    if (!zeros)
+        return neph_fail_memory(diag);
+    enum neph_status status = neph_buffer_create(
+        device->vulkan, NEPH_BUFFER_DEVICE, words * sizeof(*zeros), neph_rt_target_name(target),
+        &device->targets[target], diag);
+    if (!status)
+        status = neph_rt_device_upload(device, target, zeros, diag);
+    free(zeros);
+    return status;
+}
+
+static enum neph_status create_targets(struct neph_rt_device *device, uint32_t targets,
+                                       struct neph_diag *diag)
+{
+    size_t most_bytes = sizeof(uint32_t);
     enum neph_status status = NEPH_OK;
     for (int t = 0; t < RT_TARGET_COUNT && !status; t++) {
-        const size_t words = neph_rt_device_words(device, t);
-        most = words > most ? words : most;
-        uint32_t *zeros = calloc(words, sizeof(*zeros));
-        if (!zeros)
-            return neph_fail_memory(diag);
-        status = neph_buffer_create(device->vulkan, NEPH_BUFFER_DEVICE, words * sizeof(*zeros),
-                                    "target", &device->targets[t], diag);
-        if (!status)
-            status = neph_rt_device_upload(device, t, zeros, diag);
-        free(zeros);
+        if (!(targets & NEPH_RT_BIT(t)))
+            continue;
+        status = create_target(device, t, diag);
+        const size_t bytes = device->targets[t].size_bytes;
+        most_bytes = bytes > most_bytes ? bytes : most_bytes;
     }
     if (!status)
-        status = neph_buffer_create(device->vulkan, NEPH_BUFFER_READBACK, most * sizeof(uint32_t),
+        status = neph_buffer_create(device->vulkan, NEPH_BUFFER_DEVICE, sizeof(uint32_t), "nothing",
+                                    &device->nothing, diag);
+    if (!status)
+        status = neph_buffer_create(device->vulkan, NEPH_BUFFER_READBACK, most_bytes,
                                     "target readback", &device->readback, diag);
     return status;
 }
 
 enum neph_status neph_rt_device_create(struct neph_vulkan *vulkan, const struct neph_rt_view *view,
-                                       const uint32_t *noise_ranks, struct neph_rt_device *device,
-                                       struct neph_diag *diag)
+                                       uint32_t targets, const uint32_t *noise_ranks,
+                                       struct neph_rt_device *device, struct neph_diag *diag)
 {
     device->vulkan = vulkan;
     enum neph_status status = neph_buffer_create(vulkan, NEPH_BUFFER_UPLOAD, sizeof(*view), "view",
@@ -65,7 +80,7 @@ enum neph_status neph_rt_device_create(struct neph_vulkan *vulkan, const struct 
         return neph_fail_memory(diag);
     *device->view = *view;
     status = create_noise(device, noise_ranks, diag);
-    return status ? status : create_targets(device, diag);
+    return status ? status : create_targets(device, targets, diag);
 }
 
 void neph_rt_device_destroy(struct neph_rt_device *device)
@@ -73,6 +88,7 @@ void neph_rt_device_destroy(struct neph_rt_device *device)
     if (!device->vulkan)
         return;
     neph_buffer_destroy(device->vulkan, &device->readback);
+    neph_buffer_destroy(device->vulkan, &device->nothing);
     for (int t = 0; t < RT_TARGET_COUNT; t++)
         neph_buffer_destroy(device->vulkan, &device->targets[t]);
     neph_buffer_destroy(device->vulkan, &device->noise);
@@ -99,61 +115,79 @@ enum neph_status neph_rt_device_download(struct neph_rt_device *device, int targ
     return status;
 }
 
-void neph_rt_device_show(struct neph_rt_device *device)
+/* --- passes --------------------------------------------------------------------------------- */
+
+void neph_rt_device_hand_on(struct neph_rt_device *device, const struct neph_rt_pass *pass)
 {
-    memcpy(device->view_buffer.mapped, device->view, sizeof(*device->view));
+    for (int i = 0; i < NEPH_RT_HISTORIES_MAX && pass->histories[i].before; i++) {
+        const struct neph_rt_history history = pass->histories[i];
+        const struct neph_buffer before = device->targets[history.before];
+        device->targets[history.before] = device->targets[history.now];
+        device->targets[history.now] = before;
+    }
 }
 
-void neph_rt_device_swap(struct neph_rt_device *device, int a, int b)
+/* Specialization constants of shaders/realtime_choices.glsl. */
+static void set_choices(const struct neph_rt_device *device, struct neph_kernel_params *params)
 {
-    const struct neph_buffer kept = device->targets[a];
-    device->targets[a] = device->targets[b];
-    device->targets[b] = kept;
-}
-
-int neph_rt_constants(const struct neph_rt_device *device,
-                      uint32_t constants[NEPH_KERNEL_CONSTANTS_MAX])
-{
-    constants[RT_CHOICE_CONSTANT - 1] = device->specialises;
+    params->constant_count = RT_CHOICE_CONSTANT + RT_CHOICE_CONSTANT_COUNT;
+    params->constants[RT_SPECIALISED_CONSTANT] = device->specialises;
     for (int s = 0; s < RT_SETTING_COUNT && device->specialises; s++) {
         const float value = device->view->settings[s];
         const bool is_choice = neph_rt_options[s].kind == NEPH_OPTION_CHOICE;
-        constants[RT_CHOICE_CONSTANT + s] = is_choice ? (uint32_t)value : value != 0.0f;
+        const uint32_t digit = is_choice ? (uint32_t)value : value != 0.0f;
+        params->constants[RT_CHOICE_CONSTANT + s / 8] |= digit << 4 * (s % 8);
     }
-    return RT_CHOICE_CONSTANT + RT_SETTING_COUNT;
 }
 
-enum neph_status neph_rt_device_run(struct neph_rt_device *device,
-                                    const struct neph_rt_shader *shader, uint32_t colour,
-                                    size_t thread_count, double *gpu_s, struct neph_diag *diag)
+void neph_rt_device_bind(struct neph_rt_device *device, const struct neph_rt_pass *pass, int first,
+                         struct neph_kernel_params *params, struct neph_dispatch *dispatch)
 {
-    struct neph_kernel_params params = {
-        .name = shader->name,
-        .spirv = shader->spirv,
-        .spirv_size_bytes = shader->spirv_size_bytes,
-        .buffer_count = 2,
-        .array_count = RT_TARGET_COUNT,
-        .push_size_bytes = sizeof(struct neph_rt_run),
-    };
-    params.constant_count = neph_rt_constants(device, params.constants);
+    memcpy(device->view_buffer.mapped, device->view, sizeof(*device->view));
+    params->name = pass->shader.name;
+    params->spirv = pass->shader.spirv;
+    params->spirv_size_bytes = pass->shader.spirv_size_bytes;
+    params->buffer_count = first + 2;
+    params->array_count = RT_TARGET_COUNT;
+    set_choices(device, params);
+    dispatch->buffers[first] = &device->view_buffer;
+    dispatch->buffers[first + 1] = &device->noise;
+    for (int t = 0; t < RT_TARGET_COUNT; t++)
+        dispatch->buffers[first + 2 + t] = (pass->reads | pass->writes) & NEPH_RT_BIT(t)
+                                               ? &device->targets[t]
+                                               : &device->nothing;
+}
+
+enum neph_status neph_rt_device_run_colour(struct neph_rt_device *device,
+                                           const struct neph_rt_pass *pass, uint32_t colour,
+                                           double *gpu_s, struct neph_diag *diag)
+{
+    struct neph_kernel_params params = {.push_size_bytes = sizeof(struct neph_rt_run)};
+    struct neph_dispatch dispatch = {.group_count = 0};
+    neph_rt_device_bind(device, pass, 0, &params, &dispatch);
     const struct neph_kernel *kernel;
-    neph_rt_device_show(device);
     enum neph_status status = neph_kernel_get(device->vulkan, &params, &kernel, diag);
-    const size_t groups_max = device->vulkan->limits.maxComputeWorkGroupCount[0];
-    for (size_t first = 0; first < thread_count && !status; first += groups_max * local_size) {
-        const size_t left = (thread_count - first + local_size - 1) / local_size;
+    const uint64_t groups_max = device->vulkan->limits.maxComputeWorkGroupCount[0];
+    const uint64_t count = neph_rt_texel_count(device->view, pass->resolution);
+    for (uint64_t first = 0; first < count && !status; first += groups_max * local_size) {
+        const uint64_t groups = (count - first + local_size - 1) / local_size;
         const struct neph_rt_run run = {(uint32_t)first, colour};
-        struct neph_dispatch dispatch = {
-            .buffers = {&device->view_buffer, &device->noise},
-            .push = &run,
-            .group_count = (uint32_t)(left < groups_max ? left : groups_max),
-        };
-        for (int t = 0; t < RT_TARGET_COUNT; t++)
-            dispatch.buffers[2 + t] = &device->targets[t];
+        dispatch.push = &run;
+        dispatch.group_count = (uint32_t)(groups < groups_max ? groups : groups_max);
         double spent_s;
         status = neph_kernel_run(device->vulkan, kernel, &dispatch, &spent_s, diag);
         if (!status && gpu_s)
             *gpu_s += spent_s;
     }
+    return status;
+}
+
+enum neph_status neph_rt_device_run(struct neph_rt_device *device, const struct neph_rt_pass *pass,
+                                    double *gpu_s, struct neph_diag *diag)
+{
+    const uint32_t colours = neph_rt_colour_count(device->view, pass);
+    enum neph_status status = NEPH_OK;
+    for (uint32_t colour = 0; colour < colours && !status; colour++)
+        status = neph_rt_device_run_colour(device, pass, colour, gpu_s, diag);
     return status;
 }

@@ -13,7 +13,10 @@ static size_t pixel_count(const struct neph_rt_device *device)
 enum neph_status neph_rt_give(struct neph_rt_device *device, int target, float *const channels[3],
                               struct neph_diag *diag)
 {
-    uint32_t *words = calloc(neph_rt_device_words(device, target), sizeof(*words));
+    const size_t word_count = neph_rt_device_words(device, target);
+    if (word_count == 0)
+        return NEPH_OK;
+    uint32_t *words = calloc(word_count, sizeof(*words));
     if (!words)
         return neph_fail_memory(diag);
     const size_t count = pixel_count(device);
@@ -79,7 +82,7 @@ static enum neph_status check_given(const struct neph_rt_view *view, const struc
 }
 
 enum neph_status neph_rt_give_frame(struct neph_rt_device *device, const struct neph_image *frame,
-                                    struct neph_diag *diag)
+                                    uint32_t *given, struct neph_diag *diag)
 {
     enum neph_status status = check_given(device->view, frame, diag);
     if (status)
@@ -92,6 +95,8 @@ enum neph_status neph_rt_give_frame(struct neph_rt_device *device, const struct 
         status = neph_rt_give(device, RT_STEADY_DEPTH, depth_m, diag);
     if (!status)
         status = neph_rt_give(device, RT_BEHIND, shines ? rgb : dark, diag);
+    if (!status)
+        *given |= NEPH_RT_BIT(RT_DEPTH) | NEPH_RT_BIT(RT_STEADY_DEPTH) | NEPH_RT_BIT(RT_BEHIND);
     return status;
 }
 

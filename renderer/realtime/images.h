@@ -8,8 +8,8 @@
 #include "base/image.h"
 #include "renderer/realtime/device.h"
 
-/* Up to three channels of an image become those of a full-resolution target; NULL: 0. Infinity
- * becomes FAR_M. */
+/* Up to three channels of an image become those of a full-resolution target, where it has memory;
+ * NULL: 0. Infinity becomes FAR_M. */
 enum neph_status neph_rt_give(struct neph_rt_device *device, int target, float *const channels[3],
                               struct neph_diag *diag);
 
@@ -18,9 +18,10 @@ enum neph_status neph_rt_bring(struct neph_rt_device *device, int target, float 
                                struct neph_diag *diag);
 
 /* What the scene pass would make, from a frame from elsewhere: Z and, where it has them, R G B of
- * what is behind all media; without them nothing shines there. Errors: neph_realtime_render(). */
+ * what is behind all media; without them nothing shines there. Adds the targets to `*given`
+ * (NEPH_RT_BIT() of each). Errors: neph_realtime_render(). */
 enum neph_status neph_rt_give_frame(struct neph_rt_device *device, const struct neph_image *frame,
-                                    struct neph_diag *diag);
+                                    uint32_t *given, struct neph_diag *diag);
 
 /* A finished frame with the channels of neph_realtime_render(); `picture` is the target of its
  * R G B. For neph_image_destroy(). */

@@ -4,36 +4,26 @@
 #include <stdbool.h>
 #include <string.h>
 
-enum { FULL = 1, HALF = 2, QUARTER = 4 };
-
-/* Which setting chooses between the two formats; -1: the first always. */
+/* struct TargetRow of shaders/realtime.glsl */
 static const struct {
-    int divisor;
-    int setting;
-    enum neph_rt_format half, single;
-} layouts[RT_TARGET_COUNT] = {
-    [RT_DEPTH] = {FULL, -1, NEPH_RT_R32F, NEPH_RT_R32F},
-    [RT_BEHIND] = {FULL, -1, NEPH_RT_RGBA32F, NEPH_RT_RGBA32F},
-    [RT_STEADY_DEPTH] = {FULL, -1, NEPH_RT_R32F, NEPH_RT_R32F},
-    [RT_HALF_DEPTH] = {HALF, -1, NEPH_RT_R32F, NEPH_RT_R32F},
-    [RT_HALF_DEPTH_BEFORE] = {HALF, -1, NEPH_RT_R32F, NEPH_RT_R32F},
-    [RT_HISTORY] = {HALF, RT_COLOR_FORMAT, NEPH_RT_RGBA16F, NEPH_RT_RGBA32F},
-    [RT_HISTORY_BEFORE] = {HALF, RT_COLOR_FORMAT, NEPH_RT_RGBA16F, NEPH_RT_RGBA32F},
-    [RT_HISTORY_STATE] = {HALF, RT_DEPTH_FORMAT, NEPH_RT_RG16F, NEPH_RT_RG32F},
-    [RT_HISTORY_STATE_BEFORE] = {HALF, RT_DEPTH_FORMAT, NEPH_RT_RG16F, NEPH_RT_RG32F},
-    [RT_TILE] = {QUARTER, RT_DEPTH_FORMAT, NEPH_RT_RG16F, NEPH_RT_RG32F},
-    [RT_RAY] = {QUARTER, RT_COLOR_FORMAT, NEPH_RT_RGBA16F, NEPH_RT_RGBA32F},
-    [RT_RAY_DISTANCE] = {QUARTER, RT_DEPTH_FORMAT, NEPH_RT_R16F, NEPH_RT_R32F},
-    [RT_VOLUME] = {FULL, RT_COLOR_FORMAT, NEPH_RT_RGBA16F, NEPH_RT_RGBA32F},
-    [RT_VOLUME_DISTANCE] = {FULL, RT_DEPTH_FORMAT, NEPH_RT_R16F, NEPH_RT_R32F},
-    [RT_COLOR] = {FULL, -1, NEPH_RT_RGBA32F, NEPH_RT_RGBA32F},
-    [RT_TAA_OUT] = {FULL, RT_TAA_FORMAT, NEPH_RT_RGBA16F, NEPH_RT_RGBA32F},
-    [RT_TAA_BEFORE] = {FULL, RT_TAA_FORMAT, NEPH_RT_RGBA16F, NEPH_RT_RGBA32F},
-};
+    int resolution, setting, half_format, float_format;
+} rows[RT_TARGET_COUNT] = {RT_TARGETS};
 
 static uint32_t divide_up(int value, int divisor)
 {
     return (uint32_t)((value + divisor - 1) / divisor);
+}
+
+static struct neph_rt_target shape_of(const struct neph_rt_view *view, int target,
+                                      const int buffer_px[2])
+{
+    const int setting = rows[target].setting, resolution = rows[target].resolution;
+    const bool is_half = setting == RT_FIXED || view->settings[setting] == RT_FORMAT_HALF;
+    return (struct neph_rt_target){
+        .format = (uint32_t)(is_half ? rows[target].half_format : rows[target].float_format),
+        .width = divide_up(buffer_px[0], resolution),
+        .height = divide_up(buffer_px[1], resolution),
+    };
 }
 
 void neph_rt_view_init(struct neph_rt_view *view, const struct neph_settings *settings,
@@ -45,22 +35,21 @@ void neph_rt_view_init(struct neph_rt_view *view, const struct neph_settings *se
     for (int axis = 0; axis < 2; axis++) {
         view->origin_px[axis] = (uint32_t)origin_px[axis];
         view->size_px[axis] = (uint32_t)size_px[axis];
-        view->half_size_px[axis] = divide_up(size_px[axis], HALF);
-        view->tile_count[axis] = divide_up(size_px[axis], QUARTER);
+        view->half_size_px[axis] = divide_up(size_px[axis], RT_HALF);
+        view->tile_count[axis] = divide_up(size_px[axis], RT_QUARTER);
     }
-    for (int t = 0; t < RT_TARGET_COUNT; t++) {
-        const bool single = layouts[t].setting >= 0 &&
-                            view->settings[layouts[t].setting] == RT_FORMAT_FLOAT;
-        view->targets[t] = (struct neph_rt_target){
-            .format = single ? layouts[t].single : layouts[t].half,
-            .width = divide_up(buffer_px[0], layouts[t].divisor),
-            .height = divide_up(buffer_px[1], layouts[t].divisor),
-        };
-    }
+    for (int t = 0; t < RT_TARGET_COUNT; t++)
+        view->targets[t] = shape_of(view, t, buffer_px);
 }
 
 uint64_t neph_rt_target_bytes(const struct neph_rt_view *view, int target)
 {
     const struct neph_rt_target *shape = &view->targets[target];
     return (uint64_t)shape->width * shape->height * neph_rt_format_bytes(shape->format);
+}
+
+uint64_t neph_rt_texel_count(const struct neph_rt_view *view, int resolution)
+{
+    return (uint64_t)divide_up((int)view->size_px[0], resolution) *
+           divide_up((int)view->size_px[1], resolution);
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Sizes and formats of the targets, as table 1A of the frame split has them and the settings want
+ * Sizes and formats of the targets: RT_TARGETS of shaders/realtime_names.h, as the settings want
  * them.
  */
 #ifndef NEPH_RENDERER_REALTIME_LAYOUT_H
@@ -16,5 +16,8 @@ void neph_rt_view_init(struct neph_rt_view *view, const struct neph_settings *se
 
 /* Bytes of one target: what a GPU would have in memory for its texture. */
 uint64_t neph_rt_target_bytes(const struct neph_rt_view *view, int target);
+
+/* Texels that a view has at a resolution: RT_FULL, RT_HALF, RT_QUARTER. */
+uint64_t neph_rt_texel_count(const struct neph_rt_view *view, int resolution);
 
 #endif

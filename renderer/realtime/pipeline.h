@@ -35,12 +35,10 @@ struct neph_realtime_frame {
     const struct neph_image *given;
 };
 
-enum { NEPH_REALTIME_PASS_COUNT = 8 };
-
 /* What a picture has cost. Counts are exact, made by the shaders. */
 struct neph_realtime_stats {
-    double pass_gpu_s[NEPH_REALTIME_PASS_COUNT]; /* NaN: no clock; 0: not run */
-    double gpu_s;                                /* of all passes */
+    double pass_gpu_s[NEPH_RT_PASSES_MAX]; /* of neph_rt_passes; NaN: no clock; 0: not run */
+    double gpu_s;                          /* of all passes */
     double wall_s;
     uint64_t density_evaluations; /* as in struct neph_march_stats */
     uint64_t closed_forms;
@@ -50,9 +48,6 @@ struct neph_realtime_stats {
      * texel of a target once per pass. */
     uint64_t history_bytes, target_bytes, traffic_bytes;
 };
-
-/* "scene", "depth map", .. in the order of the pipeline; NULL beyond the last. */
-const char *neph_realtime_pass_name(int pass);
 
 /* False, with the reason in words, when the scene asks for what these settings leave out. */
 bool neph_realtime_can_render(const struct neph_scene *scene, const struct neph_settings *settings,
@@ -81,7 +76,8 @@ enum neph_status neph_realtime_resize(struct neph_realtime *realtime,
                                       struct neph_diag *diag);
 
 /* For tests: called with `context` after each pass of a picture; may read and change targets. */
-typedef void neph_realtime_observer(struct neph_rt_device *device, int pass, void *context);
+typedef void neph_realtime_observer(struct neph_rt_device *device, const struct neph_rt_pass *pass,
+                                    void *context);
 void neph_realtime_observe(struct neph_realtime *realtime, neph_realtime_observer *observer,
                            void *context);
 

@@ -6,10 +6,9 @@
 static const struct {
     uint32_t words, bytes, channels;
     int is_half;
-} formats[NEPH_RT_FORMAT_COUNT] = {
-    [NEPH_RT_R16F] = {1, 2, 1, 1},    [NEPH_RT_R32F] = {1, 4, 1, 0},
-    [NEPH_RT_RG16F] = {1, 4, 2, 1},   [NEPH_RT_RG32F] = {2, 8, 2, 0},
-    [NEPH_RT_RGBA16F] = {2, 8, 4, 1}, [NEPH_RT_RGBA32F] = {4, 16, 4, 0},
+} formats[RT_FORMAT_COUNT] = {
+    [RT_R16F] = {1, 2, 1, 1},  [RT_R32F] = {1, 4, 1, 0},    [RT_RG16F] = {1, 4, 2, 1},
+    [RT_RG32F] = {2, 8, 2, 0}, [RT_RGBA16F] = {2, 8, 4, 1}, [RT_RGBA32F] = {4, 16, 4, 0},
 };
 
 uint32_t neph_rt_format_words(uint32_t format)

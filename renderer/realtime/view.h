@@ -24,20 +24,9 @@ struct neph_rt_camera {
         padding_2; /* 0 for this frame's, where the last frame's stood for that one */
 };
 
-/* How many words of 32 bits an element of a target takes, and what they are. */
-enum neph_rt_format {
-    NEPH_RT_R16F,    /* 1 word, the upper half unused */
-    NEPH_RT_R32F,    /* 1 word */
-    NEPH_RT_RG16F,   /* 1 word: R in the lower half */
-    NEPH_RT_RG32F,   /* 2 words */
-    NEPH_RT_RGBA16F, /* 2 words: R, G and B, A, the first of each in the lower half */
-    NEPH_RT_RGBA32F, /* 4 words */
-    NEPH_RT_FORMAT_COUNT,
-};
-
 /* Elements row by row, row 0 on top. */
 struct neph_rt_target {
-    uint32_t format; /* enum neph_rt_format */
+    uint32_t format; /* RT_R16F, .. */
     uint32_t width, height;
     uint32_t padding;
 };

@@ -115,36 +115,17 @@ float from_half(uint bits)
 // The largest half. It is also where what is kept in one ends before it becomes infinite.
 const float HALF_MAX = 65504.0;
 
-// enum neph_rt_format
-const uint R16F = 0, R32F = 1, RG16F = 2, RG32F = 3, RGBA16F = 4, RGBA32F = 5;
+struct TargetRow {
+    int resolution, setting, half_format, float_format;
+};
 
-// By the choices, as renderer/realtime/layout.c has it for the CPU.
-uint format_of(int target)
+const TargetRow TARGETS[RT_TARGET_COUNT] = {RT_TARGETS};
+
+int format_of(int target)
 {
-    bool half_depth = choice(RT_DEPTH_FORMAT) == RT_FORMAT_HALF;
-    bool half_color = choice(RT_COLOR_FORMAT) == RT_FORMAT_HALF;
-    switch (target) {
-    case RT_HISTORY_STATE:
-    case RT_HISTORY_STATE_BEFORE:
-    case RT_TILE:
-        return half_depth ? RG16F : RG32F;
-    case RT_RAY_DISTANCE:
-    case RT_VOLUME_DISTANCE:
-        return half_depth ? R16F : R32F;
-    case RT_HISTORY:
-    case RT_HISTORY_BEFORE:
-    case RT_RAY:
-    case RT_VOLUME:
-        return half_color ? RGBA16F : RGBA32F;
-    case RT_TAA_OUT:
-    case RT_TAA_BEFORE:
-        return choice(RT_TAA_FORMAT) == RT_FORMAT_HALF ? RGBA16F : RGBA32F;
-    case RT_BEHIND:
-    case RT_COLOR:
-        return RGBA32F;
-    default:
-        return R32F;
-    }
+    TargetRow row = TARGETS[target];
+    return row.setting == RT_FIXED || choice(row.setting) == RT_FORMAT_HALF ? row.half_format
+                                                                           : row.float_format;
 }
 
 vec2 unpack(uint word) { return vec2(from_half(word & 0xffffu), from_half(word >> 16)); }
@@ -155,16 +136,16 @@ vec4 fetch(int target, ivec2 texel)
 {
     uint index = uint(texel.y) * view.targets[target].width + uint(texel.x);
     switch (format_of(target)) {
-    case R16F:
+    case RT_R16F:
         return vec4(from_half(targets[target].words[index] & 0xffffu), 0.0, 0.0, 0.0);
-    case R32F:
+    case RT_R32F:
         return vec4(uintBitsToFloat(targets[target].words[index]), 0.0, 0.0, 0.0);
-    case RG16F:
+    case RT_RG16F:
         return vec4(unpack(targets[target].words[index]), 0.0, 0.0);
-    case RG32F:
+    case RT_RG32F:
         return vec4(uintBitsToFloat(targets[target].words[2u * index]),
                     uintBitsToFloat(targets[target].words[2u * index + 1u]), 0.0, 0.0);
-    case RGBA16F:
+    case RT_RGBA16F:
         return vec4(unpack(targets[target].words[2u * index]),
                     unpack(targets[target].words[2u * index + 1u]));
     default:
@@ -179,20 +160,20 @@ void put(int target, ivec2 texel, vec4 value)
 {
     uint index = uint(texel.y) * view.targets[target].width + uint(texel.x);
     switch (format_of(target)) {
-    case R16F:
+    case RT_R16F:
         targets[target].words[index] = to_half(value.x);
         break;
-    case R32F:
+    case RT_R32F:
         targets[target].words[index] = floatBitsToUint(value.x);
         break;
-    case RG16F:
+    case RT_RG16F:
         targets[target].words[index] = pack(value.xy);
         break;
-    case RG32F:
+    case RT_RG32F:
         targets[target].words[2u * index] = floatBitsToUint(value.x);
         targets[target].words[2u * index + 1u] = floatBitsToUint(value.y);
         break;
-    case RGBA16F:
+    case RT_RGBA16F:
         targets[target].words[2u * index] = pack(value.xy);
         targets[target].words[2u * index + 1u] = pack(value.zw);
         break;

@@ -104,8 +104,11 @@
 #define RT_WARM_UP 85
 #define RT_SETTING_COUNT 86
 
-// Specialization constant of setting 0 in the shaders; those of choices are their values.
+// Specialization constants of the shaders: whether they hold the choices, and the first that does
+// (realtime_choices.glsl).
+#define RT_SPECIALISED_CONSTANT 7
 #define RT_CHOICE_CONSTANT 8
+#define RT_CHOICE_CONSTANT_COUNT 16
 
 // --- choices ----------------------------------------------------------------------------------
 
@@ -204,6 +207,16 @@
 #define RT_ROUNDING_NEAREST 0
 #define RT_ROUNDING_STOCHASTIC 1
 
+// --- formats: the words of 32 bits that an element of a target takes --------------------------
+
+#define RT_R16F 0    // 1 word, the upper half unused
+#define RT_R32F 1    // 1 word
+#define RT_RG16F 2   // 1 word: R in the lower half
+#define RT_RG32F 3   // 2 words
+#define RT_RGBA16F 4 // 2 words: R and G, B and A, the first of each in the lower half
+#define RT_RGBA32F 5 // 4 words
+#define RT_FORMAT_COUNT 6
+
 // --- targets: the images that passes hand to each other ---------------------------------------
 
 // Full resolution.
@@ -231,5 +244,33 @@
 // jittered_depth is on.
 #define RT_STEADY_DEPTH 16
 #define RT_TARGET_COUNT 17
+
+// How many pixels wide and high one of their texels is.
+#define RT_FULL 1
+#define RT_HALF 2
+#define RT_QUARTER 4
+
+#define RT_FIXED (-1) // no setting chooses the format
+
+// The table of targets, rows for a C array or a GLSL one: resolution; the setting that chooses the
+// format; the format where that is half; where it is float.
+#define RT_TARGETS \
+    {RT_FULL, RT_FIXED, RT_R32F, RT_R32F},               /* RT_DEPTH */ \
+    {RT_FULL, RT_FIXED, RT_RGBA32F, RT_RGBA32F},         /* RT_BEHIND */ \
+    {RT_HALF, RT_FIXED, RT_R32F, RT_R32F},               /* RT_HALF_DEPTH */ \
+    {RT_HALF, RT_FIXED, RT_R32F, RT_R32F},               /* RT_HALF_DEPTH_BEFORE */ \
+    {RT_HALF, RT_COLOR_FORMAT, RT_RGBA16F, RT_RGBA32F},  /* RT_HISTORY */ \
+    {RT_HALF, RT_COLOR_FORMAT, RT_RGBA16F, RT_RGBA32F},  /* RT_HISTORY_BEFORE */ \
+    {RT_HALF, RT_DEPTH_FORMAT, RT_RG16F, RT_RG32F},      /* RT_HISTORY_STATE */ \
+    {RT_HALF, RT_DEPTH_FORMAT, RT_RG16F, RT_RG32F},      /* RT_HISTORY_STATE_BEFORE */ \
+    {RT_QUARTER, RT_DEPTH_FORMAT, RT_RG16F, RT_RG32F},   /* RT_TILE */ \
+    {RT_QUARTER, RT_COLOR_FORMAT, RT_RGBA16F, RT_RGBA32F}, /* RT_RAY */ \
+    {RT_QUARTER, RT_DEPTH_FORMAT, RT_R16F, RT_R32F},     /* RT_RAY_DISTANCE */ \
+    {RT_FULL, RT_COLOR_FORMAT, RT_RGBA16F, RT_RGBA32F},  /* RT_VOLUME */ \
+    {RT_FULL, RT_DEPTH_FORMAT, RT_R16F, RT_R32F},        /* RT_VOLUME_DISTANCE */ \
+    {RT_FULL, RT_FIXED, RT_RGBA32F, RT_RGBA32F},         /* RT_COLOR */ \
+    {RT_FULL, RT_TAA_FORMAT, RT_RGBA16F, RT_RGBA32F},    /* RT_TAA_OUT */ \
+    {RT_FULL, RT_TAA_FORMAT, RT_RGBA16F, RT_RGBA32F},    /* RT_TAA_BEFORE */ \
+    {RT_FULL, RT_FIXED, RT_R32F, RT_R32F},               /* RT_STEADY_DEPTH */
 
 #endif

@@ -8,9 +8,9 @@
 
 #include "tests/renderer/renderer_test.h"
 
+#include "renderer/realtime/device.h"
 #include "renderer/realtime/layout.h"
 #include "renderer/realtime/options.h"
-#include "renderer/realtime/shaders.h"
 #include "tests/renderer/twins/twin.h"
 
 #include <stdlib.h>
@@ -77,8 +77,9 @@ static inline void test_passes_open(struct neph_vulkan *vulkan,
     for (size_t i = 0; i < NEPH_RT_NOISE_COUNT; i++)
         test->noise_ranks[i] = (uint32_t)(test_random(&seed) % 4096);
     struct neph_diag diag = {0};
-    neph_assert_ok(
-        neph_rt_device_create(vulkan, &test->view, test->noise_ranks, &test->device, &diag), &diag);
+    neph_assert_ok(neph_rt_device_create(vulkan, &test->view, NEPH_RT_BIT(RT_TARGET_COUNT) - 1,
+                                         test->noise_ranks, &test->device, &diag),
+                   &diag);
     test->twin.view = &test->view;
     test->twin.noise_ranks = test->noise_ranks;
     for (int t = 0; t < RT_TARGET_COUNT; t++)
@@ -110,16 +111,16 @@ static inline void test_get(const struct test_passes *test, int target, size_t i
 }
 
 /* Give the device the view and all targets as the twin has them, and run a pass there. */
-static inline void test_passes_run(struct test_passes *test, const struct neph_rt_shader *shader,
-                                   uint32_t colour, size_t thread_count)
+static inline void test_passes_run(struct test_passes *test, const char *name)
 {
+    const struct neph_rt_pass *pass = neph_rt_pass_named(name);
     struct neph_diag diag = {0};
+    assert_non_null(pass);
     *test->device.view = test->view;
     for (int t = 0; t < RT_TARGET_COUNT; t++)
         neph_assert_ok(neph_rt_device_upload(&test->device, t, test->twin.targets[t], &diag),
                        &diag);
-    neph_assert_ok(neph_rt_device_run(&test->device, shader, colour, thread_count, NULL, &diag),
-                   &diag);
+    neph_assert_ok(neph_rt_device_run(&test->device, pass, NULL, &diag), &diag);
 }
 
 /* What the device made of a target, in words as the twin's; for the caller to free. */

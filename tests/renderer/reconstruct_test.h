@@ -48,7 +48,7 @@ static inline void reconstruct_fetch(struct test_passes *test, int target)
 
 static inline void reconstruct_run(struct test_passes *test)
 {
-    test_passes_run(test, &neph_rt_shader_reconstruct, 0, reconstruct_threads(test));
+    test_passes_run(test, "reconstruction");
     reconstruct_fetch(test, RT_HISTORY);
     reconstruct_fetch(test, RT_HISTORY_STATE);
 }

@@ -16,8 +16,7 @@ static void open_view(void **state, const char *assignments, const int size_px[2
 
 static void compose_both(struct test_passes *test)
 {
-    test_passes_run(test, &neph_rt_shader_compose, 0,
-                    (size_t)test->view.size_px[0] * test->view.size_px[1]);
+    test_passes_run(test, "composition");
     twin_compose(&test->twin);
 }
 

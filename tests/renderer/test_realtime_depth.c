@@ -67,8 +67,7 @@ static void test_min_max_equals_the_twin(void **state)
             test_passes_open(*state, &settings, sizes_px[s], origin_px, seed, &test);
             for (size_t i = 0; i < test_elements(&test, RT_STEADY_DEPTH); i++)
                 test_set(&test, RT_STEADY_DEPTH, i, (float[4]){random_depth_m(&seed)});
-            test_passes_run(&test, &neph_rt_shader_min_max, 0,
-                            (size_t)test.view.half_size_px[0] * test.view.half_size_px[1]);
+            test_passes_run(&test, "depth map");
             twin_min_max(&test.twin);
             test_same_words(&test, RT_HALF_DEPTH, start);
             test_passes_close(&test);

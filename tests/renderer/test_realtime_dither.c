@@ -315,14 +315,15 @@ static void test_channels_cover_the_square(void **state)
                 fail_msg("kind %d, channel %u", kind, channel);
 }
 
-static const struct neph_rt_shader *probe(void)
-{
-    static const uint32_t spirv[] = {
+static const uint32_t probe_spirv[] = {
 #include "shaders/probe_dither.comp.inc"
-    };
-    static const struct neph_rt_shader shader = {"probe_dither", spirv, sizeof(spirv)};
-    return &shader;
-}
+};
+static const struct neph_rt_pass probe = {
+    .name = "probe",
+    .shader = {"probe_dither", probe_spirv, sizeof(probe_spirv)},
+    .resolution = RT_FULL,
+    .writes = NEPH_RT_BIT(RT_COLOR),
+};
 
 /* The same bits on the device, so that whatever is true of the one is true of the other. */
 static void test_the_shader_is_the_same(void **state)
@@ -347,9 +348,7 @@ static void test_the_shader_is_the_same(void **state)
                                       (float[4]){twin_dither(&dither, kind, x - 70, y - 5,
                                                              frames[f], channel)});
                 *test.device.view = test.view;
-                neph_assert_ok(neph_rt_device_run(&test.device, probe(), channel,
-                                                  (size_t)size_px[0] * (size_t)size_px[1], NULL,
-                                                  NULL),
+                neph_assert_ok(neph_rt_device_run_colour(&test.device, &probe, channel, NULL, NULL),
                                NULL);
                 test_same_words(&test, RT_COLOR, test.view.seed);
             }

@@ -47,7 +47,7 @@ static void test_the_sky_of_the_override(void **state)
         const int usual = twin_default_slot(&test.view, 2, 2), other = (usual + 2) % 4;
         const int *place = twin_slot_place(&test.view, other);
         twin_put_half(&test.twin, RT_HALF_DEPTH, 4 + place[0], 4 + place[1], (float[4]){18000});
-        test_passes_run(&test, &neph_rt_shader_tile_index, 0, 25);
+        test_passes_run(&test, "tile index");
         uint32_t *words = test_download(&test, RT_TILE);
         float tile[4];
         neph_rt_load(&test.view.targets[RT_TILE], words, 2 * test.view.targets[RT_TILE].width + 2,
@@ -423,7 +423,7 @@ static void open_upscale(struct neph_vulkan *vulkan, const char *assignments,
 static void upscale(struct test_passes *test, int x, int y, float value[4])
 {
     struct neph_diag diag = {0};
-    test_passes_run(test, &neph_rt_shader_upscale, 0, 12 * 12);
+    test_passes_run(test, "upscale");
     neph_assert_ok(
         neph_rt_device_download(&test->device, RT_VOLUME, test->twin.targets[RT_VOLUME], &diag),
         &diag);

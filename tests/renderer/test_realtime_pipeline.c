@@ -144,10 +144,11 @@ struct ray_check {
     int checked;
 };
 
-static void check_rays(struct neph_rt_device *device, int pass, void *context)
+static void check_rays(struct neph_rt_device *device, const struct neph_rt_pass *pass,
+                       void *context)
 {
     struct ray_check *check = context;
-    if (strcmp(neph_realtime_pass_name(pass), "march") != 0)
+    if (strcmp(pass->name, "march") != 0)
         return;
     const int targets[] = {RT_TILE, RT_RAY};
     uint32_t *words[2];
@@ -250,7 +251,8 @@ static void test_same_sequence_same_bits(void **state)
 
 /* Choices that are compiled into the shaders and choices that are looked up make the same bits:
  * what is tested pass by pass is what is used. */
-static void generalise(struct neph_rt_device *device, int pass, void *context)
+static void generalise(struct neph_rt_device *device, const struct neph_rt_pass *pass,
+                       void *context)
 {
     (void)pass, (void)context;
     device->specialises = false;
@@ -335,14 +337,12 @@ struct injection {
     int frame, seen; /* put it in at this one; frames so far */
     float value[4];
     size_t bad[16]; /* per frame, after its last pass */
-    int last_pass;
 };
 
-static void inject(struct neph_rt_device *device, int pass, void *context)
+static void inject(struct neph_rt_device *device, const struct neph_rt_pass *pass, void *context)
 {
     struct injection *injection = context;
-    if (strcmp(neph_realtime_pass_name(pass), "march") == 0 &&
-        injection->seen == injection->frame) {
+    if (strcmp(pass->name, "march") == 0 && injection->seen == injection->frame) {
         const size_t words = neph_rt_device_words(device, RT_RAY);
         uint32_t *copy = malloc(words * sizeof(*copy));
         struct neph_diag diag = {0};
@@ -351,7 +351,7 @@ static void inject(struct neph_rt_device *device, int pass, void *context)
         neph_assert_ok(neph_rt_device_upload(device, RT_RAY, copy, &diag), &diag);
         free(copy);
     }
-    if (pass == injection->last_pass)
+    if (strcmp(pass->name, "anti-aliasing") == 0)
         injection->bad[injection->seen++] = count_bad(device);
 }
 
@@ -368,7 +368,7 @@ static void test_a_bad_ray_is_gone_one_frame_later(void **state)
         for (size_t v = 0; v < sizeof(values) / sizeof(values[0]); v++) {
             const struct neph_settings settings = preset(sound[p]);
             struct neph_realtime *realtime = open_realtime(*state, &test.scene, &settings);
-            struct injection injection = {.frame = 5, .last_pass = 7};
+            struct injection injection = {.frame = 5};
             memcpy(injection.value, values[v], sizeof(injection.value));
             neph_realtime_observe(realtime, inject, &injection);
             for (int frame = 0; frame < 8; frame++)
@@ -380,12 +380,12 @@ static void test_a_bad_ray_is_gone_one_frame_later(void **state)
 }
 
 /* Fill what the first frame might take for its past. */
-static void fill_past(struct neph_rt_device *device, int pass, void *context)
+static void fill_past(struct neph_rt_device *device, const struct neph_rt_pass *pass, void *context)
 {
     static const int past[] = {RT_HISTORY_BEFORE, RT_HISTORY_STATE_BEFORE, RT_HALF_DEPTH_BEFORE,
                                RT_TAA_BEFORE};
     uint32_t *pattern = context;
-    if (pass != 0 || !pattern[1])
+    if (strcmp(pass->name, "scene") != 0 || !pattern[1])
         return;
     pattern[1] = 0; /* the first frame alone */
     for (size_t t = 0; t < sizeof(past) / sizeof(past[0]); t++) {
@@ -454,7 +454,7 @@ static void test_no_bad_number_in_motion(void **state)
     for (int p = 1; p < PRESETS; p++) {
         const struct neph_settings settings = preset(presets[p]);
         struct neph_realtime *realtime = open_realtime(*state, &test.scene, &settings);
-        struct injection watch = {.frame = -1, .last_pass = 7};
+        struct injection watch = {.frame = -1};
         neph_realtime_observe(realtime, inject, &watch);
         for (int frame = 0; frame < 13; frame++)
             neph_image_destroy(next(realtime, &test.scene, frame, NULL));

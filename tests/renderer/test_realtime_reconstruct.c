@@ -148,7 +148,7 @@ static void open_at_random(struct neph_vulkan *vulkan, const struct neph_setting
 
 static void compare_words(struct test_passes *test, uint64_t seed)
 {
-    test_passes_run(test, &neph_rt_shader_reconstruct, 0, reconstruct_threads(test));
+    test_passes_run(test, "reconstruction");
     twin_reconstruct(&test->twin);
     test_same_words(test, RT_HISTORY, seed);
     test_same_words(test, RT_HISTORY_STATE, seed);
@@ -354,7 +354,7 @@ static void test_values_are_the_twin_s(void **state)
             if (i % 4 != 0)
                 move_at_random(&test.view, i % 4 == 1 ? 1.0 : 0.03, &random);
             test.view.is_cut = test_random(&random) % 16 == 0;
-            test_passes_run(&test, &neph_rt_shader_reconstruct, 0, reconstruct_threads(&test));
+            test_passes_run(&test, "reconstruction");
             doubtful += compare_values(&test, start);
             total += reconstruct_threads(&test);
             test_passes_close(&test);

@@ -62,8 +62,7 @@ enum { SIZES = sizeof(sizes_px) / sizeof(sizes_px[0]) };
 
 static void run(struct test_passes *test)
 {
-    test_passes_run(test, &neph_rt_shader_taa, 0,
-                    (size_t)test->view.size_px[0] * test->view.size_px[1]);
+    test_passes_run(test, "anti-aliasing");
 }
 
 static double between(uint64_t *seed, double low, double high)

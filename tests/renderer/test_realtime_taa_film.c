@@ -46,10 +46,9 @@ static void film_step(struct test_passes *film)
     struct neph_diag diag = {0};
     *film->device.view = film->view;
     film_upload(film, RT_COLOR);
-    neph_assert_ok(neph_rt_device_run(&film->device, &neph_rt_shader_taa, 0,
-                                      test_elements(film, RT_COLOR), NULL, &diag),
-                   &diag);
-    neph_rt_device_swap(&film->device, RT_TAA_OUT, RT_TAA_BEFORE);
+    const struct neph_rt_pass *pass = neph_rt_pass_named("anti-aliasing");
+    neph_assert_ok(neph_rt_device_run(&film->device, pass, NULL, &diag), &diag);
+    neph_rt_device_hand_on(&film->device, pass);
     neph_assert_ok(neph_rt_device_download(&film->device, RT_TAA_BEFORE,
                                            film->twin.targets[RT_TAA_BEFORE], &diag),
                    &diag);

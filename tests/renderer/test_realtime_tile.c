@@ -8,21 +8,13 @@
 
 static const int sizes_px[][2] = {{1, 1}, {2, 3}, {5, 4}, {64, 36}, {127, 33}, {641, 363}};
 
-static size_t tile_total(const struct neph_rt_view *view)
-{
-    return (size_t)view->tile_count[0] * view->tile_count[1];
-}
-
 /* RT_TILE on the device, from the half-resolution depths that it has. */
 static void run_tile_index(struct test_passes *test)
 {
     struct neph_diag diag = {0};
     *test->device.view = test->view;
-    const bool sequential = test->view.settings[RT_OVERRIDE] == RT_OVERRIDE_SEQUENTIAL;
-    for (uint32_t colour = 0; colour < (sequential ? 4u : 1u); colour++)
-        neph_assert_ok(neph_rt_device_run(&test->device, &neph_rt_shader_tile_index, colour,
-                                          tile_total(&test->view), NULL, &diag),
-                       &diag);
+    neph_assert_ok(neph_rt_device_run(&test->device, neph_rt_pass_named("tile index"), NULL, &diag),
+                   &diag);
 }
 
 static void upload(struct test_passes *test, int target)
@@ -497,7 +489,7 @@ static void test_coverage_equals_the_python_program(void **state)
             for (size_t i = 0; i < MAP_PX * MAP_PX; i++)
                 twin_put_full(&test.twin, RT_STEADY_DEPTH, (int)i % MAP_PX, (int)i / MAP_PX,
                               (float[4]){depths_m[map][i]});
-            test_passes_run(&test, &neph_rt_shader_min_max, 0, MAP_PX * MAP_PX / 4);
+            test_passes_run(&test, "depth map");
             fetch_back(&test, RT_HALF_DEPTH);
             const struct coverage actual = measure_coverage(&test);
             const struct coverage *expected = &maps[map].expected[mode];

@@ -15,7 +15,7 @@ static size_t pixel_count(const struct test_passes *test)
 
 static void upscale_device(struct test_passes *test)
 {
-    test_passes_run(test, &neph_rt_shader_upscale, 0, pixel_count(test));
+    test_passes_run(test, "upscale");
 }
 
 /* What the device made of a target takes the place of what the twin has. */
@@ -76,7 +76,7 @@ static void fill(struct test_passes *test, uint64_t *seed, unsigned bad)
  * sum 3: 18 halves, 9 ulps of 2^-23; and halves by one more step of theirs, 2^-10. */
 static void assert_same_volumes(struct test_passes *test, const char *assignments, uint64_t seed)
 {
-    const bool is_half = test->view.targets[RT_VOLUME].format == NEPH_RT_RGBA16F;
+    const bool is_half = test->view.targets[RT_VOLUME].format == RT_RGBA16F;
     uint32_t *words = test_download(test, RT_VOLUME);
     const struct neph_rt_target *shape = &test->view.targets[RT_VOLUME];
     for (size_t i = 0; i < test_elements(test, RT_VOLUME); i++) {

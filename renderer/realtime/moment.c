@@ -1,0 +1,74 @@
+/* SPDX-License-Identifier: MIT */
+#include "renderer/realtime/moment.h"
+
+#include "renderer/realtime/jitter.h"
+#include "scenes/motion.h"
+
+#include <math.h>
+#include <string.h>
+
+static void set_vector(float out[3], struct neph_vec3 vector)
+{
+    out[0] = (float)vector.x;
+    out[1] = (float)vector.y;
+    out[2] = (float)vector.z;
+}
+
+static struct neph_rt_camera camera_from(const struct neph_camera *camera,
+                                         struct neph_vec3 origin_m, const uint32_t size_px[2])
+{
+    const double tan_half_height = tan(0.5 * camera->vertical_fov_rad);
+    struct neph_rt_camera made = {
+        .tan_half_width = (float)(tan_half_height * size_px[0] / size_px[1]),
+        .tan_half_height = (float)tan_half_height,
+    };
+    set_vector(made.right, camera->right);
+    set_vector(made.up, camera->up);
+    set_vector(made.forward, camera->forward);
+    set_vector(made.position_m, neph_vec3_sub(camera->position_m, origin_m));
+    return made;
+}
+
+/* Every so many cycles of four frames one without override. */
+static bool is_resting(const struct neph_rt_view *view, uint32_t number)
+{
+    const uint32_t period = (uint32_t)view->settings[RT_OVERRIDE_REST];
+    return period > 0 && number / 4 % period == period - 1;
+}
+
+struct neph_rt_moment neph_rt_moment_of(const struct neph_rt_view *view,
+                                        const struct neph_scene *scene, int frame, uint32_t number,
+                                        bool moves_rays)
+{
+    struct neph_rt_moment now = {
+        .camera = neph_scene_camera(scene, frame),
+        .drift_m = neph_scene_wind_displacement_m(scene, frame),
+        .frame = frame,
+    };
+    double jitter_px[2] = {0.0, 0.0};
+    if (moves_rays && view->settings[RT_TAA] != 0.0f)
+        neph_rt_jitter((int)view->settings[RT_TAA_JITTER],
+                       (int)view->settings[RT_TAA_JITTER_LENGTH], number, jitter_px);
+    now.jitter_px[0] = (float)jitter_px[0];
+    now.jitter_px[1] = (float)jitter_px[1];
+    return now;
+}
+
+void neph_rt_view_set_moment(struct neph_rt_view *view, const struct neph_scene *scene,
+                             const struct neph_rt_moment *now, const struct neph_rt_moment *before,
+                             uint32_t number)
+{
+    const bool is_first = !before;
+    if (is_first)
+        before = now;
+    const bool is_cut = !is_first && neph_scene_is_cut(scene, before->frame, now->frame);
+    view->now = camera_from(&now->camera, now->camera.position_m, view->size_px);
+    view->before = camera_from(&before->camera, now->camera.position_m, view->size_px);
+    view->frame = number;
+    view->is_cut = is_cut;
+    view->has_history = !is_first && !(is_cut && view->settings[RT_CUT_RESET] != 0.0f);
+    view->resting = is_resting(view, number);
+    memcpy(view->jitter_px, now->jitter_px, sizeof(view->jitter_px));
+    memcpy(view->jitter_before_px, before->jitter_px, sizeof(view->jitter_before_px));
+    set_vector(view->wind_m, neph_vec3_sub(now->drift_m, before->drift_m));
+}

@@ -1,0 +1,177 @@
+/* SPDX-License-Identifier: MIT */
+#include "renderer/realtime/passes.h"
+
+#include <string.h>
+
+static const uint32_t scene_spirv[] = {
+#include "shaders/rt_scene.comp.inc"
+};
+static const uint32_t min_max_spirv[] = {
+#include "shaders/rt_min_max.comp.inc"
+};
+static const uint32_t tile_index_spirv[] = {
+#include "shaders/rt_tile_index.comp.inc"
+};
+static const uint32_t march_spirv[] = {
+#include "shaders/rt_march.comp.inc"
+};
+static const uint32_t reconstruct_spirv[] = {
+#include "shaders/rt_reconstruct.comp.inc"
+};
+static const uint32_t upscale_spirv[] = {
+#include "shaders/rt_upscale.comp.inc"
+};
+static const uint32_t compose_spirv[] = {
+#include "shaders/rt_compose.comp.inc"
+};
+static const uint32_t taa_spirv[] = {
+#include "shaders/rt_taa.comp.inc"
+};
+
+#define BIT NEPH_RT_BIT
+
+const struct neph_rt_pass neph_rt_passes[] = {
+    {
+        .name = "scene",
+        .note = "depth and radiance of what is behind all media, a ray per pixel",
+        .shader = {"rt_scene", scene_spirv, sizeof(scene_spirv)},
+        .condition = {RT_SPLIT, RT_SPLIT_FOUR},
+        .resolution = RT_FULL,
+        .rays = NEPH_RT_RAYS_TO_SOLIDS,
+        .writes = BIT(RT_DEPTH) | BIT(RT_BEHIND) | BIT(RT_STEADY_DEPTH),
+    },
+    {
+        .name = "depth map",
+        .note = "one of 2x2 depths",
+        .shader = {"rt_min_max", min_max_spirv, sizeof(min_max_spirv)},
+        .condition = {RT_SPLIT, RT_SPLIT_FOUR},
+        .resolution = RT_HALF,
+        .reads = BIT(RT_STEADY_DEPTH),
+        .writes = BIT(RT_HALF_DEPTH),
+        .histories = {{RT_HALF_DEPTH, RT_HALF_DEPTH_BEFORE}},
+    },
+    {
+        .name = "tile index",
+        .note = "which of its 2x2 half-resolution texels a tile marches",
+        .shader = {"rt_tile_index", tile_index_spirv, sizeof(tile_index_spirv)},
+        .condition = {RT_SPLIT, RT_SPLIT_FOUR},
+        .resolution = RT_QUARTER,
+        .in_colours = &(const struct neph_rt_condition){RT_OVERRIDE, RT_OVERRIDE_SEQUENTIAL},
+        .reads = BIT(RT_HALF_DEPTH) | BIT(RT_TILE),
+        .writes = BIT(RT_TILE),
+    },
+    {
+        .name = "march",
+        .note = "a ray per tile through the media",
+        .shader = {"rt_march", march_spirv, sizeof(march_spirv)},
+        .condition = {RT_SPLIT, RT_SPLIT_FOUR},
+        .resolution = RT_QUARTER,
+        .rays = NEPH_RT_RAYS_THROUGH_MEDIA,
+        .reads = BIT(RT_TILE) | BIT(RT_HALF_DEPTH),
+        .writes = BIT(RT_RAY) | BIT(RT_RAY_DISTANCE),
+    },
+    {
+        .name = "reconstruction",
+        .note = "rays and the reprojected history at half resolution",
+        .shader = {"rt_reconstruct", reconstruct_spirv, sizeof(reconstruct_spirv)},
+        .condition = {RT_SPLIT, RT_SPLIT_FOUR},
+        .resolution = RT_HALF,
+        .reads = BIT(RT_TILE) | BIT(RT_RAY) | BIT(RT_RAY_DISTANCE) | BIT(RT_HALF_DEPTH) |
+                 BIT(RT_HALF_DEPTH_BEFORE) | BIT(RT_HISTORY_BEFORE) | BIT(RT_HISTORY_STATE_BEFORE),
+        .writes = BIT(RT_HISTORY) | BIT(RT_HISTORY_STATE),
+        .histories = {{RT_HISTORY, RT_HISTORY_BEFORE}, {RT_HISTORY_STATE, RT_HISTORY_STATE_BEFORE}},
+    },
+    {
+        .name = "upscale",
+        .note = "the volume at full resolution, guided by depth",
+        .shader = {"rt_upscale", upscale_spirv, sizeof(upscale_spirv)},
+        .condition = {RT_SPLIT, RT_SPLIT_FOUR},
+        .resolution = RT_FULL,
+        .reads = BIT(RT_DEPTH) | BIT(RT_HALF_DEPTH) | BIT(RT_HISTORY) | BIT(RT_HISTORY_STATE),
+        .writes = BIT(RT_VOLUME) | BIT(RT_VOLUME_DISTANCE),
+    },
+    {
+        .name = "composition",
+        .note = "the volume over what is behind it",
+        .shader = {"rt_compose", compose_spirv, sizeof(compose_spirv)},
+        .condition = {RT_SPLIT, RT_SPLIT_FOUR},
+        .resolution = RT_FULL,
+        .reads = BIT(RT_VOLUME) | BIT(RT_BEHIND),
+        .writes = BIT(RT_COLOR),
+        .picture = RT_COLOR,
+    },
+    {
+        .name = "anti-aliasing",
+        .note = "the mean over jittered frames, held in a neighbourhood clamp",
+        .shader = {"rt_taa", taa_spirv, sizeof(taa_spirv)},
+        .condition = {RT_TAA, 1},
+        .resolution = RT_FULL,
+        .reads = BIT(RT_COLOR) | BIT(RT_DEPTH) | BIT(RT_TAA_BEFORE),
+        .writes = BIT(RT_TAA_OUT),
+        .histories = {{RT_TAA_OUT, RT_TAA_BEFORE}},
+        .picture = RT_TAA_OUT,
+    },
+    {.name = NULL},
+};
+_Static_assert(sizeof(neph_rt_passes) / sizeof(neph_rt_passes[0]) <= NEPH_RT_PASSES_MAX + 1,
+               "room for every pass in the statistics");
+
+static const char *const target_names[RT_TARGET_COUNT] = {
+    [RT_DEPTH] = "depth",
+    [RT_BEHIND] = "radiance behind",
+    [RT_STEADY_DEPTH] = "steady depth",
+    [RT_HALF_DEPTH] = "half depth",
+    [RT_HALF_DEPTH_BEFORE] = "half depth before",
+    [RT_HISTORY] = "history",
+    [RT_HISTORY_BEFORE] = "history before",
+    [RT_HISTORY_STATE] = "history state",
+    [RT_HISTORY_STATE_BEFORE] = "history state before",
+    [RT_TILE] = "tile",
+    [RT_RAY] = "ray",
+    [RT_RAY_DISTANCE] = "ray distance",
+    [RT_VOLUME] = "volume",
+    [RT_VOLUME_DISTANCE] = "volume distance",
+    [RT_COLOR] = "colour",
+    [RT_TAA_OUT] = "anti-aliased",
+    [RT_TAA_BEFORE] = "anti-aliased before",
+};
+
+const char *neph_rt_target_name(int target)
+{
+    return target_names[target];
+}
+
+const struct neph_rt_pass *neph_rt_pass_named(const char *name)
+{
+    for (const struct neph_rt_pass *pass = neph_rt_passes; pass->name; pass++)
+        if (strcmp(pass->name, name) == 0)
+            return pass;
+    return NULL;
+}
+
+bool neph_rt_holds(const struct neph_rt_view *view, struct neph_rt_condition condition)
+{
+    return (int)view->settings[condition.setting] == condition.choice;
+}
+
+uint32_t neph_rt_targets_used(const struct neph_rt_view *view)
+{
+    uint32_t used = 0;
+    for (const struct neph_rt_pass *pass = neph_rt_passes; pass->name; pass++)
+        if (neph_rt_holds(view, pass->condition))
+            used |= pass->reads | pass->writes;
+    return used;
+}
+
+uint32_t neph_rt_targets_before(const struct neph_rt_pass *pass)
+{
+    uint32_t before = 0;
+    for (int i = 0; i < NEPH_RT_HISTORIES_MAX && pass->histories[i].before; i++)
+        before |= BIT(pass->histories[i].before);
+    return before;
+}
+
+uint32_t neph_rt_colour_count(const struct neph_rt_view *view, const struct neph_rt_pass *pass)
+{
+    return pass->in_colours && neph_rt_holds(view, *pass->in_colours) ? 4 : 1;
+}

@@ -1,0 +1,73 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The passes of a frame, in its order, each one record: what it is bound to, how large it is, when
+ * it runs and what it leaves for the next frame. Whoever runs, counts or lists passes reads it here.
+ */
+#ifndef NEPH_RENDERER_REALTIME_PASSES_H
+#define NEPH_RENDERER_REALTIME_PASSES_H
+
+#include "renderer/realtime/layout.h"
+
+/* A shader that includes realtime.glsl; 64 threads a group, along x. */
+struct neph_rt_shader {
+    const char *name;
+    const uint32_t *spirv;
+    size_t spirv_size_bytes;
+};
+
+/* The choice that a setting must have. */
+struct neph_rt_condition {
+    int setting, choice;
+};
+
+/* A target of this frame that is another one's name in the next. */
+struct neph_rt_history {
+    int now, before;
+};
+
+/* What rays of a pass meet. */
+enum neph_rt_rays {
+    NEPH_RT_NO_RAYS,
+    NEPH_RT_RAYS_TO_SOLIDS,    /* of one step */
+    NEPH_RT_RAYS_THROUGH_MEDIA /* of all steps */
+};
+
+enum { NEPH_RT_HISTORIES_MAX = 2, NEPH_RT_PASSES_MAX = 32 };
+
+#define NEPH_RT_BIT(target) (1u << (target))
+
+struct neph_rt_pass {
+    const char *name; /* "tile index" */
+    const char *note; /* what it makes, in a few words */
+    struct neph_rt_shader shader;
+    struct neph_rt_condition condition; /* of being in the frame */
+    int resolution;                     /* RT_FULL, ..: a thread for each texel */
+    enum neph_rt_rays rays;
+    /* Where this holds a dispatch for each of four colours, 2x2 texels, which sees what those before
+     * it wrote; else, or NULL, one dispatch. */
+    const struct neph_rt_condition *in_colours;
+    uint32_t reads, writes; /* targets, NEPH_RT_BIT() of each: all that it is bound to */
+    struct neph_rt_history histories[NEPH_RT_HISTORIES_MAX]; /* ends early with {0, 0} */
+    int picture; /* the target whose R G B are the frame as far as it has come; 0: none */
+};
+
+/* Ends with a NULL name; at most NEPH_RT_PASSES_MAX. */
+extern const struct neph_rt_pass neph_rt_passes[];
+
+/* NULL: none has this name. */
+const struct neph_rt_pass *neph_rt_pass_named(const char *name);
+
+const char *neph_rt_target_name(int target);
+
+bool neph_rt_holds(const struct neph_rt_view *view, struct neph_rt_condition condition);
+
+/* All targets of the passes that are in the frame with the settings of a view. */
+uint32_t neph_rt_targets_used(const struct neph_rt_view *view);
+
+/* The targets that a pass hands on, under the names that they have in the next frame. */
+uint32_t neph_rt_targets_before(const struct neph_rt_pass *pass);
+
+/* Dispatches of a pass: 1 or 4. */
+uint32_t neph_rt_colour_count(const struct neph_rt_view *view, const struct neph_rt_pass *pass);
+
+#endif

@@ -1,0 +1,154 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The records of the passes say what their shaders do: what is read and written is looked up in the
+ * compiled shaders themselves.
+ */
+#include "tests/renderer/renderer_test.h"
+
+#include "renderer/realtime/options.h"
+#include "renderer/realtime/passes.h"
+
+#include <stdlib.h>
+
+/* Of SPIR-V 1.5, the few words that matter here. */
+enum {
+    OP_CONSTANT = 43,
+    OP_LOAD = 61,
+    OP_STORE = 62,
+    OP_ACCESS_CHAIN = 65,
+    OP_IN_BOUNDS_ACCESS_CHAIN = 66,
+    OP_DECORATE = 71,
+    DECORATION_BINDING = 33,
+};
+
+/* What is known of a number of the module; 0: nothing. */
+struct id {
+    uint32_t binding;  /* + 1 */
+    uint32_t constant; /* + 1 */
+    uint32_t target;   /* + 1: points into it */
+};
+
+struct module {
+    struct id *ids;
+    uint32_t targets_binding; /* + 1: the last of all */
+    uint32_t reads, writes;
+};
+
+static void take_access(struct module *module, const uint32_t *words)
+{
+    const struct id *base = &module->ids[words[3]], *index = &module->ids[words[4]];
+    if (base->binding == 0 || base->binding != module->targets_binding)
+        return;
+    assert_true(index->constant > 0); /* the optimiser knows which target it is */
+    module->ids[words[2]].target = index->constant;
+}
+
+static void take_instruction(struct module *module, const uint32_t *words)
+{
+    const uint32_t operation = words[0] & 0xffffu;
+    if (operation == OP_DECORATE && words[2] == DECORATION_BINDING) {
+        module->ids[words[1]].binding = words[3] + 1;
+        if (words[3] + 1 > module->targets_binding)
+            module->targets_binding = words[3] + 1;
+    } else if (operation == OP_CONSTANT) {
+        module->ids[words[2]].constant = words[3] + 1;
+    } else if (operation == OP_ACCESS_CHAIN || operation == OP_IN_BOUNDS_ACCESS_CHAIN) {
+        take_access(module, words);
+    } else if (operation == OP_LOAD && module->ids[words[3]].target) {
+        module->reads |= NEPH_RT_BIT(module->ids[words[3]].target - 1);
+    } else if (operation == OP_STORE && module->ids[words[1]].target) {
+        module->writes |= NEPH_RT_BIT(module->ids[words[1]].target - 1);
+    }
+}
+
+static struct module reflect(const struct neph_rt_shader *shader)
+{
+    enum { HEADER_WORDS = 5, BOUND = 3 };
+    const size_t count = shader->spirv_size_bytes / sizeof(uint32_t);
+    struct module module = {.ids = calloc(shader->spirv[BOUND], sizeof(*module.ids))};
+    assert_non_null(module.ids);
+    for (size_t i = HEADER_WORDS; i < count; i += shader->spirv[i] >> 16)
+        take_instruction(&module, shader->spirv + i);
+    free(module.ids);
+    return module;
+}
+
+static void assert_same_targets(const char *pass, const char *what, uint32_t declared,
+                                uint32_t found)
+{
+    for (int t = 0; t < RT_TARGET_COUNT; t++) {
+        const bool is_declared = declared & NEPH_RT_BIT(t), is_found = found & NEPH_RT_BIT(t);
+        if (is_declared != is_found)
+            fail_msg("%s %s '%s' %s", pass, what, neph_rt_target_name(t),
+                     is_found ? "and does not declare it" : "by its record, not by its shader");
+    }
+}
+
+static void test_records_are_what_shaders_do(void **state)
+{
+    (void)state;
+    for (const struct neph_rt_pass *pass = neph_rt_passes; pass->name; pass++) {
+        const struct module module = reflect(&pass->shader);
+        assert_same_targets(pass->name, "reads", pass->reads, module.reads);
+        assert_same_targets(pass->name, "writes", pass->writes, module.writes);
+    }
+}
+
+/* Nothing is read that no pass before it makes, in this frame or the last. */
+static void test_what_is_read_was_written(void **state)
+{
+    (void)state;
+    uint32_t there = 0;
+    for (const struct neph_rt_pass *pass = neph_rt_passes; pass->name; pass++)
+        there |= neph_rt_targets_before(pass);
+    for (const struct neph_rt_pass *pass = neph_rt_passes; pass->name; pass++) {
+        assert_same_targets(pass->name, "reads before it is made", pass->reads & ~there,
+                            pass->reads & ~there & pass->writes);
+        there |= pass->writes;
+        if (pass->picture)
+            assert_true(pass->writes & NEPH_RT_BIT(pass->picture));
+    }
+}
+
+/* What is handed on is written, and has the same shape under both names whatever the settings. */
+static void test_histories_have_one_shape(void **state)
+{
+    (void)state;
+    for (int format = RT_FORMAT_HALF; format <= RT_FORMAT_FLOAT; format++) {
+        struct neph_settings settings = neph_options_default(neph_rt_options);
+        struct neph_rt_view view;
+        settings.values[RT_DEPTH_FORMAT] = settings.values[RT_COLOR_FORMAT] = format;
+        settings.values[RT_TAA_FORMAT] = format;
+        neph_rt_view_init(&view, &settings, (int[2]){37, 21}, (int[2]){0, 0}, (int[2]){37, 21});
+        for (const struct neph_rt_pass *pass = neph_rt_passes; pass->name; pass++)
+            for (int i = 0; i < NEPH_RT_HISTORIES_MAX && pass->histories[i].before; i++) {
+                const struct neph_rt_history history = pass->histories[i];
+                assert_true(pass->writes & NEPH_RT_BIT(history.now));
+                assert_memory_equal(&view.targets[history.now], &view.targets[history.before],
+                                    sizeof(view.targets[0]));
+            }
+    }
+}
+
+/* Every choice fits into the hexadecimal digit that shaders get. */
+static void test_choices_fit_into_their_constants(void **state)
+{
+    (void)state;
+    for (const struct neph_option *option = neph_rt_options; option->name; option++) {
+        int count = 0;
+        while (option->choices && option->choices[count])
+            count++;
+        assert_true(count <= 16);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_records_are_what_shaders_do),
+        cmocka_unit_test(test_what_is_read_was_written),
+        cmocka_unit_test(test_histories_have_one_shape),
+        cmocka_unit_test(test_choices_fit_into_their_constants),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
