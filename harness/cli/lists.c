@@ -303,6 +303,34 @@ static void print_presets(const struct neph_engine *engine)
                preset->assignments[0] ? preset->assignments : "(nothing else)");
 }
 
+static json_t *passes_json(const struct neph_engine *engine)
+{
+    json_t *list = json_array();
+    struct neph_engine_pass pass;
+    for (int i = 0; engine->describe_pass && engine->describe_pass(i, &pass); i++)
+        neph_json_add(&list, json_pack("{s:s, s:s, s:s, s:s, s:s, s:s, s:s}", "name", pass.name,
+                                       "note", pass.note, "resolution", pass.resolution,
+                                       "condition", pass.condition, "reads", pass.reads, "writes",
+                                       pass.writes, "hands_on", pass.hands_on));
+    return list;
+}
+
+static void print_passes(const struct neph_engine *engine)
+{
+    struct neph_engine_pass pass;
+    if (engine->describe_pass)
+        printf("    passes of a frame\n");
+    for (int i = 0; engine->describe_pass && engine->describe_pass(i, &pass); i++) {
+        const char *const rows[][2] = {
+            {"reads", pass.reads}, {"writes", pass.writes}, {"hands on", pass.hands_on}};
+        printf("      %-15s %s\n%22s%s resolution, where %s\n", pass.name, pass.note, "",
+               pass.resolution, pass.condition);
+        for (size_t r = 0; r < sizeof(rows) / sizeof(rows[0]); r++)
+            if (rows[r][1][0])
+                printf("%22s%-8s %s\n", "", rows[r][0], rows[r][1]);
+    }
+}
+
 enum neph_status neph_cli_engines(int argc, char **argv, struct neph_diag *diag)
 {
     static const struct argp argp = {
@@ -327,15 +355,15 @@ enum neph_status neph_cli_engines(int argc, char **argv, struct neph_diag *diag)
         struct neph_engine_info info;
         neph_engine_probe(engine, &info);
         if (request.json) {
-            neph_json_add(&list,
-                          json_pack("{s:s, s:s, s:s, s:s?, s:b, s:b, s:s, s:s, s:s, s:s, s:o, s:o}",
-                                    "name", engine->name, "summary", engine->summary, "rung",
-                                    neph_rung_name(engine->rung), "bias", engine->bias, "available",
-                                    info.available, "broken", info.broken, "version", info.version,
-                                    "device", info.device, "missing", info.missing, "install_line",
-                                    info.install_line, "options",
-                                    neph_cli_options_json(engine->options), "presets",
-                                    presets_json(engine)));
+            neph_json_add(
+                &list,
+                json_pack("{s:s, s:s, s:s, s:s?, s:b, s:b, s:s, s:s, s:s, s:s, s:o, s:o, s:o}",
+                          "name", engine->name, "summary", engine->summary, "rung",
+                          neph_rung_name(engine->rung), "bias", engine->bias, "available",
+                          info.available, "broken", info.broken, "version", info.version, "device",
+                          info.device, "missing", info.missing, "install_line", info.install_line,
+                          "options", neph_cli_options_json(engine->options), "presets",
+                          presets_json(engine), "passes", passes_json(engine)));
             continue;
         }
         printf("%s (%s): %s\n    %s%s\n", engine->name, neph_rung_name(engine->rung),
@@ -348,6 +376,7 @@ enum neph_status neph_cli_engines(int argc, char **argv, struct neph_diag *diag)
             printf("    known bias: %s\n", engine->bias);
         neph_cli_print_options(engine->options);
         print_presets(engine);
+        print_passes(engine);
     }
     enum neph_status status = NEPH_OK;
     if (request.json)

@@ -87,6 +87,15 @@ struct neph_engine_sequence {
     void (*close)(void *sequence);
 };
 
+/* One pass of an engine's frame in words. Images are joined by ", "; empty: none. */
+struct neph_engine_pass {
+    const char *name, *note;
+    const char *resolution; /* of what it writes */
+    char condition[64];     /* the setting that it needs: "split=four" */
+    char reads[256], writes[256];
+    char hands_on[256]; /* what the next frame reads of it */
+};
+
 struct neph_engine {
     const char *name;
     const char *summary; /* one line */
@@ -109,6 +118,9 @@ struct neph_engine {
                          left, before anything is measured */
     bool stochastic;  /* another seed gives another frame of the same mean */
     struct neph_engine_step step;
+
+    /* The passes of a frame in their order; false beyond the last. NULL: it is not made of passes. */
+    bool (*describe_pass)(int index, struct neph_engine_pass *pass);
 
     /* Look for the engine. Never fails and ends in bounded time: `available`, `broken` and
      * `missing` say how it is. Called through neph_engine_probe(). */

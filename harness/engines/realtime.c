@@ -245,6 +245,39 @@ static bool can_render(const struct neph_scene *scene, const struct neph_setting
     return false;
 }
 
+/* ---- passes ---------------------------------------------------------------------------------- */
+
+static void name_targets(uint32_t targets, char *text, size_t size)
+{
+    size_t used = 0;
+    text[0] = '\0';
+    for (int t = 0; t < RT_TARGET_COUNT; t++)
+        if (targets & NEPH_RT_BIT(t))
+            used += (size_t)snprintf(text + used, size - used, "%s%s", used ? ", " : "",
+                                     neph_rt_target_name(t));
+}
+
+static bool describe_pass(int index, struct neph_engine_pass *pass)
+{
+    static const char *const resolutions[] = {
+        [RT_FULL] = "full", [RT_HALF] = "half", [RT_QUARTER] = "quarter"};
+    const struct neph_rt_pass *record = &neph_rt_passes[index];
+    if (!record->name)
+        return false;
+    const struct neph_option *setting = &neph_rt_options[record->condition.setting];
+    *pass = (struct neph_engine_pass){
+        .name = record->name,
+        .note = record->note,
+        .resolution = resolutions[record->resolution],
+    };
+    snprintf(pass->condition, sizeof(pass->condition), "%s=%s", setting->name,
+             setting->choices[record->condition.choice]);
+    name_targets(record->reads, pass->reads, sizeof(pass->reads));
+    name_targets(record->writes, pass->writes, sizeof(pass->writes));
+    name_targets(neph_rt_targets_before(record), pass->hands_on, sizeof(pass->hands_on));
+    return true;
+}
+
 static const struct neph_engine_sequence sequence_of = {
     .open = open_sequence,
     .next = next_picture,
@@ -266,6 +299,7 @@ const struct neph_engine neph_engine_realtime = {
     .shortcut_of = "march",
     .stochastic = true,
     .step = {.option = NULL},
+    .describe_pass = describe_pass,
     .probe = neph_vulkan_probe,
     .can_render = can_render,
     .render = render,

@@ -30,8 +30,7 @@ struct neph_realtime {
     struct neph_march_params march;
     struct neph_gpu_scene scene;
     struct neph_march *whole; /* owned; without a split the march of every pixel, else NULL */
-    struct neph_march_cut to_solids; /* of the rays of a pass */
-    struct neph_march_cut through_media;
+    struct neph_march_cut cuts[NEPH_RT_PASSES_MAX]; /* of the passes that have rays */
     struct neph_buffer states, counters;
     struct neph_rt_device device;
     uint32_t frame_count; /* that it has rendered */
@@ -86,9 +85,7 @@ static enum neph_status run_ray_pass(struct neph_realtime *realtime,
     const enum neph_status status = neph_kernel_get(realtime->vulkan, &params, &work.kernel, diag);
     return status
                ? status
-               : neph_march_cut_run(pass->rays == NEPH_RT_RAYS_TO_SOLIDS ? &realtime->to_solids
-                                                                         : &realtime->through_media,
-                                    run_rays, &work, diag);
+               : neph_march_cut_run(&realtime->cuts[pass - neph_rt_passes], run_rays, &work, diag);
 }
 
 /* --- what can be rendered ------------------------------------------------------------------ */
@@ -124,24 +121,29 @@ static struct neph_march_params march_params(const struct neph_realtime_params *
     };
 }
 
-/* How the rays of the passes are cut, and where those that are cut lie in between. */
+/* How the rays of the passes are cut, and room for those that lie in between. */
 static enum neph_status create_rays(struct neph_realtime *realtime, const struct neph_scene *scene,
                                     const struct neph_rt_view *view, struct neph_diag *diag)
 {
-    struct neph_march_params one_step = realtime->march;
-    one_step.steps = 1;
-    enum neph_status status = neph_march_cut_make(realtime->vulkan, scene, &realtime->scene,
-                                                  &one_step, neph_rt_texel_count(view, RT_FULL),
-                                                  &realtime->to_solids, diag);
-    if (!status)
-        status = neph_march_cut_make(realtime->vulkan, scene, &realtime->scene, &realtime->march,
-                                     neph_rt_texel_count(view, RT_QUARTER),
-                                     &realtime->through_media, diag);
-    if (!status)
-        status = neph_buffer_create(realtime->vulkan, NEPH_BUFFER_DEVICE,
-                                    realtime->through_media.rays * NEPH_MARCH_STATE_BYTES,
-                                    "march states", &realtime->states, diag);
-    return status;
+    uint64_t most_rays = 1;
+    enum neph_status status = NEPH_OK;
+    for (int i = 0; neph_rt_passes[i].name && !status; i++) {
+        const struct neph_rt_pass *pass = &neph_rt_passes[i];
+        struct neph_march_params march = realtime->march;
+        if (!pass->rays || !neph_rt_holds(view, pass->condition))
+            continue;
+        if (pass->rays == NEPH_RT_RAYS_TO_SOLIDS)
+            march.steps = 1;
+        status = neph_march_cut_make(realtime->vulkan, scene, &realtime->scene, &march,
+                                     neph_rt_texel_count(view, pass->resolution),
+                                     &realtime->cuts[i], diag);
+        if (pass->rays == NEPH_RT_RAYS_THROUGH_MEDIA && realtime->cuts[i].rays > most_rays)
+            most_rays = realtime->cuts[i].rays;
+    }
+    return status ? status
+                  : neph_buffer_create(realtime->vulkan, NEPH_BUFFER_DEVICE,
+                                       most_rays * NEPH_MARCH_STATE_BYTES, "march states",
+                                       &realtime->states, diag);
 }
 
 /* Everything that depends on the size. */
