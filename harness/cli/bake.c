@@ -9,62 +9,38 @@
 #include "scenes/media.h"
 #include "scenes/volume_file.h"
 
-#include <argp.h>
 #include <stdio.h>
 
-enum { KEY_JSON = 1, KEY_MEDIUM, KEY_RESOLUTION };
-
 struct request {
-    const char *scene, *output, *medium, *resolution;
-    bool json;
+    struct neph_cli_shared shared;
+    int medium, resolution;
 };
 
-static const struct argp_option options[] = {
-    {"medium", KEY_MEDIUM, "N", 0, "Which medium of the scene, from 1 (default: 1)", 0},
-    {"resolution", KEY_RESOLUTION, "N", 0,
+static const struct neph_cli_option options[] = {
+    {"medium", 0, "N", "Which medium of the scene, from 1", NEPH_CLI_INTEGER,
+     .at = offsetof(struct request, medium), .otherwise = "1", .minimum = 1,
+     .maximum = NEPH_SCENE_MEDIA_MAX},
+    {"resolution", 0, "N",
      "Nodes along the longest side, 2..1024 (default: the scene's bake_resolution, and a grid as "
      "it is)",
-     0},
-    {"output", 'o', "FILE", 0, "FILE.vdb (OpenVDB) or FILE.df3 (POV-Ray)", 0},
-    {"json", KEY_JSON, NULL, 0, "The result as JSON on stdout", 0},
-    {0},
+     NEPH_CLI_INTEGER, .at = offsetof(struct request, resolution),
+     .minimum = NEPH_BAKE_RESOLUTION_MIN, .maximum = NEPH_GRID_SIDE_MAX},
+    {.name = "output", .argument = "FILE", .help = "FILE.vdb (OpenVDB) or FILE.df3 (POV-Ray)"},
+    {.name = "json"},
+    {.name = NULL},
 };
 
-static error_t parse(int key, char *argument, struct argp_state *state)
+static void check(const void *request, const struct argp_state *state)
 {
-    struct request *request = state->input;
-    switch (key) {
-    case KEY_JSON:
-        request->json = true;
-        return 0;
-    case KEY_MEDIUM:
-        request->medium = argument;
-        return 0;
-    case KEY_RESOLUTION:
-        request->resolution = argument;
-        return 0;
-    case 'o':
-        request->output = neph_cli_output(state, "--output", argument);
-        return 0;
-    case ARGP_KEY_ARG:
-        if (request->scene)
-            argp_error(state, "one scene, not '%s' as well", argument);
-        request->scene = argument;
-        return 0;
-    case ARGP_KEY_END:
-        if (!request->scene)
-            argp_error(state, "which scene? `neph scenes` lists the catalogue");
-        else if (!request->output)
-            argp_error(state, "write where? -o FILE.vdb or -o FILE.df3");
-        return 0;
-    }
-    return ARGP_ERR_UNKNOWN;
+    const struct neph_cli_shared *shared = request;
+    if (!shared->output)
+        argp_error(state, "write where? -o FILE.vdb or -o FILE.df3");
 }
 
-static const struct argp argp = {
+static const struct neph_cli_syntax syntax = {
     .options = options,
-    .parser = parse,
-    .args_doc = "SCENE",
+    .operands = &neph_cli_one_scene,
+    .check = check,
     .doc = "Write a medium of a scene as a file of voxels, and say what that costs: the grid is "
            "held against the medium at random places, and along random chords by their exact "
            "optical depths. So the error of a renderer that is given the file can be told from "
@@ -88,19 +64,16 @@ struct result {
 static enum neph_status bake(const struct request *request, const struct neph_scene *scene,
                              struct result *result, struct neph_diag *diag)
 {
-    int number = 1, resolution = 0;
     if (scene->medium_count == 0)
         return neph_fail(diag, NEPH_ERR_INPUT, "scene %s has no medium", scene->name);
-    enum neph_status status = neph_cli_parse_int("medium", request->medium, 1, scene->medium_count,
-                                                 &number, diag);
-    if (!status && request->resolution)
-        status = neph_cli_parse_int("resolution", request->resolution, NEPH_BAKE_RESOLUTION_MIN,
-                                    NEPH_GRID_SIDE_MAX, &resolution, diag);
+    const enum neph_status status = neph_cli_check_range("--medium", request->medium, 1,
+                                                         scene->medium_count, diag);
     if (status)
         return status;
-    result->medium = &scene->media[number - 1];
-    if (resolution == 0 && !neph_medium_is_whole_grid(result->medium))
-        resolution = scene->bake_resolution;
+    result->medium = &scene->media[request->medium - 1];
+    int resolution = request->resolution;
+    if (resolution < 0)
+        resolution = neph_medium_is_whole_grid(result->medium) ? 0 : scene->bake_resolution;
     const struct neph_bounds box = neph_medium_container(scene, result->medium, &result->cut_error);
     return neph_medium_bake(result->medium, &box, resolution, &result->bake, diag);
 }
@@ -154,26 +127,25 @@ static void print_result(const char *path, const struct result *result)
 
 enum neph_status neph_cli_bake(int argc, char **argv, struct neph_diag *diag)
 {
-    struct request request = {.medium = "1"};
-    neph_cli_parse(&argp, argc, argv, &request);
+    struct request request = {0};
+    neph_cli_parse(&syntax, argc, argv, &request);
+    const char *output = request.shared.output;
     struct neph_scene *scene = NULL;
     struct result result = {.medium = NULL};
-    if (!neph_volume_has_known_extension(request.output)) {
-        neph_fail(diag, NEPH_ERR_USAGE, "'%s' is no volume file that neph knows", request.output);
+    if (!neph_volume_has_known_extension(output)) {
+        neph_fail(diag, NEPH_ERR_USAGE, "'%s' is no volume file that neph knows", output);
         neph_hint(diag, "-o FILE.vdb for OpenVDB, -o FILE.df3 for POV-Ray");
         return NEPH_ERR_USAGE;
     }
-    enum neph_status status = neph_cli_check_output("-o", request.output, diag);
-    if (!status)
-        status = neph_data_load_scene(request.scene, &scene, diag);
+    enum neph_status status = neph_data_load_scene(request.shared.operands[0], &scene, diag);
     if (!status)
         status = bake(&request, scene, &result, diag);
     if (!status)
-        status = neph_volume_write(request.output, result.bake.grid, diag);
-    if (!status && request.json)
-        status = neph_cli_print_json(result_json(request.output, &result), diag);
+        status = neph_volume_write(output, result.bake.grid, diag);
+    if (!status && request.shared.json)
+        status = neph_cli_print_json(result_json(output, &result), diag);
     else if (!status)
-        print_result(request.output, &result);
+        print_result(output, &result);
     neph_bake_finish(&result.bake);
     neph_scene_destroy(scene);
     return status;

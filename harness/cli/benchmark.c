@@ -12,87 +12,42 @@
 #include "scenes/horizon.h"
 #include "scenes/media.h"
 
-#include <argp.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { KEY_JSON = 1, KEY_SIZE, KEY_SET, KEY_SECONDS, KEY_VOXELS, SETTINGS_MAX = 16 };
-
 struct request {
-    const char *scene, *engines, *size, *output, *seconds, *voxels;
-    const char *settings[SETTINGS_MAX];
-    int setting_count;
-    bool json, quiet;
+    struct neph_cli_shared shared;
+    const char *engines;
+    double rung_s;
+    int voxels;
 };
 
-static const struct argp_option options[] = {
-    {"engines", 'e', "A,B", 0,
-     "Engines, the first being the one that the others are measured by (default: tracer,cycles)",
-     0},
-    {"size", KEY_SIZE, "WxH", 0, "Size in pixels (default: 96x54)", 0},
-    {"seconds", KEY_SECONDS, "S", 0,
-     "About how long the last of four rungs takes, each half the one above it (default: 4)", 0},
-    {"set", KEY_SET, "ENGINE:KEY=VALUE", 0, "A setting of an engine; may be given several times",
-     0},
-    {"voxels", KEY_VOXELS, "N", 0,
+static const struct neph_cli_option options[] = {
+    {"engines", 'e', "A,B", "Engines, the first being the one that the others are measured by",
+     NEPH_CLI_WORD, .at = offsetof(struct request, engines), .otherwise = "tracer,cycles"},
+    {.name = "size", .otherwise = "96x54"},
+    {"seconds", 0, "S", "About how long the last of four rungs takes, each half the one above it",
+     NEPH_CLI_REAL, .at = offsetof(struct request, rung_s), .otherwise = "4", .minimum = 0.01,
+     .maximum = 10000},
+    {.name = "set",
+     .argument = "ENGINE:KEY=VALUE",
+     .help = "A setting of an engine; may be given several times"},
+    {"voxels", 0, "N",
      "First turn every medium but fog into a voxel grid of N nodes along its longest side, so that "
      "all engines render the same one",
-     0},
-    {"output", 'o', "DIR", 0, "Folder for scratch files (default: out)", 0},
-    {"json", KEY_JSON, NULL, 0, "Everything as JSON on stdout", 0},
-    {"quiet", 'q', NULL, 0, "No progress", 0},
-    {0},
+     NEPH_CLI_INTEGER, .at = offsetof(struct request, voxels), .minimum = NEPH_BAKE_RESOLUTION_MIN,
+     .maximum = NEPH_GRID_SIDE_MAX},
+    {.name = "output", .help = "Folder for scratch files", .otherwise = "out"},
+    {.name = "json"},
+    {.name = "quiet"},
+    {.name = NULL},
 };
 
-static error_t parse(int key, char *argument, struct argp_state *state)
-{
-    struct request *request = state->input;
-    switch (key) {
-    case 'e':
-        request->engines = argument;
-        return 0;
-    case 'o':
-        request->output = neph_cli_output(state, "--output", argument);
-        return 0;
-    case 'q':
-        request->quiet = true;
-        return 0;
-    case KEY_JSON:
-        request->json = true;
-        return 0;
-    case KEY_SIZE:
-        request->size = argument;
-        return 0;
-    case KEY_SECONDS:
-        request->seconds = argument;
-        return 0;
-    case KEY_VOXELS:
-        request->voxels = argument;
-        return 0;
-    case KEY_SET:
-        if (request->setting_count == SETTINGS_MAX)
-            argp_error(state, "more than %d settings", SETTINGS_MAX);
-        request->settings[request->setting_count++] = argument;
-        return 0;
-    case ARGP_KEY_ARG:
-        if (request->scene)
-            argp_error(state, "one scene, not '%s' as well", argument);
-        request->scene = argument;
-        return 0;
-    case ARGP_KEY_END:
-        if (!request->scene)
-            argp_error(state, "which scene? `neph scenes` lists the catalogue");
-        return 0;
-    }
-    return ARGP_ERR_UNKNOWN;
-}
-
-static const struct argp argp = {
+static const struct neph_cli_syntax syntax = {
     .options = options,
-    .parser = parse,
-    .args_doc = "SCENE",
+    .operands = &neph_cli_one_scene,
     .doc = "How long engines take for the same noise, on the same cores in one run: noise^2 x time "
            "of each, and how many times the time of the first engine the others need.\v"
            "Noise is measured between two seeds, error against two independent references of the "
@@ -152,8 +107,10 @@ static enum neph_status fill_job(const char *name, const struct neph_scene *scen
                              .shot = {.scene = scene,
                                       .settings = neph_settings_default(engine),
                                       .layers = NEPH_LAYER_RADIANCE,
+                                      .width_px = request->shared.size.width_px,
+                                      .height_px = request->shared.size.height_px,
                                       .time_limit_s = 3600.0}};
-    return neph_cli_parse_size(request->size, &job->shot.width_px, &job->shot.height_px, diag);
+    return NEPH_OK;
 }
 
 /* "cycles:step=0.1" */
@@ -189,8 +146,8 @@ static enum neph_status fill_benchmark(const struct request *request,
         status = fill_job(name, scene, request, &infos[e], &benchmark->engines[e].job, diag);
         benchmark->engine_count++;
     }
-    for (int i = 0; i < request->setting_count && !status; i++)
-        status = apply_setting(benchmark, request->settings[i], diag);
+    for (int i = 0; i < request->shared.settings.count && !status; i++)
+        status = apply_setting(benchmark, request->shared.settings.list[i], diag);
     return status;
 }
 
@@ -238,59 +195,42 @@ static void set_scratch(struct neph_benchmark *benchmark, const char *path)
         benchmark->engines[e].job.shot.scratch_directory = path;
 }
 
-static enum neph_status run(const struct request *request, struct neph_scene *scene, double rung_s,
+static enum neph_status run(const struct request *request, struct neph_scene *scene,
                             struct neph_diag *diag)
 {
+    const struct neph_cli_shared *shared = &request->shared;
     struct neph_benchmark benchmark = {.engine_count = 0};
     struct neph_engine_info infos[NEPH_BENCHMARK_ENGINES_MAX + 1];
     struct neph_scratch *scratch = NULL;
     enum neph_status status = fill_benchmark(request, scene, infos, &benchmark, diag);
     if (!status)
-        status = neph_cli_open_folder(request->output, diag);
+        status = neph_cli_open_folder(shared->output, diag);
     if (!status)
-        status = neph_cli_begin_scratch(request->output, &scratch, diag);
+        status = neph_cli_begin_scratch(shared->output, &scratch, diag);
     if (!status)
         set_scratch(&benchmark, neph_scratch_path(scratch));
     if (!status)
-        status = neph_benchmark_run(&benchmark, rung_s, request->quiet || request->json, diag);
+        status = neph_benchmark_run(&benchmark, request->rung_s, shared->quiet || shared->json,
+                                    diag);
     neph_cli_end_scratch(scratch, status, diag);
     if (status)
         return status;
-    if (request->json)
+    if (shared->json)
         return neph_cli_print_json(neph_benchmark_json(&benchmark), diag);
     print_benchmark(&benchmark);
     return NEPH_OK;
 }
 
-static enum neph_status parse_seconds(const char *text, double *seconds, struct neph_diag *diag)
-{
-    char *end;
-    *seconds = strtod(text, &end);
-    if (end == text || *end || !(*seconds >= 0.01) || !(*seconds <= 1e4))
-        return neph_fail(diag, NEPH_ERR_USAGE, "seconds '%s': a number in 0.01..10000", text);
-    return NEPH_OK;
-}
-
 enum neph_status neph_cli_benchmark(int argc, char **argv, struct neph_diag *diag)
 {
-    struct request request = {
-        .engines = "tracer,cycles", .size = "96x54", .output = "out", .seconds = "4"};
-    neph_cli_parse(&argp, argc, argv, &request);
+    struct request request = {0};
+    neph_cli_parse(&syntax, argc, argv, &request);
     struct neph_scene *scene = NULL;
-    double rung_s = 0.0;
-    int voxels = 0;
-    enum neph_status status = neph_cli_check_output("-o", request.output, diag);
+    enum neph_status status = neph_data_load_scene(request.shared.operands[0], &scene, diag);
+    if (!status && request.voxels > 0)
+        status = to_voxels(scene, request.voxels, diag);
     if (!status)
-        status = parse_seconds(request.seconds, &rung_s, diag);
-    if (!status && request.voxels)
-        status = neph_cli_parse_int("voxels", request.voxels, NEPH_BAKE_RESOLUTION_MIN,
-                                    NEPH_GRID_SIDE_MAX, &voxels, diag);
-    if (!status)
-        status = neph_data_load_scene(request.scene, &scene, diag);
-    if (!status && voxels > 0)
-        status = to_voxels(scene, voxels, diag);
-    if (!status)
-        status = run(&request, scene, rung_s, diag);
+        status = run(&request, scene, diag);
     neph_scene_destroy(scene);
     return status;
 }

@@ -2,83 +2,11 @@
 #include "harness/cli/cli.h"
 
 #include "base/files.h"
-#include "base/image.h"
-#include "base/text.h"
 
-#include <argp.h>
-#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/types.h>
-
-static ssize_t write_clean(void *cookie, const char *bytes, size_t size)
-{
-    char *text = malloc(size + 1);
-    if (!text)
-        return 0;
-    for (size_t i = 0; i < size; i++)
-        text[i] = bytes[i] ? bytes[i] : '?';
-    text[size] = '\0';
-    char *clean = neph_text_clean_copy(text);
-    if (clean)
-        fputs(clean, cookie);
-    free(clean);
-    free(text);
-    return clean ? (ssize_t)size : 0;
-}
-
-void neph_cli_parse(const struct argp *argp, int argc, char **argv, void *request)
-{
-    /* getopt(3) inside argp knows no stream but stderr, which is a variable in glibc. */
-    FILE *terminal = stderr;
-    FILE *clean = fopencookie(terminal, "w", (cookie_io_functions_t){.write = write_clean});
-    if (clean) {
-        setvbuf(clean, NULL, _IOLBF, 0); /* whole lines: no character is cut in two */
-        stderr = clean;
-    }
-    argp_parse(argp, argc, argv, 0, NULL, request);
-    stderr = terminal;
-    if (clean)
-        fclose(clean);
-}
-
-enum neph_status neph_cli_parse_size(const char *text, int *width_px, int *height_px,
-                                     struct neph_diag *diag)
-{
-    char rest;
-    int width, height;
-    if (sscanf(text, "%5dx%5d%c", &width, &height, &rest) != 2 || width < 1 || height < 1 ||
-        width > NEPH_IMAGE_SIDE_MAX_PX || height > NEPH_IMAGE_SIDE_MAX_PX)
-        return neph_fail(diag, NEPH_ERR_USAGE,
-                         "size '%s' is not WIDTHxHEIGHT with sides of 1..%d pixels", text,
-                         NEPH_IMAGE_SIDE_MAX_PX);
-    *width_px = width;
-    *height_px = height;
-    return NEPH_OK;
-}
-
-enum neph_status neph_cli_parse_int(const char *what, const char *text, long minimum, long maximum,
-                                    int *value, struct neph_diag *diag)
-{
-    char *end;
-    errno = 0;
-    const long parsed = strtol(text, &end, 10);
-    if (end == text || *end || errno || parsed < minimum || parsed > maximum)
-        return neph_fail(diag, NEPH_ERR_USAGE, "%s '%s' is not an integer in %ld..%ld", what, text,
-                         minimum, maximum);
-    *value = (int)parsed;
-    return NEPH_OK;
-}
-
-const char *neph_cli_output(const struct argp_state *state, const char *option,
-                            const char *argument)
-{
-    if (argument[0] == '\0')
-        argp_error(state, "%s is empty: it names nothing to write to", option);
-    return argument;
-}
 
 static const char scratch_prefix[] = ".neph-scratch-";
 
@@ -107,16 +35,6 @@ void neph_cli_end_scratch(struct neph_scratch *scratch, enum neph_status status,
     if (neph_scratch_keep(scratch) && path && diag && !diag->hint[0])
         neph_hint(diag, "its logs are in %s", path);
     free(path);
-}
-
-enum neph_status neph_cli_check_output(const char *option, const char *path, struct neph_diag *diag)
-{
-    if (neph_text_is_utf8(path, strlen(path)))
-        return NEPH_OK;
-    neph_fail(diag, NEPH_ERR_USAGE,
-              "%s '%s' is not UTF-8: results could not say where their frames are", option, path);
-    neph_hint(diag, "choose another name");
-    return NEPH_ERR_USAGE;
 }
 
 enum neph_status neph_cli_print_json(json_t *json, struct neph_diag *diag)

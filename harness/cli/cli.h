@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The command line: one function per verb, each with its own argp parser. stdout carries results
- * alone; progress and problems go to stderr.
+ * The command line: a function and a file for each verb. stdout carries results alone; progress and
+ * problems go to stderr.
  */
 #ifndef NEPH_HARNESS_CLI_CLI_H
 #define NEPH_HARNESS_CLI_CLI_H
@@ -9,9 +9,8 @@
 #include "base/option.h"
 #include "base/scratch.h"
 #include "base/status.h"
+#include "harness/cli/options.h"
 #include "harness/json.h"
-
-#include <argp.h>
 
 /* Run a verb on its own arguments (argv[0] is "neph VERB"). */
 typedef enum neph_status neph_verb(int argc, char **argv, struct neph_diag *diag);
@@ -29,28 +28,6 @@ neph_verb neph_cli_study;
 neph_verb neph_cli_scenes;
 neph_verb neph_cli_engines;
 neph_verb neph_cli_doctor;
-
-/* argp_parse(), whose complaints quote the command line, with their bytes made fit for a terminal
- * (base/text.h). Ends the process on a wrong option (EX_USAGE) and after --help. */
-void neph_cli_parse(const struct argp *argp, int argc, char **argv, void *request);
-
-/* Parse "WIDTHxHEIGHT". */
-enum neph_status neph_cli_parse_size(const char *text, int *width_px, int *height_px,
-                                     struct neph_diag *diag);
-
-/* Parse an integer in minimum..maximum; `what` names it in the error. */
-enum neph_status neph_cli_parse_int(const char *what, const char *text, long minimum, long maximum,
-                                    int *value, struct neph_diag *diag);
-
-/* A file or folder to write to, whose name is written into results and read back from there:
- * NEPH_ERR_USAGE when it is not UTF-8, since JSON could not hold it. `option` names it: "-o". */
-enum neph_status neph_cli_check_output(const char *option, const char *path,
-                                       struct neph_diag *diag);
-
-/* The argument of an option that names a file or folder to write to. An empty one, which is what
- * -o "$UNSET" gives, is argp's usage error: it would mean the root or the working folder. */
-const char *neph_cli_output(const struct argp_state *state, const char *option,
-                            const char *argument);
 
 /* Make the folder of an output if need be, and remove what killed runs left of the next there. */
 enum neph_status neph_cli_open_folder(const char *output, struct neph_diag *diag);

@@ -6,40 +6,17 @@
 
 #include "harness/cli/comparison.h"
 
-struct request {
-    struct neph_cli_comparison shared;
-    const char *reference, *test;
+static const struct neph_cli_operands operands = {
+    .shown = "REFERENCE TEST",
+    .minimum = 2,
+    .maximum = 2,
+    .missing = "two images or sequences are needed: REFERENCE TEST",
+    .surplus = "a reference and a test (quote patterns)",
 };
 
-static error_t parse(int key, char *argument, struct argp_state *state)
-{
-    struct request *request = state->input;
-    switch (key) {
-    case ARGP_KEY_INIT:
-        state->child_inputs[0] = &request->shared;
-        return 0;
-    case ARGP_KEY_ARG:
-        if (!request->reference)
-            request->reference = argument;
-        else if (!request->test)
-            request->test = argument;
-        else
-            argp_error(state, "a reference and a test, not '%s' as well; quote patterns", argument);
-        return 0;
-    case ARGP_KEY_END:
-        if (!request->test)
-            argp_error(state, "two images or sequences are needed: REFERENCE TEST");
-        return 0;
-    }
-    return ARGP_ERR_UNKNOWN;
-}
-
-static const struct argp_child children[] = {{&neph_cli_comparison_argp, 0, NULL, 0}, {0}};
-
-static const struct argp argp = {
-    .parser = parse,
-    .children = children,
-    .args_doc = "REFERENCE TEST",
+static const struct neph_cli_syntax syntax = {
+    .options = neph_cli_comparison_options,
+    .operands = &operands,
     .doc =
         "Measure the error of TEST against REFERENCE: EXR frames on linear data, or PNG pictures.\v"
         "Each is " NEPH_SEQUENCE_HELP ". Values that are not finite, or negative, are an error "
@@ -55,18 +32,17 @@ static const struct argp argp = {
 
 enum neph_status neph_cli_compare(int argc, char **argv, struct neph_diag *diag)
 {
-    struct request request = {.reference = NULL};
-    neph_cli_parse(&argp, argc, argv, &request);
+    struct neph_cli_comparison request = {.purpose = NULL};
+    neph_cli_parse(&syntax, argc, argv, &request);
     struct neph_comparison comparison = {.choice_count = 0};
-    enum neph_status status = neph_cli_comparison_prepare(&request.shared, false, &comparison,
-                                                          diag);
+    enum neph_status status = neph_cli_comparison_prepare(&request, false, &comparison, diag);
     comparison.frozen_is_fine = true; /* nothing here speaks of stability */
     if (!status)
-        status = neph_sequence_find(1, &request.reference, &comparison.reference, diag);
+        status = neph_sequence_find(1, &request.shared.operands[0], &comparison.reference, diag);
     if (!status)
-        status = neph_sequence_find(1, &request.test, &comparison.test, diag);
+        status = neph_sequence_find(1, &request.shared.operands[1], &comparison.test, diag);
     if (!status)
-        status = neph_cli_comparison_run(&request.shared, &comparison, diag);
+        status = neph_cli_comparison_run(&request, &comparison, diag);
     neph_comparison_finish(&comparison);
     return status;
 }

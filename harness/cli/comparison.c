@@ -8,157 +8,80 @@
 #include "harness/compare/versus.h"
 #include "metrics/extractors/extractors.h"
 
+#include <math.h>
 #include <string.h>
 
 /* ---- options --------------------------------------------------------------------------------- */
 
-enum {
-    KEY_JSON = 0x200,
-    KEY_CSV,
-    KEY_MASK,
-    KEY_MAPS,
-    KEY_FAIL_ABOVE,
-    KEY_FAIL_BELOW,
-    KEY_SECOND,
-    KEY_LAYER,
-    KEY_RINGS,
-    KEY_VERSUS,
-    KEY_FROZEN_OK,
-    KEY_NEGATIVE_OK,
-    KEY_WARM_UP,
-    KEY_BY_POSITION,
-    KEY_VIEWING, /* and three more, in the order of `viewings` */
-};
+enum { MEASURING, VIEWING, JUDGING, WRITING }; /* groups of the help */
 
-static const struct argp_option options[] = {
-    {"metric", 'm', "NAME", 0,
+const struct neph_cli_option neph_cli_comparison_options[] = {
+    {"metric", 'm', "NAME",
      "An extractor, one of its metrics, or 'all'; may be given several times; `neph metrics` lists "
      "them",
-     0},
-    {"set", 's', "EXTRACTOR.KEY=VALUE", 0, "A setting of an extractor, such as lag.step_frame=40",
-     0},
-    {"mask", KEY_MASK, "NAME|FILE", 0,
+     NEPH_CLI_WORDS, .at = offsetof(struct neph_cli_comparison, metrics)},
+    {.name = "set",
+     .argument = "EXTRACTOR.KEY=VALUE",
+     .help = "A setting of an extractor, such as lag.step_frame=40"},
+    {"mask", 0, "NAME|FILE",
      "Only this mask: a name (all, sky, depth_edge, ...; `neph metrics --masks`), or a picture "
      "that is above 0.5 inside",
-     0},
-    {"layer", KEY_LAYER, "NAME", 0,
+     NEPH_CLI_WORD, .at = offsetof(struct neph_cli_comparison, mask)},
+    {"layer", 0, "NAME",
      "Radiance, depth and masks are the channels NAME.R and so on (Blender: ViewLayer.Combined)",
-     0},
-    {"rings", KEY_RINGS, NULL, 0,
+     NEPH_CLI_WORD, .at = offsetof(struct neph_cli_comparison, layer)},
+    {"rings", 0, NULL,
      "Also the masks of rings at depth edges, by distance and side (flicker always takes them, and "
      "shows them with this)",
-     0},
-    {"second-reference", KEY_SECOND, "WORD", 0,
+     NEPH_CLI_FLAG, .at = offsetof(struct neph_cli_comparison, rings)},
+    {"second-reference", 0, "WORD",
      "The reference by another seed: takes the reference's own noise out of squared errors; or, "
      "with lag.old=second, the same scene without its step",
-     0},
-    {"versus", KEY_VERSUS, "WORD", 0,
+     NEPH_CLI_WORD, .at = offsetof(struct neph_cli_comparison, second)},
+    {"versus", 0, "WORD",
      "Another test of the same frames: each number's difference, test - other, paired frame by "
      "frame, or tile by tile where a sequence has one number, with intervals and corrected "
      "p-values",
-     0},
-    {"warm-up", KEY_WARM_UP, "N", 0, "Leave out the first N frames (default: 0)", 0},
-    {"by-position", KEY_BY_POSITION, NULL, 0,
-     "Frames belong together by their place in the sequence, whatever their numbers", 0},
-    {"fps", KEY_VIEWING, "HZ", 0,
-     "Frame rate of the display (default: 60; of flicker what the frames say, else 30)", 1},
-    {"ppd", KEY_VIEWING + 1, "N", 0,
+     NEPH_CLI_WORD, .at = offsetof(struct neph_cli_comparison, versus)},
+    {"warm-up", 0, "N", "Leave out the first N frames", NEPH_CLI_INTEGER,
+     .at = offsetof(struct neph_cli_comparison, warm_up_frames), .otherwise = "0", .minimum = 0,
+     .maximum = 1000000},
+    {"by-position", 0, NULL,
+     "Frames belong together by their place in the sequence, whatever their numbers", NEPH_CLI_FLAG,
+     .at = offsetof(struct neph_cli_comparison, by_position)},
+    {"fps", 0, "HZ",
+     "Frame rate of the display (default: 60; of flicker what the frames say, else 30)",
+     NEPH_CLI_REAL, .at = offsetof(struct neph_cli_comparison, frame_rate_hz), .group = VIEWING},
+    {"ppd", 0, "N",
      "Pixels per degree of the display (default: 67.02, 0.7 m from a screen 0.7 m and 3840 px "
      "wide; of flicker 60; a desk monitor has 40)",
-     1},
-    {"exposure", KEY_VIEWING + 2, "EV", 0, "Display value = 2^EV times radiance (default: 0)", 1},
-    {"white", KEY_VIEWING + 3, "CD_PER_M2", 0, "Luminance of the display value 1 (default: 100)",
-     1},
-    {"fail-above", KEY_FAIL_ABOVE, "[QUANTITY:]METRIC[@MASK]=LIMIT", 0,
+     NEPH_CLI_REAL, .at = offsetof(struct neph_cli_comparison, pixels_per_degree),
+     .group = VIEWING},
+    {"exposure", 0, "EV", "Display value = 2^EV times radiance (default: 0)", NEPH_CLI_REAL,
+     .at = offsetof(struct neph_cli_comparison, exposure_ev), .group = VIEWING},
+    {"white", 0, "CD_PER_M2", "Luminance of the display value 1 (default: 100)", NEPH_CLI_REAL,
+     .at = offsetof(struct neph_cli_comparison, white_cd_per_m2), .group = VIEWING},
+    {"fail-above", 0, "[QUANTITY:]METRIC[@MASK]=LIMIT",
      "Exit with 1 when |value| is above the limit, such as radiance:rel_rmse@all=0.01 (quantity "
      "and mask as here when left out); may be given several times",
-     2},
-    {"fail-below", KEY_FAIL_BELOW, "[QUANTITY:]METRIC[@MASK]=LIMIT", 0,
-     "The same for numbers that should be large: ssim_mean=0.98", 2},
-    {"frozen-ok", KEY_FROZEN_OK, NULL, 0,
-     "Frames that are bit for bit the one before are meant to be so", 2},
-    {"negative-ok", KEY_NEGATIVE_OK, NULL, 0,
-     "Values below 0 are no reason to stop: a filter with negative lobes made them", 2},
-    {"json", KEY_JSON, NULL, 0, "Results as JSON on stdout", 3},
-    {"csv", KEY_CSV, "FILE", 0, "Results as CSV; '-': on stdout, in place of the table", 3},
-    {"maps", KEY_MAPS, "DIR", 0,
-     "Maps as EXR, and as PNG on a fixed scale: DIR/MAP_QUANTITY[_FRAME].exr and .png", 3},
-    {"quiet", 'q', NULL, 0, "No progress", 3},
-    {0},
+     NEPH_CLI_WORDS, .at = offsetof(struct neph_cli_comparison, above), .group = JUDGING},
+    {"fail-below", 0, "[QUANTITY:]METRIC[@MASK]=LIMIT",
+     "The same for numbers that should be large: ssim_mean=0.98", NEPH_CLI_WORDS,
+     .at = offsetof(struct neph_cli_comparison, below), .group = JUDGING},
+    {"frozen-ok", 0, NULL, "Frames that are bit for bit the one before are meant to be so",
+     NEPH_CLI_FLAG, .at = offsetof(struct neph_cli_comparison, frozen_is_fine), .group = JUDGING},
+    {"negative-ok", 0, NULL,
+     "Values below 0 are no reason to stop: a filter with negative lobes made them", NEPH_CLI_FLAG,
+     .at = offsetof(struct neph_cli_comparison, negative_is_fine), .group = JUDGING},
+    {.name = "json", .group = WRITING},
+    {"csv", 0, "FILE", "Results as CSV; '-': on stdout, in place of the table", NEPH_CLI_FILE,
+     .at = offsetof(struct neph_cli_comparison, csv), .group = WRITING},
+    {"maps", 0, "DIR",
+     "Maps as EXR, and as PNG on a fixed scale: DIR/MAP_QUANTITY[_FRAME].exr and .png",
+     NEPH_CLI_OUTPUT, .at = offsetof(struct neph_cli_comparison, maps), .group = WRITING},
+    {.name = "quiet", .group = WRITING},
+    {.name = NULL},
 };
-
-/* Append to a bounded list of words. */
-static void add_word(struct argp_state *state, const char **list, int *count, int most,
-                     const char *word)
-{
-    if (*count == most)
-        argp_error(state, "more than %d of '%s' and its like", most, word);
-    list[(*count)++] = word;
-}
-
-static error_t parse(int key, char *argument, struct argp_state *state)
-{
-    struct neph_cli_comparison *asked = state->input;
-    switch (key) {
-    case 'm':
-        add_word(state, asked->metrics, &asked->metric_count, NEPH_CHOICES_MAX, argument);
-        return 0;
-    case 's':
-        add_word(state, asked->settings, &asked->setting_count, NEPH_CHOICES_MAX, argument);
-        return 0;
-    case KEY_FAIL_ABOVE:
-    case KEY_FAIL_BELOW:
-        if (asked->limit_count == NEPH_CLI_LIMITS_MAX)
-            argp_error(state, "more than %d limits", NEPH_CLI_LIMITS_MAX);
-        asked->limits[asked->limit_count++] = (struct neph_cli_limit){argument,
-                                                                      key == KEY_FAIL_BELOW};
-        return 0;
-    case KEY_RINGS:
-        asked->rings = true;
-        return 0;
-    case KEY_JSON:
-        asked->json = true;
-        return 0;
-    case KEY_BY_POSITION:
-        asked->by_position = true;
-        return 0;
-    case KEY_FROZEN_OK:
-        asked->frozen_is_fine = true;
-        return 0;
-    case KEY_NEGATIVE_OK:
-        asked->negative_is_fine = true;
-        return 0;
-    case 'q':
-        asked->quiet = true;
-        return 0;
-    }
-    if (key == KEY_CSV || key == KEY_MAPS)
-        neph_cli_output(state, key == KEY_CSV ? "--csv" : "--maps", argument);
-    const struct {
-        int key;
-        const char **word;
-    } words[] = {
-        {KEY_CSV, &asked->csv},
-        {KEY_LAYER, &asked->layer},
-        {KEY_MASK, &asked->mask},
-        {KEY_MAPS, &asked->maps},
-        {KEY_SECOND, &asked->second},
-        {KEY_VERSUS, &asked->versus},
-        {KEY_WARM_UP, &asked->warm_up},
-        {KEY_VIEWING, &asked->viewing[0]},
-        {KEY_VIEWING + 1, &asked->viewing[1]},
-        {KEY_VIEWING + 2, &asked->viewing[2]},
-        {KEY_VIEWING + 3, &asked->viewing[3]},
-    };
-    for (size_t i = 0; i < sizeof(words) / sizeof(words[0]); i++)
-        if (words[i].key == key) {
-            *words[i].word = argument;
-            return 0;
-        }
-    return ARGP_ERR_UNKNOWN;
-}
-
-const struct argp neph_cli_comparison_argp = {.options = options, .parser = parse};
 
 /* ---- what to measure ------------------------------------------------------------------------- */
 
@@ -214,33 +137,26 @@ static enum neph_status apply_setting(struct neph_comparison *comparison, const 
                             &find_choice(comparison, extractor)->settings, diag);
 }
 
-static enum neph_status parse_viewing(const struct neph_cli_comparison *asked, bool temporal,
-                                      struct neph_viewing *viewing, struct neph_diag *diag)
+/* What was given, over what is usual of single frames or of sequences. */
+static struct neph_viewing viewing_of(const struct neph_cli_comparison *asked, bool temporal)
 {
-    *viewing = NEPH_VIEWING_DEFAULTS;
+    struct neph_viewing viewing = NEPH_VIEWING_DEFAULTS;
     if (temporal) {
-        viewing->frame_rate_hz = 30.0;
-        viewing->pixels_per_degree = 60.0;
+        viewing.frame_rate_hz = 30.0;
+        viewing.pixels_per_degree = 60.0;
     }
     const struct {
-        const char *name;
-        double *value;
+        double given, *value;
     } conditions[] = {
-        {"--fps", &viewing->frame_rate_hz},
-        {"--ppd", &viewing->pixels_per_degree},
-        {"--exposure", &viewing->exposure_ev},
-        {"--white", &viewing->white_cd_per_m2},
+        {asked->frame_rate_hz, &viewing.frame_rate_hz},
+        {asked->pixels_per_degree, &viewing.pixels_per_degree},
+        {asked->exposure_ev, &viewing.exposure_ev},
+        {asked->white_cd_per_m2, &viewing.white_cd_per_m2},
     };
-    for (int i = 0; i < 4; i++) {
-        char *end = NULL;
-        if (!asked->viewing[i])
-            continue;
-        *conditions[i].value = strtod(asked->viewing[i], &end);
-        if (end == asked->viewing[i] || *end)
-            return neph_fail(diag, NEPH_ERR_USAGE, "%s '%s' is not a number", conditions[i].name,
-                             asked->viewing[i]);
-    }
-    return NEPH_OK;
+    for (size_t i = 0; i < sizeof(conditions) / sizeof(conditions[0]); i++)
+        if (!isnan(conditions[i].given))
+            *conditions[i].value = conditions[i].given;
+    return viewing;
 }
 
 /* ---- masks ----------------------------------------------------------------------------------- */
@@ -261,14 +177,33 @@ static const char *wanted_mask(const struct neph_cli_comparison *asked)
 
 /* Who limits something wants it measured. */
 static enum neph_status choose_limited(struct neph_comparison *comparison,
-                                       const struct neph_cli_limit *written, struct neph_diag *diag)
+                                       const struct neph_cli_words *limits, bool below,
+                                       struct neph_diag *diag)
 {
-    struct neph_limit limit;
-    const struct neph_extractor *extractor = NULL;
-    enum neph_status status = neph_limit_parse(written->text, written->below, &limit, diag);
-    if (!status && neph_metric_find(limit.metric, &extractor))
-        choose(comparison, extractor);
-    comparison->detail_masks |= !status && neph_mask_is_detail(limit.mask);
+    for (int i = 0; i < limits->count; i++) {
+        struct neph_limit limit;
+        const struct neph_extractor *extractor = NULL;
+        const enum neph_status status = neph_limit_parse(limits->list[i], below, &limit, diag);
+        if (status)
+            return status;
+        if (neph_metric_find(limit.metric, &extractor))
+            choose(comparison, extractor);
+        comparison->detail_masks |= neph_mask_is_detail(limit.mask);
+    }
+    return NEPH_OK;
+}
+
+static enum neph_status check_limits(const json_t *measurements,
+                                     const struct neph_cli_words *limits, bool below,
+                                     struct neph_diag *diag)
+{
+    enum neph_status status = NEPH_OK;
+    for (int i = 0; i < limits->count && !status; i++) {
+        struct neph_limit limit;
+        status = neph_limit_parse(limits->list[i], below, &limit, diag);
+        if (!status)
+            status = neph_limit_check(measurements, &limit, diag);
+    }
     return status;
 }
 
@@ -278,26 +213,27 @@ enum neph_status neph_cli_comparison_prepare(const struct neph_cli_comparison *a
                                              struct neph_comparison *comparison,
                                              struct neph_diag *diag)
 {
-    if (asked->json && asked->csv && strcmp(asked->csv, "-") == 0)
+    if (asked->shared.json && asked->csv && strcmp(asked->csv, "-") == 0)
         return neph_fail(diag, NEPH_ERR_USAGE, "--json and --csv - are both for stdout");
-    enum neph_status status = parse_viewing(asked, temporal, &comparison->viewing, diag);
-    comparison->own_frame_rate = temporal && !asked->viewing[0];
-    for (int i = 0; i < asked->metric_count && !status; i++)
-        status = choose_word(comparison, asked->metrics[i], diag);
-    for (int i = 0; i < neph_extractor_count() && asked->metric_count == 0; i++) {
+    enum neph_status status = NEPH_OK;
+    comparison->viewing = viewing_of(asked, temporal);
+    comparison->own_frame_rate = temporal && isnan(asked->frame_rate_hz);
+    for (int i = 0; i < asked->metrics.count && !status; i++)
+        status = choose_word(comparison, asked->metrics.list[i], diag);
+    for (int i = 0; i < neph_extractor_count() && asked->metrics.count == 0; i++) {
         const struct neph_extractor *extractor = neph_extractor_at(i);
         if (!extractor->costly && extractor->temporal == temporal)
             choose(comparison, extractor);
     }
-    for (int i = 0; i < asked->setting_count && !status; i++)
-        status = apply_setting(comparison, asked->settings[i], diag);
-    for (int i = 0; i < asked->limit_count && !status; i++)
-        status = choose_limited(comparison, &asked->limits[i], diag);
-    if (!status && asked->warm_up)
-        status = neph_cli_parse_int("--warm-up", asked->warm_up, 0, 1000000,
-                                    &comparison->warm_up_frames, diag);
+    for (int i = 0; i < asked->shared.settings.count && !status; i++)
+        status = apply_setting(comparison, asked->shared.settings.list[i], diag);
+    if (!status)
+        status = choose_limited(comparison, &asked->above, false, diag);
+    if (!status)
+        status = choose_limited(comparison, &asked->below, true, diag);
     if (!status && asked->second)
         status = neph_sequence_find(1, &asked->second, &comparison->second, diag);
+    comparison->warm_up_frames = asked->warm_up_frames;
     comparison->mask = wanted_mask(asked);
     if (asked->mask && !is_mask_name(asked->mask))
         comparison->mask_file = asked->mask;
@@ -307,7 +243,7 @@ enum neph_status neph_cli_comparison_prepare(const struct neph_cli_comparison *a
     comparison->maps_directory = asked->maps;
     comparison->frozen_is_fine = asked->frozen_is_fine;
     comparison->by_position = asked->by_position;
-    comparison->quiet = asked->quiet;
+    comparison->quiet = asked->shared.quiet;
     comparison->negative_allowed = asked->negative_is_fine ? SIZE_MAX : 0;
     return status;
 }
@@ -321,15 +257,16 @@ static bool is_wanted(const struct neph_cli_comparison *asked, const json_t *ite
         return false;
     const struct neph_extractor *owner = NULL;
     const struct neph_metric *metric = neph_metric_find(neph_json_text(item, "metric"), &owner);
-    bool named = asked->metric_count == 0;
-    for (int i = 0; i < asked->metric_count; i++)
-        named |= strcmp(asked->metrics[i], "all") == 0 ||
-                 strcmp(asked->metrics[i], owner->name) == 0 ||
-                 strcmp(asked->metrics[i], metric->name) == 0;
-    for (int i = 0; i < asked->setting_count; i++) {
+    bool named = asked->metrics.count == 0;
+    for (int i = 0; i < asked->metrics.count; i++) {
+        const char *word = asked->metrics.list[i];
+        named |= strcmp(word, "all") == 0 || strcmp(word, owner->name) == 0 ||
+                 strcmp(word, metric->name) == 0;
+    }
+    for (int i = 0; i < asked->shared.settings.count; i++) {
+        const char *setting = asked->shared.settings.list[i];
         const size_t length = strlen(owner->name);
-        named |= strncmp(asked->settings[i], owner->name, length) == 0 &&
-                 asked->settings[i][length] == '.';
+        named |= strncmp(setting, owner->name, length) == 0 && setting[length] == '.';
     }
     return named;
 }
@@ -387,10 +324,10 @@ static enum neph_status print_all(const struct neph_cli_comparison *asked, json_
                          "or lacks the layer that it is made from",
                          asked->mask);
     const bool csv_on_stdout = asked->csv && strcmp(asked->csv, "-") == 0;
-    if (asked->json)
+    if (asked->shared.json)
         status = neph_cli_print_json(json_incref(document), diag);
     else if (!csv_on_stdout)
-        neph_comparison_print(document, asked->rings || asked->mask, asked->metric_count > 0);
+        neph_comparison_print(document, asked->rings || asked->mask, asked->metrics.count > 0);
     return asked->csv && !status ? neph_comparison_write_csv(asked->csv, list, diag) : status;
 }
 
@@ -484,10 +421,10 @@ static enum neph_status check_all_taken(const struct neph_cli_comparison *asked,
                                         struct neph_diag *diag)
 {
     enum neph_status status = NEPH_OK;
-    if (asked->metric_count == 0 && asked->purpose)
+    if (asked->metrics.count == 0 && asked->purpose)
         status = check_taken(asked->purpose, measurements, not_taken, diag);
-    for (int i = 0; i < asked->metric_count && !status; i++)
-        status = check_taken(asked->metrics[i], measurements, not_taken, diag);
+    for (int i = 0; i < asked->metrics.count && !status; i++)
+        status = check_taken(asked->metrics.list[i], measurements, not_taken, diag);
     return status;
 }
 
@@ -495,17 +432,10 @@ enum neph_status neph_cli_comparison_run(const struct neph_cli_comparison *asked
                                          const struct neph_comparison *comparison,
                                          struct neph_diag *diag)
 {
-    struct neph_limit limits[NEPH_CLI_LIMITS_MAX];
-    enum neph_status status = asked->maps ? neph_cli_check_output("--maps", asked->maps, diag)
-                                          : NEPH_OK;
-    for (int i = 0; i < asked->limit_count && !status; i++)
-        status = neph_limit_parse(asked->limits[i].text, asked->limits[i].below, &limits[i], diag);
-    if (status)
-        return status;
     json_t *document = NULL;
     struct neph_sequence other = {0};
     struct neph_drawn drawn = {0};
-    status = find_versus(asked, comparison, &other, diag);
+    enum neph_status status = find_versus(asked, comparison, &other, diag);
     if (!status)
         status = neph_comparison_run(comparison, &document, asked->versus ? &drawn : NULL, diag);
     if (!status && asked->versus)
@@ -519,8 +449,10 @@ enum neph_status neph_cli_comparison_run(const struct neph_cli_comparison *asked
     status = status ? status : printed;
     if (!status)
         status = check_all_taken(asked, all, json_object_get(document, "not_taken"), diag);
-    for (int i = 0; i < asked->limit_count && !status; i++)
-        status = neph_limit_check(all, &limits[i], diag);
+    if (!status)
+        status = check_limits(all, &asked->above, false, diag);
+    if (!status)
+        status = check_limits(all, &asked->below, true, diag);
     json_decref(all);
     json_decref(document);
     return status;

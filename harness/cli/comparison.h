@@ -5,34 +5,24 @@
 #ifndef NEPH_HARNESS_CLI_COMPARISON_H
 #define NEPH_HARNESS_CLI_COMPARISON_H
 
+#include "harness/cli/options.h"
 #include "harness/compare/comparison.h"
 
-#include <argp.h>
-
-enum { NEPH_CLI_LIMITS_MAX = 32 };
-
-/* A limit of --fail-above or --fail-below, as written. */
-struct neph_cli_limit {
-    const char *text;
-    bool below;
-};
-
+/* What is asked for; the shared settings are of extractors. */
 struct neph_cli_comparison {
+    struct neph_cli_shared shared;
     const char *purpose; /* the extractor that the verb is there for, when none is named; or NULL */
-    const char *metrics[NEPH_CHOICES_MAX];
-    const char *settings[NEPH_CHOICES_MAX];
-    struct neph_cli_limit limits[NEPH_CLI_LIMITS_MAX];
-    int metric_count, setting_count, limit_count;
+    struct neph_cli_words metrics, above, below; /* the latter two limits */
     const char *mask, *csv, *maps, *layer;
     const char *second; /* words of the second reference */
     const char *versus; /* words of the other test */
-    const char *viewing[4];
-    const char *warm_up;
-    bool json, quiet, rings, by_position, frozen_is_fine, negative_is_fine;
+    double frame_rate_hz, pixels_per_degree, exposure_ev, white_cd_per_m2; /* NaN: as usual */
+    int warm_up_frames;
+    bool rings, by_position, frozen_is_fine, negative_is_fine;
 };
 
-/* An argp child; its input is a struct neph_cli_comparison. */
-extern const struct argp neph_cli_comparison_argp;
+/* Options of a struct neph_cli_comparison. */
+extern const struct neph_cli_option neph_cli_comparison_options[];
 
 /* Fill the choices, the viewing conditions and the rest of `comparison` (not its sequences) from
  * the options. `temporal`: without --metric, the extractors of sequences instead of those of single

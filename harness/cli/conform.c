@@ -7,89 +7,51 @@
 #include "harness/data.h"
 #include "harness/run/conform.h"
 
-#include <argp.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { KEY_JSON = 1, KEY_SIZE, KEY_SCENE, KEY_PICTURES, KEY_SAMPLES, SCENES_MAX = 256 };
-
 struct request {
-    const char *folders[2]; /* to compare; NULL: render */
-    const char *engine, *size, *output, *pictures, *samples;
-    const char *scenes[SCENES_MAX];
-    int scene_count;
-    bool json, quiet;
+    struct neph_cli_shared shared; /* operands: two folders to compare; none: render */
+    struct neph_cli_words scenes;
+    int pictures, samples;
 };
 
-static const struct argp_option options[] = {
-    {"size", KEY_SIZE, "WxH", 0, "Size in pixels (default: 1920x1080)", 0},
-    {"scene", KEY_SCENE, "SCENE", 0,
+static const struct neph_cli_option options[] = {
+    {.name = "size", .otherwise = "1920x1080"},
+    {"scene", 0, "SCENE",
      "A file, or a name of the catalogue; may be given several times (default: the catalogue and "
      "scenes/failure)",
-     0},
-    {"engine", 'e', "ENGINE", 0,
-     "One of march, march_octaves, march_horizon, tracer, realtime (default: all)", 0},
-    {"frames", KEY_PICTURES, "N", 0,
-     "Pictures of realtime, counted all and the last kept "
-     "(default: 6)",
-     0},
-    {"samples", KEY_SAMPLES, "N", 0, "Paths per pixel of tracer (default: 16)", 0},
-    {"output", 'o', "DIR", 0, "Folder of what is kept (default: out/conform)", 0},
-    {"json", KEY_JSON, NULL, 0, "Everything as JSON on stdout", 0},
-    {"quiet", 'q', NULL, 0, "No progress", 0},
-    {0},
+     NEPH_CLI_WORDS, .at = offsetof(struct request, scenes)},
+    {"engine",
+     .help = "One of march, march_octaves, march_horizon, tracer, realtime (default: all)"},
+    {"frames", 0, "N", "Pictures of realtime, counted all and the last kept", NEPH_CLI_INTEGER,
+     .at = offsetof(struct request, pictures), .otherwise = "6", .minimum = 1, .maximum = 1000},
+    {"samples", 0, "N", "Paths per pixel of tracer", NEPH_CLI_INTEGER,
+     .at = offsetof(struct request, samples), .otherwise = "16", .minimum = 2, .maximum = 1000000},
+    {.name = "output", .help = "Folder of what is kept", .otherwise = "out/conform"},
+    {.name = "json"},
+    {.name = "quiet"},
+    {.name = NULL},
 };
 
-static error_t parse(int key, char *argument, struct argp_state *state)
+static const struct neph_cli_operands operands = {
+    .shown = "\nA B",
+    .maximum = 2,
+    .surplus = "two folders",
+};
+
+static void check(const void *request, const struct argp_state *state)
 {
-    struct request *request = state->input;
-    switch (key) {
-    case KEY_JSON:
-        request->json = true;
-        return 0;
-    case 'q':
-        request->quiet = true;
-        return 0;
-    case KEY_SIZE:
-        request->size = argument;
-        return 0;
-    case KEY_SCENE:
-        if (request->scene_count == SCENES_MAX)
-            argp_error(state, "more than %d scenes", SCENES_MAX);
-        request->scenes[request->scene_count++] = argument;
-        return 0;
-    case 'e':
-        request->engine = argument;
-        return 0;
-    case KEY_PICTURES:
-        request->pictures = argument;
-        return 0;
-    case KEY_SAMPLES:
-        request->samples = argument;
-        return 0;
-    case 'o':
-        if (!argument[0])
-            argp_error(state, "the output folder has no name");
-        request->output = argument;
-        return 0;
-    case ARGP_KEY_ARG:
-        if (state->arg_num > 1)
-            argp_error(state, "two folders, not '%s' as well", argument);
-        request->folders[state->arg_num] = argument;
-        return 0;
-    case ARGP_KEY_END:
-        if (request->folders[0] && !request->folders[1])
-            argp_error(state, "which folder to compare '%s' with?", request->folders[0]);
-        return 0;
-    }
-    return ARGP_ERR_UNKNOWN;
+    const struct neph_cli_shared *shared = request;
+    if (shared->operand_count == 1)
+        argp_error(state, "which folder to compare '%s' with?", shared->operands[0]);
 }
 
-static const struct argp argp = {
+static const struct neph_cli_syntax syntax = {
     .options = options,
-    .parser = parse,
-    .args_doc = "\nA B",
+    .operands = &operands,
+    .check = check,
     .doc =
         "Render every scene at a real size with every engine of ours that runs on a Vulkan "
         "device, and count what is not finite or below zero: exit 1 if anything is. Or hold two "
@@ -117,7 +79,7 @@ static enum neph_status append_all(enum neph_data_scenes which, char **names, in
     const enum neph_status status = neph_data_list_scenes(which, &list, &found, diag);
     if (status)
         return status;
-    for (int i = 0; i < found && *count < SCENES_MAX; i++) {
+    for (int i = 0; i < found && *count < NEPH_CLI_WORDS_MAX; i++) {
         names[(*count)++] = list[i];
         list[i] = NULL;
     }
@@ -125,15 +87,16 @@ static enum neph_status append_all(enum neph_data_scenes which, char **names, in
     return NEPH_OK;
 }
 
-static enum neph_status list_scenes(const struct request *request, char *names[SCENES_MAX + 1],
-                                    int *count, struct neph_diag *diag)
+static enum neph_status list_scenes(const struct neph_cli_words *asked,
+                                    char *names[NEPH_CLI_WORDS_MAX + 1], int *count,
+                                    struct neph_diag *diag)
 {
     enum neph_status status = NEPH_OK;
-    for (int i = 0; i < request->scene_count && !status; i++) {
-        names[*count] = strdup(request->scenes[i]);
+    for (int i = 0; i < asked->count && !status; i++) {
+        names[*count] = strdup(asked->list[i]);
         status = names[(*count)++] ? NEPH_OK : neph_fail_memory(diag);
     }
-    if (request->scene_count == 0)
+    if (asked->count == 0)
         for (int which = 0; which < NEPH_DATA_SCENES_COUNT && !status; which++)
             status = append_all(which, names, count, diag);
     return status;
@@ -163,24 +126,20 @@ static void print_wrong(const json_t *report)
 
 static enum neph_status render(const struct request *request, struct neph_diag *diag)
 {
-    char *names[SCENES_MAX + 1] = {NULL};
-    struct neph_conform_params params = {.folder = request->output,
+    char *names[NEPH_CLI_WORDS_MAX + 1] = {NULL};
+    const struct neph_cli_shared *shared = &request->shared;
+    struct neph_conform_params params = {.folder = shared->output,
                                          .scenes = names,
-                                         .engine = request->engine,
-                                         .skip_absent = request->scene_count == 0,
-                                         .quiet = request->quiet || request->json};
+                                         .engine = shared->engine,
+                                         .width_px = shared->size.width_px,
+                                         .height_px = shared->size.height_px,
+                                         .pictures = request->pictures,
+                                         .samples = request->samples,
+                                         .skip_absent = request->scenes.count == 0,
+                                         .quiet = shared->quiet || shared->json};
     json_t *report = NULL;
     int expected = 0, sound = 0;
-    enum neph_status status = neph_cli_parse_size(request->size, &params.width_px,
-                                                  &params.height_px, diag);
-    if (!status)
-        status = neph_cli_parse_int("number of pictures", request->pictures, 1, 1000,
-                                    &params.pictures, diag);
-    if (!status)
-        status = neph_cli_parse_int("number of samples", request->samples, 2, 1000000,
-                                    &params.samples, diag);
-    if (!status)
-        status = list_scenes(request, names, &params.scene_count, diag);
+    enum neph_status status = list_scenes(&request->scenes, names, &params.scene_count, diag);
     if (!status)
         status = neph_conform_render(&params, &report, diag);
     for (int i = 0; i < params.scene_count; i++)
@@ -188,7 +147,7 @@ static enum neph_status render(const struct request *request, struct neph_diag *
     if (status)
         return status;
     neph_conform_count(report, &expected, &sound);
-    if (request->json) {
+    if (shared->json) {
         status = neph_cli_print_json(report, diag);
     } else {
         print_wrong(report);
@@ -228,14 +187,16 @@ static void print_comparison(const json_t *report)
 static enum neph_status compare(const struct request *request, struct neph_diag *diag)
 {
     json_t *report = NULL;
-    const struct neph_conform_part part = {request->engine, request->scenes, request->scene_count};
-    enum neph_status status = neph_conform_compare(request->folders[0], request->folders[1], &part,
+    const struct neph_cli_shared *shared = &request->shared;
+    const struct neph_conform_part part = {shared->engine, request->scenes.list,
+                                           request->scenes.count};
+    enum neph_status status = neph_conform_compare(shared->operands[0], shared->operands[1], &part,
                                                    &report, diag);
     if (status)
         return status;
     const long long expected = json_integer_value(json_object_get(report, "expected"));
     const long long agreeing = json_integer_value(json_object_get(report, "agreeing"));
-    if (request->json) {
+    if (shared->json) {
         status = neph_cli_print_json(report, diag);
     } else {
         print_comparison(report);
@@ -253,8 +214,7 @@ static enum neph_status compare(const struct request *request, struct neph_diag 
 
 enum neph_status neph_cli_conform(int argc, char **argv, struct neph_diag *diag)
 {
-    struct request request = {
-        .size = "1920x1080", .output = "out/conform", .pictures = "6", .samples = "16"};
-    neph_cli_parse(&argp, argc, argv, &request);
-    return request.folders[0] ? compare(&request, diag) : render(&request, diag);
+    struct request request = {0};
+    neph_cli_parse(&syntax, argc, argv, &request);
+    return request.shared.operand_count > 0 ? compare(&request, diag) : render(&request, diag);
 }

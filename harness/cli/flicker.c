@@ -8,61 +8,32 @@
 
 #include <stdlib.h>
 
-enum { KEY_REFERENCE = 'r' };
-
-struct words {
-    int count;
-    const char **list; /* owned; the words are argv's */
-};
-
 struct request {
-    struct neph_cli_comparison shared;
-    struct words references, operands;
+    struct neph_cli_comparison comparison;
+    struct neph_cli_words references;
 };
 
-static const struct argp_option options[] = {
-    {"reference", KEY_REFERENCE, "WORD", 0,
-     "The reference: one frame, or as many as the test has; may be given several times", 0},
-    {0},
+static const struct neph_cli_option options[] = {
+    {"reference", 'r', "WORD",
+     "The reference: one frame, or as many as the test has; may be given several times",
+     NEPH_CLI_WORDS, .at = offsetof(struct request, references)},
+    {.name = NULL},
 };
 
-static void add(struct argp_state *state, struct words *words, const char *word)
+static const struct neph_cli_operands operands = {.shown = "--reference REFERENCE... TEST..."};
+
+static void check(const void *request_, const struct argp_state *state)
 {
-    const char **longer = realloc(words->list, ((size_t)words->count + 1) * sizeof(*longer));
-    if (!longer)
-        argp_failure(state, 71, 0, "out of memory");
-    words->list = longer;
-    words->list[words->count++] = word;
+    const struct request *request = request_;
+    if (request->references.count == 0 || request->comparison.shared.operand_count == 0)
+        argp_error(state, "both are needed: --reference REFERENCE and TEST");
 }
 
-static error_t parse(int key, char *argument, struct argp_state *state)
-{
-    struct request *request = state->input;
-    switch (key) {
-    case ARGP_KEY_INIT:
-        state->child_inputs[0] = &request->shared;
-        return 0;
-    case KEY_REFERENCE:
-        add(state, &request->references, argument);
-        return 0;
-    case ARGP_KEY_ARG:
-        add(state, &request->operands, argument);
-        return 0;
-    case ARGP_KEY_END:
-        if (request->references.count == 0 || request->operands.count == 0)
-            argp_error(state, "both are needed: --reference REFERENCE and TEST");
-        return 0;
-    }
-    return ARGP_ERR_UNKNOWN;
-}
-
-static const struct argp_child children[] = {{&neph_cli_comparison_argp, 0, NULL, 0}, {0}};
-
-static const struct argp argp = {
+static const struct neph_cli_syntax syntax = {
     .options = options,
-    .parser = parse,
-    .children = children,
-    .args_doc = "--reference REFERENCE... TEST...",
+    .more = neph_cli_comparison_options,
+    .check = check,
+    .operands = &operands,
     .doc =
         "Measure the flicker of a sequence: amplitude at the periods of a four-frame cycle, noise, "
         "visibility at the frame rate of the display, change that the reference does not have, "
@@ -85,26 +56,28 @@ static const struct argp argp = {
 };
 
 /* What a shell has expanded behind --reference is put back where it belongs. */
-static enum neph_status split(struct request *request, struct neph_comparison *comparison,
+static enum neph_status split(const struct request *request, struct neph_comparison *comparison,
                               struct neph_diag *diag)
 {
-    const int operand_count = request->operands.count, given = request->references.count;
+    const int given = request->references.count;
+    const int operand_count = request->comparison.shared.operand_count;
+    const char *const *words = request->comparison.shared.operands;
     bool *is_reference = calloc((size_t)operand_count, sizeof(*is_reference));
     const char **references = calloc((size_t)(given + operand_count), sizeof(*references));
     const char **tests = calloc((size_t)operand_count, sizeof(*tests));
     enum neph_status status = is_reference && references && tests ? NEPH_OK
                                                                   : neph_fail_memory(diag);
     if (!status)
-        status = neph_sequence_split(given, request->references.list, operand_count,
-                                     request->operands.list, is_reference, diag);
+        status = neph_sequence_split(given, request->references.list, operand_count, words,
+                                     is_reference, diag);
     int reference_count = 0, test_count = 0;
     for (int i = 0; i < given && !status; i++)
         references[reference_count++] = request->references.list[i];
     for (int i = 0; i < operand_count && !status; i++) {
         if (is_reference[i])
-            references[reference_count++] = request->operands.list[i];
+            references[reference_count++] = words[i];
         else
-            tests[test_count++] = request->operands.list[i];
+            tests[test_count++] = words[i];
     }
     if (!status)
         status = neph_sequence_find(reference_count, references, &comparison->reference, diag);
@@ -118,16 +91,15 @@ static enum neph_status split(struct request *request, struct neph_comparison *c
 
 enum neph_status neph_cli_flicker(int argc, char **argv, struct neph_diag *diag)
 {
-    struct request request = {.shared = {.purpose = "flicker"}};
-    neph_cli_parse(&argp, argc, argv, &request);
+    struct request request = {.comparison = {.purpose = "flicker"}};
+    neph_cli_parse(&syntax, argc, argv, &request);
     struct neph_comparison comparison = {.choice_count = 0};
-    enum neph_status status = neph_cli_comparison_prepare(&request.shared, true, &comparison, diag);
+    enum neph_status status = neph_cli_comparison_prepare(&request.comparison, true, &comparison,
+                                                          diag);
     if (!status)
         status = split(&request, &comparison, diag);
     if (!status)
-        status = neph_cli_comparison_run(&request.shared, &comparison, diag);
+        status = neph_cli_comparison_run(&request.comparison, &comparison, diag);
     neph_comparison_finish(&comparison);
-    free(request.references.list);
-    free(request.operands.list);
     return status;
 }

@@ -7,45 +7,31 @@
 #include "metrics/extractors/extractors.h"
 #include "metrics/mask.h"
 
-#include <argp.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-enum { KEY_JSON = 1, KEY_MASKS };
-
 struct request {
-    const char *name;
-    bool json, masks;
+    struct neph_cli_shared shared;
+    bool masks;
 };
 
-static const struct argp_option options[] = {
-    {"json", KEY_JSON, NULL, 0, "Results as JSON on stdout", 0},
-    {"masks", KEY_MASKS, NULL, 0, "List the masks instead", 0},
-    {"quiet", 'q', NULL, 0, "Accepted; this verb prints results alone", 0},
-    {0},
+static const struct neph_cli_option options[] = {
+    {.name = "json"},
+    {"masks", 0, NULL, "List the masks instead", NEPH_CLI_FLAG,
+     .at = offsetof(struct request, masks)},
+    {.name = "quiet", .help = "Accepted; this verb prints results alone"},
+    {.name = NULL},
 };
 
-static error_t parse(int key, char *argument, struct argp_state *state)
-{
-    struct request *request = state->input;
-    switch (key) {
-    case 'q':
-        return 0;
-    case KEY_JSON:
-        request->json = true;
-        return 0;
-    case KEY_MASKS:
-        request->masks = true;
-        return 0;
-    case ARGP_KEY_ARG:
-        if (request->name)
-            argp_error(state, "one name, not '%s' as well", argument);
-        request->name = argument;
-        return 0;
-    }
-    return ARGP_ERR_UNKNOWN;
-}
+static const struct neph_cli_syntax syntax = {
+    .options = options,
+    .operands = &neph_cli_one_name_or_none,
+    .doc = "List what can be measured, with definition, unit, range and source; or explain one "
+           "extractor with its settings.\v"
+           "Examples:\n  neph metrics\n  neph metrics flip\n  neph metrics a4_p95\n"
+           "  neph metrics --masks",
+};
 
 /* A bound of a range; JSON has no infinity. */
 static json_t *bound_json(double bound)
@@ -158,34 +144,28 @@ static enum neph_status check_name(const char *name, const struct neph_extractor
 
 enum neph_status neph_cli_metrics(int argc, char **argv, struct neph_diag *diag)
 {
-    static const struct argp argp = {
-        .options = options,
-        .parser = parse,
-        .args_doc = "[NAME]",
-        .doc = "List what can be measured, with definition, unit, range and source; or explain one "
-               "extractor with its settings.\v"
-               "Examples:\n  neph metrics\n  neph metrics flip\n  neph metrics a4_p95\n"
-               "  neph metrics --masks",
-    };
     struct request request = {0};
-    neph_cli_parse(&argp, argc, argv, &request);
+    neph_cli_parse(&syntax, argc, argv, &request);
+    const struct neph_cli_shared *shared = &request.shared;
     const struct neph_extractor *only = NULL;
-    enum neph_status status = request.name ? check_name(request.name, &only, diag) : NEPH_OK;
+    enum neph_status status = shared->operand_count > 0
+                                  ? check_name(shared->operands[0], &only, diag)
+                                  : NEPH_OK;
     if (status)
         return status;
     if (request.masks)
-        return list_masks(request.json, diag);
+        return list_masks(shared->json, diag);
     json_t *list = json_array();
     for (int i = 0; i < neph_extractor_count(); i++) {
         const struct neph_extractor *extractor = neph_extractor_at(i);
         if (only && extractor != only)
             continue;
-        if (request.json)
+        if (shared->json)
             neph_json_add(&list, extractor_json(extractor));
         else
             print_extractor(extractor, only != NULL);
     }
-    if (request.json)
+    if (shared->json)
         status = neph_cli_print_json(json_incref(list), diag);
     json_decref(list);
     return status;

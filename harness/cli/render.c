@@ -20,153 +20,78 @@
 #include "harness/run/seed.h"
 #include "scenes/motion.h"
 
-#include <argp.h>
+#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 
-enum {
-    SETTINGS_MAX = 96,
-    KEY_SIZE = 1,
-    KEY_FRAME,
-    KEY_FRAMES,
-    KEY_SEED,
-    KEY_TIME_LIMIT,
-    KEY_JSON,
-    KEY_CHECKPOINT,
-    KEY_SCENE_LAYERS,
-    KEY_STATS,
-    KEY_DEPTH,
-    KEY_NOISE
-};
-
 /* A sequence engine goes on beyond the scene's last key. */
-static const int frames_max = 100000;
+enum { FRAMES_MAX = 100000 };
 
 struct request {
-    const char *scene, *engine, *output, *checkpoint;
-    const char *assignments[SETTINGS_MAX];
-    int assignment_count;
-    const char *size, *frame, *frames, *seed, *time_limit, *preset, *depth;
-    bool noise, json, quiet, scene_layers, stats;
+    struct neph_cli_shared shared;
+    const char *checkpoint, *preset, *depth;
+    int first_frame, frame_count, seed;
+    bool noise, scene_layers, stats;
 };
 
-static const struct argp_option render_options[] = {
-    {"engine", 'e', "NAME", 0, "Engine; `neph engines` lists them (default: march)", 0},
-    {"preset", 'p', "NAME", 0,
+/* Of `neph export`, too; only the engine that is meant without a word differs. */
+static const struct neph_cli_option options[] = {
+    {"preset", 'p', "NAME",
      "Engine realtime: a set of settings by name, before any --set; `neph engines realtime` lists "
      "them",
-     0},
-    {"set", 's', "KEY=VALUE", 0, "A setting of the engine; may be given several times", 0},
-    {"size", KEY_SIZE, "WxH", 0, "Size in pixels (default: 192x108)", 0},
-    {"frame", KEY_FRAME, "N", 0, "First frame, 0-based (default: 0)", 0},
-    {"frames", KEY_FRAMES, "N", 0,
-     "How many frames (default: 1); engine realtime goes on beyond the scene's last", 0},
-    {"seed", KEY_SEED, "N", 0,
+     NEPH_CLI_WORD, .at = offsetof(struct request, preset)},
+    {.name = "set"},
+    {.name = "size", .otherwise = "192x108"},
+    {"frame", 0, "N", "First frame, 0-based", NEPH_CLI_INTEGER,
+     .at = offsetof(struct request, first_frame), .otherwise = "0", .minimum = 0,
+     .maximum = INT_MAX},
+    {"frames", 0, "N", "How many frames; engine realtime goes on beyond the scene's last",
+     NEPH_CLI_INTEGER, .at = offsetof(struct request, frame_count), .otherwise = "1", .minimum = 1,
+     .maximum = FRAMES_MAX},
+    {"seed", 0, "N",
      "Random seed (default: one of the scene's own, so that the errors of two "
      "scenes are independent; it is in the results and in the frame, as neph.seed)",
-     0},
-    {"time-limit", KEY_TIME_LIMIT, "S", 0, "Seconds per child process (default: 600)", 0},
-    {"checkpoint", KEY_CHECKPOINT, "FILE", 0,
+     NEPH_CLI_INTEGER, .at = offsetof(struct request, seed), .minimum = 0, .maximum = INT_MAX},
+    {.name = "time-limit", .otherwise = "600"},
+    {"checkpoint", 0, "FILE",
      "Engines oracle and tracer: go on from what FILE holds, if it is there, and leave all paths "
      "in it: an interrupted render loses seconds (oracle) or the batch in work (tracer), and a "
      "finished one can be given more samples",
-     0},
-    {"scene-layers", KEY_SCENE_LAYERS, NULL, 0,
+     NEPH_CLI_FILE, .at = offsetof(struct request, checkpoint)},
+    {"scene-layers", 0, NULL,
      "Add what the scene knows for `neph compare` and `neph flicker`: masks of clouds, fog, thin "
      "objects and the sun, and motion vectors of solids and sky before a camera that moves",
-     0},
-    {"depth", KEY_DEPTH, "FILES", 0,
+     NEPH_CLI_FLAG, .at = offsetof(struct request, scene_layers)},
+    {"depth", 0, "FILES",
      "Engine realtime: Z [m along the camera's axis; inf: sky] of these EXR files in place of the "
      "scene's solids, which still shade the media, and R G B, which is what is behind the media "
      "(without: black). "
      "FILES: " NEPH_SEQUENCE_HELP "; one file serves all frames",
-     0},
-    {"stats", KEY_STATS, NULL, 0,
+     NEPH_CLI_WORD, .at = offsetof(struct request, depth)},
+    {"stats", 0, NULL,
      "What each frame has cost: density evaluations, rays, steps, bytes, device time per pass "
      "(engines that count them)",
-     0},
-    {"output", 'o', "DIR", 0, "Folder to write to (default: .)", 0},
-    {"noise", KEY_NOISE, NULL, 0,
+     NEPH_CLI_FLAG, .at = offsetof(struct request, stats)},
+    {.name = "output", .otherwise = "."},
+    {"noise", 0, NULL,
      "Engine cycles: render every frame with a second seed, too, for its noise; other engines by "
      "chance know theirs",
-     0},
-    {"json", KEY_JSON, NULL, 0, "Results as JSON on stdout", 0},
-    {"quiet", 'q', NULL, 0, "No progress", 0},
-    {0},
+     NEPH_CLI_FLAG, .at = offsetof(struct request, noise)},
+    {.name = "json"},
+    {.name = "quiet"},
+    {.name = NULL},
 };
 
-static error_t parse(int key, char *argument, struct argp_state *state)
-{
-    struct request *request = state->input;
-    switch (key) {
-    case 'e':
-        request->engine = argument;
-        return 0;
-    case 'p':
-        request->preset = argument;
-        return 0;
-    case KEY_NOISE:
-        request->noise = true;
-        return 0;
-    case KEY_STATS:
-        request->stats = true;
-        return 0;
-    case KEY_DEPTH:
-        request->depth = argument;
-        return 0;
-    case 's':
-        if (request->assignment_count == SETTINGS_MAX)
-            argp_error(state, "more than %d settings", SETTINGS_MAX);
-        request->assignments[request->assignment_count++] = argument;
-        return 0;
-    case 'o':
-        request->output = neph_cli_output(state, "--output", argument);
-        return 0;
-    case KEY_CHECKPOINT:
-        request->checkpoint = neph_cli_output(state, "--checkpoint", argument);
-        return 0;
-    case 'q':
-        request->quiet = true;
-        return 0;
-    case KEY_SCENE_LAYERS:
-        request->scene_layers = true;
-        return 0;
-    case KEY_JSON:
-        request->json = true;
-        return 0;
-    case KEY_SIZE:
-        request->size = argument;
-        return 0;
-    case KEY_FRAME:
-        request->frame = argument;
-        return 0;
-    case KEY_FRAMES:
-        request->frames = argument;
-        return 0;
-    case KEY_SEED:
-        request->seed = argument;
-        return 0;
-    case KEY_TIME_LIMIT:
-        request->time_limit = argument;
-        return 0;
-    case ARGP_KEY_ARG:
-        if (request->scene)
-            argp_error(state, "one scene, not '%s' as well", argument);
-        request->scene = argument;
-        return 0;
-    case ARGP_KEY_END:
-        if (!request->scene)
-            argp_error(state, "which scene? `neph scenes` lists the catalogue");
-        return 0;
-    }
-    return ARGP_ERR_UNKNOWN;
-}
+static const struct neph_cli_option render_engine[] = {{.name = "engine", .otherwise = "march"},
+                                                       {.name = NULL}};
+static const struct neph_cli_option export_engine[] = {{.name = "engine", .otherwise = "povray"},
+                                                       {.name = NULL}};
 
-static const struct argp render_argp = {
-    .options = render_options,
-    .parser = parse,
-    .args_doc = "SCENE",
+static const struct neph_cli_syntax render_syntax = {
+    .options = options,
+    .more = render_engine,
+    .operands = &neph_cli_one_scene,
     .doc = "Render a scene (a file, or a name of the catalogue) with one engine.\v"
            "Writes DIR/SCENE_ENGINE_FRAME.exr: R G B, volume.*, transmittance.* and Z, 32-bit "
            "float, with the settings as attributes. Frames that are finished when an engine fails "
@@ -179,10 +104,10 @@ static const struct argp render_argp = {
            "  neph render cloud_below -e tracer -s samples=65536 --checkpoint below.sums",
 };
 
-static const struct argp export_argp = {
-    .options = render_options,
-    .parser = parse,
-    .args_doc = "SCENE",
+static const struct neph_cli_syntax export_syntax = {
+    .options = options,
+    .more = export_engine,
+    .operands = &neph_cli_one_scene,
     .doc = "Leave a scene as files that open in Blender or render with POV-Ray by hand.\v"
            "Prints the one-line command to run inside DIR, which is a new or empty folder, or that "
            "of an export before, whose files are replaced.\n\n"
@@ -191,15 +116,17 @@ static const struct argp export_argp = {
            "  neph export fence_backlit --engine cycles -o fence_blend",
 };
 
-/* --frames; single frames end with the scene. */
-static enum neph_status count_frames(const struct request *request,
+/* Whether the scene has these frames; single frames end with it. */
+static enum neph_status check_frames(const struct request *request,
                                      const struct neph_engine *engine,
-                                     const struct neph_scene *scene, int first, int *frame_count,
-                                     struct neph_diag *diag)
+                                     const struct neph_scene *scene, struct neph_diag *diag)
 {
-    const int most = engine->remembers ? frames_max : scene->frame_count - first;
-    const enum neph_status status = neph_cli_parse_int("number of frames", request->frames, 1, most,
-                                                       frame_count, diag);
+    const int first = request->first_frame;
+    const int most = engine->remembers ? FRAMES_MAX : scene->frame_count - first;
+    enum neph_status status = neph_cli_check_range("--frame", first, 0, scene->frame_count - 1,
+                                                   diag);
+    if (!status)
+        status = neph_cli_check_range("--frames", request->frame_count, 1, most, diag);
     if (status)
         neph_hint(diag, "scene %s ends with frame %d", scene->name, scene->frame_count - 1);
     return status;
@@ -207,10 +134,9 @@ static enum neph_status count_frames(const struct request *request,
 
 /* Options that only some engines have a use for. */
 static enum neph_status check_engine(const struct request *request,
-                                     const struct neph_engine *engine, int frame_count,
-                                     struct neph_diag *diag)
+                                     const struct neph_engine *engine, struct neph_diag *diag)
 {
-    if (request->checkpoint && (!engine->rests || frame_count > 1))
+    if (request->checkpoint && (!engine->rests || request->frame_count > 1))
         return neph_fail(diag, NEPH_ERR_USAGE,
                          "--checkpoint is for one frame of an engine that adds up paths (oracle, "
                          "tracer)");
@@ -224,44 +150,36 @@ static enum neph_status check_engine(const struct request *request,
     return NEPH_OK;
 }
 
-/* The shot that a request asks for; `*frame_count` from --frames. */
 static enum neph_status make_job(const struct request *request, const struct neph_scene *scene,
                                  struct neph_engine_info *info, struct neph_job *job,
-                                 int *frame_count, struct neph_diag *diag)
+                                 struct neph_diag *diag)
 {
-    const struct neph_engine *engine = neph_engine_find(request->engine);
+    const struct neph_cli_shared *shared = &request->shared;
+    const struct neph_engine *engine = neph_engine_find(shared->engine);
     if (!engine) {
-        neph_fail(diag, NEPH_ERR_USAGE, "there is no engine '%s'", request->engine);
+        neph_fail(diag, NEPH_ERR_USAGE, "there is no engine '%s'", shared->engine);
         neph_hint(diag, "`neph engines` lists them");
         return NEPH_ERR_USAGE;
     }
-    int first = 0, seed = (int)neph_seed_of(scene, 1), limit_s = 600;
-    *job = (struct neph_job){.engine = engine,
-                             .info = info,
-                             .shot = {.scene = scene,
-                                      .settings = neph_settings_default(engine),
-                                      .layers = NEPH_LAYERS_ALL}};
-    enum neph_status status = neph_cli_parse_size(request->size, &job->shot.width_px,
-                                                  &job->shot.height_px, diag);
+    *job = (struct neph_job){
+        .engine = engine,
+        .info = info,
+        .shot = {.scene = scene,
+                 .settings = neph_settings_default(engine),
+                 .layers = NEPH_LAYERS_ALL,
+                 .width_px = shared->size.width_px,
+                 .height_px = shared->size.height_px,
+                 .frame = request->first_frame,
+                 .seed = request->seed >= 0 ? (uint64_t)request->seed : neph_seed_of(scene, 1),
+                 .time_limit_s = shared->time_limit_s,
+                 .checkpoint = request->checkpoint}};
+    enum neph_status status = check_frames(request, engine, scene, diag);
     if (!status)
-        status = neph_cli_parse_int("frame", request->frame, 0, scene->frame_count - 1, &first,
-                                    diag);
-    if (!status)
-        status = count_frames(request, engine, scene, first, frame_count, diag);
-    if (!status)
-        status = check_engine(request, engine, *frame_count, diag);
-    if (!status && request->seed)
-        status = neph_cli_parse_int("seed", request->seed, 0, 0x7fffffff, &seed, diag);
-    if (!status)
-        status = neph_cli_parse_int("time limit", request->time_limit, 1, 1000000, &limit_s, diag);
+        status = check_engine(request, engine, diag);
     if (!status && request->preset)
         status = neph_settings_preset(engine, request->preset, &job->shot.settings, diag);
-    for (int i = 0; i < request->assignment_count && !status; i++)
-        status = neph_settings_set(engine, &job->shot.settings, request->assignments[i], diag);
-    job->shot.checkpoint = request->checkpoint;
-    job->shot.frame = first;
-    job->shot.seed = (uint64_t)seed;
-    job->shot.time_limit_s = limit_s;
+    for (int i = 0; i < shared->settings.count && !status; i++)
+        status = neph_settings_set(engine, &job->shot.settings, shared->settings.list[i], diag);
     if (!status)
         neph_engine_probe(engine, info);
     return status;
@@ -271,7 +189,7 @@ static enum neph_status make_job(const struct request *request, const struct nep
 static enum neph_status name_frame(const struct request *request, const struct neph_job *job,
                                    const char *depth, char **path, struct neph_diag *diag)
 {
-    char *named = neph_format("%s/%s_%s_%04d.exr", request->output, job->shot.scene->name,
+    char *named = neph_format("%s/%s_%s_%04d.exr", request->shared.output, job->shot.scene->name,
                               job->engine->name, job->shot.frame);
     if (!named)
         return neph_fail_memory(diag);
@@ -299,7 +217,7 @@ static enum neph_status find_noise(const struct request *request, const struct n
     if (isfinite(*noise) || !job->engine->stochastic)
         return NEPH_OK;
     if (!request->noise) {
-        if (!request->quiet)
+        if (!request->shared.quiet)
             fprintf(stderr,
                     "neph render: %s does not know its noise: --noise renders a second seed\n",
                     job->engine->name);
@@ -324,7 +242,7 @@ static void say(const struct request *request, const struct neph_job *job, doubl
     if (warning)
         fprintf(stderr, "neph render: warning: frame %d: %s\n", job->shot.frame, warning);
     free(warning);
-    if (isfinite(noise) && !request->quiet)
+    if (isfinite(noise) && !request->shared.quiet)
         fprintf(stderr, "frame %d: noise %.2g %% of the rms radiance, seed %llu\n", job->shot.frame,
                 100.0 * noise, (unsigned long long)job->shot.seed);
 }
@@ -339,7 +257,7 @@ static enum neph_status render_one(const struct request *request, struct neph_jo
     struct neph_cost cost = {0};
     enum neph_status status = name_frame(request, job, depth, &path, diag);
     if (!status)
-        status = neph_cli_begin_scratch(request->output, &scratch, diag);
+        status = neph_cli_begin_scratch(request->shared.output, &scratch, diag);
     if (!status) {
         job->shot.scratch_directory = neph_scratch_path(scratch);
         status = neph_job_render(job, &frame, &cost, diag);
@@ -364,7 +282,7 @@ static enum neph_status render_one(const struct request *request, struct neph_jo
                       neph_frame_stats(frame), "seed", (json_int_t)job->shot.seed, "noise",
                       real_or_null(noise), "step_optical_depth", real_or_null(step_depth)),
             diag);
-    if (!status && !request->json)
+    if (!status && !request->shared.json)
         printf("%s\n", path);
     neph_cli_end_scratch(scratch, status, diag);
     job->shot.scratch_directory = NULL;
@@ -424,16 +342,17 @@ static void print_stats(const json_t *results)
 }
 
 static enum neph_status render_frames(const struct request *request, struct neph_job *job,
-                                      int frame_count, struct neph_diag *diag)
+                                      struct neph_diag *diag)
 {
+    const int frame_count = request->frame_count;
     json_t *results = json_array();
     struct neph_sequence depths = {0};
     const int width_px = job->shot.width_px, height_px = job->shot.height_px;
-    struct neph_progress progress = neph_progress_start(request->quiet || request->json,
-                                                        frame_count);
+    struct neph_progress progress = neph_progress_start(
+        request->shared.quiet || request->shared.json, frame_count);
     enum neph_status status = find_depths(request, frame_count, &depths, diag);
     if (!status)
-        status = neph_cli_open_folder(request->output, diag);
+        status = neph_cli_open_folder(request->shared.output, diag);
     for (int i = 0; i < frame_count && !status; i++) {
         char what[128];
         snprintf(what, sizeof(what), "frame %d", job->shot.frame);
@@ -450,39 +369,27 @@ static enum neph_status render_frames(const struct request *request, struct neph
     neph_progress_end(&progress);
     neph_job_close(job);
     neph_sequence_finish(&depths);
-    if (request->stats && !request->json && json_array_size(results) > 0)
+    if (request->stats && !request->shared.json && json_array_size(results) > 0)
         print_stats(results);
     const enum neph_status printed =
-        request->json ? neph_cli_print_json(json_incref(results), status ? NULL : diag) : NEPH_OK;
+        request->shared.json ? neph_cli_print_json(json_incref(results), status ? NULL : diag)
+                             : NEPH_OK;
     json_decref(results);
     return status ? status : printed;
 }
 
-static struct request default_request(const char *engine)
-{
-    return (struct request){.engine = engine,
-                            .output = ".",
-                            .size = "192x108",
-                            .frame = "0",
-                            .frames = "1",
-                            .time_limit = "600"};
-}
-
 enum neph_status neph_cli_render(int argc, char **argv, struct neph_diag *diag)
 {
-    struct request request = default_request("march");
-    neph_cli_parse(&render_argp, argc, argv, &request);
+    struct request request = {0};
+    neph_cli_parse(&render_syntax, argc, argv, &request);
     struct neph_scene *scene = NULL;
     struct neph_engine_info info;
     struct neph_job job;
-    int frame_count = 1;
-    enum neph_status status = neph_cli_check_output("-o", request.output, diag);
+    enum neph_status status = neph_data_load_scene(request.shared.operands[0], &scene, diag);
     if (!status)
-        status = neph_data_load_scene(request.scene, &scene, diag);
+        status = make_job(&request, scene, &info, &job, diag);
     if (!status)
-        status = make_job(&request, scene, &info, &job, &frame_count, diag);
-    if (!status)
-        status = render_frames(&request, &job, frame_count, diag);
+        status = render_frames(&request, &job, diag);
     neph_scene_destroy(scene);
     return status;
 }
@@ -500,32 +407,29 @@ static enum neph_status export_files(const struct request *request, struct neph_
                          job->engine->name);
     if (!job->engine->can_render(job->shot.scene, &job->shot.settings, reason, sizeof(reason)))
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "%s cannot: %s", job->engine->name, reason);
-    enum neph_status status = neph_owned_claim(request->output, &export_folder, diag);
+    enum neph_status status = neph_owned_claim(request->shared.output, &export_folder, diag);
     if (!status)
-        status = job->engine->export_scene(&job->shot, request->output, command, sizeof(command),
-                                           diag);
+        status = job->engine->export_scene(&job->shot, request->shared.output, command,
+                                           sizeof(command), diag);
     if (status)
         return status;
-    if (request->json)
+    if (request->shared.json)
         return neph_cli_print_json(
-            json_pack("{s:s, s:s}", "folder", request->output, "command", command), diag);
-    printf("in %s: %s\n", request->output, command);
+            json_pack("{s:s, s:s}", "folder", request->shared.output, "command", command), diag);
+    printf("in %s: %s\n", request->shared.output, command);
     return NEPH_OK;
 }
 
 enum neph_status neph_cli_export(int argc, char **argv, struct neph_diag *diag)
 {
-    struct request request = default_request("povray");
-    neph_cli_parse(&export_argp, argc, argv, &request);
+    struct request request = {0};
+    neph_cli_parse(&export_syntax, argc, argv, &request);
     struct neph_scene *scene = NULL, *still = NULL;
     struct neph_engine_info info;
     struct neph_job job;
-    int frame_count = 1;
-    enum neph_status status = neph_cli_check_output("-o", request.output, diag);
+    enum neph_status status = neph_data_load_scene(request.shared.operands[0], &scene, diag);
     if (!status)
-        status = neph_data_load_scene(request.scene, &scene, diag);
-    if (!status)
-        status = make_job(&request, scene, &info, &job, &frame_count, diag);
+        status = make_job(&request, scene, &info, &job, diag);
     if (!status && neph_scene_moves(scene))
         status = neph_scene_at(scene, job.shot.frame, &still, diag);
     if (still)

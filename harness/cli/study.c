@@ -4,6 +4,8 @@
  */
 #include "harness/cli/study.h"
 
+#include "harness/engines/engines.h"
+
 #include <stdio.h>
 #include <string.h>
 
@@ -31,6 +33,18 @@ static void print_help(FILE *out)
                  "  neph study flicker --suite test --markdown study.md\n");
 }
 
+static enum neph_status refuse_kind(const char *word, struct neph_diag *diag)
+{
+    char names[128] = "";
+    for (int i = 0; i < KIND_COUNT; i++) {
+        const size_t length = strlen(names);
+        snprintf(names + length, sizeof(names) - length, "%s%s", i > 0 ? ", " : "", kinds[i].name);
+    }
+    neph_fail(diag, NEPH_ERR_USAGE, "there is no study '%s', and no engine", word);
+    neph_hint(diag, "studies are %s; `neph study --help` explains them", names);
+    return NEPH_ERR_USAGE;
+}
+
 enum neph_status neph_cli_study(int argc, char **argv, struct neph_diag *diag)
 {
     const char *first = argc > 1 ? argv[1] : "--help";
@@ -45,5 +59,7 @@ enum neph_status neph_cli_study(int argc, char **argv, struct neph_diag *diag)
             argv[1] = name;
             return kinds[i].run(argc - 1, argv + 1, diag);
         }
+    if (first[0] != '-' && !neph_engine_find(first))
+        return refuse_kind(first, diag);
     return neph_cli_study_steps(argc, argv, diag);
 }

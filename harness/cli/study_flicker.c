@@ -13,112 +13,60 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum {
-    KEY_PRESETS = 1,
-    KEY_SUITE,
-    KEY_SEEDS,
-    KEY_FRAMES,
-    KEY_SIZE,
-    KEY_STEPS,
-    KEY_TAKES,
-    KEY_JSON,
-    KEY_CSV,
-    KEY_MARKDOWN,
-};
-
 struct request {
-    const char *presets, *suite, *seeds, *frames, *size, *steps, *takes;
-    const char *output, *csv, *markdown;
-    char **scenes; /* of argv */
-    int scene_count;
-    bool json, quiet;
+    struct neph_cli_shared shared; /* operands: scenes */
+    const char *presets, *suite, *takes, *csv, *markdown;
+    int seed_count, frame_count, steps;
 };
 
-static const struct argp_option options[] = {
-    {"presets", KEY_PRESETS, "A,B", 0,
-     "Presets to hold against each other; PRESET+KEY=VALUE changes one (default: "
-     "seed,fixed,ue,c52e,unity,ours)",
-     0},
-    {"suite", KEY_SUITE, "NAME", 0,
+static const struct neph_cli_option options[] = {
+    {"presets", 0, "A,B", "Presets to hold against each other; PRESET+KEY=VALUE changes one",
+     NEPH_CLI_WORD, .at = offsetof(struct request, presets),
+     .otherwise = "seed,fixed,ue,c52e,unity,ours"},
+    {"suite", 0, "NAME",
      "tuning: the scenes that presets were chosen by; test: others (default, without a SCENE: "
      "test)",
-     0},
-    {"seeds", KEY_SEEDS, "N", 0, "Seeds of the dithers, for each scene (default: 3)", 0},
-    {"frames", KEY_FRAMES, "N", 0,
-     "Frames that flicker is measured in, a multiple of 4 (default: 256); a scene that moves has "
-     "as many as it has",
-     0},
-    {"size", KEY_SIZE, "WxH", 0, "Size in pixels (default: 320x180)", 0},
-    {"steps", KEY_STEPS, "N", 0, "Steps of every ray, of the reference's too (default: 32)", 0},
-    {"takes", KEY_TAKES, "A,B", 0,
+     NEPH_CLI_WORD, .at = offsetof(struct request, suite)},
+    {"seeds", 0, "N", "Seeds of the dithers, for each scene", NEPH_CLI_INTEGER,
+     .at = offsetof(struct request, seed_count), .otherwise = "3", .minimum = 1,
+     .maximum = NEPH_STUDY_SEEDS_MAX},
+    {"frames", 0, "N",
+     "Frames that flicker is measured in, a multiple of 4; a scene that moves has as many as it "
+     "has",
+     NEPH_CLI_INTEGER, .at = offsetof(struct request, frame_count), .otherwise = "256",
+     .minimum = 16, .maximum = 4096},
+    {.name = "size", .otherwise = "320x180"},
+    {"steps", 0, "N", "Steps of every ray, of the reference's too", NEPH_CLI_INTEGER,
+     .at = offsetof(struct request, steps), .otherwise = "32", .minimum = 1, .maximum = 65536},
+    {"takes", 0, "A,B",
      "What is rendered of a scene: flicker (as it is), step (of the sun), sine (of the sun), cut "
-     "(of "
-     "the camera) (default: all)",
-     0},
-    {"output", 'o', "DIR", 0, "Folder of the store and of flicker_lag.svg (default: out)", 0},
-    {"json", KEY_JSON, NULL, 0, "All numbers as JSON on stdout, instead of the tables", 0},
-    {"csv", KEY_CSV, "FILE", 0, "A line for each number", 0},
-    {"markdown", KEY_MARKDOWN, "FILE", 0, "The tables into a file, too", 0},
-    {"quiet", 'q', NULL, 0, "No progress", 0},
-    {0},
+     "(of the camera)",
+     NEPH_CLI_WORD, .at = offsetof(struct request, takes), .otherwise = "flicker,step,sine,cut"},
+    {.name = "output", .help = "Folder of the store and of flicker_lag.svg", .otherwise = "out"},
+    {.name = "json", .help = "All numbers as JSON on stdout, instead of the tables"},
+    {"csv", 0, "FILE", "A line for each number", NEPH_CLI_FILE,
+     .at = offsetof(struct request, csv)},
+    {"markdown", 0, "FILE", "The tables into a file, too", NEPH_CLI_FILE,
+     .at = offsetof(struct request, markdown)},
+    {.name = "quiet"},
+    {.name = NULL},
 };
 
-static error_t parse(int key, char *argument, struct argp_state *state)
+static const struct neph_cli_operands operands = {.shown = "[SCENE...]"};
+
+static void check(const void *request_, const struct argp_state *state)
 {
-    struct request *request = state->input;
-    switch (key) {
-    case KEY_PRESETS:
-        request->presets = argument;
-        return 0;
-    case KEY_SUITE:
-        request->suite = argument;
-        return 0;
-    case KEY_SEEDS:
-        request->seeds = argument;
-        return 0;
-    case KEY_FRAMES:
-        request->frames = argument;
-        return 0;
-    case KEY_SIZE:
-        request->size = argument;
-        return 0;
-    case KEY_STEPS:
-        request->steps = argument;
-        return 0;
-    case KEY_TAKES:
-        request->takes = argument;
-        return 0;
-    case 'o':
-        request->output = neph_cli_output(state, "--output", argument);
-        return 0;
-    case KEY_JSON:
-        request->json = true;
-        return 0;
-    case KEY_CSV:
-        request->csv = neph_cli_output(state, "--csv", argument);
-        return 0;
-    case KEY_MARKDOWN:
-        request->markdown = neph_cli_output(state, "--markdown", argument);
-        return 0;
-    case 'q':
-        request->quiet = true;
-        return 0;
-    case ARGP_KEY_ARGS:
-        request->scenes = state->argv + state->next;
-        request->scene_count = state->argc - state->next;
-        return 0;
-    case ARGP_KEY_END:
-        if (request->suite && request->scene_count > 0)
-            argp_error(state, "a suite or scenes by name, not both");
-        return 0;
-    }
-    return ARGP_ERR_UNKNOWN;
+    const struct request *request = request_;
+    if (request->suite && request->shared.operand_count > 0)
+        argp_error(state, "a suite or scenes by name, not both");
+    if (request->frame_count % 4 != 0)
+        argp_error(state, "%d frames are no multiple of 4", request->frame_count);
 }
 
-static const struct argp argp = {
+static const struct neph_cli_syntax syntax = {
     .options = options,
-    .parser = parse,
-    .args_doc = "[SCENE...]",
+    .operands = &operands,
+    .check = check,
     .doc =
         "Render scenes with presets of the real-time renderer, measure flicker, lag and error of "
         "each against one reference, and say which differ, with 95 % intervals over scenes.\v"
@@ -135,30 +83,12 @@ static const struct argp argp = {
         "  neph study flicker --presets ours,ours+taa_jitter_length=8 --takes flicker",
 };
 
-/* ---- lists ----------------------------------------------------------------------------------- */
-
-/* Words of "A,B" into `words`, which point into `text`. */
-static enum neph_status split(char *text, const char *what, int most, const char **words,
-                              int *count, struct neph_diag *diag)
-{
-    for (*count = 0; text;) {
-        if (*count == most)
-            return neph_fail(diag, NEPH_ERR_USAGE, "more than %d %s", most, what);
-        const char *word = strsep(&text, ",");
-        for (int i = 0; i < *count; i++)
-            if (strcmp(words[i], word) == 0)
-                return neph_fail(diag, NEPH_ERR_USAGE, "'%s' is twice among the %s", word, what);
-        words[(*count)++] = word;
-    }
-    return NEPH_OK;
-}
-
 static enum neph_status choose_takes(char *text, bool takes[NEPH_STUDY_TAKES],
                                      struct neph_diag *diag)
 {
     const char *words[NEPH_STUDY_TAKES];
     int count = 0;
-    enum neph_status status = split(text, "takes", NEPH_STUDY_TAKES, words, &count, diag);
+    enum neph_status status = neph_cli_split(text, "takes", NEPH_STUDY_TAKES, words, &count, diag);
     for (int i = 0; i < count && !status; i++) {
         int id = 0;
         while (id < NEPH_STUDY_TAKES && strcmp(words[i], neph_study_takes[id].name) != 0)
@@ -172,33 +102,10 @@ static enum neph_status choose_takes(char *text, bool takes[NEPH_STUDY_TAKES],
     return status;
 }
 
-/* ---- the study ------------------------------------------------------------------------------- */
-
-static enum neph_status parse_numbers(const struct request *request,
-                                      struct neph_flicker_study_params *params,
-                                      struct neph_diag *diag)
-{
-    enum neph_status status = neph_cli_parse_size(request->size, &params->width_px,
-                                                  &params->height_px, diag);
-    if (!status)
-        status = neph_cli_parse_int("number of seeds", request->seeds, 1, NEPH_STUDY_SEEDS_MAX,
-                                    &params->seed_count, diag);
-    if (!status)
-        status = neph_cli_parse_int("number of steps", request->steps, 1, 65536, &params->steps,
-                                    diag);
-    if (!status)
-        status = neph_cli_parse_int("number of frames", request->frames, 16, 4096,
-                                    &params->frame_count, diag);
-    if (!status && params->frame_count % 4 != 0)
-        status = neph_fail(diag, NEPH_ERR_USAGE, "%d frames are no multiple of 4",
-                           params->frame_count);
-    return status;
-}
-
 static enum neph_status write_plot(const struct request *request,
                                    const struct neph_flicker_study *study, struct neph_diag *diag)
 {
-    char *svg = NULL, *path = neph_path_join(request->output, "flicker_lag.svg");
+    char *svg = NULL, *path = neph_path_join(request->shared.output, "flicker_lag.svg");
     enum neph_status status = path ? neph_flicker_study_plot(study, &svg, diag)
                                    : neph_fail_memory(diag);
     if (!status)
@@ -224,7 +131,7 @@ static enum neph_status write_text(const struct request *request,
 {
     char *text = NULL;
     enum neph_status status = neph_flicker_study_text(study, &text, diag);
-    if (!status && !request->json)
+    if (!status && !request->shared.json)
         fputs(text, stdout);
     if (!status && request->markdown)
         status = neph_file_write(request->markdown, text, strlen(text), diag);
@@ -236,7 +143,7 @@ static enum neph_status write_all(const struct request *request,
                                   const struct neph_flicker_study *study, struct neph_diag *diag)
 {
     enum neph_status status = write_text(request, study, diag);
-    if (!status && request->json)
+    if (!status && request->shared.json)
         status = neph_cli_print_json(neph_flicker_study_json(study), diag);
     if (!status && request->csv)
         status = write_csv(request->csv, study, diag);
@@ -253,11 +160,10 @@ static enum neph_status run(const struct request *request,
 {
     struct neph_store *store = NULL;
     struct neph_flicker_study study = {.params = params};
-    char *folder = neph_path_join(request->output, "store");
-    enum neph_status status = folder ? neph_cli_check_output("-o", request->output, diag)
+    char *folder = neph_path_join(request->shared.output, "store");
+    enum neph_status status = folder ? neph_data_check_scenes(params->scenes, params->scene_count,
+                                                              diag)
                                      : neph_fail_memory(diag);
-    if (!status)
-        status = neph_data_check_scenes(params->scenes, params->scene_count, diag);
     if (!status)
         status = neph_store_open(folder, &store, diag);
     if (!status)
@@ -272,29 +178,28 @@ static enum neph_status run(const struct request *request,
 
 enum neph_status neph_cli_study_flicker(int argc, char **argv, struct neph_diag *diag)
 {
-    struct request request = {.presets = "seed,fixed,ue,c52e,unity,ours",
-                              .seeds = "3",
-                              .frames = "256",
-                              .size = "320x180",
-                              .steps = "32",
-                              .takes = "flicker,step,sine,cut",
-                              .output = "out"};
-    neph_cli_parse(&argp, argc, argv, &request);
+    struct request request = {0};
+    neph_cli_parse(&syntax, argc, argv, &request);
+    const struct neph_cli_shared *shared = &request.shared;
     const char *presets[NEPH_STUDY_PRESETS_MAX];
     char **suite = NULL, *preset_words = strdup(request.presets),
          *take_words = strdup(request.takes);
     struct neph_flicker_study_params params = {.presets = presets,
-                                               .scenes = (const char *const *)request.scenes,
-                                               .scene_count = request.scene_count,
-                                               .quiet = request.quiet};
-    enum neph_status status = preset_words && take_words ? parse_numbers(&request, &params, diag)
-                                                         : neph_fail_memory(diag);
+                                               .scenes = shared->operands,
+                                               .scene_count = shared->operand_count,
+                                               .width_px = shared->size.width_px,
+                                               .height_px = shared->size.height_px,
+                                               .seed_count = request.seed_count,
+                                               .frame_count = request.frame_count,
+                                               .steps = request.steps,
+                                               .quiet = shared->quiet};
+    enum neph_status status = preset_words && take_words ? NEPH_OK : neph_fail_memory(diag);
     if (!status)
-        status = split(preset_words, "presets", NEPH_STUDY_PRESETS_MAX, presets,
-                       &params.preset_count, diag);
+        status = neph_cli_split(preset_words, "presets", NEPH_STUDY_PRESETS_MAX, presets,
+                                &params.preset_count, diag);
     if (!status)
         status = choose_takes(take_words, params.takes, diag);
-    if (!status && request.scene_count == 0) {
+    if (!status && shared->operand_count == 0) {
         status = neph_flicker_suite_find(request.suite ? request.suite : "test", &suite,
                                          &params.scene_count, diag);
         params.scenes = (const char *const *)suite;

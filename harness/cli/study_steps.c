@@ -10,80 +10,47 @@
 #include "harness/study/studies.h"
 #include "harness/study/study.h"
 
-#include <argp.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 
-enum { KEY_JSON = 1, KEY_RENEW, KEY_SIZE, KEY_SET, KEY_TIME_LIMIT, ASSIGNMENTS_MAX = 16 };
-
 struct request {
-    const char *engine, *scene, *size, *output, *time_limit;
-    const char *assignments[ASSIGNMENTS_MAX];
-    int assignment_count;
-    bool json, renew;
+    struct neph_cli_shared shared; /* operands: the engine and the scene */
+    bool renew;                    /* at most the scene */
 };
 
-static const struct argp_option options[] = {
-    {"size", KEY_SIZE, "WxH", 0, "Size in pixels (default: 64x36)", 0},
-    {"set", KEY_SET, "KEY=VALUE", 0, "Another setting of the engine; may be given several times",
-     0},
-    {"output", 'o', "DIR", 0, "Folder of the store (default: out)", 0},
-    {"time-limit", KEY_TIME_LIMIT, "S", 0, "Seconds per child process (default: 300)", 0},
-    {"renew", KEY_RENEW, NULL, 0,
+static const struct neph_cli_option options[] = {
+    {.name = "size", .otherwise = "64x36"},
+    {.name = "set", .help = "Another setting of the engine; may be given several times"},
+    {.name = "output", .help = "Folder of the store", .otherwise = "out"},
+    {.name = "time-limit", .otherwise = "300"},
+    {"renew", 0, NULL,
      "Make the studies that come with neph (scenes/studies) where they are missing or of another "
      "version; of the whole catalogue, or of the scene given alone",
-     0},
-    {"json", KEY_JSON, NULL, 0, "The study as JSON on stdout", 0},
-    {0},
+     NEPH_CLI_FLAG, .at = offsetof(struct request, renew)},
+    {.name = "json"},
+    {.name = NULL},
 };
 
-static error_t parse(int key, char *argument, struct argp_state *state)
+static const struct neph_cli_operands operands = {
+    .shown = "ENGINE SCENE\n--renew [SCENE]",
+    .maximum = 2,
+    .surplus = "one engine and one scene",
+};
+
+static void check(const void *request_, const struct argp_state *state)
 {
-    struct request *request = state->input;
-    switch (key) {
-    case KEY_JSON:
-        request->json = true;
-        return 0;
-    case KEY_RENEW:
-        request->renew = true;
-        return 0;
-    case KEY_SIZE:
-        request->size = argument;
-        return 0;
-    case KEY_TIME_LIMIT:
-        request->time_limit = argument;
-        return 0;
-    case 'o':
-        request->output = neph_cli_output(state, "--output", argument);
-        return 0;
-    case KEY_SET:
-        if (request->assignment_count == ASSIGNMENTS_MAX)
-            argp_error(state, "more than %d settings", ASSIGNMENTS_MAX);
-        request->assignments[request->assignment_count++] = argument;
-        return 0;
-    case ARGP_KEY_ARG:
-        if (!request->engine)
-            request->engine = argument;
-        else if (!request->scene)
-            request->scene = argument;
-        else
-            argp_error(state, "one engine and one scene, not '%s' as well", argument);
-        return 0;
-    case ARGP_KEY_END:
-        if (request->renew && request->scene)
-            argp_error(state, "--renew takes one scene at the most, and studies every engine");
-        if (!request->renew && !request->scene)
-            argp_error(state, "an engine and a scene are needed");
-        return 0;
-    }
-    return ARGP_ERR_UNKNOWN;
+    const struct request *request = request_;
+    if (request->renew && request->shared.operand_count > 1)
+        argp_error(state, "--renew takes one scene at the most, and studies every engine");
+    if (!request->renew && request->shared.operand_count < 2)
+        argp_error(state, "an engine and a scene are needed");
 }
 
-static const struct argp argp = {
+static const struct neph_cli_syntax syntax = {
     .options = options,
-    .parser = parse,
-    .args_doc = "ENGINE SCENE\n--renew [SCENE]",
+    .operands = &operands,
+    .check = check,
     .doc = "Halve the step of an engine that marches through uneven media until its bias is known: "
            "the mean radiance at each step, the bias against the extrapolated limit of infinitely "
            "small steps, and the coarsest setting that is good enough. Engines: cycles, povray, "
@@ -99,10 +66,10 @@ static const struct argp argp = {
            "  neph study steps cycles height_fog_down --size 96x54 --set samples=256 --json",
 };
 
-static void print_study(const struct neph_study *study, const struct request *request)
+static void print_study(const struct neph_study *study, const struct neph_cli_shared *shared)
 {
-    printf("%s in %s: mean radiance by %s, %s\n", request->engine, request->scene, study->option,
-           request->size);
+    printf("%s in %s: mean radiance by %s, %dx%d\n", shared->operands[0], shared->operands[1],
+           study->option, shared->size.width_px, shared->size.height_px);
     printf("%12s %14s %10s %12s %10s %9s\n", study->option, "radiance", "noise", "bias", "noise",
            "seconds");
     for (int i = 0; i < study->level_count; i++) {
@@ -125,16 +92,15 @@ static void print_study(const struct neph_study *study, const struct request *re
     printf("\n%s\n", sentences[study->verdict]);
 }
 
-static enum neph_status prepare(const struct request *request, const struct neph_scene *scene,
-                                struct neph_engine_info *info, struct neph_job *job,
-                                struct neph_diag *diag)
+static enum neph_status prepare(const struct neph_cli_shared *shared,
+                                const struct neph_scene *scene, struct neph_engine_info *info,
+                                struct neph_job *job, struct neph_diag *diag)
 {
-    const struct neph_engine *engine = neph_engine_find(request->engine);
-    int limit_s = 0;
+    const struct neph_engine *engine = neph_engine_find(shared->operands[0]);
     if (!engine || !engine->step.option) {
         neph_fail(diag, NEPH_ERR_USAGE,
                   engine ? "engine '%s' has no step to halve" : "there is no engine '%s'",
-                  request->engine);
+                  shared->operands[0]);
         neph_hint(diag, "cycles, povray and march have one");
         return NEPH_ERR_USAGE;
     }
@@ -148,18 +114,17 @@ static enum neph_status prepare(const struct request *request, const struct neph
                              .shot = {.scene = scene,
                                       .settings = neph_settings_default(engine),
                                       .layers = NEPH_LAYER_RADIANCE,
+                                      .width_px = shared->size.width_px,
+                                      .height_px = shared->size.height_px,
+                                      .time_limit_s = shared->time_limit_s,
                                       .seed = 1}};
-    enum neph_status status = neph_cli_parse_size(request->size, &job->shot.width_px,
-                                                  &job->shot.height_px, diag);
-    if (!status)
-        status = neph_cli_parse_int("time limit", request->time_limit, 1, 1000000, &limit_s, diag);
-    job->shot.time_limit_s = limit_s;
-    for (int i = 0; i < request->assignment_count && !status; i++)
-        status = neph_settings_set(engine, &job->shot.settings, request->assignments[i], diag);
+    enum neph_status status = NEPH_OK;
+    for (int i = 0; i < shared->settings.count && !status; i++)
+        status = neph_settings_set(engine, &job->shot.settings, shared->settings.list[i], diag);
     return status;
 }
 
-static enum neph_status run_study(const struct request *request, struct neph_store *store,
+static enum neph_status run_study(const struct neph_cli_shared *shared, struct neph_store *store,
                                   struct neph_diag *diag)
 {
     struct neph_scene *scene = NULL;
@@ -168,52 +133,47 @@ static enum neph_status run_study(const struct request *request, struct neph_sto
     struct neph_study study;
     enum neph_outcome outcome = NEPH_OUTCOME_RENDERED;
     char reason[1600] = "";
-    enum neph_status status = neph_data_load_scene(request->scene, &scene, diag);
+    enum neph_status status = neph_data_load_scene(shared->operands[1], &scene, diag);
     if (!status)
-        status = prepare(request, scene, &info, &job, diag);
+        status = prepare(shared, scene, &info, &job, diag);
     if (!status)
         status = neph_study_run(&job, store, &study, &outcome, reason, diag);
     if (!status)
         status = neph_outcome_check(outcome, reason, diag);
-    if (!status && request->json)
+    if (!status && shared->json)
         status = neph_cli_print_json(neph_study_json(&study), diag);
     else if (!status)
-        print_study(&study, request);
+        print_study(&study, shared);
     neph_scene_destroy(scene);
     return status;
 }
 
-/* The only operand of --renew stands where the engine's name does else. */
-static enum neph_status run_renewal(const struct request *request, struct neph_store *store,
+static enum neph_status run_renewal(const struct neph_cli_shared *shared, struct neph_store *store,
                                     struct neph_diag *diag)
 {
     char **names = NULL;
-    int count = 0, limit_s = 0;
-    enum neph_status status = neph_cli_parse_int("time limit", request->time_limit, 1, 1000000,
-                                                 &limit_s, diag);
-    if (!status && request->engine)
-        return neph_studies_renew(&request->engine, 1, limit_s, store, false, diag);
+    int count = 0;
+    if (shared->operand_count > 0)
+        return neph_studies_renew(shared->operands, 1, shared->time_limit_s, store, false, diag);
+    enum neph_status status = neph_data_list_scenes(NEPH_DATA_CATALOG, &names, &count, diag);
     if (!status)
-        status = neph_data_list_scenes(NEPH_DATA_CATALOG, &names, &count, diag);
-    if (!status)
-        status = neph_studies_renew((const char *const *)names, count, limit_s, store, false, diag);
+        status = neph_studies_renew((const char *const *)names, count, shared->time_limit_s, store,
+                                    false, diag);
     neph_data_free_names(names);
     return status;
 }
 
 enum neph_status neph_cli_study_steps(int argc, char **argv, struct neph_diag *diag)
 {
-    struct request request = {.size = "64x36", .output = "out", .time_limit = "300"};
-    neph_cli_parse(&argp, argc, argv, &request);
+    struct request request = {0};
+    neph_cli_parse(&syntax, argc, argv, &request);
     struct neph_store *store = NULL;
-    char *folder = neph_path_join(request.output, "store");
-    enum neph_status status = folder ? neph_cli_check_output("-o", request.output, diag)
+    char *folder = neph_path_join(request.shared.output, "store");
+    enum neph_status status = folder ? neph_store_open(folder, &store, diag)
                                      : neph_fail_memory(diag);
     if (!status)
-        status = neph_store_open(folder, &store, diag);
-    if (!status)
-        status = request.renew ? run_renewal(&request, store, diag)
-                               : run_study(&request, store, diag);
+        status = request.renew ? run_renewal(&request.shared, store, diag)
+                               : run_study(&request.shared, store, diag);
     neph_store_close(store);
     free(folder);
     return status;

@@ -13,133 +13,80 @@
 #include "harness/report/tier.h"
 #include "harness/report/validate.h"
 
-#include <argp.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum {
-    KEY_JSON = 1,
-    KEY_SIZE,
-    KEY_TIER,
-    KEY_BUDGET,
-    KEY_NO_CHARTS,
-    KEY_SUITE,
-    KEY_CHECK,
-    KEY_SAMPLES,
-    LIST_MAX = 256
-};
-
 struct request {
-    const char *scenes[LIST_MAX], *engines[LIST_MAX];
-    int scene_count, engine_count;
-    const char *output, *size, *budget, *tier, *suite, *check, *samples;
-    bool json, quiet, no_charts;
+    struct neph_cli_shared shared; /* operands: scenes */
+    struct neph_cli_words engines;
+    const char *tier, *suite, *check;
+    int budget_s, samples;
+    bool no_charts;
 };
 
-static const struct argp_option options[] = {
-    {"tier", KEY_TIER, "NAME", 0,
+static const struct neph_cli_option options[] = {
+    {"tier", 0, "NAME",
      "quick: a fog, a slab, a cloud, a chart and a sequence, a few minutes on two cores (default); "
      "full: the whole catalogue, all engines, all charts",
-     0},
-    {"suite", KEY_SUITE, "NAME", 0,
+     NEPH_CLI_WORD, .at = offsetof(struct request, tier)},
+    {"suite", 0, "NAME",
      "catalog: the same as --tier full; physics: every engine against truth that needs no renderer",
-     0},
-    {"check", KEY_CHECK, "TEXT", 0,
-     "Of the physics suite: only checks whose name or rung contains TEXT", 0},
-    {"samples", KEY_SAMPLES, "N", 0,
-     "Of the physics suite: paths per pixel and seed of our tracers (default: 256)", 0},
-    {"engine", 'e', "NAME", 0, "Only this engine; may be given several times (default: all)", 0},
-    {"size", KEY_SIZE, "WxH", 0, "Size in pixels (default: 192x108; quick: 128x72)", 0},
-    {"output", 'o', "DIR", 0, "Folder of the store and the report (default: out)", 0},
-    {"no-charts", KEY_NO_CHARTS, NULL, 0,
+     NEPH_CLI_WORD, .at = offsetof(struct request, suite)},
+    {"check", 0, "TEXT", "Of the physics suite: only checks whose name or rung contains TEXT",
+     NEPH_CLI_WORD, .at = offsetof(struct request, check)},
+    {"samples", 0, "N",
+     "Of the physics suite: paths per pixel and seed of our tracers (default: 256)",
+     NEPH_CLI_INTEGER, .at = offsetof(struct request, samples), .minimum = 2, .maximum = 1000000},
+    {"engine", 'e', "NAME", "Only this engine; may be given several times (default: all)",
+     NEPH_CLI_WORDS, .at = offsetof(struct request, engines)},
+    {.name = "size", .help = "Size in pixels (default: 192x108; quick: 128x72)"},
+    {.name = "output", .help = "Folder of the store and the report", .otherwise = "out"},
+    {"no-charts", 0, NULL,
      "Leave out the speed-against-accuracy charts and the sequence; so do named scenes and engines",
-     0},
-    {"budget", KEY_BUDGET, "S", 0,
+     NEPH_CLI_FLAG, .at = offsetof(struct request, no_charts)},
+    {"budget", 0, "S",
      "Seconds that Blender or POV-Ray may take for one picture; what needs more gets fewer "
-     "samples, "
-     "or is reported as not fitting (default: 300; quick: 30)",
-     0},
-    {"time-limit", KEY_BUDGET, NULL, OPTION_ALIAS, NULL, 0},
-    {"json", KEY_JSON, NULL, 0, "The whole document as JSON on stdout", 0},
-    {"quiet", 'q', NULL, 0, "No progress", 0},
-    {0},
+     "samples, or is reported as not fitting (default: 300; quick: 30)",
+     NEPH_CLI_INTEGER, .at = offsetof(struct request, budget_s), .minimum = 1, .maximum = 1000000},
+    {.name = "time-limit", .kind = NEPH_CLI_ALIAS},
+    {.name = "json", .help = "The whole document as JSON on stdout"},
+    {.name = "quiet"},
+    {.name = NULL},
 };
+
+static const struct neph_cli_operands operands = {.shown = "[SCENE...]"};
 
 static bool is_physics(const struct request *request)
 {
     return request->suite && strcmp(request->suite, "physics") == 0;
 }
 
-static error_t parse(int key, char *argument, struct argp_state *state)
+static void check(const void *request_, const struct argp_state *state)
 {
-    struct request *request = state->input;
-    switch (key) {
-    case 'e':
-        if (request->engine_count == LIST_MAX)
-            argp_error(state, "more than %d engines", LIST_MAX);
-        request->engines[request->engine_count++] = argument;
-        return 0;
-    case 'o':
-        request->output = neph_cli_output(state, "--output", argument);
-        return 0;
-    case 'q':
-        request->quiet = true;
-        return 0;
-    case KEY_SUITE:
-        if (strcmp(argument, "catalog") != 0 && strcmp(argument, "physics") != 0)
-            argp_error(state, "there is no suite '%s'; there are catalog and physics", argument);
-        request->suite = argument;
-        return 0;
-    case KEY_CHECK:
-        if (argument[0] == '\0')
-            argp_error(state, "--check needs a part of the name of a check or rung");
-        request->check = argument;
-        return 0;
-    case KEY_SAMPLES:
-        request->samples = argument;
-        return 0;
-    case KEY_SIZE:
-        request->size = argument;
-        return 0;
-    case KEY_BUDGET:
-        request->budget = argument;
-        return 0;
-    case KEY_TIER:
-        if (!neph_tier_find(argument))
-            argp_error(state, "there is no tier '%s'; there are quick and full", argument);
-        request->tier = argument;
-        return 0;
-    case KEY_NO_CHARTS:
-        request->no_charts = true;
-        return 0;
-    case KEY_JSON:
-        request->json = true;
-        return 0;
-    case ARGP_KEY_ARG:
-        if (request->scene_count == LIST_MAX)
-            argp_error(state, "more than %d scenes", LIST_MAX);
-        request->scenes[request->scene_count++] = argument;
-        return 0;
-    case ARGP_KEY_END:
-        if (!is_physics(request) && (request->check || request->samples))
-            argp_error(state, "--check and --samples belong to --suite physics");
-        if (request->suite && request->tier)
-            argp_error(state, "either --suite or --tier: the catalogue is --tier full");
-        if (is_physics(request) && request->scene_count > 0)
-            argp_error(state,
-                       "the physics suite makes its own scenes; '%s' cannot be given, "
-                       "--check chooses among them",
-                       request->scenes[0]);
-        return 0;
-    }
-    return ARGP_ERR_UNKNOWN;
+    const struct request *request = request_;
+    const struct neph_cli_shared *shared = &request->shared;
+    if (request->suite && strcmp(request->suite, "catalog") != 0 && !is_physics(request))
+        argp_error(state, "there is no suite '%s'; there are catalog and physics", request->suite);
+    if (request->tier && !neph_tier_find(request->tier))
+        argp_error(state, "there is no tier '%s'; there are quick and full", request->tier);
+    if (request->check && request->check[0] == '\0')
+        argp_error(state, "--check needs a part of the name of a check or rung");
+    if (!is_physics(request) && (request->check || request->samples >= 0))
+        argp_error(state, "--check and --samples belong to --suite physics");
+    if (request->suite && request->tier)
+        argp_error(state, "either --suite or --tier: the catalogue is --tier full");
+    if (is_physics(request) && shared->operand_count > 0)
+        argp_error(state,
+                   "the physics suite makes its own scenes; '%s' cannot be given, "
+                   "--check chooses among them",
+                   shared->operands[0]);
 }
 
-static const struct argp argp = {
+static const struct neph_cli_syntax syntax = {
     .options = options,
-    .parser = parse,
-    .args_doc = "[SCENE...]",
+    .operands = &operands,
+    .check = check,
     .doc =
         "Run scenes (default: those of the quick tier) over engines, measure each against the "
         "highest rung of truth, check the gates, and write DIR/report/index.html: from the first "
@@ -164,19 +111,15 @@ static enum neph_status run_physics(const struct request *request, int time_limi
                                     struct neph_store *store, json_t *document,
                                     struct neph_diag *diag)
 {
-    int samples = 0;
-    enum neph_status status = neph_cli_parse_int(
-        "samples", request->samples ? request->samples : "256", 2, 1000000, &samples, diag);
-    if (status)
-        return status;
-    const struct neph_physics_params params = {.engines = request->engines,
-                                               .engine_count = request->engine_count,
+    const struct neph_physics_params params = {.engines = request->engines.list,
+                                               .engine_count = request->engines.count,
                                                .only = request->check,
-                                               .samples = samples,
+                                               .samples = request->samples < 0 ? 256
+                                                                               : request->samples,
                                                .time_limit_s = time_limit_s,
-                                               .quiet = request->quiet};
+                                               .quiet = request->shared.quiet};
     json_t *physics = NULL;
-    status = neph_physics_run(&params, store, &physics, diag);
+    enum neph_status status = neph_physics_run(&params, store, &physics, diag);
     if (status)
         return status;
     return neph_json_merge(document,
@@ -193,36 +136,36 @@ static const struct neph_tier *tier_of(const struct request *request)
 {
     if (request->tier)
         return neph_tier_find(request->tier);
-    return request->suite || request->scene_count > 0 ? neph_tier_find("full") : neph_tiers();
+    return request->suite || request->shared.operand_count > 0 ? neph_tier_find("full")
+                                                               : neph_tiers();
 }
 
 /* From the tier and what the command line says over it. */
-static enum neph_status make_params(const struct request *request, const struct neph_tier *tier,
-                                    struct neph_validate_params *params,
-                                    struct neph_charts_params *charts, struct neph_diag *diag)
+static void make_params(const struct request *request, const struct neph_tier *tier,
+                        struct neph_validate_params *params, struct neph_charts_params *charts)
 {
-    const bool is_whole = request->scene_count == 0 && request->engine_count == 0;
-    int budget_s = (int)tier->budget_s;
-    *params = (struct neph_validate_params){.engines = request->engines,
-                                            .engine_count = request->engine_count,
-                                            .width_px = tier->width_px,
-                                            .height_px = tier->height_px,
-                                            .quiet = request->quiet,
-                                            .skip_absent = request->scene_count == 0,
-                                            .over_time = is_whole && !request->no_charts};
-    if (request->engine_count == 0 && tier->engines && request->scene_count == 0)
-        for (params->engines = tier->engines; tier->engines[params->engine_count];)
-            params->engine_count++;
-    enum neph_status status = NEPH_OK;
-    if (request->size)
-        status = neph_cli_parse_size(request->size, &params->width_px, &params->height_px, diag);
-    if (!status && request->budget)
-        status = neph_cli_parse_int("budget", request->budget, 1, 1000000, &budget_s, diag);
-    params->budget_s = budget_s;
+    const struct neph_cli_shared *shared = &request->shared;
+    const bool names_scenes = shared->operand_count > 0, names_engines = request->engines.count > 0;
+    const bool is_whole = !names_scenes && !names_engines && !request->no_charts;
+    const double budget_s = request->budget_s >= 0 ? request->budget_s : tier->budget_s;
     *charts = (struct neph_charts_params){
         .ids = tier->charts, .repeats = tier->chart_repeats, .time_limit_s = budget_s};
-    params->charts = is_whole && !request->no_charts ? charts : NULL;
-    return status;
+    *params = (struct neph_validate_params){.engines = request->engines.list,
+                                            .engine_count = request->engines.count,
+                                            .width_px = tier->width_px,
+                                            .height_px = tier->height_px,
+                                            .budget_s = budget_s,
+                                            .quiet = shared->quiet,
+                                            .skip_absent = !names_scenes,
+                                            .over_time = is_whole,
+                                            .charts = is_whole ? charts : NULL};
+    if (!names_engines && !names_scenes && tier->engines)
+        for (params->engines = tier->engines; tier->engines[params->engine_count];)
+            params->engine_count++;
+    if (shared->size.width_px > 0) {
+        params->width_px = shared->size.width_px;
+        params->height_px = shared->size.height_px;
+    }
 }
 
 static enum neph_status show_page(json_t *document, void *context, struct neph_diag *diag)
@@ -237,7 +180,7 @@ static enum neph_status run_suite(const struct request *request, struct neph_rep
 {
     struct neph_validate_params params;
     struct neph_charts_params charts;
-    enum neph_status status = make_params(request, tier_of(request), &params, &charts, diag);
+    make_params(request, tier_of(request), &params, &charts);
     params.scenes = scenes;
     params.scene_count = scene_count;
     params.show = show_page;
@@ -247,8 +190,7 @@ static enum neph_status run_suite(const struct request *request, struct neph_rep
         params.charts = NULL;
         params.over_time = false;
     }
-    if (!status)
-        status = neph_validate(&params, store, document, diag);
+    enum neph_status status = neph_validate(&params, store, document, diag);
     if (!status && is_physics(request))
         status = run_physics(request, (int)params.budget_s, store, *document, diag);
     return status;
@@ -264,13 +206,13 @@ static enum neph_status tell(const struct request *request, json_t *document,
 {
     const json_t *physics = json_object_get(document, "physics");
     enum neph_status status = NEPH_OK;
-    if (request->json)
+    if (request->shared.json)
         status = neph_cli_print_json(json_incref(document), diag);
     else if (physics)
         neph_physics_print(physics);
     else
         neph_validate_print(document);
-    FILE *out = request->json ? stderr : stdout;
+    FILE *out = request->shared.json ? stderr : stdout;
     const char *verdict = json_string_value(json_object_get(document, "verdict"));
     const json_t *counts = json_object_get(document, "counts");
     const int expected = count_of(counts, "expected"), reported = count_of(counts, "reported");
@@ -314,8 +256,8 @@ static enum neph_status run(const struct request *request, const char *const *sc
     struct neph_store *store = NULL;
     struct neph_report *report = NULL;
     json_t *document = NULL;
-    char *store_folder = neph_path_join(request->output, "store");
-    char *report_folder = neph_path_join(request->output, "report");
+    char *store_folder = neph_path_join(request->shared.output, "store");
+    char *report_folder = neph_path_join(request->shared.output, "report");
     enum neph_status status = store_folder && report_folder
                                   ? neph_report_open(report_folder, &report, diag)
                                   : neph_fail_memory(diag);
@@ -348,13 +290,11 @@ static enum neph_status run_catalog(const struct request *request, struct neph_d
 
 enum neph_status neph_cli_validate(int argc, char **argv, struct neph_diag *diag)
 {
-    struct request request = {.output = "out"};
-    neph_cli_parse(&argp, argc, argv, &request);
-    const enum neph_status status = neph_cli_check_output("-o", request.output, diag);
-    if (status)
-        return status;
-    if (request.scene_count > 0)
-        return run(&request, request.scenes, request.scene_count, diag);
+    struct request request = {0};
+    neph_cli_parse(&syntax, argc, argv, &request);
+    const struct neph_cli_shared *shared = &request.shared;
+    if (shared->operand_count > 0)
+        return run(&request, shared->operands, shared->operand_count, diag);
     const char *const *scenes = tier_of(&request)->scenes;
     int count = 0;
     while (scenes && scenes[count])

@@ -137,6 +137,8 @@ class Study(unittest.TestCase):
         self.assertEqual(done.returncode, 0)
         self.assertIn("flicker", done.stdout)
         self.assertIn("steps", done.stdout)
+        done = subprocess.run([NEPH, "study", "flickers"], capture_output=True, text=True, timeout=60)
+        self.assertEqual((done.returncode, "steps, flicker" in done.stderr), (64, True), done.stderr)
 
 
 if __name__ == "__main__":

@@ -96,7 +96,7 @@ class Verdict(unittest.TestCase):
                       ["export", "scattering_slab_above"], ["study", "cycles", "voxel_grid"], ["benchmark", "voxel_grid"]):
             done = neph(*words, "-o", folder)
             self.assertEqual((done.returncode, done.stdout), (64, b""), words)
-            self.assertIn(b"-o '" + os.fsencode(self.folder) + rb"/caf\xe9' is not UTF-8", done.stderr)
+            self.assertIn(b"--output '" + os.fsencode(self.folder) + rb"/caf\xe9' is not UTF-8", done.stderr)
             self.assertFalse(os.path.exists(folder))
 
     def test_nothing_compared_is_no_pass(self):

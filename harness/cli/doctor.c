@@ -1,0 +1,96 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * `neph doctor`: what is installed.
+ */
+#include "harness/cli/cli.h"
+
+#include "base/child.h"
+#include "harness/data.h"
+#include "harness/engines/engines.h"
+#include "harness/report/validate.h"
+#include "scenes/volume_file.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+static const struct neph_cli_option options[] = {
+    {.name = "json"},
+    {.name = "quiet", .help = "Accepted; this verb prints results alone"},
+    {.name = NULL},
+};
+
+/* Beside the engines: what the report and the tests need. */
+static bool has_openvdb(const char *program)
+{
+    (void)program;
+    char *path = NULL;
+    const bool found = neph_volume_find_openvdb(&path, NULL) == NEPH_OK;
+    free(path);
+    return found;
+}
+
+static const struct {
+    const char *program;
+    bool (*is_there)(const char *program);
+    const char *needed_for, *install_line;
+} tools[] = {
+    {"neph-vdb", has_openvdb, "OpenVDB files, and voxels in cycles",
+     "copy it from the build folder into that of neph, or let NEPH_VDB name it"},
+    {"node", neph_child_program_exists, "static charts in the report",
+     "apt-get install nodejs npm"},
+    {"chromium", neph_child_program_exists, "the browser test of the report",
+     "apt-get install chromium"},
+};
+
+static const struct neph_cli_syntax syntax = {
+    .options = options,
+    .doc = "What is installed, on which device, and how to get what is missing.\v"
+           "Exit code 69 when an engine is missing, 3 when one is installed and does not "
+           "work.\n\nExample:\n  neph doctor",
+};
+
+enum neph_status neph_cli_doctor(int argc, char **argv, struct neph_diag *diag)
+{
+    struct neph_cli_shared request = {0};
+    neph_cli_parse(&syntax, argc, argv, &request);
+    json_t *list = json_array();
+    int count, missing = 0, broken = 0;
+    const struct neph_engine *const *engines = neph_engines(&count);
+    for (int i = 0; i < count; i++) {
+        struct neph_engine_info info;
+        neph_engine_probe(engines[i], &info);
+        missing += !info.available;
+        broken += info.broken;
+        neph_json_add(&list, json_pack("{s:s, s:b, s:b, s:s, s:s, s:s, s:s}", "name",
+                                       engines[i]->name, "available", info.available, "broken",
+                                       info.broken, "version", info.version, "device", info.device,
+                                       "missing", info.missing, "install_line", info.install_line));
+        if (!request.json && info.available)
+            printf("ok       %-9s %s; %s\n", engines[i]->name, info.version, info.device);
+        else if (!request.json && info.broken)
+            printf("broken   %-9s %s\n", engines[i]->name, info.missing);
+        else if (!request.json)
+            printf("missing  %-9s %s\n         get it:   %s\n", engines[i]->name, info.missing,
+                   info.install_line);
+    }
+    for (size_t i = 0; i < sizeof(tools) / sizeof(tools[0]); i++) {
+        const bool there = tools[i].is_there(tools[i].program);
+        neph_json_add(&list, json_pack("{s:s, s:b, s:s, s:s}", "name", tools[i].program,
+                                       "available", there, "needed_for", tools[i].needed_for,
+                                       "install_line", tools[i].install_line));
+        if (!request.json)
+            printf("%-8s %-9s for %s%s%s\n", there ? "ok" : "missing", tools[i].program,
+                   tools[i].needed_for,
+                   there ? "" : "\n         get it:   ", there ? "" : tools[i].install_line);
+    }
+    enum neph_status status = NEPH_OK;
+    if (request.json)
+        status = neph_cli_print_json(
+            json_pack("{s:o, s:o}", "host", neph_host_json(), "parts", json_incref(list)), diag);
+    else
+        printf("data     %s\n", neph_data_directory());
+    json_decref(list);
+    if (status)
+        return status;
+    return broken ? NEPH_ERR_ENGINE : missing ? NEPH_ERR_UNAVAILABLE : NEPH_OK;
+}

@@ -1,0 +1,122 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * `neph engines`: what there is to render with.
+ */
+#include "harness/cli/cli.h"
+
+#include "harness/engines/engines.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static const struct neph_cli_option options[] = {
+    {.name = "json"},
+    {.name = "quiet", .help = "Accepted; this verb prints results alone"},
+    {.name = NULL},
+};
+
+static json_t *presets_json(const struct neph_engine *engine)
+{
+    json_t *list = json_array();
+    for (const struct neph_preset *preset = engine->presets; preset && preset->name; preset++)
+        neph_json_add(&list, json_pack("{s:s, s:s, s:s}", "name", preset->name, "summary",
+                                       preset->summary, "settings", preset->assignments));
+    return list;
+}
+
+static void print_presets(const struct neph_engine *engine)
+{
+    if (engine->presets)
+        printf("    presets, given by --preset, each the defaults with\n");
+    for (const struct neph_preset *preset = engine->presets; preset && preset->name; preset++)
+        printf("      %-8s %s\n               %s\n", preset->name, preset->summary,
+               preset->assignments[0] ? preset->assignments : "(nothing else)");
+}
+
+static json_t *passes_json(const struct neph_engine *engine)
+{
+    json_t *list = json_array();
+    struct neph_engine_pass pass;
+    for (int i = 0; engine->describe_pass && engine->describe_pass(i, &pass); i++)
+        neph_json_add(&list, json_pack("{s:s, s:s, s:s, s:s, s:s, s:s, s:s}", "name", pass.name,
+                                       "note", pass.note, "resolution", pass.resolution,
+                                       "condition", pass.condition, "reads", pass.reads, "writes",
+                                       pass.writes, "hands_on", pass.hands_on));
+    return list;
+}
+
+static void print_passes(const struct neph_engine *engine)
+{
+    struct neph_engine_pass pass;
+    if (engine->describe_pass)
+        printf("    passes of a frame\n");
+    for (int i = 0; engine->describe_pass && engine->describe_pass(i, &pass); i++) {
+        const char *const rows[][2] = {
+            {"reads", pass.reads}, {"writes", pass.writes}, {"hands on", pass.hands_on}};
+        printf("      %-15s %s\n%22s%s resolution, where %s\n", pass.name, pass.note, "",
+               pass.resolution, pass.condition);
+        for (size_t r = 0; r < sizeof(rows) / sizeof(rows[0]); r++)
+            if (rows[r][1][0])
+                printf("%22s%-8s %s\n", "", rows[r][0], rows[r][1]);
+    }
+}
+
+static json_t *engine_json(const struct neph_engine *engine, const struct neph_engine_info *info)
+{
+    return json_pack("{s:s, s:s, s:s, s:s?, s:b, s:b, s:s, s:s, s:s, s:s, s:o, s:o, s:o}", "name",
+                     engine->name, "summary", engine->summary, "rung", neph_rung_name(engine->rung),
+                     "bias", engine->bias, "available", info->available, "broken", info->broken,
+                     "version", info->version, "device", info->device, "missing", info->missing,
+                     "install_line", info->install_line, "options",
+                     neph_cli_options_json(engine->options), "presets", presets_json(engine),
+                     "passes", passes_json(engine));
+}
+
+static void print_engine(const struct neph_engine *engine, const struct neph_engine_info *info)
+{
+    printf("%s (%s): %s\n    %s%s\n", engine->name, neph_rung_name(engine->rung), engine->summary,
+           info->available ? info->version
+           : info->broken  ? "broken: "
+                           : "missing: ",
+           info->available ? "" : info->missing);
+    if (engine->bias)
+        printf("    known bias: %s\n", engine->bias);
+    neph_cli_print_options(engine->options);
+    print_presets(engine);
+    print_passes(engine);
+}
+
+static const struct neph_cli_syntax syntax = {
+    .options = options,
+    .operands = &neph_cli_one_name_or_none,
+    .doc = "List the engines with their rung of truth, version and settings.\v"
+           "Examples:\n  neph engines\n  neph engines march --json",
+};
+
+enum neph_status neph_cli_engines(int argc, char **argv, struct neph_diag *diag)
+{
+    struct neph_cli_shared request = {0};
+    neph_cli_parse(&syntax, argc, argv, &request);
+    const char *only = request.operand_count > 0 ? request.operands[0] : NULL;
+    if (only && !neph_engine_find(only))
+        return neph_fail(diag, NEPH_ERR_USAGE, "there is no engine '%s'; `neph engines` lists them",
+                         only);
+    json_t *list = json_array();
+    int count;
+    const struct neph_engine *const *engines = neph_engines(&count);
+    for (int i = 0; i < count; i++) {
+        struct neph_engine_info info;
+        if (only && strcmp(only, engines[i]->name) != 0)
+            continue;
+        neph_engine_probe(engines[i], &info);
+        if (request.json)
+            neph_json_add(&list, engine_json(engines[i], &info));
+        else
+            print_engine(engines[i], &info);
+    }
+    enum neph_status status = NEPH_OK;
+    if (request.json)
+        status = neph_cli_print_json(json_incref(list), diag);
+    json_decref(list);
+    return status;
+}

@@ -1,0 +1,323 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/cli/options.h"
+
+#include "base/files.h"
+#include "base/image.h"
+#include "base/text.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/types.h>
+
+enum { ROWS_MAX = 48, KEY_FIRST = 0x100 }; /* keys of options without a letter lie above those */
+
+static const struct neph_cli_option shared_options[] = {
+    {"engine", 'e', "NAME", "Engine; `neph engines` lists them", NEPH_CLI_WORD,
+     .at = offsetof(struct neph_cli_shared, engine)},
+    {"json", 0, NULL, "Results as JSON on stdout", NEPH_CLI_FLAG,
+     .at = offsetof(struct neph_cli_shared, json)},
+    {"output", 'o', "DIR", "Folder to write to", NEPH_CLI_OUTPUT,
+     .at = offsetof(struct neph_cli_shared, output)},
+    {"quiet", 'q', NULL, "No progress", NEPH_CLI_FLAG,
+     .at = offsetof(struct neph_cli_shared, quiet)},
+    {"set", 's', "KEY=VALUE", "A setting of the engine; may be given several times", NEPH_CLI_WORDS,
+     .at = offsetof(struct neph_cli_shared, settings)},
+    {"size", 0, "WxH", "Size in pixels", NEPH_CLI_SIZE,
+     .at = offsetof(struct neph_cli_shared, size)},
+    {"time-limit", 0, "S", "Seconds per child process", NEPH_CLI_INTEGER,
+     .at = offsetof(struct neph_cli_shared, time_limit_s), .minimum = 1, .maximum = 1000000},
+    {.name = NULL},
+};
+
+const struct neph_cli_operands neph_cli_one_scene = {
+    .shown = "SCENE",
+    .minimum = 1,
+    .maximum = 1,
+    .missing = "which scene? `neph scenes` lists the catalogue",
+    .surplus = "one scene",
+};
+
+const struct neph_cli_operands neph_cli_one_name_or_none = {
+    .shown = "[NAME]",
+    .maximum = 1,
+    .surplus = "one name",
+};
+
+struct parse {
+    const struct neph_cli_syntax *syntax;
+    struct neph_cli_option rows[ROWS_MAX]; /* complete */
+    int row_count;
+    char *request; /* as bytes, for the offsets */
+};
+
+/* ---- what arguments are made of -------------------------------------------------------------- */
+
+typedef void take_function(const struct neph_cli_option *row, const char *argument, void *place,
+                           const struct argp_state *state);
+
+static void take_flag(const struct neph_cli_option *row, const char *argument, void *place,
+                      const struct argp_state *state)
+{
+    (void)row;
+    (void)argument;
+    (void)state;
+    *(bool *)place = true;
+}
+
+static void take_word(const struct neph_cli_option *row, const char *argument, void *place,
+                      const struct argp_state *state)
+{
+    (void)row;
+    (void)state;
+    *(const char **)place = argument;
+}
+
+static void take_file(const struct neph_cli_option *row, const char *argument, void *place,
+                      const struct argp_state *state)
+{
+    if (argument[0] == '\0')
+        argp_error(state, "--%s is empty: it names nothing to write to", row->name);
+    *(const char **)place = argument;
+}
+
+static void take_output(const struct neph_cli_option *row, const char *argument, void *place,
+                        const struct argp_state *state)
+{
+    if (!neph_text_is_utf8(argument, strlen(argument)))
+        argp_error(state,
+                   "--%s '%s' is not UTF-8: results could not say where their frames are; choose "
+                   "another name",
+                   row->name, argument);
+    take_file(row, argument, place, state);
+}
+
+static void take_words(const struct neph_cli_option *row, const char *argument, void *place,
+                       const struct argp_state *state)
+{
+    struct neph_cli_words *words = place;
+    if (words->count == NEPH_CLI_WORDS_MAX)
+        argp_error(state, "--%s is there more than %d times", row->name, NEPH_CLI_WORDS_MAX);
+    words->list[words->count++] = argument;
+}
+
+static void take_integer(const struct neph_cli_option *row, const char *argument, void *place,
+                         const struct argp_state *state)
+{
+    char *end;
+    errno = 0;
+    const long value = strtol(argument, &end, 10);
+    if (end == argument || *end || errno || (double)value < row->minimum ||
+        (double)value > row->maximum)
+        argp_error(state, "--%s '%s' is not an integer in %.0f..%.0f", row->name, argument,
+                   row->minimum, row->maximum);
+    *(int *)place = (int)value;
+}
+
+static void take_real(const struct neph_cli_option *row, const char *argument, void *place,
+                      const struct argp_state *state)
+{
+    char *end;
+    const double value = strtod(argument, &end);
+    const bool is_bounded = row->minimum < row->maximum;
+    const bool is_number = end != argument && !*end && !isnan(value);
+    if (!is_number && !is_bounded)
+        argp_error(state, "--%s '%s' is not a number", row->name, argument);
+    if (is_bounded && (!is_number || value < row->minimum || value > row->maximum))
+        argp_error(state, "--%s '%s' is not a number in %g..%g", row->name, argument, row->minimum,
+                   row->maximum);
+    *(double *)place = value;
+}
+
+static void take_size(const struct neph_cli_option *row, const char *argument, void *place,
+                      const struct argp_state *state)
+{
+    char rest;
+    struct neph_cli_size size = {0, 0};
+    if (sscanf(argument, "%5dx%5d%c", &size.width_px, &size.height_px, &rest) != 2 ||
+        size.width_px < 1 || size.height_px < 1 || size.width_px > NEPH_IMAGE_SIDE_MAX_PX ||
+        size.height_px > NEPH_IMAGE_SIDE_MAX_PX)
+        argp_error(state, "--%s '%s' is not WIDTHxHEIGHT with sides of 1..%d pixels", row->name,
+                   argument, NEPH_IMAGE_SIDE_MAX_PX);
+    *(struct neph_cli_size *)place = size;
+}
+
+static take_function *const take[] = {
+    [NEPH_CLI_FLAG] = take_flag,   [NEPH_CLI_WORD] = take_word,
+    [NEPH_CLI_FILE] = take_file,   [NEPH_CLI_OUTPUT] = take_output,
+    [NEPH_CLI_WORDS] = take_words, [NEPH_CLI_INTEGER] = take_integer,
+    [NEPH_CLI_REAL] = take_real,   [NEPH_CLI_SIZE] = take_size,
+};
+
+/* ---- the table ------------------------------------------------------------------------------- */
+
+static struct neph_cli_option complete(const struct neph_cli_option *row)
+{
+    const struct neph_cli_option *shared = shared_options;
+    while (shared->name && strcmp(shared->name, row->name) != 0)
+        shared++;
+    if (row->kind != NEPH_CLI_SHARED || !shared->name)
+        return *row;
+    struct neph_cli_option whole = *shared;
+    whole.argument = row->argument ? row->argument : whole.argument;
+    whole.help = row->help ? row->help : whole.help;
+    whole.otherwise = row->otherwise;
+    whole.group = row->group;
+    return whole;
+}
+
+/* Complete a table's rows, and set their places to what they are when nothing is given. */
+static void add_rows(struct parse *parse, const struct neph_cli_option *rows)
+{
+    for (; rows && rows->name && parse->row_count < ROWS_MAX; rows++) {
+        const struct neph_cli_option row = complete(rows);
+        void *place = parse->request + row.at;
+        parse->rows[parse->row_count++] = row;
+        if (row.kind == NEPH_CLI_INTEGER)
+            *(int *)place = -1;
+        if (row.kind == NEPH_CLI_REAL)
+            *(double *)place = NAN;
+        if (row.otherwise)
+            take[row.kind](&row, row.otherwise, place, NULL);
+    }
+}
+
+static int key_of(const struct parse *parse, int row)
+{
+    const struct neph_cli_option *option = &parse->rows[row];
+    if (option->kind == NEPH_CLI_ALIAS)
+        return 0; /* argp takes that of the row above */
+    return option->letter ? option->letter : KEY_FIRST + row;
+}
+
+static const struct neph_cli_option *row_of(const struct parse *parse, int key)
+{
+    for (int i = 0; i < parse->row_count; i++)
+        if (key != 0 && key_of(parse, i) == key)
+            return &parse->rows[i];
+    return NULL;
+}
+
+/* ---- argp ------------------------------------------------------------------------------------ */
+
+static void check_operands(const struct neph_cli_operands *operands,
+                           const struct neph_cli_shared *shared, const struct argp_state *state)
+{
+    if (shared->operand_count < operands->minimum)
+        argp_error(state, "%s", operands->missing);
+    if (operands->surplus && shared->operand_count > operands->maximum)
+        argp_error(state, "%s, not '%s' as well", operands->surplus,
+                   shared->operands[operands->maximum]);
+}
+
+static error_t parse_key(int key, char *argument, struct argp_state *state)
+{
+    struct parse *parse = state->input;
+    struct neph_cli_shared *shared = (void *)parse->request;
+    const struct neph_cli_syntax *syntax = parse->syntax;
+    if (key == ARGP_KEY_ARGS && syntax->operands) {
+        shared->operands = (const char *const *)state->argv + state->next;
+        shared->operand_count = state->argc - state->next;
+        return 0;
+    }
+    if (key == ARGP_KEY_END) {
+        if (syntax->operands)
+            check_operands(syntax->operands, shared, state);
+        if (syntax->check)
+            syntax->check(parse->request, state);
+        return 0;
+    }
+    const struct neph_cli_option *row = row_of(parse, key);
+    if (!row)
+        return ARGP_ERR_UNKNOWN;
+    take[row->kind](row, argument, parse->request + row->at, state);
+    return 0;
+}
+
+/* The help of an option with what stands for it when it is not given; argp frees what is new. */
+static char *describe(int key, const char *text, void *input)
+{
+    const struct neph_cli_option *row = row_of(input, key);
+    return row && row->otherwise ? neph_format("%s (default: %s)", text, row->otherwise)
+                                 : (char *)text;
+}
+
+static ssize_t write_clean(void *cookie, const char *bytes, size_t size)
+{
+    char *text = malloc(size + 1);
+    if (!text)
+        return 0;
+    for (size_t i = 0; i < size; i++)
+        text[i] = bytes[i] ? bytes[i] : '?';
+    text[size] = '\0';
+    char *clean = neph_text_clean_copy(text);
+    if (clean)
+        fputs(clean, cookie);
+    free(clean);
+    free(text);
+    return clean ? (ssize_t)size : 0;
+}
+
+static void run_argp(const struct argp *argp, int argc, char **argv, struct parse *parse)
+{
+    /* getopt(3) inside argp knows no stream but stderr, which is a variable in glibc. */
+    FILE *terminal = stderr;
+    FILE *clean = fopencookie(terminal, "w", (cookie_io_functions_t){.write = write_clean});
+    if (clean) {
+        setvbuf(clean, NULL, _IOLBF, 0); /* whole lines: no character is cut in two */
+        stderr = clean;
+    }
+    argp_parse(argp, argc, argv, 0, NULL, parse);
+    stderr = terminal;
+    if (clean)
+        fclose(clean);
+}
+
+void neph_cli_parse(const struct neph_cli_syntax *syntax, int argc, char **argv, void *request)
+{
+    struct parse parse = {.syntax = syntax, .request = request};
+    struct argp_option options[ROWS_MAX + 1] = {{0}};
+    add_rows(&parse, syntax->options);
+    add_rows(&parse, syntax->more);
+    for (int i = 0; i < parse.row_count; i++) {
+        const struct neph_cli_option *row = &parse.rows[i];
+        options[i] = (struct argp_option){.name = row->name,
+                                          .key = key_of(&parse, i),
+                                          .arg = row->argument,
+                                          .flags = row->kind == NEPH_CLI_ALIAS ? OPTION_ALIAS : 0,
+                                          .doc = row->help,
+                                          .group = row->group};
+    }
+    const struct argp argp = {.options = options,
+                              .parser = parse_key,
+                              .args_doc = syntax->operands ? syntax->operands->shown : NULL,
+                              .doc = syntax->doc,
+                              .help_filter = describe};
+    run_argp(&argp, argc, argv, &parse);
+}
+
+enum neph_status neph_cli_check_range(const char *option, int value, int minimum, int maximum,
+                                      struct neph_diag *diag)
+{
+    if (value >= minimum && value <= maximum)
+        return NEPH_OK;
+    return neph_fail(diag, NEPH_ERR_USAGE, "%s %d is not in %d..%d", option, value, minimum,
+                     maximum);
+}
+
+enum neph_status neph_cli_split(char *text, const char *what, int most, const char **words,
+                                int *count, struct neph_diag *diag)
+{
+    for (*count = 0; text;) {
+        if (*count == most)
+            return neph_fail(diag, NEPH_ERR_USAGE, "more than %d %s", most, what);
+        const char *word = strsep(&text, ",");
+        for (int i = 0; i < *count; i++)
+            if (strcmp(words[i], word) == 0)
+                return neph_fail(diag, NEPH_ERR_USAGE, "'%s' is twice among the %s", word, what);
+        words[(*count)++] = word;
+    }
+    return NEPH_OK;
+}
