@@ -341,7 +341,7 @@ static void make_image(struct reader *reader, size_t channel_count, uint32_t cod
     free(linear);
 }
 
-/* Of what says so: pixels per unit, of which fewer make a pixel larger. */
+/* The shape of the pixels, where the file says it: fewer pixels per unit make a pixel larger. */
 static void add_pixel_aspect(struct reader *reader)
 {
     const float aspect = png_get_pixel_aspect_ratio(reader->png, reader->info); /* 0: not known */

@@ -11,7 +11,7 @@ static const double pu21_most_cd_per_m2 = 1e4; /* see extractors/code_value.h */
 
 enum image { REFERENCE, TEST, IMAGE_COUNT };
 
-/* Of one mask. */
+/* How many pixels of a mask are beyond each bound, by image. */
 struct tally {
     size_t beyond[NEPH_BOUND_COUNT][IMAGE_COUNT];
     bool differs;

@@ -76,7 +76,7 @@ static void colour_of(const struct neph_display_legend *colours, double position
         colour_between(colours, position, rgb);
 }
 
-/* Of one plane, where infinity is a value: the sky. */
+/* Difference of a depth, for which infinity is a value: the sky. */
 static double plane_difference(float reference, float test)
 {
     return reference == test ? 0.0 : (double)test - (double)reference;

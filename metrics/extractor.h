@@ -42,8 +42,9 @@ static inline enum neph_display_bound neph_bound_is_white(const struct neph_sett
     return NEPH_BOUND_WHITE;
 }
 
-/* The same frame twice, linear data; all pointers are borrowed for the call. Every sample of the
- * planes is finite, but for depth, where +inf is the sky: bad frames do not come this far. */
+/* A frame of the test beside the same frame of the reference, linear data; all pointers are
+ * borrowed for the call. Every sample of the planes is finite, but for depth, where +inf is the
+ * sky: bad frames do not come this far. */
 struct neph_frame_pair {
     const struct neph_quantity *quantity;
     int width_px, height_px, plane_count;

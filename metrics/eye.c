@@ -3,7 +3,7 @@
 
 #include <math.h>
 
-/* Of elaTCSF, as published. */
+/* Constants of elaTCSF, as published. */
 static const double summation = 3.80022, threshold_energy = 6.52801;
 
 /* No luminance of a display, and none of the experiments: the model ends at 0.001. */

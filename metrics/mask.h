@@ -77,7 +77,7 @@ enum neph_status neph_mask_from_image(const struct neph_image *image, const char
                                       struct neph_mask **mask, struct neph_diag *diag);
 
 /* Add the pixels of `other` to `mask`: the mask of a moving camera is united over its frames.
- * Of non_edge the common pixels stay instead, so that it is what depth_edge is not.
+ * In non_edge the common pixels stay instead, so that it is what depth_edge is not.
  * NEPH_ERR_INPUT: sizes differ. */
 enum neph_status neph_mask_unite(struct neph_mask *mask, const struct neph_mask *other,
                                  struct neph_diag *diag);

@@ -121,7 +121,7 @@ NEPH_VECTOR static void add_plain_tile(const double *restrict v, const double *r
     }
 }
 
-/* The same where there is the mask and a value. */
+/* Only pixels within the mask that have a value. */
 NEPH_VECTOR static void add_masked_tile(const double *restrict v, const double *restrict w,
                                         const uint8_t *restrict inside, int columns, int rows,
                                         size_t stride, struct lanes *restrict lanes)
@@ -497,7 +497,7 @@ NEPH_VECTOR static double sum_keys(const uint32_t *restrict keys, uint32_t count
     return sum;
 }
 
-/* Of a row of the table. */
+/* How many keys of a row of the table lie in low .. high. */
 static uint32_t count_in_row(const struct table *table, int row, uint32_t low, uint32_t high)
 {
     const struct gathered *set = table->set;

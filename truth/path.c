@@ -155,7 +155,7 @@ static bool meet_surface(struct path *path, const struct neph_hit *hit, struct n
  * a further event, `*light` the rest. */
 static void follow(struct path *path, struct neph_rgb *direct, struct neph_rgb *light)
 {
-    /* Of a thin ray's first collision the value is small: it is what counts there. */
+    /* Relative to the value now, which is small after a first collision in something thin. */
     path->roulette = roulette_below * most_of(path);
     for (struct neph_rgb *escaped = direct; survives(path); escaped = light) {
         const struct neph_hit hit = neph_scene_hit(path->scene, path->at_m, path->direction);
@@ -204,8 +204,8 @@ static bool enter_lit_volume(struct path *path, const struct neph_flight *flight
     return collision->medium >= 0;
 }
 
-/* The same where optical depths are guesses: the transmittance from the camera is an estimate, too.
- */
+/* The first collision where optical depths are guesses: the transmittance from the camera is an
+ * estimate, too. */
 static bool enter_guessed_volume(struct path *path, const struct neph_guess *guess,
                                  struct neph_collision *collision)
 {

@@ -181,7 +181,7 @@ static void solve_mode(int index, void *context)
                                              &work->light[index], &work->diag[index]);
 }
 
-/* Of mode 0: the integrals over the nodes. */
+/* Fluxes are integrals of mode 0 over the nodes. */
 static void take_fluxes(const struct neph_doubling *layer, const struct neph_doubling_light *light,
                         struct neph_slab *slab)
 {

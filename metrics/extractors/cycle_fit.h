@@ -10,9 +10,9 @@
 #include "metrics/extractors/cycle_frames.h"
 #include "metrics/extractors/cycle_search.h"
 
-/* Of a pixel [luma^2], each worked out by itself: the sum of all A_P^2, drift, noise and overlap is
- * the variance. A_P^2 and drift are squares of the model less what noise has in them on average,
- * and may be below 0. */
+/* Parts of a pixel's variance [luma^2], each worked out by itself: all A_P^2, drift, noise and
+ * overlap sum to it. A_P^2 and drift are squares of the model less what noise has in them on
+ * average, and may be below 0. */
 enum neph_cycle_part {
     NEPH_CYCLE_VARIANCE, /* population variance */
     NEPH_CYCLE_NOISE,    /* all of the noise, in the fit and beside it */

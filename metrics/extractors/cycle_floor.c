@@ -138,7 +138,8 @@ static int by_score(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Of probes in the order of their scores. */
+/* Standard deviation of the noise among probes that are sorted by score: that of the lower half, or
+ * what the upper quartile says where that is more. */
 static double deviation_of(const struct neph_cycle_probe *sorted, int count, double bins)
 {
     double below = 0.0, squares = 0.0, lower = 0.0, upper = 0.0;

@@ -11,7 +11,8 @@
 
 #include <stddef.h>
 
-/* Of a frame: which periods its maker has put into the sequence; see neph_cycle_parse(). */
+/* Attribute of a frame: the periods that its maker has put into the sequence; neph_cycle_parse().
+ * */
 #define NEPH_CYCLE_ATTRIBUTE "neph.cycles"
 
 enum {

@@ -17,7 +17,7 @@
 /* A wave is taken on trial above this, and from this share of the movement on. */
 static const double trial_z = 3.0, trial_share = 1e-9;
 
-/* Of a wave that is less apart from the set, its gain is rounding. */
+/* The gain of a wave that is less apart from the set is rounding. */
 static const double separation_min = 1e-4;
 
 /* What is told to be there is apart from the rest by more: in noise of a steep spectrum many waves

@@ -24,7 +24,7 @@ static struct block block_of(const struct neph_cycle_tableau *tableau, const dou
     return (struct block){{row[0], row[1], row[n], row[n + 1]}};
 }
 
-/* Of a wave without a sine: of its one number. */
+/* A wave without a sine has one number; its inverse is that of the number. */
 static struct block inverse(struct block b)
 {
     if (b.v[3] == 0.0)

@@ -39,7 +39,7 @@ void neph_cycle_tableau_end(struct neph_cycle_tableau *tableau); /* a zeroed one
 /* Take a wave into the set, or out of it. */
 void neph_cycle_tableau_turn(struct neph_cycle_tableau *tableau, int wave);
 
-/* The same set made anew, without what rounding has added up in many turns. */
+/* Make the tableau of the set anew, without what rounding has added up in many turns. */
 void neph_cycle_tableau_refresh(struct neph_cycle_tableau *tableau);
 
 /* What of the sum of squares of all series the wave explains beside the set without it. */
@@ -49,8 +49,8 @@ double neph_cycle_gain(const struct neph_cycle_tableau *tableau, int wave);
  */
 double neph_cycle_separation(const struct neph_cycle_tableau *tableau, int wave);
 
-/* Of what the set leaves of the waves a and b, both outside: the correlation of their coefficients
- * over the series, for cosine and sine: 2x2. */
+/* Correlation over the series of the coefficients of what the set leaves of the waves a and b, both
+ * outside of it, for cosine and sine: 2x2. */
 void neph_cycle_coherence(const struct neph_cycle_tableau *tableau, int a, int b,
                           double coherence[4]);
 

@@ -400,7 +400,7 @@ static bool has_any(const struct cycles *cycles, struct periods_of_map wanted)
     return false;
 }
 
-/* Of white noise of variance 1, for the noise of a pixel in its budget. */
+/* How much of white noise of variance 1 a pixel's budget shows as noise. */
 static double noise_per_variance(const struct neph_cycle_model *model)
 {
     const double n = (double)model->frame_count;

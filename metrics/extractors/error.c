@@ -16,8 +16,8 @@
 #include <float.h>
 #include <math.h>
 
-/* Of S, tied to the scene: the absolute epsilons in use elsewhere (pbrt, tev, SimpleImageIO) make
- * dark scenes look perfect. */
+/* Shares of S, so that they are tied to the scene: the absolute epsilons in use elsewhere (pbrt,
+ * tev, SimpleImageIO) make dark scenes look perfect. */
 static const double mse_epsilon_share = 0.01;
 static const double relative_floor_share = 1e-4;
 

@@ -452,7 +452,7 @@ NEPH_VECTOR static void filter_even(const struct kernel *kernel, const double *c
     }
 }
 
-/* The same with lines[radius + j] - lines[radius - j]. */
+/* filter_even() with lines[radius + j] - lines[radius - j]. */
 NEPH_VECTOR static void filter_odd(const struct kernel *kernel, const double *const *lines,
                                    int count, double *restrict out)
 {

@@ -22,8 +22,8 @@
 
 enum { PERIODS_MAX = 3, BASIS_MAX = 2 + 2 * PERIODS_MAX };
 
-/* Of a sine, over the standard error of its amplitude: white noise alone is above it in 1e-7 of
- * the pixels (exp(-4^2)). */
+/* Amplitude of a sine over its standard error: white noise alone is above it in 1e-7 of the pixels
+ * (exp(-4^2)). */
 static const double least_signal = 4.0;
 
 /* The variance that rounding to floats makes, over the square of the value: an error of up to
@@ -41,7 +41,7 @@ static const char no_phase[] =
     "no pixel of the mask moves at this period in both pictures, or the period was not given";
 static const char not_given[] = "this period was not given";
 
-/* The same for each period. */
+/* Four maps for each period. */
 /* clang-format off */
 #define MAPS_OF(n) \
     {"follow_gain_" n, "1", 1, false, 1.0, still, 0}, \
@@ -151,8 +151,8 @@ static const char *obstacle(const struct neph_frame_pair *first,
 
 enum picture { TEST, REFERENCE, PICTURE_COUNT };
 
-/* Of a pixel: the sums of Y with each function and of Y^2; after the last frame, in the place of
- * the first of them, its maps. */
+/* What is kept of each pixel: the sums of Y with each function and of Y^2; after the last frame its
+ * maps, in the place of the first of them. */
 struct state {
     int width_px, height_px;
     int frame_count;

@@ -35,7 +35,7 @@ static const char never[] =
     "display luma";
 static const char one_frame[] = "there is only one frame";
 
-/* The same for each age. */
+/* Four maps for each age. */
 /* clang-format off */
 #define MAPS_OF_AGE \
     {NULL, "1", 1, true, 0.0, never, 0}, {NULL, "1", 1, false, 0.0, never, 0}, \

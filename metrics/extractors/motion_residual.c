@@ -5,7 +5,7 @@
  * warping error of Lai et al., with a difference to the reference in place of an absolute value,
  * which would reward blur.
  *
- * Of each pixel and frame but the first:
+ * What is said of each pixel, in each frame but the first:
  * - in the picture: the place where it was (moved.h) lies within the frame before;
  * - seen before: and there is its depth, within the tolerance, at that place (1 / Z linear between
  *   the four pixels around, exact for planes) or at one of the four;

@@ -37,7 +37,7 @@ const char *neph_moved_obstacle(const struct neph_frame_pair *first,
 enum neph_status neph_moved_find(const struct neph_frame_pair *pair, struct neph_moved *moved,
                                  struct neph_diag *diag);
 
-/* Of what a pixel shows, now and, given that, in the frame before. */
+/* Nearness of what a pixel shows, now and, given that, in the frame before. */
 double neph_moved_nearness_per_m(const struct neph_moved *moved, size_t pixel);
 double neph_moved_nearness_before_per_m(const struct neph_moved *moved, size_t pixel,
                                         double now_per_m);

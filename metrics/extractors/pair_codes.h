@@ -16,7 +16,7 @@ struct neph_code_planes {
     bool is_made;             /* of this pair */
 };
 
-/* Of frames of one size and one way of viewing. Start from {0}. */
+/* Codes of pairs of one size and one way of viewing. Start from {0}. */
 struct neph_pair_codes {
     struct neph_code_planes kinds[NEPH_CODE_COUNT];
 };

@@ -129,7 +129,7 @@ enum neph_status neph_seen_disk_means(const struct neph_seen_disks *disks, const
     return neph_parallel_rows(disks->disk_count, take_mean, &work, diag);
 }
 
-/* Of a pixel between centres: that before it, that after it, and how far it is from the first. */
+/* A pixel between two centres: the one before, the one after, and how far it is from the first. */
 struct between {
     int before, after;
     double share;

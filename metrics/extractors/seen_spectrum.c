@@ -137,7 +137,8 @@ static inline __attribute__((always_inline)) void transform(const struct neph_se
             }
 }
 
-/* Of Z = A + i B: A_k = (Z_k + conj Z_-k) / 2, B_k = (Z_k - conj Z_-k) / 2i. */
+/* Two series in one transform, Z = A + i B: A_k = (Z_k + conj Z_-k) / 2, B_k = (Z_k - conj Z_-k) /
+ * 2i. */
 static inline __attribute__((always_inline)) void take_apart(const struct neph_seen_window *window,
                                                              const float *room, float *energies)
 {

@@ -44,8 +44,8 @@ struct neph_realtime_stats {
     uint64_t closed_forms;
     uint64_t rays; /* view rays marched through media */
     uint64_t view_steps;
-    /* Of textures in the formats of the settings. Traffic: what the passes read and write, each
-     * texel of a target once per pass. */
+    /* Memory of targets in the formats of the settings. Traffic: what the passes read and write,
+     * each texel of a target once per pass. */
     uint64_t history_bytes, target_bytes, traffic_bytes;
 };
 

@@ -82,7 +82,7 @@ static const struct other_kind {
     {"chroma.exr", "'BY' has not a sample per pixel"},
 };
 
-/* Of a file, and of no text in it. */
+/* Attributes that a file of another program brings; NULL: it has none. */
 static const struct attribute_case {
     const char *name, *primaries, *pixel_aspect;
 } attribute_cases[] = {

@@ -19,7 +19,7 @@ static void replay(const char *folder, const char *name)
     struct neph_diag diag = {0};
     const enum neph_status status = neph_file_read(path, (size_t)1 << 24, &data, &size, &diag);
     fuzz_require(status == NEPH_OK, diag.message);
-    /* Of its exact size, so that AddressSanitizer sees a read beyond the end. */
+    /* A copy of its exact size, so that AddressSanitizer sees a read beyond the end. */
     uint8_t *exact = malloc(size ? size : 1);
     memcpy(exact, data, size);
     LLVMFuzzerTestOneInput(exact, size);

@@ -161,7 +161,7 @@ static void make_study(struct neph_flicker_study *study)
     }
 }
 
-/* The same at all displays. */
+/* One value at all displays. */
 static void set(struct neph_flicker_study *study, int scene, int preset, int seed, int metric,
                 double value)
 {

@@ -521,7 +521,7 @@ static void test_transmittance_of_open_fog(void **state)
     neph_image_destroy(frame);
 }
 
-/* The light of a plane-parallel slab, notes/physics.md section 2, seen from below. */
+/* The light of a plane-parallel slab, scattered once, seen from below. */
 static double slab_radiance(const struct stage *stage, struct neph_vec3 ray, double thickness_m)
 {
     const struct neph_medium *slab = &stage->scene.media[0];

@@ -28,7 +28,8 @@ static const struct neph_engine *const engines[ENGINES] = {
 
 /* The noise of the mean of 64 paths per pixel, or of none. */
 static const double noise[ENGINES] = {3e-3, 0.0};
-/* Of transmittance: the jitter of 1/160 of a step; 200 midpoints through a few large cells. */
+/* Error of transmittance: the jitter of 1/160 of a step; 200 midpoints through a few large cells.
+ * */
 static const double march_error[ENGINES] = {1e-4, 2e-4};
 
 static bool has_engine(int e)

@@ -60,7 +60,7 @@ static double amplitude_of(const struct dodge *dodge, int m)
     return 2.0 * hypot(re, im) * fabs(sin(x) / x);
 }
 
-/* Of the frames that are shown, about their mean. */
+/* Variance of the frames that are shown, about their mean. */
 static double variance_of(const struct dodge *dodge, int frame_count)
 {
     double sum = 0.0, squares = 0.0;

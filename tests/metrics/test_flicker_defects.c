@@ -353,7 +353,7 @@ static double fireflies(uint64_t *random)
     return (neph_test_uniform(random, 0.0, 1.0) < 0.06 ? 0.4 : 0.0) + 3e-4 * normal(random);
 }
 
-/* Of NOISE_PIXEL_COUNT pixels. */
+/* How many of NOISE_PIXEL_COUNT pixels of noise are called cyclic. */
 static int count_called_cyclic(double (*noise)(uint64_t *random), int frame_count)
 {
     uint64_t random = 4;

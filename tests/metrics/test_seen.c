@@ -325,7 +325,7 @@ static void test_energies(void **state)
     }
 }
 
-/* Of noise the same number comes out whatever the number of frames, up to its own. */
+/* Noise gives one number whatever the number of frames, up to its own. */
 static void test_noise(void **state)
 {
     (void)state;

@@ -401,8 +401,8 @@ static void test_holm(void **state)
     assert_true(adjusted[0] == p[0]);
 }
 
-/* Of 20 tests that hang together, all of nothing, Holm raises any in at most 5 % of all cases (one
- * binomial standard deviation: 0.34 points), and plain p-values in far more. */
+/* Among 20 tests that hang together, all of nothing, Holm raises any in at most 5 % of all cases
+ * (one binomial standard deviation: 0.34 points), and plain p-values in far more. */
 static void test_holm_keeps_the_family_quiet(void **state)
 {
     (void)state;

@@ -127,8 +127,8 @@ static void skipped_one(const struct test_passes *test, int half_pixel[2])
     half_pixel[0] ^= 1;
 }
 
-/* Of the middle tile's half-pixel, from a ray of the nine, in tiles: square of the distance, and
- * the bilinear weight. */
+/* From a texel of the middle tile to a ray of the nine, in tiles: square of the distance, and the
+ * bilinear weight. */
 static double distance_squared(const int half_pixel[2], int ray, double *bilinear)
 {
     double sum = 0.0;

@@ -52,7 +52,7 @@ static void slopes_at(const struct neph_rt_view *view, double x_px, double y_px,
     slope[1] = (1.0 - 2.0 * y_px / view->size_px[1]) * view->now.tan_half_height;
 }
 
-/* The same in the frame before, of a medium that is `distance_m` away, by the closed form of each
+/* Slopes in the frame before, of a medium that is `distance_m` away, by the closed form of each
  * motion: turning by a takes tan(u) to tan(u - a), moving ahead scales about the middle by
  * z / (z + s), moving aside shifts by s / z. */
 static void slopes_before(const struct motion_case *c, double distance_m, bool is_radial,
@@ -588,9 +588,9 @@ static void test_garbage_is_no_history(void **state)
     }
 }
 
-/* history_age_max = n: a texel of a still scene is the mean of its rays, from the nth on with weight
- * 1 / n for the newest. fresh_weight alone is exponential from the first, as the article's 0.5 would
- * be if it were reached. */
+/* history_age_max = n: a texel of a still scene is the mean of its rays, from the nth on with
+ * weight 1 / n for the newest. fresh_weight alone is exponential from the first, as the article's
+ * 0.5 would be if it were reached. */
 static void test_ages_average_rays(void **state)
 {
     static const struct {

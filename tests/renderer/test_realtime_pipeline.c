@@ -137,8 +137,8 @@ static void test_off_is_the_march(void **state)
     neph_realtime_destroy(realtime);
 }
 
-/* Of a march at half resolution each ray goes through the middle of a half-pixel: the rays of the
- * tiles are some of its, bit by bit. */
+/* In a march at half resolution each ray goes through the middle of a half-resolution texel: the
+ * rays of the tiles are some of its, bit by bit. */
 struct ray_check {
     const struct neph_image *half;
     int checked;

@@ -159,7 +159,7 @@ static int cases_of(size_t size)
     return sizes_px[size][0] > 200 ? 2 : 16;
 }
 
-/* Of the stand-ins for history those that are a ray, and no mean of some. */
+/* Keep to stand-ins for history that are a ray, and no mean of some. */
 static void choose_single_rays(struct neph_settings *settings)
 {
     static const int stand_ins[] = {RT_FALLBACK, RT_FALLBACK_REJECTED};

@@ -232,7 +232,7 @@ static void test_a_history_in_halves_stalls(void **state)
     test_passes_close(&film);
 }
 
-/* The same by chance: on average it arrives. Each frame's rounding has a variance of at most 1/4
+/* With rounding by chance the average arrives. Each frame's rounding has a variance of at most 1/4
  * ulp^2, the mean of them 1/4 / (1 - 0.96^2) = 3.2; of 4096 x 3 pixels the mean is known to 0.016,
  * and four times that is allowed; 0.96^200 of the 6 ulps are still to come: 0.002. */
 static void test_rounding_by_chance_does_not_stall(void **state)

@@ -484,7 +484,7 @@ static void test_edges_do_not_leak(void **state)
         }
 }
 
-/* Of a sloped edge few places have their own side in none of four half-pixels: 1 of 2304 pixels
+/* Few places at a sloped edge have their own side in none of four texels: 1 of 2304 pixels
  * where it was found, with 95 .. 253 that leak if bilinear. */
 static void test_sloped_edges_hardly_leak(void **state)
 {

@@ -548,7 +548,7 @@ static struct neph_vec3 point_in_layer(const struct neph_horizon_params *params,
     return (struct neph_vec3){x_m, params->bottom_m + altitude_m - sag_m, z_m};
 }
 
-/* Of the weather map at a place: what shapes are divided by, but for gc. */
+/* What shapes are divided by, but for gc: the weather map at a place. */
 static double coverage_at(const struct neph_horizon *horizon, struct neph_vec3 point_m)
 {
     enum { SIDE = NEPH_HORIZON_WEATHER_SIDE };

@@ -399,8 +399,8 @@ static double lit_from_behind(const struct test_scene *test, struct neph_vec3 ra
     return scattered[channel] * per_sr * tau * exp(-tau);
 }
 
-/* The same in clouds without closed forms: the optical depth along the view is given by the
- * extinction, and all pixels have the same view to a centimetre. */
+/* Against the light in clouds without closed forms: the optical depth along the view is given by
+ * the extinction, and all pixels have the same view to a centimetre. */
 static void test_procedural_clouds_against_the_light(void **state)
 {
     static const struct {
@@ -443,7 +443,8 @@ static void test_procedural_clouds_against_the_light(void **state)
 
 /* A sun in the plane of a box's face: whether a place on the face lies in the box is a matter of
  * the last bit, so of the device, and nothing may hang on it. A sunray that leans either way by a
- * bit stands for two devices; bounds and share of pixels beyond as in harness/run/conform_compare.c. */
+ * bit stands for two devices; bounds and share of pixels beyond as in
+ * harness/run/conform_compare.c. */
 static void test_the_last_bit_decides_little(void **state)
 {
     struct test_scene test;

@@ -374,7 +374,7 @@ static int corner_places(double places[16], double low, double high, double firs
     return count;
 }
 
-/* Of the box and of all cells in it, by the sum of hats. */
+/* The largest value at corners of the box and of all cells in it, by the sum of hats. */
 static double largest_corner(const struct neph_grid *grid, const struct neph_bounds *box)
 {
     double x[16], y[16], z[16], largest = 0.0;

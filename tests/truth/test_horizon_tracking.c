@@ -134,7 +134,7 @@ static void test_transmittance_is_unbiased(void **state)
     medium->extinction_color = (struct neph_rgb){1.0, 1.0, 1.0};
 }
 
-/* Of all flights the share that is still free half way, and at the end, is the transmittance. */
+/* The share of all flights that are still free half way, and at the end, is the transmittance. */
 static void test_collisions_have_their_distribution(void **state)
 {
     struct neph_scene *scene = *state;

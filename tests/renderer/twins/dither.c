@@ -7,8 +7,8 @@
 
 enum { MASK_SIDE_PX = 64, MASK_FRAMES = 32, GRADIENT_FRAMES = 64, CHANNELS = 4 };
 
-/* Of the circle, per frame: (sqrt(5) - 1) / 2, sqrt(3), sqrt(2), sqrt(7), to the next odd number.
- */
+/* Advance per frame in units of 2^-32: the fractions of (sqrt(5) - 1) / 2, sqrt(3), sqrt(2) and
+ * sqrt(7), to the next odd number. */
 static const uint32_t steps[CHANNELS] = {2654435769u, 3144134277u, 1779033703u, 2773480763u};
 
 /* Jimenez's 0.06711056, 0.00583715 and 0.9829189, and the sum of the first two times s of one frame
