@@ -43,8 +43,9 @@ from mathutils import Matrix, Vector
 
 FORMAT = 2  # of the spec; raised together with cycles.c
 
-# The largest that Blender takes. The furnace reads 1.00000 with it (0.967 with Cycles' default of 12)
-# at optical depths of 16; some of the light that leaves a medium of 64 has scattered more often.
+# The largest that Blender takes. The furnace reads 1.00000 with it (0.967 with Cycles' default of
+# 12) at optical depths of 16; some of the light that leaves a medium of 64 has scattered more
+# often.
 ALL_BOUNCES = 1024
 CLIP_START = 1e-6  # Blender units; what is nearer is clipped, media included
 CLIP_END = 1e9
@@ -174,12 +175,13 @@ def grid_density(nodes: Nodes, grid: dict, scale: float, units: Units):
     """Extinction per unit: the socket of the voxels' density times that of density 1."""
     voxels = nodes.add("ShaderNodeAttribute")
     voxels.attribute_name = "density"
-    return nodes.math("MULTIPLY", voxels.outputs["Fac"], units.per_length(scale * grid["extinction_per_m"]))
+    return nodes.math("MULTIPLY", voxels.outputs["Fac"],
+                      units.per_length(scale * grid["extinction_per_m"]))
 
 
 def medium_material(medium: dict, color, scatters: bool, units: Units):
-    """sigma_t = color * density and sigma_s = albedo * sigma_t, where the densities of the two nodes
-    stand for the brightest channel and their colours are within 0..1."""
+    """sigma_t = color * density and sigma_s = albedo * sigma_t, where the densities of the two
+    nodes stand for the brightest channel and their colours are within 0..1."""
     material = bpy.data.materials.new("medium")
     nodes = Nodes(material)
     scale, color = split_color(color)

@@ -4,7 +4,8 @@
 import random
 
 COLUMNS, ROWS, COVER, SEED = 100, 50, 0.1, 20270301
-DISTANCES_M = (8, 9, 10, 11, 12)  # one pixel is 0.004 of them: coordinates need no more than 3 digits
+# one pixel is 0.004 of them: coordinates need no more than 3 digits
+DISTANCES_M = (8, 9, 10, 11, 12)
 EYE_Y_M, DEPTH_M = 2, 0.005
 
 HEAD = """\
@@ -41,9 +42,10 @@ solids:"""
 
 
 def leaf(pixel, distance_m):
-    """The square over the centre of a pixel (column, row from the middle), its front at the distance.
+    """The square over the centre of a pixel (column, row from the middle), its front at a distance.
 
-    A quarter of a pixel aside, so that no ray of this size, its half or its quarter meets an edge."""
+    A quarter of a pixel aside, so that no ray of this size, its half or its quarter meets an edge.
+    """
     side_m = 0.004 * distance_m
     x_m, y_m = ((p + 0.25) * side_m for p in pixel)
     low = (x_m, EYE_Y_M + y_m, -distance_m - DEPTH_M)
@@ -55,4 +57,5 @@ rng = random.Random(SEED)
 places = [(c - COLUMNS // 2, r - ROWS // 2) for r in range(ROWS) for c in range(COLUMNS)]
 print(HEAD)
 for place in sorted(rng.sample(places, int(COVER * len(places)))):
-    print("  - box: {min_m: %s, max_m: %s, albedo: [0, 0, 0]}" % leaf(place, rng.choice(DISTANCES_M)))
+    print("  - box: {min_m: %s, max_m: %s, albedo: [0, 0, 0]}" % leaf(place,
+                                                                      rng.choice(DISTANCES_M)))

@@ -14,8 +14,8 @@ NEPH = pathlib.Path(os.environ["NEPH"])
 
 
 def neph(*arguments, program=NEPH, **environment):
-    return subprocess.run([program, *map(str, arguments)], capture_output=True, text=True, timeout=60,
-                          env={**os.environ, **environment})
+    return subprocess.run([program, *map(str, arguments)], capture_output=True, text=True,
+                          timeout=60, env={**os.environ, **environment})
 
 
 class Bake(unittest.TestCase):
@@ -31,7 +31,8 @@ class Bake(unittest.TestCase):
     def test_error_falls_with_resolution_and_is_printed(self):
         errors = []
         for resolution in (32, 64):
-            done = neph("bake", "gaussian_blob", "--resolution", resolution, "-o", self.folder / "blob.vdb", "--json")
+            done = neph("bake", "gaussian_blob", "--resolution", resolution, "-o",
+                        self.folder / "blob.vdb", "--json")
             self.assertEqual(done.returncode, 0, done.stderr)
             result = json.loads(done.stdout)
             self.assertEqual(max(result["size"]), resolution)
@@ -60,16 +61,18 @@ class Bake(unittest.TestCase):
 
     @unittest.skipUnless(shutil.which("povray"), "POV-Ray is not installed")
     def test_the_cost_of_baking_stands_beside_the_frame(self):
-        request = ("validate", "gaussian_blob", "-e", "exact", "-e", "povray", "--size", "16x9", "--no-charts", "-q",
-                   "-o", self.folder)
+        request = ("validate", "gaussian_blob", "-e", "exact", "-e", "povray", "--size", "16x9",
+                   "--no-charts", "-q", "-o", self.folder)
         done = neph(*request, "--json")
         self.assertEqual(done.returncode, 0, done.stderr)
-        bakes = {frame["engine"]: frame["bake"] for frame in json.loads(done.stdout)["scenes"][0]["frames"]}
+        bakes = {frame["engine"]: frame["bake"]
+                 for frame in json.loads(done.stdout)["scenes"][0]["frames"]}
         self.assertIsNone(bakes["exact"])
         self.assertEqual(bakes["povray"]["grid"], "64 x 64 x 64 nodes")
         self.assertGreater(bakes["povray"]["transmittance_max"], 1e-5)
         self.assertLess(bakes["povray"]["transmittance_max"], 1e-2)
-        self.assertIn("of 64 x 64 x 64 nodes: off by up to", neph(*request).stdout)  # now from the store
+        # now from the store
+        self.assertIn("of 64 x 64 x 64 nodes: off by up to", neph(*request).stdout)
 
     def test_wrong_requests_say_the_way_out(self):
         out = self.folder / "out.vdb"
@@ -92,7 +95,8 @@ class Bake(unittest.TestCase):
         shutil.copy(NEPH.with_name("neph-vdb"), self.folder / "neph-vdb")
         done = neph("bake", "voxel_grid", "-o", self.folder / "grid.vdb", program=copied)
         self.assertEqual(done.returncode, 0, done.stderr)
-        done = neph("bake", "voxel_grid", "-o", self.folder / "other.vdb", NEPH_VDB="/nowhere/neph-vdb")
+        done = neph("bake", "voxel_grid", "-o", self.folder / "other.vdb",
+                    NEPH_VDB="/nowhere/neph-vdb")
         self.assertEqual(done.returncode, 69, done.stderr)
         for words in ("/nowhere/neph-vdb", "copy it"):
             self.assertIn(words, done.stderr)

@@ -44,7 +44,8 @@ class Benchmark(unittest.TestCase):
                 for name in ("cost_s", "times"):
                     value = engine[name]
                     self.assertTrue(0.0 < value["low"] <= value["value"] <= value["high"])
-                # Unbiased: Student with 7 degrees of freedom passes 3 x 2.4 standard errors once in 5000.
+                # Unbiased: Student with 7 degrees of freedom passes 3 x 2.4 standard errors once in
+                # 5000.
                 bias = engine["bias"]
                 half = bias["high"] - bias["value"]
                 self.assertLess(abs(bias["value"]), 3.0 * half)

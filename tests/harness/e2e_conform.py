@@ -15,7 +15,8 @@ NEPH = os.environ["NEPH"]
 
 
 def conform(*arguments):
-    return subprocess.run([NEPH, "conform", *arguments], timeout=300, capture_output=True, text=True)
+    return subprocess.run([NEPH, "conform", *arguments], timeout=300, capture_output=True,
+                          text=True)
 
 
 class Conform(unittest.TestCase):
@@ -24,8 +25,8 @@ class Conform(unittest.TestCase):
         cls.folder = tempfile.TemporaryDirectory()
         cls.addClassCleanup(cls.folder.cleanup)
         cls.made = os.path.join(cls.folder.name, "a")
-        cls.rendered = conform("--scene", "height_fog_level", "-e", "march", "--size", "32x18", "-o",
-                               cls.made)
+        cls.rendered = conform("--scene", "height_fog_level", "-e", "march", "--size", "32x18",
+                               "-o", cls.made)
 
     def changed(self):
         """A copy of the folder, to be changed."""
@@ -127,16 +128,19 @@ class Conform(unittest.TestCase):
         catalog.mkdir(parents=True)
         pathlib.Path(data.name, "scenes", "failure").mkdir()
         for name in ("disney_cloud", "height_fog_level"):
-            shutil.copy(pathlib.Path(os.environ["NEPH_SOURCE_DIR"], "scenes", "catalog", f"{name}.yaml"), catalog)
+            shutil.copy(pathlib.Path(os.environ["NEPH_SOURCE_DIR"], "scenes", "catalog",
+                                     f"{name}.yaml"), catalog)
         environment = {**os.environ, "NEPH_DATA_DIR": data.name}
         environment.pop("NEPH_DISNEY_CLOUD", None)
-        request = [NEPH, "conform", "-e", "march", "--size", "32x18", "-o", os.path.join(data.name, "out")]
+        request = [NEPH, "conform", "-e", "march", "--size", "32x18", "-o",
+                   os.path.join(data.name, "out")]
         done = subprocess.run(request, timeout=300, capture_output=True, text=True, env=environment)
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertIn("disney_cloud: left out: ", done.stdout)
         self.assertIn("NEPH_DISNEY_CLOUD is not set", done.stdout)
         self.assertIn("1 of 1 pictures are finite", done.stdout)
-        done = subprocess.run([*request, "--scene", "disney_cloud"], timeout=300, capture_output=True, text=True, env=environment)
+        done = subprocess.run([*request, "--scene", "disney_cloud"], timeout=300,
+                              capture_output=True, text=True, env=environment)
         self.assertEqual(done.returncode, 66, done.stderr)
 
     def test_nothing_rendered_is_no_success(self):
@@ -146,7 +150,8 @@ class Conform(unittest.TestCase):
         self.assertIn("0 of 0", done.stdout)
 
     def test_wrong_requests(self):
-        for arguments in (("-e", "cycles", "-o", self.folder.name + "/x"), ("-o", ""), (self.made,)):
+        for arguments in (("-e", "cycles", "-o", self.folder.name + "/x"), ("-o", ""),
+                          (self.made,)):
             with self.subTest(arguments):
                 self.assertEqual(conform(*arguments).returncode, 64)
 

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Nothing of the user's changes a picture: the same frames, bit by bit, among hostile settings of POV-Ray, Blender,
-Python, OpenColorIO, Mesa and Vulkan as among none."""
+"""Nothing of the user's changes a picture: the same frames, bit by bit, among hostile settings of
+POV-Ray, Blender, Python, OpenColorIO, Mesa and Vulkan as among none."""
 import os
 import pathlib
 import signal
@@ -24,7 +24,8 @@ pathlib.Path({trace!r}).open("a").write(__file__ + chr(10))
 try:
     import bpy
     def register():
-        bpy.app.handlers.render_init.append(lambda scene, *_: setattr(scene.cycles, "film_exposure", 0.25))
+        bpy.app.handlers.render_init.append(
+            lambda scene, *_: setattr(scene.cycles, "film_exposure", 0.25))
     def unregister(): pass
 except ImportError:
     pass
@@ -45,34 +46,41 @@ class Hermetic(unittest.TestCase):
         return str(path)
 
     def hostile(self):
-        """An environment in which everything asks for something else; the working folder as well."""
+        """An environment in which everything asks for something else; the working folder as
+        well."""
         home = self.folder / "home"
         script = BLENDER_SCRIPT.format(trace=str(self.trace))
         for ini in ("home/.povray/3.7/povray.ini", "home/.povrayrc", "povini.ini", "povray.ini"):
             self.put(ini, POVRAY_INI)
-        for start in ("home/.config/blender/3.4/scripts/startup", "scripts/startup", "config/blender/3.4/scripts/startup"):
+        for start in ("home/.config/blender/3.4/scripts/startup", "scripts/startup",
+                      "config/blender/3.4/scripts/startup"):
             self.put(f"{start}/evil.py", script)
         self.put("python/sitecustomize.py", script)
-        self.put("home/.local/share/vulkan/implicit_layer.d/evil.json",
-                 '{"file_format_version": "1.0.0", "layer": {"name": "VK_LAYER_evil", "type": "GLOBAL", "library_path": '
-                 '"/nonexistent.so", "api_version": "1.3.0", "implementation_version": "1", "description": "evil", '
-                 '"disable_environment": {"NO_EVIL": "1"}}}')
-        return {**CLEAN, "HOME": str(home), "POVINI": str(self.folder / "povini.ini"), "POVINC": "/nonexistent",
-                "XDG_CONFIG_HOME": str(self.folder / "config"), "BLENDER_USER_SCRIPTS": str(self.folder / "scripts"),
+        self.put("home/.local/share/vulkan/implicit_layer.d/evil.json", '{"file_format_version": '
+                 '"1.0.0", "layer": {"name": "VK_LAYER_evil", "type": "GLOBAL", "library_path": '
+                 '"/nonexistent.so", "api_version": "1.3.0", "implementation_version": "1", '
+                 '"description": "evil", ' '"disable_environment": {"NO_EVIL": "1"}}}')
+        return {**CLEAN, "HOME": str(home), "POVINI": str(self.folder / "povini.ini"),
+                "POVINC": "/nonexistent", "XDG_CONFIG_HOME": str(self.folder / "config"),
+                "BLENDER_USER_SCRIPTS": str(self.folder / "scripts"),
                 "BLENDER_SYSTEM_SCRIPTS": "/nonexistent", "BLENDER_USER_CONFIG": "/nonexistent",
-                "PYTHONPATH": str(self.folder / "python"), "PYTHONHOME": "/nonexistent", "PYTHONSTARTUP": "/nonexistent",
-                "CYCLES_CPU_NO_AVX2": "1", "CYCLES_BVH_LAYOUT": "BVH2", "OMP_NUM_THREADS": "1", "LC_ALL": "de_DE.UTF-8",
-                "OCIO": self.put("broken.ocio", "not a configuration"), "OCIO_OPTIMIZATION_FLAGS": "0",
-                "LD_LIBRARY_PATH": "/nonexistent", "LP_NATIVE_VECTOR_WIDTH": "128", "GALLIVM_PERF": "nopt",
-                "GALLIUM_NOSSE": "1", "MESA_SPIRV_FORCE_UNSTRUCTURED": "1", "VK_INSTANCE_LAYERS": "VK_LAYER_evil"}
+                "PYTHONPATH": str(self.folder / "python"), "PYTHONHOME": "/nonexistent",
+                "PYTHONSTARTUP": "/nonexistent", "CYCLES_CPU_NO_AVX2": "1",
+                "CYCLES_BVH_LAYOUT": "BVH2", "OMP_NUM_THREADS": "1", "LC_ALL": "de_DE.UTF-8",
+                "OCIO": self.put("broken.ocio", "not a configuration"),
+                "OCIO_OPTIMIZATION_FLAGS": "0", "LD_LIBRARY_PATH": "/nonexistent",
+                "LP_NATIVE_VECTOR_WIDTH": "128", "GALLIVM_PERF": "nopt", "GALLIUM_NOSSE": "1",
+                "MESA_SPIRV_FORCE_UNSTRUCTURED": "1", "VK_INSTANCE_LAYERS": "VK_LAYER_evil"}
 
     def render(self, scene, engine, output, environment, *settings):
         """The channels of a frame with what decides them, and what was said."""
-        done = subprocess.run([NEPH, "render", scene, "-e", engine, "--size", "8x8", "-q", "-o", output, *settings],
-                              capture_output=True, text=True, timeout=300, env=environment, cwd=self.folder)
+        done = subprocess.run([NEPH, "render", scene, "-e", engine, "--size", "8x8", "-q", "-o",
+                               output, *settings], capture_output=True, text=True, timeout=300,
+                              env=environment, cwd=self.folder)
         self.assertEqual(done.returncode, 0, done.stderr)
         *picture, texts = frames.read_exr(self.folder / output / f"{scene}_{engine}_0000.exr")
-        named = {f"neph.{name}": texts[f"neph.{name}"] for name in ("engine_version", "engine_build", "device")}
+        named = {f"neph.{name}": texts[f"neph.{name}"]
+                 for name in ("engine_version", "engine_build", "device")}
         return (*picture, named), done.stderr
 
     def assert_same(self, scene, engine, *settings):
@@ -91,30 +99,38 @@ class Hermetic(unittest.TestCase):
 
     def test_our_own_renderer_names_what_it_ignores(self):
         said = self.assert_same("fence_backlit", "march")
-        for name in ("LP_NATIVE_VECTOR_WIDTH", "GALLIVM_PERF", "VK_INSTANCE_LAYERS", "MESA_SPIRV_FORCE_UNSTRUCTURED",
-                     "OCIO_OPTIMIZATION_FLAGS"):
+        for name in ("LP_NATIVE_VECTOR_WIDTH", "GALLIVM_PERF", "VK_INSTANCE_LAYERS",
+                     "MESA_SPIRV_FORCE_UNSTRUCTURED", "OCIO_OPTIMIZATION_FLAGS"):
             self.assertIn(f"{name} is ignored", said)
-        loader = subprocess.run([NEPH, "render", "fence_backlit", "--size", "8x8", "-q", "-o", "loader"], capture_output=True,
-                                text=True, timeout=300, env={**self.hostile(), "VK_LOADER_DEBUG": "layer"}, cwd=self.folder)
+        loader = subprocess.run([NEPH, "render", "fence_backlit", "--size", "8x8", "-q", "-o",
+                                 "loader"], capture_output=True, text=True, timeout=300,
+                                env={**self.hostile(), "VK_LOADER_DEBUG": "layer"}, cwd=self.folder)
         self.assertNotIn("Insert instance layer", loader.stderr)
         self.assertNotIn("/nonexistent.so", loader.stderr)
 
     def test_choices_that_change_no_bit_are_left(self):
-        _, said = self.render("fence_backlit", "march", "threads", {**CLEAN, "LP_NUM_THREADS": "1", "OCIO": "/nonexistent"})
+        _, said = self.render("fence_backlit", "march", "threads",
+                              {**CLEAN, "LP_NUM_THREADS": "1", "OCIO": "/nonexistent"})
         self.assertEqual(said, "")
 
     def test_an_engine_behind_a_wrapper_dies_with_neph(self):
-        """kill -9 of neph, while a script in front of the engine waits for it in another session."""
-        self.put("bin/povray", '#!/bin/sh\ncase "$1" in --version) exec /usr/bin/povray --version;; esac\n'
-                 f'echo $$ >{self.folder}/wrapper; setsid sh -c \'echo $$ >{self.folder}/engine; exec sleep 300\'\n')
+        """kill -9 of neph, while a script in front of the engine waits for it in another
+        session."""
+        self.put("bin/povray",
+                 '#!/bin/sh\ncase "$1" in --version) exec /usr/bin/povray --version;; esac\n'
+                 f'echo $$ >{self.folder}/wrapper; setsid sh -c \'echo $$ >{self.folder}/engine; '
+                 f'exec sleep 300\'\n')
         (self.folder / "bin/povray").chmod(0o755)
-        neph = subprocess.Popen([NEPH, "render", "fence_backlit", "-e", "povray", "--size", "8x8", "-q"], cwd=self.folder,
+        neph = subprocess.Popen([NEPH, "render", "fence_backlit", "-e", "povray", "--size", "8x8",
+                                 "-q"], cwd=self.folder,
                                 env={**CLEAN, "PATH": f"{self.folder}/bin:{CLEAN['PATH']}"})
         pids = [self.folder / name for name in ("wrapper", "engine")]
-        self.wait_until(lambda: all(path.exists() and path.read_text().endswith("\n") for path in pids))
+        self.wait_until(
+            lambda: all(path.exists() and path.read_text().endswith("\n") for path in pids))
         neph.send_signal(signal.SIGKILL)
         neph.wait()
-        self.wait_until(lambda: not any(map(self.is_alive, (path.read_text().strip() for path in pids))))
+        self.wait_until(
+            lambda: not any(map(self.is_alive, (path.read_text().strip() for path in pids))))
 
     def wait_until(self, condition):
         deadline = time.monotonic() + 60
@@ -125,8 +141,10 @@ class Hermetic(unittest.TestCase):
     @staticmethod
     def is_alive(pid):
         try:
-            return pathlib.Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] not in "ZX"
-        except (FileNotFoundError, ProcessLookupError):  # gone before it was opened, or before it was read
+            return pathlib.Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[
+                0] not in "ZX"
+        # gone before it was opened, or before it was read
+        except (FileNotFoundError, ProcessLookupError):
             return False
 
 

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""`neph compare`, `neph flicker` and `neph metrics` as a user of another renderer would run them."""
+"""`neph compare`, `neph flicker` and `neph metrics` as a user of another renderer would run
+them."""
 import csv
 import json
 import math
@@ -54,13 +55,14 @@ class Metrics(unittest.TestCase):
     def test_error_by_hand_in_json_csv_and_maps(self):
         reference = self.write("reference.exr", lambda x, y: 1.0)
         test = self.write("test.exr", lambda x, y: 1.25 if x < 16 else 1.0)
-        done = neph("compare", reference, test, "--json", "--csv", self.folder / "out.csv", "--maps",
-                    self.folder / "maps", "--metric", "error")
+        done = neph("compare", reference, test, "--json", "--csv", self.folder / "out.csv",
+                    "--maps", self.folder / "maps", "--metric", "error")
         self.assertEqual(done.returncode, 0, done.stderr)
         values = values_of(done, quantity="radiance")
         self.assertAlmostEqual(values["mae", "all"], 0.0625, delta=1e-15)
         self.assertAlmostEqual(values["rmse", "all"], 0.125, delta=1e-15)
-        self.assertAlmostEqual(values["rel_mse", "all"], 0.015625 / 1.0001, delta=1e-8)  # 1 + (0.01)^2
+        # 1 + (0.01)^2
+        self.assertAlmostEqual(values["rel_mse", "all"], 0.015625 / 1.0001, delta=1e-8)
         with (self.folder / "out.csv").open() as file:
             rows = list(csv.DictReader(file))
         row = next(row for row in rows if row["metric"] == "rmse")
@@ -72,9 +74,12 @@ class Metrics(unittest.TestCase):
         self.assertLessEqual({"difference_radiance.exr", "difference_radiance.png"}, maps)
 
     def test_every_record_says_what_it_is(self):
-        reference = self.write("reference.exr", lambda x, y: 1 + x / WIDTH, lambda x, y: 2.0 if x < 20 else INF)
-        test = self.write("test.exr", lambda x, y: 1 + x / WIDTH + 0.01 * (y % 3), lambda x, y: 2.0 if x < 20 else INF)
-        done = neph("compare", reference, test, "--json", "--fps", 30, "--ppd", 40, "--exposure", -1)
+        reference = self.write("reference.exr", lambda x, y: 1 + x / WIDTH,
+                               lambda x, y: 2.0 if x < 20 else INF)
+        test = self.write("test.exr", lambda x, y: 1 + x / WIDTH + 0.01 * (y % 3),
+                          lambda x, y: 2.0 if x < 20 else INF)
+        done = neph("compare", reference, test, "--json", "--fps", 30, "--ppd", 40, "--exposure",
+                    -1)
         rows = json.loads(done.stdout)["measurements"]
         self.assertGreater(len(rows), 50)
         for row in rows:
@@ -106,13 +111,18 @@ class Metrics(unittest.TestCase):
         reference = self.write("reference.exr", lambda x, y: 1.0)
         test = self.write("test.exr", lambda x, y: 1.25)
         done = neph("compare", reference, test, "-m", "mae", "-m", "residual_change")
-        rows = {line.split()[2]: line.split()[3] for line in done.stdout.splitlines() if line.startswith("radiance")}
-        self.assertEqual((rows.get("mae"), rows.get("residual_change_rms")), ("2.500000e-01", "undefined"), done.stdout)
+        rows = {line.split()[2]: line.split()[3]
+                for line in done.stdout.splitlines() if line.startswith("radiance")}
+        self.assertEqual((rows.get("mae"), rows.get("residual_change_rms")),
+                         ("2.500000e-01", "undefined"), done.stdout)
 
     def test_conventions_can_be_asked_for(self):
-        for name, words in (("motion", ("motion.x, motion.y", "minus where", "y down")), ("lag", ("last crossing", "logarithm")),
-                            ("flicker", ("2 / N", "d: luma")), ("seen", ("0.5^(R^2)", "below 0.5 Hz"))):
-            text, document = neph("metrics", name).stdout, json.loads(neph("metrics", name, "--json").stdout)
+        for name, words in (("motion", ("motion.x, motion.y", "minus where", "y down")),
+                            ("lag", ("last crossing", "logarithm")),
+                            ("flicker", ("2 / N", "d: luma")),
+                            ("seen", ("0.5^(R^2)", "below 0.5 Hz"))):
+            text, document = neph("metrics",
+                                  name).stdout, json.loads(neph("metrics", name, "--json").stdout)
             for word in words:
                 self.assertIn(word, text)
                 self.assertIn(word, json.dumps(document))
@@ -120,33 +130,39 @@ class Metrics(unittest.TestCase):
     def test_limits(self):
         reference = self.write("reference.exr", lambda x, y: 1.0)
         test = self.write("test.exr", lambda x, y: 1.25)
-        for limit, code in (("rmse=0.3", 0), ("rmse=0.2", 1), ("radiance:rmse@all=0.2", 1), ("depth:rmse=1", 2),
+        for limit, code in (("rmse=0.3", 0), ("rmse=0.2", 1), ("radiance:rmse@all=0.2", 1),
+                            ("depth:rmse=1", 2),
                             ("rmse=x", 64), ("beauty=1", 64), ("rmse@nowhere=1", 2)):
             done = neph("compare", reference, test, "--fail-above", limit)
             self.assertEqual(done.returncode, code, (limit, done.stderr))
         self.assertEqual(neph("compare", reference, test, "--fail-below", "rmse=0.3").returncode, 1)
 
     def test_a_limit_has_its_metric_measured_and_names_the_worst_frame(self):
-        reference = self.write("reference.exr", lambda x, y: 0.5, lambda x, y: 1.0 if x < 32 else 4.0)
+        reference = self.write("reference.exr", lambda x, y: 0.5,
+                               lambda x, y: 1.0 if x < 32 else 4.0)
         for frame, value in enumerate((0.55, 0.9, 0.6)):
             self.write(f"test/f.{frame}.exr", lambda x, y: value)
-        done = neph("compare", reference, self.folder / "test", "--metric", "mae", "--fail-above", "flip_mean=1e-6")
-        self.assertEqual((done.returncode, "in frame 1" in done.stderr, "worst of 4" in done.stderr), (1, True, True),
-                         done.stderr)
-        self.assertEqual(neph("compare", reference, self.folder / "test", "--fail-above", "mae@edge_near_1=1").returncode, 0)
+        done = neph("compare", reference, self.folder / "test", "--metric", "mae", "--fail-above",
+                    "flip_mean=1e-6")
+        self.assertEqual((done.returncode, "in frame 1" in done.stderr,
+                          "worst of 4" in done.stderr), (1, True, True), done.stderr)
+        self.assertEqual(neph("compare", reference, self.folder / "test", "--fail-above",
+                              "mae@edge_near_1=1").returncode, 0)
 
     def test_versus_of_flicker_says_how_sure_it_is(self):
         reference = self.write("reference.exr", lambda x, y: 0.5)
         draw = random.Random(20261122)
         for name, height in (("strong", 0.2), ("weak", 0.1), ("twin", 0.2)):
             for frame in range(16):
-                self.write(f"{name}/f.{frame:02}.exr",
-                           lambda x, y: 0.5 + height * (frame % 4 == 0) + 0.001 * (frame % 3) + draw.gauss(0, 1e-3))
-        run = ("flicker", "-r", reference, self.folder / "strong", "-m", "a4_p95", "--mask", "all", "--json", "--versus")
+                self.write(f"{name}/f.{frame:02}.exr", lambda x, y: 0.5 + height *
+                           (frame % 4 == 0) + 0.001 * (frame % 3) + draw.gauss(0, 1e-3))
+        run = ("flicker", "-r", reference, self.folder / "strong", "-m", "a4_p95", "--mask", "all",
+               "--json", "--versus")
         done = neph(*run, self.folder / "weak")
         self.assertEqual(done.returncode, 0, done.stderr)
         row, = json.loads(done.stdout)["versus"]
-        self.assertEqual((row["metric"], row["interval_kind"], row["n"]), ("a4_p95", "bootstrap over tiles", 192))
+        self.assertEqual((row["metric"], row["interval_kind"], row["n"]),
+                         ("a4_p95", "bootstrap over tiles", 192))
         self.assertLess(row["interval"][0], row["difference"])
         self.assertLess(row["difference"], row["interval"][1])
         self.assertLess(row["p_holm"], 1e-6)
@@ -154,9 +170,12 @@ class Metrics(unittest.TestCase):
         self.assertAlmostEqual(row["difference"], (encoded[0] - encoded[1]) / 2, delta=2e-3)
         row, = json.loads(neph(*run, self.folder / "twin").stdout)["versus"]
         self.assertTrue(row["interval"][0] < 0 < row["interval"][1] and row["p"] > 0.01, row)
-        text = neph("compare", reference, self.folder / "strong", "-m", "mae", "--versus", self.folder / "weak").stdout
-        self.assertIn("no p-value for 1 numbers: 16 frames are too few: intervals and p-values of a mean need 64", text)
-        text = neph("compare", reference, self.folder / "strong/f.04.exr", "-m", "mae", "--versus", self.folder / "weak/f.04.exr").stdout
+        text = neph("compare", reference, self.folder / "strong", "-m", "mae", "--versus",
+                    self.folder / "weak").stdout
+        self.assertIn("no p-value for 1 numbers: 16 frames are too few: intervals and p-values of "
+                      "a mean need 64", text)
+        text = neph("compare", reference, self.folder / "strong/f.04.exr", "-m", "mae", "--versus",
+                    self.folder / "weak/f.04.exr").stdout
         self.assertNotIn("no p-value", text)
         lost = neph(*run, self.folder / "nowhere")
         self.assertEqual((lost.returncode, lost.stdout), (66, ""), lost.stderr)
@@ -164,15 +183,18 @@ class Metrics(unittest.TestCase):
     def test_names_of_masks_and_units_in_csv(self):
         layers = {channel: [0.5] * 256 for channel in "RGB"}
         path = self.folder / "mask.exr"
-        path.write_bytes(frames.exr_bytes(16, 16, {**layers, 'mask.a,"b"': [1.0] * 8 + [0.0] * 248}))
-        self.assertEqual(neph("compare", path, path, "-m", "ms_ssim", "-m", "mae", "--csv", self.folder / "a.csv").returncode, 0)
+        path.write_bytes(frames.exr_bytes(16, 16,
+                                          {**layers, 'mask.a,"b"': [1.0] * 8 + [0.0] * 248}))
+        self.assertEqual(neph("compare", path, path, "-m", "ms_ssim", "-m", "mae", "--csv",
+                              self.folder / "a.csv").returncode, 0)
         with open(self.folder / "a.csv", newline="") as file:
             rows = {(row["metric"], row["mask"]): row for row in csv.DictReader(file)}
         self.assertEqual(rows["mae", 'a,"b"']["pixel_count"], "8")
         self.assertIn("176 px", rows["ms_ssim", "all"]["undefined_because"])
         picture = self.folder / "a.png"
         picture.write_bytes(frames.png_bytes(4, 4, [100] * 48))
-        units = {row["unit"] for row in json.loads(neph("compare", picture, picture, "-m", "mae", "--json").stdout)["measurements"]}
+        units = {row["unit"] for row in json.loads(neph("compare", picture, picture, "-m", "mae",
+                                                        "--json").stdout)["measurements"]}
         self.assertEqual(units, {"display value"})
 
     def test_no_error_at_all_keeps_a_limit_on_psnr(self):
@@ -185,27 +207,36 @@ class Metrics(unittest.TestCase):
         half = self.write("half.exr", lambda x, y: 1.5 if x < WIDTH // 2 else 0.5)
         quarter = self.write("quarter.exr", lambda x, y: 2.5 if x < WIDTH // 4 else 0.5)
         done = neph("compare", half, quarter, "-m", "flip")
-        self.assertIn("50 % of the pixels of the reference and 25 % of the test's are above display white", done.stdout)
+        self.assertIn(
+            "50 % of the pixels of the reference and 25 % of the test's are above display white",
+            done.stdout)
         done = neph("compare", half, quarter, "-m", "flip", "-m", "mae", "--json")
         found, = (row for row in json.loads(done.stdout)["findings"] if row["finding"] == "clipped")
-        self.assertEqual(found["clipped"], {"above": "display white", "reference": 0.5, "test": 0.25})
-        clipped = {row["metric"]: row.get("clipped") for row in json.loads(done.stdout)["measurements"]}
+        self.assertEqual(found["clipped"],
+                         {"above": "display white", "reference": 0.5, "test": 0.25})
+        clipped = {row["metric"]: row.get("clipped")
+                   for row in json.loads(done.stdout)["measurements"]}
         self.assertEqual((clipped["flip_p95"], clipped["mae"]), (found["clipped"], None))
-        self.assertNotIn("clipped", neph("compare", half, quarter, "-m", "flip", "--exposure", -2).stdout)
-        sun, brighter = self.write("sun.exr", lambda x, y: 500.0), self.write("brighter.exr", lambda x, y: 800.0)
+        self.assertNotIn("clipped",
+                         neph("compare", half, quarter, "-m", "flip", "--exposure", -2).stdout)
+        sun, brighter = self.write("sun.exr", lambda x, y: 500.0), self.write("brighter.exr",
+                                                                              lambda x, y: 800.0)
         done = neph("compare", sun, brighter, "-m", "pu_psnr", "--fail-below", "pu_psnr=40")
-        self.assertEqual((done.returncode, "no error at all" in done.stdout), (1, False), done.stdout)
+        self.assertEqual((done.returncode, "no error at all" in done.stdout), (1, False),
+                         done.stdout)
         self.assertIn("are above 10000 cd/m2", done.stdout)
 
     def test_a_half_life_that_is_cut_short_keeps_no_limit(self):
         for frame in range(8):
             self.write(f"lights/f.{frame}.exr", lambda x, y: 0.5 + 0.5 * (frame >= 4))
             self.write(f"stuck/f.{frame}.exr", lambda x, y: 0.5 + 0.001 * frame)
-            self.write(f"prompt/f.{frame}.exr", lambda x, y: 0.5 + 0.5 * (frame >= 4) + 0.001 * (frame % 2))
+            self.write(f"prompt/f.{frame}.exr",
+                       lambda x, y: 0.5 + 0.5 * (frame >= 4) + 0.001 * (frame % 2))
         for test, code in (("stuck", 1), ("prompt", 0)):
-            done = neph("flicker", "-r", self.folder / "lights", self.folder / test, "-m", "lag", "-s", "lag.step_frame=4",
-                        "--fail-above", "half_life_p50=20")
-            self.assertEqual((done.returncode, "at least 4" in done.stderr), (code, code == 1), done.stderr)
+            done = neph("flicker", "-r", self.folder / "lights", self.folder / test, "-m", "lag",
+                        "-s", "lag.step_frame=4", "--fail-above", "half_life_p50=20")
+            self.assertEqual((done.returncode, "at least 4" in done.stderr), (code, code == 1),
+                             done.stderr)
 
     def test_crops_of_different_places_are_not_compared(self):
         whole = self.write("whole.exr", lambda x, y: 0.5)
@@ -215,7 +246,8 @@ class Metrics(unittest.TestCase):
         crop = self.folder / "crop.exr"
         crop.write_bytes(data)
         done = neph("compare", whole, crop)
-        self.assertEqual((done.returncode, f"(0, 0) of {2 * WIDTH}x{HEIGHT}" in done.stderr), (65, True), done.stderr)
+        self.assertEqual((done.returncode, f"(0, 0) of {2 * WIDTH}x{HEIGHT}" in done.stderr),
+                         (65, True), done.stderr)
         self.assertEqual(neph("compare", crop, crop, "-m", "mae").returncode, 0)
 
     def test_a_comparison_of_nothing_is_an_error(self):
@@ -223,28 +255,34 @@ class Metrics(unittest.TestCase):
             path = self.folder / name
             path.write_bytes(frames.exr_bytes(4, 4, {channel: [0.5] * 16 for channel in channels}))
             return path
-        rgb, grey, other = write("rgb.exr", "R", "G", "B"), write("grey.exr", "Y"), write("other.exr", "left.R", "u")
+        rgb, grey, other = write("rgb.exr", "R", "G",
+                                 "B"), write("grey.exr", "Y"), write("other.exr", "left.R", "u")
         for first, second in ((rgb, other), (other, rgb), (other, other)):
             done = neph("compare", first, second)
-            self.assertEqual((done.returncode, done.stdout, "left.R u" in done.stderr), (65, "", True), done.stderr)
+            self.assertEqual((done.returncode, done.stdout, "left.R u" in done.stderr),
+                             (65, "", True), done.stderr)
         done = neph("compare", rgb, grey, "--metric", "mae", "--json")
         self.assertEqual(values_of(done), {("mae", "all"): 0.0})
         dark = self.folder / "dark.exr"
         dark.write_bytes(frames.exr_bytes(4, 4, {"Y": [-0.5] * 16}))
         done = neph("compare", dark, dark)
-        self.assertEqual((done.returncode, done.stdout, "--negative-ok" in done.stderr), (1, "", True), done.stderr)
+        self.assertEqual((done.returncode, done.stdout, "--negative-ok" in done.stderr),
+                         (1, "", True), done.stderr)
         done = neph("compare", rgb, grey, "--mask", "skyy")
-        self.assertEqual((done.returncode, done.stdout, "masks of this reference: all;" in done.stderr), (2, "", True))
+        self.assertEqual((done.returncode, done.stdout,
+                          "masks of this reference: all;" in done.stderr), (2, "", True))
         empty = self.write("empty.exr", lambda x, y: 0.0, width=4, height=4)
         self.assertEqual(neph("compare", rgb, grey, "--mask", empty).returncode, 65)
 
     def test_pictures_are_decoded_from_srgb(self):
         for name, code in (("a.png", 0), ("b.png", 188)):
             (self.folder / name).write_bytes(frames.png_bytes(8, 8, [code] * 192))
-        done = neph("compare", self.folder / "a.png", self.folder / "b.png", "--json", "--metric", "mae")
+        done = neph("compare", self.folder / "a.png", self.folder / "b.png", "--json", "--metric",
+                    "mae")
         linear = ((188 / 255 + 0.055) / 1.055) ** 2.4
         self.assertAlmostEqual(values_of(done)["mae", "all"], linear, delta=1e-7)
-        done = neph("compare", self.folder / "a.png", self.write("a.exr", lambda x, y: 1.0, width=8, height=8))
+        done = neph("compare", self.folder / "a.png",
+                    self.write("a.exr", lambda x, y: 1.0, width=8, height=8))
         self.assertEqual(done.returncode, 65)
         done = neph("compare", self.folder / "a.png", self.folder / "b.png", "--exposure", 1)
         self.assertEqual(done.returncode, 65)
@@ -261,41 +299,54 @@ class Metrics(unittest.TestCase):
         def multilayer(name, value):
             path, count = self.folder / name, WIDTH * HEIGHT
             path.write_bytes(frames.exr_bytes(WIDTH, HEIGHT, {
-                "R": [9.0] * count, **{f"ViewLayer.Combined.{c}": [value] * count for c in "RGBA"}}))
+                "R": [9.0] * count,
+                **{f"ViewLayer.Combined.{c}": [value] * count for c in "RGBA"}}))
             return path
         pair = multilayer("a.exr", 1.0), multilayer("b.exr", 1.5)
         done = neph("compare", *pair, "--layer", "ViewLayer.Combined", "-m", "mae", "--json")
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertEqual(values_of(done)["mae", "all"], 0.5)
         done = neph("compare", *pair, "--layer", "Combined")
-        self.assertEqual((done.returncode, "ViewLayer.Combined" in done.stderr), (65, True), done.stderr)
+        self.assertEqual((done.returncode, "ViewLayer.Combined" in done.stderr), (65, True),
+                         done.stderr)
 
     def test_what_a_file_says_of_its_colours_and_pixels_is_heeded(self):
         def write(name, channels="RGB", **rest):
-            (self.folder / name).write_bytes(frames.exr_bytes(4, 4, {channel: [0.5] * 16 for channel in channels}, **rest))
+            (self.folder / name).write_bytes(
+                frames.exr_bytes(4, 4, {channel: [0.5] * 16 for channel in channels}, **rest))
             return self.folder / name
         ap1 = struct.pack("<8f", .713, .293, .165, .83, .128, .044, .32168, .33767)
         rec709 = struct.pack("<8f", .64, .33, .3, .6, .15, .06, .3127, .329)
-        plain, wide, alpha = write("plain.exr"), write("wide.exr", pixel_aspect=2), write("alpha.exr", "RGBA")
+        plain, wide, alpha = write("plain.exr"), write("wide.exr",
+                                                       pixel_aspect=2), write("alpha.exr", "RGBA")
         aces = write("aces.exr", attributes=[("chromaticities", "chromaticities", ap1)])
-        named = write("named.exr", attributes=[("chromaticities", "chromaticities", rec709), ("encoding", "string", b"linear")])
+        named = write("named.exr", attributes=[("chromaticities", "chromaticities", rec709),
+                                               ("encoding", "string", b"linear")])
         for pair in ((plain, aces), (aces, plain), (aces, aces)):
             done = neph("compare", *pair)
-            self.assertEqual((done.returncode, done.stdout, "red (0.713, 0.293)" in done.stderr), (65, "", True), done.stderr)
-        done = neph("compare", plain, named, "--exposure", 1, "-m", "mae")  # a text does not make a picture of it
+            self.assertEqual((done.returncode, done.stdout, "red (0.713, 0.293)" in done.stderr),
+                             (65, "", True), done.stderr)
+        # a text does not make a picture of it
+        done = neph("compare", plain, named, "--exposure", 1, "-m", "mae")
         self.assertEqual((done.returncode, "alpha" in done.stdout), (0, False), done.stderr)
         done = neph("compare", plain, wide)
-        self.assertEqual((done.returncode, "pixel aspect ratio of the reference is 1, that of the other image 2" in done.stderr),
-                         (65, True), done.stderr)
-        self.assertIn("pixels are taken for square", neph("compare", wide, wide, "-m", "mae").stdout)
+        self.assertEqual(
+            (done.returncode,
+             "pixel aspect ratio of the reference is 1, that of the other image 2" in done.stderr),
+            (65, True), done.stderr)
+        self.assertIn("pixels are taken for square",
+                      neph("compare", wide, wide, "-m", "mae").stdout)
         for pair in ((plain, alpha), (alpha, plain)):
-            self.assertIn("not taken: everything of alpha", neph("compare", *pair, "-m", "mae").stdout)
+            self.assertIn("not taken: everything of alpha",
+                          neph("compare", *pair, "-m", "mae").stdout)
         (self.folder / "some").mkdir()
         for frame in range(3):  # the one in the middle has alpha
             write(f"some/f{frame}.exr", "RGBA" if frame == 1 else "RGB")
-        self.assertIn("not taken: everything of alpha", neph("compare", plain, self.folder / "some", "-m", "mae").stdout)
+        self.assertIn("not taken: everything of alpha",
+                      neph("compare", plain, self.folder / "some", "-m", "mae").stdout)
         layers = write("layers.exr", ["R", "G", "B", "right.R", "depth.Z"])
-        self.assertIn("not taken: everything of channels depth.Z right.R: ", neph("compare", layers, layers, "-m", "mae").stdout)
+        self.assertIn("not taken: everything of channels depth.Z right.R: ",
+                      neph("compare", layers, layers, "-m", "mae").stdout)
 
     def test_identifiers_beside_the_picture_are_not_gated(self):
         count = WIDTH * HEIGHT
@@ -334,7 +385,8 @@ class Metrics(unittest.TestCase):
         reference = self.write("reference.exr", self.still, self.depth)
         done = neph("flicker", "--reference", reference, test, "--json", *options)
         self.assertEqual(done.returncode, 0, done.stderr)
-        verdicts = {(row["finding"], row["mask"]): row["verdict"] for row in json.loads(done.stdout)["findings"]}
+        verdicts = {(row["finding"], row["mask"]): row["verdict"]
+                    for row in json.loads(done.stdout)["findings"]}
         return values_of(done), verdicts
 
     def noise(self, sigma):
@@ -347,14 +399,18 @@ class Metrics(unittest.TestCase):
         for t in range(84):
             light = 0.5 + 0.05 * math.cos(2 * math.pi * t / 7 + 1)
             told = [("neph.frame_rate_hz", "string", b"42")]
-            (self.folder / f"seven.{t:04d}.exr").write_bytes(frames.exr_bytes(32, 16, {"Y": [light] * 512}, attributes=told))
+            (self.folder / f"seven.{t:04d}.exr").write_bytes(
+                frames.exr_bytes(32, 16, {"Y": [light] * 512}, attributes=told))
         still = self.folder / "still.exr"
         still.write_bytes(frames.exr_bytes(32, 16, {"Y": [0.5] * 512}))
         for options, rate in (((), 42), (("--fps", "24"), 24)):
             done = neph("flicker", "-r", still, self.folder / "seven.*.exr", "-m", "seen", *options)
             self.assertEqual(done.returncode, 0, done.stderr)
-            self.assertIn(f"display: {rate} frames a second, 60 pixels per degree, 0 EV, white 100 cd/m2, dark surround", done.stdout)
-            self.assertRegex(done.stdout, rf"seen: seen by most in 100 % of .* at {rate / 7:.2g} Hz \(period 7 frames\)")
+            self.assertIn(f"display: {rate} frames a second, 60 pixels per degree, 0 EV, white 100 "
+                          f"cd/m2, dark surround", done.stdout)
+            self.assertRegex(
+                done.stdout,
+                rf"seen: seen by most in 100 % of .* at {rate / 7:.2g} Hz \(period 7 frames\)")
 
     def test_a_blinking_fence_is_cyclic_at_edges(self):
         noise = self.noise(1e-5)
@@ -372,48 +428,64 @@ class Metrics(unittest.TestCase):
         noise = self.noise(1e-7)
         still = self.write("reference.exr", self.still, self.depth)
         for scale, floored in ((1, True), (100, False)):
-            test = self.sequence("test", lambda x, y, t: self.still(x, y) * (1 + scale * (2e-4 if self.depth(x, y) < INF else 1e-4)
-                                                                           * math.cos(math.pi * t / 2)) + noise(), 32)
+            test = self.sequence("test", lambda x, y, t: self.still(x, y) * (1 + scale * (
+                2e-4 if self.depth(x, y) < INF else 1e-4) * math.cos(math.pi * t / 2)) + noise(),
+                                 32)
             done = neph("flicker", "--reference", still, test, "-m", "flicker", "--json")
-            found = next(row for row in json.loads(done.stdout)["findings"] if row["finding"] == "edge_ratio")
-            self.assertEqual(("quarter of a step" in found["text"], "times as strong" in found["text"]), (floored, not floored), found)
+            found = next(row for row in json.loads(done.stdout)["findings"]
+                         if row["finding"] == "edge_ratio")
+            self.assertEqual(("quarter of a step" in found["text"],
+                              "times as strong" in found["text"]), (floored, not floored), found)
 
     def test_noise_of_equal_energy_is_restless(self):
         noise = self.noise(0.02)
-        _, verdicts = self.flicker(self.sequence("noise", lambda x, y, t: self.still(x, y) + noise()))
-        self.assertEqual({verdicts["flicker", mask] for mask in ("all", "depth_edge", "non_edge")}, {"restless"})
+        _, verdicts = self.flicker(self.sequence("noise",
+                                                 lambda x, y, t: self.still(x, y) + noise()))
+        self.assertEqual({verdicts["flicker", mask] for mask in ("all", "depth_edge", "non_edge")},
+                         {"restless"})
 
     def test_a_fade_is_calm(self):
         noise = self.noise(1e-6)
-        _, verdicts = self.flicker(self.sequence("fade", lambda x, y, t: self.still(x, y) * (1 - t / 256) + noise()))
-        self.assertEqual({verdicts["flicker", mask] for mask in ("all", "depth_edge", "non_edge")}, {"calm"})
+        _, verdicts = self.flicker(
+            self.sequence("fade", lambda x, y, t: self.still(x, y) * (1 - t / 256) + noise()))
+        self.assertEqual({verdicts["flicker", mask] for mask in ("all", "depth_edge", "non_edge")},
+                         {"calm"})
 
     def test_a_cycle_of_seven_frames_and_who_declared_it(self):
-        """In one grey of 0.5 a pulse of 1 % in one of seven frames: 0.01 sqrt(6) / 7 of its luma's step."""
+        """In one grey of 0.5 a pulse of 1 % in one of seven frames: 0.01 sqrt(6) / 7 of its luma's
+        step."""
         noise, pulse = self.noise(1e-6), (1.055 * 0.505 ** (1 / 2.4)) - (1.055 * 0.5 ** (1 / 2.4))
-        test = self.sequence("test", lambda x, y, t: 0.5 + (0.005 if t % 7 == 0 else 0.0) + noise(), 64)
-        declared = {"R": [0.5] * WIDTH * HEIGHT, "G": [0.5] * WIDTH * HEIGHT, "B": [0.5] * WIDTH * HEIGHT}
-        (test / "frame.0000.exr").write_bytes(frames.exr_bytes(WIDTH, HEIGHT, {
-            name: [value + 0.005 + noise() for value in values] for name, values in declared.items()},
-            attributes=[("neph.cycles", "string", b"slot 4, TAA jitter 7")]))
-        done = neph("flicker", "-r", self.write("still.exr", lambda x, y: 0.5), test, "-m", "cycles", "--mask", "all", "--fps", 30, "--json")
+        test = self.sequence("test", lambda x, y, t: 0.5 + (0.005 if t % 7 == 0 else 0.0) + noise(),
+                             64)
+        declared = {"R": [0.5] * WIDTH * HEIGHT, "G": [0.5] * WIDTH * HEIGHT,
+                    "B": [0.5] * WIDTH * HEIGHT}
+        (test / "frame.0000.exr").write_bytes(
+            frames.exr_bytes(WIDTH, HEIGHT, {name: [value + 0.005 + noise() for value in values]
+                                             for name, values in declared.items()},
+                             attributes=[("neph.cycles", "string", b"slot 4, TAA jitter 7")]))
+        done = neph("flicker", "-r", self.write("still.exr", lambda x, y: 0.5), test, "-m",
+                    "cycles", "--mask", "all", "--fps", 30, "--json")
         self.assertEqual(done.returncode, 0, done.stderr)
         values, document = values_of(done), json.loads(done.stdout)
         self.assertAlmostEqual(values["cycle_7", "all"], pulse * math.sqrt(6) / 7, delta=1e-7)
         texts = [row["text"] for row in document["findings"] if row["finding"] == "cycle"]
-        self.assertEqual([text.split(":")[0] for text in texts], ["period 7 frames (4.29 Hz at 30 fps, TAA jitter)"])
-        reasons = {row["metric"]: row["undefined_because"] for row in document["measurements"] if row["value"] is None}
+        self.assertEqual([text.split(":")[0] for text in texts],
+                         ["period 7 frames (4.29 Hz at 30 fps, TAA jitter)"])
+        reasons = {row["metric"]: row["undefined_because"]
+                   for row in document["measurements"] if row["value"] is None}
         self.assertIn("not above the noise floor", reasons["cycle_8"])
         self.assertIn("longer than an eighth of the frames", reasons["cycle_9"])
 
     def test_amplitude_of_linear_light_by_hand(self):
-        """Luma of 0.5 +- 1 % in frames 0 and 2 of each cycle: four-frame flicker of the display's luma."""
+        """Luma of 0.5 +- 1 % in frames 0 and 2 of each cycle: four-frame flicker of the display's
+        luma."""
         def srgb(v):
             return 1.055 * v ** (1 / 2.4) - 0.055
         wave = (0.01, 0.0, -0.01, 0.0)
         noise = self.noise(1e-7)
-        values, _ = self.flicker(self.sequence("wave", lambda x, y, t: self.still(x, y) * (1 + wave[t % 4]) + noise()),
-                                 "--metric", "a4_mean", "-s", "flicker.trend=keep")
+        values, _ = self.flicker(
+            self.sequence("wave", lambda x, y, t: self.still(x, y) * (1 + wave[t % 4]) + noise()),
+            "--metric", "a4_mean", "-s", "flicker.trend=keep")
         expected = (srgb(0.505) - srgb(0.495)) / 2
         bar = (srgb(0.202) - srgb(0.198)) / 2
         self.assertAlmostEqual(values["a4_mean", "sky"], expected, delta=1e-6)
@@ -424,34 +496,45 @@ class Metrics(unittest.TestCase):
         w, gain, lag = math.pi / 16, 0.473586, 5.000543
         noise = self.noise(1e-6)
         lights = self.sequence("lights", lambda x, y, t: 0.5 + 0.2 * math.sin(w * t), 64)
-        taa = self.sequence("taa", lambda x, y, t: 0.5 + 0.2 * gain * math.sin(w * (t - lag)) + noise(), 64)
+        taa = self.sequence("taa",
+                            lambda x, y, t: 0.5 + 0.2 * gain * math.sin(w * (t - lag)) + noise(),
+                            64)
         done = neph("flicker", "--reference", lights, taa, "-s", "follow.period_2=32", "--json")
         self.assertEqual(done.returncode, 0, done.stderr)
-        values, findings = values_of(done), {row["finding"]: row for row in json.loads(done.stdout)["findings"]}
+        values, findings = values_of(done), {row["finding"]: row
+                                             for row in json.loads(done.stdout)["findings"]}
         self.assertAlmostEqual(values["follow_gain_2_p50", "all"], gain, delta=1e-5)
         self.assertAlmostEqual(values["follow_lag_2_p95", "all"], lag, delta=1e-3)
         self.assertIsNone(values["follow_gain_1_p50", "all"])
         self.assertEqual(findings["follow"]["verdict"], "late")
-        self.assertIn("a lag of 5 frames at a period of 32, and 0.474 of its swing", findings["follow"]["text"])
+        self.assertIn("a lag of 5 frames at a period of 32, and 0.474 of its swing",
+                      findings["follow"]["text"])
         self.assertNotIn("half_life", findings)  # lag is known
-        few = neph("flicker", "--reference", lights, taa, "-s", "follow.period_1=65", "-m", "follow")
+        few = neph("flicker", "--reference", lights, taa, "-s", "follow.period_1=65", "-m",
+                   "follow")
         self.assertIn("the sequence is shorter than a period", few.stdout + few.stderr)
 
     def test_what_never_settles_is_said(self):
-        """A quarter of the picture is stuck, the rest follows with alpha 0.2: below 0.1 from the 11th frame on."""
+        """A quarter of the picture is stuck, the rest follows with alpha 0.2: below 0.1 from the
+        11th frame on."""
         step = 4
         lights = self.sequence("lights", lambda x, y, t: 0.2 if t < step else 0.6, 44)
-        taa = self.sequence("taa", lambda x, y, t: 0.2 if t < step or x < WIDTH // 4 else 0.6 - 0.4 * 0.8 ** (t - step + 1), 44)
-        done = neph("flicker", "--reference", lights, taa, "-m", "lag", "-s", f"lag.step_frame={step}", "--json", "--frozen-ok")
-        values, findings = values_of(done), {row["finding"]: row for row in json.loads(done.stdout)["findings"]}
-        expected = {"ghost_area_1": 1, "ghost_area_8": 1, "ghost_area_16": 0.25, "share_never_settled": 0.25, "step_share": 1,
+        taa = self.sequence("taa", lambda x, y, t: 0.2 if t < step
+                            or x < WIDTH // 4 else 0.6 - 0.4 * 0.8 ** (t - step + 1), 44)
+        done = neph("flicker", "--reference", lights, taa, "-m", "lag", "-s",
+                    f"lag.step_frame={step}", "--json", "--frozen-ok")
+        values, findings = values_of(done), {row["finding"]: row
+                                             for row in json.loads(done.stdout)["findings"]}
+        expected = {"ghost_area_1": 1, "ghost_area_8": 1, "ghost_area_16": 0.25,
+                    "share_never_settled": 0.25, "step_share": 1,
                     "ghost_area_frames": 0.25 * 32 + 0.75 * 10}
         self.assertEqual({name: values[name, "all"] for name in expected}, expected)
         self.assertEqual(findings["unsettled"]["verdict"], "unsettled")
         self.assertIn("25 % of the picture never settles", findings["unsettled"]["text"])
 
     def test_ghosts_behind_a_card_in_words(self):
-        """A card of 10 px moves right by 2 px a frame over a dark wall, before an average of alpha 0.2."""
+        """A card of 10 px moves right by 2 px a frame over a dark wall, before an average of alpha
+        0.2."""
         history = [0.2] * WIDTH
         for t in range(40):
             card = [2 * t - 10 <= x < 2 * t for x in range(WIDTH)]
@@ -460,41 +543,55 @@ class Metrics(unittest.TestCase):
             for name, row in (("cards", shown), ("taa", history)):
                 path = self.folder / name / f"frame.{t:04d}.exr"
                 path.parent.mkdir(exist_ok=True)
-                frames.grey_exr(path, WIDTH, 4, row * 4, **{"Z": [1.0 if c else 10.0 for c in card] * 4, "motion.y": [0.0] * 4 * WIDTH,
-                                                            "motion.x": [-2.0 if c else 0.0 for c in card] * 4})
-        done = neph("flicker", "-r", self.folder / "cards", self.folder / "taa", "-m", "ghost", "--json", "--frozen-ok")
+                frames.grey_exr(path, WIDTH, 4, row * 4,
+                                **{"Z": [1.0 if c else 10.0 for c in card] * 4,
+                                   "motion.y": [0.0] * 4 * WIDTH,
+                                   "motion.x": [-2.0 if c else 0.0 for c in card] * 4})
+        done = neph("flicker", "-r", self.folder / "cards", self.folder / "taa", "-m", "ghost",
+                    "--json", "--frozen-ok")
         self.assertEqual(done.returncode, 0, done.stderr)
         left = (1 - 0.8 ** 5) * 0.8 ** 4
         self.assertAlmostEqual(values_of(done)["edge_ghost_residual_4", "all"], left, delta=1e-6)
-        found = next(row for row in json.loads(done.stdout)["findings"] if row["finding"] == "edge_ghost")
-        self.assertEqual((found["verdict"], "27.5 % of what was in front is left after 4 frames" in found["text"]), ("ghosts", True), found)
+        found = next(row for row in json.loads(done.stdout)["findings"]
+                     if row["finding"] == "edge_ghost")
+        self.assertEqual((found["verdict"],
+                          "27.5 % of what was in front is left after 4 frames" in found["text"]),
+                         ("ghosts", True), found)
 
     def test_half_life_of_an_exponential_average(self):
         """alpha 0.1: ln(1/2) / ln(0.9) = 6.5788 frames."""
         alpha, step = 0.1, 16
         lights = self.sequence("lights", lambda x, y, t: 0.2 if t < step else 0.6, 80)
-        taa = self.sequence("taa", lambda x, y, t: 0.2 if t < step else 0.6 - 0.4 * (1 - alpha) ** (t - step + 1), 80)
-        done = neph("flicker", "--reference", lights, taa, "-m", "lag", "-s", f"lag.step_frame={step}", "--json", "--frozen-ok")
+        taa = self.sequence(
+            "taa", lambda x, y, t: 0.2 if t < step else 0.6 - 0.4 * (1 - alpha) ** (t - step + 1),
+            80)
+        done = neph("flicker", "--reference", lights, taa, "-m", "lag", "-s",
+                    f"lag.step_frame={step}", "--json", "--frozen-ok")
         self.assertEqual(done.returncode, 0, done.stderr)
         values = values_of(done)
         for mask in ("all", "depth_edge"):
-            self.assertAlmostEqual(values["half_life_mean", mask], math.log(0.5) / math.log(0.9), delta=1e-6)
-            self.assertAlmostEqual(values["frames_to_10_p95", mask], math.log(0.1) / math.log(0.9), delta=1e-5)
+            self.assertAlmostEqual(values["half_life_mean", mask], math.log(0.5) / math.log(0.9),
+                                   delta=1e-6)
+            self.assertAlmostEqual(values["frames_to_10_p95", mask], math.log(0.1) / math.log(0.9),
+                                   delta=1e-5)
 
     def test_frozen_frames_do_not_count_as_stable(self):
         frozen = self.sequence("frozen", lambda x, y, t: self.still(x, y), 32)
         reference = self.write("reference.exr", self.still, self.depth)
         done = neph("flicker", "--reference", reference, frozen)
-        self.assertEqual((done.returncode, "31 of 32" in done.stderr, "--frozen-ok" in done.stderr), (1, True, True), done.stderr)
+        self.assertEqual((done.returncode, "31 of 32" in done.stderr, "--frozen-ok" in done.stderr),
+                         (1, True, True), done.stderr)
         self.assertIn("over 'all': frozen", done.stdout)
         done = neph("flicker", "--reference", reference, frozen, "--frozen-ok")
-        self.assertEqual((done.returncode, "over 'all': calm" in done.stdout), (0, True), done.stdout)
+        self.assertEqual((done.returncode, "over 'all': calm" in done.stdout), (0, True),
+                         done.stdout)
 
     def test_the_shell_may_expand_the_pattern(self):
         noise = self.noise(0.01)
         test = self.sequence("test", lambda x, y, t: self.still(x, y) + noise(), 16)
         ref = self.sequence("ref", lambda x, y, t: self.still(x, y) + t * 1e-5, 16)
-        together = neph("flicker", "--reference", *sorted(ref.iterdir()), *sorted(test.iterdir()), "--json")
+        together = neph("flicker", "--reference", *sorted(ref.iterdir()), *sorted(test.iterdir()),
+                        "--json")
         self.assertEqual(together.returncode, 0, together.stderr)
         quoted = neph("flicker", "--reference", ref, test, "--json")
         self.assertEqual(together.stdout, quoted.stdout)
@@ -504,19 +601,27 @@ class Metrics(unittest.TestCase):
 
     def test_frames_belong_together_by_their_numbers(self):
         for frame in range(8):
-            for first, name in ((0, "shots/b{}_v2.exr"), (0, "zero/f.{:04d}.exr"), (1, "one/s_{:04d}_v3.exr")):
-                self.write(name.format(frame + first), lambda x, y: 0.5 + 0.25 * (frame % 4 == 0) + 1e-4 * frame, width=8, height=8)
+            for first, name in ((0, "shots/b{}_v2.exr"), (0, "zero/f.{:04d}.exr"),
+                                (1, "one/s_{:04d}_v3.exr")):
+                self.write(name.format(frame + first),
+                           lambda x, y: 0.5 + 0.25 * (frame % 4 == 0) + 1e-4 * frame, width=8,
+                           height=8)
         shots, zero, one = (self.folder / name for name in ("shots", "zero", "one"))
-        self.assertEqual(neph("flicker", "-r", zero, shots, "-m", "residual_change", "--fail-above", "residual_change_rms=1e-9").returncode, 0)
+        self.assertEqual(neph("flicker", "-r", zero, shots, "-m", "residual_change", "--fail-above",
+                              "residual_change_rms=1e-9").returncode, 0)
         few = neph("flicker", "-r", zero, shots)
-        self.assertEqual((few.returncode, "flicker was not measured: flicker needs at least 16 frames" in few.stderr), (2, True), few.stderr)
+        self.assertEqual((few.returncode, "flicker was not measured: flicker needs at least 16 "
+                          "frames" in few.stderr), (2, True), few.stderr)
         self.assertIn("residual_change_rms", few.stdout)  # what can be said is said
-        self.assertEqual(neph("flicker", "-r", zero, shots, "-m", "mae", "-m", "motion").returncode, 2)
-        for run in (("flicker", "-r", zero, one, "-m", "residual_change"), ("compare", zero, one), ("compare", zero, shots, "--versus", one),
+        self.assertEqual(neph("flicker", "-r", zero, shots, "-m", "mae", "-m", "motion").returncode,
+                         2)
+        for run in (("flicker", "-r", zero, one, "-m", "residual_change"), ("compare", zero, one),
+                    ("compare", zero, shots, "--versus", one),
                     ("compare", zero, shots, "--second-reference", one)):
             done = neph(*run, "-q")
             self.assertEqual((done.returncode, done.stdout), (65, ""), (run, done.stderr))
-            self.assertTrue("the frames 0 to 7" in done.stderr and "1 to 8" in done.stderr, done.stderr)
+            self.assertTrue("the frames 0 to 7" in done.stderr and "1 to 8" in done.stderr,
+                            done.stderr)
             self.assertEqual(neph(*run, "--by-position", "-q").returncode, 0)
 
     def test_paired_differences(self):
@@ -528,9 +633,11 @@ class Metrics(unittest.TestCase):
         good = self.sequence("good", lambda x, y, t: self.still(x, y) + shared(x, y, t), 64)
         bad = self.sequence("bad", lambda x, y, t: self.still(x, y) + 1.05 * shared(x, y, t), 64)
         reference = self.write("reference.exr", self.still, self.depth)
-        done = neph("compare", reference, bad, "--versus", good, "--metric", "rmse", "--mask", "all", "--json")
+        done = neph("compare", reference, bad, "--versus", good, "--metric", "rmse", "--mask",
+                    "all", "--json")
         self.assertEqual(done.returncode, 0, done.stderr)
-        row = next(row for row in json.loads(done.stdout)["versus"] if row["quantity"] == "radiance")
+        row = next(row
+                   for row in json.loads(done.stdout)["versus"] if row["quantity"] == "radiance")
         self.assertAlmostEqual(row["difference"], 0.001, delta=5e-5)
         self.assertLess(row["p_holm"], 1e-6)
         rows = json.loads(done.stdout)["versus"]  # of radiance and of depth: corrected for two
@@ -543,7 +650,8 @@ class Metrics(unittest.TestCase):
         reference = self.write("reference.exr", self.still, self.depth)
         for t in range(64, 4096):  # long enough to be caught
             (test / f"frame.{t:04d}.exr").symlink_to(test / f"frame.{t % 64:04d}.exr")
-        run = subprocess.Popen([NEPH, "compare", str(reference), str(test), "--json", "-q"], stdout=subprocess.PIPE, text=True)
+        run = subprocess.Popen([NEPH, "compare", str(reference), str(test), "--json", "-q"],
+                               stdout=subprocess.PIPE, text=True)
         time.sleep(2)
         run.send_signal(signal.SIGINT)
         out, _ = run.communicate(timeout=60)

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Where neph writes: nothing of the user's is removed or overwritten, and runs side by side or killed leave whole things."""
+"""Where neph writes: nothing of the user's is removed or overwritten, and runs side by side or
+killed leave whole things."""
 import json
 import os
 import pathlib
@@ -12,17 +13,19 @@ import unittest
 
 NEPH = os.environ["NEPH"]
 ROOT = pathlib.Path(os.environ["NEPH_SOURCE_DIR"])
-SMALL = ["validate", "scattering_slab_above", "-e", "exact", "-e", "oracle", "--no-charts", "--size", "8x6", "-q"]
+SMALL = ["validate", "scattering_slab_above", "-e", "exact", "-e", "oracle", "--no-charts",
+         "--size", "8x6", "-q"]
 
 
 def neph(*arguments, **options):
-    return subprocess.run([NEPH, *map(str, arguments)], capture_output=True, text=True, timeout=120, **options)
+    return subprocess.run([NEPH, *map(str, arguments)], capture_output=True, text=True, timeout=120,
+                          **options)
 
 
 def tree(folder):
     """What is in a folder: a change of any of it shows."""
-    return {str(path.relative_to(folder)): (path.read_bytes(), path.stat().st_mtime_ns) if path.is_file() else None
-            for path in folder.rglob("*")}
+    return {str(path.relative_to(folder)): (path.read_bytes(), path.stat().st_mtime_ns)
+            if path.is_file() else None for path in folder.rglob("*")}
 
 
 class Output(unittest.TestCase):
@@ -55,10 +58,12 @@ class Output(unittest.TestCase):
         self.put("d/report")
         self.assert_refused(*SMALL, "-o", self.folder / "d", naming=self.folder / "d/report")
         self.put("e/store/notes.txt")
-        self.assert_refused("study", "march", "height_fog_up", "-o", self.folder / "e", naming=self.folder / "e/store")
+        self.assert_refused("study", "march", "height_fog_up", "-o", self.folder / "e",
+                            naming=self.folder / "e/store")
 
     def test_other_files_beside_report_and_store_stay(self):
-        for name in ("report.new/draft.txt", "store.bak/frames/x", ".neph-report-notes/x", "tmp/x", "notes.txt"):
+        for name in ("report.new/draft.txt", "store.bak/frames/x", ".neph-report-notes/x", "tmp/x",
+                     "notes.txt"):
             self.put(name)
         before = tree(self.folder)
         for _ in range(2):
@@ -67,7 +72,8 @@ class Output(unittest.TestCase):
         after = tree(self.folder)
         self.assertEqual({name: after.get(name) for name in before}, before)
         self.assertEqual({path.name for path in self.folder.iterdir()},
-                         {"report", "store", "report.new", "store.bak", ".neph-report-notes", "tmp", "notes.txt"})
+                         {"report", "store", "report.new", "store.bak", ".neph-report-notes", "tmp",
+                          "notes.txt"})
 
     def test_stores_and_reports_of_before_the_marker_are_recognised(self):
         self.assertEqual(neph(*SMALL, "-o", self.folder).returncode, 0)
@@ -94,17 +100,22 @@ class Output(unittest.TestCase):
                           ["compare", frame, frame, "--csv", ""],
                           ["flicker", "--reference", frame, frame, "--maps", ""]):
             done = neph(*arguments, cwd=self.folder)
-            self.assertEqual((done.returncode, "is empty" in done.stderr), (64, True), (arguments, done.stderr))
+            self.assertEqual((done.returncode, "is empty" in done.stderr), (64, True),
+                             (arguments, done.stderr))
             self.assertEqual(list(self.folder.iterdir()), [])
 
     def test_two_scenes_of_one_name_are_refused(self):
         text = (ROOT / "scenes/catalog/absorbing_slab.yaml").read_text()
         self.put("a/absorbing_slab.yaml", text)
-        self.put("b/absorbing_slab.yaml", text.replace("extinction_per_m: 1", "extinction_per_m: 2"))
-        pairs = [("a/absorbing_slab.yaml", "b/absorbing_slab.yaml"), ("a/absorbing_slab.yaml", "a/../a/absorbing_slab.yaml")]
-        for pair in pairs + [("absorbing_slab", "b/absorbing_slab.yaml"), ("absorbing_slab", "absorbing_slab")]:
+        self.put("b/absorbing_slab.yaml",
+                 text.replace("extinction_per_m: 1", "extinction_per_m: 2"))
+        pairs = [("a/absorbing_slab.yaml", "b/absorbing_slab.yaml"),
+                 ("a/absorbing_slab.yaml", "a/../a/absorbing_slab.yaml")]
+        for pair in pairs + [("absorbing_slab", "b/absorbing_slab.yaml"),
+                             ("absorbing_slab", "absorbing_slab")]:
             before = tree(self.folder)
-            done = neph("validate", *pair, "-e", "exact", "-e", "oracle", "--no-charts", "-q", "--size", "8x6", "-o", "out", cwd=self.folder)
+            done = neph("validate", *pair, "-e", "exact", "-e", "oracle", "--no-charts", "-q",
+                        "--size", "8x6", "-o", "out", cwd=self.folder)
             self.assertEqual(done.returncode, 64, done.stderr)
             for name in pair:
                 self.assertIn(f"'{name}'", done.stderr)
@@ -112,10 +123,12 @@ class Output(unittest.TestCase):
 
     def test_runs_at_the_same_time_share_a_folder(self):
         for _ in range(2):
-            runs = [subprocess.Popen([NEPH, *SMALL, "fence_backlit", "--json", "-o", str(self.folder)], stdout=subprocess.PIPE,
+            runs = [subprocess.Popen([NEPH, *SMALL, "fence_backlit", "--json", "-o",
+                                      str(self.folder)], stdout=subprocess.PIPE,
                                      stderr=subprocess.PIPE, text=True) for _ in range(4)]
             for run, (output, complaints) in [(run, run.communicate(timeout=120)) for run in runs]:
-                self.assertEqual((run.returncode, "is not used" in complaints), (0, False), complaints)
+                self.assertEqual((run.returncode, "is not used" in complaints), (0, False),
+                                 complaints)
                 for scene in json.loads(output)["scenes"]:
                     self.assertEqual({frame["status"] for frame in scene["frames"]}, {"rendered"})
             self.assertEqual({path.name for path in self.folder.iterdir()}, {"report", "store"})
@@ -128,20 +141,23 @@ class Output(unittest.TestCase):
             self.assertTrue((report / "index.html").exists())
 
     def test_what_a_killed_run_left_is_swept_by_the_next(self):
-        command = [NEPH, "validate", "-e", "oracle", "voxel_grid", "--no-charts", "-q", "--size", "640x360", "-o", str(self.folder)]
+        command = [NEPH, "validate", "-e", "oracle", "voxel_grid", "--no-charts", "-q", "--size",
+                   "640x360", "-o", str(self.folder)]
         child = subprocess.Popen(command, stderr=subprocess.DEVNULL)
         until = time.monotonic() + 60
         while not list(self.folder.glob("store/tmp/*")) and time.monotonic() < until:
             time.sleep(0.02)
         child.send_signal(signal.SIGKILL)
         child.wait()
-        self.assertTrue(list(self.folder.glob("store/tmp/*")) and list(self.folder.glob(".neph-report-*")))
+        self.assertTrue(list(self.folder.glob("store/tmp/*"))
+                        and list(self.folder.glob(".neph-report-*")))
         self.assertEqual(neph(*SMALL, "-o", self.folder).returncode, 0)
         self.assertEqual(list((self.folder / "store/tmp").iterdir()), [])
         self.assertEqual({path.name for path in self.folder.iterdir()}, {"report", "store"})
 
     def test_a_killed_render_leaves_nothing_for_good(self):
-        render = [NEPH, "render", "voxel_grid", "-e", "oracle", "-q", "--size", "640x360", "-o", str(self.folder)]
+        render = [NEPH, "render", "voxel_grid", "-e", "oracle", "-q", "--size", "640x360", "-o",
+                  str(self.folder)]
         child = subprocess.Popen(render, stderr=subprocess.DEVNULL)
         until = time.monotonic() + 60
         while not list(self.folder.glob(".neph-scratch*")) and time.monotonic() < until:
@@ -149,9 +165,11 @@ class Output(unittest.TestCase):
         child.send_signal(signal.SIGKILL)
         child.wait()
         self.assertTrue(list(self.folder.iterdir()))
-        done = neph("render", "absorbing_slab", "-e", "exact", "--size", "8x6", "-q", "-o", self.folder)
+        done = neph("render", "absorbing_slab", "-e", "exact", "--size", "8x6", "-q", "-o",
+                    self.folder)
         self.assertEqual(done.returncode, 0, done.stderr)
-        self.assertEqual([path.name for path in self.folder.iterdir()], ["absorbing_slab_exact_0000.exr"])
+        self.assertEqual([path.name for path in self.folder.iterdir()],
+                         ["absorbing_slab_exact_0000.exr"])
 
     def test_edited_seconds_are_not_reused(self):
         def seconds_and_reuse():
@@ -159,7 +177,8 @@ class Output(unittest.TestCase):
             frame = json.loads(done.stdout)["scenes"][0]["frames"][0]
             return frame["wall_s"], frame["reused"], done.stderr
         seconds_and_reuse()
-        [record] = [path for path in (self.folder / "store/frames").glob("*/job.json") if '"exact"' in path.read_text()]
+        [record] = [path for path in (self.folder / "store/frames").glob("*/job.json")
+                    if '"exact"' in path.read_text()]
         honest = json.loads(record.read_text())
         record.write_text(json.dumps({**honest, "wall_s": 1e-9}))
         seconds, reused, complaints = seconds_and_reuse()
@@ -184,8 +203,8 @@ class Output(unittest.TestCase):
         done = neph("compare", own, own, "-m", "flip", "--maps", self.folder)
         self.assertEqual((done.returncode, str(own) in done.stderr), (64, True), done.stderr)
         own.rename(self.folder / "absorbing_slab_realtime_0000.exr")
-        done = neph("render", "absorbing_slab", "-e", "realtime", "--size", "8x6", "-q", "-o", self.folder,
-                    "--depth", self.folder / "absorbing_slab_realtime_0000.exr")
+        done = neph("render", "absorbing_slab", "-e", "realtime", "--size", "8x6", "-q", "-o",
+                    self.folder, "--depth", self.folder / "absorbing_slab_realtime_0000.exr")
         self.assertEqual((done.returncode, "--depth" in done.stderr), (64, True), done.stderr)
         self.assertEqual(list(tree(self.folder).values()), list(before.values()))
 
@@ -194,7 +213,8 @@ class Output(unittest.TestCase):
         self.put("notes.txt")
         before = tree(self.folder)
         for _ in range(2):
-            done = neph("render", "absorbing_slab", "-e", "exact", "--size", "8x6", "-q", "-o", self.folder)
+            done = neph("render", "absorbing_slab", "-e", "exact", "--size", "8x6", "-q", "-o",
+                        self.folder)
             self.assertEqual(done.returncode, 0, done.stderr)
         after = tree(self.folder)
         after.pop("absorbing_slab_exact_0000.exr")

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Engine realtime through the command line: `neph render` of sequences, presets, given depths, costs."""
+"""Engine realtime through the command line: `neph render` of sequences, presets, given depths,
+costs."""
 import json
 import math
 import os
@@ -42,28 +43,38 @@ scattering: single
 solids:
   - box: {min_m: [1, -6, -21], max_m: [3, 6, -20], albedo: [0, 0, 0]}
 media:
-  - height_fog: {layers: [{extinction_per_m: 0.02, falloff_per_m: 0.1, height_m: 0}], albedo: [1, 1, 1]}
+  - height_fog:
+      layers: [{extinction_per_m: 0.02, falloff_per_m: 0.1, height_m: 0}]
+      albedo: [1, 1, 1]
 """
 # The camera within a box of haze: every step of every ray is lit through haze.
 BOX = MOVING[:MOVING.index("solids:")].replace("moving", "box") + """
 media:
-  - gaussian: {center_m: [0, 0, 0], width_m: 9, extinction_per_m: 0.02, albedo: [1, 1, 1], bounds: {min_m: [-9, -9, -9], max_m: [9, 9, 9]}}
+  - gaussian:
+      {center_m: [0, 0, 0], width_m: 9, extinction_per_m: 0.02, albedo: [1, 1, 1],
+       bounds: {min_m: [-9, -9, -9], max_m: [9, 9, 9]}}
 """
 # Pictures 2 to 5 stand still; from 6 on half the size; a cut between 8 and 9; from 10 on 5/4 of it.
 BROKEN = MOVING.replace("moving", "broken").replace("frames: {count: 6, rate_hz: 30}", """
-frames: {count: 12, rate_hz: 30, pauses: [{frame: 2, count: 3}], sizes: [{frame: 6, scale: 0.5}, {frame: 10, scale: 1.25}]}
-""").replace("  vertical_fov", "    - {frame: 6, position_m: [5, 3, 0], look_at_m: [0, 2, -10], cut: true}\n  vertical_fov")
+frames:
+  {count: 12, rate_hz: 30, pauses: [{frame: 2, count: 3}],
+   sizes: [{frame: 6, scale: 0.5}, {frame: 10, scale: 1.25}]}
+""").replace("  vertical_fov", """\
+    - {frame: 6, position_m: [5, 3, 0], look_at_m: [0, 2, -10], cut: true}
+  vertical_fov""")
 
 
 def with_cloud(scene):
     """The scene with a blob that drifts in its fog."""
     return scene.replace("background", "wind: {velocity_m_per_s: [9, 0, 0]}\nbackground") + (
-        "  - gaussian: {center_m: [-2, 3, -20], width_m: 3, extinction_per_m: 0.3, albedo: [1, 1, 1]}\n")
+        "  - gaussian: {center_m: [-2, 3, -20], width_m: 3, extinction_per_m: 0.3, albedo: [1, 1, "
+        "1]}\n")
 
 
 def neph(*arguments, **environment):
     return subprocess.run([NEPH, *map(str, arguments)], capture_output=True, text=True, timeout=300,
-                          env={**os.environ, "NEPH_VULKAN_VALIDATION": "1", "XDG_CACHE_HOME": CACHE.name, **environment})
+                          env={**os.environ, "NEPH_VULKAN_VALIDATION": "1",
+                               "XDG_CACHE_HOME": CACHE.name, **environment})
 
 
 def divided_up(size, divisor):
@@ -72,7 +83,8 @@ def divided_up(size, divisor):
 
 def differing(a, b, channels=None):
     """Names of the channels whose bits differ, or that only one image has."""
-    return {name for name in channels or {*a, *b} if name not in a or name not in b or a[name].tobytes() != b[name].tobytes()}
+    return {name for name in channels or {*a, *b} if name not in a or name not in b
+            or a[name].tobytes() != b[name].tobytes()}
 
 
 class Realtime(unittest.TestCase):
@@ -80,44 +92,53 @@ class Realtime(unittest.TestCase):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         self.folder = pathlib.Path(folder.name)
-        self.moving, self.box, self.broken = (self.folder / f"{name}.yaml" for name in ("moving", "box", "broken"))
-        for path, text in ((self.moving, MOVING), (self.box, BOX), (self.broken, with_cloud(BROKEN))):
+        self.moving, self.box, self.broken = (self.folder / f"{name}.yaml"
+                                              for name in ("moving", "box", "broken"))
+        for path, text in ((self.moving, MOVING), (self.box, BOX),
+                           (self.broken, with_cloud(BROKEN))):
             path.write_text(text)
 
     def render(self, name, scene, *options, engine="realtime", steps=4, size=(48, 36)):
-        """Results of the frames, in a folder of that name; `channels` and `texts` are those of the files."""
-        done = neph("render", scene, "-e", engine, "-s", f"steps={steps}", "--size", "%dx%d" % size, "--json",
-                    "-o", self.folder / name, *options)
+        """Results of the frames, in a folder of that name; `channels` and `texts` are those of the
+        files."""
+        done = neph("render", scene, "-e", engine, "-s", f"steps={steps}", "--size", "%dx%d" % size,
+                    "--json", "-o", self.folder / name, *options)
         self.assertEqual(done.returncode, 0, done.stderr)
         results = json.loads(done.stdout)
         for result in results:
-            *size_px, result["channels"], result["texts"] = frames.read_exr(pathlib.Path(result["exr"]))
+            *size_px, result["channels"], result["texts"] = frames.read_exr(
+                pathlib.Path(result["exr"]))
             self.assertEqual(result["size_px"], size_px)
         return results
 
     def refuse(self, code, *words, scene=None, options=()):
-        done = neph("render", scene or self.moving, "--size", "16x12", "-q", "-o", self.folder / "refused", *options)
+        done = neph("render", scene or self.moving, "--size", "16x12", "-q", "-o",
+                    self.folder / "refused", *options)
         self.assertEqual((done.returncode, done.stdout), (code, ""), (options, done.stderr))
         for word in words:
             self.assertIn(word, done.stderr, options)
 
     def given(self, name, size=(48, 36), **channels):
         path = self.folder / name
-        path.write_bytes(frames.exr_bytes(*size, {c: [v] * math.prod(size) if isinstance(v, float) else v
-                                                  for c, v in channels.items()}))
+        path.write_bytes(frames.exr_bytes(*size,
+                                          {c: [v] * math.prod(size) if isinstance(v, float) else v
+                                           for c, v in channels.items()}))
         return path
 
     # ---- the march that feeds it -------------------------------------------------------------
 
     def test_off_is_march_bit_by_bit(self):
-        for settings in ((), ("-s", "sun=marched", "-s", "sun_steps=3", "-s", "transmittance=marched")):
+        for settings in ((),
+                         ("-s", "sun=marched", "-s", "sun_steps=3", "-s", "transmittance=marched")):
             march = self.render("march", self.moving, "--frames", 3, *settings, engine="march")
             off = self.render("off", self.moving, "--frames", 3, "-p", "off", *settings)
             for a, b in zip(march, off, strict=True):
                 self.assertEqual(differing(a["channels"], b["channels"]), set())
-                counts = [{name: n for name, n in result["stats"].items() if not name.endswith("_ms")} for result in (a, b)]
+                counts = [{name: n for name, n in result["stats"].items()
+                           if not name.endswith("_ms")} for result in (a, b)]
                 self.assertEqual(*counts)
-                self.assertEqual((b["stats"]["rays"], b["stats"]["view_steps"]), (48 * 36, 48 * 36 * 4))
+                self.assertEqual((b["stats"]["rays"], b["stats"]["view_steps"]),
+                                 (48 * 36, 48 * 36 * 4))
 
     def test_a_sixteenth_of_the_density_evaluations(self):
         for size in ((48, 36), (50, 38), (61, 35)):
@@ -126,12 +147,15 @@ class Realtime(unittest.TestCase):
             self.assertEqual(march["stats"]["density_evaluations"], math.prod(size) * 4)
             for result in split:
                 stats = result["stats"]
-                self.assertGreater(march["stats"]["density_evaluations"] / stats["density_evaluations"], 14)
+                self.assertGreater(march["stats"]["density_evaluations"] /
+                                   stats["density_evaluations"], 14)
                 self.assertEqual(stats["rays"], divided_up(size, 4))
                 self.assertEqual(stats["view_steps"], stats["rays"] * 4)
-                self.assertEqual(stats["density_evaluations"], stats["rays"] * 4)  # the sun's are closed forms
+                # the sun's are closed forms
+                self.assertEqual(stats["density_evaluations"], stats["rays"] * 4)
                 # written with 15 digits
-                self.assertAlmostEqual(stats["density_evaluations_per_pixel"], stats["rays"] * 4 / math.prod(size), delta=1e-14)
+                self.assertAlmostEqual(stats["density_evaluations_per_pixel"],
+                                       stats["rays"] * 4 / math.prod(size), delta=1e-14)
         marched, = self.render("marched", self.box, "-s", "sun=marched", "-s", "sun_steps=3")
         self.assertEqual(marched["stats"]["density_evaluations"], 12 * 9 * 4 * (1 + 3))
 
@@ -142,7 +166,8 @@ class Realtime(unittest.TestCase):
         size = (50, 38)
         full, half, tile = (divided_up(size, divisor) for divisor in (1, 2, 4))
         for settings, depth_bytes, color_bytes, taa_bytes in (
-                ((), 2, 8, 8), (("depth_format", "color_format", "taa_format"), 4, 16, 16), (("color_format",), 2, 16, 8)):
+            ((), 2, 8, 8), (("depth_format", "color_format", "taa_format"), 4, 16, 16),
+            (("color_format",), 2, 16, 8)):
             words = [word for name in settings for word in ("-s", f"{name}=float")]
             stats = self.render("bytes", self.moving, "--frames", 2, *words, size=size)[-1]["stats"]
             depth, behind, color, taa = 4 * full, 16 * full, 16 * full, taa_bytes * full
@@ -161,19 +186,23 @@ class Realtime(unittest.TestCase):
             }
             self.assertEqual(stats["traffic_bytes"], sum(passes.values()))
             self.assertEqual(stats["history_bytes"], half_depth + history + state + taa)
-            self.assertEqual(stats["target_bytes"], 2 * depth + behind + color + 2 * (half_depth + history + state + taa)
-                             + tiles + ray + distance + volume + volume_distance)
+            self.assertEqual(stats["target_bytes"],
+                             2 * depth + behind + color + 2 * (half_depth + history + state + taa) +
+                             tiles + ray + distance + volume + volume_distance)
 
     def test_stats_as_a_table(self):
-        done = neph("render", self.moving, "-e", "realtime", "-s", "steps=65536", "-s", "warm_up=0", "--size", "32x24",
-                    "--stats", "-q", "-o", self.folder)
+        done = neph("render", self.moving, "-e", "realtime", "-s", "steps=65536", "-s", "warm_up=0",
+                    "--size", "32x24", "--stats", "-q", "-o", self.folder)
         self.assertEqual(done.returncode, 0, done.stderr)
-        table = {line.split()[0]: line.split()[1:] for line in done.stdout.splitlines() if len(line.split()) == 4}
+        table = {line.split()[0]: line.split()[1:]
+                 for line in done.stdout.splitlines() if len(line.split()) == 4}
         self.assertEqual(table["density_evaluations"], [str(8 * 6 * 65536)] * 3)  # all digits
-        march = neph("render", self.moving, "-p", "off", "-e", "realtime", "--size", "16x12", "--stats", "-q", "-o", self.folder)
+        march = neph("render", self.moving, "-p", "off", "-e", "realtime", "--size", "16x12",
+                     "--stats", "-q", "-o", self.folder)
         for unknown in ("_bytes", "anti_aliasing"):  # of passes that did not run
             self.assertNotIn(unknown, march.stdout)
-        none = neph("render", self.moving, "-e", "exact", "--size", "4x3", "--stats", "-q", "-o", self.folder)
+        none = neph("render", self.moving, "-e", "exact", "--size", "4x3", "--stats", "-q", "-o",
+                    self.folder)
         self.assertIn("counts nothing", none.stdout)
 
     def test_device_time_of_each_pass(self):
@@ -195,12 +224,14 @@ class Realtime(unittest.TestCase):
         plain = self.render("plain", self.moving, "--frames", 5, "-s", "warm_up=2", size=(41, 30))
         seen = {}
         for preset in engine["presets"]:
-            results = self.render(preset["name"], self.moving, "--frames", 5, "-p", preset["name"], "-s", "warm_up=2", size=(41, 30))
+            results = self.render(preset["name"], self.moving, "--frames", 5, "-p", preset["name"],
+                                  "-s", "warm_up=2", size=(41, 30))
             self.assertEqual([result["frame"] for result in results], list(range(5)))
             for result in results:
                 for name, samples in result["channels"].items():
                     far = name in ("Z", "volume.distance")
-                    self.assertTrue(all(math.isfinite(v) or far and v == INF for v in samples), (preset, name))
+                    self.assertTrue(all(math.isfinite(v) or far and v == INF for v in samples),
+                                    (preset, name))
                     self.assertGreaterEqual(min(samples), 0, (preset, name))
             written = dict(word.split("=") for word in results[0]["texts"]["neph.settings"].split())
             for assignment in preset["settings"].split():
@@ -209,12 +240,14 @@ class Realtime(unittest.TestCase):
                 if key != "warm_up":
                     self.assertEqual(written[key], value)
             if preset["name"] == "fixed":
-                self.assertEqual([differing(a["channels"], b["channels"]) for a, b in zip(plain, results, strict=True)], [set()] * 5)
+                self.assertEqual([differing(a["channels"], b["channels"]) for a,
+                                  b in zip(plain, results, strict=True)], [set()] * 5)
             seen[results[-1]["channels"]["R"].tobytes()] = preset["name"]
         self.assertEqual(len(seen), len(engine["presets"]), seen)
 
     def test_set_wins_over_the_preset_wherever_it_stands(self):
-        result, = self.render("won", self.moving, "-s", "warm_up=3", "-s", "taa_alpha=0.5", "-p", "off", "-s", "taa_alpha=0.25")
+        result, = self.render("won", self.moving, "-s", "warm_up=3", "-s", "taa_alpha=0.5", "-p",
+                              "off", "-s", "taa_alpha=0.25")
         written = result["texts"]["neph.settings"].split()
         for word in ("warm_up=3", "split=none", "taa=off", "taa_alpha=0.25", "steps=4"):
             self.assertIn(word, written)
@@ -222,7 +255,8 @@ class Realtime(unittest.TestCase):
     def test_the_list_of_settings_can_be_read(self):
         done = neph("engines", "realtime")
         self.assertEqual(done.returncode, 0)
-        rows = [line for line in done.stdout.splitlines() if line.startswith("    reject_within_m ")]
+        rows = [line
+                for line in done.stdout.splitlines() if line.startswith("    reject_within_m ")]
         self.assertEqual(len(rows), 1)
         column = rows[0].index(rows[0].split()[1])
         for line in done.stdout.splitlines():
@@ -248,35 +282,46 @@ class Realtime(unittest.TestCase):
             self.refuse(code, *words, options=options)
         self.refuse(2, "channels", scene="coloured_fog", options=real)
         self.refuse(2, "multiple", "lighting=octaves", scene="cloud_below", options=real)
-        self.assertFalse((self.folder / "refused").exists() and list((self.folder / "refused").iterdir()))
+        self.assertFalse((self.folder / "refused").exists()
+                         and list((self.folder / "refused").iterdir()))
 
     def test_faults_that_are_asked_for_end_in_words(self):
-        """Without its guard anti-aliasing makes NaN of black under black; no such frame is written."""
+        """Without its guard anti-aliasing makes NaN of black under black; no such frame is
+        written."""
         dark = self.folder / "dark.yaml"
-        dark.write_text(MOVING.replace("moving", "dark").replace("[0.5, 0.25, 0.125]", "[0, 0, 0]").replace("[1, 1, 1]", "[0, 0, 0]"))
+        dark.write_text(MOVING.replace("moving", "dark").replace("[0.5, 0.25, 0.125]",
+                                                                 "[0, 0, 0]").replace("[1, 1, 1]",
+                                                                                      "[0, 0, 0]"))
         out = self.folder / "dark"
-        done = neph("render", dark, "-e", "realtime", "-s", "taa_guard=off", "--size", "16x12", "-q", "-o", out)
-        self.assertEqual((done.returncode, "non-finite" in done.stderr, "logs" in done.stderr), (3, True, False), done.stderr)
+        done = neph("render", dark, "-e", "realtime", "-s", "taa_guard=off", "--size", "16x12",
+                    "-q", "-o", out)
+        self.assertEqual((done.returncode, "non-finite" in done.stderr, "logs" in done.stderr),
+                         (3, True, False), done.stderr)
         self.assertEqual(list(out.iterdir()), [])
 
     def test_noise_is_made_where_a_dither_needs_it(self):
-        command = ("render", self.moving, "-e", "realtime", "--size", "16x12", "-q", "-o", self.folder)
+        command = ("render", self.moving, "-e", "realtime", "--size", "16x12", "-q", "-o",
+                   self.folder)
         done = neph(*command, "-p", "off", XDG_CACHE_HOME="/dev/null/there")
         self.assertEqual(done.returncode, 0, done.stderr)
         done = neph(*command, XDG_CACHE_HOME="/dev/null/there")
-        self.assertEqual((done.returncode, "XDG_CACHE_HOME" in done.stderr), (74, True), done.stderr)
+        self.assertEqual((done.returncode, "XDG_CACHE_HOME" in done.stderr), (74, True),
+                         done.stderr)
 
     # ---- given depths ------------------------------------------------------------------------
 
     def test_a_given_depth_is_as_good_as_the_scenes_own(self):
-        """The march's depth and what is known to be behind the media, in place of rays into the scene."""
+        """The march's depth and what is known to be behind the media, in place of rays into the
+        scene."""
         options = ("--frames", 6, "-s", "taa_jitter=none")  # rays that are given do not move
         for result in self.render("march", self.moving, "--frames", 6, engine="march"):
             depth_m = result["channels"]["Z"]
-            self.given(f"depth.{result['frame']}.exr", Z=depth_m, **{
-                c: [behind if z == INF else 0.0 for z in depth_m] for c, behind in zip("RGB", (0.5, 0.25, 0.125))})
+            self.given(f"depth.{result['frame']}.exr", Z=depth_m,
+                       **{c: [behind if z == INF else 0.0 for z in depth_m] for c,
+                          behind in zip("RGB", (0.5, 0.25, 0.125))})
         own = self.render("own", self.moving, *options)
-        given = self.render("given", self.moving, *options, "--depth", self.folder / "depth.%d.exr", "-s", "warm_up=0")
+        given = self.render("given", self.moving, *options, "--depth", self.folder / "depth.%d.exr",
+                            "-s", "warm_up=0")
         held = self.render("held", self.moving, *options, "-s", "warm_up=0")
         for a, b in zip(held, given, strict=True):
             self.assertEqual(differing(a["channels"], b["channels"]), set(), a["frame"])
@@ -291,8 +336,10 @@ class Realtime(unittest.TestCase):
         sky = self.render("sky", blob, "--depth", self.given("sky.exr", Z=INF, R=1.0, G=1.0, B=1.0))
         for result in results:
             self.assertEqual(set(result["channels"]["Z"]), {5.0})
-            # the fog alone, at most 0.02 * e^0.4 per metre over at most 5 m / cos 28 degrees (the corners)
-            self.assertGreater(min(result["channels"]["transmittance.R"]), math.exp(-0.02 * 1.5 * 5.7))
+            # the fog alone, at most 0.02 * e^0.4 per metre over at most 5 m / cos 28 degrees (the
+            # corners)
+            self.assertGreater(min(result["channels"]["transmittance.R"]),
+                               math.exp(-0.02 * 1.5 * 5.7))
             self.assertLess(max(result["channels"]["transmittance.R"]), 1)
         self.assertEqual(set(sky[0]["channels"]["Z"]), {INF})
         self.assertLess(min(sky[0]["channels"]["transmittance.R"]), 0.5)  # the blob
@@ -335,20 +382,26 @@ class Realtime(unittest.TestCase):
     # ---- sequences ---------------------------------------------------------------------------
 
     def test_a_sequence_with_pause_sizes_and_cut(self):
-        results = self.render("broken", self.broken, "--frames", 12, "--scene-layers", "-s", "taa_jitter=none", size=(40, 32))
-        self.assertEqual([r["size_px"] for r in results], [[40, 32]] * 6 + [[20, 16]] * 4 + [[50, 40]] * 2)
+        results = self.render("broken", self.broken, "--frames", 12, "--scene-layers", "-s",
+                              "taa_jitter=none", size=(40, 32))
+        self.assertEqual([r["size_px"] for r in results],
+                         [[40, 32]] * 6 + [[20, 16]] * 4 + [[50, 40]] * 2)
         speeds_px = []
         for result in results:
             channels = result["channels"]
-            self.assertLessEqual({"volume.distance", "motion.x", "motion.y", "motion.depth", "mask.fog", "mask.cloud"}, set(channels))
+            self.assertLessEqual({"volume.distance", "motion.x", "motion.y", "motion.depth",
+                                  "mask.fog", "mask.cloud"}, set(channels))
             speeds_px.append(max(map(abs, channels["motion.x"])))
-        # of 0.25 m per frame at the tower, 20 m away, 40 degrees high; key frames 0 1 2 2 2 2 3 4 5 6 ..
+        # of 0.25 m per frame at the tower, 20 m away, 40 degrees high; key frames 0 1 2 2 2 2 3 4 5
+        # 6 ..
         px_per_frame = 0.25 / 20 * 32 / 2 / math.tan(math.radians(20))
-        for frame, expected in {0: 0, 1: 1, 2: 1, 3: 0, 4: 0, 5: 0, 6: 0.5, 7: 0.5, 8: 0, 11: 0}.items():
+        for frame, expected in {0: 0, 1: 1, 2: 1, 3: 0, 4: 0, 5: 0, 6: 0.5, 7: 0.5, 8: 0,
+                                11: 0}.items():
             # doubles around 32 px, then a float
             self.assertAlmostEqual(speeds_px[frame], expected * px_per_frame, delta=1e-6, msg=frame)
         for frame in (3, 4, 5):  # time stands still
-            self.assertEqual(differing(results[2]["channels"], results[frame]["channels"], ["Z", "mask.fog"]), set())
+            self.assertEqual(differing(results[2]["channels"], results[frame]["channels"],
+                                       ["Z", "mask.fog"]), set())
         self.assertEqual(set(results[9]["channels"]["motion.x"]), {1e6})  # beyond the cut: nowhere
         self.assertEqual(set(results[9]["channels"]["motion.depth"]), {0.0})
         self.assertEqual({r["stats"]["rays"] for r in results}, {80, 20, 130})
@@ -360,9 +413,11 @@ class Realtime(unittest.TestCase):
         self.assertNotEqual(results[3]["size_px"], results[4]["size_px"])
 
     def test_a_cut_voids_the_past_and_nothing_else_does(self):
-        kept, reset = (self.render(word, self.broken, "--frame", 6, "--frames", 4, "-s", f"cut_reset={word}", "-s", "warm_up=0")
+        kept, reset = (self.render(word, self.broken, "--frame", 6, "--frames", 4, "-s",
+                                   f"cut_reset={word}", "-s", "warm_up=0")
                        for word in ("off", "on"))
-        differences = [differing(a["channels"], b["channels"], "RGB") for a, b in zip(kept, reset, strict=True)]
+        differences = [differing(a["channels"], b["channels"], "RGB") for a,
+                       b in zip(kept, reset, strict=True)]
         self.assertEqual(differences, [set()] * 3 + [set("RGB")])
 
     def test_the_past_is_used(self):
@@ -371,11 +426,13 @@ class Realtime(unittest.TestCase):
         warm, = self.render("warm", self.moving, "--frame", 4, "-s", "warm_up=4")
         sequence = self.render("sequence", self.moving, "--frames", 5, "-s", "warm_up=0")
         self.assertEqual(differing(sequence[4]["channels"], warm["channels"]), set())
-        self.assertEqual(differing(alone["channels"], warm["channels"]) & {"R", "volume.R"}, {"R", "volume.R"})
+        self.assertEqual(differing(alone["channels"], warm["channels"]) & {"R", "volume.R"},
+                         {"R", "volume.R"})
 
     def test_a_sequence_goes_on_beyond_the_scene(self):
         results = self.render("beyond", self.moving, "--frame", 4, "--frames", 5)
-        self.assertEqual([int(result["texts"]["neph.frame"]) for result in results], [4, 5, 6, 7, 8])
+        self.assertEqual([int(result["texts"]["neph.frame"]) for result in results],
+                         [4, 5, 6, 7, 8])
 
     def test_same_command_same_bits(self):
         command = (self.moving, "--frames", 5, "-p", "seed", "-s", "warm_up=0")
@@ -383,14 +440,17 @@ class Realtime(unittest.TestCase):
         other = self.render("other", *command, "--seed", 2)
         for a, b, c in zip(first, second, other, strict=True):
             self.assertEqual(differing(a["channels"], b["channels"]), set())
-            timeless = [{name: text for name, text in result["texts"].items() if not name.endswith(("_s", "_ms"))} for result in (a, b)]
+            timeless = [{name: text for name, text in result["texts"].items()
+                         if not name.endswith(("_s", "_ms"))} for result in (a, b)]
             self.assertEqual(*timeless)
             self.assertIn("R", differing(a["channels"], c["channels"]))
 
     def test_interrupted_sequences_keep_what_is_finished(self):
         folder = self.folder / "out"
-        run = subprocess.Popen([NEPH, "render", str(self.moving), "-e", "realtime", "--frames", "100000", "--size", "96x54", "--json",
-                                "-q", "-o", str(folder)], stdout=subprocess.PIPE, env={**os.environ, "XDG_CACHE_HOME": CACHE.name})
+        run = subprocess.Popen([NEPH, "render", str(self.moving), "-e", "realtime", "--frames",
+                                "100000", "--size", "96x54", "--json",
+                                "-q", "-o", str(folder)], stdout=subprocess.PIPE,
+                               env={**os.environ, "XDG_CACHE_HOME": CACHE.name})
         deadline = time.monotonic() + 60
         while len(list(folder.glob("*.exr"))) < 3 and time.monotonic() < deadline:
             time.sleep(0.05)
@@ -410,8 +470,10 @@ class Realtime(unittest.TestCase):
         named = neph("validate", self.moving, *options, "-e", "exact", "-e", "realtime")
         self.assertEqual(named.returncode, 0, named.stderr)
         scene, = json.loads(named.stdout)["scenes"]
-        self.assertEqual([(f["engine"], f["status"]) for f in scene["frames"]], [("exact", "rendered"), ("realtime", "rendered")])
-        everything = neph("validate", self.moving, *options, PATH="/nonexistent", VK_ICD_FILENAMES="/nonexistent.json")
+        self.assertEqual([(f["engine"], f["status"]) for f in scene["frames"]],
+                         [("exact", "rendered"), ("realtime", "rendered")])
+        everything = neph("validate", self.moving, *options, PATH="/nonexistent",
+                          VK_ICD_FILENAMES="/nonexistent.json")
         scene, = json.loads(everything.stdout)["scenes"]
         engines = [frame["engine"] for frame in scene["frames"]]
         self.assertIn("march", engines)

@@ -14,23 +14,26 @@ sys.path.insert(0, str(pathlib.Path(__file__).parent))
 import frames  # noqa: E402
 
 NEPH = os.environ["NEPH"]
-VERBS = ("validate", "render", "export", "compare", "flicker", "metrics", "bake", "study", "benchmark", "conform", "scenes", "engines", "doctor")
+VERBS = ("validate", "render", "export", "compare", "flicker", "metrics", "bake", "study",
+         "benchmark", "conform", "scenes", "engines", "doctor")
 BLENDER = """#!/bin/sh
 case "$1" in --version) echo "Blender 3.4.1"; exit 0;; esac
 {body}
 """
-ROOMLESS = ["unshare", "--user", "--map-root-user", "--mount", "sh", "-c", 'mount -t tmpfs -o size=256k none "$0" && exec "$@"']
+ROOMLESS = ["unshare", "--user", "--map-root-user", "--mount", "sh", "-c",
+            'mount -t tmpfs -o size=256k none "$0" && exec "$@"']
 
 
 def has_small_disks():
     with tempfile.TemporaryDirectory() as folder:
-        return shutil.which("unshare") and subprocess.run([*ROOMLESS, folder, "true"], capture_output=True).returncode == 0
+        return shutil.which("unshare") and subprocess.run([*ROOMLESS, folder, "true"],
+                                                          capture_output=True).returncode == 0
 
 
 def neph(*arguments, timeout=120, **more):
     environment = {**os.environ, **more.pop("environment", {})}
-    return subprocess.run([NEPH, *arguments], stderr=subprocess.PIPE, timeout=timeout, env=environment,
-                          **{"stdout": subprocess.PIPE, **more})
+    return subprocess.run([NEPH, *arguments], stderr=subprocess.PIPE, timeout=timeout,
+                          env=environment, **{"stdout": subprocess.PIPE, **more})
 
 
 class Output(unittest.TestCase):
@@ -41,7 +44,8 @@ class Output(unittest.TestCase):
 
     def write(self, name, value):
         path = self.folder / name
-        path.write_bytes(frames.exr_bytes(16, 12, {c: [value + 0.01 * i for i in range(192)] for c in "RGB"}))
+        path.write_bytes(
+            frames.exr_bytes(16, 12, {c: [value + 0.01 * i for i in range(192)] for c in "RGB"}))
         return path
 
     def test_output_that_was_cut_is_an_error_of_every_verb(self):
@@ -50,27 +54,36 @@ class Output(unittest.TestCase):
             self.write(f"f_{number:02}.exr", 0.5 + 0.01 * (number % 3))
         small = ["--size", "8x8", "-o", self.folder / "out"]
         commands = [["--help"], ["--version"], ["help"], *([verb, "--help"] for verb in VERBS),
-                    ["validate", "--usage"], ["scenes", "white_furnace", "--json"], ["scenes", "white_furnace"], ["engines", "exact"], ["engines", "exact", "--json"],
-                    ["metrics"], ["metrics", "--masks", "--json"], ["doctor"], ["compare", a, b], ["compare", a, b, "--json"],
+                    ["validate", "--usage"], ["scenes", "white_furnace", "--json"],
+                    ["scenes", "white_furnace"], ["engines", "exact"],
+                    ["engines", "exact", "--json"], ["metrics"], ["metrics", "--masks", "--json"],
+                    ["doctor"], ["compare", a, b], ["compare", a, b, "--json"],
                     ["flicker", "--reference", a, self.folder / "f_*.exr", "-q"],
-                    ["render", "absorbing_slab", "-e", "exact", *small], ["export", "absorbing_slab", "-o", self.folder / "export"],
+                    ["render", "absorbing_slab", "-e", "exact", *small],
+                    ["export", "absorbing_slab", "-o", self.folder / "export"],
                     ["bake", "gaussian_blob", "-o", self.folder / "blob.df3"],
-                    ["validate", "absorbing_slab", "-e", "exact", "-e", "oracle", "--no-charts", "-q", "--size", "8x8", "-o", self.folder / "report"]]
+                    ["validate", "absorbing_slab", "-e", "exact", "-e", "oracle", "--no-charts",
+                     "-q", "--size", "8x8", "-o", self.folder / "report"]]
         with open("/dev/full", "wb") as full:
             for command in commands:
                 done = neph(*command, stdout=full)
                 self.assertEqual(done.returncode, 74, (command, done.stderr))
-                self.assertEqual(done.stderr.count(b"the output was cut: cannot write to stdout"), 1, (command, done.stderr))
+                self.assertEqual(done.stderr.count(b"the output was cut: cannot write to stdout"),
+                                 1, (command, done.stderr))
 
     def test_an_exit_code_that_says_more_stays(self):
         with open("/dev/full", "wb") as full:
             a, b = self.write("a.exr", 0.5), self.write("b.exr", 0.6)
-            self.assertEqual(neph("compare", a, b, "--fail-above", "radiance:mae=0", stdout=full).returncode, 1)
+            self.assertEqual(neph("compare", a, b, "--fail-above", "radiance:mae=0",
+                                  stdout=full).returncode, 1)
 
     def test_a_file_that_may_not_grow_is_an_error_of_writing(self):
-        for output, command in ((self.folder / "listed", ["metrics"]), (None, ["render", "absorbing_slab", "-e", "exact", "-o", self.folder])):
+        for output, command in ((self.folder / "listed", ["metrics"]),
+                                (None,
+                                 ["render", "absorbing_slab", "-e", "exact", "-o", self.folder])):
             with open(output or os.devnull, "wb") as stdout:
-                done = subprocess.run(["sh", "-c", 'ulimit -f 1; exec "$@"', "sh", NEPH, *map(str, command)], stdout=stdout,
+                done = subprocess.run(["sh", "-c", 'ulimit -f 1; exec "$@"', "sh", NEPH,
+                                       *map(str, command)], stdout=stdout,
                                       stderr=subprocess.PIPE, timeout=60)
             self.assertEqual(done.returncode, 74, done.stderr)
             self.assertIn(b"the output was cut" if output else b"File too large", done.stderr)
@@ -80,10 +93,11 @@ class Output(unittest.TestCase):
         os.mkfifo(fifo)
         scene = self.folder / "fifo.yaml"
         os.mkfifo(scene)
-        for command in (["compare", fifo, frame], ["compare", frame, fifo], ["compare", "/dev/zero", frame],
-                        ["scenes", scene], ["render", scene],
-                        ["render", "camera_dolly", "-e", "realtime", "--depth", fifo, "-o", self.folder],
-                        ["render", "absorbing_slab", "-e", "oracle", "--checkpoint", fifo, "-o", self.folder]):
+        for command in (["compare", fifo, frame], ["compare", frame, fifo],
+                        ["compare", "/dev/zero", frame], ["scenes", scene], ["render", scene],
+                        ["render", "camera_dolly", "-e", "realtime", "--depth", fifo, "-o",
+                         self.folder], ["render", "absorbing_slab", "-e", "oracle", "--checkpoint",
+                                        fifo, "-o", self.folder]):
             done = neph(*command, timeout=20)
             self.assertEqual(done.returncode, 65, (command, done.stderr))
             self.assertIn(b"is not a regular file", done.stderr)
@@ -92,9 +106,11 @@ class Output(unittest.TestCase):
     def test_the_command_line_does_not_act_on_the_terminal(self):
         hostile = b"\x1b[2J\xc2\x9b2J\xe2\x80\xae\xff"
         shown = rb"\x1b[2J\u009b2J\u202e\xff"
-        for command in ([hostile], ["render", b"--" + hostile], ["render", "a", hostile], ["render", hostile],
-                        ["scenes", b"./" + hostile], ["compare", hostile, hostile], ["render", "absorbing_slab", "-e", hostile],
-                        ["render", "absorbing_slab", "-s", hostile], ["validate", hostile], ["validate", "--suite", hostile]):
+        for command in ([hostile], ["render", b"--" + hostile], ["render", "a", hostile],
+                        ["render", hostile], ["scenes", b"./" + hostile],
+                        ["compare", hostile, hostile], ["render", "absorbing_slab", "-e", hostile],
+                        ["render", "absorbing_slab", "-s", hostile], ["validate", hostile],
+                        ["validate", "--suite", hostile]):
             done = neph(*command)
             self.assertNotEqual(done.returncode, 0, command)
             self.assertIn(shown, done.stderr, command)
@@ -110,10 +126,12 @@ class Output(unittest.TestCase):
 
     def test_a_full_disk_in_an_engines_words_is_named(self):
         words = "OSError: [Errno 28] No space left on device: timing.json"
-        done = neph("render", "absorbing_slab", "-e", "cycles", "-o", self.folder / "out", environment=self.blender(f"echo '{words}' >&2; exit 7"))
+        done = neph("render", "absorbing_slab", "-e", "cycles", "-o", self.folder / "out",
+                    environment=self.blender(f"echo '{words}' >&2; exit 7"))
         self.assertEqual(done.returncode, 74, done.stderr)
         self.assertIn(b"the disk is full at '" + os.fsencode(self.folder / "out"), done.stderr)
-        done = neph("render", "absorbing_slab", "-e", "cycles", "-o", self.folder / "out", environment=self.blender("exit 7"))
+        done = neph("render", "absorbing_slab", "-e", "cycles", "-o", self.folder / "out",
+                    environment=self.blender("exit 7"))
         self.assertEqual((done.returncode, b"disk" in done.stderr), (3, False), done.stderr)
 
     @unittest.skipUnless(has_small_disks(), "no file systems of our own can be mounted here")
@@ -121,7 +139,8 @@ class Output(unittest.TestCase):
         small = self.folder / "small"
         small.mkdir()
         environment = {**os.environ, **self.blender("head -c 1000000 /dev/zero > big; exit 1")}
-        done = subprocess.run([*ROOMLESS, small, NEPH, "render", "absorbing_slab", "-e", "cycles", "-o", small / "out"],
+        done = subprocess.run([*ROOMLESS, small, NEPH, "render", "absorbing_slab", "-e", "cycles",
+                               "-o", small / "out"],
                               capture_output=True, timeout=60, env=environment)
         self.assertEqual(done.returncode, 74, done.stderr)
         self.assertIn(b"the disk is full at '" + os.fsencode(small), done.stderr)

@@ -8,9 +8,11 @@ import zlib
 
 
 def exr_bytes(width, height, channels, attributes=(), pixel_aspect=1):
-    """channels: {name: width * height floats, row 0 on top}; attributes: (name, type, bytes) of further ones."""
+    """channels: {name: width * height floats, row 0 on top}; attributes: (name, type, bytes) of
+    further ones."""
     names = sorted(channels)
-    chlist = b"".join(n.encode() + b"\0" + struct.pack("<iBxxxii", 2, 0, 1, 1) for n in names) + b"\0"
+    chlist = b"".join(n.encode() + b"\0" + struct.pack("<iBxxxii", 2, 0, 1, 1)
+                      for n in names) + b"\0"
 
     def attribute(name, kind, value):
         return name.encode() + b"\0" + kind.encode() + b"\0" + struct.pack("<i", len(value)) + value
@@ -44,17 +46,20 @@ def _cut(data, at):
 
 
 def _unzip(packed, size):
-    """Of a ZIP chunk: deflate, differences of neighbours, then all even bytes before all odd ones."""
+    """Of a ZIP chunk: deflate, differences of neighbours, then all even bytes before all odd
+    ones."""
     if len(packed) == size:
         return packed
-    halves = bytes(itertools.accumulate(zlib.decompress(packed), lambda before, byte: (before + byte - 128) & 255))
+    halves = bytes(itertools.accumulate(zlib.decompress(packed),
+                                        lambda before, byte: (before + byte - 128) & 255))
     data = bytearray(size)
     data[0::2], data[1::2] = halves[:(size + 1) // 2], halves[(size + 1) // 2:]
     return bytes(data)
 
 
 def read_exr(path):
-    """(width, height, {channel: floats, row 0 on top}, {attribute: text}) of a scanline EXR of 32-bit floats."""
+    """(width, height, {channel: floats, row 0 on top}, {attribute: text}) of a scanline EXR of
+    32-bit floats."""
     data, at, header = path.read_bytes(), 8, {}
     while data[at]:
         name, at = _cut(data, at)
@@ -70,7 +75,8 @@ def read_exr(path):
         names.append(name)
         place += 16
     left, top, right, bottom = struct.unpack("<4i", header["dataWindow"][1])
-    width, height, rows_per_chunk = right - left + 1, bottom - top + 1, {0: 1, 3: 16}[header["compression"][1][0]]
+    width, height, rows_per_chunk = (right - left + 1, bottom - top + 1,
+                                     {0: 1, 3: 16}[header["compression"][1][0]])
     channels = {name: array.array("f", bytes(4 * width * height)) for name in names}
     for first in range(0, height, rows_per_chunk):
         offset, = struct.unpack_from("<Q", data, at + 1 + 8 * (first // rows_per_chunk))
@@ -79,7 +85,8 @@ def read_exr(path):
         plain = _unzip(data[offset + 8:offset + 8 + size], 4 * width * rows * len(names))
         places = itertools.product(range(y - top, y - top + rows), names)
         for i, (row, name) in enumerate(places):
-            channels[name][row * width:(row + 1) * width] = array.array("f", plain[4 * width * i:4 * width * (i + 1)])
+            channels[name][row * width:(row + 1) * width] = array.array(
+                "f", plain[4 * width * i:4 * width * (i + 1)])
     texts = {name: value.decode() for name, (kind, value) in header.items() if kind == "string"}
     return width, height, channels, texts
 
@@ -92,7 +99,9 @@ def grey_exr(path, width, height, values, **further):
 def png_bytes(width, height, rgb):
     """rgb: width * height * 3 bytes."""
     def chunk(kind, data):
-        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I",
+                                                                        zlib.crc32(kind + data))
     rows = b"".join(b"\0" + bytes(rgb[3 * width * y:3 * width * (y + 1)]) for y in range(height))
-    return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)) +
+    return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR",
+                                         struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)) +
             chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
 """FLIP a second time, with numpy and scipy-free 2-D kernels, written from the two papers' formulas
-and not from metrics/extractors/flip.c: no separation, no tiles, no opponents, published YCxCz in full.
+and not from metrics/extractors/flip.c: no separation, no tiles, no opponents, published YCxCz in
+full.
 
     python3 tests/metrics/flip_reference.py > tests/metrics/flip_reference.h
 
@@ -106,7 +107,8 @@ HDR = [
 
 
 def picture(kind, width, height, seed, test):
-    values = [[[kind(x, y, c, seed, test) for c in range(3)] for x in range(width)] for y in range(height)]
+    values = [[[kind(x, y, c, seed, test) for c in range(3)] for x in range(width)]
+              for y in range(height)]
     return np.array(values).astype(np.float32).astype(np.float64)
 
 
@@ -148,7 +150,8 @@ WHITE = np.array([0.950428545, 1.0, 1.088900371])
 
 def to_ycxcz(rgb):
     n = (rgb @ RGB_TO_XYZ.T) / WHITE
-    return np.stack([116 * n[..., 1] - 16, 500 * (n[..., 0] - n[..., 1]), 200 * (n[..., 1] - n[..., 2])], axis=-1)
+    return np.stack([116 * n[..., 1] - 16, 500 * (n[..., 0] - n[..., 1]),
+                     200 * (n[..., 1] - n[..., 2])], axis=-1)
 
 
 def from_ycxcz(t):
@@ -214,7 +217,8 @@ def features(plane, ppd):
 
 def flip(reference, test, ppd):
     """Of display values in [0, 1]."""
-    kernels = [contrast_kernel(t, ppd) for t in ([(1, 0.0047)], [(1, 0.0053)], [(34.1, 0.04), (13.5, 0.025)])]
+    kernels = [contrast_kernel(t, ppd)
+               for t in ([(1, 0.0047)], [(1, 0.0053)], [(34.1, 0.04), (13.5, 0.025)])]
     lab, edges, points = [], [], []
     for image in (reference, test):
         t = to_ycxcz(image)
@@ -223,11 +227,13 @@ def flip(reference, test, ppd):
         edge, point = features((t[..., 0] + 16) / 116, ppd)
         edges.append(edge)
         points.append(point)
-    largest = hyab(to_hunt_lab(np.array([0.0, 1.0, 0.0])), to_hunt_lab(np.array([0.0, 0.0, 1.0]))) ** 0.7
+    largest = hyab(to_hunt_lab(np.array([0.0, 1.0, 0.0])),
+                   to_hunt_lab(np.array([0.0, 0.0, 1.0]))) ** 0.7
     c = hyab(lab[0], lab[1]) ** 0.7
     knee = 0.4 * largest
     color = np.where(c < knee, c * 0.95 / knee, 0.95 + (c - knee) / (largest - knee) * 0.05)
-    feature = np.sqrt(np.maximum(np.abs(edges[0] - edges[1]), np.abs(points[0] - points[1])) / np.sqrt(2))
+    feature = np.sqrt(np.maximum(np.abs(edges[0] - edges[1]),
+                                 np.abs(points[0] - points[1])) / np.sqrt(2))
     return color ** (1 - feature)
 
 
@@ -250,7 +256,8 @@ def hdr_flip(reference, test, ppd, tone):
     result = np.zeros(reference.shape[:2])
     for i in range(count):
         ev = start + (stop - start) / (count - 1) * i
-        result = np.maximum(result, flip(display(reference, ev, tone), display(test, ev, tone), ppd))
+        result = np.maximum(result,
+                            flip(display(reference, ev, tone), display(test, ev, tone), ppd))
     return result, start, stop, count
 
 
@@ -265,17 +272,20 @@ def numbers(m):
 
 
 def main():
-    print("/* SPDX-License-Identifier: MIT\n *\n * Printed by flip_reference.py; not to be edited.\n */")
+    print("/* SPDX-License-Identifier: MIT\n *\n * Printed by flip_reference.py; not to be "
+          "edited.\n */")
     print("static const struct ldr_case ldr_cases[] = {")
     for kind, w, h, seed, ppd, ev, tone in LDR:
         r, t = (picture(kind, w, h, seed, i) for i in (0, 1))
         m = flip(display(r, ev, tone), display(t, ev, tone), ppd)
-        print("    {%s, %d, %d, %d, %.15g, {%g, %d}, {%s}}," % (kind.__name__, w, h, seed, ppd, ev, TONES.index(tone), numbers(m)))
+        print("    {%s, %d, %d, %d, %.15g, {%g, %d}, {%s}}," % (kind.__name__, w, h, seed, ppd, ev,
+                                                                TONES.index(tone), numbers(m)))
     print("};\n\nstatic const struct hdr_case hdr_cases[] = {")
     for kind, w, h, seed, ppd, tone in HDR:
         r, t = (picture(kind, w, h, seed, i) for i in (0, 1))
         m, start, stop, count = hdr_flip(r, t, ppd, tone)
-        print("    {%s, %d, %d, %d, %.15g, %d, %.15g, %.15g, %d, {%s}}," % (kind.__name__, w, h, seed, ppd, TONES.index(tone), start, stop, count, numbers(m)))
+        print("    {%s, %d, %d, %d, %.15g, %d, %.15g, %.15g, %d, {%s}}," %
+              (kind.__name__, w, h, seed, ppd, TONES.index(tone), start, stop, count, numbers(m)))
     print("};")
 
 

@@ -3,8 +3,9 @@
 """Writes reference_radial.h: optical depths of blobs and shells that the C code is held against.
 
 40 digits (mpmath), from the exact values of the doubles that the tests pass in. A ray is reduced to
-r^2 = p^2 + s^2 with digits to spare; the shell is tanh-sinh quadrature of e^{-(r - R) / H} itself
-between the altitudes of whole scale heights, the blob is erfc. Both are checked against other forms.
+r^2 = p^2 + s^2 with digits to spare. The shell is tanh-sinh quadrature of e^{-(r - R) / H} itself
+between the altitudes of whole scale heights, the blob is erfc; both are checked against other
+forms.
 
   apt-get install python3-mpmath && /usr/bin/python3 tests/scenes/reference_radial.py
 """
@@ -86,8 +87,8 @@ def unit(x, y, z):
 def shell_cases():
     """(R, H, origin, direction, t0, t1); the planet's centre is at (0, -R, 0)."""
     slopes = [1.0, 0.3, 0.01, 1e-5, 0.0, -1e-5, -0.01, -0.3, -1.0]
-    for radius, height in ((6.371e6, 8000.0), (6.371e6, 1200.0), (1e6, 1.0), (1.0, 1.0), (50.0, 2.0),
-                           (0.01, 1.0), (1e-6, 1.0)):
+    for radius, height in ((6.371e6, 8000.0), (6.371e6, 1200.0), (1e6, 1.0), (1.0, 1.0),
+                           (50.0, 2.0), (0.01, 1.0), (1e-6, 1.0)):
         for slope in slopes:  # from the ground, from within, from high above
             d = unit(1.0, slope, 0.2)
             for altitude in (0.0, 1.5, 20.0):
@@ -99,7 +100,8 @@ def shell_cases():
         start = -30.0 * math.sqrt(radius * height) - 40.0 * height
         for altitude in (-0.5 * radius, -0.1 * height, 0.0, 0.1 * height, 7.0 * height):
             yield radius, height, (start, altitude, 0.0), (1.0, 0.0, 0.0), 0.0, INFINITE
-            yield radius, height, (start, altitude, 0.0), (1.0, 0.0, 0.0), 0.0, -start + 0.5 * height
+            yield radius, height, (start, altitude, 0.0), (1.0, 0.0,
+                                                           0.0), 0.0, -start + 0.5 * height
     draw = random.Random(20250607)
     for _ in range(150):
         height = 10.0 ** draw.uniform(0, 4)
@@ -192,9 +194,10 @@ def write(path):
         out.append("    {%s, %s, %s, %s, %s, %s, %s}," %
                    (c_number(radius), c_number(height), c_list(origin), c_list(direction),
                     c_number(t0), c_number(t1), c_number(depth)))
-    out.append("};\n\n/* Extinction 1 at the centre. */\nstruct reference_gaussian { double width_m; "
-               "struct neph_vec3 center_m, origin_m, direction; double t0_m, t1_m, optical_depth; "
-               "};\nstatic const struct reference_gaussian reference_gaussian[] = {")
+    out.append(
+        "};\n\n/* Extinction 1 at the centre. */\nstruct reference_gaussian { double width_m; "
+        "struct neph_vec3 center_m, origin_m, direction; double t0_m, t1_m, optical_depth; "
+        "};\nstatic const struct reference_gaussian reference_gaussian[] = {")
     for width, center, origin, direction, t0, t1, depth in gaussian_table():
         out.append("    {%s, %s, %s, %s, %s, %s, %s}," %
                    (c_number(width), c_list(center), c_list(origin), c_list(direction),

@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: MIT
 """Writes reference_values.h: what the tests of exact transport hold the C code against.
 
-50 digits (mpmath), from the exact values of the doubles that the tests pass in. The formulas are the
-textbook ones, which cancel or overflow in double; here they have the digits to spare. Every closed
-form is checked against tanh-sinh quadrature of its own integrand before it is written.
+50 digits (mpmath), from the exact values of the doubles that the tests pass in. The formulas are
+those of textbooks, which cancel or overflow in double; here they have the digits to spare. Every
+closed form is checked against tanh-sinh quadrature of its own integrand before it is written.
 
   apt-get install python3-mpmath && /usr/bin/python3 tests/scenes/reference_values.py
 """
@@ -330,7 +330,8 @@ def fog_everywhere_views():
     for fog in fogs:
         for y, s, k in ((0.0, 0.5, 0.5), (2.0, 0.5, 0.9), (2.0, 0.9, 0.05), (500.0, 0.3, 1e-6),
                         (-3.0, 1.0, 1.0), (2.0, 0.5, 0.0), (2.0, 0.5, -0.3), (40.0, 0.05, -1.0),
-                        (1e6, 0.6, -1.0), (1e6, 0.6, -0.4), (2.0, 0.5, 1e-300), (2.0, 0.5, -1e-300)):
+                        (1e6, 0.6, -1.0), (1e6, 0.6, -0.4), (2.0, 0.5, 1e-300),
+                        (2.0, 0.5, -1e-300)):
             phase = next(phases)
             view = View("fog a %g b %g from %g, sun %g, view %g" % (fog[0], fog[1], y, s, k),
                         [Medium([fog], EVERYWHERE, 0.8, phase)], towards(s, 0.2), (0.0, y, 0.0),
@@ -390,8 +391,8 @@ def bounded_views():
                    sun, (3.0, 15.0, 1.0), towards(k, 0.9))
         yield View("fog and a box, view %g" % k,
                    [Medium(layers[:1], EVERYWHERE, 0.9, PHASES[1]),
-                    Medium([(0.3, 0.0, 0.0)], ((4.0, 0.0, 2.0), (9.0, 30.0, 12.0)), 0.5, PHASES[0])],
-                   sun, (3.0, 15.0, 1.0), towards(k, 0.9))
+                    Medium([(0.3, 0.0, 0.0)], ((4.0, 0.0, 2.0), (9.0, 30.0, 12.0)), 0.5,
+                           PHASES[0])], sun, (3.0, 15.0, 1.0), towards(k, 0.9))
     # Far away: a fog of 2 m seen from 1e6 m, in a thin sheet and in an exponential.
     sheet = ((-INFINITE, 0.0, -INFINITE), (INFINITE, 2.0, INFINITE))
     yield View("two layers from 1e6 m", [Medium(layers, EVERYWHERE, 0.9, PHASES[1])], sun,
@@ -436,10 +437,11 @@ def c_list(values):
 def c_medium(medium):
     layers = ", ".join(c_list(layer) for layer in medium.layers)
     kind = "HEIGHT_FOG" if any(layer[1] for layer in medium.layers) else "HOMOGENEOUS"
-    return ("{.kind = NEPH_MEDIUM_%s, .bounds = {%s, %s}, .extinction_color = {1, 1, 1}, .albedo = %s, "
-            ".phase = {NEPH_PHASE_%s, %s}, .layer_count = %d, .layers = {%s}}" %
-            (kind, c_list(medium.bounds[0]), c_list(medium.bounds[1]), c_list([medium.albedo] * 3),
-             medium.phase[0], c_number(medium.phase[1]), len(medium.layers), layers))
+    return (
+        "{.kind = NEPH_MEDIUM_%s, .bounds = {%s, %s}, .extinction_color = {1, 1, 1}, .albedo = %s, "
+        ".phase = {NEPH_PHASE_%s, %s}, .layer_count = %d, .layers = {%s}}" %
+        (kind, c_list(medium.bounds[0]), c_list(medium.bounds[1]), c_list([medium.albedo] * 3),
+         medium.phase[0], c_number(medium.phase[1]), len(medium.layers), layers))
 
 
 def write(path):
@@ -448,7 +450,8 @@ def write(path):
     out.append("static const struct reference_phi reference_phi[] = {")
     out += ["    %s," % c_list(row) for row in phi_table()]
     out.append("};\n")
-    out.append("/* Optical depth of one layer; 2^-53 * condition is its unavoidable relative error. */")
+    out.append(
+        "/* Optical depth of one layer; 2^-53 * condition is its unavoidable relative error. */")
     out.append("struct reference_fog { struct neph_fog_layer layer; double y_m, k_y, length_m, "
                "optical_depth, condition; };")
     out.append("static const struct reference_fog reference_fog[] = {")
@@ -460,8 +463,9 @@ def write(path):
             for kind, *rest in phase_table()]
     out.append("};\n")
     out.append("/* In-scattered radiance of a ray under a sun of irradiance 1. */")
-    out.append("struct reference_view { const char *name; struct neph_vec3 sun, origin_m, direction; "
-               "double radiance, condition; int medium_count; struct neph_medium media[2]; };")
+    out.append(
+        "struct reference_view { const char *name; struct neph_vec3 sun, origin_m, direction; "
+        "double radiance, condition; int medium_count; struct neph_medium media[2]; };")
     out.append("static const struct reference_view reference_view[] = {")
     for view, value in view_table():
         out.append('    {"%s", %s, %s, %s, %s, %s, %d,\n     {%s}},' %

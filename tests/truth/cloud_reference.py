@@ -27,7 +27,8 @@ def radiance(density, origin, direction, sun, cuts, sun_cuts):
     """`cuts` bound the medium on the ray; `sun_cuts(point)` on the way to the sun."""
     def view_depth(t):
         inside = [c for c in cuts if c < t] + [t]
-        return quad(lambda x: density(along(origin, direction, x)), inside) if len(inside) > 1 else mpf(0)
+        return quad(lambda x: density(along(origin, direction, x)),
+                    inside) if len(inside) > 1 else mpf(0)
 
     def source(t):
         p = along(origin, direction, t)
@@ -88,7 +89,8 @@ def one_node(sigma, origin, direction, sun):
 
     def faces(o, d):
         ts = sorted({(f - a) / b for a, b in zip(o, d) if b != 0 for f in (-1, 0, 1)} | {mpf(0)})
-        return [t for t in ts if t >= 0 and max(abs(x) for x in along(o, d, t)) < 1 + mpf(10) ** -15]
+        return [t
+                for t in ts if t >= 0 and max(abs(x) for x in along(o, d, t)) < 1 + mpf(10) ** -15]
 
     def sun_faces(p):
         ts = faces(p, sun)
@@ -103,27 +105,35 @@ def one_node(sigma, origin, direction, sun):
                 for fj in (-1, 0, 1):
                     denominator = direction[i] * sun[j] - direction[j] * sun[i]
                     if denominator != 0:
-                        edges.append(((fi - origin[i]) * sun[j] - (fj - origin[j]) * sun[i]) / denominator)
+                        edges.append(((fi - origin[i]) * sun[j] - (fj - origin[j]) * sun[i]) /
+                                     denominator)
     cuts = sorted(set(cuts) | {t for t in edges if cuts[0] < t < cuts[-1]})
     return radiance(density, origin, direction, sun, cuts, sun_faces)
 
 
-CASES = [
-    ("gaussian", lambda: gaussian(mpf("0.7"), mpf("1.5"), ("-9", "0.5", "1"), (1, mpf("0.05"), mpf("-0.1")), (mpf("0.3"), mpf("0.9"), mpf("0.2")))),
-    ("dense_gaussian", lambda: gaussian(mpf(30), mpf("1.5"), ("-9", "0.5", "1"), (1, mpf("0.05"), mpf("-0.1")), (mpf("-0.6"), mpf("0.5"), mpf("0.4")))),
-    ("shell", lambda: shell(mpf("1e-5"), mpf(6400000), mpf(8000), (0, 6402000, 0), (1, mpf("0.02"), 0), (mpf("0.4"), mpf("0.6"), mpf("0.3")))),
-    ("one_node", lambda: one_node(mpf(3), ("-2", "0.3", "0.2"), (1, mpf("-0.13"), mpf("0.07")), (mpf("0.25"), mpf("0.8"), mpf("0.4")))),
-]
+CASES = [("gaussian",
+          lambda: gaussian(mpf("0.7"), mpf("1.5"), ("-9", "0.5", "1"),
+                           (1, mpf("0.05"), mpf("-0.1")), (mpf("0.3"), mpf("0.9"), mpf("0.2")))),
+         ("dense_gaussian",
+          lambda: gaussian(mpf(30), mpf("1.5"), ("-9", "0.5", "1"), (1, mpf("0.05"), mpf("-0.1")),
+                           (mpf("-0.6"), mpf("0.5"), mpf("0.4")))),
+         ("shell", lambda: shell(mpf("1e-5"), mpf(6400000), mpf(8000), (0, 6402000, 0),
+                                 (1, mpf("0.02"), 0), (mpf("0.4"), mpf("0.6"), mpf("0.3")))),
+         ("one_node", lambda: one_node(mpf(3), ("-2", "0.3", "0.2"), (1, mpf("-0.13"), mpf("0.07")),
+                                       (mpf("0.25"), mpf("0.8"), mpf("0.4")))),]
 
 
 def main():
-    lines = ["/* SPDX-License-Identifier: MIT", " *", " * Written by cloud_reference.py (mpmath). Do not edit.", " */",
-             "#ifndef NEPH_TESTS_TRUTH_CLOUD_REFERENCE_H", "#define NEPH_TESTS_TRUTH_CLOUD_REFERENCE_H", ""]
+    lines = ["/* SPDX-License-Identifier: MIT", " *",
+             " * Written by cloud_reference.py (mpmath). Do not edit.", " */",
+             "#ifndef NEPH_TESTS_TRUTH_CLOUD_REFERENCE_H",
+             "#define NEPH_TESTS_TRUTH_CLOUD_REFERENCE_H", ""]
     for name, value in CASES:
         lines.append(f"static const double reference_{name} = {mp.nstr(value(), 17)};")
         print(lines[-1], file=sys.stderr)
     lines += ["", "#endif", ""]
-    pathlib.Path(__file__).with_name("cloud_reference.h").write_text("\n".join(lines), encoding="utf-8")
+    pathlib.Path(__file__).with_name("cloud_reference.h").write_text("\n".join(lines),
+                                                                     encoding="utf-8")
 
 
 if __name__ == "__main__":
