@@ -76,7 +76,7 @@ struct neph_camera neph_scene_camera(const struct neph_scene *scene, double fram
 }
 
 /* Image plane at distance 1: half its height is tan(fov/2); square pixels. Blender and POV-Ray
- * were measured to use the same rays (notes/engines.md, section 1). */
+ * were measured to use the same rays. */
 struct neph_vec3 neph_camera_ray(const struct neph_camera *camera, int width_px, int height_px,
                                  double i, double j)
 {

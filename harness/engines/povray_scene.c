@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * What POV-Ray 3.7.0.10 does with media (its media.cpp; measured in notes/engines.md), and what
+ * What POV-Ray 3.7.0.10 does with media (its media.cpp, and measured), and what
  * follows here:
  * - Scattering is k(cos) * colour * light, k = 4 pi p; a surface is albedo * light * cos. With a
  *   light of E / pi the colour of the scattering is sigma_s / 4.
