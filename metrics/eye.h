@@ -8,9 +8,9 @@
  * Asia 2024) with the fall over spatial frequency of the pyramid of visibility in Denes and
  * Mantiuk, Predicting visible flicker in temporally changing images, HVEI 2020. The level is a
  * choice, because experiments differ among themselves by up to 18 dB in criterion, adaptation and
- * surround: it is that of De Lange, Research into the dynamic nature of the human fovea-cortex
- * systems, JOSA 48, 1958, a practised observer who looks at a disk of 1 degree radius, at 10 to
- * 1000 cd/m2 and up to 30 Hz, which is what a display of 60 frames a second shows.
+ * surround. It is that of De Lange, Research into the dynamic nature of the human fovea-cortex
+ * systems, JOSA 48, 1958: a practised observer looks at a disk of 1 degree radius, at 10 to 1000
+ * cd/m2 and up to 30 Hz, which is what a display of 60 frames a second shows.
  *
  * Sensitivity is 1 / the Michelson contrast of a sine at threshold. What that is worth against 380
  * thresholds of six experiments is measured in tests/metrics/test_eye.c.

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT
  *
- * The truth along one ray, in double precision and per colour channel: transmittance in closed
- * form, single scattering from the sun in closed form where there is one and else by adaptive
- * Gauss-Kronrod quadrature over pieces on which the integrand is smooth (cut at the faces of media,
- * at the cells of grids and at the exact edges of the shadows of solids). Relative accuracy of the
- * quadrature: 1e-12 and better for fog and Gaussians, 1e-9 for shells and grids, of the brightest
- * channel, as long as that is above 1e-290 of the sunlight. What lies behind an optical depth of 45
+ * The truth along one ray, in double precision and per colour channel. Transmittance is in closed
+ * form. Single scattering from the sun is so where it can be, else by adaptive Gauss-Kronrod
+ * quadrature over pieces on which the integrand is smooth: cut at the faces of media, at the cells
+ * of grids and at the exact edges of the shadows of solids. Its relative accuracy, of the brightest
+ * channel, is 1e-12 and better for fog and Gaussians and 1e-9 for shells and grids, as long as that
+ * channel is above 1e-290 of the sunlight. What lies behind an optical depth of 45
  * is left out where it is dark beside what comes from nearer, and counted where it is not: against
  * the light, and behind shadows. The white furnace is known in closed form too.
  */

@@ -3,11 +3,11 @@
  * Error of an image against a reference, on linear data. The sign is test - reference: a positive
  * bias means that the test is too bright, too clear or too far.
  *
- * With d = test - reference, the samples of a mask are all its pixels in all colour channels
- * jointly (3 samples a pixel; depth has 1), and S is the mean Rec.709 luminance of the quantity
- * over the *whole* reference frame (depth: the mean over its solid pixels), so that a number does
- * not change its meaning from mask to mask. All numbers on depth but hit_mismatch are over the
- * pixels that are solid in both images.
+ * d = test - reference. The samples of a mask are all its pixels in all colour channels jointly (3
+ * samples a pixel; depth has 1). S is the mean Rec.709 luminance of the quantity over the *whole*
+ * reference frame (depth: the mean over its solid pixels), so that a number does not change its
+ * meaning from mask to mask. All numbers on depth but hit_mismatch are over the pixels that are
+ * solid in both images.
  */
 #include "metrics/extractors/extractors.h"
 

@@ -47,9 +47,9 @@ struct neph_flicker_spectrum neph_flicker_spectrum_of(const struct neph_flicker_
 double neph_flicker_variance(const struct neph_flicker_window *window, const double *sums,
                              bool detrended);
 
-/* Whether a cycle of four frames stands out of the noise: probability that noise which is white
- * around the bin shows as much at the period of four frames (F distribution with 2 and 8 degrees of
- * freedom: two parts of one bin against those of four) or of two frames (1 and 4). 1 when there is
+/* Whether a cycle of four frames stands out of the noise: the probability that noise which is white
+ * around the bin shows as much at the period of four frames, or of two. F distribution with 2 and 8
+ * degrees of freedom, two parts of one bin against those of four, or 1 and 4. 1 when there is
  * neither signal nor noise. `keep_noise` makes no difference. */
 double neph_flicker_quarter_p(const struct neph_flicker_spectrum *spectrum);
 double neph_flicker_half_p(const struct neph_flicker_spectrum *spectrum);

@@ -1,15 +1,17 @@
 /* SPDX-License-Identifier: MIT
  *
- * Ghosts behind moving edges: of what had hidden a pixel, how much is still seen there.
+ * Ghosts behind moving edges: how much is still seen of what had hidden a pixel.
  *
  * A pixel is disoccluded when what it shows was in the picture of the frame before, but hidden
- * (moved.h); that frame has the age 1, and the age goes with what is shown along its motion. With Y
- * luminance of linear data and Y_front the reference where it was hidden, in the frame before age
- * 1: residual of an age = sum (test - reference) (Y_front - reference) / sum (Y_front -
- * reference)^2 over its pixels: 1 when all of what was in front is still seen, 0 when none is,
- * below 0 when the test goes beyond. It is (1 - alpha)^age behind an exponential average of the
- * weight alpha that had settled on the front. A ghost is where |test - reference| > |Y_front -
- * reference| / 10.
+ * (moved.h). That frame has the age 1, and the age goes with what is shown along its motion. Y is
+ * the luminance of linear data, Y_front the reference where it was hidden, in the frame before age
+ * 1. Over the pixels of an age
+ *
+ *   residual = sum (test - reference) (Y_front - reference) / sum (Y_front - reference)^2
+ *
+ * is 1 when all of what was in front is still seen, 0 when none is, below 0 when the test goes
+ * beyond. It is (1 - alpha)^age behind an exponential average of the weight alpha that had settled
+ * on the front. A ghost is where |test - reference| > |Y_front - reference| / 10.
  */
 #include "metrics/extractors/extractors.h"
 

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
  * Multi-scale structural similarity as libvmaf defines it (Wang, Simoncelli and Bovik, Asilomar
- * 2003, equation 7): five scales, each half the one before behind the low-pass of the 9/7 wavelet;
- * the product of the mean contrast and structure at each scale and of the mean luminance at the
- * coarsest, to the powers 0.0448 0.2856 0.3001 0.2363 0.1333.
+ * 2003, equation 7). Of five scales each is half the one before, behind the low-pass of the 9/7
+ * wavelet. The index is the product of the mean contrast and structure at each scale and of the
+ * mean luminance at the coarsest, to the powers 0.0448 0.2856 0.3001 0.2363 0.1333.
  */
 #ifndef NEPH_METRICS_EXTRACTORS_MS_SSIM_H
 #define NEPH_METRICS_EXTRACTORS_MS_SSIM_H

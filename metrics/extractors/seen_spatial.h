@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
  * The eye's fall over spatial frequency as a filter of a plane: all frequencies up to that of the
- * pixels, each by neph_eye_spatial(). (Denes and Mantiuk, HVEI 2020, weigh the squares of the
- * octave bands of a Laplacian pyramid; its bands overlap, so that a grating of contrast c comes out
- * as 0.6 c to 0.94 c, and a threshold is no threshold.)
+ * pixels, each by neph_eye_spatial(). Denes and Mantiuk, HVEI 2020, weigh the squares of the octave
+ * bands of a Laplacian pyramid. Its bands overlap: a grating of contrast c comes out as 0.6 c to
+ * 0.94 c, and a threshold is no threshold.
  *
  * Other models fall faster: of the sensitivity at 1 cycle per degree and 7.5 Hz, castleCSF (Ashraf
  * et al., Journal of Vision 24(4), 2024) leaves 0.26 at 16, this one 0.70. A dither from pixel to

@@ -3,10 +3,10 @@
  * The spectrum over time of many series of frames side by side.
  *
  * A line is fitted and taken out, the rest is tapered by Hann's window, filled up with zeros to a
- * power of two M >= N and transformed. What comes out are energies: bin k, at the frequency
- * k rate / M, holds 2 |X_k|^2 (1 + [0 < k < M / 2]) / (M sum w^2), so that by Parseval's theorem
- * they sum to twice the variance of the tapered series, which is the squared amplitude of a sine
- * wherever it lies between the bins, and of noise the same for any number of frames.
+ * power of two M >= N and transformed. What comes out are energies: bin k, at the frequency k rate
+ * / M, holds 2 |X_k|^2 (1 + [0 < k < M / 2]) / (M sum w^2). By Parseval's theorem they sum to twice
+ * the variance of the tapered series. That is the squared amplitude of a sine, wherever it lies
+ * between the bins; and for noise it does not depend on the number of frames.
  */
 #ifndef NEPH_METRICS_EXTRACTORS_SEEN_SPECTRUM_H
 #define NEPH_METRICS_EXTRACTORS_SEEN_SPECTRUM_H

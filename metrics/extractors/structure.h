@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT
  *
  * Structural similarity in a sliding window, as libvmaf defines it (Wang, Bovik, Sheikh and
- * Simoncelli, IEEE Transactions on Image Processing 13, 2004, equations 6 to 13): a Gaussian window
- * of 11x11 px with a standard deviation of 1.5 px and the sum 1, where it lies wholly inside;
- * population covariance; K1 = 0.01, K2 = 0.03, C3 = C2 / 2. The weights are those of the formula,
- * in double precision. libvmaf itself has them to six digits, which sum to 1.000002, and works in
- * single precision: evaluated in its way, the frames of the tests have means lower by 7e-5 to 3e-4.
+ * Simoncelli, IEEE Transactions on Image Processing 13, 2004, equations 6 to 13). The window is
+ * Gaussian, of 11x11 px, with a standard deviation of 1.5 px and the sum 1, and counts where it
+ * lies wholly inside; population covariance; K1 = 0.01, K2 = 0.03, C3 = C2 / 2. The weights are
+ * those of the formula, in double precision. libvmaf itself has them to six digits, which sum to
+ * 1.000002, and works in single precision: evaluated in its way, the frames of the tests have means
+ * lower by 7e-5 to 3e-4.
  */
 #ifndef NEPH_METRICS_EXTRACTORS_STRUCTURE_H
 #define NEPH_METRICS_EXTRACTORS_STRUCTURE_H

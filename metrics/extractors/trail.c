@@ -4,11 +4,14 @@
  * reference says where the card is by its channel mask.card.
  *
  * A pixel is uncovered when the card was over it in the frame before and is not now; that frame has
- * the age 1. At a speed of v px/frame the age a lies a v px behind the card. With Y luminance of
- * linear data and Y_card the reference in the pixel's last covered frame, over all pixels and
- * frames of an age: energy = sum (test - reference)^2 / sum (Y_card - reference)^2, 1 when the card
- * stays as it was, (1 - alpha)^(2 a) behind an exponential average with the weight alpha that had
- * settled on the card.
+ * the age 1. At a speed of v px/frame the age a lies a v px behind the card. Y is the luminance of
+ * linear data, Y_card the reference in the pixel's last covered frame. Over all pixels and frames
+ * of an age
+ *
+ *   energy = sum (test - reference)^2 / sum (Y_card - reference)^2
+ *
+ * is 1 when the card stays as it was, and (1 - alpha)^(2 a) behind an exponential average with the
+ * weight alpha that had settled on the card.
  */
 #include "metrics/extractors/extractors.h"
 

@@ -202,7 +202,12 @@ vec4 fetch_tile(int target, ivec2 tile)
 }
 
 void put_full(int target, ivec2 pixel, vec4 value) { put(target, view_origin() + pixel, value); }
-void put_half(int target, ivec2 pixel, vec4 value) { put(target, view_origin() / 2 + pixel, value); }
+
+void put_half(int target, ivec2 pixel, vec4 value)
+{
+    put(target, view_origin() / 2 + pixel, value);
+}
+
 void put_tile(int target, ivec2 tile, vec4 value) { put(target, view_origin() / 4 + tile, value); }
 
 // --- numbers that may be bad -------------------------------------------------------------------

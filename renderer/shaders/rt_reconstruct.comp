@@ -279,7 +279,8 @@ vec4 mean_of_rays(int kind, ivec2 half_pixel, int nearest, float own_m, bool own
     for (int i = 0; i < 9; i++) {
         ivec2 at = 1 + AROUND[i] * (1 - 2 * (half_pixel & 1));
         float weight = by_depth ? GAUSSIAN_WEIGHTS[at.x] * GAUSSIAN_WEIGHTS[at.y] /
-                                      (depth_difference_m(own_m, i) + setting(RT_UPSCALE_TOLERANCE_M))
+                                      (depth_difference_m(own_m, i) +
+                                       setting(RT_UPSCALE_TOLERANCE_M))
                                 : LINEAR_WEIGHTS[at.x] * LINEAR_WEIGHTS[at.y];
         if (!rays[i].is_usable || weight == 0.0 || (by_depth && rays[i].is_sky != own_is_sky))
             continue;

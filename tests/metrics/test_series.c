@@ -201,7 +201,7 @@ static void test_too_few_frames(void **state)
     assert_int_equal(neph_series_mean(values, 64, NEPH_REPLICATE_FRAMES).n, 8);
     assert_int_equal(neph_series_mean(values, 127, NEPH_REPLICATE_FRAMES).n, 15);
     assert_int_equal(neph_series_mean(values, 128, NEPH_REPLICATE_FRAMES).n, 8);
-    /* Of six frames the first two are next to the warm-up. */
+    /* The first two of six frames are next to the warm-up. */
     const double six[6] = {1000.0, 1000.0, 1.0, 2.0, 3.0, 6.0};
     const struct neph_mean mean = neph_series_mean(six, 6, NEPH_REPLICATE_FRAMES);
     neph_assert_close(mean.value, 3.0, 1e-15, 0.0);

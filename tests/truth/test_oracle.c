@@ -445,7 +445,7 @@ static void test_interrupted_render_is_resumed(void **state)
     int status;
     assert_int_equal(waitpid(child, &status, 0), child);
     assert_true(WIFEXITED(status) && WEXITSTATUS(status) == 42);
-    /* Some rows may be ahead of others by a round of 64 samples: all are brought to the same end. */
+    /* Some rows may be ahead of others by a round of 64 samples: all are brought to one end. */
     params.samples = 2;
     struct neph_oracle_stats stats;
     struct neph_image *resumed = render(&stage.scene, &params, &stats);

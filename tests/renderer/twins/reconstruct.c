@@ -139,7 +139,7 @@ static float ray_depth_m(const struct twin *twin, int tile_x, int tile_y, int i,
     return TWIN_TILE_UNIT_M * tile[1];
 }
 
-/* The half-pixel that a tile's ray goes through, and its depth [m]. */
+/* The half-resolution texel that a tile's ray goes through, and its depth [m]. */
 static float marched_depth_m(const struct twin *twin, const struct ray *ray, int half_pixel[2])
 {
     float tile[4], depth[4];
@@ -164,7 +164,7 @@ static void load_rays(const struct twin *twin, int tile_x, int tile_y, struct ra
     }
 }
 
-/* Of the rays from `asked` on; NULL if none can be used. */
+/* The ray nearest in depth of those from `asked` on; NULL if none can be used. */
 static const struct ray *nearest_ray(const struct twin *twin, const struct ray rays[RAYS],
                                      int asked, float own_m)
 {
@@ -351,7 +351,7 @@ static struct history history_at(const struct twin *twin, int x, int y)
     return history;
 }
 
-/* Of the taps -1 .. 2 for a place 0 .. 1. */
+/* Weights of the taps -1 .. 2 for a place 0 .. 1. */
 static void tap_weights(int kind, double place, double weights[TAPS])
 {
     memset(weights, 0, TAPS * sizeof(*weights));
@@ -541,7 +541,7 @@ static double beyond(double value, double least)
     return least > 0.0 ? held(value / least - 1.0, 0.0, 1.0) : 1.0;
 }
 
-/* What a ray sees now against the memory of the half-pixel it went through. */
+/* What a ray sees now against the history of the texel it went through. */
 static double change_at_ray(const struct twin *twin, const struct ray *ray)
 {
     float distance[4];
@@ -580,7 +580,7 @@ static void put_result(const struct twin *twin, int x, int y, const double value
     twin_put_half(twin, RT_HISTORY_STATE, x, y, state);
 }
 
-/* A ray's place from the half-pixel's own, in tiles along one axis. */
+/* A ray's place from the texel's own, in tiles along one axis. */
 static double way(int half_pixel, int ray_tile_offset)
 {
     return ray_tile_offset - (half_pixel % 2 ? 0.25 : -0.25);
@@ -620,7 +620,7 @@ static void stand_in(const struct twin *twin, int kind, int x, int y, const stru
         value[c] = total > 0.0 ? sum[c] / total : taken->value[c];
 }
 
-/* Of a fresh ray. */
+/* Weight of a fresh ray. */
 static double fresh_weight(const struct twin *twin, double age, double part)
 {
     const double age_max = setting(twin, RT_HISTORY_AGE_MAX);

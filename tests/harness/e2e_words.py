@@ -1,0 +1,79 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""The words of the house: one file is read without a key, and no line is wider than a page."""
+import os
+import pathlib
+import re
+import unittest
+
+ROOT = pathlib.Path(os.environ["NEPH_SOURCE_DIR"])
+FOLDERS = ("base", "scenes", "truth", "metrics", "renderer", "harness", "scripts", "tests", "docs")
+C, SCRIPT, PAGE = {".c", ".h", ".cpp", ".glsl", ".comp"}, {".py", ".md"}, {".js", ".mjs"}
+GENERATED = re.compile(r"node_modules/|tests/fuzz/corpus/|tests/\w+/\w*reference_?\w*\.h$")
+WIDTH = 100
+
+COMMENT_OR_STRING = re.compile(r'/\*.*?\*/|//[^\n]*|"(?:[^"\\\n]|\\.)*"', re.DOTALL)
+COMMENT = re.compile(r"/\*.*?\*/|(?<!:)//[^\n]*", re.DOTALL)
+# Steps and faults of the articles had such numbers once.
+CODE = re.compile(r"\b(?:[AX](?:[1-9]|1[0-9]|2[0-6])|D(?:[1-9]|10))\b")
+# Notes lie outside of the repository.
+NOTE = re.compile(r"(?<![\w./-])notes/\w")
+# A comment that goes on with a sentence somewhere above it.
+GOES_ON = re.compile(
+    r"^(?:/\*|//)\s*(?:Of\b|The same(?:\.| (?:again|as|at|by|for|of|to|with|where)\b))")
+# What is still to be mended: less each time, never more.
+GO_ON = ("scenes/", "renderer/", "harness/")
+WIDE = ("harness/compare/findings.h", "renderer/shaders/", "scripts/report/",
+        "tests/harness/e2e_command_line.py", "tests/harness/e2e_house.py",
+        "tests/harness/e2e_physics.py", "tests/harness/e2e_report_page.py",
+        "tests/harness/e2e_study.py", "tests/harness/e2e_verdict.py", "tests/harness/e2e_watch.py",
+        "tests/renderer/shaders/")
+
+
+def files(kinds):
+    found = [path for folder in FOLDERS for path in sorted((ROOT / folder).rglob("*"))]
+    for path in found + sorted(ROOT.glob("*.md")):
+        name = path.relative_to(ROOT).as_posix()
+        if path.suffix in kinds and path.is_file() and not GENERATED.search(name):
+            yield name, path.read_text()
+
+
+def spoken(name, text):
+    """What of a file is said to people, each with its line."""
+    kind = pathlib.Path(name).suffix
+    if kind in SCRIPT:
+        return list(enumerate(text.split("\n"), 1))
+    pattern = COMMENT_OR_STRING if kind in C else COMMENT
+    return [(text.count("\n", 0, found.start()) + 1, found[0]) for found in pattern.finditer(text)]
+
+
+class Words(unittest.TestCase):
+    def refuse(self, kinds, pattern, why, but=()):
+        seen = 0
+        for name, text in files(kinds):
+            if name.startswith(but):
+                continue
+            for line, words in spoken(name, text):
+                seen += 1
+                self.assertIsNone(pattern.search(words), f"{name}:{line}: {why}: {words[:200]}")
+        self.assertGreater(seen, 1000)
+
+    def test_nothing_has_to_be_looked_up_by_a_code(self):
+        self.refuse(C | SCRIPT | PAGE, CODE, "say in words what the code stands for")
+
+    def test_nothing_refers_to_what_is_not_here(self):
+        self.refuse(C | SCRIPT | PAGE, NOTE, "no file of the repository")
+
+    def test_comments_stand_alone(self):
+        self.refuse(C, GOES_ON, "name what it is about", GO_ON)
+
+    def test_lines_are_as_wide_as_a_page(self):
+        for name, text in files(C | SCRIPT | PAGE):
+            for number, line in enumerate(text.split("\n"), 1):
+                is_row = name.endswith(".md") and line.startswith("|")
+                if not is_row and not name.startswith(WIDE):
+                    self.assertLessEqual(len(line), WIDTH, f"{name}:{number}")
+
+
+if __name__ == "__main__":
+    unittest.main()
