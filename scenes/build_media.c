@@ -204,10 +204,8 @@ static enum neph_status make_voxels(struct neph_medium *medium, int nodes, struc
     if (!status) {
         const struct neph_medium voxels = neph_medium_from_bake(medium, &bake);
         bake.grid = NULL; /* the medium has it */
-        neph_grid_destroy(medium->grid);
-        neph_horizon_destroy(medium->horizon);
+        neph_medium_finish(medium);
         *medium = voxels;
-        medium->horizon = NULL;
     }
     neph_bake_finish(&bake);
     return status;

@@ -10,6 +10,7 @@
  * The error that comes with the box is not derived but measured: the largest difference in
  * transmittance over views of all slopes from the eyes.
  */
+#include "scenes/media.h"
 #include "scenes/medium_kind.h"
 
 #include <math.h>

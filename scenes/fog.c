@@ -6,6 +6,8 @@
  * phi(x) = (1-e^-x)/x for the rest has neither: the exponential is the largest one needed and phi
  * lies in (0, 1].
  */
+#include "scenes/hash_text.h"
+#include "scenes/media.h"
 #include "scenes/medium_kind.h"
 
 #include <math.h>
@@ -113,14 +115,65 @@ static struct neph_bounds support(const struct neph_medium *medium)
     return medium->bounds;
 }
 
-const struct neph_medium_kind_ops neph_medium_fog = {
-    .name = "height fog",
-    .closed_form = true,
+enum { LADDER_COUNT = 9 };
+
+/* Cuts where a layer has given its whole / 2 * 64^-k from either end: between two of them its
+ * density changes 64-fold at most, or it gives less than 1e-14 of its whole. However far away or
+ * thin a layer is, some piece has its scale. */
+static void cut_scales(struct neph_cuts *cuts, const struct neph_medium *medium)
+{
+    double near_m, far_m;
+    if (!neph_cuts_inside(cuts, &medium->bounds, &near_m, &far_m))
+        return;
+    const double k_y = cuts->direction.y;
+    const double near_y_m = cuts->origin_m.y + near_m * k_y,
+                 far_y_m = cuts->origin_m.y + far_m * k_y;
+    for (int l = 0; l < medium->layer_count; l++) {
+        const struct neph_fog_layer *layer = &medium->layers[l];
+        double step = 0.5 * neph_fog_layer_optical_depth(layer, near_y_m, k_y, far_m - near_m);
+        if (layer->falloff_per_m * k_y == 0.0)
+            continue; /* even along the ray */
+        for (int k = 0; k < LADDER_COUNT && step > 0.0; k++, step /= 64.0) {
+            neph_cut(cuts, near_m + neph_fog_layer_distance_m(layer, near_y_m, k_y, step));
+            neph_cut(cuts, far_m - neph_fog_layer_distance_m(layer, far_y_m, -k_y, step));
+        }
+    }
+}
+
+static void hash(const struct neph_medium *medium, FILE *text)
+{
+    for (int i = 0; i < medium->layer_count; i++)
+        neph_put_three(text, "layer", medium->layers[i].extinction_per_m,
+                       medium->layers[i].falloff_per_m, medium->layers[i].height_m);
+}
+
+const struct neph_medium_row neph_medium_homogeneous = {
+    .facts = {.name = "homogeneous medium",
+              .is_fog = true,
+              .is_even = true,
+              .has_closed_form = true,
+              .majorant_cells = NEPH_MAJORANT_CELLS},
     .extinction_per_m = extinction_per_m,
     .optical_depth = optical_depth,
     .bound_per_m = bound_per_m,
     .support = support,
     .container = neph_fog_container,
+    .cut_scales = cut_scales,
+    .hash = hash,
+};
+
+const struct neph_medium_row neph_medium_height_fog = {
+    .facts = {.name = "height fog",
+              .is_fog = true,
+              .has_closed_form = true,
+              .majorant_cells = NEPH_MAJORANT_CELLS},
+    .extinction_per_m = extinction_per_m,
+    .optical_depth = optical_depth,
+    .bound_per_m = bound_per_m,
+    .support = support,
+    .container = neph_fog_container,
+    .cut_scales = cut_scales,
+    .hash = hash,
 };
 
 /* The UI divides density and falloff by 1000 and counts in centimetres: /10 per metre. */

@@ -5,6 +5,8 @@
  * of which cancels: across the centre a sum of two erf; on one side a difference of erfc; and over
  * a stretch too short for that, Gauss quadrature.
  */
+#include "scenes/bounds.h"
+#include "scenes/hash_text.h"
 #include "scenes/medium_kind.h"
 #include "scenes/quadrature.h"
 #include "scenes/radial.h"
@@ -92,13 +94,45 @@ static struct neph_bounds container(const struct neph_scene *scene,
     return support(medium);
 }
 
-const struct neph_medium_kind_ops neph_medium_gaussian = {
-    .name = "Gaussian blob",
-    .closed_form = true,
+/* At every second width, to where e^-50 of the density is left. */
+static void cut_widths(struct neph_cuts *cuts, double middle_m, double width_m)
+{
+    for (int k = -10; k <= 10; k += 2)
+        neph_cut(cuts, middle_m + k * width_m);
+}
+
+/* On the ray, and where the blob's shadow crosses it: the distance of the sun ray from the centre
+ * is a hyperbola in t, with its own middle and width. */
+static void cut_scales(struct neph_cuts *cuts, const struct neph_medium *medium)
+{
+    const struct neph_vec3 s = cuts->scene->sun.direction, d = cuts->direction;
+    const struct neph_vec3 to_center_m = neph_vec3_sub(medium->gaussian.center_m, cuts->origin_m);
+    const struct neph_vec3 across = neph_vec3_along(d, s, -neph_vec3_dot(d, s));
+    const double slope2 = neph_vec3_dot(across, across);
+    cut_widths(cuts, neph_vec3_dot(to_center_m, d), medium->gaussian.width_m);
+    if (slope2 > 0.0 && cuts->scene->medium_count > 1) /* its own density has its own scale */
+        cut_widths(cuts, neph_vec3_dot(to_center_m, across) / slope2,
+                   medium->gaussian.width_m / sqrt(slope2));
+}
+
+static void hash(const struct neph_medium *medium, FILE *text)
+{
+    neph_put_number(text, "extinction_per_m", medium->extinction_per_m);
+    neph_put_vec3(text, "center_m", medium->gaussian.center_m);
+    neph_put_number(text, "width_m", medium->gaussian.width_m);
+}
+
+const struct neph_medium_row neph_medium_gaussian = {
+    .facts = {.name = "Gaussian blob",
+              .has_closed_form = true,
+              .needs_majorants = true,
+              .majorant_cells = NEPH_MAJORANT_CELLS},
+    .hash = hash,
     .extinction_per_m = extinction_at,
     .optical_depth = optical_depth,
     .bound_per_m = bound_per_m,
     .drift = drift,
     .support = support,
+    .cut_scales = cut_scales,
     .container = container,
 };

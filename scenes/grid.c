@@ -8,7 +8,7 @@
  */
 #include "scenes/grid.h"
 
-#include "scenes/media.h"
+#include "scenes/bounds.h"
 
 #include <math.h>
 #include <stdio.h>

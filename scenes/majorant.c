@@ -35,7 +35,7 @@ static void choose_size(const struct neph_medium *medium, const double extent_m[
 {
     const double side_m = cube_side_m(extent_m, cell_count);
     double thinnest_m[3] = {0.0, 0.0, 0.0};
-    if (medium->kind == NEPH_MEDIUM_GRID) {
+    if (medium->grid) {
         thinnest_m[0] = medium->grid->spacing_m.x;
         thinnest_m[1] = medium->grid->spacing_m.y;
         thinnest_m[2] = medium->grid->spacing_m.z;
@@ -51,7 +51,7 @@ static void choose_size(const struct neph_medium *medium, const double extent_m[
 
 int neph_majorants_cell_count(enum neph_medium_kind kind)
 {
-    return kind == NEPH_MEDIUM_HORIZON ? 48 * 48 * 48 : 16 * 16 * 16;
+    return neph_medium_facts(kind)->majorant_cells;
 }
 
 /* Majorants hold a hair beyond the cell: a tracker's own rounding may put a point of the face into
@@ -104,11 +104,11 @@ enum neph_status neph_majorants_create(const struct neph_medium *medium,
         if (!isfinite(extent_m[axis]))
             return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
                              "a %s without finite bounds has no majorant grid",
-                             neph_medium_kind_name(medium->kind));
+                             neph_medium_facts(medium->kind)->name);
         if (!(extent_m[axis] > 0.0))
             return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
                              "the bounds of a %s leave nothing of it: no majorant grid",
-                             neph_medium_kind_name(medium->kind));
+                             neph_medium_facts(medium->kind)->name);
     }
     struct neph_majorants *made = calloc(1, sizeof(*made));
     if (!made)
@@ -130,7 +130,7 @@ enum neph_status neph_majorants_create(const struct neph_medium *medium,
  * grid's own it would bring in all nodes of the cells around. */
 void neph_majorants_cover_nodes(struct neph_majorants *majorants, const struct neph_medium *medium)
 {
-    if (medium->kind != NEPH_MEDIUM_GRID)
+    if (!medium->grid)
         return;
     float *majorant_per_m = majorants->extinction_per_m;
     const int *n = majorants->size;

@@ -6,7 +6,10 @@
 #ifndef NEPH_SCENES_MEDIA_H
 #define NEPH_SCENES_MEDIA_H
 
-#include "scenes/scene.h"
+#include "scenes/bounds.h"
+#include "scenes/cuts.h"
+
+#include <stdio.h>
 
 /* (1 - e^-x)/x, 1 at x = 0, for any sign; no cancellation. The phi of all exponential integrals. */
 double neph_phi(double x);
@@ -22,6 +25,12 @@ double neph_fog_layer_optical_depth(const struct neph_fog_layer *layer, double y
 double neph_fog_layer_distance_m(const struct neph_fog_layer *layer, double y_m, double k_y,
                                  double optical_depth);
 
+const struct neph_medium_facts *neph_medium_facts(enum neph_medium_kind kind);
+
+/* Two of the facts that are asked for most. */
+bool neph_medium_is_fog(const struct neph_medium *medium);
+bool neph_medium_has_closed_form(const struct neph_medium *medium);
+
 /* Extinction [1/m] at a point; 0 outside the bounds. */
 double neph_medium_extinction_per_m(const struct neph_medium *medium, struct neph_vec3 point_m);
 
@@ -30,14 +39,6 @@ double neph_medium_extinction_per_m(const struct neph_medium *medium, struct nep
 double neph_medium_extinction_bound_per_m(const struct neph_medium *medium,
                                           const struct neph_bounds *box);
 
-/* Whether neph_medium_optical_depth() is a closed form or a finite sum of exact pieces (all kinds
- * but HORIZON, where it is quadrature with an error below 1e-10 of a unit of density, and slow). A
- * shell's pieces are Gauss rules that are exact to rounding: within 1e-12 of 40-digit references,
- * plus R / H times the rounding of long double, plus, in metres at the ground, the rounding of the
- * place where a grazing ray meets it (a few R^2 / d times that, d from there to its lowest point).
- */
-bool neph_medium_has_closed_form(const struct neph_medium *medium);
-
 /* Whether wind carries the medium along: Gaussian blobs and voxel grids with their bounds, the
  * textures of Horizon layers within theirs. The rest is the same all along the wind. */
 bool neph_medium_drifts(const struct neph_medium *medium);
@@ -45,11 +46,24 @@ bool neph_medium_drifts(const struct neph_medium *medium);
 /* Carry it along; what does not drift stays as it is. Writes to its grid or horizon. */
 void neph_medium_drift(struct neph_medium *medium, struct neph_vec3 by_m);
 
+/* Free what it owns. */
+void neph_medium_finish(struct neph_medium *medium);
+
+/* Let it use `room` in place of what it owns, so that it can drift by itself; voxels and textures
+ * are borrowed. */
+size_t neph_medium_room(const struct neph_medium *medium);
+void neph_medium_borrow(struct neph_medium *medium, void *room);
+
+/* Cut a ray at the scale of the density, on the ray itself and in the shadow that the medium throws
+ * on it; and at its kinks, which may be more than there is room for. */
+void neph_medium_cut_scales(struct neph_cuts *cuts, const struct neph_medium *medium);
+void neph_medium_cut_kinks(struct neph_cuts *cuts, const struct neph_medium *medium);
+
 /* Whether its extinction differs between the channels. */
 bool neph_medium_is_coloured(const struct neph_medium *medium);
 
-/* "height fog", "voxel grid", ...: for messages. */
-const char *neph_medium_kind_name(enum neph_medium_kind kind);
+/* Write all that changes a rendered value, see scenes/hash_text.h. */
+void neph_medium_hash(const struct neph_medium *medium, FILE *text);
 
 /* The finite box that holds all of the medium: its bounds, narrowed to the support of its density
  * (grids) or to where extinction falls below 1e-12 of its largest (Gaussian). Infinite sides stay
@@ -58,7 +72,13 @@ const char *neph_medium_kind_name(enum neph_medium_kind kind);
 struct neph_bounds neph_medium_support(const struct neph_medium *medium);
 
 /* Optical depth [1] (of extinction_color 1) of a medium along origin + t direction, t in [t0_m,
- * t1_m] (t1 may be +inf). `direction` is unit. The segment is clipped to the bounds. */
+ * t1_m] (t1 may be +inf). `direction` is unit. The segment is clipped to the bounds.
+ *
+ * A closed form or a finite sum of exact pieces for all kinds but HORIZON, where it is quadrature
+ * with an error below 1e-10 of a unit of density, and slow. A shell's pieces are Gauss rules that
+ * are exact to rounding: within 1e-12 of 40-digit references, plus R / H times the rounding of long
+ * double, plus, in metres at the ground, the rounding of the place where a grazing ray meets it (a
+ * few R^2 / d times that, d from there to its lowest point). */
 double neph_medium_optical_depth(const struct neph_medium *medium, struct neph_vec3 origin_m,
                                  struct neph_vec3 direction, double t0_m, double t1_m);
 
@@ -69,14 +89,6 @@ struct neph_rgb neph_scene_optical_depth(const struct neph_scene *scene, struct 
 /* Phase function [1/sr], normalised over the sphere; cosine between the directions of travel
  * before and after. */
 double neph_phase_per_sr(const struct neph_phase *phase, double cosine);
-
-/* Clip t in [*t0_m, *t1_m] to the inside of the bounds; false when nothing is left. */
-bool neph_bounds_clip(const struct neph_bounds *bounds, struct neph_vec3 origin_m,
-                      struct neph_vec3 direction, double *t0_m, double *t1_m);
-
-/* The same on one axis: narrow [*t0, *t1] to minimum <= origin + t direction <= maximum. */
-bool neph_clip_axis(double minimum, double maximum, double origin, double direction, double *t0,
-                    double *t1);
 
 /* Unreal Engine's ExponentialHeightFog (UI values; height in metres) <-> natural exponent.
  *   sigma_t = a e^{-b (y-h)},  a = (ln 2)^2 density_ui / 10,  b = ln 2 falloff_ui / 10  [1/m].

@@ -1,16 +1,20 @@
 /* SPDX-License-Identifier: MIT
  *
- * What every kind of medium can do: one file and one row of the table in media.c each. Private to
- * scenes/; others ask through scenes/media.h, which also cuts to the medium's bounds.
+ * A kind of medium: one file and one line of the table in media.c. Private to scenes/; others ask
+ * through scenes/media.h, which also cuts to the medium's bounds.
  */
 #ifndef NEPH_SCENES_MEDIUM_KIND_H
 #define NEPH_SCENES_MEDIUM_KIND_H
 
-#include "scenes/media.h"
+#include "scenes/cuts.h"
 
-struct neph_medium_kind_ops {
-    const char *name; /* for people */
-    bool closed_form; /* see neph_medium_has_closed_form */
+#include <stdio.h>
+
+/* Of a majorant grid, where nothing else was measured: good for a 64^3 cloud. */
+#define NEPH_MAJORANT_CELLS (16 * 16 * 16)
+
+struct neph_medium_row {
+    struct neph_medium_facts facts;
     /* At a point inside the bounds. */
     double (*extinction_per_m)(const struct neph_medium *medium, struct neph_vec3 point_m);
     /* Over [t0, t1], t0 < t1, both inside the bounds; t1 may be +inf. */
@@ -19,31 +23,33 @@ struct neph_medium_kind_ops {
     /* No smaller than the extinction anywhere in the box, of which all lies inside the bounds. The
      * caller adds a margin for rounding. */
     double (*bound_per_m)(const struct neph_medium *medium, const struct neph_bounds *box);
-    /* Carry it along with the wind, its bounds too where they are its own; what `medium` owns may
-     * be written. NULL: it stays. */
-    void (*drift)(struct neph_medium *medium, struct neph_vec3 by_m);
     /* Where the density is not negligible, the bounds not considered unless it is all there is. */
     struct neph_bounds (*support)(const struct neph_medium *medium);
     /* A finite box for engines without unbounded media, and the largest error in transmittance that
      * the box makes; it need not be cut to the bounds. NULL: the support, which loses nothing. */
     struct neph_bounds (*container)(const struct neph_scene *scene,
                                     const struct neph_medium *medium, double *cut_error);
+    /* Cut a ray at the scale of the density, on the ray itself and in the shadow that the medium
+     * throws on it. NULL: what is never exact needs none. */
+    void (*cut_scales)(struct neph_cuts *cuts, const struct neph_medium *medium);
+    /* Cut a ray where the density has kinks in great number: what does not fit is left to the
+     * halving of the quadrature. NULL: none. */
+    void (*cut_kinks)(struct neph_cuts *cuts, const struct neph_medium *medium);
+    /* Carry it along with the wind, its bounds too where they are its own; what `medium` owns may
+     * be written. NULL: it stays. */
+    void (*drift)(struct neph_medium *medium, struct neph_vec3 by_m);
+    /* What changes a rendered value, after what all media have. */
+    void (*hash)(const struct neph_medium *medium, FILE *text);
+    /* Free what it owns. NULL: nothing, and then `borrow` is NULL, too. */
+    void (*destroy)(struct neph_medium *medium);
+    /* Use `room`, of `room_size` bytes, in place of what it owns, so that it can drift by itself;
+     * large data are borrowed. */
+    void (*borrow)(struct neph_medium *medium, void *room);
+    size_t room_size;
 };
 
-extern const struct neph_medium_kind_ops neph_medium_fog, neph_medium_gaussian, neph_medium_shell,
-    neph_medium_grid, neph_medium_horizon;
-
-/* The part of `a` that lies in `b`; where nothing does, a minimum is above its maximum. */
-struct neph_bounds neph_bounds_intersect(struct neph_bounds a, struct neph_bounds b);
-
-/* The place of a box that is nearest to a point. */
-struct neph_vec3 neph_bounds_nearest(const struct neph_bounds *box, struct neph_vec3 point_m);
-
-/* Both corners moved; infinite sides stay. */
-struct neph_bounds neph_bounds_moved(struct neph_bounds bounds, struct neph_vec3 by_m);
-
-/* The box around a ball. */
-struct neph_bounds neph_bounds_around(struct neph_vec3 center_m, double radius_m);
+extern const struct neph_medium_row neph_medium_homogeneous, neph_medium_height_fog,
+    neph_medium_gaussian, neph_medium_shell, neph_medium_grid, neph_medium_horizon;
 
 /* The container of fog: scenes/container.c. */
 struct neph_bounds neph_fog_container(const struct neph_scene *scene,

@@ -2,11 +2,10 @@
 #include "scenes/motion.h"
 
 #include "scenes/build.h"
-#include "scenes/grid.h"
-#include "scenes/horizon.h"
 #include "scenes/media.h"
 
 #include <math.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -202,23 +201,22 @@ bool neph_scene_is_same_moment(const struct neph_scene *scene, double frame_a, d
 struct still {
     struct neph_scene scene;
     struct neph_camera_key camera_key;
-    struct neph_grid grids[NEPH_SCENE_MEDIA_MAX];
-    struct neph_horizon horizons[NEPH_SCENE_MEDIA_MAX];
+    max_align_t rooms[]; /* what media need to drift by themselves */
 };
 
-/* Media of its own, so that they can be moved; voxels and textures are borrowed. */
+static size_t units_of(const struct neph_medium *medium)
+{
+    return (neph_medium_room(medium) + sizeof(max_align_t) - 1) / sizeof(max_align_t);
+}
+
+/* Media of its own, so that they can be moved. */
 static void place_media(struct still *still, struct neph_vec3 by_m)
 {
+    max_align_t *room = still->rooms;
     for (int i = 0; i < still->scene.medium_count; i++) {
         struct neph_medium *medium = &still->scene.media[i];
-        if (medium->grid) {
-            still->grids[i] = *medium->grid;
-            medium->grid = &still->grids[i];
-        }
-        if (medium->horizon) {
-            still->horizons[i] = *medium->horizon;
-            medium->horizon = &still->horizons[i];
-        }
+        neph_medium_borrow(medium, room);
+        room += units_of(medium);
         neph_medium_drift(medium, by_m);
     }
 }
@@ -237,7 +235,10 @@ static void stop_time(struct neph_scene *scene)
 enum neph_status neph_scene_at(const struct neph_scene *scene, double frame,
                                struct neph_scene **still, struct neph_diag *diag)
 {
-    struct still *made = calloc(1, sizeof(*made));
+    size_t units = 0;
+    for (int i = 0; i < scene->medium_count; i++)
+        units += units_of(&scene->media[i]);
+    struct still *made = calloc(1, sizeof(*made) + units * sizeof(made->rooms[0]));
     if (!made)
         return neph_fail_memory(diag);
     made->scene = *scene;

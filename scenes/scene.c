@@ -4,8 +4,7 @@
  */
 #include "scenes/scene.h"
 #include "scenes/build.h"
-#include "scenes/grid.h"
-#include "scenes/horizon.h"
+#include "scenes/media.h"
 #include "scenes/motion.h"
 
 #include <stdlib.h>
@@ -26,8 +25,7 @@ void neph_scene_destroy(struct neph_scene *scene)
     }
     free(scene->gates);
     for (int i = 0; i < scene->medium_count; i++) {
-        neph_grid_destroy(scene->media[i].grid);
-        neph_horizon_destroy(scene->media[i].horizon);
+        neph_medium_finish(&scene->media[i]);
     }
     free(scene->solids);
     free(scene->wind_keys);

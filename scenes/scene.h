@@ -45,6 +45,17 @@ enum neph_medium_kind {
     NEPH_MEDIUM_KIND_COUNT,
 };
 
+/* What is known of a kind. */
+struct neph_medium_facts {
+    const char *name;     /* "height fog", ...: for messages */
+    bool is_fog;          /* layers that thin out with height, and nothing else */
+    bool is_even;         /* the same everywhere within its bounds */
+    bool has_closed_form; /* see neph_medium_optical_depth() */
+    bool has_kinks;       /* inside its bounds: quadrature along a ray must bisect */
+    bool needs_majorants; /* collisions are found among the candidates of a majorant grid, */
+    int majorant_cells;   /* of about so many cells: fewer cost candidates, more cost steps */
+};
+
 /* sigma_t(y) = extinction * exp(-falloff * (y - height)); falloff >= 0, 0 is homogeneous. */
 struct neph_fog_layer {
     double extinction_per_m;
@@ -55,8 +66,7 @@ struct neph_fog_layer {
 /* Infinitely wide in principle; the medium's bounds cut it. */
 struct neph_gaussian {
     struct neph_vec3 center_m;
-    double
-        width_m; /* > 0: the standard deviation of the density along any line through the centre */
+    double width_m; /* > 0: the standard deviation along any line through the centre */
 };
 
 /* Nothing below the radius. */

@@ -12,9 +12,12 @@
  * line for a planet (X ~ 800), but the series about that fails for small X, and a short stretch
  * would cancel; the rule does neither and is good to rounding (tests/scenes/test_shell.c).
  */
+#include "scenes/bounds.h"
+#include "scenes/hash_text.h"
 #include "scenes/medium_kind.h"
 #include "scenes/quadrature.h"
 #include "scenes/radial.h"
+#include "scenes/solids.h"
 
 #include <math.h>
 
@@ -167,12 +170,73 @@ static struct neph_bounds container(const struct neph_scene *scene,
     return neph_bounds_around(c, medium->shell.radius_m + altitude_m);
 }
 
-const struct neph_medium_kind_ops neph_medium_shell = {
-    .name = "spherical shell",
-    .closed_form = true,
+/* Scale heights between cuts, and how many until nothing is left. */
+enum { FOLDS = 4, FOLD_CUTS = 11 };
+
+/* The distance x from the lowest point of the ray at which its radius has grown by `height_m` since
+ * x0. */
+static double x_at_climb_m(double low_m, double x0_m, double height_m)
+{
+    return sqrt(x0_m * x0_m + height_m * (2.0 * hypot(low_m, x0_m) + height_m));
+}
+
+/* One leg of the ray, on one side (+1 or -1) of its lowest point at t = middle_m: cuts at the
+ * ground and at heights over the densest point of the leg. */
+static void cut_leg(struct neph_cuts *cuts, const struct neph_shell *shell, double low_m,
+                    double middle_m, double side)
+{
+    const double start_m = side > 0.0 ? cuts->t0_m - middle_m : middle_m - cuts->t1_m;
+    double x0_m = fmax(0.0, start_m);
+    if (low_m < shell->radius_m)
+        x0_m = fmax(x0_m, sqrt((shell->radius_m - low_m) * (shell->radius_m + low_m)));
+    for (int k = 0; k <= FOLD_CUTS; k++)
+        neph_cut(cuts,
+                 middle_m + side * x_at_climb_m(low_m, x0_m, k * FOLDS * shell->scale_height_m));
+}
+
+/* On the ray, and where the sun rays that leave it just graze some height: the edges of the shadows
+ * of balls. The lowest, the ground, is a kink, for below it there is nothing. */
+static void cut_scales(struct neph_cuts *cuts, const struct neph_medium *medium)
+{
+    const struct neph_shell *shell = &medium->shell;
+    const struct neph_vec3 from_center_m = neph_vec3_sub(cuts->origin_m, shell->center_m);
+    const double middle_m = -neph_vec3_dot(from_center_m, cuts->direction);
+    const double low_m = neph_vec3_length(
+        neph_vec3_along(from_center_m, cuts->direction, middle_m));
+    cut_leg(cuts, shell, low_m, middle_m, 1.0);
+    cut_leg(cuts, shell, low_m, middle_m, -1.0);
+    for (int k = 0; k <= FOLD_CUTS; k++) {
+        const struct neph_solid ball = {.kind = NEPH_SOLID_SPHERE,
+                                        .center_m = shell->center_m,
+                                        .radius_m = shell->radius_m +
+                                                    k * FOLDS * shell->scale_height_m};
+        double low_t_m, high_t_m;
+        if (neph_solid_shadow(&ball, cuts->scene->sun.direction, cuts->origin_m, cuts->direction,
+                              cuts->t0_m, cuts->t1_m, &low_t_m, &high_t_m)) {
+            neph_cut(cuts, low_t_m);
+            neph_cut(cuts, high_t_m);
+        }
+    }
+}
+
+static void hash(const struct neph_medium *medium, FILE *text)
+{
+    neph_put_number(text, "extinction_per_m", medium->extinction_per_m);
+    neph_put_vec3(text, "center_m", medium->shell.center_m);
+    neph_put_number(text, "radius_m", medium->shell.radius_m);
+    neph_put_number(text, "scale_height_m", medium->shell.scale_height_m);
+}
+
+const struct neph_medium_row neph_medium_shell = {
+    .facts = {.name = "spherical shell",
+              .has_closed_form = true,
+              .has_kinks = true,
+              .majorant_cells = NEPH_MAJORANT_CELLS},
+    .hash = hash,
     .extinction_per_m = extinction_per_m,
     .optical_depth = optical_depth,
     .bound_per_m = bound_per_m,
     .support = support,
+    .cut_scales = cut_scales,
     .container = container,
 };

@@ -6,7 +6,7 @@
  */
 #include "scenes/solids.h"
 
-#include "scenes/media.h"
+#include "scenes/bounds.h"
 
 #include <math.h>
 

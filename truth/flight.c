@@ -48,7 +48,7 @@ static void add_medium_edges(struct neph_flight *flight, const struct neph_mediu
         return;
     add_edge(flight, t0_m);
     add_edge(flight, t1_m);
-    if (medium->kind == NEPH_MEDIUM_HOMOGENEOUS)
+    if (neph_medium_facts(medium->kind)->is_even)
         return; /* interpolation is exact */
     if (isfinite(t1_m))
         for (int i = 1; i <= NEPH_FLIGHT_INNER_EDGES; i++)

@@ -13,15 +13,10 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* How collisions are found. */
-enum method {
-    METHOD_INVERSION,  /* of each fog layer's closed form */
-    METHOD_CANDIDATES, /* of a majorant */
-};
-
 struct tracked {
     const struct neph_medium *medium;
-    enum method method;
+    bool
+        inverted; /* collisions by the inverse of each fog layer, else by candidates of a majorant */
     struct neph_majorants *majorants; /* owned; NULL for shells and fogs */
     double color[3], color_max;       /* extinction_color */
     bool grey;
@@ -37,33 +32,27 @@ struct neph_tracker {
 
 /* ---- set-up ---- */
 
-static enum method method_of(enum neph_medium_kind kind)
-{
-    return kind == NEPH_MEDIUM_HOMOGENEOUS || kind == NEPH_MEDIUM_HEIGHT_FOG ? METHOD_INVERSION
-                                                                             : METHOD_CANDIDATES;
-}
-
 static enum neph_status prepare(struct tracked *tracked, const struct neph_medium *medium,
                                 struct neph_diag *diag)
 {
+    const struct neph_medium_facts *facts = neph_medium_facts(medium->kind);
     const struct neph_rgb color = medium->extinction_color;
     *tracked = (struct tracked){
         .medium = medium,
-        .method = method_of(medium->kind),
+        .inverted = facts->is_fog,
         .color = {color.r, color.g, color.b},
         .color_max = fmax(color.r, fmax(color.g, color.b)),
         .grey = color.r == color.g && color.g == color.b,
-        .exact = neph_medium_has_closed_form(medium),
+        .exact = facts->has_closed_form,
     };
-    if (tracked->method == METHOD_INVERSION || medium->kind == NEPH_MEDIUM_SHELL)
+    if (!facts->needs_majorants)
         return NEPH_OK;
     const struct neph_bounds box = neph_medium_support(medium);
     if (!(box.min_m.x < box.max_m.x && box.min_m.y < box.max_m.y && box.min_m.z < box.max_m.z)) {
         tracked->color_max = 0.0; /* its bounds leave nothing of it */
         return NEPH_OK;
     }
-    return neph_majorants_create(medium, &box, neph_majorants_cell_count(medium->kind),
-                                 &tracked->majorants, diag);
+    return neph_majorants_create(medium, &box, facts->majorant_cells, &tracked->majorants, diag);
 }
 
 enum neph_status neph_tracker_create(const struct neph_scene *scene, struct neph_tracker **tracker,
@@ -225,7 +214,7 @@ static void collide_candidates(const struct neph_tracker *tracker, const struct 
     int count = 0;
     for (int m = 0; m < tracker->count; m++) {
         const struct tracked *tracked = &tracker->media[m];
-        if (tracked->method == METHOD_CANDIDATES && tracked->color_max > 0.0)
+        if (!tracked->inverted && tracked->color_max > 0.0)
             count += walk_start(&walks[count], tracked, m, ray, collision->t_m, 1.0, random);
     }
     while (count > 0) {
@@ -248,7 +237,7 @@ static void weigh_channels(const struct neph_tracker *tracker, const struct neph
         const struct tracked *tracked = &tracker->media[m];
         if (tracked->grey)
             continue;
-        const double depth = tracked->method == METHOD_INVERSION
+        const double depth = tracked->inverted
                                  ? neph_medium_optical_depth(tracked->medium, ray->origin_m,
                                                              ray->direction, 0.0, collision->t_m)
                                  : 0.0;
@@ -269,7 +258,7 @@ struct neph_collision neph_tracker_collide(const struct neph_tracker *tracker,
 {
     struct neph_collision collision = {ray->end_m, -1, {1.0, 1.0, 1.0}};
     for (int m = 0; m < tracker->count; m++)
-        if (tracker->media[m].method == METHOD_INVERSION && tracker->media[m].color[channel] > 0.0)
+        if (tracker->media[m].inverted && tracker->media[m].color[channel] > 0.0)
             collide_fog(&tracker->media[m], m, ray, channel, random, &collision);
     collide_candidates(tracker, ray, channel, random, &collision, cost);
     if (!tracker->grey)

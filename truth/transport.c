@@ -133,7 +133,7 @@ static void source(double t_m, void *context, double value[3])
 static bool is_rough(const struct neph_scene *scene)
 {
     for (int m = 0; m < scene->medium_count; m++)
-        if (scene->media[m].kind == NEPH_MEDIUM_GRID || scene->media[m].kind == NEPH_MEDIUM_SHELL)
+        if (neph_medium_facts(scene->media[m].kind)->has_kinks)
             return true;
     return false;
 }
@@ -255,15 +255,10 @@ static double useful_end_m(const struct ray *ray)
 
 /* ---- closed forms ---- */
 
-static bool is_fog(const struct neph_medium *medium)
-{
-    return medium->kind == NEPH_MEDIUM_HOMOGENEOUS || medium->kind == NEPH_MEDIUM_HEIGHT_FOG;
-}
-
 static bool all_homogeneous(const struct neph_scene *scene)
 {
     for (int m = 0; m < scene->medium_count; m++) {
-        if (!is_fog(&scene->media[m]))
+        if (!neph_medium_is_fog(&scene->media[m]))
             return false;
         for (int l = 0; l < scene->media[m].layer_count; l++)
             if (scene->media[m].layers[l].falloff_per_m != 0.0)
@@ -277,7 +272,7 @@ static bool all_homogeneous(const struct neph_scene *scene)
 static bool one_fog_without_sides(const struct neph_scene *scene)
 {
     const struct neph_medium *fog = &scene->media[0];
-    if (scene->medium_count != 1 || !is_fog(fog))
+    if (scene->medium_count != 1 || !neph_medium_is_fog(fog))
         return false;
     for (int l = 1; l < fog->layer_count; l++)
         if (fog->layers[l].falloff_per_m != fog->layers[0].falloff_per_m)

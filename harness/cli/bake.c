@@ -87,7 +87,7 @@ static json_t *result_json(const char *path, const struct result *result)
 {
     const struct neph_grid *grid = result->bake.grid;
     return json_pack("{s:s, s:s, s:[i,i,i], s:o, s:o, s:f, s:f, s:b, s:f, s:i, s:i, s:o}", "file",
-                     path, "kind", neph_medium_kind_name(result->medium->kind), "size",
+                     path, "kind", neph_medium_facts(result->medium->kind)->name, "size",
                      grid->size[0], grid->size[1], grid->size[2], "origin_m",
                      vector_json(grid->origin_m), "spacing_m", vector_json(grid->spacing_m),
                      "density_maximum", (double)grid->maximum, "extinction_of_density_1_per_m",
@@ -112,7 +112,7 @@ static void print_result(const char *path, const struct result *result)
     const struct neph_grid *grid = result->bake.grid;
     printf("%s: %s as %d x %d x %d nodes of %.6g x %.6g x %.6g m, the first at (%.6g, %.6g, %.6g) "
            "m\n",
-           path, neph_medium_kind_name(result->medium->kind), grid->size[0], grid->size[1],
+           path, neph_medium_facts(result->medium->kind)->name, grid->size[0], grid->size[1],
            grid->size[2], grid->spacing_m.x, grid->spacing_m.y, grid->spacing_m.z, grid->origin_m.x,
            grid->origin_m.y, grid->origin_m.z);
     printf("  density 1 is an extinction of %.9g per metre; the largest density is %.9g\n",

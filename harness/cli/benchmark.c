@@ -69,18 +69,17 @@ static enum neph_status to_voxels(struct neph_scene *scene, int resolution, stru
 {
     for (int m = 0; m < scene->medium_count; m++) {
         struct neph_medium *medium = &scene->media[m];
-        if (medium->layer_count > 0 || medium->kind == NEPH_MEDIUM_GRID)
+        if (neph_medium_is_fog(medium) || medium->grid)
             continue;
         const struct neph_bounds box = neph_medium_support(medium);
         struct neph_bake bake;
         const enum neph_status status = neph_medium_bake(medium, &box, resolution, &bake, diag);
         if (status)
             return status;
-        struct neph_medium baked = neph_medium_from_bake(medium, &bake);
+        const struct neph_medium baked = neph_medium_from_bake(medium, &bake);
         bake.grid = NULL; /* the scene's now */
         neph_bake_finish(&bake);
-        baked.horizon = NULL;
-        neph_horizon_destroy(medium->horizon);
+        neph_medium_finish(medium);
         *medium = baked;
     }
     return neph_scene_hash(scene, diag);

@@ -5,11 +5,6 @@
 
 static const double rms_max = 0.5;
 
-static bool is_fog(const struct neph_medium *medium)
-{
-    return medium->kind == NEPH_MEDIUM_HOMOGENEOUS || medium->kind == NEPH_MEDIUM_HEIGHT_FOG;
-}
-
 static enum neph_status bake_medium(const struct neph_scene *scene, int index, int resolution,
                                     struct neph_baked_scene *baked, struct neph_diag *diag)
 {
@@ -29,7 +24,7 @@ static enum neph_status bake_medium(const struct neph_scene *scene, int index, i
     neph_fail(diag, NEPH_ERR_UNSUPPORTED,
               "medium %d: a %s on a grid of %d x %d x %d nodes, which would miss %.0f %% of its "
               "extinction (rms)",
-              index + 1, neph_medium_kind_name(medium->kind), bake->grid->size[0],
+              index + 1, neph_medium_facts(medium->kind)->name, bake->grid->size[0],
               bake->grid->size[1], bake->grid->size[2],
               100.0 * bake->error.extinction_rms_relative);
     neph_hint(diag, "raise bake_resolution, or give the medium narrower bounds");
@@ -45,7 +40,7 @@ enum neph_status neph_baked_scene_make(const struct neph_scene *scene, int resol
     for (int i = 0; i < scene->medium_count && !status; i++) {
         const struct neph_medium *medium = &scene->media[i];
         const struct neph_bounds support = neph_medium_support(medium);
-        if (is_fog(medium))
+        if (neph_medium_is_fog(medium))
             made.scene.media[made.scene.medium_count++] = *medium;
         else if (neph_medium_extinction_bound_per_m(medium, &support) > 0.0)
             status = bake_medium(scene, i, resolution ? resolution : scene->bake_resolution, &made,

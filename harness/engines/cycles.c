@@ -221,7 +221,7 @@ static enum neph_status write_grids(const struct session *session, struct neph_d
 {
     enum neph_status status = NEPH_OK;
     for (int i = 0; i < session->shot.scene->medium_count && !status; i++)
-        if (session->world.used[i] && session->shot.scene->media[i].kind == NEPH_MEDIUM_GRID)
+        if (session->world.used[i] && session->shot.scene->media[i].grid)
             status = write_grid(session, i, diag);
     return status;
 }

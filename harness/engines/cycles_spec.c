@@ -49,11 +49,6 @@ static double layer_at_per_m(const struct neph_fog_layer *layer, double y_m)
     return layer->extinction_per_m * exp(-layer->falloff_per_m * (y_m - layer->height_m));
 }
 
-static bool is_fog(const struct neph_medium *medium)
-{
-    return medium->kind == NEPH_MEDIUM_HOMOGENEOUS || medium->kind == NEPH_MEDIUM_HEIGHT_FOG;
-}
-
 static double brightest(struct neph_rgb color)
 {
     return fmax(color.r, fmax(color.g, color.b));
@@ -65,7 +60,7 @@ static double densest_per_m(const struct neph_medium *medium, const struct neph_
     double densest = 0.0;
     for (int i = 0; i < medium->layer_count; i++)
         densest += layer_at_per_m(&medium->layers[i], container->min_m.y);
-    if (!is_fog(medium))
+    if (!neph_medium_is_fog(medium))
         densest = neph_medium_extinction_bound_per_m(medium, container);
     return densest * brightest(medium->extinction_color);
 }
@@ -90,14 +85,14 @@ static double grid_feature_m(const struct neph_medium *medium, double densest)
  * be baked have none. */
 static double feature_m(const struct neph_medium *medium, double densest)
 {
-    if (is_fog(medium))
+    if (neph_medium_is_fog(medium))
         return shortest_scale_height_m(medium);
-    return medium->kind == NEPH_MEDIUM_GRID ? grid_feature_m(medium, densest) : INFINITY;
+    return medium->grid ? grid_feature_m(medium, densest) : INFINITY;
 }
 
 static bool has_extinction(const struct neph_medium *medium)
 {
-    if (!is_fog(medium))
+    if (!neph_medium_is_fog(medium))
         return medium->extinction_per_m > 0.0 && brightest(medium->extinction_color) > 0.0;
     for (int i = 0; i < medium->layer_count; i++)
         if (medium->layers[i].extinction_per_m > 0.0)
@@ -190,7 +185,7 @@ static enum neph_status adapt_medium(const struct neph_scene *scene, int index,
     world->containers[index] = neph_medium_container(scene, medium, &cut_error);
     if (!is_box(&world->containers[index]))
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "a medium that cannot be cut to a finite box");
-    if (is_fog(medium))
+    if (neph_medium_is_fog(medium))
         separate_faces(scene, index, world);
     world->used[index] = true;
     world->feature_m[index] = feature_m(medium, densest_per_m(medium, &world->containers[index]));
@@ -318,7 +313,7 @@ static json_t *layers_json(const struct neph_medium *medium, double bottom_m)
 static int set_source(json_t *json, int index, const struct neph_medium *medium, double bottom_m)
 {
     char file[NEPH_CYCLES_FILE_NAME_MAX];
-    if (is_fog(medium))
+    if (neph_medium_is_fog(medium))
         return json_object_set_new(json, "layers", layers_json(medium, bottom_m));
     neph_cycles_grid_name(index, file);
     return json_object_set_new(

@@ -709,8 +709,7 @@ static enum neph_status write_grids(const struct session *session, const char *d
 {
     enum neph_status status = NEPH_OK;
     for (int i = 0; i < session->shot.scene->medium_count && !status; i++)
-        if (session->world.containers[i].used &&
-            session->shot.scene->media[i].kind == NEPH_MEDIUM_GRID)
+        if (session->world.containers[i].used && session->shot.scene->media[i].grid)
             status = write_grid(session, i, directory, diag);
     return status;
 }

@@ -84,14 +84,9 @@ static bool is_finite(const struct neph_bounds *bounds)
     return isfinite(size.x) && isfinite(size.y) && isfinite(size.z);
 }
 
-static bool is_fog(const struct neph_medium *medium)
-{
-    return medium->kind == NEPH_MEDIUM_HOMOGENEOUS || medium->kind == NEPH_MEDIUM_HEIGHT_FOG;
-}
-
 static bool is_uniform(const struct neph_medium *medium)
 {
-    if (!is_fog(medium))
+    if (!neph_medium_is_fog(medium))
         return false;
     for (int i = 0; i < medium->layer_count; i++) {
         if (medium->layers[i].extinction_per_m > 0.0 && medium->layers[i].falloff_per_m > 0.0)
@@ -109,7 +104,7 @@ static double layer_extinction_per_m(const struct neph_fog_layer *layer, double 
 
 static double densest_per_m(const struct neph_medium *medium, const struct neph_bounds *bounds)
 {
-    if (!is_fog(medium))
+    if (!neph_medium_is_fog(medium))
         return neph_medium_extinction_bound_per_m(medium, bounds);
     double sum_per_m = 0.0;
     for (int i = 0; i < medium->layer_count; i++)
@@ -120,7 +115,7 @@ static double densest_per_m(const struct neph_medium *medium, const struct neph_
 static bool is_empty(const struct neph_medium *medium)
 {
     const struct neph_bounds support = neph_medium_support(medium);
-    if (!is_fog(medium))
+    if (!neph_medium_is_fog(medium))
         return !(neph_medium_extinction_bound_per_m(medium, &support) > 0.0);
     for (int i = 0; i < medium->layer_count; i++) {
         if (medium->layers[i].extinction_per_m > 0.0)
@@ -575,9 +570,9 @@ static void write_layers(struct writer *writer, const struct neph_medium *medium
 static void write_comment(struct writer *writer, const struct neph_medium *medium,
                           const struct neph_povray_container *container)
 {
-    const char *where = container->uniform ? " per metre.\n"
-                        : is_fog(medium)   ? " per metre at the bottom, falling.\n"
-                                           : " per metre at the densest.\n";
+    const char *where = container->uniform           ? " per metre.\n"
+                        : neph_medium_is_fog(medium) ? " per metre at the bottom, falling.\n"
+                                                     : " per metre at the densest.\n";
     named_number(writer, "// Extinction ", container->extinction_per_m, where);
 }
 
@@ -586,7 +581,7 @@ static double extinction_per_unit(const struct neph_povray_world *world, int ind
 {
     const struct neph_medium *medium = &world->scene->media[index];
     const struct neph_povray_container *container = &world->containers[index];
-    if (!is_fog(medium))
+    if (!neph_medium_is_fog(medium))
         return medium->extinction_per_m * (double)neph_povray_grid(medium->grid).maximum /
                world->units_per_m;
     const double per_unit = container->extinction_per_m / world->units_per_m;
@@ -611,7 +606,7 @@ static void write_medium(struct writer *writer, int index)
     property(writer, neph_rgb_scale(medium->extinction_color, per_unit));
     words(writer, "\n");
     write_scattering(writer, medium, per_unit);
-    if (!is_fog(medium))
+    if (!neph_medium_is_fog(medium))
         write_voxels(writer, index);
     else if (!container->uniform)
         write_layers(writer, medium, container);

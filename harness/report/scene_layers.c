@@ -25,15 +25,10 @@ static struct neph_vec3 ray_of(const struct view *view, int x, int y)
     return neph_camera_ray(&view->camera, view->width_px, view->height_px, x, y);
 }
 
-static bool is_fog(const struct neph_medium *medium)
-{
-    return medium->kind == NEPH_MEDIUM_HOMOGENEOUS || medium->kind == NEPH_MEDIUM_HEIGHT_FOG;
-}
-
 static bool has_media(const struct neph_scene *scene, bool fog)
 {
     for (int m = 0; m < scene->medium_count; m++)
-        if (is_fog(&scene->media[m]) == fog)
+        if (neph_medium_is_fog(&scene->media[m]) == fog)
             return true;
     return false;
 }
@@ -56,7 +51,7 @@ static struct neph_rgb fog_optical_depth(const struct view *view, struct neph_ve
     struct neph_rgb total = {0.0, 0.0, 0.0};
     for (int m = 0; m < view->scene->medium_count; m++) {
         const struct neph_medium *medium = &view->scene->media[m];
-        if (!is_fog(medium))
+        if (!neph_medium_is_fog(medium))
             continue;
         const double depth = neph_medium_optical_depth(medium, view->camera.position_m, direction,
                                                        0.0, distance_m);

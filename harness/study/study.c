@@ -3,6 +3,7 @@
 
 #include "base/exr.h"
 #include "metrics/statistics.h"
+#include "scenes/media.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -14,7 +15,7 @@ bool neph_study_applies(const struct neph_engine *engine, const struct neph_scen
     if (!engine->step.option)
         return false;
     for (int m = 0; m < scene->medium_count; m++)
-        if (scene->media[m].kind != NEPH_MEDIUM_HOMOGENEOUS)
+        if (!neph_medium_facts(scene->media[m].kind)->is_even)
             return true;
     return false;
 }

@@ -1,0 +1,28 @@
+/* SPDX-License-Identifier: MIT */
+#include "scenes/hash_text.h"
+
+/* -0 and 0 render the same. */
+static double plain(double value)
+{
+    return value + 0.0;
+}
+
+void neph_put_number(FILE *text, const char *name, double value)
+{
+    fprintf(text, "%s %.17g\n", name, plain(value));
+}
+
+void neph_put_three(FILE *text, const char *name, double a, double b, double c)
+{
+    fprintf(text, "%s %.17g %.17g %.17g\n", name, plain(a), plain(b), plain(c));
+}
+
+void neph_put_vec3(FILE *text, const char *name, struct neph_vec3 v)
+{
+    neph_put_three(text, name, v.x, v.y, v.z);
+}
+
+void neph_put_rgb(FILE *text, const char *name, struct neph_rgb c)
+{
+    neph_put_three(text, name, c.r, c.g, c.b);
+}

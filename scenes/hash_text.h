@@ -1,0 +1,18 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The text that a scene's hash is taken of: a name and its numbers per line, 17 digits each, so that
+ * equal texts mean equal doubles. Private to scenes/.
+ */
+#ifndef NEPH_SCENES_HASH_TEXT_H
+#define NEPH_SCENES_HASH_TEXT_H
+
+#include "base/vec3.h"
+
+#include <stdio.h>
+
+void neph_put_number(FILE *text, const char *name, double value);
+void neph_put_three(FILE *text, const char *name, double a, double b, double c);
+void neph_put_vec3(FILE *text, const char *name, struct neph_vec3 v);
+void neph_put_rgb(FILE *text, const char *name, struct neph_rgb c);
+
+#endif
