@@ -1,9 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
  * A YAML file as a tree that remembers lines and columns. Private to scenes/.
- *
- * libcyaml turns YAML into structs, but the positions it logs are those of the value before an
- * unknown key or of the last key of a mapping that lacks one. The tree has the exact ones.
  */
 #ifndef NEPH_SCENES_DOCUMENT_H
 #define NEPH_SCENES_DOCUMENT_H
@@ -12,6 +9,9 @@
 
 #include <stddef.h>
 #include <yaml.h>
+
+#define NEPH_DOCUMENT_MAX_BYTES (1024 * 1024)
+#define NEPH_DOCUMENT_DEPTH_MAX 16 /* a scene needs 6 */
 
 struct neph_document {
     const char *file; /* borrowed; for diagnostics */

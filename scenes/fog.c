@@ -11,6 +11,7 @@
 #include "scenes/medium_kind.h"
 
 #include <math.h>
+#include <stddef.h>
 
 static const double ln2 = 0.693147180559945309417232121458;
 
@@ -140,42 +141,6 @@ static void cut_scales(struct neph_cuts *cuts, const struct neph_medium *medium)
     }
 }
 
-static void hash(const struct neph_medium *medium, FILE *text)
-{
-    for (int i = 0; i < medium->layer_count; i++)
-        neph_put_three(text, "layer", medium->layers[i].extinction_per_m,
-                       medium->layers[i].falloff_per_m, medium->layers[i].height_m);
-}
-
-const struct neph_medium_row neph_medium_homogeneous = {
-    .facts = {.name = "homogeneous medium",
-              .is_fog = true,
-              .is_even = true,
-              .has_closed_form = true,
-              .majorant_cells = NEPH_MAJORANT_CELLS},
-    .extinction_per_m = extinction_per_m,
-    .optical_depth = optical_depth,
-    .bound_per_m = bound_per_m,
-    .support = support,
-    .container = neph_fog_container,
-    .cut_scales = cut_scales,
-    .hash = hash,
-};
-
-const struct neph_medium_row neph_medium_height_fog = {
-    .facts = {.name = "height fog",
-              .is_fog = true,
-              .has_closed_form = true,
-              .majorant_cells = NEPH_MAJORANT_CELLS},
-    .extinction_per_m = extinction_per_m,
-    .optical_depth = optical_depth,
-    .bound_per_m = bound_per_m,
-    .support = support,
-    .container = neph_fog_container,
-    .cut_scales = cut_scales,
-    .hash = hash,
-};
-
 /* The UI divides density and falloff by 1000 and counts in centimetres: /10 per metre. */
 static const double unreal_ui_per_m = 0.1;
 
@@ -196,3 +161,141 @@ struct neph_unreal_fog neph_fog_layer_to_unreal(const struct neph_fog_layer *lay
         .fog_height_m = layer->height_m,
     };
 }
+
+/* --- in a scene file --- */
+
+static const struct neph_field homogeneous_fields[] = {
+    {"extinction_per_m", NEPH_FIELD_NUMBER,
+     offsetof(struct neph_medium, layers[0].extinction_per_m), "1/m", 0, 1e4, .note = NULL},
+    {"bounds", NEPH_FIELD_RECORD, offsetof(struct neph_medium, bounds),
+     .note = "a homogeneous medium needs finite bounds: without them the sun, which is infinitely "
+             "far away, would never arrive",
+     .record = &neph_bounds_record},
+    {0},
+};
+
+static enum neph_status finish_homogeneous(struct neph_reader *reader, const yaml_node_t *node,
+                                           void *written)
+{
+    struct neph_medium *medium = written;
+    (void)reader;
+    (void)node;
+    medium->layer_count = 1;
+    return NEPH_OK;
+}
+
+static const struct neph_field layer_fields[] = {
+    {"extinction_per_m", NEPH_FIELD_NUMBER, offsetof(struct neph_fog_layer, extinction_per_m),
+     "1/m", 0, 1e4, .note = "at height_m"},
+    {"falloff_per_m", NEPH_FIELD_NUMBER, offsetof(struct neph_fog_layer, falloff_per_m), "1/m", 0,
+     10, .note = "a fog that grows denser with height is not modelled"},
+    {"height_m", NEPH_FIELD_NUMBER, offsetof(struct neph_fog_layer, height_m), "m", -1e5, 1e5,
+     .note = NULL},
+    {0},
+};
+static const struct neph_record layer_record = {sizeof(struct neph_fog_layer), layer_fields, NULL};
+
+static const struct neph_field unreal_layer_fields[] = {
+    {"fog_density", NEPH_FIELD_NUMBER, offsetof(struct neph_unreal_fog, fog_density),
+     "(Unreal's UI value)", 0, 10, .note = NULL},
+    {"fog_height_falloff", NEPH_FIELD_NUMBER, offsetof(struct neph_unreal_fog, fog_height_falloff),
+     "(Unreal's UI value)", 0, 10, .note = NULL},
+    {"fog_height_m", NEPH_FIELD_NUMBER, offsetof(struct neph_unreal_fog, fog_height_m), "m", -1e5,
+     1e5, .note = NULL},
+    {0},
+};
+
+static enum neph_status read_unreal_layer(struct neph_reader *reader, const yaml_node_t *node,
+                                          const struct neph_record *record, void *target)
+{
+    struct neph_unreal_fog unreal;
+    const enum neph_status status = neph_read_fields(reader, node, record->fields, &unreal);
+    if (!status)
+        *(struct neph_fog_layer *)target = neph_fog_layer_from_unreal(&unreal);
+    return status;
+}
+
+static const struct neph_record unreal_layer_record = {sizeof(struct neph_fog_layer),
+                                                       unreal_layer_fields, read_unreal_layer};
+
+static const struct neph_field height_fog_fields[] = {
+    {"layers", NEPH_FIELD_ENTRIES, offsetof(struct neph_medium, layers), .note = "they add",
+     .is_optional = true, .absent = "`unreal_layers`", .least = 1, .most = NEPH_FOG_LAYERS_MAX,
+     .count_at = offsetof(struct neph_medium, layer_count), .record = &layer_record},
+    {"unreal_layers", NEPH_FIELD_ENTRIES, offsetof(struct neph_medium, layers),
+     .note = "in their place", .is_optional = true, .absent = "`layers`", .least = 1,
+     .most = NEPH_FOG_LAYERS_MAX, .count_at = offsetof(struct neph_medium, layer_count),
+     .record = &unreal_layer_record},
+    {"bounds", NEPH_FIELD_RECORD, offsetof(struct neph_medium, bounds), .is_optional = true,
+     .absent = "unbounded", .record = &neph_bounds_record},
+    {0},
+};
+
+static enum neph_status refuse_level_fog(const struct neph_reader *reader, const char *path)
+{
+    const enum neph_status status = neph_refuse(
+        reader, path, "0 makes the layer the same at all heights, and the fog has no bounds");
+    neph_hint(
+        reader->diag,
+        "give bounds: without them the sun, which is infinitely far away, would never arrive");
+    return status;
+}
+
+static enum neph_status finish_height_fog(struct neph_reader *reader, const yaml_node_t *node,
+                                          void *written)
+{
+    const struct neph_medium *medium = written;
+    const bool has_layers = neph_reader_has(reader, node, "layers");
+    if (has_layers == neph_reader_has(reader, node, "unreal_layers"))
+        return neph_refuse(reader, "", "give exactly one of layers, unreal_layers");
+    if (neph_reader_has(reader, node, "bounds"))
+        return NEPH_OK;
+    for (int i = 0; i < medium->layer_count; i++)
+        if (medium->layers[i].falloff_per_m == 0.0 && medium->layers[i].extinction_per_m > 0.0)
+            return refuse_level_fog(reader,
+                                    neph_at(has_layers ? "layers[%d].falloff_per_m"
+                                                       : "unreal_layers[%d].fog_height_falloff",
+                                            i)
+                                        .text);
+    return NEPH_OK;
+}
+
+static void hash(const struct neph_medium *medium, FILE *text)
+{
+    for (int i = 0; i < medium->layer_count; i++)
+        neph_put_three(text, "layer", medium->layers[i].extinction_per_m,
+                       medium->layers[i].falloff_per_m, medium->layers[i].height_m);
+}
+
+const struct neph_medium_row neph_medium_homogeneous = {
+    .facts = {.name = "homogeneous medium",
+              .is_fog = true,
+              .is_even = true,
+              .has_closed_form = true,
+              .majorant_cells = NEPH_MAJORANT_CELLS},
+    .forms = {{"homogeneous", "the same everywhere within its bounds", homogeneous_fields,
+               .finish = finish_homogeneous}},
+    .extinction_per_m = extinction_per_m,
+    .optical_depth = optical_depth,
+    .bound_per_m = bound_per_m,
+    .support = support,
+    .container = neph_fog_container,
+    .cut_scales = cut_scales,
+    .hash = hash,
+};
+
+const struct neph_medium_row neph_medium_height_fog = {
+    .facts = {.name = "height fog",
+              .is_fog = true,
+              .has_closed_form = true,
+              .majorant_cells = NEPH_MAJORANT_CELLS},
+    .forms = {{"height_fog", "extinction_per_m * exp(-falloff_per_m * (y - height_m))",
+               height_fog_fields, .finish = finish_height_fog}},
+    .extinction_per_m = extinction_per_m,
+    .optical_depth = optical_depth,
+    .bound_per_m = bound_per_m,
+    .support = support,
+    .container = neph_fog_container,
+    .cut_scales = cut_scales,
+    .hash = hash,
+};

@@ -6,12 +6,12 @@
  * a stretch too short for that, Gauss quadrature.
  */
 #include "scenes/bounds.h"
-#include "scenes/hash_text.h"
 #include "scenes/medium_kind.h"
 #include "scenes/quadrature.h"
 #include "scenes/radial.h"
 
 #include <math.h>
+#include <stddef.h>
 
 /* In widths: e^{-r^2/2} = support_level. */
 static const double support_level = 1e-12;
@@ -115,19 +115,25 @@ static void cut_scales(struct neph_cuts *cuts, const struct neph_medium *medium)
                    medium->gaussian.width_m / sqrt(slope2));
 }
 
-static void hash(const struct neph_medium *medium, FILE *text)
-{
-    neph_put_number(text, "extinction_per_m", medium->extinction_per_m);
-    neph_put_vec3(text, "center_m", medium->gaussian.center_m);
-    neph_put_number(text, "width_m", medium->gaussian.width_m);
-}
+/* The order is that of the hash. */
+static const struct neph_field fields[] = {
+    {"extinction_per_m", NEPH_FIELD_NUMBER, offsetof(struct neph_medium, extinction_per_m), "1/m",
+     0, 1e4, .note = "at the centre"},
+    {"center_m", NEPH_FIELD_THREE, offsetof(struct neph_medium, gaussian.center_m), "m",
+     -NEPH_FAR_M, NEPH_FAR_M, .note = NULL},
+    {"width_m", NEPH_FIELD_NUMBER, offsetof(struct neph_medium, gaussian.width_m), "m", 1e-3,
+     NEPH_FAR_M, .note = "the standard deviation"},
+    {"bounds", NEPH_FIELD_RECORD, offsetof(struct neph_medium, bounds), .is_optional = true,
+     .absent = "unbounded", .record = &neph_bounds_record},
+    {0},
+};
 
 const struct neph_medium_row neph_medium_gaussian = {
     .facts = {.name = "Gaussian blob",
               .has_closed_form = true,
               .needs_majorants = true,
               .majorant_cells = NEPH_MAJORANT_CELLS},
-    .hash = hash,
+    .forms = {{"gaussian", "extinction_per_m * exp(-r^2 / (2 width_m^2))", fields}},
     .extinction_per_m = extinction_at,
     .optical_depth = optical_depth,
     .bound_per_m = bound_per_m,

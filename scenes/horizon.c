@@ -499,21 +499,6 @@ static void fill_blocks(struct neph_horizon *horizon)
 
 /* --- life ------------------------------------------------------------------------------------ */
 
-struct neph_horizon_params neph_horizon_defaults(void)
-{
-    return (struct neph_horizon_params){
-        .seed = 1,
-        .planet_radius_m = 2e5,
-        .bottom_m = 80.0,
-        .thickness_m = 280.0,
-        .coverage = 0.58,
-        .density = 1.5,
-        .texture_scale_m = 6e3,
-        .base_repeats = 40.0,
-        .detail_repeats = 60.0,
-    };
-}
-
 static enum neph_status check(const struct neph_horizon_params *params, struct neph_diag *diag)
 {
     const struct {

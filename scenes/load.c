@@ -1,141 +1,219 @@
 /* SPDX-License-Identifier: MIT
  *
- * A scene file's way into memory: read, parse, check along the schema, fill the structs, check the
- * rules between values, build, check the camera, hash.
+ * A scene file's way into memory: read, parse, fill the structs along the tables, check what needs
+ * the whole scene, hash.
  */
+#include "scenes/load.h"
+
 #include "base/files.h"
-#include "scenes/build.h"
-#include "scenes/check.h"
+#include "base/text.h"
+#include "scenes/bake.h"
+#include "scenes/media.h"
 
 #include <locale.h>
-#include <stdio.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* The first two lines of libcyaml's complaint: what, and where. */
-struct complaint {
-    char message[256];
-    int line, column;
+#define BRIGHT 1e9 /* one float32 pixel still holds the sum of 1e29 of them */
+
+enum { TITLE_MAX = 120, GATES_MAX = 64 };
+
+/* --- Texts --- */
+
+static bool is_identifier(const char *text)
+{
+    return strspn(text, "abcdefghijklmnopqrstuvwxyz0123456789_") == strlen(text);
+}
+
+static bool has_control(const char *text, const char *except)
+{
+    const size_t length = strlen(text);
+    const bool has_line = strchr(text, '\n') && !strchr(except, '\n');
+    return has_line || strchr(text, '\t') || neph_text_first_unfit(text, length) < length;
+}
+
+static enum neph_status check_names(const struct neph_reader *reader,
+                                    const struct neph_scene *scene, const char *stem)
+{
+    char quote[NEPH_QUOTE_SIZE], stem_quote[NEPH_QUOTE_SIZE];
+    neph_document_quote(scene->name, quote);
+    if (!is_identifier(scene->name))
+        return neph_refuse(reader, "name", "'%s' is not a name; use a-z, 0-9 and _ alone", quote);
+    if (strcmp(scene->name, stem))
+        return neph_refuse(reader, "name", "'%s' differs from the name of the file, '%s.yaml'",
+                           quote, neph_document_quote(stem, stem_quote));
+    if (has_control(scene->title, ""))
+        return neph_refuse(reader, "title", "a title is one line without control characters");
+    if (has_control(scene->physics, "\n"))
+        return neph_refuse(reader, "physics", "control characters in the text");
+    return NEPH_OK;
+}
+
+/* --- Gates --- */
+
+static const char *const quantity_words[] = {
+    [NEPH_QUANTITY_RADIANCE] = "radiance",
+    [NEPH_QUANTITY_TRANSMITTANCE] = "transmittance",
+    [NEPH_QUANTITY_DEPTH] = "depth",
+    NULL,
 };
 
-static void log_cyaml(cyaml_log_t level, void *context, const char *format, va_list arguments)
-    __attribute__((format(printf, 3, 0)));
+/* The names of the metrics module. */
+static const char *const metric_words[] = {"bias",     "rel_bias", "mae",     "rmse",
+                                           "rel_rmse", "rel_mse",  "max_abs", "max_rel",
+                                           "p50",      "p95",      "p99",     NULL};
 
-static void log_cyaml(cyaml_log_t level, void *context, const char *format, va_list arguments)
+static const char *const mask_words[] = {"all", "sky", "solid", "medium", "depth_edge", NULL};
+
+static const struct neph_field gate_fields[] = {
+    {"engine", NEPH_FIELD_TEXT, offsetof(struct neph_gate, engine), .least = 1, .most = 64},
+    {"quantity", NEPH_FIELD_WORD, offsetof(struct neph_gate, quantity), .words = quantity_words},
+    {"metric", NEPH_FIELD_TEXT, offsetof(struct neph_gate, metric), .words = metric_words},
+    {"mask", NEPH_FIELD_TEXT, offsetof(struct neph_gate, mask), .is_optional = true,
+     .absent = "all", .words = mask_words},
+    {"maximum", NEPH_FIELD_NUMBER, offsetof(struct neph_gate, maximum), "", 0, BRIGHT,
+     .note = "of the absolute value"},
+    {"reason", NEPH_FIELD_TEXT, offsetof(struct neph_gate, reason), .least = 1, .most = 1000},
+    {0},
+};
+
+static enum neph_status read_gate(struct neph_reader *reader, const yaml_node_t *node,
+                                  const struct neph_record *record, void *target)
 {
-    struct complaint *complaint = context;
-    char text[256];
-    (void)level;
-    vsnprintf(text, sizeof(text), format, arguments);
-    const char *place = strstr(text, "(line: ");
-    if (place && !complaint->line)
-        sscanf(place, "(line: %d, column: %d)", &complaint->line, &complaint->column);
-    if (!place && !*complaint->message)
-        snprintf(complaint->message, sizeof(complaint->message), "%.*s", (int)strcspn(text, "\n"),
-                 text);
+    struct neph_gate *gate = target;
+    char quote[NEPH_QUOTE_SIZE];
+    const enum neph_status status = neph_read_fields(reader, node, record->fields, target);
+    if (status)
+        return status;
+    if (!is_identifier(gate->engine))
+        return neph_refuse(reader, "engine", "'%s' is not the name of an engine",
+                           neph_document_quote(gate->engine, quote));
+    if (has_control(gate->reason, "\n"))
+        return neph_refuse(reader, "reason", "control characters in the text");
+    gate->line = (int)node->start_mark.line + 1;
+    if (!gate->mask)
+        gate->mask = strdup(mask_words[0]);
+    return gate->mask ? NEPH_OK : neph_fail_memory(reader->diag);
 }
 
-static cyaml_config_t configure(struct complaint *complaint)
+static const struct neph_record gate_record = {sizeof(struct neph_gate), gate_fields, read_gate};
+
+/* --- The file --- */
+
+static const char *const scattering_words[] = {
+    [NEPH_SCATTERING_NONE] = "none",
+    [NEPH_SCATTERING_SINGLE] = "single",
+    [NEPH_SCATTERING_MULTIPLE] = "multiple",
+    NULL,
+};
+
+static const struct neph_field octaves_fields[] = {
+    {"count", NEPH_FIELD_WHOLE, offsetof(struct neph_octaves, count), "", 1, 16,
+     .is_optional = true, .standard = 8},
+    {"contribution", NEPH_FIELD_NUMBER, offsetof(struct neph_octaves, contribution), "", 0, 1,
+     .is_optional = true, .standard = 0.5},
+    {"attenuation", NEPH_FIELD_NUMBER, offsetof(struct neph_octaves, attenuation), "", 0, 1,
+     .is_optional = true, .standard = 0.5},
+    {"eccentricity", NEPH_FIELD_NUMBER, offsetof(struct neph_octaves, eccentricity), "", 0, 1,
+     .is_optional = true, .standard = 0.5},
+    {0},
+};
+static const struct neph_record octaves_record = {sizeof(struct neph_octaves), octaves_fields,
+                                                  NULL};
+
+static const struct neph_field display_fields[] = {
+    {"exposure_ev", NEPH_FIELD_NUMBER, offsetof(struct neph_scene, exposure_ev), "EV", -40, 40,
+     .note = "pictures show radiance times 2^ev; numbers do not"},
+    {0},
+};
+static const struct neph_record display_record = {sizeof(struct neph_scene), display_fields, NULL};
+
+static const struct neph_field scene_fields[] = {
+    {"name", NEPH_FIELD_TEXT, offsetof(struct neph_scene, name),
+     .note = "a-z, 0-9 and _; the file's stem", .least = 1, .most = 64},
+    {"title", NEPH_FIELD_TEXT, offsetof(struct neph_scene, title), .note = "one line", .least = 1,
+     .most = TITLE_MAX},
+    {"physics", NEPH_FIELD_TEXT, offsetof(struct neph_scene, physics),
+     .note = "what the scene isolates and which truth applies", .least = 1, .most = 4000},
+    {"camera", NEPH_FIELD_RECORD, .record = &neph_camera_record},
+    {"frames", NEPH_FIELD_RECORD, .is_optional = true, .record = &neph_frames_record},
+    {"sun", NEPH_FIELD_RECORD, .is_optional = true, .record = &neph_sun_record},
+    {"wind", NEPH_FIELD_RECORD, .is_optional = true, .record = &neph_wind_record},
+    {"background_w_per_m2_sr", NEPH_FIELD_THREE,
+     offsetof(struct neph_scene, background_w_per_m2_sr), "W/m2/sr", 0, BRIGHT,
+     .note = "uniform radiance of the sky", .is_optional = true},
+    {"environment_light", NEPH_FIELD_FLAG, offsetof(struct neph_scene, environment_light),
+     .note = "the background lights media and solids; else it is only seen", .is_optional = true},
+    {"scattering", NEPH_FIELD_WORD, offsetof(struct neph_scene, scattering),
+     .note = "media attenuate; plus sunlight scattered once; all orders, surface bounces included",
+     .words = scattering_words},
+    {"octaves", NEPH_FIELD_RECORD, offsetof(struct neph_scene, octaves),
+     .note = "of the ray marcher's lighting model of that name", .is_optional = true,
+     .record = &octaves_record},
+    {"bake_resolution", NEPH_FIELD_WHOLE, offsetof(struct neph_scene, bake_resolution), "nodes",
+     NEPH_BAKE_RESOLUTION_MIN, NEPH_GRID_SIDE_MAX,
+     .note = "of the grid that engines without formulas get, along its longest side",
+     .is_optional = true, .standard = NEPH_BAKE_RESOLUTION_DEFAULT},
+    {"solids", NEPH_FIELD_LIST, offsetof(struct neph_written_scene, solids), .is_optional = true,
+     .most = NEPH_SCENE_SOLIDS_MAX, .count_at = offsetof(struct neph_written_scene, solid_count),
+     .record = &neph_solid_record},
+    {"media", NEPH_FIELD_ENTRIES, offsetof(struct neph_scene, media), .is_optional = true,
+     .most = NEPH_SCENE_MEDIA_MAX, .count_at = offsetof(struct neph_scene, medium_count),
+     .record = &neph_medium_record},
+    {"display", NEPH_FIELD_RECORD, .is_optional = true, .record = &display_record},
+    {"gates", NEPH_FIELD_LIST, offsetof(struct neph_scene, gates), .is_optional = true,
+     .most = GATES_MAX, .count_at = offsetof(struct neph_scene, gate_count),
+     .record = &gate_record},
+    {0},
+};
+
+static enum neph_status finish(struct neph_reader *reader, const char *path,
+                               struct neph_written_scene *written)
 {
-    return (cyaml_config_t){
-        .log_fn = log_cyaml,
-        .log_ctx = complaint,
-        .mem_fn = cyaml_mem,
-        .log_level = CYAML_LOG_WARNING,
-        .flags = CYAML_CFG_NO_ALIAS,
-    };
+    struct neph_scene *scene = &written->scene;
+    char *stem = neph_scene_name_of(path);
+    scene->path = strdup(path);
+    enum neph_status status = stem && scene->path ? check_names(reader, scene, stem)
+                                                  : neph_fail_memory(reader->diag);
+    free(stem);
+    neph_finish_sun(written);
+    if (!status)
+        status = neph_finish_solids(reader, written);
+    if (!status)
+        status = neph_check_motion(reader, scene);
+    return status ? status : neph_scene_hash(scene, reader->diag);
 }
 
-/* neph_check_document() has refused what libcyaml would refuse, with better words; what is left
- * is a schema that the two read differently. */
-static enum neph_status fail_cyaml(cyaml_err_t error, const struct complaint *complaint,
-                                   const char *file, struct neph_diag *diag)
-{
-    if (error == CYAML_ERR_OOM)
-        return neph_fail_memory(diag);
-    neph_fail(diag, NEPH_ERR_INPUT, "%s: %s", cyaml_strerror(error), complaint->message);
-    if (diag)
-        neph_locate(diag, file, complaint->line, complaint->column);
-    return NEPH_ERR_INPUT;
-}
-
-static enum neph_status load_raw(const char *file, const char *text, size_t size,
-                                 struct neph_raw_scene **raw, struct neph_diag *diag)
-{
-    struct complaint complaint = {0};
-    cyaml_config_t config = configure(&complaint);
-    cyaml_data_t *data = NULL;
-    cyaml_err_t error = cyaml_load_data((const uint8_t *)text, size, &config, neph_schema_root(),
-                                        &data, NULL);
-    if (error)
-        return fail_cyaml(error, &complaint, file, diag);
-    *raw = data;
-    return NEPH_OK;
-}
-
-static void free_raw(struct neph_raw_scene *raw)
-{
-    struct complaint complaint = {0};
-    cyaml_config_t config = configure(&complaint);
-    cyaml_free(&config, neph_schema_root(), raw, 0);
-}
-
-char *neph_scene_name_of(const char *path)
-{
-    const char *slash = strrchr(path, '/');
-    const char *start = slash ? slash + 1 : path;
-    const char *dot = strrchr(start, '.');
-    return dot ? strndup(start, (size_t)(dot - start)) : strdup(start);
-}
-
-static void set_gate_lines(struct neph_document *document, struct neph_scene *scene)
-{
-    for (int i = 0; i < scene->gate_count; i++) {
-        char path[NEPH_SCENE_PATH_MAX];
-        snprintf(path, sizeof(path), "gates[%d]", i);
-        scene->gates[i].line = (int)neph_document_find(document, path)->start_mark.line + 1;
-    }
-}
-
-static enum neph_status build_checked(struct neph_document *document,
-                                      const struct neph_raw_scene *raw, const char *path,
+static enum neph_status load_document(struct neph_document *document, const char *path,
                                       struct neph_scene **scene, struct neph_diag *diag)
 {
-    struct neph_scene *made = NULL;
-    char *stem = neph_scene_name_of(path);
-    enum neph_status status = stem ? neph_check_rules(document, raw, stem, diag)
-                                   : neph_fail_memory(diag);
-    free(stem);
+    struct neph_reader reader = {.document = document, .diag = diag};
+    struct neph_written_scene *written = calloc(1, sizeof(*written));
+    if (!written)
+        return neph_fail_memory(diag);
+    enum neph_status status = neph_read_fields(&reader, neph_document_root(document), scene_fields,
+                                               written);
     if (!status)
-        status = neph_scene_build(raw, document, path, &made, diag);
-    if (!status)
-        status = neph_check_scene(document, made, diag);
-    if (!status)
-        status = neph_scene_hash(made, diag);
-    if (status) {
-        neph_scene_destroy(made);
-        return status;
-    }
-    set_gate_lines(document, made);
-    *scene = made;
-    return NEPH_OK;
+        status = finish(&reader, path, written);
+    free(written->solids);
+    written->solids = NULL;
+    if (status)
+        neph_scene_destroy(&written->scene);
+    else
+        *scene = &written->scene;
+    return status;
 }
 
 static enum neph_status load_text(const char *path, const char *text, size_t size,
                                   struct neph_scene **scene, struct neph_diag *diag)
 {
     struct neph_document document;
-    enum neph_status status = neph_document_init(&document, path, text, size, NEPH_SCENE_DEPTH_MAX,
-                                                 diag);
+    enum neph_status status = neph_document_init(&document, path, text, size,
+                                                 NEPH_DOCUMENT_DEPTH_MAX, diag);
     if (status)
         return status;
-    struct neph_raw_scene *raw = NULL;
-    status = neph_check_document(&document, diag);
-    if (!status)
-        status = load_raw(path, text, size, &raw, diag);
-    if (!status)
-        status = build_checked(&document, raw, path, scene, diag);
-    free_raw(raw);
+    status = load_document(&document, path, scene, diag);
     neph_document_finish(&document);
     return status;
 }
@@ -145,7 +223,7 @@ enum neph_status neph_scene_load(const char *path, struct neph_scene **scene,
 {
     char *text = NULL;
     size_t size = 0;
-    enum neph_status status = neph_file_read(path, NEPH_SCENE_FILE_MAX_BYTES, &text, &size, diag);
+    enum neph_status status = neph_file_read(path, NEPH_DOCUMENT_MAX_BYTES, &text, &size, diag);
     if (status)
         return status;
     /* Numbers have a decimal point, whatever the locale of whoever called. */
@@ -160,4 +238,54 @@ enum neph_status neph_scene_load(const char *path, struct neph_scene **scene,
     }
     free(text);
     return status;
+}
+
+/* --- Names and end --- */
+
+char *neph_scene_name_of(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    const char *start = slash ? slash + 1 : path;
+    const char *dot = strrchr(start, '.');
+    return dot ? strndup(start, (size_t)(dot - start)) : strdup(start);
+}
+
+const char *neph_scattering_name(enum neph_scattering scattering)
+{
+    return scattering_words[scattering];
+}
+
+const char *neph_gate_quantity_name(enum neph_gate_quantity quantity)
+{
+    return quantity_words[quantity];
+}
+
+void neph_scene_destroy(struct neph_scene *scene)
+{
+    if (!scene)
+        return;
+    if (scene->borrows) {
+        free(scene);
+        return;
+    }
+    for (int i = 0; i < scene->gate_count; i++) {
+        free(scene->gates[i].engine);
+        free(scene->gates[i].metric);
+        free(scene->gates[i].mask);
+        free(scene->gates[i].reason);
+    }
+    free(scene->gates);
+    for (int i = 0; i < scene->medium_count; i++)
+        neph_medium_finish(&scene->media[i]);
+    free(scene->solids);
+    free(scene->wind_keys);
+    free(scene->sun_keys);
+    free(scene->frame_scales);
+    free(scene->pauses);
+    free(scene->camera_keys);
+    free(scene->physics);
+    free(scene->title);
+    free(scene->name);
+    free(scene->path);
+    free(scene);
 }

@@ -18,6 +18,11 @@ static const struct neph_medium_row *const rows[NEPH_MEDIUM_KIND_COUNT] = {
     [NEPH_MEDIUM_HORIZON] = &neph_medium_horizon,
 };
 
+const struct neph_medium_row *neph_medium_row(enum neph_medium_kind kind)
+{
+    return rows[kind];
+}
+
 const struct neph_medium_facts *neph_medium_facts(enum neph_medium_kind kind)
 {
     return &rows[kind]->facts;
@@ -139,7 +144,11 @@ void neph_medium_hash(const struct neph_medium *medium, FILE *text)
     neph_put_rgb(text, "albedo", medium->albedo);
     neph_put_number(text, "phase", medium->phase.kind);
     neph_put_number(text, "g", medium->phase.g);
-    rows[medium->kind]->hash(medium, text);
+    const struct neph_medium_row *row = rows[medium->kind];
+    if (row->hash)
+        row->hash(medium, text);
+    else
+        neph_fields_hash(row->forms[0].fields, medium, text);
 }
 
 /* --- all media of a scene -------------------------------------------------------------------- */

@@ -6,6 +6,8 @@
 #include "scenes/horizon.h"
 #include "scenes/medium_kind.h"
 
+#include <stddef.h>
+
 static double extinction_per_m(const struct neph_medium *medium, struct neph_vec3 point_m)
 {
     return medium->extinction_per_m * neph_horizon_density(medium->horizon, point_m, NULL);
@@ -61,10 +63,67 @@ static void borrow(struct neph_medium *medium, void *room)
     medium->horizon = horizon;
 }
 
+/* --- in a scene file --- */
+
+struct written_horizon {
+    struct neph_written_medium common;
+    int seed;
+    struct neph_horizon_params params;
+};
+
+/* Left out: the article's values. */
+static const struct neph_field fields[] = {
+    {"extinction_per_m", NEPH_FIELD_NUMBER, offsetof(struct neph_medium, extinction_per_m), "1/m",
+     0, 1e4, .note = "at density 1"},
+    {"seed", NEPH_FIELD_WHOLE, offsetof(struct written_horizon, seed), "", 0, 1e9,
+     .is_optional = true, .standard = 1},
+    {"planet_radius_m", NEPH_FIELD_NUMBER, offsetof(struct written_horizon, params.planet_radius_m),
+     "m", 1e3, 1e8, .is_optional = true, .standard = 2e5},
+    {"bottom_m", NEPH_FIELD_NUMBER, offsetof(struct written_horizon, params.bottom_m), "m",
+     -NEPH_FAR_M, NEPH_FAR_M, .is_optional = true, .standard = 80},
+    {"thickness_m", NEPH_FIELD_NUMBER, offsetof(struct written_horizon, params.thickness_m), "m", 1,
+     1e5, .is_optional = true, .standard = 280},
+    {"coverage", NEPH_FIELD_NUMBER, offsetof(struct written_horizon, params.coverage), "", 0, 1,
+     .is_optional = true, .standard = 0.58},
+    {"density", NEPH_FIELD_NUMBER, offsetof(struct written_horizon, params.density), "", 0, 1e3,
+     .is_optional = true, .standard = 1.5},
+    {"texture_scale_m", NEPH_FIELD_NUMBER, offsetof(struct written_horizon, params.texture_scale_m),
+     "m", 1, NEPH_FAR_M, .is_optional = true, .standard = 6e3},
+    {"base_repeats", NEPH_FIELD_NUMBER, offsetof(struct written_horizon, params.base_repeats), "",
+     1e-2, 1e4, .is_optional = true, .standard = 40},
+    {"detail_repeats", NEPH_FIELD_NUMBER, offsetof(struct written_horizon, params.detail_repeats),
+     "", 1e-2, 1e4, .is_optional = true, .standard = 60},
+    {"wind_m", NEPH_FIELD_THREE, offsetof(struct written_horizon, params.wind_m), "m", -NEPH_FAR_M,
+     NEPH_FAR_M, .note = "so far the patterns have moved", .is_optional = true},
+    {"bounds", NEPH_FIELD_RECORD, offsetof(struct neph_medium, bounds),
+     .note =
+         "a cloud layer needs finite bounds: trackers and other engines must know where it ends",
+     .record = &neph_bounds_record},
+    {0},
+};
+
+struct neph_horizon_params neph_horizon_defaults(void)
+{
+    struct written_horizon horizon;
+    neph_fields_default(fields, &horizon);
+    horizon.params.seed = (uint64_t)horizon.seed;
+    return horizon.params;
+}
+
+static enum neph_status finish(struct neph_reader *reader, const yaml_node_t *node, void *written)
+{
+    struct written_horizon *horizon = written;
+    (void)node;
+    horizon->params.seed = (uint64_t)horizon->seed;
+    return neph_horizon_create(&horizon->params, &horizon->common.medium.horizon, reader->diag);
+}
+
 const struct neph_medium_row neph_medium_horizon = {
     .facts = {.name = "Horizon cloud layer",
               .needs_majorants = true,
               .majorant_cells = 48 * 48 * 48},
+    .forms = {{"horizon", "procedural clouds (scenes/horizon.h)", fields,
+               sizeof(struct written_horizon), finish}},
     .extinction_per_m = extinction_per_m,
     .optical_depth = optical_depth,
     .bound_per_m = bound_per_m,

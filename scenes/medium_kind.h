@@ -7,14 +7,30 @@
 #define NEPH_SCENES_MEDIUM_KIND_H
 
 #include "scenes/cuts.h"
-
-#include <stdio.h>
+#include "scenes/fields.h"
 
 /* Of a majorant grid, where nothing else was measured: good for a 64^3 cloud. */
 #define NEPH_MAJORANT_CELLS (16 * 16 * 16)
 
+/* What a file says of a medium: where the fields of forms lead to. Some add what is made into
+ * voxels or textures. */
+struct neph_written_medium {
+    struct neph_medium medium;
+    int voxels; /* nodes along the longest side, for all engines; 0: the medium itself */
+};
+
+/* A way to write a medium in a scene file: its key in the list, and the keys below that. */
+struct neph_medium_form {
+    const char *key, *note;
+    const struct neph_field *fields; /* without those that all media have */
+    size_t size; /* of the struct to read into, which begins with a neph_written_medium; 0: that */
+    /* Refuse what ranges do not cover, make what the medium owns. NULL: nothing to do. */
+    enum neph_status (*finish)(struct neph_reader *reader, const yaml_node_t *node, void *written);
+};
+
 struct neph_medium_row {
     struct neph_medium_facts facts;
+    struct neph_medium_form forms[2]; /* without a key: none */
     /* At a point inside the bounds. */
     double (*extinction_per_m)(const struct neph_medium *medium, struct neph_vec3 point_m);
     /* Over [t0, t1], t0 < t1, both inside the bounds; t1 may be +inf. */
@@ -38,7 +54,7 @@ struct neph_medium_row {
     /* Carry it along with the wind, its bounds too where they are its own; what `medium` owns may
      * be written. NULL: it stays. */
     void (*drift)(struct neph_medium *medium, struct neph_vec3 by_m);
-    /* What changes a rendered value, after what all media have. */
+    /* What changes a rendered value, after what all media have. NULL: the fields of the form. */
     void (*hash)(const struct neph_medium *medium, FILE *text);
     /* Free what it owns. NULL: nothing, and then `borrow` is NULL, too. */
     void (*destroy)(struct neph_medium *medium);
@@ -50,6 +66,11 @@ struct neph_medium_row {
 
 extern const struct neph_medium_row neph_medium_homogeneous, neph_medium_height_fog,
     neph_medium_gaussian, neph_medium_shell, neph_medium_grid, neph_medium_horizon;
+
+const struct neph_medium_row *neph_medium_row(enum neph_medium_kind kind);
+
+/* `bounds`, within NEPH_FAR_M and within NEPH_PLANET_M. Unbounded when left out. */
+extern const struct neph_record neph_bounds_record, neph_planet_bounds_record;
 
 /* The container of fog: scenes/container.c. */
 struct neph_bounds neph_fog_container(const struct neph_scene *scene,

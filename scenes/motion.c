@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "scenes/motion.h"
 
-#include "scenes/build.h"
+#include "scenes/load.h"
 #include "scenes/media.h"
 
 #include <math.h>
@@ -96,6 +96,30 @@ struct neph_camera_key neph_camera_key_at(const struct neph_scene *scene, double
         .position_m = mix(a->position_m, b->position_m, part),
         .look_at_m = mix(a->look_at_m, b->look_at_m, part),
     };
+}
+
+struct neph_camera neph_scene_camera(const struct neph_scene *scene, double frame)
+{
+    struct neph_camera_key key = neph_camera_key_at(scene, neph_scene_time_frame(scene, frame));
+    struct neph_camera camera = {.position_m = key.position_m,
+                                 .vertical_fov_rad = scene->vertical_fov_rad};
+    camera.forward = neph_vec3_normalize(neph_vec3_sub(key.look_at_m, key.position_m));
+    camera.right = neph_vec3_normalize(neph_vec3_cross(camera.forward, scene->camera_up));
+    camera.up = neph_vec3_cross(camera.right, camera.forward);
+    return camera;
+}
+
+/* Image plane at distance 1: half its height is tan(fov/2); square pixels. Blender and POV-Ray
+ * were measured to use the same rays. */
+struct neph_vec3 neph_camera_ray(const struct neph_camera *camera, int width_px, int height_px,
+                                 double i, double j)
+{
+    double half_height = tan(0.5 * camera->vertical_fov_rad);
+    double half_width = half_height * width_px / height_px;
+    double x = (2.0 * (i + 0.5) / width_px - 1.0) * half_width;
+    double y = (1.0 - 2.0 * (j + 0.5) / height_px) * half_height;
+    struct neph_vec3 ray = neph_vec3_along(camera->forward, camera->right, x);
+    return neph_vec3_normalize(neph_vec3_along(ray, camera->up, y));
 }
 
 bool neph_scene_is_cut(const struct neph_scene *scene, double frame_from, double frame_to)

@@ -17,6 +17,7 @@
 
 #define NEPH_SCENE_MEDIA_MAX 8
 #define NEPH_SCENE_SOLIDS_MAX 1024 /* after fences are expanded into their bars */
+#define NEPH_SCENE_KEYS_MAX 1024
 #define NEPH_FOG_LAYERS_MAX 2
 
 /* Axis-aligned; a side at -inf or +inf is open. */

@@ -13,13 +13,13 @@
  * would cancel; the rule does neither and is good to rounding (tests/scenes/test_shell.c).
  */
 #include "scenes/bounds.h"
-#include "scenes/hash_text.h"
 #include "scenes/medium_kind.h"
 #include "scenes/quadrature.h"
 #include "scenes/radial.h"
 #include "scenes/solids.h"
 
 #include <math.h>
+#include <stddef.h>
 
 /* Beyond e^-42 of its start a leg adds nothing in double. */
 static const double decay_end = 42.0;
@@ -219,20 +219,32 @@ static void cut_scales(struct neph_cuts *cuts, const struct neph_medium *medium)
     }
 }
 
-static void hash(const struct neph_medium *medium, FILE *text)
-{
-    neph_put_number(text, "extinction_per_m", medium->extinction_per_m);
-    neph_put_vec3(text, "center_m", medium->shell.center_m);
-    neph_put_number(text, "radius_m", medium->shell.radius_m);
-    neph_put_number(text, "scale_height_m", medium->shell.scale_height_m);
-}
+/* The order is that of the hash. */
+static const struct neph_field fields[] = {
+    {"extinction_per_m", NEPH_FIELD_NUMBER, offsetof(struct neph_medium, extinction_per_m), "1/m",
+     0, 1e4, .note = "at the radius"},
+    {"center_m", NEPH_FIELD_THREE, offsetof(struct neph_medium, shell.center_m), "m",
+     -NEPH_PLANET_M, NEPH_PLANET_M, .note = NULL},
+    {"radius_m", NEPH_FIELD_NUMBER, offsetof(struct neph_medium, shell.radius_m), "m", 1, 1e8,
+     .note = "of the ground: there is nothing below it"},
+    {"scale_height_m", NEPH_FIELD_NUMBER, offsetof(struct neph_medium, shell.scale_height_m), "m",
+     1e-2, 1e7, .note = NULL},
+    {"bounds", NEPH_FIELD_RECORD, offsetof(struct neph_medium, bounds),
+     .note =
+         "an atmosphere needs finite bounds: trackers and other engines must know where it ends",
+     .record = &neph_planet_bounds_record},
+    {0},
+};
 
 const struct neph_medium_row neph_medium_shell = {
     .facts = {.name = "spherical shell",
               .has_closed_form = true,
               .has_kinks = true,
               .majorant_cells = NEPH_MAJORANT_CELLS},
-    .hash = hash,
+    .forms =
+        {{"shell",
+          "an atmosphere around a ball: extinction_per_m * exp(-(r - radius_m) / scale_height_m)",
+          fields}},
     .extinction_per_m = extinction_per_m,
     .optical_depth = optical_depth,
     .bound_per_m = bound_per_m,

@@ -2,7 +2,6 @@
 #include "scenes/variant.h"
 
 #include "scenes/motion.h"
-#include "scenes/schema.h"
 
 #include <math.h>
 #include <stdio.h>

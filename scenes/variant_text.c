@@ -7,7 +7,6 @@
 #include "base/files.h"
 #include "base/text.h"
 #include "scenes/document.h"
-#include "scenes/schema.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -229,7 +228,7 @@ static enum neph_status rewrite_volume(struct file *file, int medium, const char
 
 static enum neph_status read_file(const char *path, struct file *file, struct neph_diag *diag)
 {
-    enum neph_status status = neph_file_read(path, NEPH_SCENE_FILE_MAX_BYTES, &file->text,
+    enum neph_status status = neph_file_read(path, NEPH_DOCUMENT_MAX_BYTES, &file->text,
                                              &file->size, diag);
     if (status)
         return status;
@@ -238,7 +237,7 @@ static enum neph_status read_file(const char *path, struct file *file, struct ne
                            "'%s' is not in UTF-8: its variants cannot be written as a file", path);
     else
         status = neph_document_init(&file->document, path, file->text, file->size,
-                                    NEPH_SCENE_DEPTH_MAX, diag);
+                                    NEPH_DOCUMENT_DEPTH_MAX, diag);
     if (status)
         free(file->text);
     return status;

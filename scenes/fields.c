@@ -1,0 +1,598 @@
+/* SPDX-License-Identifier: MIT */
+#include "scenes/fields.h"
+
+#include "scenes/hash_text.h"
+#include "scenes/spelling.h"
+
+#include <ctype.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+static enum neph_status read_value(struct neph_reader *reader, const yaml_node_t *node,
+                                   const struct neph_field *field, void *target);
+
+static void *place(void *target, size_t at)
+{
+    return (char *)target + at;
+}
+
+static int *count_of(const struct neph_field *field, void *target)
+{
+    return place(target, field->count_at);
+}
+
+/* Append to a text in a buffer of `size` bytes; what does not fit is cut off. */
+static void append(char *buffer, size_t size, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+static void append(char *buffer, size_t size, const char *format, ...)
+{
+    const size_t used = strlen(buffer);
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(buffer + used, size - used, format, arguments);
+    va_end(arguments);
+}
+
+/* --- Where the reader is --- */
+
+/* Both return the length of the path before: leave() goes back there. */
+static size_t enter_key(struct neph_reader *reader, const char *key)
+{
+    const size_t before = strlen(reader->path);
+    append(reader->path, sizeof(reader->path), "%s%s", before ? "." : "", key);
+    return before;
+}
+
+static size_t enter_item(struct neph_reader *reader, int index)
+{
+    const size_t before = strlen(reader->path);
+    append(reader->path, sizeof(reader->path), "[%d]", index);
+    return before;
+}
+
+static void leave(struct neph_reader *reader, size_t before)
+{
+    reader->path[before] = '\0';
+}
+
+static const char *here(const struct neph_reader *reader)
+{
+    return *reader->path ? reader->path : "the scene";
+}
+
+struct neph_path neph_at(const char *format, ...)
+{
+    struct neph_path path;
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(path.text, sizeof(path.text), format, arguments);
+    va_end(arguments);
+    return path;
+}
+
+bool neph_reader_has(const struct neph_reader *reader, const yaml_node_t *mapping, const char *key)
+{
+    return neph_document_value(reader->document, mapping, key, strlen(key));
+}
+
+/* --- Complaints --- */
+
+enum neph_status neph_refuse(const struct neph_reader *reader, const char *path, const char *format,
+                             ...)
+{
+    char message[512], whole[2 * NEPH_FIELD_PATH_MAX];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(message, sizeof(message), format, arguments);
+    va_end(arguments);
+    snprintf(whole, sizeof(whole), "%s%s%s", reader->path,
+             *reader->path && *path && *path != '[' ? "." : "", path);
+    neph_fail(reader->diag, NEPH_ERR_INPUT, "%s%s%s", whole, *whole ? ": " : "", message);
+    neph_document_locate(reader->document, neph_document_find(reader->document, whole),
+                         reader->diag);
+    return NEPH_ERR_INPUT;
+}
+
+/* The message is in place; add where, and the note if there is no better hint. */
+static enum neph_status refuse(const struct neph_reader *reader, const yaml_node_t *node,
+                               const struct neph_field *field)
+{
+    neph_document_locate(reader->document, node, reader->diag);
+    if (reader->diag && field->note && !*reader->diag->hint)
+        neph_hint(reader->diag, "%s", field->note);
+    return NEPH_ERR_INPUT;
+}
+
+static void describe_range(const struct neph_field *field, char *text, size_t size)
+{
+    append(text, size, ", %g to %g%s%s", field->minimum, field->maximum, *field->unit ? " " : "",
+           field->unit);
+}
+
+static void describe_words(const struct neph_field *field, char *text, size_t size)
+{
+    append(text, size, "one of ");
+    for (int i = 0; field->words[i]; i++)
+        append(text, size, "%s%s", i ? ", " : "", field->words[i]);
+}
+
+static void describe_keys(const struct neph_field *fields, char *text, size_t size)
+{
+    for (int i = 0; fields[i].key; i++)
+        append(text, size, "%s%s", i ? ", " : "", fields[i].key);
+}
+
+static void describe(const struct neph_field *field, char *text, size_t size)
+{
+    *text = '\0';
+    switch (field->type) {
+    case NEPH_FIELD_NUMBER:
+        append(text, size, "a number");
+        describe_range(field, text, size);
+        break;
+    case NEPH_FIELD_WHOLE:
+        append(text, size, "a whole number");
+        describe_range(field, text, size);
+        break;
+    case NEPH_FIELD_THREE:
+    case NEPH_FIELD_WHOLES:
+        append(text, size, "a list of 3 numbers such as [0, 1, 0]");
+        break;
+    case NEPH_FIELD_FLAG:
+        append(text, size, "true or false");
+        break;
+    case NEPH_FIELD_TEXT:
+        if (!field->words) {
+            append(text, size, "a text of %d to %d bytes", field->least, field->most);
+            break;
+        }
+        /* fall through */
+    case NEPH_FIELD_WORD:
+        describe_words(field, text, size);
+        break;
+    case NEPH_FIELD_RECORD:
+        append(text, size, "a mapping with the keys ");
+        describe_keys(field->record->fields, text, size);
+        break;
+    case NEPH_FIELD_NUMBERS:
+    case NEPH_FIELD_ENTRIES:
+    case NEPH_FIELD_LIST:
+        append(text, size, "a list of %d to %d entries", field->least, field->most);
+        break;
+    }
+}
+
+static void describe_node(const yaml_node_t *node, char *text, size_t size)
+{
+    char quote[NEPH_QUOTE_SIZE];
+    *text = '\0';
+    if (node->type == YAML_MAPPING_NODE)
+        append(text, size, "a mapping");
+    else if (node->type == YAML_SEQUENCE_NODE)
+        append(text, size, "a list of %td",
+               node->data.sequence.items.top - node->data.sequence.items.start);
+    else if (!*neph_document_text(node))
+        append(text, size, "nothing");
+    else
+        append(text, size, "'%s'", neph_document_quote(neph_document_text(node), quote));
+}
+
+static enum neph_status refuse_value(const struct neph_reader *reader, const yaml_node_t *node,
+                                     const struct neph_field *field)
+{
+    char expected[512], found[128];
+    describe(field, expected, sizeof(expected));
+    describe_node(node, found, sizeof(found));
+    neph_fail(reader->diag, NEPH_ERR_INPUT, "%s: found %s, expected %s", here(reader), found,
+              expected);
+    return refuse(reader, node, field);
+}
+
+static void hint_spelling(const struct neph_reader *reader, const struct neph_spelling *spelling)
+{
+    if (spelling->nearest)
+        neph_hint(reader->diag, "did you mean '%s'?", spelling->nearest);
+}
+
+/* --- Scalars --- */
+
+static const char *skip_digits(const char *text)
+{
+    while (isdigit((unsigned char)*text))
+        text++;
+    return text;
+}
+
+static const char *skip_sign(const char *text)
+{
+    return text + (*text == '-' || *text == '+');
+}
+
+/* Decimal only: no nan, no inf, no hexadecimal, nothing behind the number. */
+static bool is_number(const char *text)
+{
+    const char *start = skip_sign(text);
+    const char *end = skip_digits(start);
+    bool digits = end > start;
+    if (*end == '.') {
+        const char *fraction = end + 1;
+        end = skip_digits(fraction);
+        digits |= end > fraction;
+    }
+    if (*end == 'e' || *end == 'E') {
+        const char *exponent = skip_sign(end + 1);
+        end = skip_digits(exponent);
+        digits &= end > exponent;
+    }
+    return digits && !*end;
+}
+
+/* No leading zero: YAML 1.1 would read 010 as eight. */
+static bool is_whole(const char *text)
+{
+    const char *start = skip_sign(text);
+    const char *end = skip_digits(start);
+    return end > start && !*end && (*start != '0' || end == start + 1);
+}
+
+static bool is_plain(const yaml_node_t *node)
+{
+    return node->type == YAML_SCALAR_NODE && node->data.scalar.style == YAML_PLAIN_SCALAR_STYLE;
+}
+
+/* A number, or one of a list of them. */
+static enum neph_status read_number(const struct neph_reader *reader, const yaml_node_t *node,
+                                    const struct neph_field *field, bool is_of_list, double *number)
+{
+    const bool whole = field->type == NEPH_FIELD_WHOLE || field->type == NEPH_FIELD_WHOLES;
+    if (!is_plain(node) || !(whole ? is_whole : is_number)(neph_document_text(node))) {
+        struct neph_field one = *field;
+        if (is_of_list)
+            one.type = whole ? NEPH_FIELD_WHOLE : NEPH_FIELD_NUMBER;
+        return refuse_value(reader, node, &one);
+    }
+    *number = strtod(neph_document_text(node), NULL);
+    if (*number >= field->minimum && *number <= field->maximum)
+        return NEPH_OK;
+    char quote[NEPH_QUOTE_SIZE];
+    neph_fail(reader->diag, NEPH_ERR_INPUT, "%s: %s is outside %g to %g%s%s", here(reader),
+              neph_document_quote(neph_document_text(node), quote), field->minimum, field->maximum,
+              *field->unit ? " " : "", field->unit);
+    return refuse(reader, node, field);
+}
+
+static enum neph_status read_flag(const struct neph_reader *reader, const yaml_node_t *node,
+                                  const struct neph_field *field, bool *flag)
+{
+    const char *text = is_plain(node) ? neph_document_text(node) : "";
+    *flag = !strcmp(text, "true");
+    return *flag || !strcmp(text, "false") ? NEPH_OK : refuse_value(reader, node, field);
+}
+
+static enum neph_status read_word(const struct neph_reader *reader, const yaml_node_t *node,
+                                  const struct neph_field *field, int *index)
+{
+    if (node->type != YAML_SCALAR_NODE)
+        return refuse_value(reader, node, field);
+    struct neph_spelling spelling = neph_spelling_of(neph_document_text(node));
+    for (*index = 0; field->words[*index]; ++*index) {
+        if (!strcmp(spelling.word, field->words[*index]))
+            return NEPH_OK;
+        neph_spelling_offer(&spelling, field->words[*index]);
+    }
+    const enum neph_status status = refuse_value(reader, node, field);
+    hint_spelling(reader, &spelling);
+    return status;
+}
+
+static enum neph_status read_text(const struct neph_reader *reader, const yaml_node_t *node,
+                                  const struct neph_field *field, char **text)
+{
+    int index;
+    const enum neph_status status = field->words ? read_word(reader, node, field, &index) : NEPH_OK;
+    if (status)
+        return status;
+    if (node->type != YAML_SCALAR_NODE)
+        return refuse_value(reader, node, field);
+    const int size = (int)node->data.scalar.length;
+    if (!field->words && (size < field->least || size > field->most))
+        return refuse_value(reader, node, field);
+    free(*text);
+    *text = strdup(neph_document_text(node));
+    return *text ? NEPH_OK : neph_fail_memory(reader->diag);
+}
+
+/* --- Lists --- */
+
+/* -1 when it is no list, or too short or too long. */
+static int length_of(const yaml_node_t *node, int least, int most)
+{
+    if (node->type != YAML_SEQUENCE_NODE)
+        return -1;
+    const ptrdiff_t length = node->data.sequence.items.top - node->data.sequence.items.start;
+    return length < least || length > most ? -1 : (int)length;
+}
+
+static const yaml_node_t *item_of(const struct neph_reader *reader, const yaml_node_t *list,
+                                  int index)
+{
+    return yaml_document_get_node(&reader->document->yaml, list->data.sequence.items.start[index]);
+}
+
+static enum neph_status read_numbers(struct neph_reader *reader, const yaml_node_t *node,
+                                     const struct neph_field *field, int count, double *numbers)
+{
+    enum neph_status status = NEPH_OK;
+    for (int i = 0; i < count && !status; i++) {
+        const size_t before = enter_item(reader, i);
+        status = read_number(reader, item_of(reader, node, i), field, true, &numbers[i]);
+        leave(reader, before);
+    }
+    return status;
+}
+
+static enum neph_status read_wholes(struct neph_reader *reader, const yaml_node_t *node,
+                                    const struct neph_field *field, int wholes[3])
+{
+    double numbers[3] = {0.0};
+    const enum neph_status status = read_numbers(reader, node, field, 3, numbers);
+    for (int i = 0; i < 3 && !status; i++)
+        wholes[i] = (int)numbers[i];
+    return status;
+}
+
+static enum neph_status read_record(struct neph_reader *reader, const yaml_node_t *node,
+                                    const struct neph_record *record, void *target)
+{
+    return record->read ? record->read(reader, node, record, target)
+                        : neph_read_fields(reader, node, record->fields, target);
+}
+
+static enum neph_status read_entries(struct neph_reader *reader, const yaml_node_t *node,
+                                     const struct neph_record *record, int count, char *entries)
+{
+    enum neph_status status = NEPH_OK;
+    for (int i = 0; i < count && !status; i++) {
+        const size_t before = enter_item(reader, i);
+        status = read_record(reader, item_of(reader, node, i), record,
+                             entries + (size_t)i * record->size);
+        leave(reader, before);
+    }
+    return status;
+}
+
+/* By the first field of the entries. */
+static enum neph_status check_order(const struct neph_reader *reader,
+                                    const struct neph_record *record, int count,
+                                    const char *entries)
+{
+    const struct neph_field *first = &record->fields[0];
+    double before = -INFINITY;
+    for (int i = 0; i < count; i++) {
+        const char *value = entries + (size_t)i * record->size + first->at;
+        const double own = first->type == NEPH_FIELD_WHOLE ? *(const int *)value
+                                                           : *(const double *)value;
+        if (!(own > before))
+            return neph_refuse(reader, neph_at("[%d].%s", i, first->key).text,
+                               "%g is not above the %s of the one before, %g", own, first->key,
+                               before);
+        before = own;
+    }
+    return NEPH_OK;
+}
+
+/* Its length is known before its entries are: what is half read can be freed. */
+static enum neph_status read_list(struct neph_reader *reader, const yaml_node_t *node,
+                                  const struct neph_field *field, int count, void *target)
+{
+    char **list = place(target, field->at);
+    if (count == 0)
+        return NEPH_OK;
+    *list = calloc((size_t)count, field->record->size);
+    if (!*list)
+        return neph_fail_memory(reader->diag);
+    *count_of(field, target) = count;
+    const enum neph_status status = read_entries(reader, node, field->record, count, *list);
+    return status || !field->is_ascending ? status
+                                          : check_order(reader, field->record, count, *list);
+}
+
+static enum neph_status read_sequence(struct neph_reader *reader, const yaml_node_t *node,
+                                      const struct neph_field *field, void *target)
+{
+    const bool three = field->type == NEPH_FIELD_THREE || field->type == NEPH_FIELD_WHOLES;
+    const int count = length_of(node, three ? 3 : field->least, three ? 3 : field->most);
+    void *value = place(target, field->at);
+    if (count < 0)
+        return refuse_value(reader, node, field);
+    if (field->type == NEPH_FIELD_LIST)
+        return read_list(reader, node, field, count, target);
+    if (field->type == NEPH_FIELD_WHOLES)
+        return read_wholes(reader, node, field, value);
+    if (!three)
+        *count_of(field, target) = count;
+    return field->type == NEPH_FIELD_ENTRIES
+               ? read_entries(reader, node, field->record, count, value)
+               : read_numbers(reader, node, field, count, value);
+}
+
+/* --- Mappings --- */
+
+static enum neph_status read_value(struct neph_reader *reader, const yaml_node_t *node,
+                                   const struct neph_field *field, void *target)
+{
+    void *value = place(target, field->at);
+    double number = 0.0;
+    enum neph_status status;
+    switch (field->type) {
+    case NEPH_FIELD_NUMBER:
+        return read_number(reader, node, field, false, value);
+    case NEPH_FIELD_WHOLE:
+        status = read_number(reader, node, field, false, &number);
+        *(int *)value = (int)number;
+        return status;
+    case NEPH_FIELD_FLAG:
+        return read_flag(reader, node, field, value);
+    case NEPH_FIELD_WORD:
+        return read_word(reader, node, field, value);
+    case NEPH_FIELD_TEXT:
+        return read_text(reader, node, field, value);
+    case NEPH_FIELD_RECORD:
+        if (node->type != YAML_MAPPING_NODE)
+            return refuse_value(reader, node, field);
+        return read_record(reader, node, field->record, value);
+    default:
+        return read_sequence(reader, node, field, target);
+    }
+}
+
+static enum neph_status refuse_unknown(const struct neph_reader *reader, const yaml_node_t *key,
+                                       const struct neph_field *fields)
+{
+    char quote[NEPH_QUOTE_SIZE], known[512] = "";
+    struct neph_spelling spelling = neph_spelling_of(neph_document_text(key));
+    for (int i = 0; fields[i].key; i++)
+        neph_spelling_offer(&spelling, fields[i].key);
+    describe_keys(fields, known, sizeof(known));
+    neph_fail(reader->diag, NEPH_ERR_INPUT, "unknown key '%s' in %s; known keys: %s",
+              neph_document_quote(spelling.word, quote), here(reader), known);
+    hint_spelling(reader, &spelling);
+    neph_document_locate(reader->document, key, reader->diag);
+    return NEPH_ERR_INPUT;
+}
+
+static enum neph_status refuse_twice(const struct neph_reader *reader, const yaml_node_t *first,
+                                     const yaml_node_t *key)
+{
+    neph_fail(reader->diag, NEPH_ERR_INPUT, "the key '%s' stands twice in %s",
+              neph_document_text(key), here(reader));
+    neph_hint(reader->diag, "its first value is on line %zu", first->start_mark.line + 1);
+    neph_document_locate(reader->document, key, reader->diag);
+    return NEPH_ERR_INPUT;
+}
+
+static enum neph_status refuse_missing(struct neph_reader *reader, const yaml_node_t *mapping,
+                                       const struct neph_field *field)
+{
+    char expected[512];
+    const size_t before = enter_key(reader, field->key);
+    describe(field, expected, sizeof(expected));
+    neph_fail(reader->diag, NEPH_ERR_INPUT, "missing key '%s': expected %s", reader->path,
+              expected);
+    leave(reader, before);
+    return refuse(reader, mapping, field);
+}
+
+static const struct neph_field *field_of(const struct neph_field *fields, const char *key)
+{
+    while (fields->key && strcmp(fields->key, key))
+        fields++;
+    return fields->key ? fields : NULL;
+}
+
+static enum neph_status read_pair(struct neph_reader *reader, const yaml_node_t *mapping,
+                                  const yaml_node_pair_t *pair, const struct neph_field *fields,
+                                  void *target)
+{
+    const yaml_node_t *key = yaml_document_get_node(&reader->document->yaml, pair->key);
+    const yaml_node_t *value = yaml_document_get_node(&reader->document->yaml, pair->value);
+    const char *name = neph_document_text(key);
+    const struct neph_field *field = field_of(fields, name);
+    if (!field)
+        return refuse_unknown(reader, key, fields);
+    const yaml_node_t *first = neph_document_value(reader->document, mapping, name, strlen(name));
+    if (first != value)
+        return refuse_twice(reader, first, key);
+    const size_t before = enter_key(reader, name);
+    const enum neph_status status = read_value(reader, value, field, target);
+    leave(reader, before);
+    return status;
+}
+
+enum neph_status neph_read_fields(struct neph_reader *reader, const yaml_node_t *node,
+                                  const struct neph_field *fields, void *target)
+{
+    const struct neph_record record = {.fields = fields};
+    const struct neph_field whole = {.type = NEPH_FIELD_RECORD, .record = &record};
+    if (node->type != YAML_MAPPING_NODE)
+        return refuse_value(reader, node, &whole);
+    neph_fields_default(fields, target);
+    enum neph_status status = NEPH_OK;
+    for (const yaml_node_pair_t *pair = node->data.mapping.pairs.start;
+         pair < node->data.mapping.pairs.top && !status; pair++)
+        status = read_pair(reader, node, pair, fields, target);
+    for (int i = 0; fields[i].key && !status; i++)
+        if (!fields[i].is_optional && !neph_reader_has(reader, node, fields[i].key))
+            status = refuse_missing(reader, node, &fields[i]);
+    return status;
+}
+
+/* --- Defaults, hash and ends --- */
+
+static void set_default(const struct neph_field *field, void *target)
+{
+    void *value = place(target, field->at);
+    switch (field->type) {
+    case NEPH_FIELD_NUMBER:
+        *(double *)value = field->standard;
+        break;
+    case NEPH_FIELD_THREE:
+        for (int i = 0; i < 3; i++)
+            ((double *)value)[i] = field->standard;
+        break;
+    case NEPH_FIELD_WHOLE:
+    case NEPH_FIELD_WORD:
+        *(int *)value = (int)field->standard;
+        break;
+    case NEPH_FIELD_FLAG:
+        *(bool *)value = field->standard != 0.0;
+        break;
+    case NEPH_FIELD_RECORD:
+        if (!field->record->read)
+            neph_fields_default(field->record->fields, value);
+        break;
+    default:
+        break; /* 0: no text, no entries */
+    }
+}
+
+void neph_fields_default(const struct neph_field *fields, void *target)
+{
+    for (; fields->key; fields++)
+        set_default(fields, target);
+}
+
+void neph_fields_hash(const struct neph_field *fields, const void *record, FILE *text)
+{
+    for (; fields->key; fields++) {
+        const void *value = (const char *)record + fields->at;
+        if (fields->type == NEPH_FIELD_NUMBER)
+            neph_put_number(text, fields->key, *(const double *)value);
+        else if (fields->type == NEPH_FIELD_THREE)
+            neph_put_vec3(text, fields->key, *(const struct neph_vec3 *)value);
+        else if (fields->type == NEPH_FIELD_WHOLE || fields->type == NEPH_FIELD_WORD)
+            neph_put_number(text, fields->key, *(const int *)value);
+    }
+}
+
+static void free_list(const struct neph_field *field, void *target)
+{
+    char **list = place(target, field->at);
+    for (int i = 0; *list && i < *count_of(field, target); i++)
+        neph_fields_free(field->record->fields, *list + (size_t)i * field->record->size);
+    free(*list);
+}
+
+void neph_fields_free(const struct neph_field *fields, void *target)
+{
+    for (; fields->key; fields++) {
+        if (fields->type == NEPH_FIELD_TEXT)
+            free(*(char **)place(target, fields->at));
+        else if (fields->type == NEPH_FIELD_RECORD)
+            neph_fields_free(fields->record->fields, place(target, fields->at));
+        else if (fields->type == NEPH_FIELD_LIST)
+            free_list(fields, target);
+    }
+}

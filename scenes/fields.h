@@ -1,0 +1,103 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * A scene file as tables: one row per key says where its value goes and what it may be. The rows
+ * read the YAML into structs, refuse what is not allowed with line, column and the way out, fill in
+ * what is left out, go into the hash, and write the reference in scenes/README.md. Private to
+ * scenes/.
+ */
+#ifndef NEPH_SCENES_FIELDS_H
+#define NEPH_SCENES_FIELDS_H
+
+#include "scenes/document.h"
+
+#include <stdbool.h>
+#include <stdio.h>
+
+/* 1e6 m: beyond it float32 renderers resolve 6 cm and less, so no engine could be compared. */
+#define NEPH_FAR_M 1e6
+#define NEPH_PLANET_M 1e8 /* balls of ground and air may be planets */
+
+#define NEPH_FIELD_PATH_MAX 160 /* of a value inside a file: "media[0].height_fog.albedo[2]" */
+
+enum neph_field_type {
+    NEPH_FIELD_NUMBER,  /* double */
+    NEPH_FIELD_THREE,   /* three doubles: struct neph_vec3, struct neph_rgb */
+    NEPH_FIELD_WHOLE,   /* int */
+    NEPH_FIELD_WHOLES,  /* three ints */
+    NEPH_FIELD_FLAG,    /* bool */
+    NEPH_FIELD_WORD,    /* int or enum: the index in `words` */
+    NEPH_FIELD_TEXT,    /* char *, owned; where there are `words`, one of them */
+    NEPH_FIELD_RECORD,  /* a mapping, read into the place itself */
+    NEPH_FIELD_NUMBERS, /* double[most] and a count */
+    NEPH_FIELD_ENTRIES, /* mappings: an array[most] and a count */
+    NEPH_FIELD_LIST,    /* mappings: a pointer to an owned array, and a count */
+};
+
+struct neph_reader;
+
+/* A mapping. */
+struct neph_record {
+    size_t size;                     /* of the struct that it is read into */
+    const struct neph_field *fields; /* ends with a row without key */
+    /* NULL: the fields alone, neph_read_fields(). Others call that, and then check or convert; what
+     * stands in the place of a mapping that is left out is theirs, too. */
+    enum neph_status (*read)(struct neph_reader *reader, const yaml_node_t *node,
+                             const struct neph_record *record, void *target);
+};
+
+struct neph_field {
+    const char *key;
+    enum neph_field_type type;
+    size_t at; /* in the struct that the record is read into */
+    const char *unit;
+    double minimum, maximum; /* of each number */
+    const char *note;        /* what it is, or why not otherwise; also told beside a complaint */
+    bool is_optional;
+    double standard;    /* when left out: of a number, of each of three, of a flag, of a word */
+    const char *absent; /* what it means to leave it out, where `standard` does not tell */
+    int least, most;    /* entries of a list, bytes of a text */
+    size_t count_at;    /* an int; of a list */
+    bool is_ascending; /* a list whose entries begin with a field that grows from one to the next */
+    const char *const *words; /* ends with NULL */
+    const struct neph_record *record;
+};
+
+struct neph_reader {
+    struct neph_document *document;
+    struct neph_diag *diag;
+    char path[NEPH_FIELD_PATH_MAX]; /* of what is being read: "media[0].homogeneous" */
+};
+
+/* The mapping into `target`, which is 0 or was read before: every key known and given once, every
+ * value of its type and in its range, what must be there is there, the rest has its default. What
+ * is owned in a half-read target is for neph_fields_free(), or for who knows the struct. */
+enum neph_status neph_read_fields(struct neph_reader *reader, const yaml_node_t *node,
+                                  const struct neph_field *fields, void *target);
+
+/* What neph_read_fields() gives for keys that are all left out. */
+void neph_fields_default(const struct neph_field *fields, void *target);
+
+/* Texts and lists. */
+void neph_fields_free(const struct neph_field *fields, void *target);
+
+/* Whether the file gives the key, default or not. */
+bool neph_reader_has(const struct neph_reader *reader, const yaml_node_t *mapping, const char *key);
+
+/* Fill the diag for the value at `path`, counted from what is being read ("" is that itself), or
+ * for as much of the path as the file has. Returns NEPH_ERR_INPUT. */
+enum neph_status neph_refuse(const struct neph_reader *reader, const char *path, const char *format,
+                             ...) __attribute__((format(printf, 3, 4)));
+
+/* A path made on the spot: neph_at("layers[%d].height_m", i).text */
+struct neph_path {
+    char text[NEPH_FIELD_PATH_MAX];
+};
+struct neph_path neph_at(const char *format, ...) __attribute__((format(printf, 1, 2)));
+
+/* A line of a scene's hash per number, see scenes/hash_text.h; records and lists are left out. */
+void neph_fields_hash(const struct neph_field *fields, const void *record, FILE *text);
+
+/* A line of Markdown's table per key, records opened up; `owner` stands before each key. */
+void neph_fields_print(const struct neph_field *fields, const char *owner, FILE *file);
+
+#endif

@@ -1,0 +1,46 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * A scene while it is read from its file. Private to scenes/.
+ */
+#ifndef NEPH_SCENES_LOAD_H
+#define NEPH_SCENES_LOAD_H
+
+#include "scenes/fields.h"
+#include "scenes/scene.h"
+
+/* The scene comes first: freeing it frees all. */
+struct neph_written_scene {
+    struct neph_scene scene;
+    struct neph_camera_key camera; /* what stands in place of one key */
+    struct neph_sun_key sun;
+    struct neph_wind_key wind;
+    int solid_count;
+    struct neph_written_solid *solids; /* owned; fences are one */
+};
+
+/* Read in place, into a struct neph_written_scene. */
+extern const struct neph_record neph_camera_record, neph_frames_record, neph_sun_record,
+    neph_wind_record;
+
+/* Entries of lists. */
+extern const struct neph_record neph_solid_record, neph_medium_record;
+
+/* Once all is read, whatever its order: the sun of frame 0. */
+void neph_finish_sun(struct neph_written_scene *written);
+
+/* Fences become their bars. */
+enum neph_status neph_finish_solids(struct neph_reader *reader, struct neph_written_scene *written);
+
+/* What needs the finished scene: cameras of all frames outside solids and never degenerate, wind
+ * that moves media and not too far. */
+enum neph_status neph_check_motion(const struct neph_reader *reader,
+                                   const struct neph_scene *scene);
+
+/* Position and target at a frame of the keys. */
+struct neph_camera_key neph_camera_key_at(const struct neph_scene *scene, double key_frame);
+
+/* max_m above min_m; `owner` is the key of the box. */
+enum neph_status neph_check_extent(const struct neph_reader *reader, const char *owner,
+                                   const struct neph_bounds *bounds);
+
+#endif

@@ -1,0 +1,206 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * An entry of `media`: one of the forms of the kinds, and what all of them have.
+ */
+#include "scenes/bake.h"
+#include "scenes/load.h"
+#include "scenes/media.h"
+#include "scenes/medium_kind.h"
+
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { FORMS_MAX = 2 * NEPH_MEDIUM_KIND_COUNT, FIELDS_MAX = 32 };
+
+static const char *const phase_words[] = {
+    [NEPH_PHASE_ISOTROPIC] = "isotropic",
+    [NEPH_PHASE_HENYEY_GREENSTEIN] = "henyey_greenstein",
+    [NEPH_PHASE_RAYLEIGH] = "rayleigh",
+    NULL,
+};
+
+/* What every medium has. */
+static const struct neph_field common_fields[] = {
+    {"extinction_color", NEPH_FIELD_THREE, offsetof(struct neph_medium, extinction_color), "", 0,
+     1e3, .note = "extinction per channel, in parts of extinction_per_m", .is_optional = true,
+     .standard = 1},
+    {"albedo", NEPH_FIELD_THREE, offsetof(struct neph_medium, albedo), "", 0, 1,
+     .note = "an albedo above 1 would make light out of nothing"},
+    {"phase", NEPH_FIELD_WORD, offsetof(struct neph_medium, phase.kind), .words = phase_words,
+     .is_optional = true},
+    {"asymmetry_g", NEPH_FIELD_NUMBER, offsetof(struct neph_medium, phase.g), "", -0.999, 0.999,
+     .note = "beyond 0.999 the phase function is a spike that Cycles clamps", .is_optional = true,
+     .absent = "needed by `henyey_greenstein`"},
+    {"voxels", NEPH_FIELD_WHOLE, offsetof(struct neph_written_medium, voxels), "nodes",
+     NEPH_BAKE_RESOLUTION_MIN, NEPH_GRID_SIDE_MAX,
+     .note = "along the longest side of the grid that replaces the medium", .is_optional = true,
+     .absent = "the medium itself"},
+    {0},
+};
+
+static const struct neph_field bounds_fields[] = {
+    {"min_m", NEPH_FIELD_THREE, offsetof(struct neph_bounds, min_m), "m", -NEPH_FAR_M, NEPH_FAR_M,
+     .standard = -INFINITY},
+    {"max_m", NEPH_FIELD_THREE, offsetof(struct neph_bounds, max_m), "m", -NEPH_FAR_M, NEPH_FAR_M,
+     .standard = INFINITY},
+    {0},
+};
+const struct neph_record neph_bounds_record = {sizeof(struct neph_bounds), bounds_fields, NULL};
+
+static const struct neph_field planet_bounds_fields[] = {
+    {"min_m", NEPH_FIELD_THREE, offsetof(struct neph_bounds, min_m), "m", -NEPH_PLANET_M,
+     NEPH_PLANET_M, .standard = -INFINITY},
+    {"max_m", NEPH_FIELD_THREE, offsetof(struct neph_bounds, max_m), "m", -NEPH_PLANET_M,
+     NEPH_PLANET_M, .standard = INFINITY},
+    {0},
+};
+const struct neph_record neph_planet_bounds_record = {sizeof(struct neph_bounds),
+                                                      planet_bounds_fields, NULL};
+
+/* --- One form --- */
+
+/* The record of one key of an entry. */
+struct choice {
+    struct neph_record record;
+    enum neph_medium_kind kind;
+    const struct neph_medium_form *form;
+};
+
+static void gather_fields(const struct neph_field *own, struct neph_field fields[FIELDS_MAX])
+{
+    int count = 0;
+    for (; own->key; own++)
+        fields[count++] = *own;
+    memcpy(&fields[count], common_fields, sizeof(common_fields));
+}
+
+enum neph_status neph_check_extent(const struct neph_reader *reader, const char *owner,
+                                   const struct neph_bounds *bounds)
+{
+    const double *low_m = &bounds->min_m.x, *high_m = &bounds->max_m.x;
+    for (int axis = 0; axis < 3; axis++)
+        if (!(high_m[axis] > low_m[axis]))
+            return neph_refuse(reader,
+                               neph_at("%s%smax_m[%d]", owner, *owner ? "." : "", axis).text,
+                               "%g m is not above min_m, %g m", high_m[axis], low_m[axis]);
+    return NEPH_OK;
+}
+
+static enum neph_status check_optics(const struct neph_reader *reader, const yaml_node_t *node,
+                                     const struct neph_medium *medium)
+{
+    const bool has_g = neph_reader_has(reader, node, "asymmetry_g");
+    const bool wants_g = medium->phase.kind == NEPH_PHASE_HENYEY_GREENSTEIN;
+    const struct neph_rgb color = medium->extinction_color;
+    if (wants_g && !has_g)
+        return neph_refuse(reader, "phase", "henyey_greenstein needs the key asymmetry_g");
+    if (!wants_g && has_g)
+        return neph_refuse(reader, "asymmetry_g", "only phase: henyey_greenstein has an asymmetry");
+    if (color.r + color.g + color.b == 0.0)
+        return neph_refuse(reader, "extinction_color",
+                           "a medium that no channel sees; leave it out instead");
+    return NEPH_OK;
+}
+
+/* From here on the medium is its voxels, for all engines alike. */
+static enum neph_status make_voxels(struct neph_medium *medium, int nodes, struct neph_diag *diag)
+{
+    const struct neph_bounds box = neph_medium_support(medium);
+    struct neph_bake bake;
+    const enum neph_status status = neph_medium_bake(medium, &box, nodes, &bake, diag);
+    if (status)
+        return status;
+    const struct neph_medium voxels = neph_medium_from_bake(medium, &bake);
+    neph_medium_finish(medium);
+    *medium = voxels; /* the grid is its own now */
+    return NEPH_OK;
+}
+
+static enum neph_status finish(struct neph_reader *reader, const yaml_node_t *node,
+                               const struct neph_medium_form *form,
+                               struct neph_written_medium *written)
+{
+    struct neph_medium *medium = &written->medium;
+    enum neph_status status = neph_check_extent(reader, "bounds", &medium->bounds);
+    if (!status)
+        status = check_optics(reader, node, medium);
+    if (!status && form->finish)
+        status = form->finish(reader, node, written);
+    if (!status && written->voxels)
+        status = make_voxels(medium, written->voxels, reader->diag);
+    if (status && reader->diag && reader->diag->line == 0)
+        neph_document_locate(reader->document, node, reader->diag);
+    return status;
+}
+
+static enum neph_status read_form(struct neph_reader *reader, const yaml_node_t *node,
+                                  const struct neph_record *record, void *target)
+{
+    const struct choice *choice = (const struct choice *)record;
+    struct neph_field fields[FIELDS_MAX];
+    struct neph_medium *medium = target;
+    gather_fields(choice->form->fields, fields);
+    struct neph_written_medium *written = calloc(1, record->size);
+    if (!written)
+        return neph_fail_memory(reader->diag);
+    written->medium.kind = choice->kind;
+    enum neph_status status = neph_read_fields(reader, node, fields, written);
+    if (!status)
+        status = finish(reader, node, choice->form, written);
+    neph_medium_finish(medium); /* of another form in the same entry */
+    *medium = written->medium;  /* what is half made is freed with the scene */
+    neph_fields_free(fields, written);
+    free(written);
+    return status;
+}
+
+/* --- An entry --- */
+
+/* All forms of all kinds; ends with a row without key. */
+static void list_choices(struct choice choices[FORMS_MAX], struct neph_field fields[FORMS_MAX + 1])
+{
+    int count = 0;
+    for (int kind = 0; kind < NEPH_MEDIUM_KIND_COUNT; kind++)
+        for (int i = 0; i < 2; i++) {
+            const struct neph_medium_form *form = &neph_medium_row(kind)->forms[i];
+            if (!form->key)
+                continue;
+            const size_t size = form->size ? form->size : sizeof(struct neph_written_medium);
+            choices[count] = (struct choice){{size, form->fields, read_form}, kind, form};
+            fields[count] = (struct neph_field){form->key, NEPH_FIELD_RECORD, .is_optional = true,
+                                                .record = &choices[count].record};
+            count++;
+        }
+    fields[count] = (struct neph_field){0};
+}
+
+static enum neph_status refuse_choice(const struct neph_reader *reader,
+                                      const struct neph_field *fields)
+{
+    char keys[512] = "";
+    for (int i = 0; fields[i].key; i++) {
+        strcat(keys, i ? ", " : "");
+        strcat(keys, fields[i].key);
+    }
+    return neph_refuse(reader, "", "a medium is exactly one of %s", keys);
+}
+
+static enum neph_status read_medium(struct neph_reader *reader, const yaml_node_t *node,
+                                    const struct neph_record *record, void *target)
+{
+    (void)record;
+    struct choice choices[FORMS_MAX];
+    struct neph_field fields[FORMS_MAX + 1];
+    list_choices(choices, fields);
+    const enum neph_status status = neph_read_fields(reader, node, fields, target);
+    if (status)
+        return status;
+    int given = 0;
+    for (int i = 0; fields[i].key; i++)
+        given += neph_reader_has(reader, node, fields[i].key);
+    return given == 1 ? NEPH_OK : refuse_choice(reader, fields);
+}
+
+const struct neph_record neph_medium_record = {sizeof(struct neph_medium), common_fields,
+                                               read_medium};

@@ -1,0 +1,365 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Camera, frames, sun and wind from a scene file, and what the finished scene must keep to in all
+ * of its frames.
+ */
+#include "scenes/load.h"
+#include "scenes/media.h"
+#include "scenes/motion.h"
+
+#include <stddef.h>
+#include <stdlib.h>
+
+/* Shorter directions are refused: their normalised form would be noise. */
+#define DIRECTION_MIN 1e-9
+/* A camera nearer to its target than this has no direction of view worth the name. */
+#define VIEW_DISTANCE_MIN_M 1e-3
+/* Sine of the smallest angle between the view and `up`: below it the picture could turn by any
+ * angle with the last bits of the input. */
+#define VIEW_SINE_MIN 1e-6
+/* Nearer to opposite than this, directions of the sun do not say which way it goes between them. */
+#define SUN_SINE_MIN 1e-6
+#define DRIFT_MAX_M NEPH_FAR_M /* as far as a scene file may put a medium itself */
+
+#define RAD_PER_DEG (M_PI / 180.0)
+#define KEY_FRAME_MAX 1e5
+#define BRIGHT 1e9       /* one float32 pixel still holds the sum of 1e29 of them */
+#define FAST_M_PER_S 1e5 /* a time lapse: 3 km per frame at 30 Hz */
+
+static enum neph_status check_direction(const struct neph_reader *reader, const char *path,
+                                        struct neph_vec3 direction)
+{
+    return neph_vec3_length(direction) < DIRECTION_MIN
+               ? neph_refuse(reader, path, "a direction of length 0")
+               : NEPH_OK;
+}
+
+/* --- Frames --- */
+
+static const struct neph_field pause_fields[] = {
+    {"frame", NEPH_FIELD_WHOLE, offsetof(struct neph_pause, frame), "", 0, KEY_FRAME_MAX,
+     .note = "of the keys, not of the pictures"},
+    {"count", NEPH_FIELD_WHOLE, offsetof(struct neph_pause, count), "frames", 1, 10000,
+     .note = "so many pictures more show it"},
+    {0},
+};
+static const struct neph_record pause_record = {sizeof(struct neph_pause), pause_fields, NULL};
+
+static const struct neph_field size_fields[] = {
+    {"frame", NEPH_FIELD_WHOLE, offsetof(struct neph_frame_scale, frame), "", 0, KEY_FRAME_MAX,
+     .note = "the first picture of this size"},
+    {"scale", NEPH_FIELD_NUMBER, offsetof(struct neph_frame_scale, scale), "", 0.05, 4,
+     .note = "of the size that was asked for"},
+    {0},
+};
+static const struct neph_record size_record = {sizeof(struct neph_frame_scale), size_fields, NULL};
+
+static const struct neph_field frames_fields[] = {
+    {"count", NEPH_FIELD_WHOLE, offsetof(struct neph_scene, frame_count), "", 1, 10000,
+     .is_optional = true, .standard = 1},
+    {"rate_hz", NEPH_FIELD_NUMBER, offsetof(struct neph_scene, frame_rate_hz), "Hz", 0.001, 1000,
+     .is_optional = true, .standard = 30},
+    {"pauses", NEPH_FIELD_LIST, offsetof(struct neph_scene, pauses), .is_optional = true,
+     .is_ascending = true, .least = 1, .most = NEPH_SCENE_KEYS_MAX,
+     .count_at = offsetof(struct neph_scene, pause_count), .record = &pause_record},
+    {"sizes", NEPH_FIELD_LIST, offsetof(struct neph_scene, frame_scales), .is_optional = true,
+     .is_ascending = true, .least = 1, .most = NEPH_SCENE_KEYS_MAX,
+     .count_at = offsetof(struct neph_scene, frame_scale_count), .record = &size_record},
+    {0},
+};
+const struct neph_record neph_frames_record = {sizeof(struct neph_scene), frames_fields, NULL};
+
+/* --- Camera --- */
+
+static const struct neph_field camera_key_fields[] = {
+    {"frame", NEPH_FIELD_NUMBER, offsetof(struct neph_camera_key, frame), "", 0, KEY_FRAME_MAX,
+     .note = NULL},
+    {"position_m", NEPH_FIELD_THREE, offsetof(struct neph_camera_key, position_m), "m", -NEPH_FAR_M,
+     NEPH_FAR_M, .note = NULL},
+    {"look_at_m", NEPH_FIELD_THREE, offsetof(struct neph_camera_key, look_at_m), "m", -NEPH_FAR_M,
+     NEPH_FAR_M, .note = NULL},
+    {"cut", NEPH_FIELD_FLAG, offsetof(struct neph_camera_key, cut),
+     .note = "the camera stays at the key before and jumps", .is_optional = true},
+    {0},
+};
+static const struct neph_record camera_key_record = {sizeof(struct neph_camera_key),
+                                                     camera_key_fields, NULL};
+
+static const struct neph_field camera_fields[] = {
+    {"position_m", NEPH_FIELD_THREE, offsetof(struct neph_written_scene, camera.position_m), "m",
+     -NEPH_FAR_M, NEPH_FAR_M, .is_optional = true, .absent = "`keys`"},
+    {"look_at_m", NEPH_FIELD_THREE, offsetof(struct neph_written_scene, camera.look_at_m), "m",
+     -NEPH_FAR_M, NEPH_FAR_M, .is_optional = true, .absent = "`keys`"},
+    {"keys", NEPH_FIELD_LIST, offsetof(struct neph_scene, camera_keys),
+     .note = "in place of both; linear in between", .is_optional = true, .is_ascending = true,
+     .least = 1, .most = NEPH_SCENE_KEYS_MAX,
+     .count_at = offsetof(struct neph_scene, camera_key_count), .record = &camera_key_record},
+    {"up", NEPH_FIELD_THREE, offsetof(struct neph_scene, camera_up), "", -NEPH_FAR_M, NEPH_FAR_M,
+     .is_optional = true, .absent = "[0, 1, 0]"},
+    {"vertical_fov_deg", NEPH_FIELD_NUMBER, offsetof(struct neph_scene, vertical_fov_rad),
+     "degrees", 0.1, 170, .note = NULL},
+    {0},
+};
+
+static enum neph_status make_camera_key(struct neph_written_scene *written, struct neph_diag *diag)
+{
+    written->scene.camera_keys = malloc(sizeof(written->camera));
+    if (!written->scene.camera_keys)
+        return neph_fail_memory(diag);
+    *written->scene.camera_keys = written->camera;
+    written->scene.camera_key_count = 1;
+    return NEPH_OK;
+}
+
+static enum neph_status read_camera(struct neph_reader *reader, const yaml_node_t *node,
+                                    const struct neph_record *record, void *target)
+{
+    struct neph_written_scene *written = target;
+    struct neph_scene *scene = &written->scene;
+    enum neph_status status = neph_read_fields(reader, node, record->fields, target);
+    if (status)
+        return status;
+    const bool has_position = neph_reader_has(reader, node, "position_m");
+    const bool has_target = neph_reader_has(reader, node, "look_at_m");
+    if (scene->camera_keys && (has_position || has_target))
+        return neph_refuse(reader, "keys",
+                           "give either keys or position_m and look_at_m, not both");
+    if (!scene->camera_keys && !(has_position && has_target))
+        return neph_refuse(reader, "", "give position_m and look_at_m, or keys");
+    if (scene->camera_keys && scene->camera_keys[0].cut)
+        return neph_refuse(reader, "keys[0].cut", "the first key has none before it to cut from");
+    if (!neph_reader_has(reader, node, "up"))
+        scene->camera_up = (struct neph_vec3){0, 1, 0};
+    status = check_direction(reader, "up", scene->camera_up);
+    if (!status && !scene->camera_keys)
+        status = make_camera_key(written, reader->diag);
+    scene->camera_up = neph_vec3_normalize(scene->camera_up);
+    scene->vertical_fov_rad *= RAD_PER_DEG;
+    return status;
+}
+
+const struct neph_record neph_camera_record = {sizeof(struct neph_written_scene), camera_fields,
+                                               read_camera};
+
+/* --- Sun --- */
+
+static const struct neph_field sun_key_fields[] = {
+    {"frame", NEPH_FIELD_NUMBER, offsetof(struct neph_sun_key, frame), "", 0, KEY_FRAME_MAX,
+     .note = NULL},
+    {"direction", NEPH_FIELD_THREE, offsetof(struct neph_sun_key, direction), "", -NEPH_FAR_M,
+     NEPH_FAR_M, .note = NULL},
+    {"irradiance_w_per_m2", NEPH_FIELD_THREE, offsetof(struct neph_sun_key, irradiance_w_per_m2),
+     "W/m2", 0, BRIGHT, .note = NULL},
+    {0},
+};
+static const struct neph_record sun_key_record = {sizeof(struct neph_sun_key), sun_key_fields,
+                                                  NULL};
+
+static const struct neph_field sun_fields[] = {
+    {"direction", NEPH_FIELD_THREE, offsetof(struct neph_written_scene, sun.direction), "",
+     -NEPH_FAR_M, NEPH_FAR_M, .note = "towards the sun; any length but 0", .is_optional = true,
+     .absent = "`keys`"},
+    {"irradiance_w_per_m2", NEPH_FIELD_THREE,
+     offsetof(struct neph_written_scene, sun.irradiance_w_per_m2), "W/m2", 0, BRIGHT,
+     .note = "on a plane across the direction, per channel", .is_optional = true,
+     .absent = "`keys`"},
+    {"keys", NEPH_FIELD_LIST, offsetof(struct neph_scene, sun_keys),
+     .note = "in place of both; directions go along the great circle, so neighbours may not be "
+             "opposite",
+     .is_optional = true, .is_ascending = true, .least = 1, .most = NEPH_SCENE_KEYS_MAX,
+     .count_at = offsetof(struct neph_scene, sun_key_count), .record = &sun_key_record},
+    {0},
+};
+
+static enum neph_status check_sun_key(const struct neph_reader *reader,
+                                      const struct neph_sun_key *keys, int index)
+{
+    const struct neph_sun_key *key = &keys[index];
+    const struct neph_path path = neph_at("keys[%d].direction", index);
+    const enum neph_status status = check_direction(reader, path.text, key->direction);
+    if (status || index == 0)
+        return status;
+    const struct neph_vec3 sum = neph_vec3_add(neph_vec3_normalize(key->direction),
+                                               neph_vec3_normalize(key[-1].direction));
+    if (neph_vec3_length(sum) >= SUN_SINE_MIN)
+        return NEPH_OK;
+    return neph_refuse(reader, path.text,
+                       "at frame %g the sun is opposite to where it is at frame %g (sun.keys[%d]); "
+                       "give a key between them that says which way it goes",
+                       key->frame, key[-1].frame, index - 1);
+}
+
+static enum neph_status read_sun(struct neph_reader *reader, const yaml_node_t *node,
+                                 const struct neph_record *record, void *target)
+{
+    struct neph_written_scene *written = target;
+    struct neph_scene *scene = &written->scene;
+    enum neph_status status = neph_read_fields(reader, node, record->fields, target);
+    if (status)
+        return status;
+    const bool has_direction = neph_reader_has(reader, node, "direction");
+    const bool has_irradiance = neph_reader_has(reader, node, "irradiance_w_per_m2");
+    if (scene->sun_keys && (has_direction || has_irradiance))
+        return neph_refuse(reader, "keys",
+                           "give either keys or direction and irradiance_w_per_m2, not both");
+    if (!scene->sun_keys && !(has_direction && has_irradiance))
+        return neph_refuse(reader, "", "give direction and irradiance_w_per_m2, or keys");
+    scene->sun.present = true;
+    if (!scene->sun_keys)
+        return check_direction(reader, "direction", written->sun.direction);
+    for (int i = 0; i < scene->sun_key_count && !status; i++)
+        status = check_sun_key(reader, scene->sun_keys, i);
+    return status;
+}
+
+const struct neph_record neph_sun_record = {sizeof(struct neph_written_scene), sun_fields,
+                                            read_sun};
+
+/* A single key is a sun that stands still. */
+void neph_finish_sun(struct neph_written_scene *written)
+{
+    struct neph_scene *scene = &written->scene;
+    if (!scene->sun.present) {
+        scene->sun.direction = (struct neph_vec3){0, 1, 0};
+        return;
+    }
+    for (int i = 0; i < scene->sun_key_count; i++)
+        scene->sun_keys[i].direction = neph_vec3_normalize(scene->sun_keys[i].direction);
+    written->sun.direction = neph_vec3_normalize(written->sun.direction);
+    const struct neph_sun_key first = scene->sun_keys ? scene->sun_keys[0] : written->sun;
+    scene->sun = (struct neph_sun){true, first.direction, first.irradiance_w_per_m2};
+    if (scene->sun_key_count > 1) {
+        scene->sun = neph_scene_sun(scene, 0.0);
+        return;
+    }
+    free(scene->sun_keys);
+    scene->sun_keys = NULL;
+    scene->sun_key_count = 0;
+}
+
+/* --- Wind --- */
+
+static const struct neph_field wind_key_fields[] = {
+    {"frame", NEPH_FIELD_NUMBER, offsetof(struct neph_wind_key, frame), "", 0, KEY_FRAME_MAX,
+     .note = NULL},
+    {"velocity_m_per_s", NEPH_FIELD_THREE, offsetof(struct neph_wind_key, velocity_m_per_s), "m/s",
+     -FAST_M_PER_S, FAST_M_PER_S, .note = NULL},
+    {0},
+};
+static const struct neph_record wind_key_record = {sizeof(struct neph_wind_key), wind_key_fields,
+                                                   NULL};
+
+static const struct neph_field wind_fields[] = {
+    {"velocity_m_per_s", NEPH_FIELD_THREE,
+     offsetof(struct neph_written_scene, wind.velocity_m_per_s), "m/s", -FAST_M_PER_S, FAST_M_PER_S,
+     .is_optional = true, .absent = "`keys`"},
+    {"keys", NEPH_FIELD_LIST, offsetof(struct neph_scene, wind_keys),
+     .note = "in its place; linear in between", .is_optional = true, .is_ascending = true,
+     .least = 1, .most = NEPH_SCENE_KEYS_MAX,
+     .count_at = offsetof(struct neph_scene, wind_key_count), .record = &wind_key_record},
+    {0},
+};
+
+static enum neph_status read_wind(struct neph_reader *reader, const yaml_node_t *node,
+                                  const struct neph_record *record, void *target)
+{
+    struct neph_written_scene *written = target;
+    struct neph_scene *scene = &written->scene;
+    const enum neph_status status = neph_read_fields(reader, node, record->fields, target);
+    if (status)
+        return status;
+    if (!scene->wind_keys == !neph_reader_has(reader, node, "velocity_m_per_s"))
+        return neph_refuse(reader, "", "give exactly one of velocity_m_per_s, keys");
+    if (scene->wind_keys)
+        return NEPH_OK;
+    scene->wind_keys = malloc(sizeof(written->wind));
+    if (!scene->wind_keys)
+        return neph_fail_memory(reader->diag);
+    *scene->wind_keys = written->wind;
+    scene->wind_key_count = 1;
+    return NEPH_OK;
+}
+
+const struct neph_record neph_wind_record = {sizeof(struct neph_written_scene), wind_fields,
+                                             read_wind};
+
+/* --- In the finished scene --- */
+
+static bool is_inside(const struct neph_solid *solid, struct neph_vec3 point_m)
+{
+    return solid->kind == NEPH_SOLID_SPHERE
+               ? neph_vec3_length(neph_vec3_sub(point_m, solid->center_m)) <= solid->radius_m
+               : neph_bounds_contain(&solid->box, point_m);
+}
+
+/* Where the file says how the camera stands at a frame of the keys: the last one not after it. */
+static struct neph_path camera_path(const struct neph_reader *reader,
+                                    const struct neph_scene *scene, double frame, const char *key)
+{
+    if (neph_document_find(reader->document, "camera.keys")->type != YAML_SEQUENCE_NODE)
+        return neph_at("camera.%s", key);
+    int index = 0;
+    while (index + 1 < scene->camera_key_count && scene->camera_keys[index + 1].frame <= frame)
+        index++;
+    return neph_at("camera.keys[%d].%s", index, key);
+}
+
+static enum neph_status check_view(const struct neph_reader *reader, const struct neph_scene *scene,
+                                   double frame)
+{
+    const struct neph_camera_key key = neph_camera_key_at(scene, frame);
+    const struct neph_vec3 view = neph_vec3_sub(key.look_at_m, key.position_m);
+    const double distance_m = neph_vec3_length(view);
+    if (distance_m < VIEW_DISTANCE_MIN_M)
+        return neph_refuse(reader, camera_path(reader, scene, frame, "look_at_m").text,
+                           "at frame %g the camera is %g m from the point it looks at; at least %g "
+                           "m are needed",
+                           frame, distance_m, VIEW_DISTANCE_MIN_M);
+    const double sine = neph_vec3_length(neph_vec3_cross(view, scene->camera_up)) / distance_m;
+    if (sine < VIEW_SINE_MIN)
+        return neph_refuse(reader, camera_path(reader, scene, frame, "look_at_m").text,
+                           "at frame %g the camera looks along its up direction; turn the view or "
+                           "give another camera.up",
+                           frame);
+    for (int i = 0; i < scene->solid_count; i++)
+        if (is_inside(&scene->solids[i], key.position_m))
+            return neph_refuse(reader, camera_path(reader, scene, frame, "position_m").text,
+                               "at frame %g the camera is inside a solid (number %d of the %d in "
+                               "the scene, bars counted)",
+                               frame, i + 1, scene->solid_count);
+    return NEPH_OK;
+}
+
+/* The wind must have something to move, and must leave it where renderers can still see it. */
+static enum neph_status check_drift(const struct neph_reader *reader,
+                                    const struct neph_scene *scene)
+{
+    bool any = false;
+    for (int i = 0; i < scene->medium_count; i++)
+        any |= neph_medium_drifts(&scene->media[i]);
+    if (!any)
+        return neph_refuse(reader, "wind",
+                           "no medium of the scene drifts: wind moves gaussian, grid, volume and "
+                           "horizon media and those with voxels");
+    for (int frame = 0; frame < scene->frame_count; frame++) {
+        const double way_m = neph_vec3_length(neph_scene_wind_displacement_m(scene, frame));
+        if (way_m > DRIFT_MAX_M)
+            return neph_refuse(
+                reader, "wind",
+                "at frame %d it has carried the media %g m far; at most %g m are allowed", frame,
+                way_m, DRIFT_MAX_M);
+    }
+    return NEPH_OK;
+}
+
+enum neph_status neph_check_motion(const struct neph_reader *reader, const struct neph_scene *scene)
+{
+    enum neph_status status = NEPH_OK;
+    for (int i = 0; i < scene->camera_key_count && !status; i++)
+        status = check_view(reader, scene, scene->camera_keys[i].frame);
+    for (int frame = 0; frame < scene->frame_count && !status; frame++)
+        status = check_view(reader, scene, neph_scene_time_frame(scene, frame));
+    if (!status && scene->wind_key_count > 0)
+        status = check_drift(reader, scene);
+    return status;
+}

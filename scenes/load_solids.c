@@ -1,0 +1,255 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * An entry of `solids`: a box, a sphere, or a fence, which is many thin boxes.
+ */
+#include "scenes/load.h"
+
+#include <stddef.h>
+#include <stdlib.h>
+
+enum { RAILS_MAX = 16 };
+
+struct fence {
+    struct neph_vec3 origin_m;
+    int bars;
+    double pitch_m, bar_width_m, bar_depth_m, height_m;
+    int rows;
+    double row_spacing_m;
+    int rail_count;
+    double rail_heights_m[RAILS_MAX], rail_width_m, rail_depth_m;
+    struct neph_rgb albedo;
+};
+
+/* One of them. */
+struct neph_written_solid {
+    struct neph_solid solid;
+    struct fence fence; /* of 0 bars: there is none */
+};
+
+#define SOLID(member) offsetof(struct neph_written_solid, solid.member)
+#define FENCE(member) offsetof(struct fence, member)
+
+static const char albedo_note[] = "an albedo above 1 would make light out of nothing";
+
+static const struct neph_field box_fields[] = {
+    {"min_m", NEPH_FIELD_THREE, SOLID(box.min_m), "m", -NEPH_FAR_M, NEPH_FAR_M, .note = NULL},
+    {"max_m", NEPH_FIELD_THREE, SOLID(box.max_m), "m", -NEPH_FAR_M, NEPH_FAR_M, .note = NULL},
+    {"albedo", NEPH_FIELD_THREE, SOLID(albedo), "", 0, 1, .note = albedo_note},
+    {0},
+};
+
+static const struct neph_field sphere_fields[] = {
+    {"center_m", NEPH_FIELD_THREE, SOLID(center_m), "m", -NEPH_PLANET_M, NEPH_PLANET_M,
+     .note = NULL},
+    {"radius_m", NEPH_FIELD_NUMBER, SOLID(radius_m), "m", 1e-4, NEPH_PLANET_M,
+     .note = "a planet, too"},
+    {"albedo", NEPH_FIELD_THREE, SOLID(albedo), "", 0, 1, .note = albedo_note},
+    {0},
+};
+
+static const struct neph_field rails_fields[] = {
+    {"heights_m", NEPH_FIELD_NUMBERS, FENCE(rail_heights_m), "m", 0, 1e4, .least = 1,
+     .most = RAILS_MAX, .count_at = FENCE(rail_count)},
+    {"width_m", NEPH_FIELD_NUMBER, FENCE(rail_width_m), "m", 1e-4, 1e3, .note = NULL},
+    {"depth_m", NEPH_FIELD_NUMBER, FENCE(rail_depth_m), "m", 1e-4, 1e3, .note = NULL},
+    {0},
+};
+static const struct neph_record rails_record = {sizeof(struct fence), rails_fields, NULL};
+
+static const struct neph_field fence_fields[] = {
+    {"origin_m", NEPH_FIELD_THREE, FENCE(origin_m), "m", -NEPH_FAR_M, NEPH_FAR_M,
+     .note = "the foot of the first bar; bars follow along +X"},
+    {"bars", NEPH_FIELD_WHOLE, FENCE(bars), "", 1, NEPH_SCENE_SOLIDS_MAX, .note = NULL},
+    {"pitch_m", NEPH_FIELD_NUMBER, FENCE(pitch_m), "m", 1e-3, 1e3, .note = NULL},
+    {"bar_width_m", NEPH_FIELD_NUMBER, FENCE(bar_width_m), "m", 1e-4, 1e3, .note = NULL},
+    {"bar_depth_m", NEPH_FIELD_NUMBER, FENCE(bar_depth_m), "m", 1e-4, 1e3, .note = NULL},
+    {"height_m", NEPH_FIELD_NUMBER, FENCE(height_m), "m", 1e-3, 1e4, .note = NULL},
+    {"rows", NEPH_FIELD_WHOLE, FENCE(rows), "", 1, NEPH_SCENE_SOLIDS_MAX, .note = "along -Z",
+     .is_optional = true, .standard = 1},
+    {"row_spacing_m", NEPH_FIELD_NUMBER, FENCE(row_spacing_m), "m", 1e-3, 1e4, .is_optional = true,
+     .absent = "needed by `rows`"},
+    {"rails", NEPH_FIELD_RECORD, .is_optional = true, .record = &rails_record},
+    {"albedo", NEPH_FIELD_THREE, FENCE(albedo), "", 0, 1, .note = albedo_note},
+    {0},
+};
+
+/* --- Reading --- */
+
+static enum neph_status check_rails(const struct neph_reader *reader, const struct fence *fence)
+{
+    if (fence->bars < 2)
+        return neph_refuse(reader, "rails", "rails need at least two bars to join");
+    if (fence->rail_depth_m >= fence->bar_depth_m)
+        return neph_refuse(reader, "rails.depth_m",
+                           "%g m must be below bar_depth_m, %g m, so that no two faces coincide",
+                           fence->rail_depth_m, fence->bar_depth_m);
+    double floor_m = 0.0;
+    for (int i = 0; i < fence->rail_count; i++) {
+        const double low_m = fence->rail_heights_m[i] - 0.5 * fence->rail_width_m;
+        const double high_m = fence->rail_heights_m[i] + 0.5 * fence->rail_width_m;
+        if (!(low_m > floor_m && high_m < fence->height_m))
+            return neph_refuse(reader, neph_at("rails.heights_m[%d]", i).text,
+                               "the rail spans %g to %g m; it must lie above %g m (the ground or "
+                               "the rail before) and below the top of the bars, %g m",
+                               low_m, high_m, floor_m, fence->height_m);
+        floor_m = high_m;
+    }
+    return NEPH_OK;
+}
+
+static enum neph_status read_fence(struct neph_reader *reader, const yaml_node_t *node,
+                                   const struct neph_record *record, void *target)
+{
+    struct fence *fence = target;
+    const enum neph_status status = neph_read_fields(reader, node, record->fields, target);
+    if (status)
+        return status;
+    const bool has_rows = neph_reader_has(reader, node, "rows");
+    const bool has_spacing = neph_reader_has(reader, node, "row_spacing_m");
+    if (fence->bars > 1 && fence->bar_width_m >= fence->pitch_m)
+        return neph_refuse(reader, "bar_width_m", "%g m leaves no gap at a pitch_m of %g m",
+                           fence->bar_width_m, fence->pitch_m);
+    if (has_spacing && !has_rows)
+        return neph_refuse(reader, "row_spacing_m", "a spacing needs the key rows");
+    if (has_rows && !has_spacing)
+        return neph_refuse(reader, "rows", "rows need the key row_spacing_m");
+    if (has_rows && fence->row_spacing_m <= fence->bar_depth_m)
+        return neph_refuse(reader, "row_spacing_m",
+                           "%g m leaves no gap between rows that are %g m deep",
+                           fence->row_spacing_m, fence->bar_depth_m);
+    return fence->rail_count > 0 ? check_rails(reader, fence) : NEPH_OK;
+}
+
+static enum neph_status read_box(struct neph_reader *reader, const yaml_node_t *node,
+                                 const struct neph_record *record, void *target)
+{
+    struct neph_solid *solid = &((struct neph_written_solid *)target)->solid;
+    const enum neph_status status = neph_read_fields(reader, node, record->fields, target);
+    solid->kind = NEPH_SOLID_BOX;
+    return status ? status : neph_check_extent(reader, "", &solid->box);
+}
+
+static enum neph_status read_sphere(struct neph_reader *reader, const yaml_node_t *node,
+                                    const struct neph_record *record, void *target)
+{
+    ((struct neph_written_solid *)target)->solid.kind = NEPH_SOLID_SPHERE;
+    return neph_read_fields(reader, node, record->fields, target);
+}
+
+static const struct neph_record box_record = {0, box_fields, read_box};
+static const struct neph_record sphere_record = {0, sphere_fields, read_sphere};
+static const struct neph_record fence_record = {0, fence_fields, read_fence};
+
+static const struct neph_field solid_fields[] = {
+    {"box", NEPH_FIELD_RECORD, .is_optional = true, .record = &box_record},
+    {"sphere", NEPH_FIELD_RECORD, .is_optional = true, .record = &sphere_record},
+    {"fence", NEPH_FIELD_RECORD, offsetof(struct neph_written_solid, fence), .is_optional = true,
+     .record = &fence_record},
+    {0},
+};
+
+static enum neph_status read_solid(struct neph_reader *reader, const yaml_node_t *node,
+                                   const struct neph_record *record, void *target)
+{
+    const enum neph_status status = neph_read_fields(reader, node, record->fields, target);
+    if (status)
+        return status;
+    const int given = neph_reader_has(reader, node, "box") +
+                      neph_reader_has(reader, node, "sphere") +
+                      neph_reader_has(reader, node, "fence");
+    return given == 1 ? NEPH_OK
+                      : neph_refuse(reader, "", "a solid is exactly one of box, sphere, fence");
+}
+
+const struct neph_record neph_solid_record = {sizeof(struct neph_written_solid), solid_fields,
+                                              read_solid};
+
+/* --- Fences into bars --- */
+
+/* A thin box around a centre line. */
+static struct neph_solid thin_box(struct neph_vec3 center_m, struct neph_vec3 size_m,
+                                  struct neph_rgb albedo)
+{
+    return (struct neph_solid){
+        .kind = NEPH_SOLID_BOX,
+        .box = {neph_vec3_along(center_m, size_m, -0.5), neph_vec3_along(center_m, size_m, 0.5)},
+        .albedo = albedo,
+        .thin = true,
+    };
+}
+
+/* The foot of the row's first bar: rows follow each other along -Z, away from a default camera. */
+static struct neph_vec3 row_foot(const struct fence *fence, int row)
+{
+    struct neph_vec3 foot_m = fence->origin_m;
+    if (row)
+        foot_m.z -= row * fence->row_spacing_m;
+    return foot_m;
+}
+
+static struct neph_solid fence_bar(const struct fence *fence, int row, int bar)
+{
+    struct neph_vec3 center_m = row_foot(fence, row);
+    center_m.x += bar * fence->pitch_m;
+    center_m.y += 0.5 * fence->height_m;
+    const struct neph_vec3 size_m = {fence->bar_width_m, fence->height_m, fence->bar_depth_m};
+    struct neph_solid solid = thin_box(center_m, size_m, fence->albedo);
+    solid.box.min_m.y = fence->origin_m.y; /* exactly on the ground */
+    return solid;
+}
+
+/* From the middle of the first bar to the middle of the last: its ends hide inside them. */
+static struct neph_solid fence_rail(const struct fence *fence, int row, int rail)
+{
+    const double length_m = (fence->bars - 1) * fence->pitch_m;
+    struct neph_vec3 center_m = row_foot(fence, row);
+    center_m.x += 0.5 * length_m;
+    center_m.y += fence->rail_heights_m[rail];
+    const struct neph_vec3 size_m = {length_m, fence->rail_width_m, fence->rail_depth_m};
+    return thin_box(center_m, size_m, fence->albedo);
+}
+
+static struct neph_solid *append_fence(const struct fence *fence, struct neph_solid *next)
+{
+    for (int row = 0; row < fence->rows; row++) {
+        for (int bar = 0; bar < fence->bars; bar++)
+            *next++ = fence_bar(fence, row, bar);
+        for (int rail = 0; rail < fence->rail_count; rail++)
+            *next++ = fence_rail(fence, row, rail);
+    }
+    return next;
+}
+
+static int count_of(const struct neph_written_solid *written)
+{
+    const struct fence *fence = &written->fence;
+    return fence->bars > 0 ? fence->rows * (fence->bars + fence->rail_count) : 1;
+}
+
+enum neph_status neph_finish_solids(struct neph_reader *reader, struct neph_written_scene *written)
+{
+    struct neph_scene *scene = &written->scene;
+    int count = 0;
+    for (int i = 0; i < written->solid_count; i++) {
+        count += count_of(&written->solids[i]);
+        if (count > NEPH_SCENE_SOLIDS_MAX)
+            return neph_refuse(reader, neph_at("solids[%d]", i).text,
+                               "the scene would have %d solids with its bars and rails; at most %d "
+                               "are allowed",
+                               count, NEPH_SCENE_SOLIDS_MAX);
+    }
+    if (count == 0)
+        return NEPH_OK;
+    scene->solids = calloc((size_t)count, sizeof(*scene->solids));
+    if (!scene->solids)
+        return neph_fail_memory(reader->diag);
+    scene->solid_count = count;
+    struct neph_solid *next = scene->solids;
+    for (int i = 0; i < written->solid_count; i++) {
+        if (written->solids[i].fence.bars > 0)
+            next = append_fence(&written->solids[i].fence, next);
+        else
+            *next++ = written->solids[i].solid;
+    }
+    return NEPH_OK;
+}
