@@ -13,6 +13,8 @@
 #include <math.h>
 #include <stddef.h>
 
+#define AT(member) offsetof(struct neph_medium, member)
+
 /* In widths: e^{-r^2/2} = support_level. */
 static const double support_level = 1e-12;
 static const double support_radius = 7.43384437769967690; /* sqrt(2 ln 1e12) */
@@ -117,14 +119,14 @@ static void cut_scales(struct neph_cuts *cuts, const struct neph_medium *medium)
 
 /* The order is that of the hash. */
 static const struct neph_field fields[] = {
-    {"extinction_per_m", NEPH_FIELD_NUMBER, offsetof(struct neph_medium, extinction_per_m), "1/m",
-     0, 1e4, .note = "at the centre"},
-    {"center_m", NEPH_FIELD_THREE, offsetof(struct neph_medium, gaussian.center_m), "m",
-     -NEPH_FAR_M, NEPH_FAR_M, .note = NULL},
-    {"width_m", NEPH_FIELD_NUMBER, offsetof(struct neph_medium, gaussian.width_m), "m", 1e-3,
-     NEPH_FAR_M, .note = "the standard deviation"},
-    {"bounds", NEPH_FIELD_RECORD, offsetof(struct neph_medium, bounds), .is_optional = true,
-     .absent = "unbounded", .record = &neph_bounds_record},
+    {"extinction_per_m", NEPH_FIELD_NUMBER, AT(extinction_per_m), "1/m", 0, 1e4,
+     .note = "at the centre"},
+    {"center_m", NEPH_FIELD_THREE, AT(gaussian.center_m), "m", -NEPH_FAR_M, NEPH_FAR_M,
+     .note = "of the blob"},
+    {"width_m", NEPH_FIELD_NUMBER, AT(gaussian.width_m), "m", 1e-3, NEPH_FAR_M,
+     .note = "the standard deviation"},
+    {"bounds", NEPH_FIELD_RECORD, AT(bounds), .is_optional = true, .absent = "unbounded",
+     .record = &neph_bounds_record},
     {0},
 };
 

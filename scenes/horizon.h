@@ -21,6 +21,7 @@
 #ifndef NEPH_SCENES_HORIZON_H
 #define NEPH_SCENES_HORIZON_H
 
+#include "scenes/horizon_textures.h"
 #include "scenes/scene.h"
 
 #include <stdint.h>
@@ -28,10 +29,7 @@
 /* Raise it when the same parameters come to mean another density: stored frames know it. */
 #define NEPH_HORIZON_VERSION 1
 
-#define NEPH_HORIZON_BASE_SIDE 64     /* base noise: side^3 texels of 4 channels, periodic */
-#define NEPH_HORIZON_DETAIL_SIDE 32   /* detail noise: side^3 texels of 3 channels, periodic */
-#define NEPH_HORIZON_WEATHER_SIDE 256 /* weather map: side^2 texels of 4 channels, periodic */
-#define NEPH_HORIZON_BLOCK 2          /* texels along a side of a block of the bound's tables */
+#define NEPH_HORIZON_BLOCK 2 /* texels along a side of a block of the bound's tables */
 
 /* What a scene may choose. */
 struct neph_horizon_params {

@@ -6,7 +6,10 @@
 #ifndef NEPH_SCENES_HORIZON_DENSITY_H
 #define NEPH_SCENES_HORIZON_DENSITY_H
 
-#include "scenes/horizon.h"
+#include "base/vec3.h"
+
+struct neph_horizon;
+struct neph_horizon_params;
 
 struct neph_horizon_sample {
     double density, without_detail;

@@ -6,7 +6,6 @@
  */
 #include "scenes/horizon_textures.h"
 
-#include "scenes/horizon.h"
 #include "scenes/noise.h"
 
 #include <math.h>

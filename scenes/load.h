@@ -39,6 +39,9 @@ enum neph_status neph_check_motion(const struct neph_reader *reader,
 /* Position and target at a frame of the keys. */
 struct neph_camera_key neph_camera_key_at(const struct neph_scene *scene, double key_frame);
 
+/* The forms of all kinds of media, as neph_fields_print(). */
+void neph_forms_print(FILE *file);
+
 /* max_m above min_m; `owner` is the key of the box. */
 enum neph_status neph_check_extent(const struct neph_reader *reader, const char *owner,
                                    const struct neph_bounds *bounds);

@@ -11,6 +11,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#define AT(member) offsetof(struct neph_medium, member)
+#define BOUNDS(member) offsetof(struct neph_bounds, member)
+
 enum { FORMS_MAX = 2 * NEPH_MEDIUM_KIND_COUNT, FIELDS_MAX = 32 };
 
 static const char *const phase_words[] = {
@@ -22,14 +25,13 @@ static const char *const phase_words[] = {
 
 /* What every medium has. */
 static const struct neph_field common_fields[] = {
-    {"extinction_color", NEPH_FIELD_THREE, offsetof(struct neph_medium, extinction_color), "", 0,
-     1e3, .note = "extinction per channel, in parts of extinction_per_m", .is_optional = true,
+    {"extinction_color", NEPH_FIELD_THREE, AT(extinction_color), "", 0, 1e3,
+     .note = "extinction per channel, in parts of extinction_per_m", .is_optional = true,
      .standard = 1},
-    {"albedo", NEPH_FIELD_THREE, offsetof(struct neph_medium, albedo), "", 0, 1,
+    {"albedo", NEPH_FIELD_THREE, AT(albedo), "", 0, 1,
      .note = "an albedo above 1 would make light out of nothing"},
-    {"phase", NEPH_FIELD_WORD, offsetof(struct neph_medium, phase.kind), .words = phase_words,
-     .is_optional = true},
-    {"asymmetry_g", NEPH_FIELD_NUMBER, offsetof(struct neph_medium, phase.g), "", -0.999, 0.999,
+    {"phase", NEPH_FIELD_WORD, AT(phase.kind), .words = phase_words, .is_optional = true},
+    {"asymmetry_g", NEPH_FIELD_NUMBER, AT(phase.g), "", -0.999, 0.999,
      .note = "beyond 0.999 the phase function is a spike that Cycles clamps", .is_optional = true,
      .absent = "needed by `henyey_greenstein`"},
     {"voxels", NEPH_FIELD_WHOLE, offsetof(struct neph_written_medium, voxels), "nodes",
@@ -40,19 +42,17 @@ static const struct neph_field common_fields[] = {
 };
 
 static const struct neph_field bounds_fields[] = {
-    {"min_m", NEPH_FIELD_THREE, offsetof(struct neph_bounds, min_m), "m", -NEPH_FAR_M, NEPH_FAR_M,
-     .standard = -INFINITY},
-    {"max_m", NEPH_FIELD_THREE, offsetof(struct neph_bounds, max_m), "m", -NEPH_FAR_M, NEPH_FAR_M,
-     .standard = INFINITY},
+    {"min_m", NEPH_FIELD_THREE, BOUNDS(min_m), "m", -NEPH_FAR_M, NEPH_FAR_M, .standard = -INFINITY},
+    {"max_m", NEPH_FIELD_THREE, BOUNDS(max_m), "m", -NEPH_FAR_M, NEPH_FAR_M, .standard = INFINITY},
     {0},
 };
 const struct neph_record neph_bounds_record = {sizeof(struct neph_bounds), bounds_fields, NULL};
 
 static const struct neph_field planet_bounds_fields[] = {
-    {"min_m", NEPH_FIELD_THREE, offsetof(struct neph_bounds, min_m), "m", -NEPH_PLANET_M,
-     NEPH_PLANET_M, .standard = -INFINITY},
-    {"max_m", NEPH_FIELD_THREE, offsetof(struct neph_bounds, max_m), "m", -NEPH_PLANET_M,
-     NEPH_PLANET_M, .standard = INFINITY},
+    {"min_m", NEPH_FIELD_THREE, BOUNDS(min_m), "m", -NEPH_PLANET_M, NEPH_PLANET_M,
+     .standard = -INFINITY},
+    {"max_m", NEPH_FIELD_THREE, BOUNDS(max_m), "m", -NEPH_PLANET_M, NEPH_PLANET_M,
+     .standard = INFINITY},
     {0},
 };
 const struct neph_record neph_planet_bounds_record = {sizeof(struct neph_bounds),
@@ -200,6 +200,17 @@ static enum neph_status read_medium(struct neph_reader *reader, const yaml_node_
     for (int i = 0; fields[i].key; i++)
         given += neph_reader_has(reader, node, fields[i].key);
     return given == 1 ? NEPH_OK : refuse_choice(reader, fields);
+}
+
+void neph_forms_print(FILE *file)
+{
+    struct choice choices[FORMS_MAX];
+    struct neph_field fields[FORMS_MAX + 1];
+    list_choices(choices, fields);
+    for (int i = 0; fields[i].key; i++) {
+        fprintf(file, "| `media[].%s` | | | %s |\n", fields[i].key, choices[i].form->note);
+        neph_fields_print(choices[i].form->fields, neph_at("media[].%s", fields[i].key).text, file);
+    }
 }
 
 const struct neph_record neph_medium_record = {sizeof(struct neph_medium), common_fields,

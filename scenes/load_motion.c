@@ -10,6 +10,12 @@
 #include <stddef.h>
 #include <stdlib.h>
 
+#define SCENE(member) offsetof(struct neph_scene, member)
+#define WRITTEN(member) offsetof(struct neph_written_scene, member)
+#define CAMERA_KEY(member) offsetof(struct neph_camera_key, member)
+#define SUN_KEY(member) offsetof(struct neph_sun_key, member)
+#define WIND_KEY(member) offsetof(struct neph_wind_key, member)
+
 /* Shorter directions are refused: their normalised form would be noise. */
 #define DIRECTION_MIN 1e-9
 /* A camera nearer to its target than this has no direction of view worth the name. */
@@ -55,16 +61,16 @@ static const struct neph_field size_fields[] = {
 static const struct neph_record size_record = {sizeof(struct neph_frame_scale), size_fields, NULL};
 
 static const struct neph_field frames_fields[] = {
-    {"count", NEPH_FIELD_WHOLE, offsetof(struct neph_scene, frame_count), "", 1, 10000,
-     .is_optional = true, .standard = 1},
-    {"rate_hz", NEPH_FIELD_NUMBER, offsetof(struct neph_scene, frame_rate_hz), "Hz", 0.001, 1000,
-     .is_optional = true, .standard = 30},
-    {"pauses", NEPH_FIELD_LIST, offsetof(struct neph_scene, pauses), .is_optional = true,
-     .is_ascending = true, .least = 1, .most = NEPH_SCENE_KEYS_MAX,
-     .count_at = offsetof(struct neph_scene, pause_count), .record = &pause_record},
-    {"sizes", NEPH_FIELD_LIST, offsetof(struct neph_scene, frame_scales), .is_optional = true,
-     .is_ascending = true, .least = 1, .most = NEPH_SCENE_KEYS_MAX,
-     .count_at = offsetof(struct neph_scene, frame_scale_count), .record = &size_record},
+    {"count", NEPH_FIELD_WHOLE, SCENE(frame_count), "", 1, 10000, .is_optional = true,
+     .standard = 1},
+    {"rate_hz", NEPH_FIELD_NUMBER, SCENE(frame_rate_hz), "Hz", 0.001, 1000, .is_optional = true,
+     .standard = 30},
+    {"pauses", NEPH_FIELD_LIST, SCENE(pauses), .is_optional = true, .is_ascending = true,
+     .least = 1, .most = NEPH_SCENE_KEYS_MAX, .count_at = SCENE(pause_count),
+     .record = &pause_record},
+    {"sizes", NEPH_FIELD_LIST, SCENE(frame_scales), .is_optional = true, .is_ascending = true,
+     .least = 1, .most = NEPH_SCENE_KEYS_MAX, .count_at = SCENE(frame_scale_count),
+     .record = &size_record},
     {0},
 };
 const struct neph_record neph_frames_record = {sizeof(struct neph_scene), frames_fields, NULL};
@@ -72,13 +78,13 @@ const struct neph_record neph_frames_record = {sizeof(struct neph_scene), frames
 /* --- Camera --- */
 
 static const struct neph_field camera_key_fields[] = {
-    {"frame", NEPH_FIELD_NUMBER, offsetof(struct neph_camera_key, frame), "", 0, KEY_FRAME_MAX,
-     .note = NULL},
-    {"position_m", NEPH_FIELD_THREE, offsetof(struct neph_camera_key, position_m), "m", -NEPH_FAR_M,
-     NEPH_FAR_M, .note = NULL},
-    {"look_at_m", NEPH_FIELD_THREE, offsetof(struct neph_camera_key, look_at_m), "m", -NEPH_FAR_M,
-     NEPH_FAR_M, .note = NULL},
-    {"cut", NEPH_FIELD_FLAG, offsetof(struct neph_camera_key, cut),
+    {"frame", NEPH_FIELD_NUMBER, CAMERA_KEY(frame), "", 0, KEY_FRAME_MAX,
+     .note = "of the keys, see Time"},
+    {"position_m", NEPH_FIELD_THREE, CAMERA_KEY(position_m), "m", -NEPH_FAR_M, NEPH_FAR_M,
+     .note = "of the eye"},
+    {"look_at_m", NEPH_FIELD_THREE, CAMERA_KEY(look_at_m), "m", -NEPH_FAR_M, NEPH_FAR_M,
+     .note = "in the middle of the picture"},
+    {"cut", NEPH_FIELD_FLAG, CAMERA_KEY(cut),
      .note = "the camera stays at the key before and jumps", .is_optional = true},
     {0},
 };
@@ -86,18 +92,17 @@ static const struct neph_record camera_key_record = {sizeof(struct neph_camera_k
                                                      camera_key_fields, NULL};
 
 static const struct neph_field camera_fields[] = {
-    {"position_m", NEPH_FIELD_THREE, offsetof(struct neph_written_scene, camera.position_m), "m",
-     -NEPH_FAR_M, NEPH_FAR_M, .is_optional = true, .absent = "`keys`"},
-    {"look_at_m", NEPH_FIELD_THREE, offsetof(struct neph_written_scene, camera.look_at_m), "m",
-     -NEPH_FAR_M, NEPH_FAR_M, .is_optional = true, .absent = "`keys`"},
-    {"keys", NEPH_FIELD_LIST, offsetof(struct neph_scene, camera_keys),
-     .note = "in place of both; linear in between", .is_optional = true, .is_ascending = true,
-     .least = 1, .most = NEPH_SCENE_KEYS_MAX,
-     .count_at = offsetof(struct neph_scene, camera_key_count), .record = &camera_key_record},
-    {"up", NEPH_FIELD_THREE, offsetof(struct neph_scene, camera_up), "", -NEPH_FAR_M, NEPH_FAR_M,
-     .is_optional = true, .absent = "[0, 1, 0]"},
-    {"vertical_fov_deg", NEPH_FIELD_NUMBER, offsetof(struct neph_scene, vertical_fov_rad),
-     "degrees", 0.1, 170, .note = NULL},
+    {"position_m", NEPH_FIELD_THREE, WRITTEN(camera.position_m), "m", -NEPH_FAR_M, NEPH_FAR_M,
+     .is_optional = true, .absent = "needed, or `keys`"},
+    {"look_at_m", NEPH_FIELD_THREE, WRITTEN(camera.look_at_m), "m", -NEPH_FAR_M, NEPH_FAR_M,
+     .is_optional = true, .absent = "needed, or `keys`"},
+    {"keys", NEPH_FIELD_LIST, SCENE(camera_keys), .note = "in place of both; linear in between",
+     .is_optional = true, .is_ascending = true, .least = 1, .most = NEPH_SCENE_KEYS_MAX,
+     .count_at = SCENE(camera_key_count), .record = &camera_key_record},
+    {"up", NEPH_FIELD_THREE, SCENE(camera_up), "", -NEPH_FAR_M, NEPH_FAR_M, .is_optional = true,
+     .absent = "[0, 1, 0]"},
+    {"vertical_fov_deg", NEPH_FIELD_NUMBER, SCENE(vertical_fov_rad), "degrees", 0.1, 170,
+     .note = "from the lower edge to the upper"},
     {0},
 };
 
@@ -144,30 +149,29 @@ const struct neph_record neph_camera_record = {sizeof(struct neph_written_scene)
 /* --- Sun --- */
 
 static const struct neph_field sun_key_fields[] = {
-    {"frame", NEPH_FIELD_NUMBER, offsetof(struct neph_sun_key, frame), "", 0, KEY_FRAME_MAX,
-     .note = NULL},
-    {"direction", NEPH_FIELD_THREE, offsetof(struct neph_sun_key, direction), "", -NEPH_FAR_M,
-     NEPH_FAR_M, .note = NULL},
-    {"irradiance_w_per_m2", NEPH_FIELD_THREE, offsetof(struct neph_sun_key, irradiance_w_per_m2),
-     "W/m2", 0, BRIGHT, .note = NULL},
+    {"frame", NEPH_FIELD_NUMBER, SUN_KEY(frame), "", 0, KEY_FRAME_MAX,
+     .note = "of the keys, see Time"},
+    {"direction", NEPH_FIELD_THREE, SUN_KEY(direction), "", -NEPH_FAR_M, NEPH_FAR_M,
+     .note = "towards the sun"},
+    {"irradiance_w_per_m2", NEPH_FIELD_THREE, SUN_KEY(irradiance_w_per_m2), "W/m2", 0, BRIGHT,
+     .note = "on a plane across the direction"},
     {0},
 };
 static const struct neph_record sun_key_record = {sizeof(struct neph_sun_key), sun_key_fields,
                                                   NULL};
 
 static const struct neph_field sun_fields[] = {
-    {"direction", NEPH_FIELD_THREE, offsetof(struct neph_written_scene, sun.direction), "",
-     -NEPH_FAR_M, NEPH_FAR_M, .note = "towards the sun; any length but 0", .is_optional = true,
-     .absent = "`keys`"},
-    {"irradiance_w_per_m2", NEPH_FIELD_THREE,
-     offsetof(struct neph_written_scene, sun.irradiance_w_per_m2), "W/m2", 0, BRIGHT,
+    {"direction", NEPH_FIELD_THREE, WRITTEN(sun.direction), "", -NEPH_FAR_M, NEPH_FAR_M,
+     .note = "towards the sun; any length but 0", .is_optional = true,
+     .absent = "needed, or `keys`"},
+    {"irradiance_w_per_m2", NEPH_FIELD_THREE, WRITTEN(sun.irradiance_w_per_m2), "W/m2", 0, BRIGHT,
      .note = "on a plane across the direction, per channel", .is_optional = true,
-     .absent = "`keys`"},
-    {"keys", NEPH_FIELD_LIST, offsetof(struct neph_scene, sun_keys),
+     .absent = "needed, or `keys`"},
+    {"keys", NEPH_FIELD_LIST, SCENE(sun_keys),
      .note = "in place of both; directions go along the great circle, so neighbours may not be "
              "opposite",
      .is_optional = true, .is_ascending = true, .least = 1, .most = NEPH_SCENE_KEYS_MAX,
-     .count_at = offsetof(struct neph_scene, sun_key_count), .record = &sun_key_record},
+     .count_at = SCENE(sun_key_count), .record = &sun_key_record},
     {0},
 };
 
@@ -240,23 +244,21 @@ void neph_finish_sun(struct neph_written_scene *written)
 /* --- Wind --- */
 
 static const struct neph_field wind_key_fields[] = {
-    {"frame", NEPH_FIELD_NUMBER, offsetof(struct neph_wind_key, frame), "", 0, KEY_FRAME_MAX,
-     .note = NULL},
-    {"velocity_m_per_s", NEPH_FIELD_THREE, offsetof(struct neph_wind_key, velocity_m_per_s), "m/s",
-     -FAST_M_PER_S, FAST_M_PER_S, .note = NULL},
+    {"frame", NEPH_FIELD_NUMBER, WIND_KEY(frame), "", 0, KEY_FRAME_MAX,
+     .note = "of the keys, see Time"},
+    {"velocity_m_per_s", NEPH_FIELD_THREE, WIND_KEY(velocity_m_per_s), "m/s", -FAST_M_PER_S,
+     FAST_M_PER_S, .note = "of what drifts, see Time"},
     {0},
 };
 static const struct neph_record wind_key_record = {sizeof(struct neph_wind_key), wind_key_fields,
                                                    NULL};
 
 static const struct neph_field wind_fields[] = {
-    {"velocity_m_per_s", NEPH_FIELD_THREE,
-     offsetof(struct neph_written_scene, wind.velocity_m_per_s), "m/s", -FAST_M_PER_S, FAST_M_PER_S,
-     .is_optional = true, .absent = "`keys`"},
-    {"keys", NEPH_FIELD_LIST, offsetof(struct neph_scene, wind_keys),
-     .note = "in its place; linear in between", .is_optional = true, .is_ascending = true,
-     .least = 1, .most = NEPH_SCENE_KEYS_MAX,
-     .count_at = offsetof(struct neph_scene, wind_key_count), .record = &wind_key_record},
+    {"velocity_m_per_s", NEPH_FIELD_THREE, WRITTEN(wind.velocity_m_per_s), "m/s", -FAST_M_PER_S,
+     FAST_M_PER_S, .is_optional = true, .absent = "needed, or `keys`"},
+    {"keys", NEPH_FIELD_LIST, SCENE(wind_keys), .note = "in its place; linear in between",
+     .is_optional = true, .is_ascending = true, .least = 1, .most = NEPH_SCENE_KEYS_MAX,
+     .count_at = SCENE(wind_key_count), .record = &wind_key_record},
     {0},
 };
 

@@ -32,15 +32,17 @@ struct neph_written_solid {
 static const char albedo_note[] = "an albedo above 1 would make light out of nothing";
 
 static const struct neph_field box_fields[] = {
-    {"min_m", NEPH_FIELD_THREE, SOLID(box.min_m), "m", -NEPH_FAR_M, NEPH_FAR_M, .note = NULL},
-    {"max_m", NEPH_FIELD_THREE, SOLID(box.max_m), "m", -NEPH_FAR_M, NEPH_FAR_M, .note = NULL},
+    {"min_m", NEPH_FIELD_THREE, SOLID(box.min_m), "m", -NEPH_FAR_M, NEPH_FAR_M,
+     .note = "the lower corner"},
+    {"max_m", NEPH_FIELD_THREE, SOLID(box.max_m), "m", -NEPH_FAR_M, NEPH_FAR_M,
+     .note = "the upper corner"},
     {"albedo", NEPH_FIELD_THREE, SOLID(albedo), "", 0, 1, .note = albedo_note},
     {0},
 };
 
 static const struct neph_field sphere_fields[] = {
     {"center_m", NEPH_FIELD_THREE, SOLID(center_m), "m", -NEPH_PLANET_M, NEPH_PLANET_M,
-     .note = NULL},
+     .note = "of the ball"},
     {"radius_m", NEPH_FIELD_NUMBER, SOLID(radius_m), "m", 1e-4, NEPH_PLANET_M,
      .note = "a planet, too"},
     {"albedo", NEPH_FIELD_THREE, SOLID(albedo), "", 0, 1, .note = albedo_note},
@@ -50,8 +52,9 @@ static const struct neph_field sphere_fields[] = {
 static const struct neph_field rails_fields[] = {
     {"heights_m", NEPH_FIELD_NUMBERS, FENCE(rail_heights_m), "m", 0, 1e4, .least = 1,
      .most = RAILS_MAX, .count_at = FENCE(rail_count)},
-    {"width_m", NEPH_FIELD_NUMBER, FENCE(rail_width_m), "m", 1e-4, 1e3, .note = NULL},
-    {"depth_m", NEPH_FIELD_NUMBER, FENCE(rail_depth_m), "m", 1e-4, 1e3, .note = NULL},
+    {"width_m", NEPH_FIELD_NUMBER, FENCE(rail_width_m), "m", 1e-4, 1e3, .note = "along Y"},
+    {"depth_m", NEPH_FIELD_NUMBER, FENCE(rail_depth_m), "m", 1e-4, 1e3,
+     .note = "along Z, less than that of the bars"},
     {0},
 };
 static const struct neph_record rails_record = {sizeof(struct fence), rails_fields, NULL};
@@ -59,11 +62,11 @@ static const struct neph_record rails_record = {sizeof(struct fence), rails_fiel
 static const struct neph_field fence_fields[] = {
     {"origin_m", NEPH_FIELD_THREE, FENCE(origin_m), "m", -NEPH_FAR_M, NEPH_FAR_M,
      .note = "the foot of the first bar; bars follow along +X"},
-    {"bars", NEPH_FIELD_WHOLE, FENCE(bars), "", 1, NEPH_SCENE_SOLIDS_MAX, .note = NULL},
-    {"pitch_m", NEPH_FIELD_NUMBER, FENCE(pitch_m), "m", 1e-3, 1e3, .note = NULL},
-    {"bar_width_m", NEPH_FIELD_NUMBER, FENCE(bar_width_m), "m", 1e-4, 1e3, .note = NULL},
-    {"bar_depth_m", NEPH_FIELD_NUMBER, FENCE(bar_depth_m), "m", 1e-4, 1e3, .note = NULL},
-    {"height_m", NEPH_FIELD_NUMBER, FENCE(height_m), "m", 1e-3, 1e4, .note = NULL},
+    {"bars", NEPH_FIELD_WHOLE, FENCE(bars), "", 1, NEPH_SCENE_SOLIDS_MAX, .note = "in a row"},
+    {"pitch_m", NEPH_FIELD_NUMBER, FENCE(pitch_m), "m", 1e-3, 1e3, .note = "from bar to bar"},
+    {"bar_width_m", NEPH_FIELD_NUMBER, FENCE(bar_width_m), "m", 1e-4, 1e3, .note = "along X"},
+    {"bar_depth_m", NEPH_FIELD_NUMBER, FENCE(bar_depth_m), "m", 1e-4, 1e3, .note = "along Z"},
+    {"height_m", NEPH_FIELD_NUMBER, FENCE(height_m), "m", 1e-3, 1e4, .note = "of the bars"},
     {"rows", NEPH_FIELD_WHOLE, FENCE(rows), "", 1, NEPH_SCENE_SOLIDS_MAX, .note = "along -Z",
      .is_optional = true, .standard = 1},
     {"row_spacing_m", NEPH_FIELD_NUMBER, FENCE(row_spacing_m), "m", 1e-3, 1e4, .is_optional = true,

@@ -16,6 +16,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#define AT(member) offsetof(struct neph_medium, member)
+#define GRID(member) offsetof(struct written_grid, member)
+#define VOLUME(member) offsetof(struct written_volume, member)
+
 static double extinction_per_m(const struct neph_medium *medium, struct neph_vec3 point_m)
 {
     return medium->extinction_per_m * neph_grid_density(medium->grid, point_m);
@@ -117,19 +121,18 @@ struct written_grid {
 };
 
 static const struct neph_field grid_fields[] = {
-    {"size", NEPH_FIELD_WHOLES, offsetof(struct written_grid, size), "nodes", 1, NEPH_GRID_SIDE_MAX,
+    {"size", NEPH_FIELD_WHOLES, GRID(size), "nodes", 1, NEPH_GRID_SIDE_MAX,
      .note = "along x, y, z"},
-    {"origin_m", NEPH_FIELD_THREE, offsetof(struct written_grid, origin_m), "m", -NEPH_FAR_M,
-     NEPH_FAR_M, .note = "of the first node"},
-    {"spacing_m", NEPH_FIELD_THREE, offsetof(struct written_grid, spacing_m), "m", 1e-4, NEPH_FAR_M,
+    {"origin_m", NEPH_FIELD_THREE, GRID(origin_m), "m", -NEPH_FAR_M, NEPH_FAR_M,
+     .note = "of the first node"},
+    {"spacing_m", NEPH_FIELD_THREE, GRID(spacing_m), "m", 1e-4, NEPH_FAR_M,
      .note = "between nodes"},
-    {"values", NEPH_FIELD_NUMBERS, offsetof(struct written_grid, values), "", 0, 1e6,
-     .note = "x fastest, then y, then z", .least = 1, .most = VALUES_MAX,
-     .count_at = offsetof(struct written_grid, value_count)},
-    {"extinction_per_m", NEPH_FIELD_NUMBER, offsetof(struct neph_medium, extinction_per_m), "1/m",
-     0, 1e4, .note = "at value 1"},
-    {"bounds", NEPH_FIELD_RECORD, offsetof(struct neph_medium, bounds), .is_optional = true,
-     .absent = "unbounded", .record = &neph_bounds_record},
+    {"values", NEPH_FIELD_NUMBERS, GRID(values), "", 0, 1e6, .note = "x fastest, then y, then z",
+     .least = 1, .most = VALUES_MAX, .count_at = GRID(value_count)},
+    {"extinction_per_m", NEPH_FIELD_NUMBER, AT(extinction_per_m), "1/m", 0, 1e4,
+     .note = "at value 1"},
+    {"bounds", NEPH_FIELD_RECORD, AT(bounds), .is_optional = true, .absent = "unbounded",
+     .record = &neph_bounds_record},
     {0},
 };
 
@@ -160,23 +163,23 @@ struct written_volume {
 };
 
 static const struct neph_field volume_fields[] = {
-    {"file", NEPH_FIELD_TEXT, offsetof(struct written_volume, file),
+    {"file", NEPH_FIELD_TEXT, VOLUME(file),
      .note = ".vdb (float or half grid, scale and translation alone) or .df3; absolute, from the "
              "scene file on, or $NAME or $NAME/... from the environment",
      .least = 1, .most = 1000},
-    {"grid", NEPH_FIELD_TEXT, offsetof(struct written_volume, grid), .note = "its name in a .vdb",
-     .is_optional = true, .absent = "the only one, or `density`", .least = 1, .most = 64},
-    {"center_m", NEPH_FIELD_THREE, offsetof(struct written_volume, center_m), "m", -NEPH_FAR_M,
-     NEPH_FAR_M, .note = "of the block of voxels"},
-    {"longest_side_m", NEPH_FIELD_NUMBER, offsetof(struct written_volume, longest_side_m), "m",
-     1e-3, NEPH_FAR_M, .note = "of the block of voxels"},
-    {"memory_limit_mib", NEPH_FIELD_WHOLE, offsetof(struct written_volume, memory_limit_mib), "MiB",
-     1, NEPH_GRID_NODES_MAX * sizeof(float) >> 20, .note = "of voxels in memory, 4 bytes each",
+    {"grid", NEPH_FIELD_TEXT, VOLUME(grid), .note = "its name in a .vdb", .is_optional = true,
+     .absent = "the only one, or `density`", .least = 1, .most = 64},
+    {"center_m", NEPH_FIELD_THREE, VOLUME(center_m), "m", -NEPH_FAR_M, NEPH_FAR_M,
+     .note = "of the block of voxels"},
+    {"longest_side_m", NEPH_FIELD_NUMBER, VOLUME(longest_side_m), "m", 1e-3, NEPH_FAR_M,
+     .note = "of the block of voxels"},
+    {"memory_limit_mib", NEPH_FIELD_WHOLE, VOLUME(memory_limit_mib), "MiB", 1,
+     NEPH_GRID_NODES_MAX * sizeof(float) >> 20, .note = "of voxels in memory, 4 bytes each",
      .is_optional = true, .standard = NEPH_GRID_NODES_MAX * sizeof(float) >> 20},
-    {"extinction_per_m", NEPH_FIELD_NUMBER, offsetof(struct neph_medium, extinction_per_m), "1/m",
-     0, 1e4, .note = "at value 1"},
-    {"bounds", NEPH_FIELD_RECORD, offsetof(struct neph_medium, bounds), .is_optional = true,
-     .absent = "unbounded", .record = &neph_bounds_record},
+    {"extinction_per_m", NEPH_FIELD_NUMBER, AT(extinction_per_m), "1/m", 0, 1e4,
+     .note = "at value 1"},
+    {"bounds", NEPH_FIELD_RECORD, AT(bounds), .is_optional = true, .absent = "unbounded",
+     .record = &neph_bounds_record},
     {0},
 };
 

@@ -8,6 +8,9 @@
 
 #include <stddef.h>
 
+#define AT(member) offsetof(struct neph_medium, member)
+#define HORIZON(member) offsetof(struct written_horizon, member)
+
 static double extinction_per_m(const struct neph_medium *medium, struct neph_vec3 point_m)
 {
     return medium->extinction_per_m * neph_horizon_density(medium->horizon, point_m, NULL);
@@ -73,29 +76,28 @@ struct written_horizon {
 
 /* Left out: the article's values. */
 static const struct neph_field fields[] = {
-    {"extinction_per_m", NEPH_FIELD_NUMBER, offsetof(struct neph_medium, extinction_per_m), "1/m",
-     0, 1e4, .note = "at density 1"},
-    {"seed", NEPH_FIELD_WHOLE, offsetof(struct written_horizon, seed), "", 0, 1e9,
-     .is_optional = true, .standard = 1},
-    {"planet_radius_m", NEPH_FIELD_NUMBER, offsetof(struct written_horizon, params.planet_radius_m),
-     "m", 1e3, 1e8, .is_optional = true, .standard = 2e5},
-    {"bottom_m", NEPH_FIELD_NUMBER, offsetof(struct written_horizon, params.bottom_m), "m",
-     -NEPH_FAR_M, NEPH_FAR_M, .is_optional = true, .standard = 80},
-    {"thickness_m", NEPH_FIELD_NUMBER, offsetof(struct written_horizon, params.thickness_m), "m", 1,
-     1e5, .is_optional = true, .standard = 280},
-    {"coverage", NEPH_FIELD_NUMBER, offsetof(struct written_horizon, params.coverage), "", 0, 1,
-     .is_optional = true, .standard = 0.58},
-    {"density", NEPH_FIELD_NUMBER, offsetof(struct written_horizon, params.density), "", 0, 1e3,
-     .is_optional = true, .standard = 1.5},
-    {"texture_scale_m", NEPH_FIELD_NUMBER, offsetof(struct written_horizon, params.texture_scale_m),
-     "m", 1, NEPH_FAR_M, .is_optional = true, .standard = 6e3},
-    {"base_repeats", NEPH_FIELD_NUMBER, offsetof(struct written_horizon, params.base_repeats), "",
-     1e-2, 1e4, .is_optional = true, .standard = 40},
-    {"detail_repeats", NEPH_FIELD_NUMBER, offsetof(struct written_horizon, params.detail_repeats),
-     "", 1e-2, 1e4, .is_optional = true, .standard = 60},
-    {"wind_m", NEPH_FIELD_THREE, offsetof(struct written_horizon, params.wind_m), "m", -NEPH_FAR_M,
-     NEPH_FAR_M, .note = "so far the patterns have moved", .is_optional = true},
-    {"bounds", NEPH_FIELD_RECORD, offsetof(struct neph_medium, bounds),
+    {"extinction_per_m", NEPH_FIELD_NUMBER, AT(extinction_per_m), "1/m", 0, 1e4,
+     .note = "at density 1"},
+    {"seed", NEPH_FIELD_WHOLE, HORIZON(seed), "", 0, 1e9, .is_optional = true, .standard = 1},
+    {"planet_radius_m", NEPH_FIELD_NUMBER, HORIZON(params.planet_radius_m), "m", 1e3, 1e8,
+     .is_optional = true, .standard = 2e5},
+    {"bottom_m", NEPH_FIELD_NUMBER, HORIZON(params.bottom_m), "m", -NEPH_FAR_M, NEPH_FAR_M,
+     .is_optional = true, .standard = 80},
+    {"thickness_m", NEPH_FIELD_NUMBER, HORIZON(params.thickness_m), "m", 1, 1e5,
+     .is_optional = true, .standard = 280},
+    {"coverage", NEPH_FIELD_NUMBER, HORIZON(params.coverage), "", 0, 1, .is_optional = true,
+     .standard = 0.58},
+    {"density", NEPH_FIELD_NUMBER, HORIZON(params.density), "", 0, 1e3, .is_optional = true,
+     .standard = 1.5},
+    {"texture_scale_m", NEPH_FIELD_NUMBER, HORIZON(params.texture_scale_m), "m", 1, NEPH_FAR_M,
+     .is_optional = true, .standard = 6e3},
+    {"base_repeats", NEPH_FIELD_NUMBER, HORIZON(params.base_repeats), "", 1e-2, 1e4,
+     .is_optional = true, .standard = 40},
+    {"detail_repeats", NEPH_FIELD_NUMBER, HORIZON(params.detail_repeats), "", 1e-2, 1e4,
+     .is_optional = true, .standard = 60},
+    {"wind_m", NEPH_FIELD_THREE, HORIZON(params.wind_m), "m", -NEPH_FAR_M, NEPH_FAR_M,
+     .note = "so far the patterns have moved", .is_optional = true},
+    {"bounds", NEPH_FIELD_RECORD, AT(bounds),
      .note =
          "a cloud layer needs finite bounds: trackers and other engines must know where it ends",
      .record = &neph_bounds_record},

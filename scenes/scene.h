@@ -14,6 +14,7 @@
 #include "base/vec3.h"
 
 #include <stdbool.h>
+#include <stdio.h>
 
 #define NEPH_SCENE_MEDIA_MAX 8
 #define NEPH_SCENE_SOLIDS_MAX 1024 /* after fences are expanded into their bars */
@@ -241,6 +242,9 @@ struct neph_scene {
 /* Read and check a scene file. Every error names file, line, column, value and allowed range. */
 enum neph_status neph_scene_load(const char *path, struct neph_scene **scene,
                                  struct neph_diag *diag);
+
+/* All keys of a scene file, as a table of Markdown: what scenes/README.md holds. */
+void neph_scene_print_keys(FILE *file);
 
 /* The name that the scene in this file must have: "folder/name.yaml" -> "name". For the caller to
  * free; NULL when memory is short. */

@@ -2,7 +2,7 @@
  *
  * Every allocation of an operation fails once, and the operation must say so, clean up and change
  * nothing. Included once by each test_allocation_*.c, which is linked with --wrap for the functions
- * below: that catches the calls in our own objects. What libpng, OpenEXR, libyaml, libcyaml and the
+ * below: that catches the calls in our own objects. What libpng, OpenEXR, libyaml and the
  * C++ library allocate within themselves is not made to fail. Leaks are seen by the run under
  * AddressSanitizer, where of those that are reached by the same calls (in a loop) only the first
  * and the last fail.

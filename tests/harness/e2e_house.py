@@ -29,7 +29,6 @@ ROOMS = {
 CIRCLES = {
     "renderer/compute renderer/vulkan",
     "renderer/march renderer/march_cut",
-    "scenes/bake scenes/build scenes/grid scenes/horizon scenes/horizon_density scenes/horizon_textures scenes/media scenes/medium_kind scenes/motion scenes/scene scenes/schema",
 }
 INCLUDE = re.compile(r'^#include "([a-z_/]+\.h)"', re.MULTILINE)
 
