@@ -351,8 +351,8 @@ static enum neph_status find_versus(const struct neph_cli_comparison *asked,
 
 /* Differences of what was asked for alone: p-values are corrected for these. */
 static json_t *subtract(const struct neph_cli_comparison *asked, const json_t *document,
-                        const struct neph_drawn *drawn, const json_t *other_document,
-                        const struct neph_drawn *other_drawn, struct neph_diag *diag)
+                        const struct neph_measurements *drawn, const json_t *other_document,
+                        const struct neph_measurements *other_drawn, struct neph_diag *diag)
 {
     json_t *numbers = wanted_rows(asked, json_object_get(document, "measurements"), is_wanted);
     json_t *others = wanted_rows(asked, json_object_get(other_document, "measurements"), is_wanted);
@@ -367,10 +367,10 @@ static json_t *subtract(const struct neph_cli_comparison *asked, const json_t *d
 static enum neph_status add_versus(const struct neph_cli_comparison *asked,
                                    const struct neph_comparison *comparison,
                                    const struct neph_sequence *other_test, json_t *document,
-                                   const struct neph_drawn *drawn, struct neph_diag *diag)
+                                   const struct neph_measurements *drawn, struct neph_diag *diag)
 {
     struct neph_comparison other = *comparison;
-    struct neph_drawn other_drawn = {0};
+    struct neph_measurements other_drawn = {0};
     json_t *other_document = NULL, *differences = NULL;
     other.test = *other_test;
     other.maps_directory = NULL;
@@ -385,7 +385,7 @@ static enum neph_status add_versus(const struct neph_cli_comparison *asked,
     if (differences)
         status = neph_json_put(document, "versus", differences, diag);
     json_decref(other_document);
-    neph_measurements_destroy(other_drawn.list, other_drawn.count);
+    neph_measurements_finish(&other_drawn);
     return status;
 }
 
@@ -434,13 +434,13 @@ enum neph_status neph_cli_comparison_run(const struct neph_cli_comparison *asked
 {
     json_t *document = NULL;
     struct neph_sequence other = {0};
-    struct neph_drawn drawn = {0};
+    struct neph_measurements drawn = {0};
     enum neph_status status = find_versus(asked, comparison, &other, diag);
     if (!status)
         status = neph_comparison_run(comparison, &document, asked->versus ? &drawn : NULL, diag);
     if (!status && asked->versus)
         status = add_versus(asked, comparison, &other, document, &drawn, diag);
-    neph_measurements_destroy(drawn.list, drawn.count);
+    neph_measurements_finish(&drawn);
     neph_sequence_finish(&other);
     if (!document)
         return status;

@@ -7,7 +7,7 @@
 #include "base/child.h"
 #include "harness/data.h"
 #include "harness/engines/engines.h"
-#include "harness/report/validate.h"
+#include "harness/host.h"
 #include "scenes/volume_file.h"
 
 #include <stdio.h>

@@ -12,6 +12,8 @@
 #include "harness/report/report.h"
 #include "harness/report/tier.h"
 #include "harness/report/validate.h"
+#include "harness/report/validation_json.h"
+#include "harness/report/validation_print.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -106,10 +108,10 @@ static const struct neph_cli_syntax syntax = {
         "  neph validate --suite physics --check slab -e oracle -e tracer --samples 4096",
 };
 
-/* The document of the physics suite: the frame of a validation without scenes, and the checks. */
+/* The physics suite: the frame of a validation without scenes, and the checks. */
 static enum neph_status run_physics(const struct request *request, int time_limit_s,
-                                    struct neph_store *store, json_t *document,
-                                    struct neph_diag *diag)
+                                    struct neph_store *store, struct neph_validation *validation,
+                                    struct neph_physics *physics, struct neph_diag *diag)
 {
     const struct neph_physics_params params = {.engines = request->engines.list,
                                                .engine_count = request->engines.count,
@@ -118,17 +120,16 @@ static enum neph_status run_physics(const struct request *request, int time_limi
                                                                                : request->samples,
                                                .time_limit_s = time_limit_s,
                                                .quiet = request->shared.quiet};
-    json_t *physics = NULL;
-    enum neph_status status = neph_physics_run(&params, store, &physics, diag);
+    const enum neph_status status = neph_physics_run(&params, store, physics, diag);
     if (status)
         return status;
-    return neph_json_merge(document,
-                           json_pack("{s:O, s:O, s:O, s:s, s:o}", "verdict",
-                                     json_object_get(physics, "verdict"), "counts",
-                                     json_object_get(physics, "counts"), "seconds",
-                                     json_object_get(physics, "seconds"), "title",
-                                     "Nephelometer physics suite", "physics", physics),
-                           diag);
+    validation->title = "Nephelometer physics suite";
+    validation->physics = physics;
+    validation->verdict = physics->passes ? NEPH_VERDICT_PASS : NEPH_VERDICT_FAIL;
+    validation->counts = (struct neph_counts){physics->expected, physics->row_count,
+                                              physics->tests};
+    validation->seconds = physics->seconds;
+    return NEPH_OK;
 }
 
 /* What a run without words on it is: scenes that are named get all engines, as in the full tier. */
@@ -168,15 +169,16 @@ static void make_params(const struct request *request, const struct neph_tier *t
     }
 }
 
-static enum neph_status show_page(json_t *document, void *context, struct neph_diag *diag)
+static enum neph_status show_page(struct neph_validation *validation, void *context,
+                                  struct neph_diag *diag)
 {
-    return neph_report_publish(context, document, diag);
+    return neph_report_publish(context, validation, diag);
 }
 
 static enum neph_status run_suite(const struct request *request, struct neph_report *report,
                                   const char *const *scenes, int scene_count,
-                                  struct neph_store *store, json_t **document,
-                                  struct neph_diag *diag)
+                                  struct neph_store *store, struct neph_validation *validation,
+                                  struct neph_physics *physics, struct neph_diag *diag)
 {
     struct neph_validate_params params;
     struct neph_charts_params charts;
@@ -190,42 +192,36 @@ static enum neph_status run_suite(const struct request *request, struct neph_rep
         params.charts = NULL;
         params.over_time = false;
     }
-    enum neph_status status = neph_validate(&params, store, document, diag);
+    enum neph_status status = neph_validate(&params, store, validation, diag);
     if (!status && is_physics(request))
-        status = run_physics(request, (int)params.budget_s, store, *document, diag);
+        status = run_physics(request, (int)params.budget_s, store, validation, physics, diag);
     return status;
 }
 
-static int count_of(const json_t *counts, const char *key)
+static enum neph_status tell(const struct request *request,
+                             const struct neph_validation *validation, const char *report_folder,
+                             struct neph_diag *diag)
 {
-    return (int)json_integer_value(json_object_get(counts, key));
-}
-
-static enum neph_status tell(const struct request *request, json_t *document,
-                             const char *report_folder, struct neph_diag *diag)
-{
-    const json_t *physics = json_object_get(document, "physics");
+    const struct neph_physics *physics = validation->physics;
+    const struct neph_counts *counts = &validation->counts;
     enum neph_status status = NEPH_OK;
     if (request->shared.json)
-        status = neph_cli_print_json(json_incref(document), diag);
+        status = neph_cli_print_json(neph_validation_json(validation), diag);
     else if (physics)
         neph_physics_print(physics);
     else
-        neph_validate_print(document);
+        neph_validation_print(validation);
     FILE *out = request->shared.json ? stderr : stdout;
-    const char *verdict = json_string_value(json_object_get(document, "verdict"));
-    const json_t *counts = json_object_get(document, "counts");
-    const int expected = count_of(counts, "expected"), reported = count_of(counts, "reported");
-    const int compared = count_of(counts, "compared");
     fprintf(out, "%s: %d of %d in the report, %d compared with the truth\n",
-            physics ? "rows" : "frames", reported, expected, compared);
-    fprintf(out, "verdict: %s\nreport: %s/index.html\n", verdict, report_folder);
-    if (status || strcmp(verdict, "pass") == 0)
+            physics ? "rows" : "frames", counts->reported, counts->expected, counts->compared);
+    fprintf(out, "verdict: %s\nreport: %s/index.html\n", neph_verdict_name(validation->verdict),
+            report_folder);
+    if (status || validation->verdict == NEPH_VERDICT_PASS)
         return status;
-    if (reported != expected)
+    if (counts->reported != counts->expected)
         return neph_fail(diag, NEPH_ERR_INTERNAL, "%d of %d results are not in the report",
-                         expected - reported, expected);
-    if (compared == 0) {
+                         counts->expected - counts->reported, counts->expected);
+    if (counts->compared == 0) {
         neph_fail(diag, NEPH_ERR_GATE, "nothing was compared with a truth: that is no verdict");
         neph_hint(diag, "a run needs an engine that is the truth of its scenes (exact, oracle, "
                         "tracer) and another; the report says why frames are missing");
@@ -238,15 +234,15 @@ static enum neph_status tell(const struct request *request, json_t *document,
 }
 
 /* The page of a run that was cut short holds what is there; the status says that it was. */
-static enum neph_status publish(struct neph_report *report, json_t *document,
+static enum neph_status publish(struct neph_report *report, struct neph_validation *validation,
                                 enum neph_status status, struct neph_diag *diag)
 {
-    if (!document)
+    if (!validation->title)
         return status;
     if (status != NEPH_ERR_INTERRUPTED)
-        return status ? status : neph_report_publish(report, document, diag);
+        return status ? status : neph_report_publish(report, validation, diag);
     neph_interrupt_acknowledge();
-    neph_report_publish(report, document, NULL);
+    neph_report_publish(report, validation, NULL);
     return status;
 }
 
@@ -255,7 +251,8 @@ static enum neph_status run(const struct request *request, const char *const *sc
 {
     struct neph_store *store = NULL;
     struct neph_report *report = NULL;
-    json_t *document = NULL;
+    struct neph_validation validation = {.title = NULL};
+    struct neph_physics physics = {.expected = 0};
     char *store_folder = neph_path_join(request->shared.output, "store");
     char *report_folder = neph_path_join(request->shared.output, "report");
     enum neph_status status = store_folder && report_folder
@@ -264,11 +261,13 @@ static enum neph_status run(const struct request *request, const char *const *sc
     if (!status)
         status = neph_store_open(store_folder, &store, diag);
     if (!status)
-        status = run_suite(request, report, scenes, scene_count, store, &document, diag);
-    status = publish(report, document, status, diag);
+        status = run_suite(request, report, scenes, scene_count, store, &validation, &physics,
+                           diag);
+    status = publish(report, &validation, status, diag);
     if (!status)
-        status = tell(request, document, report_folder, diag);
-    json_decref(document);
+        status = tell(request, &validation, report_folder, diag);
+    neph_validation_finish(&validation);
+    neph_physics_finish(&physics);
     neph_store_close(store);
     neph_report_close(report);
     free(store_folder);

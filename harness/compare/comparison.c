@@ -32,7 +32,8 @@ struct work {
     struct neph_image *reference, *second, *test; /* of the frame at hand; owned */
     struct neph_mask *masks[NEPH_MASKS_MAX];      /* owned */
     int mask_count;
-    struct neph_meter *meter; /* owned */
+    struct neph_meter *meter;         /* owned */
+    struct neph_measurements numbers; /* owned, once all is measured */
     struct neph_frozen frozen;
     bool has_overlooked[OVERLOOKED_COUNT]; /* any frame so far */
     char strangers[400];                   /* names of channels that mean nothing here */
@@ -549,28 +550,38 @@ static json_t *sequence_json(const struct neph_sequence *sequence)
                      "count", sequence->count);
 }
 
-static json_t *document_of(const struct work *work, bool interrupted)
+static json_t *numbers_json(const struct work *work)
 {
-    json_t *measurements = json_array();
-    int count = 0;
-    const struct neph_measurement *all = neph_meter_measurements(work->meter, &count);
-    for (int i = 0; i < count; i++) {
-        json_t *item = neph_measurement_json(&all[i]);
-        if (work->is_picture && strcmp(all[i].unit, all[i].quantity->unit) == 0)
-            neph_json_set(&item, "unit", json_string("display value"));
+    json_t *list = json_array();
+    for (int i = 0; i < work->numbers.count; i++) {
+        json_t *item = neph_measurement_json(&work->numbers.list[i]);
         neph_json_set(&item, "viewing", neph_viewing_json(&work->viewing));
-        neph_json_add(&measurements, item);
+        neph_json_add(&list, item);
     }
-    json_t *findings = neph_findings(measurements,
-                                     work->frozen.frozen_count > 0 && !work->asked->frozen_is_fine,
-                                     work->declared_cycles);
+    return list;
+}
+
+static json_t *document_of(const struct work *work, const struct neph_findings *findings,
+                           bool interrupted)
+{
     return json_pack("{s:s, s:o, s:o, s:i, s:i, s:i, s:b, s:o, s:o, s:o, s:O}", "version",
                      NEPH_VERSION, "reference", sequence_json(&work->asked->reference), "test",
                      sequence_json(&work->asked->test), "warm_up_frames",
                      work->asked->warm_up_frames, "frames", work->done_count, "frozen",
                      work->frozen.frozen_count, "interrupted", interrupted, "measurements",
-                     measurements, "findings", findings, "not_taken", not_taken(work), "maps",
-                     work->maps);
+                     numbers_json(work), "findings", neph_findings_json(findings), "not_taken",
+                     not_taken(work), "maps", work->maps);
+}
+
+/* Pictures hold values of a display, and so are numbers in their unit. */
+static void take_numbers(struct work *work)
+{
+    work->numbers.list = neph_meter_release(work->meter, &work->numbers.count);
+    for (int i = 0; i < work->numbers.count && work->is_picture; i++) {
+        struct neph_measurement *number = &work->numbers.list[i];
+        if (strcmp(number->unit, number->quantity->unit) == 0)
+            number->unit = "display value";
+    }
 }
 
 static enum neph_status judge_frozen(const struct work *work, struct neph_diag *diag)
@@ -596,10 +607,17 @@ static enum neph_status conclude(struct work *work, bool interrupted, json_t **d
     enum neph_status status = neph_meter_finish(work->meter, words);
     if (!status)
         status = write_maps(work, -1, words);
+    struct neph_findings findings = {0};
+    const bool is_frozen = work->frozen.frozen_count > 0 && !work->asked->frozen_is_fine;
+    take_numbers(work);
+    if (!status)
+        status = neph_findings_make(&work->numbers, work->viewing.frame_rate_hz, is_frozen,
+                                    work->declared_cycles, &findings, words);
     if (!status) {
-        *document = document_of(work, interrupted);
+        *document = document_of(work, &findings, interrupted);
         status = neph_json_check(*document, words);
     }
+    neph_findings_finish(&findings);
     return status || interrupted ? status : judge_frozen(work, diag);
 }
 
@@ -616,7 +634,7 @@ static enum neph_status open_maps(const struct neph_comparison *asked, struct ne
 }
 
 enum neph_status neph_comparison_run(const struct neph_comparison *comparison, json_t **document,
-                                     struct neph_drawn *drawn, struct neph_diag *diag)
+                                     struct neph_measurements *drawn, struct neph_diag *diag)
 {
     struct work work = {.asked = comparison,
                         .viewing = comparison->viewing,
@@ -636,7 +654,9 @@ enum neph_status neph_comparison_run(const struct neph_comparison *comparison, j
         status = finished ? finished : status;
     }
     if (drawn && *document)
-        drawn->list = neph_meter_release(work.meter, &drawn->count);
+        *drawn = work.numbers;
+    else
+        neph_measurements_finish(&work.numbers);
     neph_meter_destroy(work.meter);
     neph_masks_destroy(work.masks, work.mask_count);
     neph_image_destroy(work.reference);

@@ -29,15 +29,8 @@ struct neph_comparison {
     bool quiet;                 /* no progress */
 };
 
-/* The numbers of a comparison with their draws (metrics/metric.h). Start from {0}; free with
- * neph_measurements_destroy(). */
-struct neph_drawn {
-    struct neph_measurement *list;
-    int count;
-};
-
-/* Measure. `drawn` (may be NULL) receives the measurements of the document in its order, once it is
- * given. `*document` is an object of
+/* Measure. `drawn` (may be NULL) receives the measurements of the document in its order, with their
+ * draws (metrics/metric.h), once it is given. `*document` is an object of
  *   "version"       of neph
  *   "reference", "test"  {"first": its file (the warm-up included), "count": of all}
  *   "warm_up_frames"
@@ -53,7 +46,7 @@ struct neph_drawn {
  * that are not finite or negative, with the file; NEPH_ERR_INPUT when sizes, counts or kinds
  * (linear data against pictures) differ. */
 enum neph_status neph_comparison_run(const struct neph_comparison *comparison, json_t **document,
-                                     struct neph_drawn *drawn, struct neph_diag *diag);
+                                     struct neph_measurements *drawn, struct neph_diag *diag);
 
 /* Free the sequences; a zeroed comparison is fine. */
 void neph_comparison_finish(struct neph_comparison *comparison);

@@ -5,12 +5,40 @@
 #ifndef NEPH_HARNESS_COMPARE_FINDINGS_H
 #define NEPH_HARNESS_COMPARE_FINDINGS_H
 
-#include "harness/json.h"
+#include "harness/compare/measure.h"
 
 #include <stdbool.h>
 
-/* From an array of measurements (harness/compare/measure.h), over all frames where there are several: an
- * array of objects {"finding", "quantity", "mask", "verdict", "text", and the numbers}:
+enum { NEPH_FINDING_NUMBERS = 3 };
+
+/* A number that a verdict stands on. */
+struct neph_finding_number {
+    const char *key; /* in reports; static; NULL: there are no more */
+    double value;    /* NaN: not known */
+    bool is_count;
+};
+
+struct neph_finding {
+    const char *name; /* static, as the rest but for the text */
+    const struct neph_quantity *quantity;
+    char mask[NEPH_IMAGE_NAME_MAX];
+    const char *verdict;
+    char text[512];
+    struct neph_finding_number numbers[NEPH_FINDING_NUMBERS];
+    bool has_interval; /* of the first number */
+    double low, high;  /* NaN: it has none */
+    struct neph_clipped clipped;
+};
+
+/* Start from {0}; free with _finish. */
+struct neph_findings {
+    struct neph_finding *list; /* owned */
+    int count;
+};
+
+void neph_findings_finish(struct neph_findings *findings);
+
+/* From measurements, over all frames where there are several, those of
  *   seen               seen | not seen, for each mask: whether most people see flicker in any of
  *                      its pixels (metrics/extractors/seen.c)
  *   flicker            cyclic | restless | calm | frozen, for each mask
@@ -31,8 +59,14 @@
  *                      frame, or less), with "residual" and "frames"
  * Numbers that were not measured make no finding. `frozen`: there are frames equal to the one
  * before, and they were not meant to be: what would be calm is "frozen". `declared_cycles`: the
- * attribute NEPH_CYCLE_ATTRIBUTE of the first test frame, or NULL. NULL when memory is short.
+ * attribute NEPH_CYCLE_ATTRIBUTE of the first test frame, or NULL.
  */
-json_t *neph_findings(const json_t *measurements, bool frozen, const char *declared_cycles);
+enum neph_status neph_findings_make(const struct neph_measurements *measurements,
+                                    double frame_rate_hz, bool frozen, const char *declared_cycles,
+                                    struct neph_findings *findings, struct neph_diag *diag);
+
+/* As an array of {"finding", "quantity", "mask", "verdict", "text", and the numbers by their keys,
+ * "interval", "clipped"}; NULL when memory is short. */
+json_t *neph_findings_json(const struct neph_findings *findings);
 
 #endif

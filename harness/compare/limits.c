@@ -90,9 +90,12 @@ static bool is_lower_bound(const json_t *list, const struct neph_limit *limit)
         const struct bounded_time *time = &bounded_times[b];
         if (strcmp(time->metric, limit->metric) != 0)
             continue;
-        const json_t *share = neph_measurement_find(list, limit->quantity, time->unsettled,
-                                                    limit->mask);
-        return json_number_value(json_object_get(share, "value")) > time->share;
+        struct neph_limit other = *limit;
+        snprintf(other.metric, sizeof(other.metric), "%s", time->unsettled);
+        for (size_t i = 0; i < json_array_size(list); i++)
+            if (matches(json_array_get(list, i), &other))
+                return json_number_value(json_object_get(json_array_get(list, i), "value")) >
+                       time->share;
     }
     return false;
 }

@@ -4,6 +4,8 @@
 #include "metrics/extractors/extractors.h"
 #include "metrics/validity.h"
 
+#include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 static const char *const interval_names[] = {
@@ -36,6 +38,12 @@ const char *neph_bound_name(enum neph_display_bound bound)
     return bound_names[bound];
 }
 
+json_t *neph_clipped_json(const struct neph_clipped *clipped)
+{
+    return json_pack("{s:s, s:f, s:f}", "above", neph_bound_name(clipped->bound), "reference",
+                     clipped->reference, "test", clipped->test);
+}
+
 json_t *neph_measurement_json(const struct neph_measurement *m)
 {
     const bool bounded = m->interval != NEPH_INTERVAL_NONE &&
@@ -49,13 +57,21 @@ json_t *neph_measurement_json(const struct neph_measurement *m)
     if (!m->defined)
         neph_json_set(&item, "undefined_because", json_string(m->undefined_because));
     if (m->clipped.bound != NEPH_BOUND_NONE)
-        neph_json_set(&item, "clipped",
-                      json_pack("{s:s, s:f, s:f}", "above", neph_bound_name(m->clipped.bound),
-                                "reference", m->clipped.reference, "test", m->clipped.test));
+        neph_json_set(&item, "clipped", neph_clipped_json(&m->clipped));
     if (m->frame >= 0)
         neph_json_set(&item, "frame", json_integer(m->frame));
     return item;
 }
+
+json_t *neph_measurements_json(const struct neph_measurements *list)
+{
+    json_t *json = json_array();
+    for (int i = 0; i < list->count; i++)
+        neph_json_add(&json, neph_measurement_json(&list->list[i]));
+    return json;
+}
+
+/* ---- masks ----------------------------------------------------------------------------------- */
 
 bool neph_mask_is_detail(const char *mask)
 {
@@ -130,15 +146,35 @@ int neph_masks_trim(struct neph_mask **masks, int count)
     return kept;
 }
 
-static enum neph_status take(struct neph_meter *meter, const struct neph_image *reference,
-                             const struct neph_image *test, json_t *list, struct neph_diag *diag)
+/* ---- numbers --------------------------------------------------------------------------------- */
+
+void neph_measurements_finish(struct neph_measurements *measurements)
 {
-    enum neph_status status = neph_meter_frame(meter, reference, NULL, test, diag);
+    neph_measurements_destroy(measurements->list, measurements->count);
+    *measurements = (struct neph_measurements){0};
+}
+
+static enum neph_status append(const struct neph_measurement *more, int count,
+                               struct neph_measurements *list, struct neph_diag *diag)
+{
+    struct neph_measurement *longer = realloc(list->list,
+                                              (size_t)(list->count + count) * sizeof(*longer));
+    if (!longer)
+        return neph_fail_memory(diag);
+    memcpy(longer + list->count, more, (size_t)count * sizeof(*more));
+    list->list = longer;
+    list->count += count;
+    return NEPH_OK;
+}
+
+static enum neph_status take(struct neph_meter *meter, const struct neph_image *reference,
+                             const struct neph_image *test, struct neph_measurements *list,
+                             struct neph_diag *diag)
+{
+    const enum neph_status status = neph_meter_frame(meter, reference, NULL, test, diag);
     int count = 0;
     const struct neph_measurement *all = neph_meter_measurements(meter, &count);
-    for (int i = 0; i < count && !status; i++)
-        status = neph_json_append(list, neph_measurement_json(&all[i]), diag);
-    return status;
+    return status || count == 0 ? status : append(all, count, list, diag);
 }
 
 int neph_measure_usual(const char *only, struct neph_meter_choice *choices)
@@ -154,8 +190,8 @@ int neph_measure_usual(const char *only, struct neph_meter_choice *choices)
 }
 
 enum neph_status neph_measure(const struct neph_image *reference, const struct neph_image *test,
-                              const char *only, const struct neph_viewing *viewing, json_t *list,
-                              struct neph_diag *diag)
+                              const char *only, const struct neph_viewing *viewing,
+                              struct neph_measurements *list, struct neph_diag *diag)
 {
     enum neph_status status = neph_validity_same_size(reference, test, diag);
     if (status)
@@ -181,41 +217,52 @@ enum neph_status neph_measure(const struct neph_image *reference, const struct n
     return status;
 }
 
-enum neph_status neph_measure_validity(const struct neph_image *frame, json_t *list,
-                                       struct neph_diag *diag)
+/* Counts over all layers of a frame: no extractor's, for they are taken before any. */
+static const struct neph_metric non_finite = {.name = "non_finite",
+                                              .unit = "samples, all layers",
+                                              .high = INFINITY,
+                                              .help = "values that are NaN or infinite"};
+static const struct neph_metric negative = {
+    .name = "negative", .unit = "samples, all layers", .high = INFINITY, .help = "values below 0"};
+
+static struct neph_measurement count_of(const struct neph_metric *metric, size_t count,
+                                        const struct neph_image *frame)
+{
+    return (struct neph_measurement){.metric = metric,
+                                     .quantity = neph_quantity_find("radiance"),
+                                     .unit = metric->unit,
+                                     .mask = "all",
+                                     .frame = -1,
+                                     .defined = true,
+                                     .value = (double)count,
+                                     .interval = NEPH_INTERVAL_DETERMINISTIC,
+                                     .n = 1,
+                                     .pixel_count = neph_image_pixel_count(frame)};
+}
+
+enum neph_status neph_measure_validity(const struct neph_image *frame,
+                                       struct neph_measurements *list, struct neph_diag *diag)
 {
     struct neph_validity validity = {0};
     enum neph_status status = neph_validity_count(frame, &validity, diag);
-    const struct {
-        const char *metric;
-        size_t count;
-    } counts[] = {{"non_finite", validity.non_finite_count}, {"negative", validity.negative_count}};
-    for (size_t i = 0; i < 2 && !status; i++)
-        status = neph_json_append(
-            list,
-            json_pack("{s:s, s:s, s:s, s:f, s:s, s:n, s:s, s:i, s:I}", "quantity", "radiance",
-                      "metric", counts[i].metric, "mask", "all", "value", (double)counts[i].count,
-                      "unit", "samples, all layers", "interval", "interval_kind",
-                      neph_interval_name(NEPH_INTERVAL_DETERMINISTIC), "n", 1, "pixel_count",
-                      (json_int_t)neph_image_pixel_count(frame)),
-            diag);
+    const struct neph_measurement counts[] = {
+        count_of(&non_finite, validity.non_finite_count, frame),
+        count_of(&negative, validity.negative_count, frame)};
+    if (!status)
+        status = append(counts, 2, list, diag);
     neph_validity_finish(&validity);
     return status;
 }
 
-static bool is(const json_t *item, const char *key, const char *text)
+const struct neph_measurement *neph_measurement_find(const struct neph_measurements *list,
+                                                     const char *quantity, const char *metric,
+                                                     const char *mask)
 {
-    const char *value = json_string_value(json_object_get(item, key));
-    return value && strcmp(value, text) == 0;
-}
-
-const json_t *neph_measurement_find(const json_t *list, const char *quantity, const char *metric,
-                                    const char *mask)
-{
-    for (size_t i = 0; i < json_array_size(list); i++) {
-        const json_t *item = json_array_get(list, i);
-        if (is(item, "quantity", quantity) && is(item, "metric", metric) && is(item, "mask", mask))
-            return item;
+    for (int i = list->count - 1; i >= 0; i--) {
+        const struct neph_measurement *found = &list->list[i];
+        if (strcmp(found->metric->name, metric) == 0 && strcmp(found->mask, mask) == 0 &&
+            strcmp(found->quantity->name, quantity) == 0)
+            return found;
     }
     return NULL;
 }

@@ -30,28 +30,41 @@ int neph_masks_trim(struct neph_mask **masks, int count);
  * that name, at their defaults; room for NEPH_CHOICES_MAX. Returns their number. */
 int neph_measure_usual(const char *only, struct neph_meter_choice *choices);
 
-/* Measure every quantity that both frames have over all masks with neph_measure_usual(), and
- * add one object per number to the array `list`. */
-enum neph_status neph_measure(const struct neph_image *reference, const struct neph_image *test,
-                              const char *only, const struct neph_viewing *viewing, json_t *list,
-                              struct neph_diag *diag);
+/* Numbers in the order in which they were taken. Start from {0}; free with _finish. */
+struct neph_measurements {
+    struct neph_measurement *list; /* owned */
+    int count;
+};
 
-/* One number in the form of scripts/report/README.md; NULL when memory is short. */
+void neph_measurements_finish(struct neph_measurements *measurements);
+
+/* Measure every quantity that both frames have over all masks with neph_measure_usual(), and
+ * append the numbers to `list`. */
+enum neph_status neph_measure(const struct neph_image *reference, const struct neph_image *test,
+                              const char *only, const struct neph_viewing *viewing,
+                              struct neph_measurements *list, struct neph_diag *diag);
+
+/* One number in the form of scripts/report/README.md, and a list of them; NULL when memory is
+ * short. */
 json_t *neph_measurement_json(const struct neph_measurement *m);
+json_t *neph_measurements_json(const struct neph_measurements *list);
 const char *neph_interval_name(enum neph_interval_kind kind);
 /* What nothing is brighter than to a metric; NULL for NEPH_BOUND_NONE. */
 const char *neph_bound_name(enum neph_display_bound bound);
+json_t *neph_clipped_json(const struct neph_clipped *clipped);
 json_t *neph_viewing_json(const struct neph_viewing *viewing);
 
 /* Whether a mask is of a kind of which there are many. */
 bool neph_mask_is_detail(const char *mask);
 
-/* Counts of non-finite and negative values of a frame, in the same form. */
-enum neph_status neph_measure_validity(const struct neph_image *frame, json_t *list,
-                                       struct neph_diag *diag);
+/* Append how many values of a frame are not finite, and how many negative. */
+enum neph_status neph_measure_validity(const struct neph_image *frame,
+                                       struct neph_measurements *list, struct neph_diag *diag);
 
-/* The measurement of that quantity, metric and mask; NULL when there is none. Borrowed. */
-const json_t *neph_measurement_find(const json_t *list, const char *quantity, const char *metric,
-                                    const char *mask);
+/* The last number of that quantity, metric and mask, which is the one of all frames where there are
+ * several; NULL when there is none. Borrowed. */
+const struct neph_measurement *neph_measurement_find(const struct neph_measurements *list,
+                                                     const char *quantity, const char *metric,
+                                                     const char *mask);
 
 #endif

@@ -101,7 +101,8 @@ static json_t *paired_json(const json_t *number, const struct neph_paired *paire
 }
 
 /* The measurement behind a number of all frames, or of the only one. */
-static const struct neph_measurement *behind(const struct neph_drawn *drawn, const json_t *number)
+static const struct neph_measurement *behind(const struct neph_measurements *drawn,
+                                             const json_t *number)
 {
     for (int i = 0; i < drawn->count; i++) {
         const struct neph_measurement *measured = &drawn->list[i];

@@ -11,7 +11,7 @@
 /* One of the two: measurements of a run of neph_comparison_run(), all or some, and their draws. */
 struct neph_versus_side {
     const json_t *numbers;
-    const struct neph_drawn *drawn;
+    const struct neph_measurements *drawn;
 };
 
 /* From two runs with the same frames: an array with an object for each number that both have of

@@ -1,57 +1,62 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/engines/bakes.h"
 
-#include "base/files.h"
-
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* "64 x 40 x 64 nodes, 4 x 3 x 5 nodes (the medium's own)"; for the caller to free. */
-static char *describe_grids(const struct neph_bake *bakes, int count)
+/* What is told of an error; of the one with a sign the value farthest from 0 is the worst. */
+static const struct {
+    const char *key;
+    size_t offset;
+} errors[] = {
+    {"extinction_rms_relative", offsetof(struct neph_bake_error, extinction_rms_relative)},
+    {"extinction_max_relative", offsetof(struct neph_bake_error, extinction_max_relative)},
+    {"optical_depth_rms", offsetof(struct neph_bake_error, optical_depth_rms)},
+    {"optical_depth_max", offsetof(struct neph_bake_error, optical_depth_max)},
+    {"optical_depth_mean", offsetof(struct neph_bake_error, optical_depth_mean)},
+    {"transmittance_max", offsetof(struct neph_bake_error, transmittance_max)},
+};
+enum { ERRORS = sizeof(errors) / sizeof(errors[0]) };
+
+static double *error_at(struct neph_bake_error *error, int which)
 {
-    char *text = strdup("");
-    for (int i = 0; i < count && text; i++) {
-        const int *size = bakes[i].grid->size;
-        char *longer = neph_format("%s%s%d x %d x %d nodes%s", text, i > 0 ? ", " : "", size[0],
-                                   size[1], size[2], bakes[i].is_copy ? " (the medium's own)" : "");
-        free(text);
-        text = longer;
-    }
-    return text;
+    return (double *)(void *)((char *)error + errors[which].offset);
 }
 
-/* The worst of each; of the bias, which has a sign, the one that is farthest from 0. */
-static struct neph_bake_error worst_of(const struct neph_bake *bakes, int count)
+/* "64 x 40 x 64 nodes, 4 x 3 x 5 nodes (the medium's own)", and the worst of each error. */
+static struct neph_bakes_summary summarize(const struct neph_bake *bakes, int count)
 {
-    struct neph_bake_error worst = bakes[0].error;
-    for (int i = 1; i < count; i++) {
-        const struct neph_bake_error *e = &bakes[i].error;
-        worst.extinction_rms_relative = fmax(worst.extinction_rms_relative,
-                                             e->extinction_rms_relative);
-        worst.extinction_max_relative = fmax(worst.extinction_max_relative,
-                                             e->extinction_max_relative);
-        worst.optical_depth_rms = fmax(worst.optical_depth_rms, e->optical_depth_rms);
-        worst.optical_depth_max = fmax(worst.optical_depth_max, e->optical_depth_max);
-        worst.transmittance_max = fmax(worst.transmittance_max, e->transmittance_max);
-        if (fabs(e->optical_depth_mean) > fabs(worst.optical_depth_mean))
-            worst.optical_depth_mean = e->optical_depth_mean;
+    struct neph_bakes_summary summary = {.grid = ""};
+    size_t used = 0;
+    for (int i = 0; i < count; i++) {
+        const int *size = bakes[i].grid->size;
+        struct neph_bake_error error = bakes[i].error;
+        if (used < sizeof(summary.grid))
+            used += (size_t)snprintf(summary.grid + used, sizeof(summary.grid) - used,
+                                     "%s%d x %d x %d nodes%s", i > 0 ? ", " : "", size[0], size[1],
+                                     size[2], bakes[i].is_copy ? " (the medium's own)" : "");
+        for (int e = 0; e < ERRORS; e++)
+            if (fabs(*error_at(&error, e)) > fabs(*error_at(&summary.worst, e)))
+                *error_at(&summary.worst, e) = *error_at(&error, e);
     }
-    return worst;
+    return summary;
+}
+
+json_t *neph_bakes_summary_json(const struct neph_bakes_summary *summary)
+{
+    struct neph_bake_error worst = summary->worst;
+    json_t *json = json_pack("{s:s}", "grid", summary->grid);
+    for (int e = 0; e < ERRORS; e++)
+        neph_json_set(&json, errors[e].key, json_real(*error_at(&worst, e)));
+    return json;
 }
 
 json_t *neph_bakes_json(const struct neph_bake *bakes, int count)
 {
-    char *grids = describe_grids(bakes, count);
-    const struct neph_bake_error worst = worst_of(bakes, count);
-    json_t *json = json_pack(
-        "{s:s*, s:f, s:f, s:f, s:f, s:f, s:f}", "grid", grids, "extinction_rms_relative",
-        worst.extinction_rms_relative, "extinction_max_relative", worst.extinction_max_relative,
-        "optical_depth_rms", worst.optical_depth_rms, "optical_depth_max", worst.optical_depth_max,
-        "optical_depth_mean", worst.optical_depth_mean, "transmittance_max",
-        worst.transmittance_max);
-    free(grids);
-    return json;
+    const struct neph_bakes_summary summary = summarize(bakes, count);
+    return neph_bakes_summary_json(&summary);
 }
 
 enum neph_status neph_bakes_label(const struct neph_bake *bakes, int count,
@@ -69,9 +74,16 @@ enum neph_status neph_bakes_label(const struct neph_bake *bakes, int count,
     return status;
 }
 
-json_t *neph_bakes_of_frame(const struct neph_image *frame)
+bool neph_bakes_of_frame(const struct neph_image *frame, struct neph_bakes_summary *summary)
 {
     const char *text = neph_image_attribute(frame, NEPH_BAKES_ATTRIBUTE);
     json_t *json = text ? json_loads(text, 0, NULL) : NULL;
-    return json ? json : json_null();
+    if (!json)
+        return false;
+    *summary = (struct neph_bakes_summary){.grid = ""};
+    snprintf(summary->grid, sizeof(summary->grid), "%s", neph_json_text(json, "grid"));
+    for (int e = 0; e < ERRORS; e++)
+        *error_at(&summary->worst, e) = json_number_value(json_object_get(json, errors[e].key));
+    json_decref(json);
+    return true;
 }

@@ -28,15 +28,21 @@ struct neph_check_view {
  * views of |factor| * weighted sum of truth. */
 struct neph_check {
     char name[64];
-    const char *rung;  /* what kind of truth, in a word */
-    const char *title; /* of the rung, one line */
-    char what[320];    /* what is on the stage, in words */
+    const char *rung; /* what kind of truth, in a word */
+    char what[320];   /* what is on the stage, in words */
     struct neph_check_view views[NEPH_CHECK_VIEWS_MAX];
     int view_count;
     bool uneven; /* the medium is not homogeneous: renderers that march through it have a step */
     bool deep;   /* light is scattered a thousand times and more on its way out */
     bool truth_only; /* many frames: for our tracers alone */
 };
+
+/* What kinds of truth there are, in the order of the checks. */
+struct neph_check_rung {
+    const char *name, *title;
+};
+int neph_check_rung_count(void);
+const struct neph_check_rung *neph_check_rung_at(int index);
 
 int neph_check_count(void);
 

@@ -7,7 +7,7 @@
 
 #include <math.h>
 
-static const struct neph_phase phases[] = {
+static const struct neph_phase phases[NEPH_PHASES] = {
     {NEPH_PHASE_ISOTROPIC, 0.0},
     {NEPH_PHASE_RAYLEIGH, 0.0},
     {NEPH_PHASE_HENYEY_GREENSTEIN, 0.0},
@@ -61,6 +61,7 @@ struct neph_phase_finding neph_phase_check(const struct neph_phase *phase)
     neph_integrate(over_number, &copy, pieces, PIECES, drawn);
     const double g = phase->kind == NEPH_PHASE_HENYEY_GREENSTEIN ? phase->g : 0.0;
     return (struct neph_phase_finding){
+        .phase = *phase,
         .integral = density[0],
         .mean_cosine = density[1],
         .sampled_mean_cosine = drawn[0],
@@ -70,21 +71,18 @@ struct neph_phase_finding neph_phase_check(const struct neph_phase *phase)
     };
 }
 
-json_t *neph_phases_json(void)
+void neph_phases_check(struct neph_phase_finding found[NEPH_PHASES])
+{
+    for (int i = 0; i < NEPH_PHASES; i++)
+        found[i] = neph_phase_check(&phases[i]);
+}
+
+const char *neph_phase_name(enum neph_phase_kind kind)
 {
     static const char *const names[] = {
         [NEPH_PHASE_ISOTROPIC] = "isotropic",
         [NEPH_PHASE_HENYEY_GREENSTEIN] = "henyey_greenstein",
         [NEPH_PHASE_RAYLEIGH] = "rayleigh",
     };
-    json_t *list = json_array();
-    for (size_t i = 0; i < sizeof(phases) / sizeof(phases[0]); i++) {
-        const struct neph_phase_finding found = neph_phase_check(&phases[i]);
-        neph_json_add(&list,
-                      json_pack("{s:s, s:f, s:f, s:f, s:f, s:s}", "phase", names[phases[i].kind],
-                                "g", phases[i].g, "integral", found.integral, "mean_cosine",
-                                found.mean_cosine, "sampled_mean_cosine", found.sampled_mean_cosine,
-                                "verdict", found.agrees ? "agrees" : "off"));
-    }
-    return list;
+    return names[kind];
 }

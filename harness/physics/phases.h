@@ -6,7 +6,6 @@
 #ifndef NEPH_HARNESS_PHYSICS_PHASES_H
 #define NEPH_HARNESS_PHYSICS_PHASES_H
 
-#include "harness/json.h"
 #include "scenes/scene.h"
 
 /* Gauss-Kronrod quadrature of functions that are smooth between its pieces is good to 1e-12; the
@@ -14,6 +13,7 @@
 #define NEPH_PHASE_TOLERANCE 1e-9
 
 struct neph_phase_finding {
+    struct neph_phase phase;
     double integral;            /* of the phase function over the sphere */
     double mean_cosine;         /* of the phase function */
     double sampled_mean_cosine; /* of the inverse that directions are drawn with */
@@ -22,8 +22,10 @@ struct neph_phase_finding {
 
 struct neph_phase_finding neph_phase_check(const struct neph_phase *phase);
 
-/* [{"phase", "g", "integral", "mean_cosine", "sampled_mean_cosine", "verdict"}] for all kinds, and
- * g to 0.999 both ways. */
-json_t *neph_phases_json(void);
+/* All kinds, and g to 0.999 both ways. */
+enum { NEPH_PHASES = 11 };
+void neph_phases_check(struct neph_phase_finding found[NEPH_PHASES]);
+
+const char *neph_phase_name(enum neph_phase_kind kind);
 
 #endif

@@ -8,7 +8,7 @@
 #ifndef NEPH_HARNESS_PHYSICS_PHYSICS_H
 #define NEPH_HARNESS_PHYSICS_PHYSICS_H
 
-#include "harness/json.h"
+#include "harness/physics/results.h"
 #include "harness/run/store.h"
 
 struct neph_physics_params {
@@ -20,17 +20,10 @@ struct neph_physics_params {
     bool quiet;
 };
 
-/* The probability that a run in which every engine is right still calls one of them off. */
-#define NEPH_PHYSICS_FAMILY_ALPHA 0.01
-
-/* Run. `*document` (the caller's) has the form of the report's "physics"
- * (scripts/report/README.md). NEPH_OK also when engines are off: "verdict" is "fail" only when our
- * own truth engines are. */
+/* Run. `physics`, {0} before, is for neph_physics_finish() in any case. NEPH_OK also when engines
+ * are off: only our own truth engines keep it from passing. */
 enum neph_status neph_physics_run(const struct neph_physics_params *params,
-                                  struct neph_store *store, json_t **document,
+                                  struct neph_store *store, struct neph_physics *physics,
                                   struct neph_diag *diag);
-
-/* The document's table and sentences for a terminal, on stdout. */
-void neph_physics_print(const json_t *document);
 
 #endif

@@ -2,7 +2,6 @@
 #include "harness/report/attribution.h"
 
 #include "base/exr.h"
-#include "harness/engines/engines.h"
 #include "metrics/pair.h"
 #include "metrics/significance.h"
 
@@ -23,11 +22,6 @@ struct field {
     struct neph_mask *mask;
 };
 
-static const char *text_of(const json_t *object, const char *key)
-{
-    return json_string_value(json_object_get(object, key));
-}
-
 static void finish(struct field *field)
 {
     for (int i = 0; i < field->count; i++) {
@@ -39,21 +33,18 @@ static void finish(struct field *field)
     neph_mask_destroy(field->mask);
 }
 
-static enum neph_status enrol(const json_t *frame, struct field *field, struct neph_diag *diag)
+static enum neph_status enrol(const struct neph_peer *peer, struct field *field,
+                              struct neph_diag *diag)
 {
-    const char *path = text_of(frame, "exr"), *second = text_of(frame, "exr_second");
     struct entrant *entrant = &field->entrants[field->count];
-    const struct neph_engine *engine = neph_engine_find(text_of(frame, "engine"));
-    const bool look = engine && engine->look; /* it claims no physics to be right or wrong about */
-    if (!path || look || field->count == ENGINES_MAX)
-        return NEPH_OK;
-    entrant->name = text_of(frame, "engine");
-    enum neph_status status = neph_exr_read(path, &entrant->frames[0], diag);
+    entrant->name = peer->name;
+    enum neph_status status = neph_exr_read(peer->path, &entrant->frames[0], diag);
     if (status)
         return status;
     entrant->frames[1] = entrant->frames[0];
     field->count++;
-    return second ? neph_exr_read(second, &entrant->frames[1], diag) : NEPH_OK;
+    return peer->second_path ? neph_exr_read(peer->second_path, &entrant->frames[1], diag)
+                             : NEPH_OK;
 }
 
 /* Where a medium is: sky and solids in clear air would water the numbers down. */
@@ -71,17 +62,8 @@ static enum neph_status choose_mask(struct field *field, struct neph_diag *diag)
     return neph_mask_create(field->entrants[0].frames[0], "all", NULL, &field->mask, diag);
 }
 
-static json_t *pair_json(const struct entrant *x, const struct entrant *y,
-                         const struct neph_pair *pair)
-{
-    return json_pack("{s:s, s:s, s:f, s:[f,f], s:f, s:f, s:s}", "first", x->name, "second", y->name,
-                     "mean_difference", pair->mean_difference, "interval", pair->mean_low,
-                     pair->mean_high, "rms_difference", pair->rms_difference, "noise_floor",
-                     pair->noise_floor, "verdict", neph_pair_verdict_name(pair->verdict));
-}
-
-static enum neph_status compare_all(const struct field *field, int *verdicts, json_t *pairs,
-                                    struct neph_diag *diag)
+static enum neph_status compare_all(const struct field *field, int *verdicts,
+                                    struct neph_attribution *made, struct neph_diag *diag)
 {
     const int n = field->count;
     const double critical_z = neph_normal_critical(
@@ -91,14 +73,13 @@ static enum neph_status compare_all(const struct field *field, int *verdicts, js
             const struct entrant *x = &field->entrants[i], *y = &field->entrants[j];
             const struct neph_image *const frames[4] = {x->frames[0], x->frames[1], y->frames[0],
                                                         y->frames[1]};
-            struct neph_pair pair = {.verdict = NEPH_PAIR_CANNOT_TELL};
+            struct neph_peer_pair *pair = &made->pairs[made->pair_count++];
+            *pair = (struct neph_peer_pair){x->name, y->name, {.verdict = NEPH_PAIR_CANNOT_TELL}};
             const enum neph_status status = neph_pair_compare(frames, field->mask, critical_z,
-                                                              &pair, diag);
+                                                              &pair->found, diag);
             if (status)
                 return status;
-            verdicts[i * n + j] = verdicts[j * n + i] = (int)pair.verdict;
-            if (json_array_append_new(pairs, pair_json(x, y, &pair)) != 0)
-                return neph_fail_memory(diag);
+            verdicts[i * n + j] = verdicts[j * n + i] = (int)pair->found.verdict;
         }
     return NEPH_OK;
 }
@@ -143,46 +124,69 @@ int neph_odd_one_out(const char *const *names, int count, const int *verdicts, c
     return odd;
 }
 
-static enum neph_status conclude(const struct field *field, json_t **attribution,
+static enum neph_status conclude(const struct field *field, struct neph_arena *arena,
+                                 const struct neph_attribution **attribution,
                                  struct neph_diag *diag)
 {
     int verdicts[ENGINES_MAX * ENGINES_MAX] = {0};
     const char *names[ENGINES_MAX];
-    char sentence[400];
-    json_t *pairs = json_array();
-    enum neph_status status = compare_all(field, verdicts, pairs, diag);
+    const size_t pair_count = (size_t)field->count * (size_t)(field->count - 1) / 2;
+    struct neph_attribution *made = neph_arena_zeroed(arena, 1, sizeof(*made));
+    if (made)
+        made->pairs = neph_arena_zeroed(arena, pair_count, sizeof(*made->pairs));
+    enum neph_status status = neph_arena_check(arena, diag);
+    if (!status)
+        status = compare_all(field, verdicts, made, diag);
+    if (status) /* dark, or too few pixels: nothing to attribute */
+        return status == NEPH_ERR_UNSUPPORTED ? NEPH_OK : status;
     for (int i = 0; i < field->count; i++)
         names[i] = field->entrants[i].name;
-    if (status == NEPH_ERR_UNSUPPORTED) { /* dark, or too few pixels: nothing to attribute */
-        json_decref(pairs);
-        *attribution = json_null();
-        return NEPH_OK;
-    }
-    if (!status) {
-        const int odd = neph_odd_one_out(names, field->count, verdicts, sentence);
-        *attribution = json_pack(
-            "{s:s, s:I, s:f, s:f, s:f, s:O, s:s?, s:s}", "mask", field->mask->name, "pixel_count",
-            (json_int_t)field->mask->pixel_count, "family_alpha", NEPH_ATTRIBUTION_FAMILY_ALPHA,
-            "mean_meant", NEPH_PAIR_MEAN_MEANT, "rms_meant", NEPH_PAIR_RMS_MEANT, "pairs", pairs,
-            "odd_one_out", odd < 0 ? NULL : names[odd], "sentence", sentence);
-        status = *attribution ? NEPH_OK : neph_fail_memory(diag);
-    }
-    json_decref(pairs);
-    return status;
+    const int odd = neph_odd_one_out(names, field->count, verdicts, made->sentence);
+    made->odd_one_out = odd < 0 ? NULL : names[odd];
+    memcpy(made->mask, field->mask->name, sizeof(made->mask));
+    made->pixel_count = field->mask->pixel_count;
+    *attribution = made;
+    return NEPH_OK;
 }
 
-enum neph_status neph_attribute(const json_t *frames, json_t **attribution, struct neph_diag *diag)
+enum neph_status neph_attribute(const struct neph_peer *peers, int count, struct neph_arena *arena,
+                                const struct neph_attribution **attribution, struct neph_diag *diag)
 {
     struct field field = {.count = 0};
     enum neph_status status = NEPH_OK;
-    for (size_t i = 0; i < json_array_size(frames) && !status; i++)
-        status = enrol(json_array_get(frames, i), &field, diag);
-    if (!status && field.count < 3)
-        *attribution = json_null();
-    else if (!status)
+    *attribution = NULL;
+    if (count < 3)
+        return NEPH_OK;
+    for (int i = 0; i < count && i < ENGINES_MAX && !status; i++)
+        status = enrol(&peers[i], &field, diag);
+    if (!status)
         status = choose_mask(&field, diag);
-    if (!status && field.count >= 3)
-        status = conclude(&field, attribution, diag);
+    if (!status)
+        status = conclude(&field, arena, attribution, diag);
     finish(&field);
     return status;
+}
+
+static json_t *pair_json(const struct neph_peer_pair *pair)
+{
+    const struct neph_pair *found = &pair->found;
+    return json_pack("{s:s, s:s, s:f, s:[f,f], s:f, s:f, s:s}", "first", pair->first, "second",
+                     pair->second, "mean_difference", found->mean_difference, "interval",
+                     found->mean_low, found->mean_high, "rms_difference", found->rms_difference,
+                     "noise_floor", found->noise_floor, "verdict",
+                     neph_pair_verdict_name(found->verdict));
+}
+
+json_t *neph_attribution_json(const struct neph_attribution *attribution)
+{
+    if (!attribution)
+        return json_null();
+    json_t *pairs = json_array();
+    for (int i = 0; i < attribution->pair_count; i++)
+        neph_json_add(&pairs, pair_json(&attribution->pairs[i]));
+    return json_pack("{s:s, s:I, s:f, s:f, s:f, s:o, s:s?, s:s}", "mask", attribution->mask,
+                     "pixel_count", (json_int_t)attribution->pixel_count, "family_alpha",
+                     NEPH_ATTRIBUTION_FAMILY_ALPHA, "mean_meant", NEPH_PAIR_MEAN_MEANT, "rms_meant",
+                     NEPH_PAIR_RMS_MEANT, "pairs", pairs, "odd_one_out", attribution->odd_one_out,
+                     "sentence", attribution->sentence);
 }

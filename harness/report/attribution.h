@@ -7,18 +7,41 @@
 #ifndef NEPH_HARNESS_REPORT_ATTRIBUTION_H
 #define NEPH_HARNESS_REPORT_ATTRIBUTION_H
 
-#include "base/status.h"
+#include "base/arena.h"
 #include "harness/json.h"
+#include "metrics/pair.h"
 
 /* The probability that engines that all agree are told apart. */
 #define NEPH_ATTRIBUTION_FAMILY_ALPHA 0.01
 
-/* `frames`: the "frames" of a scene's document, of which those with an "exr" take part
- * ("exr_second" is the second seed of a stochastic engine, null of a deterministic one).
- * `*attribution` (the caller's) receives the "attribution" of scripts/report/README.md, or JSON
- * null when fewer than three engines rendered or there is nothing to compare. The mask is "medium"
- * of the first frame that has a transmittance, else "all". */
-enum neph_status neph_attribute(const json_t *frames, json_t **attribution, struct neph_diag *diag);
+/* Who is held against the others: a frame, and one of a second seed (NULL: nothing is random). */
+struct neph_peer {
+    const char *name, *path, *second_path;
+};
+
+struct neph_peer_pair {
+    const char *first, *second;
+    struct neph_pair found;
+};
+
+/* Names are the peers'. */
+struct neph_attribution {
+    char mask[NEPH_IMAGE_NAME_MAX];
+    size_t pixel_count;
+    int pair_count;
+    struct neph_peer_pair *pairs;
+    const char *odd_one_out; /* NULL: nobody is */
+    char sentence[400];
+};
+
+/* `*attribution`, made in the arena, is NULL when there are fewer than three peers or nothing to
+ * compare. The mask is "medium" of the first frame that has a transmittance, else "all". */
+enum neph_status neph_attribute(const struct neph_peer *peers, int count, struct neph_arena *arena,
+                                const struct neph_attribution **attribution,
+                                struct neph_diag *diag);
+
+/* The "attribution" of scripts/report/README.md; JSON null of NULL. */
+json_t *neph_attribution_json(const struct neph_attribution *attribution);
 
 /* The rule alone, for tests: `verdicts[i * count + j]` of metrics/pair.h, symmetric. The index of
  * the odd one out, or -1; `*sentence` (at most 400 characters) says why, in words. */

@@ -102,14 +102,15 @@ static enum neph_status relative_rmse(const struct sweep *sweep, const char *fra
 {
     const struct neph_viewing viewing = NEPH_VIEWING_DEFAULTS; /* linear errors do not ask for it */
     struct neph_image *image = NULL;
-    json_t *measurements = json_array();
+    struct neph_measurements measurements = {0};
     enum neph_status status = neph_exr_read(frame_path, &image, diag);
     if (!status)
-        status = neph_measure(sweep->truth, image, "error", &viewing, measurements, diag);
+        status = neph_measure(sweep->truth, image, "error", &viewing, &measurements, diag);
+    const struct neph_measurement *found = neph_measurement_find(&measurements, "radiance",
+                                                                 "rel_rmse", "all");
     if (!status)
-        *error = json_number_value(json_object_get(
-            neph_measurement_find(measurements, "radiance", "rel_rmse", "all"), "value"));
-    json_decref(measurements);
+        *error = found ? found->value : 0.0;
+    neph_measurements_finish(&measurements);
     neph_image_destroy(image);
     return status;
 }
@@ -237,11 +238,44 @@ static enum neph_status render_truth(struct sweep *sweep, struct neph_diag *diag
     return neph_job_render(&job, &sweep->truth, &cost, diag);
 }
 
-static enum neph_status run_chart(const struct chart *chart, struct sweep *sweep, json_t *charts,
+/* What is drawn, how often each point was run, and what is not there. */
+static const char *make_caption(const struct chart *chart, int repeats, const char *absent,
+                                struct neph_arena *arena)
+{
+    char runs[160] = "One run of each point: how they scatter is not known.";
+    if (repeats > 1)
+        snprintf(runs, sizeof(runs),
+                 "Middle of %d runs (other seeds where the engine draws random numbers), bars from "
+                 "the smallest to the largest.",
+                 repeats);
+    return neph_arena_format(arena,
+                             "Scene %s at %dx%d px against exact. Seconds of the radiance pass "
+                             "alone, without start-up. %s A point without error is not drawn.%s",
+                             chart->scene, chart_width_px, chart_height_px, runs, absent);
+}
+
+/* The points of all series into the specification. */
+static enum neph_status fill_spec(const struct chart *chart, const struct sweep *sweep,
+                                  json_t *spec, char *absent, size_t absent_size,
+                                  struct neph_diag *diag)
+{
+    json_t *points = json_array(), *slopes = json_array();
+    enum neph_status status = NEPH_OK;
+    for (int i = 0; i < chart->series_count && !status; i++)
+        status = run_series(sweep, &chart->series[i], &points, &slopes, absent, absent_size, diag);
+    json_t *datasets = json_object_get(spec, "datasets");
+    const enum neph_status put = neph_json_put(datasets, "points", points, status ? NULL : diag);
+    const enum neph_status also = neph_json_put(datasets, "slopes", slopes, status ? NULL : diag);
+    return status ? status : put ? put : also;
+}
+
+static enum neph_status run_chart(const struct chart *chart, struct sweep *sweep,
+                                  struct neph_arena *arena, struct neph_chart *made,
                                   struct neph_diag *diag)
 {
     struct neph_scene *scene = NULL;
     json_t *spec = NULL;
+    char absent[512] = "";
     enum neph_status status = neph_data_load_scene(chart->scene, &scene, diag);
     if (!status)
         status = load_template(&spec, diag);
@@ -249,35 +283,15 @@ static enum neph_status run_chart(const struct chart *chart, struct sweep *sweep
     sweep->truth = NULL;
     if (!status)
         status = render_truth(sweep, diag);
-    json_t *points = json_array(), *slopes = json_array();
-    char absent[512] = "";
-    for (int i = 0; i < chart->series_count && !status; i++)
-        status = run_series(sweep, &chart->series[i], &points, &slopes, absent, sizeof(absent),
-                            diag);
-    if (!status) {
-        char caption[1024], runs[160] = "One run of each point: how they scatter is not known.";
-        if (sweep->repeats > 1)
-            snprintf(runs, sizeof(runs),
-                     "Middle of %d runs (other seeds where the engine draws random numbers), bars "
-                     "from the smallest to the largest.",
-                     sweep->repeats);
-        snprintf(caption, sizeof(caption),
-                 "Scene %s at %dx%d px against exact. Seconds of the radiance pass alone, without "
-                 "start-up. %s A point without error is not drawn.%s",
-                 chart->scene, chart_width_px, chart_height_px, runs, absent);
-        json_t *datasets = json_object_get(spec, "datasets");
-        status = neph_json_put(datasets, "points", json_incref(points), diag);
-        if (!status)
-            status = neph_json_put(datasets, "slopes", json_incref(slopes), diag);
-        if (!status)
-            status = neph_json_append(charts,
-                                      json_pack("{s:s, s:s, s:s, s:n, s:n, s:O}", "id", chart->id,
-                                                "title", chart->title, "caption", caption, "svg",
-                                                "missing", "spec", spec),
-                                      diag);
-    }
-    json_decref(points);
-    json_decref(slopes);
+    if (!status)
+        status = fill_spec(chart, sweep, spec, absent, sizeof(absent), diag);
+    if (!status)
+        *made = (struct neph_chart){
+            .id = chart->id,
+            .title = chart->title,
+            .caption = make_caption(chart, sweep->repeats, absent, arena),
+            .spec = json_incref(spec),
+        };
     json_decref(spec);
     neph_image_destroy(sweep->truth);
     neph_scene_destroy(scene);
@@ -303,16 +317,27 @@ int neph_charts_step_count(const struct neph_charts_params *params)
 }
 
 enum neph_status neph_charts_run(const struct neph_charts_params *params, struct neph_store *store,
-                                 struct neph_progress *progress, json_t *charts,
-                                 struct neph_diag *diag)
+                                 struct neph_progress *progress, struct neph_arena *arena,
+                                 struct neph_chart **charts, int *count, struct neph_diag *diag)
 {
     struct sweep sweep = {.store = store,
                           .progress = progress,
                           .repeats = params->repeats,
                           .time_limit_s = params->time_limit_s};
-    enum neph_status status = NEPH_OK;
-    for (size_t i = 0; i < CHART_COUNT && !status; i++)
-        if (is_wanted(params, &charts_table[i]))
-            status = run_chart(&charts_table[i], &sweep, charts, diag);
-    return status;
+    *charts = neph_arena_zeroed(arena, CHART_COUNT, sizeof(**charts));
+    enum neph_status status = neph_arena_check(arena, diag);
+    for (size_t i = 0; i < CHART_COUNT && !status; i++) {
+        if (!is_wanted(params, &charts_table[i]))
+            continue;
+        status = run_chart(&charts_table[i], &sweep, arena, &(*charts)[*count], diag);
+        *count += !status;
+    }
+    return status ? status : neph_arena_check(arena, diag);
+}
+
+json_t *neph_chart_json(const struct neph_chart *chart)
+{
+    return json_pack("{s:s, s:s, s:s, s:s?, s:s?, s:O}", "id", chart->id, "title", chart->title,
+                     "caption", chart->caption, "svg", chart->svg, "missing", chart->missing,
+                     "spec", chart->spec);
 }

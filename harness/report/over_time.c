@@ -1,18 +1,18 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/report/over_time.h"
+#include "harness/engines/engines.h"
 
 #include "base/clock.h"
 #include "base/files.h"
 #include "harness/compare/measure.h"
 #include "harness/data.h"
-#include "harness/engines/engines.h"
-#include "harness/study/take.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { FRAMES = 24, PRESETS = 2 };
+enum { FRAMES = 24, PRESETS = NEPH_OVER_TIME_PRESETS };
 
 /* Bars at the pitch of the tiles, at the size at which they are: where such methods fail. */
 static const char scene_name[] = "fence_pitch4";
@@ -37,6 +37,8 @@ struct work {
     struct neph_store *store;
     struct neph_progress *progress;
     struct neph_reference reference;
+    struct neph_arena *arena;
+    struct neph_over_time *made;
 };
 
 /* `preset` NULL: the default, for what all presets have in common. */
@@ -89,6 +91,24 @@ static enum neph_status take_preset(const struct work *work, const struct neph_j
 
 /* ---- rows of the report ---------------------------------------------------------------------- */
 
+static bool is(const json_t *item, const char *key, const char *text)
+{
+    return strcmp(neph_json_text(item, key), text) == 0;
+}
+
+/* A number of radiance in the document of a reading; NULL when it is not there. */
+static const json_t *find_number(const json_t *document, const char *metric, const char *mask)
+{
+    const json_t *all = json_object_get(document, "measurements");
+    for (size_t i = 0; i < json_array_size(all); i++) {
+        const json_t *item = json_array_get(all, i);
+        if (is(item, "metric", metric) && is(item, "mask", mask) &&
+            is(item, "quantity", "radiance"))
+            return item;
+    }
+    return NULL;
+}
+
 /* A number of all frames, with what it is against centre rays. */
 static json_t *shown_number(const json_t *found, const json_t *beside)
 {
@@ -104,16 +124,13 @@ static json_t *shown_measurements(const json_t *document, const json_t *centre)
 {
     static const char *const metrics[] = {"seen_contrast", "seen_share", "std_p95"};
     static const char *const masks[] = {"all", "depth_edge", "non_edge"};
-    const json_t *all = json_object_get(document, "measurements");
-    const json_t *all_centre = json_object_get(centre, "measurements");
     json_t *shown = json_array();
     for (size_t m = 0; m < sizeof(masks) / sizeof(masks[0]); m++)
         for (size_t k = 0; k < sizeof(metrics) / sizeof(metrics[0]); k++) {
-            const json_t *found = neph_measurement_find(all, "radiance", metrics[k], masks[m]);
-            const json_t *beside = neph_measurement_find(all_centre, "radiance", metrics[k],
-                                                         masks[m]);
+            const json_t *found = find_number(document, metrics[k], masks[m]);
             if (found)
-                neph_json_add(&shown, shown_number(found, beside));
+                neph_json_add(&shown,
+                              shown_number(found, find_number(centre, metrics[k], masks[m])));
         }
     return shown;
 }
@@ -125,56 +142,48 @@ static json_t *shown_findings(const json_t *document)
     json_t *shown = json_array();
     for (size_t i = 0; i < json_array_size(all); i++) {
         const json_t *item = json_array_get(all, i);
-        const char *mask = neph_json_text(item, "mask");
-        if (strcmp(neph_json_text(item, "quantity"), "radiance") == 0 &&
-            strcmp(neph_json_text(item, "finding"), "flicker") == 0 &&
-            (strcmp(mask, "all") == 0 || strcmp(mask, "depth_edge") == 0))
+        if (is(item, "quantity", "radiance") && is(item, "finding", "flicker") &&
+            (is(item, "mask", "all") || is(item, "mask", "depth_edge")))
             neph_json_add(&shown, json_incref((json_t *)item));
     }
     return shown;
 }
 
-static json_t *row_json(const char *preset, const struct neph_job *job, const char *folder,
-                        const json_t *record, const json_t *document, const json_t *centre)
+/* What of a failure is news of an engine and not the end of the run. */
+static bool is_news(enum neph_status status, enum neph_outcome *outcome)
 {
-    char *settings = neph_settings_text(job->engine, &job->shot.settings);
-    json_t *row = json_pack("{s:s, s:s, s:s, s:s, s:s?, s:O, s:s, s:o, s:o, s:[], s:n}", "engine",
-                            job->engine->name, "preset", preset, "status", "rendered", "reason", "",
-                            "settings", settings, "render_s", json_object_get(record, "render_s"),
-                            "folder", folder, "measurements", shown_measurements(document, centre),
-                            "findings", shown_findings(document), "pictures", "map");
-    free(settings);
-    return row;
+    static const struct {
+        enum neph_status status;
+        enum neph_outcome outcome;
+    } news[] = {
+        {NEPH_ERR_UNAVAILABLE, NEPH_OUTCOME_MISSING},
+        {NEPH_ERR_UNSUPPORTED, NEPH_OUTCOME_CANNOT},
+        {NEPH_ERR_ENGINE, NEPH_OUTCOME_FAILED},
+    };
+    for (size_t i = 0; i < sizeof(news) / sizeof(news[0]); i++)
+        if (news[i].status == status) {
+            *outcome = news[i].outcome;
+            return true;
+        }
+    return false;
 }
 
-static json_t *refusal_json(const char *preset, const struct neph_job *job, const char *status,
-                            const char *reason)
+static enum neph_status fill_row(const struct work *work, const struct neph_job *job,
+                                 struct neph_over_time_row *row, struct neph_diag *diag)
 {
-    char *settings = neph_settings_text(job->engine, &job->shot.settings);
-    json_t *row = json_pack("{s:s, s:s, s:s, s:s, s:s?, s:n, s:n, s:[], s:[], s:[], s:n}", "engine",
-                            job->engine->name, "preset", preset, "status", status, "reason", reason,
-                            "settings", settings, "render_s", "folder", "measurements", "findings",
-                            "pictures", "map");
-    free(settings);
-    return row;
-}
-
-static enum neph_status run_preset(const struct work *work, const char *preset, json_t **row,
-                                   struct neph_diag *diag)
-{
-    struct neph_engine_info info;
-    struct neph_job job;
     char *folder = NULL;
     json_t *record = NULL, *document = NULL, *centre = NULL;
-    enum neph_status status = make_job(work, &info, preset, &job, diag);
-    if (!status)
-        status = take_preset(work, &job, &folder, &record, diag);
+    enum neph_status status = take_preset(work, job, &folder, &record, diag);
     if (!status)
         status = neph_take_document(folder, "flicker", &document, diag);
     if (!status)
         status = neph_take_document(folder, "flicker_centre", &centre, diag);
-    if (!status && !(*row = row_json(preset, &job, folder, record, document, centre)))
-        status = neph_fail_memory(diag);
+    if (!status) {
+        row->render_s = json_number_value(json_object_get(record, "render_s"));
+        row->folder = neph_arena_text(work->arena, folder);
+        row->measurements = shown_measurements(document, centre);
+        row->findings = shown_findings(document);
+    }
     json_decref(document);
     json_decref(centre);
     json_decref(record);
@@ -182,170 +191,214 @@ static enum neph_status run_preset(const struct work *work, const char *preset, 
     return status;
 }
 
-/* What of an engine is news and not the end of the run; NULL: it is the end. */
-static const char *refusal_of(enum neph_status status)
+/* What the engine cannot do becomes a row too. */
+static enum neph_status add_preset(const struct work *work, const char *preset,
+                                   struct neph_over_time_row *row, struct neph_diag *diag)
 {
-    return status == NEPH_ERR_UNAVAILABLE   ? "missing"
-           : status == NEPH_ERR_UNSUPPORTED ? "cannot"
-           : status == NEPH_ERR_ENGINE      ? "failed"
-                                            : NULL;
-}
-
-/* A step of progress that is one preset; what an engine cannot becomes a row too. */
-static enum neph_status add_preset(const struct work *work, const char *preset, json_t *rows,
-                                   struct neph_diag *diag)
-{
+    struct neph_engine_info info;
+    struct neph_job job;
     struct neph_diag why = {.line = 0};
-    json_t *row = NULL;
-    enum neph_status status = run_preset(work, preset, &row, &why);
-    const char *refusal = refusal_of(status);
-    if (refusal) {
-        struct neph_engine_info info;
-        struct neph_job job;
-        status = make_job(work, &info, preset, &job, diag);
-        row = status ? NULL : refusal_json(preset, &job, refusal, why.message);
-    } else if (status && diag) {
-        *diag = why;
+    enum neph_status status = make_job(work, &info, preset, &job, &why);
+    char *settings = neph_settings_text(job.engine, &job.shot.settings);
+    *row = (struct neph_over_time_row){.preset = preset,
+                                       .outcome = NEPH_OUTCOME_RENDERED,
+                                       .reason = "",
+                                       .settings = neph_arena_text(work->arena, settings)};
+    free(settings);
+    if (!status)
+        status = fill_row(work, &job, row, &why);
+    work->made->row_count++;
+    if (is_news(status, &row->outcome)) {
+        row->reason = neph_arena_text(work->arena, why.message);
+        return NEPH_OK;
     }
-    return status ? status : neph_json_append(rows, row, diag);
+    if (status && diag)
+        *diag = why;
+    return status;
 }
 
 /* ---- the run --------------------------------------------------------------------------------- */
 
-/* The reference in the words of the page; `status` is "rendered", or what `reason` explains. */
-static json_t *reference_json(const struct work *work, const char *status, const char *reason)
-{
-    const struct neph_reference *made = &work->reference;
-    const bool is_there = made->text != NULL;
-    return json_pack("{s:s, s:s, s:s, s:s, s:s, s:o}", "engine", "march", "settings",
-                     is_there ? made->settings : "", "text",
-                     is_there ? made->text : "march, 16 rays a pixel", "status", status, "reason",
-                     reason, "cpu_s", is_there ? json_real(made->cost.cpu_s) : json_null());
-}
-
-static json_t *sequence_json(const struct work *work, const char *status, const char *reason)
-{
-    return json_pack("{s:s, s:s, s:s, s:[i,i], s:i, s:f, s:f, s:o, s:[]}", "scene",
-                     work->scene->name, "title", work->scene->title, "physics",
-                     work->scene->physics, "size_px", width_px, height_px, "frames", FRAMES,
-                     "rate_hz", work->scene->frame_rate_hz, "exposure_ev", work->scene->exposure_ev,
-                     "reference", reference_json(work, status, reason), "rows");
-}
-
-static enum neph_status run_presets(struct work *work, json_t *rows, struct neph_diag *diag)
+static enum neph_status run_presets(struct work *work, struct neph_diag *diag)
 {
     enum neph_status status = NEPH_OK;
     for (int i = 0; i < PRESETS && !status; i++) {
+        struct neph_over_time_row *row = &work->made->rows[i];
         char what[128];
         snprintf(what, sizeof(what), "%d frames of %s with realtime, preset %s", FRAMES, scene_name,
                  presets[i]);
         neph_progress_begin(work->progress, what);
         const double start_s = neph_wall_s();
-        status = add_preset(work, presets[i], rows, diag);
-        const json_t *row = json_array_get(rows, json_array_size(rows) - 1);
-        neph_progress_step(work->progress, what, status ? "" : neph_json_text(row, "status"),
+        status = add_preset(work, presets[i], row, diag);
+        neph_progress_step(work->progress, what, status ? "" : neph_outcome_name(row->outcome),
                            neph_wall_s() - start_s);
     }
     return status;
 }
 
+/* The scene and its reference in the words of the page. */
+static void describe(struct work *work, const char *reason)
+{
+    const struct neph_reference *reference = &work->reference;
+    struct neph_over_time *made = work->made;
+    const bool is_there = reference->text != NULL;
+    made->scene = neph_arena_text(work->arena, work->scene->name);
+    made->title = neph_arena_text(work->arena, work->scene->title);
+    made->physics = neph_arena_text(work->arena, work->scene->physics);
+    made->width_px = width_px;
+    made->height_px = height_px;
+    made->frame_count = FRAMES;
+    made->rate_hz = work->scene->frame_rate_hz;
+    made->exposure_ev = work->scene->exposure_ev;
+    made->reference.reason = neph_arena_text(work->arena, reason);
+    made->reference.settings = neph_arena_text(work->arena, is_there ? reference->settings : "");
+    made->reference.text = neph_arena_text(work->arena,
+                                           is_there ? reference->text : "march, 16 rays a pixel");
+    made->reference.cpu_s = is_there ? reference->cost.cpu_s : NAN;
+}
+
 /* Without a reference there is nothing to measure: the sequence then says why and has no rows. */
-static enum neph_status run_sequence(struct work *work, json_t *list, struct neph_diag *diag)
+static enum neph_status run_sequence(struct work *work, struct neph_over_time **made,
+                                     struct neph_diag *diag)
 {
     struct neph_engine_info info;
     struct neph_job job;
     struct neph_progress unseen = neph_progress_start(true, 0); /* the whole is one step here */
     struct neph_diag why = {.line = 0};
+    enum neph_outcome outcome = NEPH_OUTCOME_RENDERED;
     const double start_s = neph_wall_s();
     char what[128];
     snprintf(what, sizeof(what), "reference of %s with march", scene_name);
     neph_progress_begin(work->progress, what);
-    enum neph_status status = make_job(work, &info, NULL, &job, &why);
-    if (!status)
-        status = neph_reference_make(&job, FRAMES, work->store, &unseen, &work->reference, &why);
-    const char *word = status ? refusal_of(status) : "rendered";
-    if (!word) {
+    const enum neph_status made_job = make_job(work, &info, NULL, &job, &why);
+    const enum neph_status status = made_job ? made_job
+                                             : neph_reference_make(&job, FRAMES, work->store,
+                                                                   &unseen, &work->reference, &why);
+    if (status && !is_news(status, &outcome)) {
         if (diag)
             *diag = why;
         return status;
     }
-    neph_progress_step(work->progress, what, word, neph_wall_s() - start_s);
-    json_t *sequence = sequence_json(work, word, status ? why.message : "");
-    const enum neph_status added = neph_json_append(list, sequence, diag);
-    return added || status ? added : run_presets(work, json_object_get(sequence, "rows"), diag);
+    neph_progress_step(work->progress, what, neph_outcome_name(outcome), neph_wall_s() - start_s);
+    work->made = neph_arena_zeroed(work->arena, 1, sizeof(*work->made));
+    if (!work->made)
+        return neph_fail_memory(diag);
+    work->made->reference.outcome = outcome;
+    describe(work, why.message);
+    *made = work->made;
+    return status ? NEPH_OK : run_presets(work, diag);
 }
 
 enum neph_status neph_over_time_run(struct neph_store *store, struct neph_progress *progress,
-                                    json_t *list, struct neph_diag *diag)
+                                    struct neph_arena *arena, struct neph_over_time **made,
+                                    struct neph_diag *diag)
 {
     struct neph_scene *scene = NULL;
     enum neph_status status = neph_data_load_scene(scene_name, &scene, diag);
-    struct work work = {.scene = scene, .store = store, .progress = progress};
+    struct work work = {.scene = scene, .store = store, .progress = progress, .arena = arena};
     if (!status)
-        status = run_sequence(&work, list, diag);
+        status = run_sequence(&work, made, diag);
     neph_reference_finish(&work.reference);
     neph_scene_destroy(scene);
-    return status;
+    return status ? status : neph_arena_check(arena, diag);
+}
+
+void neph_over_time_finish(struct neph_over_time *over_time)
+{
+    for (int i = 0; over_time && i < over_time->row_count; i++) {
+        json_decref(over_time->rows[i].measurements);
+        json_decref(over_time->rows[i].findings);
+    }
+}
+
+bool neph_over_time_passes(const struct neph_over_time *over_time)
+{
+    bool pass = !over_time || !neph_outcome_is_broken(over_time->reference.outcome);
+    for (int i = 0; over_time && i < over_time->row_count; i++)
+        pass = pass && !neph_outcome_is_broken(over_time->rows[i].outcome);
+    return pass;
 }
 
 /* ---- the report's pictures ------------------------------------------------------------------- */
 
-/* One file of the entry into the report; `*relative` (to free) is its path there. */
-static enum neph_status copy_picture(const char *entry, const char *file, const char *report_folder,
-                                     const char *scene, const char *preset, const char *name,
-                                     json_t **relative, struct neph_diag *diag)
+/* One file of the take into the report; `*relative` is its path there. */
+static enum neph_status copy_picture(const char *take, const char *file, const char *report_folder,
+                                     const char *relative, struct neph_diag *diag)
 {
-    char *from = neph_path_join(entry, file);
-    char *path = neph_format("images/over_time/%s_%s_%s.png", scene, preset, name);
-    char *to = path ? neph_path_join(report_folder, path) : NULL;
-    enum neph_status status = from && to ? neph_file_copy(from, to, diag) : neph_fail_memory(diag);
-    if (!status && !(*relative = json_string(path)))
-        status = neph_fail_memory(diag);
+    char *from = neph_path_join(take, file), *to = neph_path_join(report_folder, relative);
+    const enum neph_status status = from && to ? neph_file_copy(from, to, diag)
+                                               : neph_fail_memory(diag);
     free(from);
-    free(path);
     free(to);
     return status;
 }
 
-static enum neph_status copy_row(json_t *row, const char *scene, const char *report_folder,
+static enum neph_status copy_row(struct neph_over_time_row *row, const char *scene,
+                                 const char *report_folder, struct neph_arena *arena,
                                  struct neph_diag *diag)
 {
-    const char *entry = json_string_value(json_object_get(row, "folder"));
-    const char *preset = neph_json_text(row, "preset");
-    json_t *pictures = json_array(), *map = NULL;
     enum neph_status status = NEPH_OK;
-    for (int i = 0; i < NEPH_TAKE_PICTURES && entry && !status; i++) {
-        char file[32], name[16];
+    if (!row->folder || row->map)
+        return NEPH_OK;
+    for (int i = 0; i < NEPH_TAKE_PICTURES && !status; i++) {
+        char file[32];
         snprintf(file, sizeof(file), "flip_%d.png", i);
-        snprintf(name, sizeof(name), "%d", i);
-        json_t *path = NULL;
-        status = copy_picture(entry, file, report_folder, scene, preset, name, &path, diag);
-        if (!status && json_array_append_new(pictures, path) != 0)
-            status = neph_fail_memory(diag);
+        row->pictures[i] = neph_arena_format(arena, "images/over_time/%s_%s_%d.png", scene,
+                                             row->preset, i);
+        status = copy_picture(row->folder, file, report_folder, row->pictures[i], diag);
     }
-    if (!status && entry)
-        status = copy_picture(entry, map_file, report_folder, scene, preset, "seen", &map, diag);
-    if (!status && (json_object_set(row, "pictures", pictures) != 0 ||
-                    (map && json_object_set(row, "map", map) != 0)))
-        status = neph_fail_memory(diag);
-    json_decref(pictures);
-    json_decref(map);
-    return status;
+    row->map = neph_arena_format(arena, "images/over_time/%s_%s_seen.png", scene, row->preset);
+    return status ? status : copy_picture(row->folder, map_file, report_folder, row->map, diag);
 }
 
-enum neph_status neph_over_time_pictures(json_t *list, const char *report_folder,
+enum neph_status neph_over_time_pictures(struct neph_over_time *over_time,
+                                         const char *report_folder, struct neph_arena *arena,
                                          struct neph_diag *diag)
 {
+    if (!over_time)
+        return NEPH_OK;
     char *folder = neph_path_join(report_folder, "images/over_time");
-    enum neph_status status = folder ? NEPH_OK : neph_fail_memory(diag);
-    if (!status && json_array_size(list) > 0)
-        status = neph_dir_create(folder, diag);
-    for (size_t i = 0; i < json_array_size(list) && !status; i++) {
-        json_t *sequence = json_array_get(list, i), *rows = json_object_get(sequence, "rows");
-        for (size_t r = 0; r < json_array_size(rows) && !status; r++)
-            status = copy_row(json_array_get(rows, r), neph_json_text(sequence, "scene"),
-                              report_folder, diag);
-    }
+    enum neph_status status = folder ? neph_dir_create(folder, diag) : neph_fail_memory(diag);
+    for (int i = 0; i < over_time->row_count && !status; i++)
+        status = copy_row(&over_time->rows[i], over_time->scene, report_folder, arena, diag);
     free(folder);
-    return status;
+    return status ? status : neph_arena_check(arena, diag);
+}
+
+/* ---- as JSON --------------------------------------------------------------------------------- */
+
+static json_t *list_or_empty(json_t *list)
+{
+    return list ? json_incref(list) : json_array();
+}
+
+static json_t *row_json(const struct neph_over_time_row *row)
+{
+    json_t *pictures = json_array();
+    for (int i = 0; i < NEPH_TAKE_PICTURES && row->pictures[i]; i++)
+        neph_json_add(&pictures, json_string(row->pictures[i]));
+    return json_pack("{s:s, s:s, s:s, s:s, s:s?, s:o, s:s?, s:o, s:o, s:o, s:s?}", "engine",
+                     "realtime", "preset", row->preset, "status", neph_outcome_name(row->outcome),
+                     "reason", row->reason, "settings", row->settings, "render_s",
+                     row->folder ? json_real(row->render_s) : json_null(), "folder", row->folder,
+                     "measurements", list_or_empty(row->measurements), "findings",
+                     list_or_empty(row->findings), "pictures", pictures, "map", row->map);
+}
+
+json_t *neph_over_time_json(const struct neph_over_time *over_time)
+{
+    const double cpu_s = over_time->reference.cpu_s;
+    json_t *rows = json_array();
+    for (int i = 0; i < over_time->row_count; i++)
+        neph_json_add(&rows, row_json(&over_time->rows[i]));
+    return json_pack("{s:s, s:s, s:s, s:[i,i], s:i, s:f, s:f, "
+                     "s:{s:s, s:s, s:s, s:s, s:s, s:o}, s:o}",
+                     "scene", over_time->scene, "title", over_time->title, "physics",
+                     over_time->physics, "size_px", over_time->width_px, over_time->height_px,
+                     "frames", over_time->frame_count, "rate_hz", over_time->rate_hz, "exposure_ev",
+                     over_time->exposure_ev, "reference", "engine", "march", "settings",
+                     over_time->reference.settings, "text", over_time->reference.text, "status",
+                     neph_outcome_name(over_time->reference.outcome), "reason",
+                     over_time->reference.reason, "cpu_s",
+                     isfinite(cpu_s) ? json_real(cpu_s) : json_null(), "rows", rows);
 }

@@ -4,12 +4,11 @@
 #include "base/child.h"
 #include "base/exr.h"
 #include "base/files.h"
-#include "base/hash.h"
 #include "base/png.h"
 #include "harness/data.h"
 #include "harness/physics/pictures.h"
-#include "harness/report/over_time.h"
 #include "harness/report/report_folder.h"
+#include "harness/report/validation_json.h"
 #include "metrics/display.h"
 
 #include <stdio.h>
@@ -19,272 +18,174 @@
 
 static const double chart_time_limit_s = 120.0;
 
-/* What drawing sets. */
-static const char *const frame_outputs[2] = {"picture", "difference"};
-static const char *const chart_outputs[2] = {"svg", "missing"};
-
 struct neph_report {
     struct neph_report_folder *folder;
-    json_t *drawn; /* by name: what it was drawn from, "inputs", and what came out, "outputs" */
     bool with_vendor;
 };
 
-static const char *text_of(const json_t *object, const char *key)
-{
-    return json_string_value(json_object_get(object, key));
-}
+/* ---- pictures of scenes ---------------------------------------------------------------------- */
 
-/* What came of drawing `name` from these very inputs before, or NULL. `hash` receives theirs, for
- * keep_drawn(). */
-static enum neph_status find_drawn(const struct neph_report *report, const char *name,
-                                   const char *inputs, char hash[NEPH_HASH_HEX_SIZE],
-                                   json_t **outputs, struct neph_diag *diag)
-{
-    json_t *drawn = json_object_get(report->drawn, name);
-    const enum neph_status status = neph_hash(inputs, strlen(inputs), hash, diag);
-    *outputs = !status && drawn && strcmp(text_of(drawn, "inputs"), hash) == 0
-                   ? json_object_get(drawn, "outputs")
-                   : NULL;
-    return status;
-}
+/* One scene at its exposure. */
+struct gallery {
+    const char *folder; /* the report's */
+    const struct neph_scene_result *scene;
+    struct neph_arena *arena;
+    const struct neph_image *truth; /* NULL: no difference maps */
+};
 
-/* Remember the fields of `holder`, a frame or chart, that drawing sets. */
-static enum neph_status keep_drawn(struct neph_report *report, const char *name, const char *hash,
-                                   const json_t *holder, const char *const fields[2],
-                                   struct neph_diag *diag)
-{
-    json_t *outputs = json_object();
-    for (int i = 0; i < 2; i++)
-        if (json_object_get(holder, fields[i]))
-            neph_json_set(&outputs, fields[i], json_incref(json_object_get(holder, fields[i])));
-    json_t *drawn = json_pack("{s:s, s:o}", "inputs", hash, "outputs", outputs);
-    return neph_json_put(report->drawn, name, drawn, diag);
-}
-
-/* Write an 8-bit picture under the report and set its relative path in `holder`. */
-static enum neph_status write_picture(const char *folder, const char *relative,
+/* Write an 8-bit picture under the report; `relative` is its path there. */
+static enum neph_status write_picture(const struct gallery *gallery, const char *relative,
                                       const struct neph_image *image, const uint8_t *rgb,
-                                      json_t *holder, const char *key, struct neph_diag *diag)
+                                      struct neph_diag *diag)
 {
-    char *path = neph_path_join(folder, relative);
-    if (!path)
-        return neph_fail_memory(diag);
-    enum neph_status status = neph_png_write_rgb8(path, image->width_px, image->height_px, rgb,
-                                                  diag);
-    if (!status)
-        status = neph_json_put(holder, key, json_string(relative), diag);
+    char *path = neph_path_join(gallery->folder, relative);
+    const enum neph_status status = path ? neph_png_write_rgb8(path, image->width_px,
+                                                               image->height_px, rgb, diag)
+                                         : neph_fail_memory(diag);
     free(path);
     return status;
 }
 
-struct picture {
-    const char *folder, *scene, *engine;
-    double exposure_ev;
-    struct neph_image *truth; /* read when it is first needed; NULL: no difference maps */
-    const json_t *scale;
-};
-
-static enum neph_status write_beauty(const struct picture *picture, const struct neph_image *image,
-                                     uint8_t *rgb, json_t *frame, struct neph_diag *diag)
+static enum neph_status write_beauty(const struct gallery *gallery, const struct neph_image *image,
+                                     uint8_t *rgb, struct neph_frame_result *frame,
+                                     struct neph_diag *diag)
 {
     float *planes[3];
     if (!neph_image_rgb(image, NULL, planes))
         return NEPH_OK;
     const float *const constant[3] = {planes[0], planes[1], planes[2]};
-    enum neph_status status = neph_display_encode(constant, neph_image_pixel_count(image),
-                                                  picture->exposure_ev, rgb, diag);
-    char *relative = neph_format("images/%s/%s.png", picture->scene, picture->engine);
-    if (!status)
-        status = relative
-                     ? write_picture(picture->folder, relative, image, rgb, frame, "picture", diag)
-                     : neph_fail_memory(diag);
-    free(relative);
-    return status;
+    const enum neph_status status = neph_display_encode(
+        constant, neph_image_pixel_count(image), gallery->scene->viewing.exposure_ev, rgb, diag);
+    frame->picture = neph_arena_format(gallery->arena, "images/%s/%s.png", gallery->scene->name,
+                                       frame->engine->name);
+    return status ? status : write_picture(gallery, frame->picture, image, rgb, diag);
 }
 
-/* `layer` NULL is radiance. */
-static enum neph_status write_difference(const struct picture *picture,
-                                         const struct neph_image *image, const char *layer,
-                                         const char *quantity, uint8_t *rgb, json_t *frame,
+static enum neph_status write_difference(const struct gallery *gallery,
+                                         const struct neph_image *image, enum neph_shown which,
+                                         uint8_t *rgb, struct neph_frame_result *frame,
                                          struct neph_diag *diag)
 {
+    const char *layer = which == NEPH_SHOWN_RADIANCE ? NULL : neph_shown_name(which);
     float *test[3], *truth[3];
-    if (!picture->truth || !neph_image_rgb(image, layer, test) ||
-        !neph_image_rgb(picture->truth, layer, truth))
+    if (!gallery->truth || !neph_image_rgb(image, layer, test) ||
+        !neph_image_rgb(gallery->truth, layer, truth))
         return NEPH_OK;
     const float *const a[3] = {truth[0], truth[1], truth[2]};
     const float *const b[3] = {test[0], test[1], test[2]};
-    const double scale = json_number_value(json_object_get(picture->scale, quantity));
-    enum neph_status status = neph_display_difference(a, b, 3, neph_image_pixel_count(image), scale,
-                                                      rgb, diag);
-    char *relative = neph_format("images/%s/%s_difference_%s.png", picture->scene, picture->engine,
-                                 quantity);
-    if (!status)
-        status = relative ? write_picture(picture->folder, relative, image, rgb,
-                                          json_object_get(frame, "difference"), quantity, diag)
-                          : neph_fail_memory(diag);
-    free(relative);
-    return status;
+    const enum neph_status status = neph_display_difference(
+        a, b, 3, neph_image_pixel_count(image), gallery->scene->difference_scales[which], rgb,
+        diag);
+    frame->differences[which] = neph_arena_format(gallery->arena, "images/%s/%s_difference_%s.png",
+                                                  gallery->scene->name, frame->engine->name,
+                                                  neph_shown_name(which));
+    return status ? status : write_picture(gallery, frame->differences[which], image, rgb, diag);
 }
 
-static enum neph_status write_frame_pictures(struct picture *picture, json_t *frame, bool is_truth,
-                                             struct neph_diag *diag)
+static enum neph_status draw_frame(const struct gallery *gallery, struct neph_frame_result *frame,
+                                   bool is_truth, struct neph_diag *diag)
 {
     struct neph_image *image = NULL;
-    enum neph_status status = neph_exr_read(text_of(frame, "exr"), &image, diag);
+    enum neph_status status = neph_exr_read(frame->path, &image, diag);
     if (status)
         return status;
-    picture->engine = text_of(frame, "engine");
     uint8_t *rgb = malloc(neph_image_pixel_count(image) * 3);
-    status = rgb ? write_beauty(picture, image, rgb, frame, diag) : neph_fail_memory(diag);
-    if (!status && !is_truth)
-        status = write_difference(picture, image, NULL, "radiance", rgb, frame, diag);
-    if (!status && !is_truth)
-        status = write_difference(picture, image, "transmittance", "transmittance", rgb, frame,
-                                  diag);
+    status = rgb ? write_beauty(gallery, image, rgb, frame, diag) : neph_fail_memory(diag);
+    for (int d = 0; d < NEPH_SHOWN_COUNT && !status && !is_truth; d++)
+        status = write_difference(gallery, image, (enum neph_shown)d, rgb, frame, diag);
     free(rgb);
     neph_image_destroy(image);
     return status;
 }
 
-static const char *truth_path(const json_t *scene)
+static enum neph_status draw_frames(struct gallery *gallery, struct neph_scene_result *scene,
+                                    struct neph_diag *diag)
 {
-    const char *engine = text_of(json_object_get(scene, "truth"), "engine");
-    const json_t *frames = json_object_get(scene, "frames");
-    for (size_t i = 0; engine && i < json_array_size(frames); i++)
-        if (strcmp(text_of(json_array_get(frames, i), "engine"), engine) == 0)
-            return text_of(json_array_get(frames, i), "exr");
-    return NULL;
-}
-
-/* What the pictures of a frame are drawn from, for the caller to free. The paths of frames in the
- * store hold the hashes of all that made them. */
-static char *inputs_of(const json_t *scene, const json_t *frame, const char *truth)
-{
-    const json_t *scale = json_object_get(scene, "difference_scale");
-    return neph_format("%s against %s at %.17g, %.17g, %.17g", text_of(frame, "exr"),
-                       truth ? truth : "nothing",
-                       json_number_value(json_object_get(scene, "exposure_ev")),
-                       json_number_value(json_object_get(scale, "radiance")),
-                       json_number_value(json_object_get(scale, "transmittance")));
-}
-
-static enum neph_status draw_frame(struct neph_report *report, struct picture *picture,
-                                   const json_t *scene, json_t *frame, struct neph_diag *diag)
-{
-    const char *exr = text_of(frame, "exr"), *truth = truth_path(scene);
-    char *name = neph_format("images/%s/%s", picture->scene, text_of(frame, "engine"));
-    char *inputs = inputs_of(scene, frame, truth);
-    char hash[NEPH_HASH_HEX_SIZE];
-    json_t *drawn = NULL;
-    enum neph_status status = name && inputs ? find_drawn(report, name, inputs, hash, &drawn, diag)
-                                             : neph_fail_memory(diag);
-    if (drawn && json_object_update(frame, drawn) != 0)
-        status = neph_fail_memory(diag);
-    const bool anew = !status && !drawn;
-    if (anew && truth && !picture->truth)
-        status = neph_exr_read(truth, &picture->truth, diag);
-    if (anew && !status)
-        status = write_frame_pictures(picture, frame, truth && strcmp(exr, truth) == 0, diag);
-    if (anew && !status)
-        status = keep_drawn(report, name, hash, frame, frame_outputs, diag);
-    free(name);
-    free(inputs);
-    return status;
-}
-
-static enum neph_status draw_scene(struct neph_report *report, const json_t *scene,
-                                   struct neph_diag *diag)
-{
-    const char *folder = neph_report_folder_work(report->folder);
-    struct picture picture = {
-        .folder = folder,
-        .scene = text_of(scene, "name"),
-        .exposure_ev = json_number_value(json_object_get(scene, "exposure_ev")),
-        .scale = json_object_get(scene, "difference_scale"),
-    };
-    char *images = neph_format("%s/images/%s", folder, picture.scene);
-    enum neph_status status = images ? neph_dir_create(images, diag) : neph_fail_memory(diag);
-    json_t *frames = json_object_get(scene, "frames");
-    for (size_t i = 0; i < json_array_size(frames) && !status; i++) {
-        json_t *frame = json_array_get(frames, i);
-        if (text_of(frame, "exr"))
-            status = draw_frame(report, &picture, scene, frame, diag);
-    }
-    free(images);
-    neph_image_destroy(picture.truth);
-    return status;
-}
-
-/* The static picture of a chart, by node from the very specification that the page shows. */
-static enum neph_status draw_chart(const char *folder, json_t *chart, struct neph_diag *diag)
-{
-    const char *id = text_of(chart, "id");
-    char *script = neph_data_path("scripts/report/render_chart.mjs");
-    char *spec_path = neph_format("%s/charts/%s.vl.json", folder, id);
-    char *svg = neph_format("charts/%s.svg", id);
-    char *svg_path = neph_format("%s/charts/%s.svg", folder, id);
-    char *log_path = neph_format("%s/charts/%s.log", folder, id);
-    char *spec = json_dumps(json_object_get(chart, "spec"), JSON_INDENT(1));
+    struct neph_image *truth = NULL;
     enum neph_status status = NEPH_OK;
-    if (!script || !spec_path || !svg || !svg_path || !log_path || !spec)
-        status = neph_fail_memory(diag);
+    if (scene->truth >= 0)
+        status = neph_exr_read(scene->frames[scene->truth].path, &truth, diag);
+    gallery->truth = truth;
+    for (int f = 0; f < scene->frame_count && !status; f++)
+        if (scene->frames[f].path)
+            status = draw_frame(gallery, &scene->frames[f], f == scene->truth, diag);
+    neph_image_destroy(truth);
+    return status;
+}
+
+/* Once: what a scene holds does not change. */
+static enum neph_status draw_scene(const char *folder, struct neph_scene_result *scene,
+                                   struct neph_arena *arena, struct neph_diag *diag)
+{
+    struct gallery gallery = {.folder = folder, .scene = scene, .arena = arena};
+    if (scene->is_drawn)
+        return NEPH_OK;
+    char *images = neph_format("%s/images/%s", folder, scene->name);
+    enum neph_status status = images ? neph_dir_create(images, diag) : neph_fail_memory(diag);
+    if (!status)
+        status = draw_frames(&gallery, scene, diag);
+    scene->is_drawn = !status;
+    free(images);
+    return status;
+}
+
+/* ---- charts ---------------------------------------------------------------------------------- */
+
+/* Node, with the very specification that the page shows; `*drawn` tells whether there is a picture,
+ * and `why` why not. */
+static enum neph_status run_node(const char *spec_path, const char *svg_path, const char *log_path,
+                                 bool *drawn, struct neph_diag *why)
+{
+    char *script = neph_data_path("scripts/report/render_chart.mjs");
+    if (!script)
+        return neph_fail_memory(why);
+    const char *const argv[] = {"node", script, spec_path, svg_path, NULL};
+    const struct neph_child_params params = {
+        .argv = argv, .log_path = log_path, .time_limit_s = chart_time_limit_s};
+    struct neph_child_result result;
+    unlink(svg_path); /* an older one is linked to from the report, and not to be written to */
+    const enum neph_status status = neph_child_run(&params, &result, why);
+    *drawn = !status;
+    if (!status)
+        unlink(log_path);
+    free(script);
+    return status == NEPH_ERR_INTERRUPTED ? status : NEPH_OK;
+}
+
+static enum neph_status draw_chart(const char *folder, struct neph_chart *chart,
+                                   struct neph_arena *arena, struct neph_diag *diag)
+{
+    if (chart->svg || chart->missing)
+        return NEPH_OK;
+    struct neph_arena paths = {0};
+    const char *spec_path = neph_arena_format(&paths, "%s/charts/%s.vl.json", folder, chart->id);
+    const char *svg_path = neph_arena_format(&paths, "%s/charts/%s.svg", folder, chart->id);
+    const char *log_path = neph_arena_format(&paths, "%s/charts/%s.log", folder, chart->id);
+    char *spec = json_dumps(chart->spec, JSON_INDENT(1));
+    struct neph_diag why = {.line = 0};
+    bool drawn = false;
+    enum neph_status status = spec ? neph_arena_check(&paths, diag) : neph_fail_memory(diag);
     if (!status)
         status = neph_file_write(spec_path, spec, strlen(spec), diag);
-    if (!status)
-        unlink(svg_path); /* an older one is linked to from the report, and not to be written to */
     if (!status) {
-        const char *const argv[] = {"node", script, spec_path, svg_path, NULL};
-        const struct neph_child_params params = {
-            .argv = argv, .log_path = log_path, .time_limit_s = chart_time_limit_s};
-        struct neph_child_result result;
-        struct neph_diag why = {.line = 0};
-        status = neph_child_run(&params, &result, &why);
-        if (status == NEPH_OK) {
-            status = neph_json_put(chart, "svg", json_string(svg), diag);
-            unlink(log_path);
-        } else if (status == NEPH_ERR_INTERRUPTED) {
-            if (diag)
-                *diag = why;
-        } else {
-            char missing[1280];
-            snprintf(missing, sizeof(missing),
-                     "static chart not drawn: %s (apt-get install nodejs npm; npm ci --omit=dev in "
-                     "scripts/report)",
-                     why.message);
-            /* said on the page; the interactive chart is still there */
-            status = neph_json_put(chart, "missing", json_string(missing), diag);
-        }
+        status = run_node(spec_path, svg_path, log_path, &drawn, &why);
+        if (status && diag)
+            *diag = why;
     }
-    free(script);
-    free(spec_path);
-    free(svg);
-    free(svg_path);
-    free(log_path);
+    if (!status && drawn)
+        chart->svg = neph_arena_format(arena, "charts/%s.svg", chart->id);
+    else if (!status) /* said on the page; the interactive chart is still there */
+        chart->missing = neph_arena_format(
+            arena,
+            "static chart not drawn: %s (apt-get install nodejs npm; npm ci --omit=dev in "
+            "scripts/report)",
+            why.message);
     free(spec);
+    neph_arena_finish(&paths);
     return status;
 }
 
-static enum neph_status show_chart(struct neph_report *report, json_t *chart,
-                                   struct neph_diag *diag)
-{
-    char *name = neph_format("charts/%s", text_of(chart, "id"));
-    char *spec = json_dumps(json_object_get(chart, "spec"), JSON_COMPACT | JSON_SORT_KEYS);
-    char hash[NEPH_HASH_HEX_SIZE];
-    json_t *drawn = NULL;
-    enum neph_status status = name && spec ? find_drawn(report, name, spec, hash, &drawn, diag)
-                                           : neph_fail_memory(diag);
-    if (drawn && json_object_update(chart, drawn) != 0)
-        status = neph_fail_memory(diag);
-    const bool anew = !status && !drawn;
-    if (anew)
-        status = draw_chart(neph_report_folder_work(report->folder), chart, diag);
-    if (anew && !status)
-        status = keep_drawn(report, name, hash, chart, chart_outputs, diag);
-    free(name);
-    free(spec);
-    return status;
-}
+/* ---- the page -------------------------------------------------------------------------------- */
 
 /* What the page is made of: from scripts/report/ into the report. */
 static const struct {
@@ -367,38 +268,23 @@ static enum neph_status write_data(const char *folder, const json_t *document,
     return status;
 }
 
-/* The stops of the difference maps, evenly spaced from -scale to +scale, for the page's legend. */
-static json_t *difference_colours_json(void)
-{
-    const struct neph_display_legend *legend = neph_display_difference_legend();
-    json_t *colours = json_array();
-    for (int i = 0; i < legend->stop_count; i++) {
-        const uint8_t *rgb = legend->stops[i].rgb;
-        neph_json_add(&colours, json_sprintf("#%02x%02x%02x", rgb[0], rgb[1], rgb[2]));
-    }
-    return colours;
-}
-
 /* All but the data, into the folder that is kept between publications. */
-static enum neph_status draw(struct neph_report *report, json_t *document, struct neph_diag *diag)
+static enum neph_status draw(struct neph_report *report, struct neph_validation *validation,
+                             struct neph_diag *diag)
 {
     const char *folder = neph_report_folder_work(report->folder);
+    struct neph_arena *arena = &validation->arena;
     enum neph_status status = NEPH_OK;
-    json_t *scenes = json_object_get(document, "scenes");
-    for (size_t i = 0; i < json_array_size(scenes) && !status; i++)
-        status = draw_scene(report, json_array_get(scenes, i), diag);
+    for (int s = 0; s < validation->scene_count && !status; s++)
+        status = draw_scene(folder, &validation->scenes[s], arena, diag);
     if (!status)
-        status = neph_physics_pictures(json_object_get(document, "physics"), folder, diag);
+        status = neph_physics_pictures(validation->physics, folder, diag);
     if (!status)
-        status = neph_over_time_pictures(json_object_get(document, "sequences"), folder, diag);
-    json_t *charts = json_object_get(document, "charts");
-    for (size_t i = 0; i < json_array_size(charts) && !status; i++)
-        status = show_chart(report, json_array_get(charts, i), diag);
-    if (!status)
-        status = neph_json_put(document, "interactive", json_boolean(report->with_vendor), diag);
-    if (!status)
-        status = neph_json_put(document, "difference_colours", difference_colours_json(), diag);
-    return status;
+        status = neph_over_time_pictures(validation->over_time, folder, arena, diag);
+    for (int c = 0; c < validation->chart_count && !status; c++)
+        status = draw_chart(folder, &validation->charts[c], arena, diag);
+    validation->interactive = report->with_vendor;
+    return status ? status : neph_arena_check(arena, diag);
 }
 
 /* What is the same in every publication. */
@@ -423,8 +309,6 @@ enum neph_status neph_report_open(const char *folder, struct neph_report **repor
     if (!opened)
         return neph_fail_memory(diag);
     enum neph_status status = neph_report_folder_open(folder, &opened->folder, diag);
-    if (!status && !(opened->drawn = json_object()))
-        status = neph_fail_memory(diag);
     if (!status)
         status = start_folder(opened, diag);
     if (status) {
@@ -440,21 +324,24 @@ void neph_report_close(struct neph_report *report)
     if (!report)
         return;
     neph_report_folder_close(report->folder);
-    json_decref(report->drawn);
     free(report);
 }
 
-enum neph_status neph_report_publish(struct neph_report *report, json_t *document,
+enum neph_status neph_report_publish(struct neph_report *report, struct neph_validation *validation,
                                      struct neph_diag *diag)
 {
     struct neph_scratch *fresh = NULL;
-    enum neph_status status = draw(report, document, diag);
+    enum neph_status status = draw(report, validation, diag);
+    json_t *document = status ? NULL : neph_validation_json(validation);
+    if (!status)
+        status = neph_json_check(document, diag);
     if (!status)
         status = neph_report_folder_begin(report->folder, &fresh, diag);
     if (!status)
         status = write_data(neph_scratch_path(fresh), document, diag);
     if (!status)
         status = neph_report_folder_exchange(report->folder, fresh, diag);
+    json_decref(document);
     neph_scratch_destroy(fresh);
     return status;
 }

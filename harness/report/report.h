@@ -1,17 +1,16 @@
 /* SPDX-License-Identifier: MIT
  *
- * The report: one folder that opens from disk without a network. Made from the document of
- * neph_validate() and the frames in the store that it names, and from nothing else.
+ * The report: one folder that opens from disk without a network. Made from a validation and the
+ * frames in the store that it names, and from nothing else.
  *
- * It may be shown again and again while the document grows. A reader sees the old report or the
+ * It may be shown again and again while the validation grows. A reader sees the old report or the
  * new one, never half of one, also when several runs write to one folder: each works in folders of
  * its own beside it (.neph-report-*) and exchanges the whole; the last one stands.
  */
 #ifndef NEPH_HARNESS_REPORT_REPORT_H
 #define NEPH_HARNESS_REPORT_REPORT_H
 
-#include "base/status.h"
-#include "harness/json.h"
+#include "harness/report/validation.h"
 
 struct neph_report;
 
@@ -21,12 +20,11 @@ struct neph_report;
 enum neph_status neph_report_open(const char *folder, struct neph_report **report,
                                   struct neph_diag *diag);
 
-/* Put pictures, difference maps, charts, data and page of the document as it is into a fresh folder
- * and exchange it with the report. Cheap to call again: what has been drawn from the same frames,
- * scales and specifications in this report is not drawn again. The paths of pictures are set in
- * `document`. Without node the static charts are missing, and the page says so. After a failure the
- * report is the one before. */
-enum neph_status neph_report_publish(struct neph_report *report, json_t *document,
+/* Put pictures, difference maps, charts, data and page of the validation as it is into a fresh
+ * folder and exchange it with the report. Cheap to call again: what is drawn is not drawn again, and
+ * a validation is for one report alone, whose pictures it names. Without node the static charts are
+ * missing, and the page says so. After a failure the report is the one before. */
+enum neph_status neph_report_publish(struct neph_report *report, struct neph_validation *validation,
                                      struct neph_diag *diag);
 
 /* What was published stays. NULL is fine. */

@@ -27,6 +27,11 @@ const char *neph_outcome_name(enum neph_outcome outcome)
     return outcome_names[outcome];
 }
 
+bool neph_outcome_is_broken(enum neph_outcome outcome)
+{
+    return outcome == NEPH_OUTCOME_FAILED || outcome == NEPH_OUTCOME_TIMEOUT;
+}
+
 enum neph_status neph_job_key(const struct neph_job *job, char key[NEPH_HASH_HEX_SIZE],
                               struct neph_diag *diag)
 {

@@ -76,6 +76,9 @@ enum neph_status neph_job_key(const struct neph_job *job, char key[NEPH_HASH_HEX
 
 const char *neph_outcome_name(enum neph_outcome outcome);
 
+/* Whether the engine was there and ought to have rendered it: that fails a run. */
+bool neph_outcome_is_broken(enum neph_outcome outcome);
+
 /* For who cannot do without the frame: NEPH_OK when it was rendered, else NEPH_ERR_UNSUPPORTED,
  * _UNAVAILABLE, _ENGINE, _TIMEOUT or _INTERRUPTED, with the reason as its words. */
 enum neph_status neph_outcome_check(enum neph_outcome outcome, const char *reason,

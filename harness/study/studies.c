@@ -6,22 +6,12 @@
 #include "harness/data.h"
 #include "harness/engines/engines.h"
 #include "harness/progress.h"
-#include "harness/study/study.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 static const char format[] = "neph-studies-1";
-
-struct neph_job neph_studies_job(const struct neph_job *job)
-{
-    struct neph_job small = *job;
-    small.shot.width_px = NEPH_STUDIES_WIDTH_PX;
-    small.shot.height_px = NEPH_STUDIES_HEIGHT_PX;
-    small.shot.layers = NEPH_LAYER_RADIANCE;
-    return small;
-}
 
 static char *file_of(const struct neph_engine *engine)
 {
@@ -66,24 +56,37 @@ static bool is_of(const json_t *entry, const struct neph_job *job)
            json_integer_value(json_object_get(entry, "driver")) == (json_int_t)job->engine->version;
 }
 
-enum neph_status neph_studies_find(const struct neph_job *job, json_t **study,
-                                   struct neph_diag *diag)
+enum neph_status neph_studies_find(const struct neph_job *job, struct neph_study *study,
+                                   bool *found, struct neph_diag *diag)
 {
-    *study = NULL;
     json_t *content = NULL;
     char *path = file_of(job->engine);
     enum neph_status status = path ? load(path, &content, diag) : neph_fail_memory(diag);
     const json_t *list = json_object_get(content, "studies");
-    for (size_t i = 0; i < json_array_size(list) && !*study && !status; i++) {
+    *found = false;
+    for (size_t i = 0; i < json_array_size(list) && !*found && !status; i++) {
         const json_t *entry = json_array_get(list, i);
         if (!is_of(entry, job))
             continue;
-        *study = json_deep_copy(json_object_get(entry, "study"));
-        if (!*study || json_object_set_new(*study, "shipped", json_true()) != 0)
-            status = neph_fail_memory(diag);
+        status = neph_study_read(json_object_get(entry, "study"), job->engine, study, diag);
+        study->is_shipped = *found = !status;
     }
     json_decref(content);
     free(path);
+    return status;
+}
+
+enum neph_status neph_studies_make(const struct neph_job *job, struct neph_store *store,
+                                   struct neph_study *study, enum neph_outcome *outcome,
+                                   char reason[1600], struct neph_diag *diag)
+{
+    struct neph_job small = *job;
+    small.shot.width_px = NEPH_STUDIES_WIDTH_PX;
+    small.shot.height_px = NEPH_STUDIES_HEIGHT_PX;
+    small.shot.layers = NEPH_LAYER_RADIANCE;
+    const enum neph_status status = neph_study_run(&small, store, study, outcome, reason, diag);
+    study->width_px = small.shot.width_px;
+    study->height_px = small.shot.height_px;
     return status;
 }
 
@@ -116,18 +119,19 @@ static enum neph_status write_file(const char *path, const json_t *list, struct 
     return status;
 }
 
-enum neph_status neph_studies_keep(const struct neph_job *job, const json_t *study,
-                                   struct neph_diag *diag)
+/* Put a study in the place of the one of the same scene. */
+static enum neph_status keep(const struct neph_job *job, const struct neph_study *study,
+                             struct neph_diag *diag)
 {
     json_t *content = NULL;
     char *path = file_of(job->engine);
     enum neph_status status = path ? load(path, &content, diag) : neph_fail_memory(diag);
     if (!status) {
         json_t *list = json_object_get(content, "studies");
-        json_t *entry = json_pack("{s:s, s:s, s:s, s:i, s:O}", "scene", job->shot.scene->name,
+        json_t *entry = json_pack("{s:s, s:s, s:s, s:i, s:o}", "scene", job->shot.scene->name,
                                   "scene_hash", job->shot.scene->hash, "version",
                                   job->info->version, "driver", (int)job->engine->version, "study",
-                                  (json_t *)study);
+                                  neph_study_json(study));
         const size_t place = place_of(list, job->shot.scene->name);
         const int failed = place < json_array_size(list) ? json_array_set_new(list, place, entry)
                                                          : json_array_append_new(list, entry);
@@ -144,22 +148,15 @@ enum neph_status neph_studies_keep(const struct neph_job *job, const json_t *stu
 static enum neph_status make_anew(const struct neph_job *job, struct neph_store *store,
                                   const char **word, struct neph_diag *diag)
 {
-    const struct neph_job small = neph_studies_job(job);
     struct neph_study made;
     enum neph_outcome outcome;
     char reason[1600];
-    enum neph_status status = neph_study_run(&small, store, &made, &outcome, reason, diag);
+    const enum neph_status status = neph_studies_make(job, store, &made, &outcome, reason, diag);
     *word = neph_outcome_name(outcome);
     if (status || outcome != NEPH_OUTCOME_RENDERED)
         return status;
-    json_t *study = neph_study_json(&made);
-    neph_json_set(&study, "size_px", json_pack("[i,i]", small.shot.width_px, small.shot.height_px));
-    status = neph_json_check(study, diag);
-    if (!status)
-        status = neph_studies_keep(job, study, diag);
-    json_decref(study);
     *word = "studied";
-    return status;
+    return keep(job, &made, diag);
 }
 
 static enum neph_status renew(const struct neph_scene *scene, const struct neph_engine *engine,
@@ -174,15 +171,15 @@ static enum neph_status renew(const struct neph_scene *scene, const struct neph_
                                           .settings = neph_settings_default(engine),
                                           .seed = 1,
                                           .time_limit_s = time_limit_s}};
-    json_t *there = NULL;
+    struct neph_study there;
+    bool is_there = false;
     *word = "needs none";
     if (!neph_study_applies(engine, scene))
         return NEPH_OK;
-    enum neph_status status = neph_studies_find(&job, &there, diag);
+    enum neph_status status = neph_studies_find(&job, &there, &is_there, diag);
     *word = "is there";
-    if (!status && !there)
+    if (!status && !is_there)
         status = make_anew(&job, store, word, diag);
-    json_decref(there);
     return status;
 }
 
@@ -226,19 +223,4 @@ enum neph_status neph_studies_renew(const char *const *scenes, int scene_count, 
         status = renew_scene(scenes[i], time_limit_s, store, &progress, diag);
     neph_progress_end(&progress);
     return status;
-}
-
-enum neph_status neph_studies_apply(const json_t *study, const struct neph_engine *engine,
-                                    struct neph_settings *settings, struct neph_diag *diag)
-{
-    const size_t chosen = (size_t)json_integer_value(json_object_get(study, "chosen"));
-    const json_t *level = json_array_get(json_object_get(study, "levels"), chosen);
-    const char *option = json_string_value(json_object_get(study, "option"));
-    const json_t *setting = json_object_get(level, "setting");
-    if (!option || !json_is_number(setting))
-        return neph_fail(diag, NEPH_ERR_INPUT, "a step study of %s chooses no setting",
-                         engine->name);
-    char assignment[128];
-    snprintf(assignment, sizeof(assignment), "%s=%.9g", option, json_number_value(setting));
-    return neph_settings_set(engine, settings, assignment, diag);
 }

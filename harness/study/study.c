@@ -6,6 +6,7 @@
 #include "scenes/media.h"
 
 #include <math.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -213,7 +214,8 @@ enum neph_status neph_study_run(const struct neph_job *job, struct neph_store *s
     struct pictures pictures = {.seed_count = job->engine->stochastic ? 2 : 1};
     enum neph_status status = NEPH_OK;
     *outcome = NEPH_OUTCOME_RENDERED;
-    *study = (struct neph_study){.option = step->option, .order = step->order};
+    *study = (struct neph_study){
+        .option = step->option, .order = step->order, .tolerance = NEPH_STUDY_TOLERANCE};
     for (int i = 0; i < step->level_count && i < NEPH_STUDY_LEVELS_MAX && !status &&
                     *outcome == NEPH_OUTCOME_RENDERED;
          i++) {
@@ -232,33 +234,129 @@ enum neph_status neph_study_run(const struct neph_job *job, struct neph_store *s
     return status;
 }
 
+void neph_study_apply(const struct neph_study *study, const struct neph_engine *engine,
+                      struct neph_settings *settings)
+{
+    settings->values[option_index(engine, study->option)] = study->levels[study->chosen].setting;
+}
+
+/* ---- as JSON --------------------------------------------------------------------------------- */
+
+static const char *const verdict_names[] = {
+    [NEPH_STUDY_WITHIN] = "within", [NEPH_STUDY_NOISE] = "noise", [NEPH_STUDY_OFF] = "off"};
+
 const char *neph_study_verdict_name(enum neph_study_verdict verdict)
 {
-    static const char *const names[] = {
-        [NEPH_STUDY_WITHIN] = "within", [NEPH_STUDY_NOISE] = "noise", [NEPH_STUDY_OFF] = "off"};
-    return names[verdict];
+    return verdict_names[verdict];
+}
+
+static const struct {
+    const char *key;
+    size_t offset;
+} level_fields[] = {
+    {"setting", offsetof(struct neph_study_level, setting)},
+    {"radiance", offsetof(struct neph_study_level, radiance)},
+    {"noise", offsetof(struct neph_study_level, noise)},
+    {"bias", offsetof(struct neph_study_level, bias)},
+    {"bias_noise", offsetof(struct neph_study_level, bias_noise)},
+    {"wall_s", offsetof(struct neph_study_level, wall_s)},
+};
+enum { LEVEL_FIELDS = sizeof(level_fields) / sizeof(level_fields[0]) };
+
+static double *field_at(struct neph_study_level *level, int field)
+{
+    return (double *)(void *)((char *)level + level_fields[field].offset);
+}
+
+static json_t *level_json(struct neph_study_level level)
+{
+    json_t *json = json_object();
+    for (int f = 0; f < LEVEL_FIELDS; f++)
+        neph_json_set(&json, level_fields[f].key, json_real(*field_at(&level, f)));
+    return json;
 }
 
 json_t *neph_study_json(const struct neph_study *study)
 {
     json_t *levels = json_array();
-    for (int i = 0; i < study->level_count; i++) {
-        const struct neph_study_level *level = &study->levels[i];
-        neph_json_add(&levels, json_pack("{s:f, s:f, s:f, s:f, s:f, s:f}", "setting",
-                                         level->setting, "radiance", level->radiance, "noise",
-                                         level->noise, "bias", level->bias, "bias_noise",
-                                         level->bias_noise, "wall_s", level->wall_s));
-    }
+    for (int i = 0; i < study->level_count; i++)
+        neph_json_add(&levels, level_json(study->levels[i]));
     json_t *observed = isfinite(study->observed_order) ? json_real(study->observed_order)
                                                        : json_null();
-    return json_pack("{s:s, s:f, s:o, s:f, s:o, s:i, s:s, s:f}", "option", study->option, "order",
-                     study->order, "observed_order", observed, "limit", study->limit, "levels",
-                     levels, "chosen", study->chosen, "verdict",
-                     neph_study_verdict_name(study->verdict), "tolerance", NEPH_STUDY_TOLERANCE);
+    json_t *json = json_pack("{s:s, s:f, s:o, s:f, s:o, s:i, s:s, s:f}", "option", study->option,
+                             "order", study->order, "observed_order", observed, "limit",
+                             study->limit, "levels", levels, "chosen", study->chosen, "verdict",
+                             neph_study_verdict_name(study->verdict), "tolerance",
+                             study->tolerance);
+    if (study->width_px > 0)
+        neph_json_set(&json, "size_px", json_pack("[i,i]", study->width_px, study->height_px));
+    if (study->is_shipped)
+        neph_json_set(&json, "shipped", json_true());
+    return json;
 }
 
-void neph_study_apply(const struct neph_study *study, const struct neph_engine *engine,
-                      struct neph_settings *settings)
+/* False when it is no level. */
+static bool read_level(const json_t *json, struct neph_study_level *level)
 {
-    settings->values[option_index(engine, study->option)] = study->levels[study->chosen].setting;
+    bool is_whole = true;
+    for (int f = 0; f < LEVEL_FIELDS; f++) {
+        const json_t *number = json_object_get(json, level_fields[f].key);
+        is_whole &= json_is_number(number);
+        *field_at(level, f) = json_number_value(number);
+    }
+    return is_whole;
+}
+
+static bool read_levels(const json_t *json, struct neph_study *study)
+{
+    study->level_count = (int)json_array_size(json);
+    if (study->level_count > NEPH_STUDY_LEVELS_MAX)
+        return false;
+    for (int i = 0; i < study->level_count; i++)
+        if (!read_level(json_array_get(json, (size_t)i), &study->levels[i]))
+            return false;
+    return study->chosen >= 0 && study->chosen < study->level_count;
+}
+
+static bool read_verdict(const json_t *json, struct neph_study *study)
+{
+    const char *name = neph_json_text(json, "verdict");
+    for (int v = NEPH_STUDY_WITHIN; v <= NEPH_STUDY_OFF; v++)
+        if (strcmp(name, verdict_names[v]) == 0) {
+            study->verdict = (enum neph_study_verdict)v;
+            return true;
+        }
+    return false;
+}
+
+/* Whether the engine takes the setting that was chosen. */
+static bool is_taken(const struct neph_study *study, const struct neph_engine *engine)
+{
+    const struct neph_option *option = &engine->options[option_index(engine, study->option)];
+    const double setting = study->levels[study->chosen].setting;
+    return setting >= option->minimum && setting <= option->maximum;
+}
+
+enum neph_status neph_study_read(const json_t *json, const struct neph_engine *engine,
+                                 struct neph_study *study, struct neph_diag *diag)
+{
+    const json_t *observed = json_object_get(json, "observed_order");
+    const json_t *size_px = json_object_get(json, "size_px");
+    struct neph_study made = {
+        .option = engine->step.option,
+        .order = json_number_value(json_object_get(json, "order")),
+        .observed_order = json_is_number(observed) ? json_number_value(observed) : NAN,
+        .limit = json_number_value(json_object_get(json, "limit")),
+        .chosen = (int)json_integer_value(json_object_get(json, "chosen")),
+        .tolerance = json_number_value(json_object_get(json, "tolerance")),
+        .width_px = (int)json_integer_value(json_array_get(size_px, 0)),
+        .height_px = (int)json_integer_value(json_array_get(size_px, 1)),
+    };
+    if (!made.option || strcmp(neph_json_text(json, "option"), made.option) != 0 ||
+        !read_levels(json_object_get(json, "levels"), &made) || !read_verdict(json, &made) ||
+        !is_taken(&made, engine))
+        return neph_fail(diag, NEPH_ERR_INPUT,
+                         "a step study of %s chooses no setting that it takes", engine->name);
+    *study = made;
+    return NEPH_OK;
 }

@@ -43,6 +43,9 @@ struct neph_study {
                    noise hides that of all, from which on the bias cannot be told from 0; the finest
                    where that is off */
     enum neph_study_verdict verdict;
+    double tolerance;        /* that the verdict stands on */
+    int width_px, height_px; /* of its pictures, where those are smaller than the job's; else 0 */
+    bool is_shipped;         /* it came with neph: see studies.h */
 };
 
 /* How far the observed order may be from the known one for the extrapolation to hold. */
@@ -61,8 +64,14 @@ enum neph_status neph_study_run(const struct neph_job *job, struct neph_store *s
                                 char reason[1600], struct neph_diag *diag);
 
 /* The study for reports: {"option", "order", "observed_order", "limit", "levels": [...], "chosen",
- * "verdict" ("within", "noise" or "off"), "tolerance"}. */
+ * "verdict" ("within", "noise" or "off"), "tolerance"}, and where there is such a thing "size_px"
+ * and "shipped". */
 json_t *neph_study_json(const struct neph_study *study);
+
+/* The other way, of a study by this engine. NEPH_ERR_INPUT: it is none, or its setting is not one
+ * that the engine takes. */
+enum neph_status neph_study_read(const json_t *json, const struct neph_engine *engine,
+                                 struct neph_study *study, struct neph_diag *diag);
 
 const char *neph_study_verdict_name(enum neph_study_verdict verdict);
 

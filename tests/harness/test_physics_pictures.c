@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The pictures of the physics suite: drawn for every view and row that has a frame, named in the
- * document, of the truth's size, and the truth's numbers leave the document.
+ * The pictures of the physics suite: drawn once for every view and row that has a frame, named
+ * there, and of the truth's size.
  */
 #include "tests/base/scratch.h"
 
@@ -45,25 +45,32 @@ static void write_frame(const char *path, int width_px, double factor)
     neph_image_destroy(image);
 }
 
-/* A document of one check, and one row per frame; a NULL frame was not rendered. */
-static json_t *document(const char *const *names, const char *const *frames, int count)
-{
-    double truth[PIXELS];
-    fill_truth(truth);
-    json_t *rows = json_array();
-    for (int i = 0; i < count; i++)
-        neph_json_add(&rows, json_pack("{s:s, s:s, s:o, s:[], s:[]}", "check", "probe",
-                                       "participant", names[i], "exr",
-                                       frames[i] ? json_pack("[s]", frames[i]) : json_array(),
-                                       "pictures", "differences"));
-    return json_pack("{s:[{s:s, s:[o]}], s:o}", "checks", "name", "probe", "views",
-                     neph_physics_view_json(&view, truth), "rows", rows);
-}
+enum { ROWS_MAX = 4 };
 
-static const char *picture_of(const json_t *physics, size_t row, const char *kind)
+/* A suite of one check, and one row per frame; a NULL frame was not rendered. */
+struct suite {
+    double truth[PIXELS];
+    struct neph_participant participants[ROWS_MAX];
+    struct neph_physics_check check;
+    struct neph_physics_row rows[ROWS_MAX];
+    struct neph_physics physics;
+};
+
+static void fill_suite(struct suite *suite, const char *const *names, const char *const *frames,
+                       int count)
 {
-    const json_t *rows = json_object_get(physics, "rows");
-    return json_string_value(json_array_get(json_object_get(json_array_get(rows, row), kind), 0));
+    memset(suite, 0, sizeof(*suite));
+    fill_truth(suite->truth);
+    suite->check = (struct neph_physics_check){.name = "probe", .view_count = 1};
+    neph_physics_view_describe(&view, suite->truth, &suite->check.views[0]);
+    suite->physics = (struct neph_physics){
+        .check_count = 1, .checks = &suite->check, .row_count = count, .rows = suite->rows};
+    for (int i = 0; i < count; i++) {
+        suite->participants[i].name = names[i];
+        suite->rows[i].check = &suite->check;
+        suite->rows[i].participant = &suite->participants[i];
+        suite->rows[i].paths[0] = frames[i];
+    }
 }
 
 static bool same_bytes(const struct scratch *scratch, const char *a, const char *b)
@@ -86,26 +93,24 @@ static void test_view_says_what_it_needs(void **state)
 {
     (void)state;
     double truth[PIXELS];
+    struct neph_physics_view described;
     fill_truth(truth);
-    json_t *json = neph_physics_view_json(&view, truth);
-    assert_string_equal(json_string_value(json_object_get(json, "what")),
+    neph_physics_view_describe(&view, truth, &described);
+    assert_string_equal(described.what,
                         "camera looks 50° down, 60° aside from the sun, which stands 30° high");
     /* Mean 0.1 + 0.01 * 11.5; brightest 0.33: 0.9 / 0.33 = 2^1.447, so 1 EV in half stops. */
-    neph_assert_close(json_number_value(json_object_get(json, "difference_scale")), 0.0215, 1e-12,
-                      0.0);
-    assert_true(json_number_value(json_object_get(json, "exposure_ev")) == 1.0);
-    assert_int_equal(json_array_size(json_object_get(json, "truth")), PIXELS);
-    json_decref(json);
+    neph_assert_close(described.difference_scale, 0.0215, 1e-12, 0.0);
+    assert_true(described.exposure_ev == 1.0);
 }
 
 static void test_black_view_has_a_scale(void **state)
 {
     (void)state;
     const double truth[PIXELS] = {0.0};
-    json_t *json = neph_physics_view_json(&view, truth);
-    assert_true(json_number_value(json_object_get(json, "difference_scale")) > 0.0);
-    assert_true(json_number_value(json_object_get(json, "exposure_ev")) == 0.0);
-    json_decref(json);
+    struct neph_physics_view described;
+    neph_physics_view_describe(&view, truth, &described);
+    assert_true(described.difference_scale > 0.0);
+    assert_true(described.exposure_ev == 0.0);
 }
 
 static void test_every_frame_is_drawn(void **state)
@@ -120,30 +125,24 @@ static void test_every_frame_is_drawn(void **state)
         snprintf(paths[i], sizeof(paths[i]), "%s/frame_%d.exr", scratch->folder, i);
         write_frame(paths[i], WIDTH, factors[i]);
     }
-    json_t *physics = document(names, frames, 4);
-    neph_assert_ok(neph_physics_pictures(physics, scratch->folder, &diag), &diag);
+    struct suite suite;
+    const struct neph_physics_row *rows = suite.rows;
+    fill_suite(&suite, names, frames, 4);
+    neph_assert_ok(neph_physics_pictures(&suite.physics, scratch->folder, &diag), &diag);
 
-    const json_t *views = json_object_get(json_array_get(json_object_get(physics, "checks"), 0),
-                                          "views");
-    const json_t *drawn = json_array_get(views, 0);
-    assert_null(json_object_get(drawn, "truth"));
-    const char *truth = json_string_value(json_object_get(drawn, "picture"));
+    const char *truth = suite.check.views[0].picture;
     assert_string_equal(truth, "images/physics/probe/truth_0.png");
-    assert_string_equal(picture_of(physics, 1, "pictures"), "images/physics/probe/too_dark_0.png");
-    assert_string_equal(picture_of(physics, 1, "differences"),
-                        "images/physics/probe/too_dark_0_difference.png");
-    assert_null(picture_of(physics, 3, "pictures"));
-    assert_true(same_bytes(scratch, truth, picture_of(physics, 0, "pictures")));
-    assert_false(same_bytes(scratch, truth, picture_of(physics, 1, "pictures")));
-    assert_false(same_bytes(scratch, picture_of(physics, 1, "differences"),
-                            picture_of(physics, 2, "differences")));
+    assert_string_equal(rows[1].pictures[0], "images/physics/probe/too_dark_0.png");
+    assert_string_equal(rows[1].differences[0], "images/physics/probe/too_dark_0_difference.png");
+    assert_null(rows[3].pictures[0]);
+    assert_true(same_bytes(scratch, truth, rows[0].pictures[0]));
+    assert_false(same_bytes(scratch, truth, rows[1].pictures[0]));
+    assert_false(same_bytes(scratch, rows[1].differences[0], rows[2].differences[0]));
 
-    json_t *once = json_deep_copy(
-        physics); /* a report that is published again draws nothing twice */
-    neph_assert_ok(neph_physics_pictures(physics, scratch->folder, &diag), &diag);
-    assert_true(json_equal(physics, once));
-    json_decref(once);
-    json_decref(physics);
+    /* A report that is published again draws nothing twice. */
+    suite.rows[0].paths[0] = "/nowhere.exr";
+    neph_assert_ok(neph_physics_pictures(&suite.physics, scratch->folder, &diag), &diag);
+    neph_physics_finish(&suite.physics);
 }
 
 static void test_frame_of_another_size_is_refused(void **state)
@@ -155,10 +154,11 @@ static void test_frame_of_another_size_is_refused(void **state)
     const char *const frames[1] = {path};
     snprintf(path, sizeof(path), "%s/narrow.exr", scratch->folder);
     write_frame(path, WIDTH - 1, 1.0);
-    json_t *physics = document(names, frames, 1);
-    assert_int_equal(neph_physics_pictures(physics, scratch->folder, &diag), NEPH_ERR_INPUT);
+    struct suite suite;
+    fill_suite(&suite, names, frames, 1);
+    assert_int_equal(neph_physics_pictures(&suite.physics, scratch->folder, &diag), NEPH_ERR_INPUT);
     assert_non_null(strstr(diag.message, "probe"));
-    json_decref(physics);
+    neph_physics_finish(&suite.physics);
 }
 
 static void test_no_suite_is_no_work(void **state)

@@ -1,0 +1,35 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Memory for what lives and dies together: given out piece by piece, freed at once.
+ */
+#ifndef NEPH_BASE_ARENA_H
+#define NEPH_BASE_ARENA_H
+
+#include "base/status.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+
+struct neph_arena_block;
+
+/* Start from {0}; free with neph_arena_finish(). */
+struct neph_arena {
+    struct neph_arena_block *last;
+    bool is_short; /* memory was short at least once: see neph_arena_check() */
+};
+
+/* `count` zeroed objects of `size` bytes; NULL when memory is short. */
+void *neph_arena_zeroed(struct neph_arena *arena, size_t count, size_t size);
+
+/* A copy of a text, or printf; "" when memory is short, so that texts can be kept one after the
+ * other and neph_arena_check() asked once. A NULL text stays NULL. */
+const char *neph_arena_text(struct neph_arena *arena, const char *text);
+const char *neph_arena_format(struct neph_arena *arena, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
+
+/* NEPH_ERR_MEMORY when anything so far could not be had. */
+enum neph_status neph_arena_check(const struct neph_arena *arena, struct neph_diag *diag);
+
+void neph_arena_finish(struct neph_arena *arena);
+
+#endif

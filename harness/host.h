@@ -1,0 +1,13 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The machine that this runs on.
+ */
+#ifndef NEPH_HARNESS_HOST_H
+#define NEPH_HARNESS_HOST_H
+
+#include "harness/json.h"
+
+/* {"cpu", "cores", "memory_bytes"}; NULL when memory is short. */
+json_t *neph_host_json(void);
+
+#endif

@@ -1,0 +1,151 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/physics/results.h"
+
+#include <math.h>
+#include <stdio.h>
+
+void neph_physics_finish(struct neph_physics *physics)
+{
+    neph_arena_finish(&physics->arena);
+    *physics = (struct neph_physics){.expected = 0};
+}
+
+const char *neph_physics_verdict_name(enum neph_physics_verdict verdict)
+{
+    static const char *const names[] = {[NEPH_PHYSICS_NOT_MEASURED] = "not_measured",
+                                        [NEPH_PHYSICS_AGREES] = "agrees",
+                                        [NEPH_PHYSICS_OFF] = "off"};
+    return names[verdict];
+}
+
+/* ---- as JSON --------------------------------------------------------------------------------- */
+
+static json_t *number_or_null(double value)
+{
+    return isfinite(value) ? json_real(value) : json_null();
+}
+
+/* The texts up to the first NULL. */
+static json_t *texts_json(const char *const texts[NEPH_CHECK_VIEWS_MAX])
+{
+    json_t *list = json_array();
+    for (int v = 0; v < NEPH_CHECK_VIEWS_MAX && texts[v]; v++)
+        neph_json_add(&list, json_string(texts[v]));
+    return list;
+}
+
+static json_t *row_json(const struct neph_physics_row *row)
+{
+    const bool has_interval = row->verdict != NEPH_PHYSICS_NOT_MEASURED;
+    return json_pack(
+        "{s:s, s:s, s:s, s:s, s:s, s:s, s:s, s:b, s:b, s:o, s:o, s:o, s:o, s:o, s:o, s:s?, s:f, "
+        "s:f, s:o, s:o, s:o, s:o, s:o, s:s, s:s, s:o}",
+        "check", row->check->name, "rung", row->check->rung, "participant", row->participant->name,
+        "engine", row->engine->name, "status", neph_outcome_name(row->outcome), "reason",
+        row->reason, "settings", row->settings, "lowered", row->lowered, "look", row->engine->look,
+        "deviation", number_or_null(row->deviation), "standard_error",
+        number_or_null(row->standard_error), "step_bound", number_or_null(row->step_bound), "z",
+        number_or_null(row->z), "pixel_z_mean", number_or_null(row->pixel_z_mean),
+        "pixel_z_variance", number_or_null(row->pixel_z_variance), "cause", row->cause, "rounding",
+        row->participant->rounding, "wall_s", row->wall_s, "exr", texts_json(row->paths),
+        "pictures", texts_json(row->pictures), "differences", texts_json(row->differences), "bake",
+        row->bakes ? neph_bakes_summary_json(row->bakes) : json_null(), "study",
+        row->study ? neph_study_json(row->study) : json_null(), "verdict",
+        neph_physics_verdict_name(row->verdict), "sentence", row->sentence, "interval",
+        has_interval ? json_pack("[f,f]", row->low, row->high) : json_null());
+}
+
+static json_t *check_json(const struct neph_physics_check *check)
+{
+    json_t *views = json_array();
+    for (int v = 0; v < check->view_count; v++) {
+        const struct neph_physics_view *view = &check->views[v];
+        neph_json_add(&views, json_pack("{s:s, s:[i,i], s:f, s:f, s:s?}", "what", view->what,
+                                        "size_px", view->width_px, view->height_px, "exposure_ev",
+                                        view->exposure_ev, "difference_scale",
+                                        view->difference_scale, "picture", view->picture));
+    }
+    return json_pack("{s:s, s:s, s:s, s:o}", "name", check->name, "rung", check->rung, "what",
+                     check->what, "views", views);
+}
+
+static json_t *phase_json(const struct neph_phase_finding *found)
+{
+    return json_pack("{s:s, s:f, s:f, s:f, s:f, s:s}", "phase", neph_phase_name(found->phase.kind),
+                     "g", found->phase.g, "integral", found->integral, "mean_cosine",
+                     found->mean_cosine, "sampled_mean_cosine", found->sampled_mean_cosine,
+                     "verdict", found->agrees ? "agrees" : "off");
+}
+
+static json_t *rungs_json(void)
+{
+    json_t *list = json_array();
+    for (int i = 0; i < neph_check_rung_count(); i++)
+        neph_json_add(&list, json_pack("{s:s, s:s}", "name", neph_check_rung_at(i)->name, "title",
+                                       neph_check_rung_at(i)->title));
+    return list;
+}
+
+json_t *neph_physics_json(const struct neph_physics *physics)
+{
+    json_t *phases = json_array(), *checks = json_array(), *rows = json_array();
+    for (int i = 0; i < NEPH_PHASES; i++)
+        neph_json_add(&phases, phase_json(&physics->phases[i]));
+    for (int i = 0; i < physics->check_count; i++)
+        neph_json_add(&checks, check_json(&physics->checks[i]));
+    for (int i = 0; i < physics->row_count; i++)
+        neph_json_add(&rows, row_json(&physics->rows[i]));
+    return json_pack(
+        "{s:f, s:i, s:f, s:s, s:{s:i, s:i, s:i}, s:f, s:o, s:o, s:o, s:o}", "family_alpha",
+        NEPH_PHYSICS_FAMILY_ALPHA, "tests", physics->tests, "critical_z", physics->critical_z,
+        "verdict", physics->passes ? "pass" : "fail", "counts", "expected", physics->expected,
+        "reported", physics->row_count, "compared", physics->tests, "seconds", physics->seconds,
+        "rungs", rungs_json(), "phase_functions", phases, "checks", checks, "rows", rows);
+}
+
+/* ---- for a terminal -------------------------------------------------------------------------- */
+
+static void print_phases(const struct neph_physics *physics)
+{
+    printf("%-22s %8s %14s %14s %14s  %s\n", "phase function", "g", "integral - 1", "cosine - g",
+           "sampled - g", "verdict");
+    for (int i = 0; i < NEPH_PHASES; i++) {
+        const struct neph_phase_finding *found = &physics->phases[i];
+        const double g = found->phase.g;
+        printf("%-22s %8.3f %+14.1e %+14.1e %+14.1e  %s\n", neph_phase_name(found->phase.kind), g,
+               found->integral - 1.0, found->mean_cosine - g, found->sampled_mean_cosine - g,
+               found->agrees ? "agrees" : "off");
+    }
+}
+
+static void print_cell(double value, const char *format, int width)
+{
+    if (isfinite(value))
+        printf(format, value);
+    else
+        printf(" %*s", width, "-");
+}
+
+static void print_row(const struct neph_physics_row *row)
+{
+    printf("%-22s %-14s %-9s", row->check->name, row->participant->name,
+           neph_outcome_name(row->outcome));
+    print_cell(row->deviation, " %+11.3e", 11);
+    print_cell(isfinite(row->standard_error) ? row->standard_error : row->step_bound, " %10.1e",
+               10);
+    print_cell(row->z, " %+8.2f", 8);
+    printf("  %s%s\n", neph_physics_verdict_name(row->verdict),
+           row->lowered ? " (single scattering only)" : "");
+}
+
+void neph_physics_print(const struct neph_physics *physics)
+{
+    print_phases(physics);
+    printf("%-22s %-14s %-9s %11s %10s %8s  %s\n", "check", "participant", "outcome", "deviation",
+           "error", "z", "verdict");
+    for (int i = 0; i < physics->row_count; i++)
+        print_row(&physics->rows[i]);
+    for (int i = 0; i < physics->row_count; i++)
+        if (physics->rows[i].verdict == NEPH_PHYSICS_OFF)
+            printf("%s: %s\n", physics->rows[i].check->name, physics->rows[i].sentence);
+}

@@ -1,0 +1,295 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/physics/trial.h"
+
+#include "base/exr.h"
+#include "harness/run/seed.h"
+#include "metrics/significance.h"
+
+#include <math.h>
+#include <string.h>
+
+/* ---- one frame ------------------------------------------------------------------------------- */
+
+/* A view as the entrant has it by default, with the trial's settings. */
+static struct neph_job job_of(const struct neph_trial *trial, const struct neph_scenery_view *seen)
+{
+    return (struct neph_job){.engine = trial->entrant->engine,
+                             .info = &trial->entrant->info,
+                             .shot = {.scene = &seen->stage->scene,
+                                      .settings = trial->settings,
+                                      .width_px = seen->view->width_px,
+                                      .height_px = seen->view->height_px,
+                                      .layers = NEPH_LAYER_RADIANCE,
+                                      .seed = neph_seed_of(&seen->stage->scene, 1),
+                                      .time_limit_s = trial->time_limit_s}};
+}
+
+/* A second pass is by another seed, or refined. */
+static enum neph_status render(const struct neph_trial *trial, const struct neph_scenery_view *seen,
+                               int pass, struct neph_job_result *result, struct neph_diag *diag)
+{
+    struct neph_job job = job_of(trial, seen);
+    const bool is_refined = trial->entrant->participant->refined;
+    if (pass == 1 && is_refined)
+        job.shot.settings = trial->entrant->refined;
+    else if (pass == 1)
+        job.shot.seed = neph_seed_of(&seen->stage->scene, 2);
+    return neph_job_run(&job, trial->store, result, diag);
+}
+
+/* ---- sums ------------------------------------------------------------------------------------ */
+
+struct sums {
+    double truth;        /* sum of |factor| weight truth */
+    double deviation[2]; /* sum of factor weight (L - truth), per pass */
+    double variance;     /* of the mean of both passes */
+    struct neph_z_moments pixels;
+};
+
+/* Noise this many times the rounding of the brightest pixel: z-scores' variance off by 1 %. */
+static const double noise_per_rounding = 10.0;
+
+static void add_pixel_scores(const struct neph_scenery_view *seen, const struct neph_image *frame,
+                             double rounding, struct sums *sums)
+{
+    const float *variance = neph_image_channel(frame, "variance.G");
+    float truth[NEPH_SCENERY_PIXELS_MAX];
+    if (!variance || seen->view->weight != NEPH_CHECK_MEAN || seen->truth_error > 0.0)
+        return;
+    double brightest = 0.0;
+    for (int p = 0; p < seen->pixel_count; p++) {
+        truth[p] = (float)seen->truth[p];
+        brightest = fmax(brightest, seen->truth[p]);
+    }
+    const struct neph_z_moments more = neph_z_scores(neph_image_channel(frame, "G"), truth,
+                                                     variance, (size_t)seen->pixel_count,
+                                                     noise_per_rounding * rounding * brightest);
+    sums->pixels = neph_z_merge(sums->pixels, more);
+}
+
+static void add_view(const struct neph_scenery_view *seen, struct neph_image *const frames[2],
+                     const struct neph_participant *participant, struct sums *sums)
+{
+    const float *a = neph_image_channel(frames[0], "G"), *b = neph_image_channel(frames[1], "G");
+    const float *va = neph_image_channel(frames[0], "variance.G");
+    const float *vb = neph_image_channel(frames[1], "variance.G");
+    const double factor = seen->view->factor;
+    const bool stochastic = !participant->refined;
+    double truth = 0.0;
+    for (int p = 0; p < seen->pixel_count; p++) {
+        const double weight = factor * seen->weight[p];
+        if (weight == 0.0)
+            continue;
+        truth += fabs(weight) * seen->truth[p];
+        sums->deviation[0] += weight * ((double)a[p] - seen->truth[p]);
+        sums->deviation[1] += weight * ((double)b[p] - seen->truth[p]);
+        const double difference = (double)a[p] - (double)b[p];
+        const double variance = va && vb ? 0.25 * ((double)va[p] + (double)vb[p])
+                                         : 0.25 * difference * difference;
+        sums->variance += stochastic ? weight * weight * variance : 0.0;
+    }
+    sums->truth += truth;
+    sums->variance += stochastic ? pow(truth * seen->truth_error, 2.0) : 0.0;
+    add_pixel_scores(seen, frames[0], participant->rounding, sums);
+}
+
+/* Roache's grid convergence index (P. J. Roache, J. Fluids Eng. 116, 1994): an extrapolated error
+ * is itself an estimate, and a bound of just its size would be met by chance. */
+static const double step_safety = 1.25;
+
+/* What sums come to; 0 where there is nothing. */
+struct outcome {
+    double deviation, standard_error, step_bound;
+};
+
+static struct outcome conclude(const struct neph_participant *participant, const struct sums *sums)
+{
+    if (!participant->refined)
+        return (struct outcome){.deviation = 0.5 * (sums->deviation[0] + sums->deviation[1]) /
+                                             sums->truth,
+                                .standard_error = sqrt(sums->variance) / sums->truth};
+    /* Richardson: halving the step leaves 2^-order of the error. */
+    const double change = fabs(sums->deviation[1] - sums->deviation[0]) / sums->truth;
+    const double kept = exp2(-participant->order);
+    return (struct outcome){.deviation = sums->deviation[0] / sums->truth,
+                            .step_bound = participant->order ? step_safety * change / (1.0 - kept)
+                                                             : 0.0};
+}
+
+/* ---- one participant ------------------------------------------------------------------------- */
+
+/* What the job says of itself, whatever came of it. */
+static void note_result(const struct neph_trial *trial, const struct neph_job_result *result,
+                        struct neph_physics_row *row)
+{
+    row->outcome = result->outcome;
+    row->reason = neph_arena_text(trial->arena, result->reason);
+    row->settings = neph_arena_text(trial->arena, result->settings ? result->settings : "");
+    row->wall_s += result->cost.wall_s;
+}
+
+static void note_bakes(const struct neph_trial *trial, const struct neph_image *frame,
+                       struct neph_physics_row *row)
+{
+    struct neph_bakes_summary bakes;
+    if (row->bakes || !neph_bakes_of_frame(frame, &bakes))
+        return;
+    struct neph_bakes_summary *kept = neph_arena_zeroed(trial->arena, 1, sizeof(*kept));
+    if (kept)
+        *kept = bakes;
+    row->bakes = kept;
+}
+
+/* Both passes of a view, or the one of an engine without steps and noise: `frames[1]` then stays
+ * NULL. Ends early, with the row's outcome, where one is not rendered. `*path`: of the first. */
+static enum neph_status render_view(const struct neph_trial *trial,
+                                    const struct neph_scenery_view *seen, int pass_count,
+                                    struct neph_image *frames[2], const char **path,
+                                    struct neph_physics_row *row, struct neph_diag *diag)
+{
+    enum neph_status status = NEPH_OK;
+    for (int pass = 0; pass < pass_count && !status && row->outcome == NEPH_OUTCOME_RENDERED;
+         pass++) {
+        struct neph_job_result result = {.outcome = NEPH_OUTCOME_FAILED};
+        status = render(trial, seen, pass, &result, diag);
+        note_result(trial, &result, row);
+        if (!status && result.frame_path)
+            status = neph_exr_read(result.frame_path, &frames[pass], diag);
+        if (!status && frames[pass])
+            note_bakes(trial, frames[pass], row);
+        if (!status && frames[pass] && pass == 0)
+            *path = neph_arena_text(trial->arena, result.frame_path);
+        neph_job_result_finish(&result);
+    }
+    return status;
+}
+
+/* Render and add up all views; the row's outcome says whether `sums` is whole. */
+static enum neph_status try_views(const struct neph_trial *trial, struct neph_scenery *scenery,
+                                  struct sums *sums, struct neph_physics_row *row,
+                                  struct neph_diag *diag)
+{
+    const struct neph_participant *participant = trial->entrant->participant;
+    const int pass_count = participant->refined && participant->order == 0 ? 1 : 2;
+    enum neph_status status = NEPH_OK;
+    *sums = (struct sums){.truth = 0.0, .pixels = {0, NAN, NAN}};
+    memset(row->paths, 0, sizeof(row->paths));
+    row->outcome = NEPH_OUTCOME_RENDERED;
+    for (int v = 0;
+         v < scenery->check.view_count && !status && row->outcome == NEPH_OUTCOME_RENDERED; v++) {
+        struct neph_image *frames[2] = {NULL, NULL};
+        status = render_view(trial, &scenery->views[v], pass_count, frames, &row->paths[v], row,
+                             diag);
+        if (!status && row->outcome == NEPH_OUTCOME_RENDERED)
+            add_view(&scenery->views[v],
+                     (struct neph_image *const[2]){frames[0], frames[pass_count - 1]}, participant,
+                     sums);
+        neph_image_destroy(frames[0]);
+        neph_image_destroy(frames[1]);
+    }
+    return status;
+}
+
+/* Cycles marches in steps of our choice: a study chooses them for each check with an uneven medium.
+ * Engines without noise are run with two steps anyway. */
+static enum neph_status choose_step(struct neph_trial *trial, const struct neph_scenery *scenery,
+                                    struct neph_physics_row *row, struct neph_diag *diag)
+{
+    const struct neph_engine *engine = trial->entrant->engine;
+    const struct neph_scenery_view *seen = &scenery->views[0];
+    struct neph_study made;
+    enum neph_outcome outcome;
+    char reason[1600];
+    if (engine->rung != NEPH_RUNG_WITNESS || !engine->stochastic || !scenery->check.uneven ||
+        !trial->entrant->info.available || !neph_study_applies(engine, &seen->stage->scene))
+        return NEPH_OK;
+    const struct neph_job job = job_of(trial, seen);
+    const enum neph_status status = neph_study_run(&job, trial->store, &made, &outcome, reason,
+                                                   diag);
+    if (status || outcome != NEPH_OUTCOME_RENDERED)
+        return status; /* the frame itself will say why */
+    struct neph_study *kept = neph_arena_zeroed(trial->arena, 1, sizeof(*kept));
+    if (!kept)
+        return neph_fail_memory(diag);
+    *kept = made;
+    row->study = kept;
+    neph_study_apply(&made, engine, &trial->settings);
+    return NEPH_OK;
+}
+
+/* An engine that cannot do all orders is shown with what it can do, and marked as lowered. */
+static enum neph_status try_all(struct neph_trial *trial, struct neph_scenery *scenery,
+                                struct sums *sums, struct neph_physics_row *row,
+                                struct neph_diag *diag)
+{
+    const struct neph_engine *engine = trial->entrant->engine;
+    enum neph_status status = choose_step(trial, scenery, row, diag);
+    if (!status)
+        status = try_views(trial, scenery, sums, row, diag);
+    const bool whole = engine->rung <= NEPH_RUNG_TRACER || engine->look;
+    if (status || row->outcome != NEPH_OUTCOME_CANNOT || whole)
+        return status;
+    const struct neph_scene *scene = &scenery->views[0].stage->scene;
+    const enum neph_scattering scattering = scene->scattering;
+    const bool environment_light = scene->environment_light;
+    row->lowered = neph_scenery_lower(scenery, diag);
+    if (row->lowered)
+        status = try_views(trial, scenery, sums, row, diag);
+    neph_scenery_restore(scenery, scattering, environment_light, diag);
+    return status;
+}
+
+/* A deviation of up to thrice what steps are known to do is theirs. */
+static bool is_of_steps(const struct outcome *outcome, const struct neph_study *study)
+{
+    double steps = outcome->step_bound;
+    if (study) {
+        const struct neph_study_level *chosen = &study->levels[study->chosen];
+        steps = fabs(chosen->bias) + 2.0 * chosen->bias_noise;
+    }
+    return fabs(outcome->deviation) <= 3.0 * steps;
+}
+
+static void fill_numbers(const struct neph_participant *participant, const struct sums *sums,
+                         const struct outcome *outcome, struct neph_physics_row *row)
+{
+    row->deviation = outcome->deviation;
+    if (participant->refined)
+        row->step_bound = outcome->step_bound;
+    else
+        row->standard_error = outcome->standard_error;
+    if (outcome->standard_error > 0.0)
+        row->z = outcome->deviation / outcome->standard_error;
+    if (sums->pixels.count > 0) {
+        row->pixel_z_mean = sums->pixels.mean;
+        row->pixel_z_variance = sums->pixels.variance;
+    }
+}
+
+enum neph_status neph_trial_run(const struct neph_trial *asked, struct neph_scenery *scenery,
+                                struct neph_physics_row *row, struct neph_diag *diag)
+{
+    struct neph_trial trial = *asked;
+    const struct neph_participant *participant = trial.entrant->participant;
+    struct sums sums;
+    struct outcome outcome = {.deviation = 0.0};
+    row->participant = participant;
+    row->engine = trial.entrant->engine;
+    row->deviation = row->standard_error = row->step_bound = row->z = NAN;
+    row->pixel_z_mean = row->pixel_z_variance = NAN;
+    trial.settings = trial.entrant->settings;
+    const enum neph_status status = try_all(&trial, scenery, &sums, row, diag);
+    if (status)
+        return status;
+    if (row->outcome == NEPH_OUTCOME_RENDERED) {
+        outcome = conclude(participant, &sums);
+        fill_numbers(participant, &sums, &outcome, row);
+    }
+    const struct neph_participation part = {
+        .lowered = row->lowered,
+        .baked = row->bakes && row->bakes->worst.transmittance_max > 0.0,
+        .stepped = is_of_steps(&outcome, row->study),
+    };
+    row->cause = neph_participant_cause(participant, &scenery->check, &part);
+    return neph_arena_check(trial.arena, diag);
+}

@@ -1,0 +1,325 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/report/scene_run.h"
+
+#include "base/clock.h"
+#include "base/exr.h"
+#include "harness/report/gates.h"
+#include "harness/report/scene_layers.h"
+#include "harness/report/step_depth.h"
+#include "harness/run/budget.h"
+#include "harness/run/seed.h"
+#include "harness/study/studies.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+/* What was rendered once within the budget will be again, but on a busy machine perhaps not as
+ * fast: a second seed that is given up takes the engine out of the attribution. */
+enum { SECOND_SEED_PATIENCE = 4 };
+
+/* Kinds of steps, for the time left: engine by engine, a picture and its second seed. */
+enum { KIND_FRAME = 0, KIND_SECOND_SEED = NEPH_FIELD_MAX };
+
+/* A shortcut stands against the engine whose model it renders; whom it differs from else is no
+ * question. */
+static bool is_peer(const struct neph_engine *engine)
+{
+    return !engine->shortcut_of;
+}
+
+static bool has_second_seed(const struct neph_engine *engine)
+{
+    return engine->stochastic && is_peer(engine);
+}
+
+void neph_scene_run_expect(const struct neph_scene_run *run, int count)
+{
+    for (int i = 0; i < run->field->count; i++) {
+        const struct neph_engine *engine = run->field->engines[i];
+        const double guess_s = run->field->infos[i].available ? engine->typical_s : 0.0;
+        neph_progress_expect(run->progress, KIND_FRAME + i, count, guess_s);
+        if (has_second_seed(engine))
+            neph_progress_expect(run->progress, KIND_SECOND_SEED + i, count, guess_s);
+    }
+}
+
+/* ---- pictures -------------------------------------------------------------------------------- */
+
+/* The frame that is rendered: the one that was asked for, or the last. */
+static int frame_of(const struct neph_scene_run *run, const struct neph_scene *scene)
+{
+    return run->frame < scene->frame_count ? run->frame : scene->frame_count - 1;
+}
+
+static struct neph_job job_of(const struct neph_scene_run *run, int index,
+                              const struct neph_scene *scene, int seed)
+{
+    const struct neph_engine *engine = run->field->engines[index];
+    return (struct neph_job){
+        .engine = engine,
+        .info = &run->field->infos[index],
+        .shot = {.scene = scene,
+                 .settings = neph_settings_default(engine),
+                 .width_px = run->width_px,
+                 .height_px = run->height_px,
+                 .frame = frame_of(run, scene),
+                 .layers = NEPH_LAYERS_ALL,
+                 .seed = neph_seed_of(scene, seed)},
+    };
+}
+
+/* Other people's renderers march in steps of our choice: a study chooses them, one that comes with
+ * neph or one that is made now. `*chosen` tells whether there was one. */
+static enum neph_status choose_step(const struct neph_scene_run *run, struct neph_job *job,
+                                    struct neph_study *study, bool *chosen, struct neph_diag *diag)
+{
+    *chosen = false;
+    if (job->engine->rung != NEPH_RUNG_WITNESS || !job->info->available ||
+        !neph_study_applies(job->engine, job->shot.scene))
+        return NEPH_OK;
+    enum neph_status status = neph_studies_find(job, study, chosen, diag);
+    if (!status && !*chosen) {
+        enum neph_outcome outcome;
+        char reason[1600]; /* the frame itself will say why */
+        struct neph_job limited = *job;
+        limited.shot.time_limit_s = run->budget_s;
+        status = neph_studies_make(&limited, run->store, study, &outcome, reason, diag);
+        *chosen = !status && outcome == NEPH_OUTCOME_RENDERED;
+    }
+    if (*chosen)
+        neph_study_apply(study, job->engine, &job->shot.settings);
+    return status;
+}
+
+/* A step that is too long shows in no picture. */
+static void warn_of_steps(const struct neph_job *job, double depth)
+{
+    char *warning = neph_step_depth_warning(depth, job->engine);
+    if (warning)
+        fprintf(stderr, "warning: %s: %s\n", job->shot.scene->name, warning);
+    free(warning);
+}
+
+/* A step of progress, which is one picture. */
+struct step {
+    char what[256];
+    double start_s;
+};
+
+static struct step begin_step(const struct neph_scene_run *run, const struct neph_job *job,
+                              int kind)
+{
+    struct step step = {.start_s = neph_wall_s()};
+    snprintf(step.what, sizeof(step.what), "%s with %s%s", job->shot.scene->name, job->engine->name,
+             kind >= KIND_SECOND_SEED ? ", second seed" : "");
+    run->progress->kind = kind;
+    neph_progress_begin(run->progress, step.what);
+    return step;
+}
+
+static void end_step(const struct neph_scene_run *run, const struct step *step,
+                     const struct neph_job_result *result)
+{
+    neph_progress_step(run->progress, step->what,
+                       result->reused ? "reused" : neph_outcome_name(result->outcome),
+                       neph_wall_s() - step->start_s);
+}
+
+/* Witnesses within their budget. */
+static enum neph_status render(const struct neph_scene_run *run, struct neph_job *job,
+                               struct neph_job_result *result, struct neph_diag *diag)
+{
+    return job->engine->rung == NEPH_RUNG_WITNESS
+               ? neph_budget_run(job, run->budget_s, run->store, result, diag)
+               : neph_job_run(job, run->store, result, diag);
+}
+
+static void take_result(const struct neph_scene_run *run, const struct neph_job *job,
+                        const struct neph_job_result *result, struct neph_frame_result *frame)
+{
+    *frame = (struct neph_frame_result){
+        .engine = job->engine,
+        .outcome = result->outcome,
+        .reason = neph_arena_text(run->arena, result->reason),
+        .note = neph_arena_text(run->arena, result->note),
+        .settings = neph_arena_text(run->arena, result->settings),
+        .reused = result->reused,
+        .cost = result->cost,
+        .seed = job->shot.seed,
+        .step_optical_depth = neph_step_depth(&job->shot, job->engine),
+        .path = neph_arena_text(run->arena, result->frame_path),
+        .study = frame->study,
+    };
+}
+
+/* `*chosen` receives the settings, for the second seed. */
+static enum neph_status run_frame(const struct neph_scene_run *run, int index,
+                                  const struct neph_scene *scene, struct neph_frame_result *frame,
+                                  struct neph_settings *chosen, struct neph_diag *diag)
+{
+    struct neph_job job = job_of(run, index, scene, 1);
+    struct neph_job_result result = {.outcome = NEPH_OUTCOME_FAILED};
+    struct neph_study *study = neph_arena_zeroed(run->arena, 1, sizeof(*study));
+    bool is_studied = false;
+    const struct step step = begin_step(run, &job, KIND_FRAME + index);
+    enum neph_status status = neph_arena_check(run->arena, diag);
+    if (!status)
+        status = choose_step(run, &job, study, &is_studied, diag);
+    if (!status)
+        status = render(run, &job, &result, diag);
+    *chosen = job.shot.settings;
+    if (!status) {
+        frame->study = is_studied ? study : NULL;
+        take_result(run, &job, &result, frame);
+        warn_of_steps(&job, frame->step_optical_depth);
+        end_step(run, &step, &result);
+    }
+    neph_job_result_finish(&result);
+    return status;
+}
+
+static enum neph_status run_second_seed(const struct neph_scene_run *run, int index,
+                                        const struct neph_scene *scene,
+                                        const struct neph_settings *chosen,
+                                        struct neph_frame_result *frame, struct neph_diag *diag)
+{
+    struct neph_job job = job_of(run, index, scene, 2);
+    struct neph_job_result result = {.outcome = NEPH_OUTCOME_FAILED};
+    job.shot.settings = *chosen;
+    job.shot.time_limit_s = SECOND_SEED_PATIENCE * run->budget_s;
+    const struct step step = begin_step(run, &job, KIND_SECOND_SEED + index);
+    const enum neph_status status = neph_job_run(&job, run->store, &result, diag);
+    if (!status) {
+        frame->second_path = neph_arena_text(run->arena, result.frame_path);
+        end_step(run, &step, &result);
+    }
+    neph_job_result_finish(&result);
+    return status;
+}
+
+/* A second seed of every stochastic engine, where there are three engines to tell apart. */
+static enum neph_status run_second_seeds(const struct neph_scene_run *run,
+                                         const struct neph_scene *scene,
+                                         const struct neph_settings *chosen,
+                                         struct neph_scene_result *result, struct neph_diag *diag)
+{
+    int rendered = 0;
+    for (int i = 0; i < run->field->count; i++)
+        rendered += is_peer(run->field->engines[i]) && result->frames[i].path;
+    enum neph_status status = NEPH_OK;
+    for (int i = 0; i < run->field->count && !status; i++) {
+        struct neph_frame_result *frame = &result->frames[i];
+        if (!has_second_seed(frame->engine))
+            continue;
+        if (rendered >= 3 && frame->path)
+            status = run_second_seed(run, i, scene, &chosen[i], frame, diag);
+        else
+            neph_progress_expect(run->progress, KIND_SECOND_SEED + i, -1, 0.0);
+    }
+    return status;
+}
+
+/* ---- what they say --------------------------------------------------------------------------- */
+
+/* Who disagrees with whom: of the peers those that claim physics to be right or wrong about. */
+static enum neph_status attribute(const struct neph_scene_run *run,
+                                  struct neph_scene_result *result, struct neph_diag *diag)
+{
+    struct neph_peer peers[NEPH_FIELD_MAX];
+    int count = 0;
+    for (int f = 0; f < result->frame_count; f++) {
+        const struct neph_frame_result *frame = &result->frames[f];
+        if (frame->path && is_peer(frame->engine) && !frame->engine->look)
+            peers[count++] = (struct neph_peer){frame->engine->name, frame->path,
+                                                frame->second_path};
+    }
+    return neph_attribute(peers, count, run->arena, &result->attribution, diag);
+}
+
+/* The rendered frame of the highest rung that is truth (exact or a tracer); -1 when none is. */
+static int find_truth(const struct neph_scene_result *result)
+{
+    for (int f = 0; f < result->frame_count; f++)
+        if (result->frames[f].path && result->frames[f].engine->rung <= NEPH_RUNG_TRACER)
+            return f;
+    return -1;
+}
+
+/* Measure one rendered frame, against the truth when there is one. */
+static enum neph_status measure_frame(const struct neph_scene_run *run,
+                                      const struct neph_image *truth,
+                                      const struct neph_viewing *viewing,
+                                      struct neph_frame_result *frame, struct neph_diag *diag)
+{
+    struct neph_image *image = NULL;
+    enum neph_status status = frame->path ? neph_exr_read(frame->path, &image, diag) : NEPH_OK;
+    if (!image)
+        return status;
+    struct neph_bakes_summary bakes;
+    if (neph_bakes_of_frame(image, &bakes)) {
+        struct neph_bakes_summary *kept = neph_arena_zeroed(run->arena, 1, sizeof(*kept));
+        if (kept)
+            *kept = bakes;
+        frame->bakes = kept;
+    }
+    status = neph_measure_validity(image, &frame->measurements, diag);
+    if (!status && truth)
+        status = neph_measure(truth, image, NULL, viewing, &frame->measurements, diag);
+    neph_image_destroy(image);
+    return status;
+}
+
+static enum neph_status measure_all(const struct neph_scene_run *run,
+                                    const struct neph_scene *scene,
+                                    struct neph_scene_result *result, struct neph_diag *diag)
+{
+    struct neph_image *truth = NULL;
+    enum neph_status status = NEPH_OK;
+    if (result->truth >= 0)
+        status = neph_exr_read(result->frames[result->truth].path, &truth, diag);
+    if (truth)
+        status = neph_scene_layers_add(scene, frame_of(run, scene), truth, diag);
+    for (int f = 0; f < result->frame_count && !status; f++)
+        status = measure_frame(run, f == result->truth ? NULL : truth, &result->viewing,
+                               &result->frames[f], diag);
+    neph_image_destroy(truth);
+    return status;
+}
+
+/* Colour scales of difference maps are the same in every run: 2 % of the display's white for
+ * radiance, 0.002 for transmittance, a few times what the gates of the catalogue allow. */
+static void describe(const struct neph_scene_run *run, const struct neph_scene *scene,
+                     struct neph_scene_result *result)
+{
+    result->name = neph_arena_text(run->arena, scene->name);
+    result->title = neph_arena_text(run->arena, scene->title);
+    result->physics = neph_arena_text(run->arena, scene->physics);
+    result->hash = neph_arena_text(run->arena, scene->hash);
+    result->viewing = NEPH_VIEWING_DEFAULTS;
+    result->viewing.exposure_ev = scene->exposure_ev;
+    result->difference_scales[NEPH_SHOWN_RADIANCE] = 0.02 * exp2(-scene->exposure_ev);
+    result->difference_scales[NEPH_SHOWN_TRANSMITTANCE] = 0.002;
+}
+
+enum neph_status neph_scene_run(const struct neph_scene_run *run, const struct neph_scene *scene,
+                                struct neph_scene_result *result, struct neph_diag *diag)
+{
+    struct neph_settings chosen[NEPH_FIELD_MAX];
+    const size_t count = (size_t)run->field->count;
+    result->frames = neph_arena_zeroed(run->arena, count, sizeof(*result->frames));
+    enum neph_status status = neph_arena_check(run->arena, diag);
+    describe(run, scene, result);
+    for (int i = 0; i < run->field->count && !status; i++, result->frame_count++)
+        status = run_frame(run, i, scene, &result->frames[i], &chosen[i], diag);
+    if (!status)
+        status = run_second_seeds(run, scene, chosen, result, diag);
+    if (!status)
+        status = attribute(run, result, diag);
+    result->truth = find_truth(result);
+    if (!status)
+        status = measure_all(run, scene, result, diag);
+    if (!status)
+        neph_gates_judge(scene, run->arena, result);
+    return status ? status : neph_arena_check(run->arena, diag);
+}

@@ -1,0 +1,128 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * What a run of the main job found: scenes, the frames of all engines, their numbers, gates and
+ * verdicts. Filled while it runs; whoever prints it or writes it as JSON only reads.
+ */
+#ifndef NEPH_HARNESS_REPORT_VALIDATION_H
+#define NEPH_HARNESS_REPORT_VALIDATION_H
+
+#include "base/arena.h"
+#include "harness/compare/measure.h"
+#include "harness/engines/bakes.h"
+#include "harness/physics/results.h"
+#include "harness/report/attribution.h"
+#include "harness/report/charts.h"
+#include "harness/report/over_time.h"
+#include "harness/run/job.h"
+#include "harness/study/study.h"
+
+enum { NEPH_FIELD_MAX = 16 };
+
+/* The engines of a run, probed once. */
+struct neph_field {
+    int count;
+    const struct neph_engine *engines[NEPH_FIELD_MAX];
+    struct neph_engine_info infos[NEPH_FIELD_MAX];
+};
+
+/* What difference maps are drawn of. */
+enum neph_shown { NEPH_SHOWN_RADIANCE, NEPH_SHOWN_TRANSMITTANCE, NEPH_SHOWN_COUNT };
+
+const char *neph_shown_name(enum neph_shown which);
+
+/* One engine's picture of a scene. Texts are of the validation's arena, here as below. */
+struct neph_frame_result {
+    const struct neph_engine *engine;
+    enum neph_outcome outcome;
+    const char *reason;   /* "" of a rendered frame */
+    const char *note;     /* what it lacks of what was asked for, or "" */
+    const char *settings; /* canonical */
+    bool reused;          /* taken from the store */
+    struct neph_cost cost;
+    uint64_t seed;
+    double step_optical_depth;      /* the most that a step spans; NaN: it has no fixed steps */
+    const char *path;               /* of the frame in the store; NULL unless rendered */
+    const char *second_path;        /* by a second seed; NULL: none */
+    const struct neph_study *study; /* that chose its step; NULL: none */
+    const struct neph_bakes_summary *bakes;              /* of the grids that it saw; NULL: none */
+    struct neph_measurements measurements;               /* owned */
+    const char *picture, *differences[NEPH_SHOWN_COUNT]; /* inside the report; NULL: none (yet) */
+};
+
+enum neph_gate_verdict { NEPH_GATE_PASS, NEPH_GATE_FAIL, NEPH_GATE_NOT_MEASURED };
+
+struct neph_gate_result {
+    const char *engine, *quantity, *metric, *mask;
+    double value; /* NaN: not measured */
+    double maximum;
+    enum neph_gate_verdict verdict;
+    const char *reason;
+};
+
+struct neph_scene_result {
+    const char *name, *title, *physics, *hash;
+    struct neph_viewing viewing;
+    int frame_count; /* one per engine of the field, in its order */
+    struct neph_frame_result *frames;
+    int truth; /* index of the frame that the others are measured against; -1: there is none */
+    double difference_scales[NEPH_SHOWN_COUNT]; /* the ends of the colour scales */
+    int gate_count;
+    struct neph_gate_result *gates;
+    const struct neph_attribution *attribution; /* NULL: nobody to tell apart */
+    bool is_drawn;
+};
+
+/* A scene of the catalogue whose data is not here. */
+struct neph_absent_scene {
+    const char *scene, *reason, *hint;
+};
+
+enum neph_verdict {
+    NEPH_VERDICT_PASS,
+    NEPH_VERDICT_FAIL,
+    NEPH_VERDICT_RUNNING,
+    NEPH_VERDICT_INTERRUPTED,
+};
+
+/* What a verdict stands on. */
+struct neph_counts {
+    int expected; /* frames: scenes that are here times engines; in the physics suite, rows */
+    int reported; /* of them in the report, with their outcome */
+    int compared; /* of these, measured against the truth */
+};
+
+/* Start from {0}; free with neph_validation_finish(). */
+struct neph_validation {
+    struct neph_arena arena;
+    const char *title;
+    char created_utc[32];
+    int width_px, height_px; /* of the scenes' pictures */
+    struct neph_field field;
+    int scene_count, absent_count, chart_count;
+    struct neph_scene_result *scenes;
+    struct neph_absent_scene *absent;
+    struct neph_chart *charts;
+    struct neph_over_time *over_time; /* NULL: none */
+    struct neph_physics *physics;     /* owned by the caller; NULL: none */
+    enum neph_verdict verdict;
+    struct neph_counts counts;
+    double seconds;
+    int steps_done, steps_total; /* while it is running, and when it was interrupted */
+    double left_s;               /* negative: not known */
+    bool interactive;            /* the report has what interactive charts need */
+};
+
+void neph_validation_finish(struct neph_validation *validation);
+
+/* What of a scene is not the arena's; it becomes {0}. */
+void neph_scene_result_finish(struct neph_scene_result *scene);
+
+/* Count and judge what is there; `here_count` scenes were to be run. A failed gate or an engine
+ * that broke fails the run, a missing one does not. Nor does a run pass that lost a frame or
+ * compared none. */
+void neph_validation_judge(struct neph_validation *validation, int here_count);
+
+const char *neph_verdict_name(enum neph_verdict verdict);
+const char *neph_gate_verdict_name(enum neph_gate_verdict verdict);
+
+#endif

@@ -1,0 +1,142 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/report/validation_json.h"
+
+#include "harness/host.h"
+#include "metrics/display.h"
+
+#include <math.h>
+
+static json_t *number_or_null(double value)
+{
+    return isfinite(value) ? json_real(value) : json_null();
+}
+
+/* ---- a scene --------------------------------------------------------------------------------- */
+
+static json_t *frame_json(const struct neph_frame_result *frame)
+{
+    const struct neph_engine *engine = frame->engine;
+    return json_pack(
+        "{s:s, s:s, s:s, s:s, s:s, s:s, s:b, s:f, s:f, s:f, s:I, s:I, s:o, s:s?, s:s?, s:s?, "
+        "s:{s:s?, s:s?}, s:o, s:o, s:b, s:o}",
+        "engine", engine->name, "rung", neph_rung_name(engine->rung), "status",
+        neph_outcome_name(frame->outcome), "reason", frame->reason, "note", frame->note, "settings",
+        frame->settings, "reused", frame->reused, "render_s", frame->cost.render_s, "wall_s",
+        frame->cost.wall_s, "cpu_s", frame->cost.cpu_s, "peak_memory_bytes",
+        (json_int_t)frame->cost.peak_memory_bytes, "seed", (json_int_t)frame->seed,
+        "step_optical_depth", number_or_null(frame->step_optical_depth), "exr", frame->path,
+        "exr_second", frame->second_path, "picture", frame->picture, "difference", "radiance",
+        frame->differences[NEPH_SHOWN_RADIANCE], "transmittance",
+        frame->differences[NEPH_SHOWN_TRANSMITTANCE], "measurements",
+        neph_measurements_json(&frame->measurements), "study",
+        frame->study ? neph_study_json(frame->study) : json_null(), "look", engine->look, "bake",
+        frame->bakes ? neph_bakes_summary_json(frame->bakes) : json_null());
+}
+
+static json_t *gate_json(const struct neph_gate_result *gate)
+{
+    return json_pack("{s:s, s:s, s:s, s:s, s:o, s:f, s:s, s:s}", "engine", gate->engine, "quantity",
+                     gate->quantity, "metric", gate->metric, "mask", gate->mask, "value",
+                     number_or_null(gate->value), "maximum", gate->maximum, "verdict",
+                     neph_gate_verdict_name(gate->verdict), "reason", gate->reason);
+}
+
+static json_t *truth_json(const struct neph_scene_result *scene)
+{
+    if (scene->truth < 0)
+        return json_null();
+    const struct neph_engine *engine = scene->frames[scene->truth].engine;
+    return json_pack("{s:s, s:s}", "engine", engine->name, "rung", neph_rung_name(engine->rung));
+}
+
+static json_t *scene_json(const struct neph_scene_result *scene)
+{
+    json_t *frames = json_array(), *gates = json_array();
+    for (int f = 0; f < scene->frame_count; f++)
+        neph_json_add(&frames, frame_json(&scene->frames[f]));
+    for (int g = 0; g < scene->gate_count; g++)
+        neph_json_add(&gates, gate_json(&scene->gates[g]));
+    return json_pack("{s:s, s:s, s:s, s:f, s:o, s:s, s:o, s:{s:f, s:f}, s:o, s:o, s:o}", "name",
+                     scene->name, "title", scene->title, "physics", scene->physics, "exposure_ev",
+                     scene->viewing.exposure_ev, "viewing", neph_viewing_json(&scene->viewing),
+                     "hash", scene->hash, "truth", truth_json(scene), "difference_scale",
+                     "radiance", scene->difference_scales[NEPH_SHOWN_RADIANCE], "transmittance",
+                     scene->difference_scales[NEPH_SHOWN_TRANSMITTANCE], "frames", frames, "gates",
+                     gates, "attribution", neph_attribution_json(scene->attribution));
+}
+
+/* ---- the run --------------------------------------------------------------------------------- */
+
+static json_t *engine_json(const struct neph_engine *engine, const struct neph_engine_info *info)
+{
+    return json_pack("{s:s, s:s, s:s, s:s?, s:b, s:b, s:s, s:s, s:s, s:s}", "name", engine->name,
+                     "summary", engine->summary, "rung", neph_rung_name(engine->rung), "bias",
+                     engine->bias, "available", info->available, "broken", info->broken, "version",
+                     info->version, "device", info->device, "missing", info->missing,
+                     "install_line", info->install_line);
+}
+
+/* The lists of a document, each item by its own function. */
+static json_t *head_json(const struct neph_validation *validation)
+{
+    const struct neph_field *field = &validation->field;
+    json_t *engines = json_array(), *scenes = json_array(), *absent = json_array();
+    json_t *sequences = json_array(), *charts = json_array();
+    for (int i = 0; i < field->count; i++)
+        neph_json_add(&engines, engine_json(field->engines[i], &field->infos[i]));
+    for (int i = 0; i < validation->scene_count; i++)
+        neph_json_add(&scenes, scene_json(&validation->scenes[i]));
+    for (int i = 0; i < validation->absent_count; i++)
+        neph_json_add(&absent,
+                      json_pack("{s:s, s:s, s:s}", "scene", validation->absent[i].scene, "reason",
+                                validation->absent[i].reason, "hint", validation->absent[i].hint));
+    if (validation->over_time)
+        neph_json_add(&sequences, neph_over_time_json(validation->over_time));
+    for (int i = 0; i < validation->chart_count; i++)
+        neph_json_add(&charts, neph_chart_json(&validation->charts[i]));
+    return json_pack("{s:s, s:s, s:s, s:s, s:o, s:[i,i], s:o, s:o, s:o, s:o, s:o}", "format",
+                     "neph-report-1", "title", validation->title, "created_utc",
+                     validation->created_utc, "neph_version", NEPH_VERSION, "host",
+                     neph_host_json(), "size_px", validation->width_px, validation->height_px,
+                     "engines", engines, "scenes", scenes, "absent", absent, "sequences", sequences,
+                     "charts", charts);
+}
+
+static bool is_over(const struct neph_validation *validation)
+{
+    return validation->verdict == NEPH_VERDICT_PASS || validation->verdict == NEPH_VERDICT_FAIL;
+}
+
+/* The stops of the difference maps, evenly spaced from -scale to +scale, for the page's legend. */
+static json_t *difference_colours_json(void)
+{
+    const struct neph_display_legend *legend = neph_display_difference_legend();
+    json_t *colours = json_array();
+    for (int i = 0; i < legend->stop_count; i++) {
+        const uint8_t *rgb = legend->stops[i].rgb;
+        neph_json_add(&colours, json_sprintf("#%02x%02x%02x", rgb[0], rgb[1], rgb[2]));
+    }
+    return colours;
+}
+
+json_t *neph_validation_json(const struct neph_validation *validation)
+{
+    const struct neph_counts *counts = &validation->counts;
+    json_t *json = head_json(validation);
+    neph_json_set(&json, "verdict", json_string(neph_verdict_name(validation->verdict)));
+    neph_json_set(&json, "seconds", json_real(validation->seconds));
+    neph_json_set(&json, "counts",
+                  json_pack("{s:i, s:i, s:i}", "expected", counts->expected, "reported",
+                            counts->reported, "compared", counts->compared));
+    if (!is_over(validation))
+        neph_json_set(
+            &json, "progress",
+            json_pack("{s:i, s:i, s:o}", "done", validation->steps_done, "total",
+                      validation->steps_total, "left_s",
+                      number_or_null(validation->left_s >= 0.0 ? validation->left_s : NAN)));
+    if (validation->physics)
+        neph_json_set(&json, "physics", neph_physics_json(validation->physics));
+    neph_json_set(&json, "interactive", json_boolean(validation->interactive));
+    neph_json_set(&json, "difference_colours", difference_colours_json());
+    return json;
+}
