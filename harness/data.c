@@ -2,6 +2,7 @@
 #include "harness/data.h"
 
 #include "base/files.h"
+#include "metrics/extractor.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -40,18 +41,49 @@ char *neph_cache_path(void)
     return neph_format("/tmp/nephelometer-%ld", (long)getuid());
 }
 
+/* Gates hold numbers by the names of the metrics module, which the scenes module does not know. */
+static enum neph_status check_gates(const struct neph_scene *scene, const char *path,
+                                    struct neph_diag *diag)
+{
+    for (int g = 0; g < scene->gate_count; g++) {
+        const struct neph_extractor *owner = NULL;
+        const bool is_there = neph_metric_find(scene->gates[g].metric, &owner);
+        if (is_there && !owner->costly && !owner->temporal)
+            continue;
+        neph_fail(diag, NEPH_ERR_INPUT, "gates[%d].metric: '%s' is %s", g, scene->gates[g].metric,
+                  is_there ? "not among the numbers of every picture" : "no metric");
+        neph_locate(diag, path, scene->gates[g].line, 1);
+        neph_hint(diag, "`neph metrics` lists them");
+        return NEPH_ERR_INPUT;
+    }
+    return NEPH_OK;
+}
+
+static enum neph_status load(const char *path, struct neph_scene **scene, struct neph_diag *diag)
+{
+    struct neph_scene *loaded = NULL;
+    enum neph_status status = neph_scene_load(path, &loaded, diag);
+    if (!status)
+        status = check_gates(loaded, path, diag);
+    if (status)
+        neph_scene_destroy(loaded);
+    else
+        *scene = loaded;
+    return status;
+}
+
 enum neph_status neph_data_load_scene(const char *path_or_name, struct neph_scene **scene,
                                       struct neph_diag *diag)
 {
     if (!is_plain_name(path_or_name) || neph_path_exists(path_or_name))
-        return neph_scene_load(path_or_name, scene, diag);
+        return load(path_or_name, scene, diag);
     for (int folder = 0; folder < NEPH_DATA_SCENES_COUNT; folder++) {
         char *path = neph_format("%s/%s/%s.yaml", neph_data_directory(), scene_folders[folder],
                                  path_or_name);
         if (!path)
             return neph_fail_memory(diag);
         const bool is_here = neph_path_exists(path);
-        const enum neph_status status = is_here ? neph_scene_load(path, scene, diag) : NEPH_OK;
+        const enum neph_status status = is_here ? load(path, scene, diag) : NEPH_OK;
         free(path);
         if (is_here)
             return status;

@@ -63,17 +63,13 @@ static const char *const quantity_words[] = {
     NULL,
 };
 
-/* The names of the metrics module. */
-static const char *const metric_words[] = {"bias",     "rel_bias", "mae",     "rmse",
-                                           "rel_rmse", "rel_mse",  "max_abs", "max_rel",
-                                           "p50",      "p95",      "p99",     NULL};
-
 static const char *const mask_words[] = {"all", "sky", "solid", "medium", "depth_edge", NULL};
 
 static const struct neph_field gate_fields[] = {
     {"engine", NEPH_FIELD_TEXT, GATE(engine), .least = 1, .most = 64},
     {"quantity", NEPH_FIELD_WORD, GATE(quantity), .words = quantity_words},
-    {"metric", NEPH_FIELD_TEXT, GATE(metric), .words = metric_words},
+    {"metric", NEPH_FIELD_TEXT, GATE(metric), .least = 1, .most = 64,
+     .note = "one that `neph metrics` lists for single pictures"},
     {"mask", NEPH_FIELD_TEXT, GATE(mask), .is_optional = true, .absent = "`all`",
      .words = mask_words},
     {"maximum", NEPH_FIELD_NUMBER, GATE(maximum), "", 0, BRIGHT, .note = "of the absolute value"},

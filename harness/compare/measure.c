@@ -254,6 +254,24 @@ enum neph_status neph_measure_validity(const struct neph_image *frame,
     return status;
 }
 
+json_t *neph_metric_json(const struct neph_metric *metric)
+{
+    return json_pack("{s:s, s:s}", "name", metric->name, "help", metric->help);
+}
+
+json_t *neph_measured_metrics_json(void)
+{
+    struct neph_meter_choice choices[NEPH_CHOICES_MAX];
+    const int count = neph_measure_usual(NULL, choices);
+    json_t *list = json_array();
+    for (int i = 0; i < count; i++)
+        for (const struct neph_metric *m = choices[i].extractor->metrics; m->name; m++)
+            neph_json_add(&list, neph_metric_json(m));
+    neph_json_add(&list, neph_metric_json(&non_finite));
+    neph_json_add(&list, neph_metric_json(&negative));
+    return list;
+}
+
 const struct neph_measurement *neph_measurement_find(const struct neph_measurements *list,
                                                      const char *quantity, const char *metric,
                                                      const char *mask)

@@ -54,6 +54,12 @@ const char *neph_bound_name(enum neph_display_bound bound);
 json_t *neph_clipped_json(const struct neph_clipped *clipped);
 json_t *neph_viewing_json(const struct neph_viewing *viewing);
 
+/* What may stand in those lists, as an array of {"name", "help"} from the tables of the metrics. */
+json_t *neph_measured_metrics_json(void);
+
+/* One such entry. */
+json_t *neph_metric_json(const struct neph_metric *metric);
+
 /* Whether a mask is of a kind of which there are many. */
 bool neph_mask_is_detail(const char *mask);
 

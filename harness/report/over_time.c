@@ -27,6 +27,13 @@ static const char *const presets[PRESETS] = {"seed", "ours"};
 /* What a person sees, over the threshold. */
 static const char map_file[] = "seen_contrast_radiance.png";
 
+static const char *const metrics[] = {"seen_contrast", "seen_share", "std_p95", NULL};
+
+const char *const *neph_over_time_metrics(void)
+{
+    return metrics;
+}
+
 int neph_over_time_step_count(void)
 {
     return 1 + PRESETS;
@@ -122,11 +129,10 @@ static json_t *shown_number(const json_t *found, const json_t *beside)
 /* What the report shows of the numbers of all frames. */
 static json_t *shown_measurements(const json_t *document, const json_t *centre)
 {
-    static const char *const metrics[] = {"seen_contrast", "seen_share", "std_p95"};
     static const char *const masks[] = {"all", "depth_edge", "non_edge"};
     json_t *shown = json_array();
     for (size_t m = 0; m < sizeof(masks) / sizeof(masks[0]); m++)
-        for (size_t k = 0; k < sizeof(metrics) / sizeof(metrics[0]); k++) {
+        for (int k = 0; metrics[k]; k++) {
             const json_t *found = find_number(document, metrics[k], masks[m]);
             if (found)
                 neph_json_add(&shown,

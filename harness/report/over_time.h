@@ -60,6 +60,9 @@ enum neph_status neph_over_time_pictures(struct neph_over_time *over_time,
                                          const char *report_folder, struct neph_arena *arena,
                                          struct neph_diag *diag);
 
+/* The names of the metrics that are shown, NULL-terminated. */
+const char *const *neph_over_time_metrics(void);
+
 /* One of "sequences" in scripts/report/README.md. */
 json_t *neph_over_time_json(const struct neph_over_time *over_time);
 

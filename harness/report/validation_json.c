@@ -119,6 +119,15 @@ static json_t *difference_colours_json(void)
     return colours;
 }
 
+/* What the numbers are called is explained from the tables that they are measured by. */
+static json_t *metrics_json(void)
+{
+    json_t *list = neph_measured_metrics_json();
+    for (const char *const *name = neph_over_time_metrics(); *name; name++)
+        neph_json_add(&list, neph_metric_json(neph_metric_find(*name, NULL)));
+    return list;
+}
+
 json_t *neph_validation_json(const struct neph_validation *validation)
 {
     const struct neph_counts *counts = &validation->counts;
@@ -138,5 +147,6 @@ json_t *neph_validation_json(const struct neph_validation *validation)
         neph_json_set(&json, "physics", neph_physics_json(validation->physics));
     neph_json_set(&json, "interactive", json_boolean(validation->interactive));
     neph_json_set(&json, "difference_colours", difference_colours_json());
+    neph_json_set(&json, "metrics", metrics_json());
     return json;
 }

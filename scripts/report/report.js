@@ -21,42 +21,6 @@
   const QUANTITIES = { radiance: "Radiance", transmittance: "Transmittance", depth: "Depth", volume: "Light of the medium alone" };
   const MASKS = { all: "whole picture", sky: "sky", medium: "inside the medium", depth_edge: "at edges in depth", solid: "solids",
     non_edge: "away from edges in depth", thin: "thin objects", cloud: "clouds", fog: "fog", sun: "the sun" };
-  const METRICS = {
-    rel_bias: ["relative bias", "bias ÷ mean of the reference"],
-    bias: ["bias", "mean of engine − reference"],
-    rel_rmse: ["relative RMSE", "RMSE ÷ mean of the reference"],
-    rel_mse: ["relative MSE", "mean of squared error ÷ squared reference"],
-    rel_mse_trimmed: ["relative MSE, trimmed", "without its largest 0.1\u00a0%"],
-    rmse: ["RMSE", "root of the mean squared error"],
-    mae: ["mean error", "mean of the absolute error"],
-    max_abs: ["largest error", "in any one pixel"],
-    max_rel: ["largest relative error", "in any one pixel"],
-    p50: ["median error", "half of the pixels are better"],
-    p95: ["95\u00a0% error", "one pixel in 20 is worse"],
-    p99: ["99\u00a0% error", "one pixel in 100 is worse"],
-    stops_mean: ["mean error in stops", "factors of two of luminance"],
-    stops_p50: ["median error in stops", "half of the pixels are better"],
-    stops_p95: ["95\u00a0% error in stops", "one pixel in 20 is worse"],
-    pu_psnr: ["PU21 PSNR", "as a display of 100\u00a0cd/m² would show it; more is better"],
-    ssim_mean: ["SSIM", "likeness of structure, 1 is the same"],
-    ssim_p5: ["5\u00a0% SSIM", "one window in 20 is less alike"],
-    ms_ssim: ["MS-SSIM", "SSIM over five scales"],
-    rmse_shift1: ["RMSE, moved", "each block moved by up to 1\u00a0px as suits it best"],
-    shift_gain: ["moved ÷ still", "near 0: it is one pixel off; near 1: it is wrong"],
-    flip_mean: ["FLIP", "what an eye sees when the two alternate, 0 to 1"],
-    flip_wmedian: ["FLIP, weighted median", "half of all that is seen is worse"],
-    flip_p95: ["95\u00a0% FLIP", "one pixel in 20 is worse"],
-    flip_p99: ["99\u00a0% FLIP", "one pixel in 100 is worse"],
-    flip_max: ["largest FLIP", "in any one pixel"],
-    flip_wq1: ["FLIP, weighted quarter", "three quarters of all that is seen are worse"],
-    flip_wq3: ["FLIP, weighted three quarters", "a quarter of all that is seen is worse"],
-    hit_mismatch: ["misses", "share of pixels that are sky in one picture alone"],
-    non_finite: ["not finite", "pixels with NaN or infinity"],
-    negative: ["negative", "pixels below zero"],
-    seen_contrast: ["flicker seen", "1 is the threshold of an eye, at the frame rate of the scene"],
-    seen_share: ["share where it is seen", "most people see flicker at these pixels"],
-    std_p95: ["standard deviation over time, 95\u00a0%", "one pixel in 20 varies more"],
-  };
   const STATUSES = {
     rendered: ["rendered", ""],
     cannot: ["cannot", "open-word"],
@@ -240,6 +204,7 @@
   const sceneIds = scenes.map((scene) => anchor("scene", scene.name));
   const checks = (physics?.checks ?? []).map((check, c) => ({ check, c, id: anchor("check", check.name) }));
   const rungs = (physics?.rungs ?? []).filter((rung) => checks.some(({ check }) => check.rung === rung.name)).map((rung) => ({ ...rung, id: anchor("rung", rung.name) }));
+  const metricNames = (report?.metrics ?? []).map((metric) => metric.name); // in the order of their tables
   const isTruth = (scene, engine) => scene.truth?.engine === engine;
   const engineNamed = (name) => engines.find((engine) => engine.name === name);
 
@@ -257,9 +222,8 @@
     return "";
   }
 
-  const metricName = (metric) => (METRICS[metric] ? METRICS[metric][0] : metric);
   const maskName = (mask) => MASKS[mask] ?? mask;
-  const measured = (gate) => `${gate.quantity} ${metricName(gate.metric)}, ${maskName(gate.mask)}`;
+  const measured = (gate) => `${gate.quantity} ${gate.metric}, ${maskName(gate.mask)}`;
 
   function gateValue(s, g, key) {
     const gate = scenes[s].gates[g];
@@ -383,7 +347,7 @@
         el("tbody", {}, scenes.map((scene, s) => el("tr", {},
           el("th", { scope: "row" }, sceneLink(s), el("small", { class: "mono" }, scene.name)),
           engines.map((engine) => summaryCell(s, engine, order, unit)), attributed && el("td", {}, standsAlone(scene)))))),
-      [`The number is the ${metricName(common[1])} of the ${common[0]} over the ${maskName(common[2])}${unit ? `, in ${unit},` : ""} against the reference of `,
+      [`The number is the ${common[1]} of the ${common[0]} over the ${maskName(common[2])}${unit ? `, in ${unit},` : ""} against the reference of `,
         "the scene; where another one stands, it says which. Below it, the relative bias (+ is too bright) and the word of the gates. ",
         attributed && "“Stands alone” is who differs from all others, without any reference. ",
         "A dash is a number that was not measured."]));
@@ -429,7 +393,7 @@
     const bias = measurementOf(s, f, headline[0], "rel_bias", headline[2]);
     append(cell, [
       number(path, { ...reading(headline[1], unit), unit: "" }),
-      headline !== order[0] && el("small", {}, `${headline[0]} ${metricName(headline[1])}`),
+      headline !== order[0] && el("small", {}, `${headline[0]} ${headline[1]}`),
       !isRatio(unit) && unit !== commonUnit && el("small", { class: "unit" }, unit),
       bias && el("small", {}, "bias ", number(bias.path, reading("rel_bias", bias.unit))),
       stepBias(s, f, headline[0]),
@@ -636,7 +600,7 @@
   }
 
   function metricRank(metric) {
-    const n = Object.keys(METRICS).indexOf(metric);
+    const n = metricNames.indexOf(metric);
     return n < 0 ? Infinity : n;
   }
 
@@ -651,11 +615,11 @@
     const [f0, [m0]] = [...cells][0];
     const rowUnit = scene.frames[f0].measurements[m0].unit;
     const shownAs = reading(metric, rowUnit);
-    const [name, meaning] = METRICS[metric] ?? [metric, ""];
+    const meaning = report.metrics?.[metricRank(metric)]?.help;
     const first = !explained.has(metric);
     explained.add(metric);
     return el("tr", {},
-      el("th", { scope: "row" }, name, first && meaning && el("small", {}, meaning)),
+      el("th", { scope: "row" }, metric, first && meaning && el("small", {}, meaning)),
       el("td", { class: "tight soft" }, shownAs.unit || (isRatio(rowUnit) ? "1" : rowUnit)),
       columns.map(({ frame, f }) => {
         const list = cells.get(f);
@@ -1113,7 +1077,7 @@
     return scrolling("Flicker", el("table", {},
       el("thead", {}, el("tr", {}, el("th", { scope: "col" }, "Measure"), sequence.rows.map((row) => el("th", { scope: "col", class: "num" }, row.preset)))),
       el("tbody", {}, first.measurements.map((measurement, m) => el("tr", {},
-        el("th", { scope: "row" }, metricName(measurement.metric), el("small", {}, maskName(measurement.mask))),
+        el("th", { scope: "row" }, measurement.metric, el("small", {}, maskName(measurement.mask))),
         sequence.rows.map((row, r) => el("td", { class: "num" }, row.measurements.length === 0 ? absent() : flickerNumber(`sequences/${q}/rows/${r}/measurements/${m}`))))))),
       "Radiance as displayed, 1 is white. In brackets: 95\u00a0% interval over the picture; then the same number against centre rays alone, which an edge crosses in steps. The amplitude over four frames is of that cycle alone, as is its map: what flickers at another period stands in the deviation.");
   }
