@@ -2,7 +2,7 @@
 #include "harness/data.h"
 
 #include "base/files.h"
-#include "metrics/extractor.h"
+#include "metrics/extractors/extractors.h"
 
 #include <dirent.h>
 #include <errno.h>

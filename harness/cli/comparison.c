@@ -193,7 +193,7 @@ static enum neph_status choose_limited(struct neph_comparison *comparison,
     return NEPH_OK;
 }
 
-static enum neph_status check_limits(const json_t *measurements,
+static enum neph_status check_limits(const struct neph_measurements *measurements,
                                      const struct neph_cli_words *limits, bool below,
                                      struct neph_diag *diag)
 {
@@ -250,18 +250,19 @@ enum neph_status neph_cli_comparison_prepare(const struct neph_cli_comparison *a
 
 /* ---- which numbers to show ------------------------------------------------------------------- */
 
-static bool is_wanted(const struct neph_cli_comparison *asked, const json_t *item)
+static bool is_wanted(const struct neph_measurement *number, const void *context)
 {
-    const char *mask = wanted_mask(asked);
-    if (mask && strcmp(mask, neph_json_text(item, "mask")) != 0)
+    const struct neph_cli_comparison *asked = context;
+    const char *mask = wanted_mask(asked), *metric = number->metric->name;
+    if (mask && strcmp(mask, number->mask) != 0)
         return false;
     const struct neph_extractor *owner = NULL;
-    const struct neph_metric *metric = neph_metric_find(neph_json_text(item, "metric"), &owner);
+    neph_metric_find(metric, &owner);
     bool named = asked->metrics.count == 0;
     for (int i = 0; i < asked->metrics.count; i++) {
         const char *word = asked->metrics.list[i];
         named |= strcmp(word, "all") == 0 || strcmp(word, owner->name) == 0 ||
-                 strcmp(word, metric->name) == 0;
+                 strcmp(word, metric) == 0;
     }
     for (int i = 0; i < asked->shared.settings.count; i++) {
         const char *setting = asked->shared.settings.list[i];
@@ -272,63 +273,42 @@ static bool is_wanted(const struct neph_cli_comparison *asked, const json_t *ite
 }
 
 /* Findings stand on several metrics; those of the wanted mask, and of no mask in particular. */
-static bool is_wanted_finding(const struct neph_cli_comparison *asked, const json_t *item)
+static bool is_wanted_finding(const struct neph_cli_comparison *asked,
+                              const struct neph_finding *finding)
 {
     const char *mask = wanted_mask(asked);
-    return !mask || strcmp(mask, neph_json_text(item, "mask")) == 0 ||
-           strcmp(neph_json_text(item, "finding"), "half_life") == 0;
+    return !mask || strcmp(mask, finding->mask) == 0 || strcmp(finding->name, "half_life") == 0;
 }
 
-typedef bool wanted_function(const struct neph_cli_comparison *asked, const json_t *item);
-
-static json_t *wanted_rows(const struct neph_cli_comparison *asked, const json_t *list,
-                           wanted_function *wanted)
+/* Leave only what was asked for. */
+static void select_wanted(const struct neph_cli_comparison *asked, struct neph_compared *compared)
 {
-    json_t *kept = json_array();
-    for (size_t i = 0; i < json_array_size(list); i++)
-        if (wanted(asked, json_array_get(list, i)))
-            neph_json_add(&kept, json_incref(json_array_get(list, i)));
-    return kept;
-}
-
-static enum neph_status keep_wanted_rows(const struct neph_cli_comparison *asked, json_t *document,
-                                         const char *key, wanted_function *wanted,
-                                         struct neph_diag *diag)
-{
-    const json_t *list = json_object_get(document, key);
-    return neph_json_put(document, key, wanted_rows(asked, list, wanted), diag);
-}
-
-/* The document with only what was asked for. */
-static enum neph_status select_wanted(const struct neph_cli_comparison *asked, json_t *document,
-                                      struct neph_diag *diag)
-{
-    enum neph_status status = keep_wanted_rows(asked, document, "measurements", is_wanted, diag);
-    if (!status)
-        status = keep_wanted_rows(asked, document, "findings", is_wanted_finding, diag);
-    return status;
+    struct neph_findings *findings = &compared->findings;
+    int kept = 0;
+    neph_measurements_select(&compared->numbers, is_wanted, asked);
+    for (int i = 0; i < findings->count; i++)
+        if (is_wanted_finding(asked, &findings->list[i]))
+            findings->list[kept++] = findings->list[i];
+    findings->count = kept;
 }
 
 /* ---- the run --------------------------------------------------------------------------------- */
 
-static enum neph_status print_all(const struct neph_cli_comparison *asked, json_t *document,
-                                  struct neph_diag *diag)
+static enum neph_status print_all(const struct neph_cli_comparison *asked,
+                                  const struct neph_compared *compared, struct neph_diag *diag)
 {
-    enum neph_status status = select_wanted(asked, document, diag);
-    if (status)
-        return status;
-    const json_t *list = json_object_get(document, "measurements");
-    if (json_array_size(list) == 0 && asked->mask)
+    enum neph_status status = NEPH_OK;
+    if (compared->numbers.count == 0 && asked->mask)
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
                          "nothing to measure over the mask '%s': the reference has no such pixels, "
                          "or lacks the layer that it is made from",
                          asked->mask);
     const bool csv_on_stdout = asked->csv && strcmp(asked->csv, "-") == 0;
     if (asked->shared.json)
-        status = neph_cli_print_json(json_incref(document), diag);
+        status = neph_cli_print_json(neph_compared_json(compared), diag);
     else if (!csv_on_stdout)
-        neph_comparison_print(document, asked->rings || asked->mask, asked->metrics.count > 0);
-    return asked->csv && !status ? neph_comparison_write_csv(asked->csv, list, diag) : status;
+        neph_comparison_print(compared, asked->rings || asked->mask, asked->metrics.count > 0);
+    return asked->csv && !status ? neph_comparison_write_csv(asked->csv, compared, diag) : status;
 }
 
 /* Found before anything is measured. */
@@ -349,51 +329,36 @@ static enum neph_status find_versus(const struct neph_cli_comparison *asked,
     return status;
 }
 
-/* Differences of what was asked for alone: p-values are corrected for these. */
-static json_t *subtract(const struct neph_cli_comparison *asked, const json_t *document,
-                        const struct neph_measurements *drawn, const json_t *other_document,
-                        const struct neph_measurements *other_drawn, struct neph_diag *diag)
-{
-    json_t *numbers = wanted_rows(asked, json_object_get(document, "measurements"), is_wanted);
-    json_t *others = wanted_rows(asked, json_object_get(other_document, "measurements"), is_wanted);
-    json_t *differences = neph_versus(&(struct neph_versus_side){numbers, drawn},
-                                      &(struct neph_versus_side){others, other_drawn}, diag);
-    json_decref(numbers);
-    json_decref(others);
-    return differences;
-}
-
-/* The same again with the other test; its numbers stay out of sight, the differences are kept. */
+/* The same again with the other test; of its numbers only the differences are kept. `compared` has
+ * only what was asked for: p-values are corrected for these. */
 static enum neph_status add_versus(const struct neph_cli_comparison *asked,
                                    const struct neph_comparison *comparison,
-                                   const struct neph_sequence *other_test, json_t *document,
-                                   const struct neph_measurements *drawn, struct neph_diag *diag)
+                                   const struct neph_sequence *other_test,
+                                   struct neph_compared *compared, struct neph_diag *diag)
 {
     struct neph_comparison other = *comparison;
-    struct neph_measurements other_drawn = {0};
-    json_t *other_document = NULL, *differences = NULL;
+    struct neph_compared beside = {0};
     other.test = *other_test;
     other.maps_directory = NULL;
-    enum neph_status status = neph_comparison_run(&other, &other_document, &other_drawn, diag);
-    if (status == NEPH_ERR_GATE && other_document)
+    enum neph_status status = neph_comparison_run(&other, true, &beside, diag);
+    if (status == NEPH_ERR_GATE && beside.asked)
         neph_hint(diag, "these are frames of --versus; if they are meant to be frozen, say "
                         "--frozen-ok");
     if (!status) {
-        differences = subtract(asked, document, drawn, other_document, &other_drawn, diag);
-        status = differences ? NEPH_OK : NEPH_ERR_MEMORY;
+        select_wanted(asked, &beside);
+        status = neph_versus(&compared->numbers, &beside.numbers, &compared->versus, diag);
+        compared->has_versus = !status;
     }
-    if (differences)
-        status = neph_json_put(document, "versus", differences, diag);
-    json_decref(other_document);
-    neph_measurements_finish(&other_drawn);
+    neph_compared_finish(&beside);
     return status;
 }
 
-static bool has_numbers_of(const json_t *measurements, const struct neph_extractor *extractor)
+static bool has_numbers_of(const struct neph_compared *compared,
+                           const struct neph_extractor *extractor)
 {
-    for (size_t i = 0; i < json_array_size(measurements); i++) {
+    for (int i = 0; i < compared->numbers.count; i++) {
         const struct neph_extractor *owner = NULL;
-        neph_metric_find(neph_json_text(json_array_get(measurements, i), "metric"), &owner);
+        neph_metric_find(compared->numbers.list[i].metric->name, &owner);
         if (owner == extractor)
             return true;
     }
@@ -401,59 +366,68 @@ static bool has_numbers_of(const json_t *measurements, const struct neph_extract
 }
 
 /* What was asked for by name and gave nothing is not passed over. */
-static enum neph_status check_taken(const char *word, const json_t *measurements,
-                                    const json_t *not_taken, struct neph_diag *diag)
+static enum neph_status check_taken(const char *word, const struct neph_compared *compared,
+                                    struct neph_diag *diag)
 {
     const struct neph_extractor *extractor = neph_extractor_find(word);
     if (!extractor)
         neph_metric_find(word, &extractor);
-    if (!extractor || has_numbers_of(measurements, extractor)) /* "all" is none */
+    if (!extractor || has_numbers_of(compared, extractor)) /* "all" is none */
         return NEPH_OK;
     const char *because = "the images have nothing that it is taken of";
-    for (size_t i = 0; i < json_array_size(not_taken); i++)
-        if (strcmp(neph_json_text(json_array_get(not_taken, i), "extractor"), extractor->name) == 0)
-            because = neph_json_text(json_array_get(not_taken, i), "because");
+    for (int i = 0; i < compared->not_taken_count; i++)
+        if (strcmp(compared->not_taken[i].extractor, extractor->name) == 0)
+            because = compared->not_taken[i].because;
     return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "%s was not measured: %s", word, because);
 }
 
-static enum neph_status check_all_taken(const struct neph_cli_comparison *asked,
-                                        const json_t *measurements, const json_t *not_taken,
-                                        struct neph_diag *diag)
+/* What was asked for by name is there, and all limits are kept. */
+static enum neph_status check_all(const struct neph_cli_comparison *asked,
+                                  const struct neph_compared *compared, struct neph_diag *diag)
 {
     enum neph_status status = NEPH_OK;
     if (asked->metrics.count == 0 && asked->purpose)
-        status = check_taken(asked->purpose, measurements, not_taken, diag);
+        status = check_taken(asked->purpose, compared, diag);
     for (int i = 0; i < asked->metrics.count && !status; i++)
-        status = check_taken(asked->metrics.list[i], measurements, not_taken, diag);
+        status = check_taken(asked->metrics.list[i], compared, diag);
+    if (!status)
+        status = check_limits(&compared->numbers, &asked->above, false, diag);
+    if (!status)
+        status = check_limits(&compared->numbers, &asked->below, true, diag);
     return status;
+}
+
+/* Limits hold of all numbers, and are spoken of after those that are shown. */
+static enum neph_status tell(const struct neph_cli_comparison *asked,
+                             const struct neph_comparison *comparison,
+                             const struct neph_sequence *other, enum neph_status status,
+                             struct neph_compared *compared, struct neph_diag *diag)
+{
+    struct neph_diag late = {.line = 0};
+    const enum neph_status checked = check_all(asked, compared, &late);
+    select_wanted(asked, compared);
+    if (!status && asked->versus)
+        status = add_versus(asked, comparison, other, compared, diag);
+    const enum neph_status printed = print_all(asked, compared, status ? NULL : diag);
+    status = status ? status : printed;
+    if (status || !checked)
+        return status;
+    *diag = late;
+    return checked;
 }
 
 enum neph_status neph_cli_comparison_run(const struct neph_cli_comparison *asked,
                                          const struct neph_comparison *comparison,
                                          struct neph_diag *diag)
 {
-    json_t *document = NULL;
+    struct neph_compared compared = {0};
     struct neph_sequence other = {0};
-    struct neph_measurements drawn = {0};
     enum neph_status status = find_versus(asked, comparison, &other, diag);
     if (!status)
-        status = neph_comparison_run(comparison, &document, asked->versus ? &drawn : NULL, diag);
-    if (!status && asked->versus)
-        status = add_versus(asked, comparison, &other, document, &drawn, diag);
-    neph_measurements_finish(&drawn);
+        status = neph_comparison_run(comparison, asked->versus, &compared, diag);
+    if (compared.asked)
+        status = tell(asked, comparison, &other, status, &compared, diag);
     neph_sequence_finish(&other);
-    if (!document)
-        return status;
-    json_t *all = json_copy(json_object_get(document, "measurements"));
-    const enum neph_status printed = print_all(asked, document, status ? NULL : diag);
-    status = status ? status : printed;
-    if (!status)
-        status = check_all_taken(asked, all, json_object_get(document, "not_taken"), diag);
-    if (!status)
-        status = check_limits(all, &asked->above, false, diag);
-    if (!status)
-        status = check_limits(all, &asked->below, true, diag);
-    json_decref(all);
-    json_decref(document);
+    neph_compared_finish(&compared);
     return status;
 }

@@ -5,7 +5,6 @@
 #include "base/files.h"
 #include "base/interrupt.h"
 #include "base/png.h"
-#include "harness/compare/findings.h"
 #include "harness/compare/frame.h"
 #include "harness/compare/map_names.h"
 #include "harness/progress.h"
@@ -32,13 +31,12 @@ struct work {
     struct neph_image *reference, *second, *test; /* of the frame at hand; owned */
     struct neph_mask *masks[NEPH_MASKS_MAX];      /* owned */
     int mask_count;
-    struct neph_meter *meter;         /* owned */
-    struct neph_measurements numbers; /* owned, once all is measured */
+    struct neph_meter *meter; /* owned */
     struct neph_frozen frozen;
     bool has_overlooked[OVERLOOKED_COUNT]; /* any frame so far */
     char strangers[400];                   /* names of channels that mean nothing here */
     char declared_cycles[512];             /* by the first test frame; else empty */
-    json_t *maps;                          /* owned */
+    struct neph_compared *made;
 };
 
 static bool is_picture(const struct neph_image *image)
@@ -303,6 +301,17 @@ static enum neph_status write_picture(const char *path, const struct neph_image 
     return status;
 }
 
+static enum neph_status name_map(struct neph_compared *made, const char *file,
+                                 struct neph_diag *diag)
+{
+    const char **longer = realloc(made->maps, ((size_t)made->map_count + 1) * sizeof(*longer));
+    if (!longer)
+        return neph_fail_memory(diag);
+    made->maps = longer;
+    made->maps[made->map_count++] = neph_arena_text(&made->arena, file);
+    return NEPH_OK;
+}
+
 /* DIR/NAME_QUANTITY[_FRAME].exr and .png. */
 static enum neph_status write_map(struct work *work, const struct neph_quantity *quantity,
                                   const struct neph_extractor *extractor, int index, int frame,
@@ -321,9 +330,9 @@ static enum neph_status write_map(struct work *work, const struct neph_quantity 
     if (!status)
         status = write_picture(png, image, map, &work->viewing, diag);
     if (!status)
-        status = neph_json_append(work->maps, json_string(exr), diag);
+        status = name_map(work->made, exr, diag);
     if (!status)
-        status = neph_json_append(work->maps, json_string(png), diag);
+        status = name_map(work->made, png, diag);
     free(stem);
     free(exr);
     free(png);
@@ -490,98 +499,69 @@ static enum neph_status measure_all(struct work *work, struct neph_diag *diag)
     return status;
 }
 
+/* ---- what comes of it ------------------------------------------------------------------------ */
+
+static void pass_over(struct neph_compared *made, const char *extractor, const char *quantity,
+                      const char *because)
+{
+    made->not_taken[made->not_taken_count++] = (struct neph_not_taken){extractor, quantity,
+                                                                       because};
+}
+
 /* What one of the images has and the other has not. */
-static void add_one_sided(const struct work *work, json_t **list)
+static void add_one_sided(const struct work *work)
 {
     for (int q = 0; q < neph_quantity_count() && work->reference && work->test; q++) {
         const struct neph_quantity *quantity = neph_quantity_at(q);
         if (has(work->reference, quantity) != has(work->test, quantity))
-            neph_json_add(list,
-                          json_pack("{s:s, s:s, s:s}", "extractor", "everything", "quantity",
-                                    quantity->name, "because",
-                                    has(work->test, quantity) ? "the reference does not have it"
-                                                              : "the test does not have it"));
+            pass_over(work->made, "everything", quantity->name,
+                      has(work->test, quantity) ? "the reference does not have it"
+                                                : "the test does not have it");
     }
 }
 
-static void append_overlooked(json_t **list, const char *what, const char *because)
+static void add_overlooked(const struct work *work)
 {
-    neph_json_add(list, json_pack("{s:s, s:s, s:s}", "extractor", "everything", "quantity", what,
-                                  "because", because));
-}
-
-static void add_overlooked(const struct work *work, json_t **list)
-{
-    char what[sizeof(work->strangers) + 16];
     for (int i = 0; i < OVERLOOKED_COUNT; i++)
         if (work->has_overlooked[i])
-            append_overlooked(list, overlooked[i].what, overlooked[i].because);
-    snprintf(what, sizeof(what), "channels%s", work->strangers);
+            pass_over(work->made, "everything", overlooked[i].what, overlooked[i].because);
     if (work->strangers[0])
-        append_overlooked(
-            list, what,
-            "they have no meaning here; --layer NAME takes NAME.R, NAME.Z, ... for R, "
-            "Z, ...");
+        pass_over(work->made, "everything",
+                  neph_arena_format(&work->made->arena, "channels%s", work->strangers),
+                  "they have no meaning here; --layer NAME takes NAME.R, NAME.Z, ... for R, Z, "
+                  "...");
 }
 
-static json_t *not_taken(const struct work *work)
+static enum neph_status list_not_taken(const struct work *work, struct neph_diag *diag)
 {
-    json_t *list = json_array();
-    add_one_sided(work, &list);
-    add_overlooked(work, &list);
+    struct neph_compared *made = work->made;
+    const size_t most = (size_t)(neph_quantity_count() * (1 + work->asked->choice_count) +
+                                 OVERLOOKED_COUNT + 1);
+    made->not_taken = neph_arena_zeroed(&made->arena, most, sizeof(*made->not_taken));
+    if (!made->not_taken)
+        return neph_fail_memory(diag);
+    add_one_sided(work);
+    add_overlooked(work);
     for (int c = 0; c < work->asked->choice_count; c++) {
         const struct neph_extractor *extractor = work->asked->choices[c].extractor;
         for (int q = 0; q < neph_quantity_count(); q++) {
             const struct neph_quantity *quantity = neph_quantity_at(q);
             const char *because = neph_meter_obstacle(work->meter, quantity, extractor);
             if (because && neph_meter_takes(work->meter, quantity, extractor))
-                neph_json_add(&list, json_pack("{s:s, s:s, s:s}", "extractor", extractor->name,
-                                               "quantity", quantity->name, "because", because));
+                pass_over(made, extractor->name, quantity->name, because);
         }
     }
-    return list;
-}
-
-/* What was compared: the first file and how many there are. */
-static json_t *sequence_json(const struct neph_sequence *sequence)
-{
-    return json_pack("{s:o, s:i}", "first",
-                     sequence->count > 0 ? neph_json_cleaned(sequence->paths[0]) : json_null(),
-                     "count", sequence->count);
-}
-
-static json_t *numbers_json(const struct work *work)
-{
-    json_t *list = json_array();
-    for (int i = 0; i < work->numbers.count; i++) {
-        json_t *item = neph_measurement_json(&work->numbers.list[i]);
-        neph_json_set(&item, "viewing", neph_viewing_json(&work->viewing));
-        neph_json_add(&list, item);
-    }
-    return list;
-}
-
-static json_t *document_of(const struct work *work, const struct neph_findings *findings,
-                           bool interrupted)
-{
-    return json_pack("{s:s, s:o, s:o, s:i, s:i, s:i, s:b, s:o, s:o, s:o, s:O}", "version",
-                     NEPH_VERSION, "reference", sequence_json(&work->asked->reference), "test",
-                     sequence_json(&work->asked->test), "warm_up_frames",
-                     work->asked->warm_up_frames, "frames", work->done_count, "frozen",
-                     work->frozen.frozen_count, "interrupted", interrupted, "measurements",
-                     numbers_json(work), "findings", neph_findings_json(findings), "not_taken",
-                     not_taken(work), "maps", work->maps);
+    return neph_arena_check(&made->arena, diag);
 }
 
 /* Pictures hold values of a display, and so are numbers in their unit. */
-static void take_numbers(struct work *work)
+static void take_numbers(const struct work *work)
 {
-    work->numbers.list = neph_meter_release(work->meter, &work->numbers.count);
-    for (int i = 0; i < work->numbers.count && work->is_picture; i++) {
-        struct neph_measurement *number = &work->numbers.list[i];
-        if (strcmp(number->unit, number->quantity->unit) == 0)
-            number->unit = "display value";
-    }
+    struct neph_measurements *numbers = &work->made->numbers;
+    numbers->list = neph_meter_release(work->meter, &numbers->count);
+    for (int i = 0; i < numbers->count && work->is_picture; i++)
+        if (strcmp(numbers->list[i].unit, numbers->list[i].quantity->unit) == 0)
+            numbers->list[i].unit = "display value";
 }
 
 static enum neph_status judge_frozen(const struct work *work, struct neph_diag *diag)
@@ -599,26 +579,30 @@ static enum neph_status judge_frozen(const struct work *work, struct neph_diag *
     return NEPH_ERR_GATE;
 }
 
-/* The numbers of the sequence so far, and all together as a document. */
-static enum neph_status conclude(struct work *work, bool interrupted, json_t **document,
-                                 struct neph_diag *diag)
+/* The numbers of the sequence so far, and what they say. */
+static enum neph_status conclude(struct work *work, bool interrupted, struct neph_diag *diag)
 {
     struct neph_diag *words = interrupted ? NULL : diag; /* what is said already stays said */
+    struct neph_compared *made = work->made;
+    const int frozen_count = work->frozen.frozen_count;
     enum neph_status status = neph_meter_finish(work->meter, words);
     if (!status)
         status = write_maps(work, -1, words);
-    struct neph_findings findings = {0};
-    const bool is_frozen = work->frozen.frozen_count > 0 && !work->asked->frozen_is_fine;
+    if (!status)
+        status = list_not_taken(work, words);
     take_numbers(work);
     if (!status)
-        status = neph_findings_make(&work->numbers, work->viewing.frame_rate_hz, is_frozen,
-                                    work->declared_cycles, &findings, words);
-    if (!status) {
-        *document = document_of(work, &findings, interrupted);
-        status = neph_json_check(*document, words);
-    }
-    neph_findings_finish(&findings);
-    return status || interrupted ? status : judge_frozen(work, diag);
+        status = neph_findings_make(&made->numbers, work->viewing.frame_rate_hz,
+                                    frozen_count > 0 && !work->asked->frozen_is_fine,
+                                    work->declared_cycles, &made->findings, words);
+    if (status)
+        return status;
+    made->asked = work->asked;
+    made->viewing = work->viewing;
+    made->frame_count = work->done_count;
+    made->frozen_count = frozen_count;
+    made->interrupted = interrupted;
+    return interrupted ? NEPH_OK : judge_frozen(work, diag);
 }
 
 /* The folder of the maps, after a look that none takes the place of a frame that is read. */
@@ -633,14 +617,13 @@ static enum neph_status open_maps(const struct neph_comparison *asked, struct ne
     return status ? status : neph_dir_create(asked->maps_directory, diag);
 }
 
-enum neph_status neph_comparison_run(const struct neph_comparison *comparison, json_t **document,
-                                     struct neph_measurements *drawn, struct neph_diag *diag)
+enum neph_status neph_comparison_run(const struct neph_comparison *comparison, bool with_draws,
+                                     struct neph_compared *compared, struct neph_diag *diag)
 {
     struct work work = {.asked = comparison,
                         .viewing = comparison->viewing,
-                        .with_draws = drawn != NULL,
-                        .maps = json_array()};
-    *document = NULL;
+                        .with_draws = with_draws,
+                        .made = compared};
     enum neph_status status = check_counts(comparison, &work, diag);
     if (!status && comparison->maps_directory)
         status = open_maps(comparison, diag);
@@ -650,21 +633,75 @@ enum neph_status neph_comparison_run(const struct neph_comparison *comparison, j
     if (interrupted)
         neph_interrupt_acknowledge();
     if (!status || interrupted) {
-        const enum neph_status finished = conclude(&work, interrupted, document, diag);
+        const enum neph_status finished = conclude(&work, interrupted, diag);
         status = finished ? finished : status;
     }
-    if (drawn && *document)
-        *drawn = work.numbers;
-    else
-        neph_measurements_finish(&work.numbers);
     neph_meter_destroy(work.meter);
     neph_masks_destroy(work.masks, work.mask_count);
     neph_image_destroy(work.reference);
     neph_image_destroy(work.second);
     neph_image_destroy(work.test);
-
-    json_decref(work.maps);
     return status;
+}
+
+void neph_compared_finish(struct neph_compared *compared)
+{
+    neph_measurements_finish(&compared->numbers);
+    neph_findings_finish(&compared->findings);
+    neph_differences_finish(&compared->versus);
+    free(compared->maps);
+    neph_arena_finish(&compared->arena);
+    *compared = (struct neph_compared){.asked = NULL};
+}
+
+/* ---- as JSON --------------------------------------------------------------------------------- */
+
+/* What was compared: the first file and how many there are. */
+static json_t *sequence_json(const struct neph_sequence *sequence)
+{
+    return json_pack("{s:o, s:i}", "first",
+                     sequence->count > 0 ? neph_json_cleaned(sequence->paths[0]) : json_null(),
+                     "count", sequence->count);
+}
+
+static json_t *numbers_json(const struct neph_compared *compared)
+{
+    json_t *list = json_array();
+    for (int i = 0; i < compared->numbers.count; i++) {
+        json_t *item = neph_measurement_json(&compared->numbers.list[i]);
+        neph_json_set(&item, "viewing", neph_viewing_json(&compared->viewing));
+        neph_json_add(&list, item);
+    }
+    return list;
+}
+
+static json_t *not_taken_json(const struct neph_compared *compared)
+{
+    json_t *list = json_array();
+    for (int i = 0; i < compared->not_taken_count; i++)
+        neph_json_add(&list,
+                      json_pack("{s:s, s:s, s:s}", "extractor", compared->not_taken[i].extractor,
+                                "quantity", compared->not_taken[i].quantity, "because",
+                                compared->not_taken[i].because));
+    return list;
+}
+
+json_t *neph_compared_json(const struct neph_compared *compared)
+{
+    const struct neph_comparison *asked = compared->asked;
+    json_t *maps = json_array();
+    for (int i = 0; i < compared->map_count; i++)
+        neph_json_add(&maps, json_string(compared->maps[i]));
+    json_t *json = json_pack(
+        "{s:s, s:o, s:o, s:i, s:i, s:i, s:b, s:o, s:o, s:o, s:o}", "version", NEPH_VERSION,
+        "reference", sequence_json(&asked->reference), "test", sequence_json(&asked->test),
+        "warm_up_frames", asked->warm_up_frames, "frames", compared->frame_count, "frozen",
+        compared->frozen_count, "interrupted", compared->interrupted, "measurements",
+        numbers_json(compared), "findings", neph_findings_json(&compared->findings), "not_taken",
+        not_taken_json(compared), "maps", maps);
+    if (compared->has_versus)
+        neph_json_set(&json, "versus", neph_differences_json(&compared->versus));
+    return json;
 }
 
 void neph_comparison_finish(struct neph_comparison *comparison)

@@ -5,8 +5,10 @@
 #ifndef NEPH_HARNESS_COMPARE_COMPARISON_H
 #define NEPH_HARNESS_COMPARE_COMPARISON_H
 
-#include "harness/compare/measure.h"
+#include "base/arena.h"
+#include "harness/compare/findings.h"
 #include "harness/compare/sequence.h"
+#include "harness/compare/versus.h"
 
 struct neph_comparison {
     struct neph_sequence reference; /* one frame for all, or as many as the test has */
@@ -29,24 +31,49 @@ struct neph_comparison {
     bool quiet;                 /* no progress */
 };
 
-/* Measure. `drawn` (may be NULL) receives the measurements of the document in its order, with their
- * draws (metrics/metric.h), once it is given. `*document` is an object of
+/* What was not measured of what, and why. */
+struct neph_not_taken {
+    const char *extractor; /* "everything": no extractor's fault */
+    const char *quantity;
+    const char *because;
+};
+
+/* What came of a comparison. Start from {0}; free with neph_compared_finish(). */
+struct neph_compared {
+    const struct neph_comparison *asked; /* NULL: nothing came of it */
+    struct neph_arena arena;             /* of the texts below */
+    struct neph_viewing viewing;
+    int frame_count;                  /* how many were measured */
+    int frozen_count;                 /* of them, bit for bit the frame before */
+    bool interrupted;                 /* by Ctrl-C: what is there is of the frames before */
+    struct neph_measurements numbers; /* by frame, and then of all frames; owned */
+    struct neph_findings findings;    /* owned */
+    struct neph_not_taken *not_taken;
+    int not_taken_count;
+    const char **maps; /* names of files; owned */
+    int map_count;
+    bool has_versus;                /* somebody set the next */
+    struct neph_differences versus; /* against another test; owned */
+};
+
+/* Measure; `with_draws`: the numbers keep theirs (metrics/metric.h). `compared` has something in it
+ * on success, and with NEPH_ERR_INTERRUPTED and NEPH_ERR_GATE (frozen frames) too. Errors:
+ * NEPH_ERR_GATE when a frame holds values that are not finite or negative, with the file;
+ * NEPH_ERR_INPUT when sizes, counts or kinds (linear data against pictures) differ. */
+enum neph_status neph_comparison_run(const struct neph_comparison *comparison, bool with_draws,
+                                     struct neph_compared *compared, struct neph_diag *diag);
+void neph_compared_finish(struct neph_compared *compared);
+
+/* As an object of
  *   "version"       of neph
  *   "reference", "test"  {"first": its file (the warm-up included), "count": of all}
- *   "warm_up_frames"
- *   "frames"        how many were measured
- *   "frozen"        how many of them are bit for bit the frame before
- *   "interrupted"   whether Ctrl-C cut it short: what is there is of the frames before
- *   "measurements"  array of objects as neph_measurement_json(), by frame and then of all frames
+ *   "warm_up_frames", "frames", "frozen", "interrupted"
+ *   "measurements"  array of objects as neph_measurement_json(), with "viewing"
  *   "findings"      verdicts, see harness/compare/findings.h
  *   "not_taken"     array of {"extractor", "quantity", "because"}
  *   "maps"          array of file names
- * and is given (and owned by the caller) on success, and with NEPH_ERR_INTERRUPTED and
- * NEPH_ERR_GATE (frozen frames) too; else NULL. Errors: NEPH_ERR_GATE when a frame holds values
- * that are not finite or negative, with the file; NEPH_ERR_INPUT when sizes, counts or kinds
- * (linear data against pictures) differ. */
-enum neph_status neph_comparison_run(const struct neph_comparison *comparison, json_t **document,
-                                     struct neph_measurements *drawn, struct neph_diag *diag);
+ *   "versus"        only when there is one: harness/compare/versus.h */
+json_t *neph_compared_json(const struct neph_compared *compared);
 
 /* Free the sequences; a zeroed comparison is fine. */
 void neph_comparison_finish(struct neph_comparison *comparison);

@@ -2,108 +2,112 @@
 #include "harness/compare/comparison_output.h"
 
 #include "base/files.h"
-#include "harness/compare/measure.h"
 #include "metrics/extractors/extractors.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-static void print_line(const json_t *item, bool with_frame)
+static bool is_bounded(enum neph_interval_kind interval)
 {
-    const json_t *value = json_object_get(item, "value");
-    const json_t *interval = json_object_get(item, "interval");
-    const json_t *frame = json_object_get(item, "frame");
-    char number[32] = "undefined", bounds[48] = "-", which[16] = "all";
-    if (json_is_number(value))
-        snprintf(number, sizeof(number), "%.6e", json_number_value(value));
-    if (json_is_array(interval))
-        snprintf(bounds, sizeof(bounds), "%.2e..%.2e",
-                 json_number_value(json_array_get(interval, 0)),
-                 json_number_value(json_array_get(interval, 1)));
-    else if (strcmp(neph_json_text(item, "interval_kind"), "deterministic") == 0)
-        snprintf(bounds, sizeof(bounds), "deterministic");
-    if (frame)
-        snprintf(which, sizeof(which), "%lld", (long long)json_integer_value(frame));
+    return interval != NEPH_INTERVAL_NONE && interval != NEPH_INTERVAL_DETERMINISTIC;
+}
+
+static void write_bounds(bool is_there, double low, double high, char text[48])
+{
+    if (is_there)
+        snprintf(text, 48, "%.2e..%.2e", low, high);
+    else
+        snprintf(text, 48, "-");
+}
+
+static void print_line(const struct neph_measurement *number, bool with_frame)
+{
+    char value[32] = "undefined", bounds[48], which[16] = "all";
+    if (number->defined)
+        snprintf(value, sizeof(value), "%.6e", number->value);
+    write_bounds(is_bounded(number->interval), number->low, number->high, bounds);
+    if (number->interval == NEPH_INTERVAL_DETERMINISTIC)
+        snprintf(bounds, sizeof(bounds), "%s", neph_interval_name(number->interval));
+    if (number->frame >= 0)
+        snprintf(which, sizeof(which), "%d", number->frame);
     if (with_frame)
         printf("%-6s", which);
-    printf("%-14s %-13s %-22s %14s  %-22s %8lld  %s\n", neph_json_text(item, "quantity"),
-           neph_json_text(item, "mask"), neph_json_text(item, "metric"), number, bounds,
-           (long long)json_integer_value(json_object_get(item, "pixel_count")),
-           json_is_number(value) ? neph_json_text(item, "unit")
-                                 : neph_json_text(item, "undefined_because"));
+    printf("%-14s %-13s %-22s %14s  %-22s %8zu  %s\n", number->quantity->name, number->mask,
+           number->metric->name, value, bounds, number->pixel_count,
+           number->defined ? number->unit : number->undefined_because);
 }
 
-static bool is_hidden(const json_t *item, bool details)
+static bool is_hidden(const char *mask, bool details)
 {
-    return !details && neph_mask_is_detail(neph_json_text(item, "mask"));
+    return !details && neph_mask_is_detail(mask);
 }
 
-/* Each reason once. */
-static void print_versus_reasons(const json_t *list, bool details)
+/* ---- against another test -------------------------------------------------------------------- */
+
+/* Each reason once, where it stands first. */
+static void print_versus_reasons(const struct neph_differences *versus, bool details)
 {
-    json_t *counts = json_object();
-    for (size_t i = 0; i < json_array_size(list); i++) {
-        const json_t *item = json_array_get(list, i);
-        const char *because = neph_json_text(item, "because");
-        if (*because && !is_hidden(item, details))
-            neph_json_set(&counts, because,
-                          json_integer(json_integer_value(json_object_get(counts, because)) + 1));
+    for (int i = 0; i < versus->count; i++) {
+        const char *because = versus->list[i].because;
+        int before = 0, count = 0;
+        for (int k = 0; k < versus->count && *because; k++) {
+            const bool same = !is_hidden(versus->list[k].number->mask, details) &&
+                              strcmp(versus->list[k].because, because) == 0;
+            count += same;
+            before += same && k < i;
+        }
+        if (count > 0 && before == 0 && !is_hidden(versus->list[i].number->mask, details))
+            printf("no p-value for %d numbers: %s\n", count, because);
     }
-    const char *because;
-    json_t *count;
-    json_object_foreach(counts, because, count)
-        printf("no p-value for %lld numbers: %s\n", (long long)json_integer_value(count), because);
-    json_decref(counts);
 }
 
-static void print_p(const json_t *p)
+static void print_p(double p)
 {
-    if (json_is_number(p))
-        printf(" %9.2g", json_number_value(p));
-    else
+    if (isnan(p))
         printf(" %9s", "-");
+    else
+        printf(" %9.2g", p);
 }
 
-static void print_versus(const json_t *list, bool details)
+static void print_versus(const struct neph_differences *versus, bool details)
 {
-    if (json_array_size(list) > 0)
+    if (versus->count > 0)
         printf("%-14s %-13s %-22s %14s  %-22s %9s %9s\n", "quantity", "mask", "test - other",
                "difference", "95 % interval", "p (Holm)", "p (sign)");
-    for (size_t i = 0; i < json_array_size(list); i++) {
-        const json_t *item = json_array_get(list, i);
-        const json_t *interval = json_object_get(item, "interval");
-        char bounds[48] = "-";
-        if (is_hidden(item, details))
+    for (int i = 0; i < versus->count; i++) {
+        const struct neph_difference *difference = &versus->list[i];
+        const struct neph_measurement *number = difference->number;
+        char bounds[48];
+        if (is_hidden(number->mask, details))
             continue;
-        if (json_is_array(interval))
-            snprintf(bounds, sizeof(bounds), "%.2e..%.2e",
-                     json_number_value(json_array_get(interval, 0)),
-                     json_number_value(json_array_get(interval, 1)));
-        printf("%-14s %-13s %-22s %14.6e  %-22s", neph_json_text(item, "quantity"),
-               neph_json_text(item, "mask"), neph_json_text(item, "metric"),
-               json_number_value(json_object_get(item, "difference")), bounds);
-        print_p(json_object_get(item, "p_holm"));
-        print_p(json_object_get(item, "p_sign"));
+        write_bounds(difference->interval != NEPH_INTERVAL_NONE, difference->low, difference->high,
+                     bounds);
+        printf("%-14s %-13s %-22s %14.6e  %-22s", number->quantity->name, number->mask,
+               number->metric->name, difference->value, bounds);
+        print_p(difference->p_holm);
+        print_p(difference->p_sign);
         printf("\n");
     }
-    print_versus_reasons(list, details);
+    print_versus_reasons(versus, details);
 }
 
-static void print_findings(const json_t *list, bool details)
+/* ---- all of it ------------------------------------------------------------------------------- */
+
+static void print_findings(const struct neph_findings *findings, bool details)
 {
-    for (size_t i = 0; i < json_array_size(list); i++) {
-        const json_t *item = json_array_get(list, i);
-        const bool is_of_part = strcmp(neph_json_text(item, "finding"), "clipped") == 0 &&
-                                strcmp(neph_json_text(item, "mask"), "all") != 0;
-        if (details || (!is_of_part && !neph_mask_is_detail(neph_json_text(item, "mask"))))
-            printf("%s of %s over '%s': %s: %s\n", neph_json_text(item, "finding"),
-                   neph_json_text(item, "quantity"), neph_json_text(item, "mask"),
-                   neph_json_text(item, "verdict"), neph_json_text(item, "text"));
+    for (int i = 0; i < findings->count; i++) {
+        const struct neph_finding *finding = &findings->list[i];
+        const bool is_of_part = strcmp(finding->name, "clipped") == 0 &&
+                                strcmp(finding->mask, "all") != 0;
+        if (details || (!is_of_part && !neph_mask_is_detail(finding->mask)))
+            printf("%s of %s over '%s': %s: %s\n", finding->name, finding->quantity->name,
+                   finding->mask, finding->verdict, finding->text);
     }
 }
 
-/* Of the numbers of sequences, the few that a first look needs; of lag none are left out. */
+/* The few numbers of a sequence that a first look needs. */
 static const char *const headlines[] = {
     "seen_contrast",
     "seen_share",
@@ -139,10 +143,11 @@ static const char *const headlines[] = {
     "edge_ghost_frames",
 };
 
-static bool stands_for_others(const json_t *item)
+/* Of lag and of single frames nothing is left out. */
+static bool stands_for_others(const struct neph_measurement *number)
 {
     const struct neph_extractor *owner = NULL;
-    const char *metric = neph_json_text(item, "metric");
+    const char *metric = number->metric->name;
     neph_metric_find(metric, &owner);
     if (!owner || strcmp(owner->name, "lag") == 0 || !owner->temporal)
         return true;
@@ -152,56 +157,51 @@ static bool stands_for_others(const json_t *item)
     return false;
 }
 
-/* Under which numbers of displays hold. */
-static void print_viewing(const json_t *viewing)
-{
-    if (viewing)
-        printf("display: %g frames a second, %g pixels per degree, %g EV, white %g cd/m2, dark "
-               "surround\n",
-               json_number_value(json_object_get(viewing, "frame_rate_hz")),
-               json_number_value(json_object_get(viewing, "pixels_per_degree")),
-               json_number_value(json_object_get(viewing, "exposure_ev")),
-               json_number_value(json_object_get(viewing, "white_cd_per_m2")));
-}
-
-/* Of a sequence the table holds what is said of all its frames, if there is such a thing. Of a
+/* The table of a sequence holds what is said of all its frames, if there is such a thing. Of a
  * single frame nothing is left out: metrics of sequences say no more than that they have none. */
-void neph_comparison_print(const json_t *document, bool details, bool all)
+static void print_numbers(const struct neph_compared *compared, bool details, bool all)
 {
-    const json_t *list = json_object_get(document, "measurements");
-    const bool is_sequence = json_integer_value(json_object_get(document, "frames")) > 1;
+    const struct neph_measurements *numbers = &compared->numbers;
+    const bool is_sequence = compared->frame_count > 1;
     bool has_overall = false;
-    for (size_t i = 0; i < json_array_size(list) && is_sequence; i++)
-        has_overall |= !json_object_get(json_array_get(list, i), "frame");
+    for (int i = 0; i < numbers->count && is_sequence; i++)
+        has_overall |= numbers->list[i].frame < 0;
     const bool with_frame = !has_overall && is_sequence;
     printf("%s%-14s %-13s %-22s %14s  %-22s %8s  %s\n", with_frame ? "frame " : "", "quantity",
            "mask", "metric", "value", "95 % interval", "pixels", "unit");
     int left_out = 0;
-    for (size_t i = 0; i < json_array_size(list); i++) {
-        const json_t *item = json_array_get(list, i);
-        if ((has_overall && json_object_get(item, "frame")) ||
-            (!details && neph_mask_is_detail(neph_json_text(item, "mask"))))
+    for (int i = 0; i < numbers->count; i++) {
+        const struct neph_measurement *number = &numbers->list[i];
+        if ((has_overall && number->frame >= 0) || is_hidden(number->mask, details))
             continue;
-        if (all || stands_for_others(item))
-            print_line(item, with_frame);
+        if (all || stands_for_others(number))
+            print_line(number, with_frame);
         else
             left_out++;
     }
     if (left_out > 0)
         printf("%d more numbers: --metric flicker, --json or --csv\n", left_out);
-    print_versus(json_object_get(document, "versus"), details);
-    print_findings(json_object_get(document, "findings"), details);
-    const json_t *missing = json_object_get(document, "not_taken");
-    for (size_t i = 0; i < json_array_size(missing); i++) {
-        const json_t *item = json_array_get(missing, i);
-        printf("not taken: %s of %s: %s\n", neph_json_text(item, "extractor"),
-               neph_json_text(item, "quantity"), neph_json_text(item, "because"));
-    }
-    print_viewing(json_object_get(json_array_get(list, 0), "viewing"));
-    printf("frames: %lld measured, %lld of them frozen\n",
-           (long long)json_integer_value(json_object_get(document, "frames")),
-           (long long)json_integer_value(json_object_get(document, "frozen")));
 }
+
+void neph_comparison_print(const struct neph_compared *compared, bool details, bool all)
+{
+    const struct neph_viewing *viewing = &compared->viewing;
+    print_numbers(compared, details, all);
+    print_versus(&compared->versus, details);
+    print_findings(&compared->findings, details);
+    for (int i = 0; i < compared->not_taken_count; i++)
+        printf("not taken: %s of %s: %s\n", compared->not_taken[i].extractor,
+               compared->not_taken[i].quantity, compared->not_taken[i].because);
+    if (compared->numbers.count > 0)
+        printf("display: %g frames a second, %g pixels per degree, %g EV, white %g cd/m2, dark "
+               "surround\n",
+               viewing->frame_rate_hz, viewing->pixels_per_degree, viewing->exposure_ev,
+               viewing->white_cd_per_m2);
+    printf("frames: %d measured, %d of them frozen\n", compared->frame_count,
+           compared->frozen_count);
+}
+
+/* ---- for spreadsheets ------------------------------------------------------------------------ */
 
 /* Text as CSV has it (RFC 4180): names of masks come from the user's files. */
 static void csv_text(FILE *out, const char *text)
@@ -219,47 +219,48 @@ static void csv_text(FILE *out, const char *text)
     fputc('"', out);
 }
 
-/* A number as CSV has it: nothing for null. */
-static void csv_number(FILE *out, const json_t *value)
+/* A field after others: nothing when it is not there. */
+static void csv_number(FILE *out, bool is_there, double value)
 {
-    if (json_is_integer(value))
-        fprintf(out, ",%lld", (long long)json_integer_value(value));
-    else if (json_is_number(value))
-        fprintf(out, ",%.17g", json_number_value(value));
-    else
-        fputc(',', out);
+    fputc(',', out);
+    if (is_there)
+        fprintf(out, "%.17g", value);
 }
 
-static void write_csv_lines(FILE *out, const json_t *list)
+static void write_csv_line(FILE *out, const struct neph_measurement *number,
+                           const struct neph_viewing *viewing)
 {
-    static const char *const words[] = {"quantity", "metric", "mask", "unit", "interval_kind"};
-    static const char *const conditions[] = {"frame_rate_hz", "pixels_per_degree", "exposure_ev",
-                                             "white_cd_per_m2"};
+    const char *const words[] = {number->quantity->name, number->metric->name, number->mask,
+                                 number->unit, neph_interval_name(number->interval)};
+    const double conditions[] = {viewing->frame_rate_hz, viewing->pixels_per_degree,
+                                 viewing->exposure_ev, viewing->white_cd_per_m2};
+    const bool bounded = is_bounded(number->interval);
+    for (size_t w = 0; w < sizeof(words) / sizeof(words[0]); w++) {
+        fputs(w > 0 ? "," : "", out);
+        csv_text(out, words[w]);
+    }
+    csv_number(out, number->frame >= 0, number->frame);
+    csv_number(out, number->defined, number->value);
+    csv_number(out, bounded, number->low);
+    csv_number(out, bounded, number->high);
+    fprintf(out, ",%d,%zu", number->n, number->pixel_count);
+    for (size_t c = 0; c < sizeof(conditions) / sizeof(conditions[0]); c++)
+        csv_number(out, true, conditions[c]);
+    fputc(',', out);
+    csv_text(out, number->defined ? "" : number->undefined_because);
+    fputc('\n', out);
+}
+
+static void write_csv_lines(FILE *out, const struct neph_compared *compared)
+{
     fprintf(out, "quantity,metric,mask,unit,interval_kind,frame,value,low,high,n,pixel_count,"
                  "frame_rate_hz,pixels_per_degree,exposure_ev,white_cd_per_m2,"
                  "undefined_because\n");
-    for (size_t i = 0; i < json_array_size(list); i++) {
-        const json_t *item = json_array_get(list, i);
-        const json_t *interval = json_object_get(item, "interval");
-        for (size_t w = 0; w < sizeof(words) / sizeof(words[0]); w++) {
-            fputs(w > 0 ? "," : "", out);
-            csv_text(out, neph_json_text(item, words[w]));
-        }
-        csv_number(out, json_object_get(item, "frame"));
-        csv_number(out, json_object_get(item, "value"));
-        csv_number(out, json_array_get(interval, 0));
-        csv_number(out, json_array_get(interval, 1));
-        csv_number(out, json_object_get(item, "n"));
-        csv_number(out, json_object_get(item, "pixel_count"));
-        for (int c = 0; c < 4; c++)
-            csv_number(out, json_object_get(json_object_get(item, "viewing"), conditions[c]));
-        fputc(',', out);
-        csv_text(out, neph_json_text(item, "undefined_because"));
-        fputc('\n', out);
-    }
+    for (int i = 0; i < compared->numbers.count; i++)
+        write_csv_line(out, &compared->numbers.list[i], &compared->viewing);
 }
 
-enum neph_status neph_comparison_write_csv(const char *path, const json_t *list,
+enum neph_status neph_comparison_write_csv(const char *path, const struct neph_compared *compared,
                                            struct neph_diag *diag)
 {
     char *text = NULL;
@@ -267,7 +268,7 @@ enum neph_status neph_comparison_write_csv(const char *path, const json_t *list,
     FILE *out = open_memstream(&text, &size);
     if (!out)
         return neph_fail_memory(diag);
-    write_csv_lines(out, list);
+    write_csv_lines(out, compared);
     enum neph_status status = fclose(out) == 0 ? NEPH_OK : neph_fail_memory(diag);
     if (!status && strcmp(path, "-") == 0)
         fwrite(text, 1, size, stdout); /* whether it went out is looked at once, at the end */

@@ -38,32 +38,31 @@ enum neph_status neph_limit_parse(const char *text, bool below, struct neph_limi
     return NEPH_ERR_USAGE;
 }
 
-static bool matches(const json_t *item, const struct neph_limit *limit)
+static bool matches(const struct neph_measurement *number, const struct neph_limit *limit)
 {
-    return strcmp(neph_json_text(item, "quantity"), limit->quantity) == 0 &&
-           strcmp(neph_json_text(item, "metric"), limit->metric) == 0 &&
-           strcmp(neph_json_text(item, "mask"), limit->mask) == 0;
+    return strcmp(number->quantity->name, limit->quantity) == 0 &&
+           strcmp(number->metric->name, limit->metric) == 0 &&
+           strcmp(number->mask, limit->mask) == 0;
 }
 
 /* " in frame N", or nothing for a number of all frames. */
-static void name_frame(const json_t *item, char *text, size_t size)
+static void name_frame(const struct neph_measurement *number, char *text, size_t size)
 {
-    const json_t *frame = json_object_get(item, "frame");
     text[0] = '\0';
-    if (frame)
-        snprintf(text, size, " in frame %lld", (long long)json_integer_value(frame));
+    if (number->frame >= 0)
+        snprintf(text, size, " in frame %d", number->frame);
 }
 
 /* A PSNR of equal images is no number, and keeps every limit. */
-static bool is_without_error(const json_t *item)
+static bool is_without_error(const struct neph_measurement *number)
 {
-    return strcmp(neph_json_text(item, "undefined_because"), neph_pool_no_error) == 0;
+    return !number->defined && strcmp(number->undefined_because, neph_pool_no_error) == 0;
 }
 
 /* How far a value is beyond its limit; <= 0: it is not. */
-static double excess(const json_t *item, const struct neph_limit *limit)
+static double excess(const struct neph_measurement *number, const struct neph_limit *limit)
 {
-    const double size = fabs(json_number_value(json_object_get(item, "value")));
+    const double size = fabs(number->value);
     return limit->below ? limit->value - size : size - limit->value;
 }
 
@@ -84,46 +83,43 @@ static const struct bounded_time {
     {"frames_to_1_p95", "share_unsettled_1", 0.05},
 };
 
-static bool is_lower_bound(const json_t *list, const struct neph_limit *limit)
+static bool is_lower_bound(const struct neph_measurements *list, const struct neph_limit *limit)
 {
     for (size_t b = 0; b < sizeof(bounded_times) / sizeof(bounded_times[0]); b++) {
         const struct bounded_time *time = &bounded_times[b];
         if (strcmp(time->metric, limit->metric) != 0)
             continue;
-        struct neph_limit other = *limit;
-        snprintf(other.metric, sizeof(other.metric), "%s", time->unsettled);
-        for (size_t i = 0; i < json_array_size(list); i++)
-            if (matches(json_array_get(list, i), &other))
-                return json_number_value(json_object_get(json_array_get(list, i), "value")) >
-                       time->share;
+        const struct neph_measurement *share = neph_measurement_find(list, limit->quantity,
+                                                                     time->unsettled, limit->mask);
+        return share && share->value > time->share;
     }
     return false;
 }
 
 /* Every number of that name is held to the limit, of all frames and of each; the worst is named. */
-enum neph_status neph_limit_check(const json_t *list, const struct neph_limit *limit,
-                                  struct neph_diag *diag)
+enum neph_status neph_limit_check(const struct neph_measurements *list,
+                                  const struct neph_limit *limit, struct neph_diag *diag)
 {
-    const json_t *worst = NULL;
+    const struct neph_measurement *worst = NULL;
     bool without_error = false;
     int beyond_count = 0;
     char where[32];
-    for (size_t i = 0; i < json_array_size(list); i++) {
-        const json_t *item = json_array_get(list, i);
-        if (!matches(item, limit))
+    for (int i = 0; i < list->count; i++) {
+        const struct neph_measurement *number = &list->list[i];
+        if (!matches(number, limit))
             continue;
-        if (is_without_error(item)) {
+        if (is_without_error(number)) {
             without_error = true;
             continue;
         }
-        name_frame(item, where, sizeof(where));
-        if (!json_is_number(json_object_get(item, "value")))
+        name_frame(number, where, sizeof(where));
+        if (!number->defined)
             return neph_fail(diag, NEPH_ERR_GATE, "%s of %s over '%s'%s is not defined: %s",
                              limit->metric, limit->quantity, limit->mask, where,
-                             neph_json_text(item, "undefined_because"));
-        beyond_count += excess(item, limit) > 0.0;
-        if (!worst || excess(item, limit) > excess(worst, limit))
-            worst = item;
+                             number->undefined_because);
+        beyond_count += excess(number, limit) > 0.0;
+        if (!worst || excess(number, limit) > excess(worst, limit))
+            worst = number;
     }
     if (!worst && !without_error) {
         neph_fail(diag, NEPH_ERR_UNSUPPORTED, "%s of %s over '%s' was not measured of these images",
@@ -136,14 +132,13 @@ enum neph_status neph_limit_check(const json_t *list, const struct neph_limit *l
         return neph_fail(diag, NEPH_ERR_GATE,
                          "%s of %s over '%s' is at least %.6g: the sequence ends too early to hold "
                          "it to the limit %g",
-                         limit->metric, limit->quantity, limit->mask,
-                         json_number_value(json_object_get(worst, "value")), limit->value);
+                         limit->metric, limit->quantity, limit->mask, worst->value, limit->value);
     if (beyond_count == 0)
         return NEPH_OK;
     name_frame(worst, where, sizeof(where));
     neph_fail(diag, NEPH_ERR_GATE, "%s of %s over '%s' is %.6g%s, %s the limit %g", limit->metric,
-              limit->quantity, limit->mask, json_number_value(json_object_get(worst, "value")),
-              where, limit->below ? "below" : "above", limit->value);
+              limit->quantity, limit->mask, worst->value, where, limit->below ? "below" : "above",
+              limit->value);
     if (beyond_count > 1)
         neph_hint(diag, "the worst of %d such numbers", beyond_count);
     return NEPH_ERR_GATE;

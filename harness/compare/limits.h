@@ -5,8 +5,7 @@
 #ifndef NEPH_HARNESS_COMPARE_LIMITS_H
 #define NEPH_HARNESS_COMPARE_LIMITS_H
 
-#include "base/image.h"
-#include "harness/json.h"
+#include "harness/compare/measure.h"
 
 struct neph_limit {
     char quantity[32], metric[64], mask[NEPH_IMAGE_NAME_MAX];
@@ -18,10 +17,10 @@ struct neph_limit {
 enum neph_status neph_limit_parse(const char *text, bool below, struct neph_limit *limit,
                                   struct neph_diag *diag);
 
-/* Hold every number of that name in an array of measurements to the limit, of all frames and of
+/* Hold every number of that name in a list to the limit, of all frames and of
  * each; the error names the worst. NEPH_ERR_GATE: beyond it, or not defined, or a time that the
  * sequence is too short for. NEPH_ERR_UNSUPPORTED: there is no such number. */
-enum neph_status neph_limit_check(const json_t *measurements, const struct neph_limit *limit,
-                                  struct neph_diag *diag);
+enum neph_status neph_limit_check(const struct neph_measurements *list,
+                                  const struct neph_limit *limit, struct neph_diag *diag);
 
 #endif

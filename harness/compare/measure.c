@@ -154,6 +154,22 @@ void neph_measurements_finish(struct neph_measurements *measurements)
     *measurements = (struct neph_measurements){0};
 }
 
+void neph_measurements_select(struct neph_measurements *measurements,
+                              bool (*is_wanted)(const struct neph_measurement *number,
+                                                const void *context),
+                              const void *context)
+{
+    int kept = 0;
+    for (int i = 0; i < measurements->count; i++) {
+        const struct neph_measurement *number = &measurements->list[i];
+        if (is_wanted(number, context))
+            measurements->list[kept++] = *number;
+        else
+            free((void *)(uintptr_t)number->draws);
+    }
+    measurements->count = kept;
+}
+
 static enum neph_status append(const struct neph_measurement *more, int count,
                                struct neph_measurements *list, struct neph_diag *diag)
 {

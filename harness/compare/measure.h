@@ -38,6 +38,12 @@ struct neph_measurements {
 
 void neph_measurements_finish(struct neph_measurements *measurements);
 
+/* Leave only those that are wanted, in their order. */
+void neph_measurements_select(struct neph_measurements *measurements,
+                              bool (*is_wanted)(const struct neph_measurement *number,
+                                                const void *context),
+                              const void *context);
+
 /* Measure every quantity that both frames have over all masks with neph_measure_usual(), and
  * append the numbers to `list`. */
 enum neph_status neph_measure(const struct neph_image *reference, const struct neph_image *test,

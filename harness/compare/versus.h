@@ -5,27 +5,39 @@
 #ifndef NEPH_HARNESS_COMPARE_VERSUS_H
 #define NEPH_HARNESS_COMPARE_VERSUS_H
 
-#include "harness/compare/comparison.h"
-#include "harness/json.h"
+#include "harness/compare/measure.h"
 
-/* One of the two: measurements of a run of neph_comparison_run(), all or some, and their draws. */
-struct neph_versus_side {
-    const json_t *numbers;
-    const struct neph_measurements *drawn;
+/* A number of one test less that of another. */
+struct neph_difference {
+    const struct neph_measurement *number; /* what of; borrowed of the first test */
+    double value;                          /* mean of (first - second) over the frames */
+    enum neph_interval_kind interval;      /* NONE: `because` says why */
+    double low, high;                      /* 95 % */
+    int n;                                 /* as in measurements */
+    double p;                              /* Student's t on the batches; NaN without interval */
+    double p_holm;                         /* corrected for all p of the list */
+    double p_sign;                         /* exact sign test on the batches; NaN: there is none */
+    char because[128];
 };
 
-/* From two runs with the same frames: an array with an object for each number that both have of
- * each of several frames,
- *   "quantity", "metric", "mask", "unit"
- *   "difference"  mean of (first - second) over the frames, with "interval" (95 %, or null),
- *                 "interval_kind" and "n" as in measurements
- *   "p"           Student's t on the batches, "p_holm" corrected for all p of the array
- *   "p_sign"      exact sign test on the batches
- *   "because"     why there is no interval and no p: the three are null then
- * and then one for each number of the whole sequence alone, such as flicker, or of the only frame:
- * there interval and p are from paired draws of tiles, and "p_sign" is null (metrics/series.h).
- * NULL when memory is short. */
-json_t *neph_versus(const struct neph_versus_side *first, const struct neph_versus_side *second,
-                    struct neph_diag *diag);
+/* Start from {0}; free with _finish. */
+struct neph_differences {
+    struct neph_difference *list; /* owned */
+    int count;
+};
+
+void neph_differences_finish(struct neph_differences *differences);
+
+/* From the numbers of two runs of neph_comparison_run() with the same frames, all or some, with
+ * their draws: a difference for each number that both have of each of several frames, and then one
+ * for each number of the whole sequence alone, such as flicker, or of the only frame: there
+ * interval and p are from paired draws of tiles, and there is no p_sign (metrics/series.h). */
+enum neph_status neph_versus(const struct neph_measurements *first,
+                             const struct neph_measurements *second,
+                             struct neph_differences *differences, struct neph_diag *diag);
+
+/* An array of {"quantity", "metric", "mask", "unit", "difference", "interval", "interval_kind",
+ * "n", "p", "p_sign", "because" (where there is no interval), "p_holm"}. */
+json_t *neph_differences_json(const struct neph_differences *differences);
 
 #endif

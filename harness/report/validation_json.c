@@ -3,6 +3,7 @@
 
 #include "harness/host.h"
 #include "metrics/display.h"
+#include "metrics/extractors/extractors.h"
 
 #include <math.h>
 

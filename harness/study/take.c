@@ -129,15 +129,17 @@ static enum neph_status choose(const struct neph_reading *reading,
     return status;
 }
 
-static enum neph_status write_document(const char *folder, const char *name, const json_t *document,
-                                       struct neph_diag *diag)
+static enum neph_status write_document(const char *folder, const char *name,
+                                       const struct neph_compared *compared, struct neph_diag *diag)
 {
+    json_t *document = neph_compared_json(compared);
     char *path = neph_format("%s/%s.json", folder, name);
     char *text = json_dumps(document, JSON_INDENT(1));
     const enum neph_status status = path && text ? neph_file_write(path, text, strlen(text), diag)
                                                  : neph_fail_memory(diag);
     free(text);
     free(path);
+    json_decref(document);
     return status;
 }
 
@@ -153,15 +155,15 @@ static enum neph_status read_off(const struct neph_take *take, const struct neph
         .plain = take->plain,
         .by_position = true,
         .quiet = true};
-    json_t *document = NULL;
+    struct neph_compared compared = {0};
     enum neph_status status = choose(reading, &comparison, diag);
     if (!status)
         status = list_frames(take, folder, &comparison.test, diag);
     if (!status)
-        status = neph_comparison_run(&comparison, &document, NULL, diag);
+        status = neph_comparison_run(&comparison, false, &compared, diag);
     if (!status)
-        status = write_document(folder, reading->name, document, diag);
-    json_decref(document);
+        status = write_document(folder, reading->name, &compared, diag);
+    neph_compared_finish(&compared);
     neph_sequence_finish(&comparison.test);
     return status;
 }
