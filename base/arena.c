@@ -26,6 +26,12 @@ void *neph_arena_zeroed(struct neph_arena *arena, size_t count, size_t size)
     return block->content;
 }
 
+void *neph_arena_copy(struct neph_arena *arena, const void *from, size_t size)
+{
+    void *to = neph_arena_zeroed(arena, 1, size);
+    return to ? memcpy(to, from, size) : NULL;
+}
+
 const char *neph_arena_text(struct neph_arena *arena, const char *text)
 {
     return text ? neph_arena_format(arena, "%s", text) : NULL;

@@ -21,6 +21,9 @@ struct neph_arena {
 /* `count` zeroed objects of `size` bytes; NULL when memory is short. */
 void *neph_arena_zeroed(struct neph_arena *arena, size_t count, size_t size);
 
+/* A copy of `size` bytes; NULL when memory is short. */
+void *neph_arena_copy(struct neph_arena *arena, const void *from, size_t size);
+
 /* A copy of a text, or printf; "" when memory is short, so that texts can be kept one after the
  * other and neph_arena_check() asked once. A NULL text stays NULL. */
 const char *neph_arena_text(struct neph_arena *arena, const char *text);

@@ -46,6 +46,9 @@ enum neph_status neph_json_check(const json_t *json, struct neph_diag *diag);
 /* The text at `key`; "" when there is none. */
 const char *neph_json_text(const json_t *object, const char *key);
 
+/* A number, or JSON null of one that is not finite: nothing was measured. */
+json_t *neph_json_number(double value);
+
 /* A string of any bytes, cleaned (base/text.h): for texts that are only to be read. A path that is
  * to be opened again must not be changed, and is refused before (neph_cli_check_folder). */
 json_t *neph_json_cleaned(const char *text);

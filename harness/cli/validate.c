@@ -12,8 +12,6 @@
 #include "harness/report/report.h"
 #include "harness/report/tier.h"
 #include "harness/report/validate.h"
-#include "harness/report/validation_json.h"
-#include "harness/report/validation_print.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -196,11 +196,6 @@ void neph_differences_finish(struct neph_differences *differences)
 
 /* ---- as JSON --------------------------------------------------------------------------------- */
 
-static json_t *number_or_null(double value)
-{
-    return isnan(value) ? json_null() : json_real(value);
-}
-
 static json_t *difference_json(const struct neph_difference *difference)
 {
     const struct neph_measurement *number = difference->number;
@@ -211,10 +206,10 @@ static json_t *difference_json(const struct neph_difference *difference)
         difference->value, "interval",
         is_sure ? json_pack("[f,f]", difference->low, difference->high) : json_null(),
         "interval_kind", neph_interval_name(difference->interval), "n", difference->n, "p",
-        number_or_null(difference->p), "p_sign", number_or_null(difference->p_sign));
+        neph_json_number(difference->p), "p_sign", neph_json_number(difference->p_sign));
     if (!is_sure)
         neph_json_set(&json, "because", json_string(difference->because));
-    neph_json_set(&json, "p_holm", number_or_null(difference->p_holm));
+    neph_json_set(&json, "p_holm", neph_json_number(difference->p_holm));
     return json;
 }
 

@@ -196,11 +196,9 @@ static struct neph_physics_check *add_check(struct run *run, const struct neph_s
                                          .what = neph_arena_text(arena, scenery->check.what)};
     for (int v = 0; v < scenery->check.view_count; v++) {
         const struct neph_scenery_view *seen = &scenery->views[v];
-        double *truth = neph_arena_zeroed(arena, (size_t)seen->pixel_count, sizeof(*truth));
-        if (!truth)
-            break;
-        memcpy(truth, seen->truth, (size_t)seen->pixel_count * sizeof(*truth));
-        neph_physics_view_describe(seen->view, truth, &check->views[check->view_count++]);
+        const double *truth = neph_arena_copy(arena, seen->truth, sizeof(seen->truth));
+        if (truth)
+            neph_physics_view_describe(seen->view, truth, &check->views[check->view_count++]);
     }
     return check;
 }

@@ -20,11 +20,6 @@ const char *neph_physics_verdict_name(enum neph_physics_verdict verdict)
 
 /* ---- as JSON --------------------------------------------------------------------------------- */
 
-static json_t *number_or_null(double value)
-{
-    return isfinite(value) ? json_real(value) : json_null();
-}
-
 /* The texts up to the first NULL. */
 static json_t *texts_json(const char *const texts[NEPH_CHECK_VIEWS_MAX])
 {
@@ -43,12 +38,13 @@ static json_t *row_json(const struct neph_physics_row *row)
         "check", row->check->name, "rung", row->check->rung, "participant", row->participant->name,
         "engine", row->engine->name, "status", neph_outcome_name(row->outcome), "reason",
         row->reason, "settings", row->settings, "lowered", row->lowered, "look", row->engine->look,
-        "deviation", number_or_null(row->deviation), "standard_error",
-        number_or_null(row->standard_error), "step_bound", number_or_null(row->step_bound), "z",
-        number_or_null(row->z), "pixel_z_mean", number_or_null(row->pixel_z_mean),
-        "pixel_z_variance", number_or_null(row->pixel_z_variance), "cause", row->cause, "rounding",
-        row->participant->rounding, "wall_s", row->wall_s, "exr", texts_json(row->paths),
-        "pictures", texts_json(row->pictures), "differences", texts_json(row->differences), "bake",
+        "deviation", neph_json_number(row->deviation), "standard_error",
+        neph_json_number(row->standard_error), "step_bound", neph_json_number(row->step_bound), "z",
+        neph_json_number(row->z), "pixel_z_mean", neph_json_number(row->pixel_z_mean),
+        "pixel_z_variance", neph_json_number(row->pixel_z_variance), "cause", row->cause,
+        "rounding", row->participant->rounding, "wall_s", row->wall_s, "exr",
+        texts_json(row->paths), "pictures", texts_json(row->pictures), "differences",
+        texts_json(row->differences), "bake",
         row->bakes ? neph_bakes_summary_json(row->bakes) : json_null(), "study",
         row->study ? neph_study_json(row->study) : json_null(), "verdict",
         neph_physics_verdict_name(row->verdict), "sentence", row->sentence, "interval",

@@ -132,12 +132,8 @@ static void note_bakes(const struct neph_trial *trial, const struct neph_image *
                        struct neph_physics_row *row)
 {
     struct neph_bakes_summary bakes;
-    if (row->bakes || !neph_bakes_of_frame(frame, &bakes))
-        return;
-    struct neph_bakes_summary *kept = neph_arena_zeroed(trial->arena, 1, sizeof(*kept));
-    if (kept)
-        *kept = bakes;
-    row->bakes = kept;
+    if (!row->bakes && neph_bakes_of_frame(frame, &bakes))
+        row->bakes = neph_arena_copy(trial->arena, &bakes, sizeof(bakes));
 }
 
 /* Both passes of a view, or the one of an engine without steps and noise: `frames[1]` then stays
@@ -208,11 +204,7 @@ static enum neph_status choose_step(struct neph_trial *trial, const struct neph_
                                                    diag);
     if (status || outcome != NEPH_OUTCOME_RENDERED)
         return status; /* the frame itself will say why */
-    struct neph_study *kept = neph_arena_zeroed(trial->arena, 1, sizeof(*kept));
-    if (!kept)
-        return neph_fail_memory(diag);
-    *kept = made;
-    row->study = kept;
+    row->study = neph_arena_copy(trial->arena, &made, sizeof(made));
     neph_study_apply(&made, engine, &trial->settings);
     return NEPH_OK;
 }

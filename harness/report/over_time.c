@@ -393,7 +393,6 @@ static json_t *row_json(const struct neph_over_time_row *row)
 
 json_t *neph_over_time_json(const struct neph_over_time *over_time)
 {
-    const double cpu_s = over_time->reference.cpu_s;
     json_t *rows = json_array();
     for (int i = 0; i < over_time->row_count; i++)
         neph_json_add(&rows, row_json(&over_time->rows[i]));
@@ -406,5 +405,5 @@ json_t *neph_over_time_json(const struct neph_over_time *over_time)
                      over_time->reference.settings, "text", over_time->reference.text, "status",
                      neph_outcome_name(over_time->reference.outcome), "reason",
                      over_time->reference.reason, "cpu_s",
-                     isfinite(cpu_s) ? json_real(cpu_s) : json_null(), "rows", rows);
+                     neph_json_number(over_time->reference.cpu_s), "rows", rows);
 }

@@ -8,7 +8,6 @@
 #include "harness/data.h"
 #include "harness/physics/pictures.h"
 #include "harness/report/report_folder.h"
-#include "harness/report/validation_json.h"
 #include "metrics/display.h"
 
 #include <stdio.h>

@@ -149,7 +149,6 @@ static void take_result(const struct neph_scene_run *run, const struct neph_job 
         .seed = job->shot.seed,
         .step_optical_depth = neph_step_depth(&job->shot, job->engine),
         .path = neph_arena_text(run->arena, result->frame_path),
-        .study = frame->study,
     };
 }
 
@@ -160,18 +159,17 @@ static enum neph_status run_frame(const struct neph_scene_run *run, int index,
 {
     struct neph_job job = job_of(run, index, scene, 1);
     struct neph_job_result result = {.outcome = NEPH_OUTCOME_FAILED};
-    struct neph_study *study = neph_arena_zeroed(run->arena, 1, sizeof(*study));
+    struct neph_study study;
     bool is_studied = false;
     const struct step step = begin_step(run, &job, KIND_FRAME + index);
-    enum neph_status status = neph_arena_check(run->arena, diag);
-    if (!status)
-        status = choose_step(run, &job, study, &is_studied, diag);
+    enum neph_status status = choose_step(run, &job, &study, &is_studied, diag);
     if (!status)
         status = render(run, &job, &result, diag);
     *chosen = job.shot.settings;
     if (!status) {
-        frame->study = is_studied ? study : NULL;
         take_result(run, &job, &result, frame);
+        if (is_studied)
+            frame->study = neph_arena_copy(run->arena, &study, sizeof(study));
         warn_of_steps(&job, frame->step_optical_depth);
         end_step(run, &step, &result);
     }
@@ -257,12 +255,8 @@ static enum neph_status measure_frame(const struct neph_scene_run *run,
     if (!image)
         return status;
     struct neph_bakes_summary bakes;
-    if (neph_bakes_of_frame(image, &bakes)) {
-        struct neph_bakes_summary *kept = neph_arena_zeroed(run->arena, 1, sizeof(*kept));
-        if (kept)
-            *kept = bakes;
-        frame->bakes = kept;
-    }
+    if (neph_bakes_of_frame(image, &bakes))
+        frame->bakes = neph_arena_copy(run->arena, &bakes, sizeof(bakes));
     status = neph_measure_validity(image, &frame->measurements, diag);
     if (!status && truth)
         status = neph_measure(truth, image, NULL, viewing, &frame->measurements, diag);

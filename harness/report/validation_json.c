@@ -1,16 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-#include "harness/report/validation_json.h"
+#include "harness/report/validation.h"
 
 #include "harness/host.h"
 #include "metrics/display.h"
 #include "metrics/extractors/extractors.h"
 
 #include <math.h>
-
-static json_t *number_or_null(double value)
-{
-    return isfinite(value) ? json_real(value) : json_null();
-}
 
 /* ---- a scene --------------------------------------------------------------------------------- */
 
@@ -25,7 +20,7 @@ static json_t *frame_json(const struct neph_frame_result *frame)
         frame->settings, "reused", frame->reused, "render_s", frame->cost.render_s, "wall_s",
         frame->cost.wall_s, "cpu_s", frame->cost.cpu_s, "peak_memory_bytes",
         (json_int_t)frame->cost.peak_memory_bytes, "seed", (json_int_t)frame->seed,
-        "step_optical_depth", number_or_null(frame->step_optical_depth), "exr", frame->path,
+        "step_optical_depth", neph_json_number(frame->step_optical_depth), "exr", frame->path,
         "exr_second", frame->second_path, "picture", frame->picture, "difference", "radiance",
         frame->differences[NEPH_SHOWN_RADIANCE], "transmittance",
         frame->differences[NEPH_SHOWN_TRANSMITTANCE], "measurements",
@@ -38,7 +33,7 @@ static json_t *gate_json(const struct neph_gate_result *gate)
 {
     return json_pack("{s:s, s:s, s:s, s:s, s:o, s:f, s:s, s:s}", "engine", gate->engine, "quantity",
                      gate->quantity, "metric", gate->metric, "mask", gate->mask, "value",
-                     number_or_null(gate->value), "maximum", gate->maximum, "verdict",
+                     neph_json_number(gate->value), "maximum", gate->maximum, "verdict",
                      neph_gate_verdict_name(gate->verdict), "reason", gate->reason);
 }
 
@@ -143,7 +138,7 @@ json_t *neph_validation_json(const struct neph_validation *validation)
             &json, "progress",
             json_pack("{s:i, s:i, s:o}", "done", validation->steps_done, "total",
                       validation->steps_total, "left_s",
-                      number_or_null(validation->left_s >= 0.0 ? validation->left_s : NAN)));
+                      neph_json_number(validation->left_s >= 0.0 ? validation->left_s : NAN)));
     if (validation->physics)
         neph_json_set(&json, "physics", neph_physics_json(validation->physics));
     neph_json_set(&json, "interactive", json_boolean(validation->interactive));

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "harness/report/validation_print.h"
+#include "harness/report/validation.h"
 
 #include <stdio.h>
 #include <string.h>

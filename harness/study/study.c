@@ -6,7 +6,6 @@
 #include "scenes/media.h"
 
 #include <math.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -250,44 +249,23 @@ const char *neph_study_verdict_name(enum neph_study_verdict verdict)
     return verdict_names[verdict];
 }
 
-static const struct {
-    const char *key;
-    size_t offset;
-} level_fields[] = {
-    {"setting", offsetof(struct neph_study_level, setting)},
-    {"radiance", offsetof(struct neph_study_level, radiance)},
-    {"noise", offsetof(struct neph_study_level, noise)},
-    {"bias", offsetof(struct neph_study_level, bias)},
-    {"bias_noise", offsetof(struct neph_study_level, bias_noise)},
-    {"wall_s", offsetof(struct neph_study_level, wall_s)},
-};
-enum { LEVEL_FIELDS = sizeof(level_fields) / sizeof(level_fields[0]) };
-
-static double *field_at(struct neph_study_level *level, int field)
+static json_t *level_json(const struct neph_study_level *level)
 {
-    return (double *)(void *)((char *)level + level_fields[field].offset);
-}
-
-static json_t *level_json(struct neph_study_level level)
-{
-    json_t *json = json_object();
-    for (int f = 0; f < LEVEL_FIELDS; f++)
-        neph_json_set(&json, level_fields[f].key, json_real(*field_at(&level, f)));
-    return json;
+    return json_pack("{s:f, s:f, s:f, s:f, s:f, s:f}", "setting", level->setting, "radiance",
+                     level->radiance, "noise", level->noise, "bias", level->bias, "bias_noise",
+                     level->bias_noise, "wall_s", level->wall_s);
 }
 
 json_t *neph_study_json(const struct neph_study *study)
 {
     json_t *levels = json_array();
     for (int i = 0; i < study->level_count; i++)
-        neph_json_add(&levels, level_json(study->levels[i]));
-    json_t *observed = isfinite(study->observed_order) ? json_real(study->observed_order)
-                                                       : json_null();
-    json_t *json = json_pack("{s:s, s:f, s:o, s:f, s:o, s:i, s:s, s:f}", "option", study->option,
-                             "order", study->order, "observed_order", observed, "limit",
-                             study->limit, "levels", levels, "chosen", study->chosen, "verdict",
-                             neph_study_verdict_name(study->verdict), "tolerance",
-                             study->tolerance);
+        neph_json_add(&levels, level_json(&study->levels[i]));
+    json_t *json = json_pack(
+        "{s:s, s:f, s:o, s:f, s:o, s:i, s:s, s:f}", "option", study->option, "order", study->order,
+        "observed_order", neph_json_number(study->observed_order), "limit", study->limit, "levels",
+        levels, "chosen", study->chosen, "verdict", neph_study_verdict_name(study->verdict),
+        "tolerance", study->tolerance);
     if (study->width_px > 0)
         neph_json_set(&json, "size_px", json_pack("[i,i]", study->width_px, study->height_px));
     if (study->is_shipped)
@@ -295,32 +273,25 @@ json_t *neph_study_json(const struct neph_study *study)
     return json;
 }
 
-/* False when it is no level. */
-static bool read_level(const json_t *json, struct neph_study_level *level)
+static bool read_levels(json_t *list, struct neph_study *study)
 {
-    bool is_whole = true;
-    for (int f = 0; f < LEVEL_FIELDS; f++) {
-        const json_t *number = json_object_get(json, level_fields[f].key);
-        is_whole &= json_is_number(number);
-        *field_at(level, f) = json_number_value(number);
-    }
-    return is_whole;
-}
-
-static bool read_levels(const json_t *json, struct neph_study *study)
-{
-    study->level_count = (int)json_array_size(json);
-    if (study->level_count > NEPH_STUDY_LEVELS_MAX)
+    study->level_count = (int)json_array_size(list);
+    if (study->chosen < 0 || study->chosen >= study->level_count ||
+        study->level_count > NEPH_STUDY_LEVELS_MAX)
         return false;
-    for (int i = 0; i < study->level_count; i++)
-        if (!read_level(json_array_get(json, (size_t)i), &study->levels[i]))
+    for (int i = 0; i < study->level_count; i++) {
+        struct neph_study_level *level = &study->levels[i];
+        if (json_unpack(json_array_get(list, (size_t)i), "{s:F, s:F, s:F, s:F, s:F, s:F}",
+                        "setting", &level->setting, "radiance", &level->radiance, "noise",
+                        &level->noise, "bias", &level->bias, "bias_noise", &level->bias_noise,
+                        "wall_s", &level->wall_s) != 0)
             return false;
-    return study->chosen >= 0 && study->chosen < study->level_count;
+    }
+    return true;
 }
 
-static bool read_verdict(const json_t *json, struct neph_study *study)
+static bool read_verdict(const char *name, struct neph_study *study)
 {
-    const char *name = neph_json_text(json, "verdict");
     for (int v = NEPH_STUDY_WITHIN; v <= NEPH_STUDY_OFF; v++)
         if (strcmp(name, verdict_names[v]) == 0) {
             study->verdict = (enum neph_study_verdict)v;
@@ -329,34 +300,33 @@ static bool read_verdict(const json_t *json, struct neph_study *study)
     return false;
 }
 
-/* Whether the engine takes the setting that was chosen. */
-static bool is_taken(const struct neph_study *study, const struct neph_engine *engine)
+/* Whether it is of the engine's step, and the setting that was chosen one that the engine takes. */
+static bool is_taken(const char *name, const struct neph_study *study,
+                     const struct neph_engine *engine)
 {
+    if (!study->option || strcmp(name, study->option) != 0)
+        return false;
     const struct neph_option *option = &engine->options[option_index(engine, study->option)];
     const double setting = study->levels[study->chosen].setting;
     return setting >= option->minimum && setting <= option->maximum;
 }
 
-enum neph_status neph_study_read(const json_t *json, const struct neph_engine *engine,
+enum neph_status neph_study_read(json_t *json, const struct neph_engine *engine,
                                  struct neph_study *study, struct neph_diag *diag)
 {
-    const json_t *observed = json_object_get(json, "observed_order");
-    const json_t *size_px = json_object_get(json, "size_px");
-    struct neph_study made = {
-        .option = engine->step.option,
-        .order = json_number_value(json_object_get(json, "order")),
-        .observed_order = json_is_number(observed) ? json_number_value(observed) : NAN,
-        .limit = json_number_value(json_object_get(json, "limit")),
-        .chosen = (int)json_integer_value(json_object_get(json, "chosen")),
-        .tolerance = json_number_value(json_object_get(json, "tolerance")),
-        .width_px = (int)json_integer_value(json_array_get(size_px, 0)),
-        .height_px = (int)json_integer_value(json_array_get(size_px, 1)),
-    };
-    if (!made.option || strcmp(neph_json_text(json, "option"), made.option) != 0 ||
-        !read_levels(json_object_get(json, "levels"), &made) || !read_verdict(json, &made) ||
-        !is_taken(&made, engine))
+    struct neph_study made = {.option = engine->step.option};
+    const char *option, *verdict;
+    json_t *observed, *levels;
+    const bool has_form =
+        json_unpack(json, "{s:s, s:F, s:o, s:F, s:o, s:i, s:s, s:F, s?[i,i]}", "option", &option,
+                    "order", &made.order, "observed_order", &observed, "limit", &made.limit,
+                    "levels", &levels, "chosen", &made.chosen, "verdict", &verdict, "tolerance",
+                    &made.tolerance, "size_px", &made.width_px, &made.height_px) == 0;
+    if (!has_form || !read_levels(levels, &made) || !read_verdict(verdict, &made) ||
+        !is_taken(option, &made, engine))
         return neph_fail(diag, NEPH_ERR_INPUT,
                          "a step study of %s chooses no setting that it takes", engine->name);
+    made.observed_order = json_is_number(observed) ? json_number_value(observed) : NAN;
     *study = made;
     return NEPH_OK;
 }

@@ -70,7 +70,7 @@ json_t *neph_study_json(const struct neph_study *study);
 
 /* The other way, of a study by this engine. NEPH_ERR_INPUT: it is none, or its setting is not one
  * that the engine takes. */
-enum neph_status neph_study_read(const json_t *json, const struct neph_engine *engine,
+enum neph_status neph_study_read(json_t *json, const struct neph_engine *engine,
                                  struct neph_study *study, struct neph_diag *diag);
 
 const char *neph_study_verdict_name(enum neph_study_verdict verdict);

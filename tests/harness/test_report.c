@@ -7,7 +7,6 @@
 #include "base/exr.h"
 #include "harness/engines/engines.h"
 #include "harness/report/report.h"
-#include "harness/report/validation_json.h"
 
 #include <sys/stat.h>
 #include <unistd.h>
