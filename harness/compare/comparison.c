@@ -111,7 +111,7 @@ static enum neph_status read_frames(struct work *work, int index, struct neph_di
     return status;
 }
 
-/* Of a crop the pixels alone do not say where they belong, and of no pixel how wide it is. */
+/* Pixels alone do not say where in the picture a crop belongs, nor how wide they are. */
 static enum neph_status check_places(const struct neph_image *reference,
                                      const struct neph_image *other, struct neph_diag *diag)
 {

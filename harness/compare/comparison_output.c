@@ -143,7 +143,7 @@ static const char *const headlines[] = {
     "edge_ghost_frames",
 };
 
-/* Of lag and of single frames nothing is left out. */
+/* Numbers of lag and of single frames are all shown. */
 static bool stands_for_others(const struct neph_measurement *number)
 {
     const struct neph_extractor *owner = NULL;

@@ -7,7 +7,7 @@
 
 #include "base/image.h"
 
-/* Of a frame that is one of a sequence: how many of them a second it was made for. */
+/* The attribute of a frame of a sequence: how many of them a second it was made for. */
 #define NEPH_FRAME_RATE_ATTRIBUTE "neph.frame_rate_hz"
 
 /* Read an OpenEXR or PNG file, told apart by content, and pass it through gate G0

@@ -100,7 +100,7 @@ int neph_frame_compare_shapes(const char *a, const char *b)
     }
 }
 
-/* Of paths of one shape: whether they have different digits there. */
+/* Whether paths of one shape have different digits there. */
 bool neph_frame_differs_at(const char *a, const char *b, int index)
 {
     struct run of_a, of_b;

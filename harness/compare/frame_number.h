@@ -29,7 +29,7 @@ long long neph_frame_number_at(const char *path, int run);
 /* 0: of one shape. Else the order of the paths as text, runs aside. */
 int neph_frame_compare_shapes(const char *a, const char *b);
 
-/* Of paths of one shape: whether the digits of that run differ (1 and 01 do). */
+/* Whether the digits of that run differ (1 and 01 do) in paths of one shape. */
 bool neph_frame_differs_at(const char *a, const char *b, int run);
 
 /* Whether they have one shape, and no other run differs. */

@@ -16,7 +16,7 @@
 /* The probability that a run in which every engine is right still calls one of them off. */
 #define NEPH_PHYSICS_FAMILY_ALPHA 0.01
 
-/* Which way a check looks, and what is true there. Texts are of the suite's arena, here as below. */
+/* Which way a check looks, and what is true there. Texts are of the arena, here as below. */
 struct neph_physics_view {
     char what[160];
     int width_px, height_px;

@@ -19,7 +19,7 @@ static const char scene_name[] = "fence_pitch4";
 static const int width_px = 320, height_px = 180;
 static const double pixels_per_degree = 60.0; /* as `neph flicker` */
 
-/* The same for the march and its shortcut: the flicker is that of the rebuilding, and an eighth of
+/* March and its shortcut share it: the flicker is that of the rebuilding, and an eighth of
  * the default steps leaves time for the frames and for the rays of the reference. */
 static const char shared_setting[] = "steps=8";
 static const char *const presets[PRESETS] = {"seed", "ours"};

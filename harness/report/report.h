@@ -21,8 +21,8 @@ enum neph_status neph_report_open(const char *folder, struct neph_report **repor
                                   struct neph_diag *diag);
 
 /* Put pictures, difference maps, charts, data and page of the validation as it is into a fresh
- * folder and exchange it with the report. Cheap to call again: what is drawn is not drawn again, and
- * a validation is for one report alone, whose pictures it names. Without node the static charts are
+ * folder and exchange it with the report. Cheap to call again: what is drawn is not drawn again.
+ * A validation is for one report alone, whose pictures it names. Without node the static charts are
  * missing, and the page says so. After a failure the report is the one before. */
 enum neph_status neph_report_publish(struct neph_report *report, struct neph_validation *validation,
                                      struct neph_diag *diag);

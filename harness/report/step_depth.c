@@ -121,7 +121,7 @@ static double most_of_frame(const struct neph_shot *shot, const struct neph_scen
     return most;
 }
 
-/* Of a scene that may move, at the shot's frame. */
+/* The scene as it is at the shot's frame. */
 static double most_of_moment(const struct neph_shot *shot, bool shared, int steps)
 {
     if (!neph_scene_moves(shot->scene))

@@ -21,16 +21,15 @@ struct neph_validate_params {
     int frame;       /* of every scene; the last frame of a shorter one */
     double budget_s; /* of each picture of another project's renderer: see budget.h */
     bool quiet;
-    bool
-        skip_absent; /* a scene whose file or data is not there goes into `absent`, and is no error */
+    bool skip_absent; /* a scene whose data is not there goes into `absent` */
     const struct neph_charts_params *charts; /* NULL: none */
     bool over_time;                          /* the sequence of over_time.h too */
     neph_validate_show *show;                /* NULL: nobody looks */
     void *context;
 };
 
-/* Run and measure. NEPH_OK also when gates failed: the verdict says so. `validation`, {0} before, is
- * for neph_validation_finish() in any case. With NEPH_ERR_INTERRUPTED too everything finished is in
+/* Run and measure. NEPH_OK also when gates failed: the verdict says so. `validation`, {0} before,
+ * is for neph_validation_finish() in any case. With NEPH_ERR_INTERRUPTED too everything finished is in
  * it (when it has a title; else nothing had begun) and in the store, and a new run goes on from
  * there. */
 enum neph_status neph_validate(const struct neph_validate_params *params, struct neph_store *store,

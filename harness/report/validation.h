@@ -122,8 +122,8 @@ void neph_scene_result_finish(struct neph_scene_result *scene);
  * compared none. */
 void neph_validation_judge(struct neph_validation *validation, int here_count);
 
-/* As data.json: the form is written down in scripts/report/README.md. NULL when memory is short or a
- * text is not UTF-8. */
+/* As data.json, whose form is written down in scripts/report/README.md. NULL when memory is short
+ * or a text is not UTF-8. */
 json_t *neph_validation_json(const struct neph_validation *validation);
 
 /* For people, on stdout: a line for each frame, and what is to be said of it below. */

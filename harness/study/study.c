@@ -118,8 +118,8 @@ static enum neph_status render_level(const struct neph_job *job, struct neph_sto
     return status;
 }
 
-/* Of the finest level. Where the error does not shrink as it should, the limit is in doubt by the
- * last change: first order is what is left to believe in. */
+/* The bias of the finest level. Where the error does not shrink as it should, the limit is in doubt
+ * by the last change: first order is what is left to believe in. */
 static double worst_bias(const struct neph_study *study)
 {
     const struct neph_study_level *finest = &study->levels[study->level_count - 1];

@@ -106,6 +106,15 @@ class Verdict(unittest.TestCase):
             self.assertIn(b"nothing was compared", done.stderr)
             self.assertEqual(json.loads(done.stdout)["verdict"], "fail")
 
+    def test_a_gate_on_what_no_metric_is_called_is_refused_with_its_place(self):
+        text = (ROOT / "scenes/catalog/scattering_slab_above.yaml").read_text()
+        scene = self.folder / "scattering_slab_above.yaml"
+        for metric, words in (("sparkle", "'sparkle' is no metric"), ("seen_share", "not among the numbers of every picture")):
+            scene.write_text(text.replace("metric: rel_bias", f"metric: {metric}", 1))
+            done, _ = self.validate("exact", scene=scene)
+            self.assertEqual(done.returncode, 65, done.stderr)
+            self.assertRegex(done.stderr.decode(), rf"scattering_slab_above\.yaml:\d+:1: gates\[\d\]\.metric: .*{words}")
+
     def test_a_gate_that_cannot_be_measured_is_not_kept(self):
         text = (ROOT / "scenes/catalog/scattering_slab_above.yaml").read_text()
         dark = self.folder / "scattering_slab_above.yaml"
