@@ -4,7 +4,6 @@
 #include "scenes/hash_text.h"
 #include "scenes/spelling.h"
 
-#include <ctype.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
@@ -105,10 +104,11 @@ static enum neph_status refuse(const struct neph_reader *reader, const yaml_node
     return NEPH_ERR_INPUT;
 }
 
-static void describe_range(const struct neph_field *field, char *text, size_t size)
+static void describe_range(const struct neph_field *field, const char *what, char *text,
+                           size_t size)
 {
-    append(text, size, ", %g to %g%s%s", field->minimum, field->maximum, *field->unit ? " " : "",
-           field->unit);
+    append(text, size, "%s, %g to %g%s%s", what, field->minimum, field->maximum,
+           *field->unit ? " " : "", field->unit);
 }
 
 static void describe_words(const struct neph_field *field, char *text, size_t size)
@@ -124,41 +124,42 @@ static void describe_keys(const struct neph_field *fields, char *text, size_t si
         append(text, size, "%s%s", i ? ", " : "", fields[i].key);
 }
 
-static void describe(const struct neph_field *field, char *text, size_t size)
+void neph_field_describe(const struct neph_field *field, char *text, size_t size)
 {
     *text = '\0';
     switch (field->type) {
-    case NEPH_FIELD_NUMBER:
-        append(text, size, "a number");
-        describe_range(field, text, size);
+    case NEPH_NUMBER:
+        describe_range(field, "a number", text, size);
         break;
-    case NEPH_FIELD_WHOLE:
-        append(text, size, "a whole number");
-        describe_range(field, text, size);
+    case NEPH_WHOLE:
+        describe_range(field, "a whole number", text, size);
         break;
-    case NEPH_FIELD_THREE:
-    case NEPH_FIELD_WHOLES:
-        append(text, size, "a list of 3 numbers such as [0, 1, 0]");
+    case NEPH_THREE:
+    case NEPH_WHOLES:
+        describe_range(field, "3 numbers such as [0, 1, 0]", text, size);
         break;
-    case NEPH_FIELD_FLAG:
+    case NEPH_FLAG:
         append(text, size, "true or false");
         break;
-    case NEPH_FIELD_TEXT:
-        if (!field->words) {
-            append(text, size, "a text of %d to %d bytes", field->least, field->most);
-            break;
-        }
-        /* fall through */
-    case NEPH_FIELD_WORD:
+    case NEPH_WORD:
         describe_words(field, text, size);
         break;
-    case NEPH_FIELD_RECORD:
+    case NEPH_TEXT:
+        if (field->words)
+            describe_words(field, text, size);
+        else
+            append(text, size, "a text of %d to %d bytes", field->least, field->most);
+        break;
+    case NEPH_RECORD:
         append(text, size, "a mapping with the keys ");
         describe_keys(field->record->fields, text, size);
         break;
-    case NEPH_FIELD_NUMBERS:
-    case NEPH_FIELD_ENTRIES:
-    case NEPH_FIELD_LIST:
+    case NEPH_NUMBERS:
+        append(text, size, "a list of %d to %d numbers", field->least, field->most);
+        describe_range(field, "", text, size);
+        break;
+    case NEPH_ENTRIES:
+    case NEPH_LIST:
         append(text, size, "a list of %d to %d entries", field->least, field->most);
         break;
     }
@@ -183,7 +184,7 @@ static enum neph_status refuse_value(const struct neph_reader *reader, const yam
                                      const struct neph_field *field)
 {
     char expected[512], found[128];
-    describe(field, expected, sizeof(expected));
+    neph_field_describe(field, expected, sizeof(expected));
     describe_node(node, found, sizeof(found));
     neph_fail(reader->diag, NEPH_ERR_INPUT, "%s: found %s, expected %s", here(reader), found,
               expected);
@@ -198,43 +199,20 @@ static void hint_spelling(const struct neph_reader *reader, const struct neph_sp
 
 /* --- Scalars --- */
 
-static const char *skip_digits(const char *text)
-{
-    while (isdigit((unsigned char)*text))
-        text++;
-    return text;
-}
-
-static const char *skip_sign(const char *text)
-{
-    return text + (*text == '-' || *text == '+');
-}
-
 /* Decimal only: no nan, no inf, no hexadecimal, nothing behind the number. */
 static bool is_number(const char *text)
 {
-    const char *start = skip_sign(text);
-    const char *end = skip_digits(start);
-    bool digits = end > start;
-    if (*end == '.') {
-        const char *fraction = end + 1;
-        end = skip_digits(fraction);
-        digits |= end > fraction;
-    }
-    if (*end == 'e' || *end == 'E') {
-        const char *exponent = skip_sign(end + 1);
-        end = skip_digits(exponent);
-        digits &= end > exponent;
-    }
-    return digits && !*end;
+    char *end;
+    strtod(text, &end);
+    return end > text && !*end && !text[strspn(text, "+-.0123456789eE")];
 }
 
 /* No leading zero: YAML 1.1 would read 010 as eight. */
 static bool is_whole(const char *text)
 {
-    const char *start = skip_sign(text);
-    const char *end = skip_digits(start);
-    return end > start && !*end && (*start != '0' || end == start + 1);
+    const char *start = text + (*text == '-' || *text == '+');
+    const size_t digits = strspn(start, "0123456789");
+    return digits > 0 && !start[digits] && (*start != '0' || digits == 1);
 }
 
 static bool is_plain(const yaml_node_t *node)
@@ -246,11 +224,11 @@ static bool is_plain(const yaml_node_t *node)
 static enum neph_status read_number(const struct neph_reader *reader, const yaml_node_t *node,
                                     const struct neph_field *field, bool is_of_list, double *number)
 {
-    const bool whole = field->type == NEPH_FIELD_WHOLE || field->type == NEPH_FIELD_WHOLES;
+    const bool whole = field->type == NEPH_WHOLE || field->type == NEPH_WHOLES;
     if (!is_plain(node) || !(whole ? is_whole : is_number)(neph_document_text(node))) {
         struct neph_field one = *field;
         if (is_of_list)
-            one.type = whole ? NEPH_FIELD_WHOLE : NEPH_FIELD_NUMBER;
+            one.type = whole ? NEPH_WHOLE : NEPH_NUMBER;
         return refuse_value(reader, node, &one);
     }
     *number = strtod(neph_document_text(node), NULL);
@@ -372,8 +350,7 @@ static enum neph_status check_order(const struct neph_reader *reader,
     double before = -INFINITY;
     for (int i = 0; i < count; i++) {
         const char *value = entries + (size_t)i * record->size + first->at;
-        const double own = first->type == NEPH_FIELD_WHOLE ? *(const int *)value
-                                                           : *(const double *)value;
+        const double own = first->type == NEPH_WHOLE ? *(const int *)value : *(const double *)value;
         if (!(own > before))
             return neph_refuse(reader, neph_at("[%d].%s", i, first->key).text,
                                "%g is not above the %s of the one before, %g", own, first->key,
@@ -402,20 +379,19 @@ static enum neph_status read_list(struct neph_reader *reader, const yaml_node_t 
 static enum neph_status read_sequence(struct neph_reader *reader, const yaml_node_t *node,
                                       const struct neph_field *field, void *target)
 {
-    const bool three = field->type == NEPH_FIELD_THREE || field->type == NEPH_FIELD_WHOLES;
+    const bool three = field->type == NEPH_THREE || field->type == NEPH_WHOLES;
     const int count = length_of(node, three ? 3 : field->least, three ? 3 : field->most);
     void *value = place(target, field->at);
     if (count < 0)
         return refuse_value(reader, node, field);
-    if (field->type == NEPH_FIELD_LIST)
+    if (field->type == NEPH_LIST)
         return read_list(reader, node, field, count, target);
-    if (field->type == NEPH_FIELD_WHOLES)
+    if (field->type == NEPH_WHOLES)
         return read_wholes(reader, node, field, value);
     if (!three)
         *count_of(field, target) = count;
-    return field->type == NEPH_FIELD_ENTRIES
-               ? read_entries(reader, node, field->record, count, value)
-               : read_numbers(reader, node, field, count, value);
+    return field->type == NEPH_ENTRIES ? read_entries(reader, node, field->record, count, value)
+                                       : read_numbers(reader, node, field, count, value);
 }
 
 /* --- Mappings --- */
@@ -427,19 +403,19 @@ static enum neph_status read_value(struct neph_reader *reader, const yaml_node_t
     double number = 0.0;
     enum neph_status status;
     switch (field->type) {
-    case NEPH_FIELD_NUMBER:
+    case NEPH_NUMBER:
         return read_number(reader, node, field, false, value);
-    case NEPH_FIELD_WHOLE:
+    case NEPH_WHOLE:
         status = read_number(reader, node, field, false, &number);
         *(int *)value = (int)number;
         return status;
-    case NEPH_FIELD_FLAG:
+    case NEPH_FLAG:
         return read_flag(reader, node, field, value);
-    case NEPH_FIELD_WORD:
+    case NEPH_WORD:
         return read_word(reader, node, field, value);
-    case NEPH_FIELD_TEXT:
+    case NEPH_TEXT:
         return read_text(reader, node, field, value);
-    case NEPH_FIELD_RECORD:
+    case NEPH_RECORD:
         if (node->type != YAML_MAPPING_NODE)
             return refuse_value(reader, node, field);
         return read_record(reader, node, field->record, value);
@@ -478,7 +454,7 @@ static enum neph_status refuse_missing(struct neph_reader *reader, const yaml_no
 {
     char expected[512];
     const size_t before = enter_key(reader, field->key);
-    describe(field, expected, sizeof(expected));
+    neph_field_describe(field, expected, sizeof(expected));
     neph_fail(reader->diag, NEPH_ERR_INPUT, "missing key '%s': expected %s", reader->path,
               expected);
     leave(reader, before);
@@ -515,7 +491,7 @@ enum neph_status neph_read_fields(struct neph_reader *reader, const yaml_node_t 
                                   const struct neph_field *fields, void *target)
 {
     const struct neph_record record = {.fields = fields};
-    const struct neph_field whole = {.type = NEPH_FIELD_RECORD, .record = &record};
+    const struct neph_field whole = {.type = NEPH_RECORD, .record = &record};
     if (node->type != YAML_MAPPING_NODE)
         return refuse_value(reader, node, &whole);
     neph_fields_default(fields, target);
@@ -524,38 +500,46 @@ enum neph_status neph_read_fields(struct neph_reader *reader, const yaml_node_t 
          pair < node->data.mapping.pairs.top && !status; pair++)
         status = read_pair(reader, node, pair, fields, target);
     for (int i = 0; fields[i].key && !status; i++)
-        if (!fields[i].is_optional && !neph_reader_has(reader, node, fields[i].key))
+        if (!fields[i].standard && !neph_reader_has(reader, node, fields[i].key))
             status = refuse_missing(reader, node, &fields[i]);
     return status;
 }
 
+enum neph_status neph_read_choice(struct neph_reader *reader, const yaml_node_t *node,
+                                  const struct neph_field *fields, void *target, const char *what)
+{
+    char keys[512] = "";
+    int given = 0;
+    const enum neph_status status = neph_read_fields(reader, node, fields, target);
+    for (int i = 0; fields[i].key && !status; i++)
+        given += neph_reader_has(reader, node, fields[i].key);
+    if (status || given == 1)
+        return status;
+    describe_keys(fields, keys, sizeof(keys));
+    return neph_refuse(reader, "", "%s is exactly one of %s", what, keys);
+}
+
 /* --- Defaults, hash and ends --- */
 
+/* Words are 0. */
 static void set_default(const struct neph_field *field, void *target)
 {
     void *value = place(target, field->at);
-    switch (field->type) {
-    case NEPH_FIELD_NUMBER:
-        *(double *)value = field->standard;
-        break;
-    case NEPH_FIELD_THREE:
-        for (int i = 0; i < 3; i++)
-            ((double *)value)[i] = field->standard;
-        break;
-    case NEPH_FIELD_WHOLE:
-    case NEPH_FIELD_WORD:
-        *(int *)value = (int)field->standard;
-        break;
-    case NEPH_FIELD_FLAG:
-        *(bool *)value = field->standard != 0.0;
-        break;
-    case NEPH_FIELD_RECORD:
-        if (!field->record->read)
-            neph_fields_default(field->record->fields, value);
-        break;
-    default:
-        break; /* 0: no text, no entries */
-    }
+    double numbers[3] = {0.0};
+    if (field->type == NEPH_RECORD && !field->record->read)
+        neph_fields_default(field->record->fields, value);
+    if (!field->standard)
+        return;
+    if (sscanf(field->standard, "[%lf, %lf, %lf]", &numbers[0], &numbers[1], &numbers[2]) != 3)
+        numbers[0] = strtod(field->standard, NULL);
+    if (field->type == NEPH_NUMBER)
+        *(double *)value = numbers[0];
+    else if (field->type == NEPH_THREE)
+        memcpy(value, numbers, sizeof(numbers));
+    else if (field->type == NEPH_WHOLE || field->type == NEPH_WORD)
+        *(int *)value = (int)numbers[0];
+    else if (field->type == NEPH_FLAG)
+        *(bool *)value = false;
 }
 
 void neph_fields_default(const struct neph_field *fields, void *target)
@@ -568,11 +552,11 @@ void neph_fields_hash(const struct neph_field *fields, const void *record, FILE 
 {
     for (; fields->key; fields++) {
         const void *value = (const char *)record + fields->at;
-        if (fields->type == NEPH_FIELD_NUMBER)
+        if (fields->type == NEPH_NUMBER)
             neph_put_number(text, fields->key, *(const double *)value);
-        else if (fields->type == NEPH_FIELD_THREE)
+        else if (fields->type == NEPH_THREE)
             neph_put_vec3(text, fields->key, *(const struct neph_vec3 *)value);
-        else if (fields->type == NEPH_FIELD_WHOLE || fields->type == NEPH_FIELD_WORD)
+        else if (fields->type == NEPH_WHOLE || fields->type == NEPH_WORD)
             neph_put_number(text, fields->key, *(const int *)value);
     }
 }
@@ -588,11 +572,11 @@ static void free_list(const struct neph_field *field, void *target)
 void neph_fields_free(const struct neph_field *fields, void *target)
 {
     for (; fields->key; fields++) {
-        if (fields->type == NEPH_FIELD_TEXT)
+        if (fields->type == NEPH_TEXT)
             free(*(char **)place(target, fields->at));
-        else if (fields->type == NEPH_FIELD_RECORD)
+        else if (fields->type == NEPH_RECORD)
             neph_fields_free(fields->record->fields, place(target, fields->at));
-        else if (fields->type == NEPH_FIELD_LIST)
+        else if (fields->type == NEPH_LIST)
             free_list(fields, target);
     }
 }

@@ -20,17 +20,17 @@
 #define NEPH_FIELD_PATH_MAX 160 /* of a value inside a file: "media[0].height_fog.albedo[2]" */
 
 enum neph_field_type {
-    NEPH_FIELD_NUMBER,  /* double */
-    NEPH_FIELD_THREE,   /* three doubles: struct neph_vec3, struct neph_rgb */
-    NEPH_FIELD_WHOLE,   /* int */
-    NEPH_FIELD_WHOLES,  /* three ints */
-    NEPH_FIELD_FLAG,    /* bool */
-    NEPH_FIELD_WORD,    /* int or enum: the index in `words` */
-    NEPH_FIELD_TEXT,    /* char *, owned; where there are `words`, one of them */
-    NEPH_FIELD_RECORD,  /* a mapping, read into the place itself */
-    NEPH_FIELD_NUMBERS, /* double[most] and a count */
-    NEPH_FIELD_ENTRIES, /* mappings: an array[most] and a count */
-    NEPH_FIELD_LIST,    /* mappings: a pointer to an owned array, and a count */
+    NEPH_NUMBER,  /* double */
+    NEPH_THREE,   /* three doubles: struct neph_vec3, struct neph_rgb */
+    NEPH_WHOLE,   /* int */
+    NEPH_WHOLES,  /* three ints */
+    NEPH_FLAG,    /* bool */
+    NEPH_WORD,    /* int or enum: the index in `words` */
+    NEPH_TEXT,    /* char *, owned; where there are `words`, one of them */
+    NEPH_RECORD,  /* a mapping, read into the place itself */
+    NEPH_NUMBERS, /* double[most] and a count */
+    NEPH_ENTRIES, /* mappings: an array[most] and a count */
+    NEPH_LIST,    /* mappings: a pointer to an owned array, and a count */
 };
 
 struct neph_reader;
@@ -52,11 +52,9 @@ struct neph_field {
     const char *unit;
     double minimum, maximum; /* of each number */
     const char *note;        /* what it is, or why not otherwise; also told beside a complaint */
-    bool is_optional;
-    double standard;    /* when left out: of a number, of each of three, of a flag, of a word */
-    const char *absent; /* what it means to leave it out, where `standard` does not tell */
-    int least, most;    /* entries of a list, bytes of a text */
-    size_t count_at;    /* an int; of a list */
+    const char *standard;    /* when left out: "1.5", "[0, 1, 0]", or words; NULL: it may not be */
+    int least, most;         /* entries of a list, bytes of a text */
+    size_t count_at;         /* an int; of a list */
     bool is_ascending; /* a list whose entries begin with a field that grows from one to the next */
     const char *const *words; /* ends with NULL */
     const struct neph_record *record;
@@ -73,6 +71,10 @@ struct neph_reader {
  * is owned in a half-read target is for neph_fields_free(), or for who knows the struct. */
 enum neph_status neph_read_fields(struct neph_reader *reader, const yaml_node_t *node,
                                   const struct neph_field *fields, void *target);
+
+/* A mapping with exactly one of its keys; `what` is its name for a person. */
+enum neph_status neph_read_choice(struct neph_reader *reader, const yaml_node_t *node,
+                                  const struct neph_field *fields, void *target, const char *what);
 
 /* What neph_read_fields() gives for keys that are all left out. */
 void neph_fields_default(const struct neph_field *fields, void *target);
@@ -96,6 +98,9 @@ struct neph_path neph_at(const char *format, ...) __attribute__((format(printf, 
 
 /* A line of a scene's hash per number, see scenes/hash_text.h; records and lists are left out. */
 void neph_fields_hash(const struct neph_field *fields, const void *record, FILE *text);
+
+/* What its value may be, in words. */
+void neph_field_describe(const struct neph_field *field, char *text, size_t size);
 
 /* A line of Markdown's table per key, records opened up; `owner` stands before each key. */
 void neph_fields_print(const struct neph_field *fields, const char *owner, FILE *file);

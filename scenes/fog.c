@@ -169,9 +169,9 @@ struct neph_unreal_fog neph_fog_layer_to_unreal(const struct neph_fog_layer *lay
 /* --- in a scene file --- */
 
 static const struct neph_field homogeneous_fields[] = {
-    {"extinction_per_m", NEPH_FIELD_NUMBER, AT(layers[0].extinction_per_m), "1/m", 0, 1e4,
+    {"extinction_per_m", NEPH_NUMBER, AT(layers[0].extinction_per_m), "1/m", 0, 1e4,
      .note = "everywhere"},
-    {"bounds", NEPH_FIELD_RECORD, AT(bounds),
+    {"bounds", NEPH_RECORD, AT(bounds),
      .note = "a homogeneous medium needs finite bounds: without them the sun, which is infinitely "
              "far away, would never arrive",
      .record = &neph_bounds_record},
@@ -189,22 +189,22 @@ static enum neph_status finish_homogeneous(struct neph_reader *reader, const yam
 }
 
 static const struct neph_field layer_fields[] = {
-    {"extinction_per_m", NEPH_FIELD_NUMBER, LAYER(extinction_per_m), "1/m", 0, 1e4,
+    {"extinction_per_m", NEPH_NUMBER, LAYER(extinction_per_m), "1/m", 0, 1e4,
      .note = "at height_m"},
-    {"falloff_per_m", NEPH_FIELD_NUMBER, LAYER(falloff_per_m), "1/m", 0, 10,
+    {"falloff_per_m", NEPH_NUMBER, LAYER(falloff_per_m), "1/m", 0, 10,
      .note = "a fog that grows denser with height is not modelled"},
-    {"height_m", NEPH_FIELD_NUMBER, LAYER(height_m), "m", -1e5, 1e5,
+    {"height_m", NEPH_NUMBER, LAYER(height_m), "m", -1e5, 1e5,
      .note = "where the layer has extinction_per_m"},
     {0},
 };
 static const struct neph_record layer_record = {sizeof(struct neph_fog_layer), layer_fields, NULL};
 
 static const struct neph_field unreal_layer_fields[] = {
-    {"fog_density", NEPH_FIELD_NUMBER, UNREAL(fog_density), "(Unreal's UI value)", 0, 10,
+    {"fog_density", NEPH_NUMBER, UNREAL(fog_density), "(Unreal's UI value)", 0, 10,
      .note = "Fog Density"},
-    {"fog_height_falloff", NEPH_FIELD_NUMBER, UNREAL(fog_height_falloff), "(Unreal's UI value)", 0,
-     10, .note = "Fog Height Falloff"},
-    {"fog_height_m", NEPH_FIELD_NUMBER, UNREAL(fog_height_m), "m", -1e5, 1e5,
+    {"fog_height_falloff", NEPH_NUMBER, UNREAL(fog_height_falloff), "(Unreal's UI value)", 0, 10,
+     .note = "Fog Height Falloff"},
+    {"fog_height_m", NEPH_NUMBER, UNREAL(fog_height_m), "m", -1e5, 1e5,
      .note = "Fog Height Offset"},
     {0},
 };
@@ -223,14 +223,13 @@ static const struct neph_record unreal_layer_record = {sizeof(struct neph_fog_la
                                                        unreal_layer_fields, read_unreal_layer};
 
 static const struct neph_field height_fog_fields[] = {
-    {"layers", NEPH_FIELD_ENTRIES, AT(layers), .note = "they add", .is_optional = true,
-     .absent = "needed, or `unreal_layers`", .least = 1, .most = NEPH_FOG_LAYERS_MAX,
-     .count_at = AT(layer_count), .record = &layer_record},
-    {"unreal_layers", NEPH_FIELD_ENTRIES, AT(layers), .note = "in their place", .is_optional = true,
-     .absent = "none", .least = 1, .most = NEPH_FOG_LAYERS_MAX, .count_at = AT(layer_count),
-     .record = &unreal_layer_record},
-    {"bounds", NEPH_FIELD_RECORD, AT(bounds), .is_optional = true, .absent = "unbounded",
-     .record = &neph_bounds_record},
+    {"layers", NEPH_ENTRIES, AT(layers), .note = "they add", .least = 1,
+     .most = NEPH_FOG_LAYERS_MAX, .count_at = AT(layer_count), .record = &layer_record,
+     .standard = "needed, or `unreal_layers`"},
+    {"unreal_layers", NEPH_ENTRIES, AT(layers), .note = "in their place", .least = 1,
+     .most = NEPH_FOG_LAYERS_MAX, .count_at = AT(layer_count), .record = &unreal_layer_record,
+     .standard = "none"},
+    {"bounds", NEPH_RECORD, AT(bounds), .record = &neph_bounds_record, .standard = "unbounded"},
     {0},
 };
 

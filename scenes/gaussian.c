@@ -119,14 +119,12 @@ static void cut_scales(struct neph_cuts *cuts, const struct neph_medium *medium)
 
 /* The order is that of the hash. */
 static const struct neph_field fields[] = {
-    {"extinction_per_m", NEPH_FIELD_NUMBER, AT(extinction_per_m), "1/m", 0, 1e4,
-     .note = "at the centre"},
-    {"center_m", NEPH_FIELD_THREE, AT(gaussian.center_m), "m", -NEPH_FAR_M, NEPH_FAR_M,
+    {"extinction_per_m", NEPH_NUMBER, AT(extinction_per_m), "1/m", 0, 1e4, .note = "at the centre"},
+    {"center_m", NEPH_THREE, AT(gaussian.center_m), "m", -NEPH_FAR_M, NEPH_FAR_M,
      .note = "of the blob"},
-    {"width_m", NEPH_FIELD_NUMBER, AT(gaussian.width_m), "m", 1e-3, NEPH_FAR_M,
+    {"width_m", NEPH_NUMBER, AT(gaussian.width_m), "m", 1e-3, NEPH_FAR_M,
      .note = "the standard deviation"},
-    {"bounds", NEPH_FIELD_RECORD, AT(bounds), .is_optional = true, .absent = "unbounded",
-     .record = &neph_bounds_record},
+    {"bounds", NEPH_RECORD, AT(bounds), .record = &neph_bounds_record, .standard = "unbounded"},
     {0},
 };
 

@@ -66,14 +66,13 @@ static const char *const quantity_words[] = {
 static const char *const mask_words[] = {"all", "sky", "solid", "medium", "depth_edge", NULL};
 
 static const struct neph_field gate_fields[] = {
-    {"engine", NEPH_FIELD_TEXT, GATE(engine), .least = 1, .most = 64},
-    {"quantity", NEPH_FIELD_WORD, GATE(quantity), .words = quantity_words},
-    {"metric", NEPH_FIELD_TEXT, GATE(metric), .least = 1, .most = 64,
+    {"engine", NEPH_TEXT, GATE(engine), .least = 1, .most = 64},
+    {"quantity", NEPH_WORD, GATE(quantity), .words = quantity_words},
+    {"metric", NEPH_TEXT, GATE(metric), .least = 1, .most = 64,
      .note = "one that `neph metrics` lists for single pictures"},
-    {"mask", NEPH_FIELD_TEXT, GATE(mask), .is_optional = true, .absent = "`all`",
-     .words = mask_words},
-    {"maximum", NEPH_FIELD_NUMBER, GATE(maximum), "", 0, BRIGHT, .note = "of the absolute value"},
-    {"reason", NEPH_FIELD_TEXT, GATE(reason), .least = 1, .most = 1000},
+    {"mask", NEPH_TEXT, GATE(mask), .words = mask_words, .standard = "`all`"},
+    {"maximum", NEPH_NUMBER, GATE(maximum), "", 0, BRIGHT, .note = "of the absolute value"},
+    {"reason", NEPH_TEXT, GATE(reason), .least = 1, .most = 1000},
     {0},
 };
 
@@ -100,6 +99,8 @@ static const struct neph_record gate_record = {sizeof(struct neph_gate), gate_fi
 
 /* --- The file --- */
 
+_Static_assert(NEPH_BAKE_RESOLUTION_DEFAULT == 64, "as the table says");
+
 static const char *const scattering_words[] = {
     [NEPH_SCATTERING_NONE] = "none",
     [NEPH_SCATTERING_SINGLE] = "single",
@@ -108,60 +109,55 @@ static const char *const scattering_words[] = {
 };
 
 static const struct neph_field octaves_fields[] = {
-    {"count", NEPH_FIELD_WHOLE, OCTAVES(count), "", 1, 16, .is_optional = true, .standard = 8},
-    {"contribution", NEPH_FIELD_NUMBER, OCTAVES(contribution), "", 0, 1, .is_optional = true,
-     .standard = 0.5},
-    {"attenuation", NEPH_FIELD_NUMBER, OCTAVES(attenuation), "", 0, 1, .is_optional = true,
-     .standard = 0.5},
-    {"eccentricity", NEPH_FIELD_NUMBER, OCTAVES(eccentricity), "", 0, 1, .is_optional = true,
-     .standard = 0.5},
+    {"count", NEPH_WHOLE, OCTAVES(count), "", 1, 16, .standard = "8"},
+    {"contribution", NEPH_NUMBER, OCTAVES(contribution), "", 0, 1, .standard = "0.5"},
+    {"attenuation", NEPH_NUMBER, OCTAVES(attenuation), "", 0, 1, .standard = "0.5"},
+    {"eccentricity", NEPH_NUMBER, OCTAVES(eccentricity), "", 0, 1, .standard = "0.5"},
     {0},
 };
 static const struct neph_record octaves_record = {sizeof(struct neph_octaves), octaves_fields,
                                                   NULL};
 
 static const struct neph_field display_fields[] = {
-    {"exposure_ev", NEPH_FIELD_NUMBER, SCENE(exposure_ev), "EV", -40, 40,
+    {"exposure_ev", NEPH_NUMBER, SCENE(exposure_ev), "EV", -40, 40,
      .note = "pictures show radiance times 2^ev; numbers do not"},
     {0},
 };
 static const struct neph_record display_record = {sizeof(struct neph_scene), display_fields, NULL};
 
 static const struct neph_field scene_fields[] = {
-    {"name", NEPH_FIELD_TEXT, SCENE(name), .note = "a-z, 0-9 and _; the file's stem", .least = 1,
+    {"name", NEPH_TEXT, SCENE(name), .note = "a-z, 0-9 and _; the file's stem", .least = 1,
      .most = 64},
-    {"title", NEPH_FIELD_TEXT, SCENE(title), .note = "one line", .least = 1, .most = TITLE_MAX},
-    {"physics", NEPH_FIELD_TEXT, SCENE(physics),
+    {"title", NEPH_TEXT, SCENE(title), .note = "one line", .least = 1, .most = TITLE_MAX},
+    {"physics", NEPH_TEXT, SCENE(physics),
      .note = "what the scene isolates and which truth applies", .least = 1, .most = 4000},
-    {"camera", NEPH_FIELD_RECORD, .record = &neph_camera_record},
-    {"frames", NEPH_FIELD_RECORD, .is_optional = true, .record = &neph_frames_record},
-    {"sun", NEPH_FIELD_RECORD, .is_optional = true, .absent = "no sun", .record = &neph_sun_record},
-    {"wind", NEPH_FIELD_RECORD, .is_optional = true, .absent = "no wind",
-     .record = &neph_wind_record},
-    {"background_w_per_m2_sr", NEPH_FIELD_THREE, SCENE(background_w_per_m2_sr), "W/m2/sr", 0,
-     BRIGHT, .note = "uniform radiance of the sky", .is_optional = true},
-    {"environment_light", NEPH_FIELD_FLAG, SCENE(environment_light),
-     .note = "the background lights media and solids; else it is only seen", .is_optional = true},
-    {"scattering", NEPH_FIELD_WORD, SCENE(scattering),
-     .note = "`none`: media attenuate; `single`: plus sunlight scattered once; "
-             "`multiple`: all orders, surface bounces included",
+    {"camera", NEPH_RECORD, .record = &neph_camera_record},
+    {"frames", NEPH_RECORD, .record = &neph_frames_record, .standard = ""},
+    {"sun", NEPH_RECORD, .record = &neph_sun_record, .standard = "no sun"},
+    {"wind", NEPH_RECORD, .record = &neph_wind_record, .standard = "no wind"},
+    {"background_w_per_m2_sr", NEPH_THREE, SCENE(background_w_per_m2_sr), "W/m2/sr", 0, BRIGHT,
+     .note = "uniform radiance of the sky", .standard = "[0, 0, 0]"},
+    {"environment_light", NEPH_FLAG, SCENE(environment_light),
+     .note = "the background lights media and solids; else it is only seen", .standard = "`false`"},
+    {"scattering", NEPH_WORD, SCENE(scattering),
+     .note = "`none`: media attenuate; `single`: plus sunlight scattered once; `multiple`: all "
+             "orders, surface bounces included",
      .words = scattering_words},
-    {"octaves", NEPH_FIELD_RECORD, SCENE(octaves),
-     .note = "of the ray marcher's lighting model of that name", .is_optional = true,
-     .record = &octaves_record},
-    {"bake_resolution", NEPH_FIELD_WHOLE, SCENE(bake_resolution), "nodes", NEPH_BAKE_RESOLUTION_MIN,
+    {"octaves", NEPH_RECORD, SCENE(octaves),
+     .note = "of the ray marcher's lighting model of that name", .record = &octaves_record,
+     .standard = ""},
+    {"bake_resolution", NEPH_WHOLE, SCENE(bake_resolution), "nodes", NEPH_BAKE_RESOLUTION_MIN,
      NEPH_GRID_SIDE_MAX,
      .note = "of the grid that engines without formulas get, along its longest side",
-     .is_optional = true, .standard = NEPH_BAKE_RESOLUTION_DEFAULT},
-    {"display", NEPH_FIELD_RECORD, .is_optional = true, .absent = "an exposure of 0",
-     .record = &display_record},
-    {"gates", NEPH_FIELD_LIST, SCENE(gates), .is_optional = true, .most = GATES_MAX,
-     .count_at = SCENE(gate_count), .record = &gate_record},
-    {"solids", NEPH_FIELD_LIST, offsetof(struct neph_written_scene, solids), .is_optional = true,
+     .standard = "64"},
+    {"display", NEPH_RECORD, .record = &display_record, .standard = "an exposure of 0"},
+    {"gates", NEPH_LIST, SCENE(gates), .most = GATES_MAX, .count_at = SCENE(gate_count),
+     .record = &gate_record, .standard = "none"},
+    {"solids", NEPH_LIST, offsetof(struct neph_written_scene, solids),
      .most = NEPH_SCENE_SOLIDS_MAX, .count_at = offsetof(struct neph_written_scene, solid_count),
-     .record = &neph_solid_record},
-    {"media", NEPH_FIELD_ENTRIES, SCENE(media), .is_optional = true, .most = NEPH_SCENE_MEDIA_MAX,
-     .count_at = SCENE(medium_count), .record = &neph_medium_record},
+     .record = &neph_solid_record, .standard = "none"},
+    {"media", NEPH_ENTRIES, SCENE(media), .most = NEPH_SCENE_MEDIA_MAX,
+     .count_at = SCENE(medium_count), .record = &neph_medium_record, .standard = "none"},
     {0},
 };
 

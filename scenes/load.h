@@ -42,6 +42,9 @@ struct neph_camera_key neph_camera_key_at(const struct neph_scene *scene, double
 /* The forms of all kinds of media, as neph_fields_print(). */
 void neph_forms_print(FILE *file);
 
+/* The forms of the kinds that wind carries along, each followed by a comma: "gaussian, grid, ". */
+void neph_drifting_forms(char *text, size_t size);
+
 /* max_m above min_m; `owner` is the key of the box. */
 enum neph_status neph_check_extent(const struct neph_reader *reader, const char *owner,
                                    const struct neph_bounds *bounds);

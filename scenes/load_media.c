@@ -25,34 +25,35 @@ static const char *const phase_words[] = {
 
 /* What every medium has. */
 static const struct neph_field common_fields[] = {
-    {"extinction_color", NEPH_FIELD_THREE, AT(extinction_color), "", 0, 1e3,
-     .note = "extinction per channel, in parts of extinction_per_m", .is_optional = true,
-     .standard = 1},
-    {"albedo", NEPH_FIELD_THREE, AT(albedo), "", 0, 1,
+    {"extinction_color", NEPH_THREE, AT(extinction_color), "", 0, 1e3,
+     .note = "extinction per channel, in parts of extinction_per_m", .standard = "[1, 1, 1]"},
+    {"albedo", NEPH_THREE, AT(albedo), "", 0, 1,
      .note = "an albedo above 1 would make light out of nothing"},
-    {"phase", NEPH_FIELD_WORD, AT(phase.kind), .words = phase_words, .is_optional = true},
-    {"asymmetry_g", NEPH_FIELD_NUMBER, AT(phase.g), "", -0.999, 0.999,
-     .note = "beyond 0.999 the phase function is a spike that Cycles clamps", .is_optional = true,
-     .absent = "needed by `henyey_greenstein`"},
-    {"voxels", NEPH_FIELD_WHOLE, offsetof(struct neph_written_medium, voxels), "nodes",
+    {"phase", NEPH_WORD, AT(phase.kind), .words = phase_words, .standard = "`isotropic`"},
+    {"asymmetry_g", NEPH_NUMBER, AT(phase.g), "", -0.999, 0.999,
+     .note = "beyond 0.999 the phase function is a spike that Cycles clamps",
+     .standard = "needed by `henyey_greenstein`"},
+    {"voxels", NEPH_WHOLE, offsetof(struct neph_written_medium, voxels), "nodes",
      NEPH_BAKE_RESOLUTION_MIN, NEPH_GRID_SIDE_MAX,
-     .note = "along the longest side of the grid that replaces the medium", .is_optional = true,
-     .absent = "the medium itself"},
+     .note = "along the longest side of the grid that replaces the medium",
+     .standard = "the medium itself"},
     {0},
 };
 
 static const struct neph_field bounds_fields[] = {
-    {"min_m", NEPH_FIELD_THREE, BOUNDS(min_m), "m", -NEPH_FAR_M, NEPH_FAR_M, .standard = -INFINITY},
-    {"max_m", NEPH_FIELD_THREE, BOUNDS(max_m), "m", -NEPH_FAR_M, NEPH_FAR_M, .standard = INFINITY},
+    {"min_m", NEPH_THREE, BOUNDS(min_m), "m", -NEPH_FAR_M, NEPH_FAR_M,
+     .note = "a corner of the box"},
+    {"max_m", NEPH_THREE, BOUNDS(max_m), "m", -NEPH_FAR_M, NEPH_FAR_M,
+     .note = "a corner of the box"},
     {0},
 };
 const struct neph_record neph_bounds_record = {sizeof(struct neph_bounds), bounds_fields, NULL};
 
 static const struct neph_field planet_bounds_fields[] = {
-    {"min_m", NEPH_FIELD_THREE, BOUNDS(min_m), "m", -NEPH_PLANET_M, NEPH_PLANET_M,
-     .standard = -INFINITY},
-    {"max_m", NEPH_FIELD_THREE, BOUNDS(max_m), "m", -NEPH_PLANET_M, NEPH_PLANET_M,
-     .standard = INFINITY},
+    {"min_m", NEPH_THREE, BOUNDS(min_m), "m", -NEPH_PLANET_M, NEPH_PLANET_M,
+     .note = "a corner of the box"},
+    {"max_m", NEPH_THREE, BOUNDS(max_m), "m", -NEPH_PLANET_M, NEPH_PLANET_M,
+     .note = "a corner of the box"},
     {0},
 };
 const struct neph_record neph_planet_bounds_record = {sizeof(struct neph_bounds),
@@ -66,6 +67,9 @@ struct choice {
     enum neph_medium_kind kind;
     const struct neph_medium_form *form;
 };
+
+static const struct neph_bounds everywhere = {{-INFINITY, -INFINITY, -INFINITY},
+                                              {INFINITY, INFINITY, INFINITY}};
 
 static void gather_fields(const struct neph_field *own, struct neph_field fields[FIELDS_MAX])
 {
@@ -145,6 +149,7 @@ static enum neph_status read_form(struct neph_reader *reader, const yaml_node_t 
     if (!written)
         return neph_fail_memory(reader->diag);
     written->medium.kind = choice->kind;
+    written->medium.bounds = everywhere;
     enum neph_status status = neph_read_fields(reader, node, fields, written);
     if (!status)
         status = finish(reader, node, choice->form, written);
@@ -168,22 +173,11 @@ static void list_choices(struct choice choices[FORMS_MAX], struct neph_field fie
                 continue;
             const size_t size = form->size ? form->size : sizeof(struct neph_written_medium);
             choices[count] = (struct choice){{size, form->fields, read_form}, kind, form};
-            fields[count] = (struct neph_field){form->key, NEPH_FIELD_RECORD, .is_optional = true,
+            fields[count] = (struct neph_field){form->key, NEPH_RECORD, .standard = "",
                                                 .record = &choices[count].record};
             count++;
         }
     fields[count] = (struct neph_field){0};
-}
-
-static enum neph_status refuse_choice(const struct neph_reader *reader,
-                                      const struct neph_field *fields)
-{
-    char keys[512] = "";
-    for (int i = 0; fields[i].key; i++) {
-        strcat(keys, i ? ", " : "");
-        strcat(keys, fields[i].key);
-    }
-    return neph_refuse(reader, "", "a medium is exactly one of %s", keys);
 }
 
 static enum neph_status read_medium(struct neph_reader *reader, const yaml_node_t *node,
@@ -193,13 +187,18 @@ static enum neph_status read_medium(struct neph_reader *reader, const yaml_node_
     struct choice choices[FORMS_MAX];
     struct neph_field fields[FORMS_MAX + 1];
     list_choices(choices, fields);
-    const enum neph_status status = neph_read_fields(reader, node, fields, target);
-    if (status)
-        return status;
-    int given = 0;
-    for (int i = 0; fields[i].key; i++)
-        given += neph_reader_has(reader, node, fields[i].key);
-    return given == 1 ? NEPH_OK : refuse_choice(reader, fields);
+    return neph_read_choice(reader, node, fields, target, "a medium");
+}
+
+void neph_drifting_forms(char *text, size_t size)
+{
+    struct choice choices[FORMS_MAX];
+    struct neph_field fields[FORMS_MAX + 1];
+    size_t used = 0;
+    list_choices(choices, fields);
+    for (int i = 0; fields[i].key && used < size; i++)
+        if (neph_medium_row(choices[i].kind)->drift)
+            used += (size_t)snprintf(text + used, size - used, "%s, ", fields[i].key);
 }
 
 void neph_forms_print(FILE *file)

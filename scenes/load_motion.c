@@ -43,34 +43,32 @@ static enum neph_status check_direction(const struct neph_reader *reader, const 
 /* --- Frames --- */
 
 static const struct neph_field pause_fields[] = {
-    {"frame", NEPH_FIELD_WHOLE, offsetof(struct neph_pause, frame), "", 0, KEY_FRAME_MAX,
+    {"frame", NEPH_WHOLE, offsetof(struct neph_pause, frame), "", 0, KEY_FRAME_MAX,
      .note = "of the keys, not of the pictures"},
-    {"count", NEPH_FIELD_WHOLE, offsetof(struct neph_pause, count), "frames", 1, 10000,
+    {"count", NEPH_WHOLE, offsetof(struct neph_pause, count), "frames", 1, 10000,
      .note = "so many pictures more show it"},
     {0},
 };
 static const struct neph_record pause_record = {sizeof(struct neph_pause), pause_fields, NULL};
 
 static const struct neph_field size_fields[] = {
-    {"frame", NEPH_FIELD_WHOLE, offsetof(struct neph_frame_scale, frame), "", 0, KEY_FRAME_MAX,
+    {"frame", NEPH_WHOLE, offsetof(struct neph_frame_scale, frame), "", 0, KEY_FRAME_MAX,
      .note = "the first picture of this size"},
-    {"scale", NEPH_FIELD_NUMBER, offsetof(struct neph_frame_scale, scale), "", 0.05, 4,
+    {"scale", NEPH_NUMBER, offsetof(struct neph_frame_scale, scale), "", 0.05, 4,
      .note = "of the size that was asked for"},
     {0},
 };
 static const struct neph_record size_record = {sizeof(struct neph_frame_scale), size_fields, NULL};
 
 static const struct neph_field frames_fields[] = {
-    {"count", NEPH_FIELD_WHOLE, SCENE(frame_count), "", 1, 10000, .is_optional = true,
-     .standard = 1},
-    {"rate_hz", NEPH_FIELD_NUMBER, SCENE(frame_rate_hz), "Hz", 0.001, 1000, .is_optional = true,
-     .standard = 30},
-    {"pauses", NEPH_FIELD_LIST, SCENE(pauses), .is_optional = true, .is_ascending = true,
-     .least = 1, .most = NEPH_SCENE_KEYS_MAX, .count_at = SCENE(pause_count),
-     .record = &pause_record},
-    {"sizes", NEPH_FIELD_LIST, SCENE(frame_scales), .is_optional = true, .is_ascending = true,
-     .least = 1, .most = NEPH_SCENE_KEYS_MAX, .count_at = SCENE(frame_scale_count),
-     .record = &size_record},
+    {"count", NEPH_WHOLE, SCENE(frame_count), "", 1, 10000, .standard = "1"},
+    {"rate_hz", NEPH_NUMBER, SCENE(frame_rate_hz), "Hz", 0.001, 1000, .standard = "30"},
+    {"pauses", NEPH_LIST, SCENE(pauses), .is_ascending = true, .least = 1,
+     .most = NEPH_SCENE_KEYS_MAX, .count_at = SCENE(pause_count), .record = &pause_record,
+     .standard = "none"},
+    {"sizes", NEPH_LIST, SCENE(frame_scales), .is_ascending = true, .least = 1,
+     .most = NEPH_SCENE_KEYS_MAX, .count_at = SCENE(frame_scale_count), .record = &size_record,
+     .standard = "none"},
     {0},
 };
 const struct neph_record neph_frames_record = {sizeof(struct neph_scene), frames_fields, NULL};
@@ -78,30 +76,30 @@ const struct neph_record neph_frames_record = {sizeof(struct neph_scene), frames
 /* --- Camera --- */
 
 static const struct neph_field camera_key_fields[] = {
-    {"frame", NEPH_FIELD_NUMBER, CAMERA_KEY(frame), "", 0, KEY_FRAME_MAX,
+    {"frame", NEPH_NUMBER, CAMERA_KEY(frame), "", 0, KEY_FRAME_MAX,
      .note = "of the keys, see Time"},
-    {"position_m", NEPH_FIELD_THREE, CAMERA_KEY(position_m), "m", -NEPH_FAR_M, NEPH_FAR_M,
+    {"position_m", NEPH_THREE, CAMERA_KEY(position_m), "m", -NEPH_FAR_M, NEPH_FAR_M,
      .note = "of the eye"},
-    {"look_at_m", NEPH_FIELD_THREE, CAMERA_KEY(look_at_m), "m", -NEPH_FAR_M, NEPH_FAR_M,
+    {"look_at_m", NEPH_THREE, CAMERA_KEY(look_at_m), "m", -NEPH_FAR_M, NEPH_FAR_M,
      .note = "in the middle of the picture"},
-    {"cut", NEPH_FIELD_FLAG, CAMERA_KEY(cut),
-     .note = "the camera stays at the key before and jumps", .is_optional = true},
+    {"cut", NEPH_FLAG, CAMERA_KEY(cut), .note = "the camera stays at the key before and jumps",
+     .standard = "`false`"},
     {0},
 };
 static const struct neph_record camera_key_record = {sizeof(struct neph_camera_key),
                                                      camera_key_fields, NULL};
 
 static const struct neph_field camera_fields[] = {
-    {"position_m", NEPH_FIELD_THREE, WRITTEN(camera.position_m), "m", -NEPH_FAR_M, NEPH_FAR_M,
-     .is_optional = true, .absent = "needed, or `keys`"},
-    {"look_at_m", NEPH_FIELD_THREE, WRITTEN(camera.look_at_m), "m", -NEPH_FAR_M, NEPH_FAR_M,
-     .is_optional = true, .absent = "needed, or `keys`"},
-    {"keys", NEPH_FIELD_LIST, SCENE(camera_keys), .note = "in place of both; linear in between",
-     .is_optional = true, .is_ascending = true, .least = 1, .most = NEPH_SCENE_KEYS_MAX,
-     .count_at = SCENE(camera_key_count), .record = &camera_key_record},
-    {"up", NEPH_FIELD_THREE, SCENE(camera_up), "", -NEPH_FAR_M, NEPH_FAR_M, .is_optional = true,
-     .absent = "[0, 1, 0]"},
-    {"vertical_fov_deg", NEPH_FIELD_NUMBER, SCENE(vertical_fov_rad), "degrees", 0.1, 170,
+    {"position_m", NEPH_THREE, WRITTEN(camera.position_m), "m", -NEPH_FAR_M, NEPH_FAR_M,
+     .standard = "needed, or `keys`"},
+    {"look_at_m", NEPH_THREE, WRITTEN(camera.look_at_m), "m", -NEPH_FAR_M, NEPH_FAR_M,
+     .standard = "needed, or `keys`"},
+    {"keys", NEPH_LIST, SCENE(camera_keys),
+     .note = "in place of both, by ascending frames; linear in between", .is_ascending = true,
+     .least = 1, .most = NEPH_SCENE_KEYS_MAX, .count_at = SCENE(camera_key_count),
+     .record = &camera_key_record, .standard = "none"},
+    {"up", NEPH_THREE, SCENE(camera_up), "", -NEPH_FAR_M, NEPH_FAR_M, .standard = "[0, 1, 0]"},
+    {"vertical_fov_deg", NEPH_NUMBER, SCENE(vertical_fov_rad), "degrees", 0.1, 170,
      .note = "from the lower edge to the upper"},
     {0},
 };
@@ -133,8 +131,6 @@ static enum neph_status read_camera(struct neph_reader *reader, const yaml_node_
         return neph_refuse(reader, "", "give position_m and look_at_m, or keys");
     if (scene->camera_keys && scene->camera_keys[0].cut)
         return neph_refuse(reader, "keys[0].cut", "the first key has none before it to cut from");
-    if (!neph_reader_has(reader, node, "up"))
-        scene->camera_up = (struct neph_vec3){0, 1, 0};
     status = check_direction(reader, "up", scene->camera_up);
     if (!status && !scene->camera_keys)
         status = make_camera_key(written, reader->diag);
@@ -149,11 +145,10 @@ const struct neph_record neph_camera_record = {sizeof(struct neph_written_scene)
 /* --- Sun --- */
 
 static const struct neph_field sun_key_fields[] = {
-    {"frame", NEPH_FIELD_NUMBER, SUN_KEY(frame), "", 0, KEY_FRAME_MAX,
-     .note = "of the keys, see Time"},
-    {"direction", NEPH_FIELD_THREE, SUN_KEY(direction), "", -NEPH_FAR_M, NEPH_FAR_M,
+    {"frame", NEPH_NUMBER, SUN_KEY(frame), "", 0, KEY_FRAME_MAX, .note = "of the keys, see Time"},
+    {"direction", NEPH_THREE, SUN_KEY(direction), "", -NEPH_FAR_M, NEPH_FAR_M,
      .note = "towards the sun"},
-    {"irradiance_w_per_m2", NEPH_FIELD_THREE, SUN_KEY(irradiance_w_per_m2), "W/m2", 0, BRIGHT,
+    {"irradiance_w_per_m2", NEPH_THREE, SUN_KEY(irradiance_w_per_m2), "W/m2", 0, BRIGHT,
      .note = "on a plane across the direction"},
     {0},
 };
@@ -161,17 +156,15 @@ static const struct neph_record sun_key_record = {sizeof(struct neph_sun_key), s
                                                   NULL};
 
 static const struct neph_field sun_fields[] = {
-    {"direction", NEPH_FIELD_THREE, WRITTEN(sun.direction), "", -NEPH_FAR_M, NEPH_FAR_M,
-     .note = "towards the sun; any length but 0", .is_optional = true,
-     .absent = "needed, or `keys`"},
-    {"irradiance_w_per_m2", NEPH_FIELD_THREE, WRITTEN(sun.irradiance_w_per_m2), "W/m2", 0, BRIGHT,
-     .note = "on a plane across the direction, per channel", .is_optional = true,
-     .absent = "needed, or `keys`"},
-    {"keys", NEPH_FIELD_LIST, SCENE(sun_keys),
-     .note = "in place of both; directions go along the great circle, so neighbours may not be "
-             "opposite",
-     .is_optional = true, .is_ascending = true, .least = 1, .most = NEPH_SCENE_KEYS_MAX,
-     .count_at = SCENE(sun_key_count), .record = &sun_key_record},
+    {"direction", NEPH_THREE, WRITTEN(sun.direction), "", -NEPH_FAR_M, NEPH_FAR_M,
+     .note = "towards the sun; any length but 0", .standard = "needed, or `keys`"},
+    {"irradiance_w_per_m2", NEPH_THREE, WRITTEN(sun.irradiance_w_per_m2), "W/m2", 0, BRIGHT,
+     .note = "on a plane across the direction, per channel", .standard = "needed, or `keys`"},
+    {"keys", NEPH_LIST, SCENE(sun_keys),
+     .note = "in place of both, by ascending frames; directions go along the great circle, so "
+             "neighbours may not be opposite",
+     .is_ascending = true, .least = 1, .most = NEPH_SCENE_KEYS_MAX,
+     .count_at = SCENE(sun_key_count), .record = &sun_key_record, .standard = "none"},
     {0},
 };
 
@@ -244,21 +237,21 @@ void neph_finish_sun(struct neph_written_scene *written)
 /* --- Wind --- */
 
 static const struct neph_field wind_key_fields[] = {
-    {"frame", NEPH_FIELD_NUMBER, WIND_KEY(frame), "", 0, KEY_FRAME_MAX,
-     .note = "of the keys, see Time"},
-    {"velocity_m_per_s", NEPH_FIELD_THREE, WIND_KEY(velocity_m_per_s), "m/s", -FAST_M_PER_S,
-     FAST_M_PER_S, .note = "of what drifts, see Time"},
+    {"frame", NEPH_NUMBER, WIND_KEY(frame), "", 0, KEY_FRAME_MAX, .note = "of the keys, see Time"},
+    {"velocity_m_per_s", NEPH_THREE, WIND_KEY(velocity_m_per_s), "m/s", -FAST_M_PER_S, FAST_M_PER_S,
+     .note = "of what drifts, see Time"},
     {0},
 };
 static const struct neph_record wind_key_record = {sizeof(struct neph_wind_key), wind_key_fields,
                                                    NULL};
 
 static const struct neph_field wind_fields[] = {
-    {"velocity_m_per_s", NEPH_FIELD_THREE, WRITTEN(wind.velocity_m_per_s), "m/s", -FAST_M_PER_S,
-     FAST_M_PER_S, .is_optional = true, .absent = "needed, or `keys`"},
-    {"keys", NEPH_FIELD_LIST, SCENE(wind_keys), .note = "in its place; linear in between",
-     .is_optional = true, .is_ascending = true, .least = 1, .most = NEPH_SCENE_KEYS_MAX,
-     .count_at = SCENE(wind_key_count), .record = &wind_key_record},
+    {"velocity_m_per_s", NEPH_THREE, WRITTEN(wind.velocity_m_per_s), "m/s", -FAST_M_PER_S,
+     FAST_M_PER_S, .standard = "needed, or `keys`"},
+    {"keys", NEPH_LIST, SCENE(wind_keys),
+     .note = "in its place, by ascending frames; linear in between", .is_ascending = true,
+     .least = 1, .most = NEPH_SCENE_KEYS_MAX, .count_at = SCENE(wind_key_count),
+     .record = &wind_key_record, .standard = "none"},
     {0},
 };
 
@@ -337,12 +330,13 @@ static enum neph_status check_drift(const struct neph_reader *reader,
                                     const struct neph_scene *scene)
 {
     bool any = false;
+    char forms[256] = "";
     for (int i = 0; i < scene->medium_count; i++)
         any |= neph_medium_drifts(&scene->media[i]);
+    neph_drifting_forms(forms, sizeof(forms));
     if (!any)
         return neph_refuse(reader, "wind",
-                           "no medium of the scene drifts: wind moves gaussian, grid, volume and "
-                           "horizon media and those with voxels");
+                           "no medium of the scene drifts: wind moves %smedia with voxels", forms);
     for (int frame = 0; frame < scene->frame_count; frame++) {
         const double way_m = neph_vec3_length(neph_scene_wind_displacement_m(scene, frame));
         if (way_m > DRIFT_MAX_M)

@@ -32,47 +32,46 @@ struct neph_written_solid {
 static const char albedo_note[] = "an albedo above 1 would make light out of nothing";
 
 static const struct neph_field box_fields[] = {
-    {"min_m", NEPH_FIELD_THREE, SOLID(box.min_m), "m", -NEPH_FAR_M, NEPH_FAR_M,
+    {"min_m", NEPH_THREE, SOLID(box.min_m), "m", -NEPH_FAR_M, NEPH_FAR_M,
      .note = "the lower corner"},
-    {"max_m", NEPH_FIELD_THREE, SOLID(box.max_m), "m", -NEPH_FAR_M, NEPH_FAR_M,
+    {"max_m", NEPH_THREE, SOLID(box.max_m), "m", -NEPH_FAR_M, NEPH_FAR_M,
      .note = "the upper corner"},
-    {"albedo", NEPH_FIELD_THREE, SOLID(albedo), "", 0, 1, .note = albedo_note},
+    {"albedo", NEPH_THREE, SOLID(albedo), "", 0, 1, .note = albedo_note},
     {0},
 };
 
 static const struct neph_field sphere_fields[] = {
-    {"center_m", NEPH_FIELD_THREE, SOLID(center_m), "m", -NEPH_PLANET_M, NEPH_PLANET_M,
+    {"center_m", NEPH_THREE, SOLID(center_m), "m", -NEPH_PLANET_M, NEPH_PLANET_M,
      .note = "of the ball"},
-    {"radius_m", NEPH_FIELD_NUMBER, SOLID(radius_m), "m", 1e-4, NEPH_PLANET_M,
-     .note = "a planet, too"},
-    {"albedo", NEPH_FIELD_THREE, SOLID(albedo), "", 0, 1, .note = albedo_note},
+    {"radius_m", NEPH_NUMBER, SOLID(radius_m), "m", 1e-4, NEPH_PLANET_M, .note = "a planet, too"},
+    {"albedo", NEPH_THREE, SOLID(albedo), "", 0, 1, .note = albedo_note},
     {0},
 };
 
 static const struct neph_field rails_fields[] = {
-    {"heights_m", NEPH_FIELD_NUMBERS, FENCE(rail_heights_m), "m", 0, 1e4, .least = 1,
-     .most = RAILS_MAX, .count_at = FENCE(rail_count)},
-    {"width_m", NEPH_FIELD_NUMBER, FENCE(rail_width_m), "m", 1e-4, 1e3, .note = "along Y"},
-    {"depth_m", NEPH_FIELD_NUMBER, FENCE(rail_depth_m), "m", 1e-4, 1e3,
+    {"heights_m", NEPH_NUMBERS, FENCE(rail_heights_m), "m", 0, 1e4, .least = 1, .most = RAILS_MAX,
+     .count_at = FENCE(rail_count)},
+    {"width_m", NEPH_NUMBER, FENCE(rail_width_m), "m", 1e-4, 1e3, .note = "along Y"},
+    {"depth_m", NEPH_NUMBER, FENCE(rail_depth_m), "m", 1e-4, 1e3,
      .note = "along Z, less than that of the bars"},
     {0},
 };
 static const struct neph_record rails_record = {sizeof(struct fence), rails_fields, NULL};
 
 static const struct neph_field fence_fields[] = {
-    {"origin_m", NEPH_FIELD_THREE, FENCE(origin_m), "m", -NEPH_FAR_M, NEPH_FAR_M,
+    {"origin_m", NEPH_THREE, FENCE(origin_m), "m", -NEPH_FAR_M, NEPH_FAR_M,
      .note = "the foot of the first bar; bars follow along +X"},
-    {"bars", NEPH_FIELD_WHOLE, FENCE(bars), "", 1, NEPH_SCENE_SOLIDS_MAX, .note = "in a row"},
-    {"pitch_m", NEPH_FIELD_NUMBER, FENCE(pitch_m), "m", 1e-3, 1e3, .note = "from bar to bar"},
-    {"bar_width_m", NEPH_FIELD_NUMBER, FENCE(bar_width_m), "m", 1e-4, 1e3, .note = "along X"},
-    {"bar_depth_m", NEPH_FIELD_NUMBER, FENCE(bar_depth_m), "m", 1e-4, 1e3, .note = "along Z"},
-    {"height_m", NEPH_FIELD_NUMBER, FENCE(height_m), "m", 1e-3, 1e4, .note = "of the bars"},
-    {"rows", NEPH_FIELD_WHOLE, FENCE(rows), "", 1, NEPH_SCENE_SOLIDS_MAX, .note = "along -Z",
-     .is_optional = true, .standard = 1},
-    {"row_spacing_m", NEPH_FIELD_NUMBER, FENCE(row_spacing_m), "m", 1e-3, 1e4, .is_optional = true,
-     .absent = "needed by `rows`"},
-    {"rails", NEPH_FIELD_RECORD, .is_optional = true, .record = &rails_record},
-    {"albedo", NEPH_FIELD_THREE, FENCE(albedo), "", 0, 1, .note = albedo_note},
+    {"bars", NEPH_WHOLE, FENCE(bars), "", 1, NEPH_SCENE_SOLIDS_MAX, .note = "in a row"},
+    {"pitch_m", NEPH_NUMBER, FENCE(pitch_m), "m", 1e-3, 1e3, .note = "from bar to bar"},
+    {"bar_width_m", NEPH_NUMBER, FENCE(bar_width_m), "m", 1e-4, 1e3, .note = "along X"},
+    {"bar_depth_m", NEPH_NUMBER, FENCE(bar_depth_m), "m", 1e-4, 1e3, .note = "along Z"},
+    {"height_m", NEPH_NUMBER, FENCE(height_m), "m", 1e-3, 1e4, .note = "of the bars"},
+    {"rows", NEPH_WHOLE, FENCE(rows), "", 1, NEPH_SCENE_SOLIDS_MAX, .note = "along -Z",
+     .standard = "1"},
+    {"row_spacing_m", NEPH_NUMBER, FENCE(row_spacing_m), "m", 1e-3, 1e4,
+     .standard = "needed by `rows`"},
+    {"rails", NEPH_RECORD, .record = &rails_record, .standard = ""},
+    {"albedo", NEPH_THREE, FENCE(albedo), "", 0, 1, .note = albedo_note},
     {0},
 };
 
@@ -144,24 +143,17 @@ static const struct neph_record sphere_record = {0, sphere_fields, read_sphere};
 static const struct neph_record fence_record = {0, fence_fields, read_fence};
 
 static const struct neph_field solid_fields[] = {
-    {"box", NEPH_FIELD_RECORD, .is_optional = true, .record = &box_record},
-    {"sphere", NEPH_FIELD_RECORD, .is_optional = true, .record = &sphere_record},
-    {"fence", NEPH_FIELD_RECORD, offsetof(struct neph_written_solid, fence), .is_optional = true,
-     .record = &fence_record},
+    {"box", NEPH_RECORD, .record = &box_record, .standard = ""},
+    {"sphere", NEPH_RECORD, .record = &sphere_record, .standard = ""},
+    {"fence", NEPH_RECORD, offsetof(struct neph_written_solid, fence), .record = &fence_record,
+     .standard = ""},
     {0},
 };
 
 static enum neph_status read_solid(struct neph_reader *reader, const yaml_node_t *node,
                                    const struct neph_record *record, void *target)
 {
-    const enum neph_status status = neph_read_fields(reader, node, record->fields, target);
-    if (status)
-        return status;
-    const int given = neph_reader_has(reader, node, "box") +
-                      neph_reader_has(reader, node, "sphere") +
-                      neph_reader_has(reader, node, "fence");
-    return given == 1 ? NEPH_OK
-                      : neph_refuse(reader, "", "a solid is exactly one of box, sphere, fence");
+    return neph_read_choice(reader, node, record->fields, target, "a solid");
 }
 
 const struct neph_record neph_solid_record = {sizeof(struct neph_written_solid), solid_fields,

@@ -121,18 +121,14 @@ struct written_grid {
 };
 
 static const struct neph_field grid_fields[] = {
-    {"size", NEPH_FIELD_WHOLES, GRID(size), "nodes", 1, NEPH_GRID_SIDE_MAX,
-     .note = "along x, y, z"},
-    {"origin_m", NEPH_FIELD_THREE, GRID(origin_m), "m", -NEPH_FAR_M, NEPH_FAR_M,
+    {"size", NEPH_WHOLES, GRID(size), "nodes", 1, NEPH_GRID_SIDE_MAX, .note = "along x, y, z"},
+    {"origin_m", NEPH_THREE, GRID(origin_m), "m", -NEPH_FAR_M, NEPH_FAR_M,
      .note = "of the first node"},
-    {"spacing_m", NEPH_FIELD_THREE, GRID(spacing_m), "m", 1e-4, NEPH_FAR_M,
-     .note = "between nodes"},
-    {"values", NEPH_FIELD_NUMBERS, GRID(values), "", 0, 1e6, .note = "x fastest, then y, then z",
+    {"spacing_m", NEPH_THREE, GRID(spacing_m), "m", 1e-4, NEPH_FAR_M, .note = "between nodes"},
+    {"values", NEPH_NUMBERS, GRID(values), "", 0, 1e6, .note = "x fastest, then y, then z",
      .least = 1, .most = VALUES_MAX, .count_at = GRID(value_count)},
-    {"extinction_per_m", NEPH_FIELD_NUMBER, AT(extinction_per_m), "1/m", 0, 1e4,
-     .note = "at value 1"},
-    {"bounds", NEPH_FIELD_RECORD, AT(bounds), .is_optional = true, .absent = "unbounded",
-     .record = &neph_bounds_record},
+    {"extinction_per_m", NEPH_NUMBER, AT(extinction_per_m), "1/m", 0, 1e4, .note = "at value 1"},
+    {"bounds", NEPH_RECORD, AT(bounds), .record = &neph_bounds_record, .standard = "unbounded"},
     {0},
 };
 
@@ -163,23 +159,21 @@ struct written_volume {
 };
 
 static const struct neph_field volume_fields[] = {
-    {"file", NEPH_FIELD_TEXT, VOLUME(file),
+    {"file", NEPH_TEXT, VOLUME(file),
      .note = ".vdb (float or half grid, scale and translation alone) or .df3; absolute, from the "
              "scene file on, or $NAME or $NAME/... from the environment",
      .least = 1, .most = 1000},
-    {"grid", NEPH_FIELD_TEXT, VOLUME(grid), .note = "its name in a .vdb", .is_optional = true,
-     .absent = "the only one, or `density`", .least = 1, .most = 64},
-    {"center_m", NEPH_FIELD_THREE, VOLUME(center_m), "m", -NEPH_FAR_M, NEPH_FAR_M,
+    {"grid", NEPH_TEXT, VOLUME(grid), .note = "its name in a .vdb", .least = 1, .most = 64,
+     .standard = "the only one, or `density`"},
+    {"center_m", NEPH_THREE, VOLUME(center_m), "m", -NEPH_FAR_M, NEPH_FAR_M,
      .note = "of the block of voxels"},
-    {"longest_side_m", NEPH_FIELD_NUMBER, VOLUME(longest_side_m), "m", 1e-3, NEPH_FAR_M,
+    {"longest_side_m", NEPH_NUMBER, VOLUME(longest_side_m), "m", 1e-3, NEPH_FAR_M,
      .note = "of the block of voxels"},
-    {"memory_limit_mib", NEPH_FIELD_WHOLE, VOLUME(memory_limit_mib), "MiB", 1,
+    {"memory_limit_mib", NEPH_WHOLE, VOLUME(memory_limit_mib), "MiB", 1,
      NEPH_GRID_NODES_MAX * sizeof(float) >> 20, .note = "of voxels in memory, 4 bytes each",
-     .is_optional = true, .standard = NEPH_GRID_NODES_MAX * sizeof(float) >> 20},
-    {"extinction_per_m", NEPH_FIELD_NUMBER, AT(extinction_per_m), "1/m", 0, 1e4,
-     .note = "at value 1"},
-    {"bounds", NEPH_FIELD_RECORD, AT(bounds), .is_optional = true, .absent = "unbounded",
-     .record = &neph_bounds_record},
+     .standard = "512"},
+    {"extinction_per_m", NEPH_NUMBER, AT(extinction_per_m), "1/m", 0, 1e4, .note = "at value 1"},
+    {"bounds", NEPH_RECORD, AT(bounds), .record = &neph_bounds_record, .standard = "unbounded"},
     {0},
 };
 

@@ -223,15 +223,14 @@ static void cut_scales(struct neph_cuts *cuts, const struct neph_medium *medium)
 
 /* The order is that of the hash. */
 static const struct neph_field fields[] = {
-    {"extinction_per_m", NEPH_FIELD_NUMBER, AT(extinction_per_m), "1/m", 0, 1e4,
-     .note = "at the radius"},
-    {"center_m", NEPH_FIELD_THREE, AT(shell.center_m), "m", -NEPH_PLANET_M, NEPH_PLANET_M,
+    {"extinction_per_m", NEPH_NUMBER, AT(extinction_per_m), "1/m", 0, 1e4, .note = "at the radius"},
+    {"center_m", NEPH_THREE, AT(shell.center_m), "m", -NEPH_PLANET_M, NEPH_PLANET_M,
      .note = "of the ball"},
-    {"radius_m", NEPH_FIELD_NUMBER, AT(shell.radius_m), "m", 1, 1e8,
+    {"radius_m", NEPH_NUMBER, AT(shell.radius_m), "m", 1, 1e8,
      .note = "of the ground: there is nothing below it"},
-    {"scale_height_m", NEPH_FIELD_NUMBER, AT(shell.scale_height_m), "m", 1e-2, 1e7,
+    {"scale_height_m", NEPH_NUMBER, AT(shell.scale_height_m), "m", 1e-2, 1e7,
      .note = "in which the density falls to 1/e"},
-    {"bounds", NEPH_FIELD_RECORD, AT(bounds),
+    {"bounds", NEPH_RECORD, AT(bounds),
      .note =
          "an atmosphere needs finite bounds: trackers and other engines must know where it ends",
      .record = &neph_planet_bounds_record},
