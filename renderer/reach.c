@@ -122,6 +122,12 @@ static double medium_reach(const struct neph_medium *medium, struct neph_vec3 ca
 
 bool neph_float32_reaches(const struct neph_scene *scene, char *reason, size_t reason_size)
 {
+    for (int m = 0; m < scene->medium_count; m++)
+        if (scene->media[m].kind == NEPH_MEDIUM_PLUME) {
+            snprintf(reason, reason_size, "a %s, for which there is no shader",
+                     neph_medium_facts(NEPH_MEDIUM_PLUME)->name);
+            return false;
+        }
     for (int k = 0; k < scene->camera_key_count; k++)
         for (int m = 0; m < scene->medium_count; m++) {
             double extinction_per_m;

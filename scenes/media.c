@@ -16,6 +16,7 @@ static const struct neph_medium_row *const rows[NEPH_MEDIUM_KIND_COUNT] = {
     [NEPH_MEDIUM_SHELL] = &neph_medium_shell,
     [NEPH_MEDIUM_GRID] = &neph_medium_grid,
     [NEPH_MEDIUM_HORIZON] = &neph_medium_horizon,
+    [NEPH_MEDIUM_PLUME] = &neph_medium_plume,
 };
 
 const struct neph_medium_row *neph_medium_row(enum neph_medium_kind kind)

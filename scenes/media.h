@@ -39,7 +39,7 @@ double neph_medium_extinction_per_m(const struct neph_medium *medium, struct nep
 double neph_medium_extinction_bound_per_m(const struct neph_medium *medium,
                                           const struct neph_bounds *box);
 
-/* Whether wind carries the medium along: what has a place (blobs, voxels) with its bounds,
+/* Whether wind carries the medium along: what has a place (blobs, plumes, voxels) with its bounds,
  * the textures of Horizon layers within theirs. The rest is the same all along the wind. */
 bool neph_medium_drifts(const struct neph_medium *medium);
 

@@ -44,6 +44,7 @@ enum neph_medium_kind {
     NEPH_MEDIUM_SHELL,    /* an atmosphere: extinction * exp(-(r - radius) / scale height) */
     NEPH_MEDIUM_GRID,     /* voxels, trilinear (scenes/grid.h) */
     NEPH_MEDIUM_HORIZON,  /* procedural clouds (scenes/horizon.h) */
+    NEPH_MEDIUM_PLUME,    /* smoke: thinner along an axis and across it (scenes/plume.c) */
     NEPH_MEDIUM_KIND_COUNT,
 };
 
@@ -78,6 +79,12 @@ struct neph_shell {
     double scale_height_m;
 };
 
+/* Nothing below the foot. */
+struct neph_plume {
+    struct neph_vec3 foot_m, axis;  /* unit */
+    double width_m, scale_height_m; /* > 0 */
+};
+
 struct neph_grid;    /* scenes/grid.h */
 struct neph_horizon; /* scenes/horizon.h */
 
@@ -93,6 +100,7 @@ struct neph_medium {
     double extinction_per_m;
     struct neph_gaussian gaussian;
     struct neph_shell shell;
+    struct neph_plume plume;
     struct neph_grid *grid;       /* owned by the scene; kind GRID alone */
     struct neph_horizon *horizon; /* owned by the scene; kind HORIZON alone */
     /* Homogeneous: one layer with falloff 0. Height fog: the layers add. */

@@ -189,6 +189,10 @@ static const struct row {
     {"horizon: {coverage: 1.5, " OPTICS ", " BOUNDS "}", "coverage"},
     {"horizon: {seed: -1, " OPTICS ", " BOUNDS "}", "seed"},
     {"horizon: {thickness: 1, " OPTICS ", " BOUNDS "}", "thickness_m"},
+    {"plume: {foot_m: [0, 0, 0], axis: [1, 2, 0], width_m: 1, scale_height_m: 2, " OPTICS "}",
+     NULL},
+    {"plume: {foot_m: [0, 0, 0], axis: [0, 0, 0], width_m: 1, scale_height_m: 2, " OPTICS "}",
+     "length 0"},
 };
 
 static void test_media_of_all_kinds(void **state)
