@@ -9,7 +9,7 @@
 #include "scenes/cuts.h"
 #include "scenes/fields.h"
 
-/* Of a majorant grid, where nothing else was measured: good for a 64^3 cloud. */
+/* Cells of a majorant grid where nothing else was measured: good for a 64^3 cloud. */
 #define NEPH_MAJORANT_CELLS (16 * 16 * 16)
 
 /* What a file says of a medium: where the fields of forms lead to. Some add what is made into

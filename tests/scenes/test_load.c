@@ -170,6 +170,11 @@ static const struct row {
     {"grid: {size: [2, 1, 1], origin_m: [0, 0, 0], spacing_m: [1, 0, 1], values: [0, 1], " OPTICS
      "}",
      "spacing_m[1]"},
+    {"{grid: {size: [1, 1, 1], origin_m: [0, 0, 0], spacing_m: [1, 1, 1], values: [1], " OPTICS
+     "}, gaussian: {center_m: [0, 1, 0], width_m: 0.5, " OPTICS "}}",
+     "exactly one of"},
+    {"{}", "exactly one of"},
+    {"gaussian: 7", "center_m"},
     {"volume: {file: cloud.raw, center_m: [0, 0, 0], longest_side_m: 2, " OPTICS "}",
      "must end in .vdb or .df3"},
     {"volume: {file: x.vdb, center_m: [0, 0, 0], longest_side_m: 0, " OPTICS "}", "longest_side_m"},
