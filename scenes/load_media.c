@@ -14,7 +14,7 @@
 #define AT(member) offsetof(struct neph_medium, member)
 #define BOUNDS(member) offsetof(struct neph_bounds, member)
 
-enum { FORMS_MAX = 2 * NEPH_MEDIUM_KIND_COUNT, FIELDS_MAX = 32 };
+enum { FORMS_MAX = 2 * NEPH_MEDIUM_KIND_COUNT, FIELDS_MAX = 32 /* of a form and of all */ };
 
 static const char *const phase_words[] = {
     [NEPH_PHASE_ISOTROPIC] = "isotropic",
