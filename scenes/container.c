@@ -135,8 +135,8 @@ static double slope_difference(const struct neph_medium *medium, struct neph_bou
     return worst;
 }
 
-/* The same over all slopes, `ratio` apart, and over the eyes' heights. Ends early beyond `enough`.
- */
+/* The largest slope_difference() over slopes `ratio` apart and over the eyes' heights. Ends early
+ * beyond `enough`. */
 static double largest_difference(const struct neph_medium *medium, struct neph_bounds a,
                                  struct neph_bounds b, const struct eyes *eyes, double ratio,
                                  double enough)

@@ -77,7 +77,7 @@ double neph_fog_layer_distance_m(const struct neph_fog_layer *layer, double y_m,
     return (exponent > 36.0 ? exponent : log1p(exp(exponent))) / rate_per_m;
 }
 
-/* Of one layer at a height, which may be infinite in a bound. */
+/* Extinction of one layer at a height, which may be infinite in a bound. */
 static double layer_extinction_per_m(const struct neph_fog_layer *layer, double y_m)
 {
     if (layer->extinction_per_m == 0.0 || layer->falloff_per_m == 0.0)

@@ -38,7 +38,8 @@ static double one_sided_integral(double a, double width)
     return exp(-a * a) * neph_gauss(decay, &a, 0.0, width);
 }
 
-/* The same over [a, b] of any signs; width = b - a, found before either was rounded. */
+/* The integral of e^{-x^2} over [a, b] of any signs; width = b - a, found before either was
+ * rounded. */
 static double integral(double a, double b, double width)
 {
     if (a >= 0.0)

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The text that a scene's hash is taken of: a name and its numbers per line, 17 digits each, so that
- * equal texts mean equal doubles. Private to scenes/.
+ * The text that a scene's hash is taken of: a name and its numbers per line, 17 digits each, so
+ * that equal texts mean equal doubles. Private to scenes/.
  */
 #ifndef NEPH_SCENES_HASH_TEXT_H
 #define NEPH_SCENES_HASH_TEXT_H

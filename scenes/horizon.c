@@ -183,7 +183,7 @@ double neph_horizon_height(const struct neph_horizon *horizon, struct neph_vec3 
                    horizon->params.thickness_m);
 }
 
-/* Of struct neph_horizon_sample. */
+/* The bits of neph_horizon_sample.sides. */
 static unsigned sides_of(const struct neph_horizon_params *params, const struct weather *weather,
                          double height, double base, const double octaves[3])
 {
@@ -266,7 +266,8 @@ static double farthest_from_0(struct range range)
     return fmax(fabs(range.low), fabs(range.high));
 }
 
-/* Of the altitude over a box: at its points nearest to and farthest from the planet's centre. */
+/* The range of the altitude over a box: at its points nearest to and farthest from the planet's
+ * centre. */
 static struct range altitude_range_m(const struct neph_horizon_params *params,
                                      const struct neph_bounds *box)
 {
@@ -440,9 +441,10 @@ static double detail_noise_of(const float *texel)
     return detail_noise((const double[3]){texel[0], texel[1], texel[2]});
 }
 
-/* Of a block's texels and the next ones. A lookup is a weighted mean of texels, and both noises
- * are quotients of linear functions of them with a positive divisor: such a quotient lies between
- * its values at the texels. A rounding to float32 outwards, and one for the lookup's own. */
+/* The range of a noise over a block's texels and the next ones. A lookup is a weighted mean of
+ * texels, and both noises are quotients of linear functions of them with a positive divisor: such a
+ * quotient lies between its values at the texels. A rounding to float32 outwards, and one for the
+ * lookup's own. */
 static struct range noise_block(const float *texels, int side, int channels, const int block[3],
                                 noise_of_texel noise)
 {

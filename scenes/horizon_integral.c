@@ -90,10 +90,11 @@ static bool may_hide_edge(const struct rule *rule)
            (rule->lowest >= 0.0 && rule->lowest < nearness);
 }
 
-/* Of a piece whose points disagree on a clamp, or may: the rules see nothing of a kink that lies
- * beyond their outermost nodes. It is worth at most its change of slope times the length squared,
- * which is taken from the change of the density seen and, where the kink is not, from the change
- * of the margin, which makes `steepness` as much density at most (but where coverage is slight). */
+/* What a clamp costs in a piece whose points disagree on it, or may: the rules see nothing of a
+ * kink that lies beyond their outermost nodes. It is worth at most its change of slope times the
+ * length squared, which is taken from the change of the density seen and, where the kink is not,
+ * from the change of the margin, which makes `steepness` as much density at most (but where
+ * coverage is slight). */
 static double kink_error_m(const struct quadrature *q, const struct rule *rule, double length_m)
 {
     const double steepness = 20.0 * q->horizon->params.density;

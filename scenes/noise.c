@@ -3,7 +3,7 @@
 
 #include <math.h>
 
-/* Of D. Stafford's "Mix13", the finaliser of splitmix64 (Steele, Lea, Flood, OOPSLA 2014). */
+/* D. Stafford's "Mix13", the finaliser of splitmix64 (Steele, Lea, Flood, OOPSLA 2014). */
 static uint64_t mix(uint64_t z)
 {
     z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;

@@ -20,9 +20,9 @@ struct neph_interval {
 double neph_integrate(neph_integrand *integrand, void *context, const struct neph_interval *pieces,
                       int piece_count, double result[3]);
 
-/* The same for integrands with kinks inside their pieces: halving ends at `tolerance` of the whole,
- * and errors are those of the 10-point rule, for QUADPACK's guess of the better rule's error holds
- * for smooth integrands alone. */
+/* neph_integrate() for integrands with kinks inside their pieces: halving ends at `tolerance` of
+ * the whole, and errors are those of the 10-point rule, for QUADPACK's guess of the better rule's
+ * error holds for smooth integrands alone. */
 double neph_integrate_rough(neph_integrand *integrand, void *context,
                             const struct neph_interval *pieces, int piece_count, double tolerance,
                             double result[3]);

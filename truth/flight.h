@@ -48,11 +48,10 @@ void neph_flight_init(struct neph_flight *flight, const struct neph_scene *scene
 struct neph_collision neph_flight_collide(const struct neph_flight *flight, int channel,
                                           struct neph_random *random);
 
-/* Sample a collision by the light that comes from there, when `flight->lit.is_known`. `value`
+/* Draw a collision by the light that comes from there, when `flight->lit.is_known`. `value`
  * receives what the collision brings per channel, divided by the probability density of this
  * collision: extinction by the medium times the transmittance from the camera. Medium -1: nothing
- * would come.
- */
+ * would come. */
 struct neph_collision neph_flight_collide_lit(const struct neph_flight *flight,
                                               struct neph_random *random, double value[3]);
 

@@ -30,7 +30,8 @@ static const double face_step = 4e-6;
 static const double sphere_error_px = 0.01;
 static const double sensor_mm = 24.0; /* height; in blender_render.py too */
 
-/* Of Blender's property; it has no longest (the 5000 mm of its sliders are the sliders'). */
+/* Shortest in Blender's property; it has no longest (the 5000 mm of its sliders are the sliders').
+ * */
 static const double shortest_lens_mm = 1.0;
 
 /* ---- adapting the scene ---------------------------------------------------------------------- */
@@ -156,7 +157,7 @@ static bool face_is_taken(struct neph_cycles_world *world, int index, int axis, 
     return false;
 }
 
-/* Of two media with a common face Cycles loses one. So faces of fogs move outward by some 1e-6 of
+/* Cycles loses one of two media with a common face. So faces of fogs move outward by some 1e-6 of
  * the box, until they are alone. */
 static void separate_faces(const struct neph_scene *scene, int index,
                            struct neph_cycles_world *world)

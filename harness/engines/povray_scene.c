@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * What POV-Ray 3.7.0.10 does with media (its media.cpp, and measured), and what
- * follows here:
+ * What POV-Ray 3.7.0.10 does with media (its media.cpp; measured), and what follows here:
  * - Scattering is k(cos) * colour * light, k = 4 pi p; a surface is albedo * light * cos. With a
  *   light of E / pi the colour of the scattering is sigma_s / 4.
  * - Where containers overlap, extinctions and scatterings add, but k is the plain mean of the k of
