@@ -463,6 +463,19 @@ char *neph_path_join(const char *folder, const char *name)
     return neph_format("%s%s%s", folder, needs_slash ? "/" : "", name);
 }
 
+char *neph_path_beside_program(const char *relative)
+{
+    char *program = realpath("/proc/self/exe", NULL);
+    if (!program)
+        return NULL;
+    *strrchr(program, '/') = '\0';
+    char *joined = neph_path_join(program, relative);
+    char *path = joined ? realpath(joined, NULL) : NULL;
+    free(joined);
+    free(program);
+    return path;
+}
+
 char *neph_format(const char *format, ...)
 {
     char *text = NULL;

@@ -70,6 +70,10 @@ bool neph_path_is_same(const char *a, const char *b); /* both are there, and are
  * is short. */
 char *neph_path_join(const char *folder, const char *name);
 
+/* What lies at `relative` to the folder of the running program, without ".." and links, for the
+ * caller to free; NULL when there is nothing. */
+char *neph_path_beside_program(const char *relative);
+
 /* printf into a new string for the caller to free; NULL when memory is short. */
 char *neph_format(const char *format, ...) __attribute__((format(printf, 1, 2)));
 

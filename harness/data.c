@@ -15,15 +15,21 @@ static const char *const scene_folders[NEPH_DATA_SCENES_COUNT] = {
     [NEPH_DATA_FAILURES] = "scenes/failure",
 };
 
-const char *neph_data_directory(void)
+char *neph_data_directory(void)
 {
-    const char *directory = getenv("NEPH_DATA_DIR");
-    return directory && directory[0] ? directory : NEPH_SOURCE_DIR;
+    const char *named = getenv("NEPH_DATA_DIR");
+    if (named && named[0])
+        return strdup(named);
+    char *installed = neph_path_beside_program(NEPH_DATA_BESIDE_PROGRAM);
+    return installed ? installed : strdup(NEPH_SOURCE_DIR);
 }
 
 char *neph_data_path(const char *relative)
 {
-    return neph_path_join(neph_data_directory(), relative);
+    char *directory = neph_data_directory();
+    char *path = directory ? neph_path_join(directory, relative) : NULL;
+    free(directory);
+    return path;
 }
 
 static bool is_plain_name(const char *text)
@@ -78,8 +84,9 @@ enum neph_status neph_data_load_scene(const char *path_or_name, struct neph_scen
     if (!is_plain_name(path_or_name) || neph_path_exists(path_or_name))
         return load(path_or_name, scene, diag);
     for (int folder = 0; folder < NEPH_DATA_SCENES_COUNT; folder++) {
-        char *path = neph_format("%s/%s/%s.yaml", neph_data_directory(), scene_folders[folder],
-                                 path_or_name);
+        char *name = neph_format("%s/%s.yaml", scene_folders[folder], path_or_name);
+        char *path = name ? neph_data_path(name) : NULL;
+        free(name);
         if (!path)
             return neph_fail_memory(diag);
         const bool is_here = neph_path_exists(path);

@@ -8,8 +8,9 @@
 #include "base/status.h"
 #include "scenes/scene.h"
 
-/* NEPH_DATA_DIR from the environment, else the folder the program was built from. */
-const char *neph_data_directory(void);
+/* NEPH_DATA_DIR from the environment; else what is installed with the running program; else the
+ * folder it was built from. For the caller to free; NULL when memory is short. */
+char *neph_data_directory(void);
 
 /* "<data>/<relative>" for the caller to free; NULL when memory is short. */
 char *neph_data_path(const char *relative);

@@ -11,7 +11,6 @@
 
 #include <errno.h>
 #include <inttypes.h>
-#include <limits.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
@@ -33,26 +32,10 @@ static const char program_name[] = "neph-vdb";
 
 /* ---- the program and what it says ------------------------------------------------------------ */
 
-/* NULL: there is none, or no memory. */
-static char *program_beside_neph(void)
-{
-    char self[PATH_MAX];
-    const ssize_t length = readlink("/proc/self/exe", self, sizeof(self) - 1);
-    if (length <= 0)
-        return NULL;
-    self[length] = '\0';
-    *strrchr(self, '/') = '\0';
-    char *path = neph_path_join(self, program_name);
-    if (path && neph_child_program_exists(path))
-        return path;
-    free(path);
-    return NULL;
-}
-
 enum neph_status neph_volume_find_openvdb(char **program, struct neph_diag *diag)
 {
     const char *named = getenv("NEPH_VDB");
-    char *path = named && named[0] ? strdup(named) : program_beside_neph();
+    char *path = named && named[0] ? strdup(named) : neph_path_beside_program(program_name);
     if (!path)
         path = strdup(NEPH_VDB_PROGRAM);
     if (!path)

@@ -83,12 +83,14 @@ enum neph_status neph_cli_doctor(int argc, char **argv, struct neph_diag *diag)
                    tools[i].needed_for,
                    there ? "" : "\n         get it:   ", there ? "" : tools[i].install_line);
     }
+    char *data = neph_data_directory();
     enum neph_status status = NEPH_OK;
     if (request.json)
         status = neph_cli_print_json(
             json_pack("{s:o, s:o}", "host", neph_host_json(), "parts", json_incref(list)), diag);
     else
-        printf("data     %s\n", neph_data_directory());
+        printf("data     %s\n", data ? data : "");
+    free(data);
     json_decref(list);
     if (status)
         return status;

@@ -17,6 +17,7 @@
 #include "base/exr.h"
 #include "base/files.h"
 #include "base/threads.h"
+#include "harness/data.h"
 #include "harness/engines/baked_scene.h"
 #include "harness/engines/bakes.h"
 #include "harness/engines/cycles_spec.h"
@@ -30,7 +31,7 @@
 
 static const double probe_limit_s = 30.0; /* it answers in less than 1 s */
 static const char install_line[] = "apt-get install blender python3-numpy";
-static const char script_name[] = "blender_render.py";
+static const char script_name[] = "blender_render.py", script_path[] = "scripts/blender_render.py";
 
 /* Blender writes nothing smaller: it silently makes it 4 x 4. */
 enum { SIDE_MIN_PX = 4 };
@@ -68,13 +69,6 @@ static const struct neph_option options[] = {
 };
 
 /* ---- probe ----------------------------------------------------------------------------------- */
-
-/* scripts/blender_render.py of this installation; for the caller to free. */
-static char *script_path(void)
-{
-    const char *data = getenv("NEPH_DATA_DIR");
-    return neph_format("%s/scripts/%s", data && data[0] ? data : NEPH_SOURCE_DIR, script_name);
-}
 
 /* The version after "Blender " at the start of a line. */
 static bool parse_version(const char *text, char version[64])
@@ -116,13 +110,13 @@ static void probe(struct neph_engine_info *info)
         return;
     }
     struct neph_diag diag = {0};
-    char *script = script_path();
+    char *script = neph_data_path(script_path);
     char *text = NULL;
     info->broken = true;
     if (!script || !neph_path_exists(script))
         snprintf(info->missing, sizeof(info->missing),
                  "'%.300s' is not there; NEPH_DATA_DIR names the folder that holds scripts/",
-                 script ? script : script_name);
+                 script ? script : script_path);
     else if (neph_program_ask("blender", "Blender ", probe_limit_s, &text, info->build, &diag) ==
              NEPH_OK)
         judge_version(text, info);
@@ -236,7 +230,7 @@ static enum neph_status write_inputs(struct session *session, struct neph_diag *
         return status;
     char *text = json_dumps(spec, JSON_INDENT(1) | JSON_REAL_PRECISION(17));
     char *path = neph_path_join(session->directory, "spec.json");
-    char *script = script_path();
+    char *script = neph_data_path(script_path);
     char *copy = neph_path_join(session->directory, script_name);
     status = text && path && script && copy ? NEPH_OK : neph_fail_memory(diag);
     if (!status)
@@ -244,7 +238,7 @@ static enum neph_status write_inputs(struct session *session, struct neph_diag *
     if (!status) {
         status = neph_file_copy(script, copy, diag);
         if (status)
-            neph_hint(diag, "NEPH_DATA_DIR names the folder that holds scripts/%s", script_name);
+            neph_hint(diag, "NEPH_DATA_DIR names the folder that holds %s", script_path);
     }
     if (!status)
         status = write_grids(session, diag);

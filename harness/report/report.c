@@ -200,13 +200,21 @@ static const struct {
     {"vendor-licences.txt", "vendor/LICENSES.txt", true},
 };
 
+static char *page_file_path(const char *from)
+{
+    char *name = neph_path_join("scripts/report", from);
+    char *path = name ? neph_data_path(name) : NULL;
+    free(name);
+    return path;
+}
+
 static enum neph_status copy_page(const char *folder, bool with_vendor, struct neph_diag *diag)
 {
     enum neph_status status = NEPH_OK;
     for (size_t i = 0; i < sizeof(page_files) / sizeof(page_files[0]) && !status; i++) {
         if (page_files[i].vendored && !with_vendor)
             continue;
-        char *from = neph_format("%s/scripts/report/%s", neph_data_directory(), page_files[i].from);
+        char *from = page_file_path(page_files[i].from);
         char *to = neph_path_join(folder, page_files[i].to);
         status = from && to ? neph_file_copy(from, to, diag) : neph_fail_memory(diag);
         free(from);
@@ -219,7 +227,7 @@ static bool vendor_is_installed(void)
 {
     bool installed = true;
     for (size_t i = 0; i < sizeof(page_files) / sizeof(page_files[0]); i++) {
-        char *path = neph_format("%s/scripts/report/%s", neph_data_directory(), page_files[i].from);
+        char *path = page_file_path(page_files[i].from);
         if (page_files[i].vendored)
             installed &= path && neph_path_exists(path);
         free(path);

@@ -1,0 +1,149 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""manual.py NEPH PAGE COMPLETION: man page and bash completion out of the --help of all verbs."""
+import os
+import pathlib
+import re
+import subprocess
+import sys
+
+# One line for each option and paragraph: wrapping is for who shows them.
+WIDE = {**os.environ, "ARGP_HELP_FMT": "rmargin=10000,opt-doc-col=70,dup-args=0"}
+OPTION = re.compile(
+    r"^ +(?:-(?P<letter>\S), +|)(?P<names>--\S+(?: --\S+)*)  +(?P<help>.*)$")
+
+
+def ask(neph, *words):
+    done = subprocess.run([neph, *words], env=WIDE, capture_output=True, text=True, check=True)
+    return done.stdout
+
+
+def listed(text):
+    """The names and summaries of a hand-made list, as of verbs."""
+    return re.findall(r"^  (\w+) +(.*)$", text.split("\n\nExamples")[0], re.MULTILINE)
+
+
+class Verb:
+    """What argp says of one: usages, paragraphs before the options, options, paragraphs behind."""
+
+    def __init__(self, neph, *words):
+        self.name = " ".join(words)
+        self.usages, self.before, self.options, self.after = [], [], [], []
+        for line in ask(neph, *words, "--help").splitlines():
+            option = OPTION.match(line)
+            if re.match(r"Usage: |  or:  ", line):
+                self.usages.append(line[7:].strip())
+            elif option:
+                self.options.append((option["letter"], option["names"].split(", "), option["help"]))
+            elif not line.startswith("Mandatory or optional arguments"):
+                (self.after if self.options else self.before).append(line)
+
+    def words(self):
+        for letter, names, _ in self.options:
+            yield from (["-" + letter] if letter else []) + [name.split("=")[0] for name in names]
+
+
+# ---- the page ------------------------------------------------------------------------------------
+
+
+def roff(text):
+    for plain, escape in ("\\", "\\e"), ("-", "\\-"), ("'", "\\(aq"), ("`", "\\(ga"):
+        text = text.replace(plain, escape)
+    return "\\&" + text if text.startswith((".", "\\(aq")) else text
+
+
+def paragraphs(lines):
+    """Indented lines stay lines; the others are paragraphs."""
+    literal = False
+    for line in lines:
+        if literal != line.startswith("  ") and line:
+            literal = not literal
+            yield ".RS 2\n.nf" if literal else ".fi\n.RE"
+        yield roff(line.strip()) if line else ".PP"
+    if literal:
+        yield ".fi\n.RE"
+
+
+def described(term, text):
+    return f".TP\n.B {roff(term)}\n{roff(text)}"
+
+
+def page(version, top, verbs):
+    head, codes = re.search(r"\n(.*)\n\n(?:.*\n)*(Exit codes: (?:.+\n)+)", top).groups()
+    yield f'.TH NEPH 1 "" "{version}" "Nephelometer"'
+    yield f".SH NAME\nneph \\- {roff(head.strip().rstrip('.'))}"
+    yield ".SH SYNOPSIS\n.B neph\n.I VERB\n.RI [ ARGUMENT ...]"
+    yield ".SH VERBS"
+    yield from (described(f"neph {name}", summary) for name, summary in listed(top))
+    for verb in verbs:
+        yield f".SH NEPH {roff(verb.name.upper())}"
+        yield from (f".B {roff(usage)}\n.br" for usage in verb.usages)
+        yield ".PP"
+        yield from paragraphs(verb.before)
+        for letter, names, text in verb.options:
+            yield described(", ".join((["-" + letter] if letter else []) + names), text)
+        yield ".PP"
+        yield from paragraphs(verb.after)
+    yield f".SH EXIT STATUS\n{roff(' '.join(codes.split()).removeprefix('Exit codes: '))}"
+
+
+# ---- completion ----------------------------------------------------------------------------------
+
+COMPLETION = """# bash completion of neph(1), made by scripts/manual.py.
+_neph()
+{
+    local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD - 1]} words=
+    local verb=${COMP_WORDS[1]}
+    [[ $verb == study && $COMP_CWORD -gt 2 ]] && verb="study ${COMP_WORDS[2]}"
+    if [[ $before == -e || $before == --engine || $before == --engines ]]; then
+        words="@engines@"
+    elif [[ $COMP_CWORD -eq 1 ]]; then
+        words="@verbs@"
+    elif [[ $word == -* ]]; then
+        case $verb in
+@options@
+        esac
+    elif [[ $before != -* ]]; then
+        case $verb in
+            study) words="@kinds@" ;;
+            engines) words="@engines@" ;;
+            @with_scenes@) words="@scenes@" ;;
+        esac
+    fi
+    mapfile -t COMPREPLY < <(compgen -W "$words" -- "$word")
+}
+complete -o default -F _neph neph
+"""
+
+
+def completion(neph, top, kinds, verbs):
+    folder = pathlib.Path(__file__).parents[1] / "scenes"
+    scenes = sorted(path.stem for kind in ("catalog", "failure")
+                    for path in (folder / kind).glob("*.yaml"))
+    engines = re.findall(r'"engine": "(\w+)"', ask(neph, "scenes", scenes[0], "--json"))
+    parts = {
+        "verbs": " ".join(name for name, _ in listed(top)),
+        "kinds": " ".join(name for name, _ in kinds),
+        "engines": " ".join(engines),
+        "scenes": " ".join(scenes),
+        "with_scenes": " | ".join(f'"{verb.name}"' for verb in verbs
+                                  if "SCENE" in str(verb.usages)),
+        "options": "\n".join(f'            "{verb.name}") words="{" ".join(verb.words())}" ;;'
+                             for verb in verbs),
+    }
+    return re.sub(r"@(\w+)@", lambda part: parts[part[1]], COMPLETION)
+
+
+def main(neph, page_path, completion_path):
+    top, kinds = ask(neph, "--help"), listed(ask(neph, "study", "--help"))
+    verbs = []
+    for name, _ in listed(top):
+        subjects = [(name, kind) for kind, _ in kinds] if name == "study" else [(name,)]
+        verbs += [Verb(neph, *words) for words in subjects]
+    version = ask(neph, "--version").strip()
+    pathlib.Path(page_path).write_text("\n".join(page(version, top, verbs)) + "\n")
+    pathlib.Path(completion_path).write_text(completion(neph, top, kinds, verbs))
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])

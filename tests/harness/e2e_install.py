@@ -1,0 +1,85 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""What `cmake --install` leaves works from where it lies, and its manual says what --help says."""
+import os
+import pathlib
+import shutil
+import subprocess
+import tempfile
+import unittest
+
+BUILT = pathlib.Path(os.environ["NEPH"])
+KEPT = ["absorbing_slab", "white_furnace"]
+
+
+def run(*words, **environment):
+    clean = {name: value for name, value in os.environ.items() if not name.startswith("NEPH_")}
+    return subprocess.run(list(map(str, words)), capture_output=True, text=True, timeout=120,
+                          env={**clean, **environment})
+
+
+class Install(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        folder = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(folder.cleanup)
+        cls.folder = pathlib.Path(folder.name)
+        done = run("cmake", "--install", BUILT.parent, "--prefix", "/opt/neph",
+                   DESTDIR=str(cls.folder))
+        assert done.returncode == 0, done.stderr
+        cls.prefix = (cls.folder / "opt/neph").rename(cls.folder / "moved")
+        cls.neph = cls.prefix / "bin/neph"
+        cls.data = cls.prefix / "share/nephelometer"
+        for path in (cls.data / "scenes").glob("*/*.yaml"):  # it shows whose scenes are listed
+            if path.stem not in KEPT:
+                path.unlink()
+
+    def test_scenes_are_those_beside_the_program(self):
+        done = run(self.neph, "scenes")
+        listed = [line.split()[0] for line in done.stdout.splitlines()]
+        self.assertEqual((done.returncode, listed), (0, KEPT), done.stderr)
+
+    def test_it_renders_and_reports(self):
+        small = ["--size", "8x6", "-q", "-o", self.folder / "out"]
+        done = run(self.neph, "render", "absorbing_slab", "-e", "exact", *small)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertTrue((self.folder / "out/absorbing_slab_exact_0000.exr").exists())
+        done = run(self.neph, "validate", "absorbing_slab", "-e", "exact", "-e", "oracle",
+                   "--no-charts", *small)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        page = (self.folder / "out/report/report.js").read_bytes()
+        self.assertEqual(page, (self.data / "scripts/report/report.js").read_bytes())
+
+    def test_nothing_is_left_of_the_build(self):
+        programs = {path.name for path in (self.prefix / "bin").iterdir()}
+        self.assertEqual(programs, {"neph", "neph-vdb"})
+        self.assertTrue((self.data / "scripts/blender_render.py").exists())
+        self.assertFalse((self.prefix / "lib").exists() or (self.prefix / "include").exists())
+
+    def test_the_manual_has_every_verb_and_option(self):
+        path = self.prefix / "share/man/man1/neph.1"
+        text = path.read_text().replace("\\-", "-")
+        for verb, option in (("RENDER", "--checkpoint=FILE"), ("STUDY FLICKER", "--presets=A,B"),
+                             ("VALIDATE", "--time-limit=S"), ("FLICKER", "-r, --reference=WORD"),
+                             ("COMPARE", "--fail-above=[QUANTITY:]METRIC[@MASK]=LIMIT")):
+            self.assertIn(f"\n.SH NEPH {verb}\n", text)
+            self.assertIn(option, text.split(f".SH NEPH {verb}\n")[1].split("\n.SH ")[0])
+        self.assertIn("130 interrupted", text)
+        if shutil.which("groff"):
+            self.assertEqual(run("groff", "-man", "-Tutf8", "-ww", "-z", path).stderr, "")
+
+    def test_bash_completes_verbs_kinds_options_and_scenes(self):
+        script = self.prefix / "share/bash-completion/completions/neph"
+        complete = ('. "$0"; COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); _neph; '
+                    'echo "${COMPREPLY[@]}"')
+        for words, expected in (
+                ("neph fli", "flicker"), ("neph study ", "steps flicker"),
+                ("neph study flicker --see", "--seeds"), ("neph bake --me", "--medium"),
+                ("neph render white", "white_furnace"), ("neph render -e po", "povray"),
+                ("neph render -o ", ""), ("neph doctor ", "")):
+            done = run("bash", "-c", complete, script, *words.split(" "))
+            self.assertEqual((done.stdout.strip(), done.stderr), (expected, ""), words)
+
+
+if __name__ == "__main__":
+    unittest.main()
