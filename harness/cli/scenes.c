@@ -21,7 +21,7 @@ struct request {
 
 static const struct neph_cli_option options[] = {
     {.name = "json"},
-    {.name = "quiet", .help = "Accepted; this verb prints results alone"},
+    {.name = "quiet", .help = "Not a word on what the file of a variant has to be called"},
     {"variant", 0, "KIND",
      "Print the scene as a scene file in which something happens, to measure lag with: sun_step "
      "(the sun four times as bright from a frame on), sun_sine (1 + 0.3 times the sum of sines of "
@@ -57,7 +57,6 @@ static const struct neph_cli_syntax syntax = {
     .operands = &operands,
     .check = check,
     .doc = "List the catalogue, or check and describe one scene (a file or a name).\v"
-           "A variant's file must have the variant's name.\n\n"
            "Examples:\n  neph scenes\n  neph scenes two_layer_fog\n  neph scenes my_fog.yaml\n"
            "  neph scenes my_fog.yaml --variant sun_step > my_fog_sun_step.yaml",
 };
@@ -204,6 +203,9 @@ static enum neph_status print_variant_of(const struct request *request,
         status = neph_scene_variant_text(scene, &variant, &text, diag);
     if (!status)
         fputs(text, stdout);
+    if (!status && !request->shared.quiet)
+        fprintf(stderr, "neph scenes: its file has to be called %s_%s.yaml, as the scene is\n",
+                scene->name, request->variant);
     free(text);
     return status;
 }

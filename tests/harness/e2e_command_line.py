@@ -58,6 +58,7 @@ class CommandLine(unittest.TestCase):
         done = neph("scenes", "height_fog_level", "--variant", "sun_step", "--at", "3", "--frames", "9")
         self.assertEqual(done.returncode, 0, done.stderr)
         scene = self.folder / "height_fog_level_sun_step.yaml"
+        self.assertIn(scene.name, done.stderr)
         scene.write_text(done.stdout)
         done = neph("scenes", scene, "--json")
         self.assertEqual((done.returncode, json.loads(done.stdout)["frames"]), (0, 9), done.stderr)
