@@ -31,7 +31,7 @@ static const char *const ignored[] = {
     "OCIO_OPTIMIZATION_FLAGS",
 };
 
-/* Of those the ones that choose a device, which its name tells, or cost time alone. */
+/* What of these chooses a device, which its name tells, or costs time alone. */
 static const char *const harmless[] = {
     "LP_NUM_THREADS",
     "MESA_DISK_CACHE_",

@@ -35,7 +35,7 @@ struct request {
     bool noise, scene_layers, stats;
 };
 
-/* Of `neph export`, too; only the engine that is meant without a word differs. */
+/* `neph export` has them too; only its engine, where none is named, is another. */
 static const struct neph_cli_option options[] = {
     {"preset", 'p', "NAME",
      "Engine realtime: a set of settings by name, before any --set; `neph engines realtime` lists "

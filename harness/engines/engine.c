@@ -59,6 +59,11 @@ double neph_setting(const struct neph_engine *engine, const struct neph_settings
     return index < 0 ? NAN : settings->values[index];
 }
 
+int neph_engine_samples(const struct neph_engine *engine)
+{
+    return engine->stochastic ? neph_option_find(engine->options, "samples") : -1;
+}
+
 char *neph_settings_text(const struct neph_engine *engine, const struct neph_settings *settings)
 {
     return neph_options_text(engine->options, settings);

@@ -163,6 +163,9 @@ enum neph_status neph_settings_preset(const struct neph_engine *engine, const ch
 double neph_setting(const struct neph_engine *engine, const struct neph_settings *settings,
                     const char *name);
 
+/* Index of the option that says how many samples are drawn; -1: the engine draws none. */
+int neph_engine_samples(const struct neph_engine *engine);
+
 /* "steps=64 sun=exact", canonical: all options, table order. For the caller to free. */
 char *neph_settings_text(const struct neph_engine *engine, const struct neph_settings *settings);
 

@@ -12,24 +12,16 @@
 
 enum { SEEDS = 2, FIRST_SAMPLES = 8, REFERENCE_SEED = 1001 };
 
-/* Of Student's distribution with NEPH_BENCHMARK_RUNGS - 1 degrees of freedom. */
+/* The 97.5 % quantile of Student's distribution, NEPH_BENCHMARK_RUNGS - 1 degrees of freedom. */
 static const double student_95 = 3.182;
 _Static_assert(NEPH_BENCHMARK_RUNGS == 4, "student_95");
-
-static int samples_index(const struct neph_engine *engine)
-{
-    for (int i = 0; engine->options && engine->options[i].name; i++)
-        if (strcmp(engine->options[i].name, "samples") == 0)
-            return i;
-    return -1;
-}
 
 bool neph_benchmark_applies(const struct neph_engine *engine, char *reason, size_t reason_size)
 {
     const char *cannot = NULL;
     if (!engine->stochastic)
         cannot = "knows no chance: more time does not make it better";
-    else if (samples_index(engine) < 0)
+    else if (neph_engine_samples(engine) < 0)
         cannot = "has no number of samples to vary";
     if (cannot)
         snprintf(reason, reason_size, "%s", cannot);
@@ -50,7 +42,7 @@ static enum neph_status render(const struct neph_job *of, int samples, uint64_t 
     struct neph_job job = *of;
     struct neph_cost cost;
     float *planes[3];
-    job.shot.settings.values[samples_index(job.engine)] = samples;
+    job.shot.settings.values[neph_engine_samples(job.engine)] = samples;
     job.shot.seed = seed;
     const enum neph_status status = neph_job_render(&job, &frame->image, &cost, diag);
     if (status)
@@ -140,7 +132,7 @@ static enum neph_status time_of(const struct neph_job *job, double samples, doub
 static enum neph_status plan(const struct neph_job *job, double rung_s, struct ladder *ladder,
                              struct neph_diag *diag)
 {
-    const double most = job->engine->options[samples_index(job->engine)].maximum;
+    const double most = job->engine->options[neph_engine_samples(job->engine)].maximum;
     double samples = FIRST_SAMPLES, first_s, last_s, per_sample_s;
     enum neph_status status = time_of(job, samples, &first_s, diag);
     if (!status)

@@ -13,19 +13,10 @@ enum { RUNGS = 3, RUNG_FACTOR = 8, PILOT_SIDE = 4 };
 /* What a pilot needs when the machine is busy with ten other things: it tells slow from hanging. */
 static const double pilot_limit_s = 300.0;
 
-/* Of the option "samples"; -1: the engine draws none. */
-static int samples_index(const struct neph_engine *engine)
-{
-    for (int i = 0; engine->options[i].name && engine->stochastic; i++)
-        if (strcmp(engine->options[i].name, "samples") == 0)
-            return i;
-    return -1;
-}
-
 /* The settings that are tried, most samples first; returns how many. */
 static int list_rungs(const struct neph_job *job, struct neph_settings rungs[RUNGS])
 {
-    const int index = samples_index(job->engine);
+    const int index = neph_engine_samples(job->engine);
     int count = 0;
     double samples = index < 0 ? 1.0 : job->shot.settings.values[index];
     for (; count < RUNGS && samples >= 1.0; samples = floor(samples / RUNG_FACTOR)) {
@@ -44,7 +35,7 @@ static int list_rungs(const struct neph_job *job, struct neph_settings rungs[RUN
 static void write_note(const struct neph_job *job, const struct neph_settings *asked,
                        double budget_s, char note[NEPH_JOB_NOTE_SIZE])
 {
-    const int index = samples_index(job->engine);
+    const int index = neph_engine_samples(job->engine);
     if (index < 0 || asked->values[index] == job->shot.settings.values[index])
         return;
     const double most = asked->values[index], samples = job->shot.settings.values[index];
@@ -98,7 +89,7 @@ static void explain(const struct pilot *pilot, const struct neph_settings *asked
                     struct neph_job_result *result)
 {
     const struct neph_engine *engine = pilot->job.engine;
-    const int index = samples_index(engine);
+    const int index = neph_engine_samples(engine);
     const double factor = index < 0 ? 1.0
                                     : asked->values[index] / pilot->job.shot.settings.values[index];
     const struct neph_cost *cost = &pilot->results[0].cost;

@@ -183,7 +183,7 @@ static enum neph_status take_lattice(const struct neph_image *frame, struct neph
     return NEPH_OK;
 }
 
-/* Of all pixels; the far ones of a distance are counted apart. */
+/* Counts and means over all pixels; infinite distances are counted apart. */
 static json_t *channel_json(const struct neph_image *frame, const struct neph_channel *channel)
 {
     const size_t count = neph_image_pixel_count(frame);

@@ -65,8 +65,7 @@ void neph_job_close(struct neph_job *job);
 enum neph_status neph_job_render(const struct neph_job *job, struct neph_image **frame,
                                  struct neph_cost *cost, struct neph_diag *diag);
 
-/* The same for those who count what is wrong with a frame themselves: its values are not checked.
- */
+/* neph_job_render() for who counts what is wrong with a frame: its values are not checked. */
 enum neph_status neph_job_render_unchecked(const struct neph_job *job, struct neph_image **frame,
                                            struct neph_cost *cost, struct neph_diag *diag);
 

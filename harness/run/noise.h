@@ -10,7 +10,7 @@
 /* From the frame's own variance layer; NaN when it has none. */
 double neph_noise_of_frame(const struct neph_image *frame);
 
-/* Of either of two frames of the same job with different seeds: half the mean of their squared
+/* The noise of either of two frames of one job with different seeds: half the mean of their squared
  * differences is the variance of one. NaN when they have no common R G B. */
 double neph_noise_of_two(const struct neph_image *a, const struct neph_image *b);
 
