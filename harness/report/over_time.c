@@ -80,8 +80,8 @@ static enum neph_status take_preset(const struct work *work, const struct neph_j
     viewing.frame_rate_hz = work->scene->frame_rate_hz;
     viewing.pixels_per_degree = pixels_per_degree;
     const struct neph_reading readings[] = {
-        {"flicker", NEPH_REFERENCE_AVERAGED, extractors, NULL, viewing},
-        {"flicker_centre", NEPH_REFERENCE_CENTRE, extractors, NULL, viewing},
+        {"flicker", NEPH_REFERENCE_AVERAGED, extractors, .viewing = viewing},
+        {"flicker_centre", NEPH_REFERENCE_CENTRE, extractors, .viewing = viewing},
     };
     const struct neph_take take = {
         .job = *job,

@@ -51,6 +51,8 @@ struct neph_study_metric {
     const char *alone; /* the same number of the reference alone, which must not be above a third
                           (metrics/extractors/flicker_verdict.h); NULL: there is none */
     const char *never_share; /* share of pixels that never settle: above 5 % the number is none */
+    const char *at_most;     /* what it is a part of, in the same mask: the bound that stands for it
+                                where it cannot be told from the rest; NULL: nothing does */
     bool of_the_eye;         /* also read at the other displays */
 };
 

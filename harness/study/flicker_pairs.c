@@ -7,12 +7,23 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* log10 of a metric of a preset in a scene, mean over seeds, floored; NaN when a seed has none that
- * counts. */
-static double decades(const struct neph_flicker_study *study, int metric, int display, int scene,
-                      int preset)
+/* The metric's floor, or the highest bound that stands for a number of the preset. */
+static double floor_of(const struct neph_flicker_study *study, int metric, int scene, int preset)
 {
-    const double floor = neph_study_metrics[metric].floor;
+    double floor = neph_study_metrics[metric].floor;
+    for (int seed = 0; seed < study->params->seed_count; seed++) {
+        const struct neph_study_cell *cell = neph_study_cell_at(study, scene, preset, seed, metric);
+        if (cell->is_bound)
+            floor = fmax(floor, cell->value);
+    }
+    return floor;
+}
+
+/* log10 of a metric of a preset in a scene, mean over seeds, floored, so that what lies below the
+ * floor is alike; NaN when a seed has none that counts. */
+static double decades_above(const struct neph_flicker_study *study, int metric, int display,
+                            int scene, int preset, double floor)
+{
     double sum = 0.0;
     for (int seed = 0; seed < study->params->seed_count; seed++) {
         const struct neph_study_cell *cell = neph_study_cell_at(study, scene, preset, seed, metric);
@@ -22,6 +33,13 @@ static double decades(const struct neph_flicker_study *study, int metric, int di
         sum += log10(fmax(value, floor));
     }
     return sum / study->params->seed_count;
+}
+
+static double decades(const struct neph_flicker_study *study, int metric, int display, int scene,
+                      int preset)
+{
+    return decades_above(study, metric, display, scene, preset,
+                         floor_of(study, metric, scene, preset));
 }
 
 /* ---- pairs ----------------------------------------------------------------------------------- */
@@ -46,8 +64,10 @@ enum neph_status neph_study_pair(const struct neph_flicker_study *study, int met
         return neph_fail_memory(diag);
     struct neph_study_pair found = {.mean = NAN, .p_sign = 1.0};
     for (int scene = 0; scene < scene_count; scene++) {
-        a[found.scene_count] = decades(study, metric, display, scene, first);
-        b[found.scene_count] = decades(study, metric, display, scene, second);
+        const double floor = fmax(floor_of(study, metric, scene, first),
+                                  floor_of(study, metric, scene, second));
+        a[found.scene_count] = decades_above(study, metric, display, scene, first, floor);
+        b[found.scene_count] = decades_above(study, metric, display, scene, second, floor);
         found.scene_count += !isnan(a[found.scene_count]) && !isnan(b[found.scene_count]);
     }
     struct neph_paired paired = {.p = 1.0};

@@ -8,7 +8,8 @@
 
 #include "harness/study/flicker_study.h"
 
-/* first over second, in decades: below 0 the first is better. */
+/* first over second, in decades: below 0 the first is better. In a scene where a bound stands for
+ * the number of one, what lies below it is alike: the bound is the floor of both. */
 struct neph_study_pair {
     int scene_count; /* in which both have a number that counts */
     double mean;     /* NaN without a scene */

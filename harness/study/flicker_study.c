@@ -76,7 +76,7 @@ static enum neph_status make_job(const struct work *work, const struct neph_scen
 
 /* ---- readings -------------------------------------------------------------------------------- */
 
-enum { READINGS_MAX = 2 + NEPH_STUDY_DISPLAYS };
+enum { READINGS_MAX = 2 + NEPH_STUDY_DISPLAYS, KEPT_MAX = 4 * NEPH_STUDY_METRICS_MAX + 1 };
 
 static struct neph_viewing viewing_of(const struct neph_scene *scene, int display)
 {
@@ -91,28 +91,44 @@ static const char *const display_names[NEPH_STUDY_DISPLAYS] = {
     "averaged", "display_1", "display_2", "display_3", "display_4", "display_5"};
 static const char centre_name[] = "centre";
 
+/* What the tables show of a take, each with what it is judged by. */
+static void list_kept(enum neph_study_take_id id, struct neph_take_number kept[KEPT_MAX])
+{
+    int count = 0;
+    for (const struct neph_study_metric *metric = neph_study_metrics; metric->title; metric++) {
+        const char *const names[] = {metric->metric, metric->alone, metric->never_share,
+                                     metric->at_most};
+        for (size_t i = 0; i < sizeof(names) / sizeof(names[0]); i++)
+            if (metric->take == id && names[i])
+                kept[count++] = (struct neph_take_number){names[i], metric->mask};
+    }
+    kept[count] = (struct neph_take_number){.metric = NULL};
+}
+
 /* All metrics against the averaged reference and the centre rays; those of the eye also at the
  * other displays. */
 static int readings_of(const struct neph_scene *scene, enum neph_study_take_id id,
+                       const struct neph_take_number *kept,
                        struct neph_reading readings[READINGS_MAX])
 {
     const struct neph_study_take *take = &neph_study_takes[id];
     const struct neph_viewing viewing = viewing_of(scene, 0);
     int count = 0;
-    readings[count++] = (struct neph_reading){display_names[0], NEPH_REFERENCE_AVERAGED,
-                                              take->extractors, take->settings, viewing};
-    readings[count++] = (struct neph_reading){centre_name, NEPH_REFERENCE_CENTRE, take->extractors,
-                                              take->settings, viewing};
+    readings[count++] = (struct neph_reading){
+        display_names[0], NEPH_REFERENCE_AVERAGED, take->extractors, take->settings, viewing, kept};
+    readings[count++] = (struct neph_reading){
+        centre_name, NEPH_REFERENCE_CENTRE, take->extractors, take->settings, viewing, kept};
     for (int d = 1; d < NEPH_STUDY_DISPLAYS && id == NEPH_STUDY_FLICKER; d++)
-        readings[count++] = (struct neph_reading){display_names[d], NEPH_REFERENCE_AVERAGED,
-                                                  neph_study_eye_extractors, NULL,
-                                                  viewing_of(scene, d)};
+        readings[count++] = (struct neph_reading){
+            display_names[d],          NEPH_REFERENCE_AVERAGED,
+            neph_study_eye_extractors, NULL,
+            viewing_of(scene, d),      kept};
     return count;
 }
 
 /* ---- numbers --------------------------------------------------------------------------------- */
 
-/* Of all frames, which stands behind those of single ones. */
+/* The last is that of all frames, where a document has those of single ones, too. */
 static const json_t *find_number(const json_t *document, const char *metric, const char *mask)
 {
     const json_t *list = json_object_get(document, "measurements");
@@ -143,9 +159,14 @@ static void judge(const struct neph_study_metric *metric, const json_t *document
 {
     const json_t *found = find_number(document, metric->metric, metric->mask);
     const double alone = metric->alone ? number_of(document, metric->alone, metric->mask) : NAN;
+    const double bound = metric->at_most ? number_of(document, metric->at_most, metric->mask) : NAN;
     const double never = metric->never_share
                              ? number_of(document, metric->never_share, metric->mask)
                              : NAN;
+    if (found && isnan(cell->value) && !isnan(bound)) {
+        cell->value = cell->displays[0] = bound;
+        cell->is_bound = bound > 0.0; /* a part of nothing is nothing */
+    }
     if (!found)
         say_why(cell, "the scene has no such pixels");
     else if (isnan(cell->value))
@@ -186,7 +207,7 @@ static enum neph_status read_cells(struct work *work, const char *folder, int sc
     return status;
 }
 
-/* The same word for all metrics of a take. */
+/* One reason for all metrics of a take. */
 static void mark_cells(struct work *work, int scene, enum neph_study_take_id id, int preset,
                        int seed, const char *why)
 {
@@ -225,18 +246,21 @@ static enum neph_status run_take(struct work *work, const struct neph_job *job, 
     struct neph_study_scene *row = &work->study->scenes[scene];
     const int own = neph_study_takes[id].frame_count, count = own ? own : row->frame_count;
     struct neph_reading readings[READINGS_MAX];
+    struct neph_take_number kept[KEPT_MAX];
     char *folder = NULL;
     json_t *record = NULL;
     enum neph_status status = have_reference(work, job, count, row, diag);
     if (status)
         return status;
-    const struct neph_take take = {.job = *job,
-                                   .frame_count = count,
-                                   .reference = &work->reference,
-                                   .readings = readings,
-                                   .reading_count = readings_of(job->shot.scene, id, readings),
-                                   .plain = true, /* scenes are what is counted */
-                                   .frozen_is_fine = true};
+    list_kept(id, kept);
+    const struct neph_take take = {
+        .job = *job,
+        .frame_count = count,
+        .reference = &work->reference,
+        .readings = readings,
+        .reading_count = readings_of(job->shot.scene, id, kept, readings),
+        .plain = true, /* scenes are what is counted */
+        .frozen_is_fine = true};
     status = neph_take_run(&take, work->store, &folder, &record, diag);
     if (!status)
         status = read_cells(work, folder, scene, id, preset, seed, diag);

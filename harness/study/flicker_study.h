@@ -32,6 +32,8 @@ struct neph_study_cell {
     double value;                         /* NaN: `because` says why there is none */
     double centre;                        /* against centre rays; NaN: none */
     double displays[NEPH_STUDY_DISPLAYS]; /* the first is `value`; NaN but of the eye's metrics */
+    bool is_bound;                        /* the number cannot be told from the rest, and is no
+                                             more than `value` */
     bool counts;                          /* takes part in comparisons */
     char because[NEPH_STUDY_WHY_SIZE];    /* why it does not, when it does not */
 };

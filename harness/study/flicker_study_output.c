@@ -81,19 +81,29 @@ first_that_does_not_count(const struct neph_flicker_study *study, int metric, in
     return NULL;
 }
 
+static bool has_bound(const struct neph_flicker_study *study, int metric, int scene, int preset)
+{
+    bool found = false;
+    for (int seed = 0; seed < study->params->seed_count; seed++)
+        found |= neph_study_cell_at(study, scene, preset, seed, metric)->is_bound;
+    return found;
+}
+
 static void print_cell(const struct neph_flicker_study *study, int metric, int scene, int preset,
                        FILE *out)
 {
     const double scale = neph_study_metrics[metric].scale;
     const double value = shown(study, metric, scene, preset, false);
     const double centre = shown(study, metric, scene, preset, true);
-    const bool counts = !first_that_does_not_count(study, metric, scene, preset);
+    const char *mark = first_that_does_not_count(study, metric, scene, preset) ? "*"
+                       : has_bound(study, metric, scene, preset)               ? "<"
+                                                                               : "";
     if (isnan(value))
         fprintf(out, " - |");
     else if (isnan(centre))
-        fprintf(out, " %s%.3g |", counts ? "" : "*", scale * value);
+        fprintf(out, " %s%.3g |", mark, scale * value);
     else
-        fprintf(out, " %s%.3g (%.3g) |", counts ? "" : "*", scale * value, scale * centre);
+        fprintf(out, " %s%.3g (%.3g) |", mark, scale * value, scale * centre);
 }
 
 /* Why numbers of a metric do not count, once for each scene. */
@@ -265,7 +275,9 @@ enum neph_status neph_flicker_study_text(const struct neph_flicker_study *study,
     print_scenes(study, out);
     fprintf(out,
             "\nIn brackets: the same number against centre rays. *: takes no part in pairs and "
-            "ranking, for the reason below its table.\n");
+            "ranking, for the reason below its table. <: cannot be told from the rest of what "
+            "changes, all of which stands for it as a bound; in a pair what lies below the bound "
+            "is alike.\n");
     enum neph_status status = NEPH_OK;
     for (int metric = 0; neph_study_metrics[metric].title && !status; metric++) {
         if (!was_asked_for(study, metric))
@@ -308,7 +320,7 @@ static void print_row(const struct neph_flicker_study *study, int scene, int pre
             neph_study_metrics[metric].mask);
     print_number(cell->value, out);
     print_number(cell->centre, out);
-    fprintf(out, ",%d", cell->counts);
+    fprintf(out, ",%d,%d", cell->is_bound, cell->counts);
     print_quoted(cell->because, out);
     for (int display = 0; display < NEPH_STUDY_DISPLAYS; display++)
         print_number(cell->displays[display], out);
@@ -324,7 +336,7 @@ enum neph_status neph_flicker_study_csv(const struct neph_flicker_study *study, 
     FILE *out = open_memstream(text, &size);
     if (!out)
         return neph_fail_memory(diag);
-    fputs("scene,preset,seed,metric,mask,value,against_centre_rays,counts,because", out);
+    fputs("scene,preset,seed,metric,mask,value,against_centre_rays,is_bound,counts,because", out);
     for (int d = 0; d < NEPH_STUDY_DISPLAYS; d++)
         fprintf(out, ",at_%g_hz_%g_ppd", neph_study_displays[d].frame_rate_hz,
                 neph_study_displays[d].pixels_per_degree);
@@ -381,12 +393,12 @@ static json_t *cell_json(const struct neph_flicker_study *study, int scene, int 
     json_t *displays = json_array();
     for (int d = 0; d < NEPH_STUDY_DISPLAYS && neph_study_metrics[metric].of_the_eye; d++)
         neph_json_add(&displays, real_or_null(cell->displays[d]));
-    return json_pack("{s:s, s:s, s:i, s:s, s:s, s:o, s:o, s:b, s:s, s:o}", "scene",
+    return json_pack("{s:s, s:s, s:i, s:s, s:s, s:o, s:o, s:b, s:b, s:s, s:o}", "scene",
                      study->scenes[scene].name, "preset", study->params->presets[preset], "seed",
                      seed + 1, "metric", neph_study_metrics[metric].metric, "mask",
                      neph_study_metrics[metric].mask, "value", real_or_null(cell->value),
-                     "against_centre_rays", real_or_null(cell->centre), "counts", cell->counts,
-                     "because", cell->because, "at_displays", displays);
+                     "against_centre_rays", real_or_null(cell->centre), "is_bound", cell->is_bound,
+                     "counts", cell->counts, "because", cell->because, "at_displays", displays);
 }
 
 static json_t *results_json(const struct neph_flicker_study *study)

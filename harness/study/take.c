@@ -12,8 +12,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Part of the key under which measurements are kept; raise it when a metric over time changes. */
-enum { MEASURED_REVISION = 2 };
+/* Part of the key under which measurements are kept; raise it when a metric over time
+ * changes, or what documents hold. */
+enum { MEASURED_REVISION = 3 };
 
 /* ---- frames ---------------------------------------------------------------------------------- */
 
@@ -129,12 +130,30 @@ static enum neph_status choose(const struct neph_reading *reading,
     return status;
 }
 
-static enum neph_status write_document(const char *folder, const char *name,
-                                       const struct neph_compared *compared, struct neph_diag *diag)
+static bool is_kept(const struct neph_measurement *number, const void *context)
 {
-    json_t *document = neph_compared_json(compared);
+    if (number->frame >= 0 || number->quantity != neph_quantity_find("radiance"))
+        return false;
+    for (const struct neph_take_number *kept = context; kept->metric; kept++)
+        if (strcmp(number->metric->name, kept->metric) == 0 &&
+            strcmp(number->mask, kept->mask) == 0)
+            return true;
+    return false;
+}
+
+/* What is read of hundreds of takes at once is a few numbers of the thousands in each: `kept`, and
+ * with NULL all that came of the comparison. */
+static enum neph_status write_document(const char *folder, const char *name,
+                                       struct neph_compared *compared,
+                                       const struct neph_take_number *kept, struct neph_diag *diag)
+{
+    if (kept)
+        neph_measurements_select(&compared->numbers, is_kept, kept);
+    json_t *document = kept ? json_pack("{s:o}", "measurements",
+                                        neph_measurements_json(&compared->numbers))
+                            : neph_compared_json(compared);
     char *path = neph_format("%s/%s.json", folder, name);
-    char *text = json_dumps(document, JSON_INDENT(1));
+    char *text = json_dumps(document, JSON_COMPACT);
     const enum neph_status status = path && text ? neph_file_write(path, text, strlen(text), diag)
                                                  : neph_fail_memory(diag);
     free(text);
@@ -162,7 +181,7 @@ static enum neph_status read_off(const struct neph_take *take, const struct neph
     if (!status)
         status = neph_comparison_run(&comparison, false, &compared, diag);
     if (!status)
-        status = write_document(folder, reading->name, &compared, diag);
+        status = write_document(folder, reading->name, &compared, reading->kept, diag);
     neph_compared_finish(&compared);
     neph_sequence_finish(&comparison.test);
     return status;
@@ -185,6 +204,12 @@ static char *reading_text(const struct neph_reading *reading)
             free(text);
             text = longer;
         }
+    for (const struct neph_take_number *kept = reading->kept; text && kept && kept->metric;
+         kept++) {
+        char *longer = neph_format("%s %s@%s", text, kept->metric, kept->mask);
+        free(text);
+        text = longer;
+    }
     return text;
 }
 

@@ -11,6 +11,11 @@
 
 enum { NEPH_TAKE_PICTURES = 4 }; /* of the last frames */
 
+/* A number of radiance over all frames. */
+struct neph_take_number {
+    const char *metric, *mask;
+};
+
 /* One pass over the frames, which gives one document (comparison.h). */
 struct neph_reading {
     const char *name; /* of the document, unique in the take */
@@ -18,6 +23,8 @@ struct neph_reading {
     const char *const *extractors; /* names, NULL-terminated */
     const char *const *settings;   /* "extractor.key=value", NULL-terminated; NULL: none */
     struct neph_viewing viewing;
+    const struct neph_take_number *kept; /* all that the document keeps; ends with a NULL metric.
+                                            NULL: it keeps everything */
 };
 
 /* All pointers are borrowed. */

@@ -29,7 +29,8 @@ static void test_metrics_are_of_the_extractors_of_their_takes(void **state)
     for (int m = 0; neph_study_metrics[m].title; m++) {
         const struct neph_study_metric *metric = &neph_study_metrics[m];
         const struct neph_study_take *take = &neph_study_takes[metric->take];
-        const char *const names[] = {metric->metric, metric->alone, metric->never_share};
+        const char *const names[] = {metric->metric, metric->alone, metric->never_share,
+                                     metric->at_most};
         for (size_t i = 0; i < sizeof(names) / sizeof(names[0]); i++) {
             const struct neph_extractor *owner = NULL;
             if (!names[i])
@@ -223,6 +224,34 @@ static void test_what_takes_no_part(void **state)
     neph_flicker_study_finish(&study);
 }
 
+/* A bound is the floor of both: what is measured below it is alike, what is above it is worse by as
+ * much at least. */
+static void test_a_bound_keeps_its_scene(void **state)
+{
+    (void)state;
+    struct neph_flicker_study study;
+    struct neph_study_pair pair;
+    char *text = NULL;
+    make_study(&study);
+    const int metric = neph_study_headline();
+    for (int seed = 0; seed < SEEDS; seed++) {
+        set(&study, 0, 0, seed, metric, seed ? 0.5 : 0.3);
+        set(&study, 0, 1, seed, metric, 0.2);
+        set(&study, 1, 0, seed, metric, 0.01);
+        for (int s = 0; s < 2; s++)
+            neph_study_cell_at(&study, s, 0, seed, metric)->is_bound = true;
+    }
+    neph_assert_ok(neph_study_pair(&study, metric, 0, 0, 1, &pair, NULL), NULL);
+    assert_int_equal(pair.scene_count, 4);
+    assert_int_equal(pair.alike, 3);
+    assert_int_equal(pair.better, 1);
+    neph_assert_close(pair.mean, -2.0 / 4.0, 1e-12, 0.0);
+    neph_assert_ok(neph_flicker_study_text(&study, &text, NULL), NULL);
+    assert_non_null(strstr(text, "| two | <0.01 (1) | 1 (1) | 1 (1) |"));
+    free(text);
+    neph_flicker_study_finish(&study);
+}
+
 /* Without a scene in common there is no number, and with one no interval. */
 static void test_few_scenes_have_no_interval(void **state)
 {
@@ -336,6 +365,7 @@ int main(void)
         cmocka_unit_test(test_a_scene_in_both_suites_is_refused),
         cmocka_unit_test(test_a_pair_is_students_interval_over_scenes),
         cmocka_unit_test(test_what_takes_no_part),
+        cmocka_unit_test(test_a_bound_keeps_its_scene),
         cmocka_unit_test(test_few_scenes_have_no_interval),
         cmocka_unit_test(test_a_ranking_that_turns_with_the_display_is_none),
         cmocka_unit_test(test_output_holds_every_number_and_says_why_some_do_not_count),
