@@ -41,7 +41,7 @@ static enum neph_status refuse_kind(const char *word, struct neph_diag *diag)
         snprintf(names + length, sizeof(names) - length, "%s%s", i > 0 ? ", " : "", kinds[i].name);
     }
     neph_fail(diag, NEPH_ERR_USAGE, "there is no study '%s', and no engine", word);
-    neph_hint(diag, "studies are %s; `neph study --help` explains them", names);
+    neph_hint(diag, "studies are %s; engines with steps are cycles, povray and march", names);
     return NEPH_ERR_USAGE;
 }
 
