@@ -31,7 +31,7 @@ static enum neph_status create_noise(struct neph_rt_device *device, const uint32
 static enum neph_status create_target(struct neph_rt_device *device, int target,
                                       struct neph_diag *diag)
 {
-    const struct neph_rt_target *shape = &device->view->targets[target];
+    const struct neph_gpu_target *shape = &device->view->targets[target];
     const size_t words = (size_t)shape->width * shape->height * neph_rt_format_words(shape->format);
     uint32_t *zeros = calloc(words, sizeof(*zeros));
     if (!zeros)
@@ -66,7 +66,7 @@ static enum neph_status create_targets(struct neph_rt_device *device, uint32_t t
     return status;
 }
 
-enum neph_status neph_rt_device_create(struct neph_vulkan *vulkan, const struct neph_rt_view *view,
+enum neph_status neph_rt_device_create(struct neph_vulkan *vulkan, const struct neph_gpu_view *view,
                                        uint32_t targets, const uint32_t *noise_ranks,
                                        struct neph_rt_device *device, struct neph_diag *diag)
 {
@@ -162,7 +162,7 @@ enum neph_status neph_rt_device_run_colour(struct neph_rt_device *device,
                                            const struct neph_rt_pass *pass, uint32_t colour,
                                            double *gpu_s, struct neph_diag *diag)
 {
-    struct neph_kernel_params params = {.push_size_bytes = sizeof(struct neph_rt_run)};
+    struct neph_kernel_params params = {.push_size_bytes = sizeof(struct neph_gpu_pass_run)};
     struct neph_dispatch dispatch = {.group_count = 0};
     neph_rt_device_bind(device, pass, 0, &params, &dispatch);
     const struct neph_kernel *kernel;
@@ -171,7 +171,7 @@ enum neph_status neph_rt_device_run_colour(struct neph_rt_device *device,
     const uint64_t count = neph_rt_texel_count(device->view, pass->resolution);
     for (uint64_t first = 0; first < count && !status; first += groups_max * local_size) {
         const uint64_t groups = (count - first + local_size - 1) / local_size;
-        const struct neph_rt_run run = {(uint32_t)first, colour};
+        const struct neph_gpu_pass_run run = {(uint32_t)first, colour};
         dispatch.push = &run;
         dispatch.group_count = (uint32_t)(groups < groups_max ? groups : groups_max);
         double spent_s;

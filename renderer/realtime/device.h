@@ -16,7 +16,7 @@ enum { NEPH_RT_NOISE_SPATIAL = 64 * 64, NEPH_RT_NOISE_COUNT = 64 * 64 * 33 };
 
 struct neph_rt_device {
     struct neph_vulkan *vulkan; /* borrowed */
-    struct neph_rt_view *view;  /* owned; change it between passes at will. Not the device's own:
+    struct neph_gpu_view *view; /* owned; change it between passes at will. Not the device's own:
                                    reading mapped memory of a GPU is slow */
     struct neph_buffer view_buffer; /* owned, as all that follow */
     struct neph_buffer noise;
@@ -27,17 +27,11 @@ struct neph_rt_device {
     struct neph_buffer readback; /* as large as the largest target */
 };
 
-/* push_constant Run of shaders/realtime_pass.glsl */
-struct neph_rt_run {
-    uint32_t first_thread;
-    uint32_t colour; /* of tile_index's sequential override, 0..3 */
-};
-
 /* Buffers for some targets (NEPH_RT_BIT() of each) as `view` describes them, all zero, and a copy of
  * the view. `noise_ranks` has NEPH_RT_NOISE_COUNT elements; NULL: zeros. Zero-initialise `device`;
  * free with _destroy, also after an error. NEPH_ERR_UNSUPPORTED: a target is larger than the device
  * lets a kernel see. */
-enum neph_status neph_rt_device_create(struct neph_vulkan *vulkan, const struct neph_rt_view *view,
+enum neph_status neph_rt_device_create(struct neph_vulkan *vulkan, const struct neph_gpu_view *view,
                                        uint32_t targets, const uint32_t *noise_ranks,
                                        struct neph_rt_device *device, struct neph_diag *diag);
 void neph_rt_device_destroy(struct neph_rt_device *device);

@@ -53,8 +53,8 @@ enum neph_status neph_rt_bring(struct neph_rt_device *device, int target, float 
 
 /* --- given frames -------------------------------------------------------------------------- */
 
-static enum neph_status check_given(const struct neph_rt_view *view, const struct neph_image *given,
-                                    struct neph_diag *diag)
+static enum neph_status check_given(const struct neph_gpu_view *view,
+                                    const struct neph_image *given, struct neph_diag *diag)
 {
     const int width_px = (int)view->size_px[0], height_px = (int)view->size_px[1];
     if (given->width_px != width_px || given->height_px != height_px)

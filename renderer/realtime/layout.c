@@ -14,19 +14,19 @@ static uint32_t divide_up(int value, int divisor)
     return (uint32_t)((value + divisor - 1) / divisor);
 }
 
-static struct neph_rt_target shape_of(const struct neph_rt_view *view, int target,
-                                      const int buffer_px[2])
+static struct neph_gpu_target shape_of(const struct neph_gpu_view *view, int target,
+                                       const int buffer_px[2])
 {
     const int setting = rows[target].setting, resolution = rows[target].resolution;
     const bool is_half = setting == RT_FIXED || view->settings[setting] == RT_FORMAT_HALF;
-    return (struct neph_rt_target){
+    return (struct neph_gpu_target){
         .format = (uint32_t)(is_half ? rows[target].half_format : rows[target].float_format),
         .width = divide_up(buffer_px[0], resolution),
         .height = divide_up(buffer_px[1], resolution),
     };
 }
 
-void neph_rt_view_init(struct neph_rt_view *view, const struct neph_settings *settings,
+void neph_rt_view_init(struct neph_gpu_view *view, const struct neph_settings *settings,
                        const int size_px[2], const int origin_px[2], const int buffer_px[2])
 {
     memset(view, 0, sizeof(*view));
@@ -42,13 +42,13 @@ void neph_rt_view_init(struct neph_rt_view *view, const struct neph_settings *se
         view->targets[t] = shape_of(view, t, buffer_px);
 }
 
-uint64_t neph_rt_target_bytes(const struct neph_rt_view *view, int target)
+uint64_t neph_rt_target_bytes(const struct neph_gpu_view *view, int target)
 {
-    const struct neph_rt_target *shape = &view->targets[target];
+    const struct neph_gpu_target *shape = &view->targets[target];
     return (uint64_t)shape->width * shape->height * neph_rt_format_bytes(shape->format);
 }
 
-uint64_t neph_rt_texel_count(const struct neph_rt_view *view, int resolution)
+uint64_t neph_rt_texel_count(const struct neph_gpu_view *view, int resolution)
 {
     return (uint64_t)divide_up((int)view->size_px[0], resolution) *
            divide_up((int)view->size_px[1], resolution);

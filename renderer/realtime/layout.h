@@ -11,13 +11,13 @@
 
 /* Fill in settings, sizes and targets of a view of `size_px` at `origin_px` (multiples of 4) within
  * targets that have room for `buffer_px`; everything else 0. */
-void neph_rt_view_init(struct neph_rt_view *view, const struct neph_settings *settings,
+void neph_rt_view_init(struct neph_gpu_view *view, const struct neph_settings *settings,
                        const int size_px[2], const int origin_px[2], const int buffer_px[2]);
 
 /* Bytes of one target: what a GPU would have in memory for its texture. */
-uint64_t neph_rt_target_bytes(const struct neph_rt_view *view, int target);
+uint64_t neph_rt_target_bytes(const struct neph_gpu_view *view, int target);
 
 /* Texels that a view has at a resolution: RT_FULL, RT_HALF, RT_QUARTER. */
-uint64_t neph_rt_texel_count(const struct neph_rt_view *view, int resolution);
+uint64_t neph_rt_texel_count(const struct neph_gpu_view *view, int resolution);
 
 #endif

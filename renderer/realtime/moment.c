@@ -14,11 +14,11 @@ static void set_vector(float out[3], struct neph_vec3 vector)
     out[2] = (float)vector.z;
 }
 
-static struct neph_rt_camera camera_from(const struct neph_camera *camera,
-                                         struct neph_vec3 origin_m, const uint32_t size_px[2])
+static struct neph_gpu_view_camera camera_from(const struct neph_camera *camera,
+                                               struct neph_vec3 origin_m, const uint32_t size_px[2])
 {
     const double tan_half_height = tan(0.5 * camera->vertical_fov_rad);
-    struct neph_rt_camera made = {
+    struct neph_gpu_view_camera made = {
         .tan_half_width = (float)(tan_half_height * size_px[0] / size_px[1]),
         .tan_half_height = (float)tan_half_height,
     };
@@ -30,13 +30,13 @@ static struct neph_rt_camera camera_from(const struct neph_camera *camera,
 }
 
 /* Every so many cycles of four frames one without override. */
-static bool is_resting(const struct neph_rt_view *view, uint32_t number)
+static bool is_resting(const struct neph_gpu_view *view, uint32_t number)
 {
     const uint32_t period = (uint32_t)view->settings[RT_OVERRIDE_REST];
     return period > 0 && number / 4 % period == period - 1;
 }
 
-struct neph_rt_moment neph_rt_moment_of(const struct neph_rt_view *view,
+struct neph_rt_moment neph_rt_moment_of(const struct neph_gpu_view *view,
                                         const struct neph_scene *scene, int frame, uint32_t number,
                                         bool moves_rays)
 {
@@ -54,7 +54,7 @@ struct neph_rt_moment neph_rt_moment_of(const struct neph_rt_view *view,
     return now;
 }
 
-void neph_rt_view_set_moment(struct neph_rt_view *view, const struct neph_scene *scene,
+void neph_rt_view_set_moment(struct neph_gpu_view *view, const struct neph_scene *scene,
                              const struct neph_rt_moment *now, const struct neph_rt_moment *before,
                              uint32_t number)
 {

@@ -17,12 +17,12 @@ struct neph_rt_moment {
 
 /* A picture of a scene over time, the `number`-th that is rendered; `moves_rays`: with the jitter of
  * the view's settings. */
-struct neph_rt_moment neph_rt_moment_of(const struct neph_rt_view *view,
+struct neph_rt_moment neph_rt_moment_of(const struct neph_gpu_view *view,
                                         const struct neph_scene *scene, int frame, uint32_t number,
                                         bool moves_rays);
 
 /* What a view says of the moment and of the one before it (NULL: there is none). */
-void neph_rt_view_set_moment(struct neph_rt_view *view, const struct neph_scene *scene,
+void neph_rt_view_set_moment(struct neph_gpu_view *view, const struct neph_scene *scene,
                              const struct neph_rt_moment *now, const struct neph_rt_moment *before,
                              uint32_t number);
 

@@ -149,12 +149,12 @@ const struct neph_rt_pass *neph_rt_pass_named(const char *name)
     return NULL;
 }
 
-bool neph_rt_holds(const struct neph_rt_view *view, struct neph_rt_condition condition)
+bool neph_rt_holds(const struct neph_gpu_view *view, struct neph_rt_condition condition)
 {
     return (int)view->settings[condition.setting] == condition.choice;
 }
 
-uint32_t neph_rt_targets_used(const struct neph_rt_view *view)
+uint32_t neph_rt_targets_used(const struct neph_gpu_view *view)
 {
     uint32_t used = 0;
     for (const struct neph_rt_pass *pass = neph_rt_passes; pass->name; pass++)
@@ -171,7 +171,7 @@ uint32_t neph_rt_targets_before(const struct neph_rt_pass *pass)
     return before;
 }
 
-uint32_t neph_rt_colour_count(const struct neph_rt_view *view, const struct neph_rt_pass *pass)
+uint32_t neph_rt_colour_count(const struct neph_gpu_view *view, const struct neph_rt_pass *pass)
 {
     return pass->in_colours && neph_rt_holds(view, *pass->in_colours) ? 4 : 1;
 }

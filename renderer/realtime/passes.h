@@ -59,15 +59,15 @@ const struct neph_rt_pass *neph_rt_pass_named(const char *name);
 
 const char *neph_rt_target_name(int target);
 
-bool neph_rt_holds(const struct neph_rt_view *view, struct neph_rt_condition condition);
+bool neph_rt_holds(const struct neph_gpu_view *view, struct neph_rt_condition condition);
 
 /* All targets of the passes that are in the frame with the settings of a view. */
-uint32_t neph_rt_targets_used(const struct neph_rt_view *view);
+uint32_t neph_rt_targets_used(const struct neph_gpu_view *view);
 
 /* The targets that a pass hands on, under the names that they have in the next frame. */
 uint32_t neph_rt_targets_before(const struct neph_rt_pass *pass);
 
 /* Dispatches of a pass: 1 or 4. */
-uint32_t neph_rt_colour_count(const struct neph_rt_view *view, const struct neph_rt_pass *pass);
+uint32_t neph_rt_colour_count(const struct neph_gpu_view *view, const struct neph_rt_pass *pass);
 
 #endif

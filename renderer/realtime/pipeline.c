@@ -13,15 +13,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Counters of shaders/realtime_march.glsl */
-struct gpu_counters {
-    uint32_t rays;
-    uint32_t view_steps[2];
-    uint32_t density_evaluations[2];
-    uint32_t closed_forms[2];
-};
-_Static_assert(sizeof(struct gpu_counters) == 28, "std430 Counters");
-
 struct neph_realtime {
     struct neph_vulkan *vulkan; /* borrowed */
     struct neph_settings settings;
@@ -123,7 +114,7 @@ static struct neph_march_params march_params(const struct neph_realtime_params *
 
 /* How the rays of the passes are cut, and room for those that lie in between. */
 static enum neph_status create_rays(struct neph_realtime *realtime, const struct neph_scene *scene,
-                                    const struct neph_rt_view *view, struct neph_diag *diag)
+                                    const struct neph_gpu_view *view, struct neph_diag *diag)
 {
     uint64_t most_rays = 1;
     enum neph_status status = NEPH_OK;
@@ -150,7 +141,7 @@ static enum neph_status create_rays(struct neph_realtime *realtime, const struct
 static enum neph_status create_sized(struct neph_realtime *realtime, const struct neph_scene *scene,
                                      struct neph_diag *diag)
 {
-    struct neph_rt_view view;
+    struct neph_gpu_view view;
     const int size_px[2] = {realtime->march.width_px, realtime->march.height_px};
     const int origin_px[2] = {0, 0};
     neph_rt_view_init(&view, &realtime->settings, size_px, origin_px, size_px);
@@ -202,8 +193,8 @@ static enum neph_status create_once(struct neph_realtime *realtime, const struct
                                        params->height_px, false, &realtime->scene, diag);
     if (!status)
         status = neph_buffer_create(realtime->vulkan, NEPH_BUFFER_UPLOAD,
-                                    sizeof(struct gpu_counters), "counters", &realtime->counters,
-                                    diag);
+                                    sizeof(struct neph_gpu_counters), "counters",
+                                    &realtime->counters, diag);
     return status;
 }
 
@@ -280,7 +271,7 @@ struct progress {
     struct neph_realtime_stats stats;
 };
 
-static uint64_t targets_bytes(const struct neph_rt_view *view, uint32_t targets)
+static uint64_t targets_bytes(const struct neph_gpu_view *view, uint32_t targets)
 {
     uint64_t bytes = 0;
     for (int t = 0; t < RT_TARGET_COUNT; t++)
@@ -334,7 +325,7 @@ static uint64_t whole_number(const uint32_t halves[2])
 
 static void take_counters(const struct neph_realtime *realtime, struct neph_realtime_stats *stats)
 {
-    const struct gpu_counters *counters = realtime->counters.mapped;
+    const struct neph_gpu_counters *counters = realtime->counters.mapped;
     stats->rays = counters->rays;
     stats->view_steps = whole_number(counters->view_steps);
     stats->density_evaluations = whole_number(counters->density_evaluations);
@@ -347,7 +338,7 @@ static enum neph_status render_split(struct neph_realtime *realtime,
                                      const struct neph_scene *still, struct neph_image **image,
                                      struct progress *made, struct neph_diag *diag)
 {
-    memset(realtime->counters.mapped, 0, sizeof(struct gpu_counters));
+    memset(realtime->counters.mapped, 0, sizeof(struct neph_gpu_counters));
     neph_gpu_scene_move(&realtime->scene, still, frame->frame, realtime->march.width_px,
                         realtime->march.height_px);
     realtime->scene.frame->steps = (uint32_t)realtime->march.steps;
@@ -418,7 +409,7 @@ enum neph_status neph_realtime_render(struct neph_realtime *realtime,
                                       struct neph_diag *diag)
 {
     const double start_s = neph_wall_s();
-    struct neph_rt_view *view = realtime->device.view;
+    struct neph_gpu_view *view = realtime->device.view;
     const struct neph_rt_moment now = neph_rt_moment_of(view, frame->scene, frame->frame,
                                                         realtime->frame_count, !frame->given);
     struct progress made = {.given = 0};

@@ -73,7 +73,7 @@ float neph_rt_from_half(uint16_t half)
     return float_of(sign | (exponent + 112u) << 23 | fraction << 13);
 }
 
-void neph_rt_load(const struct neph_rt_target *target, const uint32_t *words, size_t index,
+void neph_rt_load(const struct neph_gpu_target *target, const uint32_t *words, size_t index,
                   float value[4])
 {
     const uint32_t channels = formats[target->format].channels;
@@ -88,7 +88,7 @@ void neph_rt_load(const struct neph_rt_target *target, const uint32_t *words, si
     }
 }
 
-void neph_rt_store(const struct neph_rt_target *target, uint32_t *words, size_t index,
+void neph_rt_store(const struct neph_gpu_target *target, uint32_t *words, size_t index,
                    const float value[4])
 {
     const uint32_t channels = formats[target->format].channels;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// What the passes of the real-time renderer share: the view (renderer/realtime/view.h is its
-// mirror), the targets they hand to each other, and how these keep their numbers.
+// What the passes of the real-time renderer share: the view, the targets they hand to each other, and
+// how these keep their numbers.
 //
 // Decisions (which slot, which ray, in the box or not) are made in float32 with `precise`
 // arithmetic and explicit comparisons, so that the twin in C makes the same ones bit by bit: min,
@@ -18,6 +18,7 @@
 #define REALTIME_BINDING 0 // behind the scene's buffers in passes that look at the scene
 #endif
 
+// The camera of one frame; positions are relative to this frame's camera.
 struct ViewCamera {
     vec3 right;
     float tan_half_width;
@@ -25,32 +26,36 @@ struct ViewCamera {
     float tan_half_height;
     vec3 forward;
     float padding;
-    vec3 position_m; // relative to this frame's camera
+    vec3 position_m; // 0 for this frame's; where the last frame's stood for that one
     float padding_2;
 };
 
+// Elements row by row, row 0 on top.
 struct Target {
-    uint format;
+    uint format; // RT_R16F, ..
     uint width, height;
     uint padding;
 };
 
+// A view is a rectangle of its targets: pixel (0, 0) of the view is texel `origin` of the
+// full-resolution targets, origin / 2 of the half, origin / 4 of the quarter (`origin` is a multiple
+// of 4).
 layout(std430, binding = REALTIME_BINDING) readonly buffer View {
     ViewCamera now, before;
     Target targets[RT_TARGET_COUNT];
-    float settings[RT_SETTING_COUNT];
+    float settings[RT_SETTING_COUNT]; // as in the table of options; choices as whole numbers
     uint seed;
-    uint frame; // of the sequence, from 0
-    uint has_history;
-    uint is_cut;
+    uint frame;       // of the sequence that the pipeline has seen, from 0: phase and dither
+    uint has_history; // 0 in the first frame, after a resize, and after a cut if cut_reset
+    uint is_cut;      // the camera jumped since the frame before
     uint origin_px[2];
-    uint size_px[2];
-    uint half_size_px[2];
-    uint tile_count[2];
-    float jitter_px[2];
-    float wind_m[3];
-    uint resting;
-    float jitter_before_px[2];
+    uint size_px[2];      // of the view, full resolution
+    uint half_size_px[2]; // rounded up
+    uint tile_count[2];   // quarter resolution, rounded up
+    float jitter_px[2]; // of this frame's rays, added to the pixel's centre; x right, y down
+    float wind_m[3];    // displacement of the medium since the frame before
+    uint resting;       // no override in this frame (override_rest)
+    float jitter_before_px[2]; // jitter_px of the frame before
 } view;
 
 // Ranks of the blue noise masks: 64x64, then 64x64x32 (renderer/blue_noise.h).

@@ -8,9 +8,9 @@
 
 layout(local_size_x = 64) in;
 
-layout(push_constant) uniform Run {
+layout(push_constant) uniform PassRun {
     uint first_thread;
-    uint colour;
+    uint colour; // which of 2x2 elements, 0..3, of a pass that takes them by turns
 } run;
 
 // The element of this thread in an image, row by row; false when there is none left.

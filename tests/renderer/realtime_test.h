@@ -17,7 +17,7 @@
 
 /* Both sides of a comparison. */
 struct test_passes {
-    struct neph_rt_view view;
+    struct neph_gpu_view view;
     struct neph_rt_device device;
     struct twin twin;
     uint32_t noise_ranks[NEPH_RT_NOISE_COUNT]; /* random, below 4096 */
@@ -65,7 +65,7 @@ static inline void test_passes_open(struct neph_vulkan *vulkan,
                               origin_px[1] + size_px[1]};
     neph_rt_view_init(&test->view, settings, size_px, origin_px, buffer_px);
     const float tangent = 0.4663077f;
-    test->view.now = (struct neph_rt_camera){
+    test->view.now = (struct neph_gpu_view_camera){
         .right = {1, 0, 0},
         .tan_half_width = tangent * (float)size_px[0] / (float)size_px[1],
         .up = {0, 1, 0},

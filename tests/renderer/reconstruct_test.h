@@ -91,8 +91,8 @@ static inline bool reconstruct_is_marched(const struct test_passes *test, int x,
 }
 
 /* A camera turned by angles about its own axes: to the right, upwards, clockwise. */
-static inline void reconstruct_turn(struct neph_rt_camera *camera, double yaw_rad, double pitch_rad,
-                                    double roll_rad)
+static inline void reconstruct_turn(struct neph_gpu_view_camera *camera, double yaw_rad,
+                                    double pitch_rad, double roll_rad)
 {
     const double angles_rad[3] = {yaw_rad, pitch_rad, roll_rad};
     for (int i = 0; i < 3; i++) {

@@ -80,7 +80,7 @@ static void test_a_tile_has_two_near_and_two_far(void **state)
     (void)state;
     const struct neph_settings settings = test_settings("depth_map=checkerboard");
     static const float near_m = 10.0f, far_m = 1000.0f;
-    struct neph_rt_view view;
+    struct neph_gpu_view view;
     neph_rt_view_init(&view, &settings, (int[2]){8, 8}, (int[2]){0, 0}, (int[2]){8, 8});
     uint32_t depth[64], half[16];
     const struct twin twin = {.view = &view,

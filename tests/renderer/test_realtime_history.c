@@ -46,7 +46,7 @@ struct motion_case {
 };
 
 /* Slopes of the line of sight through a place of this frame: x / z and y / z. */
-static void slopes_at(const struct neph_rt_view *view, double x_px, double y_px, double slope[2])
+static void slopes_at(const struct neph_gpu_view *view, double x_px, double y_px, double slope[2])
 {
     slope[0] = (2.0 * x_px / view->size_px[0] - 1.0) * view->now.tan_half_width;
     slope[1] = (1.0 - 2.0 * y_px / view->size_px[1]) * view->now.tan_half_height;
@@ -80,7 +80,7 @@ static void slopes_before(const struct motion_case *c, double distance_m, bool i
     }
 }
 
-static void apply_motion(struct neph_rt_view *view, const struct motion_case *c)
+static void apply_motion(struct neph_gpu_view *view, const struct motion_case *c)
 {
     switch (c->motion) {
     case YAW:
@@ -190,7 +190,7 @@ static void test_filters_are_exact_on_polynomials(void **state)
         /* 2/3 px to the right and up of the place now, at any depth */
         const double shift_px = 2.0 / 3.0;
         for (int k = 0; k < 3; k++) {
-            struct neph_rt_camera *before = &test.view.before;
+            struct neph_gpu_view_camera *before = &test.view.before;
             before->right[k] += (float)(shift_px * 2 / 127 * before->tan_half_width *
                                         test.view.now.forward[k]);
             before->up[k] += (float)(shift_px * 2 / 33 * before->tan_half_height *

@@ -218,9 +218,9 @@ static void test_boxes_hold_the_twin_s_rays(void **state)
 static const double place_error_px = 1e-3, point_error_m = 1e-5;
 
 /* Turn the camera before by place_error_px (0 to 3) or move it by point_error_m (4 to 9). */
-static void disturb(struct neph_rt_view *view, int way)
+static void disturb(struct neph_gpu_view *view, int way)
 {
-    struct neph_rt_camera *camera = &view->before;
+    struct neph_gpu_view_camera *camera = &view->before;
     const double sign = way % 2 ? -1.0 : 1.0;
     const float *along[] = {camera->right, camera->up, camera->forward};
     if (way >= 4) {
@@ -247,7 +247,7 @@ struct expected {
 static void ask_twin(struct test_passes *test, struct expected expected[2])
 {
     const size_t count = test_elements(test, RT_HISTORY);
-    const struct neph_rt_camera camera = test->view.before;
+    const struct neph_gpu_view_camera camera = test->view.before;
     const bool follows_jitter = test->view.settings[RT_REPROJECT_JITTER] != 0.0f &&
                                 test->view.settings[RT_JITTERED_DEPTH] != 0.0f;
     const bool is_still = memcmp(&camera, &test->view.now, sizeof(camera)) == 0 && !follows_jitter;
@@ -272,7 +272,8 @@ static void ask_twin(struct test_passes *test, struct expected expected[2])
  * the other side, 2^-10 of the value. Distances are copied, and so are ages unless the box takes a
  * part of them: an age of at most 20 times a change, rounded to 2^-22, over the least box_change.
  */
-static double rounding_error(const struct neph_rt_view *view, int target, int channel, double value)
+static double rounding_error(const struct neph_gpu_view *view, int target, int channel,
+                             double value)
 {
     if (target == RT_HISTORY_STATE) {
         const bool is_copied = channel != 0 || view->settings[RT_BOX_AGE] == 1.0f ||
@@ -327,7 +328,7 @@ static size_t compare_values(struct test_passes *test, uint64_t seed)
     return doubtful;
 }
 
-static void move_at_random(struct neph_rt_view *view, double much, uint64_t *seed)
+static void move_at_random(struct neph_gpu_view *view, double much, uint64_t *seed)
 {
     double numbers[9];
     for (int i = 0; i < 9; i++)

@@ -71,7 +71,7 @@ static double between(uint64_t *seed, double low, double high)
 }
 
 /* Turned by up to `turn_rad` about all axes and moved by up to `way_m` since the frame before. */
-static void move_camera(struct neph_rt_view *view, double turn_rad, double way_m, uint64_t *seed)
+static void move_camera(struct neph_gpu_view *view, double turn_rad, double way_m, uint64_t *seed)
 {
     const double yaw = between(seed, -turn_rad, turn_rad),
                  roll = between(seed, -turn_rad, turn_rad);
@@ -175,7 +175,7 @@ static struct neph_settings random_settings(uint64_t *seed, char *text, size_t t
  * 5). Multiplied where a step is ill-conditioned: the contrast law acts on differences down to
  * taa_contrast of the luma, so it magnifies their error by 1 / 0.01; the inverse of Reinhard's
  * curve has slope (1 + c)^2. Halves round both sides, by chance by up to a whole step. */
-static double allowed(const struct neph_rt_view *view, double expected, double most)
+static double allowed(const struct neph_gpu_view *view, double expected, double most)
 {
     double ulps = 16.0;
     if (view->settings[RT_TAA_CONTRAST] > 0.0f)
@@ -191,7 +191,7 @@ static double allowed(const struct neph_rt_view *view, double expected, double m
 static void compare(struct test_passes *test, double most, uint64_t seed, const char *settings)
 {
     uint32_t *words = test_download(test, RT_TAA_OUT);
-    const struct neph_rt_target *shape = &test->view.targets[RT_TAA_OUT];
+    const struct neph_gpu_target *shape = &test->view.targets[RT_TAA_OUT];
     for (size_t i = 0; i < test_elements(test, RT_TAA_OUT); i++) {
         float actual[4], expected[4];
         neph_rt_load(shape, words, i, actual);
@@ -290,10 +290,10 @@ static void test_the_guard_keeps_bad_numbers_out(void **state)
 static const double motion_error_px = 1e-4;
 
 /* Where the camera before saw what is at `depth_m` behind a pixel's centre, in double. */
-static bool place_before(const struct neph_rt_view *view, int x, int y, double depth_m,
+static bool place_before(const struct neph_gpu_view *view, int x, int y, double depth_m,
                          double place_px[2])
 {
-    const struct neph_rt_camera *now = &view->now, *before = &view->before;
+    const struct neph_gpu_view_camera *now = &view->now, *before = &view->before;
     const double right = (2.0 * (x + 0.5) / view->size_px[0] - 1.0) * now->tan_half_width;
     const double up = (1.0 - 2.0 * (y + 0.5) / view->size_px[1]) * now->tan_half_height;
     double across = 0.0, height = 0.0, depth = 0.0;

@@ -78,7 +78,7 @@ static void assert_same_volumes(struct test_passes *test, const char *assignment
 {
     const bool is_half = test->view.targets[RT_VOLUME].format == RT_RGBA16F;
     uint32_t *words = test_download(test, RT_VOLUME);
-    const struct neph_rt_target *shape = &test->view.targets[RT_VOLUME];
+    const struct neph_gpu_target *shape = &test->view.targets[RT_VOLUME];
     for (size_t i = 0; i < test_elements(test, RT_VOLUME); i++) {
         float made[4], expected[4];
         neph_rt_load(shape, words, i, made);

@@ -56,10 +56,10 @@ static double dot(const double a[3], const float b[3])
 }
 
 /* Unit direction of this frame's camera through a place in pixels. */
-static void direction_at(const struct neph_rt_view *view, const double place_px[2],
+static void direction_at(const struct neph_gpu_view *view, const double place_px[2],
                          double direction[3])
 {
-    const struct neph_rt_camera *camera = &view->now;
+    const struct neph_gpu_view_camera *camera = &view->now;
     const double x = (2.0 * place_px[0] / view->size_px[0] - 1.0) * camera->tan_half_width;
     const double y = (1.0 - 2.0 * place_px[1] / view->size_px[1]) * camera->tan_half_height;
     double square = 0.0;
@@ -72,7 +72,7 @@ static void direction_at(const struct neph_rt_view *view, const double place_px[
 }
 
 /* Where a camera sees a point [px]; returns its eye depth [m]. */
-static double project(const struct neph_rt_view *view, const struct neph_rt_camera *camera,
+static double project(const struct neph_gpu_view *view, const struct neph_gpu_view_camera *camera,
                       const double point_m[3], double place_px[2])
 {
     double from_m[3];
@@ -101,7 +101,7 @@ static const int around[RAYS][2] = {{0, 0}, {1, 0},  {-1, 0}, {0, 1},  {0, -1},
 /* Tile of a neighbour along one axis. */
 static int neighbour(const struct twin *twin, int axis, int tile, int offset)
 {
-    const struct neph_rt_view *view = twin->view;
+    const struct neph_gpu_view *view = twin->view;
     int last = (int)view->tile_count[axis] - 1;
     if (choice(twin, RT_EDGE_TILES) == RT_EDGE_TILES_DROPPED)
         last = view->size_px[axis] < 4 ? 0 : (int)view->size_px[axis] / 4 - 1;
@@ -112,9 +112,9 @@ static int neighbour(const struct twin *twin, int axis, int tile, int offset)
  * (1). */
 static int gathered(const struct twin *twin, int axis, int tile, int offset, int corner)
 {
-    const struct neph_rt_view *view = twin->view;
-    const struct neph_rt_target *full = &view->targets[RT_DEPTH];
-    const struct neph_rt_target *quarter = &view->targets[RT_TILE];
+    const struct neph_gpu_view *view = twin->view;
+    const struct neph_gpu_target *full = &view->targets[RT_DEPTH];
+    const struct neph_gpu_target *quarter = &view->targets[RT_TILE];
     const uint32_t size = axis == 0 ? full->width : full->height;
     const int size_quarter = (int)(axis == 0 ? quarter->width : quarter->height);
     const double place = (4.0 * (tile + corner) + view->origin_px[axis]) / size * size_quarter;
@@ -423,7 +423,7 @@ static double followed_jitter_px(const struct twin *twin, const float jitter_px[
 static bool find_before(const struct twin *twin, const double place_px[2], double distance_m,
                         double before_px[2])
 {
-    const struct neph_rt_view *view = twin->view;
+    const struct neph_gpu_view *view = twin->view;
     double direction[3], point_m[3], moved_m[3], now_px[2], seen_px[2];
     direction_at(view, place_px, direction);
     if (choice(twin, RT_REPROJECT_MEASURE) == RT_MEASURE_EYE)
@@ -457,7 +457,7 @@ static bool is_same_depth(const struct twin *twin, double expected_m, double bef
 static bool is_same_scene(const struct twin *twin, const double place_px[2],
                           const double before_px[2], float depth_m)
 {
-    const struct neph_rt_view *view = twin->view;
+    const struct neph_gpu_view *view = twin->view;
     double expected_m = setting(twin, RT_SKY_M);
     if (!is_sky(depth_m)) {
         double point_m[3], unused_px[2];
@@ -508,7 +508,7 @@ static bool is_rejected(const struct twin *twin, int x, int y, const double plac
 static struct history history_of(const struct twin *twin, int x, int y, float depth_m,
                                  float distance_m)
 {
-    const struct neph_rt_view *view = twin->view;
+    const struct neph_gpu_view *view = twin->view;
     const struct history none = {.is_void = true};
     const double centre_px[2] = {2.0 * x + 1.0, 2.0 * y + 1.0};
     double place_px[2], before_px[2];

@@ -3,7 +3,7 @@
 
 #include <math.h>
 
-const int *twin_slot_place(const struct neph_rt_view *view, int slot)
+const int *twin_slot_place(const struct neph_gpu_view *view, int slot)
 {
     static const int places[4][4][2] = {
         [RT_SLOT_ORDER_CLOCKWISE] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}},
@@ -14,7 +14,7 @@ const int *twin_slot_place(const struct neph_rt_view *view, int slot)
     return places[(int)view->settings[RT_SLOT_ORDER]][slot];
 }
 
-int twin_slot_of(const struct neph_rt_view *view, int half_x, int half_y)
+int twin_slot_of(const struct neph_gpu_view *view, int half_x, int half_y)
 {
     for (int slot = 0; slot < 3; slot++) {
         const int *place = twin_slot_place(view, slot);
@@ -24,13 +24,13 @@ int twin_slot_of(const struct neph_rt_view *view, int half_x, int half_y)
     return 3;
 }
 
-int twin_default_slot(const struct neph_rt_view *view, int tile_x, int tile_y)
+int twin_default_slot(const struct neph_gpu_view *view, int tile_x, int tile_y)
 {
     const int ahead = view->settings[RT_SLOT_CHECKERBOARD] != 0.0f && tile_x % 2 == tile_y % 2;
     return (int)(view->frame % 4 + (uint32_t)ahead) % 4;
 }
 
-float twin_limited_depth_m(const struct neph_rt_view *view, float depth_m, float sky_m)
+float twin_limited_depth_m(const struct neph_gpu_view *view, float depth_m, float sky_m)
 {
     const float limited_m = depth_m >= NEPH_RT_FAR_M
                                 ? sky_m
@@ -38,7 +38,7 @@ float twin_limited_depth_m(const struct neph_rt_view *view, float depth_m, float
     return fminf(limited_m, TWIN_HALF_MAX * TWIN_TILE_UNIT_M);
 }
 
-float twin_stored_depth_m(const struct neph_rt_view *view, float depth_m)
+float twin_stored_depth_m(const struct neph_gpu_view *view, float depth_m)
 {
     return twin_limited_depth_m(view, depth_m, view->settings[RT_SKY_M]);
 }

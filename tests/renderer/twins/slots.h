@@ -12,18 +12,18 @@
 #define TWIN_HALF_MAX 65504.0f
 
 /* Where in its tile a slot 0..3 lies, in half-resolution texels: x, y. */
-const int *twin_slot_place(const struct neph_rt_view *view, int slot);
+const int *twin_slot_place(const struct neph_gpu_view *view, int slot);
 
 /* The slot of a half-resolution texel in its tile. */
-int twin_slot_of(const struct neph_rt_view *view, int half_x, int half_y);
+int twin_slot_of(const struct neph_gpu_view *view, int half_x, int half_y);
 
 /* The slot whose turn it is. */
-int twin_default_slot(const struct neph_rt_view *view, int tile_x, int tile_y);
+int twin_default_slot(const struct neph_gpu_view *view, int tile_x, int tile_y);
 
 /* A depth with the sky at `sky_m` and solids before ray_depth_max_m [m]. */
-float twin_limited_depth_m(const struct neph_rt_view *view, float depth_m, float sky_m);
+float twin_limited_depth_m(const struct neph_gpu_view *view, float depth_m, float sky_m);
 
 /* The depth that a ray which ends at `depth_m` is stored with [m]. */
-float twin_stored_depth_m(const struct neph_rt_view *view, float depth_m);
+float twin_stored_depth_m(const struct neph_gpu_view *view, float depth_m);
 
 #endif

@@ -67,8 +67,9 @@ static float dot(const float a[3], const float b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-static void place_from_middle(const struct neph_rt_view *view, const struct neph_rt_camera *camera,
-                              const float from[3], float depth, float place[2])
+static void place_from_middle(const struct neph_gpu_view *view,
+                              const struct neph_gpu_view_camera *camera, const float from[3],
+                              float depth, float place[2])
 {
     place[0] = 0.5f * (float)view->size_px[0] *
                (dot(from, camera->right) / (depth * camera->tan_half_width));
@@ -91,8 +92,8 @@ static float depth_of_motion(const struct twin *twin, int x, int y)
 
 static bool find_before(const struct twin *twin, int x, int y, float place_px[2], double *speed_px)
 {
-    const struct neph_rt_view *view = twin->view;
-    const struct neph_rt_camera *now = &view->now, *before = &view->before;
+    const struct neph_gpu_view *view = twin->view;
+    const struct neph_gpu_view_camera *now = &view->now, *before = &view->before;
     const float width_px = (float)view->size_px[0], height_px = (float)view->size_px[1];
     const float centre_px[2] = {(float)x + 0.5f, (float)y + 0.5f};
     const float right = (2.0f * centre_px[0] / width_px - 1.0f) * now->tan_half_width;
@@ -357,7 +358,7 @@ static float round_by_chance(float value, float number)
 
 static void write(const struct twin *twin, int x, int y, struct colour colour)
 {
-    const struct neph_rt_view *view = twin->view;
+    const struct neph_gpu_view *view = twin->view;
     float numbers[3], value[4] = {0.0f};
     random_numbers((uint32_t[4]){(uint32_t)x, (uint32_t)y, view->frame, view->seed}, numbers);
     const bool by_chance = choice(twin, RT_TAA_FORMAT) == RT_FORMAT_HALF &&
@@ -373,7 +374,7 @@ static void write(const struct twin *twin, int x, int y, struct colour colour)
 
 static struct colour pixel_colour(const struct twin *twin, int x, int y)
 {
-    const struct neph_rt_view *view = twin->view;
+    const struct neph_gpu_view *view = twin->view;
     const bool is_reset = !view->has_history || (view->is_cut && choice(twin, RT_CUT_RESET));
     float before_px[2];
     double speed_px;

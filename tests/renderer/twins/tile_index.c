@@ -19,8 +19,8 @@ static int least(int a, int b)
 static float slot_depth_m(const struct twin *twin, int x, int y, int slot,
                           const uint32_t origin_px[2])
 {
-    const struct neph_rt_view *view = twin->view;
-    const struct neph_rt_target *half = &view->targets[RT_HALF_DEPTH];
+    const struct neph_gpu_view *view = twin->view;
+    const struct neph_gpu_target *half = &view->targets[RT_HALF_DEPTH];
     const int *place = twin_slot_place(view, slot);
     int half_x = 2 * x + place[0], half_y = 2 * y + place[1];
     if (choice(twin, RT_GATHER) == RT_GATHER_TEXEL) {
@@ -63,7 +63,7 @@ static int believed_slot(const struct twin *twin, int x, int y)
 /* How many of the eight rays around stand for a depth. */
 static int count_covering(const struct twin *twin, int x, int y, float depth_m)
 {
-    const struct neph_rt_view *view = twin->view;
+    const struct neph_gpu_view *view = twin->view;
     const float compared_m = compared_depth_m(twin, depth_m);
     int count = 0;
     for (int dy = -1; dy <= 1; dy++)
@@ -110,7 +110,7 @@ static void put_slot(const struct twin *twin, int x, int y, int slot)
  * matter, because nobody is asked for anything but the default. */
 void twin_tile_index(const struct twin *twin)
 {
-    const struct neph_rt_view *view = twin->view;
+    const struct neph_gpu_view *view = twin->view;
     const int width = (int)view->tile_count[0], height = (int)view->tile_count[1];
     for (int y = 0; y < height; y++)
         for (int x = 0; x < width; x++)

@@ -14,7 +14,7 @@
 
 /* All borrowed; targets that a pass neither reads nor writes may be NULL. */
 struct twin {
-    const struct neph_rt_view *view;
+    const struct neph_gpu_view *view;
     const uint32_t *noise_ranks; /* as at binding 1 of the passes */
     uint32_t *targets[RT_TARGET_COUNT];
 };
