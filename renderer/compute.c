@@ -321,41 +321,17 @@ static void record_copy(const struct neph_vulkan *vulkan, const struct neph_buff
                    VK_PIPELINE_STAGE_HOST_BIT, VK_ACCESS_HOST_READ_BIT);
 }
 
+/* What an error has left half recorded is dropped. */
 static VkResult begin(const struct neph_vulkan *vulkan)
 {
+    const VkResult result = vulkan->api.vkResetCommandBuffer(vulkan->commands, 0);
+    if (result != VK_SUCCESS)
+        return result;
     const VkCommandBufferBeginInfo info = {
         .sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
         .flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT,
     };
     return vulkan->api.vkBeginCommandBuffer(vulkan->commands, &info);
-}
-
-static VkResult record(const struct neph_vulkan *vulkan, const struct neph_kernel *kernel,
-                       const struct neph_dispatch *dispatch)
-{
-    const struct VolkDeviceTable *api = &vulkan->api;
-    const VkCommandBuffer commands = vulkan->commands;
-    const VkResult result = begin(vulkan);
-    if (result != VK_SUCCESS)
-        return result;
-    api->vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, kernel->pipeline);
-    api->vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, kernel->layout, 0, 1,
-                                 &kernel->set, 0, NULL);
-    if (kernel->params.push_size_bytes > 0)
-        api->vkCmdPushConstants(commands, kernel->layout, VK_SHADER_STAGE_COMPUTE_BIT, 0,
-                                (uint32_t)kernel->params.push_size_bytes, dispatch->push);
-    if (vulkan->timestamps) {
-        api->vkCmdResetQueryPool(commands, vulkan->timestamps, 0, 2);
-        api->vkCmdWriteTimestamp(commands, VK_PIPELINE_STAGE_TOP_OF_PIPE_BIT, vulkan->timestamps,
-                                 0);
-    }
-    api->vkCmdDispatch(commands, dispatch->group_count, 1, 1);
-    if (vulkan->timestamps)
-        api->vkCmdWriteTimestamp(commands, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, vulkan->timestamps,
-                                 1);
-    if (dispatch->copy_to)
-        record_copy(vulkan, dispatch->copy_from, dispatch->copy_to, dispatch->copy_size_bytes);
-    return api->vkEndCommandBuffer(commands);
 }
 
 static VkResult submit_and_wait(const struct neph_vulkan *vulkan)
@@ -374,19 +350,102 @@ static VkResult submit_and_wait(const struct neph_vulkan *vulkan)
     return result;
 }
 
-static VkResult read_timestamps(const struct neph_vulkan *vulkan, double *gpu_s)
+static VkResult read_stamps(const struct neph_batch *batch, double seconds[])
 {
-    *gpu_s = NAN;
-    if (!vulkan->timestamps)
+    const struct neph_vulkan *vulkan = batch->vulkan;
+    const uint32_t count = batch->stamp_count;
+    uint64_t ticks[NEPH_BATCH_STAMPS_MAX + 1];
+    for (uint32_t i = 0; i < count; i++)
+        seconds[i] = NAN;
+    if (!vulkan->timestamps || count == 0)
         return VK_SUCCESS;
-    uint64_t ticks[2];
     const VkResult result = vulkan->api.vkGetQueryPoolResults(
-        vulkan->device, vulkan->timestamps, 0, 2, sizeof(ticks), ticks, sizeof(ticks[0]),
+        vulkan->device, vulkan->timestamps, 0, count + 1, sizeof(ticks), ticks, sizeof(ticks[0]),
         VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT);
-    if (result == VK_SUCCESS)
-        *gpu_s = (double)((ticks[1] - ticks[0]) & vulkan->timestamp_mask) *
-                 vulkan->timestamp_period_s;
+    for (uint32_t i = 0; i < count && result == VK_SUCCESS; i++)
+        seconds[i] = (double)((ticks[i + 1] - ticks[i]) & vulkan->timestamp_mask) *
+                     vulkan->timestamp_period_s;
     return result;
+}
+
+enum neph_status neph_batch_begin(const struct neph_vulkan *vulkan, struct neph_batch *batch,
+                                  struct neph_diag *diag)
+{
+    *batch = (struct neph_batch){.vulkan = vulkan};
+    const VkResult result = begin(vulkan);
+    if (result != VK_SUCCESS)
+        return neph_vulkan_fail(result, "begin a batch", diag);
+    if (vulkan->timestamps) {
+        vulkan->api.vkCmdResetQueryPool(vulkan->commands, vulkan->timestamps, 0,
+                                        NEPH_BATCH_STAMPS_MAX + 1);
+        vulkan->api.vkCmdWriteTimestamp(vulkan->commands, VK_PIPELINE_STAGE_TOP_OF_PIPE_BIT,
+                                        vulkan->timestamps, 0);
+    }
+    return NEPH_OK;
+}
+
+void neph_batch_dispatch(struct neph_batch *batch, const struct neph_kernel *kernel,
+                         const struct neph_dispatch *dispatch)
+{
+    const struct VolkDeviceTable *api = &batch->vulkan->api;
+    const VkCommandBuffer commands = batch->vulkan->commands;
+    if (kernel != batch->bound) {
+        bind_buffers(batch->vulkan, kernel, dispatch);
+        api->vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, kernel->pipeline);
+        api->vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, kernel->layout, 0, 1,
+                                     &kernel->set, 0, NULL);
+        batch->bound = kernel;
+    }
+    if (kernel->params.push_size_bytes > 0)
+        api->vkCmdPushConstants(commands, kernel->layout, VK_SHADER_STAGE_COMPUTE_BIT, 0,
+                                (uint32_t)kernel->params.push_size_bytes, dispatch->push);
+    api->vkCmdDispatch(commands, dispatch->group_count, 1, 1);
+}
+
+void neph_batch_barrier(struct neph_batch *batch)
+{
+    memory_barrier(batch->vulkan, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_ACCESS_SHADER_WRITE_BIT,
+                   VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
+                   VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT);
+}
+
+void neph_batch_stamp(struct neph_batch *batch)
+{
+    const struct neph_vulkan *vulkan = batch->vulkan;
+    batch->stamp_count++;
+    if (vulkan->timestamps)
+        vulkan->api.vkCmdWriteTimestamp(vulkan->commands, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
+                                        vulkan->timestamps, batch->stamp_count);
+}
+
+enum neph_status neph_batch_run(struct neph_batch *batch, const char *what, double seconds[],
+                                struct neph_diag *diag)
+{
+    VkResult result = batch->vulkan->api.vkEndCommandBuffer(batch->vulkan->commands);
+    if (result == VK_SUCCESS)
+        result = submit_and_wait(batch->vulkan);
+    if (result == VK_SUCCESS)
+        result = read_stamps(batch, seconds);
+    return result == VK_SUCCESS ? NEPH_OK : neph_vulkan_fail(result, what, diag);
+}
+
+enum neph_status neph_kernel_run(const struct neph_vulkan *vulkan, const struct neph_kernel *kernel,
+                                 const struct neph_dispatch *dispatch, double *gpu_s,
+                                 struct neph_diag *diag)
+{
+    struct neph_batch batch;
+    double measured_s;
+    enum neph_status status = neph_batch_begin(vulkan, &batch, diag);
+    if (status)
+        return status;
+    neph_batch_dispatch(&batch, kernel, dispatch);
+    neph_batch_stamp(&batch);
+    if (dispatch->copy_to)
+        record_copy(vulkan, dispatch->copy_from, dispatch->copy_to, dispatch->copy_size_bytes);
+    status = neph_batch_run(&batch, kernel->params.name, &measured_s, diag);
+    if (!status && gpu_s)
+        *gpu_s = measured_s;
+    return status;
 }
 
 /* --- copies ------------------------------------------------------------------------------- */
@@ -442,22 +501,4 @@ enum neph_status neph_buffer_download(const struct neph_vulkan *vulkan,
     if (result == VK_SUCCESS)
         result = submit_and_wait(vulkan);
     return result == VK_SUCCESS ? NEPH_OK : neph_vulkan_fail(result, "download", diag);
-}
-
-enum neph_status neph_kernel_run(const struct neph_vulkan *vulkan, const struct neph_kernel *kernel,
-                                 const struct neph_dispatch *dispatch, double *gpu_s,
-                                 struct neph_diag *diag)
-{
-    double measured_s;
-    bind_buffers(vulkan, kernel, dispatch);
-    VkResult result = record(vulkan, kernel, dispatch);
-    if (result == VK_SUCCESS)
-        result = submit_and_wait(vulkan);
-    if (result == VK_SUCCESS)
-        result = read_timestamps(vulkan, &measured_s);
-    if (result != VK_SUCCESS)
-        return neph_vulkan_fail(result, kernel->params.name, diag);
-    if (gpu_s)
-        *gpu_s = measured_s;
-    return NEPH_OK;
 }

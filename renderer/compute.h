@@ -33,7 +33,7 @@ struct neph_vulkan {
     VkCommandPool command_pool;
     VkCommandBuffer commands;
     VkFence fence;
-    VkQueryPool timestamps; /* two: before and after a dispatch; null when not supported */
+    VkQueryPool timestamps; /* of a batch: NEPH_BATCH_STAMPS_MAX + 1; null when not supported */
     double timestamp_period_s;
     uint64_t timestamp_mask; /* the bits that are valid */
     VkPhysicalDeviceMemoryProperties memory;
@@ -124,6 +124,35 @@ struct neph_dispatch {
     const struct neph_buffer *copy_from, *copy_to;
     size_t copy_size_bytes;
 };
+
+/* Dispatches that the device gets at once. There is one batch of a device at a time, and no copy
+ * while it is open. */
+struct neph_batch {
+    const struct neph_vulkan *vulkan; /* borrowed */
+    const struct neph_kernel *bound;
+    uint32_t stamp_count;
+};
+
+enum { NEPH_BATCH_STAMPS_MAX = 64 };
+
+enum neph_status neph_batch_begin(const struct neph_vulkan *vulkan, struct neph_batch *batch,
+                                  struct neph_diag *diag);
+
+/* Add a dispatch; its copy is left out. A kernel has the same buffers in all of a batch. */
+void neph_batch_dispatch(struct neph_batch *batch, const struct neph_kernel *kernel,
+                         const struct neph_dispatch *dispatch);
+
+/* What comes after sees what kernels wrote before, and writes what they read no sooner. */
+void neph_batch_barrier(struct neph_batch *batch);
+
+/* Take the time when all before is done, at most NEPH_BATCH_STAMPS_MAX times. */
+void neph_batch_stamp(struct neph_batch *batch);
+
+/* Submit it and wait for the end. `seconds` receives the time before each stamp, since the one
+ * before it or the beginning (NaN when the device has no clock). `what` names the batch in errors.
+ * NEPH_ERR_ENGINE: the device was lost. */
+enum neph_status neph_batch_run(struct neph_batch *batch, const char *what, double seconds[],
+                                struct neph_diag *diag);
 
 /* Run a kernel and wait for it. `*gpu_s` receives the time the device spent on the dispatch alone
  * (timestamps; NaN when the device has none); NULL is fine. NEPH_ERR_ENGINE: the device was lost.

@@ -307,7 +307,7 @@ static enum neph_status create_timestamps(struct neph_vulkan *vulkan, uint32_t t
     const VkQueryPoolCreateInfo info = {
         .sType = VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO,
         .queryType = VK_QUERY_TYPE_TIMESTAMP,
-        .queryCount = 2,
+        .queryCount = NEPH_BATCH_STAMPS_MAX + 1,
     };
     const VkResult result = vulkan->api.vkCreateQueryPool(vulkan->device, &info, NULL,
                                                           &vulkan->timestamps);

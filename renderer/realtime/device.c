@@ -158,36 +158,42 @@ void neph_rt_device_bind(struct neph_rt_device *device, const struct neph_rt_pas
                                                : &device->nothing;
 }
 
-enum neph_status neph_rt_device_run_colour(struct neph_rt_device *device,
-                                           const struct neph_rt_pass *pass, uint32_t colour,
-                                           double *gpu_s, struct neph_diag *diag)
+static enum neph_status add_colour(struct neph_rt_device *device, const struct neph_rt_pass *pass,
+                                   const struct neph_kernel *kernel, struct neph_dispatch *dispatch,
+                                   uint32_t colour, struct neph_rt_submission *submission,
+                                   struct neph_diag *diag)
+{
+    const uint64_t groups_max = device->vulkan->limits.maxComputeWorkGroupCount[0];
+    const uint64_t count = neph_rt_texel_count(device->view, pass->resolution);
+    enum neph_status status = NEPH_OK;
+    for (uint64_t first = 0; first < count && !status; first += groups_max * local_size) {
+        const uint64_t groups = (count - first + local_size - 1) / local_size;
+        const struct neph_gpu_pass_run run = {(uint32_t)first, colour};
+        dispatch->push = &run;
+        dispatch->group_count = (uint32_t)(groups < groups_max ? groups : groups_max);
+        status = neph_rt_submission_add(submission, pass, kernel, dispatch, diag);
+    }
+    return status;
+}
+
+enum neph_status neph_rt_device_add(struct neph_rt_device *device, const struct neph_rt_pass *pass,
+                                    struct neph_rt_submission *submission, struct neph_diag *diag)
 {
     struct neph_kernel_params params = {.push_size_bytes = sizeof(struct neph_gpu_pass_run)};
     struct neph_dispatch dispatch = {.group_count = 0};
     neph_rt_device_bind(device, pass, 0, &params, &dispatch);
     const struct neph_kernel *kernel;
     enum neph_status status = neph_kernel_get(device->vulkan, &params, &kernel, diag);
-    const uint64_t groups_max = device->vulkan->limits.maxComputeWorkGroupCount[0];
-    const uint64_t count = neph_rt_texel_count(device->view, pass->resolution);
-    for (uint64_t first = 0; first < count && !status; first += groups_max * local_size) {
-        const uint64_t groups = (count - first + local_size - 1) / local_size;
-        const struct neph_gpu_pass_run run = {(uint32_t)first, colour};
-        dispatch.push = &run;
-        dispatch.group_count = (uint32_t)(groups < groups_max ? groups : groups_max);
-        double spent_s;
-        status = neph_kernel_run(device->vulkan, kernel, &dispatch, &spent_s, diag);
-        if (!status && gpu_s)
-            *gpu_s += spent_s;
-    }
+    const uint32_t colours = neph_rt_colour_count(device->view, pass);
+    for (uint32_t colour = 0; colour < colours && !status; colour++)
+        status = add_colour(device, pass, kernel, &dispatch, colour, submission, diag);
     return status;
 }
 
 enum neph_status neph_rt_device_run(struct neph_rt_device *device, const struct neph_rt_pass *pass,
-                                    double *gpu_s, struct neph_diag *diag)
+                                    struct neph_diag *diag)
 {
-    const uint32_t colours = neph_rt_colour_count(device->view, pass);
-    enum neph_status status = NEPH_OK;
-    for (uint32_t colour = 0; colour < colours && !status; colour++)
-        status = neph_rt_device_run_colour(device, pass, colour, gpu_s, diag);
-    return status;
+    struct neph_rt_submission submission = {.vulkan = device->vulkan};
+    const enum neph_status status = neph_rt_device_add(device, pass, &submission, diag);
+    return status ? status : neph_rt_submission_wait(&submission, diag);
 }

@@ -6,9 +6,8 @@
 #ifndef NEPH_RENDERER_REALTIME_DEVICE_H
 #define NEPH_RENDERER_REALTIME_DEVICE_H
 
-#include "renderer/compute.h"
 #include "renderer/gpu_scene.h"
-#include "renderer/realtime/passes.h"
+#include "renderer/realtime/submission.h"
 
 /* Ranks of the spatial mask of 64x64 and then of the spatiotemporal one of 64x64x32; the order of
  * renderer/blue_noise.h. */
@@ -53,14 +52,12 @@ void neph_rt_device_hand_on(struct neph_rt_device *device, const struct neph_rt_
 void neph_rt_device_bind(struct neph_rt_device *device, const struct neph_rt_pass *pass, int first,
                          struct neph_kernel_params *params, struct neph_dispatch *dispatch);
 
-/* Run one colour of a pass without rays, and wait; adds its time on the device to `*gpu_s` (NULL is
- * fine; NaN when there is no clock). */
-enum neph_status neph_rt_device_run_colour(struct neph_rt_device *device,
-                                           const struct neph_rt_pass *pass, uint32_t colour,
-                                           double *gpu_s, struct neph_diag *diag);
+/* Add a pass without rays to what is on its way. */
+enum neph_status neph_rt_device_add(struct neph_rt_device *device, const struct neph_rt_pass *pass,
+                                    struct neph_rt_submission *submission, struct neph_diag *diag);
 
-/* The whole pass. */
+/* Run it alone. */
 enum neph_status neph_rt_device_run(struct neph_rt_device *device, const struct neph_rt_pass *pass,
-                                    double *gpu_s, struct neph_diag *diag);
+                                    struct neph_diag *diag);
 
 #endif

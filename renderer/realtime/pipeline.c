@@ -40,33 +40,43 @@ static int choice_of(const struct neph_realtime *realtime, int setting)
 
 /* The dispatches of one pass, cut as its rays need them. */
 struct ray_pass {
-    struct neph_vulkan *vulkan;
+    const struct neph_rt_pass *pass;
     const struct neph_kernel *kernel;
     struct neph_dispatch dispatch;
+    struct neph_rt_submission *submission;
+    bool is_cut;
     double *gpu_s;
 };
 
-static enum neph_status run_rays(const struct neph_gpu_march_run *run, void *context,
+/* A piece of a pass that is cut is as much as the device may get at once. */
+static enum neph_status add_rays(const struct neph_gpu_march_run *run, void *context,
                                  struct neph_diag *diag)
 {
     struct ray_pass *work = context;
-    double spent_s;
     work->dispatch.push = run;
     work->dispatch.group_count = (run->ray_count + NEPH_MARCH_LOCAL_SIZE - 1) /
                                  NEPH_MARCH_LOCAL_SIZE;
-    const enum neph_status status = neph_kernel_run(work->vulkan, work->kernel, &work->dispatch,
-                                                    &spent_s, diag);
-    if (!status)
-        *work->gpu_s += spent_s;
-    return status;
+    const enum neph_status status = neph_rt_submission_add(work->submission, work->pass,
+                                                           work->kernel, &work->dispatch, diag);
+    if (status || !work->is_cut)
+        return status;
+    neph_rt_submission_mark(work->submission, work->gpu_s);
+    return neph_rt_submission_wait(work->submission, diag);
 }
 
-static enum neph_status run_ray_pass(struct neph_realtime *realtime,
-                                     const struct neph_rt_pass *pass, double *gpu_s,
+static enum neph_status add_ray_pass(struct neph_realtime *realtime,
+                                     const struct neph_rt_pass *pass,
+                                     struct neph_rt_submission *submission, double *gpu_s,
                                      struct neph_diag *diag)
 {
+    const struct neph_march_cut *cut = &realtime->cuts[pass - neph_rt_passes];
     struct neph_kernel_params params = {.push_size_bytes = sizeof(struct neph_gpu_march_run)};
-    struct ray_pass work = {.vulkan = realtime->vulkan, .gpu_s = gpu_s};
+    struct ray_pass work = {
+        .pass = pass,
+        .submission = submission,
+        .is_cut = cut->rays < cut->ray_count || cut->steps < cut->step_count,
+        .gpu_s = gpu_s,
+    };
     neph_gpu_scene_bind(&realtime->scene, &work.dispatch);
     work.dispatch.buffers[NEPH_GPU_SCENE_BUFFERS] = &realtime->states;
     work.dispatch.buffers[NEPH_GPU_SCENE_BUFFERS + 1] = &realtime->counters;
@@ -74,9 +84,7 @@ static enum neph_status run_ray_pass(struct neph_realtime *realtime,
                         &work.dispatch);
     neph_march_constants(&realtime->scene, &realtime->march, params.constants);
     const enum neph_status status = neph_kernel_get(realtime->vulkan, &params, &work.kernel, diag);
-    return status
-               ? status
-               : neph_march_cut_run(&realtime->cuts[pass - neph_rt_passes], run_rays, &work, diag);
+    return status ? status : neph_march_cut_run(cut, add_rays, &work, diag);
 }
 
 /* --- what can be rendered ------------------------------------------------------------------ */
@@ -280,34 +288,48 @@ static uint64_t targets_bytes(const struct neph_gpu_view *view, uint32_t targets
     return bytes;
 }
 
-static enum neph_status run_pass(struct neph_realtime *realtime, const struct neph_rt_pass *pass,
-                                 struct progress *made, struct neph_diag *diag)
+/* An observer sees what the pass has made: the device must have done it. */
+static enum neph_status observe(struct neph_realtime *realtime, const struct neph_rt_pass *pass,
+                                struct neph_rt_submission *submission, struct neph_diag *diag)
+{
+    const enum neph_status status = neph_rt_submission_wait(submission, diag);
+    if (!status)
+        realtime->observer(&realtime->device, pass, realtime->observer_context);
+    return status;
+}
+
+static enum neph_status add_pass(struct neph_realtime *realtime, const struct neph_rt_pass *pass,
+                                 struct neph_rt_submission *submission, struct progress *made,
+                                 struct neph_diag *diag)
 {
     double *gpu_s = &made->stats.pass_gpu_s[pass - neph_rt_passes];
-    const enum neph_status status = pass->rays
-                                        ? run_ray_pass(realtime, pass, gpu_s, diag)
-                                        : neph_rt_device_run(&realtime->device, pass, gpu_s, diag);
+    const uint32_t touched = pass->reads | pass->writes;
+    const enum neph_status status =
+        pass->rays ? add_ray_pass(realtime, pass, submission, gpu_s, diag)
+                   : neph_rt_device_add(&realtime->device, pass, submission, diag);
     if (status)
         return status;
-    const uint32_t touched = pass->reads | pass->writes;
-    made->stats.gpu_s += *gpu_s;
+    neph_rt_submission_mark(submission, gpu_s);
     made->stats.traffic_bytes += targets_bytes(realtime->device.view, touched);
     made->touched |= touched;
     made->past |= neph_rt_targets_before(pass);
     made->picture = pass->picture ? pass->picture : made->picture;
-    if (realtime->observer)
-        realtime->observer(&realtime->device, pass, realtime->observer_context);
-    return NEPH_OK;
+    return realtime->observer ? observe(realtime, pass, submission, diag) : NEPH_OK;
 }
 
 /* Those that the settings want and that make something which is not given. */
 static enum neph_status run_passes(struct neph_realtime *realtime, struct progress *made,
                                    struct neph_diag *diag)
 {
+    struct neph_rt_submission submission = {.vulkan = realtime->vulkan};
     enum neph_status status = NEPH_OK;
     for (const struct neph_rt_pass *pass = neph_rt_passes; pass->name && !status; pass++)
         if (neph_rt_holds(realtime->device.view, pass->condition) && (pass->writes & ~made->given))
-            status = run_pass(realtime, pass, made, diag);
+            status = add_pass(realtime, pass, &submission, made, diag);
+    if (!status)
+        status = neph_rt_submission_wait(&submission, diag);
+    for (int i = 0; neph_rt_passes[i].name; i++)
+        made->stats.gpu_s += made->stats.pass_gpu_s[i];
     return status;
 }
 
@@ -390,7 +412,7 @@ static enum neph_status render_whole(struct neph_realtime *realtime,
     if (status)
         return status;
     struct neph_realtime_stats *stats = &made->stats;
-    stats->pass_gpu_s[neph_rt_pass_named("march") - neph_rt_passes] = stats->gpu_s = march.gpu_s;
+    stats->pass_gpu_s[neph_rt_pass_named("march") - neph_rt_passes] = march.gpu_s;
     stats->density_evaluations = march.density_evaluations;
     stats->closed_forms = march.closed_forms;
     stats->view_steps = march.view_steps;

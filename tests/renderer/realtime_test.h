@@ -120,7 +120,7 @@ static inline void test_passes_run(struct test_passes *test, const char *name)
     for (int t = 0; t < RT_TARGET_COUNT; t++)
         neph_assert_ok(neph_rt_device_upload(&test->device, t, test->twin.targets[t], &diag),
                        &diag);
-    neph_assert_ok(neph_rt_device_run(&test->device, pass, NULL, &diag), &diag);
+    neph_assert_ok(neph_rt_device_run(&test->device, pass, &diag), &diag);
 }
 
 /* What the device made of a target, in words as the twin's; for the caller to free. */

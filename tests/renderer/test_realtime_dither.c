@@ -339,19 +339,20 @@ static void test_the_shader_is_the_same(void **state)
         struct test_passes test;
         test_passes_open(*state, &settings, size_px, origin_px, 0x123456789u, &test);
         const struct twin_dither dither = {test.view.seed, test.noise_ranks};
-        for (size_t f = 0; f < sizeof(frames) / sizeof(frames[0]); f++)
-            for (uint32_t channel = 0; channel < CHANNELS; channel++) {
-                test.view.frame = frames[f];
-                for (int y = 0; y < size_px[1]; y++)
-                    for (int x = 0; x < size_px[0]; x++)
-                        twin_put_full(&test.twin, RT_COLOR, x, y,
-                                      (float[4]){twin_dither(&dither, kind, x - 70, y - 5,
-                                                             frames[f], channel)});
-                *test.device.view = test.view;
-                neph_assert_ok(neph_rt_device_run_colour(&test.device, &probe, channel, NULL, NULL),
-                               NULL);
-                test_same_words(&test, RT_COLOR, test.view.seed);
-            }
+        for (size_t f = 0; f < sizeof(frames) / sizeof(frames[0]); f++) {
+            test.view.frame = frames[f];
+            for (int y = 0; y < size_px[1]; y++)
+                for (int x = 0; x < size_px[0]; x++) {
+                    float numbers[CHANNELS];
+                    for (uint32_t channel = 0; channel < CHANNELS; channel++)
+                        numbers[channel] = twin_dither(&dither, kind, x - 70, y - 5, frames[f],
+                                                       channel);
+                    twin_put_full(&test.twin, RT_COLOR, x, y, numbers);
+                }
+            *test.device.view = test.view;
+            neph_assert_ok(neph_rt_device_run(&test.device, &probe, NULL), NULL);
+            test_same_words(&test, RT_COLOR, test.view.seed);
+        }
         test_passes_close(&test);
     }
 }

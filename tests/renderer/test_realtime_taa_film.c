@@ -47,7 +47,7 @@ static void film_step(struct test_passes *film)
     *film->device.view = film->view;
     film_upload(film, RT_COLOR);
     const struct neph_rt_pass *pass = neph_rt_pass_named("anti-aliasing");
-    neph_assert_ok(neph_rt_device_run(&film->device, pass, NULL, &diag), &diag);
+    neph_assert_ok(neph_rt_device_run(&film->device, pass, &diag), &diag);
     neph_rt_device_hand_on(&film->device, pass);
     neph_assert_ok(neph_rt_device_download(&film->device, RT_TAA_BEFORE,
                                            film->twin.targets[RT_TAA_BEFORE], &diag),

@@ -13,7 +13,7 @@ static void run_tile_index(struct test_passes *test)
 {
     struct neph_diag diag = {0};
     *test->device.view = test->view;
-    neph_assert_ok(neph_rt_device_run(&test->device, neph_rt_pass_named("tile index"), NULL, &diag),
+    neph_assert_ok(neph_rt_device_run(&test->device, neph_rt_pass_named("tile index"), &diag),
                    &diag);
 }
 

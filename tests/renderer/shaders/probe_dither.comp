@@ -1,8 +1,8 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// Dither number by number, for tests/renderer/test_realtime_dither.c: of kind ray_dither and the
-// channel of the run, at the view's frame; the first pixel is (-70, -5).
+// Dither number by number, for tests/renderer/test_realtime_dither.c: of kind ray_dither in each of
+// four channels, at the view's frame; the first pixel is (-70, -5).
 #extension GL_GOOGLE_include_directive : require
 
 #include "realtime_dither.glsl"
@@ -14,6 +14,8 @@ void main()
     if (!own_element(view_size(), pixel))
         return;
     ivec2 place = pixel - ivec2(70, 5);
-    put_full(RT_COLOR, pixel,
-             vec4(dither(choice(RT_RAY_DITHER), place, view.frame, run.colour), 0.0, 0.0, 0.0));
+    vec4 numbers;
+    for (int channel = 0; channel < 4; channel++)
+        numbers[channel] = dither(choice(RT_RAY_DITHER), place, view.frame, uint(channel));
+    put_full(RT_COLOR, pixel, numbers);
 }

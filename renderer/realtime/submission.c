@@ -1,0 +1,58 @@
+/* SPDX-License-Identifier: MIT */
+#include "renderer/realtime/submission.h"
+
+/* Beside the targets: what all passes with rays count in and keep their rays in. */
+#define RAY_BUFFERS NEPH_RT_BIT(31)
+_Static_assert(RT_TARGET_COUNT <= 31, "a bit for each target");
+
+static void order(struct neph_rt_submission *submission, uint32_t reads, uint32_t writes)
+{
+    if ((reads & submission->writes) || (writes & (submission->reads | submission->writes))) {
+        neph_batch_barrier(&submission->batch);
+        submission->reads = submission->writes = 0;
+    }
+    submission->reads |= reads;
+    submission->writes |= writes;
+}
+
+enum neph_status neph_rt_submission_add(struct neph_rt_submission *submission,
+                                        const struct neph_rt_pass *pass,
+                                        const struct neph_kernel *kernel,
+                                        const struct neph_dispatch *dispatch,
+                                        struct neph_diag *diag)
+{
+    if (!submission->is_open) {
+        const enum neph_status status = neph_batch_begin(submission->vulkan, &submission->batch,
+                                                         diag);
+        if (status)
+            return status;
+        submission->is_open = true;
+        submission->reads = submission->writes = 0;
+    }
+    order(submission, pass->reads, pass->writes | (pass->rays ? RAY_BUFFERS : 0));
+    neph_batch_dispatch(&submission->batch, kernel, dispatch);
+    return NEPH_OK;
+}
+
+void neph_rt_submission_mark(struct neph_rt_submission *submission, double *gpu_s)
+{
+    if (!submission->is_open)
+        return;
+    submission->gpu_s[submission->batch.stamp_count] = gpu_s;
+    neph_batch_stamp(&submission->batch);
+}
+
+enum neph_status neph_rt_submission_wait(struct neph_rt_submission *submission,
+                                         struct neph_diag *diag)
+{
+    if (!submission->is_open)
+        return NEPH_OK;
+    double seconds[NEPH_BATCH_STAMPS_MAX];
+    const enum neph_status status = neph_batch_run(&submission->batch, "real-time passes", seconds,
+                                                   diag);
+    submission->is_open = false;
+    for (uint32_t i = 0; i < submission->batch.stamp_count && !status; i++)
+        if (submission->gpu_s[i])
+            *submission->gpu_s[i] += seconds[i];
+    return status;
+}
