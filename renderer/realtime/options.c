@@ -304,5 +304,10 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
     [RT_WARM_UP] = WHOLE("warm_up", 16, 0, 1024,
                          "pictures that are rendered and not kept before the first, as if the "
                          "sequence had begun earlier"),
+
+    [RT_SHARPEN] = CHOICE("sharpen", 0, switches,
+                          "the finished picture away from the mean of its four neighbours, held "
+                          "between the least and the largest of the five"),
+    [RT_SHARPEN_AMOUNT] = REAL("sharpen_amount", 0.5, 0, 4, "of the distance from that mean"),
     {.name = NULL},
 };

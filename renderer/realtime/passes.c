@@ -27,6 +27,9 @@ static const uint32_t compose_spirv[] = {
 static const uint32_t taa_spirv[] = {
 #include "shaders/rt_taa.comp.inc"
 };
+static const uint32_t sharpen_spirv[] = {
+#include "shaders/rt_sharpen.comp.inc"
+};
 
 #define BIT NEPH_RT_BIT
 
@@ -111,6 +114,16 @@ const struct neph_rt_pass neph_rt_passes[] = {
         .histories = {{RT_TAA_OUT, RT_TAA_BEFORE}},
         .picture = RT_TAA_OUT,
     },
+    {
+        .name = "sharpening",
+        .note = "against the blur of anti-aliasing",
+        .shader = {"rt_sharpen", sharpen_spirv, sizeof(sharpen_spirv)},
+        .condition = {RT_SHARPEN, 1},
+        .resolution = RT_FULL,
+        .reads = BIT(RT_COLOR) | BIT(RT_TAA_OUT),
+        .writes = BIT(RT_SHARPENED),
+        .picture = RT_SHARPENED,
+    },
     {.name = NULL},
 };
 _Static_assert(sizeof(neph_rt_passes) / sizeof(neph_rt_passes[0]) <= NEPH_RT_PASSES_MAX + 1,
@@ -134,6 +147,7 @@ static const char *const target_names[RT_TARGET_COUNT] = {
     [RT_COLOR] = "colour",
     [RT_TAA_OUT] = "anti-aliased",
     [RT_TAA_BEFORE] = "anti-aliased before",
+    [RT_SHARPENED] = "sharpened",
 };
 
 const char *neph_rt_target_name(int target)

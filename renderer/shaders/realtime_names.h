@@ -102,7 +102,10 @@
 #define RT_TAA_GUARD 84
 // The sequence; no shader asks for it.
 #define RT_WARM_UP 85
-#define RT_SETTING_COUNT 86
+// Sharpening.
+#define RT_SHARPEN 86
+#define RT_SHARPEN_AMOUNT 87
+#define RT_SETTING_COUNT 88
 
 // Specialization constants of the shaders: whether they hold the choices, and the first that does
 // (realtime_choices.glsl).
@@ -243,7 +246,8 @@
 // The depth that the split of the frame starts from: RT_DEPTH without its jitter, unless
 // jittered_depth is on.
 #define RT_STEADY_DEPTH 16
-#define RT_TARGET_COUNT 17
+#define RT_SHARPENED 17 // RGB: the picture after sharpening
+#define RT_TARGET_COUNT 18
 
 // How many pixels wide and high one of their texels is.
 #define RT_FULL 1
@@ -271,6 +275,7 @@
     {RT_FULL, RT_FIXED, RT_RGBA32F, RT_RGBA32F},         /* RT_COLOR */ \
     {RT_FULL, RT_TAA_FORMAT, RT_RGBA16F, RT_RGBA32F},    /* RT_TAA_OUT */ \
     {RT_FULL, RT_TAA_FORMAT, RT_RGBA16F, RT_RGBA32F},    /* RT_TAA_BEFORE */ \
-    {RT_FULL, RT_FIXED, RT_R32F, RT_R32F},               /* RT_STEADY_DEPTH */
+    {RT_FULL, RT_FIXED, RT_R32F, RT_R32F},               /* RT_STEADY_DEPTH */ \
+    {RT_FULL, RT_FIXED, RT_RGBA32F, RT_RGBA32F},         /* RT_SHARPENED */
 
 #endif
