@@ -1,0 +1,67 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Sharpening: the shader against its formula, and what it promises of constants and of edges.
+ */
+#include "tests/renderer/realtime_test.h"
+
+static void get_rgb(const struct test_passes *test, int target, int x, int y, float rgb[4])
+{
+    const int right = (int)test->view.size_px[0] - 1, bottom = (int)test->view.size_px[1] - 1;
+    x = x < 0 ? 0 : x > right ? right : x;
+    y = y < 0 ? 0 : y > bottom ? bottom : y;
+    twin_fetch_full(&test->twin, target, x, y, rgb);
+}
+
+/* The pixel moves away from the mean of its neighbours, but not beyond any of the five. */
+static void sharpen(struct test_passes *test, int source, int x, int y)
+{
+    static const int cross[4][2] = {{-1, 0}, {1, 0}, {0, -1}, {0, 1}};
+    const float amount = test->view.settings[RT_SHARPEN_AMOUNT];
+    float own[4], neighbours[4][4], made[4] = {0};
+    get_rgb(test, source, x, y, own);
+    for (int i = 0; i < 4; i++)
+        get_rgb(test, source, x + cross[i][0], y + cross[i][1], neighbours[i]);
+    for (int c = 0; c < 3; c++) {
+        float sum = 0.0f, least = own[c], largest = own[c];
+        for (int i = 0; i < 4; i++) {
+            sum += neighbours[i][c];
+            least = fminf(least, neighbours[i][c]);
+            largest = fmaxf(largest, neighbours[i][c]);
+        }
+        made[c] = fmaxf(fminf(own[c] + amount * (own[c] - 0.25f * sum), largest), least);
+    }
+    twin_put_full(&test->twin, RT_SHARPENED, x, y, made);
+}
+
+static void test_the_shader_is_its_formula(void **state)
+{
+    static const struct {
+        const char *settings;
+        int source;
+    } cases[] = {{"sharpen=on sharpen_amount=0.5", RT_TAA_OUT},
+                 {"sharpen=on sharpen_amount=4 taa=off", RT_COLOR},
+                 {"sharpen=on sharpen_amount=0 taa_format=float", RT_TAA_OUT}};
+    for (size_t k = 0; k < sizeof(cases) / sizeof(cases[0]); k++) {
+        const struct neph_settings settings = test_settings(cases[k].settings);
+        struct test_passes test;
+        uint64_t seed = 20261123 + k;
+        test_passes_open(*state, &settings, (int[2]){37, 21}, (int[2]){4, 8}, seed, &test);
+        for (size_t i = 0; i < test_elements(&test, cases[k].source); i++) {
+            const float step = i % 5 ? 1.0f : 100.0f;
+            test_set(&test, cases[k].source, i,
+                     (float[4]){step * (float)test_uniform(&seed), step, (float)(i % 3)});
+        }
+        test_passes_run(&test, "sharpening");
+        for (int y = 0; y < 21; y++)
+            for (int x = 0; x < 37; x++)
+                sharpen(&test, cases[k].source, x, y);
+        test_same_words(&test, RT_SHARPENED, seed);
+        test_passes_close(&test);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_the_shader_is_its_formula)};
+    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
+}
