@@ -418,9 +418,12 @@ void neph_batch_stamp(struct neph_batch *batch)
                                         vulkan->timestamps, batch->stamp_count);
 }
 
+/* Counters lie in memory that the CPU reads. */
 enum neph_status neph_batch_run(struct neph_batch *batch, const char *what, double seconds[],
                                 struct neph_diag *diag)
 {
+    memory_barrier(batch->vulkan, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_ACCESS_SHADER_WRITE_BIT,
+                   VK_PIPELINE_STAGE_HOST_BIT, VK_ACCESS_HOST_READ_BIT);
     VkResult result = batch->vulkan->api.vkEndCommandBuffer(batch->vulkan->commands);
     if (result == VK_SUCCESS)
         result = submit_and_wait(batch->vulkan);
