@@ -19,6 +19,8 @@
 
 #include "base/status.h"
 
+#define COUNT(array) (sizeof(array) / sizeof((array)[0]))
+
 /* |actual - expected| <= absolute + relative * |expected|; NaN never passes. */
 #define neph_assert_close(actual, expected, relative, absolute)                                    \
     neph_assert_close_at((actual), (expected), (relative), (absolute), #actual, __FILE__, __LINE__)

@@ -5,7 +5,7 @@
  * single precision or of the march step; pictures with noise are judged by their mean over the
  * image, where 512 paths per pixel leave about 3e-4.
  */
-#include "tests/neph_test.h"
+#include "tests/scene_builders.h"
 
 #include "base/files.h"
 #include "harness/engines/cycles_spec.h"
@@ -39,11 +39,6 @@ struct stage {
     int threads;
     uint64_t seed;
 };
-
-static struct neph_rgb grey(double value)
-{
-    return (struct neph_rgb){value, value, value};
-}
 
 /* A camera, a coloured sun, no media, no solids, black sky, single scattering. */
 static void set_stage(struct stage *stage, struct neph_vec3 eye, struct neph_vec3 look_at)
@@ -109,10 +104,10 @@ static void set_full_stage(struct stage *stage)
         stage, (struct neph_bounds){{-8.0, -1.0, -9.0}, {8.0, 4.0, 7.0}}, 0.06, 0.0);
     medium->phase = (struct neph_phase){NEPH_PHASE_HENYEY_GREENSTEIN, 0.4};
     stage->scene.background_w_per_m2_sr = (struct neph_rgb){0.1, 0.2, 0.3};
-    add_box(stage, (struct neph_bounds){{-20.0, -2.0, -20.0}, {20.0, 0.0, 8.0}}, grey(0.5));
+    add_box(stage, (struct neph_bounds){{-20.0, -2.0, -20.0}, {20.0, 0.0, 8.0}}, make_grey(0.5));
     add_box(stage, (struct neph_bounds){{-1.5, 0.0, -1.0}, {-1.2, 2.0, -0.7}},
             (struct neph_rgb){0.8, 0.4, 0.2});
-    add_sphere(stage, (struct neph_vec3){0.8, 0.8, -1.0}, 0.8, grey(0.7));
+    add_sphere(stage, (struct neph_vec3){0.8, 0.8, -1.0}, 0.8, make_grey(0.7));
 }
 
 /* ---- rendering ------------------------------------------------------------------------------- */
@@ -572,7 +567,7 @@ static void test_no_scattering(void **state)
     add_box(&stage, (struct neph_bounds){{-50.0, -2.0, -50.0}, {50.0, 0.0, 20.0}},
             (struct neph_rgb){0.8, 0.4, 0.2});
     stage.scene.scattering = NEPH_SCATTERING_NONE;
-    stage.scene.background_w_per_m2_sr = grey(0.25);
+    stage.scene.background_w_per_m2_sr = make_grey(0.25);
     stage.samples = 1;
     struct neph_image *frame = render(&stage, NEPH_LAYER_RADIANCE);
     for (int channel = 0; channel < 3; channel++) {
@@ -593,10 +588,10 @@ static void test_white_furnace(void **state)
         skip();
     struct stage stage;
     struct neph_medium *medium = set_box_stage(&stage, 2.0);
-    medium->albedo = grey(1.0);
-    add_sphere(&stage, (struct neph_vec3){0.0, 2.0, -4.0}, 1.0, grey(1.0));
+    medium->albedo = make_grey(1.0);
+    add_sphere(&stage, (struct neph_vec3){0.0, 2.0, -4.0}, 1.0, make_grey(1.0));
     stage.scene.sun.present = false;
-    stage.scene.background_w_per_m2_sr = grey(1.0);
+    stage.scene.background_w_per_m2_sr = make_grey(1.0);
     stage.scene.environment_light = true;
     stage.scene.scattering = NEPH_SCATTERING_MULTIPLE;
     stage.samples = 64;

@@ -3,14 +3,12 @@
  * What is said beside a frame because no picture shows it: how much optical depth one step of a
  * marcher spans, how noisy the frame is; and the seeds that make scenes independent.
  */
-#include "tests/neph_test.h"
+#include "tests/scene_builders.h"
 
 #include "harness/engines/engines.h"
 #include "harness/report/step_depth.h"
 #include "harness/run/noise.h"
 #include "harness/run/seed.h"
-
-static const struct neph_rgb white = {1, 1, 1};
 
 /* A slab 10 m deep, seen from straight ahead. */
 struct stage {

@@ -4,7 +4,7 @@
  * installed, its frames against closed forms. Tolerances: what the midpoint rule and the 16-bit
  * brackets leave, as stated at each test.
  */
-#include "tests/neph_test.h"
+#include "tests/scene_builders.h"
 
 #include "base/files.h"
 #include "harness/engines/engines.h"
@@ -22,19 +22,8 @@ enum { WIDTH = 32, HEIGHT = 18 };
 
 /* ---- Scenes in memory ----------------------------------------------------------------------- */
 
-struct stage {
-    struct neph_scene scene;
-    struct neph_camera_key key;
-    struct neph_solid solids[8];
-};
-
-static struct neph_rgb grey(double value)
-{
-    return (struct neph_rgb){value, value, value};
-}
-
 /* A camera looking along -Z from `eye`, a sun, no media, no solids, black sky. */
-static void set_stage(struct stage *stage, struct neph_vec3 eye, struct neph_vec3 look_at)
+static void set_stage(struct test_scene *stage, struct neph_vec3 eye, struct neph_vec3 look_at)
 {
     memset(stage, 0, sizeof(*stage));
     stage->key = (struct neph_camera_key){.position_m = eye, .look_at_m = look_at};
@@ -47,41 +36,38 @@ static void set_stage(struct stage *stage, struct neph_vec3 eye, struct neph_vec
         .vertical_fov_rad = 0.7,
         .frame_count = 1,
         .frame_rate_hz = 25.0,
-        .sun = {true, neph_vec3_normalize((struct neph_vec3){0.48, 0.6, 0.64}), grey(2.0)},
+        .sun = {true, neph_vec3_normalize((struct neph_vec3){0.48, 0.6, 0.64}), make_grey(2.0)},
         .scattering = NEPH_SCATTERING_SINGLE,
         .solids = stage->solids,
     };
 }
 
-static struct neph_medium *add_medium(struct stage *stage, struct neph_bounds bounds,
+static struct neph_medium *add_medium(struct test_scene *stage, struct neph_bounds bounds,
                                       double extinction_per_m, double falloff_per_m, double albedo)
 {
-    struct neph_medium *medium = &stage->scene.media[stage->scene.medium_count++];
-    *medium = (struct neph_medium){
-        .kind = falloff_per_m > 0.0 ? NEPH_MEDIUM_HEIGHT_FOG : NEPH_MEDIUM_HOMOGENEOUS,
-        .bounds = bounds,
-        .albedo = grey(albedo),
-        .phase = {NEPH_PHASE_ISOTROPIC, 0.0},
-        .layer_count = 1,
-        .extinction_color = {1, 1, 1},
-        .layers = {{extinction_per_m, falloff_per_m, 0.0}},
-    };
+    struct neph_medium *medium = test_add(
+        stage, falloff_per_m > 0.0 ? make_height_fog(extinction_per_m, falloff_per_m)
+                                   : make_homogeneous(extinction_per_m, bounds));
+    medium->bounds = bounds;
+    medium->albedo = make_grey(albedo);
     return medium;
 }
 
-static struct neph_solid *add_box(struct stage *stage, struct neph_bounds box, double albedo)
+static struct neph_solid *add_box(struct test_scene *stage, struct neph_bounds box, double albedo)
 {
     struct neph_solid *solid = &stage->solids[stage->scene.solid_count++];
-    *solid = (struct neph_solid){.kind = NEPH_SOLID_BOX, .box = box, .albedo = grey(albedo)};
+    *solid = (struct neph_solid){.kind = NEPH_SOLID_BOX, .box = box, .albedo = make_grey(albedo)};
     return solid;
 }
 
-static struct neph_solid *add_sphere(struct stage *stage, struct neph_vec3 center, double radius,
-                                     double albedo)
+static struct neph_solid *add_sphere(struct test_scene *stage, struct neph_vec3 center,
+                                     double radius, double albedo)
 {
     struct neph_solid *solid = &stage->solids[stage->scene.solid_count++];
-    *solid = (struct neph_solid){
-        .kind = NEPH_SOLID_SPHERE, .center_m = center, .radius_m = radius, .albedo = grey(albedo)};
+    *solid = (struct neph_solid){.kind = NEPH_SOLID_SPHERE,
+                                 .center_m = center,
+                                 .radius_m = radius,
+                                 .albedo = make_grey(albedo)};
     return solid;
 }
 
@@ -212,7 +198,7 @@ static void test_phase_constants(void **state)
 static const struct neph_bounds room = {{-5.0, 0.0, -10.0}, {5.0, 4.0, -4.0}};
 
 /* Everything that a scene can hold. */
-static void set_full_stage(struct stage *stage)
+static void set_full_stage(struct test_scene *stage)
 {
     set_stage(stage, (struct neph_vec3){0.0, 2.0, 5.0}, (struct neph_vec3){0.0, 1.0, -5.0});
     struct neph_medium *medium = add_medium(stage, room, 0.2, 0.0, 0.8);
@@ -227,7 +213,7 @@ static void set_full_stage(struct stage *stage)
     stage->scene.background_w_per_m2_sr = (struct neph_rgb){0.1, 0.2, 0.3};
 }
 
-static char *text_of(const struct stage *stage, struct neph_povray_pass pass)
+static char *text_of(const struct test_scene *stage, struct neph_povray_pass pass)
 {
     struct neph_diag diag = {0};
     struct neph_povray_world world;
@@ -276,7 +262,7 @@ static void assert_plain(const char *text)
 static void test_text_holds_no_string_of_the_scene(void **state)
 {
     (void)state;
-    struct stage plain, hostile;
+    struct test_scene plain, hostile;
     set_full_stage(&plain);
     set_full_stage(&hostile);
     hostile.scene.name = "x\n#include \"/etc/passwd\"\n#fopen F \"owned\" write";
@@ -294,7 +280,7 @@ static void test_text_holds_no_string_of_the_scene(void **state)
 static void test_text_refuses_what_is_not_a_number(void **state)
 {
     (void)state;
-    struct stage stage;
+    struct test_scene stage;
     set_full_stage(&stage);
     stage.scene.background_w_per_m2_sr.r = NAN;
     struct neph_povray_world world;
@@ -308,7 +294,7 @@ static void test_text_refuses_what_is_not_a_number(void **state)
 static void test_faces_of_containers_stand_alone(void **state)
 {
     (void)state;
-    struct stage stage;
+    struct test_scene stage;
     set_full_stage(&stage); /* both media share all faces and stand on the ground at y = 0 */
     struct neph_povray_world world;
     neph_assert_ok(neph_povray_world(&stage.scene, 0, WIDTH, HEIGHT, 50, &world, NULL), NULL);
@@ -333,7 +319,7 @@ static void test_can_render(void **state)
 {
     (void)state;
     char reason[128] = "";
-    struct stage stage;
+    struct test_scene stage;
     set_full_stage(&stage);
     assert_true(can_render(&stage.scene, reason, sizeof(reason)));
     stage.scene.scattering = NEPH_SCATTERING_MULTIPLE;
@@ -375,7 +361,7 @@ static bool has_povray(void)
 }
 
 /* Render with POV-Ray in a scratch folder of an awkward name. */
-static struct neph_image *render(const struct stage *stage, unsigned layers, double intervals)
+static struct neph_image *render(const struct test_scene *stage, unsigned layers, double intervals)
 {
     struct neph_diag diag = {0};
     struct neph_cost cost = {0};
@@ -411,7 +397,8 @@ static double value_of(struct neph_rgb colour, int channel)
 
 enum quantity { RADIANCE, VOLUME, TRANSMITTANCE, DEPTH };
 
-static double truth_of(const struct stage *stage, enum quantity quantity, int channel, int i, int j)
+static double truth_of(const struct test_scene *stage, enum quantity quantity, int channel, int i,
+                       int j)
 {
     struct neph_camera camera = neph_scene_camera(&stage->scene, 0.0);
     struct neph_vec3 ray = neph_camera_ray(&camera, WIDTH, HEIGHT, i, j);
@@ -429,7 +416,7 @@ static double truth_of(const struct stage *stage, enum quantity quantity, int ch
     return NAN;
 }
 
-static struct difference compare(const struct stage *stage, const struct neph_image *frame,
+static struct difference compare(const struct test_scene *stage, const struct neph_image *frame,
                                  const char *name, enum quantity quantity, int channel)
 {
     const float *samples = neph_image_channel(frame, name);
@@ -461,7 +448,7 @@ static void test_transmittance_of_a_box(void **state)
     (void)state;
     if (!has_povray())
         skip();
-    struct stage stage; /* along a side: optical depths 0 to 10 */
+    struct test_scene stage; /* along a side: optical depths 0 to 10 */
     set_stage(&stage, (struct neph_vec3){0.0, 1.0, 12.0}, (struct neph_vec3){0.0, 1.0, 0.0});
     add_medium(&stage, (struct neph_bounds){{-3.0, 0.0, -10.0}, {3.0, 2.0, 10.0}}, 0.5, 0.0, 0.5);
     struct neph_image *frame = render(&stage, NEPH_LAYER_TRANSMITTANCE, 50);
@@ -477,7 +464,7 @@ static void test_transmittance_of_a_dense_box(void **state)
     (void)state;
     if (!has_povray())
         skip();
-    struct stage stage; /* optical depths to 18: the floor is 1e-8 */
+    struct test_scene stage; /* optical depths to 18: the floor is 1e-8 */
     set_stage(&stage, (struct neph_vec3){0.0, 1.0, 12.0}, (struct neph_vec3){0.0, 1.0, 0.0});
     add_medium(&stage, (struct neph_bounds){{-3.0, 0.0, -10.0}, {3.0, 2.0, 10.0}}, 0.9, 0.0, 0.5);
     struct neph_image *frame = render(&stage, NEPH_LAYER_TRANSMITTANCE, 50);
@@ -491,7 +478,7 @@ static void test_transmittance_of_height_fog(void **state)
     (void)state;
     if (!has_povray())
         skip();
-    struct stage stage; /* camera inside; two layers; optical depths to about 5 */
+    struct test_scene stage; /* camera inside; two layers; optical depths to about 5 */
     set_stage(&stage, (struct neph_vec3){0.0, 2.0, 5.0}, (struct neph_vec3){0.0, 1.5, -5.0});
     struct neph_bounds bounds = {{-30.0, 0.0, -30.0}, {30.0, 10.0, 10.0}};
     struct neph_medium *fog = add_medium(&stage, bounds, 0.3, 0.5, 0.5);
@@ -510,7 +497,7 @@ static void test_transmittance_of_open_fog(void **state)
     (void)state;
     if (!has_povray())
         skip();
-    struct stage stage;
+    struct test_scene stage;
     set_stage(&stage, (struct neph_vec3){0.0, 20.0, 0.0}, (struct neph_vec3){0.0, 0.0, -100.0});
     struct neph_bounds open = {{-INFINITY, -INFINITY, -INFINITY}, {INFINITY, INFINITY, INFINITY}};
     add_medium(&stage, open, 0.02, 0.05, 0.9);
@@ -522,7 +509,8 @@ static void test_transmittance_of_open_fog(void **state)
 }
 
 /* The light of a plane-parallel slab, scattered once, seen from below. */
-static double slab_radiance(const struct stage *stage, struct neph_vec3 ray, double thickness_m)
+static double slab_radiance(const struct test_scene *stage, struct neph_vec3 ray,
+                            double thickness_m)
 {
     const struct neph_medium *slab = &stage->scene.media[0];
     double mu = ray.y, mu0 = stage->scene.sun.direction.y;
@@ -534,7 +522,7 @@ static double slab_radiance(const struct stage *stage, struct neph_vec3 ray, dou
 
 static void check_slab(struct neph_phase phase)
 {
-    struct stage stage; /* a slab of optical depth 1 overhead */
+    struct test_scene stage; /* a slab of optical depth 1 overhead */
     set_stage(&stage, (struct neph_vec3){0.0, -1.0, 0.0}, (struct neph_vec3){0.0, 2.0, -3.0});
     add_medium(&stage, (struct neph_bounds){{-500.0, 0.0, -500.0}, {500.0, 2.0, 500.0}}, 0.5, 0.0,
                0.8)
@@ -577,7 +565,7 @@ static void test_full_scene(void **state)
     (void)state;
     if (!has_povray())
         skip();
-    struct stage stage;
+    struct test_scene stage;
     set_full_stage(&stage);
     struct neph_image *frame = render(&stage, NEPH_LAYERS_ALL, 50);
     static const char *const names[2][3] = {{"R", "G", "B"}, {"volume.R", "volume.G", "volume.B"}};
@@ -600,7 +588,7 @@ static void test_no_scattering(void **state)
     (void)state;
     if (!has_povray())
         skip();
-    struct stage stage;
+    struct test_scene stage;
     set_full_stage(&stage);
     stage.scene.scattering = NEPH_SCATTERING_NONE;
     struct neph_image *frame = render(&stage, NEPH_LAYER_RADIANCE, 50);
@@ -618,7 +606,7 @@ static void test_empty_scene(void **state)
     (void)state;
     if (!has_povray())
         skip();
-    struct stage stage;
+    struct test_scene stage;
     set_stage(&stage, (struct neph_vec3){0.0, 0.0, 0.0}, (struct neph_vec3){0.0, 0.0, -1.0});
     struct neph_image *frame = render(&stage, NEPH_LAYERS_ALL, 50);
     assert_true(neph_image_channel(frame, "R")[7] == 0.0F);
@@ -637,7 +625,7 @@ static void test_export_runs_by_hand(void **state)
     char directory[] = "/tmp/neph-export-XXXXXX", command[256] = "";
     assert_non_null(mkdtemp(directory));
     struct neph_diag diag = {0};
-    struct stage stage;
+    struct test_scene stage;
     set_full_stage(&stage);
     struct neph_shot shot = {.scene = &stage.scene,
                              .settings = neph_settings_default(&neph_engine_povray),
@@ -688,7 +676,7 @@ static enum neph_status render_with(const char *script, double time_limit_s, cha
     struct neph_diag diag = {0};
     struct neph_cost cost;
     struct neph_image *frame = NULL;
-    struct stage stage;
+    struct test_scene stage;
     struct impostor impostor;
     set_full_stage(&stage);
     set_impostor(&impostor, script);

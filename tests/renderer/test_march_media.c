@@ -13,45 +13,26 @@
 
 static const struct neph_march_params params_32 = {.width_px = 32, .height_px = 18, .steps = 64};
 
-static struct neph_medium *add_medium(struct test_scene *test, enum neph_medium_kind kind)
-{
-    struct neph_medium *medium = &test->scene.media[test->scene.medium_count++];
-    *medium = (struct neph_medium){.kind = kind,
-                                   .bounds = test_unbounded,
-                                   .extinction_color = {1, 1, 1},
-                                   .albedo = {0.9, 0.8, 0.7},
-                                   .phase = {NEPH_PHASE_HENYEY_GREENSTEIN, 0.4}};
-    return medium;
-}
-
 static void add_blob(struct test_scene *test)
 {
-    struct neph_medium *blob = add_medium(test, NEPH_MEDIUM_GAUSSIAN);
-    blob->extinction_per_m = 0.8;
+    struct neph_medium *blob = test_add_cloud(test, NEPH_MEDIUM_GAUSSIAN, 0.8);
     blob->gaussian = (struct neph_gaussian){{0.5, 2.0, -12.0}, 1.5};
 }
 
 /* From the ground of a small planet, low over the horizon, where the path is longest. */
 static void add_shell(struct test_scene *test)
 {
-    struct neph_medium *shell = add_medium(test, NEPH_MEDIUM_SHELL);
-    shell->extinction_per_m = 2e-4;
+    struct neph_medium *shell = test_add_cloud(test, NEPH_MEDIUM_SHELL, 2e-4);
     shell->shell = (struct neph_shell){{0.0, -6.371e6, 0.0}, 6.371e6, 8000.0};
     shell->bounds = (struct neph_bounds){{-3e6, -1e6, -3e6}, {3e6, 1.5e5, 3e6}};
 }
 
 static struct neph_grid *add_grid(struct test_scene *test)
 {
-    struct neph_diag diag = {0};
-    struct neph_medium *medium = add_medium(test, NEPH_MEDIUM_GRID);
+    struct neph_medium *medium = test_add_cloud(test, NEPH_MEDIUM_GRID, 0.9);
     uint64_t random = 11;
-    neph_assert_ok(neph_grid_create((const int[3]){7, 6, 5}, (struct neph_vec3){-3.0, -1.0, -15.0},
-                                    (struct neph_vec3){1.0, 0.9, 1.3}, &medium->grid, &diag),
-                   &diag);
-    for (int i = 0; i < 210; i++)
-        medium->grid->values[i] = (float)fmax(0.0, neph_test_uniform(&random, -0.4, 1.0));
-    neph_assert_ok(neph_grid_seal(medium->grid, &diag), &diag);
-    medium->extinction_per_m = 0.9;
+    medium->grid = random_lattice((const int[3]){7, 6, 5}, (struct neph_vec3){-3.0, -1.0, -15.0},
+                                  (struct neph_vec3){1.0, 0.9, 1.3}, -0.4, &random);
     return medium->grid;
 }
 
@@ -179,14 +160,8 @@ static void test_all_at_once_and_coloured(void **state)
 static struct neph_horizon *add_cumulus(struct test_scene *test)
 {
     struct neph_diag diag = {0};
-    struct neph_horizon_params params = neph_horizon_defaults();
-    params.bottom_m = 600.0;
-    params.thickness_m = 1200.0;
-    params.texture_scale_m = 8e3;
-    params.base_repeats = 9.0;
-    params.detail_repeats = 27.0;
-    struct neph_medium *cloud = add_medium(test, NEPH_MEDIUM_HORIZON);
-    cloud->extinction_per_m = 0.01;
+    const struct neph_horizon_params params = make_cumulus();
+    struct neph_medium *cloud = test_add_cloud(test, NEPH_MEDIUM_HORIZON, 0.01);
     cloud->bounds = (struct neph_bounds){{-1500.0, 0.0, -3000.0}, {1500.0, 2e3, 0.0}};
     neph_assert_ok(neph_horizon_create(&params, &cloud->horizon, &diag), &diag);
     test_add_medium(test, 3e-4, 0.0, 0.0)->bounds = (struct neph_bounds){{-400.0, 0.0, -900.0},

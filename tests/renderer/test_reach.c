@@ -62,10 +62,7 @@ static void scene_inside_dense_fog(struct test_scene *test)
 
 static struct neph_medium *add_blob(struct test_scene *test)
 {
-    struct neph_medium *medium = test_add_medium(test, 0.0, 0.0, 0.0);
-    medium->kind = NEPH_MEDIUM_GAUSSIAN;
-    medium->layer_count = 0;
-    medium->extinction_per_m = 10.0;
+    struct neph_medium *medium = test_add_cloud(test, NEPH_MEDIUM_GAUSSIAN, 10.0);
     medium->gaussian = (struct neph_gaussian){{0.0, 1.6, -9e5}, 500.0};
     return medium;
 }

@@ -44,18 +44,6 @@ static void look_from(struct test_scene *test, struct neph_vec3 camera_m)
     test->key.look_at_m = neph_vec3_add(camera_m, (struct neph_vec3){0.0, 0.0, -1.0});
 }
 
-static struct neph_medium *add_medium(struct test_scene *test, enum neph_medium_kind kind,
-                                      double extinction_per_m)
-{
-    struct neph_medium *medium = &test->scene.media[test->scene.medium_count++];
-    *medium = (struct neph_medium){.kind = kind,
-                                   .bounds = test_unbounded,
-                                   .extinction_color = {1, 1, 1},
-                                   .albedo = {1, 1, 1},
-                                   .extinction_per_m = extinction_per_m};
-    return medium;
-}
-
 static void create_buffers(struct neph_vulkan *vulkan, const struct probe *probes, int count,
                            struct neph_buffer *in, struct neph_buffer *out,
                            struct neph_buffer *readback)
@@ -121,7 +109,8 @@ static double pick(uint64_t *random, const double *values, size_t count)
 }
 #define PICK(random, values) pick((random), (values), sizeof(values) / sizeof((values)[0]))
 
-static struct neph_vec3 random_direction(uint64_t *random)
+/* Often along an axis or in a plane of them, or next to it. */
+static struct neph_vec3 odd_direction(uint64_t *random)
 {
     static const double components[] = {0.0, 0.0, 1.0, -1.0, 1e-7, -1e-7, 1e-30, 0.5};
     struct neph_vec3 v;
@@ -134,7 +123,7 @@ static struct neph_vec3 random_direction(uint64_t *random)
     return neph_vec3_normalize(v);
 }
 
-static struct neph_vec3 random_point(uint64_t *random, struct neph_vec3 center_m, double reach_m)
+static struct neph_vec3 point_near(uint64_t *random, struct neph_vec3 center_m, double reach_m)
 {
     return (struct neph_vec3){center_m.x + reach_m * neph_test_uniform(random, -1, 1),
                               center_m.y + reach_m * neph_test_uniform(random, -1, 1),
@@ -220,11 +209,10 @@ static void check_gaussian(struct neph_vulkan *vulkan, const struct test_scene *
     assert_non_null(probes);
     for (int i = 0; i < PROBES_MAX; i++) {
         const double reach_m = w_m * (i % 3 ? 3.0 : 10.0);
-        const struct neph_vec3 origin_m = i % 50 ? random_point(random, medium->gaussian.center_m,
-                                                                reach_m)
+        const struct neph_vec3 origin_m = i % 50 ? point_near(random, medium->gaussian.center_m,
+                                                              reach_m)
                                                  : medium->gaussian.center_m;
-        probes[i] = probe_from(test, origin_m, random_direction(random),
-                               w_m * PICK(random, lengths));
+        probes[i] = probe_from(test, origin_m, odd_direction(random), w_m * PICK(random, lengths));
     }
     struct answer *answers = ask(vulkan, test, probes, PROBES_MAX);
     const struct neph_vec3 far_m = neph_vec3_sub(medium->gaussian.center_m, test->key.position_m);
@@ -268,10 +256,10 @@ static void test_gaussian_blobs(void **state)
         struct test_scene test;
         look_from(&test, (struct neph_vec3){round < 6 ? 3.0 : 1e6, 2.0, round % 2 ? -5.0 : -3e5});
         const double width_m = widths_m[round % 3];
-        struct neph_medium *blob = add_medium(&test, NEPH_MEDIUM_GAUSSIAN,
-                                              depths[round / 3] / width_m);
+        struct neph_medium *blob = test_add_cloud(&test, NEPH_MEDIUM_GAUSSIAN,
+                                                  depths[round / 3] / width_m);
         blob->gaussian = (struct neph_gaussian){
-            random_point(&random, test.key.position_m, 20.0 * width_m), width_m};
+            point_near(&random, test.key.position_m, 20.0 * width_m), width_m};
         check_gaussian(*state, &test, &random, &worst);
     }
     print_message("Gaussian: worst error is %.2f of what is allowed at points, %.2f on rays\n",
@@ -300,8 +288,8 @@ static void check_shell(struct neph_vulkan *vulkan, const struct test_scene *tes
     assert_non_null(probes);
     for (int i = 0; i < PROBES_MAX; i++) {
         const double reach_m = i % 7 == 0 ? 0.0 : i % 3 ? 5.0 * h_m : 2.0 * sqrt(r_m * h_m);
-        probes[i] = probe_from(test, random_point(random, test->key.position_m, reach_m),
-                               random_direction(random), h_m * PICK(random, lengths));
+        probes[i] = probe_from(test, point_near(random, test->key.position_m, reach_m),
+                               odd_direction(random), h_m * PICK(random, lengths));
     }
     struct answer *answers = ask(vulkan, test, probes, PROBES_MAX);
     int grazing = 0;
@@ -366,8 +354,8 @@ static void test_shells(void **state)
         const struct neph_vec3 up = c % 3 == 2 ? neph_vec3_normalize((struct neph_vec3){1, 2, -1})
                                                : (struct neph_vec3){0, 1, 0};
         look_from(&test, neph_vec3_along(center_m, up, cases[c].radius_m + cases[c].altitude_m));
-        struct neph_medium *medium = add_medium(&test, NEPH_MEDIUM_SHELL,
-                                                0.3 / cases[c].scale_height_m);
+        struct neph_medium *medium = test_add_cloud(&test, NEPH_MEDIUM_SHELL,
+                                                    0.3 / cases[c].scale_height_m);
         medium->shell = (struct neph_shell){center_m, cases[c].radius_m, cases[c].scale_height_m};
         check_shell(*state, &test, &random, &worst);
     }
@@ -376,18 +364,6 @@ static void test_shells(void **state)
 }
 
 /* --- grids -------------------------------------------------------------------------------- */
-
-static struct neph_grid *random_grid(uint64_t *random, const int size[3], struct neph_vec3 origin_m,
-                                     struct neph_vec3 spacing_m)
-{
-    struct neph_diag diag = {0};
-    struct neph_grid *grid;
-    neph_assert_ok(neph_grid_create(size, origin_m, spacing_m, &grid, &diag), &diag);
-    for (int i = 0; i < size[0] * size[1] * size[2]; i++)
-        grid->values[i] = (float)fmax(0.0, neph_test_uniform(random, -0.5, 1.0));
-    neph_assert_ok(neph_grid_seal(grid, &diag), &diag);
-    return grid;
-}
 
 static struct neph_vec3 random_node(uint64_t *random, const struct neph_grid *grid)
 {
@@ -437,13 +413,13 @@ static void check_grid(struct neph_vulkan *vulkan, const struct test_scene *test
     struct probe *probes = calloc(PROBES_MAX, sizeof(*probes));
     assert_non_null(probes);
     for (int i = 0; i < PROBES_MAX; i++) {
-        struct neph_vec3 origin_m = i % 4 ? random_point(random, center_m, 0.6 * extent_m)
+        struct neph_vec3 origin_m = i % 4 ? point_near(random, center_m, 0.6 * extent_m)
                                           : random_node(random, grid); /* on faces and edges */
-        struct neph_vec3 direction = random_direction(random);
+        struct neph_vec3 direction = odd_direction(random);
         if (i % 5 == 0) /* from outside, aimed at a node */
             direction = neph_vec3_normalize(
                 neph_vec3_sub(random_node(random, grid),
-                              origin_m = random_point(random, center_m, 3.0 * extent_m)));
+                              origin_m = point_near(random, center_m, 3.0 * extent_m)));
         probes[i] = probe_from(test, origin_m, direction, extent_m * PICK(random, lengths));
     }
     struct answer *answers = ask(vulkan, test, probes, PROBES_MAX);
@@ -490,10 +466,10 @@ static void test_grids(void **state)
     for (size_t c = 0; c < sizeof(cases) / sizeof(cases[0]); c++) {
         struct test_scene test;
         const struct neph_vec3 origin_m = {1000.0 + (double)c, 17.0, -3.0};
-        look_from(&test, neph_vec3_add(origin_m, neph_vec3_scale(random_direction(&random),
+        look_from(&test, neph_vec3_add(origin_m, neph_vec3_scale(odd_direction(&random),
                                                                  cases[c].distance_m)));
-        struct neph_medium *medium = add_medium(&test, NEPH_MEDIUM_GRID, 0.7);
-        medium->grid = random_grid(&random, cases[c].size, origin_m, cases[c].spacing_m);
+        struct neph_medium *medium = test_add_cloud(&test, NEPH_MEDIUM_GRID, 0.7);
+        medium->grid = random_lattice(cases[c].size, origin_m, cases[c].spacing_m, -0.5, &random);
         if (c == 2) /* bounds that cut the lattice */
             medium->bounds = (struct neph_bounds){{1005.0, 20.0, -INFINITY}, {1030.0, 40.0, 20.0}};
         check_grid(*state, &test, &random, &worst);
@@ -510,15 +486,15 @@ static void test_grids_beside_each_other(void **state)
     struct test_scene test;
     look_from(&test, (struct neph_vec3){0.0, 0.0, 0.0});
     for (int m = 0; m < 4; m++) {
-        struct neph_medium *medium = add_medium(&test, NEPH_MEDIUM_GRID, 1.0 + m);
-        medium->grid = random_grid(&random, (const int[3]){3 + m, 4, 5},
-                                   (struct neph_vec3){-2.0, -2.0, -2.0},
-                                   (struct neph_vec3){1.0, 1.0, 1.0});
+        struct neph_medium *medium = test_add_cloud(&test, NEPH_MEDIUM_GRID, 1.0 + m);
+        medium->grid = random_lattice((const int[3]){3 + m, 4, 5},
+                                      (struct neph_vec3){-2.0, -2.0, -2.0},
+                                      (struct neph_vec3){1.0, 1.0, 1.0}, -0.5, &random);
     }
     struct probe probes[400];
     for (int i = 0; i < 400; i++) {
-        probes[i] = probe_from(&test, random_point(&random, (struct neph_vec3){0, 0, 0}, 3.0),
-                               random_direction(&random), 4.0);
+        probes[i] = probe_from(&test, point_near(&random, (struct neph_vec3){0, 0, 0}, 3.0),
+                               odd_direction(&random), 4.0);
         probes[i].medium = (uint32_t)i % 4;
     }
     struct answer *answers = ask(*state, &test, probes, 400);
@@ -601,7 +577,7 @@ static void check_horizon(struct neph_vulkan *vulkan, const struct test_scene *t
         const struct neph_vec3 origin_m = point_in_layer(
             params, test->key.position_m.x + reach * neph_test_uniform(random, -1, 1),
             test->key.position_m.z + reach * neph_test_uniform(random, -1, 1), altitude_m);
-        probes[i] = probe_from(test, origin_m, random_direction(random), 1e4);
+        probes[i] = probe_from(test, origin_m, odd_direction(random), 1e4);
     }
     struct answer *answers = ask(vulkan, test, probes, PROBES_MAX);
     const double camera_m = fabs(test->key.position_m.y - params->bottom_m);
@@ -653,7 +629,7 @@ static void test_horizon_clouds(void **state)
         struct test_scene test;
         struct neph_diag diag = {0};
         look_from(&test, cases[c].camera_m);
-        struct neph_medium *medium = add_medium(&test, NEPH_MEDIUM_HORIZON, 0.05);
+        struct neph_medium *medium = test_add_cloud(&test, NEPH_MEDIUM_HORIZON, 0.05);
         struct neph_horizon_params params = neph_horizon_defaults();
         params.planet_radius_m = cases[c].planet_radius_m;
         params.bottom_m = cases[c].bottom_m;
@@ -683,8 +659,8 @@ static void test_extreme_media_give_no_nonsense(void **state)
         look_from(&test, (struct neph_vec3){PICK(&random, places), PICK(&random, places), 0.0});
         const enum neph_medium_kind kinds[] = {NEPH_MEDIUM_GAUSSIAN, NEPH_MEDIUM_SHELL,
                                                NEPH_MEDIUM_GRID};
-        struct neph_medium *medium = add_medium(&test, kinds[round % 3],
-                                                PICK(&random, extinctions));
+        struct neph_medium *medium = test_add_cloud(&test, kinds[round % 3],
+                                                    PICK(&random, extinctions));
         const struct neph_vec3 center_m = {PICK(&random, places), PICK(&random, places),
                                            PICK(&random, places)};
         medium->gaussian = (struct neph_gaussian){center_m, PICK(&random, sizes)};
@@ -692,16 +668,17 @@ static void test_extreme_media_give_no_nonsense(void **state)
         if (kinds[round % 3] == NEPH_MEDIUM_GRID) {
             const double spacing_m = fmax(PICK(&random, sizes), /* finer is refused */
                                           1e-12 * neph_vec3_length(center_m));
-            medium->grid = random_grid(&random, (const int[3]){3, 2, 4}, center_m,
-                                       (struct neph_vec3){spacing_m, spacing_m, 2.0 * spacing_m});
+            medium->grid = random_lattice((const int[3]){3, 2, 4}, center_m,
+                                          (struct neph_vec3){spacing_m, spacing_m, 2.0 * spacing_m},
+                                          -0.5, &random);
             medium->grid->values[3] = 3e38f;
         }
         struct probe probes[256];
         for (int i = 0; i < 256; i++)
             probes[i] = probe_from(&test,
-                                   random_point(&random, i % 2 ? center_m : test.key.position_m,
-                                                i % 4 ? PICK(&random, sizes) : 0.0),
-                                   random_direction(&random), i % 3 ? PICK(&random, sizes) : 1e15);
+                                   point_near(&random, i % 2 ? center_m : test.key.position_m,
+                                              i % 4 ? PICK(&random, sizes) : 0.0),
+                                   odd_direction(&random), i % 3 ? PICK(&random, sizes) : 1e15);
         struct answer *answers = ask(*state, &test, probes, 256);
         for (int i = 0; i < 256; i++)
             if (!(answers[i].extinction_per_m >= 0.0f) || isinf(answers[i].extinction_per_m) ||
@@ -752,15 +729,15 @@ static void test_extreme_horizon_clouds_give_no_nonsense(void **state)
         horizon->params = extreme_horizon_params(&random);
         const double y_m = horizon->params.bottom_m;
         look_from(&test, (struct neph_vec3){0.0, round % 4 ? y_m : 0.0, round % 3 ? 0.0 : 1e12});
-        struct neph_medium *medium = add_medium(&test, NEPH_MEDIUM_HORIZON,
-                                                PICK(&random, extinctions));
+        struct neph_medium *medium = test_add_cloud(&test, NEPH_MEDIUM_HORIZON,
+                                                    PICK(&random, extinctions));
         medium->horizon = horizon;
         struct probe probes[256];
         for (int i = 0; i < 256; i++)
             probes[i] = probe_from(
                 &test,
-                random_point(&random, test.key.position_m, i % 4 ? PICK(&random, sizes_m) : 0.0),
-                random_direction(&random), i % 3 ? 1e3 : 1e15);
+                point_near(&random, test.key.position_m, i % 4 ? PICK(&random, sizes_m) : 0.0),
+                odd_direction(&random), i % 3 ? 1e3 : 1e15);
         struct answer *answers = ask(*state, &test, probes, 256);
         for (int i = 0; i < 256; i++) {
             const double depth_max = (double)answers[i].extinction_per_m * 1e15;

@@ -237,41 +237,25 @@ static void teardown(struct test_scene *test)
     }
 }
 
-static struct neph_medium *add_cloud(struct test_scene *test, enum neph_medium_kind kind,
-                                     double extinction_per_m)
-{
-    struct neph_medium *medium = test_add_medium(test, extinction_per_m, 0.0, 0.0);
-    medium->kind = kind;
-    medium->layer_count = 0;
-    medium->extinction_per_m = extinction_per_m;
-    return medium;
-}
-
 /* Smooth and lumpy, zero in places; 2.2 x 1.4 x 2.2 m ahead of the camera. */
 static void scene_grid(struct test_scene *test)
 {
-    struct neph_medium *medium = add_cloud(test, NEPH_MEDIUM_GRID, 6.0);
-    struct neph_diag diag = {0};
-    const int size[3] = {12, 8, 12};
-    neph_assert_ok(neph_grid_create(size, (struct neph_vec3){-1.0, 1.0, -4.0},
-                                    (struct neph_vec3){0.18, 0.18, 0.18}, &medium->grid, &diag),
-                   &diag);
     uint64_t random = seed;
-    for (int i = 0; i < 12 * 8 * 12; i++)
-        medium->grid->values[i] = (float)fmax(0.0, neph_test_uniform(&random, -0.3, 1.0));
-    neph_assert_ok(neph_grid_seal(medium->grid, &diag), &diag);
+    test_add_cloud(test, NEPH_MEDIUM_GRID, 6.0)->grid = random_lattice(
+        (const int[3]){12, 8, 12}, (struct neph_vec3){-1.0, 1.0, -4.0},
+        (struct neph_vec3){0.18, 0.18, 0.18}, -0.3, &random);
 }
 
 static void scene_gaussian(struct test_scene *test)
 {
-    struct neph_medium *medium = add_cloud(test, NEPH_MEDIUM_GAUSSIAN, 2.0);
+    struct neph_medium *medium = test_add_cloud(test, NEPH_MEDIUM_GAUSSIAN, 2.0);
     medium->gaussian = (struct neph_gaussian){{0.3, 1.8, -5.0}, 0.6};
 }
 
 /* A planet of 50 m with an atmosphere, seen from the side. */
 static void scene_shell(struct test_scene *test)
 {
-    struct neph_medium *medium = add_cloud(test, NEPH_MEDIUM_SHELL, 0.1);
+    struct neph_medium *medium = test_add_cloud(test, NEPH_MEDIUM_SHELL, 0.1);
     medium->shell = (struct neph_shell){{0.0, -20.0, -100.0}, 50.0, 6.0};
     medium->bounds = (struct neph_bounds){{-150.0, -170.0, -250.0}, {150.0, 130.0, 50.0}};
     test_add_sphere(test, (struct neph_vec3){0.0, -20.0, -100.0}, 50.0);
@@ -287,7 +271,7 @@ static void scene_coloured_grid(struct test_scene *test)
 static void scene_two_coloured(struct test_scene *test)
 {
     scene_coloured_grid(test);
-    struct neph_medium *blob = add_cloud(test, NEPH_MEDIUM_GAUSSIAN, 3.0);
+    struct neph_medium *blob = test_add_cloud(test, NEPH_MEDIUM_GAUSSIAN, 3.0);
     blob->gaussian = (struct neph_gaussian){{0.2, 1.7, -3.2}, 0.4};
     blob->extinction_color = (struct neph_rgb){2.0, 0.5, 1.0};
 }
@@ -307,7 +291,7 @@ static void scene_all(struct test_scene *test)
 /* A cloud layer, over the floor and behind thin fog: no closed form of its optical depth. */
 static void scene_horizon(struct test_scene *test)
 {
-    struct neph_medium *medium = add_cloud(test, NEPH_MEDIUM_HORIZON, 0.02);
+    struct neph_medium *medium = test_add_cloud(test, NEPH_MEDIUM_HORIZON, 0.02);
     struct neph_horizon_params params = neph_horizon_defaults();
     struct neph_diag diag = {0};
     neph_assert_ok(neph_horizon_create(&params, &medium->horizon, &diag), &diag);
@@ -371,7 +355,7 @@ static void test_against_the_light(void **state)
         if (cases[i].is_ball || cases[i].is_two) {
             medium = cases[i].is_ball ? medium : test_add_medium(&test, 0.0, 0.0, 0.0);
             medium->kind = NEPH_MEDIUM_GAUSSIAN;
-            medium->bounds = test_unbounded;
+            medium->bounds = everywhere;
             medium->layer_count = 0;
             medium->extinction_per_m = depth / (2.5066282746310002 * 4.0);
             medium->gaussian = (struct neph_gaussian){{0.0, 1.6, -24.0}, 4.0};
@@ -567,7 +551,7 @@ static void test_guessed_clouds_are_those_of_the_oracle(void **state)
  * cells with their ramps and 16 majorants, whose faces lie within the cells. */
 static void scene_spikes(struct test_scene *test)
 {
-    struct neph_medium *medium = add_cloud(test, NEPH_MEDIUM_GRID, 30.0);
+    struct neph_medium *medium = test_add_cloud(test, NEPH_MEDIUM_GRID, 30.0);
     struct neph_diag diag = {0};
     const int size[3] = {16, 16, 16};
     neph_assert_ok(neph_grid_create(size, (struct neph_vec3){-1.0, 0.6, -4.0},
@@ -656,7 +640,6 @@ static double one(const struct test_scene *test, struct neph_vec3 ray, int i, in
  * chance, else each path brings home 1. */
 static void test_clouds_in_the_white_furnace(void **state)
 {
-    const struct neph_rgb white = {1.0, 1.0, 1.0};
     for (size_t s = 0; s < sizeof(clouds) / sizeof(clouds[0]); s++) {
         struct test_scene test;
         test_scene_init(&test);

@@ -3,15 +3,12 @@
  * Baking: what must be exact is, the error falls by the order of trilinear interpolation, and the
  * reported error is the one that an independent look finds.
  */
-#include "tests/neph_test.h"
+#include "tests/scene_builders.h"
 
 #include "scenes/bake.h"
 #include "scenes/media.h"
 
 static const struct neph_bounds unit_box = {{-1, -1, -1}, {1, 1, 1}};
-static const struct neph_bounds everywhere = {{-INFINITY, -INFINITY, -INFINITY},
-                                              {INFINITY, INFINITY, INFINITY}};
-
 static struct neph_medium medium_of(enum neph_medium_kind kind, struct neph_bounds bounds)
 {
     return (struct neph_medium){.kind = kind,

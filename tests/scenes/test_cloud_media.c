@@ -3,50 +3,24 @@
  * Gaussian blobs, spherical shells and voxel grids: line integrals against closed forms, against
  * quadrature of the density itself, and against themselves (additivity, reversal); majorants.
  */
-#include "tests/neph_test.h"
+#include "tests/scene_builders.h"
 
 #include "scenes/grid.h"
 #include "scenes/majorant.h"
 #include "scenes/media.h"
 #include "scenes/quadrature.h"
 
-static const struct neph_bounds everywhere = {{-INFINITY, -INFINITY, -INFINITY},
-                                              {INFINITY, INFINITY, INFINITY}};
-
-static struct neph_medium blob(struct neph_vec3 center_m, double width_m)
+static struct neph_medium planet(double radius_m, double scale_height_m)
 {
-    return (struct neph_medium){.kind = NEPH_MEDIUM_GAUSSIAN,
-                                .bounds = everywhere,
-                                .extinction_color = {1, 1, 1},
-                                .extinction_per_m = 0.7,
-                                .gaussian = {center_m, width_m}};
+    return make_shell(1.0 / scale_height_m, (struct neph_vec3){0.0, -radius_m, 0.0}, radius_m,
+                      scale_height_m);
 }
 
-static struct neph_medium shell(double radius_m, double scale_height_m)
+static struct neph_medium voxels(uint64_t seed)
 {
-    return (struct neph_medium){.kind = NEPH_MEDIUM_SHELL,
-                                .bounds = everywhere,
-                                .extinction_color = {1, 1, 1},
-                                .extinction_per_m = 1.0 / scale_height_m,
-                                .shell = {{0.0, -radius_m, 0.0}, radius_m, scale_height_m}};
-}
-
-/* A lattice of 5 x 4 x 3 nodes with seeded values, some of them 0. */
-static struct neph_medium lattice(uint64_t seed)
-{
-    struct neph_grid *grid = NULL;
-    struct neph_diag diag = {0};
-    neph_assert_ok(neph_grid_create((const int[3]){5, 4, 3}, (struct neph_vec3){-2.0, 1.0, 0.5},
-                                    (struct neph_vec3){1.0, 0.5, 2.0}, &grid, &diag),
-                   &diag);
-    for (int i = 0; i < 60; i++)
-        grid->values[i] = (float)fmax(0.0, neph_test_uniform(&seed, -0.3, 1.0));
-    neph_assert_ok(neph_grid_seal(grid, &diag), &diag);
-    return (struct neph_medium){.kind = NEPH_MEDIUM_GRID,
-                                .bounds = everywhere,
-                                .extinction_color = {1, 1, 1},
-                                .extinction_per_m = 1.5,
-                                .grid = grid};
+    return make_voxels(1.5,
+                       random_lattice((const int[3]){5, 4, 3}, (struct neph_vec3){-2.0, 1.0, 0.5},
+                                      (struct neph_vec3){1.0, 0.5, 2.0}, -0.3, &seed));
 }
 
 struct line {
@@ -72,18 +46,6 @@ static double brute_force(const struct line *line, double t0_m, double t1_m, int
                                            t0_m + (t1_m - t0_m) * (i + 1) / piece_count};
     neph_integrate(density_on_line, (void *)line, pieces, piece_count, result);
     return result[0];
-}
-
-static struct neph_vec3 random_direction(uint64_t *random)
-{
-    for (;;) {
-        const struct neph_vec3 v = {neph_test_uniform(random, -1, 1),
-                                    neph_test_uniform(random, -1, 1),
-                                    neph_test_uniform(random, -1, 1)};
-        const double length = neph_vec3_length(v);
-        if (length > 0.1 && length < 1.0)
-            return neph_vec3_scale(v, 1.0 / length);
-    }
 }
 
 static double depth(const struct line *line, double t0_m, double t1_m)
@@ -117,7 +79,7 @@ static void check_lines(const struct neph_medium *medium, double reach_m, double
 static void test_gaussian_lines(void **state)
 {
     (void)state;
-    const struct neph_medium medium = blob((struct neph_vec3){0.3, -0.2, 0.1}, 0.8);
+    const struct neph_medium medium = make_blob(0.7, (struct neph_vec3){0.3, -0.2, 0.1}, 0.8);
     check_lines(&medium, 3.0, 1e-11, 101);
     /* Through the middle: sigma w sqrt(2 pi). */
     const struct line line = {&medium, {-1e3, -0.2, 0.1}, {1, 0, 0}};
@@ -128,7 +90,7 @@ static void test_gaussian_lines(void **state)
 static void test_gaussian_tail(void **state)
 {
     (void)state;
-    const struct neph_medium medium = blob((struct neph_vec3){0, 0, 0}, 1.0);
+    const struct neph_medium medium = make_blob(0.7, (struct neph_vec3){0, 0, 0}, 1.0);
     const struct line line = {&medium, {0, 0, 0}, {0, 0, 1}};
     /* 0.7 sqrt(pi/2) erfc(8 / sqrt 2), mpmath */
     neph_assert_close(depth(&line, 8.0, INFINITY), 1.0915544969584052e-15, 1e-12, 0.0);
@@ -139,7 +101,7 @@ static void test_gaussian_tail(void **state)
 static void test_shell_lines(void **state)
 {
     (void)state;
-    const struct neph_medium medium = shell(50.0, 1.0);
+    const struct neph_medium medium = planet(50.0, 1.0);
     struct line line = {&medium, {0, 0, 0}, {0, 1, 0}};
     neph_assert_close(depth(&line, 0.0, INFINITY), 1.0, 1e-14, 0.0);
     uint64_t random = 77;
@@ -164,7 +126,7 @@ static void test_chapman(void **state)
     } rows[] = {
         {50.0, 8.9283279279407787}, {796.375, 35.385319517709898}, {1e6, 1253.3146073081549}};
     for (size_t i = 0; i < sizeof(rows) / sizeof(rows[0]); i++) {
-        const struct neph_medium medium = shell(rows[i].x, 1.0);
+        const struct neph_medium medium = planet(rows[i].x, 1.0);
         const struct line line = {&medium, {0, 0, 0}, {1, 0, 0}};
         neph_assert_close(depth(&line, 0.0, INFINITY), rows[i].value, 2e-13, 0.0);
         const struct line whole = {&medium, {-1e3 * rows[i].x, 0, 0}, {1, 0, 0}};
@@ -175,7 +137,7 @@ static void test_chapman(void **state)
 static void test_shell_is_hollow(void **state)
 {
     (void)state;
-    const struct neph_medium medium = shell(50.0, 1.0);
+    const struct neph_medium medium = planet(50.0, 1.0);
     const struct line through = {&medium, {0, 20, 0}, {0, -1, 0}};
     neph_assert_close(depth(&through, 0.0, INFINITY), 2.0 - exp(-20.0), 1e-13, 0.0);
     neph_assert_close(depth(&through, 21.0, 100.0), 0.0, 0.0, 0.0);
@@ -184,7 +146,7 @@ static void test_shell_is_hollow(void **state)
 static void test_grid_lines(void **state)
 {
     (void)state;
-    struct neph_medium medium = lattice(5);
+    struct neph_medium medium = voxels(5);
     check_lines(&medium, 3.0, 3e-6, 202); /* quadrature across faces, where it converges slowly */
     medium.bounds = (struct neph_bounds){{-1.3, 1.2, 0.0}, {1.1, 2.0, 3.3}};
     check_lines(&medium, 3.0, 3e-6, 203);
@@ -195,7 +157,7 @@ static void test_grid_lines(void **state)
 static void test_grid_on_faces(void **state)
 {
     (void)state;
-    struct neph_medium medium = lattice(6);
+    struct neph_medium medium = voxels(6);
     for (int i = -1; i <= 5; i++)
         for (int axis = 0; axis < 3; axis++)
             for (int sign = -1; sign <= 1; sign += 2) {
@@ -214,7 +176,7 @@ static void test_grid_on_faces(void **state)
 static void test_grid_density(void **state)
 {
     (void)state;
-    struct neph_medium medium = lattice(7);
+    struct neph_medium medium = voxels(7);
     const struct neph_grid *grid = medium.grid;
     for (int k = 0; k < 3; k++)
         for (int j = 0; j < 4; j++)
@@ -262,12 +224,12 @@ static void test_majorants(void **state)
 {
     (void)state;
     const struct neph_bounds box = {{-4, -2, -3}, {4, 5, 8}};
-    struct neph_medium medium = lattice(8);
+    struct neph_medium medium = voxels(8);
     check_majorants(&medium, &box, 1);
     neph_grid_destroy(medium.grid);
-    medium = blob((struct neph_vec3){0.3, 1.0, 2.0}, 1.5);
+    medium = make_blob(0.7, (struct neph_vec3){0.3, 1.0, 2.0}, 1.5);
     check_majorants(&medium, &box, 2);
-    medium = shell(20.0, 2.0);
+    medium = planet(20.0, 2.0);
     check_majorants(&medium, &box, 3);
     medium = (struct neph_medium){.kind = NEPH_MEDIUM_HEIGHT_FOG,
                                   .bounds = everywhere,

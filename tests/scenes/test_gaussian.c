@@ -2,41 +2,12 @@
  *
  * Blobs against 40-digit references, and the properties that make an optical depth one.
  */
-#include "tests/neph_test.h"
+#include "tests/scene_builders.h"
 
 #include "scenes/media.h"
 #include "tests/scenes/reference_radial.h"
 
 #include <float.h>
-
-#define COUNT(array) (sizeof(array) / sizeof((array)[0]))
-
-static const struct neph_bounds everywhere = {{-INFINITY, -INFINITY, -INFINITY},
-                                              {INFINITY, INFINITY, INFINITY}};
-
-static struct neph_medium blob(struct neph_vec3 center_m, double width_m, double extinction_per_m)
-{
-    return (struct neph_medium){.kind = NEPH_MEDIUM_GAUSSIAN,
-                                .bounds = everywhere,
-                                .extinction_color = {1, 1, 1},
-                                .extinction_per_m = extinction_per_m,
-                                .gaussian = {center_m, width_m}};
-}
-
-static struct neph_vec3 random_direction(uint64_t *seed)
-{
-    const double y = neph_test_uniform(seed, -1.0, 1.0);
-    const double azimuth = neph_test_uniform(seed, 0.0, 2.0 * M_PI);
-    const double across = sqrt(1.0 - y * y);
-    return (struct neph_vec3){across * cos(azimuth), y, across * sin(azimuth)};
-}
-
-static struct neph_vec3 random_point(uint64_t *seed, double size_m)
-{
-    return (struct neph_vec3){neph_test_uniform(seed, -size_m, size_m),
-                              neph_test_uniform(seed, -size_m, size_m),
-                              neph_test_uniform(seed, -size_m, size_m)};
-}
 
 /* 1e-12; more where a place so many widths away is rounded: e^{-x^2/2} turns the error of x (which
  * long double has from the distance) into x times it, x < 40. Subnormal results have no digits. */
@@ -46,7 +17,7 @@ static void test_optical_depth_against_reference(void **state)
     double worst = 0.0;
     for (size_t i = 0; i < COUNT(reference_gaussian); i++) {
         const struct reference_gaussian *r = &reference_gaussian[i];
-        const struct neph_medium medium = blob(r->center_m, r->width_m, 1.0);
+        const struct neph_medium medium = make_blob(1.0, r->center_m, r->width_m);
         const double tau = neph_medium_optical_depth(&medium, r->origin_m, r->direction, r->t0_m,
                                                      r->t1_m);
         const double distance_m = neph_vec3_length(neph_vec3_sub(r->origin_m, r->center_m));
@@ -67,7 +38,8 @@ static void test_optical_depth_adds_and_reverses(void **state)
     for (uint64_t trial = 0; trial < 20000; trial++) {
         uint64_t seed = first_seed + trial;
         const double width_m = pow(10.0, neph_test_uniform(&seed, -2, 4));
-        const struct neph_medium medium = blob(random_point(&seed, 2.0 * width_m), width_m, 0.3);
+        const struct neph_medium medium = make_blob(0.3, random_point(&seed, 2.0 * width_m),
+                                                    width_m);
         const struct neph_vec3 o = random_point(&seed, 6.0 * width_m), d = random_direction(&seed);
         const double a_m = neph_test_uniform(&seed, -8.0, 8.0) * width_m;
         const double b_m = a_m + width_m * pow(10.0, neph_test_uniform(&seed, -6, 1));
@@ -95,7 +67,7 @@ static void test_extinction_is_the_derivative(void **state)
     const uint64_t first_seed = 7;
     for (uint64_t trial = 0; trial < 2000; trial++) {
         uint64_t seed = first_seed + trial;
-        const struct neph_medium medium = blob(random_point(&seed, 5.0), 2.0, 0.7);
+        const struct neph_medium medium = make_blob(0.7, random_point(&seed, 5.0), 2.0);
         const struct neph_vec3 o = random_point(&seed, 8.0), d = random_direction(&seed);
         const double length_m = 2e-6;
         const double slope = neph_medium_optical_depth(&medium, o, d, 0.0, length_m) / length_m;
@@ -119,8 +91,8 @@ static void test_is_never_nonsense(void **state)
             for (size_t y = 0; y < COUNT(places); y++)
                 for (size_t l = 0; l < COUNT(lengths); l++)
                     for (size_t k = 0; k < COUNT(directions); k++) {
-                        const struct neph_medium medium = blob((struct neph_vec3){0, 1, 0},
-                                                               widths[w], 1.0 / widths[w]);
+                        const struct neph_medium medium = make_blob(
+                            1.0 / widths[w], (struct neph_vec3){0, 1, 0}, widths[w]);
                         const struct neph_vec3 o = {places[x], places[y], 0.0};
                         const double tau = neph_medium_optical_depth(&medium, o, directions[k], 0.0,
                                                                      lengths[l]);
@@ -140,7 +112,7 @@ static void test_bound_holds_in_any_box(void **state)
     double used = 0.0;
     for (uint64_t trial = 0; trial < 2000; trial++) {
         uint64_t seed = first_seed + trial;
-        const struct neph_medium medium = blob(random_point(&seed, 3.0), 1.0, 2.0);
+        const struct neph_medium medium = make_blob(2.0, random_point(&seed, 3.0), 1.0);
         const struct neph_vec3 a = random_point(&seed, 5.0), b = random_point(&seed, 5.0);
         const struct neph_bounds box = {{fmin(a.x, b.x), fmin(a.y, b.y), fmin(a.z, b.z)},
                                         {fmax(a.x, b.x), fmax(a.y, b.y), fmax(a.z, b.z)}};
@@ -158,7 +130,7 @@ static void test_bound_holds_in_any_box(void **state)
         assert_true(bound <= 2.0 * (1.0 + 1e-11));
     }
     assert_true(used > 0.95); /* a bound, not just a large number */
-    const struct neph_medium medium = blob((struct neph_vec3){0, 0, 0}, 1.0, 2.0);
+    const struct neph_medium medium = make_blob(2.0, (struct neph_vec3){0, 0, 0}, 1.0);
     neph_assert_close(neph_medium_extinction_bound_per_m(&medium, &everywhere), 2.0, 1e-11, 0.0);
 }
 
@@ -169,7 +141,7 @@ static void test_container_loses_no_more_than_it_says(void **state)
     (void)state;
     const struct neph_scene scene = {0};
     const struct neph_vec3 c = {100.0, 50.0, -30.0};
-    struct neph_medium medium = blob(c, 10.0, 1e5);
+    struct neph_medium medium = make_blob(1e5, c, 10.0);
     medium.extinction_color = (struct neph_rgb){0.5, 4.0, 1.0};
     double said;
     const struct neph_bounds box = neph_medium_container(&scene, &medium, &said);
@@ -201,7 +173,7 @@ static void test_container_keeps_finite_bounds(void **state)
 {
     (void)state;
     const struct neph_scene scene = {0};
-    struct neph_medium medium = blob((struct neph_vec3){0, 0, 0}, 10.0, 1.0);
+    struct neph_medium medium = make_blob(1.0, (struct neph_vec3){0, 0, 0}, 10.0);
     medium.bounds = (struct neph_bounds){{-5, -6, -7}, {5, 6, 7}};
     double error = 1.0;
     const struct neph_bounds box = neph_medium_container(&scene, &medium, &error);

@@ -9,8 +9,6 @@
 
 #include <float.h>
 
-#define COUNT(array) (sizeof(array) / sizeof((array)[0]))
-
 static struct neph_grid *make_grid(const int size[3], struct neph_vec3 origin_m,
                                    struct neph_vec3 spacing_m)
 {

@@ -2,16 +2,11 @@
  *
  * Majorants are never passed, are not far too large, and their cells are what was asked for.
  */
-#include "tests/neph_test.h"
+#include "tests/scene_builders.h"
 
 #include "scenes/grid.h"
 #include "scenes/majorant.h"
 #include "scenes/media.h"
-
-#define COUNT(array) (sizeof(array) / sizeof((array)[0]))
-
-static const struct neph_bounds everywhere = {{-INFINITY, -INFINITY, -INFINITY},
-                                              {INFINITY, INFINITY, INFINITY}};
 
 static struct neph_majorants *make(const struct neph_medium *medium, const struct neph_bounds *box,
                                    int cell_count)

@@ -2,7 +2,7 @@
  *
  * Media against 50-digit references, and the properties that make an optical depth one.
  */
-#include "tests/neph_test.h"
+#include "tests/scene_builders.h"
 
 #include "scenes/media.h"
 #include "scenes/quadrature.h"
@@ -10,12 +10,7 @@
 
 #include <float.h>
 
-#define COUNT(array) (sizeof(array) / sizeof((array)[0]))
-
 static const double unit_roundoff = 0x1p-53;
-
-static const struct neph_bounds everywhere = {{-INFINITY, -INFINITY, -INFINITY},
-                                              {INFINITY, INFINITY, INFINITY}};
 
 /* The worst of a quantity, kept to be printed: what was measured stands beside what is asserted. */
 struct worst {
@@ -166,21 +161,6 @@ static void test_infinite_rays(void **state)
     }
     const struct neph_fog_layer homogeneous = {1e-3, 0.0, 0.0};
     assert_true(neph_fog_layer_optical_depth(&homogeneous, 0.0, 1.0, INFINITY) == INFINITY);
-}
-
-static struct neph_vec3 random_direction(uint64_t *seed)
-{
-    const double y = neph_test_uniform(seed, -1.0, 1.0);
-    const double azimuth = neph_test_uniform(seed, 0.0, 2.0 * M_PI);
-    const double across = sqrt(1.0 - y * y);
-    return (struct neph_vec3){across * cos(azimuth), y, across * sin(azimuth)};
-}
-
-static struct neph_vec3 random_point(uint64_t *seed, double size_m)
-{
-    return (struct neph_vec3){neph_test_uniform(seed, -size_m, size_m),
-                              neph_test_uniform(seed, -size_m, size_m),
-                              neph_test_uniform(seed, -size_m, size_m)};
 }
 
 static struct neph_medium random_medium(uint64_t *seed)

@@ -8,8 +8,6 @@
 
 #include <float.h>
 
-#define COUNT(array) (sizeof(array) / sizeof((array)[0]))
-
 /* Three channels of one integrand: f, 2 f and -f/3, so that a mixed-up channel shows. */
 struct scalar {
     double (*function)(double x, double p);

@@ -3,7 +3,7 @@
  * Atmospheres against 40-digit references and closed forms, and the properties that make an optical
  * depth one.
  */
-#include "tests/neph_test.h"
+#include "tests/scene_builders.h"
 
 #include "scenes/media.h"
 #include "scenes/radial.h"
@@ -11,29 +11,19 @@
 
 #include <float.h>
 
-#define COUNT(array) (sizeof(array) / sizeof((array)[0]))
-
-static const struct neph_bounds everywhere = {{-INFINITY, -INFINITY, -INFINITY},
-                                              {INFINITY, INFINITY, INFINITY}};
-
 /* The ground at the origin, its centre below. */
-static struct neph_medium shell(double radius_m, double scale_height_m)
+static struct neph_medium planet(double radius_m, double scale_height_m)
 {
-    return (struct neph_medium){.kind = NEPH_MEDIUM_SHELL,
-                                .bounds = everywhere,
-                                .extinction_color = {1, 1, 1},
-                                .extinction_per_m = 1.0,
-                                .shell = {{0.0, -radius_m, 0.0}, radius_m, scale_height_m}};
+    return make_shell(1.0, (struct neph_vec3){0.0, -radius_m, 0.0}, radius_m, scale_height_m);
 }
 
-static struct neph_vec3 random_direction(uint64_t *seed)
+/* Half of them all but level. */
+static struct neph_vec3 random_slope(uint64_t *seed)
 {
-    double y = neph_test_uniform(seed, -1.0, 1.0);
+    struct neph_vec3 direction = random_direction(seed);
     if (neph_test_uniform(seed, 0, 1) < 0.5)
-        y *= 1e-3; /* all but level */
-    const double azimuth = neph_test_uniform(seed, 0.0, 2.0 * M_PI);
-    const double across = sqrt(1.0 - y * y);
-    return (struct neph_vec3){across * cos(azimuth), y, across * sin(azimuth)};
+        direction.y *= 1e-3;
+    return neph_vec3_normalize(direction);
 }
 
 /* How far rounding moves the place where a line meets the ground [m]: the impact is good to a few
@@ -59,7 +49,7 @@ static void test_optical_depth_against_reference(void **state)
     double worst = 0.0;
     for (size_t i = 0; i < COUNT(reference_shell); i++) {
         const struct reference_shell *r = &reference_shell[i];
-        const struct neph_medium medium = shell(r->radius_m, r->scale_height_m);
+        const struct neph_medium medium = planet(r->radius_m, r->scale_height_m);
         const double tau = neph_medium_optical_depth(&medium, r->origin_m, r->direction, r->t0_m,
                                                      r->t1_m);
         const double altitudes = 4.0 * LDBL_EPSILON * r->radius_m / r->scale_height_m;
@@ -79,7 +69,7 @@ static void test_level_rays_from_the_ground(void **state)
     static const double xs[] = {40.0, 797.0, 1e4, 1e6, 1e9};
     for (size_t i = 0; i < COUNT(xs); i++) {
         const double x = xs[i];
-        const struct neph_medium medium = shell(x, 1.0);
+        const struct neph_medium medium = planet(x, 1.0);
         const double chapman = sqrt(0.5 * M_PI * x) *
                                (1.0 + 3.0 / (8.0 * x) - 15.0 / (128.0 * x * x) +
                                 105.0 / (1024.0 * x * x * x));
@@ -100,7 +90,7 @@ static void test_vertical_rays(void **state)
     for (size_t i = 0; i < COUNT(radii); i++)
         for (size_t j = 0; j < COUNT(heights); j++) {
             const double radius_m = radii[i], height_m = heights[j];
-            const struct neph_medium medium = shell(radius_m, height_m);
+            const struct neph_medium medium = planet(radius_m, height_m);
             const struct neph_vec3 foot = {0, 0, 0}, up = {0, 1, 0},
                                    below = {0, -3.0 * radius_m, 0};
             neph_assert_close(neph_medium_optical_depth(&medium, foot, up, 0.0, INFINITY), height_m,
@@ -128,11 +118,11 @@ static struct trial random_trial(uint64_t *seed)
     const double a_m = neph_test_uniform(seed, -span_m, span_m);
     const double b_m = a_m + span_m * pow(10.0, neph_test_uniform(seed, -6, 0));
     return (struct trial){
-        .medium = shell(radius_m, height_m),
+        .medium = planet(radius_m, height_m),
         .origin_m = {neph_test_uniform(seed, -span_m, span_m),
                      neph_test_uniform(seed, -1, 9) * height_m,
                      neph_test_uniform(seed, -span_m, span_m)},
-        .direction = random_direction(seed),
+        .direction = random_slope(seed),
         .a_m = a_m,
         .b_m = b_m,
         .c_m = b_m + span_m * pow(10.0, neph_test_uniform(seed, -6, 0)),
@@ -213,7 +203,7 @@ static void test_is_never_nonsense(void **state)
             for (size_t x = 0; x < COUNT(places); x++)
                 for (size_t y = 0; y < COUNT(places); y++)
                     for (size_t k = 0; k < COUNT(directions); k++) {
-                        const struct neph_medium medium = shell(radii[r], heights[h]);
+                        const struct neph_medium medium = planet(radii[r], heights[h]);
                         const struct neph_vec3 o = {places[x], places[y], 0.0};
                         const double most = 2.0 * heights[h] + 4.0 * sqrt(radii[r] * heights[h]);
                         double shorter = 0.0;
@@ -238,7 +228,7 @@ static void test_is_never_nonsense(void **state)
 static void test_nothing_below_the_ground(void **state)
 {
     (void)state;
-    const struct neph_medium medium = shell(6.371e6, 8000.0);
+    const struct neph_medium medium = planet(6.371e6, 8000.0);
     assert_true(neph_medium_extinction_per_m(&medium, (struct neph_vec3){0, 0, 0}) == 1.0);
     assert_true(neph_medium_extinction_per_m(&medium, (struct neph_vec3){0, -1e-6, 0}) == 0.0);
     assert_true(neph_medium_optical_depth(&medium, (struct neph_vec3){0, -100, 0},
@@ -255,7 +245,7 @@ static void test_bound_holds_in_any_box(void **state)
         uint64_t seed = first_seed + trial;
         const double height_m = pow(10.0, neph_test_uniform(&seed, -1, 4));
         const double radius_m = height_m * pow(10.0, neph_test_uniform(&seed, -1, 6));
-        const struct neph_medium medium = shell(radius_m, height_m);
+        const struct neph_medium medium = planet(radius_m, height_m);
         const double wide_m = pow(10.0, neph_test_uniform(&seed, -2, 2)) * height_m;
         const struct neph_vec3 low = {neph_test_uniform(&seed, -2, 1) * wide_m,
                                       neph_test_uniform(&seed, -2, 9) * height_m,
@@ -277,7 +267,7 @@ static void test_bound_holds_in_any_box(void **state)
         assert_true(bound <= 1.0 + 1e-11);
     }
     assert_true(used > 0.95);
-    const struct neph_medium medium = shell(100.0, 1.0);
+    const struct neph_medium medium = planet(100.0, 1.0);
     const struct neph_bounds inside = {{-10, -110, -10}, {10, -90, 10}};
     assert_true(neph_medium_extinction_bound_per_m(&medium, &inside) == 0.0);
     neph_assert_close(neph_medium_extinction_bound_per_m(&medium, &everywhere), 1.0, 1e-11, 0.0);
@@ -291,7 +281,7 @@ static void test_container_loses_no_more_than_it_says(void **state)
     static const struct neph_shell planets[] = {
         {{0, -6.371e6, 0}, 6.371e6, 8000.0}, {{5, 6, 7}, 1.0, 1.0}, {{0, 0, 0}, 50.0, 500.0}};
     for (size_t i = 0; i < COUNT(planets); i++) {
-        struct neph_medium medium = shell(1.0, 1.0);
+        struct neph_medium medium = planet(1.0, 1.0);
         medium.shell = planets[i];
         medium.extinction_per_m = 3.0 / planets[i].scale_height_m;
         medium.extinction_color = (struct neph_rgb){1.0, 2.0, 5.0};
@@ -305,8 +295,8 @@ static void test_container_loses_no_more_than_it_says(void **state)
         double worst = 0.0;
         uint64_t seed = 30;
         for (int n = 0; n < 4000; n++) {
-            struct neph_vec3 d = random_direction(&seed);
-            struct neph_vec3 o = neph_vec3_along(c, random_direction(&seed),
+            struct neph_vec3 d = random_slope(&seed);
+            struct neph_vec3 o = neph_vec3_along(c, random_slope(&seed),
                                                  neph_test_uniform(&seed, 0.0, 1.7) * reach_m);
             if (n % 2) /* just above the middle of a face */
                 o = (struct neph_vec3){c.x, box.max_m.y + 1e-9 * reach_m, c.z}, d.y = 0.0;
@@ -325,7 +315,7 @@ static void test_container_keeps_finite_bounds(void **state)
 {
     (void)state;
     const struct neph_scene scene = {0};
-    struct neph_medium medium = shell(6.371e6, 8000.0);
+    struct neph_medium medium = planet(6.371e6, 8000.0);
     medium.bounds = (struct neph_bounds){{-5e4, 0, -7e4}, {5e4, 6e4, 7e4}};
     double error = 1.0;
     const struct neph_bounds box = neph_medium_container(&scene, &medium, &error);

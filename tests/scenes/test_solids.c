@@ -2,22 +2,9 @@
  *
  * Solids: hits and shadows known by hand, and the exact shadow interval against brute force.
  */
-#include "tests/neph_test.h"
+#include "tests/scene_builders.h"
 
 #include "scenes/solids.h"
-
-#define COUNT(array) (sizeof(array) / sizeof((array)[0]))
-
-static struct neph_solid box(double x0, double y0, double z0, double x1, double y1, double z1)
-{
-    return (struct neph_solid){.kind = NEPH_SOLID_BOX, .box = {{x0, y0, z0}, {x1, y1, z1}}};
-}
-
-static struct neph_solid sphere(double x, double y, double z, double radius_m)
-{
-    return (struct neph_solid){
-        .kind = NEPH_SOLID_SPHERE, .center_m = {x, y, z}, .radius_m = radius_m};
-}
 
 static struct neph_hit hit_one(struct neph_solid solid, struct neph_vec3 origin,
                                struct neph_vec3 direction)
@@ -37,7 +24,8 @@ static void assert_hit(struct neph_hit hit, double t_m, double nx, double ny, do
 static void test_hits_by_hand(void **state)
 {
     (void)state;
-    const struct neph_solid unit_box = box(-1, -1, -1, 1, 1, 1), ball = sphere(0, 0, 0, 2);
+    const struct neph_solid unit_box = make_box(-1, -1, -1, 1, 1, 1),
+                            ball = make_sphere(0, 0, 0, 2);
     assert_hit(hit_one(unit_box, (struct neph_vec3){-5, 0.3, 0.2}, (struct neph_vec3){1, 0, 0}),
                4.0, -1, 0, 0);
     assert_hit(hit_one(unit_box, (struct neph_vec3){0.2, 5, 0.2}, (struct neph_vec3){0, -1, 0}),
@@ -63,8 +51,8 @@ static void test_hits_by_hand(void **state)
 static void test_the_nearest_solid_is_hit(void **state)
 {
     (void)state;
-    struct neph_solid solids[] = {box(8, -1, -1, 9, 1, 1), sphere(4, 0, 0, 1),
-                                  box(6, -1, -1, 7, 1, 1)};
+    struct neph_solid solids[] = {make_box(8, -1, -1, 9, 1, 1), make_sphere(4, 0, 0, 1),
+                                  make_box(6, -1, -1, 7, 1, 1)};
     const struct neph_scene scene = {.solid_count = 3, .solids = solids};
     const struct neph_hit hit = neph_scene_hit(&scene, (struct neph_vec3){0, 0, 0},
                                                (struct neph_vec3){1, 0, 0});
@@ -77,12 +65,12 @@ static void test_hit_from_far_away(void **state)
 {
     (void)state;
     const double down = -0.8, across = 0.6;
-    const struct neph_hit ground = hit_one(box(-1e7, -1, -1e7, 1e7, 0, 1e7),
+    const struct neph_hit ground = hit_one(make_box(-1e7, -1, -1e7, 1e7, 0, 1e7),
                                            (struct neph_vec3){0, 1e6, 0},
                                            (struct neph_vec3){across, down, 0});
     neph_assert_close(ground.t_m, 1.25e6, 4e-16, 0.0);
     assert_true(ground.normal.y == 1.0);
-    const struct neph_hit ball = hit_one(sphere(0, 0, 0, 1), (struct neph_vec3){0.6, 1e6, 0},
+    const struct neph_hit ball = hit_one(make_sphere(0, 0, 0, 1), (struct neph_vec3){0.6, 1e6, 0},
                                          (struct neph_vec3){0, -1, 0});
     neph_assert_close(ball.t_m, 1e6 - 0.8, 0.0, 1e-9);
     neph_assert_close(ball.normal.x, 0.6, 0.0, 1e-9);
@@ -105,7 +93,7 @@ static void test_shadows_by_hand(void **state)
     (void)state;
     const struct neph_vec3 origin = {0, 0, 0}, x = {1, 0, 0}, up = {0, 1, 0}, left = {-1, 0, 0};
     const struct neph_vec3 slanted = {0.6, 0.8, 0}; /* 3 m sideways for 4 m up */
-    const struct neph_solid roof = box(5, 4, -1, 7, 8, 1), ball = sphere(6, 10, 0.6, 1);
+    const struct neph_solid roof = make_box(5, 4, -1, 7, 8, 1), ball = make_sphere(6, 10, 0.6, 1);
 
     assert_shadow(roof, up, origin, x, 5, 7);
     assert_shadow(ball, up, origin, x, 5.2, 6.8); /* half chord sqrt(1 - 0.36) */
@@ -122,8 +110,8 @@ static void test_shadows_by_hand(void **state)
     /* A sun along the ray: all points before the solid, or all behind it. */
     assert_shadow(roof, x, (struct neph_vec3){0, 5, 0}, x, 0, 7);
     assert_shadow(roof, left, (struct neph_vec3){0, 5, 0}, x, 5, 100);
-    assert_shadow(sphere(6, 0, 0.6, 1), x, origin, x, 0, 6.8);
-    assert_shadow(sphere(6, 0, 0.6, 1), left, origin, x, 5.2, 100);
+    assert_shadow(make_sphere(6, 0, 0.6, 1), x, origin, x, 0, 6.8);
+    assert_shadow(make_sphere(6, 0, 0.6, 1), left, origin, x, 5.2, 100);
     /* Along the sun but beside the solid. */
     assert_shadow(roof, up, origin, up, 1, 0);
     assert_shadow(ball, up, origin, up, 1, 0);
@@ -164,7 +152,7 @@ static bool hides(const struct neph_solid *solid, struct neph_vec3 p, struct nep
     return t0 < t1;
 }
 
-static struct neph_vec3 random_direction(uint64_t *seed)
+static struct neph_vec3 random_sight(uint64_t *seed)
 {
     static const struct neph_vec3 axes[6] = {{1, 0, 0},  {-1, 0, 0}, {0, 1, 0},
                                              {0, -1, 0}, {0, 0, 1},  {0, 0, -1}};
@@ -181,20 +169,14 @@ static struct neph_vec3 random_direction(uint64_t *seed)
     return d;
 }
 
-static struct neph_vec3 random_point(uint64_t *seed, double size)
-{
-    return (struct neph_vec3){neph_test_uniform(seed, -size, size),
-                              neph_test_uniform(seed, -size, size),
-                              neph_test_uniform(seed, -size, size)};
-}
-
 static struct neph_solid random_solid(uint64_t *seed)
 {
     const struct neph_vec3 p = random_point(seed, 4.0);
     if (neph_test_uniform(seed, 0, 1) < 0.5)
-        return sphere(p.x, p.y, p.z, neph_test_uniform(seed, 0.05, 3.0));
-    return box(p.x, p.y, p.z, p.x + neph_test_uniform(seed, 0.02, 4.0),
-               p.y + neph_test_uniform(seed, 0.02, 4.0), p.z + neph_test_uniform(seed, 0.02, 4.0));
+        return make_sphere(p.x, p.y, p.z, neph_test_uniform(seed, 0.05, 3.0));
+    return make_box(p.x, p.y, p.z, p.x + neph_test_uniform(seed, 0.02, 4.0),
+                    p.y + neph_test_uniform(seed, 0.02, 4.0),
+                    p.z + neph_test_uniform(seed, 0.02, 4.0));
 }
 
 struct ray {
@@ -206,7 +188,7 @@ struct ray {
 static struct ray random_view(uint64_t *seed, const struct neph_solid *solid, struct neph_vec3 sun)
 {
     const double kind = neph_test_uniform(seed, 0, 1);
-    struct neph_vec3 d = random_direction(seed);
+    struct neph_vec3 d = random_sight(seed);
     if (kind < 0.1)
         d = sun;
     else if (kind < 0.2)
@@ -233,7 +215,7 @@ static void test_shadow_interval_against_brute_force(void **state)
     for (uint64_t trial = 0; trial < 30000; trial++) {
         uint64_t seed = first_seed + trial;
         const struct neph_solid solid = random_solid(&seed);
-        const struct neph_vec3 sun = random_direction(&seed);
+        const struct neph_vec3 sun = random_sight(&seed);
         const struct ray view = random_view(&seed, &solid, sun);
         const struct neph_vec3 origin = view.origin_m, d = view.direction;
         double low_m = INFINITY, high_m = -INFINITY;
@@ -270,7 +252,7 @@ static void test_shadow_range_only_cuts(void **state)
     for (uint64_t trial = 0; trial < 5000; trial++) {
         uint64_t seed = first_seed + trial;
         const struct neph_solid solid = random_solid(&seed);
-        const struct neph_vec3 sun = random_direction(&seed);
+        const struct neph_vec3 sun = random_sight(&seed);
         const struct ray view = random_view(&seed, &solid, sun);
         const struct neph_vec3 origin = view.origin_m, d = view.direction;
         const double t0_m = neph_test_uniform(&seed, 0, 10);
@@ -294,7 +276,7 @@ static void test_shadow_range_only_cuts(void **state)
 static void test_a_lit_face_sees_the_sun(void **state)
 {
     (void)state;
-    struct neph_solid solid = box(-1, -1, -1, 1, 1, 1);
+    struct neph_solid solid = make_box(-1, -1, -1, 1, 1, 1);
     const struct neph_scene scene = {
         .solid_count = 1, .solids = &solid, .sun = {.present = true, .direction = {0.6, 0.8, 0.0}}};
     assert_true(neph_scene_sees_sun(&scene, (struct neph_vec3){0.3, 1.0, 0.2}));

@@ -16,8 +16,6 @@
 #include <time.h>
 #include <unistd.h>
 
-#define COUNT(array) (sizeof(array) / sizeof((array)[0]))
-
 enum { MIB = 1 << 20, LIMIT = 64 * MIB };
 
 static int node_count(const struct neph_grid *grid)

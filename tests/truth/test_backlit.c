@@ -9,14 +9,12 @@
  * "The Bootstrap and Edgeworth Expansion", 1992, 2.6); their variance within 4.5 sqrt(2 / N) of 1,
  * and of (2 + 7/4 g^2) / n of the same source. The skewness itself is held to `skewness_max`.
  */
-#include "tests/neph_test.h"
+#include "tests/scene_builders.h"
 
 #include "scenes/media.h"
 #include "truth/flight.h"
 #include "truth/path.h"
 #include "truth/transport.h"
-
-#define COUNT(array) (sizeof(array) / sizeof((array)[0]))
 
 enum { SEEDS = 400, PATHS = 64 };
 
@@ -26,30 +24,18 @@ static const double sigmas = 4.5;
  * through an optical depth of 12 have 400. */
 static const double skewness_max = 3.0;
 
-static const struct neph_rgb white = {1, 1, 1};
-
 /* ---- scenes ---- */
 
 static struct neph_medium slab(double optical_depth)
 {
-    return (struct neph_medium){.kind = NEPH_MEDIUM_HOMOGENEOUS,
-                                .bounds = {{-300, -300, -5}, {300, 300, 5}},
-                                .extinction_color = white,
-                                .albedo = white,
-                                .layer_count = 1,
-                                .layers = {{.extinction_per_m = 0.1 * optical_depth}}};
+    return make_homogeneous(0.1 * optical_depth,
+                            (struct neph_bounds){{-300, -300, -5}, {300, 300, 5}});
 }
 
 static struct neph_medium ball(double optical_depth)
 {
     const double width_m = 2.0;
-    return (struct neph_medium){
-        .kind = NEPH_MEDIUM_GAUSSIAN,
-        .bounds = {{-INFINITY, -INFINITY, -INFINITY}, {INFINITY, INFINITY, INFINITY}},
-        .extinction_color = white,
-        .albedo = white,
-        .extinction_per_m = optical_depth / (width_m * 2.5066282746310002),
-        .gaussian = {{0, 0, 0}, width_m}};
+    return make_blob(optical_depth / (width_m * sqrt(2.0 * M_PI)), (struct neph_vec3){0}, width_m);
 }
 
 static struct neph_medium fog(double optical_depth)
@@ -86,12 +72,7 @@ static const struct {
 
 static struct neph_scene make_scene(size_t i)
 {
-    struct neph_scene scene = {
-        .scattering = NEPH_SCATTERING_SINGLE,
-        .sun = {true, neph_vec3_normalize(cases[i].sun), {1, 1, 1}},
-        .medium_count = 1,
-        .media = {cases[i].medium(cases[i].optical_depth)},
-    };
+    struct neph_scene scene = make_sunny(cases[i].medium(cases[i].optical_depth), cases[i].sun);
     if (cases[i].coloured)
         scene.media[0].extinction_color = (struct neph_rgb){0.8, 1.0, 1.1};
     if (cases[i].is_two)

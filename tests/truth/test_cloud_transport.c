@@ -4,7 +4,7 @@
  * digits, against the cases that are exact for any density (towards the sun and away from it),
  * against an independent quadrature, and narrow things far away.
  */
-#include "tests/neph_test.h"
+#include "tests/scene_builders.h"
 
 #include "scenes/grid.h"
 #include "scenes/media.h"
@@ -13,79 +13,12 @@
 #include "truth/doubling.h"
 #include "truth/transport.h"
 
-#define COUNT(array) (sizeof(array) / sizeof((array)[0]))
-
-static const struct neph_bounds everywhere = {{-INFINITY, -INFINITY, -INFINITY},
-                                              {INFINITY, INFINITY, INFINITY}};
-static const struct neph_rgb white = {1, 1, 1};
-
-static struct neph_medium medium_of(enum neph_medium_kind kind, double extinction_per_m)
-{
-    return (struct neph_medium){.kind = kind,
-                                .bounds = everywhere,
-                                .extinction_color = white,
-                                .albedo = white,
-                                .extinction_per_m = extinction_per_m};
-}
-
-static struct neph_medium blob(double extinction_per_m, struct neph_vec3 center_m, double width_m)
-{
-    struct neph_medium medium = medium_of(NEPH_MEDIUM_GAUSSIAN, extinction_per_m);
-    medium.gaussian = (struct neph_gaussian){center_m, width_m};
-    return medium;
-}
-
-static struct neph_medium shell(double extinction_per_m, struct neph_vec3 center_m, double radius_m,
-                                double scale_height_m)
-{
-    struct neph_medium medium = medium_of(NEPH_MEDIUM_SHELL, extinction_per_m);
-    medium.shell = (struct neph_shell){center_m, radius_m, scale_height_m};
-    return medium;
-}
-
-static struct neph_medium height_fog(double extinction_per_m, double falloff_per_m)
-{
-    struct neph_medium medium = medium_of(NEPH_MEDIUM_HEIGHT_FOG, 0.0);
-    medium.layer_count = 1;
-    medium.layers[0] = (struct neph_fog_layer){extinction_per_m, falloff_per_m, 0.0};
-    return medium;
-}
-
-/* Seeded values, a third of them 0. Free with neph_grid_destroy. */
+/* A third of the nodes are empty. Free with neph_grid_destroy. */
 static struct neph_medium lattice(double extinction_per_m, int side, struct neph_vec3 origin_m,
                                   struct neph_vec3 spacing_m, uint64_t seed)
 {
-    struct neph_medium medium = medium_of(NEPH_MEDIUM_GRID, extinction_per_m);
-    struct neph_diag diag = {.message = ""};
     const int size[3] = {side, side, side};
-    neph_assert_ok(neph_grid_create(size, origin_m, spacing_m, &medium.grid, &diag), &diag);
-    for (int i = 0; i < side * side * side; i++)
-        medium.grid->values[i] = (float)fmax(0.0, neph_test_uniform(&seed, -0.5, 1.0));
-    neph_assert_ok(neph_grid_seal(medium.grid, &diag), &diag);
-    return medium;
-}
-
-/* One medium under a white sun, single scattering. */
-static struct neph_scene sunny(struct neph_medium medium, struct neph_vec3 sun)
-{
-    return (struct neph_scene){.scattering = NEPH_SCATTERING_SINGLE,
-                               .sun = {true, neph_vec3_normalize(sun), white},
-                               .medium_count = 1,
-                               .media = {medium}};
-}
-
-static struct neph_vec3 random_direction(uint64_t *seed)
-{
-    const double y = neph_test_uniform(seed, -1.0, 1.0), across = sqrt(1.0 - y * y);
-    const double azimuth = neph_test_uniform(seed, 0.0, 2.0 * M_PI);
-    return (struct neph_vec3){across * cos(azimuth), y, across * sin(azimuth)};
-}
-
-static struct neph_vec3 random_point(uint64_t *seed, double size)
-{
-    return (struct neph_vec3){neph_test_uniform(seed, -size, size),
-                              neph_test_uniform(seed, -size, size),
-                              neph_test_uniform(seed, -size, size)};
+    return make_voxels(extinction_per_m, random_lattice(size, origin_m, spacing_m, -0.5, &seed));
 }
 
 /* ---- numbers ---- */
@@ -104,19 +37,19 @@ static void test_reference(void **state)
         struct neph_vec3 origin, direction, sun;
         double radiance, relative;
     } cases[] = {
-        {blob(0.7, (struct neph_vec3){0}, 1.5),
+        {make_blob(0.7, (struct neph_vec3){0}, 1.5),
          {-9, 0.5, 1},
          {1, 0.05, -0.1},
          {0.3, 0.9, 0.2},
          reference_gaussian,
          1e-13},
-        {blob(30, (struct neph_vec3){0}, 1.5),
+        {make_blob(30, (struct neph_vec3){0}, 1.5),
          {-9, 0.5, 1},
          {1, 0.05, -0.1},
          {-0.6, 0.5, 0.4},
          reference_dense_gaussian,
          1e-13},
-        {shell(1e-5, (struct neph_vec3){0}, 6.4e6, 8e3),
+        {make_shell(1e-5, (struct neph_vec3){0}, 6.4e6, 8e3),
          {0, 6.402e6, 0},
          {1, 0.02, 0},
          {0.4, 0.6, 0.3},
@@ -125,7 +58,7 @@ static void test_reference(void **state)
         {tent, {-2, 0.3, 0.2}, {1, -0.13, 0.07}, {0.25, 0.8, 0.4}, reference_one_node, 1e-10},
     };
     for (size_t i = 0; i < COUNT(cases); i++) {
-        const struct neph_scene scene = sunny(cases[i].medium, cases[i].sun);
+        const struct neph_scene scene = make_sunny(cases[i].medium, cases[i].sun);
         const struct neph_ray_light light = neph_transport_ray(
             &scene, cases[i].origin, neph_vec3_normalize(cases[i].direction));
         const double error = fabs(light.volume.r - cases[i].radiance);
@@ -148,8 +81,8 @@ static const struct neph_rgb albedo = {0.9, 0.5, 1.0};
 /* One of every kind, coloured, about 0; extinctions times `scale`. */
 static void make_media(struct neph_medium media[3], double scale, uint64_t seed)
 {
-    media[0] = blob(0.2 * scale, (struct neph_vec3){1.0, -0.5, 0.3}, 1.2);
-    media[1] = shell(0.3 * scale, shell_center_m, shell_radius_m, 0.8);
+    media[0] = make_blob(0.2 * scale, (struct neph_vec3){1.0, -0.5, 0.3}, 1.2);
+    media[1] = make_shell(0.3 * scale, shell_center_m, shell_radius_m, 0.8);
     media[2] = lattice(0.4 * scale, 6, (struct neph_vec3){-2, -1.5, -2},
                        (struct neph_vec3){0.7, 0.6, 0.8}, seed);
     for (int m = 0; m < 3; m++) {
@@ -197,7 +130,7 @@ static void test_towards_and_away_from_the_sun(void **state)
         const struct neph_vec3 d = random_direction(&seed);
         for (int i = 0; i < 6; i++) {
             const bool away = i % 2;
-            struct neph_scene scene = sunny(media[i / 2], d);
+            struct neph_scene scene = make_sunny(media[i / 2], d);
             scene.sun.direction = neph_vec3_scale(d, away ? -1.0 : 1.0);
             const struct neph_vec3 origin = neph_vec3_along(random_point(&seed, 2.0), d,
                                                             -distance_m);
@@ -325,10 +258,10 @@ static void test_random_clouds(void **state)
         uint64_t seed = 314159 + trial;
         struct neph_medium media[3];
         make_media(media, pow(10.0, neph_test_uniform(&seed, -1.0, 1.0)), seed);
-        struct neph_scene scene = sunny(media[trial % 3], random_direction(&seed));
+        struct neph_scene scene = make_sunny(media[trial % 3], random_direction(&seed));
         scene.sun.irradiance_w_per_m2 = (struct neph_rgb){2.0, 1.0, 3.0};
         scene.medium_count = 1 + (int)(trial / 3 % 3);
-        scene.media[1] = trial % 2 ? height_fog(0.05, 0.1) : media[(trial + 1) % 3];
+        scene.media[1] = trial % 2 ? make_height_fog(0.05, 0.1) : media[(trial + 1) % 3];
         scene.media[1].phase = (struct neph_phase){NEPH_PHASE_HENYEY_GREENSTEIN, 0.6};
         scene.media[2] = media[(trial + 2) % 3];
         if (trial % 2)
@@ -352,16 +285,16 @@ static void test_a_channel_is_a_grey_scene(void **state)
     uint64_t seed = 577215;
     struct neph_medium media[3];
     make_media(media, 2.0, seed);
-    struct neph_medium box = height_fog(0.3, 0.0);
+    struct neph_medium box = make_height_fog(0.3, 0.0);
     box.bounds = (struct neph_bounds){{-2, -1, -3}, {1, 2, 3}};
-    struct neph_medium other_box = height_fog(0.5, 0.0);
+    struct neph_medium other_box = make_height_fog(0.5, 0.0);
     other_box.bounds = (struct neph_bounds){{-1, -2, -2}, {3, 3, 2}};
     const struct neph_medium pairs[][2] = {{media[0], media[2]},
                                            {media[1], box},
-                                           {height_fog(0.2, 0.3), height_fog(0.0, 0.0)},
+                                           {make_height_fog(0.2, 0.3), make_height_fog(0.0, 0.0)},
                                            {box, other_box}};
     for (size_t i = 0; i < 2 * COUNT(pairs); i++) {
-        struct neph_scene scene = sunny(pairs[i / 2][0], random_direction(&seed));
+        struct neph_scene scene = make_sunny(pairs[i / 2][0], random_direction(&seed));
         scene.sun.direction.y = fabs(scene.sun.direction.y);
         scene.medium_count = i / 2 == 2 ? 1 : 2;
         scene.media[1] = pairs[i / 2][1];
@@ -393,8 +326,8 @@ static void test_coloured_surface_and_furnace(void **state)
     /* A lit floor under a coloured blob, sun and view straight up and down through its middle. */
     struct neph_solid floor = {
         .kind = NEPH_SOLID_BOX, .box = {{-50, -21, -50}, {50, -20, 50}}, .albedo = {0.5, 0.6, 0.7}};
-    struct neph_scene scene = sunny(blob(0.2, (struct neph_vec3){0}, 1.5),
-                                    (struct neph_vec3){0, 1, 0});
+    struct neph_scene scene = make_sunny(make_blob(0.2, (struct neph_vec3){0}, 1.5),
+                                         (struct neph_vec3){0, 1, 0});
     scene.media[0].extinction_color = tint;
     scene.solid_count = 1;
     scene.solids = &floor;
@@ -431,10 +364,10 @@ static void test_clouds_far_away(void **state)
     (void)state;
     for (uint64_t trial = 0; trial < 20; trial += NEPH_TEST_EVERY) {
         uint64_t seed = 141421 + trial;
-        const struct neph_medium media[2] = {blob(1.0, (struct neph_vec3){0}, 0.5),
+        const struct neph_medium media[2] = {make_blob(1.0, (struct neph_vec3){0}, 0.5),
                                              lattice(1.0, 4, (struct neph_vec3){-1, -1, -1},
                                                      (struct neph_vec3){0.6, 0.6, 0.6}, seed)};
-        struct neph_scene scene = sunny(media[trial % 2], random_direction(&seed));
+        struct neph_scene scene = make_sunny(media[trial % 2], random_direction(&seed));
         const struct neph_vec3 d = random_direction(&seed), through = random_point(&seed, 0.8);
         const struct neph_ray_light near_by = neph_transport_ray(
             &scene, neph_vec3_along(through, d, -10.0), d);
@@ -453,11 +386,12 @@ static void test_shadow_of_a_small_cloud(void **state)
 {
     (void)state;
     for (int kind = 0; kind < 2; kind++) {
-        struct neph_medium cloud = kind == 0 ? blob(50.0, (struct neph_vec3){4e4, 300, 0}, 1.0)
+        struct neph_medium cloud = kind == 0 ? make_blob(50.0, (struct neph_vec3){4e4, 300, 0}, 1.0)
                                              : lattice(50.0, 9, (struct neph_vec3){4e4, 300, -4},
                                                        (struct neph_vec3){1, 1, 1}, 7);
         cloud.albedo = (struct neph_rgb){0, 0, 0};
-        struct neph_scene scene = sunny(height_fog(1e-5, 1e-3), (struct neph_vec3){0.2, 0.9, 0});
+        struct neph_scene scene = make_sunny(make_height_fog(1e-5, 1e-3),
+                                             (struct neph_vec3){0.2, 0.9, 0});
         const struct neph_vec3 origin = {0, 2, 0}, d = {1, 0, 0};
         const double clear = neph_transport_ray(&scene, origin, d).volume.r;
         scene.media[1] = cloud;
@@ -487,8 +421,9 @@ static void test_never_nonsense(void **state)
     for (size_t i = 0; i < 3 * COUNT(scales) * COUNT(axes) * COUNT(axes); i++) {
         struct neph_medium media[3];
         make_media(media, scales[i / 3 % COUNT(scales)], seed);
-        struct neph_scene scene = sunny(media[i % 3], axes[i / (3 * COUNT(scales)) % COUNT(axes)]);
-        scene.media[1] = height_fog(0.01, 0.1);
+        struct neph_scene scene = make_sunny(media[i % 3],
+                                             axes[i / (3 * COUNT(scales)) % COUNT(axes)]);
+        scene.media[1] = make_height_fog(0.01, 0.1);
         scene.medium_count = 1 + (int)(i % 2);
         const struct neph_vec3 d = axes[i / (3 * COUNT(scales) * COUNT(axes))];
         const struct neph_vec3 origins[] = {{0, 0, 0}, {-2, -1.5, -2}, neph_vec3_scale(d, -50.0)};

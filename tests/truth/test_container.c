@@ -3,13 +3,10 @@
  * The finite box in place of an unbounded medium: what a camera sees through it stays the same, to
  * within the error that comes with the box.
  */
-#include "tests/neph_test.h"
+#include "tests/scene_builders.h"
 
 #include "scenes/media.h"
 #include "truth/transport.h"
-
-static const struct neph_bounds everywhere = {{-INFINITY, -INFINITY, -INFINITY},
-                                              {INFINITY, INFINITY, INFINITY}};
 
 /* One medium seen from the keys of a camera, a sun overhead. */
 struct setting {
@@ -28,16 +25,6 @@ static void make_setting(struct setting *setting, struct neph_medium medium, str
                   .medium_count = 1,
                   .media = {medium}}};
     setting->scene.camera_keys = setting->keys;
-}
-
-static struct neph_medium height_fog(double extinction_per_m, double falloff_per_m, double height_m)
-{
-    return (struct neph_medium){.kind = NEPH_MEDIUM_HEIGHT_FOG,
-                                .bounds = everywhere,
-                                .albedo = {1, 1, 1},
-                                .layer_count = 1,
-                                .extinction_color = {1, 1, 1},
-                                .layers = {{extinction_per_m, falloff_per_m, height_m}}};
 }
 
 static bool is_a_finite_box(const struct neph_bounds *box)
@@ -97,7 +84,7 @@ static double worst_view(const struct setting *setting, const struct neph_bounds
 static void test_finite_bounds_are_kept(void **state)
 {
     (void)state;
-    struct neph_medium fog = height_fog(0.1, 0.2, 0.0);
+    struct neph_medium fog = make_height_fog(0.1, 0.2);
     fog.bounds = (struct neph_bounds){{-1, -2, -3}, {4, 5, 6}};
     struct setting setting;
     make_setting(&setting, fog, (struct neph_vec3){0, 9, 0}, (struct neph_vec3){0, 9, 0});
@@ -111,7 +98,7 @@ static void test_finite_bounds_are_kept(void **state)
 static void test_unreal_default_fog(void **state)
 {
     (void)state;
-    const struct neph_medium fog = height_fog(9.609e-4, 0.01386294361119891, 0.0);
+    const struct neph_medium fog = make_height_fog(9.609e-4, 0.01386294361119891);
     const struct neph_vec3 eye = {0.0, 1.7, 0.0};
     struct setting setting;
     make_setting(&setting, fog, eye, eye);
@@ -134,9 +121,9 @@ static void test_no_view_is_off_by_more_than_stated(void **state)
     double largest_stated = 0.0, least_slack = INFINITY;
     for (uint64_t trial = 0; trial < 400; trial += NEPH_TEST_EVERY) {
         uint64_t seed = first_seed + trial;
-        struct neph_medium fog = height_fog(pow(10.0, neph_test_uniform(&seed, -6, 1)),
-                                            pow(10.0, neph_test_uniform(&seed, -4, 0)),
-                                            neph_test_uniform(&seed, -100, 100));
+        struct neph_medium fog = make_height_fog(pow(10.0, neph_test_uniform(&seed, -6, 1)),
+                                                 pow(10.0, neph_test_uniform(&seed, -4, 0)));
+        fog.layers[0].height_m = neph_test_uniform(&seed, -100, 100);
         if (trial % 3 == 0) {
             fog.layer_count = 2;
             fog.layers[1] = (struct neph_fog_layer){pow(10.0, neph_test_uniform(&seed, -6, 1)),
@@ -175,7 +162,7 @@ static void test_no_view_is_off_by_more_than_stated(void **state)
 static void test_homogeneous_without_bounds(void **state)
 {
     (void)state;
-    struct neph_medium fog = height_fog(0.02, 0.0, 0.0);
+    struct neph_medium fog = make_height_fog(0.02, 0.0);
     struct setting setting;
     make_setting(&setting, fog, (struct neph_vec3){5, 2, -3}, (struct neph_vec3){9, 20, 0});
     double error = NAN;
@@ -206,7 +193,7 @@ static void test_corners(void **state)
     for (int n = 0; n < 5 * 5 * 4 * 5; n++) {
         const double a = extinctions[n % 5], b = falloffs[n / 5 % 5], y = eyes[n / 25 % 4];
         const double s = suns[n / 100];
-        const struct neph_medium fog = height_fog(a, b, 0.0);
+        const struct neph_medium fog = make_height_fog(a, b);
         struct setting setting;
         make_setting(&setting, fog, (struct neph_vec3){0, y, 0}, (struct neph_vec3){0, y, 0});
         setting.scene.sun.direction = (struct neph_vec3){0.0, s, sqrt(1.0 - s * s)};
@@ -230,9 +217,9 @@ static void test_scattered_light_stays(void **state)
     double worst = 0.0;
     for (uint64_t trial = 0; trial < 300; trial += NEPH_TEST_EVERY) {
         uint64_t seed = first_seed + trial;
-        const struct neph_medium fog = height_fog(pow(10.0, neph_test_uniform(&seed, -4, -1)),
-                                                  pow(10.0, neph_test_uniform(&seed, -2.5, -0.5)),
-                                                  0.0);
+        const struct neph_medium fog = make_height_fog(
+            pow(10.0, neph_test_uniform(&seed, -4, -1)),
+            pow(10.0, neph_test_uniform(&seed, -2.5, -0.5)));
         const struct neph_vec3 eye = {0, neph_test_uniform(&seed, 0, 100), 0};
         struct setting setting;
         make_setting(&setting, fog, eye, eye);

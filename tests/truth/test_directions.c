@@ -7,8 +7,6 @@
 #include "scenes/media.h"
 #include "truth/directions.h"
 
-#define COUNT(array) (sizeof(array) / sizeof((array)[0]))
-
 /* ---- random numbers ---- */
 
 static void test_streams_are_reproducible_and_differ(void **state)

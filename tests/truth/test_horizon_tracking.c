@@ -6,7 +6,7 @@
  * Tolerances: 4.5 standard errors of the estimate itself (wrong once in 150 000 for a normal
  * variable; the seeds are fixed), plus the truth's own error.
  */
-#include "tests/neph_test.h"
+#include "tests/scene_builders.h"
 
 #include "scenes/horizon.h"
 #include "scenes/media.h"
@@ -21,12 +21,7 @@ static int setup(void **state)
 {
     struct neph_scene *scene = calloc(1, sizeof(*scene));
     struct neph_diag diag = {0};
-    struct neph_horizon_params params = neph_horizon_defaults();
-    params.bottom_m = 600.0;
-    params.thickness_m = 1200.0;
-    params.texture_scale_m = 8e3;
-    params.base_repeats = 9.0;
-    params.detail_repeats = 27.0;
+    const struct neph_horizon_params params = make_cumulus();
     assert_non_null(scene);
     scene->medium_count = 1;
     scene->media[0] = (struct neph_medium){

@@ -3,7 +3,7 @@
  * Whole frames of the oracle: the noise that it reports is the noise it has, the same bits on any
  * number of threads and over any interruption, and refusals in words.
  */
-#include "tests/neph_test.h"
+#include "tests/scene_builders.h"
 
 #include "base/files.h"
 #include "base/interrupt.h"
@@ -17,10 +17,6 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#define COUNT(array) (sizeof(array) / sizeof((array)[0]))
-
-static const struct neph_rgb white = {1, 1, 1};
-
 /* ---- scenes ---- */
 
 struct stage {
@@ -33,12 +29,10 @@ struct stage {
 static void make_stage(struct stage *stage, enum neph_scattering scattering)
 {
     *stage = (struct stage){.key = {.position_m = {0.5, 2.0, 7.0}, .look_at_m = {0, 1.2, 0}}};
-    stage->solids[0] = (struct neph_solid){
-        .kind = NEPH_SOLID_BOX, .box = {{-50, -2, -50}, {50, -0.5, 50}}, .albedo = {0.3, 0.5, 0.2}};
-    stage->solids[1] = (struct neph_solid){.kind = NEPH_SOLID_SPHERE,
-                                           .center_m = {0.5, 1.5, 1.0},
-                                           .radius_m = 0.6,
-                                           .albedo = {0.8, 0.8, 0.8}};
+    stage->solids[0] = make_box(-50, -2, -50, 50, -0.5, 50);
+    stage->solids[0].albedo = (struct neph_rgb){0.3, 0.5, 0.2};
+    stage->solids[1] = make_sphere(0.5, 1.5, 1.0, 0.6);
+    stage->solids[1].albedo = make_grey(0.8);
     stage->scene = (struct neph_scene){
         .camera_key_count = 1,
         .camera_keys = &stage->key,
@@ -53,20 +47,13 @@ static void make_stage(struct stage *stage, enum neph_scattering scattering)
         .medium_count = 2,
     };
     snprintf(stage->scene.hash, sizeof(stage->scene.hash), "stage-%d", (int)scattering);
-    stage->scene.media[0] = (struct neph_medium){.kind = NEPH_MEDIUM_HOMOGENEOUS,
-                                                 .bounds = {{-2, 0, -2}, {2, 2.5, 2}},
-                                                 .extinction_color = {0.7, 1, 1.3},
-                                                 .albedo = {0.9, 0.8, 0.95},
-                                                 .phase = {NEPH_PHASE_HENYEY_GREENSTEIN, 0.3},
-                                                 .layer_count = 1,
-                                                 .layers = {{.extinction_per_m = 0.5}}};
-    stage->scene.media[1] = (struct neph_medium){
-        .kind = NEPH_MEDIUM_HEIGHT_FOG,
-        .bounds = {{-INFINITY, -INFINITY, -INFINITY}, {INFINITY, INFINITY, INFINITY}},
-        .extinction_color = white,
-        .albedo = {0.9, 0.9, 0.9},
-        .layer_count = 1,
-        .layers = {{0.05, 0.5, 0.0}}};
+    struct neph_medium *block = &stage->scene.media[0];
+    *block = make_homogeneous(0.5, (struct neph_bounds){{-2, 0, -2}, {2, 2.5, 2}});
+    block->extinction_color = (struct neph_rgb){0.7, 1, 1.3};
+    block->albedo = (struct neph_rgb){0.9, 0.8, 0.95};
+    block->phase = (struct neph_phase){NEPH_PHASE_HENYEY_GREENSTEIN, 0.3};
+    stage->scene.media[1] = make_height_fog(0.05, 0.5);
+    stage->scene.media[1].albedo = make_grey(0.9);
 }
 
 static struct neph_oracle_params params_of(int width_px, int height_px, int samples)

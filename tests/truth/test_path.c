@@ -6,7 +6,7 @@
  * Tolerances: 4.5 standard errors of the estimate itself (wrong once in 150 000 for a normal
  * variable; the seeds are fixed, so a test that passes stays passing), plus the truth's own error.
  */
-#include "tests/neph_test.h"
+#include "tests/scene_builders.h"
 
 #include "scenes/grid.h"
 #include "scenes/media.h"
@@ -15,13 +15,7 @@
 #include "truth/slab.h"
 #include "truth/transport.h"
 
-#define COUNT(array) (sizeof(array) / sizeof((array)[0]))
-
 static const double sigmas = 4.5;
-static const struct neph_rgb white = {1, 1, 1};
-static const struct neph_bounds everywhere = {{-INFINITY, -INFINITY, -INFINITY},
-                                              {INFINITY, INFINITY, INFINITY}};
-
 /* ---- estimates ---- */
 
 struct estimate {
@@ -103,68 +97,28 @@ static struct neph_view flux_view(const struct neph_scene *scene, struct neph_ra
 
 /* ---- media ---- */
 
-static struct neph_medium homogeneous(double extinction_per_m, struct neph_bounds bounds)
-{
-    return (struct neph_medium){.kind = NEPH_MEDIUM_HOMOGENEOUS,
-                                .bounds = bounds,
-                                .albedo = white,
-                                .extinction_color = white,
-                                .layer_count = 1,
-                                .layers = {{.extinction_per_m = extinction_per_m}}};
-}
-
 static struct neph_medium two_fogs(void)
 {
-    struct neph_medium fog = homogeneous(0.2, everywhere);
-    fog.kind = NEPH_MEDIUM_HEIGHT_FOG;
-    fog.layers[0] = (struct neph_fog_layer){0.2, 0.5, 0.0};
+    struct neph_medium fog = make_height_fog(0.2, 0.5);
     fog.layers[1] = (struct neph_fog_layer){0.05, 0.1, 1.0};
     fog.layer_count = 2;
     return fog;
 }
 
-static struct neph_medium gaussian(struct neph_vec3 center_m, double width_m,
-                                   double extinction_per_m)
-{
-    return (struct neph_medium){.kind = NEPH_MEDIUM_GAUSSIAN,
-                                .bounds = everywhere,
-                                .albedo = white,
-                                .extinction_color = white,
-                                .extinction_per_m = extinction_per_m,
-                                .gaussian = {center_m, width_m}};
-}
-
 /* A planet of 90 m, the ground at y = -11, behind much of its air. */
-static struct neph_medium shell(void)
+static struct neph_medium planet(void)
 {
-    return (struct neph_medium){.kind = NEPH_MEDIUM_SHELL,
-                                .bounds = everywhere,
-                                .albedo = white,
-                                .extinction_color = white,
-                                .extinction_per_m = 5.6,
-                                .shell = {{0, -101, 0}, 90, 3}};
+    return make_shell(5.6, (struct neph_vec3){0, -101, 0}, 90, 3);
 }
 
 /* Rough voxels, a third of them empty. */
 static struct neph_medium voxels(struct neph_vec3 origin_m, double spacing_m,
                                  double extinction_per_m)
 {
-    struct neph_diag diag = {0};
-    struct neph_grid *grid;
-    neph_assert_ok(neph_grid_create((const int[3]){7, 6, 5}, origin_m,
-                                    (struct neph_vec3){spacing_m, spacing_m, spacing_m}, &grid,
-                                    &diag),
-                   &diag);
-    uint64_t random = 99;
-    for (int i = 0; i < 7 * 6 * 5; i++)
-        grid->values[i] = (float)fmax(0.0, neph_test_uniform(&random, -0.5, 1.0));
-    neph_assert_ok(neph_grid_seal(grid, &diag), &diag);
-    return (struct neph_medium){.kind = NEPH_MEDIUM_GRID,
-                                .bounds = everywhere,
-                                .albedo = white,
-                                .extinction_color = white,
-                                .extinction_per_m = extinction_per_m,
-                                .grid = grid};
+    uint64_t seed = 99;
+    const struct neph_vec3 spacing = {spacing_m, spacing_m, spacing_m};
+    return make_voxels(extinction_per_m,
+                       random_lattice((const int[3]){7, 6, 5}, origin_m, spacing, -0.5, &seed));
 }
 
 static void free_media(struct neph_scene *scene)
@@ -332,10 +286,10 @@ static void check_one_medium(const char *name, struct neph_medium medium)
 static void test_single_scattering_of_one_medium(void **state)
 {
     (void)state;
-    check_one_medium("homogeneous", homogeneous(0.7, cube));
+    check_one_medium("homogeneous", make_homogeneous(0.7, cube));
     check_one_medium("two fogs", two_fogs());
-    check_one_medium("Gaussian", gaussian((struct neph_vec3){0.5, 0.4, 0.3}, 0.8, 0.9));
-    check_one_medium("shell", shell());
+    check_one_medium("Gaussian", make_blob(0.9, (struct neph_vec3){0.5, 0.4, 0.3}, 0.8));
+    check_one_medium("shell", planet());
     check_one_medium("voxels", voxels((struct neph_vec3){-1.5, -0.5, -1}, 0.5, 1.3));
 }
 
@@ -357,11 +311,11 @@ static void test_single_scattering_of_coloured_media_and_solids(void **state)
     struct neph_solid solids[2];
     struct neph_scene scene = sunny(NEPH_SCATTERING_SINGLE);
     add_solids(&scene, solids);
-    add_medium(&scene, homogeneous(0.3, cube), &forward, (struct neph_rgb){0.4, 1, 2},
+    add_medium(&scene, make_homogeneous(0.3, cube), &forward, (struct neph_rgb){0.4, 1, 2},
                (struct neph_rgb){0.9, 0.8, 0.7});
     add_medium(&scene, two_fogs(), NULL, (struct neph_rgb){2, 1, 0}, (struct neph_rgb){1, 1, 1});
     check_single_scattering("two analytic media", &scene);
-    add_medium(&scene, gaussian((struct neph_vec3){1, 0, 0}, 1.0, 0.4), &rayleigh,
+    add_medium(&scene, make_blob(0.4, (struct neph_vec3){1, 0, 0}, 1.0), &rayleigh,
                (struct neph_rgb){1, 0.5, 3}, (struct neph_rgb){0.5, 1, 1});
     add_medium(&scene, voxels((struct neph_vec3){-1.5, -0.5, -1}, 0.5, 1.0), &forward,
                (struct neph_rgb){0.2, 1, 1}, (struct neph_rgb){1, 0.7, 0.9});
@@ -386,7 +340,7 @@ static struct neph_scene slab_scene(double optical_depth, double albedo, struct 
     struct neph_scene scene = {.scattering = NEPH_SCATTERING_MULTIPLE};
     const double sine = sqrt(1.0 - sun_cosine * sun_cosine);
     scene.sun = (struct neph_sun){true, {sine, sun_cosine, 0}, white};
-    add_medium(&scene, homogeneous(optical_depth, layer), &phase, white,
+    add_medium(&scene, make_homogeneous(optical_depth, layer), &phase, white,
                (struct neph_rgb){albedo, albedo, albedo});
     return scene;
 }
@@ -587,7 +541,7 @@ static void test_colour_of_all_orders(void **state)
     add_solids(&scene, solids);
     solids[1].albedo = (struct neph_rgb){0.9, 0.5, 0.1};
     scene.environment_light = true;
-    add_medium(&scene, homogeneous(0.6, cube), &forward, (struct neph_rgb){0.5, 1, 3},
+    add_medium(&scene, make_homogeneous(0.6, cube), &forward, (struct neph_rgb){0.5, 1, 3},
                (struct neph_rgb){0.99, 0.9, 0.95});
     add_medium(&scene, voxels((struct neph_vec3){-1.5, -0.5, -1}, 0.5, 1.5), &rayleigh,
                (struct neph_rgb){3, 1, 0}, (struct neph_rgb){0.95, 1, 1});
@@ -620,7 +574,7 @@ static void test_white_furnace(void **state)
     scene.sun.present = false;
     scene.environment_light = true;
     scene.background_w_per_m2_sr = (struct neph_rgb){1, 2, 3};
-    add_medium(&scene, homogeneous(2.0, cube), &forward, (struct neph_rgb){0.3, 1, 2}, white);
+    add_medium(&scene, make_homogeneous(2.0, cube), &forward, (struct neph_rgb){0.3, 1, 2}, white);
     for (size_t i = 0; i < COUNT(lines); i++) {
         const struct line line = {lines[i].origin_m, neph_vec3_normalize(lines[i].direction)};
         const struct estimate found = estimate_with(&scene, fixed_view, &line, PART_ALL, 10000,

@@ -8,8 +8,6 @@
 #include "truth/doubling.h"
 #include "truth/slab.h"
 
-#define COUNT(array) (sizeof(array) / sizeof((array)[0]))
-
 static const struct neph_phase isotropic = {NEPH_PHASE_ISOTROPIC, 0.0};
 static const struct neph_phase rayleigh = {NEPH_PHASE_RAYLEIGH, 0.0};
 

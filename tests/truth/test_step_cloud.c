@@ -7,8 +7,6 @@
 #include "truth/slab.h"
 #include "truth/step_cloud.h"
 
-#define COUNT(array) (sizeof(array) / sizeof((array)[0]))
-
 /* Within four standard errors of the estimate and of what it is held against: one in 16000 by
  * chance, and the seed is fixed. */
 static void assert_estimate(struct neph_estimate estimate, double expected, double expected_error)

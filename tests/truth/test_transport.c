@@ -3,53 +3,14 @@
  * Light along one ray against 50-digit references, shadows known by hand, brute force, and the
  * scenes whose answer needs no integral at all.
  */
-#include "tests/neph_test.h"
+#include "tests/scene_builders.h"
 
 #include "scenes/media.h"
 #include "scenes/solids.h"
 #include "tests/scenes/reference_values.h"
 #include "truth/transport.h"
 
-#define COUNT(array) (sizeof(array) / sizeof((array)[0]))
-
 static const double unit_roundoff = 0x1p-53;
-
-static const struct neph_bounds everywhere = {{-INFINITY, -INFINITY, -INFINITY},
-                                              {INFINITY, INFINITY, INFINITY}};
-static const struct neph_rgb white = {1, 1, 1};
-
-/* Isotropic and white, filling the bounds. */
-static struct neph_medium homogeneous(double extinction_per_m, struct neph_bounds bounds)
-{
-    return (struct neph_medium){.kind = NEPH_MEDIUM_HOMOGENEOUS,
-                                .bounds = bounds,
-                                .albedo = white,
-                                .layer_count = 1,
-                                .extinction_color = {1, 1, 1},
-                                .layers = {{.extinction_per_m = extinction_per_m}}};
-}
-
-static struct neph_medium height_fog(double extinction_per_m, double falloff_per_m)
-{
-    struct neph_medium fog = homogeneous(extinction_per_m, everywhere);
-    fog.kind = NEPH_MEDIUM_HEIGHT_FOG;
-    fog.layers[0].falloff_per_m = falloff_per_m;
-    return fog;
-}
-
-static struct neph_solid box(double x0, double y0, double z0, double x1, double y1, double z1)
-{
-    return (struct neph_solid){.kind = NEPH_SOLID_BOX, .box = {{x0, y0, z0}, {x1, y1, z1}}};
-}
-
-/* One medium under a sun of irradiance 1, single scattering. */
-static struct neph_scene sunny(struct neph_medium medium, struct neph_vec3 sun)
-{
-    return (struct neph_scene){.scattering = NEPH_SCATTERING_SINGLE,
-                               .sun = {true, sun, white},
-                               .medium_count = 1,
-                               .media = {medium}};
-}
 
 /* ---- closed forms ---- */
 
@@ -66,7 +27,7 @@ static void test_single_scattering_against_reference(void **state)
     int failures = 0;
     for (size_t i = 0; i < COUNT(reference_view); i++) {
         const struct reference_view *r = &reference_view[i];
-        struct neph_scene scene = sunny(r->media[0], r->sun);
+        struct neph_scene scene = make_sunny(r->media[0], r->sun);
         scene.medium_count = r->medium_count;
         scene.media[1] = r->media[1];
         const struct neph_ray_light light = neph_transport_ray(&scene, r->origin_m, r->direction);
@@ -90,16 +51,6 @@ static void test_single_scattering_against_reference(void **state)
 
 /* ---- against the light ---- */
 
-static struct neph_medium gaussian(double extinction_per_m, double width_m)
-{
-    struct neph_medium blob = homogeneous(0.0, everywhere);
-    blob.kind = NEPH_MEDIUM_GAUSSIAN;
-    blob.layer_count = 0;
-    blob.extinction_per_m = extinction_per_m;
-    blob.gaussian = (struct neph_gaussian){{0, 0, 0}, width_m};
-    return blob;
-}
-
 /* The sun straight ahead: from everywhere on the ray light has the same way, through the whole
  * medium, of whatever shape, so that L = E p tau e^-tau. The phase function is isotropic. 1e-12, or
  * four roundings of the exponent. */
@@ -108,21 +59,21 @@ static void test_the_sun_behind_an_opaque_medium(void **state)
     (void)state;
     const struct neph_vec3 ahead = {0, 0, -1};
     const struct neph_vec3 steep = neph_vec3_normalize((struct neph_vec3){0.2, 0.5, -1});
-    struct neph_medium fog_in_box = height_fog(30.0, 0.25);
+    struct neph_medium fog_in_box = make_height_fog(30.0, 0.25);
     fog_in_box.bounds = (struct neph_bounds){{-20, -20, -1}, {20, 20, 1}};
     const struct {
         struct neph_medium medium;
         struct neph_vec3 view;
     } cases[] = {
-        {homogeneous(50.0, (struct neph_bounds){{-20, -20, -1}, {20, 20, 1}}), ahead},
-        {homogeneous(300.0, (struct neph_bounds){{-20, -20, -1}, {20, 20, 1}}), ahead},
+        {make_homogeneous(50.0, (struct neph_bounds){{-20, -20, -1}, {20, 20, 1}}), ahead},
+        {make_homogeneous(300.0, (struct neph_bounds){{-20, -20, -1}, {20, 20, 1}}), ahead},
         {fog_in_box, ahead},
         {fog_in_box, steep},
-        {gaussian(20.0, 2.0), ahead},
-        {gaussian(80.0, 2.0), steep},
+        {make_blob(20.0, (struct neph_vec3){0}, 2.0), ahead},
+        {make_blob(80.0, (struct neph_vec3){0}, 2.0), steep},
     };
     for (size_t i = 0; i < COUNT(cases); i++) {
-        struct neph_scene scene = sunny(cases[i].medium, cases[i].view);
+        struct neph_scene scene = make_sunny(cases[i].medium, cases[i].view);
         const struct neph_vec3 eye_m = neph_vec3_along((struct neph_vec3){0.3, 0.1, 0},
                                                        cases[i].view, -40.0);
         const double depth =
@@ -140,8 +91,8 @@ static void test_a_slanting_sun_behind_a_slab(void **state)
 {
     (void)state;
     const double cosine = 0.8, depth = 100.0, far_m = 1e5;
-    const struct neph_scene scene = sunny(
-        homogeneous(50.0, (struct neph_bounds){{-far_m, -far_m, -1}, {far_m, far_m, 1}}),
+    const struct neph_scene scene = make_sunny(
+        make_homogeneous(50.0, (struct neph_bounds){{-far_m, -far_m, -1}, {far_m, far_m, 1}}),
         (struct neph_vec3){0.6, 0, -cosine});
     const struct neph_ray_light light = neph_transport_ray(&scene, (struct neph_vec3){0.3, 0.1, 40},
                                                            (struct neph_vec3){0, 0, -1});
@@ -155,10 +106,10 @@ static void test_light_behind_an_opaque_shadow(void **state)
 {
     (void)state;
     const double extinction_per_m = 10.0;
-    struct neph_scene scene = sunny(
-        homogeneous(extinction_per_m, (struct neph_bounds){{-50, -50, -10}, {50, 1, 0}}),
+    struct neph_scene scene = make_sunny(
+        make_homogeneous(extinction_per_m, (struct neph_bounds){{-50, -50, -10}, {50, 1, 0}}),
         (struct neph_vec3){0, 1, 0});
-    struct neph_solid plate = box(-60, 2, -6, 60, 3, 100);
+    struct neph_solid plate = make_box(-60, 2, -6, 60, 3, 100);
     scene.solid_count = 1;
     scene.solids = &plate;
     const struct neph_ray_light light = neph_transport_ray(&scene, (struct neph_vec3){0, 0.5, 20},
@@ -184,7 +135,7 @@ static void assert_one_shadow(struct neph_solid solid, double slant, double low_
 {
     const double sigma = 0.07, secant = sqrt(1.0 + slant * slant);
     const struct neph_vec3 sun = {slant / secant, 1.0 / secant, 0.0};
-    struct neph_scene scene = sunny(homogeneous(sigma, layer_10m), sun);
+    struct neph_scene scene = make_sunny(make_homogeneous(sigma, layer_10m), sun);
     scene.solid_count = 1;
     scene.solids = &solid;
     const struct neph_ray_light light = neph_transport_ray(&scene, (struct neph_vec3){0, 4, 0},
@@ -197,10 +148,10 @@ static void test_shadow_of_one_solid(void **state)
 {
     (void)state;
     /* Above the layer, from 20 to 24 m: 16 and 20 m over the ray. */
-    assert_one_shadow(box(30, 20, -1, 33, 24, 1), 0.0, 30, 33);
-    assert_one_shadow(box(30, 20, -1, 33, 24, 1), 0.75, 30 - 15, 33 - 12);
-    assert_one_shadow(box(30, 20, -1, 33, 24, 1), -0.75, 30 + 12, 33 + 15);
-    assert_one_shadow(box(30, 20, 1, 33, 24, 2), 0.0, 30, 30); /* beside it: nothing */
+    assert_one_shadow(make_box(30, 20, -1, 33, 24, 1), 0.0, 30, 33);
+    assert_one_shadow(make_box(30, 20, -1, 33, 24, 1), 0.75, 30 - 15, 33 - 12);
+    assert_one_shadow(make_box(30, 20, -1, 33, 24, 1), -0.75, 30 + 12, 33 + 15);
+    assert_one_shadow(make_box(30, 20, 1, 33, 24, 2), 0.0, 30, 30); /* beside it: nothing */
     struct neph_solid ball = {.kind = NEPH_SOLID_SPHERE, .center_m = {30, 20, 0.6}, .radius_m = 1};
     assert_one_shadow(ball, 0.0, 30 - 0.8, 30 + 0.8);
     /* A cylinder cut aslant: longer by the secant of the sun, 1.25. */
@@ -212,10 +163,10 @@ static void test_shadows_overlap_and_rays_end(void **state)
 {
     (void)state;
     const double sigma = 0.07;
-    struct neph_solid solids[] = {box(10, 20, -1, 14, 24, 1), box(12, 15, -1, 17, 16, 1),
-                                  box(11, 30, -1, 13, 31, 1), box(40, 0, -9, 50, 5, 9)};
-    struct neph_scene scene = sunny(homogeneous(sigma, layer_10m),
-                                    (struct neph_vec3){0.0, 1.0, 0.0});
+    struct neph_solid solids[] = {make_box(10, 20, -1, 14, 24, 1), make_box(12, 15, -1, 17, 16, 1),
+                                  make_box(11, 30, -1, 13, 31, 1), make_box(40, 0, -9, 50, 5, 9)};
+    struct neph_scene scene = make_sunny(make_homogeneous(sigma, layer_10m),
+                                         (struct neph_vec3){0.0, 1.0, 0.0});
     scene.solid_count = 4;
     scene.solids = solids;
     const struct neph_ray_light light = neph_transport_ray(&scene, (struct neph_vec3){0, 4, 0},
@@ -232,8 +183,9 @@ static void test_shadows_overlap_and_rays_end(void **state)
 static void test_shadow_in_height_fog(void **state)
 {
     (void)state;
-    struct neph_solid roof = box(30, 20, -1, 33, 24, 1);
-    struct neph_scene scene = sunny(height_fog(0.02, 0.05), (struct neph_vec3){0.0, 1.0, 0.0});
+    struct neph_solid roof = make_box(30, 20, -1, 33, 24, 1);
+    struct neph_scene scene = make_sunny(make_height_fog(0.02, 0.05),
+                                         (struct neph_vec3){0.0, 1.0, 0.0});
     scene.solid_count = 1;
     scene.solids = &roof;
     const struct neph_ray_light light = neph_transport_ray(&scene, (struct neph_vec3){0, 4, 0},
@@ -291,11 +243,11 @@ static void build_fence(struct neph_solid *solids)
 {
     for (int i = 0; i < BARS; i++) {
         const double x = -15.0 + 0.5 * i;
-        solids[i] = box(x, 0, -8.05, x + 0.1, 2, -8);
+        solids[i] = make_box(x, 0, -8.05, x + 0.1, 2, -8);
         solids[i].thin = true;
     }
-    solids[BARS] = box(21, -3, -32, 22, 3, 20);
-    solids[BARS + 1] = box(-21, -3, -32, 21, 3, -31);
+    solids[BARS] = make_box(21, -3, -32, 22, 3, 20);
+    solids[BARS + 1] = make_box(-21, -3, -32, 21, 3, -31);
 }
 
 struct fence {
@@ -308,7 +260,7 @@ struct fence {
 static void make_fence(struct fence *fence, const char *name, struct neph_medium medium)
 {
     fence->name = name;
-    fence->scene = sunny(medium, neph_vec3_normalize((struct neph_vec3){0.4, 0.35, -0.8}));
+    fence->scene = make_sunny(medium, neph_vec3_normalize((struct neph_vec3){0.4, 0.35, -0.8}));
     fence->scene.solid_count = BARS + 2;
     fence->scene.solids = fence->solids;
     build_fence(fence->solids);
@@ -316,7 +268,7 @@ static void make_fence(struct fence *fence, const char *name, struct neph_medium
 
 static struct neph_medium two_layers(void)
 {
-    struct neph_medium fog = height_fog(9.609e-3, 0.0139);
+    struct neph_medium fog = make_height_fog(9.609e-3, 0.0139);
     fog.layer_count = 2;
     fog.layers[1] = (struct neph_fog_layer){0.02, 0.4, 0.5};
     return fog;
@@ -324,18 +276,18 @@ static struct neph_medium two_layers(void)
 
 static struct neph_medium fog_in_a_box(void)
 {
-    struct neph_medium fog = height_fog(0.02, 0.2);
+    struct neph_medium fog = make_height_fog(0.02, 0.2);
     fog.bounds = (struct neph_bounds){{-20, 0, -30}, {20, 6, 20}};
     return fog;
 }
 
 static void make_fences(struct fence fences[4])
 {
-    make_fence(&fences[0], "one height fog", height_fog(9.609e-3, 0.0139));
+    make_fence(&fences[0], "one height fog", make_height_fog(9.609e-3, 0.0139));
     make_fence(&fences[1], "two layers", two_layers());
     make_fence(&fences[2], "fog in a box", fog_in_a_box());
     make_fence(&fences[3], "homogeneous box",
-               homogeneous(0.02, (struct neph_bounds){{-20, 0, -30}, {20, 6, 20}}));
+               make_homogeneous(0.02, (struct neph_bounds){{-20, 0, -30}, {20, 6, 20}}));
 }
 
 /* Along the fence just in front of it, across its shadows, and past its end. */
@@ -362,27 +314,14 @@ static void test_fence_against_brute_force(void **state)
     test_free(fences);
 }
 
-static struct neph_vec3 random_direction(uint64_t *seed)
-{
-    const double y = neph_test_uniform(seed, -1.0, 1.0), across = sqrt(1.0 - y * y);
-    const double azimuth = neph_test_uniform(seed, 0.0, 2.0 * M_PI);
-    return (struct neph_vec3){across * cos(azimuth), y, across * sin(azimuth)};
-}
-
-static struct neph_vec3 random_point(uint64_t *seed, double size)
-{
-    return (struct neph_vec3){neph_test_uniform(seed, -size, size),
-                              neph_test_uniform(seed, -size, size),
-                              neph_test_uniform(seed, -size, size)};
-}
-
 static struct neph_medium random_medium(uint64_t *seed)
 {
     const struct neph_vec3 low = random_point(seed, 6.0);
     const struct neph_vec3 size = {neph_test_uniform(seed, 1, 9), neph_test_uniform(seed, 1, 9),
                                    neph_test_uniform(seed, 1, 9)};
-    struct neph_medium medium = homogeneous(pow(10.0, neph_test_uniform(seed, -3, 0.5)),
-                                            (struct neph_bounds){low, neph_vec3_add(low, size)});
+    struct neph_medium medium = make_homogeneous(
+        pow(10.0, neph_test_uniform(seed, -3, 0.5)),
+        (struct neph_bounds){low, neph_vec3_add(low, size)});
     medium.phase = (struct neph_phase){NEPH_PHASE_HENYEY_GREENSTEIN, 0.5};
     medium.albedo.r = neph_test_uniform(seed, 0, 1);
     if (neph_test_uniform(seed, 0, 1) < 0.5) {
@@ -403,15 +342,15 @@ static void test_random_scenes_against_brute_force(void **state)
         struct neph_solid solids[4];
         for (int i = 0; i < 4; i++) {
             const struct neph_vec3 p = random_point(&seed, 8.0);
-            solids[i] = box(p.x, p.y, p.z, p.x + neph_test_uniform(&seed, 0.1, 3),
-                            p.y + neph_test_uniform(&seed, 0.1, 3),
-                            p.z + neph_test_uniform(&seed, 0.1, 3));
+            solids[i] = make_box(p.x, p.y, p.z, p.x + neph_test_uniform(&seed, 0.1, 3),
+                                 p.y + neph_test_uniform(&seed, 0.1, 3),
+                                 p.z + neph_test_uniform(&seed, 0.1, 3));
             if (i % 2)
                 solids[i] = (struct neph_solid){.kind = NEPH_SOLID_SPHERE,
                                                 .center_m = p,
                                                 .radius_m = neph_test_uniform(&seed, 0.1, 3)};
         }
-        struct neph_scene scene = sunny(random_medium(&seed), random_direction(&seed));
+        struct neph_scene scene = make_sunny(random_medium(&seed), random_direction(&seed));
         scene.medium_count = 2;
         scene.media[1] = random_medium(&seed);
         scene.solid_count = 4;
@@ -438,9 +377,9 @@ static void test_lambert_through_fog(void **state)
 {
     (void)state;
     const double a = 0.02, b = 0.05, mu0 = 0.8, k = -0.6;
-    struct neph_solid ground = box(-1e6, -1, -1e6, 1e6, 0, 1e6);
+    struct neph_solid ground = make_box(-1e6, -1, -1e6, 1e6, 0, 1e6);
     ground.albedo = (struct neph_rgb){0.5, 0.25, 0.125};
-    struct neph_scene scene = sunny(height_fog(a, b), (struct neph_vec3){0.6, mu0, 0.0});
+    struct neph_scene scene = make_sunny(make_height_fog(a, b), (struct neph_vec3){0.6, mu0, 0.0});
     scene.sun.irradiance_w_per_m2 = (struct neph_rgb){3.0, 2.0, 1.0};
     scene.solid_count = 1;
     scene.solids = &ground;
@@ -461,9 +400,9 @@ static void test_lambert_through_fog(void **state)
 static void test_a_surface_turned_away_or_shaded_is_black(void **state)
 {
     (void)state;
-    struct neph_solid solids[] = {box(-9, -1, -9, 9, 0, 9), box(-1, 3, -1, 1, 4, 1)};
+    struct neph_solid solids[] = {make_box(-9, -1, -9, 9, 0, 9), make_box(-1, 3, -1, 1, 4, 1)};
     solids[0].albedo = solids[1].albedo = white;
-    struct neph_scene scene = sunny(height_fog(0.0, 0.0), (struct neph_vec3){0, 1, 0});
+    struct neph_scene scene = make_sunny(make_height_fog(0.0, 0.0), (struct neph_vec3){0, 1, 0});
     scene.solid_count = 2;
     scene.solids = solids;
     const struct neph_vec3 eye = {0, 1, 5};
@@ -481,9 +420,10 @@ static void test_a_surface_turned_away_or_shaded_is_black(void **state)
 static void test_a_surface_far_away_is_lit(void **state)
 {
     (void)state;
-    struct neph_solid ground = box(-1e7, -10, -1e7, 1e7, 0, 1e7);
+    struct neph_solid ground = make_box(-1e7, -10, -1e7, 1e7, 0, 1e7);
     ground.albedo = white;
-    struct neph_scene scene = sunny(height_fog(0.0, 0.0), (struct neph_vec3){0.6, 0.8, 0});
+    struct neph_scene scene = make_sunny(make_height_fog(0.0, 0.0),
+                                         (struct neph_vec3){0.6, 0.8, 0});
     scene.solid_count = 1;
     scene.solids = &ground;
     uint64_t seed = 8;
@@ -501,8 +441,8 @@ static void test_a_surface_far_away_is_lit(void **state)
 static void test_parts_add_up(void **state)
 {
     (void)state;
-    struct neph_medium fog = homogeneous(0.3, (struct neph_bounds){{-1, -1, -1}, {1, 1, 1}});
-    struct neph_scene scene = sunny(fog, (struct neph_vec3){0, 1, 0});
+    struct neph_medium fog = make_homogeneous(0.3, (struct neph_bounds){{-1, -1, -1}, {1, 1, 1}});
+    struct neph_scene scene = make_sunny(fog, (struct neph_vec3){0, 1, 0});
     const struct neph_vec3 eye = {-3, 0.2, 0.1}, d = {1, 0, 0};
     const double grey = neph_transport_ray(&scene, eye, d).volume.r;
     scene.media[0].albedo = (struct neph_rgb){0.5, 0.25, 0.0};
@@ -541,7 +481,7 @@ static void test_white_furnace(void **state)
                                .solid_count = 1,
                                .solids = &ball,
                                .medium_count = 1,
-                               .media = {height_fog(0.1, 0.2)}};
+                               .media = {make_height_fog(0.1, 0.2)}};
     char reason[100] = "untouched";
     assert_true(neph_transport_is_exact(&scene, reason, sizeof(reason)));
     assert_string_equal(reason, "untouched");
@@ -565,9 +505,9 @@ static void test_what_is_refused(void **state)
 {
     (void)state;
     char reason[100];
-    struct neph_solid wall = box(0, 0, 0, 1, 1, 1);
+    struct neph_solid wall = make_box(0, 0, 0, 1, 1, 1);
     wall.albedo = white;
-    struct neph_scene scene = sunny(height_fog(0.1, 0.2), (struct neph_vec3){0, 1, 0});
+    struct neph_scene scene = make_sunny(make_height_fog(0.1, 0.2), (struct neph_vec3){0, 1, 0});
     scene.solid_count = 1;
     scene.solids = &wall;
     assert_true(neph_transport_is_exact(&scene, reason, sizeof(reason)));
@@ -603,7 +543,7 @@ static void test_never_nonsense(void **state)
     static const double slopes[] = {0.0,   1e-300, -1e-300, 1e-9, -1e-9, 0.01,
                                     -0.01, 0.6,    -0.6,    1,    -1};
     static const double suns[] = {1.0, 0.6, 0.05, 1e-9, 1e-300, 0.0, -0.3, -1.0};
-    struct neph_solid ground = box(-1e5, -10, -1e5, 1e5, -1, 1e5);
+    struct neph_solid ground = make_box(-1e5, -10, -1e5, 1e5, -1, 1e5);
     ground.albedo = white;
     for (size_t n = 0; n < COUNT(extinctions) * COUNT(falloffs) * COUNT(heights); n++)
         for (size_t k = n % NEPH_TEST_EVERY; k < COUNT(slopes) * COUNT(suns);
@@ -611,8 +551,9 @@ static void test_never_nonsense(void **state)
             const size_t a = n % COUNT(extinctions), b = n / COUNT(extinctions) % COUNT(falloffs);
             const double eye_m = heights[n / (COUNT(extinctions) * COUNT(falloffs))];
             const double k_y = slopes[k % COUNT(slopes)], s_y = suns[k / COUNT(slopes)];
-            struct neph_scene scene = sunny(height_fog(extinctions[a], falloffs[b]),
-                                            (struct neph_vec3){sqrt(1.0 - s_y * s_y), s_y, 0.0});
+            struct neph_scene scene = make_sunny(
+                make_height_fog(extinctions[a], falloffs[b]),
+                (struct neph_vec3){sqrt(1.0 - s_y * s_y), s_y, 0.0});
             scene.solid_count = (int)(k % 2);
             scene.solids = &ground;
             if (k % 3 == 0) { /* and a second layer, for the quadrature */
