@@ -6,14 +6,13 @@
  */
 #include "harness/engines/engines.h"
 
-#include "base/clock.h"
 #include "base/threads.h"
+#include "harness/engines/own_cost.h"
 #include "truth/transport.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <sys/resource.h>
 
 static const struct neph_option no_options[] = {{.name = NULL}};
 
@@ -82,7 +81,7 @@ static enum neph_status add_attributes(struct neph_image *frame, const struct jo
 static enum neph_status render(const struct neph_shot *shot, struct neph_image **frame,
                                struct neph_cost *cost, struct neph_diag *diag)
 {
-    const double wall_start_s = neph_wall_s(), cpu_start_s = neph_cpu_s();
+    const struct neph_stopwatch start = neph_stopwatch_start();
     struct job job = {.shot = shot, .camera = neph_scene_camera(shot->scene, shot->frame)};
     struct neph_image *image = NULL;
     enum neph_status status = neph_image_create(shot->width_px, shot->height_px, &image, diag);
@@ -99,13 +98,7 @@ static enum neph_status render(const struct neph_shot *shot, struct neph_image *
         neph_image_destroy(image);
         return status;
     }
-    struct rusage usage;
-    getrusage(RUSAGE_SELF, &usage);
-    const double wall_s = neph_wall_s() - wall_start_s;
-    *cost = (struct neph_cost){.render_s = wall_s,
-                               .wall_s = wall_s,
-                               .cpu_s = neph_cpu_s() - cpu_start_s,
-                               .peak_memory_bytes = (int64_t)usage.ru_maxrss * 1024};
+    *cost = neph_own_cost(start, NAN);
     *frame = image;
     return NEPH_OK;
 }

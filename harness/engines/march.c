@@ -8,13 +8,12 @@
 #include "harness/engines/engines.h"
 #include "harness/engines/vulkan_device.h"
 
-#include "base/clock.h"
 #include "harness/engines/frame_stats.h"
+#include "harness/engines/own_cost.h"
 #include "renderer/march_average.h"
 
 #include <math.h>
 #include <stdlib.h>
-#include <sys/resource.h>
 
 static const char *const modes[] = {"exact", "marched", NULL};
 static const char *const rays[] = {"1",  "2",  "4",   "8",   "16",
@@ -127,7 +126,7 @@ static enum neph_status next_picture(void *opened, const struct neph_shot *shot,
                                      struct neph_diag *diag)
 {
     struct sequence *sequence = opened;
-    const double wall_start_s = neph_wall_s(), cpu_start_s = neph_cpu_s();
+    const struct neph_stopwatch start = neph_stopwatch_start();
     const int rays_per_px = 1 << (int)shot->settings.values[OPTION_RAYS_PER_PX];
     struct neph_image *image = NULL;
     struct neph_march_stats stats = {.gpu_s = NAN};
@@ -143,14 +142,7 @@ static enum neph_status next_picture(void *opened, const struct neph_shot *shot,
         neph_image_destroy(image);
         return status;
     }
-    struct rusage usage;
-    getrusage(RUSAGE_SELF, &usage);
-    *cost = (struct neph_cost){
-        .render_s = isfinite(stats.gpu_s) ? stats.gpu_s : stats.wall_s,
-        .wall_s = neph_wall_s() - wall_start_s,
-        .cpu_s = neph_cpu_s() - cpu_start_s,
-        .peak_memory_bytes = (int64_t)usage.ru_maxrss * 1024,
-    };
+    *cost = neph_own_cost(start, isfinite(stats.gpu_s) ? stats.gpu_s : stats.wall_s);
     *frame = image;
     return NEPH_OK;
 }
@@ -160,16 +152,14 @@ static enum neph_status render(enum neph_march_lighting lighting, const struct n
                                struct neph_image **frame, struct neph_cost *cost,
                                struct neph_diag *diag)
 {
-    const double wall_start_s = neph_wall_s(), cpu_start_s = neph_cpu_s();
+    const struct neph_stopwatch start = neph_stopwatch_start();
     void *sequence = NULL;
     enum neph_status status = open_sequence(lighting, shot, &sequence, diag);
     if (!status)
         status = next_picture(sequence, shot, frame, cost, diag);
     close_sequence(sequence);
-    if (!status) {
-        cost->wall_s = neph_wall_s() - wall_start_s;
-        cost->cpu_s = neph_cpu_s() - cpu_start_s;
-    }
+    if (!status)
+        *cost = neph_own_cost(start, cost->render_s);
     return status;
 }
 

@@ -5,12 +5,11 @@
  */
 #include "harness/engines/engines.h"
 
-#include "base/clock.h"
+#include "harness/engines/own_cost.h"
 #include "truth/oracle.h"
 
 #include <math.h>
 #include <stdio.h>
-#include <sys/resource.h>
 
 static const struct neph_option options[] = {
     {.name = "samples",
@@ -59,7 +58,7 @@ static enum neph_status label(struct neph_image *frame, const struct neph_oracle
 static enum neph_status render(const struct neph_shot *shot, struct neph_image **frame,
                                struct neph_cost *cost, struct neph_diag *diag)
 {
-    const double wall_start_s = neph_wall_s(), cpu_start_s = neph_cpu_s();
+    const struct neph_stopwatch start = neph_stopwatch_start();
     const struct neph_settings *settings = &shot->settings;
     const double limit_s = neph_setting(&neph_engine_oracle, settings, "time_limit");
     const struct neph_oracle_params params = {
@@ -81,12 +80,7 @@ static enum neph_status render(const struct neph_shot *shot, struct neph_image *
         neph_image_destroy(image);
         return status;
     }
-    struct rusage usage;
-    getrusage(RUSAGE_SELF, &usage);
-    *cost = (struct neph_cost){.render_s = stats.wall_s,
-                               .wall_s = neph_wall_s() - wall_start_s,
-                               .cpu_s = neph_cpu_s() - cpu_start_s,
-                               .peak_memory_bytes = (int64_t)usage.ru_maxrss * 1024};
+    *cost = neph_own_cost(start, stats.wall_s);
     *frame = image;
     return NEPH_OK;
 }

@@ -6,9 +6,9 @@
 #include "harness/engines/engines.h"
 #include "harness/engines/vulkan_device.h"
 
-#include "base/clock.h"
 #include "harness/data.h"
 #include "harness/engines/frame_stats.h"
+#include "harness/engines/own_cost.h"
 #include "metrics/extractors/cycle_frequency.h"
 #include "renderer/realtime/noise.h"
 #include "renderer/realtime/options.h"
@@ -18,7 +18,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/resource.h>
 
 struct sequence {
     struct neph_vulkan *vulkan;
@@ -188,7 +187,7 @@ static enum neph_status next_picture(void *opened, const struct neph_shot *shot,
                                      struct neph_diag *diag)
 {
     struct sequence *sequence = opened;
-    const double wall_start_s = neph_wall_s(), cpu_start_s = neph_cpu_s();
+    const struct neph_stopwatch start = neph_stopwatch_start();
     const struct neph_realtime_frame picture = {shot->scene, shot->frame, shot->given};
     struct neph_realtime_stats stats;
     struct neph_image *image = NULL;
@@ -203,14 +202,7 @@ static enum neph_status next_picture(void *opened, const struct neph_shot *shot,
         neph_image_destroy(image);
         return status;
     }
-    struct rusage usage;
-    getrusage(RUSAGE_SELF, &usage);
-    *cost = (struct neph_cost){
-        .render_s = isfinite(stats.gpu_s) ? stats.gpu_s : stats.wall_s,
-        .wall_s = neph_wall_s() - wall_start_s,
-        .cpu_s = neph_cpu_s() - cpu_start_s,
-        .peak_memory_bytes = (int64_t)usage.ru_maxrss * 1024,
-    };
+    *cost = neph_own_cost(start, isfinite(stats.gpu_s) ? stats.gpu_s : stats.wall_s);
     *frame = image;
     return NEPH_OK;
 }

@@ -6,11 +6,10 @@
 #include "harness/engines/engines.h"
 #include "harness/engines/vulkan_device.h"
 
-#include "base/clock.h"
+#include "harness/engines/own_cost.h"
 #include "renderer/tracer.h"
 
 #include <math.h>
-#include <sys/resource.h>
 
 enum { OPTION_SAMPLES, OPTION_TARGET_ERROR, OPTION_TIME_LIMIT };
 
@@ -47,7 +46,7 @@ static enum neph_status label(struct neph_image *frame, const struct neph_tracer
 static enum neph_status render(const struct neph_shot *shot, struct neph_image **frame,
                                struct neph_cost *cost, struct neph_diag *diag)
 {
-    const double wall_start_s = neph_wall_s(), cpu_start_s = neph_cpu_s();
+    const struct neph_stopwatch start = neph_stopwatch_start();
     const struct neph_vulkan_params device = neph_vulkan_device_params();
     const double *values = shot->settings.values;
     const struct neph_tracer_params params = {
@@ -73,14 +72,7 @@ static enum neph_status render(const struct neph_shot *shot, struct neph_image *
         neph_image_destroy(image);
         return status;
     }
-    struct rusage usage;
-    getrusage(RUSAGE_SELF, &usage);
-    *cost = (struct neph_cost){
-        .render_s = stats.wall_s,
-        .wall_s = neph_wall_s() - wall_start_s,
-        .cpu_s = neph_cpu_s() - cpu_start_s,
-        .peak_memory_bytes = (int64_t)usage.ru_maxrss * 1024,
-    };
+    *cost = neph_own_cost(start, stats.wall_s);
     *frame = image;
     return NEPH_OK;
 }

@@ -1,0 +1,25 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/engines/own_cost.h"
+
+#include "base/clock.h"
+
+#include <math.h>
+#include <sys/resource.h>
+
+struct neph_stopwatch neph_stopwatch_start(void)
+{
+    return (struct neph_stopwatch){neph_wall_s(), neph_cpu_s()};
+}
+
+struct neph_cost neph_own_cost(struct neph_stopwatch start, double render_s)
+{
+    struct rusage usage;
+    getrusage(RUSAGE_SELF, &usage);
+    const double wall_s = neph_wall_s() - start.wall_s;
+    return (struct neph_cost){
+        .render_s = isnan(render_s) ? wall_s : render_s,
+        .wall_s = wall_s,
+        .cpu_s = neph_cpu_s() - start.cpu_s,
+        .peak_memory_bytes = (int64_t)usage.ru_maxrss * 1024,
+    };
+}

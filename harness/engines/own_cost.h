@@ -1,0 +1,19 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * What a picture has cost that neph renders in its own process.
+ */
+#ifndef NEPH_HARNESS_ENGINES_OWN_COST_H
+#define NEPH_HARNESS_ENGINES_OWN_COST_H
+
+#include "harness/engines/engine.h"
+
+struct neph_stopwatch {
+    double wall_s, cpu_s;
+};
+
+struct neph_stopwatch neph_stopwatch_start(void);
+
+/* Since the start; NaN for `render_s`: all of it. The peak of memory is that of the process. */
+struct neph_cost neph_own_cost(struct neph_stopwatch start, double render_s);
+
+#endif
