@@ -296,21 +296,3 @@ enum neph_status neph_march_frame(struct neph_march *march, const struct neph_sc
         *stats = work.stats;
     return NEPH_OK;
 }
-
-enum neph_status neph_march_render(struct neph_vulkan *vulkan, const struct neph_scene *scene,
-                                   const struct neph_march_params *params,
-                                   struct neph_image **frame, struct neph_march_stats *stats,
-                                   struct neph_diag *diag)
-{
-    const double start_s = neph_wall_s();
-    const float no_jitter[2] = {0.0f, 0.0f};
-    struct neph_march *march = NULL;
-    enum neph_status status = neph_march_create(vulkan, scene, params, &march, diag);
-    if (status)
-        return status;
-    status = neph_march_frame(march, scene, params->frame, no_jitter, frame, stats, diag);
-    neph_march_destroy(march);
-    if (!status && stats)
-        stats->wall_s = neph_wall_s() - start_s;
-    return status;
-}

@@ -74,14 +74,15 @@ struct neph_march_stats {
 bool neph_march_can_render(const struct neph_scene *scene, enum neph_march_lighting lighting,
                            char *reason, size_t reason_size);
 
-/* Everything that neph_march_render() refuses before it looks at a device. */
+/* Everything that neph_march_create() refuses before it looks at a device: NEPH_ERR_USAGE, a
+ * parameter is out of range; NEPH_ERR_UNSUPPORTED, neph_march_can_render() says no. */
 enum neph_status neph_march_check(const struct neph_scene *scene,
                                   const struct neph_march_params *params, struct neph_diag *diag);
 
 /* A march of many frames of one scene: its grids and textures stay on the device. */
 struct neph_march;
 
-/* Errors as of neph_march_render(). For neph_march_destroy(). */
+/* For neph_march_destroy(). */
 enum neph_status neph_march_create(struct neph_vulkan *vulkan, const struct neph_scene *scene,
                                    const struct neph_march_params *params,
                                    struct neph_march **march, struct neph_diag *diag);
@@ -89,21 +90,15 @@ void neph_march_destroy(struct neph_march *march);
 
 /* One frame of the scene, which may have another sun or its media moved since (neph_scene_at());
  * params.frame counts no more. `jitter_px` is added to the place of each ray, x to the right, y
- * down. */
+ * down. The image has R G B, volume.*, transmittance.*, Z as in base/image.h, and where something
+ * was marched volume.distance; no attributes. Same scene, params and device: same bits. `stats` may
+ * be NULL.
+ *
+ * NEPH_ERR_UNSUPPORTED: one step alone is more than a dispatch may hold (thousands of sun steps).
+ * NEPH_ERR_INTERRUPTED: neph_interrupted() between two dispatches (well below a second each on two
+ * CPU cores). NEPH_ERR_INTERNAL: the validation layer had something to say. */
 enum neph_status neph_march_frame(struct neph_march *march, const struct neph_scene *scene,
                                   double frame, const float jitter_px[2], struct neph_image **image,
                                   struct neph_march_stats *stats, struct neph_diag *diag);
-
-/* Render a frame: R G B, volume.*, transmittance.*, Z as in base/image.h, and where
- * something was marched volume.distance; no attributes. Same
- * scene, params and device: same bits. `*frame` is the caller's; `stats` may be NULL.
- * NEPH_ERR_USAGE: a parameter is out of range. NEPH_ERR_UNSUPPORTED: neph_march_can_render() says
- * no, or one step alone is more than a dispatch may hold (thousands of sun steps).
- * NEPH_ERR_INTERRUPTED: neph_interrupted() between two dispatches (well below a second each on two
- * CPU cores). NEPH_ERR_INTERNAL: the validation layer had something to say. */
-enum neph_status neph_march_render(struct neph_vulkan *vulkan, const struct neph_scene *scene,
-                                   const struct neph_march_params *params,
-                                   struct neph_image **frame, struct neph_march_stats *stats,
-                                   struct neph_diag *diag);
 
 #endif

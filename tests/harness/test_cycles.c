@@ -5,6 +5,7 @@
  * single precision or of the march step; pictures with noise are judged by their mean over the
  * image, where 512 paths per pixel leave about 3e-4.
  */
+#include "tests/harness/engine_test.h"
 #include "tests/scene_builders.h"
 
 #include "base/files.h"
@@ -112,15 +113,6 @@ static void set_full_stage(struct stage *stage)
 
 /* ---- rendering ------------------------------------------------------------------------------- */
 
-static bool has_blender(void)
-{
-    struct neph_engine_info info;
-    neph_engine_cycles.probe(&info);
-    if (!info.available)
-        print_message("SKIPPED, Cycles is not measured here: %s\n", info.missing);
-    return info.available;
-}
-
 static struct neph_shot make_shot(const struct stage *stage, unsigned layers)
 {
     struct neph_shot shot = {
@@ -200,57 +192,30 @@ static double truth_mean(const struct stage *stage, bool volume_only, int channe
 static void test_probe_without_blender(void **state)
 {
     (void)state;
-    char *path = strdup(getenv("PATH") ? getenv("PATH") : "");
-    struct neph_engine_info info;
-    setenv("PATH", "/nonexistent", 1);
-    neph_engine_cycles.probe(&info);
-    setenv("PATH", path, 1);
-    free(path);
+    const struct neph_engine_info info = test_probe_without_path(&neph_engine_cycles);
     assert_false(info.available);
     assert_non_null(strstr(info.missing, "blender"));
     assert_string_equal(info.install_line, "apt-get install blender python3-numpy");
 }
 
-/* A stand-in that answers as another version, first in PATH. */
 static void test_probe_refuses_another_version(void **state)
 {
     (void)state;
-    static const char program[] = "#!/bin/sh\necho 'Blender 5.0.1'\n";
-    struct neph_diag diag = {0};
-    struct neph_engine_info info;
-    char directory[] = "/tmp/neph-fake-XXXXXX";
-    assert_non_null(mkdtemp(directory));
-    char *fake = neph_path_join(directory, "blender");
-    neph_assert_ok(neph_file_write(fake, program, sizeof(program) - 1, &diag), &diag);
-    assert_int_equal(chmod(fake, 0755), 0);
-    char *path = strdup(getenv("PATH") ? getenv("PATH") : "");
-    char *longer = neph_format("%s:%s", directory, path);
-    setenv("PATH", longer, 1);
-    neph_engine_cycles.probe(&info);
-    setenv("PATH", path, 1);
-    neph_dir_remove(directory, NULL);
-    free(longer);
-    free(path);
-    free(fake);
+    const struct neph_engine_info info = test_probe_impostor(&neph_engine_cycles, "blender",
+                                                             "#!/bin/sh\necho 'Blender 5.0.1'\n");
     assert_false(info.available);
     assert_non_null(strstr(info.missing, "wrong version: 'blender' is 5.0.1"));
-}
-
-static bool can_render(const struct neph_scene *scene, char *reason, size_t reason_size)
-{
-    const struct neph_settings settings = neph_settings_default(&neph_engine_cycles);
-    return neph_engine_cycles.can_render(scene, &settings, reason, reason_size);
 }
 
 static void assert_cannot(const struct stage *stage, const char *word)
 {
     char reason[256] = "";
-    assert_false(can_render(&stage->scene, reason, sizeof(reason)));
+    assert_false(test_can_render(&neph_engine_cycles, &stage->scene, reason, sizeof(reason)));
     if (!strstr(reason, word))
         fail_msg("'%s' does not say '%s'", reason, word);
 }
 
-static void test_can_render(void **state)
+static void test_what_it_can_render(void **state)
 {
     (void)state;
     char reason[256] = "";
@@ -258,9 +223,9 @@ static void test_can_render(void **state)
     struct neph_medium *medium = set_box_stage(&stage, 0.3);
     stage.scene.environment_light = true;
     stage.scene.scattering = NEPH_SCATTERING_MULTIPLE;
-    assert_true(can_render(&stage.scene, reason, sizeof(reason)));
+    assert_true(test_can_render(&neph_engine_cycles, &stage.scene, reason, sizeof(reason)));
     medium->phase = (struct neph_phase){NEPH_PHASE_HENYEY_GREENSTEIN, 0.85};
-    assert_true(can_render(&stage.scene, reason, sizeof(reason)));
+    assert_true(test_can_render(&neph_engine_cycles, &stage.scene, reason, sizeof(reason)));
     medium->phase = (struct neph_phase){NEPH_PHASE_RAYLEIGH, 0.0};
     assert_cannot(&stage, "Rayleigh");
     medium->phase = (struct neph_phase){NEPH_PHASE_ISOTROPIC, 0.0};
@@ -363,7 +328,7 @@ static void transmittance_errors(const struct stage *stage, double floor, double
 static void test_transmittance_of_a_box(void **state)
 {
     (void)state;
-    if (!has_blender())
+    if (!test_has_engine(&neph_engine_cycles))
         skip();
     double absolute, relative;
     struct stage stage;
@@ -376,7 +341,7 @@ static void test_transmittance_of_a_box(void **state)
 static void test_transmittance_is_cut(void **state)
 {
     (void)state;
-    if (!has_blender())
+    if (!test_has_engine(&neph_engine_cycles))
         skip();
     struct stage stage;
     set_box_stage(&stage, 2.4);
@@ -401,7 +366,7 @@ static void test_transmittance_is_cut(void **state)
 static void test_transmittance_of_height_fog(void **state)
 {
     (void)state;
-    if (!has_blender())
+    if (!test_has_engine(&neph_engine_cycles))
         skip();
     double absolute, relative;
     struct stage stage; /* in a box of fog */
@@ -414,7 +379,7 @@ static void test_transmittance_of_height_fog(void **state)
 static void test_transmittance_of_open_fog(void **state)
 {
     (void)state;
-    if (!has_blender())
+    if (!test_has_engine(&neph_engine_cycles))
         skip();
     const struct neph_bounds open = {{-INFINITY, -INFINITY, -INFINITY},
                                      {INFINITY, INFINITY, INFINITY}};
@@ -431,7 +396,7 @@ static void test_transmittance_of_open_fog(void **state)
 static void test_depth_behind_media(void **state)
 {
     (void)state;
-    if (!has_blender())
+    if (!test_has_engine(&neph_engine_cycles))
         skip();
     struct stage stage;
     set_full_stage(&stage);
@@ -477,7 +442,7 @@ static void check_single_scattering(const struct stage *stage, double relative)
 static void test_single_scattering_in_a_box(void **state)
 {
     (void)state;
-    if (!has_blender())
+    if (!test_has_engine(&neph_engine_cycles))
         skip();
     struct stage stage;
     struct neph_medium *medium = set_box_stage(&stage, 0.3);
@@ -491,7 +456,7 @@ static void test_single_scattering_in_a_box(void **state)
 static void test_single_scattering_in_thin_air(void **state)
 {
     (void)state;
-    if (!has_blender())
+    if (!test_has_engine(&neph_engine_cycles))
         skip();
     struct stage stage;
     set_stage(&stage, (struct neph_vec3){0.0, 10.0, 0.0}, (struct neph_vec3){0.0, 10.0, -10.0});
@@ -503,7 +468,7 @@ static void test_single_scattering_in_thin_air(void **state)
 static void test_single_scattering_in_height_fog(void **state)
 {
     (void)state;
-    if (!has_blender())
+    if (!test_has_engine(&neph_engine_cycles))
         skip();
     struct stage stage;
     set_stage(&stage, (struct neph_vec3){0.0, 40.0, 0.0}, (struct neph_vec3){0.0, 35.0, -100.0});
@@ -518,7 +483,7 @@ static void test_single_scattering_in_height_fog(void **state)
 static void test_full_scene(void **state)
 {
     (void)state;
-    if (!has_blender())
+    if (!test_has_engine(&neph_engine_cycles))
         skip();
     struct stage stage;
     set_full_stage(&stage);
@@ -540,7 +505,7 @@ static void test_full_scene(void **state)
 static void test_radiance_is_volume_plus_sky(void **state)
 {
     (void)state;
-    if (!has_blender())
+    if (!test_has_engine(&neph_engine_cycles))
         skip();
     struct stage stage;
     set_box_stage(&stage, 0.2);
@@ -559,7 +524,7 @@ static void test_radiance_is_volume_plus_sky(void **state)
 static void test_no_scattering(void **state)
 {
     (void)state;
-    if (!has_blender())
+    if (!test_has_engine(&neph_engine_cycles))
         skip();
     struct stage stage;
     set_stage(&stage, (struct neph_vec3){0.0, 3.0, 6.0}, (struct neph_vec3){0.0, 0.0, 0.0});
@@ -584,7 +549,7 @@ static void test_no_scattering(void **state)
 static void test_white_furnace(void **state)
 {
     (void)state;
-    if (!has_blender())
+    if (!test_has_engine(&neph_engine_cycles))
         skip();
     struct stage stage;
     struct neph_medium *medium = set_box_stage(&stage, 2.0);
@@ -606,7 +571,7 @@ static void test_white_furnace(void **state)
 static void test_background_that_is_only_seen(void **state)
 {
     (void)state;
-    if (!has_blender())
+    if (!test_has_engine(&neph_engine_cycles))
         skip();
     struct stage stage;
     set_full_stage(&stage);
@@ -645,7 +610,7 @@ static double largest_difference(const struct neph_image *a, const struct neph_i
 static void test_same_seed_same_bits(void **state)
 {
     (void)state;
-    if (!has_blender())
+    if (!test_has_engine(&neph_engine_cycles))
         skip();
     struct stage stage;
     set_full_stage(&stage);
@@ -669,7 +634,7 @@ static void test_same_seed_same_bits(void **state)
 static void test_nothing_was_executed(void **state)
 {
     (void)state;
-    if (!has_blender())
+    if (!test_has_engine(&neph_engine_cycles))
         skip();
     assert_false(neph_path_exists(pwned_path));
 }
@@ -687,7 +652,7 @@ static void assert_file(const char *directory, const char *name)
 static void test_export_runs_by_hand(void **state)
 {
     (void)state;
-    if (!has_blender())
+    if (!test_has_engine(&neph_engine_cycles))
         skip();
     struct neph_diag diag = {0};
     char directory[] = "/tmp/neph-export-XXXXXX", command[256] = "";
@@ -716,7 +681,7 @@ static void test_export_runs_by_hand(void **state)
 static void test_failures_are_reported(void **state)
 {
     (void)state;
-    if (!has_blender())
+    if (!test_has_engine(&neph_engine_cycles))
         skip();
     struct neph_diag diag = {0};
     struct neph_cost cost;
@@ -741,7 +706,7 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_probe_without_blender),
         cmocka_unit_test(test_probe_refuses_another_version),
-        cmocka_unit_test(test_can_render),
+        cmocka_unit_test(test_what_it_can_render),
         cmocka_unit_test(test_tiny_frames_are_refused),
         cmocka_unit_test(test_spec_is_data),
         cmocka_unit_test(test_spec_refuses_what_is_not_a_number),

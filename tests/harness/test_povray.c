@@ -4,6 +4,7 @@
  * installed, its frames against closed forms. Tolerances: what the midpoint rule and the 16-bit
  * brackets leave, as stated at each test.
  */
+#include "tests/harness/engine_test.h"
 #include "tests/scene_builders.h"
 
 #include "base/files.h"
@@ -309,56 +310,36 @@ static void test_faces_of_containers_stand_alone(void **state)
 
 /* ---- What it can model ---------------------------------------------------------------------- */
 
-static bool can_render(const struct neph_scene *scene, char *reason, size_t reason_size)
-{
-    const struct neph_settings settings = neph_settings_default(&neph_engine_povray);
-    return neph_engine_povray.can_render(scene, &settings, reason, reason_size);
-}
-
-static void test_can_render(void **state)
+static void test_what_it_can_render(void **state)
 {
     (void)state;
     char reason[128] = "";
     struct test_scene stage;
     set_full_stage(&stage);
-    assert_true(can_render(&stage.scene, reason, sizeof(reason)));
+    assert_true(test_can_render(&neph_engine_povray, &stage.scene, reason, sizeof(reason)));
     stage.scene.scattering = NEPH_SCATTERING_MULTIPLE;
-    assert_false(can_render(&stage.scene, reason, sizeof(reason)));
+    assert_false(test_can_render(&neph_engine_povray, &stage.scene, reason, sizeof(reason)));
     assert_string_equal(reason, "multiple scattering");
     stage.scene.scattering = NEPH_SCATTERING_SINGLE;
     stage.scene.environment_light = true;
-    assert_false(can_render(&stage.scene, reason, sizeof(reason)));
+    assert_false(test_can_render(&neph_engine_povray, &stage.scene, reason, sizeof(reason)));
     assert_string_equal(reason, "environment light on media or solids");
     stage.scene.environment_light = false;
     stage.solids[1].radius_m = 1e-12;
-    assert_false(can_render(&stage.scene, reason, sizeof(reason)));
+    assert_false(test_can_render(&neph_engine_povray, &stage.scene, reason, sizeof(reason)));
     assert_non_null(strstr(reason, "solids of"));
 }
 
 static void test_probe_without_povray(void **state)
 {
     (void)state;
-    char *path = strdup(getenv("PATH") ? getenv("PATH") : "");
-    struct neph_engine_info info;
-    setenv("PATH", "/nonexistent", 1);
-    neph_engine_povray.probe(&info);
-    setenv("PATH", path, 1);
-    free(path);
+    const struct neph_engine_info info = test_probe_without_path(&neph_engine_povray);
     assert_false(info.available);
     assert_non_null(strstr(info.missing, "povray"));
     assert_string_equal(info.install_line, "apt-get install povray");
 }
 
 /* ---- Frames --------------------------------------------------------------------------------- */
-
-static bool has_povray(void)
-{
-    struct neph_engine_info info;
-    neph_engine_povray.probe(&info);
-    if (!info.available)
-        print_message("SKIPPED, POV-Ray is not measured here: %s\n", info.missing);
-    return info.available;
-}
 
 /* Render with POV-Ray in a scratch folder of an awkward name. */
 static struct neph_image *render(const struct test_scene *stage, unsigned layers, double intervals)
@@ -446,7 +427,7 @@ static struct difference compare(const struct test_scene *stage, const struct ne
 static void test_transmittance_of_a_box(void **state)
 {
     (void)state;
-    if (!has_povray())
+    if (!test_has_engine(&neph_engine_povray))
         skip();
     struct test_scene stage; /* along a side: optical depths 0 to 10 */
     set_stage(&stage, (struct neph_vec3){0.0, 1.0, 12.0}, (struct neph_vec3){0.0, 1.0, 0.0});
@@ -462,7 +443,7 @@ static void test_transmittance_of_a_box(void **state)
 static void test_transmittance_of_a_dense_box(void **state)
 {
     (void)state;
-    if (!has_povray())
+    if (!test_has_engine(&neph_engine_povray))
         skip();
     struct test_scene stage; /* optical depths to 18: the floor is 1e-8 */
     set_stage(&stage, (struct neph_vec3){0.0, 1.0, 12.0}, (struct neph_vec3){0.0, 1.0, 0.0});
@@ -476,7 +457,7 @@ static void test_transmittance_of_a_dense_box(void **state)
 static void test_transmittance_of_height_fog(void **state)
 {
     (void)state;
-    if (!has_povray())
+    if (!test_has_engine(&neph_engine_povray))
         skip();
     struct test_scene stage; /* camera inside; two layers; optical depths to about 5 */
     set_stage(&stage, (struct neph_vec3){0.0, 2.0, 5.0}, (struct neph_vec3){0.0, 1.5, -5.0});
@@ -495,7 +476,7 @@ static void test_transmittance_of_height_fog(void **state)
 static void test_transmittance_of_open_fog(void **state)
 {
     (void)state;
-    if (!has_povray())
+    if (!test_has_engine(&neph_engine_povray))
         skip();
     struct test_scene stage;
     set_stage(&stage, (struct neph_vec3){0.0, 20.0, 0.0}, (struct neph_vec3){0.0, 0.0, -100.0});
@@ -550,7 +531,7 @@ static void check_slab(struct neph_phase phase)
 static void test_single_scattering_slabs(void **state)
 {
     (void)state;
-    if (!has_povray())
+    if (!test_has_engine(&neph_engine_povray))
         skip();
     check_slab((struct neph_phase){NEPH_PHASE_ISOTROPIC, 0.0});
     check_slab((struct neph_phase){NEPH_PHASE_HENYEY_GREENSTEIN, 0.85});
@@ -563,7 +544,7 @@ static void test_single_scattering_slabs(void **state)
 static void test_full_scene(void **state)
 {
     (void)state;
-    if (!has_povray())
+    if (!test_has_engine(&neph_engine_povray))
         skip();
     struct test_scene stage;
     set_full_stage(&stage);
@@ -586,7 +567,7 @@ static void test_full_scene(void **state)
 static void test_no_scattering(void **state)
 {
     (void)state;
-    if (!has_povray())
+    if (!test_has_engine(&neph_engine_povray))
         skip();
     struct test_scene stage;
     set_full_stage(&stage);
@@ -604,7 +585,7 @@ static void test_no_scattering(void **state)
 static void test_empty_scene(void **state)
 {
     (void)state;
-    if (!has_povray())
+    if (!test_has_engine(&neph_engine_povray))
         skip();
     struct test_scene stage;
     set_stage(&stage, (struct neph_vec3){0.0, 0.0, 0.0}, (struct neph_vec3){0.0, 0.0, -1.0});
@@ -620,7 +601,7 @@ static void test_empty_scene(void **state)
 static void test_export_runs_by_hand(void **state)
 {
     (void)state;
-    if (!has_povray())
+    if (!test_has_engine(&neph_engine_povray))
         skip();
     char directory[] = "/tmp/neph-export-XXXXXX", command[256] = "";
     assert_non_null(mkdtemp(directory));
@@ -644,32 +625,6 @@ static void test_export_runs_by_hand(void **state)
 
 /* ---- A POV-Ray that fails: a shell script of the same name, first in PATH ------------------- */
 
-struct impostor {
-    char directory[64];
-    char *path; /* PATH as it was */
-};
-
-static void set_impostor(struct impostor *impostor, const char *script)
-{
-    strcpy(impostor->directory, "/tmp/neph-impostor-XXXXXX");
-    assert_non_null(mkdtemp(impostor->directory));
-    char *file = neph_path_join(impostor->directory, "povray");
-    neph_assert_ok(neph_file_write(file, script, strlen(script), NULL), NULL);
-    assert_int_equal(chmod(file, 0755), 0);
-    free(file);
-    impostor->path = strdup(getenv("PATH") ? getenv("PATH") : "/usr/bin:/bin");
-    char *path = neph_format("%s:%s", impostor->directory, impostor->path);
-    setenv("PATH", path, 1);
-    free(path);
-}
-
-static void remove_impostor(struct impostor *impostor)
-{
-    setenv("PATH", impostor->path, 1);
-    free(impostor->path);
-    neph_dir_remove(impostor->directory, NULL);
-}
-
 /* Render the depth of a scene with the impostor; returns the status. */
 static enum neph_status render_with(const char *script, double time_limit_s, char message[1024])
 {
@@ -679,7 +634,7 @@ static enum neph_status render_with(const char *script, double time_limit_s, cha
     struct test_scene stage;
     struct impostor impostor;
     set_full_stage(&stage);
-    set_impostor(&impostor, script);
+    set_impostor(&impostor, "povray", script);
     char scratch[] = "/tmp/neph-scratch-XXXXXX";
     assert_non_null(mkdtemp(scratch));
     struct neph_shot shot = {.scene = &stage.scene,
@@ -714,16 +669,13 @@ static void test_failures_are_told(void **state)
 static void test_probe_refuses_other_versions(void **state)
 {
     (void)state;
-    struct impostor impostor;
-    struct neph_engine_info info;
-    set_impostor(&impostor, "#!/bin/sh\necho 'POV-Ray 3.8.0-alpha' >&2\n");
-    neph_engine_povray.probe(&info);
-    remove_impostor(&impostor);
+    const struct neph_engine *engine = &neph_engine_povray;
+    struct neph_engine_info info = test_probe_impostor(
+        engine, "povray", "#!/bin/sh\necho 'POV-Ray 3.8.0-alpha' >&2\n");
     assert_false(info.available);
     assert_non_null(strstr(info.missing, "3.8.0"));
-    set_impostor(&impostor, "#!/bin/sh\necho 'POV-Ray 3.7.0.10.unofficial' >&2\n");
-    neph_engine_povray.probe(&info);
-    remove_impostor(&impostor);
+    info = test_probe_impostor(engine, "povray",
+                               "#!/bin/sh\necho 'POV-Ray 3.7.0.10.unofficial' >&2\n");
     assert_true(info.available);
     assert_string_equal(info.version, "POV-Ray 3.7.0.10");
 }
@@ -739,7 +691,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(test_text_holds_no_string_of_the_scene),
         cmocka_unit_test(test_text_refuses_what_is_not_a_number),
         cmocka_unit_test(test_faces_of_containers_stand_alone),
-        cmocka_unit_test(test_can_render),
+        cmocka_unit_test(test_what_it_can_render),
         cmocka_unit_test(test_probe_without_povray),
         cmocka_unit_test(test_failures_are_told),
         cmocka_unit_test(test_probe_refuses_other_versions),

@@ -5,7 +5,7 @@
  * is, so that half a voxel, an axis or a clipped skirt would show at full size; what is baked may
  * differ by the error that the bake reports.
  */
-#include "tests/neph_test.h"
+#include "tests/harness/engine_test.h"
 
 #include "base/files.h"
 #include "harness/engines/baked_scene.h"
@@ -31,15 +31,6 @@ static const double noise[ENGINES] = {3e-3, 0.0};
 /* Error of transmittance: the jitter of 1/160 of a step; 200 midpoints through a few large cells.
  * */
 static const double march_error[ENGINES] = {1e-4, 2e-4};
-
-static bool has_engine(int e)
-{
-    struct neph_engine_info info;
-    engines[e]->probe(&info);
-    if (!info.available)
-        print_message("SKIPPED, %s is not measured here: %s\n", engines[e]->name, info.missing);
-    return info.available;
-}
 
 static struct neph_scene *load(const char *name)
 {
@@ -234,7 +225,7 @@ static void check_coloured_fog(int e)
 static void on_both(void (*check)(int e))
 {
     for (int e = 0; e < ENGINES; e++)
-        if (has_engine(e))
+        if (test_has_engine(engines[e]))
             check(e);
 }
 
@@ -248,7 +239,7 @@ static void test_grids(void **state)
 static void test_what_is_baked(void **state)
 {
     (void)state;
-    if (!has_engine(POVRAY))
+    if (!test_has_engine(engines[POVRAY]))
         skip();
     check_cut_grid(POVRAY);
     check_blob(POVRAY);

@@ -23,7 +23,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-enum { SIZES_MAX = 8, CHOICES_MAX = 64, POOL_FRAMES = 4, IMAGE_FRAMES = 4, KEY_JSON = 1 };
+enum { SIZES_MAX = 8, CHOICES_MAX = 64, TURNS_MAX = 4, IMAGE_FRAMES = 4, KEY_JSON = 1 };
 
 struct request {
     int sizes[SIZES_MAX][2], size_count;
@@ -67,14 +67,14 @@ static long resident_kib(void)
 
 /* A few frames that take turns, so that long sequences need no more memory. */
 struct frames {
-    struct neph_image *reference[POOL_FRAMES], *second[POOL_FRAMES], *test[POOL_FRAMES];
+    struct neph_image *reference[TURNS_MAX], *second[TURNS_MAX], *test[TURNS_MAX];
 };
 
-static int pool_of(const struct row *row)
+static int turns_of(const struct row *row)
 {
     const size_t pixels = (size_t)row->width_px * (size_t)row->height_px;
-    const int pool = pixels > (size_t)1 << 24 ? 1 : POOL_FRAMES;
-    return row->frame_count < pool ? row->frame_count : pool;
+    const int turns = pixels > (size_t)1 << 24 ? 1 : TURNS_MAX;
+    return row->frame_count < turns ? row->frame_count : turns;
 }
 
 static enum neph_status make_frames(const struct row *row, struct frames *frames,
@@ -83,7 +83,7 @@ static enum neph_status make_frames(const struct row *row, struct frames *frames
     struct synthetic what = {
         .width_px = row->width_px, .height_px = row->height_px, .all = row->all_layers};
     enum neph_status status = NEPH_OK;
-    for (int i = 0; i < pool_of(row) && !status; i++) {
+    for (int i = 0; i < turns_of(row) && !status; i++) {
         what.frame = i;
         what.seed = 1;
         what.is_test = false;
@@ -138,13 +138,13 @@ static struct cost measure_here(const struct row *row, struct neph_diag *diag)
         cost.status = neph_mask_create(frames.reference[0], "all", NULL, &mask, diag);
     if (cost.status)
         return cost;
-    const int pool = pool_of(row);
+    const int turns = turns_of(row);
     cost.frames_kib = resident_kib();
     const double cpu_s = neph_cpu_s(), wall_s = neph_wall_s();
     cost.status = make_meter(row, mask, &meter, diag);
     for (int i = 0; i < row->frame_count && !cost.status; i++)
-        cost.status = neph_meter_frame(meter, frames.reference[i % pool], frames.second[i % pool],
-                                       frames.test[i % pool], diag);
+        cost.status = neph_meter_frame(meter, frames.reference[i % turns], frames.second[i % turns],
+                                       frames.test[i % turns], diag);
     cost.cpu_s_per_frame = (neph_cpu_s() - cpu_s) / row->frame_count;
     cost.wall_s_per_frame = (neph_wall_s() - wall_s) / row->frame_count;
     if (!cost.status) {

@@ -4,10 +4,10 @@
  * of convergence of the in-scattered radiance, solids and their shadows, exact counts, same bits,
  * and no nonsense for extreme inputs.
  */
-#include "tests/renderer/renderer_test.h"
+#include "tests/renderer/fog_scenes.h"
+#include "tests/renderer/march_test.h"
 
 #include "base/interrupt.h"
-#include "renderer/march.h"
 #include "scenes/media.h"
 #include "scenes/solids.h"
 #include "truth/transport.h"
@@ -28,7 +28,7 @@ static struct neph_image *render(struct neph_vulkan *vulkan, const struct test_s
 {
     struct neph_image *frame = NULL;
     struct neph_diag diag = {0};
-    neph_assert_ok(neph_march_render(vulkan, &test->scene, params, &frame, stats, &diag), &diag);
+    neph_assert_ok(test_march_frame(vulkan, &test->scene, params, &frame, stats, &diag), &diag);
     assert_int_equal(frame->channel_count, neph_image_channel(frame, "volume.distance") ? 11 : 10);
     return frame;
 }
@@ -60,29 +60,10 @@ static void scene_homogeneous(struct test_scene *test)
     test_add_sphere(test, (struct neph_vec3){2.0, 3.0, -40.0}, 6.0);
 }
 
-static void scene_cube(struct test_scene *test)
-{
-    struct neph_medium *cube = test_add_medium(test, 0.4, 0.0, 0.0);
-    cube->bounds = (struct neph_bounds){{-3.0, -1.0, -12.0}, {4.0, 5.0, -6.0}};
-}
-
-static void scene_fog(struct test_scene *test)
-{
-    test_add_medium(test, 0.03, 0.05, 0.0);
-}
-
 static void scene_fog_up(struct test_scene *test)
 {
     scene_fog(test);
     test->key.look_at_m = (struct neph_vec3){3.0, 9.0, -5.0};
-}
-
-static void scene_fog_down(struct test_scene *test)
-{
-    test_add_medium(test, 0.2, 0.08, 2.0);
-    test_add_box(test, (struct neph_vec3){-1e3, -1.0, -1e3}, (struct neph_vec3){1e3, 0.0, 1e3});
-    test->key.position_m = (struct neph_vec3){10.0, 120.0, 30.0};
-    test->key.look_at_m = (struct neph_vec3){0.0, 0.0, 0.0};
 }
 
 static void scene_fog_two_layers(struct test_scene *test)
@@ -90,23 +71,6 @@ static void scene_fog_two_layers(struct test_scene *test)
     struct neph_medium *fog = test_add_medium(test, 0.01, 0.02, 0.0);
     test_add_layer(fog, 0.08, 0.4, 1.0);
     test_add_box(test, (struct neph_vec3){-1e3, -1.0, -1e3}, (struct neph_vec3){1e3, 0.0, 1e3});
-}
-
-static void scene_two_layers_up(struct test_scene *test)
-{
-    struct neph_medium *fog = test_add_medium(test, 0.01, 0.02, 0.0);
-    test_add_layer(fog, 0.04, 0.1, 1.0);
-    test->key.look_at_m = (struct neph_vec3){3.0, 9.0, -5.0};
-}
-
-static void scene_overlapping_media(struct test_scene *test)
-{
-    scene_fog(test);
-    test->scene.media[0].phase.g = -0.3;
-    struct neph_medium *cube = test_add_medium(test, 0.3, 0.0, 0.0);
-    cube->bounds = (struct neph_bounds){{-4.0, -1.0, -20.0}, {2.0, 6.0, -10.0}};
-    cube->albedo = (struct neph_rgb){0.2, 0.9, 1.0};
-    cube->phase = (struct neph_phase){.kind = NEPH_PHASE_RAYLEIGH};
 }
 
 static void scene_far_from_the_origin(struct test_scene *test)
@@ -563,7 +527,7 @@ static void test_parameters_out_of_range_are_refused(void **state)
     for (size_t i = 0; i < sizeof(wrong) / sizeof(wrong[0]); i++) {
         struct neph_image *frame = NULL;
         struct neph_diag diag = {0};
-        assert_int_equal(neph_march_render(*state, &test.scene, &wrong[i], &frame, NULL, &diag),
+        assert_int_equal(test_march_frame(*state, &test.scene, &wrong[i], &frame, NULL, &diag),
                          NEPH_ERR_USAGE);
         assert_null(frame);
     }
@@ -572,7 +536,7 @@ static void test_parameters_out_of_range_are_refused(void **state)
     many.steps = 1;
     struct neph_image *frame = NULL;
     struct neph_diag diag = {0};
-    assert_int_equal(neph_march_render(*state, &test.scene, &many, &frame, NULL, &diag),
+    assert_int_equal(test_march_frame(*state, &test.scene, &many, &frame, NULL, &diag),
                      NEPH_ERR_UNSUPPORTED);
     print_message("%s\n", diag.message);
 }
@@ -589,7 +553,7 @@ static void test_says_what_it_cannot(void **state)
     assert_string_equal(reason, "multiple scattering");
     struct neph_image *frame = NULL;
     struct neph_diag diag = {0};
-    assert_int_equal(neph_march_render(*state, &test.scene, &exact_48, &frame, NULL, &diag),
+    assert_int_equal(test_march_frame(*state, &test.scene, &exact_48, &frame, NULL, &diag),
                      NEPH_ERR_UNSUPPORTED);
     assert_non_null(strstr(diag.message, "cannot: multiple scattering"));
 
@@ -704,7 +668,7 @@ static void test_interruption_is_heard(void **state)
     raise(SIGINT);
     struct neph_image *frame = NULL;
     struct neph_diag diag = {0};
-    assert_int_equal(neph_march_render(*state, &test.scene, &exact_48, &frame, NULL, &diag),
+    assert_int_equal(test_march_frame(*state, &test.scene, &exact_48, &frame, NULL, &diag),
                      NEPH_ERR_INTERRUPTED);
     assert_null(frame);
 }

@@ -3,9 +3,8 @@
  * The lighting models of the ray marcher that are no physics, against their own formulas in double
  * precision: octaves in closed form over a slab, the Horizon light step by step.
  */
-#include "tests/renderer/renderer_test.h"
+#include "tests/renderer/march_test.h"
 
-#include "renderer/march.h"
 #include "scenes/horizon.h"
 
 static const int width_px = 48, height_px = 27;
@@ -33,7 +32,7 @@ static struct neph_image *render(struct neph_vulkan *vulkan, const struct test_s
                                              .steps = steps,
                                              .sun_steps = 64,
                                              .lighting = lighting};
-    neph_assert_ok(neph_march_render(vulkan, &test->scene, &params, &frame, NULL, &diag), &diag);
+    neph_assert_ok(test_march_frame(vulkan, &test->scene, &params, &frame, NULL, &diag), &diag);
     assert_true(neph_image_rgb(frame, "volume", volume));
     return frame;
 }

@@ -3,9 +3,8 @@
  * Gaussian blobs, shells and voxel grids in the ray marcher, against the exact transport in double
  * precision: the GLSL twins of scenes/media.h at work. Horizon clouds against quadrature.
  */
-#include "tests/renderer/renderer_test.h"
+#include "tests/renderer/march_test.h"
 
-#include "renderer/march.h"
 #include "scenes/grid.h"
 #include "scenes/horizon.h"
 #include "scenes/media.h"
@@ -47,7 +46,7 @@ static struct difference compare(struct neph_vulkan *vulkan, struct test_scene *
     struct neph_image *frame = NULL;
     struct difference worst = {0.0, 0.0};
     double brightest = 0.0;
-    neph_assert_ok(neph_march_render(vulkan, &test->scene, params, &frame, NULL, &diag), &diag);
+    neph_assert_ok(test_march_frame(vulkan, &test->scene, params, &frame, NULL, &diag), &diag);
     const struct neph_camera camera = neph_scene_camera(&test->scene, 0.0);
     float *transmittance[3], *volume[3];
     assert_true(neph_image_rgb(frame, "transmittance", transmittance));
@@ -180,7 +179,7 @@ static double transmittance_error(struct neph_vulkan *vulkan, struct test_scene 
     struct neph_image *frame = NULL;
     float *transmittance[3];
     double squares = 0.0;
-    neph_assert_ok(neph_march_render(vulkan, &test->scene, &params, &frame, NULL, &diag), &diag);
+    neph_assert_ok(test_march_frame(vulkan, &test->scene, &params, &frame, NULL, &diag), &diag);
     assert_true(neph_image_rgb(frame, "transmittance", transmittance));
     const struct neph_camera camera = neph_scene_camera(&test->scene, 0.0);
     for (int p = 0; p < 16 * 9; p++) {
@@ -256,7 +255,7 @@ static void test_horizon_scattering_against_quadrature(void **state)
     struct neph_image *frame = NULL;
     float *volume[3];
     double worst = 0.0, brightest = 0.0;
-    neph_assert_ok(neph_march_render(*state, &test.scene, &params, &frame, NULL, &diag), &diag);
+    neph_assert_ok(test_march_frame(*state, &test.scene, &params, &frame, NULL, &diag), &diag);
     assert_true(neph_image_rgb(frame, "volume", volume));
     const struct neph_camera camera = neph_scene_camera(&test.scene, 0.0);
     for (int i = 0; i < 6; i++) {

@@ -3,9 +3,8 @@
  * What lies too far from the camera for float32 is refused, and what is just near enough comes out
  * right: a face of an opaque box against the closed form of the half-space.
  */
-#include "tests/renderer/renderer_test.h"
+#include "tests/renderer/march_test.h"
 
-#include "renderer/march.h"
 #include "renderer/reach.h"
 #include "renderer/tracer.h"
 
@@ -168,7 +167,7 @@ static void test_the_last_that_is_rendered_is_right(void **state)
     neph_assert_close(mean_red(frame), half_space(&test), 4e-3, 0.0);
     const struct neph_march_params marched = {
         .width_px = SIDE_PX, .height_px = SIDE_PX, .steps = 8192, .sun_steps = 1};
-    neph_assert_ok(neph_march_render(*state, &test.scene, &marched, &frame, NULL, &diag), &diag);
+    neph_assert_ok(test_march_frame(*state, &test.scene, &marched, &frame, NULL, &diag), &diag);
     neph_assert_close(mean_red(frame), half_space(&test), 4e-3, 0.0);
 }
 

@@ -2,10 +2,10 @@
  *
  * The real-time renderer as a whole: what must hold of its frames whatever its passes do.
  */
+#include "tests/renderer/march_test.h"
 #include "tests/renderer/realtime_test.h"
 
 #include "base/files.h"
-#include "renderer/march.h"
 #include "renderer/realtime/pipeline.h"
 
 enum { WIDTH_PX = 64, HEIGHT_PX = 36 };
@@ -102,7 +102,7 @@ static struct neph_image *marched(struct neph_vulkan *vulkan, const struct neph_
         .width_px = WIDTH_PX, .height_px = HEIGHT_PX, .frame = frame, .steps = 64, .sun_steps = 16};
     struct neph_image *image = NULL;
     struct neph_diag diag = {0};
-    neph_assert_ok(neph_march_render(vulkan, scene, &params, &image, stats, &diag), &diag);
+    neph_assert_ok(test_march_frame(vulkan, scene, &params, &image, stats, &diag), &diag);
     return image;
 }
 
@@ -190,7 +190,7 @@ static void test_a_tile_marches_as_march_does(void **state)
         .width_px = WIDTH_PX / 2, .height_px = HEIGHT_PX / 2, .steps = 64, .sun_steps = 16};
     struct neph_image *half = NULL;
     struct neph_diag diag = {0};
-    neph_assert_ok(neph_march_render(*state, &test.scene, &params, &half, NULL, &diag), &diag);
+    neph_assert_ok(test_march_frame(*state, &test.scene, &params, &half, NULL, &diag), &diag);
     struct ray_check check = {.half = half};
     struct neph_realtime *realtime = open_realtime(*state, &test.scene, &settings);
     neph_realtime_observe(realtime, check_rays, &check);

@@ -5,6 +5,7 @@
  * (their mean and variance test the image and its reported variance) and of the frame's sum.
  */
 #include "tests/base/scratch.h"
+#include "tests/renderer/fog_scenes.h"
 #include "tests/renderer/renderer_test.h"
 
 #include "base/interrupt.h"
@@ -149,42 +150,6 @@ static double exact_single(const struct test_scene *test, struct neph_vec3 ray, 
 
 /* --- single scattering -------------------------------------------------------------------- */
 
-static void scene_box(struct test_scene *test)
-{
-    struct neph_medium *box = test_add_medium(test, 0.4, 0.0, 0.0);
-    box->bounds = (struct neph_bounds){{-3.0, -1.0, -12.0}, {4.0, 5.0, -6.0}};
-}
-
-static void scene_fog(struct test_scene *test)
-{
-    test_add_medium(test, 0.03, 0.05, 0.0);
-}
-
-static void scene_fog_down(struct test_scene *test)
-{
-    test_add_medium(test, 0.2, 0.08, 2.0);
-    test_add_box(test, (struct neph_vec3){-1e3, -1.0, -1e3}, (struct neph_vec3){1e3, 0.0, 1e3});
-    test->key.position_m = (struct neph_vec3){10.0, 120.0, 30.0};
-    test->key.look_at_m = (struct neph_vec3){0.0, 0.0, 0.0};
-}
-
-static void scene_two_layers_up(struct test_scene *test)
-{
-    struct neph_medium *fog = test_add_medium(test, 0.01, 0.02, 0.0);
-    test_add_layer(fog, 0.04, 0.1, 1.0);
-    test->key.look_at_m = (struct neph_vec3){3.0, 9.0, -5.0};
-}
-
-static void scene_overlapping_media(struct test_scene *test)
-{
-    scene_fog(test);
-    test->scene.media[0].phase.g = -0.3;
-    struct neph_medium *cube = test_add_medium(test, 0.3, 0.0, 0.0);
-    cube->bounds = (struct neph_bounds){{-4.0, -1.0, -20.0}, {2.0, 6.0, -10.0}};
-    cube->albedo = (struct neph_rgb){0.2, 0.9, 1.0};
-    cube->phase = (struct neph_phase){.kind = NEPH_PHASE_RAYLEIGH};
-}
-
 static void scene_solids_in_fog(struct test_scene *test)
 {
     scene_fog(test);
@@ -202,7 +167,7 @@ static const struct {
     int width_px, height_px, samples;
     double unseen;
 } single_scenes[] = {
-    {"box", scene_box, 48, 27, 512, 0.0},
+    {"box", scene_cube, 48, 27, 512, 0.0},
     {"fog", scene_fog, 48, 27, 512, 0.0},
     {"fog, down", scene_fog_down, 48, 27, 512, 0.0},
     {"two layers, up", scene_two_layers_up, 48, 27, 512, 0.0},
@@ -772,7 +737,7 @@ static void test_white_furnace(void **state)
     for (double optical_depth = 1.0; optical_depth <= 64.0; optical_depth *= 8.0) {
         struct test_scene test;
         test_scene_init(&test);
-        scene_box(&test);
+        scene_cube(&test);
         test.scene.media[0].layers[0].extinction_per_m = optical_depth / 6.0;
         test.scene.media[0].albedo = (struct neph_rgb){1.0, 1.0, 1.0};
         test.scene.media[0].phase.g = 0.85;

@@ -1,0 +1,82 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * What the tests of engines in other programs share: is the program here, and a shell script that
+ * takes its place.
+ */
+#ifndef NEPH_TESTS_ENGINE_TEST_H
+#define NEPH_TESTS_ENGINE_TEST_H
+
+#include "tests/neph_test.h"
+
+#include "base/files.h"
+#include "base/text.h"
+#include "harness/engines/engine.h"
+
+#include <sys/stat.h>
+
+static inline bool test_has_engine(const struct neph_engine *engine)
+{
+    struct neph_engine_info info;
+    engine->probe(&info);
+    if (!info.available)
+        print_message("SKIPPED, %s is not measured here: %s\n", engine->name, info.missing);
+    return info.available;
+}
+
+static inline struct neph_engine_info test_probe_without_path(const struct neph_engine *engine)
+{
+    struct neph_engine_info info;
+    char *path = strdup(getenv("PATH") ? getenv("PATH") : "");
+    setenv("PATH", "/nonexistent", 1);
+    engine->probe(&info);
+    setenv("PATH", path, 1);
+    free(path);
+    return info;
+}
+
+static inline bool test_can_render(const struct neph_engine *engine, const struct neph_scene *scene,
+                                   char *reason, size_t reason_size)
+{
+    const struct neph_settings settings = neph_settings_default(engine);
+    return engine->can_render(scene, &settings, reason, reason_size);
+}
+
+/* First in PATH. */
+struct impostor {
+    char directory[64];
+    char *path; /* PATH as it was */
+};
+
+static inline void set_impostor(struct impostor *impostor, const char *program, const char *script)
+{
+    strcpy(impostor->directory, "/tmp/neph-impostor-XXXXXX");
+    assert_non_null(mkdtemp(impostor->directory));
+    char *file = neph_path_join(impostor->directory, program);
+    neph_assert_ok(neph_file_write(file, script, strlen(script), NULL), NULL);
+    assert_int_equal(chmod(file, 0755), 0);
+    free(file);
+    impostor->path = strdup(getenv("PATH") ? getenv("PATH") : "/usr/bin:/bin");
+    char *path = neph_format("%s:%s", impostor->directory, impostor->path);
+    setenv("PATH", path, 1);
+    free(path);
+}
+
+static inline void remove_impostor(struct impostor *impostor)
+{
+    setenv("PATH", impostor->path, 1);
+    free(impostor->path);
+    neph_dir_remove(impostor->directory, NULL);
+}
+
+static inline struct neph_engine_info test_probe_impostor(const struct neph_engine *engine,
+                                                          const char *program, const char *script)
+{
+    struct neph_engine_info info;
+    struct impostor impostor;
+    set_impostor(&impostor, program, script);
+    engine->probe(&info);
+    remove_impostor(&impostor);
+    return info;
+}
+
+#endif
