@@ -25,7 +25,7 @@ static bool is_listed(const char *const *names, const char *name)
 static void test_metrics_are_of_the_extractors_of_their_takes(void **state)
 {
     (void)state;
-    assert_in_range(neph_study_metric_count(), 1, NEPH_STUDY_METRICS_MAX);
+    assert_true(neph_study_metric_count() > 0);
     for (int m = 0; neph_study_metrics[m].title; m++) {
         const struct neph_study_metric *metric = &neph_study_metrics[m];
         const struct neph_study_take *take = &neph_study_takes[metric->take];
