@@ -54,9 +54,9 @@ enum neph_status neph_display_difference(const float *const *reference, const fl
                                          uint8_t *out_rgb, struct neph_diag *diag);
 
 /* The picture of a map of values on a fixed scale, finite and positive: a signed one in the colours
- * of neph_display_difference(); an amount from black at 0 to pale yellow at the scale, green beyond,
- * teal where there is no value. Three planes are shown by their Rec.709 luminance. NaN: there is no value. `out_rgb` as above.
- * Error: NEPH_ERR_INPUT for a bad scale. */
+ * of neph_display_difference(); an amount from black at 0 to pale yellow at the scale, and green
+ * beyond. Teal: NaN, there is no value. Three planes are shown by their Rec.709 luminance.
+ * `out_rgb` as above. Error: NEPH_ERR_INPUT for a bad scale. */
 enum neph_status neph_display_map(const float *const *planes, int plane_count, size_t pixel_count,
                                   bool is_signed, double scale, uint8_t *out_rgb,
                                   struct neph_diag *diag);

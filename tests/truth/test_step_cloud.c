@@ -17,8 +17,8 @@ static void assert_estimate(struct neph_estimate estimate, double expected, doub
 }
 
 /* Case 1 of the intercomparison: 16 columns of optical depth 2, 16 of 18, over 500 m, 250 m thick,
- * Henyey-Greenstein 0.85. Experiments 1..4: sun at 0 and 60 degrees with albedo 1, then with 0.99. Seed
- * and photons are left to the caller. */
+ * Henyey-Greenstein 0.85. Experiments 1..4: sun at 0 and 60 degrees with albedo 1, then with 0.99.
+ * Seed and photons are left to the caller. */
 static struct neph_step_cloud_params i3rc_case(int experiment, double optical_depths[32])
 {
     for (int i = 0; i < 32; i++)
