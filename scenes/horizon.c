@@ -177,12 +177,6 @@ double neph_horizon_altitude_m(const struct neph_horizon_params *params, struct 
            (sqrt(level_squared + (y_m + r_m) * (y_m + r_m)) + r_m);
 }
 
-double neph_horizon_height(const struct neph_horizon *horizon, struct neph_vec3 point_m)
-{
-    return clamp01(neph_horizon_altitude_m(&horizon->params, point_m) /
-                   horizon->params.thickness_m);
-}
-
 /* The bits of neph_horizon_sample.sides. */
 static unsigned sides_of(const struct neph_horizon_params *params, const struct weather *weather,
                          double height, double base, const double octaves[3])

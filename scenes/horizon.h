@@ -75,9 +75,6 @@ struct neph_horizon_params neph_horizon_defaults(void);
 double neph_horizon_density(const struct neph_horizon *horizon, struct neph_vec3 point_m,
                             double *without_detail);
 
-/* Height within the layer, 0 at the bottom, 1 at the top, clamped; the article's ph. */
-double neph_horizon_height(const struct neph_horizon *horizon, struct neph_vec3 point_m);
-
 /* No smaller than the density anywhere in the box (sides may be infinite), and 0 where the box
  * lies outside the layer or under clear sky. */
 double neph_horizon_bound(const struct neph_horizon *horizon, const struct neph_bounds *box);

@@ -10,6 +10,7 @@
 
 #include "scenes/grid.h"
 #include "scenes/horizon.h"
+#include "scenes/horizon_density.h"
 #include "scenes/scene.h"
 
 static const struct neph_bounds everywhere = {{-INFINITY, -INFINITY, -INFINITY},
@@ -115,6 +116,13 @@ static inline struct neph_horizon_params make_cumulus(void)
     params.base_repeats = 9.0;
     params.detail_repeats = 27.0;
     return params;
+}
+
+/* Within the layer, 0 at the bottom, 1 at the top, clamped; the ph of the article. */
+static inline double horizon_height(const struct neph_horizon *horizon, struct neph_vec3 point_m)
+{
+    const double altitude_m = neph_horizon_altitude_m(&horizon->params, point_m);
+    return fmin(fmax(altitude_m / horizon->params.thickness_m, 0.0), 1.0);
 }
 
 /* ---- scenes ---------------------------------------------------------------------------------- */

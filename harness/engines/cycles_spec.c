@@ -385,11 +385,9 @@ static json_t *pass_json(const char *kind, int channel, int samples, double step
 
 bool neph_cycles_is_coloured(const struct neph_scene *scene)
 {
-    for (int i = 0; i < scene->medium_count; i++) {
-        const struct neph_rgb c = scene->media[i].extinction_color;
-        if (c.r != c.g || c.g != c.b)
+    for (int i = 0; i < scene->medium_count; i++)
+        if (neph_medium_is_coloured(&scene->media[i]))
             return true;
-    }
     return false;
 }
 

@@ -168,7 +168,7 @@ static double article_light(const struct test_scene *test, struct neph_vec3 poin
     const struct neph_phase back = {NEPH_PHASE_HENYEY_GREENSTEIN, -0.1};
     double whole;
     const double density = neph_horizon_density(horizon, point_m, &whole);
-    const double height = neph_horizon_height(horizon, point_m);
+    const double height = horizon_height(horizon, point_m);
     const double to_sun = density +
                           neph_horizon_density(
                               horizon, neph_vec3_along(point_m, sun, 0.025 * chord_m), NULL);

@@ -597,7 +597,7 @@ static void check_horizon(struct neph_vulkan *vulkan, const struct test_scene *t
              &worst->extinction, "extinction", i);
         hold(answers[i].without_detail, without_detail, 2.0 * change[1] + rounding,
              &worst->extinction, "density without detail", i);
-        hold(answers[i].height, neph_horizon_height(horizon, ray.origin_m),
+        hold(answers[i].height, horizon_height(horizon, ray.origin_m),
              place_m / params->thickness_m + 4.0 * epsilon, &worst->extinction, "height", i);
         clouds += density > 0.0;
         if (i % 20 == 0)

@@ -3,7 +3,7 @@
  * Horizon clouds: noise that repeats and is the same everywhere, formulas against the article's
  * table written out once more, a bound that holds, an integral that brute force confirms.
  */
-#include "tests/neph_test.h"
+#include "tests/scene_builders.h"
 
 #include "base/hash.h"
 #include "scenes/horizon.h"
@@ -33,18 +33,6 @@ static int teardown(void **state)
 {
     neph_horizon_destroy(*state);
     return 0;
-}
-
-/* Cumulus of 1 km over a small planet. */
-static struct neph_horizon_params cumulus(void)
-{
-    struct neph_horizon_params params = neph_horizon_defaults();
-    params.bottom_m = 600.0;
-    params.thickness_m = 1200.0;
-    params.texture_scale_m = 8e3;
-    params.base_repeats = 10.0;
-    params.detail_repeats = 30.0;
-    return params;
 }
 
 /* --- noise -------------------------------------------------------------------------------- */
@@ -375,23 +363,23 @@ static void test_limits_of_the_formulas(void **state)
 static void test_height_in_the_layer(void **state)
 {
     struct neph_horizon *h = *state;
-    h->params = cumulus();
+    h->params = make_cumulus();
     h->params.planet_radius_m = 6.371e6;
-    assert_true(neph_horizon_height(h, (struct neph_vec3){0.0, 599.0, 0.0}) == 0.0);
-    assert_true(neph_horizon_height(h, (struct neph_vec3){0.0, 1801.0, 0.0}) == 1.0);
-    neph_assert_close(neph_horizon_height(h, (struct neph_vec3){0.0, 1200.0, 0.0}), 0.5, 1e-15, 0);
+    assert_true(horizon_height(h, (struct neph_vec3){0.0, 599.0, 0.0}) == 0.0);
+    assert_true(horizon_height(h, (struct neph_vec3){0.0, 1801.0, 0.0}) == 1.0);
+    neph_assert_close(horizon_height(h, (struct neph_vec3){0.0, 1200.0, 0.0}), 0.5, 1e-15, 0);
     /* 100 km away the layer lies lower by R - sqrt(R^2 - d^2). */
     const double sag_m = 1e10 / (6.371e6 + sqrt(6.371e6 * 6.371e6 - 1e10));
     const struct neph_vec3 far_m = {6e4, 600.0 - sag_m + 0.012, 8e4};
     const double slant = sqrt(1.0 - 1e10 / (6.371e6 * 6.371e6));
-    neph_assert_close(neph_horizon_height(h, far_m), 1e-5 * slant, 0.0, 1e-12);
+    neph_assert_close(horizon_height(h, far_m), 1e-5 * slant, 0.0, 1e-12);
 }
 
 /* --- the bound ---------------------------------------------------------------------------- */
 
 static struct neph_horizon_params random_params(uint64_t *random)
 {
-    struct neph_horizon_params params = cumulus();
+    struct neph_horizon_params params = make_cumulus();
     params.coverage = neph_test_uniform(random, 0, 1) < 0.2 ? 1.0
                                                             : neph_test_uniform(random, 0.2, 1.0);
     params.planet_radius_m = pow(10.0, neph_test_uniform(random, 3.3, 7.0));
@@ -418,7 +406,7 @@ static struct neph_bounds random_box(uint64_t *random, const struct neph_horizon
                                 {p.x + half[0], p.y + half[1], p.z + half[2]}};
 }
 
-static struct neph_vec3 random_point(uint64_t *random, const struct neph_bounds *box)
+static struct neph_vec3 point_in(uint64_t *random, const struct neph_bounds *box)
 {
     const struct neph_vec3 a = box->min_m, b = box->max_m;
     const bool on_faces = neph_test_uniform(random, 0, 1) < 0.2;
@@ -442,7 +430,7 @@ static void test_bound_is_never_beaten(void **state)
         assert_true(bound >= 0.0 && isfinite(bound));
         empty += bound <= 0.0;
         for (int i = 0; i < 60; i++) {
-            const struct neph_vec3 p = random_point(&random, &box);
+            const struct neph_vec3 p = point_in(&random, &box);
             const double density = neph_horizon_density(h, p, NULL);
             clouds += density > 0.0;
             if (!(density <= bound))
@@ -459,7 +447,7 @@ static void test_bound_is_never_beaten(void **state)
 static void test_bound_of_endless_boxes(void **state)
 {
     struct neph_horizon *h = *state;
-    h->params = cumulus();
+    h->params = make_cumulus();
     const struct neph_bounds all = {{-INFINITY, -INFINITY, -INFINITY},
                                     {INFINITY, INFINITY, INFINITY}};
     const struct neph_bounds below = {{-INFINITY, -INFINITY, -1e3}, {1e3, -1e6, 2e3}};
@@ -479,7 +467,7 @@ static void test_bound_of_endless_boxes(void **state)
 static void test_majorants_are_sound_and_worth_having(void **state)
 {
     struct neph_horizon *h = *state;
-    h->params = cumulus();
+    h->params = make_cumulus();
     const struct neph_medium medium = {.kind = NEPH_MEDIUM_HORIZON,
                                        .bounds = {{-4e3, 0.0, -4e3}, {4e3, 2e3, 4e3}},
                                        .extinction_color = {1, 1, 1},
@@ -533,7 +521,7 @@ static double brute_force_m(const struct neph_horizon *h, struct neph_vec3 origi
     return sum[0] * step_m;
 }
 
-static struct neph_vec3 random_direction(uint64_t *random)
+static struct neph_vec3 all_but_level(uint64_t *random)
 {
     struct neph_vec3 v;
     do {
@@ -555,7 +543,7 @@ static struct ray ray_through_cloud(uint64_t *random, const struct neph_horizon 
     do
         ray.origin_m = point_in_layer(random, &h->params, 4e3);
     while (neph_horizon_density(h, ray.origin_m, NULL) <= 0.0);
-    ray.direction = random_direction(random);
+    ray.direction = all_but_level(random);
     return ray;
 }
 
@@ -566,7 +554,7 @@ static void test_integral_against_brute_force(void **state)
     uint64_t random = seed;
     double worst_error = 0.0;
     for (int i = 0; i < 40; i++) {
-        h->params = cumulus();
+        h->params = make_cumulus();
         h->params.coverage = i % 4 ? 0.58 : 1.0;
         const struct ray ray = ray_through_cloud(&random, h);
         const double t0_m = i % 3 ? 0.0 : -500.0,
@@ -590,7 +578,7 @@ static void test_integral_is_additive_and_knows_no_direction(void **state)
     uint64_t random = seed;
     int clouds = 0;
     for (int i = 0; i < 60; i++) {
-        h->params = cumulus();
+        h->params = make_cumulus();
         const struct ray ray = ray_through_cloud(&random, h);
         const struct neph_vec3 origin_m = ray.origin_m, direction = ray.direction;
         const double end_m = neph_test_uniform(&random, 100.0, 3000.0);
@@ -614,7 +602,7 @@ static void test_integral_is_additive_and_knows_no_direction(void **state)
 static void test_integral_of_rays_without_end(void **state)
 {
     struct neph_horizon *h = *state;
-    h->params = cumulus();
+    h->params = make_cumulus();
     const struct neph_vec3 ground_m = {0.0, 2.0, 0.0};
     const struct neph_vec3 up = neph_vec3_normalize((struct neph_vec3){0.3, 1.0, -0.4});
     double error_m;
@@ -702,7 +690,7 @@ static void test_extreme_parameters_give_no_nonsense(void **state)
                                     ONE_OF(&random, places_m)};
         double without_detail;
         const double density = neph_horizon_density(h, p, &without_detail);
-        const double height = neph_horizon_height(h, p);
+        const double height = horizon_height(h, p);
         const double most = 2.0 * h->params.density;
         if (!(density >= 0.0 && density <= most) ||
             !(without_detail >= density && without_detail <= most) ||
