@@ -18,6 +18,9 @@ COMMENT = re.compile(r"/\*.*?\*/|(?<!:)//[^\n]*", re.DOTALL)
 CODE = re.compile(r"\b(?:[AX](?:[1-9]|1[0-9]|2[0-6])|D(?:[1-9]|10))\b")
 # Notes lie outside of the repository.
 NOTE = re.compile(r"(?<![\w./-])notes/\w")
+# What a page names of the repository: links, and paths in backticks but for those with a NAME.
+LINK = re.compile(r"\]\((?!https?:)([^)#]+)\)")
+PATH = re.compile(r"`((?:%s)/(?!\S*NAME)[\w./-]*)`" % "|".join(FOLDERS))
 # A comment that goes on with a sentence somewhere above it.
 GOES_ON = re.compile(
     r"^(?:/\*|//)\s*(?:Of\b|The same(?:\.| (?:again|as|at|by|for|of|to|with|where)\b))")
@@ -63,6 +66,14 @@ class Words(unittest.TestCase):
 
     def test_nothing_refers_to_what_is_not_here(self):
         self.refuse(C | SCRIPT | PAGE, NOTE, "no file of the repository")
+
+    def test_pages_name_what_is_there(self):
+        for name, text in files({".md"}):
+            for link in LINK.findall(text):
+                self.assertTrue((ROOT / name).parent.joinpath(link).exists(), f"{name}: {link}")
+            for path in PATH.findall(text):  # tests/ mirrors the other folders
+                here = (ROOT / path).exists() or (ROOT / "tests" / path).exists()
+                self.assertTrue(here, f"{name}: {path}")
 
     def test_comments_stand_alone(self):
         self.refuse(C, GOES_ON, "name what it is about", GO_ON)
