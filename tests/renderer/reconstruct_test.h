@@ -72,7 +72,7 @@ static inline void reconstruct_next_frame(struct test_passes *test)
     twin_tile_index(&test->twin);
 }
 
-/* The half-pixel that a tile marches. */
+/* The half-resolution texel that a tile marches. */
 static inline void reconstruct_marched(const struct test_passes *test, int tile_x, int tile_y,
                                        int half_pixel[2])
 {

@@ -58,8 +58,8 @@ static void test_the_sky_of_the_override(void **state)
     }
 }
 
-/* History that says where it was looked up, in half-pixels: before a camera at rest by the
- * difference of the two frames' jitters, or not at all. */
+/* History that says where it was looked up, in half-resolution texels: before a camera at rest by
+ * the difference of the two frames' jitters, or not at all. */
 static void test_history_follows_the_jitter(void **state)
 {
     static const struct {
@@ -120,7 +120,7 @@ static void open_nine(struct neph_vulkan *vulkan, const char *assignments, const
     }
 }
 
-/* The half-pixel of the middle tile that is beside its ray: without a ray of its own. */
+/* The texel of the middle tile that is beside its ray: without a ray of its own. */
 static void skipped_one(const struct test_passes *test, int half_pixel[2])
 {
     reconstruct_marched(test, 1, 1, half_pixel);
@@ -186,7 +186,7 @@ static void test_what_stands_in_for_history(void **state)
     }
 }
 
-/* Rejected for its scene, a half-pixel takes what fallback_rejected says; off the screen or in a
+/* Rejected for its scene, a texel takes what fallback_rejected says; off the screen or in a
  * first frame what fallback does. */
 static void test_rejected_is_not_absent(void **state)
 {
@@ -231,8 +231,8 @@ static void open_bright(struct neph_vulkan *vulkan, const char *assignments,
     reconstruct_fill(test, RT_HISTORY_BEFORE, 1, 1, 1, 1);
 }
 
-/* One half-pixel of the frame before was 1200 m nearer: its tile of four is rejected where that is
- * more than allowed, whatever the half-pixel's own depth. */
+/* One texel of the frame before was 1200 m nearer: its tile of four is rejected where that is
+ * more than allowed, whatever the texel's own depth. */
 static void test_a_change_of_the_nearest_depth(void **state)
 {
     static const struct {
@@ -251,7 +251,7 @@ static void test_a_change_of_the_nearest_depth(void **state)
     }
 }
 
-/* The very half-pixel, or one of 3x3. */
+/* The very texel, or one of 3x3. */
 static void test_where_a_rejection_looks(void **state)
 {
     static const char *const assignments[] = {"reject_depth=0.1 reject_around=on",
@@ -406,7 +406,7 @@ static void test_fresh_rays_are_mixed_tone_mapped(void **state)
 /* --- the upscale --------------------------------------------------------------------------------
  */
 
-/* A view of 12x12 pixels whose half-pixels have the light 0 but for one, all at one depth. */
+/* A view of 12x12 pixels whose texels have the light 0 but for one, all at one depth. */
 static void open_upscale(struct neph_vulkan *vulkan, const char *assignments,
                          struct test_passes *test)
 {
@@ -430,7 +430,7 @@ static void upscale(struct test_passes *test, int x, int y, float value[4])
     twin_fetch_full(&test->twin, RT_VOLUME, x, y, value);
 }
 
-/* The weights that HDRP has in its table for the upper left pixel of a half-pixel, row by row. */
+/* The weights that HDRP has in its table for the upper left pixel of a texel, row by row. */
 static void test_square_weights_are_the_published(void **state)
 {
     static const double weights[9] = {0.324652, 0.535261, 0.119433, 0.535261, 0.882497,
@@ -449,7 +449,7 @@ static void test_square_weights_are_the_published(void **state)
     }
 }
 
-/* Pixel (6, 6) lies 3/4 of the way from half-pixel 2 to 3, along both axes. */
+/* Pixel (6, 6) lies 3/4 of the way from texel 2 to 3, along both axes. */
 static void test_inverse_weights(void **state)
 {
     static const struct {

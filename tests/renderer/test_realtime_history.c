@@ -5,8 +5,8 @@
  */
 #include "tests/renderer/reconstruct_test.h"
 
-/* History that says where it was looked up: R and G are the place in half-pixels. A box would not
- * let it through, and fresh rays are not wanted. */
+/* History that says where it was looked up: R and G are the place in half-resolution texels. A box
+ * would not let it through, and fresh rays are not wanted. */
 static const char ramp_settings[] = "box=none fresh_weight=0 color_format=float "
                                     "depth_format=float wind=off ";
 
@@ -22,7 +22,7 @@ static void open_ramp(struct neph_vulkan *vulkan, const char *assignments, int w
                  (float[4]){(float)(i % half_width), (float)(i / half_width), 0, 1});
 }
 
-/* Where a half-pixel of the frame found its history [px]; false where it found none. Away from the
+/* Where a texel of the frame found its history [px]; false where it found none. Away from the
  * sides, where the ramp ends. */
 static bool found_at(const struct test_passes *test, int x, int y, double place_px[2])
 {
@@ -174,7 +174,7 @@ static void test_what_does_not_move(void **state)
 /* --- filters -----------------------------------------------------------------------------------
  */
 
-/* A shift by a third of a half-pixel. Catmull-Rom interpolates parabolas, bilinear lines. */
+/* A shift by a third of a texel. Catmull-Rom interpolates parabolas, bilinear lines. */
 static void test_filters_are_exact_on_polynomials(void **state)
 {
     static const char *const filters[] = {"history_filter=nearest", "history_filter=bilinear",
@@ -221,7 +221,7 @@ static void test_void_taps_have_no_weight(void **state)
         struct test_passes test;
         open_ramp(*state, filters[i], 64, 36, &test);
         const float shift = 2.0f * 0.5f / 64 * test.view.before.tan_half_width;
-        test.view.before.right[2] -= shift; /* a quarter of a half-pixel to the right */
+        test.view.before.right[2] -= shift; /* a quarter of a texel to the right */
         for (int y = 0; y < 18; y++)
             for (int x = 0; x < 32; x++) {
                 twin_put_half(&test.twin, RT_HISTORY_STATE_BEFORE, x, y,
@@ -271,7 +271,7 @@ static void test_filters_do_not_ring(void **state)
 /* --- no history --------------------------------------------------------------------------------
  */
 
-/* Half-pixels that took this frame's ray (0.5) and not the history (0.25). */
+/* Texels that took this frame's ray (0.5) and not the history (0.25). */
 static int count_without_history(const struct test_passes *test)
 {
     int count = 0;
@@ -320,7 +320,7 @@ static void test_cuts_and_first_frames(void **state)
     }
 }
 
-/* Half-pixels beyond the side that comes into view have none: of 32 columns those whose centres
+/* Texels beyond the side that comes into view have none: of 32 columns those whose centres
  * were off the screen. Nor has what was behind the camera. */
 static void test_the_screen_ends(void **state)
 {
@@ -341,7 +341,7 @@ static void test_the_screen_ends(void **state)
     test_passes_close(&test);
 }
 
-/* A post 10 m away, 8 half-pixels wide, before a wall at 100 m, steps aside by 4: the wall appears
+/* A post 10 m away, 8 texels wide, before a wall at 100 m, steps aside by 4: the wall appears
  * behind it in 4 columns, and it covers 4 columns of wall. */
 static void test_what_was_hidden_is_rejected(void **state)
 {
@@ -375,7 +375,7 @@ static void test_what_was_hidden_is_rejected(void **state)
 
 /* A scene of checkerboards of near and far, the sky among the far, that nothing happens to but
  * that the camera turns or passes by is never rejected: not where near and far change places with
- * every half-pixel of motion, nor where the sky's eye depth would turn with the camera. */
+ * every texel of motion, nor where the sky's eye depth would turn with the camera. */
 static void test_a_steady_scene_is_not_rejected(void **state)
 {
     for (int i = 0; i < 12; i++) {
@@ -389,7 +389,7 @@ static void test_a_steady_scene_is_not_rejected(void **state)
                 twin_put_half(&test.twin, RT_HALF_DEPTH, x, y, depth);
                 twin_put_half(&test.twin, RT_HALF_DEPTH_BEFORE, x, y, depth);
             }
-        /* by 0 to 5 half-pixels; eye depths of solids stay as they are */
+        /* by 0 to 5 texels; eye depths of solids stay as they are */
         test.view.before.right[2] -= (float)(i % 6) * 2.0f * 2.0f / 64 *
                                      test.view.before.tan_half_width;
         reconstruct_run(&test);
@@ -401,7 +401,7 @@ static void test_a_steady_scene_is_not_rejected(void **state)
 /* --- sequences ---------------------------------------------------------------------------------
  */
 
-/* What a ray through a half-pixel sees: different everywhere. */
+/* What a ray through a texel sees: different everywhere. */
 static void put_own_rays(struct test_passes *test)
 {
     for (int y = 0; y < (int)test->view.tile_count[1]; y++)
@@ -425,7 +425,7 @@ static void assert_own_rays(const struct test_passes *test)
         }
 }
 
-/* A still scene is whole after four frames: every half-pixel has its own ray, bit by bit, whatever
+/* A still scene is whole after four frames: every texel has its own ray, bit by bit, whatever
  * the sizes, orders and filters. And it stays as it is for another hundred frames without rays: no
  * rounding of places makes it creep. */
 static void test_four_frames_make_a_whole(void **state)
@@ -500,9 +500,9 @@ static int count_unsound(const struct test_passes *test)
     return count;
 }
 
-/* One bad ray for one frame, the camera turning by 0.3 half-pixels a frame. With validity it never
+/* One bad ray for one frame, the camera turning by 0.3 texels a frame. With validity it never
  * gets into a history. Without, a NaN is held by no box, since no comparison with it is true, and
- * filtering spreads it over more half-pixels than the rays replace; infinity and -1 are limited by
+ * filtering spreads it over more texels than the rays replace; infinity and -1 are limited by
  * the box as soon as the ray is gone. */
 static void test_a_bad_ray_is_not_used(void **state)
 {
@@ -533,7 +533,7 @@ static void test_a_bad_ray_is_not_used(void **state)
     }
 }
 
-/* No ray around a half-pixel can be used: it is void, and says so. */
+/* No ray around a texel can be used: it is void, and says so. */
 static void test_without_any_ray(void **state)
 {
     struct test_passes test;
@@ -616,7 +616,7 @@ static void test_ages_average_rays(void **state)
             const double ray = test_uniform(&seed);
             reconstruct_fill(&test, RT_RAY, (float)ray, 0, 0, 1);
             reconstruct_run(&test);
-            if (frame % 4 == 0) { /* the turn of the half-pixels that were first in frame 0 */
+            if (frame % 4 == 0) { /* the turn of the texels that were first in frame 0 */
                 const double weight = cases[i].weights[frame / 4];
                 expected += weight * (ray - expected);
                 int own[2];
@@ -633,7 +633,7 @@ static void test_ages_average_rays(void **state)
     }
 }
 
-/* The age ends at 255, a half-pixel without history that borrows a ray is one old. */
+/* The age ends at 255, a texel without history that borrows a ray is one old. */
 static void test_ages_have_limits(void **state)
 {
     struct test_passes test;

@@ -168,7 +168,7 @@ static void choose_single_rays(struct neph_settings *settings)
             settings->values[stand_ins[i]] = RT_FALLBACK_NEAREST;
 }
 
-/* A cut leaves nothing but rays: each half-pixel shows which one it chose. */
+/* A cut leaves nothing but rays: each half-resolution texel shows which ray it chose. */
 static void test_chosen_rays_are_the_twin_s(void **state)
 {
     uint64_t seed = 11;
@@ -386,7 +386,7 @@ static double light_at(const struct test_passes *test, int x, int y)
     return value[0];
 }
 
-/* A half-pixel of the tile that is not marched in this frame. */
+/* A texel of the tile that is not marched in this frame. */
 static void skipped_half_pixel(const struct test_passes *test, int tile_x, int tile_y,
                                int half_pixel[2])
 {
@@ -426,7 +426,7 @@ static void test_far_ridges_take_the_sky_s_light(void **state)
     }
 }
 
-/* A half-pixel at an edge of depths: of the nine rays only its own tile's has its depth, or only
+/* A texel at an edge of depths: of the nine rays only its own tile's has its depth, or only
  * one neighbour's, all others are of another layer. What is left of a history that is right? */
 static void test_a_box_of_one_ray_erases_history(void **state)
 {
@@ -566,7 +566,7 @@ static void test_spaces_leave_what_is_in_the_box(void **state)
 }
 
 /* In a size that is no multiple of 4 the article's neighbours end one tile early. The last tile
- * but one then misses the ray that has its half-pixel's depth. */
+ * but one then misses the ray that has its texel's depth. */
 static void test_the_last_cut_tiles(void **state)
 {
     for (int dropped = 0; dropped < 2; dropped++) {
@@ -587,7 +587,7 @@ static void test_the_last_cut_tiles(void **state)
     }
 }
 
-/* Every tile has a depth of its own and every skipped half-pixel that of the tile to its right,
+/* Every tile has a depth of its own and every skipped texel that of the tile to its right,
  * whose ray it should find. In 641 pixels, 161 tiles, normalised coordinates run ahead by
  * corner * (644 / 641 - 1), half a tile from corner 107 on. That is the lower right one of tile
  * 106: there the tile below it seems to have the depth of the one to the right, and further on the

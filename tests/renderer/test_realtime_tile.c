@@ -138,9 +138,9 @@ static void test_every_slot_has_a_turn_in_four_frames(void **state)
     }
 }
 
-/* Half-pixels with x % 2 == y % 2 have near depths, the others far ones. How many of four
- * frames have, about every tile, rays of both kinds? Clockwise with the checkerboard all of them;
- * raster order, which the article's comments take for the game's, blinds two; without the
+/* Half-resolution texels with x % 2 == y % 2 have near depths, the others far ones. How many of
+ * four frames have, about every tile, rays of both kinds? Clockwise with the checkerboard all of
+ * them; raster order, which the article's comments take for the game's, blinds two; without the
  * checkerboard all tiles agree and no frame has both. */
 static void test_which_orders_see_near_and_far(void **state)
 {
@@ -274,7 +274,7 @@ static void test_a_view_decides_alone(void **state)
     }
 }
 
-/* Normalised coordinates find the half-pixels of every tile, but in a view that ends within one
+/* Normalised coordinates find the texels of every tile, but in a view that ends within one
  * they do not stop at its side. */
 static void test_normalised_coordinates_leave_the_view(void **state)
 {
@@ -409,7 +409,7 @@ static void make_maps(float maps_m[MAP_COUNT][MAP_PX * MAP_PX])
 }
 
 struct coverage {
-    int unmatched; /* half-pixels that are not marched and have no ray within 10 %, of four frames
+    int unmatched;       /* texels that are not marched and have no ray within 10 %, of four frames
                     */
     int unmatched_worst; /* of one frame */
     int starved;         /* slots that no frame marches */
@@ -458,7 +458,7 @@ static struct coverage measure_coverage(struct test_passes *test)
 }
 
 /* The numbers were counted by the same rule on the same maps in a Python program of its own, in
- * double precision. Of 4 * 3072 half-pixels; starved slots of 4096. A fence with the pitch of the
+ * double precision. Of 4 * 3072 texels; starved slots of 4096. A fence with the pitch of the
  * tiles is where the parallel override fails: two frames without a single matching ray. */
 static void test_coverage_equals_the_python_program(void **state)
 {

@@ -46,7 +46,7 @@ static float random_radiance(uint64_t *seed)
     return (float)pow(10.0, 8.0 * test_uniform(seed) - 4.0);
 }
 
-/* `bad`: one in so many half-pixels has something that no history should have; 0: none. */
+/* `bad`: one in so many half-resolution texels has what no history should have; 0: none. */
 static void fill(struct test_passes *test, uint64_t *seed, unsigned bad)
 {
     static const float bads[] = {NAN, INFINITY, -INFINITY, -1.0f, 1e30f};
@@ -210,7 +210,7 @@ static void test_bad_history_is_not_seen(void **state)
                 float volume[4];
                 get_volume(&test, x, y, volume);
                 assert_true(twin_is_sound(volume));
-                /* The largest shift is 4 half-pixels, and the left taps are up to one away. */
+                /* The largest shift is 4 texels, and the left taps are up to one away. */
                 if (x >= 2 * (sound_columns + 5))
                     assert_true(volume[0] == 0.0f && volume[3] == 1.0f);
             }
@@ -262,7 +262,7 @@ static void open_ramp(struct neph_vulkan *vulkan, const char *assignments, float
     }
 }
 
-/* Shift of a pixel's place from its centre, in half-pixels, as the device has it. */
+/* Shift of a pixel's place from its centre, in texels, as the device has it. */
 static void shift_at(const struct test_passes *test, int x, int y, double shift[2])
 {
     float volume[4];
@@ -274,7 +274,7 @@ static void shift_at(const struct test_passes *test, int x, int y, double shift[
 /* Interpolation between coordinates up to 32 with weights of 2^-24: 32 * 9 ulps. */
 static const double ramp_rounding = 32 * 9 * 0x1p-23;
 
-/* Pixels whose taps are within the view for shifts up to one half-pixel. */
+/* Pixels whose taps are within the view for shifts up to one texel. */
 enum { MARGIN = 6 };
 
 static void test_the_place_of_a_pixel(void **state)
