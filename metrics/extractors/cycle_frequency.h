@@ -11,8 +11,7 @@
 
 #include <stddef.h>
 
-/* Attribute of a frame: the periods that its maker has put into the sequence; neph_cycle_parse().
- * */
+/* A frame's attribute: the periods that its maker has put in; neph_cycle_parse(). */
 #define NEPH_CYCLE_ATTRIBUTE "neph.cycles"
 
 enum {

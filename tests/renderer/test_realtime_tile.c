@@ -409,8 +409,7 @@ static void make_maps(float maps_m[MAP_COUNT][MAP_PX * MAP_PX])
 }
 
 struct coverage {
-    int unmatched;       /* texels that are not marched and have no ray within 10 %, of four frames
-                    */
+    int unmatched;       /* texels not marched and without ray within 10 %, of four frames */
     int unmatched_worst; /* of one frame */
     int starved;         /* slots that no frame marches */
 };
