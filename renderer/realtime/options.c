@@ -129,7 +129,8 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
                                  "slots flickers before a camera at rest"),
     [RT_RAY_DITHER] = CHOICE("ray_dither", 4, dithers,
                              "noise that shifts the start of the steps along a ray"),
-    [RT_RAY_DITHER_AMOUNT] = REAL("ray_dither_amount", 1, 0, 1, "range of that shift, in steps"),
+    [RT_RAY_DITHER_AMOUNT] = REAL("ray_dither_amount", 1, 0, 1,
+                                  "range of the shift by ray_dither, in steps"),
 
     [RT_FRESH_WEIGHT] = REAL("fresh_weight", 1, 0, 1,
                              "weight of this frame's ray against the history of its place; the "
@@ -153,9 +154,9 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
         "what a half-resolution texel without ray and history takes: of the nine tiles around the "
         "ray nearest in depth; of the eight but its own; its own tile's; the mean of four by "
         "place; the mean of nine by place and depth, with upscale_tolerance_m, sky from sky alone"),
-    [RT_FALLBACK_REJECTED] = CHOICE(
-        "fallback_rejected", RT_FALLBACK_NEAREST, fallbacks,
-        "what it takes where its history is void because the scene behind has changed (reject_*)"),
+    [RT_FALLBACK_REJECTED] = CHOICE("fallback_rejected", RT_FALLBACK_NEAREST, fallbacks,
+                                    "what a half-resolution texel takes where its history is void "
+                                    "because the scene behind has changed (reject_*)"),
     [RT_BOX] = CHOICE("box", RT_BOX_MIN_MAX, boxes,
                       "neighbourhood box that the history is held in: none, the accepted rays' "
                       "extremes, or mean +- box_sigma of them"),
@@ -177,9 +178,10 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
     [RT_BOX_SPACE] = CHOICE("box_space", RT_SPACE_LINEAR, spaces,
                             "colour space of the box: reinhard divides by 1 + luminance, channels "
                             "each channel by 1 + itself"),
-    [RT_BOX_HOLD] = CHOICE("box_hold", RT_HOLD_CLAMP, holds,
-                           "how history is held in it: each channel clamped, or colour clipped "
-                           "towards the middle of the box until it is inside (not of box=none)"),
+    [RT_BOX_HOLD] = CHOICE(
+        "box_hold", RT_HOLD_CLAMP, holds,
+        "how history is held in the box: each channel clamped, or colour clipped towards the "
+        "middle of the box until it is inside (not of box=none)"),
     [RT_BOX_AGE] = REAL("box_age", 1, 0, 1,
                         "part of its age that history keeps where the box has moved its colour; "
                         "counts with history_age_max"),
@@ -194,8 +196,8 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
         "history that has moved by less than this and whose nearest ray sees what its place "
         "remembers is not held in the box; full at twice this [px per frame]; 0: always held"),
     [RT_BOX_CHANGE] = REAL("box_change", 0, 0, 1,
-                           "relative change of that ray from which on history at rest is held in "
-                           "the box, too; full at twice this; 0: always held"),
+                           "relative change seen by the ray nearest in depth from which on history "
+                           "at rest is held in the box, too; full at twice this; 0: always held"),
 
     [RT_REPROJECT_DEPTH] = CHOICE(
         "reproject_depth", RT_REPROJECT_PIXEL, reprojections,
@@ -220,9 +222,10 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
     [RT_REJECT_DEPTH] = REAL("reject_depth", 0, 0, 10,
                              "relative change of the scene's depth behind a half-resolution texel "
                              "from which its history is void (disocclusion); 0: never"),
-    [RT_REJECT_SCENE_M] = REAL("reject_scene_m", 0, 0, 1e6,
-                               "change of that depth from which the history is void [m], where the "
-                               "scene is or was nearer than reject_within_m; 0: never"),
+    [RT_REJECT_SCENE_M] = REAL(
+        "reject_scene_m", 0, 0, 1e6,
+        "change of the scene's depth behind a half-resolution texel from which its history is void "
+        "[m], where the scene is or was nearer than reject_within_m; 0: never"),
     [RT_REJECT_WITHIN_M] = REAL("reject_within_m", 5000, 0, 1e6,
                                 "how near the scene must be, then or now, for reject_scene_m [m]"),
 
@@ -254,38 +257,45 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
                                     "solids alone, where there are any"),
     [RT_UPSCALE_DITHER] = CHOICE("upscale_dither", 4, dithers,
                                  "noise that shifts the place of the taps"),
-    [RT_UPSCALE_AMOUNT_PX] = REAL("upscale_amount_px", 1, 0, 4,
-                                  "largest shift to either side [half-resolution texels]"),
+    [RT_UPSCALE_AMOUNT_PX] = REAL(
+        "upscale_amount_px", 1, 0, 4,
+        "largest shift of the taps to either side [half-resolution texels]"),
     [RT_UPSCALE_LAW] = CHOICE(
         "upscale_law", RT_LAW_OPACITY, laws,
-        "how large the shift is: everywhere the same, or times (1 - T) max(0, 1 - distance / 4 "
-        "km), large in near dense fog and small on far clouds; the article has no formula"),
-    [RT_UPSCALE_PAIR] = CHOICE("upscale_pair", RT_PAIR_INDEPENDENT, pairs,
-                               "x and y of the shift from one number, that of the pixel and of its "
-                               "mirror (all shifts of a pixel then lie on one line), or from two"),
+        "how far the taps are shifted: everywhere the same, or times (1 - T) max(0, 1 - distance / "
+        "4 km), large in near dense fog and small on far clouds; the article has no formula"),
+    [RT_UPSCALE_PAIR] = CHOICE(
+        "upscale_pair", RT_PAIR_INDEPENDENT, pairs,
+        "x and y of the taps' shift from one number, that of the pixel and of its mirror (all "
+        "shifts of a pixel then lie on one line), or from two"),
 
     [RT_TAA] = CHOICE("taa", 1, switches, "temporal anti-aliasing of the composed frame"),
     [RT_TAA_JITTER] = CHOICE("taa_jitter", RT_JITTER_UE, jitters,
                              "sub-pixel places of the rays: Halton with Gaussian warp, or plain"),
-    [RT_TAA_JITTER_LENGTH] = WHOLE("taa_jitter_length", 7, 1, 64,
-                                   "places until they repeat; 8 is twice the period of the slots, "
-                                   "so that each slot sees the same two for ever; 7 has no factor "
-                                   "with it: each sees all, and pictures repeat after 28 frames"),
-    [RT_TAA_MOTION] = CHOICE(
-        "taa_motion", RT_MOTION_CROSS, motions,
-        "motion by the depth of the pixel, or of the nearest of it and four at +-2 px"),
-    [RT_TAA_SPACE] = CHOICE("taa_space", RT_SPACE_YCOCG, taa_spaces, "colour space of the box"),
-    [RT_TAA_HDR_WEIGHT] = CHOICE("taa_hdr_weight", 1, switches, "blend with weights 1 / (Y + 4)"),
-    [RT_TAA_FILTER] = CHOICE("taa_filter", 1, switches,
-                             "filter the frame by Gaussian weights about the unjittered place"),
-    [RT_TAA_BOX] = CHOICE("taa_box", RT_BOX_MIN_MAX, taa_boxes,
-                          "neighbourhood box that the history is held in: none, mean of the plus' "
-                          "and the square's extremes, mean +- taa_sigma, extremes within 1.51 px"),
+    [RT_TAA_JITTER_LENGTH] =
+        WHOLE("taa_jitter_length", 7, 1, 64,
+              "sub-pixel places until they repeat; 8 is twice the period of the slots, so that "
+              "each slot sees the same two for ever; 7 has no factor with it: each sees all, and "
+              "pictures repeat after 28 frames"),
+    [RT_TAA_MOTION] = CHOICE("taa_motion", RT_MOTION_CROSS, motions,
+                             "motion for the anti-aliasing, by the depth of the pixel or of the "
+                             "nearest of it and four at +-2 px"),
+    [RT_TAA_SPACE] = CHOICE("taa_space", RT_SPACE_YCOCG, taa_spaces,
+                            "colour space of the box of the anti-aliasing"),
+    [RT_TAA_HDR_WEIGHT] = CHOICE("taa_hdr_weight", 1, switches,
+                                 "frame and history are blended with weights 1 / (Y + 4)"),
+    [RT_TAA_FILTER] = CHOICE(
+        "taa_filter", 1, switches,
+        "the frame is filtered by Gaussian weights about the unjittered place"),
+    [RT_TAA_BOX] = CHOICE(
+        "taa_box", RT_BOX_MIN_MAX, taa_boxes,
+        "neighbourhood box that the history of the anti-aliasing is held in: none, mean of the "
+        "plus' and the square's extremes, mean +- taa_sigma, extremes within 1.51 px"),
     [RT_TAA_SIGMA] = REAL("taa_sigma", 1.25, 0, 10,
                           "half width of the variance box, in standard deviations"),
     [RT_TAA_HISTORY] = CHOICE("taa_history", RT_FILTER_CATMULL_ROM, filters,
-                              "how the history is sampled"),
-    [RT_TAA_ALPHA] = REAL("taa_alpha", 0.04, 0, 1, "weight of the frame"),
+                              "how the history of the anti-aliasing is sampled"),
+    [RT_TAA_ALPHA] = REAL("taa_alpha", 0.04, 0, 1, "weight of the frame against the history"),
     [RT_TAA_ALPHA_MOVING] = REAL("taa_alpha_moving", 0.2, 0, 1,
                                  "weight of the frame at taa_velocity_px and above"),
     [RT_TAA_VELOCITY_PX] = REAL("taa_velocity_px", 20, 0.01, 1000,
@@ -294,9 +304,10 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
     [RT_TAA_CONTRAST] = REAL("taa_contrast", 0.01, 0, 1,
                              "least weight of the frame is this times Y of the history over the "
                              "difference of both; 0: off"),
-    [RT_TAA_FORMAT] = CHOICE("taa_format", RT_FORMAT_HALF, formats, "format of the history"),
+    [RT_TAA_FORMAT] = CHOICE("taa_format", RT_FORMAT_HALF, formats,
+                             "format of the history of the anti-aliasing"),
     [RT_TAA_ROUNDING] = CHOICE("taa_rounding", RT_ROUNDING_STOCHASTIC, roundings,
-                               "how the history is rounded to its format"),
+                               "how the history of the anti-aliasing is rounded to its format"),
     [RT_TAA_GUARD] = CHOICE("taa_guard", 1, switches,
                             "what is not finite is left out, colours are held to 0 .. 65504, and "
                             "0 / 0 of the contrast law counts as 0"),
