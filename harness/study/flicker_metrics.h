@@ -58,6 +58,7 @@ struct neph_study_metric {
 
 /* Ends with a NULL title. */
 extern const struct neph_study_metric neph_study_metrics[];
+enum { NEPH_STUDY_METRICS_MAX = 32 };
 int neph_study_metric_count(void);
 
 /* Indices of the table: the first of the eye, which rankings go by, and the first of the step, the
