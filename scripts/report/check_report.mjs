@@ -289,6 +289,8 @@ function stringsToShow(data) {
     for (const frame of scene.frames) if (frame.study) texts.push(frame.study.option);
   }
   for (const scene of data.scenes) for (const frame of scene.frames) texts.push(frame.note);
+  const measured = new Set(data.scenes.flatMap((scene) => scene.frames).flatMap((frame) => frame.measurements.map((row) => row.metric)));
+  for (const metric of data.metrics ?? []) if (measured.has(metric.name)) texts.push(metric.help);
   for (const sequence of data.sequences ?? []) {
     texts.push(sequence.title, sequence.physics, sequence.reference.settings, sequence.reference.text);
     for (const row of sequence.rows) texts.push(row.preset, row.reason.replace(/^cannot:\s*/, ""), ...row.findings.map((finding) => finding.text));

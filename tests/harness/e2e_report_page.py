@@ -274,6 +274,7 @@ def report_data():
              "physics": f"Strings that must stay text: {HOSTILE} {HOSTILE_SCRIPT} &amp; “quotes” '\"", "truth": None, "frames": odd, "attribution": None,
              "gates": [gate("march", "rmse", None, 0.1, mask=HOSTILE, reason=HOSTILE)]},
         ],
+        "metrics": [{"name": name, "help": f"what {name} is {HOSTILE}"} for name in ("rel_mse", "p95", "not_measured_here")],
         "absent": [{"scene": "disney_cloud", "reason": f"no file cloud.vdb {HOSTILE}", "hint": "see scenes/README.md"}],
         "physics": physics_data(),
         "charts": [
