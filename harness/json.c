@@ -40,13 +40,6 @@ enum neph_status neph_json_put(json_t *object, const char *key, json_t *item,
     return json_object_set_new(object, key, item) == 0 ? NEPH_OK : fail(diag);
 }
 
-enum neph_status neph_json_merge(json_t *object, json_t *items, struct neph_diag *diag)
-{
-    const int failed = json_object_update(object, items);
-    json_decref(items);
-    return failed ? fail(diag) : NEPH_OK;
-}
-
 enum neph_status neph_json_check(const json_t *json, struct neph_diag *diag)
 {
     return json ? NEPH_OK : fail(diag);

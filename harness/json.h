@@ -37,9 +37,6 @@ enum neph_status neph_json_append(json_t *list, json_t *item, struct neph_diag *
 enum neph_status neph_json_put(json_t *object, const char *key, json_t *item,
                                struct neph_diag *diag);
 
-/* Set all keys of `items`, which is taken over. NEPH_ERR_INTERNAL: as above. */
-enum neph_status neph_json_merge(json_t *object, json_t *items, struct neph_diag *diag);
-
 /* NEPH_OK when there is one; NEPH_ERR_INTERNAL when it could not be made. */
 enum neph_status neph_json_check(const json_t *json, struct neph_diag *diag);
 

@@ -96,50 +96,65 @@ static bool is_lower_bound(const struct neph_measurements *list, const struct ne
     return false;
 }
 
-/* Every number of that name is held to the limit, of all frames and of each; the worst is named. */
-enum neph_status neph_limit_check(const struct neph_measurements *list,
-                                  const struct neph_limit *limit, struct neph_diag *diag)
+/* What the numbers of that name come to. */
+struct held {
+    const struct neph_measurement *worst; /* NULL: none was measured, or all are without an error */
+    int beyond_count;
+    bool without_error;
+};
+
+static enum neph_status hold_all(const struct neph_measurements *list,
+                                 const struct neph_limit *limit, struct held *held,
+                                 struct neph_diag *diag)
 {
-    const struct neph_measurement *worst = NULL;
-    bool without_error = false;
-    int beyond_count = 0;
-    char where[32];
+    *held = (struct held){.worst = NULL};
     for (int i = 0; i < list->count; i++) {
         const struct neph_measurement *number = &list->list[i];
+        char where[32];
         if (!matches(number, limit))
             continue;
-        if (is_without_error(number)) {
-            without_error = true;
-            continue;
-        }
         name_frame(number, where, sizeof(where));
-        if (!number->defined)
+        if (is_without_error(number))
+            held->without_error = true;
+        else if (!number->defined)
             return neph_fail(diag, NEPH_ERR_GATE, "%s of %s over '%s'%s is not defined: %s",
                              limit->metric, limit->quantity, limit->mask, where,
                              number->undefined_because);
-        beyond_count += excess(number, limit) > 0.0;
-        if (!worst || excess(number, limit) > excess(worst, limit))
-            worst = number;
+        else if (!held->worst || excess(number, limit) > excess(held->worst, limit))
+            held->worst = number;
+        held->beyond_count += number->defined && excess(number, limit) > 0.0;
     }
-    if (!worst && !without_error) {
+    return NEPH_OK;
+}
+
+enum neph_status neph_limit_check(const struct neph_measurements *list,
+                                  const struct neph_limit *limit, struct neph_diag *diag)
+{
+    struct held held;
+    char where[32];
+    const enum neph_status status = hold_all(list, limit, &held, diag);
+    if (status)
+        return status;
+    if (!held.worst && !held.without_error) {
         neph_fail(diag, NEPH_ERR_UNSUPPORTED, "%s of %s over '%s' was not measured of these images",
                   limit->metric, limit->quantity, limit->mask);
         neph_hint(diag, "the images lack this quantity, the reference this mask, or see 'not "
                         "taken' above");
         return NEPH_ERR_UNSUPPORTED;
     }
-    if (beyond_count == 0 && worst && !limit->below && is_lower_bound(list, limit))
+    if (held.beyond_count == 0 && held.worst && !limit->below && is_lower_bound(list, limit))
         return neph_fail(diag, NEPH_ERR_GATE,
                          "%s of %s over '%s' is at least %.6g: the sequence ends too early to hold "
                          "it to the limit %g",
-                         limit->metric, limit->quantity, limit->mask, worst->value, limit->value);
-    if (beyond_count == 0)
+                         limit->metric, limit->quantity, limit->mask, held.worst->value,
+                         limit->value);
+    if (held.beyond_count == 0)
         return NEPH_OK;
-    name_frame(worst, where, sizeof(where));
+    name_frame(held.worst, where, sizeof(where));
     neph_fail(diag, NEPH_ERR_GATE, "%s of %s over '%s' is %.6g%s, %s the limit %g", limit->metric,
-              limit->quantity, limit->mask, worst->value, where, limit->below ? "below" : "above",
-              limit->value);
-    if (beyond_count > 1)
-        neph_hint(diag, "the worst of %d such numbers", beyond_count);
+              limit->quantity, limit->mask, held.worst->value, where,
+              limit->below ? "below" : "above", limit->value);
+    if (held.beyond_count > 1)
+        neph_hint(diag, "the worst of %d such numbers", held.beyond_count);
     return NEPH_ERR_GATE;
 }

@@ -193,7 +193,8 @@ static enum neph_status take(struct neph_meter *meter, const struct neph_image *
     return status || count == 0 ? status : append(all, count, list, diag);
 }
 
-int neph_measure_usual(const char *only, struct neph_meter_choice *choices)
+/* The extractors that are taken, at their defaults; returns their number. */
+static int choose(const char *only, struct neph_meter_choice choices[NEPH_CHOICES_MAX])
 {
     int count = 0;
     for (int i = 0; i < neph_extractor_count(); i++) {
@@ -215,7 +216,7 @@ enum neph_status neph_measure(const struct neph_image *reference, const struct n
     struct neph_mask *masks[NEPH_MASKS_MAX];
     struct neph_meter_choice choices[NEPH_CHOICES_MAX];
     struct neph_meter_params params = {.choices = choices,
-                                       .choice_count = neph_measure_usual(only, choices),
+                                       .choice_count = choose(only, choices),
                                        .viewing = *viewing,
                                        .masks = (const struct neph_mask *const *)masks,
                                        .frame_count = 1,
@@ -278,7 +279,7 @@ json_t *neph_metric_json(const struct neph_metric *metric)
 json_t *neph_measured_metrics_json(void)
 {
     struct neph_meter_choice choices[NEPH_CHOICES_MAX];
-    const int count = neph_measure_usual(NULL, choices);
+    const int count = choose(NULL, choices);
     json_t *list = json_array();
     for (int i = 0; i < count; i++)
         for (const struct neph_metric *m = choices[i].extractor->metrics; m->name; m++)

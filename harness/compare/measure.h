@@ -26,10 +26,6 @@ enum neph_status neph_masks_unite(const struct neph_image *reference, struct nep
  * Returns how many are left; "all" always is. */
 int neph_masks_trim(struct neph_mask **masks, int count);
 
-/* The extractors of single frames that are cheap enough to be taken always, or `only` the one of
- * that name, at their defaults; room for NEPH_CHOICES_MAX. Returns their number. */
-int neph_measure_usual(const char *only, struct neph_meter_choice *choices);
-
 /* Numbers in the order in which they were taken. Start from {0}; free with _finish. */
 struct neph_measurements {
     struct neph_measurement *list; /* owned */
@@ -44,8 +40,9 @@ void neph_measurements_select(struct neph_measurements *measurements,
                                                 const void *context),
                               const void *context);
 
-/* Measure every quantity that both frames have over all masks with neph_measure_usual(), and
- * append the numbers to `list`. */
+/* Measure every quantity that both frames have over all masks, by the extractors of single frames
+ * that are cheap enough to be taken always, or `only` the one of that name, and append the numbers
+ * to `list`. */
 enum neph_status neph_measure(const struct neph_image *reference, const struct neph_image *test,
                               const char *only, const struct neph_viewing *viewing,
                               struct neph_measurements *list, struct neph_diag *diag);

@@ -10,13 +10,9 @@ void neph_physics_finish(struct neph_physics *physics)
     *physics = (struct neph_physics){.expected = 0};
 }
 
-const char *neph_physics_verdict_name(enum neph_physics_verdict verdict)
-{
-    static const char *const names[] = {[NEPH_PHYSICS_NOT_MEASURED] = "not_measured",
-                                        [NEPH_PHYSICS_AGREES] = "agrees",
-                                        [NEPH_PHYSICS_OFF] = "off"};
-    return names[verdict];
-}
+static const char *const verdict_names[] = {[NEPH_PHYSICS_NOT_MEASURED] = "not_measured",
+                                            [NEPH_PHYSICS_AGREES] = "agrees",
+                                            [NEPH_PHYSICS_OFF] = "off"};
 
 /* ---- as JSON --------------------------------------------------------------------------------- */
 
@@ -47,7 +43,7 @@ static json_t *row_json(const struct neph_physics_row *row)
         texts_json(row->differences), "bake",
         row->bakes ? neph_bakes_summary_json(row->bakes) : json_null(), "study",
         row->study ? neph_study_json(row->study) : json_null(), "verdict",
-        neph_physics_verdict_name(row->verdict), "sentence", row->sentence, "interval",
+        verdict_names[row->verdict], "sentence", row->sentence, "interval",
         has_interval ? json_pack("[f,f]", row->low, row->high) : json_null());
 }
 
@@ -130,7 +126,7 @@ static void print_row(const struct neph_physics_row *row)
     print_cell(isfinite(row->standard_error) ? row->standard_error : row->step_bound, " %10.1e",
                10);
     print_cell(row->z, " %+8.2f", 8);
-    printf("  %s%s\n", neph_physics_verdict_name(row->verdict),
+    printf("  %s%s\n", verdict_names[row->verdict],
            row->lowered ? " (single scattering only)" : "");
 }
 

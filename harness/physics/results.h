@@ -78,8 +78,6 @@ struct neph_physics {
 
 void neph_physics_finish(struct neph_physics *physics);
 
-const char *neph_physics_verdict_name(enum neph_physics_verdict verdict);
-
 /* The "physics" of scripts/report/README.md; NULL when memory is short. */
 json_t *neph_physics_json(const struct neph_physics *physics);
 
