@@ -10,25 +10,30 @@
 
 /* ---- one frame ------------------------------------------------------------------------------- */
 
-/* A view as the entrant has it by default, with the trial's settings. */
-static struct neph_job job_of(const struct neph_trial *trial, const struct neph_scenery_view *seen)
+/* A picture of a view, in the steps that a study chose (NULL: as they are). */
+static struct neph_job job_of(const struct neph_trial *trial, const struct neph_scenery_view *seen,
+                              const struct neph_study *study)
 {
-    return (struct neph_job){.engine = trial->entrant->engine,
-                             .info = &trial->entrant->info,
-                             .shot = {.scene = &seen->stage->scene,
-                                      .settings = trial->settings,
-                                      .width_px = seen->view->width_px,
-                                      .height_px = seen->view->height_px,
-                                      .layers = NEPH_LAYER_RADIANCE,
-                                      .seed = neph_seed_of(&seen->stage->scene, 1),
-                                      .time_limit_s = trial->time_limit_s}};
+    struct neph_job job = {.engine = trial->entrant->engine,
+                           .info = &trial->entrant->info,
+                           .shot = {.scene = &seen->stage->scene,
+                                    .settings = trial->entrant->settings,
+                                    .width_px = seen->view->width_px,
+                                    .height_px = seen->view->height_px,
+                                    .layers = NEPH_LAYER_RADIANCE,
+                                    .seed = neph_seed_of(&seen->stage->scene, 1),
+                                    .time_limit_s = trial->time_limit_s}};
+    if (study)
+        neph_study_apply(study, job.engine, &job.shot.settings);
+    return job;
 }
 
 /* A second pass is by another seed, or refined. */
 static enum neph_status render(const struct neph_trial *trial, const struct neph_scenery_view *seen,
-                               int pass, struct neph_job_result *result, struct neph_diag *diag)
+                               int pass, const struct neph_study *study,
+                               struct neph_job_result *result, struct neph_diag *diag)
 {
-    struct neph_job job = job_of(trial, seen);
+    struct neph_job job = job_of(trial, seen, study);
     const bool is_refined = trial->entrant->participant->refined;
     if (pass == 1 && is_refined)
         job.shot.settings = trial->entrant->refined;
@@ -147,7 +152,7 @@ static enum neph_status render_view(const struct neph_trial *trial,
     for (int pass = 0; pass < pass_count && !status && row->outcome == NEPH_OUTCOME_RENDERED;
          pass++) {
         struct neph_job_result result = {.outcome = NEPH_OUTCOME_FAILED};
-        status = render(trial, seen, pass, &result, diag);
+        status = render(trial, seen, pass, row->study, &result, diag);
         note_result(trial, &result, row);
         if (!status && result.frame_path)
             status = neph_exr_read(result.frame_path, &frames[pass], diag);
@@ -188,7 +193,8 @@ static enum neph_status try_views(const struct neph_trial *trial, struct neph_sc
 
 /* Cycles marches in steps of our choice: a study chooses them for each check with an uneven medium.
  * Engines without noise are run with two steps anyway. */
-static enum neph_status choose_step(struct neph_trial *trial, const struct neph_scenery *scenery,
+static enum neph_status choose_step(const struct neph_trial *trial,
+                                    const struct neph_scenery *scenery,
                                     struct neph_physics_row *row, struct neph_diag *diag)
 {
     const struct neph_engine *engine = trial->entrant->engine;
@@ -199,18 +205,16 @@ static enum neph_status choose_step(struct neph_trial *trial, const struct neph_
     if (engine->rung != NEPH_RUNG_WITNESS || !engine->stochastic || !scenery->check.uneven ||
         !trial->entrant->info.available || !neph_study_applies(engine, &seen->stage->scene))
         return NEPH_OK;
-    const struct neph_job job = job_of(trial, seen);
+    const struct neph_job job = job_of(trial, seen, NULL);
     const enum neph_status status = neph_study_run(&job, trial->store, &made, &outcome, reason,
                                                    diag);
-    if (status || outcome != NEPH_OUTCOME_RENDERED)
-        return status; /* the frame itself will say why */
-    row->study = neph_arena_copy(trial->arena, &made, sizeof(made));
-    neph_study_apply(&made, engine, &trial->settings);
-    return NEPH_OK;
+    if (!status && outcome == NEPH_OUTCOME_RENDERED) /* else the frame itself will say why */
+        row->study = neph_arena_copy(trial->arena, &made, sizeof(made));
+    return status;
 }
 
 /* An engine that cannot do all orders is shown with what it can do, and marked as lowered. */
-static enum neph_status try_all(struct neph_trial *trial, struct neph_scenery *scenery,
+static enum neph_status try_all(const struct neph_trial *trial, struct neph_scenery *scenery,
                                 struct sums *sums, struct neph_physics_row *row,
                                 struct neph_diag *diag)
 {
@@ -258,19 +262,17 @@ static void fill_numbers(const struct neph_participant *participant, const struc
     }
 }
 
-enum neph_status neph_trial_run(const struct neph_trial *asked, struct neph_scenery *scenery,
+enum neph_status neph_trial_run(const struct neph_trial *trial, struct neph_scenery *scenery,
                                 struct neph_physics_row *row, struct neph_diag *diag)
 {
-    struct neph_trial trial = *asked;
-    const struct neph_participant *participant = trial.entrant->participant;
+    const struct neph_participant *participant = trial->entrant->participant;
     struct sums sums;
     struct outcome outcome = {.deviation = 0.0};
     row->participant = participant;
-    row->engine = trial.entrant->engine;
+    row->engine = trial->entrant->engine;
     row->deviation = row->standard_error = row->step_bound = row->z = NAN;
     row->pixel_z_mean = row->pixel_z_variance = NAN;
-    trial.settings = trial.entrant->settings;
-    const enum neph_status status = try_all(&trial, scenery, &sums, row, diag);
+    const enum neph_status status = try_all(trial, scenery, &sums, row, diag);
     if (status)
         return status;
     if (row->outcome == NEPH_OUTCOME_RENDERED) {
@@ -283,5 +285,5 @@ enum neph_status neph_trial_run(const struct neph_trial *asked, struct neph_scen
         .stepped = is_of_steps(&outcome, row->study),
     };
     row->cause = neph_participant_cause(participant, &scenery->check, &part);
-    return neph_arena_check(trial.arena, diag);
+    return neph_arena_check(trial->arena, diag);
 }

@@ -21,15 +21,14 @@ struct neph_entrant {
 /* Borrowed. */
 struct neph_trial {
     const struct neph_entrant *entrant;
-    struct neph_settings settings; /* _run sets them: the entrant's, in steps that a study chose */
-    double time_limit_s;           /* per child process */
+    double time_limit_s; /* per child process */
     struct neph_store *store;
     struct neph_arena *arena; /* of the results */
 };
 
 /* Fill `row` ({0} before, but for its check) up to its cause. NEPH_OK whatever the engine did. The
  * scenery may be changed meanwhile, and is as it was afterwards. */
-enum neph_status neph_trial_run(const struct neph_trial *asked, struct neph_scenery *scenery,
+enum neph_status neph_trial_run(const struct neph_trial *trial, struct neph_scenery *scenery,
                                 struct neph_physics_row *row, struct neph_diag *diag);
 
 #endif
