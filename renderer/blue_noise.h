@@ -52,8 +52,8 @@ enum neph_status neph_blue_noise_create(const struct neph_blue_noise_request *re
                                         struct neph_blue_noise **noise, struct neph_diag *diag);
 void neph_blue_noise_destroy(struct neph_blue_noise *noise);
 
-/* The same mask from the file neph_blue_noise_path() when that is whole and of this very request,
- * else made anew and written there; the folder is made when it is not there. NEPH_ERR_IO: the file
+/* A mask from the file neph_blue_noise_path() when that is whole and of this very request, else
+ * made anew and written there; the folder is made when it is not there. NEPH_ERR_IO: the file
  * cannot be written. */
 enum neph_status neph_blue_noise_load(const struct neph_blue_noise_request *request,
                                       const char *cache_folder, struct neph_blue_noise **noise,

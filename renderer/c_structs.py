@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Shader structs for C: c_structs.py HEADER REFLECTION... writes `struct neph_gpu_<name>` for every
-struct that lies in a buffer or among the push constants, from what spirv-cross --reflect says of it.
-So each is written once, in GLSL, and C has its fields where the shader has them."""
+"""The shaders' structs for C: c_structs.py HEADER REFLECTION... writes `struct neph_gpu_<name>` for
+every struct that lies in a buffer or among the push constants, from the JSON of spirv-cross. So each
+is written once, in GLSL, and C has its fields where the shader has them."""
 import json
 import pathlib
 import re
@@ -11,8 +11,7 @@ import sys
 SCALARS = {"float": "float", "uint": "uint32_t", "int": "int32_t"}
 VECTOR = re.compile(r"(|u|i)vec([234])$")
 ELEMENT = {"": "float", "u": "uint32_t", "i": "int32_t"}
-TOP = """/* Written by renderer/c_structs.py from the shaders: the structs of their buffers and push constants,
- * each with the shader's own comments in shaders/. */
+TOP = """/* Written by renderer/c_structs.py: the structs of buffers and push constants, which shaders/ explains. */
 #ifndef NEPH_GENERATED_STRUCTS_H
 #define NEPH_GENERATED_STRUCTS_H
 
@@ -48,13 +47,12 @@ class Shader:
         for member in self.types[key]["members"]:
             c_type, suffix, size, alignment = self.measure(member["type"])
             counts = member.get("array", [])
-            if counts:
-                size = member["array_stride"] * counts[0]
-            if len(counts) > 1 or 0 in counts or (counts and size != counts[0] * self.measure(member["type"])[2]):
-                sys.exit(f"c_structs.py: {self.types[key]['name']}.{member['name']}: no such array in C")
+            if counts and (len(counts) > 1 or member["array_stride"] != size):
+                sys.exit(f"c_structs.py: C has no array like {self.c_name(key)}.{member['name']}")
             fields += self.padding(end, member["offset"])
             fields.append(f"{c_type} {member['name']}{''.join(f'[{n}]' for n in counts)}{suffix};")
-            end, largest = member["offset"] + size, max(largest, alignment)
+            end = member["offset"] + size * (counts[0] if counts else 1)
+            largest = max(largest, alignment)
         size = -(-end // largest) * largest
         return fields + self.padding(end, size), size, largest
 
@@ -87,7 +85,7 @@ def header(reflections):
 
 def main():
     target, text = pathlib.Path(sys.argv[1]), header([pathlib.Path(name) for name in sys.argv[2:]])
-    if not target.exists() or target.read_text() != text:  # else nothing that includes it is built anew
+    if not target.exists() or target.read_text() != text:  # else who includes it need not be rebuilt
         target.write_text(text)
 
 

@@ -1,40 +1,26 @@
 /* SPDX-License-Identifier: MIT
  *
- * A scene in the layout of shaders/scene.glsl, as seen by the camera of one frame.
+ * A scene in the layout of shaders/frame.glsl, as seen by the camera of one frame.
  *
- * All positions are relative to the camera, subtracted in double: a float32 at 1000 km from the
- * world's origin moves in steps of 6 cm, at 1 km from the camera in steps of 0.06 mm.
- * Not for other folders.
+ * Positions are relative to the camera (relative.h). Not for other folders.
  */
 #ifndef NEPH_RENDERER_GPU_SCENE_H
 #define NEPH_RENDERER_GPU_SCENE_H
 
 #include "renderer/compute.h"
+#include "renderer/shaders/constants.h"
 #include "scenes/scene.h"
 #include "shaders/structs.h" /* struct neph_gpu_frame and what is in it, from the shaders */
 
 #include <stdint.h>
 
-/* FAR_M of shaders/numbers.glsl: the finite stand-in for infinity [m]. */
-#define NEPH_GPU_FAR_M 1e15f
-
-_Static_assert(NEPH_SCENE_MEDIA_MAX == 8 && NEPH_FOG_LAYERS_MAX == 2, "scene.glsl's counts");
+_Static_assert(NEPH_SCENE_MEDIA_MAX == NEPH_GPU_MEDIA_MAX &&
+                   NEPH_FOG_LAYERS_MAX == NEPH_GPU_LAYERS_MAX,
+               "room in a frame");
 _Static_assert(NEPH_PHASE_ISOTROPIC == 0 && NEPH_PHASE_HENYEY_GREENSTEIN == 1 &&
                    NEPH_PHASE_RAYLEIGH == 2,
                "phase.glsl's kinds");
 _Static_assert(NEPH_SOLID_BOX == 0 && NEPH_SOLID_SPHERE == 1, "solids.glsl's kinds");
-
-/* The layer as seen from a height; its extinction must be above 0. */
-struct neph_gpu_fog_layer neph_gpu_fog_layer_from(const struct neph_fog_layer *layer,
-                                                  double camera_y_m);
-
-/* A sphere as large as a planet, as seen from the camera. */
-struct neph_gpu_globe neph_gpu_globe_from(struct neph_vec3 center_m, double radius_m,
-                                          struct neph_vec3 camera_position_m);
-
-/* One medium; the places of its grid, textures and majorants are left 0. */
-struct neph_gpu_medium neph_gpu_medium_from(const struct neph_medium *medium,
-                                            struct neph_vec3 camera_position_m);
 
 struct neph_gpu_solid neph_gpu_solid_from(const struct neph_solid *solid,
                                           struct neph_vec3 camera_position_m);
@@ -46,7 +32,7 @@ enum { NEPH_GPU_SCENE_BUFFERS = 5, NEPH_GPU_SCENE_CONSTANTS = 2 };
 struct neph_gpu_scene {
     struct neph_gpu_frame *frame; /* in the mapped memory of buffers[0]; may be changed between
                                      dispatches. `steps` and `sun_steps` are left 0 */
-    /* Frame, solids, grid values, majorants, textures of Horizon clouds. */
+    /* Frame, solids, values of grids, majorants, texels. */
     struct neph_buffer buffers[NEPH_GPU_SCENE_BUFFERS];
     /* Specialization constants 0 and 1 of every such kernel: the kinds of media that are there, and
      * whether some medium's extinction differs between the channels. */
@@ -63,8 +49,8 @@ enum neph_status neph_gpu_scene_create(const struct neph_vulkan *vulkan,
                                        int height_px, bool with_majorants,
                                        struct neph_gpu_scene *gpu, struct neph_diag *diag);
 
-/* The same scene at another frame, with another sun or its media moved (neph_scene_at()): grids and
- * textures stay where they are on the device. Not for a scene with majorants. */
+/* Upload the scene at another frame, with another sun or its media moved (neph_scene_at()): grids
+ * and textures stay where they are on the device. Not for a scene with majorants. */
 void neph_gpu_scene_move(struct neph_gpu_scene *gpu, const struct neph_scene *scene, double frame,
                          int width_px, int height_px);
 

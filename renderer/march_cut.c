@@ -10,7 +10,7 @@
 static const uint64_t cpu_dispatch_turns_max = 1ull << 25;
 static const uint64_t gpu_dispatch_turns_max = 1ull << 34;
 
-/* And this many rays: 32 MiB of results. */
+/* The rays of one dispatch, at most: 32 MiB of results. */
 static const uint64_t dispatch_rays_max = 1u << 19;
 
 bool neph_march_marches_sun(const struct neph_scene *scene, const struct neph_march_params *params)

@@ -7,6 +7,7 @@
 #include "base/interrupt.h"
 #include "renderer/compute.h"
 #include "renderer/gpu_scene.h"
+#include "renderer/media/kind.h"
 #include "renderer/reach.h"
 #include "scenes/media.h"
 #include "scenes/trapped_light.h"
@@ -36,11 +37,9 @@ static const uint32_t sum_spirv[] = {
 };
 
 enum {
-    depths_bytes = 4 * NEPH_SCENE_MEDIA_MAX * NEPH_FOG_LAYERS_MAX,
-    lit_edges = 16,  /* LIT_EDGES of shaders/tracer_lit.glsl */
+    depths_bytes = 4 * NEPH_GPU_MEDIA_MAX * NEPH_GPU_LAYERS_MAX,
     track_steps = 8, /* of a turn, through majorant cells */
-    pool_pixels = 8, /* POOL_PIXELS of shaders/tracer.glsl */
-    pool_items = pool_pixels * NEPH_TRACER_BATCH_SAMPLES,
+    pool_items = NEPH_GPU_POOL_PIXELS * NEPH_TRACER_BATCH_SAMPLES,
     pixel_local_size = 64, /* of tracer_view.comp and tracer_sum.comp */
     chunk_pixels_max = 1 << 16,
     window_pools_max = 1 << 12,
@@ -55,13 +54,7 @@ static bool is_positive(struct neph_rgb rgb)
 
 static bool is_fog(const struct neph_medium *medium)
 {
-    return medium->kind == NEPH_MEDIUM_HOMOGENEOUS || medium->kind == NEPH_MEDIUM_HEIGHT_FOG;
-}
-
-static bool is_coloured(const struct neph_medium *medium)
-{
-    const struct neph_rgb color = medium->extinction_color;
-    return color.r != color.g || color.g != color.b;
+    return neph_gpu_kind_of(medium)->layers_max > 0;
 }
 
 static bool lights(const struct neph_scene *scene)
@@ -95,14 +88,13 @@ static bool is_lit_once(const struct neph_scene *scene)
  * all where it is guessed. */
 static size_t lit_tables(const struct neph_scene *scene)
 {
-    bool has_layers = false;
+    int layers = 1;
     for (int i = 0; i < scene->medium_count; i++)
-        has_layers = has_layers || scene->media[i].kind == NEPH_MEDIUM_HEIGHT_FOG;
+        if (neph_gpu_kind_of(&scene->media[i])->layers_max > layers)
+            layers = neph_gpu_kind_of(&scene->media[i])->layers_max;
     if (!is_lit_once(scene))
         return 0;
-    if (is_open(scene))
-        return 1;
-    return (size_t)scene->medium_count * (has_layers ? NEPH_FOG_LAYERS_MAX : 1);
+    return is_open(scene) ? 1 : (size_t)scene->medium_count * (size_t)layers;
 }
 
 static bool is_bounded(const struct neph_medium *medium)
@@ -118,8 +110,8 @@ bool neph_tracer_can_render(const struct neph_scene *scene, char *reason, size_t
     int coloured_clouds = 0, coloured_fogs = 0;
     for (int i = 0; i < scene->medium_count; i++) {
         const struct neph_medium *medium = &scene->media[i];
-        coloured_clouds += !is_fog(medium) && is_coloured(medium);
-        coloured_fogs += is_fog(medium) && is_coloured(medium);
+        coloured_clouds += !is_fog(medium) && neph_medium_is_coloured(medium);
+        coloured_fogs += is_fog(medium) && neph_medium_is_coloured(medium);
         if (needs_paths(scene) && !is_fog(medium) && !is_bounded(medium))
             cannot = "more than single scattering in a shell without finite bounds";
     }
@@ -338,7 +330,7 @@ static enum neph_status get_kernels(struct render *render, const struct neph_sce
 
 static enum neph_status create_buffers(struct render *render, struct neph_diag *diag)
 {
-    const size_t pools = (render->chunk_pixels + pool_pixels - 1) / pool_pixels;
+    const size_t pools = (render->chunk_pixels + NEPH_GPU_POOL_PIXELS - 1) / NEPH_GPU_POOL_PIXELS;
     const size_t threads = (pools < window_pools_max ? pools : window_pools_max) *
                            render->local_size;
     const size_t pixels_bytes = render->chunk_pixels * sizeof(struct neph_gpu_tracer_pixel);
@@ -502,7 +494,7 @@ static enum neph_status view_chunk(struct render *render, const struct neph_gpu_
     if (!status && render->lit)
         status = run_kernel(
             render, render->lit, run,
-            pixel_groups((uint32_t)render->lit_tables * lit_edges * run->pixel_count),
+            pixel_groups((uint32_t)render->lit_tables * NEPH_GPU_LIT_EDGES * run->pixel_count),
             BINDING_PIXELS, NULL, diag);
     if (status)
         return status;
@@ -548,12 +540,13 @@ static void adapt_window(struct render *render, double dispatch_s)
 static enum neph_status trace_paths(struct render *render, struct neph_gpu_tracer_run run,
                                     struct neph_diag *diag)
 {
-    const uint32_t pools = (run.pixel_count + pool_pixels - 1) / pool_pixels;
+    const uint32_t pools = (run.pixel_count + NEPH_GPU_POOL_PIXELS - 1) / NEPH_GPU_POOL_PIXELS;
     for (uint32_t first = 0, count; first < pools; first += count) {
         count = pools - first < render->window ? pools - first : render->window;
-        const uint32_t pixels_left = run.pixel_count - first * pool_pixels;
-        const uint32_t pixels = pixels_left < count * pool_pixels ? pixels_left
-                                                                  : count * pool_pixels;
+        const uint32_t pixels_left = run.pixel_count - first * NEPH_GPU_POOL_PIXELS;
+        const uint32_t pixels = pixels_left < count * NEPH_GPU_POOL_PIXELS
+                                    ? pixels_left
+                                    : count * NEPH_GPU_POOL_PIXELS;
         uint32_t items_done = 0;
         run.first_pool = first;
         for (run.is_fresh = 1; items_done < pixels * NEPH_TRACER_BATCH_SAMPLES; run.is_fresh = 0) {

@@ -31,14 +31,14 @@
 #define NEPH_RENDERER_TRACER_H
 
 #include "base/image.h"
+#include "renderer/shaders/constants.h"
 #include "renderer/vulkan.h"
 #include "scenes/scene.h"
 
 #include <stdint.h>
 
 #define NEPH_TRACER_SIDE_MAX_PX 4096
-#define NEPH_TRACER_STRATA 4
-#define NEPH_TRACER_BATCH_SAMPLES (2 * NEPH_TRACER_STRATA)
+#define NEPH_TRACER_BATCH_SAMPLES (2 * NEPH_GPU_STRATA)
 #define NEPH_TRACER_SAMPLES_MAX (1 << 28)
 
 struct neph_tracer_params {

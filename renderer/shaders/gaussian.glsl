@@ -6,13 +6,13 @@
 #ifndef NEPH_GAUSSIAN_GLSL
 #define NEPH_GAUSSIAN_GLSL
 
-#include "numbers.glsl"
+#include "solids.glsl"
+#include "stretch.glsl"
 
 struct Gaussian {
     vec3 center_m; // relative to the camera
     float width_m;
     float reach_m; // beyond it a ray meets less than 1e-7 of optical depth
-    float padding[3];
 };
 
 float gaussian_density(Gaussian blob, vec3 point_m)
@@ -65,7 +65,7 @@ float gaussian_integral_m(Gaussian blob, vec3 origin_m, vec3 direction, float t0
     vec3 impact = (offset_m + nearest_m * direction) / scale_m;
     float a = clamp((t0_m - nearest_m) / scale_m, -FAR, FAR);
     float b = clamp((t1_m - nearest_m) / scale_m, -FAR, FAR);
-    // Of [a, b] the half beyond the nearest point, and the half before it, seen from its end.
+    // The half of [a, b] beyond the nearest point, and the half before it, seen from its end.
     float h = clamp((t1_m - t0_m) / scale_m, 0.0, 2.0 * FAR); // keeps the digits that b - a loses
     bool before = b <= 0.0, beyond = a >= 0.0;
     float near_a = before ? -b : max(a, 0.0);
@@ -74,6 +74,14 @@ float gaussian_integral_m(Gaussian blob, vec3 origin_m, vec3 direction, float t0
     if (!before && !beyond)
         sum += transmittance(dot(impact, impact)) * gaussian_leg(0.0, -a);
     return scale_m * sum;
+}
+
+void gaussian_narrow(Gaussian blob, vec3 origin_m, vec3 direction, inout Stretch inside)
+{
+    float near_m, far_m;
+    bool met = sphere_interval(blob.center_m, blob.reach_m, origin_m, direction, near_m, far_m);
+    inside.t0_m = max(inside.t0_m, near_m);
+    inside.t1_m = met ? min(inside.t1_m, far_m) : inside.t0_m;
 }
 
 #endif

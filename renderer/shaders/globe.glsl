@@ -13,7 +13,6 @@ struct Globe {
     float camera_radius_m;   // the camera's distance from the centre
     float camera_altitude_m; // the same less the radius
     float radius_m;
-    vec2 padding;
 };
 
 // From radius r0 along a way whose square of radius grows by `growth` = r^2 - r0^2.

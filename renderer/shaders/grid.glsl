@@ -12,9 +12,7 @@ struct Grid {
     vec3 origin_m; // of node (0, 0, 0), a node of the layer of zeros
     uint first;    // its place in grid_values[]
     vec3 nodes_per_m;
-    uint padding;
     uvec3 size; // nodes, the layer of zeros included; each side >= 3
-    uint padding_2;
 };
 
 // The eight nodes of a cell: those at its lower z face and those at its upper one, x fastest.
@@ -40,9 +38,9 @@ float cell_density(Cell cell, vec3 at)
 }
 
 // Density at a point, in the values' own unit. `precise`: the place in the cell is what floor() has
-// left of this very number. A GPU that fuses the product into the subtraction takes the cell off an
-// unrounded number, which lies below the face that it was rounded up to: a weight of -1e-6, and beside
-// an empty node a density below zero.
+// left of this very number. A GPU that fuses the product into the subtraction takes the cell off
+// an unrounded number, which lies below the face that it was rounded up to: a weight of -1e-6, and
+// beside an empty node a density below zero.
 float grid_density(Grid grid, vec3 point_m)
 {
     precise vec3 at = (point_m - grid.origin_m) * grid.nodes_per_m;
@@ -54,8 +52,8 @@ float grid_density(Grid grid, vec3 point_m)
     return cell_density(grid_cell(grid, uvec3(cell)), in_cell);
 }
 
-// The integral of the density over t in [t0, t1] [m], cell by cell (J. Amanatides and A. Woo, 1987).
-// Within a cell the density is a cubic in t, for which two-point Gauss is exact.
+// The integral of the density over t in [t0, t1] [m], cell by cell (J. Amanatides and A. Woo,
+// 1987). Within a cell the density is a cubic in t, for which two-point Gauss is exact.
 float grid_integral_m(Grid grid, vec3 origin_m, vec3 direction, float t0_m, float t1_m)
 {
     const float gauss = 0.288675134594813; // 1 / sqrt(12)
@@ -93,6 +91,82 @@ float grid_integral_m(Grid grid, vec3 origin_m, vec3 direction, float t0_m, floa
             break;
     }
     return sum.value.x;
+}
+
+// The place within a stretch over which the density is a cubic, given by its values at 0, 1/3, 2/3
+// and 1, where the integral reaches `fraction` of that over all of it. Newton's method, held
+// between bounds that bisection narrows.
+float cubic_quantile(vec4 f, float fraction)
+{
+    float c1 = 0.5 * (-11.0 * f.x + 18.0 * f.y - 9.0 * f.z + 2.0 * f.w);
+    float c2 = 4.5 * (2.0 * f.x - 5.0 * f.y + 4.0 * f.z - f.w);
+    float c3 = 4.5 * (-f.x + 3.0 * f.y - 3.0 * f.z + f.w);
+    float target = fraction * (f.x + c1 / 2.0 + c2 / 3.0 + c3 / 4.0);
+    float low = 0.0, high = 1.0, s = fraction;
+    for (int i = 0; i < 12; i++) {
+        float integral = s * (f.x + s * (c1 / 2.0 + s * (c2 / 3.0 + s * (c3 / 4.0))));
+        float density = f.x + s * (c1 + s * (c2 + s * c3));
+        if (integral < target)
+            low = s;
+        else
+            high = s;
+        float newton = s - (integral - target) / max(density, 1e-30);
+        s = newton > low && newton < high ? newton : 0.5 * (low + high);
+    }
+    return s;
+}
+
+// The walk of grid_integral_m (grid.glsl), stopped in the cell where the integral passes `target`.
+float grid_free_path_m(Grid grid, vec3 origin_m, vec3 direction, float t0_m, float t1_m,
+                       float target)
+{
+    const float gauss = 0.288675134594813; // 1 / sqrt(12)
+    vec3 slope = direction * grid.nodes_per_m;
+    vec3 start = (origin_m - grid.origin_m) * grid.nodes_per_m;
+    vec3 last = vec3(grid.size - 2);
+    vec3 side = vec3(greaterThanEqual(slope, vec3(0.0)));
+    bvec3 level = lessThan(abs(slope), vec3(1e-20));
+    vec3 per_slope = mix(1.0 / slope, vec3(0.0), level);
+    vec3 cell = clamp(floor(start + t0_m * slope), vec3(0.0), last), corner = cell;
+    float t_m = t0_m, end_m = t0_m, sum = 0.0, term = 0.0;
+    Cell nodes = Cell(vec4(0.0), vec4(0.0));
+    while (end_m < t1_m && sum + term < target && all(greaterThanEqual(cell, vec3(0.0))) &&
+           all(lessThanEqual(cell, last))) {
+        sum += term;
+        t_m = end_m;
+        vec3 faces_m = mix((cell + side - start) * per_slope, vec3(FAR_M), level);
+        float exit_m = min(faces_m.x, min(faces_m.y, faces_m.z));
+        end_m = max(t_m, min(exit_m, t1_m));
+        corner = cell;
+        nodes = grid_cell(grid, uvec3(cell));
+        float middle_m = 0.5 * (t_m + end_m), offset_m = gauss * (end_m - t_m);
+        vec3 a = clamp(start + (middle_m - offset_m) * slope - cell, vec3(0.0), vec3(1.0));
+        vec3 b = clamp(start + (middle_m + offset_m) * slope - cell, vec3(0.0), vec3(1.0));
+        term = 0.5 * (end_m - t_m) * (cell_density(nodes, a) + cell_density(nodes, b));
+        cell += mix(vec3(0.0), 2.0 * side - 1.0, lessThanEqual(faces_m, vec3(exit_m)));
+    }
+    if (sum + term < target)
+        return end_m;
+    vec4 densities;
+    for (int i = 0; i < 4; i++)
+        densities[i] = cell_density(nodes, clamp(start + mix(t_m, end_m, float(i) / 3.0) * slope -
+                                                     corner, vec3(0.0), vec3(1.0)));
+    return mix(t_m, end_m,
+               cubic_quantile(densities, clamp((target - sum) / max(term, 1e-30), 0.0, 1.0)));
+}
+
+// One of the eight nodes around a point, with the probability of its trilinear weight: its
+// expectation is the trilinear value, and so is whatever is linear in it (the chance of a
+// collision, the factor of ratio tracking), for one load instead of eight.
+float grid_random_node(Grid grid, vec3 point_m, uvec2 bits)
+{
+    // 21 bits for each axis.
+    uvec3 thirds = uvec3(bits >> 11, (bits.x & 0x7ffu) << 10 | bits.y & 0x3ffu);
+    vec3 u = vec3(thirds) * exp2(-21.0);
+    vec3 at = clamp((point_m - grid.origin_m) * grid.nodes_per_m, vec3(0.0),
+                    vec3(grid.size - 1) * 0.9999999);
+    uvec3 node = min(uvec3(at + u), grid.size - 1); // the sum may round up
+    return grid_values[grid.first + node.x + grid.size.x * (node.y + grid.size.y * node.z)];
 }
 
 #endif

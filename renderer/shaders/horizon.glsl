@@ -7,10 +7,11 @@
 #define NEPH_HORIZON_GLSL
 
 #include "globe.glsl"
+#include "stretch.glsl"
 
-const int HORIZON_BASE_SIDE = 64;     // NEPH_HORIZON_BASE_SIDE
-const int HORIZON_DETAIL_SIDE = 32;   // NEPH_HORIZON_DETAIL_SIDE
-const int HORIZON_WEATHER_SIDE = 256; // NEPH_HORIZON_WEATHER_SIDE
+const int HORIZON_BASE_SIDE = NEPH_GPU_HORIZON_BASE_SIDE;
+const int HORIZON_DETAIL_SIDE = NEPH_GPU_HORIZON_DETAIL_SIDE;
+const int HORIZON_WEATHER_SIDE = NEPH_GPU_HORIZON_WEATHER_SIDE;
 
 struct Horizon {
     Globe globe;         // of the bottom of the layer
@@ -130,6 +131,12 @@ HorizonSample horizon_sample(Horizon horizon, vec3 point_m)
 float horizon_density(Horizon horizon, vec3 point_m)
 {
     return horizon_sample(horizon, point_m).density;
+}
+
+void horizon_narrow(Horizon horizon, vec3 origin_m, vec3 direction, inout Stretch inside)
+{
+    globe_hull(horizon.globe, origin_m, direction, 0.0, horizon.thickness_m, inside.t0_m,
+               inside.t1_m);
 }
 
 #endif

@@ -8,12 +8,13 @@
 // depth, W m^-2 sr^-1), taken at one point of the step and constant along it; its integral over
 // the step against the extinction within the step is exact. (Hillaire, "Physically Based and
 // Unified Volumetric Rendering in Frostbite", SIGGRAPH 2015: S (1 - e^(-sigma dt)) / sigma.)
-// With the point in the middle of the step the error is of second order in the step where the medium
-// is smooth. A dithered start puts it elsewhere in the step, the same place in all steps of a ray.
+// With the point in the middle of the step the error is of second order in the step where the
+// medium is smooth. A dithered start puts it elsewhere in the step, the same place in all steps of
+// a ray.
 //
 // One thread is one ray. A dispatch is a run of rays and a run of their steps, short enough for
-// drivers that limit loops (renderer/compute.h) and for Ctrl-C in between; the state of a march that
-// is not at its end waits in a buffer.
+// drivers that limit loops (renderer/compute.h) and for Ctrl-C in between; the state of a march
+// that is not at its end waits in a buffer.
 #ifndef NEPH_MARCH_GLSL
 #define NEPH_MARCH_GLSL
 
@@ -121,7 +122,7 @@ void sums_keep(uint thread, Sums sums)
     states[thread] = MarchState(sums, density_evaluations, closed_forms, view_steps);
 }
 
-// Of the whole ray.
+// Optical depth of the whole view ray.
 vec3 view_optical_depth(vec3 direction, float length_m, Sums sums)
 {
     return IS_SOLVED ? exact_optical_depth(vec3(0.0), direction, length_m) : marched_depth(sums);

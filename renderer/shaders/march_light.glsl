@@ -8,7 +8,7 @@
 //          not scaled. (Wrenninge, Kulla, Lundqvist, "Oz: The Great and Volumetric", SIGGRAPH 2013;
 //          Hillaire, SIGGRAPH 2016 and 2020.) It does not conserve energy: a look.
 // horizon  the light of A. Schneider's Horizon clouds ("The Real-time Volumetric Cloudscapes of
-//          Horizon: Zero Dawn", SIGGRAPH 2015) as later written down for engines: see horizon_light.
+//          Horizon: Zero Dawn", SIGGRAPH 2015) as later written down for engines (horizon_light).
 //          In units of its own: a look.
 #ifndef NEPH_MARCH_LIGHT_GLSL
 #define NEPH_MARCH_LIGHT_GLSL
@@ -119,7 +119,7 @@ Mixture mixture_at(vec3 point_m)
             grey(frame.media[m].extinction_color) * medium_extinction_per_m(m, point_m);
         vec3 scattered_per_m = extinction_per_m * frame.media[m].albedo;
         mixture.extinction_per_m += extinction_per_m;
-        if ((VIEW_MARCHED & (1u << frame.media[m].kind)) != 0u)
+        if (is_among(VIEW_MARCHED, m))
             mixture.marched_per_m += extinction_per_m;
         mixture.scattering += scattered_per_m * phase_towards_camera_per_sr[m];
         if (LIGHTING == OCTAVES)
@@ -198,7 +198,8 @@ float horizon_inscatter(HorizonSample cloud)
     return depth * pow(max(remap(cloud.height, 0.07, 0.14, 0.1, 1.0), 0.0), 0.8);
 }
 
-// Two points towards the sun, the first where we are, over 1/20 of the view's way through the layer.
+// Two points towards the sun, the first where we are, over 1/20 of the view's way through the
+// layer.
 float horizon_density_to_sun(Horizon horizon, vec3 point_m, float density)
 {
     float t0_m = 0.0, t1_m = FAR_M;
@@ -218,7 +219,7 @@ vec3 horizon_light(vec3 point_m)
 {
     vec3 light = vec3(0.0);
     for (uint m = 0; m < frame.medium_count; m++) {
-        Horizon horizon = frame.media[m].horizon;
+        Horizon horizon = frame.media[m].shape.horizon;
         if (any(lessThan(point_m, frame.media[m].low_m)) ||
             any(greaterThan(point_m, frame.media[m].high_m)))
             continue;

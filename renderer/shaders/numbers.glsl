@@ -5,11 +5,11 @@
 #ifndef NEPH_NUMBERS_GLSL
 #define NEPH_NUMBERS_GLSL
 
+#include "constants.h"
+
 const float PI = 3.14159265358979;
 
-// "Infinitely far" [m]. Finite, because inf - inf and 0 * inf are NaN and shaders need not even
-// honour inf; its square still fits a float32.
-const float FAR_M = 1e15;
+const float FAR_M = NEPH_GPU_FAR_M;
 
 // Beyond e^-87 a float32 leaves the normal numbers, where drivers differ: call it 0.
 const float EXPONENT_MIN = -87.0;
@@ -47,6 +47,27 @@ vec3 absorbed_fraction(vec3 optical_depth)
 {
     return vec3(absorbed_fraction(optical_depth.x), absorbed_fraction(optical_depth.y),
                 absorbed_fraction(optical_depth.z));
+}
+
+// ln(1 + x) for x in [-0.3, 0.35], to full relative precision: 2 artanh(x / (2 + x)). Drivers may
+// be off by 2^-21 absolute in log near 1.
+float log_1_plus_small(float x)
+{
+    float s = x / (2.0 + x);
+    float s2 = s * s;
+    return 2.0 * s *
+           (1.0 + s2 * (1.0 / 3.0 + s2 * (1.0 / 5.0 + s2 * (1.0 / 7.0 + s2 * (1.0 / 9.0)))));
+}
+
+float log_1_plus(float x)
+{
+    return x > -0.3 && x < 0.35 ? log_1_plus_small(x) : log(1.0 + x);
+}
+
+float least_positive(vec3 color)
+{
+    vec3 seen = mix(vec3(FAR_M), color, greaterThan(color, vec3(0.0)));
+    return min(seen.r, min(seen.g, seen.b));
 }
 
 // A running sum that carries its own rounding error (Kahan 1965, CACM 8(1)): 4096 steps cost no

@@ -7,6 +7,8 @@
 #ifndef NEPH_RANDOM_GLSL
 #define NEPH_RANDOM_GLSL
 
+#include "numbers.glsl"
+
 uvec3 pcg3d(uvec3 v)
 {
     v = v * 1664525u + 1013904223u;
@@ -35,26 +37,11 @@ uvec4 pcg4d(uvec4 v)
     return v;
 }
 
-// In (0, 1), never 0 or 1: 23 bits at the middles of their steps. (With 24 bits the last middle is no
-// float32 and rounds to 1.)
+// In (0, 1), never 0 or 1: 23 bits at the middles of their steps. (With 24 bits the last middle is
+// no float32 and rounds to 1.)
 vec3 uniform_from(uvec3 bits)
 {
     return (vec3(bits >> 9) + 0.5) * exp2(-23.0);
-}
-
-// ln(1 + x) for x in [-0.3, 0.35], to full relative precision: 2 artanh(x / (2 + x)). Drivers may
-// be off by 2^-21 absolute in log near 1.
-float log_1_plus_small(float x)
-{
-    float s = x / (2.0 + x);
-    float s2 = s * s;
-    return 2.0 * s *
-           (1.0 + s2 * (1.0 / 3.0 + s2 * (1.0 / 5.0 + s2 * (1.0 / 7.0 + s2 * (1.0 / 9.0)))));
-}
-
-float log_1_plus(float x)
-{
-    return x > -0.3 && x < 0.35 ? log_1_plus_small(x) : log(1.0 + x);
 }
 
 // Exponentially distributed with mean 1, from 32 bits. Fine near 0, where thin media decide, and

@@ -4,7 +4,6 @@
 #ifndef NEPH_SAMPLING_GLSL
 #define NEPH_SAMPLING_GLSL
 
-#include "fog.glsl"
 #include "phase.glsl"
 #include "random.glsl"
 
@@ -56,28 +55,6 @@ vec3 sample_cosine(vec3 normal, vec2 u)
 {
     float cosine = sqrt(u.x);
     return direction_about(normal, (1.0 - u.x) / (1.0 + cosine), 2.0 * PI * u.y);
-}
-
-// The distance within which a ray from height y meets exactly `optical_depth` of a layer; FAR_M
-// when it never does: -ln(1 - z) / r, with r = falloff k_y and z = r optical_depth / extinction.
-// In logarithms where extinction leaves float32.
-float fog_free_path(FogLayer layer, float y_m, float k_y, float optical_depth)
-{
-    float rate_per_m = layer.falloff_per_m * k_y;
-    float exponent = -layer.falloff_per_m * (y_m - layer.height_m);
-    if (exponent < -60.0) {
-        if (rate_per_m >= 0.0)
-            return FAR_M;
-        float log_z = log(-rate_per_m) + log(optical_depth / layer.extinction_per_m) - exponent;
-        float length_m = log_z > 15.0 ? log_z : log(1.0 + exp(max(log_z, EXPONENT_MIN)));
-        return min(length_m / -rate_per_m, FAR_M);
-    }
-    float straight_m = optical_depth / fog_extinction_per_m(layer, y_m);
-    float z = rate_per_m * straight_m;
-    if (z >= 1.0)
-        return FAR_M;
-    return abs(z) < 1e-6 ? min(straight_m, FAR_M)
-                         : min(-log_1_plus(-z) / rate_per_m, FAR_M);
 }
 
 #endif

@@ -8,12 +8,12 @@
 #define NEPH_SHELL_GLSL
 
 #include "globe.glsl"
+#include "stretch.glsl"
 
 struct Shell {
     Globe globe;
     float scale_height_m;
     float reach_m; // above this height a ray meets less than 1e-7 of optical depth
-    vec2 padding;
 };
 
 float shell_density(Shell shell, vec3 point_m)
@@ -30,7 +30,7 @@ vec4 shell_fall(Shell shell, float r0_m, float rise_m, vec4 x_m)
     return exp(max(-climb_m / shell.scale_height_m, EXPONENT_MIN));
 }
 
-// Its integral over [x0, x1].
+// Integral of the density of a leg over [x0, x1].
 float shell_panel_m(Shell shell, float r0_m, float rise_m, float x0_m, float x1_m)
 {
     const vec4 NODES = vec4(0.183434642, 0.525532410, 0.796666477, 0.960289856);
@@ -76,7 +76,8 @@ float shell_integral_m(Shell shell, vec3 origin_m, vec3 direction, float t0_m, f
     float height_m = grounded && end_m == down_m ? 0.0
                                                  : globe_altitude_m(shell.globe,
                                                                     origin_m + end_m * direction);
-    float sum = shell_leg_m(shell, max(height_m, 0.0), max(-(ray.rise_m + end_m), 0.0), end_m - t0_m);
+    float sum = shell_leg_m(shell, max(height_m, 0.0), max(-(ray.rise_m + end_m), 0.0),
+                            end_m - t0_m);
     // Rising leg.
     float start_m = max(t0_m, up_m);
     height_m = grounded && start_m == up_m ? 0.0
@@ -84,6 +85,11 @@ float shell_integral_m(Shell shell, vec3 origin_m, vec3 direction, float t0_m, f
                                                               origin_m + start_m * direction);
     return sum + shell_leg_m(shell, max(height_m, 0.0), max(ray.rise_m + start_m, 0.0),
                              t1_m - start_m);
+}
+
+void shell_narrow(Shell shell, vec3 origin_m, vec3 direction, inout Stretch inside)
+{
+    globe_hull(shell.globe, origin_m, direction, 0.0, shell.reach_m, inside.t0_m, inside.t1_m);
 }
 
 #endif

@@ -57,14 +57,14 @@ bool sphere_interval(vec3 center_m, float radius_m, vec3 origin_m, vec3 directio
     return half_chord_m > 0.0;
 }
 
-// Where camera and ray start within a radius of its surface and of each other a ball is ground: there
-// the nearest point's distance from the centre would cancel against the radius (half a metre at
-// Earth's size), and heights over the ground do not. Elsewhere the heights would.
+// Where camera and ray start within a radius of its surface and of each other a ball is ground:
+// there the nearest point's distance from the centre would cancel against the radius (half a metre
+// at Earth's size), and heights over the ground do not. Elsewhere the heights would.
 bool ball_interval(Solid ball, vec3 origin_m, vec3 direction, out float t0_m, out float t1_m)
 {
     if (ball.albedo.w >= ball.radius_m || dot(origin_m, origin_m) >= ball.radius_m * ball.radius_m)
         return sphere_interval(ball.low_m, ball.radius_m, origin_m, direction, t0_m, t1_m);
-    Globe globe = Globe(ball.high_m, length(ball.low_m), ball.albedo.w, ball.radius_m, vec2(0.0));
+    Globe globe = Globe(ball.high_m, length(ball.low_m), ball.albedo.w, ball.radius_m);
     return globe_interval(globe, globe_ray(globe, origin_m, direction), 0.0, t0_m, t1_m);
 }
 

@@ -20,7 +20,7 @@ layout(local_size_x_id = 2) in;
 // Below this part of its first throughput a path lives on by chance alone (Russian roulette).
 const float ROULETTE = 0.05;
 
-// The same of the sunlight that arrives at an event.
+// Below this part of the sunlight that arrives at an event its ray goes on by chance alone.
 const float SUN_ROULETTE = 0.2;
 
 // Steps through majorant cells in a turn.
@@ -87,75 +87,25 @@ layout(std430, binding = 5) buffer States {
 
 TracerState path;
 
-// What every turn needs of the scene, read before there is any branch or loop: inside of one, lavapipe
-// reads a buffer lane by lane, even where all lanes want the same.
-struct Scatterer {
-    vec3 albedo;
-    uint phase_kind;
-    float g;
-};
-
-struct Tracked {
-    vec3 low_m, high_m;
-    vec3 cells_per_m; // of the majorant grid
-    uvec3 size;       // of it
-    uint first;
-    vec3 color;
-    float extinction_per_m;
-    uint kind;
-    Gaussian gaussian;
-    Shell shell;
-    Grid grid;
-    Horizon horizon;
-};
-
-struct Fog {
-    vec3 low_m, high_m;
-    vec3 color;
-    FogLayer layers[LAYERS_MAX];
-    uint layer_count;
-};
-
+// What every turn needs of the scene, read before there is any branch or loop: inside of one,
+// lavapipe reads a buffer lane by lane, even where all lanes want the same.
 Camera camera;
 vec3 sun_direction, sun_irradiance, background;
-Scatterer only;  // of a scene with one medium
-Fog only_fog;    // if it is one
-Tracked tracked; // the medium that the thread tracks in this turn
+Medium only;              // of a scene with one medium
+Medium tracked;           // the medium that the thread tracks in this turn
+vec3 tracked_cells_per_m; // of its majorant grid
 
 uint collisions = 0, lookups = 0, closed_forms = 0, items_done = 0;
-
-Scatterer scatterer_of(uint m)
-{
-    return Scatterer(frame.media[m].albedo, frame.media[m].phase_kind, frame.media[m].g);
-}
-
-Tracked tracked_of(uint m)
-{
-    Tracked of;
-    of.low_m = frame.media[m].low_m;
-    of.high_m = frame.media[m].high_m;
-    of.size = frame.media[m].majorant_size;
-    of.cells_per_m = vec3(of.size) / (of.high_m - of.low_m);
-    of.first = frame.media[m].majorant_first;
-    of.color = frame.media[m].extinction_color;
-    of.extinction_per_m = frame.media[m].extinction_per_m;
-    of.kind = frame.media[m].kind;
-    of.gaussian = frame.media[m].gaussian;
-    of.shell = frame.media[m].shell;
-    of.grid = frame.media[m].grid;
-    of.horizon = frame.media[m].horizon;
-    return of;
-}
-
-Fog fog_of(uint m)
-{
-    return Fog(frame.media[m].low_m, frame.media[m].high_m, frame.media[m].extinction_color,
-               frame.media[m].layers, frame.media[m].layer_count);
-}
 
 uint tracked_medium()
 {
     return (TRACKED_ORDER >> (4 * (TRACKED_COUNT > 1 ? path.tracked : 0))) & 0xfu;
+}
+
+void read_tracked()
+{
+    tracked = frame.media[tracked_medium()];
+    tracked_cells_per_m = vec3(tracked.majorant_size) / (tracked.high_m - tracked.low_m);
 }
 
 void read_scene()
@@ -164,9 +114,8 @@ void read_scene()
     sun_direction = frame.sun_direction;
     sun_irradiance = frame.sun_irradiance;
     background = frame.background;
-    only = scatterer_of(0);
-    only_fog = fog_of(0);
-    tracked = tracked_of(tracked_medium());
+    only = frame.media[0];
+    read_tracked();
 }
 
 float most_of(vec3 channels) { return max(channels.r, max(channels.g, channels.b)); }
@@ -234,8 +183,8 @@ void start_at_camera()
     path.stage = STAGE_LEAVE;
 }
 
-// Even faint transmittances must be known well where a guess chose the place: with tight majorants the
-// relative variance of ratio tracking is e^(optical depth).
+// Even faint transmittances must be known well where a guess chose the place: with tight majorants
+// the relative variance of ratio tracking is e^(optical depth).
 float raise_for(float guessed_depth)
 {
     const float RAISED_MAX = 16.0;
@@ -345,8 +294,8 @@ void prepare_next(vec3 direction, float u)
         path.throughput /= survival;
 }
 
-// Sunlight at an event, as it would be if nothing were in its way. Roulette goes by what it is worth
-// beside isotropic scattering.
+// Sunlight at an event, as it would be if nothing were in its way. Roulette goes by what it is
+// worth beside isotropic scattering.
 void prepare_sunlight(float per_sr, float u)
 {
     path.sun_fraction = vec3(1.0);
@@ -359,8 +308,8 @@ void prepare_sunlight(float per_sr, float u)
         path.pending = vec3(0.0);
 }
 
-// Unless OPEN: at a first collision order 1 is known already (tracer_first.comp), and at a first surface the
-// sunlight that it reflects (tracer_view.comp).
+// Unless OPEN: at a first collision order 1 is known already (tracer_first.comp), and at a first
+// surface the sunlight that it reflects (tracer_view.comp).
 void happen()
 {
     uvec4 bits = draw4();
@@ -368,9 +317,9 @@ void happen()
     float light_per_sr; // of the sun's
     path.events++;
     if (!SURFACES || path.stage == STAGE_MEDIUM) {
-        Scatterer by = only;
+        Medium by = only;
         if (MEDIA != 1)
-            by = scatterer_of(path.medium);
+            by = frame.media[path.medium];
         path.solid = NO_SOLID;
         path.throughput *= by.albedo;
         light_per_sr = phase_per_sr(by.phase_kind, by.g, path.direction, sun_direction);
@@ -411,15 +360,14 @@ Hit nearest_hit(vec3 origin_m, vec3 direction, uint except)
 // One layer of a fog within [t0, t1]: transmittance to the sun exact, free paths by inversion.
 void cross_layer(uint m, FogLayer layer, vec3 color, float t0_m, float t1_m)
 {
-    float y_m = path.origin_m.y + t0_m * path.direction.y;
     if (path.ray != RAY_PATH) {
         path.sun_fraction *= colour_transmittance(
-            color * fog_optical_depth(layer, y_m, path.direction.y, t1_m - t0_m));
+            color * fog_layer_optical_depth(layer, path.origin_m, path.direction, t0_m, t1_m));
         closed_forms++;
         return;
     }
     float depth = exponential_from(draw().x) / max(color[path.hero], 1e-20);
-    float t_m = t0_m + fog_free_path(layer, y_m, path.direction.y, depth);
+    float t_m = fog_layer_free_path_m(layer, path.origin_m, path.direction, t0_m, depth);
     if (t_m < min(t1_m, path.end_m)) {
         path.end_m = t_m;
         path.end_medium = m;
@@ -427,24 +375,23 @@ void cross_layer(uint m, FogLayer layer, vec3 color, float t0_m, float t1_m)
     }
 }
 
-void cross_fog_medium(uint m, Fog fog)
+void cross_fog_medium(uint m, Medium medium)
 {
-    const uint layers = has_kind(MEDIUM_HEIGHT_FOG) ? LAYERS_MAX : 1u;
     float t0_m = 0.0, t1_m = path.end_m;
-    if (!clip_box(fog.low_m, fog.high_m, path.origin_m, path.direction, t0_m, t1_m))
+    if (!clip_box(medium.low_m, medium.high_m, path.origin_m, path.direction, t0_m, t1_m))
         return;
-    for (uint l = 0; l < layers; l++)
-        if (l < fog.layer_count)
-            cross_layer(m, fog.layers[l], fog.color, t0_m, t1_m);
+    for (uint l = 0; l < LAYERS; l++)
+        if (l < medium.layer_count)
+            cross_layer(m, medium.layers[l], medium.extinction_color, t0_m, t1_m);
 }
 
 void cross_fog()
 {
     if (MEDIA == 1)
-        cross_fog_medium(0, only_fog);
+        cross_fog_medium(0, only);
     for (uint m = 0; MEDIA != 1 && m < frame.medium_count; m++)
         if (is_fog(m))
-            cross_fog_medium(m, fog_of(m));
+            cross_fog_medium(m, frame.media[m]);
 }
 
 // The density of paths in each channel, after fog: e^-((color - color of the hero) depth), and the
@@ -568,47 +515,10 @@ void enter()
         return;
     }
     path.t_m = t0_m;
-    path.cell = ivec3(
-        clamp(floor(cells_start + t0_m * cells_slope), vec3(0.0), vec3(tracked.size) - 1.0));
+    path.cell = ivec3(clamp(floor(cells_start + t0_m * cells_slope), vec3(0.0),
+                            vec3(tracked.majorant_size) - 1.0));
     path.depth_left = exponential_from(draw().x);
     path.stage = STAGE_TRACK;
-}
-
-// One of the eight nodes around a point, with the probability of its trilinear weight: its
-// expectation is the trilinear value, and so is whatever is linear in it (the chance of a
-// collision, the factor of ratio tracking), for one load instead of eight.
-float grid_random_node(vec3 point_m, vec3 u)
-{
-    Grid grid = tracked.grid;
-    vec3 at = clamp((point_m - grid.origin_m) * grid.nodes_per_m, vec3(0.0),
-                    vec3(grid.size - 1) * 0.9999999);
-    uvec3 node = min(uvec3(at + u), grid.size - 1); // the sum may round up
-    return grid_values[grid.first + node.x + grid.size.x * (node.y + grid.size.y * node.z)];
-}
-
-// Whether the medium in work is of a kind: known to the compiler where no other kind is tracked.
-bool is_tracked(uint kind)
-{
-    uint tracked_kinds = KINDS & ~(1u << MEDIUM_HOMOGENEOUS | 1u << MEDIUM_HEIGHT_FOG);
-    return has_kind(kind) && (tracked_kinds == 1u << kind || tracked.kind == kind);
-}
-
-// A number whose expectation is the extinction.
-float random_extinction_per_m(vec3 point_m, uvec2 bits)
-{
-    float density = 0.0;
-    if (is_tracked(MEDIUM_GRID)) {
-        // 21 bits for each axis.
-        uvec3 thirds = uvec3(bits >> 11, (bits.x & 0x7ffu) << 10 | bits.y & 0x3ffu);
-        density = grid_random_node(point_m, vec3(thirds) * exp2(-21.0));
-    } else if (is_tracked(MEDIUM_GAUSSIAN)) {
-        density = gaussian_density(tracked.gaussian, point_m);
-    } else if (is_tracked(MEDIUM_SHELL)) {
-        density = shell_density(tracked.shell, point_m);
-    } else if (is_tracked(MEDIUM_HORIZON)) {
-        density = horizon_density(tracked.horizon, point_m);
-    }
-    return tracked.extinction_per_m * density;
 }
 
 // A tentative collision: a real one with the probability extinction / majorant (Woodcock 1965); on
@@ -619,9 +529,12 @@ void collide(float majorant_per_m)
     lookups++;
     path.depth_left = exponential_from(bits.x);
     float u = (float(bits.y >> 9) + 0.5) * exp2(-23.0);
+    vec3 point_m = path.origin_m + path.t_m * path.direction;
     float extinction_per_m =
-        random_extinction_per_m(path.origin_m + path.t_m * path.direction, bits.zw);
-    vec3 chance = grey(min(tracked.color * (extinction_per_m / majorant_per_m), vec3(1.0)));
+        tracked.extinction_per_m *
+        shape_random_density(tracked.kind, tracked.shape, point_m, bits.zw);
+    vec3 chance =
+        grey(min(tracked.extinction_color * (extinction_per_m / majorant_per_m), vec3(1.0)));
     if (path.ray != RAY_PATH) {
         path.sun_fraction *= 1.0 - chance;
         play_sun_roulette(u);
@@ -647,10 +560,10 @@ void track_step(vec3 per_slope, ivec3 side, bvec3 parallel)
     vec3 faces_m = mix((vec3(path.cell + side) - cells_start) * per_slope, vec3(FAR_M), parallel);
     float face_m = min(faces_m.x, min(faces_m.y, faces_m.z));
     float exit_m = max(path.t_m, min(face_m, path.end_m));
-    uvec3 cell = uvec3(path.cell);
-    float majorant_per_m = path.raised * max(tracked.color.r, max(tracked.color.g, tracked.color.b)) *
-                           majorants[tracked.first + cell.x +
-                                     tracked.size.x * (cell.y + tracked.size.y * cell.z)];
+    uvec3 cell = uvec3(path.cell), size = tracked.majorant_size;
+    float majorant_per_m =
+        path.raised * most_of(tracked.extinction_color) *
+        majorants[tracked.majorant_first + cell.x + size.x * (cell.y + size.y * cell.z)];
     float depth = majorant_per_m * (exit_m - path.t_m);
     if (path.depth_left < depth) {
         path.t_m = min(path.t_m + path.depth_left / majorant_per_m, exit_m);
@@ -661,7 +574,7 @@ void track_step(vec3 per_slope, ivec3 side, bvec3 parallel)
     path.t_m = exit_m;
     path.cell += mix(ivec3(0), 2 * side - 1, lessThanEqual(faces_m, vec3(face_m)));
     if (exit_m >= path.end_m ||
-        !all(lessThan(uvec3(path.cell), tracked.size))) // -1 is a large number
+        !all(lessThan(uvec3(path.cell), size))) // -1 is a large number
         next_tracked();
 }
 
@@ -697,9 +610,9 @@ void main()
             leave();
         if (TRACKED_COUNT > 0) {
             if (TRACKED_COUNT > 1)
-                tracked = tracked_of(tracked_medium());
-            cells_start = (path.origin_m - tracked.low_m) * tracked.cells_per_m;
-            cells_slope = path.direction * tracked.cells_per_m;
+                read_tracked();
+            cells_start = (path.origin_m - tracked.low_m) * tracked_cells_per_m;
+            cells_slope = path.direction * tracked_cells_per_m;
             if (path.stage == STAGE_ENTER)
                 enter();
             track();

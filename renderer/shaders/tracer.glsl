@@ -23,7 +23,7 @@ layout(constant_id = 11) const bool LIT = false;   // light is scattered once, a
 // Some medium's optical depth has no closed form: then the view ray is a matter of chance too.
 const bool OPEN = (KINDS & OPEN_KINDS) != 0u;
 
-// Then first collisions may be chosen by a guess (tracer_guess.glsl).
+// First collisions may be chosen by a guess (tracer_guess.glsl).
 const bool GUESSED = LIT && OPEN;
 
 layout(push_constant) uniform TracerRun {
@@ -37,9 +37,9 @@ layout(push_constant) uniform TracerRun {
     uint is_fresh;     // 1: the states hold nothing yet
 } run;
 
-const uint STRATA = 4;                 // NEPH_TRACER_STRATA
+const uint STRATA = NEPH_GPU_STRATA;
 const uint BATCH_SAMPLES = 2 * STRATA; // per pixel: a pair in each stratum
-const uint POOL_PIXELS = 8;            // the pixels that one work group works on
+const uint POOL_PIXELS = NEPH_GPU_POOL_PIXELS; // the pixels that one work group works on
 const uint POOL_ITEMS = POOL_PIXELS * BATCH_SAMPLES;
 
 // One sample's light [W m^-2 sr^-1]; the fourth components are its estimate of the view's
@@ -122,7 +122,7 @@ vec3 channel_weights(vec3 channels)
     return COLOURED ? channels * (3.0 / (channels.r + channels.g + channels.b)) : vec3(1.0);
 }
 
-// The same in all channels of a scene without colour: one exponential instead of three.
+// A scene without colour needs one exponential instead of three.
 vec3 colour_transmittance(vec3 optical_depth)
 {
     return COLOURED ? transmittance(optical_depth) : vec3(transmittance(optical_depth.r));
@@ -135,27 +135,6 @@ vec3 colour_absorbed_fraction(vec3 optical_depth)
 
 float mean_of(vec3 channels) { return dot(channels, vec3(1.0 / 3.0)); }
 
-bool has_fog() { return has_kind(MEDIUM_HOMOGENEOUS) || has_kind(MEDIUM_HEIGHT_FOG); }
-
-bool is_fog(uint m) { return has_fog() && frame.media[m].kind <= MEDIUM_HEIGHT_FOG; }
-
-bool clip_medium(uint m, vec3 origin_m, vec3 direction, inout float t0_m, inout float t1_m)
-{
-    return clip_box(frame.media[m].low_m, frame.media[m].high_m, origin_m, direction, t0_m, t1_m);
-}
-
-// Scalar optical depth of the first length of a ray in one layer of a fog.
-float layer_optical_depth(uint m, uint l, vec3 origin_m, vec3 direction, float length_m)
-{
-    float t0_m = 0.0, t1_m = length_m;
-    if (!clip_medium(m, origin_m, direction, t0_m, t1_m))
-        return 0.0;
-    return fog_optical_depth(frame.media[m].layers[l], origin_m.y + t0_m * direction.y, direction.y,
-                             t1_m - t0_m);
-}
-
-uint layers_of(uint m) { return is_fog(m) ? frame.media[m].layer_count : 1u; }
-
 // Optical depth of all but one medium, or layer of a fog, up to a distance on the view ray.
 vec3 others_depth(uint but_medium, uint but_layer, vec3 direction, float length_m)
 {
@@ -164,11 +143,9 @@ vec3 others_depth(uint but_medium, uint but_layer, vec3 direction, float length_
         return sum;
     for (uint m = 0; m < frame.medium_count; m++) {
         float depth = 0.0;
-        for (uint l = 0; l < frame.media[m].layer_count; l++)
+        for (uint l = 0; l < layers_of(m); l++)
             if (m != but_medium || l != but_layer)
                 depth += layer_optical_depth(m, l, vec3(0.0), direction, length_m);
-        if (!is_fog(m) && m != but_medium)
-            depth = medium_optical_depth(m, vec3(0.0), direction, length_m);
         sum += frame.media[m].extinction_color * depth;
     }
     return sum;

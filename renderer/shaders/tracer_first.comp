@@ -6,16 +6,16 @@
 // samples of a batch. The sunlight scattered there towards the camera is order 1, with the exact
 // transmittance to the sun.
 //
-// A fog layer or another medium is chosen in proportion to what it would absorb alone, the collision
-// is drawn as if it were alone, and the transmittance of the others up to there is a weight:
+// A fog layer or another medium is chosen in proportion to what it would absorb alone, the
+// collision is drawn as if it were alone, and the transmittance of the others up to there is a
+// weight:
 //   L = sum_k integral sigma_k T_k (prod_(j != k) T_j) J dt.
-// The weight is at most the number of layers and media. Where light is scattered once, both the choice
-// and the place go by the sunlight that comes from there (tracer_lit.glsl). If OPEN, that light is a guess
-// (tracer_guess.glsl), and the paths find out what of it arrives.
+// The weight is at most the number of layers and media. Where light is scattered once, both the
+// choice and the place go by the sunlight that comes from there (tracer_lit.glsl). If OPEN, that
+// light is a guess (tracer_guess.glsl), and the paths find out what of it arrives.
 #extension GL_GOOGLE_include_directive : require
 
 #include "tracer_guess.glsl"
-#include "free_path.glsl"
 
 layout(local_size_x = 64) in;
 
@@ -65,8 +65,10 @@ First first_collision(uint pixel, vec3 direction, uint hero, float u)
     float part = absorbed_fraction(color[hero] * choice.depth);
     float depth = min(-log_1_plus(-choice.u * part) / color[hero], choice.depth);
     first.medium = m;
-    first.t_m = medium_free_path(m, choice.layer, direction, t0_m, t1_m, depth);
-    first.weight = choice.total * colour_transmittance(others_depth(m, choice.layer, direction, first.t_m));
+    first.t_m = layer_free_path_m(m, choice.layer, direction, t0_m, t1_m,
+                                  depth);
+    vec3 others = others_depth(m, choice.layer, direction, first.t_m);
+    first.weight = choice.total * colour_transmittance(others);
     if (COLOURED) { // p = color e^(-color depth) / total; e^30 is more than chance allows
         vec3 density = color / max(choice.total, vec3(1e-30)) *
                        exp(min((color[hero] - color) * depth, vec3(30.0)));
@@ -75,7 +77,7 @@ First first_collision(uint pixel, vec3 direction, uint hero, float u)
     return first;
 }
 
-// --- by the sunlight ------------------------------------------------------------------------------
+// --- by the sunlight ----------------------------------------------------------------------------
 
 // What a medium or layer would absorb alone, of light that has all channels.
 float grey_absorbed(uint pixel, uint m, uint l)
@@ -152,7 +154,8 @@ First lit_collision(uint pixel, vec3 direction, float u)
                                  part.other_chance, mean_of(color));
     LitPlace place = lit_place(choice, part.u);
     first.medium = m;
-    first.t_m = medium_free_path(m, part.layer, direction, t0_m, t1_m, place.x);
+    first.t_m = layer_free_path_m(m, part.layer, direction, t0_m, t1_m,
+                                  place.x);
     vec3 way = color * place.x + others_depth(m, part.layer, direction, first.t_m);
     first.weight = color * colour_transmittance(way) / place.density;
     return first;

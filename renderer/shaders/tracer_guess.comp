@@ -1,9 +1,10 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// The path tracer's kernel before the first collisions, where light is scattered once and some medium
-// has no closed form: a guess of the optical depths of each pixel's ray, from densities at a few
-// places, and the table of light that follows from it. One thread per pixel and edge of its table.
+// The path tracer's kernel before the first collisions, where light is scattered once and some
+// medium has no closed form: a guess of the optical depths of each pixel's ray, from densities at a
+// few places, and the table of light that follows from it. One thread per pixel and edge of its
+// table.
 #extension GL_GOOGLE_include_directive : require
 
 #include "tracer_guess.glsl"
@@ -16,18 +17,18 @@ const uint SUN_PLACES = 12;
 // Mean square over square of the mean, of the light of free flights: beyond, a guess is better.
 const float SPREAD_MAX = 4.0;
 
-shared float own_depths[64 * GUESS_PLACES]; // of the stretches of the cell behind each thread's edge
+// Depths of the stretches of the cell behind each thread's edge.
+shared float own_depths[64 * GUESS_PLACES];
 shared float sun_depths[64];
 
 // Where a ray is in a medium; exact for those without closed forms.
 Stretch inside_of(uint m, vec3 origin_m, vec3 direction, float length_m)
 {
     Stretch inside = Stretch(0.0, length_m);
-    if (!clip_box(frame.media[m].low_m, frame.media[m].high_m, origin_m, direction, inside.t0_m,
-                  inside.t1_m))
+    if (!clip_medium(m, origin_m, direction, inside.t0_m, inside.t1_m))
         return Stretch(0.0, 0.0);
-    if ((OPEN_KINDS & (1u << frame.media[m].kind)) != 0u)
-        narrow(m, origin_m, direction, inside);
+    if (is_among(OPEN_KINDS, m))
+        shape_narrow(frame.media[m].kind, frame.media[m].shape, origin_m, direction, inside);
     return inside;
 }
 
@@ -47,7 +48,7 @@ float guess_sun_depth(vec3 point_m)
 {
     float sum = mean_of(scene_optical_depth(point_m, frame.sun_direction, FAR_M));
     for (uint m = 0; m < frame.medium_count; m++) {
-        if ((OPEN_KINDS & (1u << frame.media[m].kind)) == 0u)
+        if (!is_among(OPEN_KINDS, m))
             continue;
         Stretch inside = inside_of(m, point_m, frame.sun_direction, FAR_M);
         float step_m = max(inside.t1_m - inside.t0_m, 0.0) / float(SUN_PLACES);
@@ -60,7 +61,8 @@ float guess_sun_depth(vec3 point_m)
     return sum;
 }
 
-// None the same: what the places have missed is looked for as if there were a little everywhere.
+// No stretch is left without a depth: what the places have missed is looked for as if there were a
+// little everywhere.
 void sum_depths(uint pixel, uint first)
 {
     float sum = 0.0;

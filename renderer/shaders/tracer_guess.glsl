@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// Where on the view ray sunlight is scattered once, if OPEN: what truth/guess.h says. The distribution
-// of tracer_lit.glsl is made from a guess of the optical depths, which only says where to look: densities
-// at the places are exact, and the path estimates transmittances without bias.
+// Where on the view ray sunlight is scattered once, if OPEN: what truth/guess.h says. The
+// distribution of tracer_lit.glsl is made from a guess of the optical depths, which only says where
+// to look: densities at the places are exact, and the path estimates transmittances without bias.
 #ifndef NEPH_TRACER_GUESS_GLSL
 #define NEPH_TRACER_GUESS_GLSL
 
@@ -12,12 +12,14 @@
 const uint GUESS_PLACES = 6;
 const uint GUESS_STRETCHES = GUESS_PLACES * (LIT_EDGES - 1u);
 
-// Of a pixel; its table is that of the same number.
+// The guess of a pixel, whose table of light has the same number.
 struct Guess {
     float t0_m, stretch_m; // where the first stretch begins; length of each
     uint is_known;         // 0: free flights are as good
-    float depth[GUESS_STRETCHES + 1u]; // guessed, from the camera to each stretch; mean of the channels
-    float sun_depth[LIT_EDGES];        // from the edges of the cells
+    // Guessed optical depths, mean of the channels: from the camera to each stretch, and from the
+    // edges of the cells to the sun.
+    float depth[GUESS_STRETCHES + 1u];
+    float sun_depth[LIT_EDGES];
 };
 
 layout(std430, binding = 13) buffer Guesses {
@@ -49,7 +51,8 @@ uint pick_medium(vec3 point_m, float total_per_m, float u)
     uint picked = MEDIA_MAX;
     float left_per_m = u * total_per_m;
     for (uint m = 0; m < frame.medium_count; m++) {
-        float own_per_m = mean_of(frame.media[m].extinction_color) * medium_extinction_per_m(m, point_m);
+        float own_per_m =
+            mean_of(frame.media[m].extinction_color) * medium_extinction_per_m(m, point_m);
         if (own_per_m > 0.0 && left_per_m >= 0.0)
             picked = m;
         left_per_m -= own_per_m;

@@ -7,7 +7,6 @@
 #extension GL_GOOGLE_include_directive : require
 
 #include "tracer_lit.glsl"
-#include "free_path.glsl"
 
 layout(local_size_x = 64) in;
 
@@ -62,7 +61,8 @@ float find_log_light(uint pixel, uint m, uint l, uint edge)
         !clip_medium(m, vec3(0.0), direction, t0_m, t1_m))
         return DARK;
     float x = lit_inside(edge, lit_last(color, depth));
-    vec3 lost = way(m, l, direction, medium_free_path(m, l, direction, t0_m, t1_m, x), x);
+    float t_m = layer_free_path_m(m, l, direction, t0_m, t1_m, x);
+    vec3 lost = way(m, l, direction, t_m, x);
     float least = min(lost.r, min(lost.g, lost.b));
     vec3 light = frame.sun_irradiance * color * colour_transmittance(lost - least);
     float result = log(max(light.r + light.g + light.b, 1e-30)) - least;
@@ -72,8 +72,8 @@ float find_log_light(uint pixel, uint m, uint l, uint edge)
 void main()
 {
     uint edge = gl_GlobalInvocationID.x % LIT_EDGES, number = gl_GlobalInvocationID.x / LIT_EDGES;
-    uint l = number % lit_layers(), m = number / lit_layers() % frame.medium_count;
-    uint pixel = number / (lit_layers() * frame.medium_count);
+    uint l = number % LAYERS, m = number / LAYERS % frame.medium_count;
+    uint pixel = number / (LAYERS * frame.medium_count);
     bool is_any = pixel < run.pixel_count;
     bool is_part = is_any && l < layers_of(m);
     log_light[gl_LocalInvocationID.x] = is_part ? find_log_light(pixel, m, l, edge) : DARK;

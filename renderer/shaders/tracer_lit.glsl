@@ -8,14 +8,14 @@
 
 #include "tracer.glsl"
 
-// With light from all around, too, half of all collisions are free flights, which are good for that.
-// Guesses (OPEN) earn less trust.
+// With light from all around, too, half of all collisions are free flights, which are good for
+// that. Guesses (OPEN) earn less trust.
 const float LIT_SHARE = ENVIRONMENT ? 0.45 : OPEN ? 0.8 : 0.9;
 const float FREE_SHARE = ENVIRONMENT ? 0.5 : OPEN ? 0.1 : 0.05; // the rest is even in x
 
-const uint LIT_EDGES = 16; // NEPH_TRACER_LIT_EDGES
+const uint LIT_EDGES = NEPH_GPU_LIT_EDGES;
 
-// Of a pixel and a medium or layer; of a pixel and all its media, if OPEN.
+// The light of a pixel and one layer of a medium; of a pixel and all its media, if OPEN.
 struct LitTable {
     float x[LIT_EDGES];
     float log_light[LIT_EDGES]; // over the brightest's
@@ -29,11 +29,9 @@ layout(std430, binding = 12) buffer Lits {
 
 const float DARK = -1e4; // for a logarithm of light
 
-uint lit_layers() { return has_kind(MEDIUM_HEIGHT_FOG) ? LAYERS_MAX : 1u; }
-
 uint lit_table(uint pixel, uint m, uint l)
 {
-    return (pixel * frame.medium_count + m) * lit_layers() + l;
+    return (pixel * frame.medium_count + m) * LAYERS + l;
 }
 
 // The light of a cell: the integral of a log-linear function.
@@ -42,7 +40,7 @@ float cell_light(float width, float log_a, float log_b)
     return width * exp(max(max(log_a, log_b), EXPONENT_MIN)) * phi(abs(log_b - log_a));
 }
 
-// Of tables that have no light, the places are even.
+// Places are even in tables that have no light.
 void lit_complete(uint table, float x[LIT_EDGES], float log_light[LIT_EDGES])
 {
     float most = DARK, sum = 0.0;
@@ -63,8 +61,8 @@ void lit_complete(uint table, float x[LIT_EDGES], float log_light[LIT_EDGES])
 
 // --- drawing ------------------------------------------------------------------------------------
 
-// A table, the chances that it is chosen for its light and otherwise, and the mean over the channels
-// of the extinction that x = 1 has.
+// A table, the chances that it is chosen for its light and otherwise, and the mean over the
+// channels of the extinction that x = 1 has.
 struct LitChoice {
     uint table;
     float lit_chance, other_chance;
@@ -80,7 +78,8 @@ struct LitPlace {
 float other_below(LitChoice choice, float x, float last)
 {
     const float free = FREE_SHARE / (1.0 - LIT_SHARE);
-    float flown = absorbed_fraction(choice.mean_color * x) / absorbed_fraction(choice.mean_color * last);
+    float flown =
+        absorbed_fraction(choice.mean_color * x) / absorbed_fraction(choice.mean_color * last);
     return choice.other_chance * mix(x / last, flown, free);
 }
 

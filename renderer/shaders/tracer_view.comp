@@ -28,13 +28,10 @@ vec3 find_depths(uint pixel, vec3 direction, float length_m)
     for (uint m = 0; m < frame.medium_count; m++) {
         uint part = pixel * PARTS + m * LAYERS_MAX;
         float depth = 0.0;
-        for (uint l = 0; l < frame.media[m].layer_count; l++) {
-            depths[part + l] = layer_optical_depth(m, l, vec3(0.0), direction, length_m);
+        for (uint l = 0; l < layers_of(m); l++) {
+            depths[part + l] = layer_optical_depth(m, l, vec3(0.0), direction,
+                                                   length_m);
             depth += depths[part + l];
-        }
-        if (!is_fog(m)) {
-            depth = medium_optical_depth(m, vec3(0.0), direction, length_m);
-            depths[part] = depth;
         }
         sum += frame.media[m].extinction_color * depth;
     }

@@ -9,6 +9,7 @@
 
 #include "renderer/compute.h"
 #include "renderer/gpu_scene.h"
+#include "renderer/media/fog.h"
 #include "scenes/media.h"
 #include "scenes/solids.h"
 

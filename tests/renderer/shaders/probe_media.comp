@@ -39,9 +39,10 @@ void main()
     Probe p = probes[i];
     Stretch stretch = scene_stretch(p.origin_m, p.direction, p.length_m);
     HorizonSample cloud = HorizonSample(0.0, 0.0, 0.0);
-    if (has_kind(MEDIUM_HORIZON) && frame.media[p.medium].kind == MEDIUM_HORIZON)
-        cloud = horizon_sample(frame.media[p.medium].horizon, p.origin_m);
+    if (is_among(1u << MEDIUM_HORIZON, p.medium))
+        cloud = horizon_sample(frame.media[p.medium].shape.horizon, p.origin_m);
     answers[i] = Answer(medium_extinction_per_m(p.medium, p.origin_m),
-                        medium_optical_depth(p.medium, p.origin_m, p.direction, p.length_m),
+                        medium_optical_depth(p.medium, p.origin_m, p.direction,
+                                             p.length_m),
                         stretch.t0_m, stretch.t1_m, cloud.without_detail, cloud.height);
 }

@@ -1,0 +1,29 @@
+/* SPDX-License-Identifier: MIT */
+#include "renderer/media/kind.h"
+#include "renderer/relative.h"
+
+#include <math.h>
+
+static void pack(const struct neph_medium *medium, struct neph_vec3 camera_m, uint32_t first,
+                 struct neph_gpu_medium *gpu)
+{
+    (void)first;
+    const double width_m = medium->gaussian.width_m;
+    /* A line outside a sphere of radius r meets at most the whole line's depth at impact r. */
+    const double central = medium->extinction_per_m * width_m * sqrt(2.0 * M_PI);
+    const double widths = sqrt(2.0 * log(fmax(1.0, central / NEPH_GPU_THIN)));
+    struct neph_gpu_gaussian *blob = &gpu->shape.gaussian;
+    blob->width_m = (float)width_m;
+    blob->reach_m = neph_relative_m(widths * width_m, 0.0);
+    neph_relative_position(blob->center_m, medium->gaussian.center_m, camera_m);
+}
+
+/* Where extinction x w^2 / r is 1. */
+static double skin_per_m(const struct neph_medium *medium, double largest_per_m)
+{
+    const double width_m = medium->gaussian.width_m;
+    const double depth = fmax(largest_per_m * width_m, exp(0.5));
+    return sqrt(2.0 * log(depth)) / width_m;
+}
+
+const struct neph_gpu_kind neph_gpu_gaussian = {.pack = pack, .skin_per_m = skin_per_m};

@@ -1,0 +1,22 @@
+/* SPDX-License-Identifier: MIT */
+#include "renderer/media/kind.h"
+
+static const struct neph_gpu_kind *const kinds[NEPH_MEDIUM_KIND_COUNT] = {
+    [NEPH_MEDIUM_HOMOGENEOUS] = &neph_gpu_homogeneous,
+    [NEPH_MEDIUM_HEIGHT_FOG] = &neph_gpu_height_fog,
+    [NEPH_MEDIUM_GAUSSIAN] = &neph_gpu_gaussian,
+    [NEPH_MEDIUM_SHELL] = &neph_gpu_shell,
+    [NEPH_MEDIUM_GRID] = &neph_gpu_grid,
+    [NEPH_MEDIUM_HORIZON] = &neph_gpu_horizon,
+};
+
+const struct neph_gpu_kind *neph_gpu_kind_of(const struct neph_medium *medium)
+{
+    return kinds[medium->kind];
+}
+
+double neph_gpu_largest_per_m(const struct neph_medium *medium)
+{
+    const struct neph_gpu_kind *kind = neph_gpu_kind_of(medium);
+    return kind->largest_per_m ? kind->largest_per_m(medium) : medium->extinction_per_m;
+}

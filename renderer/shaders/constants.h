@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: MIT
+//
+// Numbers that shaders and C have in common: this file is both GLSL and C.
+#ifndef NEPH_GPU_CONSTANTS_H
+#define NEPH_GPU_CONSTANTS_H
+
+// "Infinitely far" [m]. Finite, because inf - inf and 0 * inf are NaN and shaders need not even
+// honour inf; its square still fits a float32.
+#define NEPH_GPU_FAR_M 1e15f
+
+// Room in a frame.
+#define NEPH_GPU_MEDIA_MAX 8
+#define NEPH_GPU_LAYERS_MAX 2 // of a fog
+
+// Texels along each side of the textures of Horizon clouds.
+#define NEPH_GPU_HORIZON_BASE_SIDE 64
+#define NEPH_GPU_HORIZON_DETAIL_SIDE 32
+#define NEPH_GPU_HORIZON_WEATHER_SIDE 256
+
+// The path tracer: strata of a pixel's samples, pixels that one work group works on, edges of a
+// table of light (tracer_lit.glsl).
+#define NEPH_GPU_STRATA 4
+#define NEPH_GPU_POOL_PIXELS 8
+#define NEPH_GPU_LIT_EDGES 16
+
+#endif

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: MIT
+//
+// One frame as the device sees it (written by renderer/gpu_scene.c): camera, sun, media, solids.
+// The origin is the camera: differences were taken in double on the CPU, so that float32 spends its
+// digits near the viewer. Included by media.glsl, which says what a Medium is.
+#ifndef NEPH_FRAME_GLSL
+#define NEPH_FRAME_GLSL
+
+const uint MEDIA_MAX = NEPH_GPU_MEDIA_MAX;
+const uint NO_SOLID = 0xffffffffu;
+
+layout(std430, binding = 0) readonly buffer Frame {
+    vec3 camera_right;
+    float tan_half_width;
+    vec3 camera_up;
+    float tan_half_height;
+    vec3 camera_forward;
+    uint width_px;
+    vec3 sun_direction; // unit, towards the sun
+    uint height_px;
+    vec3 sun_irradiance; // W/m^2 on a plane across the direction; 0 when there is no sun
+    uint medium_count;
+    vec3 background; // W m^-2 sr^-1
+    uint solid_count;
+    uint steps;
+    uint sun_steps;
+    uint scatters; // 0 or 1: some medium scatters sunlight that the scene wants to see
+    uint octave_count;
+    vec3 octave_factors; // contribution, attenuation, eccentricity (struct neph_octaves)
+    float padding;
+    vec2 jitter_px; // of this frame's view rays, for renderers of sequences
+    vec2 padding_2;
+    Medium media[MEDIA_MAX];
+} frame;
+
+// Upper bounds of the extinction (of extinction_color 1) per cell, x fastest [1/m].
+layout(std430, binding = 3) readonly buffer Majorants {
+    float majorants[];
+};
+
+layout(std430, binding = 1) readonly buffer Solids {
+    Solid solids[];
+};
+
+struct Camera {
+    vec3 right;
+    float tan_half_width;
+    vec3 up;
+    float tan_half_height;
+    vec3 forward;
+    uint width_px;
+    uint height_px;
+};
+
+Camera frame_camera()
+{
+    return Camera(frame.camera_right, frame.tan_half_width, frame.camera_up, frame.tan_half_height,
+                  frame.camera_forward, frame.width_px, frame.height_px);
+}
+
+// Unit direction through a place in the picture, in pixels from its upper left corner.
+vec3 camera_ray_at(Camera camera, vec2 place_px)
+{
+    float x = (2.0 * place_px.x / float(camera.width_px) - 1.0) * camera.tan_half_width;
+    float y = (1.0 - 2.0 * place_px.y / float(camera.height_px)) * camera.tan_half_height;
+    return normalize(camera.forward + x * camera.right + y * camera.up);
+}
+
+// Unit direction through the centre of a pixel; row 0 is on top.
+vec3 camera_ray(Camera camera, uint i, uint j)
+{
+    return camera_ray_at(camera, vec2(i, j) + 0.5);
+}
+
+vec3 camera_ray(uint i, uint j) { return camera_ray(frame_camera(), i, j); }
+
+#endif

@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: MIT
+//
+// The media of a scene. What is particular to a kind lies in its own file, and only here are kinds
+// told apart: a new one is a file, a number, a member of struct Shape, and a line in each function
+// for which it has an answer of its own. renderer/media/ has its other half.
+#ifndef NEPH_MEDIA_GLSL
+#define NEPH_MEDIA_GLSL
+
+layout(std430, binding = 2) readonly buffer GridValues {
+    float grid_values[]; // of all voxel grids, one after the other
+};
+
+layout(std430, binding = 4) readonly buffer HorizonTexels {
+    vec4 horizon_texels[]; // of all Horizon clouds, one after the other
+};
+
+#include "fog.glsl"
+#include "gaussian.glsl"
+#include "grid.glsl"
+#include "horizon.glsl"
+#include "shell.glsl"
+#include "solids.glsl"
+
+// What the scene is made of, known before the shader is compiled: code for what is not there costs
+// nothing, not even the loop turns (renderer/compute.h) of loops that no thread takes.
+layout(constant_id = 0) const uint KINDS = 0xffffffffu; // bit k: a medium of kind k
+layout(constant_id = 1) const bool COLOURED = true;     // extinction depends on the channel
+
+// enum neph_medium_kind
+const uint MEDIUM_HOMOGENEOUS = 0;
+const uint MEDIUM_HEIGHT_FOG = 1;
+const uint MEDIUM_GAUSSIAN = 2;
+const uint MEDIUM_SHELL = 3;
+const uint MEDIUM_GRID = 4;
+const uint MEDIUM_HORIZON = 5;
+
+// Fogs are layers, whose free paths have a closed form. The others are shapes: a density, times the
+// medium's extinction; they are tracked through majorants.
+const uint FOG_KINDS = 1u << MEDIUM_HOMOGENEOUS | 1u << MEDIUM_HEIGHT_FOG;
+const uint SHAPE_KINDS = KINDS & ~FOG_KINDS;
+const uint OPEN_KINDS = 1u << MEDIUM_HORIZON; // no closed form of the optical depth
+
+bool has_kind(uint kind) { return (KINDS & (1u << kind)) != 0u; }
+
+bool has_fog() { return (KINDS & FOG_KINDS) != 0u; }
+
+// Layers of one medium, at most: a shape counts as one.
+const uint LAYERS_MAX = NEPH_GPU_LAYERS_MAX;
+const uint LAYERS = (KINDS & 1u << MEDIUM_HEIGHT_FOG) != 0u ? LAYERS_MAX : 1u;
+
+struct Shape {
+    Gaussian gaussian;
+    Shell shell;
+    Grid grid;
+    Horizon horizon;
+};
+
+struct Medium {
+    vec3 low_m; // where it may be: bounds and support; open sides lie at -FAR_M and FAR_M
+    uint kind;
+    vec3 high_m;
+    uint phase_kind;
+    vec3 albedo;
+    float g;
+    vec3 extinction_color;
+    float extinction_per_m; // of a shape, where its density is 1
+    uvec3 majorant_size;    // cells of the majorant grid over low_m..high_m; 0 when there is none
+    uint majorant_first;    // their place in majorants[]
+    FogLayer layers[LAYERS_MAX];
+    uint layer_count;
+    Shape shape;
+};
+
+#include "frame.glsl"
+
+// --- shapes: by value, for who asks often reads them once -------------------------------------
+
+// Whether a shape is of a kind: the compiler knows where the scene has no other.
+bool is_a(uint kind, uint shape_kind)
+{
+    return has_kind(kind) && (SHAPE_KINDS == 1u << kind || shape_kind == kind);
+}
+
+float shape_density(uint kind, Shape shape, vec3 point_m)
+{
+    float density = 0.0;
+    if (is_a(MEDIUM_GAUSSIAN, kind))
+        density = gaussian_density(shape.gaussian, point_m);
+    else if (is_a(MEDIUM_SHELL, kind))
+        density = shell_density(shape.shell, point_m);
+    else if (is_a(MEDIUM_GRID, kind))
+        density = grid_density(shape.grid, point_m);
+    else if (is_a(MEDIUM_HORIZON, kind))
+        density = horizon_density(shape.horizon, point_m);
+    return density;
+}
+
+// A number whose expectation is the density.
+float shape_random_density(uint kind, Shape shape, vec3 point_m, uvec2 bits)
+{
+    return is_a(MEDIUM_GRID, kind) ? grid_random_node(shape.grid, point_m, bits)
+                                   : shape_density(kind, shape, point_m);
+}
+
+// The exact integral of the density over [t0, t1]; 0 for OPEN_KINDS.
+float shape_integral_m(uint kind, Shape shape, vec3 origin_m, vec3 direction, float t0_m,
+                       float t1_m)
+{
+    float integral_m = 0.0;
+    if (is_a(MEDIUM_GAUSSIAN, kind))
+        integral_m = gaussian_integral_m(shape.gaussian, origin_m, direction, t0_m, t1_m);
+    else if (is_a(MEDIUM_SHELL, kind))
+        integral_m = shell_integral_m(shape.shell, origin_m, direction, t0_m, t1_m);
+    else if (is_a(MEDIUM_GRID, kind))
+        integral_m = grid_integral_m(shape.grid, origin_m, direction, t0_m, t1_m);
+    return integral_m;
+}
+
+// Narrow a stretch to where THIN optical depth is left.
+void shape_narrow(uint kind, Shape shape, vec3 origin_m, vec3 direction, inout Stretch inside)
+{
+    if (is_a(MEDIUM_GAUSSIAN, kind))
+        gaussian_narrow(shape.gaussian, origin_m, direction, inside);
+    else if (is_a(MEDIUM_SHELL, kind))
+        shell_narrow(shape.shell, origin_m, direction, inside);
+    else if (is_a(MEDIUM_HORIZON, kind))
+        horizon_narrow(shape.horizon, origin_m, direction, inside);
+}
+
+// --- media: by place in the frame, for reading all of one costs more than most answers ----------
+
+bool is_among(uint kinds, uint m) { return (kinds & (1u << frame.media[m].kind)) != 0u; }
+
+bool is_fog(uint m) { return has_fog() && is_among(FOG_KINDS, m); }
+
+bool clip_medium(uint m, vec3 origin_m, vec3 direction, inout float t0_m, inout float t1_m)
+{
+    return clip_box(frame.media[m].low_m, frame.media[m].high_m, origin_m, direction, t0_m, t1_m);
+}
+
+bool medium_contains(uint m, vec3 point_m)
+{
+    return all(greaterThanEqual(point_m, frame.media[m].low_m)) &&
+           all(lessThanEqual(point_m, frame.media[m].high_m));
+}
+
+float fog_medium_extinction_per_m(uint m, vec3 point_m)
+{
+    float extinction_per_m = 0.0;
+    for (uint l = 0; l < frame.media[m].layer_count; l++)
+        extinction_per_m += fog_extinction_per_m(frame.media[m].layers[l], point_m.y);
+    return extinction_per_m;
+}
+
+// For extinction_color 1, as all that follows.
+float medium_extinction_per_m(uint m, vec3 point_m)
+{
+    float extinction_per_m = 0.0;
+    if (medium_contains(m, point_m)) {
+        if (is_fog(m))
+            extinction_per_m = fog_medium_extinction_per_m(m, point_m);
+        else
+            extinction_per_m = frame.media[m].extinction_per_m *
+                               shape_density(frame.media[m].kind, frame.media[m].shape, point_m);
+    }
+    return extinction_per_m;
+}
+
+// Layers of a fog; a shape is one layer.
+uint layers_of(uint m) { return is_fog(m) ? frame.media[m].layer_count : 1u; }
+
+float fog_medium_optical_depth(uint m, vec3 origin_m, vec3 direction, float t0_m, float t1_m)
+{
+    float optical_depth = 0.0;
+    for (uint l = 0; l < frame.media[m].layer_count; l++)
+        optical_depth += fog_layer_optical_depth(frame.media[m].layers[l], origin_m, direction,
+                                                 t0_m, t1_m);
+    return optical_depth;
+}
+
+float shape_optical_depth(uint m, vec3 origin_m, vec3 direction, float t0_m, float t1_m)
+{
+    return frame.media[m].extinction_per_m * shape_integral_m(frame.media[m].kind,
+                                                              frame.media[m].shape, origin_m,
+                                                              direction, t0_m, t1_m);
+}
+
+// Exact along origin + t direction, t in [0, length]; 0 for OPEN_KINDS.
+float medium_optical_depth(uint m, vec3 origin_m, vec3 direction, float length_m)
+{
+    float t0_m = 0.0, t1_m = length_m;
+    float optical_depth = 0.0;
+    if (clip_medium(m, origin_m, direction, t0_m, t1_m)) {
+        if (is_fog(m))
+            optical_depth = fog_medium_optical_depth(m, origin_m, direction, t0_m, t1_m);
+        else
+            optical_depth = shape_optical_depth(m, origin_m, direction, t0_m, t1_m);
+    }
+    return optical_depth;
+}
+
+float layer_optical_depth(uint m, uint l, vec3 origin_m, vec3 direction, float length_m)
+{
+    if (!is_fog(m))
+        return medium_optical_depth(m, origin_m, direction, length_m);
+    float t0_m = 0.0, t1_m = length_m;
+    if (!clip_medium(m, origin_m, direction, t0_m, t1_m))
+        return 0.0;
+    return fog_layer_optical_depth(frame.media[m].layers[l], origin_m, direction, t0_m, t1_m);
+}
+
+// Any closed form, by bisection to the last bit of a float32.
+float bisected_free_path_m(uint m, vec3 direction, float t0_m, float t1_m, float depth)
+{
+    float low_m = t0_m, high_m = t1_m;
+    for (int i = 0; i < 26; i++) {
+        float middle_m = 0.5 * (low_m + high_m);
+        if (medium_optical_depth(m, vec3(0.0), direction, middle_m) < depth)
+            low_m = middle_m;
+        else
+            high_m = middle_m;
+    }
+    return 0.5 * (low_m + high_m);
+}
+
+// Where a ray from the camera, within [t0, t1] in the medium's box, has met an optical depth of one
+// layer.
+float layer_free_path_m(uint m, uint l, vec3 direction, float t0_m, float t1_m, float depth)
+{
+    float t_m = t1_m;
+    if (is_fog(m))
+        t_m = fog_layer_free_path_m(frame.media[m].layers[l], vec3(0.0), direction, t0_m, depth);
+    else if (is_a(MEDIUM_GRID, frame.media[m].kind))
+        t_m = grid_free_path_m(frame.media[m].shape.grid, vec3(0.0), direction, t0_m, t1_m,
+                               depth / frame.media[m].extinction_per_m);
+    else
+        t_m = bisected_free_path_m(m, direction, t0_m, t1_m, depth);
+    return clamp(t_m, t0_m, t1_m);
+}
+
+// Add to the hull of media where this one has more than THIN optical depth left, and no layer is
+// OPAQUE.
+void medium_include(uint m, vec3 origin_m, vec3 direction, Stretch inside, inout Stretch hull,
+                    inout float opaque_m)
+{
+    if (is_fog(m)) {
+        for (uint l = 0; l < frame.media[m].layer_count; l++)
+            fog_layer_include(frame.media[m].layers[l], frame.media[m].extinction_color, origin_m,
+                              direction, inside, hull, opaque_m);
+    } else {
+        shape_narrow(frame.media[m].kind, frame.media[m].shape, origin_m, direction, inside);
+        include(hull, inside.t0_m, inside.t1_m);
+    }
+}
+
+#endif
