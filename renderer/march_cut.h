@@ -8,7 +8,7 @@
 #define NEPH_RENDERER_MARCH_CUT_H
 
 #include "renderer/gpu_scene.h"
-#include "renderer/march.h"
+#include "renderer/march_params.h"
 
 enum {
     NEPH_MARCH_LOCAL_SIZE = 64, /* of shaders/march.glsl */

@@ -9,9 +9,9 @@
 #define NEPH_RENDERER_VULKAN_H
 
 #include "base/status.h"
+#include "renderer/vulkan_description.h"
 
 #include <stdbool.h>
-#include <stdint.h>
 
 struct neph_vulkan;
 
@@ -19,15 +19,6 @@ struct neph_vulkan_params {
     bool validation;    /* core and synchronization checks; every message is counted */
     const char *device; /* part of the device name, in any case; NULL: a CPU device (lavapipe) when
                          * there is one, since every machine can have it, else the first */
-};
-
-/* What the numbers were made on; goes into job keys and reports. */
-struct neph_vulkan_description {
-    char device[256];
-    char driver[640];     /* name, version and build of the driver */
-    char api_version[32]; /* of the device, such as "1.3.230" */
-    uint32_t subgroup_size;
-    bool is_cpu;
 };
 
 /* Open a device with a compute queue. NULL params: all zero. Free with _destroy.

@@ -2,6 +2,7 @@
 #include "renderer/realtime/pipeline.h"
 
 #include "base/clock.h"
+#include "renderer/march.h"
 #include "renderer/march_cut.h"
 #include "renderer/realtime/images.h"
 #include "renderer/realtime/moment.h"

@@ -1,0 +1,17 @@
+/* SPDX-License-Identifier: MIT */
+#ifndef NEPH_RENDERER_VULKAN_DESCRIPTION_H
+#define NEPH_RENDERER_VULKAN_DESCRIPTION_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+/* What the numbers were made on; goes into job keys and reports. */
+struct neph_vulkan_description {
+    char device[256];
+    char driver[640];     /* name, version and build of the driver */
+    char api_version[32]; /* of the device, such as "1.3.230" */
+    uint32_t subgroup_size;
+    bool is_cpu;
+};
+
+#endif

@@ -1,0 +1,49 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * An open Vulkan device, as vulkan.c makes it and compute.c uses it. Not for other folders.
+ */
+#ifndef NEPH_RENDERER_VULKAN_DEVICE_H
+#define NEPH_RENDERER_VULKAN_DEVICE_H
+
+#include "base/status.h"
+#include "renderer/vulkan_description.h"
+
+#include <volk.h>
+
+struct neph_kernel;
+
+struct neph_vulkan {
+    VkInstance instance;
+    VkPhysicalDevice physical_device;
+    VkDevice device;
+    struct VolkDeviceTable api; /* every call on the device goes through this */
+    VkQueue queue;
+    uint32_t queue_family;
+    VkCommandPool command_pool;
+    VkCommandBuffer commands;
+    VkFence fence;
+    VkQueryPool timestamps; /* of a batch: NEPH_BATCH_STAMPS_MAX + 1; null when not supported */
+    double timestamp_period_s;
+    uint64_t timestamp_mask; /* the bits that are valid */
+    VkPhysicalDeviceMemoryProperties memory;
+    VkPhysicalDeviceLimits limits;
+    struct neph_kernel *kernels; /* owned; all that were ever asked for */
+    struct neph_vulkan_description description;
+
+    /* Validation. The functions are kept here because volk's globals belong to the instance that
+     * was loaded last. */
+    PFN_vkDestroyDebugUtilsMessengerEXT destroy_messenger;
+    PFN_vkSetDebugUtilsObjectNameEXT set_object_name; /* NULL without validation */
+    VkDebugUtilsMessengerEXT messenger;
+    int message_count;
+    char first_message[900];
+};
+
+/* The status for a VkResult that is not VK_SUCCESS, with "<what>: <name of the result>". */
+enum neph_status neph_vulkan_fail(VkResult result, const char *what, struct neph_diag *diag);
+
+/* Name an object for validation messages and debuggers. */
+void neph_vulkan_name(const struct neph_vulkan *vulkan, VkObjectType type, uint64_t object,
+                      const char *name);
+
+#endif
