@@ -9,6 +9,7 @@
 #include "renderer/gpu_scene.h"
 #include "renderer/media/kind.h"
 #include "renderer/reach.h"
+#include "renderer/tracer_sums.h"
 #include "scenes/media.h"
 #include "scenes/trapped_light.h"
 
@@ -150,41 +151,6 @@ static enum neph_status check(const struct neph_scene *scene,
     return NEPH_OK;
 }
 
-/* --- sums in double ----------------------------------------------------------------------- */
-
-/* Per pixel: order1, higher, surface, spread, transmittance (0 unless open); three channels each.
- */
-enum { sums_per_pixel = 15 };
-
-/* Values before the pixels in a checkpoint. */
-enum { head_samples, head_collisions, head_lookups, head_closed_forms, head_count };
-
-/* One array, as it goes to the checkpoint: a head, then the pixels. */
-struct sums {
-    double *values;
-    size_t pixel_count;
-};
-
-static double *sums_of(const struct sums *sums, size_t pixel)
-{
-    return sums->values + head_count + pixel * sums_per_pixel;
-}
-
-static size_t sums_count(const struct sums *sums)
-{
-    return head_count + sums->pixel_count * sums_per_pixel;
-}
-
-static void add_pixel(double *sums, const struct neph_gpu_tracer_pixel *pixel)
-{
-    for (int c = 0; c < 3; c++) {
-        for (int layer = 0; layer < 3; layer++)
-            sums[3 * layer + c] += (double)pixel->sums[layer][c];
-        sums[9 + c] += (double)pixel->spread[c];
-        sums[12 + c] += (double)pixel->sums[c][3];
-    }
-}
-
 /* All that decides the value of a sum. */
 static char *identity_of(const struct neph_scene *scene, const struct neph_tracer_params *params,
                          const struct neph_vulkan *vulkan)
@@ -226,14 +192,12 @@ struct render {
     size_t pixel_count, chunk_pixels;
     size_t viewed_first; /* first pixel of the chunk that the device holds; SIZE_MAX: none */
     struct neph_gpu_progress progress;
-    struct sums sums;
-    struct sums batch; /* counts whole or not at all */
-    float *view_light; /* per pixel: behind, eye depth, transmittance */
+    struct neph_tracer_sums sums;
+    struct neph_tracer_sums batch; /* counts whole or not at all */
+    float *view_light;             /* per pixel: behind, eye depth, transmittance */
     char *identity;
     struct neph_tracer_stats stats;
 };
-
-enum { view_floats = 8 };
 
 /* Upper bound of the loop turns (compute.h) in one turn of the path kernel's main loop: three loops
  * over the solids, two over fog, and tracking, each of whose steps may choose a node in a loop. */
@@ -376,9 +340,9 @@ static enum neph_status create_sums(struct render *render, const struct neph_sce
                                     struct neph_diag *diag)
 {
     render->sums.pixel_count = render->batch.pixel_count = render->pixel_count;
-    render->sums.values = calloc(sums_count(&render->sums), sizeof(double));
-    render->batch.values = calloc(sums_count(&render->sums), sizeof(double));
-    render->view_light = calloc(render->pixel_count * view_floats, sizeof(float));
+    render->sums.values = calloc(neph_tracer_sums_count(&render->sums), sizeof(double));
+    render->batch.values = calloc(neph_tracer_sums_count(&render->sums), sizeof(double));
+    render->view_light = calloc(render->pixel_count * NEPH_TRACER_VIEW_FLOATS, sizeof(float));
     render->identity = identity_of(scene, render->params, render->vulkan);
     if (!render->sums.values || !render->batch.values || !render->view_light || !render->identity)
         return neph_fail_memory(diag);
@@ -386,7 +350,7 @@ static enum neph_status create_sums(struct render *render, const struct neph_sce
     if (!checkpoint || !neph_path_exists(checkpoint))
         return NEPH_OK;
     return neph_checkpoint_read(checkpoint, render->identity, render->sums.values,
-                                sums_count(&render->sums), diag);
+                                neph_tracer_sums_count(&render->sums), diag);
 }
 
 static void scatter_nothing(struct neph_gpu_frame *frame)
@@ -502,8 +466,8 @@ static enum neph_status view_chunk(struct render *render, const struct neph_gpu_
     render->progress = (struct neph_gpu_progress){0}; /* the kernel has set it to 0 */
     const struct neph_gpu_tracer_pixel *pixels = render->pixels_readback.mapped;
     for (size_t i = 0; i < run->pixel_count; i++)
-        memcpy(render->view_light + (run->first_pixel + i) * view_floats, &pixels[i],
-               view_floats * sizeof(float));
+        memcpy(render->view_light + (run->first_pixel + i) * NEPH_TRACER_VIEW_FLOATS, &pixels[i],
+               NEPH_TRACER_VIEW_FLOATS * sizeof(float));
     return NEPH_OK;
 }
 
@@ -520,9 +484,9 @@ static enum neph_status run_window(struct render *render, const struct neph_gpu_
     const struct neph_gpu_progress *now = render->progress_readback.mapped;
     double *head = render->batch.values;
     *items_done += now->items_done - render->progress.items_done;
-    head[head_collisions] += now->collisions - render->progress.collisions;
-    head[head_lookups] += now->lookups - render->progress.lookups;
-    head[head_closed_forms] += now->closed_forms - render->progress.closed_forms;
+    head[NEPH_SUMS_COLLISIONS] += now->collisions - render->progress.collisions;
+    head[NEPH_SUMS_LOOKUPS] += now->lookups - render->progress.lookups;
+    head[NEPH_SUMS_CLOSED_FORMS] += now->closed_forms - render->progress.closed_forms;
     render->progress = *now;
     return NEPH_OK;
 }
@@ -585,7 +549,7 @@ static struct neph_gpu_tracer_run chunk_run(const struct render *render, size_t 
         .seed_high = (uint32_t)(render->params->seed >> 32),
         .first_pixel = (uint32_t)first,
         .pixel_count = (uint32_t)(left < render->chunk_pixels ? left : render->chunk_pixels),
-        .first_sample = (uint32_t)render->sums.values[head_samples],
+        .first_sample = (uint32_t)render->sums.values[NEPH_SUMS_SAMPLES],
         .turns = render->turns,
     };
 }
@@ -603,7 +567,7 @@ static enum neph_status view_all(struct render *render, struct neph_diag *diag)
 static enum neph_status trace_batch(struct render *render, struct neph_diag *diag)
 {
     double *values = render->batch.values;
-    memset(values, 0, sums_count(&render->batch) * sizeof(*values));
+    memset(values, 0, neph_tracer_sums_count(&render->batch) * sizeof(*values));
     for (size_t first = 0; first < render->pixel_count; first += render->chunk_pixels) {
         const struct neph_gpu_tracer_run run = chunk_run(render, first);
         const enum neph_status status = trace_chunk(render, &run, diag);
@@ -611,47 +575,22 @@ static enum neph_status trace_batch(struct render *render, struct neph_diag *dia
             return status;
         const struct neph_gpu_tracer_pixel *pixels = render->pixels_readback.mapped;
         for (size_t i = 0; i < run.pixel_count; i++)
-            add_pixel(sums_of(&render->batch, first + i), &pixels[i]);
+            neph_tracer_sums_add(&render->batch, first + i, &pixels[i]);
     }
-    values[head_samples] = NEPH_TRACER_BATCH_SAMPLES;
-    for (size_t i = 0; i < sums_count(&render->sums); i++)
+    values[NEPH_SUMS_SAMPLES] = NEPH_TRACER_BATCH_SAMPLES;
+    for (size_t i = 0; i < neph_tracer_sums_count(&render->sums); i++)
         render->sums.values[i] += values[i];
     return NEPH_OK;
 }
 
 /* --- progress ----------------------------------------------------------------------------- */
 
-/* The variance of the mean of all light: each pair's squared difference / 4 estimates that of the
- * pair's mean, and the mean is that of `pairs` of them. */
-static double variance_of(const double *sums, int channel, double samples)
-{
-    const double pairs = 0.5 * samples;
-    return 0.25 * sums[9 + channel] / (pairs * pairs);
-}
-
-static double error_of(const struct render *render)
-{
-    const struct sums *sums = &render->sums;
-    const double samples = sums->values[head_samples];
-    double variance = 0.0, radiance = 0.0;
-    for (size_t i = 0; i < sums->pixel_count; i++)
-        for (int c = 0; c < 3; c++) {
-            const double *pixel = sums_of(sums, i);
-            const double volume = (pixel[c] + pixel[3 + c]) / samples;
-            variance += variance_of(pixel, c, samples);
-            radiance += volume * volume;
-        }
-    if (radiance > 0.0)
-        return sqrt(variance / radiance);
-    return render->is_lit ? INFINITY : 0.0; /* nothing has been seen yet, or there is nothing */
-}
-
 static enum neph_status save(const struct render *render, struct neph_diag *diag)
 {
     if (!render->params->checkpoint)
         return NEPH_OK;
     return neph_checkpoint_write(render->params->checkpoint, render->identity, render->sums.values,
-                                 sums_count(&render->sums), diag);
+                                 neph_tracer_sums_count(&render->sums), diag);
 }
 
 /* Fewer paths per pixel say nothing of their own scatter. */
@@ -660,13 +599,13 @@ static const double samples_min = 16.0;
 static bool is_done(struct render *render, double batch_s)
 {
     const struct neph_tracer_params *params = render->params;
-    const double samples = render->sums.values[head_samples];
+    const double samples = render->sums.values[NEPH_SUMS_SAMPLES];
     if (samples <= 0.0)
         return false;
     if (samples >= params->samples)
         return true;
     if (params->target_error > 0.0 && samples >= samples_min &&
-        error_of(render) <= params->target_error)
+        neph_tracer_sums_error(&render->sums, render->is_lit) <= params->target_error)
         return true;
     return neph_wall_s() - render->start_s + batch_s > params->time_limit_s;
 }
@@ -696,80 +635,24 @@ static enum neph_status trace(struct render *render, struct neph_diag *diag)
         status = trace_batches(render, diag);
     if (!status)
         return save(render, diag);
-    if (status == NEPH_ERR_INTERRUPTED && render->sums.values[head_samples] > 0.0 &&
+    if (status == NEPH_ERR_INTERRUPTED && render->sums.values[NEPH_SUMS_SAMPLES] > 0.0 &&
         save(render, NULL))
         return neph_fail(diag, NEPH_ERR_IO, "tracer: interrupted, and cannot write '%s'",
                          render->params->checkpoint);
     return status;
 }
 
-/* --- the frame ---------------------------------------------------------------------------- */
-
-static const char *const rgb_layers[] = {NULL, "volume", "order1", "transmittance", "variance"};
-enum {
-    LAYER_RADIANCE,
-    LAYER_VOLUME,
-    LAYER_ORDER1,
-    LAYER_TRANSMITTANCE,
-    LAYER_VARIANCE,
-    LAYER_COUNT
-};
-
-static enum neph_status create_image(const struct neph_tracer_params *params,
-                                     struct neph_image **image, float *layers[LAYER_COUNT][3],
-                                     float **eye_depth_m, struct neph_diag *diag)
-{
-    enum neph_status status = neph_image_create(params->width_px, params->height_px, image, diag);
-    for (int i = 0; !status && i < LAYER_COUNT; i++)
-        status = neph_image_add_rgb(*image, rgb_layers[i], layers[i], diag);
-    if (!status)
-        status = neph_image_add_channel(*image, "Z", eye_depth_m, diag);
-    return status;
-}
-
-static enum neph_status make_frame(const struct render *render, struct neph_image **frame,
-                                   struct neph_diag *diag)
-{
-    struct neph_image *image = NULL;
-    float *layers[LAYER_COUNT][3], *eye_depth_m;
-    const enum neph_status status = create_image(render->params, &image, layers, &eye_depth_m,
-                                                 diag);
-    if (status) {
-        neph_image_destroy(image);
-        return status;
-    }
-    const double samples = render->sums.values[head_samples];
-    for (size_t i = 0; i < render->pixel_count; i++) {
-        const double *sums = sums_of(&render->sums, i);
-        const float *view = render->view_light + i * view_floats;
-        eye_depth_m[i] = view[3] < NEPH_GPU_FAR_M ? view[3] : INFINITY;
-        for (int c = 0; c < 3; c++) {
-            const double transmittance = render->is_open ? sums[12 + c] / samples
-                                                         : (double)view[4 + c];
-            const double order1 = sums[c] / samples, surface = sums[6 + c] / samples;
-            const double volume = order1 + sums[3 + c] / samples;
-            const double behind = render->is_open ? surface
-                                                  : transmittance * ((double)view[c] + surface);
-            layers[LAYER_RADIANCE][c][i] = (float)(volume + behind);
-            layers[LAYER_VOLUME][c][i] = (float)volume;
-            layers[LAYER_ORDER1][c][i] = (float)order1;
-            layers[LAYER_TRANSMITTANCE][c][i] = (float)transmittance;
-            layers[LAYER_VARIANCE][c][i] = (float)variance_of(sums, c, samples);
-        }
-    }
-    *frame = image;
-    return NEPH_OK;
-}
+/* --- all of it ---------------------------------------------------------------------------- */
 
 static void count(struct render *render)
 {
     const double *head = render->sums.values;
     struct neph_tracer_stats *stats = &render->stats;
-    stats->samples = (int)head[head_samples];
-    stats->collisions = (uint64_t)head[head_collisions];
-    stats->lookups = (uint64_t)head[head_lookups];
-    stats->closed_forms = (uint64_t)head[head_closed_forms];
-    stats->error = error_of(render);
+    stats->samples = (int)head[NEPH_SUMS_SAMPLES];
+    stats->collisions = (uint64_t)head[NEPH_SUMS_COLLISIONS];
+    stats->lookups = (uint64_t)head[NEPH_SUMS_LOOKUPS];
+    stats->closed_forms = (uint64_t)head[NEPH_SUMS_CLOSED_FORMS];
+    stats->error = neph_tracer_sums_error(&render->sums, render->is_lit);
     stats->wall_s = neph_wall_s() - render->start_s;
 }
 
@@ -790,7 +673,8 @@ enum neph_status neph_tracer_render(struct neph_vulkan *vulkan, const struct nep
     if (!status)
         status = trace(&render, diag);
     if (!status)
-        status = make_frame(&render, &image, diag);
+        status = neph_tracer_sums_frame(&render.sums, render.view_light, render.is_open,
+                                        params->width_px, params->height_px, &image, diag);
     if (!status)
         status = neph_vulkan_check(vulkan, diag);
     if (!status) {
