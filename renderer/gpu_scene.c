@@ -176,7 +176,7 @@ static enum neph_status upload_majorants(const struct neph_vulkan *vulkan,
         struct neph_gpu_medium *medium = &gpu->frame->media[m];
         struct neph_majorants *majorants = NULL;
         const struct neph_bounds box = neph_medium_support(media[m]);
-        if (neph_gpu_kind_of(media[m])->layers_max > 0)
+        if (neph_medium_is_fog(media[m]))
             continue;
         status = neph_majorants_create(media[m], &box, neph_majorants_cell_count(media[m]->kind),
                                        &majorants, diag);

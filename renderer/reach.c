@@ -50,14 +50,21 @@ static double medium_reach(const struct neph_medium *medium, struct neph_vec3 ca
     return *extinction_per_m * neph_box_distance_m(&support, camera_m);
 }
 
-bool neph_float32_reaches(const struct neph_scene *scene, char *reason, size_t reason_size)
+static bool are_known(const struct neph_scene *scene, char *reason, size_t reason_size)
 {
     for (int m = 0; m < scene->medium_count; m++)
-        if (scene->media[m].kind == NEPH_MEDIUM_PLUME) {
-            snprintf(reason, reason_size, "a %s, for which there is no shader",
-                     neph_medium_facts(NEPH_MEDIUM_PLUME)->name);
+        if (!neph_gpu_kind_of(&scene->media[m])) {
+            snprintf(reason, reason_size, "medium %d is a %s, for which there is no shader", m,
+                     neph_medium_facts(scene->media[m].kind)->name);
             return false;
         }
+    return true;
+}
+
+bool neph_float32_reaches(const struct neph_scene *scene, char *reason, size_t reason_size)
+{
+    if (!are_known(scene, reason, reason_size))
+        return false;
     for (int k = 0; k < scene->camera_key_count; k++)
         for (int m = 0; m < scene->medium_count; m++) {
             double extinction_per_m;

@@ -53,11 +53,6 @@ static bool is_positive(struct neph_rgb rgb)
     return rgb.r > 0.0 || rgb.g > 0.0 || rgb.b > 0.0;
 }
 
-static bool is_fog(const struct neph_medium *medium)
-{
-    return neph_gpu_kind_of(medium)->layers_max > 0;
-}
-
 static bool lights(const struct neph_scene *scene)
 {
     return scene->environment_light && is_positive(scene->background_w_per_m2_sr);
@@ -111,9 +106,9 @@ bool neph_tracer_can_render(const struct neph_scene *scene, char *reason, size_t
     int coloured_clouds = 0, coloured_fogs = 0;
     for (int i = 0; i < scene->medium_count; i++) {
         const struct neph_medium *medium = &scene->media[i];
-        coloured_clouds += !is_fog(medium) && neph_medium_is_coloured(medium);
-        coloured_fogs += is_fog(medium) && neph_medium_is_coloured(medium);
-        if (needs_paths(scene) && !is_fog(medium) && !is_bounded(medium))
+        coloured_clouds += !neph_medium_is_fog(medium) && neph_medium_is_coloured(medium);
+        coloured_fogs += neph_medium_is_fog(medium) && neph_medium_is_coloured(medium);
+        if (needs_paths(scene) && !neph_medium_is_fog(medium) && !is_bounded(medium))
             cannot = "more than single scattering in a shell without finite bounds";
     }
     if (needs_paths(scene) && coloured_clouds > 1 && coloured_fogs > 0)

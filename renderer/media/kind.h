@@ -26,7 +26,7 @@ enum neph_gpu_data {
 };
 
 struct neph_gpu_kind {
-    /* Layers of a fog, at most; 0: a shape, which is tracked through majorants. */
+    /* Layers of a fog, at most; 0: a shape. */
     int layers_max;
     /* Write what the kind has of its own; what all have is there already. `first` is the place of
      * its data. */
@@ -52,6 +52,7 @@ struct neph_gpu_kind {
 extern const struct neph_gpu_kind neph_gpu_homogeneous, neph_gpu_height_fog, neph_gpu_gaussian,
     neph_gpu_shell, neph_gpu_grid, neph_gpu_horizon;
 
+/* NULL: the shaders do not know the kind. */
 const struct neph_gpu_kind *neph_gpu_kind_of(const struct neph_medium *medium);
 
 double neph_gpu_largest_per_m(const struct neph_medium *medium);
