@@ -18,6 +18,7 @@ layout(std430, binding = 4) readonly buffer HorizonTexels {
 #include "gaussian.glsl"
 #include "grid.glsl"
 #include "horizon.glsl"
+#include "plume.glsl"
 #include "shell.glsl"
 #include "solids.glsl"
 
@@ -33,6 +34,7 @@ const uint MEDIUM_GAUSSIAN = 2;
 const uint MEDIUM_SHELL = 3;
 const uint MEDIUM_GRID = 4;
 const uint MEDIUM_HORIZON = 5;
+const uint MEDIUM_PLUME = 6;
 
 // Fogs are layers, whose free paths have a closed form. The others are shapes: a density, times the
 // medium's extinction; they are tracked through majorants.
@@ -53,6 +55,7 @@ struct Shape {
     Shell shell;
     Grid grid;
     Horizon horizon;
+    Plume plume;
 };
 
 struct Medium {
@@ -92,6 +95,8 @@ float shape_density(uint kind, Shape shape, vec3 point_m)
         density = grid_density(shape.grid, point_m);
     else if (is_a(MEDIUM_HORIZON, kind))
         density = horizon_density(shape.horizon, point_m);
+    else if (is_a(MEDIUM_PLUME, kind))
+        density = plume_density(shape.plume, point_m);
     return density;
 }
 
@@ -113,6 +118,8 @@ float shape_integral_m(uint kind, Shape shape, vec3 origin_m, vec3 direction, fl
         integral_m = shell_integral_m(shape.shell, origin_m, direction, t0_m, t1_m);
     else if (is_a(MEDIUM_GRID, kind))
         integral_m = grid_integral_m(shape.grid, origin_m, direction, t0_m, t1_m);
+    else if (is_a(MEDIUM_PLUME, kind))
+        integral_m = plume_integral_m(shape.plume, origin_m, direction, t0_m, t1_m);
     return integral_m;
 }
 
@@ -125,6 +132,8 @@ void shape_narrow(uint kind, Shape shape, vec3 origin_m, vec3 direction, inout S
         shell_narrow(shape.shell, origin_m, direction, inside);
     else if (is_a(MEDIUM_HORIZON, kind))
         horizon_narrow(shape.horizon, origin_m, direction, inside);
+    else if (is_a(MEDIUM_PLUME, kind))
+        plume_narrow(shape.plume, origin_m, direction, inside);
 }
 
 // --- media: by place in the frame, for reading all of one costs more than most answers ----------

@@ -266,6 +266,81 @@ static void test_gaussian_blobs(void **state)
                   worst.extinction, worst.depth);
 }
 
+/* --- plumes of smoke ---------------------------------------------------------------------- */
+
+/* How steeply the exponent changes at a place [1/m], and what it is there. */
+static double plume_slope_per_m(const struct neph_plume *plume, struct neph_vec3 point_m,
+                                double *folds)
+{
+    const struct neph_vec3 from_foot_m = neph_vec3_sub(point_m, plume->foot_m);
+    const double along_m = neph_vec3_dot(from_foot_m, plume->axis);
+    const double across_m = neph_vec3_length(neph_vec3_along(from_foot_m, plume->axis, -along_m));
+    const double width2_m2 = plume->width_m * plume->width_m;
+    *folds = fmax(0.0, along_m) / plume->scale_height_m + 0.5 * across_m * across_m / width2_m2;
+    return 1.0 / plume->scale_height_m + across_m / width2_m2;
+}
+
+static void check_plume(struct neph_vulkan *vulkan, const struct test_scene *test, uint64_t *random,
+                        struct worst *worst)
+{
+    const struct neph_medium *medium = &test->scene.media[0];
+    const struct neph_plume *plume = &medium->plume;
+    const double scale_m = fmax(plume->width_m, plume->scale_height_m);
+    static const double lengths[] = {1e-4, 0.01, 0.3, 1.0, 3.0, 20.0, 1e4, 1e12};
+    struct probe *probes = calloc(PROBES_MAX, sizeof(*probes));
+    assert_non_null(probes);
+    for (int i = 0; i < PROBES_MAX; i++)
+        probes[i] = probe_from(
+            test, random_point(random, plume->foot_m, scale_m * (i % 3 ? 1.0 : 6.0)),
+            i % 7 ? random_direction(random) : plume->axis, scale_m * PICK(random, lengths));
+    struct answer *answers = ask(vulkan, test, probes, PROBES_MAX);
+    const double far_m = neph_vec3_length(neph_vec3_sub(plume->foot_m, test->key.position_m));
+    for (int i = 0; i < PROBES_MAX; i++) {
+        const struct ray ray = ray_of(test, &probes[i]);
+        const double place_m = ray.place_m + 4.0 * epsilon * far_m;
+        const struct neph_vec3 from_foot_m = neph_vec3_sub(ray.origin_m, plume->foot_m);
+        const double cut = support_cut * medium->extinction_per_m;
+        double folds;
+        const double slope_per_m = plume_slope_per_m(plume, ray.origin_m, &folds);
+        const double extinction = neph_medium_extinction_per_m(medium, ray.origin_m);
+        if (fabs(neph_vec3_dot(from_foot_m, plume->axis)) > place_m) /* above or below the foot */
+            hold(answers[i].extinction_per_m, extinction,
+                 extinction * expm1(epsilon * (16.0 + 16.0 * folds) + place_m * slope_per_m) + cut,
+                 &worst->extinction, "extinction", i);
+        /* The quadrature, the rounding of the exponent, and places: at the ends they cost the
+         * density, beside the ray its slope where the density counts. */
+        const double depth = neph_medium_optical_depth(medium, ray.origin_m, ray.direction, 0.0,
+                                                       ray.length_m);
+        const double here_m = place_m + 16.0 * epsilon * (neph_vec3_length(from_foot_m) + scale_m);
+        const double steepest_per_m = 1.0 / plume->scale_height_m + 6.0 / plume->width_m;
+        const double allowed = depth * (1e-6 + 64.0 * epsilon + here_m * steepest_per_m) +
+                               2.0 * here_m * medium->extinction_per_m + 8.0 * cut * scale_m;
+        hold(answers[i].optical_depth, depth, allowed, &worst->depth, "optical depth", i);
+        hold_stretch(&answers[i], &ray, medium, allowed, i);
+    }
+    free(answers);
+    free(probes);
+}
+
+static void test_plumes(void **state)
+{
+    uint64_t random = seed;
+    struct worst worst = {0.0, 0.0};
+    static const double widths_m[] = {0.1, 3.0, 500.0}, heights[] = {0.2, 1.0, 30.0};
+    for (int round = 0; round < 9; round++) {
+        struct test_scene test;
+        look_from(&test, (struct neph_vec3){round < 6 ? 3.0 : 1e5, 2.0, round % 2 ? -5.0 : -3e4});
+        const double width_m = widths_m[round % 3], height_m = width_m * heights[round / 3];
+        struct neph_medium *plume = add_medium(&test, NEPH_MEDIUM_PLUME, 0.5 / width_m);
+        plume->plume = (struct neph_plume){
+            random_point(&random, test.key.position_m, 10.0 * width_m), random_direction(&random),
+            width_m, height_m};
+        check_plume(*state, &test, &random, &worst);
+    }
+    print_message("plume: worst error is %.2f of what is allowed at points, %.2f on rays\n",
+                  worst.extinction, worst.depth);
+}
+
 /* --- shells ------------------------------------------------------------------------------- */
 
 /* How far along a ray from its lowest part the density matters, and so positions do. */
@@ -761,6 +836,7 @@ int main(void)
     print_message("seed %llu\n", (unsigned long long)seed);
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_gaussian_blobs),
+        cmocka_unit_test(test_plumes),
         cmocka_unit_test(test_shells),
         cmocka_unit_test(test_grids),
         cmocka_unit_test(test_grids_beside_each_other),
