@@ -291,7 +291,7 @@ static void check_plume(struct neph_vulkan *vulkan, const struct test_scene *tes
     assert_non_null(probes);
     for (int i = 0; i < PROBES_MAX; i++)
         probes[i] = probe_from(
-            test, random_point(random, plume->foot_m, scale_m * (i % 3 ? 1.0 : 6.0)),
+            test, point_near(random, plume->foot_m, scale_m * (i % 3 ? 1.0 : 6.0)),
             i % 7 ? random_direction(random) : plume->axis, scale_m * PICK(random, lengths));
     struct answer *answers = ask(vulkan, test, probes, PROBES_MAX);
     const double far_m = neph_vec3_length(neph_vec3_sub(plume->foot_m, test->key.position_m));
@@ -331,10 +331,9 @@ static void test_plumes(void **state)
         struct test_scene test;
         look_from(&test, (struct neph_vec3){round < 6 ? 3.0 : 1e5, 2.0, round % 2 ? -5.0 : -3e4});
         const double width_m = widths_m[round % 3], height_m = width_m * heights[round / 3];
-        struct neph_medium *plume = add_medium(&test, NEPH_MEDIUM_PLUME, 0.5 / width_m);
-        plume->plume = (struct neph_plume){
-            random_point(&random, test.key.position_m, 10.0 * width_m), random_direction(&random),
-            width_m, height_m};
+        struct neph_medium *plume = test_add_cloud(&test, NEPH_MEDIUM_PLUME, 0.5 / width_m);
+        plume->plume = (struct neph_plume){point_near(&random, test.key.position_m, 10.0 * width_m),
+                                           random_direction(&random), width_m, height_m};
         check_plume(*state, &test, &random, &worst);
     }
     print_message("plume: worst error is %.2f of what is allowed at points, %.2f on rays\n",
