@@ -103,19 +103,6 @@ static bool is(const json_t *item, const char *key, const char *text)
     return strcmp(neph_json_text(item, key), text) == 0;
 }
 
-/* A number of radiance in the document of a reading; NULL when it is not there. */
-static const json_t *find_number(const json_t *document, const char *metric, const char *mask)
-{
-    const json_t *all = json_object_get(document, "measurements");
-    for (size_t i = 0; i < json_array_size(all); i++) {
-        const json_t *item = json_array_get(all, i);
-        if (is(item, "metric", metric) && is(item, "mask", mask) &&
-            is(item, "quantity", "radiance"))
-            return item;
-    }
-    return NULL;
-}
-
 /* A number of all frames, with what it is against centre rays. */
 static json_t *shown_number(const json_t *found, const json_t *beside)
 {
@@ -133,10 +120,10 @@ static json_t *shown_measurements(const json_t *document, const json_t *centre)
     json_t *shown = json_array();
     for (size_t m = 0; m < sizeof(masks) / sizeof(masks[0]); m++)
         for (int k = 0; metrics[k]; k++) {
-            const json_t *found = find_number(document, metrics[k], masks[m]);
+            const json_t *found = neph_take_find(document, metrics[k], masks[m]);
             if (found)
                 neph_json_add(&shown,
-                              shown_number(found, find_number(centre, metrics[k], masks[m])));
+                              shown_number(found, neph_take_find(centre, metrics[k], masks[m])));
         }
     return shown;
 }

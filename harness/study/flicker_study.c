@@ -128,23 +128,9 @@ static int readings_of(const struct neph_scene *scene, enum neph_study_take_id i
 
 /* ---- numbers --------------------------------------------------------------------------------- */
 
-/* The last is that of all frames, where a document has those of single ones, too. */
-static const json_t *find_number(const json_t *document, const char *metric, const char *mask)
-{
-    const json_t *list = json_object_get(document, "measurements");
-    for (size_t i = json_array_size(list); i-- > 0;) {
-        const json_t *item = json_array_get(list, i);
-        if (strcmp(neph_json_text(item, "metric"), metric) == 0 &&
-            strcmp(neph_json_text(item, "mask"), mask) == 0 &&
-            strcmp(neph_json_text(item, "quantity"), "radiance") == 0)
-            return item;
-    }
-    return NULL;
-}
-
 static double number_of(const json_t *document, const char *metric, const char *mask)
 {
-    const json_t *value = json_object_get(find_number(document, metric, mask), "value");
+    const json_t *value = json_object_get(neph_take_find(document, metric, mask), "value");
     return json_is_number(value) ? json_number_value(value) : NAN;
 }
 
@@ -157,7 +143,7 @@ static void say_why(struct neph_study_cell *cell, const char *why)
 static void judge(const struct neph_study_metric *metric, const json_t *document,
                   struct neph_study_cell *cell)
 {
-    const json_t *found = find_number(document, metric->metric, metric->mask);
+    const json_t *found = neph_take_find(document, metric->metric, metric->mask);
     const double alone = metric->alone ? number_of(document, metric->alone, metric->mask) : NAN;
     const double bound = metric->at_most ? number_of(document, metric->at_most, metric->mask) : NAN;
     const double never = metric->never_share

@@ -315,3 +315,16 @@ enum neph_status neph_take_document(const char *folder, const char *reading, jso
     free(path);
     return status;
 }
+
+const json_t *neph_take_find(const json_t *document, const char *metric, const char *mask)
+{
+    const json_t *list = json_object_get(document, "measurements");
+    for (size_t i = json_array_size(list); i-- > 0;) { /* all frames stand behind single ones */
+        const json_t *item = json_array_get(list, i);
+        if (strcmp(neph_json_text(item, "metric"), metric) == 0 &&
+            strcmp(neph_json_text(item, "mask"), mask) == 0 &&
+            strcmp(neph_json_text(item, "quantity"), "radiance") == 0)
+            return item;
+    }
+    return NULL;
+}

@@ -52,4 +52,8 @@ enum neph_status neph_take_run(const struct neph_take *take, struct neph_store *
 enum neph_status neph_take_document(const char *folder, const char *reading, json_t **document,
                                     struct neph_diag *diag);
 
+/* A number of radiance in such a document: of all frames, where there are several. NULL when it is
+ * not there; borrowed. */
+const json_t *neph_take_find(const json_t *document, const char *metric, const char *mask);
+
 #endif
