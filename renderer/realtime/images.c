@@ -24,7 +24,7 @@ enum neph_status neph_rt_give(struct neph_rt_device *device, int target, float *
         float value[4] = {0.0f};
         for (int c = 0; c < 3; c++)
             if (channels[c])
-                value[c] = fminf(channels[c][i], NEPH_RT_FAR_M);
+                value[c] = fminf(channels[c][i], NEPH_GPU_FAR_M);
         neph_rt_store(&device->view->targets[target], words, i, value);
     }
     const enum neph_status status = neph_rt_device_upload(device, target, words, diag);
@@ -111,7 +111,7 @@ static void finish_distances(struct neph_image *image)
     float *volume[3];
     neph_image_rgb(image, "volume", volume);
     for (size_t i = 0; i < neph_image_pixel_count(image); i++) {
-        if (depth_m[i] >= NEPH_RT_FAR_M)
+        if (depth_m[i] >= NEPH_GPU_FAR_M)
             depth_m[i] = INFINITY;
         if (transmittance[i] == 1.0f && volume[0][i] + volume[1][i] + volume[2][i] == 0.0f)
             distance_m[i] = INFINITY;

@@ -6,15 +6,13 @@
 #ifndef NEPH_RENDERER_REALTIME_VIEW_H
 #define NEPH_RENDERER_REALTIME_VIEW_H
 
+#include "renderer/shaders/constants.h" /* NEPH_GPU_FAR_M: where the targets' sky lies [m] */
 #include "renderer/shaders/realtime_names.h"
 #include "shaders/structs.h"
 
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
-
-/* Where the targets' sky lies, FAR_M of shaders/numbers.glsl [m]. */
-#define NEPH_RT_FAR_M 1e15f
 
 /* Words of an element. */
 uint32_t neph_rt_format_words(uint32_t format);

@@ -45,7 +45,7 @@ static float random_depth_m(uint64_t *seed)
 {
     switch (test_random(seed) % 4) {
     case 0:
-        return NEPH_RT_FAR_M;
+        return NEPH_GPU_FAR_M;
     case 1:
         return 10.0f;
     default:

@@ -43,7 +43,7 @@ static void test_the_sky_of_the_override(void **state)
         struct test_passes test;
         test_passes_open(*state, &settings, (int[2]){20, 20}, (int[2]){0, 0}, 1, &test);
         for (size_t i = 0; i < test_elements(&test, RT_HALF_DEPTH); i++)
-            test_set(&test, RT_HALF_DEPTH, i, (float[4]){NEPH_RT_FAR_M});
+            test_set(&test, RT_HALF_DEPTH, i, (float[4]){NEPH_GPU_FAR_M});
         const int usual = twin_default_slot(&test.view, 2, 2), other = (usual + 2) % 4;
         const int *place = twin_slot_place(&test.view, other);
         twin_put_half(&test.twin, RT_HALF_DEPTH, 4 + place[0], 4 + place[1], (float[4]){18000});
@@ -141,7 +141,7 @@ static double distance_squared(const int half_pixel[2], int ray, double *bilinea
     return sum;
 }
 
-static const float mixed_m[9] = {100, 90, 104, 400, NEPH_RT_FAR_M, 95, 130, NEPH_RT_FAR_M, 50};
+static const float mixed_m[9] = {100, 90, 104, 400, NEPH_GPU_FAR_M, 95, 130, NEPH_GPU_FAR_M, 50};
 
 static double mean_of_nine(const int half_pixel[2], bool is_bilateral)
 {
@@ -150,8 +150,8 @@ static double mean_of_nine(const int half_pixel[2], bool is_bilateral)
         double weight;
         const double square = distance_squared(half_pixel, i, &weight);
         if (is_bilateral)
-            weight = mixed_m[i] < NEPH_RT_FAR_M ? exp(-square) / (fabs(100.0 - mixed_m[i]) + 2.0)
-                                                : 0.0;
+            weight = mixed_m[i] < NEPH_GPU_FAR_M ? exp(-square) / (fabs(100.0 - mixed_m[i]) + 2.0)
+                                                 : 0.0;
         sum += weight * (1 + i);
         total += weight;
     }
@@ -369,7 +369,7 @@ static void test_the_sky_is_not_in_the_box_of_solids(void **state)
 {
     static const char *const assignments[] = {"box_depth=1e6 box_same_kind=off",
                                               "box_depth=1e6 box_same_kind=on"};
-    static const float depths_m[9] = {100, 100, 100, 100, 100, 100, 100, 100, NEPH_RT_FAR_M};
+    static const float depths_m[9] = {100, 100, 100, 100, 100, 100, 100, 100, NEPH_GPU_FAR_M};
     for (int i = 0; i < 2; i++) {
         struct test_passes test;
         open_nine(*state, assignments[i], depths_m, &test);
@@ -460,9 +460,9 @@ static void test_inverse_weights(void **state)
         {"upscale=inverse upscale_depth=0.1", 109, 0.5625},
         {"upscale=inverse upscale_depth=0.1", 111, 1 / (1 + 3 / 12.0)},
         {"upscale=inverse upscale_depth=0.1 upscale_tolerance_m=11", 111, 1 / (1 + 3 / 2.0)},
-        {"upscale=inverse upscale_same_kind=on", NEPH_RT_FAR_M, 1},
-        {"upscale=bilinear upscale_same_kind=on", NEPH_RT_FAR_M, 1},
-        {"upscale=bilinear upscale_same_kind=off", NEPH_RT_FAR_M, 0.5625},
+        {"upscale=inverse upscale_same_kind=on", NEPH_GPU_FAR_M, 1},
+        {"upscale=bilinear upscale_same_kind=on", NEPH_GPU_FAR_M, 1},
+        {"upscale=bilinear upscale_same_kind=off", NEPH_GPU_FAR_M, 0.5625},
     };
     for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
         struct test_passes test;

@@ -150,7 +150,7 @@ static void test_history_is_where_geometry_says(void **state)
  * A medium that shows nothing is infinitely far away: passing by does not move it. */
 static void test_what_does_not_move(void **state)
 {
-    static const float distances_m[] = {100.0f, INFINITY, NAN, 0.0f, NEPH_RT_FAR_M};
+    static const float distances_m[] = {100.0f, INFINITY, NAN, 0.0f, NEPH_GPU_FAR_M};
     for (int i = 0; i < 5; i++) {
         struct test_passes test;
         open_ramp(*state, "wind=off", 64, 36, &test);
@@ -382,7 +382,7 @@ static void test_a_steady_scene_is_not_rejected(void **state)
         struct test_passes test;
         open_two_lights(*state, "reject_depth=0.01 reject_scene_m=1 reject_within_m=1e6", 64, 36,
                         &test);
-        const float far_m = i / 6 ? NEPH_RT_FAR_M : 20.0f;
+        const float far_m = i / 6 ? NEPH_GPU_FAR_M : 20.0f;
         for (int y = 0; y < 18; y++)
             for (int x = 0; x < 32; x++) {
                 const float depth[4] = {x % 2 == y % 2 ? 10.0f : far_m};

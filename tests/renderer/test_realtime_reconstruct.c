@@ -75,7 +75,7 @@ static struct neph_settings random_settings(uint64_t *seed)
 /* Far enough from each other for any rejection; some are ties between two rays. */
 static float random_depth_m(uint64_t *seed)
 {
-    static const float depths_m[] = {10, 10, 100, 160, 125, 1000, 15000, 30000, NEPH_RT_FAR_M};
+    static const float depths_m[] = {10, 10, 100, 160, 125, 1000, 15000, 30000, NEPH_GPU_FAR_M};
     return depths_m[test_random(seed) % (sizeof(depths_m) / sizeof(depths_m[0]))];
 }
 
@@ -83,7 +83,7 @@ static float random_distance_m(uint64_t *seed)
 {
     switch (test_random(seed) % 16) {
     case 0:
-        return NEPH_RT_FAR_M;
+        return NEPH_GPU_FAR_M;
     case 1:
         return 0.0f;
     case 2:

@@ -91,7 +91,7 @@ static float random_depth_m(uint64_t *seed)
 {
     switch (test_random(seed) % 8) {
     case 0:
-        return NEPH_RT_FAR_M;
+        return NEPH_GPU_FAR_M;
     case 1:
         return INFINITY;
     default:
@@ -390,7 +390,7 @@ static void test_nothing_comes_from_behind(void **state)
     test.view.before.forward[2] = 1.0f;
     test.view.before.right[0] = -1.0f;
     for (size_t i = 0; i < 64; i++) {
-        test_set(&test, RT_DEPTH, i, (float[4]){i % 2 ? 5.0f : NEPH_RT_FAR_M});
+        test_set(&test, RT_DEPTH, i, (float[4]){i % 2 ? 5.0f : NEPH_GPU_FAR_M});
         test_set(&test, RT_COLOR, i, (float[4]){1.0f});
         test_set(&test, RT_TAA_BEFORE, i, (float[4]){9.0f});
     }

@@ -42,8 +42,8 @@ static int slot_at(const struct test_passes *test, int x, int y)
 /* Depths that are alike, exactly a quarter apart, sky, about the sky's decision depth, any. */
 static float random_depth_m(uint64_t *seed)
 {
-    static const float depths_m[] = {8.0f,     10.0f,    12.5f,    10.0f,        100.0f,
-                                     15000.0f, 20000.0f, 25000.0f, NEPH_RT_FAR_M};
+    static const float depths_m[] = {8.0f,     10.0f,    12.5f,    10.0f,         100.0f,
+                                     15000.0f, 20000.0f, 25000.0f, NEPH_GPU_FAR_M};
     const size_t i = test_random(seed) % (sizeof(depths_m) / sizeof(depths_m[0]) + 1);
     return i ? depths_m[i - 1] : (float)exp(14.0 * test_uniform(seed));
 }
@@ -72,7 +72,7 @@ static void fill_depths(struct test_passes *test, uint64_t *seed)
     for (size_t i = 0; i < test_elements(test, RT_HALF_DEPTH); i++) {
         const bool is_odd_one_out = test_random(seed) % one_in == 0;
         test_set(test, RT_HALF_DEPTH, i,
-                 (float[4]){is_odd_one_out ? random_depth_m(seed) : NEPH_RT_FAR_M});
+                 (float[4]){is_odd_one_out ? random_depth_m(seed) : NEPH_GPU_FAR_M});
     }
 }
 
@@ -192,7 +192,7 @@ static void test_infinite_sky_starves_three_slots(void **state)
         struct test_passes test;
         test_passes_open(*state, &settings, (int[2]){20, 12}, (int[2]){0, 0}, 1, &test);
         for (size_t e = 0; e < test_elements(&test, RT_HALF_DEPTH); e++)
-            test_set(&test, RT_HALF_DEPTH, e, (float[4]){NEPH_RT_FAR_M});
+            test_set(&test, RT_HALF_DEPTH, e, (float[4]){NEPH_GPU_FAR_M});
         upload(&test, RT_HALF_DEPTH);
         for (test.view.frame = 0; test.view.frame < 8; test.view.frame++) {
             run_tile_index(&test);
@@ -372,7 +372,7 @@ static int python_randrange_3(struct mersenne *twister)
  */
 static void make_maps(float maps_m[MAP_COUNT][MAP_PX * MAP_PX])
 {
-    static const float layers_m[3] = {10.0f, 100.0f, NEPH_RT_FAR_M};
+    static const float layers_m[3] = {10.0f, 100.0f, NEPH_GPU_FAR_M};
     struct mersenne *twister = malloc(sizeof(*twister));
     int block[MAP_PX * MAP_PX];
     mersenne_seed(twister, 1);
@@ -402,7 +402,7 @@ static void make_maps(float maps_m[MAP_COUNT][MAP_PX * MAP_PX])
                 x < 63,
                 x % 32 == 9 && y % 32 == 9,
             };
-            maps_m[map][i] = map == 9 ? layers_m[*own_block] : near[map] ? 10.0f : NEPH_RT_FAR_M;
+            maps_m[map][i] = map == 9 ? layers_m[*own_block] : near[map] ? 10.0f : NEPH_GPU_FAR_M;
         }
     }
     free(twister);
@@ -425,7 +425,7 @@ static int count_unmatched(const struct test_passes *test)
             const int *place = twin_slot_place(&test->view, slot);
             float depth[4], ray[4];
             twin_fetch_half(&test->twin, RT_HALF_DEPTH, 2 * x + place[0], 2 * y + place[1], depth);
-            const double own_m = depth[0] == NEPH_RT_FAR_M ? 20000.0 : depth[0];
+            const double own_m = depth[0] == NEPH_GPU_FAR_M ? 20000.0 : depth[0];
             bool matched = false;
             for (int i = 0; i < 9; i++) {
                 twin_fetch_tile(&test->twin, RT_TILE, x + i % 3 - 1, y + i / 3 - 1, ray);

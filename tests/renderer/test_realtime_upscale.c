@@ -36,8 +36,8 @@ static void get_volume(const struct test_passes *test, int x, int y, float volum
  * ray_depth_max_m. */
 static float random_depth_m(uint64_t *seed)
 {
-    static const float depths_m[] = {10,    12.499999f, 12.5f, 7.5f,  100,          9999,
-                                     10001, 15001,      19000, 26667, NEPH_RT_FAR_M};
+    static const float depths_m[] = {10,    12.499999f, 12.5f, 7.5f,  100,           9999,
+                                     10001, 15001,      19000, 26667, NEPH_GPU_FAR_M};
     return depths_m[test_random(seed) % (sizeof(depths_m) / sizeof(depths_m[0]))];
 }
 
@@ -466,7 +466,7 @@ static double leaking_part(struct neph_vulkan *vulkan, const char *assignments, 
     return part;
 }
 
-static const float edge_m[2] = {10, NEPH_RT_FAR_M};
+static const float edge_m[2] = {10, NEPH_GPU_FAR_M};
 
 /* Along the axes, at each place in a tile: no pixel shows the other side, but for bilinear. */
 static void test_edges_do_not_leak(void **state)
@@ -507,7 +507,7 @@ static void test_ridges_are_not_sky(void **state)
     static const float ridges_m[] = {9e3f, 12e3f, 14.9e3f, 15.1e3f, 18e3f, 26e3f, 30e3f, 60e3f};
     static const int line[3] = {1, 1, 50};
     for (size_t k = 0; k < sizeof(ridges_m) / sizeof(ridges_m[0]); k++) {
-        const float depths_m[2] = {ridges_m[k], NEPH_RT_FAR_M};
+        const float depths_m[2] = {ridges_m[k], NEPH_GPU_FAR_M};
         const bool is_taken_for_sky = ridges_m[k] > 15e3f && ridges_m[k] < 26.6e3f;
         const double limited = leaking_part(
             *state,

@@ -45,7 +45,7 @@ static int held_int(int value, int low, int high)
 
 static bool is_sky(float depth_m)
 {
-    return depth_m >= NEPH_RT_FAR_M;
+    return depth_m >= NEPH_GPU_FAR_M;
 }
 
 /* --- geometry ------------------------------------------------------------------------------- */
@@ -88,8 +88,8 @@ static double project(const struct neph_gpu_view *view, const struct neph_gpu_vi
 
 static double known_distance_m(float distance_m)
 {
-    return isfinite(distance_m) && distance_m > 0.0f ? fmin(distance_m, NEPH_RT_FAR_M)
-                                                     : NEPH_RT_FAR_M;
+    return isfinite(distance_m) && distance_m > 0.0f ? fmin(distance_m, NEPH_GPU_FAR_M)
+                                                     : NEPH_GPU_FAR_M;
 }
 
 /* --- rays ------------------------------------------------------------------------------------ */
@@ -169,7 +169,7 @@ static const struct ray *nearest_ray(const struct twin *twin, const struct ray r
                                      int asked, float own_m)
 {
     const bool is_limited = choice(twin, RT_CLAMP_PIXEL_DEPTH) != 0;
-    float least_m = is_limited ? NEPH_RT_FAR_M : setting(twin, RT_SKY_M);
+    float least_m = is_limited ? NEPH_GPU_FAR_M : setting(twin, RT_SKY_M);
     const struct ray *first = NULL, *nearest = NULL;
     for (int i = asked; i < RAYS; i++) {
         if (!rays[i].is_usable)
@@ -482,7 +482,7 @@ static bool is_same_scene(const struct twin *twin, const double place_px[2],
 
 static float nearest_in_tile_m(const struct twin *twin, int target, int x, int y)
 {
-    float nearest_m = NEPH_RT_FAR_M;
+    float nearest_m = NEPH_GPU_FAR_M;
     for (int i = 0; i < 4; i++) {
         float depth[4];
         twin_fetch_half(twin, target, x / 2 * 2 + i % 2, y / 2 * 2 + i / 2, depth);
@@ -654,7 +654,7 @@ static void reconstruct(const struct twin *twin, int x, int y)
         own_m = twin_stored_depth_m(twin->view, depth[0]);
     const struct ray *nearest = nearest_ray(twin, rays, 0, own_m);
     if (!nearest) {
-        put_result(twin, x, y, (double[4]){0, 0, 0, 1}, 0.0f, NEPH_RT_FAR_M);
+        put_result(twin, x, y, (double[4]){0, 0, 0, 1}, 0.0f, NEPH_GPU_FAR_M);
         return;
     }
     const bool of_tile = choice(twin, RT_REPROJECT_DEPTH) == RT_REPROJECT_TILE && rays[0].is_usable;

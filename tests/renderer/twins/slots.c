@@ -32,7 +32,7 @@ int twin_default_slot(const struct neph_gpu_view *view, int tile_x, int tile_y)
 
 float twin_limited_depth_m(const struct neph_gpu_view *view, float depth_m, float sky_m)
 {
-    const float limited_m = depth_m >= NEPH_RT_FAR_M
+    const float limited_m = depth_m >= NEPH_GPU_FAR_M
                                 ? sky_m
                                 : fminf(depth_m, view->settings[RT_RAY_DEPTH_MAX_M]);
     return fminf(limited_m, TWIN_HALF_MAX * TWIN_TILE_UNIT_M);

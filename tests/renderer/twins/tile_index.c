@@ -36,7 +36,7 @@ static float slot_depth_m(const struct twin *twin, int x, int y, int slot,
 
 static float compared_depth_m(const struct twin *twin, float depth_m)
 {
-    if (depth_m < NEPH_RT_FAR_M)
+    if (depth_m < NEPH_GPU_FAR_M)
         return depth_m;
     return choice(twin, RT_FAR) == RT_FAR_INFINITE ? INFINITY
                                                    : twin->view->settings[RT_OVERRIDE_SKY_M];

@@ -96,7 +96,7 @@ static float compared_depth_m(const struct twin *twin, float eye_m)
 {
     if (setting(twin, RT_CLAMP_PIXEL_DEPTH) != 0)
         return twin_limited_depth_m(twin->view, eye_m, setting(twin, RT_UPSCALE_SKY_M));
-    return eye_m >= NEPH_RT_FAR_M ? setting(twin, RT_UPSCALE_SKY_M) : eye_m;
+    return eye_m >= NEPH_GPU_FAR_M ? setting(twin, RT_UPSCALE_SKY_M) : eye_m;
 }
 
 static struct tap tap_at(const struct twin *twin, const int corner[2], int i,
@@ -117,7 +117,7 @@ static struct tap tap_at(const struct twin *twin, const int corner[2], int i,
         tap.place = exp(-pow(fraction[0] - i % 3, 2.0) - pow(fraction[1] - i / 3, 2.0));
     tap.is_used = is_usable(twin, tap.volume, state[0]);
     tap.is_foreign = choice(twin, RT_UPSCALE_SAME_KIND) &&
-                     (depth[0] >= NEPH_RT_FAR_M) != (scene_m >= NEPH_RT_FAR_M);
+                     (depth[0] >= NEPH_GPU_FAR_M) != (scene_m >= NEPH_GPU_FAR_M);
     return tap;
 }
 
