@@ -7,8 +7,8 @@
  * follow.
  *
  * The life of one: init; for each frame, in order when `temporal`, extract; then flush when
- * `temporal` and there is one; close, always, also after a failure of init. After each extract (temporal: after
- * the last) the maps are read, by strips of rows and from several threads.
+ * `temporal` and there is one; close, always, also after a failure of init. After each extract
+ * (temporal: after the last) the maps are read, by strips of rows and from several threads.
  */
 #ifndef NEPH_METRICS_EXTRACTOR_H
 #define NEPH_METRICS_EXTRACTOR_H

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
 """The shaders' structs for C: c_structs.py HEADER REFLECTION... writes `struct neph_gpu_<name>` for
-every struct that lies in a buffer or among the push constants, from the JSON of spirv-cross. So each
-is written once, in GLSL, and C has its fields where the shader has them."""
+every struct that lies in a buffer or among the push constants, from the JSON of spirv-cross. So
+each is written once, in GLSL, and C has its fields where the shader has them."""
 import json
 import pathlib
 import re
@@ -11,7 +11,7 @@ import sys
 SCALARS = {"float": "float", "uint": "uint32_t", "int": "int32_t"}
 VECTOR = re.compile(r"(|u|i)vec([234])$")
 ELEMENT = {"": "float", "u": "uint32_t", "i": "int32_t"}
-TOP = """/* Written by renderer/c_structs.py: the structs of buffers and push constants, which shaders/ explains. */
+TOP = """/* By renderer/c_structs.py: structs of buffers and push constants of shaders/. */
 #ifndef NEPH_GENERATED_STRUCTS_H
 #define NEPH_GENERATED_STRUCTS_H
 
@@ -85,7 +85,7 @@ def header(reflections):
 
 def main():
     target, text = pathlib.Path(sys.argv[1]), header([pathlib.Path(name) for name in sys.argv[2:]])
-    if not target.exists() or target.read_text() != text:  # else who includes it need not be rebuilt
+    if not target.exists() or target.read_text() != text:  # else nothing is rebuilt
         target.write_text(text)
 
 

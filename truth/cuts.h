@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
  * The lit pieces of a ray, cut so that quadrature of the light scattered along it misses nothing:
- * at the kinks of the integrand (faces of media, shadows of solids, cells of grids, which come last,
- * for all of them may not fit), and at the scale of every medium. Private to truth/.
+ * at the kinks of the integrand (faces of media, shadows of solids, cells of grids, which come
+ * last, for all of them may not fit), and at the scale of every medium. Private to truth/.
  */
 #ifndef NEPH_TRUTH_CUTS_H
 #define NEPH_TRUTH_CUTS_H

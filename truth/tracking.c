@@ -15,8 +15,7 @@
 
 struct tracked {
     const struct neph_medium *medium;
-    bool
-        inverted; /* collisions by the inverse of each fog layer, else by candidates of a majorant */
+    bool inverted; /* by the inverse of each fog layer, else by candidates of a majorant */
     struct neph_majorants *majorants; /* owned; NULL for shells and fogs */
     double color[3], color_max;       /* extinction_color */
     bool grey;

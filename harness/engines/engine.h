@@ -119,7 +119,8 @@ struct neph_engine {
     bool stochastic;  /* another seed gives another frame of the same mean */
     struct neph_engine_step step;
 
-    /* The passes of a frame in their order; false beyond the last. NULL: it is not made of passes. */
+    /* The passes of a frame in their order; false beyond the last. NULL: it is not made of
+     * passes. */
     bool (*describe_pass)(int index, struct neph_engine_pass *pass);
 
     /* Look for the engine. Never fails and ends in bounded time: `available`, `broken` and

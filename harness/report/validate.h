@@ -29,8 +29,8 @@ struct neph_validate_params {
 };
 
 /* Run and measure. NEPH_OK also when gates failed: the verdict says so. `validation`, {0} before,
- * is for neph_validation_finish() in any case. With NEPH_ERR_INTERRUPTED too everything finished is in
- * it (when it has a title; else nothing had begun) and in the store, and a new run goes on from
+ * is for neph_validation_finish() in any case. With NEPH_ERR_INTERRUPTED too everything finished is
+ * in it (when it has a title; else nothing had begun) and in the store, and a new run goes on from
  * there. */
 enum neph_status neph_validate(const struct neph_validate_params *params, struct neph_store *store,
                                struct neph_validation *validation, struct neph_diag *diag);

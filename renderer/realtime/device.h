@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The targets of the real-time renderer on a Vulkan device, and one way to run a pass over them, for
- * pipeline.c and for tests that run one alone.
+ * The targets of the real-time renderer on a Vulkan device, and one way to run a pass over them,
+ * for pipeline.c and for tests that run one alone.
  */
 #ifndef NEPH_RENDERER_REALTIME_DEVICE_H
 #define NEPH_RENDERER_REALTIME_DEVICE_H
@@ -26,10 +26,10 @@ struct neph_rt_device {
     struct neph_buffer readback; /* as large as the largest target */
 };
 
-/* Buffers for some targets (NEPH_RT_BIT() of each) as `view` describes them, all zero, and a copy of
- * the view. `noise_ranks` has NEPH_RT_NOISE_COUNT elements; NULL: zeros. Zero-initialise `device`;
- * free with _destroy, also after an error. NEPH_ERR_UNSUPPORTED: a target is larger than the device
- * lets a kernel see. */
+/* Buffers for some targets (NEPH_RT_BIT() of each) as `view` describes them, all zero, and a copy
+ * of the view. `noise_ranks` has NEPH_RT_NOISE_COUNT elements; NULL: zeros. Zero-initialise
+ * `device`; free with _destroy, also after an error. NEPH_ERR_UNSUPPORTED: a target is larger than
+ * the device lets a kernel see. */
 enum neph_status neph_rt_device_create(struct neph_vulkan *vulkan, const struct neph_gpu_view *view,
                                        uint32_t targets, const uint32_t *noise_ranks,
                                        struct neph_rt_device *device, struct neph_diag *diag);

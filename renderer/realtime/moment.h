@@ -15,8 +15,8 @@ struct neph_rt_moment {
     float jitter_px[2];
 };
 
-/* A picture of a scene over time, the `number`-th that is rendered; `moves_rays`: with the jitter of
- * the view's settings. */
+/* A picture of a scene over time, the `number`-th that is rendered; `moves_rays`: with the jitter
+ * of the view's settings. */
 struct neph_rt_moment neph_rt_moment_of(const struct neph_gpu_view *view,
                                         const struct neph_scene *scene, int frame, uint32_t number,
                                         bool moves_rays);

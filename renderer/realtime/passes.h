@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * The passes of a frame, in its order, each one record: what it is bound to, how large it is, when
- * it runs and what it leaves for the next frame. Whoever runs, counts or lists passes reads it here.
+ * it runs and what it leaves for the next frame. All who run, count or list passes read it here.
  */
 #ifndef NEPH_RENDERER_REALTIME_PASSES_H
 #define NEPH_RENDERER_REALTIME_PASSES_H
@@ -43,8 +43,8 @@ struct neph_rt_pass {
     struct neph_rt_condition condition; /* of being in the frame */
     int resolution;                     /* RT_FULL, ..: a thread for each texel */
     enum neph_rt_rays rays;
-    /* Where this holds a dispatch for each of four colours, 2x2 texels, which sees what those before
-     * it wrote; else, or NULL, one dispatch. */
+    /* Where this holds a dispatch for each of four colours, 2x2 texels, which sees what those
+     * before it wrote; else, or NULL, one dispatch. */
     const struct neph_rt_condition *in_colours;
     uint32_t reads, writes; /* targets, NEPH_RT_BIT() of each: all that it is bound to */
     struct neph_rt_history histories[NEPH_RT_HISTORIES_MAX]; /* ends early with {0, 0} */

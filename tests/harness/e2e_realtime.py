@@ -209,7 +209,8 @@ class Realtime(unittest.TestCase):
         result = self.render("times", self.moving)[0]
         stats, settings = result["stats"], result["texts"]["neph.settings"].split()
         engine, = json.loads(neph("engines", "realtime", "--json").stdout)
-        names = [entry["name"].replace(" ", "_").replace("-", "_") for entry in engine["passes"] if entry["condition"] in settings]
+        names = [entry["name"].replace(" ", "_").replace("-", "_")
+                 for entry in engine["passes"] if entry["condition"] in settings]
         self.assertEqual(len(names), 8)
         times = [stats[f"{name}_gpu_ms"] for name in names]
         self.assertTrue(all(t > 0 for t in times), times)

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * A report that is published again and again: what is drawn is drawn once, the page that is there stays whole, and what is not neph's is given back.
+ * A report that is published again and again: what is drawn is drawn once, the page that is there
+ * stays whole, and what is not neph's is given back.
  */
 #include "tests/base/scratch.h"
 

@@ -10,7 +10,7 @@
 
 #include <stdlib.h>
 
-/* Of SPIR-V 1.5, the few words that matter here. */
+/* The few words of SPIR-V 1.5 that matter here. */
 enum {
     OP_CONSTANT = 43,
     OP_LOAD = 61,

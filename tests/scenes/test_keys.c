@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The table of keys in scenes/README.md is the one that the fields print. `test_keys --write` writes
- * it.
+ * The table of keys in scenes/README.md is the one that the fields print. `test_keys --write`
+ * writes it.
  */
 #include "tests/neph_test.h"
 
