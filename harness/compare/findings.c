@@ -213,11 +213,15 @@ static void add_edge_ratio(struct teller *teller)
     const bool floored = other->value <= 0.0 || ratio < edge->value / other->value;
     struct neph_finding *item = tell(
         teller, "edge_ratio", ratio > 1.0 ? "edges" : "even",
-        floored ? "four-frame flicker at depth edges (p95 %.3g) is %.3g times a quarter "
-                  "of a step of an 8-bit display; elsewhere it is below "
-                  "that (p95 %.3g)"
-                : "four-frame flicker at depth edges (p95 %.3g) is %.3g times as strong "
-                  "as elsewhere (p95 %.3g)",
+        edge->value <= 0.0
+            ? "four-frame flicker at depth edges is not above the noise of the frequencies "
+              "beside it, which is taken off (p95 %.3g, %.3g times that of elsewhere, %.3g); "
+              "other periods stand under 'cycle'"
+        : floored ? "four-frame flicker at depth edges (p95 %.3g) is %.3g times a quarter "
+                    "of a step of an 8-bit display; elsewhere it is below "
+                    "that (p95 %.3g)"
+                  : "four-frame flicker at depth edges (p95 %.3g) is %.3g times as strong "
+                    "as elsewhere (p95 %.3g)",
         edge->value, ratio, other->value);
     stand_on(item, "value", ratio);
     const bool bounded = is_bounded(edge) && is_bounded(other);
