@@ -12,7 +12,6 @@
 
 #define NEPH_KERNEL_BUFFERS_MAX 32
 #define NEPH_KERNEL_CONSTANTS_MAX 96
-#define NEPH_KERNEL_PUSH_BYTES_MAX 128 /* what every device has */
 
 /* Loop turns that one thread may make in one dispatch, all its loops together, the last failing
  * test of each included. lavapipe leaves every loop after 65535 of them, in silence (Mesa,

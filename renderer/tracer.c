@@ -40,10 +40,10 @@ static const uint32_t sum_spirv[] = {
 enum {
     depths_bytes = 4 * NEPH_GPU_MEDIA_MAX * NEPH_GPU_LAYERS_MAX,
     track_steps = 8, /* of a turn, through majorant cells */
-    pool_items = NEPH_GPU_POOL_PIXELS * NEPH_TRACER_BATCH_SAMPLES,
+    queue_items = NEPH_GPU_QUEUE_PIXELS * NEPH_TRACER_BATCH_SAMPLES,
     pixel_local_size = 64, /* of tracer_view.comp and tracer_sum.comp */
     chunk_pixels_max = 1 << 16,
-    window_pools_max = 1 << 12,
+    window_queues_max = 1 << 12,
 };
 
 /* --- what can be rendered ----------------------------------------------------------------- */
@@ -161,7 +161,7 @@ static char *identity_of(const struct neph_scene *scene, const struct neph_trace
 enum binding {
     BINDING_STATES = NEPH_GPU_SCENE_BUFFERS,
     BINDING_RESULTS,
-    BINDING_POOLS,
+    BINDING_QUEUES,
     BINDING_PIXELS,
     BINDING_PROGRESS,
     BINDING_FIRSTS,
@@ -183,7 +183,7 @@ struct render {
     size_t lit_tables; /* of a pixel; 0: none are needed */
     bool is_lit;       /* media may scatter light at all */
     uint32_t turns;    /* of one dispatch, at most */
-    uint32_t window;   /* pools in one dispatch; follows the device's speed */
+    uint32_t window;   /* queues in one dispatch; follows the device's speed */
     size_t pixel_count, chunk_pixels;
     size_t viewed_first; /* first pixel of the chunk that the device holds; SIZE_MAX: none */
     struct neph_gpu_progress progress;
@@ -289,8 +289,9 @@ static enum neph_status get_kernels(struct render *render, const struct neph_sce
 
 static enum neph_status create_buffers(struct render *render, struct neph_diag *diag)
 {
-    const size_t pools = (render->chunk_pixels + NEPH_GPU_POOL_PIXELS - 1) / NEPH_GPU_POOL_PIXELS;
-    const size_t threads = (pools < window_pools_max ? pools : window_pools_max) *
+    const size_t queues = (render->chunk_pixels + NEPH_GPU_QUEUE_PIXELS - 1) /
+                          NEPH_GPU_QUEUE_PIXELS;
+    const size_t threads = (queues < window_queues_max ? queues : window_queues_max) *
                            render->local_size;
     const size_t pixels_bytes = render->chunk_pixels * sizeof(struct neph_gpu_tracer_pixel);
     const struct {
@@ -302,9 +303,9 @@ static enum neph_status create_buffers(struct render *render, struct neph_diag *
         {&render->buffers[BINDING_STATES], NEPH_BUFFER_DEVICE,
          threads * sizeof(struct neph_gpu_tracer_state), "tracer states"},
         {&render->buffers[BINDING_RESULTS], NEPH_BUFFER_DEVICE,
-         pools * pool_items * sizeof(struct neph_gpu_result), "tracer results"},
+         queues * queue_items * sizeof(struct neph_gpu_result), "tracer results"},
         {&render->buffers[BINDING_FIRSTS], NEPH_BUFFER_DEVICE,
-         pools * pool_items * sizeof(struct neph_gpu_first), "tracer first collisions"},
+         queues * queue_items * sizeof(struct neph_gpu_first), "tracer first collisions"},
         {&render->buffers[BINDING_DEPTHS], NEPH_BUFFER_DEVICE, render->chunk_pixels * depths_bytes,
          "tracer depths"},
         {&render->buffers[BINDING_LITS], NEPH_BUFFER_DEVICE,
@@ -315,8 +316,8 @@ static enum neph_status create_buffers(struct render *render, struct neph_diag *
          (render->lit_tables > 0 && render->is_open ? render->chunk_pixels : 1) *
              sizeof(struct neph_gpu_guess),
          "tracer guesses"},
-        {&render->buffers[BINDING_POOLS], NEPH_BUFFER_DEVICE, pools * sizeof(uint32_t),
-         "tracer pools"},
+        {&render->buffers[BINDING_QUEUES], NEPH_BUFFER_DEVICE, queues * sizeof(uint32_t),
+         "tracer queues"},
         {&render->buffers[BINDING_PIXELS], NEPH_BUFFER_DEVICE, pixels_bytes, "tracer pixels"},
         {&render->buffers[BINDING_PROGRESS], NEPH_BUFFER_DEVICE, sizeof(struct neph_gpu_progress),
          "tracer progress"},
@@ -468,10 +469,10 @@ static enum neph_status view_chunk(struct render *render, const struct neph_gpu_
 
 /* One dispatch of the path kernel; `*items_done` grows by what it finished. */
 static enum neph_status run_window(struct render *render, const struct neph_gpu_tracer_run *run,
-                                   uint32_t pool_count, uint32_t *items_done,
+                                   uint32_t queue_count, uint32_t *items_done,
                                    struct neph_diag *diag)
 {
-    const enum neph_status status = run_kernel(render, render->path, run, pool_count,
+    const enum neph_status status = run_kernel(render, render->path, run, queue_count,
                                                BINDING_PROGRESS, &render->progress_readback, diag);
     if (status)
         return status;
@@ -489,25 +490,25 @@ static enum neph_status run_window(struct render *render, const struct neph_gpu_
 /* Long enough to pay for itself, short enough for Ctrl-C. */
 static void adapt_window(struct render *render, double dispatch_s)
 {
-    if (dispatch_s < 0.08 && render->window < window_pools_max)
+    if (dispatch_s < 0.08 && render->window < window_queues_max)
         render->window *= 2;
     if (dispatch_s > 0.3 && render->window > 2)
         render->window /= 2;
 }
 
-/* All paths of a batch for the pools of the chunk. */
+/* All paths of a batch for the queues of the chunk. */
 static enum neph_status trace_paths(struct render *render, struct neph_gpu_tracer_run run,
                                     struct neph_diag *diag)
 {
-    const uint32_t pools = (run.pixel_count + NEPH_GPU_POOL_PIXELS - 1) / NEPH_GPU_POOL_PIXELS;
-    for (uint32_t first = 0, count; first < pools; first += count) {
-        count = pools - first < render->window ? pools - first : render->window;
-        const uint32_t pixels_left = run.pixel_count - first * NEPH_GPU_POOL_PIXELS;
-        const uint32_t pixels = pixels_left < count * NEPH_GPU_POOL_PIXELS
+    const uint32_t queues = (run.pixel_count + NEPH_GPU_QUEUE_PIXELS - 1) / NEPH_GPU_QUEUE_PIXELS;
+    for (uint32_t first = 0, count; first < queues; first += count) {
+        count = queues - first < render->window ? queues - first : render->window;
+        const uint32_t pixels_left = run.pixel_count - first * NEPH_GPU_QUEUE_PIXELS;
+        const uint32_t pixels = pixels_left < count * NEPH_GPU_QUEUE_PIXELS
                                     ? pixels_left
-                                    : count * NEPH_GPU_POOL_PIXELS;
+                                    : count * NEPH_GPU_QUEUE_PIXELS;
         uint32_t items_done = 0;
-        run.first_pool = first;
+        run.first_queue = first;
         for (run.is_fresh = 1; items_done < pixels * NEPH_TRACER_BATCH_SAMPLES; run.is_fresh = 0) {
             const double start_s = neph_wall_s();
             const enum neph_status status = run_window(render, &run, count, &items_done, diag);

@@ -20,7 +20,7 @@
 // The path tracer: strata of a pixel's samples, pixels that one work group works on, edges of a
 // table of light (tracer_lit.glsl).
 #define NEPH_GPU_STRATA 4
-#define NEPH_GPU_POOL_PIXELS 8
+#define NEPH_GPU_QUEUE_PIXELS 8
 #define NEPH_GPU_LIT_EDGES 16
 
 #endif

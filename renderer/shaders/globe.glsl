@@ -41,12 +41,6 @@ GlobeRay globe_ray(Globe globe, vec3 origin_m, vec3 direction)
                     globe.camera_radius_m * dot(globe.up, direction) + dot(origin_m, direction));
 }
 
-float globe_ray_altitude_m(Globe globe, GlobeRay ray, float t_m)
-{
-    return ray.altitude_m + globe_climb_m(globe.radius_m + ray.altitude_m,
-                                          t_m * (2.0 * ray.rise_m + t_m));
-}
-
 // Where the ray is inside the sphere of radius R + height; false when it never is. The roots of
 // t^2 + 2 rise t + c, the smaller one from the larger, c without cancellation.
 bool globe_interval(Globe globe, GlobeRay ray, float height_m, out float t0_m, out float t1_m)

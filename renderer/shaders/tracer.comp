@@ -3,7 +3,7 @@
 //
 // The path tracer: light that was scattered more than once, without bias.
 //
-// One work group works on a pool of items, an item being one sample of one pixel. Every thread
+// One work group works on a queue of items, an item being one sample of one pixel. Every thread
 // carries one path; where it ends, the thread takes the next item. A turn of the main loop takes
 // every thread one segment further: a ray towards the sun or the next stretch of the path. So all
 // threads have something to do in every part of the loop, whatever state their paths are in. (On
@@ -132,9 +132,9 @@ uvec4 draw4()
 
 // --- items --------------------------------------------------------------------------------------
 
-uint pool() { return run.first_pool + gl_WorkGroupID.x; }
+uint queue() { return run.first_queue + gl_WorkGroupID.x; }
 
-uint item_pixel() { return pool() * POOL_PIXELS + path.item / BATCH_SAMPLES; } // in the chunk
+uint item_pixel() { return queue() * QUEUE_PIXELS + path.item / BATCH_SAMPLES; } // in the chunk
 
 // The path of the current item from the camera, all over again.
 void start_path()
@@ -194,7 +194,7 @@ float raise_for(float guessed_depth)
 // The ray to a first collision that is chosen already, if the guess is better than to look for it.
 void start_for_guessed_collision()
 {
-    First first = firsts[pool() * POOL_ITEMS + path.item];
+    First first = firsts[queue() * QUEUE_ITEMS + path.item];
     if (first.medium == MEDIA_MAX)
         return;
     path.throughput = first.weight;
@@ -211,7 +211,7 @@ void start_for_guessed_collision()
 
 void start_at_first_collision()
 {
-    First first = firsts[pool() * POOL_ITEMS + path.item];
+    First first = firsts[queue() * QUEUE_ITEMS + path.item];
     start_path();
     path.origin_m = first.t_m * path.direction;
     path.throughput = first.weight;
@@ -224,8 +224,8 @@ void start_at_first_collision()
 
 void take_item()
 {
-    path.item = atomicAdd(next_items[pool()], 1);
-    if (path.item >= POOL_ITEMS || item_pixel() >= run.pixel_count) {
+    path.item = atomicAdd(next_items[queue()], 1);
+    if (path.item >= QUEUE_ITEMS || item_pixel() >= run.pixel_count) {
         path.stage = STAGE_DONE;
         return;
     }
@@ -235,7 +235,7 @@ void take_item()
     path.hero = hero_of(draw());
     path.order1 = vec3(0.0);
     if (!OPEN)
-        path.order1 = results[pool() * POOL_ITEMS + path.item].order1.rgb;
+        path.order1 = results[queue() * QUEUE_ITEMS + path.item].order1.rgb;
     path.higher = vec3(0.0);
     path.surface = vec3(0.0);
     path.is_surface_first = 0;
@@ -254,7 +254,7 @@ void finish_path()
 
 void finish_item()
 {
-    results[pool() * POOL_ITEMS + path.item] =
+    results[queue() * QUEUE_ITEMS + path.item] =
         Result(vec4(path.order1, path.view_fraction.r), vec4(path.higher, path.view_fraction.g),
                vec4(path.surface, path.view_fraction.b));
     path.stage = STAGE_IDLE;

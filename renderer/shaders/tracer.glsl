@@ -32,15 +32,15 @@ layout(push_constant) uniform TracerRun {
     uint first_pixel;  // of the chunk of the frame that is in work, in raster order
     uint pixel_count;  // of the chunk
     uint first_sample; // of the batch
-    uint first_pool;   // of this dispatch
+    uint first_queue;  // of this dispatch
     uint turns;        // of the outer loop, at most
     uint is_fresh;     // 1: the states hold nothing yet
 } run;
 
 const uint STRATA = NEPH_GPU_STRATA;
 const uint BATCH_SAMPLES = 2 * STRATA; // per pixel: a pair in each stratum
-const uint POOL_PIXELS = NEPH_GPU_POOL_PIXELS; // the pixels that one work group works on
-const uint POOL_ITEMS = POOL_PIXELS * BATCH_SAMPLES;
+const uint QUEUE_PIXELS = NEPH_GPU_QUEUE_PIXELS; // the pixels that one work group works on
+const uint QUEUE_ITEMS = QUEUE_PIXELS * BATCH_SAMPLES;
 
 // One sample's light [W m^-2 sr^-1]; the fourth components are its estimate of the view's
 // transmittance, red, green and blue, if OPEN.
@@ -55,8 +55,8 @@ layout(std430, binding = 6) buffer Results {
     Result results[];
 };
 
-// Per pool: the next item that nobody has taken.
-layout(std430, binding = 7) buffer Pools {
+// Per queue: the next item that nobody has taken.
+layout(std430, binding = 7) buffer Queues {
     uint next_items[];
 };
 

@@ -26,11 +26,6 @@ layout(std430, binding = 13) buffer Guesses {
     Guess guesses[];
 };
 
-vec3 guess_place_m(Guess guess, vec3 direction, float stretches)
-{
-    return (guess.t0_m + stretches * guess.stretch_m) * direction;
-}
-
 // The stretch that a depth lies in.
 uint guess_stretch(uint pixel, float depth)
 {

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: MIT
 //
 // The path tracer's last kernel: the samples of a batch become sums, in the order of the samples,
-// one thread per pixel; and every pool starts anew.
+// one thread per pixel; and every queue starts anew.
 //
 // The two samples of a pair lie in the same stratum: half their squared difference estimates the
 // variance inside the stratum, which is all the variance that a stratified mean has.
@@ -17,8 +17,8 @@ void main()
     uint thread = gl_GlobalInvocationID.x;
     if (thread >= run.pixel_count)
         return;
-    if (thread % POOL_PIXELS == 0)
-        next_items[thread / POOL_PIXELS] = 0;
+    if (thread % QUEUE_PIXELS == 0)
+        next_items[thread / QUEUE_PIXELS] = 0;
     vec4 transmitted = OPEN ? vec4(1.0) : pixels[thread].transmittance;
     Sum order1 = sum_zero(), higher = sum_zero(), surface = sum_zero();
     vec4 spread = vec4(0.0);

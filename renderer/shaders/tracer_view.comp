@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: MIT
 //
 // The path tracer's first kernel: the light that comes to the camera without scattering, exact, one
-// thread per pixel; the optical depth of each medium on the view ray; and every pool at its first
+// thread per pixel; the optical depth of each medium on the view ray; and every queue at its first
 // item.
 #extension GL_GOOGLE_include_directive : require
 
@@ -49,8 +49,8 @@ void main()
     }
     if (thread >= run.pixel_count)
         return;
-    if (thread % POOL_PIXELS == 0)
-        next_items[thread / POOL_PIXELS] = 0;
+    if (thread % QUEUE_PIXELS == 0)
+        next_items[thread / QUEUE_PIXELS] = 0;
     vec3 direction = pixel_ray(run.first_pixel + thread);
     Hit hit = scene_hit(vec3(0.0), direction);
     vec3 behind = vec3(0.0);
