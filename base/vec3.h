@@ -7,6 +7,8 @@
 
 #include <math.h>
 
+#define NEPH_RAD_PER_DEG (M_PI / 180.0)
+
 struct neph_vec3 {
     double x, y, z;
 };

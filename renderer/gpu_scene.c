@@ -176,10 +176,10 @@ static enum neph_status upload_majorants(const struct neph_vulkan *vulkan,
         struct neph_gpu_medium *medium = &gpu->frame->media[m];
         struct neph_majorants *majorants = NULL;
         const struct neph_bounds box = neph_medium_support(media[m]);
+        const int cell_count = neph_medium_facts(media[m]->kind)->majorant_cells;
         if (neph_medium_is_fog(media[m]))
             continue;
-        status = neph_majorants_create(media[m], &box, neph_majorants_cell_count(media[m]->kind),
-                                       &majorants, diag);
+        status = neph_majorants_create(media[m], &box, cell_count, &majorants, diag);
         if (status)
             break;
         neph_majorants_cover_nodes(majorants, media[m]); /* what grid_random_node() looks up */

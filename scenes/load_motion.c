@@ -27,7 +27,6 @@
 #define SUN_SINE_MIN 1e-6
 #define DRIFT_MAX_M NEPH_FAR_M /* as far as a scene file may put a medium itself */
 
-#define RAD_PER_DEG (M_PI / 180.0)
 #define KEY_FRAME_MAX 1e5
 #define BRIGHT 1e9       /* one float32 pixel still holds the sum of 1e29 of them */
 #define FAST_M_PER_S 1e5 /* a time lapse: 3 km per frame at 30 Hz */
@@ -135,7 +134,7 @@ static enum neph_status read_camera(struct neph_reader *reader, const yaml_node_
     if (!status && !scene->camera_keys)
         status = make_camera_key(written, reader->diag);
     scene->camera_up = neph_vec3_normalize(scene->camera_up);
-    scene->vertical_fov_rad *= RAD_PER_DEG;
+    scene->vertical_fov_rad *= NEPH_RAD_PER_DEG;
     return status;
 }
 

@@ -49,11 +49,6 @@ static void choose_size(const struct neph_medium *medium, const double extent_m[
     }
 }
 
-int neph_majorants_cell_count(enum neph_medium_kind kind)
-{
-    return neph_medium_facts(kind)->majorant_cells;
-}
-
 /* Majorants hold a hair beyond the cell: a tracker's own rounding may put a point of the face into
  * either neighbour. In float32 it is 1e-3 of a cell where the coordinates are 10^4 cells. */
 static const double hair = 1e-3;

@@ -14,10 +14,6 @@ struct neph_majorants {
     float *extinction_per_m; /* owned; x fastest; rounded up; of extinction_color 1 */
 };
 
-/* How many cells serve trackers well for a kind of medium: fewer cost more candidates, more cost
- * more steps. Measured on a 64^3 cloud and on cumulus 100 m and more across in 10 km of sky. */
-int neph_majorants_cell_count(enum neph_medium_kind kind);
-
 /* Over a box (finite; normally the medium's support) with about `cell_count` cells that are as near
  * to cubes as whole numbers allow, none thinner than a grid medium's own cells.
  * NEPH_ERR_UNSUPPORTED: the box is infinite or has no inside. */

@@ -118,6 +118,7 @@ static enum neph_status finish(struct neph_reader *reader, const yaml_node_t *no
 const struct neph_medium_row neph_medium_horizon = {
     .facts = {.name = "Horizon cloud layer",
               .needs_majorants = true,
+              /* measured on cumulus 100 m and more across in 10 km of sky */
               .majorant_cells = 48 * 48 * 48},
     .forms = {{"horizon", "procedural clouds (scenes/horizon.h)", fields,
                sizeof(struct written_horizon), finish}},

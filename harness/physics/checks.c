@@ -5,7 +5,6 @@
 #include <stdio.h>
 #include <string.h>
 
-#define DEG (M_PI / 180.0)
 #define ISO                                                                                        \
     {                                                                                              \
         NEPH_PHASE_ISOTROPIC, 0.0                                                                  \
@@ -121,9 +120,9 @@ static struct neph_check_view look(const struct row *row, const char *name, doub
                   .albedo = row->albedo,
                   .phase = row->phase,
                   .sun_cosine = row->sun_cosine,
-                  .view_azimuth_rad = 60.0 * DEG,
+                  .view_azimuth_rad = 60.0 * NEPH_RAD_PER_DEG,
                   .view_elevation_rad = elevation_rad,
-                  .vertical_fov_rad = 40.0 * DEG,
+                  .vertical_fov_rad = 40.0 * NEPH_RAD_PER_DEG,
                   .aspect = 1.5},
         .weight = NEPH_CHECK_MEAN,
         .factor = 1.0,
@@ -138,15 +137,17 @@ static void add_hemisphere(const struct row *row, struct neph_check *check, doub
 {
     const struct {
         double azimuth_rad, elevation_rad, factor;
-    } faces[] = {
-        {0.0, 90.0 * DEG, 1.0}, {0.0, 0.0, 1.0}, {180.0 * DEG, 0.0, 1.0}, {90.0 * DEG, 0.0, 2.0}};
+    } faces[] = {{0.0, 90.0 * NEPH_RAD_PER_DEG, 1.0},
+                 {0.0, 0.0, 1.0},
+                 {180.0 * NEPH_RAD_PER_DEG, 0.0, 1.0},
+                 {90.0 * NEPH_RAD_PER_DEG, 0.0, 2.0}};
     for (int i = 0; i < 4; i++) {
         /* Level faces lean by 1e-9 rad to the slab's side: that is where their camera stands. */
         const double elevation_rad = fmax(faces[i].elevation_rad, 1e-9);
         struct neph_check_view view = look(row, check->name,
-                                           side * fmin(elevation_rad, 89.99 * DEG));
+                                           side * fmin(elevation_rad, 89.99 * NEPH_RAD_PER_DEG));
         view.stage.view_azimuth_rad = faces[i].azimuth_rad;
-        view.stage.vertical_fov_rad = 90.0 * DEG;
+        view.stage.vertical_fov_rad = 90.0 * NEPH_RAD_PER_DEG;
         view.stage.aspect = 1.0;
         view.weight = NEPH_CHECK_FLUX;
         view.factor = faces[i].factor;
@@ -158,7 +159,7 @@ static void add_hemisphere(const struct row *row, struct neph_check *check, doub
 /* Three rays to a column; as high as Cycles' narrowest field of view. */
 static void add_nadir(const struct row *row, struct neph_check *check)
 {
-    struct neph_check_view view = look(row, check->name, -90.0 * DEG);
+    struct neph_check_view view = look(row, check->name, -90.0 * NEPH_RAD_PER_DEG);
     view.width_px = 48;
     view.height_px = 16;
     view.stage.aspect = 3.0;
@@ -173,7 +174,7 @@ static void add_reciprocal(const struct row *row, struct neph_check *check)
     for (int i = 0; i < 2; i++) {
         struct neph_check_view view = look(row, check->name, -asin(cosines[1 - i]));
         view.stage.sun_cosine = cosines[i];
-        view.stage.vertical_fov_rad = 4.0 * DEG;
+        view.stage.vertical_fov_rad = 4.0 * NEPH_RAD_PER_DEG;
         view.factor = (i == 0 ? 1.0 : -1.0) / cosines[i];
         check->views[check->view_count++] = view;
     }
@@ -212,7 +213,8 @@ static void describe(const struct row *row, char *text, size_t size)
     char phase[64], light[64] = "lit evenly from all sides";
     describe_phase(row->phase, phase);
     if (row->rung != FURNACE)
-        snprintf(light, sizeof(light), "sun %.0f degrees high", asin(row->sun_cosine) / DEG);
+        snprintf(light, sizeof(light), "sun %.0f degrees high",
+                 asin(row->sun_cosine) / NEPH_RAD_PER_DEG);
     snprintf(text, size, "%s: optical depth %g, albedo %g, %s; %s; %s", media[row->medium],
              row->optical_depth, row->albedo, phase, light, observables[row->observable]);
 }
@@ -234,7 +236,7 @@ void neph_check_get(int index, struct neph_check *check)
     case LOOK_DOWN:
     case LOOK_UP: {
         const double side = row->observable == LOOK_DOWN ? -1.0 : 1.0;
-        check->views[check->view_count++] = look(row, check->name, side * 50.0 * DEG);
+        check->views[check->view_count++] = look(row, check->name, side * 50.0 * NEPH_RAD_PER_DEG);
         break;
     }
     case CONSERVATION:

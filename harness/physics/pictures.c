@@ -11,8 +11,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define DEG (M_PI / 180.0)
-
 /* The brightest true pixel is shown a little below white. */
 static const double white = 0.9;
 
@@ -21,8 +19,8 @@ static const double white = 0.9;
 /* Which way a view looks, in words. */
 static void describe(const struct neph_stage_params *stage, char text[160])
 {
-    const double elevation_deg = stage->view_elevation_rad / DEG;
-    const double sun_deg = asin(stage->sun_cosine) / DEG;
+    const double elevation_deg = stage->view_elevation_rad / NEPH_RAD_PER_DEG;
+    const double sun_deg = asin(stage->sun_cosine) / NEPH_RAD_PER_DEG;
     const bool upright = fabs(elevation_deg) > 89.5;
     const char *side = elevation_deg < 0.0 ? "down" : "up";
     char height[48] = "level";
@@ -36,7 +34,7 @@ static void describe(const struct neph_stage_params *stage, char text[160])
         snprintf(text, 160, "camera looks %s; the sun stands %.0f° high", height, sun_deg);
     else
         snprintf(text, 160, "camera looks %s, %.0f° aside from the sun, which stands %.0f° high",
-                 height, stage->view_azimuth_rad / DEG, sun_deg);
+                 height, stage->view_azimuth_rad / NEPH_RAD_PER_DEG, sun_deg);
 }
 
 /* Half stops: the same truth gives the same picture although its last bits differ. */
@@ -55,7 +53,8 @@ void neph_physics_view_describe(const struct neph_check_view *view, const double
         brightest = fmax(brightest, truth_w_per_m2_sr[p]);
     }
     /* A black view has no scale of its own: that of the sun's irradiance over a hemisphere. */
-    const double mean = sum > 0.0 ? sum / count : NEPH_STAGE_IRRADIANCE_W_PER_M2 / (360.0 * DEG);
+    const double mean = sum > 0.0 ? sum / count
+                                  : NEPH_STAGE_IRRADIANCE_W_PER_M2 / (360.0 * NEPH_RAD_PER_DEG);
     *described = (struct neph_physics_view){
         .width_px = view->width_px,
         .height_px = view->height_px,
