@@ -16,8 +16,10 @@ import { argv, env, exit, stderr, stdout } from "node:process";
 import { pathToFileURL } from "node:url";
 
 const CHROMIUM = env.CHROMIUM || "/usr/bin/chromium";
-const FLAGS = ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync"];
-const STATUSES = ["rendered", "cannot", "missing", "failed", "timeout", "interrupted", "over_budget"];
+const FLAGS = ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
+  "--disable-background-networking", "--disable-component-update", "--disable-sync"];
+const STATUSES = ["rendered", "cannot", "missing", "failed", "timeout", "interrupted",
+  "over_budget"];
 const RUNS = ["pass", "fail", "running", "interrupted"];
 const VERDICTS = ["pass", "fail", "not_measured"];
 const RUNGS = ["exact", "tracer", "witness", "model"];
@@ -33,33 +35,49 @@ const find = (text) => { if (!findings.includes(text)) findings.push(text); };
 // ------------------------------------------------------------------------------------------ data
 
 const isNumber = (value) => typeof value === "number" && Number.isFinite(value);
-const isPath = (value) => typeof value === "string" && /^(images|charts)\/[\w.\-/]+$/.test(value) && !value.includes("..");
+const isPath = (value) => typeof value === "string" && /^(images|charts)\/[\w.\-/]+$/.test(value)
+  && !value.includes("..");
 
 /** Whether the data have the form that README.md promises, and its files exist. */
 function checkForm(data, folder) {
   const need = (holds, path, what) => { if (!holds) find(`data.json: ${path} ${what}`); };
-  const text = (object, path, ...keys) => { for (const key of keys) need(typeof object?.[key] === "string", `${path}${key}`, "is not a string"); };
-  const numeric = (object, path, ...keys) => { for (const key of keys) need(object?.[key] === null || isNumber(object?.[key]), `${path}${key}`, "is neither a number nor null"); };
+  const text = (object, path, ...keys) => {
+    for (const key of keys)
+      need(typeof object?.[key] === "string", `${path}${key}`, "is not a string");
+  };
+  const numeric = (object, path, ...keys) => {
+    for (const key of keys) need(object?.[key] === null || isNumber(object?.[key]), `${path}${key}`,
+      "is neither a number nor null");
+  };
   const file = (value, path) => {
     if (value === null) return;
     need(isPath(value), path, `is not a path inside images/ or charts/: ${value}`);
-    if (isPath(value)) need(existsSync(join(folder, value)), path, `names ${value}, which does not exist`);
+    if (isPath(value))
+      need(existsSync(join(folder, value)), path, `names ${value}, which does not exist`);
   };
-  const list = (value, path) => { need(Array.isArray(value), path, "is not a list"); return Array.isArray(value) ? value : []; };
+  const list = (value, path) => {
+    need(Array.isArray(value), path, "is not a list");
+    return Array.isArray(value) ? value : [];
+  };
 
   need(data.format === "neph-report-1", "format", "is not neph-report-1");
   text(data, "", "title", "created_utc", "neph_version");
   need(RUNS.includes(data.verdict), "verdict", `is not a verdict: ${data.verdict}`);
-  need(["running", "interrupted"].includes(data.verdict) === isRecord(data.progress), "progress", `does not go with the verdict ${data.verdict}`);
+  need(["running", "interrupted"].includes(data.verdict) === isRecord(data.progress), "progress",
+    `does not go with the verdict ${data.verdict}`);
   numeric(data, "", "seconds");
   if (data.counts !== undefined) {
     numeric(data.counts, "counts/", "expected", "reported", "compared");
     const held = resultCount(data);
-    need(data.counts.reported === held, "counts/reported", `is ${data.counts.reported} though the report holds ${held}`);
-    need((data.counts.reported === data.counts.expected && data.counts.compared > 0) || data.verdict !== "pass", "verdict", "is pass though results were lost or nothing was compared");
+    need(data.counts.reported === held, "counts/reported",
+      `is ${data.counts.reported} though the report holds ${held}`);
+    need((data.counts.reported === data.counts.expected && data.counts.compared > 0)
+      || data.verdict !== "pass", "verdict",
+      "is pass though results were lost or nothing was compared");
   }
   numeric(data.host, "host/", "cores", "memory_bytes");
-  need(Array.isArray(data.size_px) && data.size_px.length === 2 && data.size_px.every(Number.isInteger), "size_px", "is not [width, height]");
+  need(Array.isArray(data.size_px) && data.size_px.length === 2
+    && data.size_px.every(Number.isInteger), "size_px", "is not [width, height]");
   const names = new Set();
   list(data.engines, "engines").forEach((engine, n) => {
     const path = `engines/${n}/`;
@@ -67,7 +85,8 @@ function checkForm(data, folder) {
     need(RUNGS.includes(engine.rung), `${path}rung`, `is not a rung: ${engine.rung}`);
     need(!names.has(engine.name), `${path}name`, `stands twice: ${engine.name}`);
     names.add(engine.name);
-    need(engine.available || engine.missing !== "", `${path}missing`, "does not say why the engine is not available");
+    need(engine.available || engine.missing !== "", `${path}missing`,
+      "does not say why the engine is not available");
   });
   list(data.scenes, "scenes").forEach((scene, s) => {
     const path = `scenes/${s}/`;
@@ -82,7 +101,8 @@ function checkForm(data, folder) {
       need(!seen.has(frame.engine), `${at}engine`, `stands twice in its scene: ${frame.engine}`);
       seen.add(frame.engine);
       need(STATUSES.includes(frame.status), `${at}status`, `is not a status: ${frame.status}`);
-      need(frame.status === "rendered" || frame.reason !== "", `${at}reason`, `does not say why: ${frame.engine} ${frame.status}`);
+      need(frame.status === "rendered" || frame.reason !== "", `${at}reason`,
+        `does not say why: ${frame.engine} ${frame.status}`);
       numeric(frame, at, ...COSTS);
       file(frame.picture, `${at}picture`);
       file(frame.difference?.radiance ?? null, `${at}difference/radiance`);
@@ -92,44 +112,57 @@ function checkForm(data, folder) {
         const here = `${at}measurements/${m}/`;
         text(row, here, "quantity", "metric", "mask", "unit");
         numeric(row, here, "value", "pixel_count");
-        need(row.interval === null || (Array.isArray(row.interval) && row.interval.length === 2 && row.interval.every(isNumber)), `${here}interval`, "is neither null nor [low, high]");
+        need(row.interval === null || (Array.isArray(row.interval) && row.interval.length === 2
+            && row.interval.every(isNumber)), `${here}interval`, "is neither null nor [low, high]");
       });
     });
-    checkAttribution(scene.attribution ?? null, `${path}attribution/`, seen, { need, text, numeric, list });
-    need(scene.truth === null || seen.has(scene.truth?.engine), `${path}truth`, "names no frame of the scene");
+    checkAttribution(scene.attribution ?? null, `${path}attribution/`, seen,
+      { need, text, numeric, list });
+    need(scene.truth === null || seen.has(scene.truth?.engine), `${path}truth`,
+      "names no frame of the scene");
     list(scene.gates, `${path}gates`).forEach((gate, g) => {
       const at = `${path}gates/${g}/`;
       text(gate, at, "engine", "quantity", "metric", "mask", "reason");
       numeric(gate, at, "value", "maximum");
       need(VERDICTS.includes(gate.verdict), `${at}verdict`, `is not a verdict: ${gate.verdict}`);
-      need(gate.value === null ? gate.verdict !== "pass" : gate.verdict !== "not_measured", `${at}verdict`, `is ${gate.verdict} though the value is ${gate.value}`);
-      need(gate.verdict !== "fail" || data.verdict !== "pass", "verdict", `is ${data.verdict} though ${at.slice(0, -1)} fails`);
+      need(gate.value === null ? gate.verdict !== "pass" : gate.verdict !== "not_measured",
+        `${at}verdict`, `is ${gate.verdict} though the value is ${gate.value}`);
+      need(gate.verdict !== "fail" || data.verdict !== "pass", "verdict",
+        `is ${data.verdict} though ${at.slice(0, -1)} fails`);
     });
   });
   checkSequences(data, { need, text, numeric, list, file });
   if (data.physics) checkPhysics(data, names, { need, text, numeric, list, file });
-  list(data.absent ?? [], "absent").forEach((entry, n) => text(entry, `absent/${n}/`, "scene", "reason", "hint"));
+  list(data.absent ?? [],
+    "absent").forEach((entry, n) => text(entry, `absent/${n}/`, "scene", "reason", "hint"));
   list(data.charts, "charts").forEach((chart, c) => {
     text(chart, `charts/${c}/`, "id", "title", "caption");
     file(chart.svg, `charts/${c}/svg`);
-    need(chart.svg !== null || typeof chart.missing === "string", `charts/${c}/missing`, "does not say why there is no static chart");
+    need(chart.svg !== null || typeof chart.missing === "string", `charts/${c}/missing`,
+      "does not say why there is no static chart");
   });
 }
 
-const isInterval = (value) => Array.isArray(value) && value.length === 2 && value.every(isNumber) && value[0] <= value[1];
+const isInterval = (value) => Array.isArray(value) && value.length === 2 && value.every(isNumber)
+  && value[0] <= value[1];
 
 function checkAttribution(found, path, engines, { need, text, list }) {
   if (found === null) return;
   text(found, path, "mask", "sentence");
-  need(found.odd_one_out === null || engines.has(found.odd_one_out), `${path}odd_one_out`, `is no engine of the scene: ${found.odd_one_out}`);
+  need(found.odd_one_out === null || engines.has(found.odd_one_out), `${path}odd_one_out`,
+    `is no engine of the scene: ${found.odd_one_out}`);
   list(found.pairs, `${path}pairs`).forEach((pair, n) => {
     const at = `${path}pairs/${n}/`;
-    for (const key of ["first", "second"]) need(engines.has(pair[key]), `${at}${key}`, `is no engine of the scene: ${pair[key]}`);
-    for (const key of ["mean_difference", "rms_difference", "noise_floor"]) need(isNumber(pair[key]), `${at}${key}`, "is not a number");
+    for (const key of ["first", "second"])
+      need(engines.has(pair[key]), `${at}${key}`, `is no engine of the scene: ${pair[key]}`);
+    for (const key of ["mean_difference", "rms_difference", "noise_floor"])
+      need(isNumber(pair[key]), `${at}${key}`, "is not a number");
     need(isInterval(pair.interval), `${at}interval`, "is not [low, high]");
     need(PAIRS.includes(pair.verdict), `${at}verdict`, `is not a verdict: ${pair.verdict}`);
-    const rows = found.pairs.filter((other) => [other.first, other.second].includes(found.odd_one_out));
-    need(rows.every((other) => other.verdict === "differ"), `${path}odd_one_out`, "does not differ from all others");
+    const rows = found.pairs.filter((other) => [other.first,
+        other.second].includes(found.odd_one_out));
+    need(rows.every((other) => other.verdict === "differ"), `${path}odd_one_out`,
+      "does not differ from all others");
   });
 }
 
@@ -144,9 +177,12 @@ function checkSequences(data, { need, text, numeric, list, file }) {
       const at = `${path}rows/${r}/`;
       text(row, at, "engine", "preset", "status", "reason", "settings");
       need(STATUSES.includes(row.status), `${at}status`, `is not a status: ${row.status}`);
-      need(row.status === "rendered" || row.reason !== "", `${at}reason`, `does not say why: ${row.preset} ${row.status}`);
-      need((row.status === "rendered") === (row.measurements.length > 0), `${at}measurements`, `do not go with the status ${row.status}`);
-      if (row.measurements.length > 0) counts.add(row.measurements.map((m) => [m.quantity, m.metric, m.mask].join()).join());
+      need(row.status === "rendered" || row.reason !== "", `${at}reason`,
+        `does not say why: ${row.preset} ${row.status}`);
+      need((row.status === "rendered") === (row.measurements.length > 0), `${at}measurements`,
+        `do not go with the status ${row.status}`);
+      if (row.measurements.length > 0)
+        counts.add(row.measurements.map((m) => [m.quantity, m.metric, m.mask].join()).join());
       list(row.pictures, `${at}pictures`).forEach((name, n) => file(name, `${at}pictures/${n}`));
       file(row.map, `${at}map`);
     });
@@ -159,8 +195,10 @@ function checkStudy(study, path, { need, text, numeric, list }) {
   text(study, path, "option");
   numeric(study, path, "order", "observed_order", "limit", "tolerance");
   const levels = list(study.levels, `${path}levels`);
-  levels.forEach((level, n) => numeric(level, `${path}levels/${n}/`, "setting", "radiance", "noise", "bias", "bias_noise", "wall_s"));
-  need(Number.isInteger(study.chosen) && study.chosen >= 0 && study.chosen < levels.length, `${path}chosen`, `is not one of the levels: ${study.chosen}`);
+  levels.forEach((level, n) => numeric(level, `${path}levels/${n}/`, "setting", "radiance", "noise",
+      "bias", "bias_noise", "wall_s"));
+  need(Number.isInteger(study.chosen) && study.chosen >= 0 && study.chosen < levels.length,
+    `${path}chosen`, `is not one of the levels: ${study.chosen}`);
 }
 
 function checkPhysics(data, engines, { need, text, numeric, list, file }) {
@@ -175,46 +213,63 @@ function checkPhysics(data, engines, { need, text, numeric, list, file }) {
     need(rungs.includes(check.rung), `${path}rung`, `is none of the rungs: ${check.rung}`);
     views.set(check.name, list(check.views, `${path}views`));
     check.views.forEach((view, v) => {
-      need(Array.isArray(view.size_px) && view.size_px.length === 2 && view.size_px.every(Number.isInteger), `${path}views/${v}/size_px`, "is not [width, height]");
+      need(Array.isArray(view.size_px) && view.size_px.length === 2
+        && view.size_px.every(Number.isInteger), `${path}views/${v}/size_px`,
+        "is not [width, height]");
       numeric(view, `${path}views/${v}/`, "exposure_ev", "difference_scale");
       file(view.picture, `${path}views/${v}/picture`);
     });
   });
   list(physics.phase_functions ?? [], "physics/phase_functions").forEach((row, n) => {
     text(row, `physics/phase_functions/${n}/`, "phase", "verdict");
-    numeric(row, `physics/phase_functions/${n}/`, "g", "integral", "mean_cosine", "sampled_mean_cosine");
-    need(FINDINGS.includes(row.verdict), `physics/phase_functions/${n}/verdict`, `is not a verdict: ${row.verdict}`);
+    numeric(row, `physics/phase_functions/${n}/`, "g", "integral", "mean_cosine",
+      "sampled_mean_cosine");
+    need(FINDINGS.includes(row.verdict), `physics/phase_functions/${n}/verdict`,
+      `is not a verdict: ${row.verdict}`);
   });
   let tests = 0;
   list(physics.rows, "physics/rows").forEach((row, r) => {
     const path = `physics/rows/${r}/`;
     text(row, path, "check", "rung", "participant", "engine", "reason", "settings", "sentence");
-    numeric(row, path, "deviation", "standard_error", "step_bound", "rounding", "z", "pixel_z_mean", "pixel_z_variance", "wall_s");
+    numeric(row, path, "deviation", "standard_error", "step_bound", "rounding", "z", "pixel_z_mean",
+      "pixel_z_variance", "wall_s");
     need(engines.has(row.engine), `${path}engine`, `is not among the engines: ${row.engine}`);
     need(views.has(row.check), `${path}check`, `is none of the checks: ${row.check}`);
     need(STATUSES.includes(row.status), `${path}status`, `is not a status: ${row.status}`);
     need(FINDINGS.includes(row.verdict), `${path}verdict`, `is not a verdict: ${row.verdict}`);
-    need(row.status === "rendered" || row.reason !== "", `${path}reason`, `does not say why: ${row.participant} ${row.status}`);
-    need((row.deviation === null) === (row.verdict === "not_measured"), `${path}verdict`, `is ${row.verdict} though the deviation is ${row.deviation}`);
+    need(row.status === "rendered" || row.reason !== "", `${path}reason`,
+      `does not say why: ${row.participant} ${row.status}`);
+    need((row.deviation === null) === (row.verdict === "not_measured"), `${path}verdict`,
+      `is ${row.verdict} though the deviation is ${row.deviation}`);
     tests += row.deviation !== null;
     if (row.deviation !== null) {
       need(isInterval(row.interval), `${path}interval`, "is not [low, high]");
-      if (isInterval(row.interval)) need((row.interval[0] <= 0 && row.interval[1] >= 0) === (row.verdict === "agrees"), `${path}interval`, `does not go with the verdict ${row.verdict}`);
-      for (const kind of ["pictures", "differences"]) need(row[kind]?.length === views.get(row.check)?.length, `${path}${kind}`, "are not one per view");
+      if (isInterval(row.interval))
+        need((row.interval[0] <= 0 && row.interval[1] >= 0) === (row.verdict === "agrees"),
+        `${path}interval`, `does not go with the verdict ${row.verdict}`);
+      for (const kind of ["pictures", "differences"])
+        need(row[kind]?.length === views.get(row.check)?.length, `${path}${kind}`,
+        "are not one per view");
     }
-    for (const kind of ["pictures", "differences"]) list(row[kind], `${path}${kind}`).forEach((name, v) => file(name, `${path}${kind}/${v}`));
+    for (const kind of ["pictures", "differences"])
+      list(row[kind], `${path}${kind}`).forEach((name, v) => file(name, `${path}${kind}/${v}`));
     const broken = BROKEN.includes(row.status) && row.status !== "interrupted";
-    need(!(broken || finding(data, row) === "wrong" && isOurs(data, row.engine)) || data.verdict === "fail", "verdict", `is ${data.verdict} though ${row.participant} is ${row.verdict} in ${row.check}`);
+    need(!(broken || finding(data, row) === "wrong" && isOurs(data, row.engine))
+      || data.verdict === "fail", "verdict",
+      `is ${data.verdict} though ${row.participant} is ${row.verdict} in ${row.check}`);
   });
-  need(physics.tests === tests, "physics/tests", `is ${physics.tests}, there are ${tests} deviations`);
+  need(physics.tests === tests, "physics/tests",
+    `is ${physics.tests}, there are ${tests} deviations`);
 }
 
-const isOurs = (data, name) => ["exact", "tracer"].includes(data.engines.find((engine) => engine.name === name)?.rung);
+const isOurs = (data, name) => ["exact",
+  "tracer"].includes(data.engines.find((engine) => engine.name === name)?.rung);
 
 /** What the page must call a row of the physics suite. */
 function finding(data, row) {
   if (row.verdict !== "off") return row.verdict;
-  return isOurs(data, row.engine) ? "wrong" : row.lowered || row.look ? "gap" : row.cause ? "known" : "wrong";
+  return isOurs(data,
+    row.engine) ? "wrong" : row.lowered || row.look ? "gap" : row.cause ? "known" : "wrong";
 }
 
 const isRecord = (value) => typeof value === "object" && value !== null;
@@ -238,35 +293,44 @@ function numbersToShow(data) {
   (data.scenes ?? []).forEach((scene, s) => {
     paths.push(`scenes/${s}/exposure_ev`);
     for (const kind of ["radiance", "transmittance"]) {
-      if (scene.frames.some((frame) => frame.difference?.[kind])) paths.push(`scenes/${s}/difference_scale/${kind}`);
+      if (scene.frames.some((frame) => frame.difference?.[kind]))
+        paths.push(`scenes/${s}/difference_scale/${kind}`);
     }
     scene.frames.forEach((frame, f) => {
       for (const key of COSTS) paths.push(`scenes/${s}/frames/${f}/${key}`);
       frame.measurements.forEach((row, m) => {
         paths.push(`scenes/${s}/frames/${f}/measurements/${m}/value`);
-        if (row.interval) paths.push(`scenes/${s}/frames/${f}/measurements/${m}/interval/0`, `scenes/${s}/frames/${f}/measurements/${m}/interval/1`);
+        if (row.interval) paths.push(`scenes/${s}/frames/${f}/measurements/${m}/interval/0`,
+          `scenes/${s}/frames/${f}/measurements/${m}/interval/1`);
       });
       paths.push(...numbersWithin(frame.bake, `scenes/${s}/frames/${f}/bake`));
       if (!frame.study) return;
-      paths.push(...["limit", "order", "tolerance"].map((key) => `scenes/${s}/frames/${f}/study/${key}`));
+      paths.push(...["limit", "order",
+          "tolerance"].map((key) => `scenes/${s}/frames/${f}/study/${key}`));
       paths.push(...numbersWithin(frame.study.levels, `scenes/${s}/frames/${f}/study/levels`));
     });
     paths.push(...numbersWithin(scene.attribution, `scenes/${s}/attribution`));
-    scene.gates.forEach((_, g) => paths.push(`scenes/${s}/gates/${g}/value`, `scenes/${s}/gates/${g}/maximum`));
+    scene.gates.forEach((_, g) => paths.push(`scenes/${s}/gates/${g}/value`,
+        `scenes/${s}/gates/${g}/maximum`));
   });
-  paths.push(...numbersWithin(data.progress, "progress").filter((path) => data.verdict === "running" || !path.endsWith("left_s")));
+  paths.push(...numbersWithin(data.progress, "progress")
+    .filter((path) => data.verdict === "running" || !path.endsWith("left_s")));
   (data.sequences ?? []).forEach((sequence, q) => {
     paths.push(...["frames", "rate_hz", "exposure_ev"].map((key) => `sequences/${q}/${key}`));
-    sequence.rows.forEach((row, r) => row.measurements.forEach((_, m) => paths.push(...["value", "against_centre_rays"].map((key) => `sequences/${q}/rows/${r}/measurements/${m}/${key}`))));
+    sequence.rows.forEach((row, r) =>
+      row.measurements.forEach((_, m) => paths.push(...["value", "against_centre_rays"].map((key) =>
+            `sequences/${q}/rows/${r}/measurements/${m}/${key}`))));
   });
   if (!data.physics) return paths;
   for (const key of ["family_alpha", "tests", "critical_z"]) paths.push(`physics/${key}`);
   data.physics.checks.forEach((check, c) => check.views.forEach((view, v) => {
-    for (const key of ["exposure_ev", ...(view.picture ? ["difference_scale"] : [])]) paths.push(`physics/checks/${c}/views/${v}/${key}`);
+    for (const key of ["exposure_ev", ...(view.picture ? ["difference_scale"] : [])])
+      paths.push(`physics/checks/${c}/views/${v}/${key}`);
   }));
   paths.push(...numbersWithin(data.physics.phase_functions, "physics/phase_functions"));
   data.physics.rows.forEach((row, r) => {
-    paths.push(...numbersWithin(row, `physics/rows/${r}`).filter((path) => row.deviation !== null || !path.endsWith("/rounding")));
+    paths.push(...numbersWithin(row, `physics/rows/${r}`)
+      .filter((path) => row.deviation !== null || !path.endsWith("/rounding")));
   });
   return paths;
 }
@@ -274,33 +338,44 @@ function numbersToShow(data) {
 /** The paths of all numbers inside a value of the data. */
 function numbersWithin(value, path) {
   if (isNumber(value)) return [path];
-  return isRecord(value) ? Object.entries(value).flatMap(([key, inner]) => numbersWithin(inner, `${path}/${key}`)) : [];
+  return isRecord(value) ? Object.entries(value)
+    .flatMap(([key, inner]) => numbersWithin(inner, `${path}/${key}`)) : [];
 }
 
 /** Every string that must stand on the page, letter for letter. */
 function stringsToShow(data) {
   const texts = [data.title, data.created_utc, data.neph_version];
-  for (const engine of data.engines) texts.push(engine.name, engine.summary, engine.bias, ...(engine.available ? [engine.version, engine.device] : [engine.missing, engine.install_line]));
+  for (const engine of data.engines)
+    texts.push(engine.name, engine.summary, engine.bias, ...(engine.available ? [engine.version,
+        engine.device] : [engine.missing, engine.install_line]));
   for (const scene of data.scenes) {
     texts.push(scene.title, scene.physics, scene.name, scene.truth?.engine);
-    for (const frame of scene.frames) texts.push(frame.reason.replace(/^cannot:\s*/, ""), frame.settings, ...frame.measurements.map((row) => row.unit).filter((unit) => unit !== "1"));
+    for (const frame of scene.frames) texts.push(frame.reason.replace(/^cannot:\s*/, ""),
+      frame.settings, ...frame.measurements.map((row) => row.unit).filter((unit) => unit !== "1"));
     for (const gate of scene.gates) texts.push(gate.reason);
-    texts.push(scene.attribution?.sentence, ...(scene.attribution?.pairs ?? []).map((pair) => `${pair.first} − ${pair.second}`));
+    texts.push(scene.attribution?.sentence,
+      ...(scene.attribution?.pairs ?? []).map((pair) => `${pair.first} − ${pair.second}`));
     for (const frame of scene.frames) if (frame.study) texts.push(frame.study.option);
   }
   for (const scene of data.scenes) for (const frame of scene.frames) texts.push(frame.note);
-  const measured = new Set(data.scenes.flatMap((scene) => scene.frames).flatMap((frame) => frame.measurements.map((row) => row.metric)));
+  const measured = new Set(data.scenes.flatMap((scene) => scene.frames)
+    .flatMap((frame) => frame.measurements.map((row) => row.metric)));
   for (const metric of data.metrics ?? []) if (measured.has(metric.name)) texts.push(metric.help);
   for (const sequence of data.sequences ?? []) {
-    texts.push(sequence.title, sequence.physics, sequence.reference.settings, sequence.reference.text);
-    for (const row of sequence.rows) texts.push(row.preset, row.reason.replace(/^cannot:\s*/, ""), ...row.findings.map((finding) => finding.text));
+    texts.push(sequence.title, sequence.physics, sequence.reference.settings,
+      sequence.reference.text);
+    for (const row of sequence.rows) texts.push(row.preset, row.reason.replace(/^cannot:\s*/, ""),
+      ...row.findings.map((finding) => finding.text));
   }
   for (const entry of data.absent ?? []) texts.push(entry.scene, entry.reason, entry.hint);
   const present = new Set((data.physics?.checks ?? []).map((check) => check.rung));
   for (const rung of data.physics?.rungs ?? []) if (present.has(rung.name)) texts.push(rung.title);
-  for (const check of data.physics?.checks ?? []) texts.push(check.name, check.what.slice(1), ...check.views.map((view) => view.what?.slice(1)));
-  for (const row of data.physics?.rows ?? []) texts.push(row.participant, row.settings, row.verdict === "off" ? row.cause : row.reason.replace(/^cannot:\s*/, ""));
-  for (const chart of data.charts) texts.push(chart.title, chart.caption, chart.svg === null ? chart.missing : "");
+  for (const check of data.physics?.checks ?? [])
+    texts.push(check.name, check.what.slice(1), ...check.views.map((view) => view.what?.slice(1)));
+  for (const row of data.physics?.rows ?? []) texts.push(row.participant, row.settings,
+    row.verdict === "off" ? row.cause : row.reason.replace(/^cannot:\s*/, ""));
+  for (const chart of data.charts)
+    texts.push(chart.title, chart.caption, chart.svg === null ? chart.missing : "");
   return [...new Set(texts.filter(Boolean))];
 }
 
@@ -311,7 +386,8 @@ function read(text) {
   const plain = text.replace(/[\u202f\u00a0]/g, "").replace(/−/g, "-").replace(/^\+/, "");
   const match = /^-?\d+(?:\.(\d+))?(?:e(-?\d+))?$/.exec(plain);
   if (!match) return null;
-  return { value: Number(plain), half: 0.5 * 10 ** (Number(match[2] ?? 0) - (match[1] ?? "").length) };
+  return { value: Number(plain),
+    half: 0.5 * 10 ** (Number(match[2] ?? 0) - (match[1] ?? "").length) };
 }
 
 function checkNumbers(data, shown) {
@@ -329,14 +405,18 @@ function checkNumbers(data, shown) {
     const meant = truth * scale;
     if (!said) find(`${path}: "${text}" is not a number`);
     // Half a unit of the last digit, and three digits at least (trailing zeros may be left out).
-    else if (Math.abs(said.value - meant) > Math.min(said.half, 0.0051 * Math.abs(meant)) * (1 + 1e-9)) find(`${path}: the page reads ${text}, the value is ${meant}`);
+    else if (Math.abs(said.value - meant) > Math.min(said.half,
+        0.0051 * Math.abs(meant)) * (1 + 1e-9))
+      find(`${path}: the page reads ${text}, the value is ${meant}`);
   }
   const paths = new Set(shown.map(({ path }) => path));
-  for (const path of numbersToShow(data)) if (!paths.has(path)) find(`${path}: not shown anywhere on the page`);
+  for (const path of numbersToShow(data)) if (!paths.has(path))
+    find(`${path}: not shown anywhere on the page`);
 }
 
 /** Frames and rows in a report, of which a verdict says that none was lost. */
-const resultCount = (data) => data.scenes.flatMap((scene) => scene.frames).length + (data.physics?.rows ?? []).length;
+const resultCount = (data) => data.scenes.flatMap((scene) => scene.frames)
+  .length + (data.physics?.rows ?? []).length;
 
 function checkCounts(data, counted) {
   const gates = data.scenes.flatMap((scene) => scene.gates);
@@ -348,23 +428,30 @@ function checkCounts(data, counted) {
     gates: gates.length,
     "gates.fail": gates.filter((gate) => gate.verdict === "fail").length,
     "gates.not_measured": gates.filter((gate) => gate.verdict === "not_measured").length,
-    "frames.broken": data.scenes.flatMap((scene) => scene.frames).filter((frame) => BROKEN.includes(frame.status)).length,
+    "frames.broken": data.scenes.flatMap((scene) => scene.frames)
+      .filter((frame) => BROKEN.includes(frame.status)).length,
   };
   const rows = data.physics?.rows ?? [];
   for (const [name, side] of [["ours", true], ["others", false]]) {
-    const list = rows.filter((row) => isOurs(data, row.engine) === side && row.verdict !== "not_measured");
+    const list = rows.filter((row) => isOurs(data, row.engine) === side
+      && row.verdict !== "not_measured");
     truth[`physics.${name}`] = list.length;
-    for (const state of ["agrees", "known", "gap", "wrong"]) truth[`physics.${name}.${state}`] = list.filter((row) => finding(data, row) === state).length;
+    for (const state of ["agrees", "known", "gap", "wrong"])
+      truth[`physics.${name}.${state}`] = list.filter((row) => finding(data, row) === state).length;
   }
   for (const row of rows) {
-    const measured = rows.filter((other) => other.participant === row.participant && other.verdict !== "not_measured");
+    const measured = rows.filter((other) => other.participant === row.participant
+      && other.verdict !== "not_measured");
     truth[`physics.of/${row.participant}`] = measured.length;
-    truth[`physics.of/${row.participant}/agrees`] = measured.filter((other) => other.verdict === "agrees").length;
+    truth[`physics.of/${row.participant}/agrees`] = measured.filter((other) =>
+      other.verdict === "agrees").length;
   }
   truth["physics.open"] = rows.filter((row) => row.verdict === "not_measured").length;
   for (const { what, value, text } of counted) {
-    if (truth[what] === undefined) find(`the page counts "${what}", which this check does not know`);
-    else if (Number(value) !== truth[what] || text !== String(truth[what])) find(`the page counts ${text} ${what}, the data have ${truth[what]}`);
+    if (truth[what] === undefined)
+      find(`the page counts "${what}", which this check does not know`);
+    else if (Number(value) !== truth[what] || text !== String(truth[what]))
+      find(`the page counts ${text} ${what}, the data have ${truth[what]}`);
   }
 }
 
@@ -372,20 +459,27 @@ function checkCounts(data, counted) {
 function survey() {
   const all = (selector) => [...document.querySelectorAll(selector)];
   const attribute = (element, name) => element.getAttribute(name);
-  const visible = (element) => element.checkVisibility({ visibilityProperty: true, opacityProperty: true });
+  const visible = (element) => element.checkVisibility({ visibilityProperty: true,
+      opacityProperty: true });
 
   // Digits in a numeric cell that belong to no number of the data.
   const stray = [];
   for (const cell of all("td.num")) {
     const walker = document.createTreeWalker(cell, NodeFilter.SHOW_TEXT);
     for (let node = walker.nextNode(); node; node = walker.nextNode()) {
-      if (/\d/.test(node.data) && !node.parentElement.closest("[data-path], [data-derived], .reason, .unit")) stray.push(node.data);
+      if (/\d/.test(node.data)
+        && !node.parentElement.closest("[data-path], [data-derived], .reason, .unit"))
+        stray.push(node.data);
     }
   }
 
   // Contrast after WCAG 2.1, of every element that itself holds visible text.
-  const parse = (colour) => { const c = colour.match(/[\d.]+/g).map(Number); return { r: c[0], g: c[1], b: c[2], a: c[3] ?? 1 }; };
-  const over = (top, bottom) => ({ r: top.r * top.a + bottom.r * (1 - top.a), g: top.g * top.a + bottom.g * (1 - top.a), b: top.b * top.a + bottom.b * (1 - top.a), a: 1 });
+  const parse = (colour) => {
+    const c = colour.match(/[\d.]+/g).map(Number);
+    return { r: c[0], g: c[1], b: c[2], a: c[3] ?? 1 };
+  };
+  const over = (top, bottom) => ({ r: top.r * top.a + bottom.r * (1 - top.a),
+      g: top.g * top.a + bottom.g * (1 - top.a), b: top.b * top.a + bottom.b * (1 - top.a), a: 1 });
   const linear = (c) => (c / 255 <= 0.04045 ? c / 255 / 12.92 : ((c / 255 + 0.055) / 1.055) ** 2.4);
   const luminance = ({ r, g, b }) => 0.2126 * linear(r) + 0.7152 * linear(g) + 0.0722 * linear(b);
   const background = (element) => {
@@ -395,18 +489,23 @@ function survey() {
       if (colour.a > 0) layers.push(colour);
       if (colour.a === 1) break;
     }
-    return layers.reverse().reduce((below, layer) => over(layer, below), { r: 255, g: 255, b: 255, a: 1 });
+    return layers.reverse().reduce((below, layer) => over(layer, below),
+      { r: 255, g: 255, b: 255, a: 1 });
   };
   const faint = new Set();
   for (const element of all("body *:not(svg, svg *, .hidden, noscript, script)")) {
-    if (![...element.childNodes].some((node) => node.nodeType === 3 && node.data.trim()) || !visible(element)) continue;
+    if (![...element.childNodes].some((node) => node.nodeType === 3 && node.data.trim())
+      || !visible(element)) continue;
     const style = getComputedStyle(element);
     const behind = background(element);
-    const [light, dark] = [luminance(over(parse(style.color), behind)), luminance(behind)].sort((a, b) => b - a);
+    const [light, dark] = [luminance(over(parse(style.color), behind)),
+      luminance(behind)].sort((a, b) => b - a);
     const ratio = (light + 0.05) / (dark + 0.05);
     const size = parseFloat(style.fontSize);
     const large = size >= 24 || (size >= 18.66 && Number(style.fontWeight) >= 700);
-    if (ratio < (large ? 3 : 4.5)) faint.add(`${element.tagName.toLowerCase()}${element.className ? `.${element.className}` : ""} "${element.textContent.slice(0, 30)}" ${ratio.toFixed(2)}`);
+    const className = element.className ? `.${element.className}` : "";
+    if (ratio < (large ? 3 : 4.5)) faint.add(element.tagName.toLowerCase() + className
+      + ` "${element.textContent.slice(0, 30)}" ${ratio.toFixed(2)}`);
   }
 
   const levels = all("h1, h2, h3, h4, h5, h6").map((heading) => Number(heading.tagName[1]));
@@ -414,23 +513,35 @@ function survey() {
   return {
     title: document.title,
     text: document.querySelector("main").textContent,
-    numbers: all("[data-path]").map((e) => ({ path: attribute(e, "data-path"), value: attribute(e, "data-value"), scale: Number(attribute(e, "data-scale") ?? 1), text: e.textContent.trim() })),
-    counted: all("[data-derived]").map((e) => ({ what: attribute(e, "data-derived"), value: attribute(e, "data-value"), text: e.textContent.trim() })),
+    numbers: all("[data-path]")
+      .map((e) => ({ path: attribute(e, "data-path"), value: attribute(e, "data-value"),
+          scale: Number(attribute(e, "data-scale") ?? 1), text: e.textContent.trim() })),
+    counted: all("[data-derived]").map((e) => ({ what: attribute(e, "data-derived"),
+          value: attribute(e, "data-value"), text: e.textContent.trim() })),
     stray,
     images: all("img").map((e) => ({
-      src: attribute(e, "src"), alt: attribute(e, "alt"), width: e.naturalWidth, height: e.naturalHeight, pixels: e.classList.contains("pixels"),
-      shown: e.getBoundingClientRect().width * devicePixelRatio, rendering: getComputedStyle(e).imageRendering,
+      src: attribute(e, "src"), alt: attribute(e, "alt"), width: e.naturalWidth,
+      height: e.naturalHeight, pixels: e.classList.contains("pixels"),
+      shown: e.getBoundingClientRect().width * devicePixelRatio,
+      rendering: getComputedStyle(e).imageRendering,
     })),
-    figures: all(".chart-figure").map((e) => ({ state: attribute(e, "data-state"), marks: e.querySelectorAll(".live svg .mark-group path, .live svg .mark-group text").length, note: e.querySelector(".upgrade")?.textContent })),
-    scripts: all("script").map((e) => attribute(e, "src") ?? `inline: ${e.textContent.slice(0, 60)}`),
-    handlers: all("*").filter((e) => e.getAttributeNames().some((name) => name.startsWith("on"))).map((e) => e.outerHTML.slice(0, 120)),
-    unexpected: all("iframe, object, embed, base, form:not(.vega-bindings), main style, main link, main meta").map((e) => e.outerHTML.slice(0, 120)),
+    figures: all(".chart-figure").map((e) => ({ state: attribute(e, "data-state"),
+          marks: e.querySelectorAll(".live svg .mark-group path, .live svg .mark-group text")
+          .length, note: e.querySelector(".upgrade")?.textContent })),
+    scripts: all("script")
+      .map((e) => attribute(e, "src") ?? `inline: ${e.textContent.slice(0, 60)}`),
+    handlers: all("*").filter((e) => e.getAttributeNames().some((name) => name.startsWith("on")))
+      .map((e) => e.outerHTML.slice(0, 120)),
+    unexpected: all("iframe, object, embed, base, form:not(.vega-bindings), main style, main link, "
+      + "main meta").map((e) => e.outerHTML.slice(0, 120)),
     links: all("a[href]").map((e) => attribute(e, "href")),
-    brokenAnchors: all("a[href^='#']").map((e) => attribute(e, "href").slice(1)).filter((id) => !document.getElementById(id)),
+    brokenAnchors: all("a[href^='#']").map((e) => attribute(e, "href").slice(1))
+      .filter((id) => !document.getElementById(id)),
     repeatedIds: ids.filter((id, n) => ids.indexOf(id) !== n),
     skippedLevels: levels.filter((level, n) => level > (levels[n - 1] ?? 0) + 1).length,
     heads: levels.filter((level) => level === 1).length,
-    nameless: all("input, button, [role=region], [role=img]").filter((e) => !attribute(e, "aria-label") && !e.labels?.length && !e.textContent.trim()).length,
+    nameless: all("input, button, [role=region], [role=img]").filter((e) => !attribute(e,
+        "aria-label") && !e.labels?.length && !e.textContent.trim()).length,
     unscoped: all("main th:not([scope])").filter((e) => !e.closest(".tooltip")).length,
     faint: [...faint],
     width: document.documentElement.scrollWidth,
@@ -444,30 +555,46 @@ async function open(browser, folder, where, options) {
   await context.setOffline(true);
   const page = await context.newPage();
   // The page without scripts names a chart that a report may lack; its alternative text says so.
-  if (!existsSync(join(folder, "charts/speed_accuracy.svg"))) await page.route("**/charts/speed_accuracy.svg", (route) => route.fulfill({ contentType: "image/svg+xml", body: '<svg xmlns="http://www.w3.org/2000/svg"/>' }));
-  page.on("console", (message) => { if (["error", "warning"].includes(message.type())) find(`${where}: console ${message.type()}: ${message.text()}`); });
+  if (!existsSync(join(folder, "charts/speed_accuracy.svg")))
+    await page.route("**/charts/speed_accuracy.svg",
+    (route) => route.fulfill({ contentType: "image/svg+xml",
+        body: '<svg xmlns="http://www.w3.org/2000/svg"/>' }));
+  page.on("console", (message) => {
+    if (["error", "warning"].includes(message.type()))
+      find(`${where}: console ${message.type()}: ${message.text()}`);
+  });
   page.on("pageerror", (error) => find(`${where}: script error: ${error.message}`));
-  page.on("dialog", (dialog) => { find(`${where}: a dialog opened: ${dialog.message()}`); dialog.dismiss(); });
+  page.on("dialog", (dialog) => {
+    find(`${where}: a dialog opened: ${dialog.message()}`);
+    dialog.dismiss();
+  });
   page.on("popup", () => find(`${where}: a window opened`));
-  page.on("requestfailed", (request) => find(`${where}: could not load ${request.url().replace(pathToFileURL(folder).href, "")}`));
-  page.on("request", (request) => { if (!/^(file|data|blob):/.test(request.url())) find(`${where}: asked the network for ${request.url()}`); });
+  page.on("requestfailed", (request) =>
+    find(`${where}: could not load ${request.url().replace(pathToFileURL(folder).href, "")}`));
+  page.on("request", (request) => {
+    if (!/^(file|data|blob):/.test(request.url()))
+      find(`${where}: asked the network for ${request.url()}`);
+  });
   await page.goto(pathToFileURL(join(folder, "index.html")).href);
   if (options.javaScriptEnabled !== false) {
-    await page.waitForSelector("html[data-ready=yes]", { timeout: 60000 }).catch(() => find(`${where}: the page did not become ready`));
+    await page.waitForSelector("html[data-ready=yes]",
+      { timeout: 60000 }).catch(() => find(`${where}: the page did not become ready`));
   }
   return { context, page };
 }
 
 /** What must hold in each window. */
 function checkWindow(where, seen) {
-  if (seen.width > seen.window) find(`${where}: the page scrolls sideways (${seen.width} px in a window of ${seen.window} px)`);
+  if (seen.width > seen.window)
+    find(`${where}: the page scrolls sideways (${seen.width} px in a window of ${seen.window} px)`);
   for (const text of seen.faint) find(`${where}: too little contrast: ${text}`);
   for (const image of seen.images) {
     if (image.width === 0) find(`${where}: ${image.src} does not show`);
     if (!image.pixels || image.width === 0) continue;
     if (image.rendering !== "pixelated") find(`${where}: ${image.src} is smoothed`);
     const scale = image.shown / image.width;
-    if (Math.abs(scale - Math.round(scale)) > 1e-3) find(`${where}: ${image.src} is shown at ${scale.toFixed(4)} device pixels per pixel`);
+    if (Math.abs(scale - Math.round(scale)) > 1e-3)
+      find(`${where}: ${image.src} is shown at ${scale.toFixed(4)} device pixels per pixel`);
   }
 }
 
@@ -476,17 +603,22 @@ function checkContent(data, seen) {
   if (apart !== null) find(`data.js and data.json differ at ${apart}`);
   checkNumbers(data, seen.numbers);
   checkCounts(data, seen.counted);
-  for (const text of seen.stray) find(`a number that is not from the data stands in a table: "${text}"`);
-  for (const text of stringsToShow(data)) if (!seen.text.includes(text)) find(`not shown on the page: "${text}"`);
+  for (const text of seen.stray)
+    find(`a number that is not from the data stands in a table: "${text}"`);
+  for (const text of stringsToShow(data)) if (!seen.text.includes(text))
+    find(`not shown on the page: "${text}"`);
 
   const sources = new Set(seen.images.map((image) => image.src));
   const expected = new Set();
-  for (const scene of data.scenes) for (const frame of scene.frames) for (const path of [frame.picture, frame.difference?.radiance, frame.difference?.transmittance]) if (path) expected.add(path);
+  for (const scene of data.scenes) for (const frame of scene.frames)
+    for (const path of [frame.picture, frame.difference?.radiance, frame.difference?.transmittance])
+    if (path) expected.add(path);
   const sizes = new Map(); // of pictures with a size of their own
   for (const check of data.physics?.checks ?? []) {
     check.views.forEach((view, v) => {
       const own = data.physics.rows.filter((row) => row.check === check.name);
-      for (const path of [view.picture, ...own.flatMap((row) => [row.pictures?.[v], row.differences?.[v]])]) {
+      for (const path of [view.picture,
+          ...own.flatMap((row) => [row.pictures?.[v], row.differences?.[v]])]) {
         if (!path) continue;
         expected.add(path);
         sizes.set(path, view.size_px);
@@ -502,27 +634,35 @@ function checkContent(data, seen) {
       }
     }
   }
-  for (const path of expected) if (!sources.has(path)) find(`${path} is in the data and not on the page`);
+  for (const path of expected) if (!sources.has(path))
+    find(`${path} is in the data and not on the page`);
   for (const chart of data.charts) if (chart.svg) expected.add(chart.svg);
   for (const image of seen.images) {
     if (!expected.has(image.src)) find(`an image that the data do not name: ${image.src}`);
     if (image.alt === null) find(`${image.src} has no alternative text`);
     const size = sizes.get(image.src) ?? data.size_px;
-    if (image.pixels && image.width > 0 && (image.width !== size[0] || image.height !== size[1])) find(`${image.src} has ${image.width} x ${image.height} pixels, not ${size.join(" x ")}`);
+    if (image.pixels && image.width > 0 && (image.width !== size[0] || image.height !== size[1]))
+      find(`${image.src} has ${image.width} x ${image.height} pixels, not ${size.join(" x ")}`);
   }
 
   const interactive = data.interactive !== false;
-  if (seen.figures.length !== data.charts.length) find(`${seen.figures.length} charts on the page, ${data.charts.length} in the data`);
+  if (seen.figures.length !== data.charts.length)
+    find(`${seen.figures.length} charts on the page, ${data.charts.length} in the data`);
   seen.figures.forEach((figure, n) => {
     const wanted = interactive && data.charts[n]?.spec ? "interactive" : "static";
-    if (figure.state !== wanted) find(`chart ${data.charts[n]?.id} is ${figure.state}, not ${wanted}: ${figure.note}`);
-    if (wanted === "interactive" && figure.marks === 0) find(`chart ${data.charts[n].id} drew no marks`);
+    if (figure.state !== wanted)
+      find(`chart ${data.charts[n]?.id} is ${figure.state}, not ${wanted}: ${figure.note}`);
+    if (wanted === "interactive" && figure.marks === 0)
+      find(`chart ${data.charts[n].id} drew no marks`);
   });
 
   const known = /^(data|report)\.js$|^vendor\/vega(-lite|-embed)?\.min\.js$/;
   for (const script of seen.scripts) if (!known.test(script)) find(`an unknown script: ${script}`);
-  for (const link of seen.links) if (!/^#|^data\.json$|^vendor\/LICENSES\.txt$|^charts\/[\w.-]+$/.test(link)) find(`an unexpected link: ${link}`);
-  for (const html of [...seen.handlers, ...seen.unexpected]) find(`markup that is none of the page's: ${html}`);
+  for (const link of seen.links)
+    if (!/^#|^data\.json$|^vendor\/LICENSES\.txt$|^charts\/[\w.-]+$/.test(link))
+    find(`an unexpected link: ${link}`);
+  for (const html of [...seen.handlers, ...seen.unexpected])
+    find(`markup that is none of the page's: ${html}`);
   for (const id of seen.brokenAnchors) find(`a link to nowhere: #${id}`);
   for (const id of seen.repeatedIds) find(`an id that stands twice: ${id}`);
   if (seen.heads !== 1) find(`${seen.heads} first-level headings`);
@@ -536,7 +676,8 @@ async function checkMoves(page, where) {
   const stack = page.locator(".stack.wipes").first();
   if (await stack.count()) {
     const slider = page.locator(".wipe input").first();
-    const wipe = () => stack.evaluate((element) => parseFloat(element.style.getPropertyValue("--wipe") || "0"));
+    const wipe = () => stack.evaluate((element) =>
+      parseFloat(element.style.getPropertyValue("--wipe") || "0"));
     await slider.focus();
     await page.keyboard.press("End");
     if ((await wipe()) !== 100) find(`${where}: the slider does not wipe`);
@@ -546,7 +687,8 @@ async function checkMoves(page, where) {
     await page.mouse.move(box.x + box.width / 4, box.y + box.height / 2);
     if (Math.abs((await wipe()) - 25) > 1) find(`${where}: the pointer does not wipe`);
     await page.mouse.move(0, 0);
-    if ((await wipe()) !== 0) find(`${where}: the picture does not come back when the pointer leaves`);
+    if ((await wipe()) !== 0)
+      find(`${where}: the picture does not come back when the pointer leaves`);
     await stack.click({ position: { x: 5, y: 5 } });
     if ((await wipe()) !== 100) find(`${where}: a click does not swap`);
     await stack.click({ position: { x: 5, y: 5 } });
@@ -563,7 +705,10 @@ async function checkMoves(page, where) {
 async function checkPage(folder, data, { quick, screenshots }) {
   const { chromium } = await import("playwright-core");
   const browser = await chromium.launch({ executablePath: CHROMIUM, args: FLAGS });
-  const keep = async (page, name) => { if (screenshots) await page.screenshot({ path: join(screenshots, `${name}.png`), fullPage: true }); };
+  const keep = async (page, name) => {
+    if (screenshots)
+      await page.screenshot({ path: join(screenshots, `${name}.png`), fullPage: true });
+  };
   try {
     const wide = await open(browser, folder, "page", { colorScheme: "light" });
     const seen = await wide.page.evaluate(survey);
@@ -574,16 +719,20 @@ async function checkPage(folder, data, { quick, screenshots }) {
     if (!quick) {
       await wide.page.evaluate(() => window.dispatchEvent(new Event("beforeprint")));
       await wide.page.emulateMedia({ media: "print" });
-      if (await wide.page.locator("details:not([open])").count()) find("print: folded parts stay folded");
-      await wide.page.pdf({ format: "A4", preferCSSPageSize: true, ...(screenshots ? { path: join(screenshots, "print.pdf") } : {}) });
+      if (await wide.page.locator("details:not([open])").count())
+        find("print: folded parts stay folded");
+      await wide.page.pdf({ format: "A4", preferCSSPageSize: true,
+          ...(screenshots ? { path: join(screenshots, "print.pdf") } : {}) });
     }
     await wide.context.close();
     if (quick) return;
 
     for (const [where, options] of [
       ["dark", { colorScheme: "dark" }],
-      ["narrow", { colorScheme: "light", viewport: { width: 390, height: 844 }, deviceScaleFactor: 3, hasTouch: true }],
-      ["between", { colorScheme: "dark", viewport: { width: 820, height: 1180 }, deviceScaleFactor: 1.25 }],
+      ["narrow", { colorScheme: "light", viewport: { width: 390, height: 844 },
+          deviceScaleFactor: 3, hasTouch: true }],
+      ["between",
+        { colorScheme: "dark", viewport: { width: 820, height: 1180 }, deviceScaleFactor: 1.25 }],
     ]) {
       const { context, page } = await open(browser, folder, where, options);
       checkWindow(where, await page.evaluate(survey));
@@ -593,8 +742,11 @@ async function checkPage(folder, data, { quick, screenshots }) {
 
     const still = await open(browser, folder, "without scripts", { javaScriptEnabled: false });
     const words = await still.page.locator("main").innerText();
-    if (!words.includes("data.json")) find("without scripts: the page does not say where the numbers are");
-    if (existsSync(join(folder, "charts/speed_accuracy.svg")) && !(await still.page.locator("main img").evaluate((image) => image.naturalWidth))) find("without scripts: the chart does not show");
+    if (!words.includes("data.json"))
+      find("without scripts: the page does not say where the numbers are");
+    if (existsSync(join(folder, "charts/speed_accuracy.svg"))
+      && !(await still.page.locator("main img").evaluate((image) => image.naturalWidth)))
+      find("without scripts: the chart does not show");
     await still.context.close();
   } finally {
     await browser.close();
@@ -608,8 +760,10 @@ function parseArguments(given) {
   for (let n = 0; n < given.length; n++) {
     if (given[n] === "--quick") options.quick = true;
     else if (given[n] === "--data") options.data = true;
-    else if (given[n] === "--screenshots" && given[n + 1]) options.screenshots = resolve(given[++n]);
-    else if (!given[n].startsWith("-") && options.folder === null) options.folder = resolve(given[n]);
+    else if (given[n] === "--screenshots" && given[n + 1])
+      options.screenshots = resolve(given[++n]);
+    else if (!given[n].startsWith("-") && options.folder === null)
+      options.folder = resolve(given[n]);
     else return null;
   }
   return options.folder ? options : null;
@@ -618,18 +772,22 @@ function parseArguments(given) {
 async function main() {
   const options = parseArguments(argv.slice(2));
   if (!options) {
-    stderr.write("usage: node check_report.mjs [--data | --quick] [--screenshots DIR] REPORT_DIR\n");
+    stderr.write(
+      "usage: node check_report.mjs [--data | --quick] [--screenshots DIR] REPORT_DIR\n");
     return 2;
   }
   const { folder } = options;
-  for (const name of ["index.html", "report.css", "report.js", "data.json", "data.js"]) if (!existsSync(join(folder, name))) find(`${name} is missing from ${folder}`);
+  for (const name of ["index.html", "report.css", "report.js", "data.json", "data.js"])
+    if (!existsSync(join(folder, name))) find(`${name} is missing from ${folder}`);
   let data = null;
   if (existsSync(join(folder, "data.json"))) {
     try {
       data = JSON.parse(readFileSync(join(folder, "data.json"), "utf8"));
       checkForm(data, folder);
       if (data.interactive !== false && (data.charts ?? []).some((chart) => chart.spec)) {
-        for (const name of ["vega.min.js", "vega-lite.min.js", "vega-embed.min.js", "LICENSES.txt"]) if (!existsSync(join(folder, "vendor", name))) find(`vendor/${name} is missing; without the bundle write "interactive": false`);
+        for (const name of ["vega.min.js", "vega-lite.min.js", "vega-embed.min.js", "LICENSES.txt"])
+          if (!existsSync(join(folder, "vendor", name)))
+          find(`vendor/${name} is missing; without the bundle write "interactive": false`);
       }
     } catch (error) {
       find(`data.json cannot be checked: ${error.message}`);
@@ -647,7 +805,8 @@ async function main() {
   }
   for (const text of findings.slice(0, SHOWN_MOST)) stdout.write(`${text}\n`);
   if (findings.length > SHOWN_MOST) stdout.write(`and ${findings.length - SHOWN_MOST} more\n`);
-  stderr.write(findings.length === 0 ? `${folder}: the report holds\n` : `${folder}: ${findings.length} findings\n`);
+  stderr.write(findings.length === 0 ? `${folder}: the report holds\n`
+    : `${folder}: ${findings.length} findings\n`);
   return findings.length === 0 ? 0 : 1;
 }
 

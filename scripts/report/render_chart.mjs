@@ -62,11 +62,13 @@ async function main() {
       debug: () => logger,
     };
     const { spec } = compile(JSON.parse(await readFile(specPath, "utf8")), { logger });
-    const view = new vega.View(vega.parse(spec), { renderer: "none", loader: sealedLoader, logger });
+    const view = new vega.View(vega.parse(spec),
+      { renderer: "none", loader: sealedLoader, logger });
     const svg = await view.toSVG();
     view.finalize();
     if (refused.length > 0) {
-      stderr.write(`${specPath}: the specification asks for ${refused[0]}; put the rows into "datasets"\n`);
+      stderr.write(
+        `${specPath}: the specification asks for ${refused[0]}; put the rows into "datasets"\n`);
       return 1;
     }
     if (!rowsIn(spec, view)) {
@@ -75,7 +77,8 @@ async function main() {
     }
     for (const warning of warnings) stderr.write(`${specPath}: ${warning}\n`);
     if (/NaN|Infinity/.test(svg.replace(/>[^<]*</g, "><"))) {
-      stderr.write(`${specPath}: a coordinate is not a number; log axes take positive values only\n`);
+      stderr.write(
+        `${specPath}: a coordinate is not a number; log axes take positive values only\n`);
       return 1;
     }
     await writeWhole(svgPath, `${svg}\n`);

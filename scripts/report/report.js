@@ -18,9 +18,12 @@
     witness: "witness: another project's renderer",
     model: "model: a real-time method under test",
   };
-  const QUANTITIES = { radiance: "Radiance", transmittance: "Transmittance", depth: "Depth", volume: "Light of the medium alone" };
-  const MASKS = { all: "whole picture", sky: "sky", medium: "inside the medium", depth_edge: "at edges in depth", solid: "solids",
-    non_edge: "away from edges in depth", thin: "thin objects", cloud: "clouds", fog: "fog", sun: "the sun" };
+  const QUANTITIES = { radiance: "Radiance", transmittance: "Transmittance", depth: "Depth",
+    volume: "Light of the medium alone" };
+  const MASKS = { all: "whole picture", sky: "sky", medium: "inside the medium",
+    depth_edge: "at edges in depth", solid: "solids",
+    non_edge: "away from edges in depth", thin: "thin objects", cloud: "clouds", fog: "fog",
+    sun: "the sun" };
   const STATUSES = {
     rendered: ["rendered", ""],
     cannot: ["cannot", "open-word"],
@@ -36,8 +39,10 @@
     not_measured: ["○ not measured", "open-word"],
   };
   const BAKED = {
-    grid: "grid", extinction_rms_relative: "RMS error ÷ RMS of the extinction", extinction_max_relative: "largest error ÷ largest extinction",
-    optical_depth_rms: "optical depth of random chords, RMS error", optical_depth_max: "largest error", optical_depth_mean: "mean error",
+    grid: "grid", extinction_rms_relative: "RMS error ÷ RMS of the extinction",
+    extinction_max_relative: "largest error ÷ largest extinction",
+    optical_depth_rms: "optical depth of random chords, RMS error",
+    optical_depth_max: "largest error", optical_depth_mean: "mean error",
     transmittance_max: "transmittance of the chords, largest error",
   };
   // What the whole run has come to: its word, and the class of its colour.
@@ -61,18 +66,28 @@
   };
   // What a rung of the physics suite asks, in plain words.
   const QUESTIONS = {
-    furnace: "A medium that absorbs nothing and is lit evenly from all sides cannot be seen: as much light is scattered into every ray as out of it. "
-      + "Every pixel must show the surround. An engine that makes or loses energy shows the medium.",
-    single: "Light that is scattered exactly once has formulas and integrals that can be worked out to many digits. This tests extinction, phase functions, "
+    furnace: "A medium that absorbs nothing and is lit evenly from all sides cannot be seen: as "
+      + "much light is scattered into every ray as out of it. "
+      + "Every pixel must show the surround. An engine that makes or loses energy shows the "
+      + "medium.",
+    single: "Light that is scattered exactly once has formulas and integrals that can be worked "
+      + "out to many digits. This tests extinction, phase functions, "
       + "the sun's own path through the medium, and the sum along the view.",
-    slab: "Light scattered any number of times. In an endless slab this is solved by adding thin layers and doubling thick ones: another road than following "
+    slab: "Light scattered any number of times. In an endless slab this is solved by adding thin "
+      + "layers and doubling thick ones: another road than following "
       + "light paths, so both cannot share a mistake.",
-    fog: "The same for fog that thins out with height: it holds as much matter as a slab of the same optical depth, and must reflect the same light.",
-    "half-space": "A slab so thick that nothing comes out below. Its light was solved with pen and paper by S. Chandrasekhar (1950).",
-    conservation: "What enters a medium that absorbs nothing must leave it: reflected, transmitted and unscattered light add up to all there was.",
-    "step-cloud": "A cloud whose thin and thick columns stand side by side, an exercise of the Intercomparison of 3D Radiation Codes (I3RC): light leaks through "
-      + "their sides, which no engine gets right that thinks in layers. The truth is a Monte Carlo of its own for columns, whose noise is part of the error given.",
-    reciprocity: "Light goes the same way back. When camera and sun change places, the reflection must stay what it was.",
+    fog: "The same for fog that thins out with height: it holds as much matter as a slab of the "
+      + "same optical depth, and must reflect the same light.",
+    "half-space": "A slab so thick that nothing comes out below. Its light was solved with pen and "
+      + "paper by S. Chandrasekhar (1950).",
+    conservation: "What enters a medium that absorbs nothing must leave it: reflected, transmitted "
+      + "and unscattered light add up to all there was.",
+    "step-cloud": "A cloud whose thin and thick columns stand side by side, an exercise of the "
+      + "Intercomparison of 3D Radiation Codes (I3RC): light leaks through "
+      + "their sides, which no engine gets right that thinks in layers. The truth is a Monte Carlo "
+      + "of its own for columns, whose noise is part of the error given.",
+    reciprocity: "Light goes the same way back. When camera and sun change places, the reflection "
+      + "must stay what it was.",
   };
   // The one error of a scene and engine in the summary: the first of these that was measured.
   const HEADLINES = [
@@ -82,7 +97,8 @@
     ["transmittance", "max_abs", "all"],
     ["depth", "rmse", "all"],
   ];
-  // From minus to plus the scale; the program's maps interpolate these linearly in sRGB code values.
+  // From minus to plus the scale; the program's maps interpolate these linearly in sRGB code
+  // values.
   const DIFFERENCE_COLOURS = ["#053061", "#4393c3", "#f7f7f7", "#d6604d", "#67001f"];
   const BROKEN = ["failed", "timeout", "interrupted"];
   const LISTED = 12; // troubles in the verdict before the rest is folded away
@@ -94,7 +110,8 @@
   function el(tag, attributes, ...children) {
     const element = document.createElement(tag);
     for (const [name, value] of Object.entries(attributes ?? {})) {
-      if (value !== null && value !== undefined && value !== false) element.setAttribute(name, String(value));
+      if (value !== null && value !== undefined && value !== false)
+        element.setAttribute(name, String(value));
     }
     append(element, children);
     return element;
@@ -109,13 +126,15 @@
 
   function svg(tag, attributes, ...children) {
     const element = document.createElementNS("http://www.w3.org/2000/svg", tag);
-    for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, String(value));
+    for (const [name, value] of Object.entries(attributes))
+      element.setAttribute(name, String(value));
     append(element, children);
     return element;
   }
 
   const hidden = (text) => el("span", { class: "hidden" }, text);
-  const absent = (text) => el("span", { class: "absent" }, el("span", { "aria-hidden": "true" }, "—"), hidden(text ?? "not measured"));
+  const absent = (text) => el("span", { class: "absent" },
+    el("span", { "aria-hidden": "true" }, "—"), hidden(text ?? "not measured"));
   const plural = (count, one, many) => (count === 1 ? one : many);
 
   function word(table, key) {
@@ -128,7 +147,8 @@
 
   /** A path that stays inside the report, or null. */
   function inside(path) {
-    return typeof path === "string" && /^(images|charts)\/[\w.\-/]+$/.test(path) && !path.includes("..") ? path : null;
+    return typeof path === "string" && /^(images|charts)\/[\w.\-/]+$/.test(path)
+      && !path.includes("..") ? path : null;
   }
 
   const taken = new Set();
@@ -152,16 +172,20 @@
       text = magnitude < 10000 ? String(magnitude) : grouped(String(magnitude));
     } else {
       const rounded = Number(magnitude.toPrecision(digits));
-      if (rounded < 1e-3 || rounded >= 1e6) text = magnitude.toExponential(digits - 1).replace("e+", "e");
-      else if (rounded >= 1000) text = rounded >= 10000 ? grouped(magnitude.toFixed(0)) : magnitude.toFixed(0);
-      else text = magnitude.toFixed(Math.max(0, digits - 1 - Math.floor(Math.log10(rounded) + 1e-12)));
+      if (rounded < 1e-3 || rounded >= 1e6)
+        text = magnitude.toExponential(digits - 1).replace("e+", "e");
+      else if (rounded >= 1000)
+        text = rounded >= 10000 ? grouped(magnitude.toFixed(0)) : magnitude.toFixed(0);
+      else text = magnitude.toFixed(Math.max(0,
+          digits - 1 - Math.floor(Math.log10(rounded) + 1e-12)));
       // A limit is what somebody chose, not a measurement: it has no trailing zeros.
       if (exact && text.includes(".")) text = text.replace(/\.?0+(?=e|$)/, "");
     }
     return text.replace("e-", "e−");
   }
 
-  const at = (path) => path.split("/").reduce((node, key) => (node === null || node === undefined ? undefined : node[key]), report);
+  const at = (path) => path.split("/")
+    .reduce((node, key) => (node === null || node === undefined ? undefined : node[key]), report);
 
   /** The number at `path` of the data. Options: scale, unit, signed, exact, digits. */
   function number(path, options) {
@@ -175,7 +199,9 @@
     }
     const shown = value * scale;
     const sign = shown < 0 ? "−" : signed && shown > 0 ? "+" : "";
-    const element = el("data", { value, "data-path": path, "data-value": value, title: `${value}${scale === 1 ? "" : ` × ${scale}`}` }, sign + written(Math.abs(shown), exact, digits));
+    const element = el("data", { value, "data-path": path, "data-value": value,
+        title: `${value}${scale === 1 ? "" : ` × ${scale}`}` },
+      sign + written(Math.abs(shown), exact, digits));
     if (scale !== 1) element.setAttribute("data-scale", scale);
     return unit ? [element, unitText(unit)] : element;
   }
@@ -183,13 +209,15 @@
   const unitText = (unit) => el("span", { class: "unit" }, "\u00a0" + unit);
 
   /** A number counted on this page; the checker counts again. */
-  const derived = (what, count) => el("span", { "data-derived": what, "data-value": count }, String(count));
+  const derived = (what, count) => el("span", { "data-derived": what, "data-value": count },
+    String(count));
 
   /** Ratios come as plain numbers; people read percent. */
   const isRatio = (unit) => unit === "" || unit === "1" || unit === null || unit === undefined;
   function reading(metric, unit) {
     const signed = /bias$/.test(metric);
-    return metric === "rel_bias" && isRatio(unit) ? { scale: 100, signed, unit: "%" } : { signed, unit: isRatio(unit) ? "" : unit };
+    return metric === "rel_bias" && isRatio(unit) ? { scale: 100, signed, unit: "%" } : { signed,
+      unit: isRatio(unit) ? "" : unit };
   }
 
   // ---------------------------------------------------------------------------- looking things up
@@ -202,21 +230,27 @@
   const physics = report?.physics ?? null;
   const rows = physics?.rows ?? [];
   const sceneIds = scenes.map((scene) => anchor("scene", scene.name));
-  const checks = (physics?.checks ?? []).map((check, c) => ({ check, c, id: anchor("check", check.name) }));
-  const rungs = (physics?.rungs ?? []).filter((rung) => checks.some(({ check }) => check.rung === rung.name)).map((rung) => ({ ...rung, id: anchor("rung", rung.name) }));
-  const metricNames = (report?.metrics ?? []).map((metric) => metric.name); // in the order of their tables
+  const checks = (physics?.checks ?? [])
+    .map((check, c) => ({ check, c, id: anchor("check", check.name) }));
+  const rungs = (physics?.rungs ?? []).filter((rung) => checks.some(({ check }) =>
+      check.rung === rung.name)).map((rung) => ({ ...rung, id: anchor("rung", rung.name) }));
+  const metricNames = (report?.metrics ?? [])
+    .map((metric) => metric.name); // in the order of their tables
   const isTruth = (scene, engine) => scene.truth?.engine === engine;
   const engineNamed = (name) => engines.find((engine) => engine.name === name);
 
   function measurementOf(s, f, quantity, metric, mask) {
     const list = scenes[s].frames[f].measurements ?? [];
-    const m = list.findIndex((row) => row.quantity === quantity && row.metric === metric && row.mask === mask && row.value !== null);
-    return m < 0 ? null : { path: `scenes/${s}/frames/${f}/measurements/${m}/value`, unit: list[m].unit };
+    const m = list.findIndex((row) => row.quantity === quantity && row.metric === metric
+      && row.mask === mask && row.value !== null);
+    return m < 0 ? null : { path: `scenes/${s}/frames/${f}/measurements/${m}/value`,
+      unit: list[m].unit };
   }
 
   function unitOf(scene, quantity, metric) {
     for (const frame of framesOf(scene)) {
-      const row = (frame.measurements ?? []).find((m) => m.quantity === quantity && m.metric === metric && m.unit);
+      const row = (frame.measurements ?? [])
+        .find((m) => m.quantity === quantity && m.metric === metric && m.unit);
       if (row) return row.unit;
     }
     return "";
@@ -227,8 +261,10 @@
 
   function gateValue(s, g, key) {
     const gate = scenes[s].gates[g];
-    const { scale, signed, unit } = reading(gate.metric, unitOf(scenes[s], gate.quantity, gate.metric));
-    return number(`scenes/${s}/gates/${g}/${key}`, { scale, unit, signed: signed && key === "value", exact: key === "maximum" });
+    const { scale, signed, unit } = reading(gate.metric,
+      unitOf(scenes[s], gate.quantity, gate.metric));
+    return number(`scenes/${s}/gates/${g}/${key}`,
+      { scale, unit, signed: signed && key === "value", exact: key === "maximum" });
   }
 
   // ----------------------------------------------------------------------------------------- head
@@ -243,8 +279,10 @@
         fact("Written", report.created_utc),
         fact("Took", number("seconds", { unit: "s" })),
         fact("Version", ["neph ", report.neph_version]),
-        fact("Host", [report.host?.cpu, " · ", number("host/cores"), " cores · ", number("host/memory_bytes", { scale: 1 / 2 ** 30, unit: "GiB" })]),
-        scenes.length > 0 && fact("Pictures", size.length ? [number("size_px/0"), " × ", number("size_px/1"), " pixels"] : absent())));
+        fact("Host", [report.host?.cpu, " · ", number("host/cores"), " cores · ",
+            number("host/memory_bytes", { scale: 1 / 2 ** 30, unit: "GiB" })]),
+        scenes.length > 0 && fact("Pictures",
+          size.length ? [number("size_px/0"), " × ", number("size_px/1"), " pixels"] : absent())));
   }
 
   const fact = (name, value) => el("div", {}, el("dt", {}, name), el("dd", {}, value));
@@ -253,56 +291,79 @@
     const all = scenes.flatMap((scene, s) => gatesOf(scene).map((gate, g) => ({ gate, s, g })));
     const failing = all.filter(({ gate }) => gate.verdict === "fail");
     const open = all.filter(({ gate }) => gate.verdict === "not_measured");
-    const broken = scenes.flatMap((scene, s) => framesOf(scene).filter((frame) => BROKEN.includes(frame.status)).map((frame) => ({ frame, s })));
+    const broken = scenes.flatMap((scene, s) => framesOf(scene)
+      .filter((frame) => BROKEN.includes(frame.status)).map((frame) => ({ frame, s })));
     const [said, colour] = RUNS[report.verdict] ?? [report.verdict, "open"];
 
     const lines = [];
     for (const { gate, s, g } of failing) {
-      lines.push(el("li", {}, word(VERDICTS, "fail"), " ", sceneLink(s), " · ", el("b", {}, gate.engine), " · ", measured(gate), ": ", gateValue(s, g, "value"),
+      lines.push(el("li", {}, word(VERDICTS, "fail"), " ", sceneLink(s), " · ",
+          el("b", {}, gate.engine), " · ", measured(gate), ": ", gateValue(s, g, "value"),
         ", limit ", gateValue(s, g, "maximum"), gate.reason ? ` (${gate.reason})` : ""));
     }
     for (const { frame, s } of broken) {
-      lines.push(el("li", {}, word(STATUSES, frame.status), " ", sceneLink(s), " · ", el("b", {}, frame.engine), why(frame) ? `: ${why(frame)}` : ""));
+      lines.push(el("li", {}, word(STATUSES, frame.status), " ", sceneLink(s), " · ",
+          el("b", {}, frame.engine), why(frame) ? `: ${why(frame)}` : ""));
     }
     for (const row of physics?.phase_functions ?? []) {
-      if (row.verdict === "off") lines.push(el("li", {}, word(FINDINGS, "wrong"), " ", el("a", { href: "#phase-functions" }, "Phase function"), " ", String(row.phase).replace(/_/g, " ")));
+      if (row.verdict === "off")
+        lines.push(el("li", {}, word(FINDINGS, "wrong"), " ", el("a", { href: "#phase-functions" },
+            "Phase function"), " ", String(row.phase).replace(/_/g, " ")));
     }
     for (const r of rows.keys()) {
       const state = findingOf(rows[r]);
-      if (state === "wrong") lines.push(el("li", {}, word(FINDINGS, state), " ", checkLink(rows[r].check), " · ", el("b", {}, rows[r].participant), " by ", deviation(r)));
-      else if (BROKEN.includes(rows[r].status)) lines.push(el("li", {}, word(STATUSES, rows[r].status), " ", checkLink(rows[r].check), " · ", el("b", {}, rows[r].participant), why(rows[r]) ? `: ${why(rows[r])}` : ""));
+      if (state === "wrong") lines.push(el("li", {}, word(FINDINGS, state), " ",
+          checkLink(rows[r].check), " · ", el("b", {}, rows[r].participant), " by ", deviation(r)));
+      else if (BROKEN.includes(rows[r].status))
+        lines.push(el("li", {}, word(STATUSES, rows[r].status), " ", checkLink(rows[r].check),
+          " · ", el("b", {}, rows[r].participant), why(rows[r]) ? `: ${why(rows[r])}` : ""));
     }
     for (const { gate, s } of open) {
-      lines.push(el("li", {}, word(VERDICTS, "not_measured"), " ", sceneLink(s), " · ", el("b", {}, gate.engine), " · ", measured(gate), gate.reason ? `: ${gate.reason}` : ""));
+      lines.push(el("li", {}, word(VERDICTS, "not_measured"), " ", sceneLink(s), " · ",
+          el("b", {}, gate.engine), " · ", measured(gate), gate.reason ? `: ${gate.reason}` : ""));
     }
     const missing = report.absent ?? [];
-    for (const entry of missing) lines.push(el("li", {}, el("span", { class: "open-word" }, "○ left out"), " ", el("b", {}, entry.scene), entry.reason ? `: ${entry.reason}` : "", entry.hint && el("span", { class: "soft" }, ` (${entry.hint})`)));
+    for (const entry of missing) lines.push(el("li", {}, el("span", { class: "open-word" },
+          "○ left out"), " ", el("b", {}, entry.scene), entry.reason ? `: ${entry.reason}` : "",
+        entry.hint && el("span", { class: "soft" }, ` (${entry.hint})`)));
     const total = derived("gates", all.length);
     return el("section", { class: `verdict ${colour}`, "aria-label": "Verdict" },
       el("p", { class: "word" }, said),
-      el("div", { class: "said" }, unfinished(), physics && physicsVerdict(), (scenes.length > 0 || !physics) && el("p", {},
+      el("div", { class: "said" }, unfinished(), physics && physicsVerdict(),
+        (scenes.length > 0 || !physics) && el("p", {},
         all.length === 0
           ? [total, " gates: nothing was held to a limit."]
           : failing.length > 0
-            ? [derived("gates.fail", failing.length), " of ", total, plural(all.length, " gate", " gates"), plural(failing.length, " is", " are"), " over the limit."]
+            ? [derived("gates.fail", failing.length), " of ", total, plural(all.length, " gate",
+                " gates"), plural(failing.length, " is", " are"), " over the limit."]
             : open.length === 0
-              ? [plural(all.length, "The one gate is", "All gates are"), " within the limit (", total, ")."]
+              ? [plural(all.length, "The one gate is", "All gates are"), " within the limit (",
+                total, ")."]
               : ["No gate is over its limit (", total, " in all)."],
-        open.length > 0 && [" ", derived("gates.not_measured", open.length), " could not be measured."],
-        broken.length > 0 && [" ", derived("frames.broken", broken.length), plural(broken.length, " rendering", " renderings"), " did not finish."],
-        missing.length > 0 && [" ", derived("absent", missing.length), plural(missing.length, " scene was", " scenes were"), " left out: its data are not on this machine."]),
-        report.counts && el("p", { class: "small soft" }, derived("counts.reported", report.counts.reported), " of ", derived("counts.expected", report.counts.expected),
-          " results are in this report, ", derived("counts.compared", report.counts.compared), " compared with a truth.")),
+        open.length > 0 && [" ", derived("gates.not_measured", open.length),
+          " could not be measured."],
+        broken.length > 0 && [" ", derived("frames.broken", broken.length),
+          plural(broken.length, " rendering", " renderings"), " did not finish."],
+        missing.length > 0 && [" ", derived("absent", missing.length), plural(missing.length,
+            " scene was", " scenes were"), " left out: its data are not on this machine."]),
+        report.counts && el("p", { class: "small soft" }, derived("counts.reported",
+            report.counts.reported), " of ", derived("counts.expected", report.counts.expected),
+          " results are in this report, ", derived("counts.compared", report.counts.compared),
+          " compared with a truth.")),
       lines.length > 0 && el("ul", { class: "small" }, lines.slice(0, LISTED)),
-      lines.length > LISTED && el("details", { class: "small" }, el("summary", {}, "The rest of the list"), el("ul", {}, lines.slice(LISTED))));
+      lines.length > LISTED && el("details", { class: "small" },
+        el("summary", {}, "The rest of the list"), el("ul", {}, lines.slice(LISTED))));
   }
 
   /** A page that was written before the run was over says so, and how much of it is here. */
   function unfinished() {
     if (!report.progress) return null;
-    return el("p", {}, report.verdict === "running" ? "This page is written as the run goes on: load it again to see more. " : "The run was cut short; the same command goes on from here. ",
+    return el("p", {}, report.verdict === "running"
+      ? "This page is written as the run goes on: load it again to see more. "
+      : "The run was cut short; the same command goes on from here. ",
       number("progress/done"), " of ", number("progress/total"), " steps are over",
-      typeof report.progress.left_s === "number" && report.verdict === "running" ? [", about ", number("progress/left_s", { unit: "s", digits: 2 }), " are left."] : ".");
+      typeof report.progress.left_s === "number" && report.verdict === "running" ? [", about ",
+        number("progress/left_s", { unit: "s", digits: 2 }), " are left."] : ".");
   }
 
   const sceneLink = (s) => el("a", { href: `#${sceneIds[s]}` }, scenes[s].title || scenes[s].name);
@@ -311,7 +372,8 @@
     return el("nav", { "aria-label": "Contents" }, el("ul", {},
       physics && el("li", {}, el("a", { href: "#physics" }, "Physics: who agrees")),
       (scenes.length > 0 || !physics) && el("li", {}, el("a", { href: "#summary" }, "Summary")),
-      physics?.phase_functions?.length > 0 && el("li", {}, el("a", { href: "#phase-functions" }, "Phase functions")),
+      physics?.phase_functions?.length > 0 && el("li", {},
+        el("a", { href: "#phase-functions" }, "Phase functions")),
       rungs.map((rung) => el("li", {}, el("a", { href: `#${rung.id}` }, sentenceCase(rung.name)))),
       scenes.map((_, s) => el("li", {}, sceneLink(s))),
       sequences.length > 0 && el("li", {}, el("a", { href: "#over-time" }, "Over time")),
@@ -325,44 +387,54 @@
   function commonHeadline() {
     const counts = HEADLINES.map((headline) => {
       let count = 0;
-      scenes.forEach((scene, s) => framesOf(scene).forEach((_, f) => { if (measurementOf(s, f, ...headline)) count++; }));
+      scenes.forEach((scene, s) => framesOf(scene).forEach((_, f) => {
+        if (measurementOf(s, f, ...headline)) count++;
+      }));
       return count;
     });
-    return HEADLINES[counts.findIndex((count) => count > 0 && count * 2 >= Math.max(...counts))] ?? HEADLINES[0];
+    return HEADLINES[counts.findIndex((count) => count > 0 && count * 2 >= Math.max(...counts))]
+      ?? HEADLINES[0];
   }
 
   function summary() {
     if (scenes.length === 0 && physics) return null;
     const common = commonHeadline();
     const order = [common, ...HEADLINES.filter((headline) => headline !== common)];
-    const units = scenes.map((scene) => unitOf(scene, common[0], common[1])).filter((unit) => !isRatio(unit));
+    const units = scenes.map((scene) => unitOf(scene, common[0], common[1]))
+      .filter((unit) => !isRatio(unit));
     const unit = units[0] ?? "";
     const attributed = scenes.some((scene) => scene.attribution);
     return el("section", { "aria-labelledby": "summary" },
       el("h2", { id: "summary" }, "Summary"),
       scrolling("Summary", el("table", { class: "wide matrix" },
         el("thead", {}, el("tr", {}, el("th", { scope: "col" }, "Scene"),
-          engines.map((engine) => el("th", { scope: "col", class: "num" }, engine.name, el("small", {}, engine.available ? engine.rung : "not installed"))),
+          engines.map((engine) => el("th", { scope: "col", class: "num" }, engine.name,
+              el("small", {}, engine.available ? engine.rung : "not installed"))),
           attributed && el("th", { scope: "col" }, "Stands alone"))),
         el("tbody", {}, scenes.map((scene, s) => el("tr", {},
           el("th", { scope: "row" }, sceneLink(s), el("small", { class: "mono" }, scene.name)),
-          engines.map((engine) => summaryCell(s, engine, order, unit)), attributed && el("td", {}, standsAlone(scene)))))),
-      [`The number is the ${common[1]} of the ${common[0]} over the ${maskName(common[2])}${unit ? `, in ${unit},` : ""} against the reference of `,
-        "the scene; where another one stands, it says which. Below it, the relative bias (+ is too bright) and the word of the gates. ",
+          engines.map((engine) => summaryCell(s, engine, order, unit)),
+          attributed && el("td", {}, standsAlone(scene)))))),
+      [`The number is the ${common[1]} of the ${common[0]} over the ${maskName(common[2])}`,
+        unit && `, in ${unit},`, " against the reference of the scene; where another one stands, ",
+        "it says which. Below it, the relative bias (+ is too bright) and the word of the gates. ",
         attributed && "“Stands alone” is who differs from all others, without any reference. ",
         "A dash is a number that was not measured."]));
   }
 
   function standsAlone(scene) {
     if (!scene.attribution) return absent("not asked");
-    if (scene.attribution.odd_one_out) return el("span", { class: "open-word" }, `≠ ${scene.attribution.odd_one_out}`);
+    if (scene.attribution.odd_one_out)
+      return el("span", { class: "open-word" }, `≠ ${scene.attribution.odd_one_out}`);
     return el("span", { class: "soft small" }, scene.attribution.sentence);
   }
 
   function gateWord(scene, engine) {
-    const verdicts = gatesOf(scene).filter((gate) => gate.engine === engine).map((gate) => gate.verdict);
+    const verdicts = gatesOf(scene).filter((gate) => gate.engine === engine)
+      .map((gate) => gate.verdict);
     if (verdicts.length === 0) return el("small", {}, "no gate");
-    const worst = verdicts.includes("fail") ? "fail" : verdicts.includes("not_measured") ? "not_measured" : "pass";
+    const worst = verdicts.includes("fail") ? "fail" : verdicts.includes("not_measured")
+      ? "not_measured" : "pass";
     return el("small", {}, word(VERDICTS, worst));
   }
 
@@ -372,16 +444,19 @@
     const cell = el("td", { class: "num" });
     const gates = gatesOf(scene).some((gate) => gate.engine === engine.name);
     if (f < 0) {
-      append(cell, [el("span", { class: "soft" }, "not in this run"), gates && gateWord(scene, engine.name)]);
+      append(cell,
+        [el("span", { class: "soft" }, "not in this run"), gates && gateWord(scene, engine.name)]);
       return cell;
     }
     const frame = scene.frames[f];
     if (frame.status !== "rendered") {
-      append(cell, [word(STATUSES, frame.status), el("small", { class: "reason" }, why(frame)), gates && gateWord(scene, engine.name)]);
+      append(cell, [word(STATUSES, frame.status), el("small", { class: "reason" }, why(frame)),
+          gates && gateWord(scene, engine.name)]);
       return cell;
     }
     if (isTruth(scene, engine.name)) {
-      append(cell, [el("span", {}, "reference"), el("small", {}, frame.rung), gates && gateWord(scene, engine.name)]);
+      append(cell, [el("span", {}, "reference"), el("small", {}, frame.rung),
+          gates && gateWord(scene, engine.name)]);
       return cell;
     }
     const headline = order.find((candidate) => measurementOf(s, f, ...candidate));
@@ -406,7 +481,8 @@
   function scrolling(label, table, note) {
     table.prepend(el("caption", { class: "hidden" }, label));
     return [
-      el("div", { class: "scroll", role: "region", "aria-label": `Table: ${label}`, tabindex: "0" }, table),
+      el("div", { class: "scroll", role: "region", "aria-label": `Table: ${label}`, tabindex: "0" },
+        table),
       note && el("p", { class: "note small soft" }, note),
     ];
   }
@@ -418,23 +494,35 @@
       el("dl", {},
         physics && physicsHelp(entry),
         (scenes.length > 0 || !physics) && sceneHelp(entry),
-        entry("Difference maps", "Engine minus reference on a fixed scale: blue is below the reference, red is above it, white agrees. Cyan and yellow lie beyond the scale below and above; magenta is not a number."),
-        entry("Numbers", "1.2e−4 means 0.00012. In [brackets]: the 95\u00a0% interval, unless another one is named. A dash was not measured. ",
-          "“Cannot” is an honest refusal: the engine does not model what the scene asks for. Point at a number for all its digits.")));
+        entry("Difference maps", "Engine minus reference on a fixed scale: blue is below the "
+          + "reference, red is above it, white agrees. Cyan and yellow lie beyond the scale below "
+          + "and above; magenta is not a number."),
+        entry("Numbers", "1.2e−4 means 0.00012. In [brackets]: the 95\u00a0% interval, unless "
+          + "another one is named. A dash was not measured. ",
+          "“Cannot” is an honest refusal: the engine does not model what the scene asks for. Point "
+            + "at a number for all its digits.")));
   }
 
   function sceneHelp(entry) {
     return [
-      entry("What is compared", "Each scene isolates one piece of the physics of light in fog or cloud. Several engines render it from the same file, ",
+      entry("What is compared", "Each scene isolates one piece of the physics of light in fog or "
+        + "cloud. Several engines render it from the same file, ",
           "camera and light, and each is measured against the scene's reference."),
-        entry("Reference and rung", "The reference is the highest rung of the ladder of truth that can do the scene: exact (closed form), then tracer (our unbiased path tracer). ",
-          "Witnesses (other projects' renderers) and models (real-time methods) are never the truth."),
-        entry("Gates", "A gate is a limit set beforehand for one number of one engine. ✓ is within it, ✗ is over it, ○ could not be measured and says why."),
-        entry("Pictures", "All pictures of a scene share one frozen exposure, so brighter means brighter. Move over a picture, or use the slider below it, to wipe to the reference; ",
+        entry("Reference and rung", "The reference is the highest rung of the ladder of truth that "
+          + "can do the scene: exact (closed form), then tracer (our unbiased path tracer). ",
+          "Witnesses (other projects' renderers) and models (real-time methods) are never the "
+            + "truth."),
+        entry("Gates", "A gate is a limit set beforehand for one number of one engine. ✓ is within "
+          + "it, ✗ is over it, ○ could not be measured and says why."),
+        entry("Pictures", "All pictures of a scene share one frozen exposure, so brighter means "
+          + "brighter. Move over a picture, or use the slider below it, to wipe to the reference; ",
           "a click swaps the two. Numbers are taken from linear data, never from these pictures."),
-        entry("Who stands alone", "Every pair of engines is also held against each other, without any reference, with the noise taken out by two independent frames each. ",
+        entry("Who stands alone", "Every pair of engines is also held against each other, without "
+          + "any reference, with the noise taken out by two independent frames each. ",
           "The odd one out differs from all others while these do not differ among themselves."),
-        entry("Step bias", "Witnesses march through uneven media in steps. More samples do not mend that error, smaller steps do: a study halves the step, extrapolates to none, and says what is left."),
+        entry("Step bias", "Witnesses march through uneven media in steps. More samples do not "
+          + "mend that error, smaller steps do: a study halves the step, extrapolates to none, and "
+          + "says what is left."),
     ];
   }
 
@@ -447,12 +535,16 @@
       el("p", {}, scene.physics),
       el("dl", { class: "facts" },
         fact("Scene", el("span", { class: "mono" }, scene.name)),
-        fact("Reference", truth ? [el("b", {}, truth.engine), ` (${truth.rung})`] : "none: no engine of a trusted rung rendered it"),
-        fact("Exposure of all pictures", number(`scenes/${s}/exposure_ev`, { signed: true, unit: "EV", exact: true })),
-        fact("Hash", el("span", { class: "mono", title: scene.hash }, String(scene.hash ?? "").slice(0, 16)))),
+        fact("Reference", truth ? [el("b", {}, truth.engine), ` (${truth.rung})`]
+          : "none: no engine of a trusted rung rendered it"),
+        fact("Exposure of all pictures",
+          number(`scenes/${s}/exposure_ev`, { signed: true, unit: "EV", exact: true })),
+        fact("Hash",
+          el("span", { class: "mono", title: scene.hash }, String(scene.hash ?? "").slice(0, 16)))),
       pictures(scene, s),
       numbers(scene, s),
-      baked(framesOf(scene).map((frame, f) => ({ name: frame.engine, path: `scenes/${s}/frames/${f}/bake` }))),
+      baked(framesOf(scene)
+        .map((frame, f) => ({ name: frame.engine, path: `scenes/${s}/frames/${f}/bake` }))),
       attribution(scene, s),
       studies(scene, s),
       runs(scene, s),
@@ -460,36 +552,46 @@
   }
 
   function pictures(scene, s) {
-    const kinds = ["radiance", "transmittance"].filter((kind) => framesOf(scene).some((frame) => frame.difference?.[kind]));
-    const cards = framesOf(scene).map((frame, f) => ({ frame, f })).filter(({ frame }) => frame.status === "rendered")
+    const kinds = ["radiance",
+      "transmittance"].filter((kind) => framesOf(scene).some((frame) => frame.difference?.[kind]));
+    const cards = framesOf(scene).map((frame, f) => ({ frame, f }))
+      .filter(({ frame }) => frame.status === "rendered")
       .sort((a, b) => isTruth(scene, b.frame.engine) - isTruth(scene, a.frame.engine));
     const rest = framesOf(scene).filter((frame) => frame.status !== "rendered");
     const truthFrame = framesOf(scene).find((frame) => isTruth(scene, frame.engine));
     return [
       el("h3", {}, "Pictures and differences"),
-      kinds.length > 0 && truthFrame?.status !== "rendered" && el("div", { class: "legend" }, kinds.map((kind) => legend(scene, s, kind))),
+      kinds.length > 0 && truthFrame?.status !== "rendered" && el("div", { class: "legend" },
+        kinds.map((kind) => legend(scene, s, kind))),
       cards.length > 0
-        ? el("div", { class: "pictures" }, cards.map(({ frame }) => card(scene, s, frame, truthFrame, kinds)))
+        ? el("div", { class: "pictures" },
+          cards.map(({ frame }) => card(scene, s, frame, truthFrame, kinds)))
         : el("p", {}, "No engine rendered this scene; the table below says why."),
       rest.length > 0 && el("p", { class: "small soft not-rendered" }, "No picture from ",
-        rest.map((frame, n) => [n > 0 && "; ", el("b", {}, frame.engine), " (", word(STATUSES, frame.status), why(frame) ? `: ${why(frame)}` : "", ")"]), "."),
+        rest.map((frame, n) => [n > 0 && "; ", el("b", {}, frame.engine), " (",
+            word(STATUSES, frame.status), why(frame) ? `: ${why(frame)}` : "", ")"]), "."),
     ];
   }
 
   function legend(scene, s, kind) {
     const unit = isRatio(unitOf(scene, kind, "bias")) ? "" : unitOf(scene, kind, "bias");
-    return colourScale(`scenes/${s}/difference_scale/${kind}`, `${QUANTITIES[kind]}: engine − reference${unit ? ` [${unit}]` : ""}`);
+    return colourScale(`scenes/${s}/difference_scale/${kind}`,
+      `${QUANTITIES[kind]}: engine − reference${unit ? ` [${unit}]` : ""}`);
   }
 
   function colourScale(path, title) {
     const given = report.difference_colours;
-    const colours = Array.isArray(given) && given.length > 1 && given.every((c) => /^#[0-9a-f]{6}$/i.test(c)) ? given : DIFFERENCE_COLOURS;
-    const bar = el("div", { class: "bar", role: "img", "aria-label": "Colour scale from below the reference to above it" });
+    const colours = Array.isArray(given) && given.length > 1
+      && given.every((c) => /^#[0-9a-f]{6}$/i.test(c)) ? given : DIFFERENCE_COLOURS;
+    const bar = el("div", { class: "bar", role: "img",
+        "aria-label": "Colour scale from below the reference to above it" });
     bar.style.background = `linear-gradient(to right, ${colours.join(", ")})`;
     return el("figure", {},
       el("figcaption", {}, title),
       bar,
-      el("div", { class: "ticks" }, el("span", {}, number(path, { scale: -1, exact: true }), " below"), el("span", {}, "agrees"), el("span", {}, "above ", number(path, { signed: true, exact: true }))));
+      el("div", { class: "ticks" }, el("span", {}, number(path, { scale: -1, exact: true }),
+          " below"), el("span", {}, "agrees"),
+        el("span", {}, "above ", number(path, { signed: true, exact: true }))));
   }
 
   function hole(text) {
@@ -497,8 +599,10 @@
   }
 
   function pixels(path, alt, className, size = report.size_px) {
-    const image = el("img", { class: `pixels${className ? ` ${className}` : ""}`, src: path, alt, width: size[0], height: size[1], draggable: "false" });
-    image.addEventListener("error", () => image.replaceWith(hole(`${path} is not in this report's folder`)));
+    const image = el("img", { class: `pixels${className ? ` ${className}` : ""}`, src: path, alt,
+        width: size[0], height: size[1], draggable: "false" });
+    image.addEventListener("error",
+      () => image.replaceWith(hole(`${path} is not in this report's folder`)));
     return image;
   }
 
@@ -510,20 +614,27 @@
     const article = el("article", { class: "card" },
       el("header", {},
         el("h4", {}, frame.engine),
-        el("p", {}, reference ? `reference · ${frame.rung}` : frame.rung, frame.settings ? ` · ${frame.settings}` : "")),
+        el("p", {}, reference ? `reference · ${frame.rung}` : frame.rung,
+          frame.settings ? ` · ${frame.settings}` : "")),
       own
-        ? other ? wipe(own, other, frame.engine, scene.truth.engine, title) : [el("div", { class: "stack" }, pixels(own, `${title}, by ${frame.engine}`)), el("div", { class: "wipe" }, reference ? "what the others are held against" : "no reference to wipe to")]
+        ? other ? wipe(own, other, frame.engine, scene.truth.engine,
+          title) : [el("div", { class: "stack" }, pixels(own, `${title}, by ${frame.engine}`)),
+          el("div", { class: "wipe" },
+            reference ? "what the others are held against" : "no reference to wipe to")]
         : [hole("no picture: this engine gave no radiance"), el("div", { class: "wipe" })],
       kinds.map((kind) => (reference
-        ? el("figure", {}, el("div", { class: "scale" }, legend(scene, s, kind)), el("figcaption", {}, `scale of the ${kind} differences`))
-        : el("figure", {}, differenceMap(scene, frame, kind, title), el("figcaption", {}, `${kind}, ${frame.engine} − ${scene.truth?.engine ?? "reference"}`)))));
+        ? el("figure", {}, el("div", { class: "scale" }, legend(scene, s, kind)),
+          el("figcaption", {}, `scale of the ${kind} differences`))
+        : el("figure", {}, differenceMap(scene, frame, kind, title), el("figcaption", {},
+            `${kind}, ${frame.engine} − ${scene.truth?.engine ?? "reference"}`)))));
     article.style.gridRow = `span ${article.childElementCount}`;
     return article;
   }
 
   function differenceMap(scene, frame, kind, title) {
     const path = inside(frame.difference?.[kind]);
-    if (path) return pixels(path, `${title}: signed ${kind} difference of ${frame.engine} from the reference`);
+    if (path) return pixels(path,
+      `${title}: signed ${kind} difference of ${frame.engine} from the reference`);
     if (!scene.truth) return hole("no reference in this scene");
     return hole(`no difference: ${frame.engine} or the reference gives no ${kind}`);
   }
@@ -532,8 +643,10 @@
     const over = pixels(other, "", "over", size);
     const stack = el("div", { class: "stack wipes", title: `Move: wipe to ${truth}. Click: swap.` },
       pixels(own, `${title}, by ${engine}`, "", size), over, el("span", { class: "edge" }),
-      el("span", { class: "tag left", "aria-hidden": "true" }, truth), el("span", { class: "tag right", "aria-hidden": "true" }, engine));
-    const slider = el("input", { type: "range", min: 0, max: 100, value: 0, "aria-label": `Wipe the picture of ${engine} to that of ${truth}` });
+      el("span", { class: "tag left", "aria-hidden": "true" }, truth), el("span",
+        { class: "tag right", "aria-hidden": "true" }, engine));
+    const slider = el("input", { type: "range", min: 0, max: 100, value: 0,
+        "aria-label": `Wipe the picture of ${engine} to that of ${truth}` });
     const show = (percent) => {
       stack.style.setProperty("--wipe", `${percent}%`);
       stack.classList.toggle("wiping", percent > 0);
@@ -548,37 +661,48 @@
       slider.value = Number(slider.value) >= 50 ? 0 : 100;
       show(Number(slider.value));
     });
-    return [stack, el("div", { class: "wipe" }, el("span", { "aria-hidden": "true" }, engine), slider, el("span", { "aria-hidden": "true" }, truth))];
+    return [stack, el("div", { class: "wipe" }, el("span", { "aria-hidden": "true" }, engine),
+        slider, el("span", { "aria-hidden": "true" }, truth))];
   }
 
   // -------------------------------------------------------------------------------- numbers table
 
   function numbers(scene, s) {
-    const columns = framesOf(scene).map((frame, f) => ({ frame, f })).filter(({ frame }) => (frame.measurements ?? []).length > 0);
+    const columns = framesOf(scene).map((frame, f) => ({ frame, f }))
+      .filter(({ frame }) => (frame.measurements ?? []).length > 0);
     const title = el("h3", {}, "Numbers");
-    if (columns.length === 0) return [title, el("p", { class: "soft" }, "Nothing was measured in this scene.")];
+    if (columns.length === 0)
+      return [title, el("p", { class: "soft" }, "Nothing was measured in this scene.")];
 
     const groups = new Map();
     for (const { frame, f } of columns) {
       frame.measurements.forEach((row, m) => {
         const key = JSON.stringify([row.quantity, row.mask]);
-        if (!groups.has(key)) groups.set(key, { quantity: row.quantity, mask: row.mask, metrics: new Map() });
+        if (!groups.has(key))
+          groups.set(key, { quantity: row.quantity, mask: row.mask, metrics: new Map() });
         const { metrics } = groups.get(key);
         if (!metrics.has(row.metric)) metrics.set(row.metric, new Map());
         const cells = metrics.get(row.metric);
         cells.set(f, [...(cells.get(f) ?? []), m]);
       });
     }
-    const rank = (names, name) => { const n = names.indexOf(name); return n < 0 ? names.length : n; };
+    const rank = (names, name) => {
+      const n = names.indexOf(name);
+      return n < 0 ? names.length : n;
+    };
     const ordered = [...groups.values()].sort((a, b) =>
-      rank(Object.keys(QUANTITIES), a.quantity) - rank(Object.keys(QUANTITIES), b.quantity) || rank(Object.keys(MASKS), a.mask) - rank(Object.keys(MASKS), b.mask));
+      rank(Object.keys(QUANTITIES), a.quantity) - rank(Object.keys(QUANTITIES),
+        b.quantity) || rank(Object.keys(MASKS), a.mask) - rank(Object.keys(MASKS), b.mask));
     const whole = ordered.filter((group) => group.mask === "all");
     const parts = ordered.filter((group) => group.mask !== "all");
     const table = (list, label) => numbersTable(scene, s, columns, list, label);
     return [
       title,
-      whole.length > 0 && table(whole, `Errors over the whole picture against ${scene.truth ? scene.truth.engine : "no reference"}`),
-      parts.length > 0 && el("details", { open: whole.length === 0 }, el("summary", {}, "Numbers by part of the picture: ", [...new Set(parts.map((group) => maskName(group.mask)))].join(", ")),
+      whole.length > 0 && table(whole,
+        `Errors over the whole picture against ${scene.truth?.engine ?? "no reference"}`),
+      parts.length > 0 && el("details", { open: whole.length === 0 },
+        el("summary", {}, "Numbers by part of the picture: ",
+          [...new Set(parts.map((group) => maskName(group.mask)))].join(", ")),
         table(parts, "Errors by part of the picture")),
     ];
   }
@@ -588,14 +712,19 @@
     const bodies = groups.map((group, n) => {
       const metrics = [...group.metrics.keys()].sort((a, b) => metricRank(a) - metricRank(b));
       return el("tbody", {},
-        el("tr", { class: "group" }, el("th", { scope: "rowgroup", colspan: columns.length + 2 }, `${QUANTITIES[group.quantity] ?? group.quantity}, ${maskName(group.mask)}`)),
+        el("tr", { class: "group" }, el("th", { scope: "rowgroup", colspan: columns.length + 2 },
+            `${QUANTITIES[group.quantity] ?? group.quantity}, ${maskName(group.mask)}`)),
         metrics.map((metric) => metricRow(scene, s, columns, group, metric, explained)),
-        el("tr", {}, el("th", { scope: "row" }, "pixels", n === 0 && el("small", {}, "that the numbers above are taken over")), el("td", { class: "tight soft" }, "px"),
-          columns.map(({ frame, f }) => el("td", { class: "num" }, pixelCount(s, f, frame, group) ?? absent()))));
+        el("tr", {}, el("th", { scope: "row" }, "pixels", n === 0 && el("small", {},
+              "that the numbers above are taken over")), el("td", { class: "tight soft" }, "px"),
+          columns.map(({ frame, f }) => el("td", { class: "num" },
+              pixelCount(s, f, frame, group) ?? absent()))));
     });
     return scrolling(label, el("table", {},
-      el("thead", {}, el("tr", {}, el("th", { scope: "col" }, "Measure"), el("th", { scope: "col" }, "Unit"),
-        columns.map(({ frame }) => el("th", { scope: "col", class: "num" }, frame.engine, el("small", {}, isTruth(scene, frame.engine) ? "reference" : frame.rung))))),
+      el("thead", {},
+        el("tr", {}, el("th", { scope: "col" }, "Measure"), el("th", { scope: "col" }, "Unit"),
+        columns.map(({ frame }) => el("th", { scope: "col", class: "num" }, frame.engine,
+            el("small", {}, isTruth(scene, frame.engine) ? "reference" : frame.rung))))),
       bodies));
   }
 
@@ -604,7 +733,8 @@
     return n < 0 ? Infinity : n;
   }
 
-  const firstIn = (frame, group) => frame.measurements.findIndex((row) => row.quantity === group.quantity && row.mask === group.mask);
+  const firstIn = (frame, group) => frame.measurements.findIndex((row) =>
+    row.quantity === group.quantity && row.mask === group.mask);
   function pixelCount(s, f, frame, group) {
     const m = firstIn(frame, group);
     return m < 0 ? null : number(`scenes/${s}/frames/${f}/measurements/${m}/pixel_count`);
@@ -634,34 +764,44 @@
     const row = frame.measurements[m];
     const path = `scenes/${s}/frames/${f}/measurements/${m}`;
     const { scale, signed, unit } = reading(row.metric, row.unit);
-    const g = gatesOf(scene).findIndex((gate) => gate.verdict === "fail" && gate.engine === frame.engine && gate.quantity === row.quantity && gate.metric === row.metric && gate.mask === row.mask);
-    const value = number(`${path}/value`, { scale, signed, unit: row.unit === rowUnit ? "" : unit });
+    const g = gatesOf(scene)
+      .findIndex((gate) => gate.verdict === "fail" && gate.engine === frame.engine
+      && gate.quantity === row.quantity && gate.metric === row.metric && gate.mask === row.mask);
+    const value = number(`${path}/value`,
+      { scale, signed, unit: row.unit === rowUnit ? "" : unit });
     const usualCount = frame.measurements[firstIn(frame, group)].pixel_count;
     return [
       g < 0 ? value : el("span", { class: "fail-word" }, "✗ ", value),
-      row.interval && el("small", {}, "[", number(`${path}/interval/0`, { scale }), ", ", number(`${path}/interval/1`, { scale }), "]"),
+      row.interval && el("small", {}, "[", number(`${path}/interval/0`, { scale }), ", ",
+        number(`${path}/interval/1`, { scale }), "]"),
       row.metric === "rel_bias" && row.mask === "all" && stepBias(s, f, row.quantity),
-      g >= 0 && el("small", {}, "limit ", number(`scenes/${s}/gates/${g}/maximum`, { scale, exact: true })),
-      row.pixel_count !== usualCount && el("small", {}, "over ", number(`${path}/pixel_count`), " px"),
+      g >= 0 && el("small", {}, "limit ",
+        number(`scenes/${s}/gates/${g}/maximum`, { scale, exact: true })),
+      row.pixel_count !== usualCount && el("small", {}, "over ", number(`${path}/pixel_count`),
+        " px"),
     ];
   }
 
   // ------------------------------------------------------------------ who disagrees, steps, baking
 
   // The axis of all interval plots: linear within ±0.01 %, logarithmic beyond, ±100 % at its ends.
-  const AXIS = { width: 168, height: 16, fine: 1e-4, most: 1, ticks: [-1, -0.1, -0.01, -0.001, 0, 0.001, 0.01, 0.1, 1] };
+  const AXIS = { width: 168, height: 16, fine: 1e-4, most: 1,
+    ticks: [-1, -0.1, -0.01, -0.001, 0, 0.001, 0.01, 0.1, 1] };
   const across = (value) => {
     const place = Math.asinh(value / AXIS.fine) / Math.asinh(AXIS.most / AXIS.fine);
     return (AXIS.width / 2) * (1 + 0.94 * Math.max(-1, Math.min(1, place)));
   };
 
-  const grid = () => AXIS.ticks.map((tick) => svg("line", { class: tick === 0 ? "zero" : "tick", x1: across(tick), x2: across(tick), y1: 0, y2: AXIS.height }));
+  const grid = () => AXIS.ticks.map((tick) => svg("line", { class: tick === 0 ? "zero" : "tick",
+        x1: across(tick), x2: across(tick), y1: 0, y2: AXIS.height }));
 
   /** Head of a column of interval plots: where the ticks stand. */
   function axisHead() {
-    const label = (tick, text) => svg("text", { x: across(tick), y: 11, "text-anchor": "middle" }, text);
+    const label = (tick, text) => svg("text", { x: across(tick), y: 11, "text-anchor": "middle" },
+      text);
     return el("th", { scope: "col", class: "plot" }, hidden("Picture of the interval"),
-      svg("svg", { class: "whisker", width: AXIS.width, height: AXIS.height, viewBox: `0 0 ${AXIS.width} ${AXIS.height}`, "aria-hidden": "true" },
+      svg("svg", { class: "whisker", width: AXIS.width, height: AXIS.height,
+          viewBox: `0 0 ${AXIS.width} ${AXIS.height}`, "aria-hidden": "true" },
         label(-0.1, "−10 %"), label(-0.001, "−0.1"), label(0.001, "0.1"), label(0.1, "10 %")));
   }
 
@@ -671,11 +811,14 @@
     if (typeof value !== "number") return cell;
     const middle = AXIS.height / 2;
     const [low, high] = Array.isArray(interval) ? interval : [value, value];
-    append(cell, [svg("svg", { class: `whisker ${state}`, width: AXIS.width, height: AXIS.height, viewBox: `0 0 ${AXIS.width} ${AXIS.height}`, "aria-hidden": "true" },
-      zone > 0 && svg("rect", { class: "zone", x: across(-zone), y: 0, width: across(zone) - across(-zone), height: AXIS.height }),
+    append(cell, [svg("svg", { class: `whisker ${state}`, width: AXIS.width, height: AXIS.height,
+            viewBox: `0 0 ${AXIS.width} ${AXIS.height}`, "aria-hidden": "true" },
+      zone > 0 && svg("rect", { class: "zone", x: across(-zone), y: 0,
+          width: across(zone) - across(-zone), height: AXIS.height }),
       grid(),
       svg("line", { class: "range", x1: across(low), x2: across(high), y1: middle, y2: middle }),
-      [low, high].map((end) => svg("line", { class: "range", x1: across(end), x2: across(end), y1: middle - 3, y2: middle + 3 })),
+      [low, high].map((end) => svg("line",
+          { class: "range", x1: across(end), x2: across(end), y1: middle - 3, y2: middle + 3 })),
       svg("circle", { class: "value", cx: across(value), cy: middle, r: 3.2 }))]);
     return cell;
   }
@@ -686,30 +829,48 @@
     const title = el("h3", {}, "Who disagrees with whom");
     if (scene.attribution === undefined) return null;
     if (scene.attribution === null) {
-      return [title, el("p", { class: "soft" }, "Fewer than three engines rendered this scene, or too little of it is lit: nobody can be called the odd one out.")];
+      return [title, el("p", { class: "soft" }, "Fewer than three engines rendered this scene, or "
+          + "too little of it is lit: nobody can be called the odd one out.")];
     }
     const found = scene.attribution;
     const path = `scenes/${s}/attribution`;
     const silent = /^cannot tell/.test(found.sentence);
     return [
       title,
-      el("p", { class: `finding ${found.odd_one_out ? "odd" : silent ? "silent" : "calm"}` }, el("b", { "aria-hidden": "true" }, found.odd_one_out ? "≠ " : silent ? "○ " : "· "), found.sentence),
+      el("p", { class: `finding ${found.odd_one_out ? "odd" : silent ? "silent" : "calm"}` },
+        el("b", { "aria-hidden": "true" }, found.odd_one_out ? "≠ " : silent ? "○ " : "· "),
+        found.sentence),
       scrolling("Who disagrees with whom", el("table", { class: "wide" },
-        el("thead", {}, el("tr", {}, el("th", { scope: "col" }, "Pair"), el("th", { scope: "col" }, "Finding"),
-          [["Mean difference", "%"], ["Interval", "%"]].map(([name, unit]) => el("th", { scope: "col", class: "num" }, name, el("small", {}, unit))), axisHead(),
-          [["Pixel by pixel", "RMS, noise taken out, %"], ["Noise", "RMS of a pixel, %"]].map(([name, unit]) => el("th", { scope: "col", class: "num" }, name, el("small", {}, unit))))),
+        el("thead", {},
+          el("tr", {}, el("th", { scope: "col" }, "Pair"), el("th", { scope: "col" }, "Finding"),
+          [["Mean difference", "%"], ["Interval", "%"]].map(([name, unit]) => el("th",
+              { scope: "col", class: "num" }, name, el("small", {}, unit))), axisHead(),
+          [["Pixel by pixel", "RMS, noise taken out, %"],
+            ["Noise", "RMS of a pixel, %"]].map(([name, unit]) => el("th",
+              { scope: "col", class: "num" }, name, el("small", {}, unit))))),
         el("tbody", {}, (found.pairs ?? []).map((pair, n) => el("tr", {},
           el("th", { scope: "row" }, `${pair.first} − ${pair.second}`),
           el("td", { class: "tight" }, word(PAIRS, pair.verdict)),
           el("td", { class: "num" }, percent(`${path}/pairs/${n}/mean_difference`)),
-          el("td", { class: "num" }, "[", percent(`${path}/pairs/${n}/interval/0`), ", ", percent(`${path}/pairs/${n}/interval/1`), "]"),
-          whisker(pair.mean_difference, pair.interval, pair.verdict === "differ" ? "known" : pair.verdict === "agree" ? "agrees" : "open", found.mean_meant),
-          el("td", { class: "num" }, percent(`${path}/pairs/${n}/rms_difference`, { signed: false })),
-          el("td", { class: "num" }, percent(`${path}/pairs/${n}/noise_floor`, { signed: false }))))))),
-      el("p", { class: "note small soft" }, "Radiance over ", number(`${path}/pixel_count`), ` pixels (${maskName(found.mask)}), relative to its mean. `,
-        typeof found.mean_meant === "number" && ["Engines agree when they are certainly closer than ", percent(`${path}/mean_meant`, { signed: false, unit: "%", exact: true }), " in the mean (the band in the plots) and ",
-          percent(`${path}/rms_meant`, { signed: false, unit: "%", exact: true }), " pixel by pixel; they differ when they are certainly farther apart; else noise leaves it open. "],
-        typeof found.family_alpha === "number" && ["The intervals are wide enough that engines which all agree are told apart in ", percent(`${path}/family_alpha`, { signed: false, unit: "%", exact: true }), " of runs."]),
+          el("td", { class: "num" }, "[", percent(`${path}/pairs/${n}/interval/0`), ", ",
+            percent(`${path}/pairs/${n}/interval/1`), "]"),
+          whisker(pair.mean_difference, pair.interval, pair.verdict === "differ" ? "known"
+            : pair.verdict === "agree" ? "agrees" : "open", found.mean_meant),
+          el("td", { class: "num" },
+            percent(`${path}/pairs/${n}/rms_difference`, { signed: false })),
+          el("td", { class: "num" },
+            percent(`${path}/pairs/${n}/noise_floor`, { signed: false }))))))),
+      el("p", { class: "note small soft" }, "Radiance over ", number(`${path}/pixel_count`),
+        ` pixels (${maskName(found.mask)}), relative to its mean. `,
+        typeof found.mean_meant === "number"
+          && ["Engines agree when they are certainly closer than ", percent(`${path}/mean_meant`,
+            { signed: false, unit: "%", exact: true }), " in the mean (the band in the plots) and ",
+          percent(`${path}/rms_meant`, { signed: false, unit: "%", exact: true }),
+          " pixel by pixel; they differ when they are certainly farther apart; else noise leaves "
+          + "it open. "],
+        typeof found.family_alpha === "number"
+          && ["The intervals are wide enough that engines which all agree are told apart in ",
+          percent(`${path}/family_alpha`, { signed: false, unit: "%", exact: true }), " of runs."]),
     ];
   }
 
@@ -718,15 +879,19 @@
     const study = scenes[s].frames[f].study;
     if (quantity !== "radiance" || !study?.levels?.[study.chosen]) return null;
     const path = `scenes/${s}/frames/${f}/study/levels/${study.chosen}`;
-    return el("small", {}, "of its step ", percent(`${path}/bias`, { unit: "%" }), at(`${path}/bias_noise`) > 0 && [" ± ", percent(`${path}/bias_noise`, { signed: false })]);
+    return el("small", {}, "of its step ", percent(`${path}/bias`, { unit: "%" }),
+      at(`${path}/bias_noise`) > 0 && [" ± ", percent(`${path}/bias_noise`, { signed: false })]);
   }
 
   function studies(scene, s) {
-    const studied = framesOf(scene).map((frame, f) => ({ frame, f })).filter(({ frame }) => frame.study?.levels?.length > 0);
+    const studied = framesOf(scene).map((frame, f) => ({ frame, f }))
+      .filter(({ frame }) => frame.study?.levels?.length > 0);
     if (studied.length === 0) return null;
     return [
       el("h3", {}, "Step error of the witnesses"),
-      el("p", { class: "small soft" }, "Brightness of the picture at finer and finer steps, against the extrapolated limit of no step at all. The first setting that is good enough was used for the frame."),
+      el("p", { class: "small soft" },
+        "Brightness of the picture at finer and finer steps, against the extrapolated limit of no "
+        + "step at all. The first setting that is good enough was used for the frame."),
       studied.map(({ frame, f }) => study(frame, s, f)),
     ];
   }
@@ -736,25 +901,44 @@
     const path = `scenes/${s}/frames/${f}/study`;
     const chosen = `${path}/levels/${study.chosen}`;
     return [
-      el("p", {}, el("b", {}, frame.engine), ` was rendered with ${study.option} = `, number(`${chosen}/setting`, { exact: true }), study.shipped ? " by a study that comes with neph, which is off by " : ", which is off by ", percent(`${chosen}/bias`, { unit: "%" }), " ± ",
+      el("p", {}, el("b", {}, frame.engine), ` was rendered with ${study.option} = `,
+        number(`${chosen}/setting`, { exact: true }),
+        study.shipped ? " by a study that comes with neph, which is off by " : ", which is off by ",
+        percent(`${chosen}/bias`, { unit: "%" }), " ± ",
         percent(`${chosen}/bias_noise`, { signed: false, unit: "%" }), " for its step alone: ",
         study.verdict === "within"
-          ? [el("span", { class: "pass-word" }, "✓ within "), percent(`${path}/tolerance`, { signed: false, unit: "%", exact: true }), ", noise included."]
+          ? [el("span", { class: "pass-word" }, "✓ within "), percent(`${path}/tolerance`,
+              { signed: false, unit: "%", exact: true }), ", noise included."]
           : study.verdict === "noise"
-            ? [el("span", { class: "open-word" }, "○ not certain"), ": noise hides whether it is within ", percent(`${path}/tolerance`, { signed: false, unit: "%", exact: true }), "."]
-            : [el("span", { class: "fail-word" }, "✗ off"), ": even the finest step is not within ", percent(`${path}/tolerance`, { signed: false, unit: "%", exact: true }), ", or its error does not shrink as it should."]),
+            ? [el("span", { class: "open-word" }, "○ not certain"),
+              ": noise hides whether it is within ",
+              percent(`${path}/tolerance`, { signed: false, unit: "%", exact: true }), "."]
+            : [el("span", { class: "fail-word" }, "✗ off"), ": even the finest step is not within ",
+              percent(`${path}/tolerance`, { signed: false, unit: "%", exact: true }),
+              ", or its error does not shrink as it should."]),
       scrolling(`Step error of ${frame.engine}`, el("table", {},
-        el("thead", {}, el("tr", {}, el("th", { scope: "col" }, study.option), el("th", { scope: "col", class: "num" }, "Mean radiance", el("small", {}, "± noise")),
-          el("th", { scope: "col", class: "num" }, "Bias", el("small", {}, "% ± noise")), axisHead(), el("th", { scope: "col", class: "num" }, "Wall", el("small", {}, "s")))),
-        el("tbody", {}, study.levels.map((level, n) => el("tr", { class: n === study.chosen ? "chosen" : null },
-          el("th", { scope: "row" }, number(`${path}/levels/${n}/setting`, { exact: true }), n === study.chosen && el("small", {}, "▸ chosen")),
-          el("td", { class: "num" }, number(`${path}/levels/${n}/radiance`, { digits: 5 }), " ± ", number(`${path}/levels/${n}/noise`)),
-          el("td", { class: "num" }, percent(`${path}/levels/${n}/bias`), " ± ", percent(`${path}/levels/${n}/bias_noise`, { signed: false })),
-          whisker(level.bias, [level.bias - 2 * level.bias_noise, level.bias + 2 * level.bias_noise], "known", study.tolerance),
+        el("thead", {}, el("tr", {}, el("th", { scope: "col" }, study.option),
+            el("th", { scope: "col", class: "num" }, "Mean radiance", el("small", {}, "± noise")),
+          el("th", { scope: "col", class: "num" }, "Bias", el("small", {}, "% ± noise")),
+          axisHead(), el("th", { scope: "col", class: "num" }, "Wall", el("small", {}, "s")))),
+        el("tbody", {},
+          study.levels.map((level, n) => el("tr", { class: n === study.chosen ? "chosen" : null },
+          el("th", { scope: "row" }, number(`${path}/levels/${n}/setting`, { exact: true }),
+            n === study.chosen && el("small", {}, "▸ chosen")),
+          el("td", { class: "num" }, number(`${path}/levels/${n}/radiance`, { digits: 5 }), " ± ",
+            number(`${path}/levels/${n}/noise`)),
+          el("td", { class: "num" }, percent(`${path}/levels/${n}/bias`), " ± ",
+            percent(`${path}/levels/${n}/bias_noise`, { signed: false })),
+          whisker(level.bias, [level.bias - 2 * level.bias_noise,
+              level.bias + 2 * level.bias_noise], "known", study.tolerance),
           el("td", { class: "num" }, number(`${path}/levels/${n}/wall_s`))))))),
-      el("p", { class: "note small soft" }, "Limit ", number(`${path}/limit`, { digits: 5 }), " by order ", number(`${path}/order`, { exact: true }),
-        typeof study.observed_order === "number" ? [" (observed ", number(`${path}/observed_order`), ")"] : " (noise hides the observed one)",
-        Array.isArray(study.size_px) && ["; pictures of ", number(`${path}/size_px/0`), " × ", number(`${path}/size_px/1`), " pixels"], ". Plots: ± twice the noise; band: good enough."),
+      el("p", { class: "note small soft" }, "Limit ", number(`${path}/limit`, { digits: 5 }),
+        " by order ", number(`${path}/order`, { exact: true }),
+        typeof study.observed_order === "number" ? [" (observed ", number(`${path}/observed_order`),
+          ")"] : " (noise hides the observed one)",
+        Array.isArray(study.size_px) && ["; pictures of ", number(`${path}/size_px/0`), " × ",
+          number(`${path}/size_px/1`), " pixels"],
+        ". Plots: ± twice the noise; band: good enough."),
     ];
   }
 
@@ -763,8 +947,10 @@
   /** Any value of the data in words: numbers keep their place, the rest is text. */
   function told(path, value) {
     if (typeof value === "number") return number(path);
-    if (Array.isArray(value)) return value.map((item, n) => [n > 0 && " × ", told(`${path}/${n}`, item)]);
-    if (typeof value === "object" && value !== null) return Object.entries(value).map(([key, item], n) => [n > 0 && "; ", spoken(key), " ", told(`${path}/${key}`, item)]);
+    if (Array.isArray(value))
+      return value.map((item, n) => [n > 0 && " × ", told(`${path}/${n}`, item)]);
+    if (typeof value === "object" && value !== null) return Object.entries(value)
+      .map(([key, item], n) => [n > 0 && "; ", spoken(key), " ", told(`${path}/${key}`, item)]);
     return value === true ? "yes" : value === false ? "no" : value ?? absent();
   }
 
@@ -774,8 +960,11 @@
     if (list.length === 0) return null;
     return [
       el("h3", {}, "Baked media"),
-      el("p", { class: "small soft" }, "These engines cannot evaluate the medium themselves and saw it on a grid. What the grid differs by from the medium is part of their difference above:"),
-      el("ul", { class: "small" }, list.map(({ name, path }) => el("li", {}, el("b", {}, name), ": ", told(path, at(path))))),
+      el("p", { class: "small soft" },
+        "These engines cannot evaluate the medium themselves and saw it on a grid. What the grid "
+        + "differs by from the medium is part of their difference above:"),
+      el("ul", { class: "small" },
+        list.map(({ name, path }) => el("li", {}, el("b", {}, name), ": ", told(path, at(path))))),
     ];
   }
 
@@ -786,43 +975,59 @@
     return [
       el("h3", {}, "What ran, and what it cost"),
       scrolling("What ran, and what it cost", el("table", { class: "wide" },
-        el("thead", {}, el("tr", {}, ["Engine", "State", "Version and device"].map((name) => el("th", { scope: "col" }, name)),
-          [["Render", "s"], ["Wall", "s"], ["CPU", "s"], ["Memory", "MiB"]].map(([name, unit]) => el("th", { scope: "col", class: "num" }, name, el("small", {}, unit))))),
+        el("thead", {}, el("tr", {}, ["Engine", "State",
+              "Version and device"].map((name) => el("th", { scope: "col" }, name)),
+          [["Render", "s"], ["Wall", "s"], ["CPU", "s"], ["Memory", "MiB"]].map(([name, unit]) =>
+            el("th", { scope: "col", class: "num" }, name, el("small", {}, unit))))),
         el("tbody", {}, framesOf(scene).map((frame, f) => {
           const engine = engineNamed(frame.engine);
           const path = `scenes/${s}/frames/${f}`;
           return el("tr", {},
             el("th", { scope: "row" }, frame.engine, el("small", {}, frame.rung)),
-            el("td", { class: "words" }, word(STATUSES, frame.status), frame.reused && " · taken from the store",
+            el("td", { class: "words" }, word(STATUSES, frame.status),
+              frame.reused && " · taken from the store",
               why(frame) && el("div", { class: "small" }, why(frame)),
               frame.note && el("div", { class: "small" }, frame.note),
-              frame.step_optical_depth > 1 && el("div", { class: "small" }, el("b", {}, "Steps too long: "), "one spans an optical depth of up to ", number(`${path}/step_optical_depth`), "; what happens within a step is not seen."),
-              frame.status === "rendered" && typeof frame.seed === "number" && el("div", { class: "small soft" }, `seed ${frame.seed}`),
+              frame.step_optical_depth > 1 && el("div", { class: "small" },
+                el("b", {}, "Steps too long: "), "one spans an optical depth of up to ",
+                number(`${path}/step_optical_depth`), "; what happens within a step is not seen."),
+              frame.status === "rendered" && typeof frame.seed === "number" && el("div",
+                { class: "small soft" }, `seed ${frame.seed}`),
               frame.settings && el("div", { class: "small soft" }, frame.settings),
-              frame.status === "missing" && engine?.install_line && el("div", {}, el("code", {}, engine.install_line))),
-            el("td", { class: "words" }, engine?.version || absent("not known"), engine?.device && el("div", { class: "small soft" }, engine.device)),
-            ["render_s", "wall_s", "cpu_s"].map((key) => el("td", { class: "num" }, number(`${path}/${key}`))),
-            el("td", { class: "num" }, number(`${path}/peak_memory_bytes`, { scale: 1 / 2 ** 20 })));
+              frame.status === "missing" && engine?.install_line && el("div", {},
+                el("code", {}, engine.install_line))),
+            el("td", { class: "words" }, engine?.version || absent("not known"),
+              engine?.device && el("div", { class: "small soft" }, engine.device)),
+            ["render_s", "wall_s",
+              "cpu_s"].map((key) => el("td", { class: "num" }, number(`${path}/${key}`))),
+            el("td", { class: "num" },
+              number(`${path}/peak_memory_bytes`, { scale: 1 / 2 ** 20 })));
         }))),
-      "Render is the radiance pass alone; wall is everything including start-up; CPU sums all threads; memory is the peak."),
+      "Render is the radiance pass alone; wall is everything including start-up; CPU sums all "
+        + "threads; memory is the peak."),
     ];
   }
 
   function gates(scene, s) {
     const title = el("h3", {}, "Gates");
-    if (gatesOf(scene).length === 0) return [title, el("p", { class: "soft" }, "This scene sets no limits.")];
+    if (gatesOf(scene).length === 0)
+      return [title, el("p", { class: "soft" }, "This scene sets no limits.")];
     return [
       title,
       scrolling("Gates", el("table", { class: "wide" },
-        el("thead", {}, el("tr", {}, ["Verdict", "Engine", "Number"].map((name) => el("th", { scope: "col" }, name)),
-          ["Value", "Limit"].map((name) => el("th", { scope: "col", class: "num" }, name)), el("th", { scope: "col" }, "Reason"))),
-        el("tbody", {}, gatesOf(scene).map((gate, g) => el("tr", { class: gate.verdict === "fail" ? "failing" : null },
+        el("thead", {}, el("tr", {},
+            ["Verdict", "Engine", "Number"].map((name) => el("th", { scope: "col" }, name)),
+          ["Value", "Limit"].map((name) => el("th", { scope: "col", class: "num" }, name)), el("th",
+            { scope: "col" }, "Reason"))),
+        el("tbody", {}, gatesOf(scene)
+          .map((gate, g) => el("tr", { class: gate.verdict === "fail" ? "failing" : null },
           el("td", { class: "tight" }, word(VERDICTS, gate.verdict)),
           el("th", { scope: "row" }, gate.engine),
           el("td", {}, measured(gate)),
           el("td", { class: "num" }, gateValue(s, g, "value")),
           el("td", { class: "num" }, gateValue(s, g, "maximum")),
-          el("td", { class: "words" }, gate.reason || el("span", { class: "soft" }, "none given"))))))),
+          el("td", { class: "words" },
+            gate.reason || el("span", { class: "soft" }, "none given"))))))),
     ];
   }
 
@@ -836,15 +1041,23 @@
     const close = (path) => number(path, { digits: 10 });
     return el("section", { "aria-labelledby": "phase-functions" },
       el("h2", { id: "phase-functions" }, "Phase functions"),
-      el("p", {}, "A phase function says where light is scattered to. Over all directions it must add up to 1, and its mean cosine must be g; so must that of the directions that are drawn from it."),
+      el("p", {}, "A phase function says where light is scattered to. Over all directions it must "
+        + "add up to 1, and its mean cosine must be g; so must that of the directions that are "
+        + "drawn from it."),
       scrolling("Phase functions", el("table", {},
-        el("thead", {}, el("tr", {}, el("th", { scope: "col" }, "Phase function"), el("th", { scope: "col" }, "Finding"),
-          [["g", ""], ["Integral", "must be 1"], ["Mean cosine", "must be g"], ["Drawn mean cosine", "must be g"]].map(([name, unit]) => el("th", { scope: "col", class: "num" }, name, el("small", {}, unit))))),
-        el("tbody", {}, list.map((row, n) => el("tr", { class: row.verdict === "off" ? "failing" : null },
+        el("thead", {}, el("tr", {}, el("th", { scope: "col" }, "Phase function"),
+            el("th", { scope: "col" }, "Finding"),
+          [["g", ""], ["Integral", "must be 1"], ["Mean cosine", "must be g"],
+            ["Drawn mean cosine", "must be g"]].map(([name, unit]) => el("th",
+              { scope: "col", class: "num" }, name, el("small", {}, unit))))),
+        el("tbody", {},
+          list.map((row, n) => el("tr", { class: row.verdict === "off" ? "failing" : null },
           el("th", { scope: "row" }, String(row.phase).replace(/_/g, " ")),
-          el("td", { class: "tight" }, word(FINDINGS, row.verdict === "off" ? "wrong" : row.verdict)),
+          el("td", { class: "tight" },
+            word(FINDINGS, row.verdict === "off" ? "wrong" : row.verdict)),
           el("td", { class: "num" }, number(`physics/phase_functions/${n}/g`, { exact: true })),
-          ["integral", "mean_cosine", "sampled_mean_cosine"].map((key) => el("td", { class: "num" }, close(`physics/phase_functions/${n}/${key}`)))))))));
+          ["integral", "mean_cosine", "sampled_mean_cosine"].map((key) => el("td", { class: "num" },
+              close(`physics/phase_functions/${n}/${key}`)))))))));
   }
 
   const sentenceCase = (text) => text.charAt(0).toUpperCase() + text.slice(1);
@@ -857,7 +1070,8 @@
     return row.lowered || row.look ? "gap" : row.cause ? "known" : "wrong";
   }
 
-  const findingWord = (row) => (findingOf(row) === "open" ? word(STATUSES, row.status === "rendered" ? "not measured" : row.status) : word(FINDINGS, findingOf(row)));
+  const findingWord = (row) => (findingOf(row) === "open" ? word(STATUSES,
+      row.status === "rendered" ? "not measured" : row.status) : word(FINDINGS, findingOf(row)));
   const deviation = (r) => percent(`physics/rows/${r}/deviation`, { unit: "%" });
   function checkLink(name) {
     const found = checks.find(({ check }) => check.name === name);
@@ -865,7 +1079,8 @@
   }
 
   const participants = () => [...new Map(rows.map((row) => [row.participant, row])).values()];
-  const enumerated = (items) => items.map((item, n) => [n > 0 && (n === items.length - 1 ? " and " : ", "), item]);
+  const enumerated = (items) => items.map((item, n) =>
+    [n > 0 && (n === items.length - 1 ? " and " : ", "), item]);
 
   function physicsVerdict() {
     const ours = rows.filter((row) => isOurs(row.engine) && row.verdict !== "not_measured");
@@ -876,30 +1091,53 @@
     const open = rows.filter((row) => row.verdict === "not_measured").length;
     return [
       el("p", {}, "Light that is known without any renderer is asked of every engine. ",
-        names.length > 0 && ["Those that claim to be the truth (", enumerated(names.map((name) => el("b", {}, name))), ") ",
-          wrong === 0 ? ["agree with it in all ", derived("physics.ours", ours.length), " measurements. "]
-            : ["are off in ", derived("physics.ours.wrong", wrong), " of ", derived("physics.ours", ours.length), " measurements. "]],
-        others.length > 0 && ["Of ", derived("physics.others", others.length), " measurements of the others ",
-          enumerated([["agrees", " agrees", " agree"], ["known", " is off for a known cause", " are off for a known cause"],
-            ["gap", " shows light that the engine does not model", " show light that the engine does not model"], ["wrong", " is off and nobody knows why", " are off and nobody knows why"]]
-            .map(([state, one, many]) => ({ state, count: counted(others, state), one, many })).filter(({ count }) => count > 0)
-            .map(({ state, count, one, many }) => [derived(`physics.others.${state}`, count), plural(count, one, many)])), ". "],
+        names.length > 0 && ["Those that claim to be the truth (",
+          enumerated(names.map((name) => el("b", {}, name))), ") ",
+          wrong === 0 ? ["agree with it in all ", derived("physics.ours", ours.length),
+            " measurements. "]
+            : ["are off in ", derived("physics.ours.wrong", wrong), " of ",
+              derived("physics.ours", ours.length), " measurements. "]],
+        others.length > 0 && ["Of ", derived("physics.others", others.length),
+          " measurements of the others ",
+          enumerated([["agrees", " agrees", " agree"],
+              ["known", " is off for a known cause", " are off for a known cause"],
+            ["gap", " shows light that the engine does not model",
+              " show light that the engine does not model"], ["wrong",
+              " is off and nobody knows why", " are off and nobody knows why"]]
+            .map(([state, one, many]) => ({ state, count: counted(others, state), one, many }))
+            .filter(({ count }) => count > 0)
+            .map(({ state, count, one, many }) => [derived(`physics.others.${state}`, count),
+                plural(count, one, many)])), ". "],
         open > 0 && [derived("physics.open", open), " could not be measured, and say why."]),
-      el("p", { class: "small soft" }, "With ", number("physics/tests"), " measurements at once chance must not cry wolf: off is what lies more than ", number("physics/critical_z"),
-        " standard errors from the truth (on top of bounded step and rounding errors), so that a run in which all are right calls anyone off with a probability of ",
+      el("p", { class: "small soft" }, "With ", number("physics/tests"),
+        " measurements at once chance must not cry wolf: off is what lies more than ",
+        number("physics/critical_z"),
+        " standard errors from the truth (on top of bounded step and rounding errors), so that a "
+          + "run in which all are right calls anyone off with a probability of ",
         percent("physics/family_alpha", { signed: false, unit: "%", exact: true }), " (Šidák)."),
     ];
   }
 
   function physicsHelp(entry) {
     return [
-      entry("What is compared", "Scenes so simple that their light is known from formulas, integrals or a solution by other means. The truth of every pixel is computed without any renderer."),
-      entry("Findings", "✓ agrees: the interval holds 0. △ off, and the cause is known. ◇ model gap: the engine does not claim this physics; it was given single scattering alone, or is a look. ",
+      entry("What is compared",
+        "Scenes so simple that their light is known from formulas, integrals or a solution by "
+        + "other means. The truth of every pixel is computed without any renderer."),
+      entry("Findings",
+        "✓ agrees: the interval holds 0. △ off, and the cause is known. ◇ model gap: the engine "
+        + "does not claim this physics; it was given single scattering alone, or is a look. ",
         "✗ off: nobody knows why, or the engine claims to be the truth."),
-      entry("z", "The difference in standard errors of chance. Engines without chance have a bound of their step error instead, from two step sizes. "
-        + "A large z can agree all the same, where the rounding of an engine's own numbers is larger than its noise."),
-      entry("Interval plots", "The dot is the difference, the bar what chance, step and rounding allow. The scale is logarithmic: ticks at 0.1, 1, 10 and 100\u00a0% on both sides of zero."),
-      entry("Small pictures", "A mean over a few hundred pixels tests more than a large picture: these are shown large, pixel by pixel. Wipe to the truth with the pointer or the slider. Noise averages out in the number, not in the picture; difference maps end at a tenth of the mean truth."),
+      entry("z", "The difference in standard errors of chance. Engines without chance have a bound "
+        + "of their step error instead, from two step sizes. "
+        + "A large z can agree all the same, where the rounding of an engine's own numbers is "
+        + "larger than its noise."),
+      entry("Interval plots",
+        "The dot is the difference, the bar what chance, step and rounding allow. The scale is "
+        + "logarithmic: ticks at 0.1, 1, 10 and 100\u00a0% on both sides of zero."),
+      entry("Small pictures",
+        "A mean over a few hundred pixels tests more than a large picture: these are shown large, "
+        + "pixel by pixel. Wipe to the truth with the pointer or the slider. Noise averages out in "
+        + "the number, not in the picture; difference maps end at a tenth of the mean truth."),
     ];
   }
 
@@ -910,24 +1148,34 @@
       el("h2", { id: "physics" }, "Physics: who agrees with what"),
       scrolling("Physics: who agrees with what", el("table", { class: "wide matrix findings" },
         el("thead", {}, el("tr", {}, el("th", { scope: "col" }, "Check"),
-          who.map((row) => el("th", { scope: "col", class: "num" }, row.participant, el("small", {}, row.look ? "a look" : engineNamed(row.engine)?.rung ?? row.engine))))),
-        el("tbody", {}, el("tr", { class: "total" }, el("th", { scope: "row" }, "Agrees in"), who.map(({ participant }) => {
-          const measured = rows.filter((row) => row.participant === participant && row.verdict !== "not_measured");
+          who.map((row) => el("th", { scope: "col", class: "num" }, row.participant, el("small", {},
+                row.look ? "a look" : engineNamed(row.engine)?.rung ?? row.engine))))),
+        el("tbody", {}, el("tr", { class: "total" }, el("th", { scope: "row" }, "Agrees in"),
+            who.map(({ participant }) => {
+          const measured = rows.filter((row) => row.participant === participant
+            && row.verdict !== "not_measured");
           const agreeing = measured.filter((row) => row.verdict === "agrees").length;
-          return el("td", { class: "num" }, measured.length === 0 ? absent() : [derived(`physics.of/${participant}/agrees`, agreeing), " of ", derived(`physics.of/${participant}`, measured.length)]);
+          return el("td", { class: "num" }, measured.length === 0 ? absent()
+            : [derived(`physics.of/${participant}/agrees`, agreeing), " of ",
+              derived(`physics.of/${participant}`, measured.length)]);
         }))),
         rungs.map((rung) => el("tbody", {},
-          el("tr", { class: "group" }, el("th", { scope: "rowgroup", colspan: who.length + 1 }, el("a", { href: `#${rung.id}` }, sentenceCase(rung.name)), `: ${rung.title}`)),
+          el("tr", { class: "group" }, el("th", { scope: "rowgroup", colspan: who.length + 1 },
+              el("a", { href: `#${rung.id}` }, sentenceCase(rung.name)), `: ${rung.title}`)),
           checks.filter(({ check }) => check.rung === rung.name).map(({ check, id }) => el("tr", {},
-            el("th", { scope: "row" }, el("a", { href: `#${id}`, class: "mono", title: check.what }, check.name)),
-            who.map((column) => physicsCell(rows.findIndex((row) => row.check === check.name && row.participant === column.participant)))))))),
-      "Difference from the truth over the whole check (+ is too bright), and the finding. Point at a check for what it is; empty: does not take part."));
+            el("th", { scope: "row" },
+              el("a", { href: `#${id}`, class: "mono", title: check.what }, check.name)),
+            who.map((column) => physicsCell(rows.findIndex((row) => row.check === check.name
+                  && row.participant === column.participant)))))))),
+      "Difference from the truth over the whole check (+ is too bright), and the finding. Point at "
+        + "a check for what it is; empty: does not take part."));
   }
 
   function physicsCell(r) {
     if (r < 0) return el("td", { class: "num" });
     const row = rows[r];
-    return el("td", { class: `num ${findingOf(row)}` }, row.verdict !== "not_measured" && [deviation(r), el("br")], findingWord(row));
+    return el("td", { class: `num ${findingOf(row)}` },
+      row.verdict !== "not_measured" && [deviation(r), el("br")], findingWord(row));
   }
 
   function rungSection(rung) {
@@ -949,9 +1197,12 @@
 
   function checkTable(check, own) {
     return scrolling(`Check ${check.name}`, el("table", { class: "wide" },
-      el("thead", {}, el("tr", {}, el("th", { scope: "col" }, "Participant"), el("th", { scope: "col" }, "Finding"),
-        [["Difference", "% [interval]"]].map(([name, unit]) => el("th", { scope: "col", class: "num" }, name, el("small", {}, unit))), axisHead(),
-        [["Error", "%: one σ, or step"], ["z", "pixels: mean, var."]].map(([name, unit]) => el("th", { scope: "col", class: "num" }, name, el("small", {}, unit))),
+      el("thead", {}, el("tr", {}, el("th", { scope: "col" }, "Participant"),
+          el("th", { scope: "col" }, "Finding"),
+        [["Difference", "% [interval]"]].map(([name, unit]) => el("th",
+            { scope: "col", class: "num" }, name, el("small", {}, unit))), axisHead(),
+        [["Error", "%: one σ, or step"], ["z", "pixels: mean, var."]].map(([name, unit]) => el("th",
+            { scope: "col", class: "num" }, name, el("small", {}, unit))),
         el("th", { scope: "col" }, "In words"))),
       el("tbody", {}, own.map((r) => checkRow(r)))));
   }
@@ -963,29 +1214,40 @@
     const there = typeof row.deviation === "number";
     const stochastic = typeof row.standard_error === "number";
     return el("tr", { class: state === "wrong" ? "failing" : null },
-      el("th", { scope: "row" }, row.participant, el("small", {}, row.look ? "a look, not physics" : engineNamed(row.engine)?.rung)),
+      el("th", { scope: "row" }, row.participant,
+        el("small", {}, row.look ? "a look, not physics" : engineNamed(row.engine)?.rung)),
       el("td", { class: "tight" }, findingWord(row)),
-      el("td", { class: "num" }, percent(`${path}/deviation`), there && Array.isArray(row.interval) && el("small", {}, "[", percent(`${path}/interval/0`), ", ", percent(`${path}/interval/1`), "]")),
+      el("td", { class: "num" }, percent(`${path}/deviation`),
+        there && Array.isArray(row.interval) && el("small", {}, "[", percent(`${path}/interval/0`),
+          ", ", percent(`${path}/interval/1`), "]")),
       whisker(row.deviation, row.interval, state, 0),
-      el("td", { class: "num" }, there ? [percent(`${path}/${stochastic ? "standard_error" : "step_bound"}`, { signed: false }), unitText(stochastic ? "σ" : "step")] : absent(),
-        there && typeof row.rounding === "number" && el("small", {}, "rounding ", percent(`${path}/rounding`, { signed: false, exact: true }))),
+      el("td", { class: "num" }, there
+        ? [percent(`${path}/${stochastic ? "standard_error" : "step_bound"}`, { signed: false }),
+          unitText(stochastic ? "σ" : "step")] : absent(),
+        there && typeof row.rounding === "number" && el("small", {}, "rounding ",
+          percent(`${path}/rounding`, { signed: false, exact: true }))),
       el("td", { class: "num" }, number(`${path}/z`, { signed: true }),
-        typeof row.pixel_z_mean === "number" && el("small", {}, number(`${path}/pixel_z_mean`, { signed: true }), ", ", number(`${path}/pixel_z_variance`))),
-      el("td", { class: "words" }, rowWords(row), el("div", { class: "small soft" }, row.settings && `${row.settings} · `, number(`${path}/wall_s`, { unit: "s" }))));
+        typeof row.pixel_z_mean === "number" && el("small", {}, number(`${path}/pixel_z_mean`,
+            { signed: true }), ", ", number(`${path}/pixel_z_variance`))),
+      el("td", { class: "words" }, rowWords(row), el("div", { class: "small soft" },
+          row.settings && `${row.settings} · `, number(`${path}/wall_s`, { unit: "s" }))));
   }
 
   function rowWords(row) {
     if (row.verdict === "not_measured") return why(row) || "no reason is given";
     return [
-      row.verdict === "agrees" ? "" : row.cause ? `${row.participant} is off because ${row.cause}.` : `${row.participant} is off and the cause is not known.`,
-      row.lowered && el("div", { class: "small" }, "It was given single scattering from the sun alone, since it refuses the rest."),
+      row.verdict === "agrees" ? "" : row.cause ? `${row.participant} is off because ${row.cause}.`
+        : `${row.participant} is off and the cause is not known.`,
+      row.lowered && el("div", { class: "small" },
+        "It was given single scattering from the sun alone, since it refuses the rest."),
     ];
   }
 
   function checkPictures(check, c, own) {
     const views = (check.views ?? []).map((view, v) => viewPictures(check, c, v, own));
     if (views.length <= 2) return views;
-    return [views[0], el("details", {}, el("summary", {}, "The other views of this check"), views.slice(1))];
+    return [views[0],
+      el("details", {}, el("summary", {}, "The other views of this check"), views.slice(1))];
   }
 
   function viewPictures(check, c, v, own) {
@@ -995,18 +1257,29 @@
     const title = `${check.name}, view ${v + 1}`;
     const drawn = own.filter((r) => inside(rows[r].pictures?.[v]));
     const cards = el("div", { class: "pictures small-pictures" },
-      truth && pictureCard("truth", "no renderer: computed", el("div", { class: "stack" }, pixels(truth, `${title}, the truth`, "", view.size_px)), el("div", { class: "wipe" }, "what the others are held against"),
-        el("figure", {}, el("div", { class: "scale" }, colourScale(`${path}/difference_scale`, "Radiance: engine − truth [W m⁻² sr⁻¹]")), el("figcaption", {}, "scale of the differences"))),
+      truth && pictureCard("truth", "no renderer: computed",
+        el("div", { class: "stack" }, pixels(truth, `${title}, the truth`, "", view.size_px)),
+        el("div", { class: "wipe" }, "what the others are held against"),
+        el("figure", {}, el("div", { class: "scale" },
+            colourScale(`${path}/difference_scale`, "Radiance: engine − truth [W m⁻² sr⁻¹]")),
+          el("figcaption", {}, "scale of the differences"))),
       drawn.map((r) => {
         const row = rows[r];
         const map = inside(row.differences?.[v]);
         return pictureCard(row.participant, [findingWord(row), " ", deviation(r)],
-          truth ? wipe(inside(row.pictures[v]), truth, row.participant, "truth", title, view.size_px) : [el("div", { class: "stack" }, pixels(inside(row.pictures[v]), `${title}, by ${row.participant}`, "", view.size_px)), el("div", { class: "wipe" })],
-          el("figure", {}, map ? pixels(map, `${title}: signed difference of ${row.participant} from the truth`, "", view.size_px) : hole("no difference map"), el("figcaption", {}, `${row.participant} − truth`)));
+          truth ? wipe(inside(row.pictures[v]), truth, row.participant, "truth", title,
+            view.size_px) : [el("div", { class: "stack" },
+              pixels(inside(row.pictures[v]), `${title}, by ${row.participant}`, "", view.size_px)),
+            el("div", { class: "wipe" })],
+          el("figure", {}, map ? pixels(map,
+              `${title}: signed difference of ${row.participant} from the truth`, "", view.size_px)
+            : hole("no difference map"), el("figcaption", {}, `${row.participant} − truth`)));
       }));
     smallPictures.push({ element: cards, size: view.size_px });
     return [
-      el("p", { class: "small soft" }, check.views.length > 1 && `View ${v + 1} of ${check.views.length}. `, view.what && `${sentenceCase(view.what)}. `, "Exposure ", number(`${path}/exposure_ev`, { signed: true, unit: "EV", exact: true }), "."),
+      el("p", { class: "small soft" }, check.views.length > 1
+        && `View ${v + 1} of ${check.views.length}. `, view.what && `${sentenceCase(view.what)}. `,
+        "Exposure ", number(`${path}/exposure_ev`, { signed: true, unit: "EV", exact: true }), "."),
       cards,
     ];
   }
@@ -1014,7 +1287,8 @@
   const smallPictures = []; // {element, size}: pictures of a size of their own
 
   function pictureCard(title, subtitle, ...parts) {
-    const card = el("article", { class: "card" }, el("header", {}, el("h4", {}, title), el("p", {}, subtitle)), parts);
+    const card = el("article", { class: "card" },
+      el("header", {}, el("h4", {}, title), el("p", {}, subtitle)), parts);
     card.style.gridRow = `span ${card.childElementCount}`;
     return card;
   }
@@ -1023,7 +1297,8 @@
 
   function overTime() {
     if (sequences.length === 0) return null;
-    return el("section", { "aria-labelledby": "over-time" }, el("h2", { id: "over-time" }, "Over time"), sequences.map(sequenceSection));
+    return el("section", { "aria-labelledby": "over-time" },
+      el("h2", { id: "over-time" }, "Over time"), sequences.map(sequenceSection));
   }
 
   function sequenceSection(sequence, q) {
@@ -1031,33 +1306,49 @@
     return [
       el("h3", {}, sequence.title || sequence.scene),
       el("p", {}, sequence.physics),
-      el("p", { class: "small soft" }, number(`${path}/frames`), " frames of ", number(`${path}/size_px/0`), " × ", number(`${path}/size_px/1`), " pixels, as seen at ", number(`${path}/rate_hz`, { unit: "Hz", exact: true }),
-        ", exposure ", number(`${path}/exposure_ev`, { signed: true, unit: "EV", exact: true }), `. Reference: ${sequence.reference.text} (${sequence.reference.settings}), `, number(`${path}/reference/cpu_s`, { unit: "s" }), " of processor time. ",
+      el("p", { class: "small soft" }, number(`${path}/frames`), " frames of ",
+        number(`${path}/size_px/0`), " × ", number(`${path}/size_px/1`), " pixels, as seen at ",
+        number(`${path}/rate_hz`, { unit: "Hz", exact: true }),
+        ", exposure ", number(`${path}/exposure_ev`, { signed: true, unit: "EV", exact: true }),
+        `. Reference: ${sequence.reference.text} (${sequence.reference.settings}), `,
+        number(`${path}/reference/cpu_s`, { unit: "s" }), " of processor time. ",
         "Nothing in the scene moves: all that moves in these pictures is the renderer's doing."),
-      sequence.reference.status !== "rendered" && el("p", {}, word(STATUSES, sequence.reference.status), ` ${why(sequence.reference)}`),
+      sequence.reference.status !== "rendered" && el("p", {},
+        word(STATUSES, sequence.reference.status), ` ${why(sequence.reference)}`),
       sequence.rows.length > 0 && sequencePictures(sequence, q),
       sequence.rows.some((row) => row.measurements.length > 0) && sequenceNumbers(sequence, q),
       el("ul", {}, sequence.rows.map((row) => row.status === "rendered"
-        ? row.findings.map((finding) => el("li", {}, el("b", {}, row.preset), `, ${maskName(finding.mask)}: ${finding.text}`))
+        ? row.findings.map((finding) => el("li", {}, el("b", {}, row.preset),
+            `, ${maskName(finding.mask)}: ${finding.text}`))
         : el("li", {}, el("b", {}, row.preset), " ", word(STATUSES, row.status), " ", why(row)))),
     ];
   }
 
   function sequencePictures(sequence, q) {
-    const drawn = sequence.rows.map((row, r) => ({ row, r })).filter(({ row }) => row.pictures.length > 0);
-    const cards = el("div", { class: "pictures small-pictures" }, drawn.map(({ row, r }) => pictureCard(row.preset, [`${row.engine} · `, number(`sequences/${q}/rows/${r}/render_s`, { unit: "s" })],
-      flipbook(row, sequence), row.map && el("figure", {}, pixels(row.map, `${sequence.scene}: amplitude of the flicker of ${row.preset}`, "", sequence.size_px), el("figcaption", {}, "flicker that is seen: black none, green above 10 times the threshold")))));
+    const drawn = sequence.rows.map((row, r) => ({ row, r }))
+      .filter(({ row }) => row.pictures.length > 0);
+    const cards = el("div", { class: "pictures small-pictures" },
+      drawn.map(({ row, r }) => pictureCard(row.preset,
+          [`${row.engine} · `, number(`sequences/${q}/rows/${r}/render_s`, { unit: "s" })],
+      flipbook(row, sequence), row.map && el("figure", {}, pixels(row.map,
+          `${sequence.scene}: amplitude of the flicker of ${row.preset}`, "", sequence.size_px),
+        el("figcaption", {},
+          "flicker that is seen: black none, green above 10 times the threshold")))));
     smallPictures.push({ element: cards, size: sequence.size_px, room: 400 });
     return cards;
   }
 
   /** The frames of one cycle: by the slider, or in turn while the box is ticked. */
   function flipbook(row, sequence) {
-    const frames = row.pictures.map((path, n) => pixels(path, `${sequence.scene} by ${row.preset}, frame ${n + 1} of the cycle`, "", sequence.size_px));
+    const frames = row.pictures.map((path, n) => pixels(path,
+        `${sequence.scene} by ${row.preset}, frame ${n + 1} of the cycle`, "", sequence.size_px));
     const stack = el("div", { class: "stack" }, frames);
-    const slider = el("input", { type: "range", min: 1, max: frames.length, value: 1, "aria-label": `Frame of the cycle, ${row.preset}` });
+    const slider = el("input", { type: "range", min: 1, max: frames.length, value: 1,
+        "aria-label": `Frame of the cycle, ${row.preset}` });
     const play = el("input", { type: "checkbox", "aria-label": `Play the cycle of ${row.preset}` });
-    const show = () => frames.forEach((frame, n) => { frame.hidden = n + 1 !== Number(slider.value); });
+    const show = () => frames.forEach((frame, n) => {
+      frame.hidden = n + 1 !== Number(slider.value);
+    });
     slider.addEventListener("input", show);
     play.addEventListener("change", () => {
       const turn = () => {
@@ -1069,21 +1360,28 @@
       turn();
     });
     show();
-    return [stack, el("div", { class: "wipe" }, el("label", {}, play, " play"), slider, el("span", { "aria-hidden": "true" }, "frame"))];
+    return [stack, el("div", { class: "wipe" }, el("label", {}, play, " play"), slider,
+        el("span", { "aria-hidden": "true" }, "frame"))];
   }
 
   function sequenceNumbers(sequence, q) {
     const first = sequence.rows.find((row) => row.measurements.length > 0);
     return scrolling("Flicker", el("table", {},
-      el("thead", {}, el("tr", {}, el("th", { scope: "col" }, "Measure"), sequence.rows.map((row) => el("th", { scope: "col", class: "num" }, row.preset)))),
+      el("thead", {}, el("tr", {}, el("th", { scope: "col" }, "Measure"),
+          sequence.rows.map((row) => el("th", { scope: "col", class: "num" }, row.preset)))),
       el("tbody", {}, first.measurements.map((measurement, m) => el("tr", {},
         el("th", { scope: "row" }, measurement.metric, el("small", {}, maskName(measurement.mask))),
-        sequence.rows.map((row, r) => el("td", { class: "num" }, row.measurements.length === 0 ? absent() : flickerNumber(`sequences/${q}/rows/${r}/measurements/${m}`))))))),
-      "Radiance as displayed, 1 is white. In brackets: 95\u00a0% interval over the picture; then the same number against centre rays alone, which an edge crosses in steps. The amplitude over four frames is of that cycle alone, as is its map: what flickers at another period stands in the deviation.");
+        sequence.rows.map((row, r) => el("td", { class: "num" }, row.measurements.length === 0
+            ? absent() : flickerNumber(`sequences/${q}/rows/${r}/measurements/${m}`))))))),
+      "Radiance as displayed, 1 is white. In brackets: 95\u00a0% interval over the picture; then "
+        + "the same number against centre rays alone, which an edge crosses in steps. The "
+        + "amplitude over four frames is of that cycle alone, as is its map: what flickers at "
+        + "another period stands in the deviation.");
   }
 
   function flickerNumber(path) {
-    return [number(`${path}/value`), at(`${path}/interval`) && el("small", {}, "[", number(`${path}/interval/0`), ", ", number(`${path}/interval/1`), "]"),
+    return [number(`${path}/value`), at(`${path}/interval`) && el("small", {}, "[",
+        number(`${path}/interval/0`), ", ", number(`${path}/interval/1`), "]"),
       el("small", {}, "centre rays ", number(`${path}/against_centre_rays`))];
   }
 
@@ -1092,22 +1390,28 @@
   function charts() {
     const list = report.charts ?? [];
     if (list.length === 0) return null;
-    return el("section", { "aria-labelledby": "charts" }, el("h2", { id: "charts" }, "Charts"), list.map(chart));
+    return el("section", { "aria-labelledby": "charts" }, el("h2", { id: "charts" }, "Charts"),
+      list.map(chart));
   }
 
   function chart(entry) {
     const still = inside(entry.svg);
-    const image = still && el("img", { class: "chart", src: still, alt: `${entry.title}. ${entry.caption ?? ""}` });
+    const image = still && el("img",
+      { class: "chart", src: still, alt: `${entry.title}. ${entry.caption ?? ""}` });
     const figure = el("figure", { class: "chart-figure", "data-state": "static" },
       el("h3", { id: anchor("chart", entry.id) }, entry.title),
       el("div", { class: "frame" },
-        el("div", { class: "still" }, image || hole(entry.missing || "no static chart in this report")),
+        el("div", { class: "still" },
+          image || hole(entry.missing || "no static chart in this report")),
         el("div", { class: "live" })),
       el("figcaption", {},
         el("p", {}, entry.caption),
-        !still && entry.missing && el("p", { class: "small soft" }, `No static chart: ${entry.missing}`),
-        el("p", { class: "small soft upgrade" }, still && ["Also as ", el("a", { href: still }, "SVG"), ". "])));
-    image?.addEventListener("error", () => image.replaceWith(hole(`${still} is not in this report's folder`)));
+        !still && entry.missing && el("p", { class: "small soft" },
+          `No static chart: ${entry.missing}`),
+        el("p", { class: "small soft upgrade" },
+          still && ["Also as ", el("a", { href: still }, "SVG"), ". "])));
+    image?.addEventListener("error",
+      () => image.replaceWith(hole(`${still} is not in this report's folder`)));
     return figure;
   }
 
@@ -1122,7 +1426,8 @@
 
   /** Makes each chart interactive, from the specification that drew the static one. */
   async function upgrade(figures) {
-    const work = (report.charts ?? []).map((entry, n) => ({ entry, figure: figures[n] })).filter(({ entry }) => entry.spec);
+    const work = (report.charts ?? []).map((entry, n) => ({ entry, figure: figures[n] }))
+      .filter(({ entry }) => entry.spec);
     if (work.length === 0 || report.interactive === false) return;
     try {
       for (const path of VENDORED) await load(path);
@@ -1138,7 +1443,8 @@
           mode: "vega-lite",
           renderer: "svg",
           ast: true, // expressions are interpreted: nothing in the data is ever run as code
-          logLevel: window.vega.Error, // a layer with no rows (no interval reaches zero) is not news
+          // A layer with no rows (no interval reaches zero) is not news.
+          logLevel: window.vega.Error,
           actions: false,
           defaultStyle: false,
           tooltip: showTooltip,
@@ -1146,7 +1452,9 @@
         });
         figure.setAttribute("data-state", "interactive");
         const moves = JSON.stringify(entry.spec).includes('"bind":"scales"');
-        figure.querySelector(".upgrade").append(`Point at a mark for its numbers${moves ? "; drag to pan, shift and wheel to zoom, double click to return" : ""}.`);
+        figure.querySelector(".upgrade").append(
+          "Point at a mark for its numbers",
+          moves ? "; drag to pan, shift and wheel to zoom, double click to return." : ".");
       } catch (error) {
         failed(figure, error);
       }
@@ -1157,7 +1465,8 @@
 
   function failed(figure, error) {
     figure.setAttribute("data-state", "failed");
-    figure.querySelector(".upgrade").append(`The interactive chart is not available: ${error.message}.`);
+    figure.querySelector(".upgrade")
+      .append(`The interactive chart is not available: ${error.message}.`);
   }
 
   let tooltip = null;
@@ -1166,11 +1475,14 @@
     tooltip = null;
     if (value === null || value === undefined || value === "") return;
     const rows = typeof value === "object" ? Object.entries(value) : [["", value]];
-    tooltip = el("div", { class: "tooltip" }, el("table", {}, rows.map(([name, text]) => el("tr", {}, el("th", { scope: "row" }, name), el("td", {}, text)))));
+    tooltip = el("div", { class: "tooltip" }, el("table", {}, rows.map(([name, text]) => el("tr",
+            {}, el("th", { scope: "row" }, name), el("td", {}, text)))));
     document.body.append(tooltip);
     const box = tooltip.getBoundingClientRect();
-    tooltip.style.left = `${Math.max(4, Math.min(event.clientX + 14, window.innerWidth - box.width - 8))}px`;
-    tooltip.style.top = `${Math.max(4, Math.min(event.clientY + 14, window.innerHeight - box.height - 8))}px`;
+    tooltip.style.left =
+      `${Math.max(4, Math.min(event.clientX + 14, window.innerWidth - box.width - 8))}px`;
+    tooltip.style.top =
+      `${Math.max(4, Math.min(event.clientY + 14, window.innerHeight - box.height - 8))}px`;
   }
 
   // -------------------------------------------------------------------------------------- engines
@@ -1179,20 +1491,28 @@
     return el("section", { "aria-labelledby": "engines" },
       el("h2", { id: "engines" }, "Engines"),
       scrolling("Engines", el("table", { class: "wide" },
-        el("thead", {}, el("tr", {}, ["Engine", "Rung of truth", "Version and device", "Known bias"].map((name) => el("th", { scope: "col" }, name)))),
+        el("thead", {}, el("tr", {}, ["Engine", "Rung of truth", "Version and device",
+              "Known bias"].map((name) => el("th", { scope: "col" }, name)))),
         el("tbody", {}, engines.map((engine) => el("tr", {},
           el("th", { scope: "row" }, engine.name, el("small", {}, engine.summary)),
           el("td", { class: "words" }, RUNGS[engine.rung] ?? engine.rung),
           engine.available
-            ? el("td", { class: "words" }, engine.version || absent("not known"), engine.device && el("div", { class: "small soft" }, engine.device))
-            : el("td", { class: "words" }, word(STATUSES, engine.broken ? "failed" : "missing"), el("div", { class: "small" }, engine.missing),
-              engine.install_line && !engine.broken && el("div", { class: "small" }, "To install: ", el("code", {}, engine.install_line))),
-          el("td", { class: "words" }, engine.bias || el("span", { class: "soft" }, "none known"))))))));
+            ? el("td", { class: "words" }, engine.version || absent("not known"),
+              engine.device && el("div", { class: "small soft" }, engine.device))
+            : el("td", { class: "words" }, word(STATUSES, engine.broken ? "failed" : "missing"),
+              el("div", { class: "small" }, engine.missing),
+              engine.install_line && !engine.broken && el("div", { class: "small" }, "To install: ",
+                el("code", {}, engine.install_line))),
+          el("td", { class: "words" },
+            engine.bias || el("span", { class: "soft" }, "none known"))))))));
   }
 
   function foot() {
-    return el("footer", {}, el("p", {}, "Every number of this page is in ", el("a", { href: "data.json" }, "data.json"),
-      (report.charts ?? []).some((entry) => entry.spec) && report.interactive !== false && [". The charts are drawn by Vega and Vega-Lite (", el("a", { href: "vendor/LICENSES.txt" }, "licences"), ")"], "."));
+    return el("footer", {},
+      el("p", {}, "Every number of this page is in ", el("a", { href: "data.json" }, "data.json"),
+      (report.charts ?? []).some((entry) => entry.spec) && report.interactive !== false
+        && [". The charts are drawn by Vega and Vega-Lite (",
+        el("a", { href: "vendor/LICENSES.txt" }, "licences"), ")"], "."));
   }
 
   // ------------------------------------------------------------------------------------- the page
@@ -1201,7 +1521,8 @@
   function fitPictures(main) {
     const [width, height] = report.size_px ?? [192, 108];
     const style = getComputedStyle(main);
-    const room = Math.min(400, main.clientWidth - parseFloat(style.paddingLeft) - parseFloat(style.paddingRight));
+    const room = Math.min(400,
+      main.clientWidth - parseFloat(style.paddingLeft) - parseFloat(style.paddingRight));
     const dots = window.devicePixelRatio || 1;
     const root = document.documentElement.style;
     root.setProperty("--image-width", width);
@@ -1210,8 +1531,10 @@
     for (const { element, size, room: own } of smallPictures) {
       element.style.setProperty("--image-width", size[0]);
       element.style.setProperty("--image-height", size[1]);
-      const wide = own ?? (size[0] > 3 * size[1] ? 400 : 216); // a strip needs its length to be seen
-      element.style.setProperty("--scale", Math.max(1, Math.floor((Math.min(room, wide) * dots) / size[0])) / dots);
+      const wide = own ?? (size[0] > 3 * size[1] ? 400
+        : 216); // a strip needs its length to be seen
+      element.style.setProperty("--scale",
+        Math.max(1, Math.floor((Math.min(room, wide) * dots) / size[0])) / dots);
     }
   }
 
@@ -1223,33 +1546,44 @@
         closed.push(details);
       }
     });
-    window.addEventListener("afterprint", () => { for (const details of closed.splice(0)) details.open = false; });
+    window.addEventListener("afterprint", () => {
+      for (const details of closed.splice(0)) details.open = false;
+    });
   }
 
   function complaint(main, title, text) {
-    main.replaceChildren(el("h1", {}, title), el("p", {}, text), el("p", {}, "The numbers may still be in ", el("a", { href: "data.json" }, "data.json"), "."));
+    main.replaceChildren(el("h1", {}, title), el("p", {}, text), el("p", {},
+        "The numbers may still be in ", el("a", { href: "data.json" }, "data.json"), "."));
   }
 
   const main = document.getElementById("report");
   if (!report) {
-    complaint(main, "This report has no data", "data.js, which lies beside this page in a complete report, is missing or cannot be read.");
+    complaint(main, "This report has no data",
+      "data.js, which lies beside this page in a complete report, is missing or cannot be read.");
     return;
   }
   if (report.format !== "neph-report-1") {
-    complaint(main, "This report is of another version", `Its data say “${report.format}”; this page reads “neph-report-1”.`);
+    complaint(main, "This report is of another version",
+      `Its data say “${report.format}”; this page reads “neph-report-1”.`);
     return;
   }
   try {
     document.title = `${report.title}: ${report.verdict}`;
     window.addEventListener("resize", () => fitPictures(main));
     main.replaceChildren();
-    append(main, [head(), contents(), physicsMatrix(), summary(), help(), phaseFunctions(), rungs.map(rungSection), scenes.map(sceneSection), overTime(), charts(), engineTable(), foot()]);
+    append(main, [head(), contents(), physicsMatrix(), summary(), help(), phaseFunctions(),
+        rungs.map(rungSection), scenes.map(sceneSection), overTime(), charts(), engineTable(),
+        foot()]);
     fitPictures(main);
     printWhole();
-    if (location.hash) document.getElementById(decodeURIComponent(location.hash.slice(1)))?.scrollIntoView();
-    upgrade([...main.querySelectorAll(".chart-figure")]).finally(() => { document.documentElement.dataset.ready = "yes"; });
+    if (location.hash)
+      document.getElementById(decodeURIComponent(location.hash.slice(1)))?.scrollIntoView();
+    upgrade([...main.querySelectorAll(".chart-figure")]).finally(() => {
+      document.documentElement.dataset.ready = "yes";
+    });
   } catch (error) {
-    complaint(main, "This report cannot be laid out", `The data do not have the expected form: ${error.message}.`);
+    complaint(main, "This report cannot be laid out",
+      `The data do not have the expected form: ${error.message}.`);
     throw error;
   }
 })();

@@ -35,4 +35,5 @@ for (const [name, { version, licence, text }] of [...found].sort(([a], [b]) => (
   byText.set(key, [...(byText.get(key) ?? []), `${name} ${version} (${licence})`]);
 }
 console.log("Licences of the code in vega.min.js, vega-lite.min.js and vega-embed.min.js\n");
-for (const [text, names] of byText) console.log(`${"=".repeat(80)}\n${names.join("\n")}\n\n${text}\n`);
+for (const [text, names] of byText)
+  console.log(`${"=".repeat(80)}\n${names.join("\n")}\n\n${text}\n`);
