@@ -329,8 +329,8 @@ static enum neph_status find_versus(const struct neph_cli_comparison *asked,
     return status;
 }
 
-/* The same again with the other test; of its numbers only the differences are kept. `compared` has
- * only what was asked for: p-values are corrected for these. */
+/* Compares with the other test, too, and keeps the differences alone. `compared` has only what was
+ * asked for: p-values are corrected for these. */
 static enum neph_status add_versus(const struct neph_cli_comparison *asked,
                                    const struct neph_comparison *comparison,
                                    const struct neph_sequence *other_test,

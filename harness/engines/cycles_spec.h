@@ -12,8 +12,8 @@
 /* The transmittance pass is one sample per pixel with steps this many times finer: the noise of a
  * single random step offset falls with the step itself, and one sample is exactly centred. */
 #define NEPH_CYCLES_FINE_STEPS 160
-/* The same where the steps count in cells of a grid: 2e-5 of transmittance through a few large
- * ones, where a cell is an optical depth of 3. */
+/* Where steps count in cells of a grid, so many times finer: 2e-5 of transmittance through a few
+ * large cells of optical depth 3. */
 #define NEPH_CYCLES_FINE_GRID_STEPS 40
 
 /* How the scene was adapted; goes into the attributes of the frame. */

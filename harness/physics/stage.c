@@ -11,7 +11,7 @@
 static const double slab_m = 10.0;
 static const double wide_m = 1e5;
 static const double fog_falloff_per_m = 0.1;
-/* Of the fog's 300 m below the camera e^-30 = 1e-13 lies above it. */
+/* So high that only e^-30 = 1e-13 of the fog lies above the camera. */
 static const double fog_camera_m = 300.0;
 static const double blob_width_m = 1.5;
 static const double shell_radius_m = 2.0;

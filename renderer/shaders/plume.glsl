@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 //
 // A plume of smoke (scenes/plume.c): density e^-(s / scale height + r^2 / (2 width^2)), s along the
-// axis from the foot, r across it; none below the foot. Along a ray the exponent is a parabola: from
-// the densest place it only grows, by x (rise + bend x). Either leg is integrated by eight-point
-// Gauss-Legendre over the first 3 and the next 14 e-foldings, as of a shell.
+// axis from the foot, r across it; none below the foot. Along a ray the exponent is a parabola:
+// from the densest place it only grows, by x (rise + bend x). Either leg is integrated by
+// eight-point Gauss-Legendre over the first 3 and the next 14 e-foldings, as of a shell.
 #ifndef NEPH_PLUME_GLSL
 #define NEPH_PLUME_GLSL
 

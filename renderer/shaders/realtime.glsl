@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// What the passes of the real-time renderer share: the view, the targets they hand to each other, and
-// how these keep their numbers.
+// What the passes of the real-time renderer share: the view, the targets they hand to each other,
+// and how these keep their numbers.
 //
 // Decisions (which slot, which ray, in the box or not) are made in float32 with `precise`
 // arithmetic and explicit comparisons, so that the twin in C makes the same ones bit by bit: min,
@@ -38,8 +38,8 @@ struct Target {
 };
 
 // A view is a rectangle of its targets: pixel (0, 0) of the view is texel `origin` of the
-// full-resolution targets, origin / 2 of the half, origin / 4 of the quarter (`origin` is a multiple
-// of 4).
+// full-resolution targets, origin / 2 of the half, origin / 4 of the quarter (`origin` is a
+// multiple of 4).
 layout(std430, binding = REALTIME_BINDING) readonly buffer View {
     ViewCamera now, before;
     Target targets[RT_TARGET_COUNT];

@@ -8,14 +8,15 @@
 
 #include "realtime_names.h"
 
-layout(constant_id = RT_SPECIALISED_CONSTANT) const bool SPECIALISED = false; // else they are read from the view
+// Whether the choices are constants; else they are read from the view.
+layout(constant_id = RT_SPECIALISED_CONSTANT) const bool SPECIALISED = false;
 
 #if RT_SETTING_COUNT > 128
 #error "more constants, please"
 #endif
 
-// A hexadecimal digit for each setting, eight to a constant, the lowest first: the choice, or whether
-// the number is other than 0.
+// A hexadecimal digit for each setting, eight to a constant, the lowest first: the choice, or
+// whether the number is other than 0.
 layout(constant_id = 8) const uint DIGITS_0 = 0;
 layout(constant_id = 9) const uint DIGITS_1 = 0;
 layout(constant_id = 10) const uint DIGITS_2 = 0;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// Names that the shaders of the real-time renderer, their twins in C and its table of options have in
-// common: this file is both GLSL and C. What a setting means is said once, in
+// Names that the shaders of the real-time renderer, their twins in C and its table of options have
+// in common: this file is both GLSL and C. What a setting means is said once, in
 // renderer/realtime/options.c; `neph engines realtime` prints it.
 #ifndef NEPH_REALTIME_NAMES_H
 #define NEPH_REALTIME_NAMES_H

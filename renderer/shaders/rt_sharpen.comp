@@ -1,10 +1,10 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// Sharpening of the finished picture, against the blur of anti-aliasing: a pixel moves away from the
-// mean of its four neighbours by sharpen_amount times its distance from it, and stays within the
-// least and the largest of the five. So no edge rings, a constant stays what it is, and no radiance
-// becomes negative (unsharp masking held as in AMD's Robust Contrast Adaptive Sharpening).
+// Sharpening of the finished picture, against the blur of anti-aliasing: a pixel moves away from
+// the mean of its four neighbours by sharpen_amount times its distance from it, and stays within
+// the least and the largest of the five. So no edge rings, a constant stays what it is, and no
+// radiance becomes negative (unsharp masking held as in AMD's Robust Contrast Adaptive Sharpening).
 #extension GL_GOOGLE_include_directive : require
 
 #include "realtime_pass.glsl"
@@ -13,7 +13,8 @@ const ivec2 CROSS[4] = {ivec2(-1, 0), ivec2(1, 0), ivec2(0, -1), ivec2(0, 1)};
 
 vec3 picture_at(ivec2 pixel)
 {
-    return choice(RT_TAA) != 0 ? fetch_full(RT_TAA_OUT, pixel).rgb : fetch_full(RT_COLOR, pixel).rgb;
+    return choice(RT_TAA) != 0 ? fetch_full(RT_TAA_OUT, pixel).rgb
+                               : fetch_full(RT_COLOR, pixel).rgb;
 }
 
 void main()

@@ -28,7 +28,8 @@ class CommandLine(unittest.TestCase):
         self.folder = pathlib.Path(folder.name)
 
     def test_help_of_every_verb_has_an_example(self):
-        for verb in ("validate", "render", "export", "compare", "flicker", "conform", "metrics", "bake", "study", "benchmark", "scenes", "engines", "doctor"):
+        for verb in ("validate", "render", "export", "compare", "flicker", "conform", "metrics",
+                     "bake", "study", "benchmark", "scenes", "engines", "doctor"):
             done = neph(verb, "--help")
             self.assertEqual(done.returncode, 0, verb)
             self.assertIn("Example", done.stdout, verb)
@@ -55,38 +56,45 @@ class CommandLine(unittest.TestCase):
         self.assertIn("0", done.stderr)
 
     def test_a_variant_is_a_scene_file(self):
-        done = neph("scenes", "height_fog_level", "--variant", "sun_step", "--at", "3", "--frames", "9")
+        done = neph("scenes", "height_fog_level", "--variant", "sun_step", "--at", "3", "--frames",
+                    "9")
         self.assertEqual(done.returncode, 0, done.stderr)
         scene = self.folder / "height_fog_level_sun_step.yaml"
         self.assertIn(scene.name, done.stderr)
         scene.write_text(done.stdout)
         done = neph("scenes", scene, "--json")
         self.assertEqual((done.returncode, json.loads(done.stdout)["frames"]), (0, 9), done.stderr)
-        for arguments, code, words in (
-                (("sun_step", "--variant", "sun_step"), 2, "moves already"),
-                (("height_fog_level", "--variant", "sun"), 64, "sun_sine"),
-                (("height_fog_level", "--variant", "camera_cut", "--at", "9", "--frames", "9"), 64, "1..8"),
-                (("--variant", "sun_step"), 64, "one scene"),
-                (("height_fog_level", "--at", "3"), 64, "--variant")):
+        for arguments, code, words in ((("sun_step", "--variant", "sun_step"), 2, "moves already"),
+                                       (("height_fog_level", "--variant", "sun"), 64, "sun_sine"),
+                                       (("height_fog_level", "--variant", "camera_cut", "--at", "9",
+                                         "--frames", "9"), 64, "1..8"),
+                                       (("--variant", "sun_step"), 64, "one scene"),
+                                       (("height_fog_level", "--at", "3"), 64, "--variant")):
             done = neph("scenes", *arguments)
-            self.assertEqual((done.returncode, words in done.stderr, done.stdout), (code, True, ""), (arguments, done.stderr))
+            self.assertEqual((done.returncode, words in done.stderr, done.stdout), (code, True, ""),
+                             (arguments, done.stderr))
 
     def test_march_agrees_with_exact_where_the_form_is_closed(self):
         for engine in ("exact", "march"):
-            done = neph("render", "height_fog_level", "-e", engine, "--size", "64x36", "-o", self.folder)
+            done = neph("render", "height_fog_level", "-e", engine, "--size", "64x36", "-o",
+                        self.folder)
             self.assertEqual(done.returncode, 0, done.stderr)
         pair = [self.folder / f"height_fog_level_{e}_0000.exr" for e in ("exact", "march")]
         done = neph("compare", *pair, "--json", "--fail-above", "transmittance:max_rel=1e-5")
         self.assertEqual(done.returncode, 0, done.stderr)
-        values = {(m["quantity"], m["metric"], m["mask"]): m["value"] for m in json.loads(done.stdout)["measurements"]}
+        values = {(m["quantity"], m["metric"], m["mask"]): m["value"]
+                  for m in json.loads(done.stdout)["measurements"]}
         self.assertLess(abs(values["radiance", "rel_bias", "all"]), 1e-3)
         self.assertEqual(neph("compare", *pair, "--fail-above", "radiance:max_abs=0").returncode, 1)
 
     def test_same_job_same_bits(self):
         for name in ("a", "b"):
-            self.assertEqual(neph("render", "fence_backlit", "--size", "64x36", "-o", self.folder / name).returncode, 0)
-        done = neph("compare", *(self.folder / n / "fence_backlit_march_0000.exr" for n in ("a", "b")), "--json")
-        worst = {m["value"] for m in json.loads(done.stdout)["measurements"] if m["metric"] == "max_abs"}
+            self.assertEqual(neph("render", "fence_backlit", "--size", "64x36", "-o",
+                                  self.folder / name).returncode, 0)
+        done = neph("compare", *(self.folder / n / "fence_backlit_march_0000.exr"
+                                 for n in ("a", "b")), "--json")
+        worst = {m["value"]
+                 for m in json.loads(done.stdout)["measurements"] if m["metric"] == "max_abs"}
         self.assertEqual(worst - {None}, {0.0})  # None: the depth of the sky
 
     def test_tracers_go_on_from_a_checkpoint(self):
@@ -94,7 +102,8 @@ class CommandLine(unittest.TestCase):
             options = ["-e", engine, "--size", "16x9", "-q", "-o", self.folder]
             sums = self.folder / f"{engine}.sums"
             for count in samples:  # a finished render is given more samples
-                done = neph("render", "voxel_grid", *options, "-s", f"samples={count}", "--checkpoint", sums)
+                done = neph("render", "voxel_grid", *options, "-s", f"samples={count}",
+                            "--checkpoint", sums)
                 self.assertEqual(done.returncode, 0, done.stderr)
             in_two = self.folder / f"{engine}_in_two.exr"
             (self.folder / f"voxel_grid_{engine}_0000.exr").rename(in_two)
@@ -121,8 +130,10 @@ class CommandLine(unittest.TestCase):
     def test_validate_reuses_finished_frames(self):
         first = neph("validate", "scattering_slab_above", *EXACT_ONLY, "-o", self.folder, "--json")
         second = neph("validate", "scattering_slab_above", *EXACT_ONLY, "-o", self.folder, "--json")
-        self.assertEqual((first.returncode, second.returncode), (0, 0), first.stderr + second.stderr)
-        reused = [[f["reused"] for f in json.loads(run.stdout)["scenes"][0]["frames"]] for run in (first, second)]
+        self.assertEqual((first.returncode, second.returncode), (0, 0),
+                         first.stderr + second.stderr)
+        reused = [[f["reused"] for f in json.loads(run.stdout)["scenes"][0]["frames"]]
+                  for run in (first, second)]
         self.assertEqual(reused, [[False, False], [True, True]])
         report = self.folder / "report"
         self.assertTrue((report / "index.html").exists())
@@ -138,8 +149,9 @@ class CommandLine(unittest.TestCase):
         self.assertIn("fail", verdicts)
 
     def test_missing_engines_are_reported_and_the_others_go_on(self):
-        done = neph("validate", "scattering_slab_above", "--no-charts", "--size", "32x18", "-q", "-o",
-                    self.folder, "--json", PATH="/nonexistent", VK_ICD_FILENAMES="/nonexistent.json")
+        done = neph("validate", "scattering_slab_above", "--no-charts", "--size", "32x18", "-q",
+                    "-o", self.folder, "--json", PATH="/nonexistent",
+                    VK_ICD_FILENAMES="/nonexistent.json")
         frames = {f["engine"]: f for f in json.loads(done.stdout)["scenes"][0]["frames"]}
         self.assertEqual(frames["exact"]["status"], "rendered")
         for engine in ("march", "cycles", "povray"):
@@ -157,7 +169,8 @@ class CommandLine(unittest.TestCase):
             child.wait()
             for entry in (self.folder / "store/frames").glob("*"):
                 record = json.loads((entry / "job.json").read_text())
-                digest = subprocess.run(["b2sum", "-l", "256", entry / "frame.exr"], capture_output=True, text=True)
+                digest = subprocess.run(["b2sum", "-l", "256", entry / "frame.exr"],
+                                        capture_output=True, text=True)
                 self.assertEqual(digest.stdout.split()[0], record["frame_blake2b"])
         done = subprocess.run(command, capture_output=True, text=True, timeout=600)
         self.assertIn(done.returncode, (0, 1), done.stderr)
@@ -165,19 +178,21 @@ class CommandLine(unittest.TestCase):
         self.assertTrue((self.folder / "report/index.html").exists())
 
     def test_interrupt_stops_with_130_and_keeps_what_is_finished(self):
-        child = subprocess.Popen([NEPH, "validate", "--no-charts", "-q", "-e", "exact", "--size", "640x360",
-                                  "-o", str(self.folder)], stdout=subprocess.DEVNULL)
+        child = subprocess.Popen([NEPH, "validate", "--no-charts", "-q", "-e", "exact", "--size",
+                                  "640x360", "-o", str(self.folder)], stdout=subprocess.DEVNULL)
         time.sleep(2)
         child.send_signal(signal.SIGINT)
         self.assertEqual(child.wait(timeout=20), 130)
         self.assertEqual(list((self.folder / "store/tmp").iterdir()), [])
 
-    @unittest.skipUnless(shutil.which("chromium"), "chromium is not installed: the page is not looked at")
+    @unittest.skipUnless(shutil.which("chromium"),
+                         "chromium is not installed: the page is not looked at")
     def test_a_report_of_all_engines_holds_in_a_browser(self):
         done = neph("validate", "fence_backlit", "--no-charts", "--size", "48x27", "-q",
                     "-o", self.folder)
         self.assertIn(done.returncode, (0, 1), done.stderr)
-        checked = subprocess.run(["node", ROOT / "scripts/report/check_report.mjs", "--quick", self.folder / "report"],
+        checked = subprocess.run(["node", ROOT / "scripts/report/check_report.mjs", "--quick",
+                                  self.folder / "report"],
                                  capture_output=True, text=True, timeout=300)
         self.assertEqual(checked.returncode, 0, checked.stdout + checked.stderr)
 

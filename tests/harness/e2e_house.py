@@ -15,7 +15,7 @@ MAY_INCLUDE = {
     "renderer": {"renderer", "scenes", "base"},
     "harness": {"harness", "renderer", "truth", "metrics", "scenes", "base"},
 }
-# The rooms of harness/, each with those that it may look into; what lies in harness/ itself is for all.
+# The rooms of harness/, each with those that it may look into; files beside them are for all.
 ROOMS = {
     "engines": set(),
     "compare": set(),
@@ -29,7 +29,8 @@ INCLUDE = re.compile(r'^#include "([a-z_/]+\.h)"', re.MULTILINE)
 
 
 def includes(folder):
-    return {path: INCLUDE.findall(path.read_text()) for path in sorted((ROOT / folder).rglob("*.[ch]"))}
+    return {path: INCLUDE.findall(path.read_text())
+            for path in sorted((ROOT / folder).rglob("*.[ch]"))}
 
 
 class House(unittest.TestCase):
@@ -44,15 +45,18 @@ class House(unittest.TestCase):
         self.assertGreater(seen, 100)
 
     def test_the_rooms_of_the_harness(self):
-        self.assertEqual({path.name for path in (ROOT / "harness").iterdir() if path.is_dir()}, set(ROOMS))
+        self.assertEqual({path.name for path in (ROOT / "harness").iterdir() if path.is_dir()},
+                         set(ROOMS))
         for path, names in includes("harness").items():
             room = path.relative_to(ROOT / "harness").parts[0]
             for name in names:
                 parts = name.split("/")
                 if parts[0] != "harness" or len(parts) < 3:
                     continue
-                self.assertIn(room, ROOMS, f"{path.relative_to(ROOT)} is for all rooms and includes {name}")
-                self.assertIn(parts[1], ROOMS[room] | {room}, f"{path.relative_to(ROOT)} includes {name}")
+                self.assertIn(room, ROOMS,
+                              f"{path.relative_to(ROOT)} is for all rooms and includes {name}")
+                self.assertIn(parts[1], ROOMS[room] | {room},
+                              f"{path.relative_to(ROOT)} includes {name}")
 
     def test_no_two_files_need_each_other(self):
         # A .c counts as its .h: what it includes, the pair needs.
@@ -77,12 +81,14 @@ class House(unittest.TestCase):
         self.assertEqual({" ".join(sorted(circle)) for circle in circles}, set())
 
     def test_jansson_is_used_through_the_header_that_minds_its_failures(self):
-        users = [path.relative_to(ROOT / "harness").as_posix() for path in (ROOT / "harness").rglob("*.[ch]")
+        users = [path.relative_to(ROOT / "harness").as_posix()
+                 for path in (ROOT / "harness").rglob("*.[ch]")
                  if "<jansson.h>" in path.read_text()]
         self.assertEqual(users, ["json.h"])
 
     def test_command_lines_are_parsed_where_complaints_are_cleaned(self):
-        users = [path.relative_to(ROOT / "harness").as_posix() for path in (ROOT / "harness").rglob("*.c")
+        users = [path.relative_to(ROOT / "harness").as_posix()
+                 for path in (ROOT / "harness").rglob("*.c")
                  if re.search(r"\bargp_parse\(", path.read_text())]
         self.assertEqual(users, ["cli/options.c"])
 

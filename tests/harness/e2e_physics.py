@@ -34,7 +34,8 @@ class Furnace(unittest.TestCase):
         cls.temporary = tempfile.TemporaryDirectory()
         cls.folder = pathlib.Path(cls.temporary.name)
         cls.done = neph(*SUITE, *OURS, "--check", "furnace", "-o", cls.folder, "--json")
-        cls.physics = json.loads(cls.done.stdout)["physics"] if cls.done.returncode in (0, 1) else None
+        has_run = cls.done.returncode in (0, 1)
+        cls.physics = json.loads(cls.done.stdout)["physics"] if has_run else None
 
     @classmethod
     def tearDownClass(cls):
@@ -46,7 +47,8 @@ class Furnace(unittest.TestCase):
     def test_our_truth_holds_and_the_run_says_so(self):
         self.assertEqual(self.done.returncode, 0, self.done.stderr)
         self.assertEqual(self.physics["verdict"], "pass")
-        unsure = [row for row in self.rows("exact") + self.rows("oracle") if row["verdict"] != "agrees"]
+        unsure = [row
+                  for row in self.rows("exact") + self.rows("oracle") if row["verdict"] != "agrees"]
         # Clouds have no closed form: `exact` leaves them to the tracers.
         self.assertEqual([(row["participant"], row["check"], row["verdict"]) for row in unsure],
                          [("exact", "furnace_clouds_16", "not_measured")])
@@ -54,7 +56,8 @@ class Furnace(unittest.TestCase):
     def test_a_single_scattering_march_is_off_and_the_cause_is_named(self):
         for row in self.rows("march"):
             self.assertEqual((row["verdict"], row["lowered"]), ("off", True))
-            self.assertLess(row["deviation"], -0.01)  # light that is not scattered in again is missing
+            # light that is not scattered in again is missing
+            self.assertLess(row["deviation"], -0.01)
             self.assertIn("single scattering", row["cause"])
             self.assertIn(row["cause"], row["sentence"])
 
@@ -77,16 +80,20 @@ class Furnace(unittest.TestCase):
         report = self.folder / "report"
         for check in self.physics["checks"]:
             self.assertIn("optical depth", check["what"])
-            rows = [row for row in self.physics["rows"] if row["check"] == check["name"] and row["deviation"] is not None]
+            rows = [row for row in self.physics["rows"] if row["check"] == check["name"]
+                    and row["deviation"] is not None]
             self.assertGreaterEqual(len(rows), 2, check["name"])
             for v, view in enumerate(check["views"]):
                 self.assertNotIn("truth", view)  # drawn, not carried along
-                for path in [view["picture"], *(row[kind][v] for row in rows for kind in ("pictures", "differences"))]:
+                for path in [view["picture"], *(row[kind][v] for row in rows
+                                                for kind in ("pictures", "differences"))]:
                     self.assertEqual(png_size_px(report / path), view["size_px"], path)
 
-    @unittest.skipUnless(shutil.which("chromium"), "chromium is not installed: the page is not looked at")
+    @unittest.skipUnless(shutil.which("chromium"),
+                         "chromium is not installed: the page is not looked at")
     def test_the_page_holds_in_a_browser(self):
-        checked = subprocess.run(["node", ROOT / "scripts/report/check_report.mjs", "--quick", self.folder / "report"],
+        checked = subprocess.run(["node", ROOT / "scripts/report/check_report.mjs", "--quick",
+                                  self.folder / "report"],
                                  capture_output=True, text=True, timeout=300)
         self.assertEqual(checked.returncode, 0, checked.stdout + checked.stderr)
 
@@ -113,7 +120,8 @@ class OtherRuns(unittest.TestCase):
         self.assertIn("verdict: pass", done.stdout)
 
     def test_a_study_of_march_finds_its_second_order(self):
-        done = neph("study", "march", "height_fog_up", "--size", "32x18", "--json", "-o", self.folder)
+        done = neph("study", "march", "height_fog_up", "--size", "32x18", "--json", "-o",
+                    self.folder)
         self.assertEqual(done.returncode, 0, done.stderr)
         study = json.loads(done.stdout)
         # 5 % of the order: the levels are far from the limit of small steps by no more than that.

@@ -22,7 +22,8 @@ import tempfile
 import unittest
 import zlib
 
-ROOT = pathlib.Path(os.environ.get("NEPH_SOURCE_DIR") or pathlib.Path(__file__).resolve().parents[2])
+ROOT = pathlib.Path(os.environ.get("NEPH_SOURCE_DIR")
+                    or pathlib.Path(__file__).resolve().parents[2])
 PAGE = ROOT / "scripts" / "report"
 CHROMIUM = "/usr/bin/chromium"
 HOSTILE = '<img src=x onerror=alert(1)>'
@@ -34,7 +35,8 @@ VENDORED = {
     "LICENSES.txt": "vendor-licences.txt",
 }
 WIDTH, HEIGHT = 192, 108
-STOPS = [(0x05, 0x30, 0x61), (0x43, 0x93, 0xC3), (0xF7, 0xF7, 0xF7), (0xD6, 0x60, 0x4D), (0x67, 0x00, 0x1F)]
+STOPS = [(0x05, 0x30, 0x61), (0x43, 0x93, 0xC3), (0xF7, 0xF7, 0xF7), (0xD6, 0x60, 0x4D),
+         (0x67, 0x00, 0x1F)]
 UNIT = "W m⁻² sr⁻¹"
 
 
@@ -43,13 +45,16 @@ UNIT = "W m⁻² sr⁻¹"
 def write_png(path, pixel, width=WIDTH, height=HEIGHT):
     """An 8-bit RGB picture of `pixel(i, j)`, by the letter of the PNG specification."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    rows = b"".join(b"\0" + bytes(c for i in range(width) for c in pixel(i, j)) for j in range(height))
+    rows = b"".join(b"\0" + bytes(c for i in range(width) for c in pixel(i, j))
+                    for j in range(height))
 
     def chunk(kind, body):
-        return struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body))
+        return struct.pack(">I", len(body)) + kind + body + struct.pack(">I",
+                                                                        zlib.crc32(kind + body))
 
     header = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
-    path.write_bytes(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
+    path.write_bytes(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) +
+                     chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
 
 
 def cloud(i, j, shift):
@@ -62,13 +67,15 @@ def cloud(i, j, shift):
 def picture(shift):
     def pixel(i, j):
         density, y = cloud(i, j, shift), j / HEIGHT
-        return tuple(int(255 * min(1, (1 - density) * sky * (0.55 + 0.45 * y) + 0.96 * density)) for sky in (0.45, 0.62, 0.86))
+        return tuple(int(255 * min(1, (1 - density) * sky * (0.55 + 0.45 * y) + 0.96 * density))
+                     for sky in (0.45, 0.62, 0.86))
     return pixel
 
 
 def difference(shift, gain):
     def pixel(i, j):
-        signed = max(-1.0, min(1.0, gain * (cloud(i, j, shift) - cloud(i, j, 0)) + 0.1 * (((i * 7919 + j * 104729) * 2654435761 >> 13 & 255) / 255 - 0.5)))
+        signed = max(-1.0, min(1.0, gain * (cloud(i, j, shift) - cloud(i, j, 0)) + 0.1 *
+                               (((i * 7919 + j * 104729) * 2654435761 >> 13 & 255) / 255 - 0.5)))
         place = (signed + 1) / 2 * (len(STOPS) - 1)
         k = min(int(place), len(STOPS) - 2)
         return tuple(round(a + (b - a) * (place - k)) for a, b in zip(STOPS[k], STOPS[k + 1]))
@@ -77,129 +84,183 @@ def difference(shift, gain):
 
 # ----------------------------------------------------------------------------------------- data
 
-def engine(name, rung, summary, bias=None, version="neph 0.1.0", device="CPU, 2 threads", missing="", install_line=""):
-    return {"name": name, "summary": summary, "rung": rung, "bias": bias, "available": not missing, "version": "" if missing else version,
+def engine(name, rung, summary, bias=None, version="neph 0.1.0", device="CPU, 2 threads",
+           missing="", install_line=""):
+    return {"name": name, "summary": summary, "rung": rung, "bias": bias, "available": not missing,
+            "version": "" if missing else version,
             "device": "" if missing else device, "missing": missing, "install_line": install_line}
 
 
-ENGINES = [
-    engine("exact", "exact", "closed forms and converged quadrature in double precision"),
-    engine("tracer", "tracer", "unbiased path tracer of participating media", device="llvmpipe (LLVM 15.0.6, 256 bits)"),
-    engine("march", "model", "ray marcher at full resolution with fine steps", bias="single scattering; step error of order 2", device="llvmpipe (LLVM 15.0.6, 256 bits)"),
-    engine("realtime", "model", "four-frame pipeline with temporal reuse", bias="history lags by up to 4 frames", device="llvmpipe (LLVM 15.0.6, 256 bits)"),
-    engine("cycles", "witness", "Blender Cycles", bias="heterogeneous media are biased by the step rate", version="Blender 3.4.1"),
-    engine("povray", "witness", "POV-Ray media", bias="single scattering only", missing="the command povray is not on the path", install_line="sudo apt-get install povray"),
-]
+ENGINES = [engine("exact", "exact", "closed forms and converged quadrature in double precision"),
+           engine("tracer", "tracer", "unbiased path tracer of participating media",
+                  device="llvmpipe (LLVM 15.0.6, 256 bits)"),
+           engine("march", "model", "ray marcher at full resolution with fine steps",
+                  bias="single scattering; step error of order 2",
+                  device="llvmpipe (LLVM 15.0.6, 256 bits)"),
+           engine("realtime", "model", "four-frame pipeline with temporal reuse",
+                  bias="history lags by up to 4 frames", device="llvmpipe (LLVM 15.0.6, 256 bits)"),
+           engine("cycles", "witness", "Blender Cycles",
+                  bias="heterogeneous media are biased by the step rate", version="Blender 3.4.1"),
+           engine("povray", "witness", "POV-Ray media", bias="single scattering only",
+                  missing="the command povray is not on the path",
+                  install_line="sudo apt-get install povray"),]
 
 
 def measurements(error, sign, radiance=True):
     """A full set of numbers around one relative error."""
     rows = []
-    for mask, pixels, worse in (("all", 20736, 1.0), ("sky", 9216, 0.4), ("medium", 11520, 1.3), ("depth_edge", 612, 3.1)):
-        for quantity, unit, size in (("radiance", UNIT, 3.7), ("transmittance", "1", 0.6), ("depth", "m", 140.0)):
+    for mask, pixels, worse in (("all", 20736, 1.0), ("sky", 9216, 0.4), ("medium", 11520, 1.3),
+                                ("depth_edge", 612, 3.1)):
+        for quantity, unit, size in (("radiance", UNIT, 3.7), ("transmittance", "1", 0.6),
+                                     ("depth", "m", 140.0)):
             if quantity == "radiance" and not radiance:
                 continue
             rms = error * worse * size
-            values = [("bias", unit, sign * rms * 0.31), ("rel_bias", "1", sign * error * worse * 0.31), ("rmse", unit, rms), ("rel_mse", "1", (error * worse) ** 2),
-                      ("max_abs", unit, rms * 7.3), ("p50", unit, rms * 0.45), ("p95", unit, rms * 2.1), ("p99", unit, rms * 3.4), ("non_finite", "px", 0), ("negative", "px", 0)]
+            values = [("bias", unit, sign * rms * 0.31),
+                      ("rel_bias", "1", sign * error * worse * 0.31), ("rmse", unit, rms),
+                      ("rel_mse", "1", (error * worse) ** 2), ("max_abs", unit, rms * 7.3),
+                      ("p50", unit, rms * 0.45), ("p95", unit, rms * 2.1), ("p99", unit, rms * 3.4),
+                      ("non_finite", "px", 0), ("negative", "px", 0)]
             if quantity == "depth":
                 values = values[2:3] + values[4:5]
             for metric, its_unit, value in values:
-                interval = [value * 0.93, value * 1.08] if quantity == "radiance" and metric in ("bias", "rmse", "rel_mse") else None
-                rows.append({"quantity": quantity, "metric": metric, "mask": mask, "value": value, "unit": its_unit,
-                             "interval": sorted(interval) if interval else None, "pixel_count": pixels})
+                interval = ([value * 0.93, value * 1.08] if quantity == "radiance"
+                            and metric in ("bias", "rmse", "rel_mse") else None)
+                rows.append({"quantity": quantity, "metric": metric, "mask": mask, "value": value,
+                             "unit": its_unit, "interval": sorted(interval) if interval else None,
+                             "pixel_count": pixels})
     return rows
 
 
-def frame(scene, name, error=None, sign=1, status="rendered", reason="", truth=False, seconds=1.0, settings="", reused=False, transmittance=True):
+def frame(scene, name, error=None, sign=1, status="rendered", reason="", truth=False, seconds=1.0,
+          settings="", reused=False, transmittance=True):
     rendered = status == "rendered"
     base = f"images/{scene}/{name}"
     compared = rendered and not truth
-    return {"engine": name, "rung": next(e["rung"] for e in ENGINES if e["name"] == name), "status": status, "reason": reason, "settings": settings,
-            "reused": reused, "render_s": seconds if rendered else None, "wall_s": seconds * 1.13 + 0.4 if status not in ("cannot", "missing") else None,
-            "cpu_s": seconds * 1.9 if rendered else None, "peak_memory_bytes": 187_400_192 if rendered else None,
-            "picture": f"{base}.png" if rendered else None,
+    return {"engine": name, "rung": next(e["rung"] for e in ENGINES if e["name"] == name),
+            "status": status, "reason": reason, "settings": settings,
+            "reused": reused, "render_s": seconds if rendered else None,
+            "wall_s": seconds * 1.13 + 0.4 if status not in ("cannot", "missing") else None,
+            "cpu_s": seconds * 1.9 if rendered else None, "peak_memory_bytes": 187_400_192
+            if rendered else None, "picture": f"{base}.png" if rendered else None,
             "difference": {"radiance": f"{base}_difference_radiance.png" if compared else None,
-                           "transmittance": f"{base}_difference_transmittance.png" if compared and transmittance else None},
+                           "transmittance": f"{base}_difference_transmittance.png" if compared
+                           and transmittance else None},
             "measurements": measurements(error, sign) if compared and error is not None else []}
 
 
-def gate(name, metric, value, maximum, quantity="radiance", mask="all", verdict=None, reason="limit of the scene file"):
-    verdict = verdict or ("not_measured" if value is None else "pass" if abs(value) <= maximum else "fail")
-    return {"engine": name, "quantity": quantity, "metric": metric, "mask": mask, "value": value, "maximum": maximum, "verdict": verdict, "reason": reason}
+def gate(name, metric, value, maximum, quantity="radiance", mask="all", verdict=None,
+         reason="limit of the scene file"):
+    verdict = verdict or ("not_measured" if value is None else "pass"
+                          if abs(value) <= maximum else "fail")
+    return {"engine": name, "quantity": quantity, "metric": metric, "mask": mask, "value": value,
+            "maximum": maximum, "verdict": verdict, "reason": reason}
 
 
 def find(frames, name, quantity, metric, mask="all"):
     rows = next(f for f in frames if f["engine"] == name)["measurements"]
-    return next(r["value"] for r in rows if (r["quantity"], r["metric"], r["mask"]) == (quantity, metric, mask))
+    return next(r["value"] for r in rows if (r["quantity"], r["metric"],
+                                             r["mask"]) == (quantity, metric, mask))
 
 
 def study(option, chosen, certain, noise):
     """A step study that converges by its order, down to `noise`."""
-    levels = [{"setting": 25.0 * 2 ** k, "radiance": 0.2926 * (1 + 0.027 / 4 ** k), "noise": noise * 0.29, "bias": 0.027 / 4 ** k,
+    levels = [{"setting": 25.0 * 2 ** k, "radiance": 0.2926 * (1 + 0.027 / 4 ** k),
+               "noise": noise * 0.29, "bias": 0.027 / 4 ** k,
                "bias_noise": noise, "wall_s": 1.5 * 1.4 ** k} for k in range(4)]
-    return {"option": option, "order": 2.0, "observed_order": None if noise else 1.98, "limit": 0.2926, "size_px": [32, 18], "levels": levels,
+    return {"option": option, "order": 2.0, "observed_order": None if noise else 1.98,
+            "limit": 0.2926, "size_px": [32, 18], "levels": levels,
             "chosen": chosen, "verdict": "within" if certain else "noise", "tolerance": 1e-3}
 
 
 def pair(first, second, mean, width, verdict, noise=0.003):
-    return {"first": first, "second": second, "mean_difference": mean, "interval": [mean - width, mean + width], "rms_difference": abs(mean) * 1.3,
+    return {"first": first, "second": second, "mean_difference": mean,
+            "interval": [mean - width, mean + width], "rms_difference": abs(mean) * 1.3,
             "noise_floor": noise, "verdict": verdict}
 
 
-ATTRIBUTION = {
-    "mask": "medium", "pixel_count": 11520, "family_alpha": 0.01, "mean_meant": 1e-3, "rms_meant": 1e-2, "odd_one_out": "realtime",
-    "sentence": "realtime is the odd one out: it differs from all others, and they do not differ beyond noise",
-    "pairs": [pair("exact", "march", -2e-4, 1e-5, "agree", 0), pair("exact", "realtime", 0.021, 0.0008, "differ"), pair("exact", "cycles", -8e-4, 0.0031, "cannot tell: noise"),
-              pair("march", "realtime", 0.0212, 0.0008, "differ"), pair("march", "cycles", -6e-4, 0.0031, "cannot tell: noise"), pair("realtime", "cycles", -0.022, 0.0032, "differ")],
-}
-SILENT = {"mask": "all", "pixel_count": 20736, "pairs": [pair("tracer", "march", 1e-4, 0.01, "cannot tell: noise")], "odd_one_out": None,
+ATTRIBUTION = {"mask": "medium", "pixel_count": 11520, "family_alpha": 0.01, "mean_meant": 1e-3,
+               "rms_meant": 1e-2, "odd_one_out": "realtime", "sentence": "realtime is the odd one "
+               "out: it differs from all others, and they do not differ beyond noise",
+               "pairs": [pair("exact", "march", -2e-4, 1e-5, "agree", 0),
+                         pair("exact", "realtime", 0.021, 0.0008, "differ"),
+                         pair("exact", "cycles", -8e-4, 0.0031, "cannot tell: noise"),
+                         pair("march", "realtime", 0.0212, 0.0008, "differ"),
+                         pair("march", "cycles", -6e-4, 0.0031, "cannot tell: noise"),
+                         pair("realtime", "cycles", -0.022, 0.0032, "differ")],}
+SILENT = {"mask": "all", "pixel_count": 20736,
+          "pairs": [pair("tracer", "march", 1e-4, 0.01, "cannot tell: noise")], "odd_one_out": None,
           "sentence": f"cannot tell: noise hides whether all agree {HOSTILE}"}
 
 
-def finding(check, name, deviation=None, error=None, status="rendered", reason="", cause=None, views=1, participant=None, **more):
+def finding(check, name, deviation=None, error=None, status="rendered", reason="", cause=None,
+            views=1, participant=None, **more):
     """A row of the physics suite; an engine without chance has a step bound."""
     chance = name in ("tracer", "cycles")
     width = None if deviation is None else (3.6 * error if chance else error) + 1e-6
-    verdict = "not_measured" if deviation is None else "agrees" if abs(deviation) <= width else "off"
+    verdict = ("not_measured" if deviation is None else "agrees"
+               if abs(deviation) <= width else "off")
     who = participant or name
     there = deviation is not None
     path = "images/physics/" + check["name"] + "/" + "".join(c if c.isalnum() else "_" for c in who)
-    return {"check": check["name"], "rung": check["rung"], "participant": who, "engine": name, "status": status, "reason": reason, "settings": "samples=256" if chance else "",
-            "lowered": False, "look": False, "deviation": deviation, "interval": [deviation - width, deviation + width] if there else None,
-            "standard_error": error if chance else None, "step_bound": None if chance else error, "rounding": 1e-6, "z": deviation / error if there and chance else None,
-            "pixel_z_mean": -0.03 if name == "tracer" and there else None, "pixel_z_variance": 1.04 if name == "tracer" and there else None, "verdict": verdict, "cause": cause,
-            "sentence": "" if not there else f"{who} {verdict}", "wall_s": 0.31,
-            "pictures": [f"{path}_{v}.png" for v in range(views if there else 0)], "differences": [f"{path}_{v}_difference.png" for v in range(views if there else 0)], **more}
+    return {"check": check["name"], "rung": check["rung"], "participant": who, "engine": name,
+            "status": status, "reason": reason, "settings": "samples=256" if chance else "",
+            "lowered": False, "look": False, "deviation": deviation,
+            "interval": [deviation - width, deviation + width] if there else None,
+            "standard_error": error if chance else None, "step_bound": None if chance else error,
+            "rounding": 1e-6, "z": deviation / error if there and chance else None,
+            "pixel_z_mean": -0.03 if name == "tracer" and there else None,
+            "pixel_z_variance": 1.04 if name == "tracer" and there else None, "verdict": verdict,
+            "cause": cause, "sentence": "" if not there else f"{who} {verdict}", "wall_s": 0.31,
+            "pictures": [f"{path}_{v}.png" for v in range(views if there else 0)],
+            "differences": [f"{path}_{v}_difference.png" for v in range(views if there else 0)],
+            **more}
 
 
 def physics_check(name, rung, what, views=1):
-    return {"name": name, "rung": rung, "what": what, "views": [
-        {"what": f"camera looks {50 + v}° down", "size_px": [24, 16], "exposure_ev": -0.5, "difference_scale": 0.1, "picture": f"images/physics/{name}/truth_{v}.png"} for v in range(views)]}
+    return {"name": name, "rung": rung, "what": what,
+            "views": [{"what": f"camera looks {50 + v}° down", "size_px": [24, 16],
+                       "exposure_ev": -0.5, "difference_scale": 0.1,
+                       "picture": f"images/physics/{name}/truth_{v}.png"} for v in range(views)]}
 
 
 def physics_data():
     furnace, slab, budget = checks = [
-        physics_check("furnace_box_4", "furnace", "a homogeneous cube: optical depth 4, albedo 1, isotropic scattering; lit evenly from all sides; seen from above"),
-        physics_check("slab_iso_4", "slab", "a homogeneous slab, endless sideways, black below: optical depth 4"),
-        physics_check("hostile_5", "of tomorrow", f"a rung that the page does not know {HOSTILE}", views=4)]
+        physics_check("furnace_box_4", "furnace", "a homogeneous cube: optical depth 4, albedo 1, "
+                      "isotropic scattering; lit evenly from all sides; seen from above"),
+        physics_check("slab_iso_4", "slab",
+                      "a homogeneous slab, endless sideways, black below: optical depth 4"),
+        physics_check("hostile_5", "of tomorrow", f"a rung that the page does not know {HOSTILE}",
+                      views=4)]
     rows = [
-        finding(furnace, "exact", 0.0, 0.0), finding(furnace, "tracer", -2e-6, 1e-5), finding(furnace, "march", -0.522, 0.0, cause="it models single scattering only", lowered=True),
-        finding(furnace, "march", 0.34, 0.001, participant="march octaves", look=True, cause="a sum of octaves is a look: it does not conserve energy"),
-        finding(furnace, "povray", status="missing", reason="the command povray is not on the path"),
-        finding(slab, "exact", status="cannot", reason="cannot: multiple scattering"), finding(slab, "tracer", 0.0008, 0.0005),
-        finding(slab, "cycles", 0.0021, 0.0001, cause="it marches through uneven media in steps", bake={"grid": [64, 64, 64], "mean_error": 2.4e-4, "kind": HOSTILE, "exact": False, "worst": None}),
-        finding(slab, "march", 0.04, 0.001), finding(slab, "realtime", status="timeout", reason="stopped after 300 s"),
-        finding(budget, "tracer", 0.001, 0.0006, views=4), finding(budget, "march", -0.9, 0.2, views=4, cause=HOSTILE)]
+        finding(furnace, "exact", 0.0, 0.0), finding(furnace, "tracer", -2e-6, 1e-5),
+        finding(furnace, "march", -0.522, 0.0, cause="it models single scattering only",
+                lowered=True),
+        finding(furnace, "march", 0.34, 0.001, participant="march octaves", look=True,
+                cause="a sum of octaves is a look: it does not conserve energy"),
+        finding(furnace, "povray", status="missing",
+                reason="the command povray is not on the path"),
+        finding(slab, "exact", status="cannot", reason="cannot: multiple scattering"),
+        finding(slab, "tracer", 0.0008, 0.0005),
+        finding(slab, "cycles", 0.0021, 0.0001, cause="it marches through uneven media in steps",
+                bake={"grid": [64, 64, 64], "mean_error": 2.4e-4, "kind": HOSTILE, "exact": False,
+                      "worst": None}), finding(slab, "march", 0.04, 0.001),
+        finding(slab, "realtime", status="timeout", reason="stopped after 300 s"),
+        finding(budget, "tracer", 0.001, 0.0006, views=4),
+        finding(budget, "march", -0.9, 0.2, views=4, cause=HOSTILE)]
     tests = sum(row["deviation"] is not None for row in rows)
     # A row of an older or newer program: optional fields are missing, unknown ones are there.
     del rows[1]["look"]
     rows[1]["unheard_of"] = {"of": "by this page"}
-    return {"family_alpha": 0.01, "tests": tests, "critical_z": 3.37, "verdict": "fail", "seconds": 13.5,
-            "rungs": [{"name": "furnace", "title": "albedo 1 in a uniform surround vanishes"}, {"name": "single", "title": "not in this run"},
-                      {"name": "slab", "title": "slab, all orders, against adding-doubling"}, {"name": "of tomorrow", "title": HOSTILE}],
-            "phase_functions": [{"phase": HOSTILE, "g": 0.85, "integral": 1.0000000000000004, "mean_cosine": 0.8500000000000002, "sampled_mean_cosine": -3.4e-18, "verdict": "off"}],
-            "checks": checks, "rows": rows}
+    return {"family_alpha": 0.01, "tests": tests, "critical_z": 3.37, "verdict": "fail",
+            "seconds": 13.5,
+            "rungs": [{"name": "furnace", "title": "albedo 1 in a uniform surround vanishes"},
+                      {"name": "single", "title": "not in this run"},
+                      {"name": "slab", "title": "slab, all orders, against adding-doubling"},
+                      {"name": "of tomorrow", "title": HOSTILE}],
+            "phase_functions": [{"phase": HOSTILE, "g": 0.85, "integral": 1.0000000000000004,
+                                 "mean_cosine": 0.8500000000000002, "sampled_mean_cosine": -3.4e-18,
+                                 "verdict": "off"}], "checks": checks, "rows": rows}
 
 
 def chart_spec():
@@ -209,21 +270,31 @@ def chart_spec():
     def series(name, engine_name, labels, seconds, error, slower, better):
         for k, label in enumerate(labels):
             s, e = seconds * slower ** k, error * better ** k + 2e-5
-            rows.append({"series": name, "engine": engine_name, "label": label, "seconds": s, "seconds_low": s * 0.93, "seconds_high": s * 1.12,
-                         "error": e, "error_low": e * 0.8 if k < 4 else -1e-6, "error_high": e * 1.25, "unit": "relative RMSE"})
+            rows.append({"series": name, "engine": engine_name, "label": label, "seconds": s,
+                         "seconds_low": s * 0.93, "seconds_high": s * 1.12,
+                         "error": e, "error_low": e * 0.8 if k < 4 else -1e-6,
+                         "error_high": e * 1.25, "unit": "relative RMSE"})
 
-    series("march: steps", "march", [f"steps={2 ** k}" for k in range(3, 9)], 0.012, 0.08, 1.9, 0.26)
-    series("realtime: preset", "realtime", ["low", "medium", "high", "ultra"], 0.004, 0.05, 1.7, 0.6)
-    series("tracer: samples", "tracer", [f"samples={4 ** k}" for k in range(1, 6)], 0.2, 0.05, 3.9, 0.5)
-    series("cycles: step rate", "cycles", ["rate=4", "rate=2", "rate=1", "rate=0.5"], 1.1, 0.03, 1.8, 0.5)
-    rows.append({"series": HOSTILE, "engine": "povray", "label": HOSTILE[:14], "seconds": 2.1, "seconds_low": None, "seconds_high": None,
+    series("march: steps", "march", [f"steps={2 ** k}" for k in range(3, 9)], 0.012, 0.08, 1.9,
+           0.26)
+    series("realtime: preset", "realtime", ["low", "medium", "high", "ultra"], 0.004, 0.05, 1.7,
+           0.6)
+    series("tracer: samples", "tracer", [f"samples={4 ** k}" for k in range(1, 6)], 0.2, 0.05, 3.9,
+           0.5)
+    series("cycles: step rate", "cycles", ["rate=4", "rate=2", "rate=1", "rate=0.5"], 1.1, 0.03,
+           1.8, 0.5)
+    rows.append({"series": HOSTILE, "engine": "povray", "label": HOSTILE[:14], "seconds": 2.1,
+                 "seconds_low": None, "seconds_high": None,
                  "error": 0.2, "error_low": None, "error_high": None, "unit": "relative RMSE"})
-    rows.append({"series": "march: steps", "engine": "march", "label": "not measured", "seconds": None, "seconds_low": None, "seconds_high": None,
+    rows.append({"series": "march: steps", "engine": "march", "label": "not measured",
+                 "seconds": None, "seconds_low": None, "seconds_high": None,
                  "error": None, "error_low": None, "error_high": None, "unit": "relative RMSE"})
     spec["datasets"]["points"] = rows
     spec["datasets"]["slopes"] = [
-        {"line": "order 2 in time", "seconds": 0.014, "error": 0.04}, {"line": "order 2 in time", "seconds": 0.28, "error": 0.0001},
-        {"line": "order ½ (Monte Carlo)", "seconds": 0.2, "error": 0.035}, {"line": "order ½ (Monte Carlo)", "seconds": 45, "error": 0.035 / 15}]
+        {"line": "order 2 in time", "seconds": 0.014, "error": 0.04},
+        {"line": "order 2 in time", "seconds": 0.28, "error": 0.0001},
+        {"line": "order ½ (Monte Carlo)", "seconds": 0.2, "error": 0.035},
+        {"line": "order ½ (Monte Carlo)", "seconds": 45, "error": 0.035 / 15}]
     return spec
 
 
@@ -232,60 +303,89 @@ def report_data():
            frame("height_fog", "tracer", 0.0042, 1, seconds=41.7, settings="samples=1024, seed=1"),
            frame("height_fog", "march", 0.00071, -1, seconds=0.212, settings="steps=256"),
            frame("height_fog", "realtime", 0.0088, -1, seconds=0.0134, settings="preset=high"),
-           frame("height_fog", "cycles", 0.0119, 1, seconds=12.8, settings="samples=256, step_rate=0.5", reused=True, transmittance=False),
-           frame("height_fog", "povray", status="missing", reason="the command povray is not on the path")]
-    bank = [frame("cloud_bank", "exact", status="cannot", reason="cannot: multiple scattering in a heterogeneous medium"),
-            frame("cloud_bank", "tracer", truth=True, seconds=388.0, settings="samples=8192, seeds 1 and 2"),
+           frame("height_fog", "cycles", 0.0119, 1, seconds=12.8,
+                 settings="samples=256, step_rate=0.5", reused=True, transmittance=False),
+           frame("height_fog", "povray", status="missing",
+                 reason="the command povray is not on the path")]
+    bank = [frame("cloud_bank", "exact", status="cannot",
+                  reason="cannot: multiple scattering in a heterogeneous medium"),
+            frame("cloud_bank", "tracer", truth=True, seconds=388.0,
+                  settings="samples=8192, seeds 1 and 2"),
             frame("cloud_bank", "march", 0.031, -1, seconds=0.64, settings="steps=512"),
             frame("cloud_bank", "realtime", 0.094, -1, seconds=0.0161, settings="preset=high"),
-            frame("cloud_bank", "cycles", status="timeout", reason="stopped after 600 s", seconds=531.0),
-            frame("cloud_bank", "povray", status="missing", reason="the command povray is not on the path")]
+            frame("cloud_bank", "cycles", status="timeout", reason="stopped after 600 s",
+                  seconds=531.0), frame("cloud_bank", "povray", status="missing",
+                                        reason="the command povray is not on the path")]
     odd = [frame("odd", "march", 0.5, 1, settings=HOSTILE),
            frame("odd", "realtime", status="failed", reason=f"exit status 3: {HOSTILE}"),
            frame("odd", "cycles", status="interrupted", reason=HOSTILE_SCRIPT)]
     # A frame whose engine gave no picture, no cost and numbers without a value.
-    odd[0].update({"picture": None, "difference": {"radiance": None, "transmittance": None}, "render_s": None, "wall_s": None, "cpu_s": None, "peak_memory_bytes": None})
+    odd[0].update({"picture": None, "difference": {"radiance": None, "transmittance": None},
+                   "render_s": None, "wall_s": None, "cpu_s": None, "peak_memory_bytes": None})
     for row in odd[0]["measurements"]:
         row["value"] = row["interval"] = None
     odd[0]["measurements"][2].update({"value": 1.5e-13, "unit": HOSTILE})
-    odd[0]["measurements"].append({"quantity": "radiance", "metric": "flip_" + HOSTILE, "mask": "wire " + HOSTILE, "value": 123456789.5, "unit": "1", "interval": [0, 999.96], "pixel_count": 3})
+    odd[0]["measurements"].append({"quantity": "radiance", "metric": "flip_" + HOSTILE,
+                                   "mask": "wire " + HOSTILE, "value": 123456789.5, "unit": "1",
+                                   "interval": [0, 999.96], "pixel_count": 3})
     fog[4]["study"] = study("step", 1, False, 0.0017)
     fog[2]["study"] = study("steps", 3, True, 0.0)
-    fog[4]["bake"] = {"voxels": 262144, "largest_error": {"radiance": 0.0021, "transmittance": 3e-5}}
+    fog[4]["bake"] = {"voxels": 262144,
+                      "largest_error": {"radiance": 0.0021, "transmittance": 3e-5}}
     scene = {"difference_scale": {"radiance": 0.25, "transmittance": 0.05}}
-    return {
-        "format": "neph-report-1", "title": "Nightly of main, all scenes", "created_utc": "2026-11-21T02:00:00Z", "neph_version": "0.1.0 (079f69e)",
-        "host": {"cpu": "AMD EPYC 7763 64-Core Processor", "cores": 2, "memory_bytes": 8_342_462_464}, "size_px": [WIDTH, HEIGHT],
-        "verdict": "fail", "counts": {"expected": 27, "reported": 27, "compared": 9}, "seconds": 1013.4, "engines": copy.deepcopy(ENGINES),
-        "scenes": [
-            {"name": "height_fog", "title": "Height fog under a low sun", "exposure_ev": -1.5, "hash": "5f1c9d0e77ab34c2a1907733e2d94b58", **scene,
-             "physics": "Extinction falls off exponentially with height; single scattering of a Henyey-Greenstein phase function (g = 0.6). "
-                        "Isolates the path integral of an inhomogeneous medium, which has a closed form for transmittance.",
-             "truth": {"engine": "exact", "rung": "exact"}, "frames": fog, "attribution": copy.deepcopy(ATTRIBUTION),
-             "gates": [gate("march", "rel_mse", find(fog, "march", "radiance", "rel_mse"), 1e-4), gate("march", "max_abs", find(fog, "march", "transmittance", "max_abs"), 0.01, "transmittance"),
-                       gate("realtime", "rel_mse", find(fog, "realtime", "radiance", "rel_mse"), 0.0025), gate("tracer", "rel_bias", find(fog, "tracer", "radiance", "rel_bias"), 0.005, reason="three standard errors of 1024 samples"),
-                       gate("cycles", "rel_bias", find(fog, "cycles", "radiance", "rel_bias"), 0.02, reason="known bias of the step rate")]},
-            {"name": "cloud_bank", "title": "A bank of cloud, all orders of scattering", "exposure_ev": 0.5, "hash": "0b77e0cc1f5d4b7f9b2e6a10c4d8e3aa", **scene,
-             "physics": "A heterogeneous cloud of albedo 0.999 with all orders of scattering. Isolates what a single-scattering model leaves out.",
-             "truth": {"engine": "tracer", "rung": "tracer"}, "frames": bank, "attribution": copy.deepcopy(SILENT),
-             "gates": [gate("march", "rel_mse", find(bank, "march", "radiance", "rel_mse"), 0.004), gate("realtime", "rel_mse", find(bank, "realtime", "radiance", "rel_mse"), 0.004, reason="model gap, agreed in the scene file"),
-                       gate("cycles", "rel_bias", None, 0.02, reason="the rendering timed out")]},
-            {"name": "odd", "title": f"Hostile {HOSTILE}", "exposure_ev": None, "hash": HOSTILE, "difference_scale": {"radiance": 1, "transmittance": 1},
-             "physics": f"Strings that must stay text: {HOSTILE} {HOSTILE_SCRIPT} &amp; “quotes” '\"", "truth": None, "frames": odd, "attribution": None,
-             "gates": [gate("march", "rmse", None, 0.1, mask=HOSTILE, reason=HOSTILE)]},
-        ],
-        "metrics": [{"name": name, "help": f"what {name} is {HOSTILE}"} for name in ("rel_mse", "p95", "not_measured_here")],
-        "absent": [{"scene": "disney_cloud", "reason": f"no file cloud.vdb {HOSTILE}", "hint": "see scenes/README.md"}],
-        "physics": physics_data(),
-        "charts": [
-            {"id": "speed_accuracy", "title": "What accuracy costs", "caption": "Error against render time in the height fog. Each line halves or doubles one setting; dashed lines are ideal rates of convergence.",
-             "svg": "charts/speed_accuracy.svg", "missing": None, "spec": chart_spec()},
-            {"id": "no_svg", "title": f"A chart without a static picture {HOSTILE}", "caption": HOSTILE, "svg": None, "missing": "node is not installed",
-             "spec": {"$schema": "https://vega.github.io/schema/vega-lite/v6.json", "background": "white", "width": 300, "height": 120,
-                      "data": {"values": [{"name": HOSTILE, "ms": 3}, {"name": "b", "ms": 5}]}, "mark": {"type": "bar", "color": "#0072B2"},
-                      "encoding": {"x": {"field": "ms", "type": "quantitative"}, "y": {"field": "name", "type": "nominal", "title": None}}}},
-        ],
-    }
+    return {"format": "neph-report-1", "title": "Nightly of main, all scenes",
+            "created_utc": "2026-11-21T02:00:00Z", "neph_version": "0.1.0 (079f69e)",
+            "host": {"cpu": "AMD EPYC 7763 64-Core Processor", "cores": 2,
+                     "memory_bytes": 8_342_462_464}, "size_px": [WIDTH, HEIGHT],
+            "verdict": "fail", "counts": {"expected": 27, "reported": 27, "compared": 9},
+            "seconds": 1013.4, "engines": copy.deepcopy(ENGINES), "scenes": [
+        {"name": "height_fog", "title": "Height fog under a low sun", "exposure_ev": -1.5,
+         "hash": "5f1c9d0e77ab34c2a1907733e2d94b58", **scene,
+         "physics": "Extinction falls off exponentially with height; single scattering of a "
+         "Henyey-Greenstein phase function (g = 0.6). "
+         "Isolates the path integral of an inhomogeneous medium, which has a closed form for "
+         "transmittance.", "truth": {"engine": "exact", "rung": "exact"}, "frames": fog,
+         "attribution": copy.deepcopy(ATTRIBUTION),
+         "gates": [gate("march", "rel_mse", find(fog, "march", "radiance", "rel_mse"), 1e-4),
+                   gate("march", "max_abs", find(fog, "march", "transmittance", "max_abs"), 0.01,
+                        "transmittance"),
+                   gate("realtime", "rel_mse", find(fog, "realtime", "radiance", "rel_mse"),
+                        0.0025),
+                   gate("tracer", "rel_bias", find(fog, "tracer", "radiance", "rel_bias"), 0.005,
+                        reason="three standard errors of 1024 samples"),
+                   gate("cycles", "rel_bias", find(fog, "cycles", "radiance", "rel_bias"), 0.02,
+                        reason="known bias of the step rate")]},
+        {"name": "cloud_bank", "title": "A bank of cloud, all orders of scattering",
+         "exposure_ev": 0.5, "hash": "0b77e0cc1f5d4b7f9b2e6a10c4d8e3aa", **scene,
+         "physics": "A heterogeneous cloud of albedo 0.999 with all orders of scattering. Isolates "
+         "what a single-scattering model leaves out.",
+         "truth": {"engine": "tracer", "rung": "tracer"}, "frames": bank,
+         "attribution": copy.deepcopy(SILENT),
+         "gates": [gate("march", "rel_mse", find(bank, "march", "radiance", "rel_mse"), 0.004),
+                   gate("realtime", "rel_mse", find(bank, "realtime", "radiance", "rel_mse"), 0.004,
+                        reason="model gap, agreed in the scene file"),
+                   gate("cycles", "rel_bias", None, 0.02, reason="the rendering timed out")]},
+        {"name": "odd", "title": f"Hostile {HOSTILE}", "exposure_ev": None, "hash": HOSTILE,
+         "difference_scale": {"radiance": 1, "transmittance": 1},
+         "physics": f"Strings that must stay text: {HOSTILE} {HOSTILE_SCRIPT} &amp; “quotes” '\"",
+         "truth": None, "frames": odd, "attribution": None,
+         "gates": [gate("march", "rmse", None, 0.1, mask=HOSTILE, reason=HOSTILE)]},],
+            "metrics": [{"name": name, "help": f"what {name} is {HOSTILE}"}
+                        for name in ("rel_mse", "p95", "not_measured_here")],
+            "absent": [{"scene": "disney_cloud", "reason": f"no file cloud.vdb {HOSTILE}",
+                        "hint": "see scenes/README.md"}], "physics": physics_data(), "charts": [
+        {"id": "speed_accuracy", "title": "What accuracy costs",
+         "caption": "Error against render time in the height fog. Each line halves or doubles one "
+         "setting; dashed lines are ideal rates of convergence.",
+         "svg": "charts/speed_accuracy.svg", "missing": None, "spec": chart_spec()},
+        {"id": "no_svg", "title": f"A chart without a static picture {HOSTILE}", "caption": HOSTILE,
+         "svg": None, "missing": "node is not installed",
+         "spec": {"$schema": "https://vega.github.io/schema/vega-lite/v6.json",
+                  "background": "white", "width": 300, "height": 120,
+                  "data": {"values": [{"name": HOSTILE, "ms": 3}, {"name": "b", "ms": 5}]},
+                  "mark": {"type": "bar", "color": "#0072B2"},
+                  "encoding": {"x": {"field": "ms", "type": "quantitative"},
+                               "y": {"field": "name", "type": "nominal", "title": None}}}},],}
 
 
 # --------------------------------------------------------------------------------------- layout
@@ -297,7 +397,8 @@ def write_data(folder, data):
 
 
 def node(*arguments, timeout=300):
-    return subprocess.run(["node", *map(str, arguments)], capture_output=True, text=True, timeout=timeout, check=False)
+    return subprocess.run(["node", *map(str, arguments)], capture_output=True, text=True,
+                          timeout=timeout, check=False)
 
 
 def build(folder, data=None):
@@ -309,7 +410,8 @@ def build(folder, data=None):
     (folder / "vendor").mkdir(exist_ok=True)
     for name, source in VENDORED.items():
         shutil.copy(PAGE / source, folder / "vendor" / name)
-    gains = {"exact": (0, 0), "tracer": (0, 0), "march": (0.15, 2), "realtime": (0.4, 2), "cycles": (-0.2, 2)}
+    gains = {"exact": (0, 0), "tracer": (0, 0), "march": (0.15, 2), "realtime": (0.4, 2),
+             "cycles": (-0.2, 2)}
     for scene in data["scenes"]:
         for item in scene["frames"]:
             shift, gain = gains.get(item["engine"], (0, 0))
@@ -319,7 +421,8 @@ def build(folder, data=None):
                 if item["difference"][kind]:
                     write_png(folder / item["difference"][kind], difference(shift, scaling * gain))
     physics = data.get("physics") or {"checks": [], "rows": []}
-    for path in [view["picture"] for check in physics["checks"] for view in check["views"]] + [path for row in physics["rows"] for path in row["pictures"]]:
+    for path in [view["picture"] for check in physics["checks"] for view in check["views"]] + [
+        path for row in physics["rows"] for path in row["pictures"]]:
         write_png(folder / path, lambda i, j: (9 * i, 9 * i, 16 * j), 24, 16)
     for path in [path for row in physics["rows"] for path in row["differences"]]:
         write_png(folder / path, lambda i, j: STOPS[(i + j) % 5], 24, 16)
@@ -355,7 +458,8 @@ class Charts(unittest.TestCase):
         self.assertEqual(result.stderr, "")
         self.assertLessEqual(int(svg.split('width="')[1].split('"')[0]), 760)
         self.assertIn('fill="white"', svg)
-        for text in ("march: steps", "order 2 in time", "steps=8", "error against the truth [relative RMSE]"):
+        for text in ("march: steps", "order 2 in time", "steps=8",
+                     "error against the truth [relative RMSE]"):
             self.assertIn(text, svg)
         self.assertIn("&lt;img src=x", svg)
         self.assertNotIn("<img", svg)
@@ -366,7 +470,9 @@ class Charts(unittest.TestCase):
     def test_a_chart_needs_neither_slopes_nor_error_bars(self):
         def bare(spec):
             spec["datasets"]["slopes"] = []
-            spec["datasets"]["points"] = [{**row, "seconds_low": None, "seconds_high": None, "error_low": None, "error_high": None} for row in spec["datasets"]["points"]]
+            spec["datasets"]["points"] = [{**row, "seconds_low": None, "seconds_high": None,
+                                           "error_low": None, "error_high": None}
+                                          for row in spec["datasets"]["points"]]
         result, svg, _ = self.draw(bare)
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertIn("steps=8", svg)
@@ -379,7 +485,8 @@ class Charts(unittest.TestCase):
         self.assertEqual(left, ["spec.json"])
 
     def test_data_from_outside_are_refused(self):
-        result, svg, _ = self.draw(lambda spec: spec["layer"][0].update(data={"url": "https://example.com/rows.json"}))
+        result, svg, _ = self.draw(
+            lambda spec: spec["layer"][0].update(data={"url": "https://example.com/rows.json"}))
         self.assertEqual(result.returncode, 1)
         self.assertIn("example.com", result.stderr)
         self.assertIsNone(svg)
@@ -396,7 +503,8 @@ class Charts(unittest.TestCase):
     def test_the_licence_texts_are_those_of_the_installed_packages(self):
         result = node(PAGE / "vendor_licences.mjs")
         self.assertEqual(result.returncode, 0, result.stderr)
-        self.assertEqual(result.stdout, (PAGE / "vendor-licences.txt").read_text(), "run `npm run --silent licences` in scripts/report")
+        self.assertEqual(result.stdout, (PAGE / "vendor-licences.txt").read_text(),
+                         "run `npm run --silent licences` in scripts/report")
 
 
 class Page(unittest.TestCase):
@@ -405,7 +513,8 @@ class Page(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         if not os.path.exists(CHROMIUM):
-            print(f"SKIPPED: {CHROMIUM} is not installed, so the report's page was NOT tested (apt-get install chromium)", file=sys.stderr)
+            print(f"SKIPPED: {CHROMIUM} is not installed, so the report's page was NOT tested "
+                  f"(apt-get install chromium)", file=sys.stderr)
             raise unittest.SkipTest(f"{CHROMIUM} is not installed")
         cls.temporary = tempfile.TemporaryDirectory(prefix="neph_report_")
         cls.good = pathlib.Path(cls.temporary.name, "good")
@@ -443,7 +552,9 @@ class Page(unittest.TestCase):
         folder = pathlib.Path(self.temporary.name, "empty")
         data = report_data()
         del data["physics"]
-        data.update(scenes=[], charts=[], engines=[], counts={"expected": 0, "reported": 0, "compared": 0}, host={"cpu": None, "cores": None, "memory_bytes": None}, seconds=None)
+        data.update(scenes=[], charts=[], engines=[],
+                    counts={"expected": 0, "reported": 0, "compared": 0},
+                    host={"cpu": None, "cores": None, "memory_bytes": None}, seconds=None)
         build(folder, data)
         result = self.check(folder, "--quick")
         self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
@@ -452,7 +563,8 @@ class Page(unittest.TestCase):
         folder = pathlib.Path(self.temporary.name, "physics")
         data = report_data()
         rows = len(data["physics"]["rows"])
-        data.update(scenes=[], charts=[], counts={"expected": rows, "reported": rows, "compared": 5})
+        data.update(scenes=[], charts=[],
+                    counts={"expected": rows, "reported": rows, "compared": 5})
         build(folder, data)
         result = self.check(folder, "--quick")
         self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
@@ -468,39 +580,48 @@ class Page(unittest.TestCase):
         return result.stdout
 
     def test_an_interval_that_contradicts_its_verdict_is_found(self):
-        found = self.changed_data("interval", lambda data: data["physics"]["rows"][8].update(interval=[-0.01, 0.09]))
+        found = self.changed_data(
+            "interval", lambda data: data["physics"]["rows"][8].update(interval=[-0.01, 0.09]))
         self.assertIn("physics/rows/8/interval does not go with the verdict off", found)
 
     def test_a_truth_that_is_off_cannot_pass(self):
         def change(data):
-            data["physics"]["rows"] = [row for row in data["physics"]["rows"] if row["status"] != "timeout"]
+            data["physics"]["rows"] = [row for row in data["physics"]["rows"]
+                                       if row["status"] != "timeout"]
             data["scenes"] = []
             data["verdict"] = "pass"
             row = data["physics"]["rows"][1]
             row.update(deviation=0.1, interval=[0.09, 0.11], verdict="off")
-        self.assertIn("verdict is pass though tracer is off", self.changed_data("false_pass", change))
+        self.assertIn("verdict is pass though tracer is off",
+                      self.changed_data("false_pass", change))
 
     def test_a_lost_frame_is_found(self):
-        self.assertIn("counts/reported is", self.changed_data("lost", lambda data: data["scenes"][0]["frames"].pop()))
+        self.assertIn("counts/reported is",
+                      self.changed_data("lost", lambda data: data["scenes"][0]["frames"].pop()))
 
     def test_nothing_compared_cannot_pass(self):
         def change(data):
-            data.update(scenes=[], physics=None, verdict="pass", counts={"expected": 0, "reported": 0, "compared": 0})
+            data.update(scenes=[], physics=None, verdict="pass",
+                        counts={"expected": 0, "reported": 0, "compared": 0})
         self.assertIn("nothing was compared", self.changed_data("nothing_compared", change))
 
     def test_an_odd_one_out_that_agrees_with_somebody_is_found(self):
-        found = self.changed_data("odd", lambda data: data["scenes"][0]["attribution"]["pairs"][1].update(verdict="agree"))
+        found = self.changed_data(
+            "odd",
+            lambda data: data["scenes"][0]["attribution"]["pairs"][1].update(verdict="agree"))
         self.assertIn("does not differ from all others", found)
 
     def test_each_of_several_faults_is_found(self):
-        """Faults that do not hide each other, in one page: a browser for each would take most of the time."""
+        """Faults that do not hide each other, in one page: a browser for each would take most of
+        the time."""
         def change(folder):
             script = folder / "report.js"
             text = script.read_text()
-            for right, wrong in (
-                    ("const drawn = own.filter((r) => inside(rows[r].pictures?.[v]));", "const drawn = own.slice(0, 1);"),
-                    ('row.lowered || row.look ? "gap"', 'row.lowered ? "gap"'),
-                    ('el("p", {}, scene.physics)', 'Object.assign(el("p"), { innerHTML: scene.physics })')):
+            for right, wrong in (("const drawn = own.filter((r) => inside(rows[r].pictures?.[v]));",
+                                  "const drawn = own.slice(0, 1);"),
+                                 ('row.lowered || row.look ? "gap"', 'row.lowered ? "gap"'),
+                                 ('el("p", {}, scene.physics)',
+                                  'Object.assign(el("p"), { innerHTML: scene.physics })')):
                 self.assertIn(right, text)
                 text = text.replace(right, wrong)
             script.write_text(text)
@@ -522,7 +643,8 @@ class Page(unittest.TestCase):
     def test_a_number_shown_wrongly_is_found(self):
         def change(folder):
             script = folder / "report.js"
-            script.write_text(script.read_text().replace("const shown = value * scale;", "const shown = value * scale * 1.02;"))
+            script.write_text(script.read_text().replace("const shown = value * scale;",
+                                                         "const shown = value * scale * 1.02;"))
         result = self.broken("shown", change)
         self.assertEqual(result.returncode, 1)
         self.assertIn("reads", result.stdout)
@@ -533,7 +655,8 @@ class Page(unittest.TestCase):
             text = page.read_text()
             start = text.index('<meta http-equiv="Content-Security-Policy"')
             text = text[:start] + text[text.index(">", start) + 1:]
-            page.write_text(text.replace("</head>", '<script src="https://example.com/tracker.js"></script></head>'))
+            page.write_text(text.replace(
+                "</head>", '<script src="https://example.com/tracker.js"></script></head>'))
         result = self.broken("network", change)
         self.assertEqual(result.returncode, 1)
         self.assertIn("example.com", result.stdout)

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""`neph study flicker` as a user runs it, in small pictures: references, reuse, refusals, Ctrl-C."""
+"""`neph study flicker` as a user runs it, in small pictures: references, reuse, refusals,
+Ctrl-C."""
 import csv
 import json
 import os
@@ -32,7 +33,8 @@ solids:
 media:
   - gaussian: {center_m: [-2, 3, -30], width_m: 3, extinction_per_m: 0.3, albedo: [1, 1, 1]}
 """
-MOVES = REST.replace("rest", "moves").replace("background", "wind: {velocity_m_per_s: [9, 0, 0]}\nbackground")
+MOVES = REST.replace("rest", "moves").replace("background",
+                                              "wind: {velocity_m_per_s: [9, 0, 0]}\nbackground")
 MULTIPLE = REST.replace("rest", "multiple").replace("scattering: single", "scattering: multiple")
 
 
@@ -41,16 +43,19 @@ class Study(unittest.TestCase):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         self.folder = pathlib.Path(folder.name)
-        self.rest, self.moves, self.multiple = (self.folder / f"{name}.yaml" for name in ("rest", "moves", "multiple"))
+        self.rest, self.moves, self.multiple = (self.folder / f"{name}.yaml"
+                                                for name in ("rest", "moves", "multiple"))
         for path, text in ((self.rest, REST), (self.moves, MOVES), (self.multiple, MULTIPLE)):
             path.write_text(text)
 
     def command(self, *arguments, frames=16, seeds=1):
-        return [NEPH, "study", "flicker", *map(str, arguments), "--size", "32x18", "--steps", "3", "--frames", str(frames),
+        return [NEPH, "study", "flicker", *map(str, arguments), "--size", "32x18", "--steps", "3",
+                "--frames", str(frames),
                 "--seeds", str(seeds), "-q", "-o", str(self.folder / "out")]
 
     def run_neph(self, *arguments, **options):
-        return subprocess.run(self.command(*arguments, **options), capture_output=True, text=True, timeout=300, env=ENVIRONMENT)
+        return subprocess.run(self.command(*arguments, **options), capture_output=True, text=True,
+                              timeout=300, env=ENVIRONMENT)
 
     def study(self, *arguments, **options):
         done = self.run_neph("--json", *arguments, **options)
@@ -58,16 +63,21 @@ class Study(unittest.TestCase):
         return json.loads(done.stdout)
 
     def test_rest_and_motion_have_the_same_policy(self):
-        """`off` is the march through centres: against these it has no error, against the reference it has."""
-        found = self.study(self.rest, self.moves, self.multiple, "--presets", "off,fixed", "--takes", "flicker", frames=24)
+        """`off` is the march through centres: against these it has no error, against the reference
+        it has."""
+        found = self.study(self.rest, self.moves, self.multiple, "--presets", "off,fixed",
+                           "--takes", "flicker", frames=24)
         rest, moves, multiple = found["scenes"]
-        self.assertEqual([s["reference"] for s in (rest, moves)], ["march, 16 rays a pixel, 3 steps"] * 2)
+        self.assertEqual([s["reference"] for s in (rest, moves)],
+                         ["march, 16 rays a pixel, 3 steps"] * 2)
         self.assertEqual([s["moves"] for s in (rest, moves)], [False, True])
-        self.assertEqual([s["frames"] for s in (rest, moves)], [24, 20])  # motion ends with the scene
+        # motion ends with the scene
+        self.assertEqual([s["frames"] for s in (rest, moves)], [24, 20])
         self.assertEqual([s["reference_pictures"] for s in (rest, moves)], [2, 40])
         self.assertIn("multiple", multiple["left_out"])
         for scene in ("rest", "moves"):
-            cell, = (r for r in found["results"] if (r["scene"], r["preset"], r["metric"]) == (scene, "off", "rel_rmse"))
+            cell, = (r for r in found["results"] if (r["scene"], r["preset"],
+                                                     r["metric"]) == (scene, "off", "rel_rmse"))
             self.assertEqual(cell["against_centre_rays"], 0.0)
             self.assertGreater(cell["value"], 1e-3)
         self.assertEqual({p["scenes"] for p in found["pairs"] if p["metric"] == "rel_rmse"}, {2})
@@ -78,10 +88,12 @@ class Study(unittest.TestCase):
 
     def test_tables_csv_and_plot_and_what_is_finished_is_not_rendered_again(self):
         arguments = (self.rest, "--presets", "fixed,fixed+taa=off", "--takes", "flicker,step")
-        done = self.run_neph(*arguments, "--csv", self.folder / "all.csv", "--markdown", self.folder / "all.md")
+        done = self.run_neph(*arguments, "--csv", self.folder / "all.csv", "--markdown",
+                             self.folder / "all.md")
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertEqual((self.folder / "all.md").read_text(), done.stdout)
-        for word in ("march, 16 rays a pixel, 3 steps", "| first | second |", "Ranking by", "16 frames tell periods of 2 to 4"):
+        for word in ("march, 16 rays a pixel, 3 steps", "| first | second |", "Ranking by",
+                     "16 frames tell periods of 2 to 4"):
             self.assertIn(word, done.stdout)
         with open(self.folder / "all.csv", newline="") as file:
             rows = list(csv.DictReader(file))
@@ -92,7 +104,8 @@ class Study(unittest.TestCase):
         xml.etree.ElementTree.parse(self.folder / "out" / "flicker_lag.svg")
         store = self.folder / "out" / "store" / "frames"
         entries = {path: path.stat().st_mtime_ns for path in store.iterdir()}
-        self.assertEqual(len(entries), 2 + 4 + 4)  # a picture of the rest, two of the step, averaged and not; takes
+        # a picture of the rest, two of the step, averaged and not; takes
+        self.assertEqual(len(entries), 2 + 4 + 4)
         again = self.study(*arguments)
         self.assertIn("taa=off", again["presets"][1]["settings"])
         self.assertEqual(len(again["results"]), len(rows))
@@ -101,9 +114,11 @@ class Study(unittest.TestCase):
     def test_interrupted_it_goes_on_from_there(self):
         arguments = ("--json", self.moves, "--presets", "fixed", "--takes", "flicker")
         store = self.folder / "out" / "store" / "frames"
-        run = subprocess.Popen(self.command(*arguments), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=ENVIRONMENT)
+        run = subprocess.Popen(self.command(*arguments), stdout=subprocess.PIPE,
+                               stderr=subprocess.PIPE, text=True, env=ENVIRONMENT)
         deadline = time.monotonic() + 60
-        while (not store.exists() or len(list(store.iterdir())) < 3) and time.monotonic() < deadline:
+        while (not store.exists()
+               or len(list(store.iterdir())) < 3) and time.monotonic() < deadline:
             time.sleep(0.02)
         run.send_signal(signal.SIGINT)
         out, err = run.communicate(timeout=60)
@@ -126,7 +141,8 @@ class Study(unittest.TestCase):
                 (64, ("multiple of 4",), (self.rest, "--frames", "18")),
                 (66, ("no_such",), ("no_such",)),
         ):
-            done = subprocess.run([NEPH, "study", "flicker", *map(str, arguments), "-q", "-o", str(self.folder / "out")],
+            done = subprocess.run([NEPH, "study", "flicker", *map(str, arguments), "-q", "-o",
+                                   str(self.folder / "out")],
                                   capture_output=True, text=True, timeout=60, env=ENVIRONMENT)
             self.assertEqual((done.returncode, done.stdout), (code, ""), done.stderr)
             for word in words:
@@ -137,8 +153,10 @@ class Study(unittest.TestCase):
         self.assertEqual(done.returncode, 0)
         self.assertIn("flicker", done.stdout)
         self.assertIn("steps", done.stdout)
-        done = subprocess.run([NEPH, "study", "flickers"], capture_output=True, text=True, timeout=60)
-        self.assertEqual((done.returncode, "steps, flicker" in done.stderr), (64, True), done.stderr)
+        done = subprocess.run([NEPH, "study", "flickers"], capture_output=True, text=True,
+                              timeout=60)
+        self.assertEqual((done.returncode, "steps, flicker" in done.stderr), (64, True),
+                         done.stderr)
 
 
 if __name__ == "__main__":

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""A verdict is never a pass for want of a row: broken engines, hostile bytes, nothing to compare."""
+"""A verdict is never a pass for want of a row: broken engines, hostile bytes, nothing to
+compare."""
 import json
 import os
 import pathlib
@@ -18,7 +19,8 @@ exit 1
 
 
 def neph(*arguments, **environment):
-    return subprocess.run([NEPH, *arguments], capture_output=True, timeout=600, env={**os.environ, **environment})
+    return subprocess.run([NEPH, *arguments], capture_output=True, timeout=600,
+                          env={**os.environ, **environment})
 
 
 class Verdict(unittest.TestCase):
@@ -36,9 +38,10 @@ class Verdict(unittest.TestCase):
 
     def validate(self, *engines, scene="scattering_slab_above", output=None, **environment):
         wanted = [word for engine in engines for word in ("-e", engine)]
-        done = neph("validate", scene, *wanted, "--no-charts", "--size", "16x9", "-q", "--json", "-o",
-                    output or self.folder / "out", **environment)
-        frames = {f["engine"]: f for s in json.loads(done.stdout or "{}").get("scenes", []) for f in s["frames"]}
+        done = neph("validate", scene, *wanted, "--no-charts", "--size", "16x9", "-q", "--json",
+                    "-o", output or self.folder / "out", **environment)
+        frames = {f["engine"]: f for s in json.loads(done.stdout or "{}").get("scenes", [])
+                  for f in s["frames"]}
         return done, frames
 
     def test_an_engine_that_breaks_with_bytes_of_latin_1_is_in_the_report_and_fails_it(self):
@@ -51,11 +54,12 @@ class Verdict(unittest.TestCase):
         self.assertEqual(document["counts"], {"expected": 3, "reported": 3, "compared": 1})
 
     def test_the_physics_suite_keeps_the_row_of_a_broken_engine(self):
-        done = neph("validate", "--suite", "physics", "--check", "slab", "-e", "exact", "-e", "povray", "-q", "--json",
-                    "-o", self.folder, **self.program("povray", POVRAY))
+        done = neph("validate", "--suite", "physics", "--check", "slab", "-e", "exact", "-e",
+                    "povray", "-q", "--json", "-o", self.folder, **self.program("povray", POVRAY))
         document = json.loads(done.stdout)
         self.assertEqual((done.returncode, document["verdict"]), (1, "fail"), done.stderr)
-        broken = [row for row in document["physics"]["rows"] if row["engine"] == "povray" and row["status"] == "failed"]
+        broken = [row for row in document["physics"]["rows"] if row["engine"] == "povray"
+                  and row["status"] == "failed"]
         self.assertGreater(len(broken), 0)
         self.assertEqual(document["counts"]["reported"], document["counts"]["expected"])
         self.assertEqual(document["counts"]["reported"], len(document["physics"]["rows"]))
@@ -75,7 +79,8 @@ class Verdict(unittest.TestCase):
             ("cycles", "blender", script("exit 1"), {"TMPDIR": nowhere}, "TMPDIR"),
         ]
         for engine, program, text, environment, words in cases:
-            done, frames = self.validate("exact", "oracle", engine, **self.program(program, text), **environment)
+            done, frames = self.validate("exact", "oracle", engine, **self.program(program, text),
+                                         **environment)
             self.assertEqual(done.returncode, 1, (engine, words, done.stderr))
             self.assertEqual(frames[engine]["status"], "failed", words)
             self.assertIn(words, frames[engine]["reason"])
@@ -92,11 +97,13 @@ class Verdict(unittest.TestCase):
 
     def test_a_folder_that_json_cannot_name_is_refused_before_anything_is_done(self):
         folder = os.fsencode(self.folder) + b"/caf\xe9"
-        for words in (["validate", "scattering_slab_above", "-e", "exact"], ["render", "scattering_slab_above"],
-                      ["export", "scattering_slab_above"], ["study", "cycles", "voxel_grid"], ["benchmark", "voxel_grid"]):
+        for words in (["validate", "scattering_slab_above", "-e", "exact"],
+                      ["render", "scattering_slab_above"], ["export", "scattering_slab_above"],
+                      ["study", "cycles", "voxel_grid"], ["benchmark", "voxel_grid"]):
             done = neph(*words, "-o", folder)
             self.assertEqual((done.returncode, done.stdout), (64, b""), words)
-            self.assertIn(b"--output '" + os.fsencode(self.folder) + rb"/caf\xe9' is not UTF-8", done.stderr)
+            self.assertIn(b"--output '" + os.fsencode(self.folder) + rb"/caf\xe9' is not UTF-8",
+                          done.stderr)
             self.assertFalse(os.path.exists(folder))
 
     def test_nothing_compared_is_no_pass(self):
@@ -109,21 +116,26 @@ class Verdict(unittest.TestCase):
     def test_a_gate_on_what_no_metric_is_called_is_refused_with_its_place(self):
         text = (ROOT / "scenes/catalog/scattering_slab_above.yaml").read_text()
         scene = self.folder / "scattering_slab_above.yaml"
-        for metric, words in (("sparkle", "'sparkle' is no metric"), ("seen_share", "not among the numbers of every picture")):
+        for metric, words in (("sparkle", "'sparkle' is no metric"),
+                              ("seen_share", "not among the numbers of every picture")):
             scene.write_text(text.replace("metric: rel_bias", f"metric: {metric}", 1))
             done, _ = self.validate("exact", scene=scene)
             self.assertEqual(done.returncode, 65, done.stderr)
-            self.assertRegex(done.stderr.decode(), rf"scattering_slab_above\.yaml:\d+:1: gates\[\d\]\.metric: .*{words}")
+            self.assertRegex(done.stderr.decode(),
+                             rf"scattering_slab_above\.yaml:\d+:1: gates\[\d\]\.metric: .*{words}")
 
     def test_a_gate_that_cannot_be_measured_is_not_kept(self):
         text = (ROOT / "scenes/catalog/scattering_slab_above.yaml").read_text()
         dark = self.folder / "scattering_slab_above.yaml"
-        dark.write_text(text.replace("irradiance_w_per_m2: [3, 3, 3]", "irradiance_w_per_m2: [0, 0, 0]")
-                        .replace("engine: march", "engine: oracle"))
+        dark.write_text(text.replace("irradiance_w_per_m2: [3, 3, 3]",
+                                     "irradiance_w_per_m2: [0, 0, 0]") .replace("engine: march",
+                                                                                "engine: oracle"))
         done, frames = self.validate("exact", "oracle", scene=dark)
         self.assertEqual(done.returncode, 1, done.stderr)
-        gates = {(g["engine"], g["metric"]): g for g in json.loads(done.stdout)["scenes"][0]["gates"]}
-        self.assertEqual((gates["oracle", "rel_bias"]["value"], gates["oracle", "rel_bias"]["verdict"]), (None, "fail"))
+        gates = {(g["engine"], g["metric"]): g
+                 for g in json.loads(done.stdout)["scenes"][0]["gates"]}
+        self.assertEqual((gates["oracle", "rel_bias"]["value"],
+                          gates["oracle", "rel_bias"]["verdict"]), (None, "fail"))
         self.assertEqual(gates["cycles", "rel_bias"]["verdict"], "not_measured")
 
 

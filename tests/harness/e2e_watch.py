@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""The main job while it runs: a page from the first scene on, one that says so when it was cut short,
-and tiers by name."""
+"""The main job while it runs: a page from the first scene on, one that says so when it was cut
+short, and tiers by name."""
 import json
 import os
 import pathlib
@@ -17,7 +17,8 @@ PATIENCE_S = 300  # of a machine that is busy with other things; nothing here ta
 
 
 def neph(*arguments):
-    return subprocess.run([NEPH, *map(str, arguments)], capture_output=True, text=True, timeout=PATIENCE_S)
+    return subprocess.run([NEPH, *map(str, arguments)], capture_output=True, text=True,
+                          timeout=PATIENCE_S)
 
 
 class Watch(unittest.TestCase):
@@ -47,15 +48,17 @@ class Watch(unittest.TestCase):
 
     def test_a_page_is_there_from_the_first_scene_on_and_after_an_interruption(self):
         # The last scene is large enough to be still at work when the page of the first is read.
-        child = subprocess.Popen([NEPH, "validate", *SCENES, "-e", "exact", "-e", "oracle", "-e", "march", "--size",
-                                  "320x180", "-q", "-o", self.folder], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+        child = subprocess.Popen([NEPH, "validate", *SCENES, "-e", "exact", "-e", "oracle", "-e",
+                                  "march", "--size", "320x180", "-q", "-o", self.folder],
+                                 stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
         page = self.wait_for_page(child)
         self.assertEqual(page["verdict"], "running")
         self.assertGreaterEqual(len(page["scenes"]), 1)
         self.assertLess(len(page["scenes"]), len(SCENES))
         self.assertLess(page["progress"]["done"], page["progress"]["total"])
         self.assertGreater(page["progress"]["left_s"], 0)
-        self.assertTrue((self.folder / "report" / page["scenes"][0]["frames"][0]["picture"]).is_file())
+        self.assertTrue(
+            (self.folder / "report" / page["scenes"][0]["frames"][0]["picture"]).is_file())
 
         child.send_signal(signal.SIGINT)
         errors = child.communicate(timeout=PATIENCE_S)[1].decode()
@@ -65,14 +68,17 @@ class Watch(unittest.TestCase):
         self.assertGreaterEqual(len(page["scenes"]), 1)
 
     def test_a_finished_page_is_no_longer_running(self):
-        done = neph("validate", SCENES[0], "-e", "exact", "-e", "march", "--size", "32x18", "-q", "-o", self.folder)
+        done = neph("validate", SCENES[0], "-e", "exact", "-e", "march", "--size", "32x18", "-q",
+                    "-o", self.folder)
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertNotIn("progress", self.data())
         self.assertEqual(self.data()["verdict"], "pass")
 
     def test_tiers_have_names(self):
-        for wrong, said in ((["--tier", "sloth"], "quick and full"), (["--tier", "full", "--suite", "catalog"], "either"),
-                            (["--budget", "0"], "budget '0'"), (["--budget", "soon"], "budget 'soon'")):
+        for wrong, said in ((["--tier", "sloth"], "quick and full"),
+                            (["--tier", "full", "--suite", "catalog"], "either"),
+                            (["--budget", "0"], "budget '0'"),
+                            (["--budget", "soon"], "budget 'soon'")):
             done = neph("validate", *wrong, "-o", self.folder)
             self.assertEqual(done.returncode, 64, wrong)
             self.assertIn(said, done.stderr)

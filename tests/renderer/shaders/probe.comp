@@ -16,7 +16,7 @@ const uint PROBE_TRANSMITTANCE = 1;  // a.x -> e^-a.x
 const uint PROBE_ABSORBED = 2;       // a.x -> 1 - e^-a.x
 const uint PROBE_PHASE = 3;          // kind, a.x = g, b = view, c = sun -> 1/sr
 const uint PROBE_EXTINCTION = 4;     // a = layer, b.x = y -> 1/m
-const uint PROBE_FOG = 5;            // a = layer, b = (y, k_y, length) -> optical depth, transmittance
+const uint PROBE_FOG = 5;            // a = layer, b = (y, k_y, length) -> depth, transmittance
 const uint PROBE_DISTANCE = 6;       // a = layer, b = (y, k_y, optical depth) -> distance, thin end
 const uint PROBE_SOLID = 7;          // kind, a = low or centre, b = high, radius, c = origin,
                                      // d = direction -> t0, t1, 1 if met
