@@ -185,7 +185,8 @@ struct neph_bounds neph_fog_container(const struct neph_scene *scene,
                                       const struct neph_medium *medium, double *cut_error)
 {
     *cut_error = 0.0;
-    if (is_finite(&medium->bounds))
+    /* Parallel rays start from everywhere: there is no eye from which to cut. */
+    if (is_finite(&medium->bounds) || scene->orthographic_height_m > 0.0)
         return medium->bounds;
     const struct eyes eyes = find_eyes(scene);
     struct neph_bounds box;

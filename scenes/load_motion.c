@@ -99,7 +99,10 @@ static const struct neph_field camera_fields[] = {
      .record = &camera_key_record, .standard = "none"},
     {"up", NEPH_THREE, SCENE(camera_up), "", -NEPH_FAR_M, NEPH_FAR_M, .standard = "[0, 1, 0]"},
     {"vertical_fov_deg", NEPH_NUMBER, SCENE(vertical_fov_rad), "degrees", 0.1, 170,
-     .note = "from the lower edge to the upper"},
+     .note = "from the lower edge to the upper", .standard = "needed, or `orthographic_height_m`"},
+    {"orthographic_height_m", NEPH_NUMBER, SCENE(orthographic_height_m), "m", 1e-3, NEPH_FAR_M,
+     .note = "in place of it: parallel rays, the picture's height at any distance",
+     .standard = "none"},
     {0},
 };
 
@@ -130,6 +133,9 @@ static enum neph_status read_camera(struct neph_reader *reader, const yaml_node_
         return neph_refuse(reader, "", "give position_m and look_at_m, or keys");
     if (scene->camera_keys && scene->camera_keys[0].cut)
         return neph_refuse(reader, "keys[0].cut", "the first key has none before it to cut from");
+    if (neph_reader_has(reader, node, "vertical_fov_deg") ==
+        neph_reader_has(reader, node, "orthographic_height_m"))
+        return neph_refuse(reader, "", "give either vertical_fov_deg or orthographic_height_m");
     status = check_direction(reader, "up", scene->camera_up);
     if (!status && !scene->camera_keys)
         status = make_camera_key(written, reader->diag);

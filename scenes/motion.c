@@ -102,24 +102,31 @@ struct neph_camera neph_scene_camera(const struct neph_scene *scene, double fram
 {
     struct neph_camera_key key = neph_camera_key_at(scene, neph_scene_time_frame(scene, frame));
     struct neph_camera camera = {.position_m = key.position_m,
-                                 .vertical_fov_rad = scene->vertical_fov_rad};
+                                 .vertical_fov_rad = scene->vertical_fov_rad,
+                                 .orthographic_height_m = scene->orthographic_height_m};
     camera.forward = neph_vec3_normalize(neph_vec3_sub(key.look_at_m, key.position_m));
     camera.right = neph_vec3_normalize(neph_vec3_cross(camera.forward, scene->camera_up));
     camera.up = neph_vec3_cross(camera.right, camera.forward);
     return camera;
 }
 
-/* Image plane at distance 1: half its height is tan(fov/2); square pixels. Blender and POV-Ray
- * were measured to use the same rays. */
-struct neph_vec3 neph_camera_ray(const struct neph_camera *camera, int width_px, int height_px,
-                                 double i, double j)
+/* The image plane of a perspective camera is at distance 1: half its height is tan(fov/2). Pixels
+ * are square. Blender and POV-Ray were measured to use the same rays. */
+struct neph_pixel_ray neph_camera_ray(const struct neph_camera *camera, int width_px, int height_px,
+                                      double i, double j)
 {
-    double half_height = tan(0.5 * camera->vertical_fov_rad);
-    double half_width = half_height * width_px / height_px;
-    double x = (2.0 * (i + 0.5) / width_px - 1.0) * half_width;
-    double y = (1.0 - 2.0 * (j + 0.5) / height_px) * half_height;
-    struct neph_vec3 ray = neph_vec3_along(camera->forward, camera->right, x);
-    return neph_vec3_normalize(neph_vec3_along(ray, camera->up, y));
+    const bool is_parallel = camera->orthographic_height_m > 0.0;
+    const double half_height = is_parallel ? 0.5 * camera->orthographic_height_m
+                                           : tan(0.5 * camera->vertical_fov_rad);
+    const double half_width = half_height * width_px / height_px;
+    const double x = (2.0 * (i + 0.5) / width_px - 1.0) * half_width;
+    const double y = (1.0 - 2.0 * (j + 0.5) / height_px) * half_height;
+    const struct neph_vec3 middle = is_parallel ? camera->position_m : camera->forward;
+    const struct neph_vec3 place = neph_vec3_along(neph_vec3_along(middle, camera->right, x),
+                                                   camera->up, y);
+    if (is_parallel)
+        return (struct neph_pixel_ray){place, camera->forward};
+    return (struct neph_pixel_ray){camera->position_m, neph_vec3_normalize(place)};
 }
 
 bool neph_scene_is_cut(const struct neph_scene *scene, double frame_from, double frame_to)
@@ -196,7 +203,7 @@ struct moment {
     struct neph_rgb sun_w_per_m2;
     double width_px, height_px; /* of the largest picture */
 };
-_Static_assert(sizeof(struct moment) == 24 * sizeof(double), "no padding");
+_Static_assert(sizeof(struct moment) == 25 * sizeof(double), "no padding");
 
 static struct moment moment_at(const struct neph_scene *scene, double frame)
 {

@@ -182,7 +182,13 @@ struct neph_frame_scale {
 struct neph_camera {
     struct neph_vec3 position_m;
     struct neph_vec3 right, up, forward;
-    double vertical_fov_rad;
+    double vertical_fov_rad;      /* perspective */
+    double orthographic_height_m; /* of the picture, at any distance; 0: perspective */
+};
+
+/* What is seen in a pixel lies along it; the direction is unit. */
+struct neph_pixel_ray {
+    struct neph_vec3 origin_m, direction;
 };
 
 enum neph_gate_quantity {
@@ -211,7 +217,8 @@ struct neph_scene {
     int camera_key_count;                /* >= 1 */
     struct neph_camera_key *camera_keys; /* owned */
     struct neph_vec3 camera_up;
-    double vertical_fov_rad;
+    double vertical_fov_rad; /* one of the two, the other is 0; see struct neph_camera */
+    double orthographic_height_m;
 
     int frame_count; /* >= 1 */
     double frame_rate_hz;
@@ -268,9 +275,10 @@ void neph_scene_destroy(struct neph_scene *scene);
 /* The camera of a picture (0-based; may be fractional). */
 struct neph_camera neph_scene_camera(const struct neph_scene *scene, double frame);
 
-/* Unit world direction of the ray through the centre of pixel (i, j), row 0 on top. */
-struct neph_vec3 neph_camera_ray(const struct neph_camera *camera, int width_px, int height_px,
-                                 double i, double j);
+/* The ray through the centre of pixel (i, j), row 0 on top. It begins at the camera's position; rays
+ * of an orthographic camera are parallel to `forward` and begin on the plane through its position. */
+struct neph_pixel_ray neph_camera_ray(const struct neph_camera *camera, int width_px, int height_px,
+                                      double i, double j);
 
 const char *neph_scattering_name(enum neph_scattering scattering);
 const char *neph_gate_quantity_name(enum neph_gate_quantity quantity);

@@ -25,6 +25,8 @@ static void put_camera(FILE *text, const struct neph_scene *scene)
     }
     neph_put_vec3(text, "up", scene->camera_up);
     neph_put_number(text, "vertical_fov_rad", scene->vertical_fov_rad);
+    if (scene->orthographic_height_m > 0.0)
+        neph_put_number(text, "orthographic_height_m", scene->orthographic_height_m);
     neph_put_number(text, "frame_count", scene->frame_count);
     neph_put_number(text, "frame_rate_hz", scene->frame_rate_hz);
 }

@@ -24,6 +24,8 @@ static const char *sun_obstacle(const struct neph_scene *scene)
 
 static const char *camera_obstacle(const struct neph_scene *scene)
 {
+    if (scene->orthographic_height_m > 0.0)
+        return "its camera is orthographic, without an angle to turn by";
     return scene->camera_key_count > 1 ? "its camera moves already (camera.keys)" : NULL;
 }
 

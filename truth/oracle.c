@@ -120,9 +120,9 @@ static enum neph_status check_params(const struct neph_oracle_params *params,
 static struct neph_view make_view(const struct render *render, int column, int row)
 {
     const struct neph_oracle_params *params = render->params;
-    return neph_view_create(
-        render->scene, render->camera.position_m,
-        neph_camera_ray(&render->camera, params->width_px, params->height_px, column, row));
+    const struct neph_pixel_ray ray = neph_camera_ray(&render->camera, params->width_px,
+                                                      params->height_px, column, row);
+    return neph_view_create(render->scene, ray.origin_m, ray.direction);
 }
 
 static struct neph_view pixel_view(const struct render *render, int column, int row)

@@ -37,17 +37,17 @@ static void render_row(int row, void *context)
     struct job *job = context;
     const struct neph_shot *shot = job->shot;
     for (int column = 0; column < shot->width_px; column++) {
-        const struct neph_vec3 direction = neph_camera_ray(&job->camera, shot->width_px,
-                                                           shot->height_px, column, row);
-        const struct neph_ray_light light = neph_transport_ray(shot->scene, job->camera.position_m,
-                                                               direction);
+        const struct neph_pixel_ray ray = neph_camera_ray(&job->camera, shot->width_px,
+                                                          shot->height_px, column, row);
+        const struct neph_ray_light light = neph_transport_ray(shot->scene, ray.origin_m,
+                                                               ray.direction);
         const size_t pixel = (size_t)row * (size_t)shot->width_px + (size_t)column;
         store_rgb(job->radiance, pixel, light.radiance);
         store_rgb(job->volume, pixel, light.volume);
         store_rgb(job->transmittance, pixel, light.transmittance);
         if (job->depth)
             job->depth[pixel] = (float)(light.hit_m *
-                                        neph_vec3_dot(direction, job->camera.forward));
+                                        neph_vec3_dot(ray.direction, job->camera.forward));
         job->row_error[row] = fmax(job->row_error[row], light.quadrature_error);
     }
 }

@@ -499,13 +499,14 @@ static double brightest_scattering_per_sr(const struct session *session,
     double brightest = 0.0;
     for (size_t pixel = 0; pixel < session->pixel_count; pixel++) {
         size_t width = (size_t)shot->width_px;
-        struct neph_vec3 ray = neph_camera_ray(camera, shot->width_px, shot->height_px,
-                                               (double)(pixel % width), (double)(pixel / width));
-        const struct neph_rgb depths = neph_scene_optical_depth(shot->scene, camera->position_m,
-                                                                ray, 0.0, INFINITY);
+        const struct neph_pixel_ray ray = neph_camera_ray(camera, shot->width_px, shot->height_px,
+                                                          (double)(pixel % width),
+                                                          (double)(pixel / width));
+        const struct neph_rgb depths = neph_scene_optical_depth(shot->scene, ray.origin_m,
+                                                                ray.direction, 0.0, INFINITY);
         double depth = fmax(depths.r, fmax(depths.g, depths.b));
-        double phase_per_sr = neph_phase_per_sr(phase,
-                                                neph_vec3_dot(shot->scene->sun.direction, ray));
+        double phase_per_sr = neph_phase_per_sr(
+            phase, neph_vec3_dot(shot->scene->sun.direction, ray.direction));
         brightest = fmax(brightest, phase_per_sr * -expm1(-depth));
     }
     return brightest;

@@ -20,7 +20,7 @@ struct view {
     int width_px, height_px;
 };
 
-static struct neph_vec3 ray_of(const struct view *view, int x, int y)
+static struct neph_pixel_ray ray_of(const struct view *view, int x, int y)
 {
     return neph_camera_ray(&view->camera, view->width_px, view->height_px, x, y);
 }
@@ -45,16 +45,16 @@ static enum neph_status add_mask(struct neph_image *image, const char *name, flo
 /* ---- media ----------------------------------------------------------------------------------- */
 
 /* Optical depth of the fogs to the solid of the pixel, per channel. */
-static struct neph_rgb fog_optical_depth(const struct view *view, struct neph_vec3 direction,
-                                         double distance_m)
+static struct neph_rgb fog_optical_depth(const struct neph_scene *scene,
+                                         const struct neph_pixel_ray *ray, double distance_m)
 {
     struct neph_rgb total = {0.0, 0.0, 0.0};
-    for (int m = 0; m < view->scene->medium_count; m++) {
-        const struct neph_medium *medium = &view->scene->media[m];
+    for (int m = 0; m < scene->medium_count; m++) {
+        const struct neph_medium *medium = &scene->media[m];
         if (!neph_medium_is_fog(medium))
             continue;
-        const double depth = neph_medium_optical_depth(medium, view->camera.position_m, direction,
-                                                       0.0, distance_m);
+        const double depth = neph_medium_optical_depth(medium, ray->origin_m, ray->direction, 0.0,
+                                                       distance_m);
         total.r += depth * medium->extinction_color.r;
         total.g += depth * medium->extinction_color.g;
         total.b += depth * medium->extinction_color.b;
@@ -88,9 +88,9 @@ static enum neph_status add_media(const struct view *view, struct neph_image *im
     for (int y = 0; !status && (fog || cloud) && y < view->height_px; y++)
         for (int x = 0; x < view->width_px; x++) {
             const size_t i = (size_t)y * (size_t)view->width_px + (size_t)x;
-            const struct neph_vec3 direction = ray_of(view, x, y);
-            const double cosine = neph_vec3_dot(direction, view->camera.forward);
-            const struct neph_rgb of_fog = fog_optical_depth(view, direction,
+            const struct neph_pixel_ray ray = ray_of(view, x, y);
+            const double cosine = neph_vec3_dot(ray.direction, view->camera.forward);
+            const struct neph_rgb of_fog = fog_optical_depth(view->scene, &ray,
                                                              (double)depth_m[i] / cosine);
             if (fog)
                 fog[i] = is_seen(of_fog.r, of_fog.g, of_fog.b) ? 1.0f : 0.0f;
@@ -124,8 +124,8 @@ static enum neph_status add_thin(const struct view *view, struct neph_image *ima
     enum neph_status status = any ? add_mask(image, "mask.thin", &thin, diag) : NEPH_OK;
     for (int y = 0; thin && y < view->height_px; y++)
         for (int x = 0; x < view->width_px; x++) {
-            const struct neph_hit hit = neph_scene_hit(view->scene, view->camera.position_m,
-                                                       ray_of(view, x, y));
+            const struct neph_pixel_ray ray = ray_of(view, x, y);
+            const struct neph_hit hit = neph_scene_hit(view->scene, ray.origin_m, ray.direction);
             if (hit.solid && hit.solid->thin)
                 mark_around(view, x, y, thin);
         }
@@ -142,9 +142,9 @@ static enum neph_status add_sun(const struct view *view, struct neph_image *imag
     enum neph_status status = sun->present ? add_mask(image, "mask.sun", &samples, diag) : NEPH_OK;
     for (int y = 0; samples && y < view->height_px; y++)
         for (int x = 0; x < view->width_px; x++) {
-            const struct neph_vec3 direction = ray_of(view, x, y);
-            const bool near = neph_vec3_dot(direction, sun->direction) >= least_cosine;
-            if (near && !neph_scene_hit(view->scene, view->camera.position_m, direction).solid)
+            const struct neph_pixel_ray ray = ray_of(view, x, y);
+            const bool near = neph_vec3_dot(ray.direction, sun->direction) >= least_cosine;
+            if (near && !neph_scene_hit(view->scene, ray.origin_m, ray.direction).solid)
                 samples[(size_t)y * (size_t)view->width_px + (size_t)x] = 1.0f;
         }
     return status;

@@ -110,11 +110,12 @@ static double most_of_frame(const struct neph_shot *shot, const struct neph_scen
         /* Pixel centres of the picture itself, so that its shape counts. */
         const int column = (2 * (i % COLUMNS) + 1) * shot->width_px / (2 * COLUMNS);
         const int row = (2 * (i / COLUMNS) + 1) * shot->height_px / (2 * ROWS);
-        struct ray ray = {
-            .scene = scene,
-            .containers = containers,
-            .origin_m = camera.position_m,
-            .direction = neph_camera_ray(&camera, shot->width_px, shot->height_px, column, row)};
+        const struct neph_pixel_ray seen = neph_camera_ray(&camera, shot->width_px, shot->height_px,
+                                                           column, row);
+        struct ray ray = {.scene = scene,
+                          .containers = containers,
+                          .origin_m = seen.origin_m,
+                          .direction = seen.direction};
         ray.end_m = neph_scene_hit(scene, ray.origin_m, ray.direction).t_m;
         most = fmax(most, shared ? shared_steps(&ray, steps) : own_steps(&ray, steps));
     }

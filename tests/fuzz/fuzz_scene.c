@@ -23,7 +23,7 @@ static bool asks_for_work(const uint8_t *data, size_t size)
 static void require_camera(const struct neph_scene *scene)
 {
     const struct neph_camera camera = neph_scene_camera(scene, scene->frame_count - 1);
-    const struct neph_vec3 ray = neph_camera_ray(&camera, 7, 5, 6, 0);
+    const struct neph_vec3 ray = neph_camera_ray(&camera, 7, 5, 6, 0).direction;
     fuzz_require(fabs(neph_vec3_length(ray) - 1.0) < 1e-9, "rays of the camera are unit vectors");
 }
 

@@ -154,7 +154,7 @@ static struct neph_image *render(const struct stage *stage, unsigned layers)
 static struct neph_vec3 ray_of(const struct stage *stage, int pixel)
 {
     const struct neph_camera camera = neph_scene_camera(&stage->scene, 0.0);
-    return neph_camera_ray(&camera, WIDTH, HEIGHT, pixel % WIDTH, pixel / WIDTH);
+    return neph_camera_ray(&camera, WIDTH, HEIGHT, pixel % WIDTH, pixel / WIDTH).direction;
 }
 
 static struct neph_ray_light truth_of(const struct stage *stage, int pixel)

@@ -382,7 +382,7 @@ static double truth_of(const struct test_scene *stage, enum quantity quantity, i
                        int j)
 {
     struct neph_camera camera = neph_scene_camera(&stage->scene, 0.0);
-    struct neph_vec3 ray = neph_camera_ray(&camera, WIDTH, HEIGHT, i, j);
+    struct neph_vec3 ray = neph_camera_ray(&camera, WIDTH, HEIGHT, i, j).direction;
     struct neph_ray_light light = neph_transport_ray(&stage->scene, camera.position_m, ray);
     switch (quantity) {
     case RADIANCE:
@@ -514,7 +514,7 @@ static void check_slab(struct neph_phase phase)
     double sum = 0.0, truth = 0.0, worst = 0.0;
     for (int j = 0; j < HEIGHT; j++) {
         for (int i = 0; i < WIDTH; i++) {
-            struct neph_vec3 ray = neph_camera_ray(&camera, WIDTH, HEIGHT, i, j);
+            struct neph_vec3 ray = neph_camera_ray(&camera, WIDTH, HEIGHT, i, j).direction;
             double expected = slab_radiance(&stage, ray, 2.0);
             sum += volume[j * WIDTH + i];
             truth += expected;

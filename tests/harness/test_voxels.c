@@ -88,8 +88,8 @@ static struct neph_image *render(int e, const struct neph_scene *scene, unsigned
 static struct neph_ray_light truth_of(const struct neph_scene *scene, int pixel)
 {
     const struct neph_camera camera = neph_scene_camera(scene, 0.0);
-    const struct neph_vec3 ray = neph_camera_ray(&camera, WIDTH, HEIGHT, pixel % WIDTH,
-                                                 pixel / WIDTH);
+    const struct neph_vec3 ray =
+        neph_camera_ray(&camera, WIDTH, HEIGHT, pixel % WIDTH, pixel / WIDTH).direction;
     return neph_transport_ray(scene, camera.position_m, ray);
 }
 

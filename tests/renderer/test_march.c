@@ -47,7 +47,7 @@ static struct neph_ray_light *exact_light(const struct test_scene *test, int wid
         for (int i = 0; i < width_px; i++)
             light[j * width_px + i] = neph_transport_ray(
                 &test->scene, camera.position_m,
-                neph_camera_ray(&camera, width_px, height_px, i, j));
+                neph_camera_ray(&camera, width_px, height_px, i, j).direction);
     return light;
 }
 
@@ -107,8 +107,8 @@ static struct worst compare_transmittance(const struct test_scene *test,
     struct worst worst = {0.0, 0.0};
     for (int j = 0; j < frame->height_px; j++)
         for (int i = 0; i < frame->width_px; i++) {
-            const struct neph_vec3 ray = neph_camera_ray(&camera, frame->width_px, frame->height_px,
-                                                         i, j);
+            const struct neph_vec3 ray =
+                neph_camera_ray(&camera, frame->width_px, frame->height_px, i, j).direction;
             const double end_m = neph_scene_hit(&test->scene, camera.position_m, ray).t_m;
             const double expected = exp(
                 -neph_scene_optical_depth(&test->scene, camera.position_m, ray, 0.0, end_m).r);
@@ -288,7 +288,8 @@ static double agreeing_fraction(const struct neph_image *frame, const struct tes
     for (size_t i = 0; i < neph_image_pixel_count(frame); i++) {
         const struct neph_vec3 ray = neph_camera_ray(&camera, frame->width_px, frame->height_px,
                                                      (double)(i % (size_t)frame->width_px),
-                                                     (double)(i / (size_t)frame->width_px));
+                                                     (double)(i / (size_t)frame->width_px))
+                                         .direction;
         const double z_m = light[i].hit_m * neph_vec3_dot(ray, camera.forward);
         const bool same_depth = isinf(z_m) ? isinf(depth_m[i])
                                            : fabs(depth_m[i] - z_m) <= 1e-5 * z_m;

@@ -84,8 +84,8 @@ static void test_octaves_over_a_slab(void **state)
          * most k = 1 / sun.y per unit of the view's: off by (h k)^2 / 24, and by h^2 k / 12 because
          * the view's own weight has its centre nearer by h^2 / 12. */
         for (int p = 0; p < width_px * height_px; p++) {
-            const struct neph_vec3 ray = neph_camera_ray(&camera, width_px, height_px, p % width_px,
-                                                         p / width_px);
+            const struct neph_vec3 ray =
+                neph_camera_ray(&camera, width_px, height_px, p % width_px, p / width_px).direction;
             const double h = slab->layers[0].extinction_per_m * 3.0 / -ray.y / 512.0;
             const double k = 1.0 / test.scene.sun.direction.y;
             neph_assert_close((double)volume[1][p], slab_octaves(&test, ray),
@@ -223,8 +223,8 @@ static void test_horizon_light_is_the_articles(void **state)
     const struct neph_camera camera = neph_scene_camera(&test.scene, 0.0);
     double brightest = 0.0, darkest = INFINITY;
     for (int p = 0; p < width_px * height_px; p++) {
-        const struct neph_vec3 ray = neph_camera_ray(&camera, width_px, height_px, p % width_px,
-                                                     p / width_px);
+        const struct neph_vec3 ray =
+            neph_camera_ray(&camera, width_px, height_px, p % width_px, p / width_px).direction;
         const double expected = article_sum(&test, ray, steps);
         /* Both take the same steps; clamped noise amplifies float32 places, which are good to 1e-4
          * of a texel a kilometre away. */

@@ -53,7 +53,8 @@ static struct difference compare(struct neph_vulkan *vulkan, struct test_scene *
     assert_true(neph_image_rgb(frame, "volume", volume));
     for (int p = 0; p < params->width_px * params->height_px; p++) {
         const struct neph_vec3 ray = neph_camera_ray(&camera, params->width_px, params->height_px,
-                                                     p % params->width_px, p / params->width_px);
+                                                     p % params->width_px, p / params->width_px)
+                                         .direction;
         const struct neph_ray_light light = neph_transport_ray(&test->scene, camera.position_m,
                                                                ray);
         const double t[3] = {light.transmittance.r, light.transmittance.g, light.transmittance.b};
@@ -183,7 +184,7 @@ static double transmittance_error(struct neph_vulkan *vulkan, struct test_scene 
     assert_true(neph_image_rgb(frame, "transmittance", transmittance));
     const struct neph_camera camera = neph_scene_camera(&test->scene, 0.0);
     for (int p = 0; p < 16 * 9; p++) {
-        const struct neph_vec3 ray = neph_camera_ray(&camera, 16, 9, p % 16, p / 16);
+        const struct neph_vec3 ray = neph_camera_ray(&camera, 16, 9, p % 16, p / 16).direction;
         const double depth =
             neph_scene_optical_depth(&test->scene, camera.position_m, ray, 0.0, INFINITY).g;
         const double error = (double)transmittance[1][p] - exp(-depth);
@@ -259,7 +260,7 @@ static void test_horizon_scattering_against_quadrature(void **state)
     assert_true(neph_image_rgb(frame, "volume", volume));
     const struct neph_camera camera = neph_scene_camera(&test.scene, 0.0);
     for (int i = 0; i < 6; i++) {
-        const struct neph_vec3 ray = neph_camera_ray(&camera, 6, 3, i, 0);
+        const struct neph_vec3 ray = neph_camera_ray(&camera, 6, 3, i, 0).direction;
         const double expected = single_scattering(&test.scene, camera.position_m, ray, 4e3, 300);
         worst = fmax(worst, fabs((double)volume[1][i] - expected));
         brightest = fmax(brightest, expected);

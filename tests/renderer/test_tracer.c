@@ -78,8 +78,8 @@ static struct verdict compare(const struct test_scene *test, const struct neph_i
     for (int j = 0; j < frame->height_px; j++)
         for (int i = 0; i < frame->width_px; i++) {
             const int channel = (i + j) % 3, at = j * frame->width_px + i;
-            const struct neph_vec3 ray = neph_camera_ray(&camera, frame->width_px, frame->height_px,
-                                                         i, j);
+            const struct neph_vec3 ray =
+                neph_camera_ray(&camera, frame->width_px, frame->height_px, i, j).direction;
             const double expected = truth(test, ray, i, channel, context);
             const double found = (double)radiance[channel][at];
             const double spread = (double)variance[channel][at];
@@ -374,7 +374,7 @@ static void test_procedural_clouds_against_the_light(void **state)
         test.scene.background_w_per_m2_sr = (struct neph_rgb){0, 0, 0};
         test.scene.vertical_fov_rad = 1e-5;
         const struct neph_camera camera = neph_scene_camera(&test.scene, 0.0);
-        const struct neph_vec3 ahead = neph_camera_ray(&camera, 1, 1, 0, 0);
+        const struct neph_vec3 ahead = neph_camera_ray(&camera, 1, 1, 0, 0).direction;
         test.scene.sun.direction = ahead;
         double thin = 0.0;
         for (int m = 0; m < test.scene.medium_count; m++)
@@ -658,7 +658,7 @@ static struct neph_slab *solve_slab(const struct test_scene *test,
     const struct neph_camera camera = neph_scene_camera(&test->scene, 0.0);
     double cosines[slab_width_px];
     for (int i = 0; i < slab_width_px; i++)
-        cosines[i] = fabs(neph_camera_ray(&camera, slab_width_px, 1, i, 0).y);
+        cosines[i] = fabs(neph_camera_ray(&camera, slab_width_px, 1, i, 0).direction.y);
     struct neph_slab_params params = *of;
     params.view_count = slab_width_px;
     params.view_cosines = cosines;

@@ -24,7 +24,8 @@ static struct neph_scene *load(const char *name)
 static double depth_m(const struct neph_scene *scene, int divisor, int x, int y)
 {
     const struct neph_camera camera = neph_scene_camera(scene, 0);
-    const struct neph_vec3 ray = neph_camera_ray(&camera, WIDTH / divisor, HEIGHT / divisor, x, y);
+    const struct neph_vec3 ray =
+        neph_camera_ray(&camera, WIDTH / divisor, HEIGHT / divisor, x, y).direction;
     return neph_scene_hit(scene, camera.position_m, ray).t_m * neph_vec3_dot(ray, camera.forward);
 }
 

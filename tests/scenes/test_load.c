@@ -73,6 +73,9 @@ static const struct bad {
     {"albedo: [1, 0.5, 0]", "albedo: [1, 1.5, 0]", 10, "1.5"},
     {"albedo: [1, 0.5, 0]", "albedo: [1, 0.5]", 10, "3"},
     {"vertical_fov_deg: 40", "vertical_fov_deg: 180", 4, "180"},
+    {"vertical_fov_deg: 40", "orthographic_height_m: 0", 4, "0.001"},
+    {"vertical_fov_deg: 40", "vertical_fov_deg: 40, orthographic_height_m: 2", 4, "either"},
+    {", vertical_fov_deg: 40", "", 4, "orthographic_height_m"},
     {"scattering: single", "scattering: double", 6, "multiple"},
     {"direction: [0, 2, 0]", "direction: [0, 0, 0]", 5, "direction"},
     {"look_at_m: [0, 1, 0]", "look_at_m: [0, 1, 5]", 4, "look_at_m"},
@@ -372,6 +375,8 @@ static void test_hash_follows_the_physics(void **state)
     static const char *const changes[][2] = {
         {"extinction_per_m: 0.5", "extinction_per_m: 0.50000000000000011"},
         {"position_m: [0, 1, 5]", "position_m: [0, 1, 5.5]"},
+        {"vertical_fov_deg: 40", "orthographic_height_m: 2"},
+        {"vertical_fov_deg: 40", "orthographic_height_m: 3"},
         {"direction: [0, 2, 0]", "direction: [0, 2, 1]"},
         {"scattering: single", "scattering: multiple"},
         {"scattering: single", "scattering: single\nenvironment_light: true"},
@@ -548,11 +553,31 @@ static void test_camera_rays(void **state)
     neph_assert_close(camera.right.x, 1.0, 1e-15, 0.0);
     /* x = (2 (i + .5) / w - 1) t w / h, y = (1 - 2 (j + .5) / h) t, t = tan(fov / 2) */
     const double t = tan(0.5 * scene->vertical_fov_rad), w = 16, h = 9;
-    const struct neph_vec3 ray = neph_camera_ray(&camera, 16, 9, 3, 1);
+    const struct neph_vec3 ray = neph_camera_ray(&camera, 16, 9, 3, 1).direction;
     neph_assert_close(ray.x / -ray.z, (2 * 3.5 / w - 1) * t * w / h, 1e-14, 0.0);
     neph_assert_close(ray.y / -ray.z, (1 - 2 * 1.5 / h) * t, 1e-14, 0.0);
     neph_assert_close(neph_vec3_length(ray), 1.0, 1e-15, 0.0);
     neph_scene_destroy(scene);
+}
+
+/* A picture of 4 x 3 pixels and a height of 6 m: their centres are 2 m apart. */
+static void test_orthographic_rays(void **state)
+{
+    (void)state;
+    struct neph_diag diag = {.line = 0};
+    struct neph_scene *scene;
+    char *text = edited("vertical_fov_deg: 40", "orthographic_height_m: 6");
+    neph_assert_ok(load_text(text, strlen(text), &scene, &diag), &diag);
+    const struct neph_camera camera = neph_scene_camera(scene, 0);
+    for (int p = 0; p < 12; p++) {
+        const struct neph_pixel_ray ray = neph_camera_ray(&camera, 4, 3, p % 4, p / 4);
+        neph_assert_close(ray.origin_m.x, 2.0 * (p % 4) - 3.0, 1e-15, 0.0);
+        neph_assert_close(ray.origin_m.y, 1.0 + 2.0 - 2.0 * (p / 4), 1e-15, 1e-15);
+        neph_assert_close(ray.origin_m.z, 5.0, 1e-15, 0.0);
+        neph_assert_close(ray.direction.z, -1.0, 1e-15, 0.0);
+    }
+    neph_scene_destroy(scene);
+    free(text);
 }
 
 int main(void)
@@ -572,6 +597,7 @@ int main(void)
         cmocka_unit_test(test_messages_never_show_what_the_environment_holds),
         scratch_test(test_all_scenes_load),
         cmocka_unit_test(test_camera_rays),
+        cmocka_unit_test(test_orthographic_rays),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

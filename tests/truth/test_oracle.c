@@ -129,8 +129,9 @@ static void test_reported_noise_is_true(void **state)
     double *truth = test_malloc(WIDTH * HEIGHT * sizeof(*truth));
     const struct neph_camera camera = neph_scene_camera(&stage.scene, 0.0);
     for (int i = 0; i < WIDTH * HEIGHT; i++)
-        truth[i] = neph_transport_ray(&stage.scene, camera.position_m,
-                                      neph_camera_ray(&camera, WIDTH, HEIGHT, i % WIDTH, i / WIDTH))
+        truth[i] = neph_transport_ray(
+                       &stage.scene, camera.position_m,
+                       neph_camera_ray(&camera, WIDTH, HEIGHT, i % WIDTH, i / WIDTH).direction)
                        .radiance.g;
     const struct scores scores = scores_against(truth, frame, "G", "variance.G");
     print_message("z-scores of %d pixels: mean %+.4f, variance %.4f\n", scores.count, scores.mean,
@@ -204,8 +205,8 @@ static void test_layers(void **state)
     const struct neph_camera camera = neph_scene_camera(&stage.scene, 0.0);
     double more = 0.0, single_sum = 0.0, first_sum = 0.0;
     for (int i = 0; i < WIDTH * HEIGHT; i++) {
-        const struct neph_vec3 direction = neph_camera_ray(&camera, WIDTH, HEIGHT, i % WIDTH,
-                                                           i / WIDTH);
+        const struct neph_vec3 direction =
+            neph_camera_ray(&camera, WIDTH, HEIGHT, i % WIDTH, i / WIDTH).direction;
         stage.scene.media[0].extinction_color = white; /* transport knows grey */
         stage.scene.scattering = NEPH_SCATTERING_NONE;
         const struct neph_ray_light exact = neph_transport_ray(&stage.scene, camera.position_m,
