@@ -63,6 +63,11 @@ static bool are_known(const struct neph_scene *scene, char *reason, size_t reaso
 
 bool neph_float32_reaches(const struct neph_scene *scene, char *reason, size_t reason_size)
 {
+    if (scene->orthographic_height_m > 0.0) {
+        snprintf(reason, reason_size,
+                 "an orthographic camera: in the shaders all rays of a picture start at one eye");
+        return false;
+    }
     if (!are_known(scene, reason, reason_size))
         return false;
     for (int k = 0; k < scene->camera_key_count; k++)

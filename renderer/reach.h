@@ -12,8 +12,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* Whether the shaders know all media of a scene, and these are near enough to its camera, at every
- * key; if not, `reason` says which is not and by what numbers. */
+/* Whether the shaders know the camera and all media of a scene, and these are near enough to it, at
+ * every key; if not, `reason` says which is not and by what numbers. */
 bool neph_float32_reaches(const struct neph_scene *scene, char *reason, size_t reason_size);
 
 #endif

@@ -136,6 +136,10 @@ static enum neph_status read_camera(struct neph_reader *reader, const yaml_node_
     if (neph_reader_has(reader, node, "vertical_fov_deg") ==
         neph_reader_has(reader, node, "orthographic_height_m"))
         return neph_refuse(reader, "", "give either vertical_fov_deg or orthographic_height_m");
+    if (scene->orthographic_height_m > 0.0 && scene->camera_key_count > 1)
+        return neph_refuse(reader, "keys",
+                           "an orthographic camera stands still: motion vectors know perspective "
+                           "cameras alone");
     status = check_direction(reader, "up", scene->camera_up);
     if (!status && !scene->camera_keys)
         status = make_camera_key(written, reader->diag);

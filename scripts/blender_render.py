@@ -41,7 +41,7 @@ import time
 import bpy
 from mathutils import Matrix, Vector
 
-FORMAT = 2  # of the spec; raised together with cycles.c
+FORMAT = 3  # of the spec; raised together with cycles.c
 
 # The largest that Blender takes. The furnace reads 1.00000 with it (0.967 with Cycles' default of
 # 12) at optical depths of 16; some of the light that leaves a medium of 64 has scattered more
@@ -357,7 +357,11 @@ def add_camera(scene, camera: dict, units: Units) -> None:
     data = bpy.data.cameras.new("camera")
     data.sensor_fit = "VERTICAL"
     data.sensor_height = 24.0
-    data.lens = 12.0 / math.tan(camera["vertical_fov_rad"] / 2.0)
+    if camera["orthographic_height_m"] > 0.0:
+        data.type = "ORTHO"
+        data.ortho_scale = units.length(camera["orthographic_height_m"])  # of the sensor's fit
+    else:
+        data.lens = 12.0 / math.tan(camera["vertical_fov_rad"] / 2.0)
     data.clip_start, data.clip_end = CLIP_START, CLIP_END
     thing = add_object(scene, "camera", data)
     right, up, forward = (axes_to_blender(camera[k]) for k in ("right", "up", "forward"))

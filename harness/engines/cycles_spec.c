@@ -11,7 +11,7 @@
 #include <stdio.h>
 
 enum {
-    SPEC_FORMAT = 2, /* raised together with blender_render.py */
+    SPEC_FORMAT = 3, /* raised together with blender_render.py */
     VOLUME_STACK = 31,
     SPHERE_SEGMENTS_MIN = 256,
     SPHERE_SEGMENTS_MAX = 2048,
@@ -220,7 +220,8 @@ enum neph_status neph_cycles_world(const struct neph_scene *scene, struct neph_c
     struct neph_cycles_world adapted = {.unit_m = 1.0};
     enum neph_status status = NEPH_OK;
     const double lens_mm = sensor_mm / 2.0 / tan(scene->vertical_fov_rad / 2.0);
-    if (!(lens_mm >= shortest_lens_mm)) /* Blender would clamp it without a word */
+    if (scene->orthographic_height_m == 0.0 &&
+        !(lens_mm >= shortest_lens_mm)) /* Blender would clamp it without a word */
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
                          "a field of view above 170.4 degrees: Blender has no lens below 1 mm");
     for (int i = 0; i < scene->medium_count && !status; i++)
@@ -248,18 +249,26 @@ static json_t *color_json(struct neph_rgb c)
     return json_pack("[fff]", c.r, c.g, c.b);
 }
 
+/* The radius of the silhouette; for an eye inside, which has none, the picture's height. */
+static double sphere_radius_px(const struct neph_solid *sphere, const struct neph_camera *camera,
+                               int height_px)
+{
+    if (camera->orthographic_height_m > 0.0)
+        return height_px * sphere->radius_m / camera->orthographic_height_m;
+    const struct neph_vec3 offset_m = neph_vec3_sub(sphere->center_m, camera->position_m);
+    const double tangent_squared = neph_vec3_dot(offset_m, offset_m) -
+                                   sphere->radius_m * sphere->radius_m;
+    const double px_per_slope = height_px / (2.0 * tan(camera->vertical_fov_rad / 2.0));
+    return tangent_squared > 0.0 ? px_per_slope * sphere->radius_m / sqrt(tangent_squared)
+                                 : height_px;
+}
+
 /* How many meridians a sphere needs, and what error is left. The mesh has its corners on the
  * sphere; between them both its meridians and its rings cut 2 (pi/n)^2 / 2 of the radius off. */
 static int sphere_segments(const struct neph_solid *sphere, const struct neph_camera *camera,
                            int height_px, double *error_px)
 {
-    const struct neph_vec3 offset_m = neph_vec3_sub(sphere->center_m, camera->position_m);
-    const double tangent_squared = neph_vec3_dot(offset_m, offset_m) -
-                                   sphere->radius_m * sphere->radius_m;
-    const double px_per_slope = height_px / (2.0 * tan(camera->vertical_fov_rad / 2.0));
-    double radius_px = height_px; /* the camera is inside: the silhouette is out of sight */
-    if (tangent_squared > 0.0)
-        radius_px = px_per_slope * sphere->radius_m / sqrt(tangent_squared);
+    const double radius_px = sphere_radius_px(sphere, camera, height_px);
     double segments = 2.0 * ceil(M_PI * sqrt(radius_px / sphere_error_px) / 2.0);
     segments = fmin(fmax(segments, SPHERE_SEGMENTS_MIN), SPHERE_SEGMENTS_MAX);
     *error_px = fmax(*error_px, radius_px * M_PI * M_PI / (segments * segments));
@@ -363,9 +372,11 @@ static json_t *sun_json(const struct neph_sun *sun)
 
 static json_t *camera_json(const struct neph_camera *camera)
 {
-    return json_pack("{s:o, s:o, s:o, s:o, s:f}", "position_m", vector_json(camera->position_m),
-                     "right", vector_json(camera->right), "up", vector_json(camera->up), "forward",
-                     vector_json(camera->forward), "vertical_fov_rad", camera->vertical_fov_rad);
+    return json_pack("{s:o, s:o, s:o, s:o, s:f, s:f}", "position_m",
+                     vector_json(camera->position_m), "right", vector_json(camera->right), "up",
+                     vector_json(camera->up), "forward", vector_json(camera->forward),
+                     "vertical_fov_rad", camera->vertical_fov_rad, "orthographic_height_m",
+                     camera->orthographic_height_m);
 }
 
 /* Blender's seed is a non-negative 32-bit integer. */

@@ -413,13 +413,19 @@ static void write_header(struct writer *writer)
     words(writer, ";\n#macro P(A) (U*((A) - O)) #end\n\n");
 }
 
+/* The lengths of up and right are the sides of the picture at the distance 1, or those of an
+ * orthographic one in POV-Ray's units. */
 static void write_camera(struct writer *writer)
 {
     const struct neph_camera *camera = &writer->world->camera;
-    double height = 2.0 * tan(0.5 * camera->vertical_fov_rad);
-    double width = height * writer->world->width_px / writer->world->height_px;
-    words(writer, "// Camera: the lengths of up and right are the angles of view.\n"
-                  "camera { perspective\n  location ");
+    const bool is_parallel = camera->orthographic_height_m > 0.0;
+    const double height = is_parallel ? camera->orthographic_height_m * writer->world->units_per_m
+                                      : 2.0 * tan(0.5 * camera->vertical_fov_rad);
+    const double width = height * writer->world->width_px / writer->world->height_px;
+    words(writer, is_parallel ? "// Camera: up and right are as long as the picture's sides.\n"
+                                "camera { orthographic\n  location "
+                              : "// Camera: the lengths of up and right are the angles of view.\n"
+                                "camera { perspective\n  location ");
     position(writer, camera->position_m);
     words(writer, "\n  right ");
     vector(writer, neph_vec3_scale(camera->right, width));

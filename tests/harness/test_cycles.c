@@ -151,15 +151,16 @@ static struct neph_image *render(const struct stage *stage, unsigned layers)
     return frame;
 }
 
-static struct neph_vec3 ray_of(const struct stage *stage, int pixel)
+static struct neph_pixel_ray ray_of(const struct stage *stage, int pixel)
 {
     const struct neph_camera camera = neph_scene_camera(&stage->scene, 0.0);
-    return neph_camera_ray(&camera, WIDTH, HEIGHT, pixel % WIDTH, pixel / WIDTH).direction;
+    return neph_camera_ray(&camera, WIDTH, HEIGHT, pixel % WIDTH, pixel / WIDTH);
 }
 
 static struct neph_ray_light truth_of(const struct stage *stage, int pixel)
 {
-    return neph_transport_ray(&stage->scene, stage->key.position_m, ray_of(stage, pixel));
+    const struct neph_pixel_ray ray = ray_of(stage, pixel);
+    return neph_transport_ray(&stage->scene, ray.origin_m, ray.direction);
 }
 
 static double component(struct neph_rgb color, int channel)
@@ -308,9 +309,9 @@ static void transmittance_errors(const struct stage *stage, double floor, double
     double thickest = 0.0;
     *absolute = *relative = 0.0;
     for (int i = 0; i < PIXELS; i++) {
-        const double tau = neph_scene_optical_depth(&stage->scene, stage->key.position_m,
-                                                    ray_of(stage, i), 0.0, INFINITY)
-                               .r;
+        const struct neph_pixel_ray ray = ray_of(stage, i);
+        const double tau =
+            neph_scene_optical_depth(&stage->scene, ray.origin_m, ray.direction, 0.0, INFINITY).r;
         const double off = fabs(samples[i] - exp(-tau));
         *absolute = fmax(*absolute, off);
         if (exp(-tau) > floor) {
@@ -337,6 +338,21 @@ static void test_transmittance_of_a_box(void **state)
     assert_true(relative < 1e-4);
 }
 
+static void test_transmittance_of_parallel_rays(void **state)
+{
+    (void)state;
+    if (!test_has_engine(&neph_engine_cycles))
+        skip();
+    double absolute, relative;
+    struct stage stage;
+    set_box_stage(&stage, 1.4);
+    stage.key.position_m.y = 6.0;
+    stage.scene.vertical_fov_rad = 0.0;
+    stage.scene.orthographic_height_m = 5.0;
+    transmittance_errors(&stage, 1e-5, &absolute, &relative);
+    assert_true(relative < 1e-4);
+}
+
 /* Cycles ends a path whose throughput is below 1e-6. */
 static void test_transmittance_is_cut(void **state)
 {
@@ -350,7 +366,7 @@ static void test_transmittance_is_cut(void **state)
     int below = 0;
     for (int i = 0; i < PIXELS; i++) {
         const double tau = neph_scene_optical_depth(&stage.scene, stage.key.position_m,
-                                                    ray_of(&stage, i), 0.0, INFINITY)
+                                                    ray_of(&stage, i).direction, 0.0, INFINITY)
                                .r;
         if (tau < 13.7)
             neph_assert_close(samples[i], exp(-tau), 1e-4, 0.0);
@@ -407,13 +423,13 @@ static void test_depth_behind_media(void **state)
     assert_non_null(depth_m);
     int sky = 0;
     for (int i = 0; i < PIXELS; i++) {
-        const struct neph_vec3 ray = ray_of(&stage, i);
+        const struct neph_pixel_ray ray = ray_of(&stage, i);
         const struct neph_ray_light truth = truth_of(&stage, i);
-        const double expected_m = truth.hit_m * neph_vec3_dot(ray, camera.forward);
+        const double expected_m = truth.hit_m * neph_vec3_dot(ray.direction, camera.forward);
         /* The mesh is 1.2e-4 m off the sphere, more along a ray that grazes it. */
-        const struct neph_hit hit = neph_scene_hit(&stage.scene, stage.key.position_m, ray);
+        const struct neph_hit hit = neph_scene_hit(&stage.scene, ray.origin_m, ray.direction);
         const bool curved = hit.solid && hit.solid->kind == NEPH_SOLID_SPHERE;
-        const double grazing = curved ? -neph_vec3_dot(hit.normal, ray) : 1.0;
+        const double grazing = curved ? -neph_vec3_dot(hit.normal, ray.direction) : 1.0;
         sky += isinf(expected_m) != 0;
         neph_assert_close(depth_m[i], expected_m, 1e-5, curved ? 1.2e-4 / grazing : 0.0);
     }
@@ -713,6 +729,7 @@ int main(int argc, char **argv)
     };
     const struct CMUnitTest engine_tests[] = {
         cmocka_unit_test(test_transmittance_of_a_box),
+        cmocka_unit_test(test_transmittance_of_parallel_rays),
         cmocka_unit_test(test_transmittance_is_cut),
         cmocka_unit_test(test_transmittance_of_height_fog),
         cmocka_unit_test(test_transmittance_of_open_fog),

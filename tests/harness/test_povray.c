@@ -382,8 +382,8 @@ static double truth_of(const struct test_scene *stage, enum quantity quantity, i
                        int j)
 {
     struct neph_camera camera = neph_scene_camera(&stage->scene, 0.0);
-    struct neph_vec3 ray = neph_camera_ray(&camera, WIDTH, HEIGHT, i, j).direction;
-    struct neph_ray_light light = neph_transport_ray(&stage->scene, camera.position_m, ray);
+    struct neph_pixel_ray ray = neph_camera_ray(&camera, WIDTH, HEIGHT, i, j);
+    struct neph_ray_light light = neph_transport_ray(&stage->scene, ray.origin_m, ray.direction);
     switch (quantity) {
     case RADIANCE:
         return value_of(light.radiance, channel);
@@ -392,7 +392,7 @@ static double truth_of(const struct test_scene *stage, enum quantity quantity, i
     case TRANSMITTANCE:
         return light.transmittance.r;
     case DEPTH:
-        return light.hit_m * neph_vec3_dot(ray, camera.forward);
+        return light.hit_m * neph_vec3_dot(ray.direction, camera.forward);
     }
     return NAN;
 }
@@ -564,6 +564,24 @@ static void test_full_scene(void **state)
     neph_image_destroy(frame);
 }
 
+/* The scene of before, seen by parallel rays. */
+static void test_orthographic_camera(void **state)
+{
+    (void)state;
+    if (!test_has_engine(&neph_engine_povray))
+        skip();
+    struct test_scene stage;
+    set_full_stage(&stage);
+    stage.scene.vertical_fov_rad = 0.0;
+    stage.scene.orthographic_height_m = 4.0;
+    struct neph_image *frame = render(&stage, NEPH_LAYER_TRANSMITTANCE | NEPH_LAYER_DEPTH, 50);
+    struct difference t = compare(&stage, frame, "transmittance.R", TRANSMITTANCE, 0);
+    assert_true(t.largest_relative < 2e-4);
+    struct difference depth = compare(&stage, frame, "Z", DEPTH, 0);
+    assert_true(depth.largest_relative < 2e-7);
+    neph_image_destroy(frame);
+}
+
 static void test_no_scattering(void **state)
 {
     (void)state;
@@ -703,6 +721,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(test_transmittance_of_open_fog),
         cmocka_unit_test(test_single_scattering_slabs),
         cmocka_unit_test(test_full_scene),
+        cmocka_unit_test(test_orthographic_camera),
         cmocka_unit_test(test_no_scattering),
         cmocka_unit_test(test_empty_scene),
         cmocka_unit_test(test_export_runs_by_hand),

@@ -76,6 +76,8 @@ static const struct bad {
     {"vertical_fov_deg: 40", "orthographic_height_m: 0", 4, "0.001"},
     {"vertical_fov_deg: 40", "vertical_fov_deg: 40, orthographic_height_m: 2", 4, "either"},
     {", vertical_fov_deg: 40", "", 4, "orthographic_height_m"},
+    {VIEW ", vertical_fov_deg: 40",
+     "orthographic_height_m: 2, keys: [{frame: 0, " VIEW "}, {frame: 1, " VIEW "}]", 4, "still"},
     {"scattering: single", "scattering: double", 6, "multiple"},
     {"direction: [0, 2, 0]", "direction: [0, 0, 0]", 5, "direction"},
     {"look_at_m: [0, 1, 0]", "look_at_m: [0, 1, 5]", 4, "look_at_m"},

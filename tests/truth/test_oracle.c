@@ -448,9 +448,44 @@ static void test_interrupted_render_is_resumed(void **state)
     neph_image_destroy(whole);
 }
 
+/* ---- orthographic cameras ---- */
+
+/* A slab is of one optical depth, sigma d / cos, in all pixels; a ball covers pi r^2 of the picture
+ * however far it is, but for pixels at its edge, which err by a few sqrt(diameter in pixels). */
+static void test_parallel_rays(void **state)
+{
+    (void)state;
+    enum { WIDTH = 80, HEIGHT = 60 };
+    struct stage stage;
+    make_stage(&stage, NEPH_SCATTERING_NONE);
+    stage.key = (struct neph_camera_key){.position_m = {0, 30, 40}, .look_at_m = {0, 0, 0}};
+    stage.scene.vertical_fov_rad = 0.0;
+    stage.scene.orthographic_height_m = 6.0;
+    stage.scene.medium_count = 1;
+    stage.scene.media[0] = make_homogeneous(0.5, (struct neph_bounds){{-50, 3, -50}, {50, 4, 50}});
+    stage.solids[0] = make_sphere(0, 0, 0, 2);
+    stage.scene.solid_count = 1;
+    const struct neph_oracle_params params = params_of(WIDTH, HEIGHT, 2);
+    struct neph_image *frame = render(&stage.scene, &params, NULL);
+    const float *transmittance = neph_image_channel(frame, "transmittance.G");
+    const float *depth_m = neph_image_channel(frame, "Z");
+    int covered = 0;
+    double nearest_m = INFINITY;
+    for (int i = 0; i < WIDTH * HEIGHT; i++) {
+        neph_assert_close(transmittance[i], exp(-0.5 / 0.6), 1e-6, 0.0);
+        covered += isfinite(depth_m[i]) != 0;
+        nearest_m = fmin(nearest_m, depth_m[i]);
+    }
+    /* Pixels are 0.1 m. */
+    neph_assert_close(covered, M_PI * 20.0 * 20.0, 0.0, 2.0 * sqrt(40.0));
+    neph_assert_close(nearest_m, 50.0 - 2.0, 0.0, 2.0 - sqrt(4.0 - 2.0 * 0.05 * 0.05) + 1e-5);
+    neph_image_destroy(frame);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_parallel_rays),
         cmocka_unit_test(test_reported_noise_is_true),
         cmocka_unit_test(test_two_seeds_differ_by_their_noise),
         cmocka_unit_test(test_layers),
