@@ -120,6 +120,7 @@ static void test_obstacles(void **state)
         {"failure/sun_step", NEPH_VARIANT_SUN_STEP, "sun moves already"},
         {"failure/sun_step", NEPH_VARIANT_SUN_SINE, "sun moves already"},
         {"failure/camera_pan", NEPH_VARIANT_CAMERA_CUT, "camera moves already"},
+        {"catalog/orthographic_slab", NEPH_VARIANT_CAMERA_CUT, "orthographic"},
         {"catalog/absorbing_slab", NEPH_VARIANT_SUN_STEP, "no sun"},
         {"failure/camera_pan", NEPH_VARIANT_SUN_STEP, NULL},
         {"failure/sun_step", NEPH_VARIANT_CAMERA_CUT, NULL},
