@@ -41,7 +41,7 @@ import time
 import bpy
 from mathutils import Matrix, Vector
 
-FORMAT = 3  # of the spec; raised together with cycles.c
+FORMAT = 2  # of the spec; raised together with cycles.c
 
 # The largest that Blender takes. The furnace reads 1.00000 with it (0.967 with Cycles' default of
 # 12) at optical depths of 16; some of the light that leaves a medium of 64 has scattered more
@@ -357,7 +357,7 @@ def add_camera(scene, camera: dict, units: Units) -> None:
     data = bpy.data.cameras.new("camera")
     data.sensor_fit = "VERTICAL"
     data.sensor_height = 24.0
-    if camera["orthographic_height_m"] > 0.0:
+    if "orthographic_height_m" in camera:
         data.type = "ORTHO"
         data.ortho_scale = units.length(camera["orthographic_height_m"])  # of the sensor's fit
     else:

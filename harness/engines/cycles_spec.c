@@ -11,7 +11,7 @@
 #include <stdio.h>
 
 enum {
-    SPEC_FORMAT = 3, /* raised together with blender_render.py */
+    SPEC_FORMAT = 2, /* raised together with blender_render.py */
     VOLUME_STACK = 31,
     SPHERE_SEGMENTS_MIN = 256,
     SPHERE_SEGMENTS_MAX = 2048,
@@ -372,11 +372,12 @@ static json_t *sun_json(const struct neph_sun *sun)
 
 static json_t *camera_json(const struct neph_camera *camera)
 {
-    return json_pack("{s:o, s:o, s:o, s:o, s:f, s:f}", "position_m",
-                     vector_json(camera->position_m), "right", vector_json(camera->right), "up",
-                     vector_json(camera->up), "forward", vector_json(camera->forward),
-                     "vertical_fov_rad", camera->vertical_fov_rad, "orthographic_height_m",
-                     camera->orthographic_height_m);
+    const bool is_parallel = camera->orthographic_height_m > 0.0;
+    return json_pack("{s:o, s:o, s:o, s:o, s:f}", "position_m", vector_json(camera->position_m),
+                     "right", vector_json(camera->right), "up", vector_json(camera->up), "forward",
+                     vector_json(camera->forward),
+                     is_parallel ? "orthographic_height_m" : "vertical_fov_rad",
+                     is_parallel ? camera->orthographic_height_m : camera->vertical_fov_rad);
 }
 
 /* Blender's seed is a non-negative 32-bit integer. */
