@@ -11,7 +11,9 @@
 #include "tests/neph_test.h"
 
 #include <dirent.h>
+#include <fcntl.h>
 #include <signal.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -89,6 +91,21 @@ static int count_entries(const char *path)
     return count - 2;
 }
 
+/* A killed process is gone before the keeper of its children, which shares its lock, has let go. */
+static void wait_for_locks(const char *path)
+{
+    DIR *folder = opendir(path);
+    for (const struct dirent *entry; (entry = readdir(folder));) {
+        const size_t length = strlen(entry->d_name);
+        if (length < 5 || strcmp(entry->d_name + length - 5, ".lock") != 0)
+            continue;
+        const int fd = openat(dirfd(folder), entry->d_name, O_RDONLY | O_CLOEXEC);
+        assert_true(fd >= 0 && flock(fd, LOCK_EX) == 0);
+        close(fd);
+    }
+    closedir(folder);
+}
+
 /* kill -9 in the middle of a probe leaves a folder, which the next probe takes away. */
 static void test_a_killed_probe_is_swept(void **state)
 {
@@ -106,6 +123,7 @@ static void test_a_killed_probe_is_swept(void **state)
     kill(neph, SIGKILL);
     waitpid(neph, NULL, 0);
     assert_int_equal(count_entries(place->folder), 3);
+    wait_for_locks(place->folder);
     install(place, "#!/bin/sh\necho 'Witness 1.0'\n");
     ask("Witness 1.0\n", build);
     assert_int_equal(count_entries(place->folder), 1);
