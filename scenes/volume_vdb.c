@@ -115,26 +115,38 @@ static enum neph_status explain(const struct neph_child_result *result, int log_
                      program_name, result->exit_code, reason);
 }
 
+/* Where neph found its own libraries, this other half of it finds its own. */
+static char *library_folders(void)
+{
+    const char *folders = getenv("LD_LIBRARY_PATH");
+    return neph_format("LD_LIBRARY_PATH=%s", folders ? folders : "");
+}
+
 /* argv[0] is filled in here. */
 static enum neph_status run_program(const char *argv[ARGUMENTS_MAX], double time_limit_s,
                                     struct neph_diag *diag)
 {
-    char *program = NULL;
+    char *program = NULL, *libraries = NULL;
     struct shared log;
     enum neph_status status = neph_volume_find_openvdb(&program, diag);
-    if (status)
-        return status;
-    status = shared_create("neph-vdb-log", &log, diag);
+    if (!status && !(libraries = library_folders()))
+        status = neph_fail_memory(diag);
+    if (!status)
+        status = shared_create("neph-vdb-log", &log, diag);
     if (!status) {
         argv[0] = program;
         const struct neph_child_params params = {
-            .argv = argv, .log_path = log.path, .time_limit_s = time_limit_s};
+            .argv = argv,
+            .log_path = log.path,
+            .environment = (const char *const[]){libraries, NULL},
+            .time_limit_s = time_limit_s};
         struct neph_child_result result = {0};
         status = neph_child_run(&params, &result, diag);
         if (status == NEPH_ERR_ENGINE)
             status = explain(&result, log.fd, diag);
         shared_destroy(&log);
     }
+    free(libraries);
     free(program);
     return status;
 }

@@ -277,6 +277,27 @@ static void test_missing_program(void **state)
     neph_grid_destroy(grid);
 }
 
+/* neph found its libraries by it, and so must the program. */
+static void test_library_folders(void **state)
+{
+    static const char script[] = "#!/bin/sh\necho \"folders: $LD_LIBRARY_PATH\" >&2\nexit 1\n";
+    const int size[3] = {2, 2, 2};
+    char path[SCRATCH_PATH_MAX], program[SCRATCH_PATH_MAX];
+    scratch_path(state, path, "grid.vdb");
+    scratch_path(state, program, "program");
+    struct neph_grid *grid = make_grid(size, 3);
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_file_write(program, script, sizeof(script) - 1, &diag), &diag);
+    assert_int_equal(chmod(program, 0700), 0);
+    setenv("NEPH_VDB", program, 1);
+    setenv("LD_LIBRARY_PATH", "/opt/one:/opt/two", 1);
+    neph_volume_write_vdb(path, grid, NEPH_VDB_WORLD, &diag);
+    unsetenv("LD_LIBRARY_PATH");
+    unsetenv("NEPH_VDB");
+    assert_non_null(strstr(diag.message, "folders: /opt/one:/opt/two"));
+    neph_grid_destroy(grid);
+}
+
 /* ---- DF3 ------------------------------------------------------------------------------------- */
 
 static void write_df3(const char *path, const int size[3], int width_bytes, uint64_t seed)
@@ -479,9 +500,9 @@ int main(void)
         scratch_test(test_vdb_for_blender),     samples_test(test_readable_samples),
         samples_test(test_tiles_are_read),      samples_test(test_refused_samples),
         scratch_test(test_files_that_are_none), scratch_test(test_missing_program),
-        scratch_test(test_df3_widths),          scratch_test(test_df3_round_trip),
-        scratch_test(test_df3_that_lies),       samples_test(test_damaged_files),
-        cmocka_unit_test(test_disney_cloud),
+        scratch_test(test_library_folders),     scratch_test(test_df3_widths),
+        scratch_test(test_df3_round_trip),      scratch_test(test_df3_that_lies),
+        samples_test(test_damaged_files),       cmocka_unit_test(test_disney_cloud),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
