@@ -55,7 +55,9 @@ static const struct neph_cli_syntax syntax = {
            "(kernels "
            "compiled, grids read) apart; starting Blender itself is in neither. Intervals hold 95 "
            "%, from the scatter of the four rungs; keep the machine "
-           "quiet. The bias is what no time removes.\n\n"
+           "quiet. The bias is what no time removes. The time to a stated error, bias "
+           "included, is interpolated between rungs; where it lies off the ladder, that is "
+           "said.\n\n"
            "Examples:\n"
            "  neph benchmark slab_multiple_thin\n"
            "  neph benchmark gaussian_blob --voxels 64 --seconds 10\n"
@@ -162,6 +164,34 @@ static void print_engine(const struct neph_benchmark_engine *engine)
     }
 }
 
+/* "3 % error in 1.2 s (beyond the ladder, extrapolated)"; of an engine after the first, how many
+ * times the first one's time that is. */
+static void print_rmse_time(const struct neph_rmse_time *time, const struct neph_rmse_time *first)
+{
+    static const char *const notes[] = {
+        [NEPH_RMSE_WITHIN] = "",
+        [NEPH_RMSE_BEFORE] = " (before the ladder, extrapolated)",
+        [NEPH_RMSE_BEYOND] = " (beyond the ladder, extrapolated)",
+        [NEPH_RMSE_NEVER] = " never: its bias is larger",
+        [NEPH_RMSE_UNKNOWN] = " in a time that this ladder does not tell: take more --seconds"};
+    printf("  %g %% error", 100.0 * time->rmse);
+    if (!isnan(time->render_s))
+        printf(" in %.4g s", time->render_s);
+    printf("%s", notes[time->found]);
+    if (time != first && !isnan(time->render_s / first->render_s))
+        printf("; %.3g times the first engine's", time->render_s / first->render_s);
+    printf("\n");
+}
+
+static void print_rmse_times(const struct neph_benchmark *benchmark, int e)
+{
+    const struct neph_benchmark_engine *engine = &benchmark->engines[e];
+    for (int i = 0; i < NEPH_BENCHMARK_RMSES; i++)
+        print_rmse_time(&engine->rmse_times[i], &benchmark->engines[0].rmse_times[i]);
+    printf("  noise^2 falls as time^%.2f; bias^2 %.2g (%.2g..%.2g)\n", engine->law.slope,
+           engine->law.bias2, engine->law.bias2_low, engine->law.bias2_high);
+}
+
 static void print_benchmark(const struct neph_benchmark *benchmark)
 {
     const struct neph_shot *shot = &benchmark->reference.shot;
@@ -184,6 +214,7 @@ static void print_benchmark(const struct neph_benchmark *benchmark)
                    engine->times.value, engine->times.low, engine->times.high,
                    benchmark->engines[0].job.engine->name);
         printf("\n");
+        print_rmse_times(benchmark, e);
     }
 }
 

@@ -55,18 +55,27 @@ static enum neph_status render(const struct neph_job *of, int samples, uint64_t 
     return NEPH_OK;
 }
 
-/* Mean over pixels and channels of (a - b) (a - c); frames of NULL are black. */
-static double mean_product(const struct frame *a, const struct frame *b, const struct frame *c)
+static double value_of(const struct frame *frame, int channel, size_t pixel)
+{
+    return frame ? (double)frame->planes[channel][pixel] : 0.0;
+}
+
+/* Mean over pixels and channels of (a - r) (b - s); frames of NULL are black, but for a and b. */
+static double mean_cross(const struct frame *a, const struct frame *r, const struct frame *b,
+                         const struct frame *s)
 {
     struct neph_sum sum = {0.0, 0.0};
     const size_t count = neph_image_pixel_count(a->image);
     for (int k = 0; k < 3; k++)
-        for (size_t p = 0; p < count; p++) {
-            const double of_a = (double)a->planes[k][p];
-            neph_sum_add(&sum, (of_a - (b ? (double)b->planes[k][p] : 0.0)) *
-                                   (of_a - (c ? (double)c->planes[k][p] : 0.0)));
-        }
+        for (size_t p = 0; p < count; p++)
+            neph_sum_add(&sum, (value_of(a, k, p) - value_of(r, k, p)) *
+                                   (value_of(b, k, p) - value_of(s, k, p)));
     return neph_sum_value(&sum) / (3.0 * (double)count);
+}
+
+static double mean_product(const struct frame *a, const struct frame *b, const struct frame *c)
+{
+    return mean_cross(a, b, a, c);
 }
 
 static double mean_radiance(const struct frame *frame)
@@ -171,8 +180,12 @@ static enum neph_status climb(const struct neph_job *job, int rung,
                           (reference->square * SEEDS);
         ladder->means[rung * SEEDS + s] = mean_radiance(&frames[s]) / reference->mean - 1.0;
     }
-    if (!status)
+    if (!status) {
         result->noise2 = 0.5 * mean_product(&frames[0], &frames[1], &frames[1]) / reference->square;
+        result->bias2 = mean_cross(&frames[0], &reference->frames[0], &frames[1],
+                                   &reference->frames[1]) /
+                        reference->square;
+    }
     for (int s = 0; s < SEEDS; s++)
         neph_image_destroy(frames[s].image);
     return status;
@@ -202,6 +215,20 @@ static double log_cost(const struct neph_benchmark_rung *rung)
     return log(fmax(rung->noise2 * rung->render_s, 1e-300));
 }
 
+const double neph_benchmark_rmses[NEPH_BENCHMARK_RMSES] = {0.03, 0.01};
+
+static void find_rmse_times(struct neph_benchmark_engine *engine)
+{
+    struct neph_rmse_rung rungs[NEPH_BENCHMARK_RUNGS];
+    for (int k = 0; k < NEPH_BENCHMARK_RUNGS; k++)
+        rungs[k] = (struct neph_rmse_rung){engine->rungs[k].render_s, engine->rungs[k].noise2,
+                                           engine->rungs[k].error2, engine->rungs[k].bias2};
+    engine->law = neph_rmse_law_of(rungs, NEPH_BENCHMARK_RUNGS);
+    for (int i = 0; i < NEPH_BENCHMARK_RMSES; i++)
+        engine->rmse_times[i] = neph_rmse_time_to(rungs, NEPH_BENCHMARK_RUNGS,
+                                                  neph_benchmark_rmses[i]);
+}
+
 /* Rungs pair up: what else the machine did at the time, it did to both. */
 static void conclude(struct neph_benchmark *benchmark, const struct ladder *ladders)
 {
@@ -217,6 +244,7 @@ static void conclude(struct neph_benchmark *benchmark, const struct ladder *ladd
         engine->cost_s = exp_of(mean_of(costs, NEPH_BENCHMARK_RUNGS, student_95));
         engine->times = exp_of(mean_of(times, NEPH_BENCHMARK_RUNGS, student_95));
         engine->bias = mean_of(ladders[e].means, NEPH_BENCHMARK_RUNGS * SEEDS, student_95_of_seeds);
+        find_rmse_times(engine);
     }
 }
 
@@ -284,22 +312,42 @@ static json_t *value_json(struct neph_benchmark_value v)
     return json_pack("{s:f, s:f, s:f}", "value", v.value, "low", v.low, "high", v.high);
 }
 
+/* JSON has no NaN. */
+static json_t *rmse_times_json(const struct neph_benchmark_engine *engine)
+{
+    json_t *times = json_array();
+    for (int i = 0; i < NEPH_BENCHMARK_RMSES; i++) {
+        const struct neph_rmse_time *time = &engine->rmse_times[i];
+        json_t *render_s = isnan(time->render_s) ? json_null() : json_real(time->render_s);
+        neph_json_add(&times, json_pack("{s:f, s:o, s:s}", "rmse", time->rmse, "render_s", render_s,
+                                        "found", neph_rmse_found_name(time->found)));
+    }
+    return times;
+}
+
+static json_t *law_json(const struct neph_rmse_law *law)
+{
+    const struct neph_benchmark_value bias2 = {law->bias2, law->bias2_low, law->bias2_high};
+    return json_pack("{s:f, s:o}", "slope", law->slope, "bias2", value_json(bias2));
+}
+
 static json_t *engine_json(const struct neph_benchmark_engine *engine)
 {
     json_t *rungs = json_array();
     for (int k = 0; k < NEPH_BENCHMARK_RUNGS; k++) {
         const struct neph_benchmark_rung *rung = &engine->rungs[k];
-        neph_json_add(&rungs,
-                      json_pack("{s:i, s:f, s:f, s:f}", "samples", rung->samples, "render_s",
-                                rung->render_s, "noise2", rung->noise2, "error2", rung->error2));
+        neph_json_add(&rungs, json_pack("{s:i, s:f, s:f, s:f, s:f}", "samples", rung->samples,
+                                        "render_s", rung->render_s, "noise2", rung->noise2,
+                                        "error2", rung->error2, "bias2", rung->bias2));
     }
     char *settings = neph_settings_text(engine->job.engine, &engine->job.shot.settings);
-    json_t *json = json_pack("{s:s, s:s, s:s, s:s, s:f, s:o, s:o, s:o, s:o}", "engine",
+    json_t *json = json_pack("{s:s, s:s, s:s, s:s, s:f, s:o, s:o, s:o, s:o, s:o, s:o}", "engine",
                              engine->job.engine->name, "version", engine->job.info->version,
                              "device", engine->job.info->device, "settings",
                              settings ? settings : "", "start_s", engine->start_s, "rungs", rungs,
                              "cost_s", value_json(engine->cost_s), "times",
-                             value_json(engine->times), "bias", value_json(engine->bias));
+                             value_json(engine->times), "bias", value_json(engine->bias), "law",
+                             law_json(&engine->law), "rmse_times", rmse_times_json(engine));
     free(settings);
     return json;
 }

@@ -9,20 +9,28 @@
  *   error^2 = mean (a - r) (a - s)         of two independent references r, s of the tracer, whose
  *                                          own noise so falls out
  *
- * both over pixels and channels and in parts of the reference's mean square. What error^2 has more
- * than noise^2 is bias, which time does not remove.
+ *   bias^2  = mean (a - r) (b - s)         none of whose noise meets itself
+ *
+ * all over pixels and channels and in parts of the reference's mean square. Bias is what error^2
+ * has more than noise^2; time does not remove it. Seeds and references have scrambles of their own,
+ * so this holds for low-discrepancy samplers, too, whose noise need not fall as 1 / time: the time
+ * to a stated error is found on the ladder itself (harness/run/rmse_time.h).
  */
 #ifndef NEPH_HARNESS_RUN_BENCHMARK_H
 #define NEPH_HARNESS_RUN_BENCHMARK_H
 
 #include "harness/run/job.h"
+#include "harness/run/rmse_time.h"
 
-enum { NEPH_BENCHMARK_RUNGS = 4, NEPH_BENCHMARK_ENGINES_MAX = 4 };
+enum { NEPH_BENCHMARK_RUNGS = 4, NEPH_BENCHMARK_ENGINES_MAX = 4, NEPH_BENCHMARK_RMSES = 2 };
+
+/* Errors to which times are given, relative, the largest first. */
+extern const double neph_benchmark_rmses[NEPH_BENCHMARK_RMSES];
 
 struct neph_benchmark_rung {
     int samples;
-    double render_s;       /* of one seed, the start left out; mean of the two */
-    double noise2, error2; /* squared and relative; error2 is a difference and may be below 0 */
+    double render_s;              /* of one seed, the start left out; mean of the two */
+    double noise2, error2, bias2; /* squared and relative; the last two may be below 0 */
 };
 
 /* A number with its 95 % interval. */
@@ -37,6 +45,8 @@ struct neph_benchmark_engine {
     struct neph_benchmark_value cost_s; /* noise2 * render_s: the time to a relative noise of 1 */
     struct neph_benchmark_value times;  /* cost over that of the first engine */
     struct neph_benchmark_value bias;   /* of the mean radiance, relative; of all rungs and seeds */
+    struct neph_rmse_law law;
+    struct neph_rmse_time rmse_times[NEPH_BENCHMARK_RMSES]; /* of neph_benchmark_rmses */
 };
 
 struct neph_benchmark {

@@ -49,8 +49,25 @@ class Benchmark(unittest.TestCase):
                 bias = engine["bias"]
                 half = bias["high"] - bias["value"]
                 self.assertLess(abs(bias["value"]), 3.0 * half)
+                self.check_rmse_times(engine)
         ratio = tracer["cost_s"]["value"] / oracle["cost_s"]["value"]
         self.assertAlmostEqual(tracer["times"]["value"] / ratio, 1.0, places=6)
+
+    def check_rmse_times(self, engine):
+        """A time within the ladder lies between rungs of which one is worse and one better."""
+        self.assertEqual([t["rmse"] for t in engine["rmse_times"]], [0.03, 0.01])
+        for time in engine["rmse_times"]:
+            errors = [(r["render_s"], r["error2"]) for r in engine["rungs"]]
+            worse = [s for s, e in errors if e > time["rmse"] ** 2]
+            better = [s for s, e in errors if e <= time["rmse"] ** 2]
+            if time["found"] == "within":
+                self.assertLessEqual(max(worse), time["render_s"] * (1 + 1e-9))
+                self.assertGreaterEqual(max(better), time["render_s"] * (1 - 1e-9))
+            elif time["found"] == "before":
+                self.assertEqual(worse, [])
+            else: # an unbiased engine's bias is never known to be 1 %
+                self.assertIn(time["found"], ("beyond", "unknown"))
+                self.assertGreater(errors[-1][1], time["rmse"] ** 2)
 
     def test_the_table_says_what_it_found(self):
         done, _ = benchmark("slab_multiple_thin", "-e", "tracer,oracle", "--size", "16x9",
@@ -58,6 +75,8 @@ class Benchmark(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertIn("noise^2 x time", done.stdout)
         self.assertIn("times the time of tracer for the same noise", done.stdout)
+        for words in ("  3 % error", "  1 % error", "noise^2 falls as time^"):
+            self.assertEqual(done.stdout.count(words), 2, done.stdout)
 
     def test_wrong_requests_are_refused_in_words(self):
         for arguments, code, word in (

@@ -1,0 +1,112 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/run/rmse_time.h"
+
+#include <assert.h>
+#include <math.h>
+
+static const double least = 1e-30; /* of a square, where a logarithm is taken */
+
+/* The 97.5 % quantiles of Student's distribution for 1.. degrees of freedom. */
+static const double student_95[NEPH_RMSE_RUNGS_MAX - 1] = {12.706, 4.303, 3.182, 2.776,
+                                                           2.571,  2.447, 2.365};
+
+static double log_square(double square)
+{
+    return log(fmax(square, least));
+}
+
+/* Least squares. */
+static double noise_slope(const struct neph_rmse_rung *rungs, int count)
+{
+    double x = 0.0, y = 0.0, xx = 0.0, xy = 0.0;
+    for (int k = 0; k < count; k++) {
+        x += log(rungs[k].render_s) / count;
+        y += log_square(rungs[k].noise2) / count;
+    }
+    for (int k = 0; k < count; k++) {
+        const double dx = log(rungs[k].render_s) - x;
+        xx += dx * dx;
+        xy += dx * (log_square(rungs[k].noise2) - y);
+    }
+    return xy / xx;
+}
+
+/* The estimate of a rung scatters as its squared noise does. */
+struct neph_rmse_law neph_rmse_law_of(const struct neph_rmse_rung *rungs, int count)
+{
+    assert(count >= 2 && count <= NEPH_RMSE_RUNGS_MAX);
+    double weights = 0.0, mean = 0.0, square = 0.0;
+    for (int k = 0; k < count; k++) {
+        const double weight = 1.0 / fmax(rungs[k].noise2 * rungs[k].noise2, least);
+        weights += weight;
+        mean += weight * rungs[k].bias2;
+    }
+    mean /= weights;
+    for (int k = 0; k < count; k++) {
+        const double off = rungs[k].bias2 - mean;
+        square += off * off / fmax(rungs[k].noise2 * rungs[k].noise2, least);
+    }
+    const double half = student_95[count - 2] * sqrt(square / ((count - 1.0) * weights));
+    return (struct neph_rmse_law){.slope = noise_slope(rungs, count),
+                                  .bias2 = mean,
+                                  .bias2_low = mean - half,
+                                  .bias2_high = mean + half};
+}
+
+/* Where the line through two rungs has the error. */
+static double line_time(const struct neph_rmse_rung *a, const struct neph_rmse_rung *b,
+                        double square)
+{
+    const double from = log_square(a->error2), to = log_square(b->error2);
+    const double part = (from - log(square)) / (from - to);
+    return exp(log(a->render_s) + part * log(b->render_s / a->render_s));
+}
+
+/* Where the noise of a rung, falling by the law, leaves room for the bias. */
+static double law_time(const struct neph_rmse_rung *from, const struct neph_rmse_law *law,
+                       double square)
+{
+    const double noise2 = square - fmax(law->bias2, 0.0);
+    return from->render_s * pow(noise2 / fmax(from->noise2, least), 1.0 / law->slope);
+}
+
+static struct neph_rmse_time beyond(const struct neph_rmse_rung *last,
+                                    const struct neph_rmse_law *law, double rmse)
+{
+    const double square = rmse * rmse;
+    if (law->bias2_low >= square)
+        return (struct neph_rmse_time){rmse, NAN, NEPH_RMSE_NEVER};
+    if (law->bias2_high >= square || law->slope >= 0.0)
+        return (struct neph_rmse_time){rmse, NAN, NEPH_RMSE_UNKNOWN};
+    /* The error of the last rung is chance, too: never before it. */
+    return (struct neph_rmse_time){rmse, fmax(last->render_s, law_time(last, law, square)),
+                                   NEPH_RMSE_BEYOND};
+}
+
+struct neph_rmse_time neph_rmse_time_to(const struct neph_rmse_rung *rungs, int count, double rmse)
+{
+    const struct neph_rmse_law law = neph_rmse_law_of(rungs, count);
+    const double square = rmse * rmse;
+    int first = count; /* from here on all rungs are good enough */
+    while (first > 0 && rungs[first - 1].error2 <= square)
+        first--;
+    if (first == count)
+        return beyond(&rungs[count - 1], &law, rmse);
+    if (first > 0)
+        return (struct neph_rmse_time){rmse, line_time(&rungs[first - 1], &rungs[first], square),
+                                       NEPH_RMSE_WITHIN};
+    if (law.slope >= 0.0 || law.bias2 >= square)
+        return (struct neph_rmse_time){rmse, NAN, NEPH_RMSE_UNKNOWN};
+    return (struct neph_rmse_time){rmse, fmin(rungs[0].render_s, law_time(&rungs[0], &law, square)),
+                                   NEPH_RMSE_BEFORE};
+}
+
+const char *neph_rmse_found_name(enum neph_rmse_found found)
+{
+    static const char *const names[] = {[NEPH_RMSE_WITHIN] = "within",
+                                        [NEPH_RMSE_BEFORE] = "before",
+                                        [NEPH_RMSE_BEYOND] = "beyond",
+                                        [NEPH_RMSE_NEVER] = "never",
+                                        [NEPH_RMSE_UNKNOWN] = "unknown"};
+    return names[found];
+}
