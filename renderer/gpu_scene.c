@@ -75,10 +75,12 @@ static struct neph_gpu_frame frame_from(const struct neph_scene *scene,
                                         const struct neph_camera *camera, int width_px,
                                         int height_px)
 {
-    const double tan_half_height = tan(0.5 * camera->vertical_fov_rad);
+    const double half_height = camera->orthographic_height_m > 0.0
+                                   ? 0.5 * camera->orthographic_height_m
+                                   : tan(0.5 * camera->vertical_fov_rad);
     struct neph_gpu_frame gpu = {
-        .tan_half_width = (float)(tan_half_height * width_px / height_px),
-        .tan_half_height = (float)tan_half_height,
+        .half_width = (float)(half_height * width_px / height_px),
+        .half_height = (float)half_height,
         .width_px = (uint32_t)width_px,
         .height_px = (uint32_t)height_px,
         .solid_count = (uint32_t)scene->solid_count,
@@ -234,7 +236,7 @@ static void fill_media(const struct neph_scene *scene, struct neph_vec3 camera_m
         firsts[data] += data == NEPH_GPU_NO_DATA ? 0 : (uint32_t)data_count(medium, data);
         scatters = scatters || !is_black(made->albedo);
         gpu->constants[0] |= 1u << medium->kind;
-        gpu->constants[1] |= neph_medium_is_coloured(medium);
+        gpu->constants[1] |= neph_medium_is_coloured(medium) ? NEPH_GPU_COLOURED : 0u;
         gpu->optical_depth_turns += 1 + depth_turns(medium);
     }
     frame->scatters = scatters && scene->scattering != NEPH_SCATTERING_NONE &&
@@ -248,7 +250,8 @@ static void fill(struct neph_gpu_scene *gpu, const struct neph_scene *scene, dou
     const struct neph_camera camera = neph_scene_camera(scene, frame);
     struct neph_gpu_solid *solids = gpu->buffers[1].mapped;
     *gpu->frame = frame_from(scene, &camera, width_px, height_px);
-    gpu->constants[0] = gpu->constants[1] = 0;
+    gpu->constants[0] = 0;
+    gpu->constants[1] = camera.orthographic_height_m > 0.0 ? NEPH_GPU_ORTHOGRAPHIC : 0u;
     fill_media(scene, camera.position_m, gpu, media);
     for (int i = 0; i < scene->solid_count; i++)
         solids[i] = neph_gpu_solid_from(&scene->solids[i], camera.position_m);

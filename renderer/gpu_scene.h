@@ -35,7 +35,7 @@ struct neph_gpu_scene {
     /* Frame, solids, values of grids, majorants, texels. */
     struct neph_buffer buffers[NEPH_GPU_SCENE_BUFFERS];
     /* Specialization constants 0 and 1 of every such kernel: the kinds of media that are there, and
-     * whether some medium's extinction differs between the channels. */
+     * what else is known of the scene (NEPH_GPU_COLOURED and what follows it in constants.h). */
     uint32_t constants[NEPH_GPU_SCENE_CONSTANTS];
     /* Loop turns (compute.h) of one exact optical depth through all media, at most. */
     uint64_t optical_depth_turns;

@@ -39,8 +39,8 @@ static double skin_per_m(const struct neph_medium *medium)
 }
 
 /* Extinction times distance of a medium from the camera. */
-static double medium_reach(const struct neph_medium *medium, struct neph_vec3 camera_m,
-                           double *extinction_per_m)
+static double eye_reach(const struct neph_medium *medium, struct neph_vec3 camera_m,
+                        double *extinction_per_m)
 {
     const struct neph_gpu_kind *kind = neph_gpu_kind_of(medium);
     const struct neph_bounds support = neph_medium_support(medium);
@@ -48,6 +48,16 @@ static double medium_reach(const struct neph_medium *medium, struct neph_vec3 ca
         return kind->reach(medium, &support, camera_m, extinction_per_m);
     *extinction_per_m = skin_per_m(medium);
     return *extinction_per_m * neph_box_distance_m(&support, camera_m);
+}
+
+/* Rays of an orthographic camera begin up to half a diagonal from it, which in pictures of 16:9 is
+ * their height. What they meet lies as far away at least, even where the camera is in the medium.
+ */
+static double medium_reach(const struct neph_scene *scene, int m, struct neph_vec3 camera_m,
+                           double *extinction_per_m)
+{
+    const double reach = eye_reach(&scene->media[m], camera_m, extinction_per_m);
+    return hypot(reach, *extinction_per_m * scene->orthographic_height_m);
 }
 
 static bool are_known(const struct neph_scene *scene, char *reason, size_t reason_size)
@@ -63,17 +73,12 @@ static bool are_known(const struct neph_scene *scene, char *reason, size_t reaso
 
 bool neph_float32_reaches(const struct neph_scene *scene, char *reason, size_t reason_size)
 {
-    if (scene->orthographic_height_m > 0.0) {
-        snprintf(reason, reason_size,
-                 "an orthographic camera: in the shaders all rays of a picture start at one eye");
-        return false;
-    }
     if (!are_known(scene, reason, reason_size))
         return false;
     for (int k = 0; k < scene->camera_key_count; k++)
         for (int m = 0; m < scene->medium_count; m++) {
             double extinction_per_m;
-            const double reach = medium_reach(&scene->media[m], scene->camera_keys[k].position_m,
+            const double reach = medium_reach(scene, m, scene->camera_keys[k].position_m,
                                               &extinction_per_m);
             if (!(reach > reach_max))
                 continue;

@@ -101,6 +101,11 @@ bool neph_realtime_can_render(const struct neph_scene *scene, const struct neph_
                  "transmittance");
         return false;
     }
+    if (scene->orthographic_height_m > 0.0) {
+        snprintf(reason, reason_size,
+                 "an orthographic camera: histories are looked up as from one eye");
+        return false;
+    }
     return neph_march_can_render(
         scene, (enum neph_march_lighting)(int)settings->values[RT_LIGHTING], reason, reason_size);
 }

@@ -12,6 +12,10 @@
 #define NEPH_GPU_MEDIA_MAX 8
 #define NEPH_GPU_LAYERS_MAX 2 // of a fog
 
+// Bits of specialization constant 1, what is known of a scene beside its kinds of media.
+#define NEPH_GPU_COLOURED 1u // some medium's extinction depends on the channel
+#define NEPH_GPU_ORTHOGRAPHIC 2u // the camera is orthographic
+
 // Texels along each side of the textures of Horizon clouds.
 #define NEPH_GPU_HORIZON_BASE_SIDE 64
 #define NEPH_GPU_HORIZON_DETAIL_SIDE 32

@@ -11,9 +11,9 @@ const uint NO_SOLID = 0xffffffffu;
 
 layout(std430, binding = 0) readonly buffer Frame {
     vec3 camera_right;
-    float tan_half_width;
+    float half_width; // of the picture; tangents of a perspective camera's angles, else metres
     vec3 camera_up;
-    float tan_half_height;
+    float half_height;
     vec3 camera_forward;
     uint width_px;
     vec3 sun_direction; // unit, towards the sun
@@ -44,9 +44,9 @@ layout(std430, binding = 1) readonly buffer Solids {
 
 struct Camera {
     vec3 right;
-    float tan_half_width;
+    float half_width;
     vec3 up;
-    float tan_half_height;
+    float half_height;
     vec3 forward;
     uint width_px;
     uint height_px;
@@ -54,24 +54,40 @@ struct Camera {
 
 Camera frame_camera()
 {
-    return Camera(frame.camera_right, frame.tan_half_width, frame.camera_up, frame.tan_half_height,
+    return Camera(frame.camera_right, frame.half_width, frame.camera_up, frame.half_height,
                   frame.camera_forward, frame.width_px, frame.height_px);
 }
 
-// Unit direction through a place in the picture, in pixels from its upper left corner.
-vec3 camera_ray_at(Camera camera, vec2 place_px)
+// What a place of the picture sees. The rays of a perspective camera begin at 0, which the compiler
+// knows; those of an orthographic one on the plane through it.
+struct ViewRay {
+    vec3 origin_m;
+    vec3 direction; // unit
+};
+
+// Through a place in the picture, in pixels from its upper left corner.
+ViewRay camera_ray_at(Camera camera, vec2 place_px)
 {
-    float x = (2.0 * place_px.x / float(camera.width_px) - 1.0) * camera.tan_half_width;
-    float y = (1.0 - 2.0 * place_px.y / float(camera.height_px)) * camera.tan_half_height;
-    return normalize(camera.forward + x * camera.right + y * camera.up);
+    float x = (2.0 * place_px.x / float(camera.width_px) - 1.0) * camera.half_width;
+    float y = (1.0 - 2.0 * place_px.y / float(camera.height_px)) * camera.half_height;
+    vec3 origin_m = ORTHOGRAPHIC ? x * camera.right + y * camera.up : vec3(0.0);
+    vec3 direction = ORTHOGRAPHIC ? camera.forward
+                              : normalize(camera.forward + x * camera.right + y * camera.up);
+    return ViewRay(origin_m, direction);
 }
 
-// Unit direction through the centre of a pixel; row 0 is on top.
-vec3 camera_ray(Camera camera, uint i, uint j)
+// Through the centre of a pixel; row 0 is on top.
+ViewRay camera_ray(Camera camera, uint i, uint j)
 {
     return camera_ray_at(camera, vec2(i, j) + 0.5);
 }
 
-vec3 camera_ray(uint i, uint j) { return camera_ray(frame_camera(), i, j); }
+ViewRay camera_ray(uint i, uint j) { return camera_ray(frame_camera(), i, j); }
+
+// The place at a distance on a ray.
+vec3 view_point_m(ViewRay ray, float t_m)
+{
+    return ORTHOGRAPHIC ? ray.origin_m + t_m * ray.direction : t_m * ray.direction;
+}
 
 #endif

@@ -23,16 +23,16 @@ layout(std430, binding = 6) writeonly buffer Pixels {
     MarchPixel pixels[];
 };
 
-MarchPixel finished_pixel(vec3 direction, Hit hit, Sums sums)
+MarchPixel finished_pixel(ViewRay ray, Hit hit, Sums sums)
 {
-    vec3 optical_depth = view_optical_depth(direction, hit.t_m, sums);
-    vec3 behind = radiance_behind(hit, direction);
+    vec3 optical_depth = view_optical_depth(ray, hit.t_m, sums);
+    vec3 behind = radiance_behind(hit, ray);
     MarchPixel pixel;
     pixel.volume = view_scattered(sums, optical_depth);
     pixel.transmittance = fraction_through(optical_depth);
     precise vec3 radiance = pixel.volume + pixel.transmittance * behind; // as rt_compose.comp does
     pixel.radiance = radiance;
-    pixel.eye_depth_m = hit_eye_depth_m(hit, direction);
+    pixel.eye_depth_m = hit_eye_depth_m(hit, ray);
     pixel.volume_distance_m = view_distance_m(sums);
     pixel.density_evaluations = density_evaluations;
     pixel.closed_forms = closed_forms;
@@ -47,16 +47,16 @@ void main()
         return;
     uint pixel = run.first_ray + thread;
     vec2 place_px = vec2(pixel % frame.width_px, pixel / frame.width_px) + 0.5;
-    vec3 direction = camera_ray_at(frame_camera(), place_px + frame.jitter_px);
-    Hit hit = scene_hit(vec3(0.0), direction);
+    ViewRay ray = camera_ray_at(frame_camera(), place_px + frame.jitter_px);
+    Hit hit = scene_hit(ray.origin_m, ray.direction);
 
     Sums sums = sums_at_start(thread);
     // With a closed-form transmittance and no scattering there is nothing to march for.
     if (!IS_SOLVED || frame.scatters != 0)
-        march(direction, hit.t_m, 0.5, sums);
+        march(ray, hit.t_m, 0.5, sums);
 
     if (run.end_step < frame.steps)
         sums_keep(thread, sums);
     else
-        pixels[thread] = finished_pixel(direction, hit, sums);
+        pixels[thread] = finished_pixel(ray, hit, sums);
 }

@@ -81,22 +81,22 @@ float mean(vec3 channels) { return COLOURED ? dot(channels, vec3(1.0 / 3.0)) : c
 // The transmittance to a step is always that of the steps before it, never an independent closed
 // form of the whole distance: adjacent closed forms add up to it anyway, and so the weights of the
 // source function telescope to 1 - T in both modes.
-void march(vec3 direction, float length_m, float place, inout Sums sums)
+void march(ViewRay ray, float length_m, float place, inout Sums sums)
 {
-    Stretch stretch = scene_stretch(vec3(0.0), direction, length_m);
+    Stretch stretch = scene_stretch(ray.origin_m, ray.direction, length_m);
     if (stretch.t1_m <= stretch.t0_m)
         return;
-    look_along(direction);
+    look_along(ray);
     view_steps += run.end_step - run.first_step;
     float step_m = (stretch.t1_m - stretch.t0_m) / float(frame.steps);
     for (uint i = run.first_step; i < run.end_step; i++) {
-        vec3 start_m = (stretch.t0_m + float(i) * step_m) * direction;
+        vec3 start_m = view_point_m(ray, stretch.t0_m + float(i) * step_m);
         float point_distance_m = stretch.t0_m + (float(i) + place) * step_m;
-        vec3 point_m = point_distance_m * direction;
+        vec3 point_m = view_point_m(ray, point_distance_m);
         Mixture mixture = mixture_at(point_m);
         vec3 step_depth = mixture.marched_per_m * step_m;
         if (TRANSMITTANCE == EXACT)
-            step_depth += exact_optical_depth(start_m, direction, step_m);
+            step_depth += exact_optical_depth(start_m, ray.direction, step_m);
         vec3 through = fraction_through(marched_depth(sums));
         sums.distance_m += point_distance_m * mean(through * fraction_lost(step_depth));
         vec3 scattered = vec3(0.0);
@@ -123,9 +123,10 @@ void sums_keep(uint thread, Sums sums)
 }
 
 // Optical depth of the whole view ray.
-vec3 view_optical_depth(vec3 direction, float length_m, Sums sums)
+vec3 view_optical_depth(ViewRay ray, float length_m, Sums sums)
 {
-    return IS_SOLVED ? exact_optical_depth(vec3(0.0), direction, length_m) : marched_depth(sums);
+    return IS_SOLVED ? exact_optical_depth(ray.origin_m, ray.direction, length_m)
+                     : marched_depth(sums);
 }
 
 // In-scattered radiance of the whole ray.
@@ -153,15 +154,16 @@ vec3 surface_radiance(Hit hit, vec3 point_m)
 }
 
 // What lies behind all media.
-vec3 radiance_behind(Hit hit, vec3 direction)
+vec3 radiance_behind(Hit hit, ViewRay ray)
 {
     return hit.solid == NO_SOLID ? frame.background
-                                 : surface_radiance(hit, hit.t_m * direction);
+                                 : surface_radiance(hit, view_point_m(ray, hit.t_m));
 }
 
-float hit_eye_depth_m(Hit hit, vec3 direction)
+// Rays begin on the plane through the camera.
+float hit_eye_depth_m(Hit hit, ViewRay ray)
 {
-    return hit.solid == NO_SOLID ? FAR_M : hit.t_m * dot(direction, frame.camera_forward);
+    return hit.solid == NO_SOLID ? FAR_M : hit.t_m * dot(ray.direction, frame.camera_forward);
 }
 
 #endif

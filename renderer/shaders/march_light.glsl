@@ -97,17 +97,18 @@ struct Mixture {
 };
 
 // The view ray of this pixel. The sun is a direction: phase functions are the same all along it.
-vec3 view_direction;
+vec3 view_origin_m, view_direction;
 float phase_towards_camera_per_sr[MEDIA_MAX];
 // The scattering coefficients at the point where mixture_at() was last [1/m]; OCTAVES alone.
 vec3 scattering_per_m[MEDIA_MAX];
 
-void look_along(vec3 direction)
+void look_along(ViewRay ray)
 {
-    view_direction = direction;
+    view_origin_m = ray.origin_m;
+    view_direction = ray.direction;
     for (uint m = 0; m < frame.medium_count; m++)
         phase_towards_camera_per_sr[m] = phase_per_sr(frame.media[m].phase_kind, frame.media[m].g,
-                                                      direction, frame.sun_direction);
+                                                      ray.direction, frame.sun_direction);
 }
 
 Mixture mixture_at(vec3 point_m)
@@ -203,7 +204,7 @@ float horizon_inscatter(HorizonSample cloud)
 float horizon_density_to_sun(Horizon horizon, vec3 point_m, float density)
 {
     float t0_m = 0.0, t1_m = FAR_M;
-    globe_hull(horizon.globe, vec3(0.0), view_direction, 0.0, horizon.thickness_m, t0_m, t1_m);
+    globe_hull(horizon.globe, view_origin_m, view_direction, 0.0, horizon.thickness_m, t0_m, t1_m);
     vec3 next_m = point_m + 0.025 * max(t1_m - t0_m, 0.0) * frame.sun_direction;
     density_evaluations++;
     return density + horizon_density(horizon, next_m);

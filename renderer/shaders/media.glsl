@@ -25,7 +25,9 @@ layout(std430, binding = 4) readonly buffer HorizonTexels {
 // What the scene is made of, known before the shader is compiled: code for what is not there costs
 // nothing, not even the loop turns (renderer/compute.h) of loops that no thread takes.
 layout(constant_id = 0) const uint KINDS = 0xffffffffu; // bit k: a medium of kind k
-layout(constant_id = 1) const bool COLOURED = true;     // extinction depends on the channel
+layout(constant_id = 1) const uint TRAITS = NEPH_GPU_COLOURED;
+const bool COLOURED = (TRAITS & NEPH_GPU_COLOURED) != 0u; // extinction depends on the channel
+const bool ORTHOGRAPHIC = (TRAITS & NEPH_GPU_ORTHOGRAPHIC) != 0u; // the camera is orthographic
 
 // enum neph_medium_kind
 const uint MEDIUM_HOMOGENEOUS = 0;
@@ -219,12 +221,12 @@ float layer_optical_depth(uint m, uint l, vec3 origin_m, vec3 direction, float l
 }
 
 // Any closed form, by bisection to the last bit of a float32.
-float bisected_free_path_m(uint m, vec3 direction, float t0_m, float t1_m, float depth)
+float bisected_free_path_m(uint m, ViewRay ray, float t0_m, float t1_m, float depth)
 {
     float low_m = t0_m, high_m = t1_m;
     for (int i = 0; i < 26; i++) {
         float middle_m = 0.5 * (low_m + high_m);
-        if (medium_optical_depth(m, vec3(0.0), direction, middle_m) < depth)
+        if (medium_optical_depth(m, ray.origin_m, ray.direction, middle_m) < depth)
             low_m = middle_m;
         else
             high_m = middle_m;
@@ -234,16 +236,17 @@ float bisected_free_path_m(uint m, vec3 direction, float t0_m, float t1_m, float
 
 // Where a ray from the camera, within [t0, t1] in the medium's box, has met an optical depth of one
 // layer.
-float layer_free_path_m(uint m, uint l, vec3 direction, float t0_m, float t1_m, float depth)
+float layer_free_path_m(uint m, uint l, ViewRay ray, float t0_m, float t1_m, float depth)
 {
     float t_m = t1_m;
     if (is_fog(m))
-        t_m = fog_layer_free_path_m(frame.media[m].layers[l], vec3(0.0), direction, t0_m, depth);
+        t_m = fog_layer_free_path_m(frame.media[m].layers[l], ray.origin_m, ray.direction, t0_m,
+                                    depth);
     else if (is_a(MEDIUM_GRID, frame.media[m].kind))
-        t_m = grid_free_path_m(frame.media[m].shape.grid, vec3(0.0), direction, t0_m, t1_m,
+        t_m = grid_free_path_m(frame.media[m].shape.grid, ray.origin_m, ray.direction, t0_m, t1_m,
                                depth / frame.media[m].extinction_per_m);
     else
-        t_m = bisected_free_path_m(m, direction, t0_m, t1_m, depth);
+        t_m = bisected_free_path_m(m, ray, t0_m, t1_m, depth);
     return clamp(t_m, t0_m, t1_m);
 }
 

@@ -16,7 +16,7 @@
 #include "realtime_slots.glsl"
 
 struct Ray {
-    vec3 direction;
+    ViewRay view;
     float length_m; // FAR_M: to the sky
     float place;    // in each step
 };
@@ -30,8 +30,9 @@ Ray ray_of(ivec2 tile)
         place_px += vec2(view.jitter_px[0], view.jitter_px[1]);
     float depth_m = fetch_half(RT_HALF_DEPTH, half_pixel).x;
     Ray ray;
-    ray.direction = camera_ray_at(frame_camera(), place_px);
-    ray.length_m = depth_m < FAR_M ? depth_m / dot(ray.direction, frame.camera_forward) : FAR_M;
+    ray.view = camera_ray_at(frame_camera(), place_px);
+    float cosine = dot(ray.view.direction, frame.camera_forward);
+    ray.length_m = depth_m < FAR_M ? depth_m / cosine : FAR_M;
     ray.place = mix(0.5, dither(choice(RT_RAY_DITHER), tile, view.frame, 0u),
                     setting(RT_RAY_DITHER_AMOUNT));
     return ray;
@@ -46,12 +47,12 @@ void main()
     ivec2 tile = ivec2(index % view.tile_count[0], index / view.tile_count[0]);
     Ray ray = ray_of(tile);
     Sums sums = sums_at_start(thread);
-    march(ray.direction, ray.length_m, ray.place, sums);
+    march(ray.view, ray.length_m, ray.place, sums);
     if (run.end_step < frame.steps) {
         sums_keep(thread, sums);
         return;
     }
-    vec3 optical_depth = view_optical_depth(ray.direction, ray.length_m, sums);
+    vec3 optical_depth = view_optical_depth(ray.view, ray.length_m, sums);
     put_tile(RT_RAY, tile, vec4(view_scattered(sums, optical_depth),
                                 fraction_through(optical_depth).x));
     float end_m = min(min(ray.length_m, setting(RT_SKY_M)), HALF_MAX);

@@ -10,7 +10,7 @@
 
 #include "realtime_march.glsl"
 
-vec3 ray_through(ivec2 pixel, vec2 jitter_px)
+ViewRay ray_through(ivec2 pixel, vec2 jitter_px)
 {
     return camera_ray_at(frame_camera(), vec2(pixel) + 0.5 + jitter_px);
 }
@@ -23,14 +23,14 @@ void main()
     uint index = run.first_ray + thread;
     ivec2 pixel = ivec2(index % view.size_px[0], index / view.size_px[0]);
     vec2 jitter_px = vec2(view.jitter_px[0], view.jitter_px[1]);
-    vec3 direction = ray_through(pixel, jitter_px);
-    Hit hit = scene_hit(vec3(0.0), direction);
-    put_full(RT_DEPTH, pixel, vec4(hit_eye_depth_m(hit, direction)));
-    put_full(RT_BEHIND, pixel, vec4(radiance_behind(hit, direction), 0.0));
+    ViewRay ray = ray_through(pixel, jitter_px);
+    Hit hit = scene_hit(ray.origin_m, ray.direction);
+    put_full(RT_DEPTH, pixel, vec4(hit_eye_depth_m(hit, ray)));
+    put_full(RT_BEHIND, pixel, vec4(radiance_behind(hit, ray), 0.0));
     if (choice(RT_JITTERED_DEPTH) == 0) {
-        direction = ray_through(pixel, vec2(0.0));
-        hit = scene_hit(vec3(0.0), direction);
+        ray = ray_through(pixel, vec2(0.0));
+        hit = scene_hit(ray.origin_m, ray.direction);
     }
-    put_full(RT_STEADY_DEPTH, pixel, vec4(hit_eye_depth_m(hit, direction)));
+    put_full(RT_STEADY_DEPTH, pixel, vec4(hit_eye_depth_m(hit, ray)));
     count_cost();
 }

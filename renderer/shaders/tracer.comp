@@ -137,11 +137,12 @@ uint queue() { return run.first_queue + gl_WorkGroupID.x; }
 uint item_pixel() { return queue() * QUEUE_PIXELS + path.item / BATCH_SAMPLES; } // in the chunk
 
 // The path of the current item from the camera, all over again.
-void start_path()
+ViewRay start_path()
 {
-    path.origin_m = vec3(0.0);
     uint pixel = run.first_pixel + item_pixel();
-    path.direction = camera_ray(camera, pixel % camera.width_px, pixel / camera.width_px);
+    ViewRay ray = camera_ray(camera, pixel % camera.width_px, pixel / camera.width_px);
+    path.origin_m = ray.origin_m;
+    path.direction = ray.direction;
     path.throughput = vec3(1.0);
     path.roulette = ROULETTE;
     path.solid = NO_SOLID;
@@ -150,6 +151,7 @@ void start_path()
     path.ray = RAY_PATH;
     path.raised = 1.0;
     path.sun_depth = 0.0;
+    return ray;
 }
 
 // Straight to the surface behind the media, if light can come from there that is not known yet.
@@ -158,18 +160,18 @@ void start_at_surface()
     path.stage = STAGE_NONE;
     if (!SURFACES || !(OPEN || MULTIPLE || ENVIRONMENT))
         return;
-    start_path();
+    ViewRay ray = start_path();
     if (OPEN) {
         path.throughput = path.view_fraction;
         path.roulette *= most_of(path.view_fraction);
         if (path.roulette <= 0.0)
             return;
     }
-    Hit hit = scene_hit(vec3(0.0), path.direction);
+    Hit hit = scene_hit(ray.origin_m, ray.direction);
     if (hit.solid == NO_SOLID || solids[hit.solid].albedo.rgb == vec3(0.0))
         return;
     path.solid = hit.solid;
-    path.origin_m = hit.t_m * path.direction;
+    path.origin_m = view_point_m(ray, hit.t_m);
     path.stage = STAGE_SURFACE;
 }
 
@@ -212,8 +214,7 @@ void start_for_guessed_collision()
 void start_at_first_collision()
 {
     First first = firsts[queue() * QUEUE_ITEMS + path.item];
-    start_path();
-    path.origin_m = first.t_m * path.direction;
+    path.origin_m = view_point_m(start_path(), first.t_m);
     path.throughput = first.weight;
     path.roulette = ROULETTE * most_of(first.weight);
     path.medium = first.medium;

@@ -136,7 +136,7 @@ vec3 colour_absorbed_fraction(vec3 optical_depth)
 float mean_of(vec3 channels) { return dot(channels, vec3(1.0 / 3.0)); }
 
 // Optical depth of all but one medium, or layer of a fog, up to a distance on the view ray.
-vec3 others_depth(uint but_medium, uint but_layer, vec3 direction, float length_m)
+vec3 others_depth(uint but_medium, uint but_layer, ViewRay ray, float length_m)
 {
     vec3 sum = vec3(0.0);
     if (frame.medium_count == 1 && layers_of(0) == 1)
@@ -145,13 +145,13 @@ vec3 others_depth(uint but_medium, uint but_layer, vec3 direction, float length_
         float depth = 0.0;
         for (uint l = 0; l < layers_of(m); l++)
             if (m != but_medium || l != but_layer)
-                depth += layer_optical_depth(m, l, vec3(0.0), direction, length_m);
+                depth += layer_optical_depth(m, l, ray.origin_m, ray.direction, length_m);
         sum += frame.media[m].extinction_color * depth;
     }
     return sum;
 }
 
-vec3 pixel_ray(uint pixel)
+ViewRay pixel_ray(uint pixel)
 {
     return camera_ray(pixel % frame.width_px, pixel / frame.width_px);
 }

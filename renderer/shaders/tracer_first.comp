@@ -51,7 +51,7 @@ Choice choose(uint pixel, uint hero, float u)
     return choice;
 }
 
-First first_collision(uint pixel, vec3 direction, uint hero, float u)
+First first_collision(uint pixel, ViewRay ray, uint hero, float u)
 {
     First first = no_first();
     Choice choice = choose(pixel, hero, u);
@@ -59,15 +59,14 @@ First first_collision(uint pixel, vec3 direction, uint hero, float u)
         return first;
     uint m = choice.medium;
     vec3 color = frame.media[m].extinction_color;
-    float t0_m = 0.0, t1_m = scene_hit(vec3(0.0), direction).t_m;
-    if (!clip_medium(m, vec3(0.0), direction, t0_m, t1_m))
+    float t0_m = 0.0, t1_m = scene_hit(ray.origin_m, ray.direction).t_m;
+    if (!clip_medium(m, ray.origin_m, ray.direction, t0_m, t1_m))
         return first;
     float part = absorbed_fraction(color[hero] * choice.depth);
     float depth = min(-log_1_plus(-choice.u * part) / color[hero], choice.depth);
     first.medium = m;
-    first.t_m = layer_free_path_m(m, choice.layer, direction, t0_m, t1_m,
-                                  depth);
-    vec3 others = others_depth(m, choice.layer, direction, first.t_m);
+    first.t_m = layer_free_path_m(m, choice.layer, ray, t0_m, t1_m, depth);
+    vec3 others = others_depth(m, choice.layer, ray, first.t_m);
     first.weight = choice.total * colour_transmittance(others);
     if (COLOURED) { // p = color e^(-color depth) / total; e^30 is more than chance allows
         vec3 density = color / max(choice.total, vec3(1e-30)) *
@@ -139,37 +138,36 @@ Part choose_lit(uint pixel, float u)
     return part;
 }
 
-First lit_collision(uint pixel, vec3 direction, float u)
+First lit_collision(uint pixel, ViewRay ray, float u)
 {
     First first = no_first();
     Part part = choose_lit(pixel, u);
     uint m = part.medium;
     vec3 color = frame.media[m].extinction_color;
     float depth = depths[pixel * PARTS + m * LAYERS_MAX + part.layer];
-    float t0_m = 0.0, t1_m = scene_hit(vec3(0.0), direction).t_m;
+    float t0_m = 0.0, t1_m = scene_hit(ray.origin_m, ray.direction).t_m;
     if (part.other_chance <= 0.0 || depth <= 0.0 ||
-        !clip_medium(m, vec3(0.0), direction, t0_m, t1_m))
+        !clip_medium(m, ray.origin_m, ray.direction, t0_m, t1_m))
         return first;
     LitChoice choice = LitChoice(lit_table(pixel, m, part.layer), part.lit_chance,
                                  part.other_chance, mean_of(color));
     LitPlace place = lit_place(choice, part.u);
     first.medium = m;
-    first.t_m = layer_free_path_m(m, part.layer, direction, t0_m, t1_m,
-                                  place.x);
-    vec3 way = color * place.x + others_depth(m, part.layer, direction, first.t_m);
+    first.t_m = layer_free_path_m(m, part.layer, ray, t0_m, t1_m, place.x);
+    vec3 way = color * place.x + others_depth(m, part.layer, ray, first.t_m);
     first.weight = color * colour_transmittance(way) / place.density;
     return first;
 }
 
 // Sunlight scattered once, at a first collision.
-vec3 scattered_once(First first, vec3 direction)
+vec3 scattered_once(First first, ViewRay ray)
 {
-    vec3 point_m = first.t_m * direction;
+    vec3 point_m = view_point_m(ray, first.t_m);
     if (first.weight == vec3(0.0) || frame.sun_irradiance == vec3(0.0) ||
         !sees_sun(point_m, NO_SOLID))
         return vec3(0.0);
     uint m = first.medium;
-    float phase = phase_per_sr(frame.media[m].phase_kind, frame.media[m].g, direction,
+    float phase = phase_per_sr(frame.media[m].phase_kind, frame.media[m].g, ray.direction,
                                frame.sun_direction);
     vec3 arriving = colour_transmittance(scene_optical_depth(point_m, frame.sun_direction, FAR_M));
     return first.weight * channel_weights(first.channels) * frame.media[m].albedo *
@@ -183,15 +181,15 @@ void main()
     if (pixel >= run.pixel_count)
         return;
     uint sample_index = item % BATCH_SAMPLES;
-    vec3 direction = pixel_ray(run.first_pixel + pixel);
+    ViewRay ray = pixel_ray(run.first_pixel + pixel);
     uvec3 bits = pcg3d(sample_key(run.first_pixel + pixel, run.first_sample + sample_index).xyz);
     float u = (float(sample_index / 2) + uniform_from(bits).x) / float(STRATA);
     if (GUESSED) {
-        firsts[item] = guessed_collision(pixel, direction, vec2(u, uniform_from(bits).y));
+        firsts[item] = guessed_collision(pixel, ray, vec2(u, uniform_from(bits).y));
         return;
     }
-    First first = LIT ? lit_collision(pixel, direction, u)
-                      : first_collision(pixel, direction, hero_of(bits), u);
+    First first = LIT ? lit_collision(pixel, ray, u)
+                      : first_collision(pixel, ray, hero_of(bits), u);
     firsts[item] = first;
-    results[item] = Result(vec4(scattered_once(first, direction), 0.0), vec4(0.0), vec4(0.0));
+    results[item] = Result(vec4(scattered_once(first, ray), 0.0), vec4(0.0), vec4(0.0));
 }

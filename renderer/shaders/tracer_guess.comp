@@ -33,12 +33,12 @@ Stretch inside_of(uint m, vec3 origin_m, vec3 direction, float length_m)
 }
 
 // The hull of all media on the view ray; empty when there is none, or no end.
-Stretch find_hull(vec3 direction)
+Stretch find_hull(ViewRay ray)
 {
-    float length_m = scene_hit(vec3(0.0), direction).t_m;
+    float length_m = scene_hit(ray.origin_m, ray.direction).t_m;
     Stretch hull = Stretch(length_m, 0.0);
     for (uint m = 0; m < frame.medium_count; m++) {
-        Stretch inside = inside_of(m, vec3(0.0), direction, length_m);
+        Stretch inside = inside_of(m, ray.origin_m, ray.direction, length_m);
         include(hull, inside.t0_m, inside.t1_m);
     }
     return hull.t1_m < 0.5 * FAR_M ? hull : Stretch(0.0, 0.0);
@@ -108,16 +108,16 @@ void main()
 {
     uint edge = gl_GlobalInvocationID.x % LIT_EDGES, pixel = gl_GlobalInvocationID.x / LIT_EDGES;
     bool is_any = pixel < run.pixel_count;
-    vec3 direction = pixel_ray(run.first_pixel + pixel);
-    Stretch hull = is_any ? find_hull(direction) : Stretch(0.0, 0.0);
+    ViewRay ray = pixel_ray(run.first_pixel + pixel);
+    Stretch hull = is_any ? find_hull(ray) : Stretch(0.0, 0.0);
     float stretch_m = (hull.t1_m - hull.t0_m) / float(GUESS_STRETCHES);
     bool is_seen = stretch_m > 0.0;
     uint thread = gl_LocalInvocationID.x;
     float from = float(edge * GUESS_PLACES);
     if (is_seen)
-        sun_depths[thread] = guess_sun_depth((hull.t0_m + from * stretch_m) * direction);
+        sun_depths[thread] = guess_sun_depth(view_point_m(ray, hull.t0_m + from * stretch_m));
     for (uint i = 0; is_seen && i < GUESS_PLACES; i++) {
-        vec3 at_m = (hull.t0_m + (from + float(i) + 0.5) * stretch_m) * direction;
+        vec3 at_m = view_point_m(ray, hull.t0_m + (from + float(i) + 0.5) * stretch_m);
         own_depths[thread * GUESS_PLACES + i] =
             stretch_m * mean_of(scene_extinction_per_m(KINDS, at_m));
     }

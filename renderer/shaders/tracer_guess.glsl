@@ -56,7 +56,7 @@ uint pick_medium(vec3 point_m, float total_per_m, float u)
 }
 
 // u.x decides on the place, u.y on the medium.
-First guessed_collision(uint pixel, vec3 direction, vec2 u)
+First guessed_collision(uint pixel, ViewRay ray, vec2 u)
 {
     First first = no_first();
     if (guesses[pixel].is_known == 0u) {
@@ -69,7 +69,7 @@ First guessed_collision(uint pixel, vec3 direction, vec2 u)
     float stretches = float(i) + clamp((place.x - start) / own, 0.0, 1.0);
     float stretch_m = guesses[pixel].stretch_m;
     first.t_m = guesses[pixel].t0_m + stretches * stretch_m;
-    vec3 point_m = first.t_m * direction;
+    vec3 point_m = view_point_m(ray, first.t_m);
     float total_per_m = mean_of(scene_extinction_per_m(KINDS, point_m));
     uint m = pick_medium(point_m, total_per_m, u.y);
     if (m == MEDIA_MAX)

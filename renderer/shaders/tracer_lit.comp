@@ -32,11 +32,11 @@ float lit_edge(uint i, float last)
 }
 
 // Optical depth of the whole way sun - place - camera.
-vec3 way(uint m, uint l, vec3 direction, float t_m, float x)
+vec3 way(uint m, uint l, ViewRay ray, float t_m, float x)
 {
     vec3 sum = frame.media[m].extinction_color * x +
-               scene_optical_depth(t_m * direction, frame.sun_direction, FAR_M);
-    return sum + others_depth(m, l, direction, t_m);
+               scene_optical_depth(view_point_m(ray, t_m), frame.sun_direction, FAR_M);
+    return sum + others_depth(m, l, ray, t_m);
 }
 
 // The first and the last edge are looked up a little inside: there a medium has its faces, a sunray
@@ -55,14 +55,14 @@ float find_log_light(uint pixel, uint m, uint l, uint edge)
 {
     float depth = depths[pixel * PARTS + m * LAYERS_MAX + l];
     vec3 color = frame.media[m].extinction_color;
-    vec3 direction = pixel_ray(run.first_pixel + pixel);
-    float t0_m = 0.0, t1_m = scene_hit(vec3(0.0), direction).t_m;
+    ViewRay ray = pixel_ray(run.first_pixel + pixel);
+    float t0_m = 0.0, t1_m = scene_hit(ray.origin_m, ray.direction).t_m;
     if (depth <= 0.0 || color == vec3(0.0) ||
-        !clip_medium(m, vec3(0.0), direction, t0_m, t1_m))
+        !clip_medium(m, ray.origin_m, ray.direction, t0_m, t1_m))
         return DARK;
     float x = lit_inside(edge, lit_last(color, depth));
-    float t_m = layer_free_path_m(m, l, direction, t0_m, t1_m, x);
-    vec3 lost = way(m, l, direction, t_m, x);
+    float t_m = layer_free_path_m(m, l, ray, t0_m, t1_m, x);
+    vec3 lost = way(m, l, ray, t_m, x);
     float least = min(lost.r, min(lost.g, lost.b));
     vec3 light = frame.sun_irradiance * color * colour_transmittance(lost - least);
     float result = log(max(light.r + light.g + light.b, 1e-30)) - least;

@@ -22,15 +22,14 @@ vec3 surface_sunlight(Hit hit, vec3 point_m)
 }
 
 // Returns the sum over the media, per channel.
-vec3 find_depths(uint pixel, vec3 direction, float length_m)
+vec3 find_depths(uint pixel, ViewRay ray, float length_m)
 {
     vec3 sum = vec3(0.0);
     for (uint m = 0; m < frame.medium_count; m++) {
         uint part = pixel * PARTS + m * LAYERS_MAX;
         float depth = 0.0;
         for (uint l = 0; l < layers_of(m); l++) {
-            depths[part + l] = layer_optical_depth(m, l, vec3(0.0), direction,
-                                                   length_m);
+            depths[part + l] = layer_optical_depth(m, l, ray.origin_m, ray.direction, length_m);
             depth += depths[part + l];
         }
         sum += frame.media[m].extinction_color * depth;
@@ -51,15 +50,15 @@ void main()
         return;
     if (thread % QUEUE_PIXELS == 0)
         next_items[thread / QUEUE_PIXELS] = 0;
-    vec3 direction = pixel_ray(run.first_pixel + thread);
-    Hit hit = scene_hit(vec3(0.0), direction);
+    ViewRay ray = pixel_ray(run.first_pixel + thread);
+    Hit hit = scene_hit(ray.origin_m, ray.direction);
     vec3 behind = vec3(0.0);
     if (!OPEN)
         behind = hit.solid == NO_SOLID ? frame.background
-                                       : surface_sunlight(hit, hit.t_m * direction);
+                                       : surface_sunlight(hit, view_point_m(ray, hit.t_m));
     float eye_depth_m =
-        hit.solid == NO_SOLID ? FAR_M : hit.t_m * dot(direction, frame.camera_forward);
-    vec3 arriving = colour_transmittance(find_depths(thread, direction, hit.t_m));
+        hit.solid == NO_SOLID ? FAR_M : hit.t_m * dot(ray.direction, frame.camera_forward);
+    vec3 arriving = colour_transmittance(find_depths(thread, ray, hit.t_m));
     pixels[thread].behind = vec4(behind, eye_depth_m);
     pixels[thread].transmittance = vec4(arriving, 0.0);
 }

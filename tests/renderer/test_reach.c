@@ -91,6 +91,26 @@ static void scene_soft_fog_far_below(struct test_scene *test)
     test_add_medium(test, 1.0, 0.01, 0.0);
 }
 
+/* The half-space below the ground; all rays begin above it. */
+static void look_down_in_parallel(struct test_scene *test, double height_m)
+{
+    test->scene.vertical_fov_rad = 0.0;
+    test->scene.orthographic_height_m = height_m;
+    test->key.position_m = (struct neph_vec3){0.0, 0.4 * height_m, 0.0};
+    test->key.look_at_m = (struct neph_vec3){4.0, 0.4 * height_m - 6.0, -5.0};
+    test_add_medium(test, 1.0, 0.0, 0.0)->bounds.max_m.y = 0.0;
+}
+
+static void scene_parallel_near(struct test_scene *test)
+{
+    look_down_in_parallel(test, 9e4);
+}
+
+static void scene_parallel_far(struct test_scene *test)
+{
+    look_down_in_parallel(test, 1e5);
+}
+
 static const struct {
     const char *name;
     void (*make)(struct test_scene *test);
@@ -105,6 +125,8 @@ static const struct {
     {"half a blob at 9e6", scene_far_cut_blob, false},
     {"steep fog 1e6 m below", scene_steep_fog_far_below, false},
     {"soft fog 1e6 m below", scene_soft_fog_far_below, true},
+    {"an orthographic picture 9e4 mean free paths high", scene_parallel_near, true},
+    {"one of 1e5 from as far", scene_parallel_far, false},
 };
 
 static void test_what_is_refused(void **state)
@@ -128,16 +150,18 @@ static void test_what_is_refused(void **state)
 
 /* --- just within reach -------------------------------------------------------------------- */
 
-/* Sunlight scattered once by a half-space, seen head on: E w p mu0 / (1 + mu0). (S. Chandrasekhar,
- * Radiative Transfer, 1960, the first order of diffuse reflection.) */
-static double half_space(const struct test_scene *test)
+/* Sunlight scattered once by a half-space: E w p mu0 / (mu + mu0). (S. Chandrasekhar, Radiative
+ * Transfer, 1960, the first order of diffuse reflection.) */
+static double half_space(const struct test_scene *test, struct neph_vec3 normal)
 {
     const struct neph_medium *medium = &test->scene.media[0];
-    const double mu0 = test->scene.sun.direction.z; /* to the face, and to the camera */
+    const struct neph_vec3 sun = test->scene.sun.direction;
+    const struct neph_vec3 view = neph_scene_camera(&test->scene, 0.0).forward;
+    const double mu = -neph_vec3_dot(view, normal), mu0 = neph_vec3_dot(sun, normal);
     const double g = medium->phase.g;
-    /* View ray -z, sun ahead of the face: the scattering angle's cosine is -mu0. */
-    const double phase = (1.0 - g * g) / (4.0 * M_PI * pow(1.0 + g * g + 2.0 * g * mu0, 1.5));
-    return test->scene.sun.irradiance_w_per_m2.r * medium->albedo.r * phase * mu0 / (1.0 + mu0);
+    const double phase = (1.0 - g * g) /
+                         (4.0 * M_PI * pow(1.0 + g * g - 2.0 * g * neph_vec3_dot(view, sun), 1.5));
+    return test->scene.sun.irradiance_w_per_m2.r * medium->albedo.r * phase * mu0 / (mu + mu0);
 }
 
 static double mean_red(struct neph_image *frame)
@@ -161,14 +185,36 @@ static void test_the_last_that_is_rendered_is_right(void **state)
     struct neph_diag diag = {0};
     init_far(&test);
     add_cube(&test, 1.0, 9e4, 500.0);
+    const double expected = half_space(&test, (struct neph_vec3){0.0, 0.0, 1.0});
     const struct neph_tracer_params traced = {
         .width_px = SIDE_PX, .height_px = SIDE_PX, .samples = 256, .time_limit_s = INFINITY};
     neph_assert_ok(neph_tracer_render(*state, &test.scene, &traced, &frame, NULL, &diag), &diag);
-    neph_assert_close(mean_red(frame), half_space(&test), 4e-3, 0.0);
+    neph_assert_close(mean_red(frame), expected, 4e-3, 0.0);
     const struct neph_march_params marched = {
         .width_px = SIDE_PX, .height_px = SIDE_PX, .steps = 8192, .sun_steps = 1};
     neph_assert_ok(test_march_frame(*state, &test.scene, &marched, &frame, NULL, &diag), &diag);
-    neph_assert_close(mean_red(frame), half_space(&test), 4e-3, 0.0);
+    neph_assert_close(mean_red(frame), expected, 4e-3, 0.0);
+}
+
+/* Sunlight from a half-space, in pixels whose rays begin up to 9e4 mean free paths from the camera;
+ * chance and steps as above. */
+static void test_the_largest_orthographic_picture_is_right(void **state)
+{
+    enum { WIDTH_PX = 48, HEIGHT_PX = 27 };
+    struct test_scene test;
+    struct neph_image *frame = NULL;
+    struct neph_diag diag = {0};
+    init_far(&test);
+    look_down_in_parallel(&test, 9e4);
+    const double expected = half_space(&test, (struct neph_vec3){0.0, 1.0, 0.0});
+    const struct neph_tracer_params traced = {
+        .width_px = WIDTH_PX, .height_px = HEIGHT_PX, .samples = 256, .time_limit_s = INFINITY};
+    neph_assert_ok(neph_tracer_render(*state, &test.scene, &traced, &frame, NULL, &diag), &diag);
+    neph_assert_close(mean_red(frame), expected, 4e-3, 0.0);
+    const struct neph_march_params marched = {
+        .width_px = WIDTH_PX, .height_px = HEIGHT_PX, .steps = 1024, .sun_steps = 1};
+    neph_assert_ok(test_march_frame(*state, &test.scene, &marched, &frame, NULL, &diag), &diag);
+    neph_assert_close(mean_red(frame), expected, 4e-3, 0.0);
 }
 
 int main(void)
@@ -176,6 +222,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_what_is_refused),
         cmocka_unit_test(test_the_last_that_is_rendered_is_right),
+        cmocka_unit_test(test_the_largest_orthographic_picture_is_right),
     };
     return cmocka_run_group_tests_name("reach", tests, test_vulkan_setup, test_vulkan_teardown);
 }

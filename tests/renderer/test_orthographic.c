@@ -1,0 +1,415 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Orthographic cameras: the march and the tracer against exact transport along rays that begin all
+ * over a plane, and against the oracle; and in any light each pixel is that of a perspective camera
+ * which stands where the pixel's ray begins and looks along it.
+ */
+#include "tests/renderer/fog_scenes.h"
+#include "tests/renderer/march_test.h"
+
+#include "renderer/reach.h"
+#include "renderer/tracer.h"
+#include "truth/oracle.h"
+#include "truth/transport.h"
+
+enum { WIDTH = 16, HEIGHT = 9, PIXELS = WIDTH * HEIGHT };
+
+static void init(struct test_scene *test, double height_m)
+{
+    test_scene_init(test);
+    test->scene.vertical_fov_rad = 0.0;
+    test->scene.orthographic_height_m = height_m;
+}
+
+static void teardown(struct test_scene *test)
+{
+    for (int m = 0; m < test->scene.medium_count; m++) {
+        neph_grid_destroy(test->scene.media[m].grid);
+        neph_horizon_destroy(test->scene.media[m].horizon);
+    }
+}
+
+static struct neph_pixel_ray ray_of(const struct test_scene *test, int width_px, int height_px,
+                                    int pixel)
+{
+    const struct neph_camera camera = neph_scene_camera(&test->scene, 0.0);
+    return neph_camera_ray(&camera, width_px, height_px, pixel % width_px, pixel / width_px);
+}
+
+static struct neph_ray_light light_of(const struct test_scene *test, int pixel)
+{
+    const struct neph_pixel_ray ray = ray_of(test, WIDTH, HEIGHT, pixel);
+    return neph_transport_ray(&test->scene, ray.origin_m, ray.direction);
+}
+
+/* --- scenes -------------------------------------------------------------------------------- */
+
+static void scene_gaussian(struct test_scene *test)
+{
+    *test_add_cloud(test, NEPH_MEDIUM_GAUSSIAN,
+                    0.8) = make_blob(0.8, (struct neph_vec3){0.5, 2, -12}, 1.5);
+}
+
+static void scene_plume(struct test_scene *test)
+{
+    struct neph_medium *plume = test_add_cloud(test, NEPH_MEDIUM_PLUME, 1.2);
+    plume->plume = (struct neph_plume){.foot_m = {-1.0, 0.0, -9.0},
+                                       .axis = neph_vec3_normalize((struct neph_vec3){0.3, 1, 0.1}),
+                                       .width_m = 0.9,
+                                       .scale_height_m = 2.5};
+}
+
+static void scene_grid(struct test_scene *test)
+{
+    uint64_t random = 11;
+    test_add_cloud(test, NEPH_MEDIUM_GRID, 0.9)->grid = random_lattice(
+        (const int[3]){7, 6, 5}, (struct neph_vec3){-3.0, -1.0, -15.0},
+        (struct neph_vec3){1.0, 0.9, 1.3}, -0.4, &random);
+}
+
+/* From above the ground of a planet, upwards. */
+static void scene_shell(struct test_scene *test)
+{
+    struct neph_medium *shell = test_add_cloud(test, NEPH_MEDIUM_SHELL, 2e-4);
+    shell->shell = (struct neph_shell){{0.0, -6.371e6, 0.0}, 6.371e6, 8000.0};
+    shell->bounds = (struct neph_bounds){{-3e6, -1e6, -3e6}, {3e6, 1.5e5, 3e6}};
+    test->key.position_m = (struct neph_vec3){0.0, 3000.0, 0.0};
+    test->key.look_at_m = (struct neph_vec3){0.0, 3005.0, -10.0};
+}
+
+static void scene_fog_and_cube(struct test_scene *test)
+{
+    scene_overlapping_media(test);
+    test->key.look_at_m = (struct neph_vec3){2.0, 0.4, -10.0};
+}
+
+static const struct {
+    const char *name;
+    void (*build)(struct test_scene *);
+    double height_m, order_min; /* of the march in its steps: less where a density has kinks */
+} scenes[] = {
+    {"cube", scene_cube, 5.0, 1.8},
+    {"fog, down", scene_fog_down, 60.0, 1.8},
+    {"layers, up", scene_two_layers_up, 12.0, 1.8},
+    {"shell", scene_shell, 5000.0, 1.8},
+    {"plume", scene_plume, 8.0, 1.8},
+    {"Gaussian", scene_gaussian, 8.0, 1.8},
+    {"grid", scene_grid, 7.0, 1.5},
+    {"fog and cube", scene_fog_and_cube, 9.0, 0.0},
+};
+
+/* The march does not take the last, whose cube has its faces between others. The tracer takes those
+ * that have free paths of each sort: by bisection, through voxels, of layers. */
+enum { SCENES = sizeof(scenes) / sizeof(scenes[0]), MARCHED = SCENES - 1, FIRST_TRACED = 5 };
+
+static struct neph_image *march(struct neph_vulkan *vulkan, const struct test_scene *test,
+                                const struct neph_march_params *params)
+{
+    struct neph_image *frame = NULL;
+    struct neph_diag diag = {0};
+    neph_assert_ok(test_march_frame(vulkan, &test->scene, params, &frame, NULL, &diag), &diag);
+    return frame;
+}
+
+/* --- the march against exact transport ---------------------------------------------------- */
+
+struct difference {
+    double transmittance, volume; /* largest; volume in parts of the largest radiance */
+};
+
+static struct difference compare(const struct test_scene *test, struct neph_image *frame)
+{
+    struct difference worst = {0.0, 0.0};
+    double brightest = 0.0;
+    const float *transmittance = neph_image_channel(frame, "transmittance.G");
+    const float *volume = neph_image_channel(frame, "volume.G");
+    for (int p = 0; p < PIXELS; p++) {
+        const struct neph_ray_light light = light_of(test, p);
+        worst.transmittance = fmax(worst.transmittance,
+                                   fabs((double)transmittance[p] - light.transmittance.g));
+        worst.volume = fmax(worst.volume, fabs((double)volume[p] - light.volume.g));
+        brightest = fmax(brightest, light.volume.g);
+    }
+    worst.volume /= brightest;
+    neph_image_destroy(frame);
+    return worst;
+}
+
+/* As of perspective cameras (test_march_media.c, test_march.c): transmittance is float32's,
+ * in-scattering converges with the square of the step, down to some 1e-6. */
+static void test_march_is_exact_transport(void **state)
+{
+    for (int s = 0; s < MARCHED; s++) {
+        struct test_scene test;
+        struct neph_march_params params = {.width_px = WIDTH, .height_px = HEIGHT, .steps = 64};
+        init(&test, scenes[s].height_m);
+        scenes[s].build(&test);
+        const struct difference coarse = compare(&test, march(*state, &test, &params));
+        params.steps = 256;
+        const struct difference fine = compare(&test, march(*state, &test, &params));
+        const double order = log2(coarse.volume / fine.volume) / 2.0;
+        print_message("%-12s T off by %.1e; volume by %.1e, %.1e: order %.2f\n", scenes[s].name,
+                      fine.transmittance, coarse.volume, fine.volume, order);
+        assert_true(fine.transmittance < 3e-6 && fine.volume < 5e-3);
+        assert_true(fine.volume < 2e-6 || order > scenes[s].order_min);
+        teardown(&test);
+    }
+}
+
+static void scene_yard(struct test_scene *test)
+{
+    test_add_medium(test, 0.03, 0.08, 0.0);
+    test_add_box(test, (struct neph_vec3){-200, -1, -200}, (struct neph_vec3){200, 0, 200});
+    test_add_box(test, (struct neph_vec3){-4, 0, -16}, (struct neph_vec3){-1, 5, -12});
+    test_add_sphere(test, (struct neph_vec3){3, 2, -14}, 2.0);
+    test->key.position_m = (struct neph_vec3){1.0, 9.0, 4.0};
+    test->key.look_at_m = (struct neph_vec3){0.0, 1.0, -14.0};
+}
+
+/* Surfaces in sunlight through fog, and Z. A ray that grazes a solid or the edge of a shadow may
+ * fall on either side of it. */
+static void test_solids(void **state)
+{
+    struct test_scene test;
+    const struct neph_march_params params = {.width_px = WIDTH, .height_px = HEIGHT, .steps = 1};
+    int agreeing = 0;
+    init(&test, 12.0);
+    scene_yard(&test);
+    test.scene.scattering = NEPH_SCATTERING_NONE;
+    struct neph_image *frame = march(*state, &test, &params);
+    const float *green = neph_image_channel(frame, "G"), *z_m = neph_image_channel(frame, "Z");
+    for (int p = 0; p < PIXELS; p++) {
+        const struct neph_ray_light light = light_of(&test, p);
+        const bool same_depth = isinf(light.hit_m)
+                                    ? isinf(z_m[p])
+                                    : fabs((double)z_m[p] - light.hit_m) <= 1e-5 * light.hit_m;
+        const double off = fabs((double)green[p] - light.radiance.g);
+        agreeing += same_depth && off <= 2e-5 * light.radiance.g + 1e-6;
+    }
+    print_message("solids: %d of %d pixels agree\n", agreeing, PIXELS);
+    assert_true(agreeing >= PIXELS - 1);
+    neph_image_destroy(frame);
+}
+
+/* --- every pixel is a perspective camera's ------------------------------------------------- */
+
+static void scene_horizon(struct test_scene *test)
+{
+    struct neph_horizon_params params = neph_horizon_defaults();
+    struct neph_diag diag = {0};
+    struct neph_medium *layer = test_add_cloud(test, NEPH_MEDIUM_HORIZON, 0.02);
+    params.bottom_m = 80.0;
+    params.thickness_m = 280.0;
+    params.coverage = 0.9;
+    neph_assert_ok(neph_horizon_create(&params, &layer->horizon, &diag), &diag);
+    layer->bounds = (struct neph_bounds){{-600, 60, -1200}, {600, 400, 0}};
+    test->key.look_at_m = (struct neph_vec3){0.0, 6.0, -10.0};
+}
+
+static void scene_grid_in_fog(struct test_scene *test)
+{
+    scene_grid(test);
+    scene_fog(test);
+    test_add_box(test, (struct neph_vec3){-50, -3, -50}, (struct neph_vec3){50, -1.2, 50});
+}
+
+/* Far from the world's origin and as high as the picture: both cameras know places by it. */
+static void scene_far_away(struct test_scene *test)
+{
+    test_add_medium(test, 0.03, 0.05, 3.0e6);
+    test->key.position_m = (struct neph_vec3){-2.0e6, 3.0e6 + 1.6, 5.0e6};
+    test->key.look_at_m = (struct neph_vec3){-2.0e6 + 1.0, 3.0e6 + 2.6, 5.0e6 - 10.0};
+}
+
+static const struct {
+    const char *name;
+    void (*build)(struct test_scene *);
+    double height_m;
+    enum neph_march_lighting lighting;
+    double relative; /* float32 places differ; the clouds' clamped noise amplifies that */
+} lights[] = {
+    {"single, grid in fog", scene_grid_in_fog, 7.0, NEPH_MARCH_SINGLE, 2e-5},
+    {"single, far away", scene_far_away, 10.0, NEPH_MARCH_SINGLE, 2e-5},
+    {"octaves, grid in fog", scene_grid_in_fog, 7.0, NEPH_MARCH_OCTAVES, 2e-5},
+    {"octaves, clouds", scene_horizon, 300.0, NEPH_MARCH_OCTAVES, 2e-3},
+    {"horizon, clouds", scene_horizon, 300.0, NEPH_MARCH_HORIZON, 2e-3},
+};
+
+static struct neph_image *march_alone(struct neph_vulkan *vulkan, const struct test_scene *test,
+                                      const struct neph_march_params *params, int pixel)
+{
+    const struct neph_pixel_ray ray = ray_of(test, params->width_px, params->height_px, pixel);
+    struct test_scene other = *test;
+    struct neph_march_params one = *params;
+    other.scene.camera_keys = &other.key;
+    other.scene.orthographic_height_m = 0.0;
+    other.scene.vertical_fov_rad = 0.5;
+    other.key.position_m = ray.origin_m;
+    other.key.look_at_m = neph_vec3_along(ray.origin_m, ray.direction, 10.0);
+    one.width_px = one.height_px = 1;
+    return march(vulkan, &other, &one);
+}
+
+static void test_every_pixel_is_a_perspective_cameras(void **state)
+{
+    for (size_t l = 0; l < sizeof(lights) / sizeof(lights[0]); l++) {
+        struct test_scene test;
+        const struct neph_march_params params = {.width_px = 6,
+                                                 .height_px = 4,
+                                                 .steps = 48,
+                                                 .sun_steps = 8,
+                                                 .lighting = lights[l].lighting};
+        double least = INFINITY, most = 0.0;
+        init(&test, lights[l].height_m);
+        lights[l].build(&test);
+        test.scene.scattering = lights[l].lighting == NEPH_MARCH_SINGLE ? NEPH_SCATTERING_SINGLE
+                                                                        : NEPH_SCATTERING_MULTIPLE;
+        test.scene.octaves = (struct neph_octaves){4, 0.5, 0.5, 0.5};
+        struct neph_image *frame = march(*state, &test, &params);
+        for (int p = 0; p < 24; p++) {
+            struct neph_image *alone = march_alone(*state, &test, &params, p);
+            for (int c = 0; c < frame->channel_count; c++)
+                neph_assert_close((double)frame->channels[c].samples[p],
+                                  (double)alone->channels[c].samples[0], lights[l].relative, 1e-6);
+            least = fmin(least, (double)frame->channels[0].samples[p]);
+            most = fmax(most, (double)frame->channels[0].samples[p]);
+            neph_image_destroy(alone);
+        }
+        print_message("%s: %g to %g\n", lights[l].name, least, most);
+        assert_true(most > 1.05 * least); /* pixels that see different things */
+        neph_image_destroy(frame);
+        teardown(&test);
+    }
+}
+
+/* --- the tracer ----------------------------------------------------------------------------- */
+
+static struct neph_image *trace(struct neph_vulkan *vulkan, const struct test_scene *test,
+                                int samples)
+{
+    struct neph_image *frame = NULL;
+    struct neph_diag diag = {0};
+    const struct neph_tracer_params params = {.width_px = WIDTH,
+                                              .height_px = HEIGHT,
+                                              .seed = 20261123,
+                                              .samples = samples,
+                                              .time_limit_s = INFINITY};
+    neph_assert_ok(neph_tracer_render(vulkan, &test->scene, &params, &frame, NULL, &diag), &diag);
+    return frame;
+}
+
+static struct neph_image *trace_by_oracle(const struct test_scene *test, int samples)
+{
+    struct neph_image *frame = NULL;
+    struct neph_diag diag = {0};
+    const struct neph_oracle_params params = {.width_px = WIDTH,
+                                              .height_px = HEIGHT,
+                                              .seed = 5,
+                                              .samples = samples,
+                                              .time_limit_s = INFINITY};
+    neph_assert_ok(neph_oracle_render(&test->scene, &params, &frame, NULL, &diag), &diag);
+    return frame;
+}
+
+/* z-scores of the green channel against `truth`, which has a variance of its own or NULL. Below 10
+ * roundings of 2e-6 a pixel has no score (test_tracer.c). `slack`: estimated variances widen
+ * scores. */
+static void judge(const char *name, const struct neph_image *frame, const float *truth,
+                  const float *truth_variance, double slack)
+{
+    const float *green = neph_image_channel(frame, "G");
+    const float *variance = neph_image_channel(frame, "variance.G");
+    double sum = 0.0, square_sum = 0.0, off_sum = 0.0, variance_sum = 0.0, truth_sum = 0.0;
+    int count = 0;
+    for (int p = 0; p < PIXELS; p++) {
+        const double spread = (double)variance[p] +
+                              (truth_variance ? (double)truth_variance[p] : 0.0);
+        const double off = (double)green[p] - (double)truth[p];
+        off_sum += off;
+        variance_sum += spread;
+        truth_sum += (double)truth[p];
+        if (sqrt(spread) <= 2e-5 * (double)truth[p]) {
+            assert_true(fabs(off) <= 4.0 * sqrt(spread) + 4e-6 * (double)truth[p]);
+            continue;
+        }
+        sum += off / sqrt(spread);
+        square_sum += off * off / spread;
+        count++;
+    }
+    const double bias = off_sum / truth_sum;
+    const double bias_error = sqrt(variance_sum) / truth_sum + 2e-6;
+    const double mean = sum / fmax(count, 1), square = square_sum / fmax(count, 1);
+    print_message("%-20s z: %3d, mean %+.3f, square %.3f; sum off by %+.1e +- %.1e\n", name, count,
+                  mean, square, bias, bias_error);
+    assert_true(fabs(bias) <= 4.0 * bias_error);
+    assert_true(count < 20 || (fabs(mean) <= 4.0 / sqrt(count) &&
+                               fabs(square - 1.0) <= 4.0 * sqrt(2.0 / count) + slack));
+}
+
+static void test_tracer_is_exact_transport(void **state)
+{
+    for (int s = FIRST_TRACED; s < SCENES; s++) {
+        struct test_scene test;
+        float truth[PIXELS];
+        init(&test, scenes[s].height_m);
+        scenes[s].build(&test);
+        for (int p = 0; p < PIXELS; p++)
+            truth[p] = (float)light_of(&test, p).radiance.g;
+        struct neph_image *frame = trace(*state, &test, 256);
+        judge(scenes[s].name, frame, truth, NULL, 2.0 / 32.0);
+        neph_image_destroy(frame);
+        teardown(&test);
+    }
+}
+
+static void scene_all(struct test_scene *test)
+{
+    scene_grid_in_fog(test);
+    scene_gaussian(test);
+    test->scene.media[0].extinction_color = (struct neph_rgb){0.3, 1.0, 2.5};
+    test_add_sphere(test, (struct neph_vec3){0.8, 1.5, -8.0}, 0.7);
+}
+
+/* First collisions chosen without the sun's light, surfaces behind media, tracked view rays and
+ * guessed first collisions. */
+static const struct {
+    const char *name;
+    void (*build)(struct test_scene *);
+    double height_m;
+    enum neph_scattering scattering;
+    int samples;
+} traced[] = {
+    {"all media, multiple", scene_all, 7.0, NEPH_SCATTERING_MULTIPLE, 128},
+    {"clouds, multiple", scene_horizon, 300.0, NEPH_SCATTERING_MULTIPLE, 64},
+    {"clouds, single", scene_horizon, 300.0, NEPH_SCATTERING_SINGLE, 128},
+};
+
+static void test_tracer_is_the_oracle(void **state)
+{
+    for (size_t t = 0; t < sizeof(traced) / sizeof(traced[0]); t++) {
+        struct test_scene test;
+        init(&test, traced[t].height_m);
+        traced[t].build(&test);
+        test.scene.scattering = traced[t].scattering;
+        struct neph_image *truth = trace_by_oracle(&test, traced[t].samples);
+        struct neph_image *frame = trace(*state, &test, traced[t].samples);
+        judge(traced[t].name, frame, neph_image_channel(truth, "G"),
+              neph_image_channel(truth, "variance.G"), 0.3);
+        neph_image_destroy(frame);
+        neph_image_destroy(truth);
+        teardown(&test);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_march_is_exact_transport),
+        cmocka_unit_test(test_solids),
+        cmocka_unit_test(test_every_pixel_is_a_perspective_cameras),
+        cmocka_unit_test(test_tracer_is_exact_transport),
+        cmocka_unit_test(test_tracer_is_the_oracle),
+    };
+    return cmocka_run_group_tests_name("orthographic", tests, test_vulkan_setup,
+                                       test_vulkan_teardown);
+}
