@@ -156,7 +156,8 @@ static bool has_long_names(const struct neph_image *image)
     return false;
 }
 
-static exr_result_t write_header(exr_context_t context, const struct neph_image *image)
+static exr_result_t write_header(exr_context_t context, const struct neph_image *image,
+                                 exr_compression_t compression)
 {
     int part = ONLY_PART;
     /* Some readers refuse the flag, so it is set only where it is needed. */
@@ -165,7 +166,7 @@ static exr_result_t write_header(exr_context_t context, const struct neph_image 
         result = exr_add_part(context, NULL, EXR_STORAGE_SCANLINE, &part);
     if (!result)
         result = exr_initialize_required_attr_simple(context, part, image->width_px,
-                                                     image->height_px, EXR_COMPRESSION_ZIP);
+                                                     image->height_px, compression);
     for (int i = 0; i < image->channel_count && !result; i++)
         result = exr_add_channel(context, part, image->channels[i].name, EXR_PIXEL_FLOAT,
                                  EXR_PERCEPTUALLY_LINEAR, 1, 1);
@@ -212,7 +213,7 @@ static exr_result_t choose_routines(exr_context_t context, exr_encode_pipeline_t
                                     struct compressor *compressor)
 {
     exr_result_t result = exr_encoding_choose_default_routines(context, ONLY_PART, encoder);
-    if (result)
+    if (result || !encoder->compress_fn)
         return result;
     compressor->run = encoder->compress_fn;
     encoder->encoding_user_data = compressor;
@@ -251,8 +252,8 @@ static exr_result_t write_pixels(exr_context_t context, const struct neph_image 
     return result;
 }
 
-enum neph_status neph_exr_write(const char *path, const struct neph_image *image,
-                                struct neph_diag *diag)
+static enum neph_status write_compressed(const char *path, const struct neph_image *image,
+                                         exr_compression_t compression, struct neph_diag *diag)
 {
     enum neph_status status = check_writable(image, path, diag);
     if (status)
@@ -266,7 +267,7 @@ enum neph_status neph_exr_write(const char *path, const struct neph_image *image
     exr_context_t context = NULL;
     exr_result_t result = exr_start_write(&context, path, EXR_WRITE_FILE_DIRECTLY, &setup);
     if (!result)
-        result = write_header(context, image);
+        result = write_header(context, image, compression);
     if (!result)
         result = write_pixels(context, image);
     if (context) {
@@ -278,6 +279,18 @@ enum neph_status neph_exr_write(const char *path, const struct neph_image *image
                     : neph_file_write(path, stream.data, stream.size_bytes, diag);
     free(stream.data);
     return status;
+}
+
+enum neph_status neph_exr_write(const char *path, const struct neph_image *image,
+                                struct neph_diag *diag)
+{
+    return write_compressed(path, image, EXR_COMPRESSION_ZIP, diag);
+}
+
+enum neph_status neph_exr_write_plain(const char *path, const struct neph_image *image,
+                                      struct neph_diag *diag)
+{
+    return write_compressed(path, image, EXR_COMPRESSION_NONE, diag);
 }
 
 /* ---- reading --------------------------------------------------------------------------------- */

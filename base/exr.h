@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * OpenEXR files through OpenEXRCore: single-part, scanline, ZIP, 32-bit float out; half, float and
- * uint scanlines in.
+ * OpenEXR files through OpenEXRCore: single-part, scanline, ZIP or plain, 32-bit float out; half,
+ * float and uint scanlines in.
  */
 #ifndef NEPH_BASE_EXR_H
 #define NEPH_BASE_EXR_H
@@ -14,6 +14,10 @@
  * ("channels", "type", ...). NEPH_ERR_IO: disk full, no such folder, ... */
 enum neph_status neph_exr_write(const char *path, const struct neph_image *image,
                                 struct neph_diag *diag);
+
+/* The same without compression: for files that are read soon and then go. */
+enum neph_status neph_exr_write_plain(const char *path, const struct neph_image *image,
+                                      struct neph_diag *diag);
 
 /* Read all channels (converted to float; uint above 2^24 is rounded) and all string attributes but
  * the format's own. Channels come in the order of the file, which is alphabetical. What is unusual

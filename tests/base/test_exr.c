@@ -67,12 +67,16 @@ static void assert_same_image(const struct neph_image *a, const struct neph_imag
 
 static void assert_round_trip(const char *path, const struct neph_image *image)
 {
-    struct neph_image *back = NULL;
-    struct neph_diag diag = {0};
-    neph_assert_ok(neph_exr_write(path, image, &diag), &diag);
-    neph_assert_ok(neph_exr_read(path, &back, &diag), &diag);
-    assert_same_image(image, back);
-    neph_image_destroy(back);
+    enum neph_status (*const write[])(const char *, const struct neph_image *,
+                                      struct neph_diag *) = {neph_exr_write, neph_exr_write_plain};
+    for (size_t i = 0; i < sizeof(write) / sizeof(write[0]); i++) {
+        struct neph_image *back = NULL;
+        struct neph_diag diag = {0};
+        neph_assert_ok(write[i](path, image, &diag), &diag);
+        neph_assert_ok(neph_exr_read(path, &back, &diag), &diag);
+        assert_same_image(image, back);
+        neph_image_destroy(back);
+    }
 }
 
 static void assert_refused(const char *path, enum neph_status expected, const char *words)
