@@ -31,6 +31,7 @@ struct neph_meter {
     struct neph_viewing viewing;
     struct neph_pool_mask *masks; /* owned; the masks themselves are borrowed */
     int mask_count;
+    const struct neph_meter_number *wanted; /* borrowed; NULL: all */
     bool intervals, draws;
 
     int width_px, height_px;   /* of the first frame; 0 before it */
@@ -44,6 +45,15 @@ struct neph_meter {
     struct neph_measurement *measurements; /* owned */
     int measurement_count, measurement_room;
 };
+
+bool neph_meter_wants(const struct neph_meter_number *wanted, const char *metric, const char *mask)
+{
+    for (const struct neph_meter_number *one = wanted; one && one->metric; one++)
+        if ((!metric || strcmp(one->metric, metric) == 0) &&
+            (!mask || strcmp(one->mask, mask) == 0))
+            return true;
+    return !wanted;
+}
 
 /* ---- making one ------------------------------------------------------------------------------ */
 
@@ -71,6 +81,7 @@ static enum neph_status copy_params(struct neph_meter *meter,
                                     const struct neph_meter_params *params, struct neph_diag *diag)
 {
     meter->viewing = params->viewing;
+    meter->wanted = params->wanted;
     meter->intervals = params->intervals;
     meter->draws = params->draws;
     meter->announced_frame_count = params->frame_count;
@@ -416,7 +427,8 @@ static enum neph_status pool_one_map(const struct neph_meter *meter, const struc
     const struct neph_metric *all = run->choice->extractor->metrics, *some[NEPH_POOL_METRICS_MAX];
     int count = 0, index[NEPH_POOL_METRICS_MAX];
     for (int m = 0; all[m].name && count < NEPH_POOL_METRICS_MAX; m++)
-        if (all[m].map == map && all[m].pool != NEPH_POOL_SCALAR) {
+        if (all[m].map == map && all[m].pool != NEPH_POOL_SCALAR &&
+            neph_meter_wants(meter->wanted, all[m].name, NULL)) {
             index[count] = m;
             some[count++] = &all[m];
         }
@@ -449,9 +461,12 @@ static enum neph_status take_pooled(struct neph_meter *meter, const struct run *
     for (int k = 0; k < mask_count && !status; k++)
         for (int m = 0; m < metric_count && !status; m++) {
             struct neph_pooled *number = &numbers[m * mask_count + k];
-            if (number->defined || number->undefined_because) /* else it is not of this quantity */
-                status = append_pooled(meter, run, &extractor->metrics[m], k, bad ? bad[k] : 0,
-                                       frame, number, diag);
+            const bool is_of_quantity = number->defined || number->undefined_because;
+            if (!is_of_quantity || !neph_meter_wants(meter->wanted, extractor->metrics[m].name,
+                                                     meter->masks[k].mask->name))
+                continue;
+            status = append_pooled(meter, run, &extractor->metrics[m], k, bad ? bad[k] : 0, frame,
+                                   number, diag);
             if (!status)
                 number->draws = NULL; /* the measurement has them */
         }
@@ -469,7 +484,8 @@ static enum neph_status take_scalars(struct neph_meter *meter, const struct run 
 {
     enum neph_status status = NEPH_OK;
     for (const struct neph_metric *m = run->choice->extractor->metrics; m->name && !status; m++) {
-        if (m->pool != NEPH_POOL_SCALAR)
+        if (m->pool != NEPH_POOL_SCALAR ||
+            !neph_meter_wants(meter->wanted, m->name, meter->masks[0].mask->name))
             continue;
         struct neph_measurement measured = blank(run, m, meter->masks[0].mask, frame);
         double value = 0.0;

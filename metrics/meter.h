@@ -16,6 +16,11 @@ struct neph_meter_choice {
     struct neph_settings settings;
 };
 
+/* A number of some mask, by their names. */
+struct neph_meter_number {
+    const char *metric, *mask;
+};
+
 struct neph_meter_params {
     const struct neph_meter_choice *choices;
     int choice_count;
@@ -23,6 +28,9 @@ struct neph_meter_params {
     const struct neph_mask *const *masks; /* of the size of the frames; borrowed for the life; the
                                              first is "all": numbers of a whole frame stand there */
     int mask_count;
+    const struct neph_meter_number *wanted; /* the only ones that are taken, and the same as among
+                                               all; ends with a NULL metric, borrowed for the life.
+                                               NULL: all */
     int frame_count; /* of neph_meter_frame() to come; 0: not known, and what needs it says so */
     bool intervals;  /* bootstrap each number that allows it; costs as much as the numbers do */
     bool draws; /* with intervals: keep the draws of numbers of a sequence, or of its only frame,
@@ -31,8 +39,12 @@ struct neph_meter_params {
 
 struct neph_meter;
 
-/* Params need only live for the call, but for the masks. Errors: NEPH_ERR_INPUT for a viewing
- * condition out of range. */
+/* Whether a list of wanted numbers has one of that metric and mask; NULL for any. A list NULL has
+ * all. */
+bool neph_meter_wants(const struct neph_meter_number *wanted, const char *metric, const char *mask);
+
+/* Params need only live for the call, but for masks and wanted. Errors: NEPH_ERR_INPUT for a
+ * viewing condition out of range. */
 enum neph_status neph_meter_create(const struct neph_meter_params *params,
                                    struct neph_meter **meter, struct neph_diag *diag);
 
