@@ -20,23 +20,37 @@
 
 enum { OVERLOOKED_COUNT = 3 };
 
-/* What is at work between the first frame and the last. */
+/* What is at work between the first frame and the last, of one comparison. */
 struct work {
     const struct neph_comparison *asked;
     struct neph_viewing viewing;
     int frame_count; /* to measure */
     int done_count;
     bool with_draws;
-    bool is_picture;                              /* values of a display and not of physics */
-    struct neph_image *reference, *second, *test; /* of the frame at hand; owned */
-    struct neph_mask *masks[NEPH_MASKS_MAX];      /* owned */
+    bool is_picture;                                    /* values of a display and not of physics */
+    const struct neph_image *reference, *second, *test; /* of the frame at hand; borrowed */
+    struct neph_mask *masks[NEPH_MASKS_MAX];            /* owned, unless another's */
     int mask_count;
-    struct neph_meter *meter; /* owned */
+    bool has_masks_of_another; /* of this pass */
+    struct neph_meter *meter;  /* owned */
     struct neph_frozen frozen;
     bool has_overlooked[OVERLOOKED_COUNT]; /* any frame so far */
     char strangers[400];                   /* names of channels that mean nothing here */
     char declared_cycles[512];             /* by the first test frame; else empty */
     struct neph_compared *made;
+};
+
+enum { AT_HAND_MAX = 3 * NEPH_COMPARISONS_MAX }; /* files that one frame can take */
+
+/* Comparisons that go through the frames together. */
+struct pass {
+    struct work *works;
+    int work_count;
+    struct at_hand {
+        const char *path; /* borrowed; NULL: free */
+        struct neph_image *image;
+        bool is_needed; /* for the frame that is begun */
+    } at_hand[AT_HAND_MAX];
 };
 
 static bool is_picture(const struct neph_image *image)
@@ -81,33 +95,85 @@ static enum neph_status check_counts(const struct neph_comparison *asked, struct
     return NEPH_OK;
 }
 
-/* Read a frame of a sequence into `image`, unless it is the one frame that stands for all. */
-static enum neph_status read_next(const struct neph_sequence *sequence, int index,
-                                  const char *layer, size_t negative_allowed,
-                                  struct neph_image **image, struct neph_diag *diag)
+/* The file of a frame; NULL: there is none. One may stand for all. */
+static const char *path_of(const struct neph_sequence *sequence, int index)
 {
-    if (sequence->count == 0 || (sequence->count == 1 && *image))
-        return NEPH_OK;
-    neph_image_destroy(*image);
-    *image = NULL;
-    return neph_frame_read(sequence->paths[sequence->count == 1 ? 0 : index], layer,
-                           negative_allowed, image, diag);
+    return sequence->count == 0 ? NULL : sequence->paths[sequence->count == 1 ? 0 : index];
 }
 
-static enum neph_status read_frames(struct work *work, int index, struct neph_diag *diag)
+static const struct neph_image *test_in_memory(const struct neph_comparison *asked, int index)
+{
+    return asked->test_images ? asked->test_images[index] : NULL;
+}
+
+/* What has been read of a file; NULL: nothing is at hand. Of NULL, the first free place. */
+static struct at_hand *find_at_hand(struct pass *pass, const char *path)
+{
+    for (int i = 0; i < AT_HAND_MAX; i++) {
+        struct at_hand *held = &pass->at_hand[i];
+        if (path ? held->path && strcmp(held->path, path) == 0 : !held->path)
+            return held;
+    }
+    return NULL;
+}
+
+static void mark_needed(struct pass *pass, const char *path)
+{
+    struct at_hand *held = path ? find_at_hand(pass, path) : NULL;
+    if (held)
+        held->is_needed = true;
+}
+
+/* Let go of what a frame does not take, before more is read. */
+static void let_go(struct pass *pass, int index)
+{
+    for (int i = 0; i < AT_HAND_MAX; i++)
+        pass->at_hand[i].is_needed = false;
+    for (int w = 0; w < pass->work_count; w++) {
+        const struct neph_comparison *asked = pass->works[w].asked;
+        mark_needed(pass, path_of(&asked->reference, index));
+        mark_needed(pass, path_of(&asked->second, index));
+        if (!test_in_memory(asked, index))
+            mark_needed(pass, path_of(&asked->test, index));
+    }
+    for (int i = 0; i < AT_HAND_MAX; i++)
+        if (!pass->at_hand[i].is_needed) {
+            neph_image_destroy(pass->at_hand[i].image);
+            pass->at_hand[i] = (struct at_hand){.path = NULL};
+        }
+}
+
+/* The frame of a file; a `path` NULL has none. */
+static enum neph_status take_frame(struct pass *pass, const struct neph_comparison *asked,
+                                   const char *path, const struct neph_image **image,
+                                   struct neph_diag *diag)
+{
+    struct at_hand *held = path ? find_at_hand(pass, path) : NULL;
+    struct neph_image *read = NULL;
+    if (!path || held) {
+        *image = held ? held->image : NULL;
+        return NEPH_OK;
+    }
+    const enum neph_status status = neph_frame_read(path, asked->layer, asked->negative_allowed,
+                                                    &read, diag);
+    if (status)
+        return status;
+    *find_at_hand(pass, NULL) = (struct at_hand){path, read, true};
+    *image = read;
+    return NEPH_OK;
+}
+
+static enum neph_status read_frames(struct pass *pass, struct work *work, int index,
+                                    struct neph_diag *diag)
 {
     const struct neph_comparison *asked = work->asked;
-    enum neph_status status = read_next(&asked->reference, index, asked->layer,
-                                        asked->negative_allowed, &work->reference, diag);
+    enum neph_status status = take_frame(pass, asked, path_of(&asked->reference, index),
+                                         &work->reference, diag);
     if (!status)
-        status = read_next(&asked->second, index, asked->layer, asked->negative_allowed,
-                           &work->second, diag);
-    if (!status) {
-        neph_image_destroy(work->test);
-        work->test = NULL;
-        status = neph_frame_read(asked->test.paths[index], asked->layer, asked->negative_allowed,
-                                 &work->test, diag);
-    }
+        status = take_frame(pass, asked, path_of(&asked->second, index), &work->second, diag);
+    work->test = test_in_memory(asked, index);
+    if (!status && !work->test)
+        status = take_frame(pass, asked, path_of(&asked->test, index), &work->test, diag);
     return status;
 }
 
@@ -201,19 +267,38 @@ static enum neph_status check_channels(const struct neph_image *reference,
 
 /* ---- masks ----------------------------------------------------------------------------------- */
 
+/* Masks that nothing is asked of; the first stays, for numbers of a whole frame stand under it. */
+static void drop_unwanted_masks(struct work *work)
+{
+    int kept = 0;
+    for (int i = 0; i < work->mask_count; i++)
+        if (i == 0 || neph_meter_wants(work->asked->wanted, NULL, work->masks[i]->name))
+            work->masks[kept++] = work->masks[i];
+        else
+            neph_mask_destroy(work->masks[i]);
+    work->mask_count = kept;
+}
+
+static enum neph_status unite_masks_of(struct work *work, const char *path, struct neph_diag *diag)
+{
+    struct neph_image *frame = NULL;
+    enum neph_status status = neph_frame_read(path, work->asked->layer, SIZE_MAX, &frame, diag);
+    if (!status)
+        status = neph_masks_unite(frame, work->masks, work->mask_count, diag);
+    neph_image_destroy(frame);
+    return status;
+}
+
 /* Masks of the whole window: where any of its reference frames has them, so that a number is taken
  * at the same places in all frames. */
 static enum neph_status unite_masks(struct work *work, struct neph_diag *diag)
 {
     const struct neph_comparison *asked = work->asked;
+    char *const *paths = asked->reference.paths + asked->warm_up_frames;
     enum neph_status status = NEPH_OK;
     for (int i = 1; i < work->frame_count && !status; i++) {
-        struct neph_image *frame = NULL;
-        status = neph_frame_read(asked->reference.paths[asked->warm_up_frames + i], asked->layer,
-                                 SIZE_MAX, &frame, diag);
-        if (!status)
-            status = neph_masks_unite(frame, work->masks, work->mask_count, diag);
-        neph_image_destroy(frame);
+        if (strcmp(paths[i], paths[i - 1]) != 0) /* of a file twice, the masks are the same */
+            status = unite_masks_of(work, paths[i], diag);
         if (!status && neph_interrupted())
             status = neph_fail(diag, NEPH_ERR_INTERRUPTED, "interrupted");
     }
@@ -243,12 +328,41 @@ static enum neph_status make_masks(struct work *work, struct neph_diag *diag)
     const struct neph_comparison *asked = work->asked;
     enum neph_status status = neph_masks_create(work->reference, asked->detail_masks, work->masks,
                                                 &work->mask_count, diag);
+    if (!status)
+        drop_unwanted_masks(work);
     if (!status && asked->reference.count > 1 && work->mask_count > 1)
         status = unite_masks(work, diag);
     work->mask_count = neph_masks_trim(work->masks, work->mask_count);
     if (!status && asked->mask_file)
         status = add_mask_of_file(work, diag);
     return status;
+}
+
+static bool has_same_masks(const struct neph_comparison *a, const struct neph_comparison *b)
+{
+    return a->reference.paths == b->reference.paths && a->wanted == b->wanted &&
+           a->detail_masks == b->detail_masks && a->mask_file == b->mask_file;
+}
+
+/* Who has made the masks that this one needs; NULL: nobody. */
+static const struct work *find_same_masks(const struct pass *pass, const struct work *work)
+{
+    for (const struct work *other = pass->works; other < work; other++)
+        if (has_same_masks(other->asked, work->asked))
+            return other;
+    return NULL;
+}
+
+static enum neph_status have_masks(const struct pass *pass, struct work *work,
+                                   struct neph_diag *diag)
+{
+    const struct work *other = find_same_masks(pass, work);
+    if (!other)
+        return make_masks(work, diag);
+    memcpy(work->masks, other->masks, sizeof(work->masks));
+    work->mask_count = other->mask_count;
+    work->has_masks_of_another = true;
+    return NEPH_OK;
 }
 
 /* Said at the first frame, and not when all is measured. */
@@ -376,11 +490,11 @@ static void take_frame_rate(struct work *work)
         work->viewing.frame_rate_hz = rate_hz;
 }
 
-static enum neph_status start(struct work *work, struct neph_diag *diag)
+static enum neph_status start(const struct pass *pass, struct work *work, struct neph_diag *diag)
 {
     enum neph_status status = check_channels(work->reference, work->test, diag);
     if (!status)
-        status = make_masks(work, diag);
+        status = have_masks(pass, work, diag);
     if (!status)
         status = check_mask(work, diag);
     work->is_picture = is_picture(work->reference);
@@ -393,6 +507,7 @@ static enum neph_status start(struct work *work, struct neph_diag *diag)
         .viewing = work->viewing,
         .masks = (const struct neph_mask *const *)work->masks,
         .mask_count = work->mask_count,
+        .wanted = work->asked->wanted,
         .frame_count = work->frame_count,
         .intervals = !work->asked->plain,
         .draws = work->with_draws,
@@ -453,45 +568,67 @@ static enum neph_status name_file(enum neph_status status, const char *path, str
     return neph_fail(diag, status, "'%s': %s", path, what);
 }
 
-static enum neph_status measure_frame(struct work *work, int frame, struct neph_diag *diag)
+static enum neph_status begin_work(const struct pass *pass, struct work *work,
+                                   struct neph_diag *diag)
+{
+    const char *declared = neph_image_attribute(work->test, NEPH_CYCLE_ATTRIBUTE);
+    snprintf(work->declared_cycles, sizeof(work->declared_cycles), "%s", declared ? declared : "");
+    note_strangers(work, work->test);
+    return start(pass, work, diag);
+}
+
+/* The tests of all are the same frames. */
+static enum neph_status watch_frozen(const struct pass *pass, struct work *work,
+                                     struct neph_diag *diag)
+{
+    if (work == pass->works)
+        return neph_frozen_add(&work->frozen, work->test, NULL, diag);
+    work->frozen = pass->works[0].frozen;
+    return NEPH_OK;
+}
+
+static enum neph_status measure_frame(struct pass *pass, struct work *work, int frame,
+                                      struct neph_diag *diag)
 {
     const int index = work->asked->warm_up_frames + frame;
-    enum neph_status status = read_frames(work, index, diag);
+    const char *path = work->asked->test.paths[index];
+    enum neph_status status = read_frames(pass, work, index, diag);
     if (!status)
-        status = name_file(check_kinds(work, diag), work->asked->test.paths[index], diag);
-    if (!status && frame == 0) {
-        const char *declared = neph_image_attribute(work->test, NEPH_CYCLE_ATTRIBUTE);
-        snprintf(work->declared_cycles, sizeof(work->declared_cycles), "%s",
-                 declared ? declared : "");
-        note_strangers(work, work->test);
-        status = start(work, diag);
-    }
+        status = name_file(check_kinds(work, diag), path, diag);
+    if (!status && frame == 0)
+        status = begin_work(pass, work, diag);
     if (!status) {
         note_overlooked(work, work->reference);
         note_overlooked(work, work->test);
     }
     if (!status)
-        status = neph_frozen_add(&work->frozen, work->test, NULL, diag);
+        status = watch_frozen(pass, work, diag);
     if (!status)
         status = name_file(
-            neph_meter_frame(work->meter, work->reference, work->second, work->test, diag),
-            work->asked->test.paths[index], diag);
+            neph_meter_frame(work->meter, work->reference, work->second, work->test, diag), path,
+            diag);
     if (!status)
         status = write_maps(work, frame, diag);
+    work->done_count += !status;
     return status;
 }
 
-static enum neph_status measure_all(struct work *work, struct neph_diag *diag)
+static enum neph_status measure_all(struct pass *pass, struct neph_diag *diag)
 {
-    struct neph_progress progress = neph_progress_start(
-        work->asked->quiet || work->frame_count == 1, work->frame_count);
+    const struct neph_comparison *asked = pass->works[0].asked;
+    const int frame_count = pass->works[0].frame_count;
+    struct neph_progress progress = neph_progress_start(asked->quiet || frame_count == 1,
+                                                        frame_count);
     enum neph_status status = NEPH_OK;
-    for (int frame = 0; frame < work->frame_count && !status; frame++) {
-        const char *path = work->asked->test.paths[work->asked->warm_up_frames + frame];
+    for (int frame = 0; frame < frame_count && !status; frame++) {
+        const char *path = asked->test.paths[asked->warm_up_frames + frame];
         neph_progress_begin(&progress, path);
-        status = neph_interrupted() ? neph_fail(diag, NEPH_ERR_INTERRUPTED, "interrupted")
-                                    : measure_frame(work, frame, diag);
-        work->done_count += !status;
+        if (neph_interrupted())
+            status = neph_fail(diag, NEPH_ERR_INTERRUPTED, "interrupted");
+        else
+            let_go(pass, asked->warm_up_frames + frame);
+        for (int w = 0; w < pass->work_count && !status; w++)
+            status = measure_frame(pass, &pass->works[w], frame, diag);
         if (!status)
             neph_progress_tick(&progress, path);
     }
@@ -617,31 +754,68 @@ static enum neph_status open_maps(const struct neph_comparison *asked, struct ne
     return status ? status : neph_dir_create(asked->maps_directory, diag);
 }
 
+static enum neph_status prepare(const struct neph_comparison *asked, struct work *work,
+                                struct neph_diag *diag)
+{
+    const enum neph_status status = check_counts(asked, work, diag);
+    return status || !asked->maps_directory ? status : open_maps(asked, diag);
+}
+
+static void finish_work(struct work *work)
+{
+    neph_meter_destroy(work->meter);
+    if (!work->has_masks_of_another)
+        neph_masks_destroy(work->masks, work->mask_count);
+}
+
+static void finish_pass(struct pass *pass)
+{
+    for (int w = 0; w < pass->work_count; w++)
+        finish_work(&pass->works[w]);
+    for (int i = 0; i < AT_HAND_MAX; i++)
+        neph_image_destroy(pass->at_hand[i].image);
+}
+
+/* What is there after Ctrl-C is told too, if it is anything. */
+static enum neph_status conclude_all(struct pass *pass, enum neph_status status,
+                                     struct neph_diag *diag)
+{
+    const struct work *last = &pass->works[pass->work_count - 1];
+    const bool interrupted = status == NEPH_ERR_INTERRUPTED && last->done_count > 0;
+    if (interrupted)
+        neph_interrupt_acknowledge();
+    for (int w = 0; w < pass->work_count && (!status || interrupted); w++) {
+        const enum neph_status finished = conclude(&pass->works[w], interrupted, diag);
+        if (finished)
+            return finished;
+    }
+    return status;
+}
+
+enum neph_status neph_comparisons_run(const struct neph_comparison *comparisons, int count,
+                                      bool with_draws, struct neph_compared *compared,
+                                      struct neph_diag *diag)
+{
+    struct work works[NEPH_COMPARISONS_MAX] = {{.asked = NULL}};
+    struct pass pass = {.works = works, .work_count = count};
+    enum neph_status status = NEPH_OK;
+    for (int w = 0; w < count; w++)
+        works[w] = (struct work){.asked = &comparisons[w],
+                                 .viewing = comparisons[w].viewing,
+                                 .with_draws = with_draws,
+                                 .made = &compared[w]};
+    for (int w = 0; w < count && !status; w++)
+        status = prepare(&comparisons[w], &works[w], diag);
+    if (!status)
+        status = conclude_all(&pass, measure_all(&pass, diag), diag);
+    finish_pass(&pass);
+    return status;
+}
+
 enum neph_status neph_comparison_run(const struct neph_comparison *comparison, bool with_draws,
                                      struct neph_compared *compared, struct neph_diag *diag)
 {
-    struct work work = {.asked = comparison,
-                        .viewing = comparison->viewing,
-                        .with_draws = with_draws,
-                        .made = compared};
-    enum neph_status status = check_counts(comparison, &work, diag);
-    if (!status && comparison->maps_directory)
-        status = open_maps(comparison, diag);
-    if (!status)
-        status = measure_all(&work, diag);
-    const bool interrupted = status == NEPH_ERR_INTERRUPTED && work.done_count > 0;
-    if (interrupted)
-        neph_interrupt_acknowledge();
-    if (!status || interrupted) {
-        const enum neph_status finished = conclude(&work, interrupted, diag);
-        status = finished ? finished : status;
-    }
-    neph_meter_destroy(work.meter);
-    neph_masks_destroy(work.masks, work.mask_count);
-    neph_image_destroy(work.reference);
-    neph_image_destroy(work.second);
-    neph_image_destroy(work.test);
-    return status;
+    return neph_comparisons_run(comparison, 1, with_draws, compared, diag);
 }
 
 void neph_compared_finish(struct neph_compared *compared)

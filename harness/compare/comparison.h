@@ -14,11 +14,17 @@ struct neph_comparison {
     struct neph_sequence reference; /* one frame for all, or as many as the test has */
     struct neph_sequence second;    /* the reference by another seed; empty: there is none */
     struct neph_sequence test;
+    const struct neph_image *const *test_images; /* those of its frames that are in memory, by their
+                                                    place, as neph_frame_read() gives them, NULL for
+                                                    one to be read; borrowed. NULL: all are read */
     struct neph_meter_choice choices[NEPH_CHOICES_MAX];
     int choice_count;
     struct neph_viewing viewing;
-    bool own_frame_rate;   /* the rate is that of the test's frames, where they tell it */
-    const char *mask;      /* the one that has to be there; NULL: any */
+    bool own_frame_rate; /* the rate is that of the test's frames, where they tell it */
+    const struct neph_meter_number *wanted; /* the only numbers that are taken, and masks that are
+                                               made beside "all"; ends with a NULL metric,
+                                               borrowed. NULL: all */
+    const char *mask;                       /* the one that has to be there; NULL: any */
     const char *layer;     /* whose channels are R G B Z ...; NULL: names are as they are */
     const char *mask_file; /* a picture that is above 0.5 inside a mask of the user's; or NULL */
     bool detail_masks;     /* also the rings at depth edges */
@@ -63,6 +69,15 @@ struct neph_compared {
 enum neph_status neph_comparison_run(const struct neph_comparison *comparison, bool with_draws,
                                      struct neph_compared *compared, struct neph_diag *diag);
 void neph_compared_finish(struct neph_compared *compared);
+
+/* Several at once, at most NEPH_COMPARISONS_MAX: `compared` has one for each, with the same numbers
+ * as alone. Of all, tests, warm-up, layer and negative values allowed are the same; a file that
+ * several name is read once, and so are the masks of one list of references made. What extractors
+ * keep of the frames they keep for all at a time. Errors as of one. */
+enum { NEPH_COMPARISONS_MAX = 8 };
+enum neph_status neph_comparisons_run(const struct neph_comparison *comparisons, int count,
+                                      bool with_draws, struct neph_compared *compared,
+                                      struct neph_diag *diag);
 
 /* As an object of
  *   "version"       of neph

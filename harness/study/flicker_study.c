@@ -92,7 +92,7 @@ static const char *const display_names[NEPH_STUDY_DISPLAYS] = {
 static const char centre_name[] = "centre";
 
 /* What the tables show of a take, each with what it is judged by. */
-static void list_kept(enum neph_study_take_id id, struct neph_take_number kept[KEPT_MAX])
+static void list_kept(enum neph_study_take_id id, struct neph_meter_number kept[KEPT_MAX])
 {
     int count = 0;
     for (const struct neph_study_metric *metric = neph_study_metrics; metric->title; metric++) {
@@ -100,15 +100,15 @@ static void list_kept(enum neph_study_take_id id, struct neph_take_number kept[K
                                      metric->at_most};
         for (size_t i = 0; i < sizeof(names) / sizeof(names[0]); i++)
             if (metric->take == id && names[i])
-                kept[count++] = (struct neph_take_number){names[i], metric->mask};
+                kept[count++] = (struct neph_meter_number){names[i], metric->mask};
     }
-    kept[count] = (struct neph_take_number){.metric = NULL};
+    kept[count] = (struct neph_meter_number){.metric = NULL};
 }
 
 /* All metrics against the averaged reference and the centre rays; those of the eye also at the
  * other displays. */
 static int readings_of(const struct neph_scene *scene, enum neph_study_take_id id,
-                       const struct neph_take_number *kept,
+                       const struct neph_meter_number *kept,
                        struct neph_reading readings[READINGS_MAX])
 {
     const struct neph_study_take *take = &neph_study_takes[id];
@@ -232,7 +232,7 @@ static enum neph_status run_take(struct work *work, const struct neph_job *job, 
     struct neph_study_scene *row = &work->study->scenes[scene];
     const int own = neph_study_takes[id].frame_count, count = own ? own : row->frame_count;
     struct neph_reading readings[READINGS_MAX];
-    struct neph_take_number kept[KEPT_MAX];
+    struct neph_meter_number kept[KEPT_MAX];
     char *folder = NULL;
     json_t *record = NULL;
     enum neph_status status = have_reference(work, job, count, row, diag);

@@ -16,7 +16,22 @@
  * changes, or what documents hold. */
 enum { MEASURED_REVISION = 3 };
 
+/* Frames are measured where they are, in memory, up to so many bytes; what comes after waits in
+ * files. */
+static const size_t frames_limit_bytes = (size_t)1 << 30;
+
+/* Readings share a pass over the frames as long as what they keep of them at a time is no more than
+ * this; "seen" and "cycles" keep 4 bytes of each pixel and frame. */
+static const size_t kept_limit_bytes = (size_t)1 << 30;
+enum { KEPT_BYTES_MAX = 8 };
+
 /* ---- frames ---------------------------------------------------------------------------------- */
+
+struct frames {
+    struct neph_sequence files; /* where they are, or would be; owned */
+    struct neph_image **images; /* NULL where it is in its file; owned, and each of them */
+    size_t size_bytes;          /* of the images */
+};
 
 static char *frame_path(const struct neph_take *take, const char *folder, int frame)
 {
@@ -61,55 +76,87 @@ static void add_cost(struct neph_cost *sum, const struct neph_cost *cost)
     sum->cpu_s += cost->cpu_s;
 }
 
+static size_t image_bytes(const struct neph_image *image)
+{
+    return neph_image_pixel_count(image) * (size_t)image->channel_count * sizeof(float);
+}
+
+/* Take a frame over into memory, or into a file when there is no room. */
+static enum neph_status keep_frame(struct frames *frames, int number, struct neph_image *frame,
+                                   struct neph_diag *diag)
+{
+    const size_t size_bytes = image_bytes(frame);
+    if (frames->size_bytes + size_bytes <= frames_limit_bytes) {
+        frames->images[number] = frame;
+        frames->size_bytes += size_bytes;
+        return NEPH_OK;
+    }
+    const enum neph_status status = neph_exr_write_plain(frames->files.paths[number], frame, diag);
+    neph_image_destroy(frame);
+    return status;
+}
+
+/* The last frame is what the entry of the store is known by. */
 static enum neph_status render_frame(const struct neph_take *take, const struct neph_job *job,
-                                     int number, const char *folder, struct neph_cost *total,
-                                     struct neph_diag *diag)
+                                     int number, const char *folder, struct frames *frames,
+                                     struct neph_cost *total, struct neph_diag *diag)
 {
     struct neph_image *frame = NULL;
     struct neph_cost cost = {0};
     const int flip = number - (take->frame_count - NEPH_TAKE_PICTURES);
-    char *path = frame_path(take, folder, number);
-    enum neph_status status = path ? neph_job_render(job, &frame, &cost, diag)
-                                   : neph_fail_memory(diag);
-    if (!status) {
-        keep_radiance(frame);
-        add_cost(total, &cost);
-        status = neph_exr_write(path, frame, diag);
-    }
+    enum neph_status status = neph_job_render(job, &frame, &cost, diag);
+    if (status)
+        return status;
+    keep_radiance(frame);
+    add_cost(total, &cost);
+    if (number == take->frame_count - 1)
+        status = neph_exr_write(frames->files.paths[number], frame, diag);
     if (!status && take->with_pictures && flip >= 0)
         status = write_flip(take, frame, folder, flip, diag);
+    if (!status)
+        return keep_frame(frames, number, frame, diag);
     neph_image_destroy(frame);
-    free(path);
     return status;
 }
 
 static enum neph_status render_frames(const struct neph_take *take, const char *folder,
-                                      struct neph_cost *total, struct neph_diag *diag)
+                                      struct frames *frames, struct neph_cost *total,
+                                      struct neph_diag *diag)
 {
     struct neph_job job = take->job;
     job.shot.scratch_directory = folder;
     enum neph_status status = neph_job_open(&job, diag);
     for (int i = 0; i < take->frame_count && !status; i++) {
         job.shot.frame = take->job.shot.frame + i;
-        status = render_frame(take, &job, i, folder, total, diag);
+        status = render_frame(take, &job, i, folder, frames, total, diag);
     }
     neph_job_close(&job);
     return status;
 }
 
-/* ---- measuring ------------------------------------------------------------------------------- */
-
-static enum neph_status list_frames(const struct neph_take *take, const char *folder,
-                                    struct neph_sequence *frames, struct neph_diag *diag)
+static enum neph_status prepare_frames(const struct neph_take *take, const char *folder,
+                                       struct frames *frames, struct neph_diag *diag)
 {
-    frames->paths = calloc((size_t)take->frame_count, sizeof(*frames->paths));
-    if (!frames->paths)
+    struct neph_sequence *files = &frames->files;
+    frames->images = calloc((size_t)take->frame_count, sizeof(struct neph_image *));
+    files->paths = calloc((size_t)take->frame_count, sizeof(*files->paths));
+    if (!frames->images || !files->paths)
         return neph_fail_memory(diag);
-    for (; frames->count < take->frame_count; frames->count++)
-        if (!(frames->paths[frames->count] = frame_path(take, folder, frames->count)))
+    for (; files->count < take->frame_count; files->count++)
+        if (!(files->paths[files->count] = frame_path(take, folder, files->count)))
             return neph_fail_memory(diag);
     return NEPH_OK;
 }
+
+static void finish_frames(const struct neph_take *take, struct frames *frames)
+{
+    for (int i = 0; frames->images && i < take->frame_count; i++)
+        neph_image_destroy(frames->images[i]);
+    free(frames->images);
+    neph_sequence_finish(&frames->files);
+}
+
+/* ---- measuring ------------------------------------------------------------------------------- */
 
 static enum neph_status choose(const struct neph_reading *reading,
                                struct neph_comparison *comparison, struct neph_diag *diag)
@@ -134,7 +181,7 @@ static bool is_kept(const struct neph_measurement *number, const void *context)
 {
     if (number->frame >= 0 || number->quantity != neph_quantity_find("radiance"))
         return false;
-    for (const struct neph_take_number *kept = context; kept->metric; kept++)
+    for (const struct neph_meter_number *kept = context; kept->metric; kept++)
         if (strcmp(number->metric->name, kept->metric) == 0 &&
             strcmp(number->mask, kept->mask) == 0)
             return true;
@@ -145,7 +192,7 @@ static bool is_kept(const struct neph_measurement *number, const void *context)
  * with NULL all that came of the comparison. */
 static enum neph_status write_document(const char *folder, const char *name,
                                        struct neph_compared *compared,
-                                       const struct neph_take_number *kept, struct neph_diag *diag)
+                                       const struct neph_meter_number *kept, struct neph_diag *diag)
 {
     if (kept)
         neph_measurements_select(&compared->numbers, is_kept, kept);
@@ -162,28 +209,68 @@ static enum neph_status write_document(const char *folder, const char *name,
     return status;
 }
 
-static enum neph_status read_off(const struct neph_take *take, const struct neph_reading *reading,
-                                 const char *folder, struct neph_diag *diag)
+static enum neph_status ask(const struct neph_take *take, const struct neph_reading *reading,
+                            const char *folder, const struct frames *frames,
+                            struct neph_comparison *comparison, struct neph_diag *diag)
 {
-    struct neph_comparison comparison = {
+    *comparison = (struct neph_comparison){
         .reference = take->reference->frames[reading->against], /* borrowed */
+        .test = frames->files,                                  /* borrowed */
+        .test_images = (const struct neph_image *const *)frames->images,
         .viewing = reading->viewing,
+        .wanted = reading->kept,
         .detail_masks = take->all_masks,
         .maps_directory = take->map_file && reading == take->readings ? folder : NULL,
         .frozen_is_fine = take->frozen_is_fine,
         .plain = take->plain,
         .by_position = true,
         .quiet = true};
-    struct neph_compared compared = {0};
-    enum neph_status status = choose(reading, &comparison, diag);
+    return choose(reading, comparison, diag);
+}
+
+/* One pass over the frames for some readings from `first` on. */
+static enum neph_status read_off(const struct neph_take *take, int first, int count,
+                                 const char *folder, const struct frames *frames,
+                                 struct neph_diag *diag)
+{
+    struct neph_comparison comparisons[NEPH_COMPARISONS_MAX];
+    struct neph_compared compared[NEPH_COMPARISONS_MAX] = {{.asked = NULL}};
+    const struct neph_reading *readings = take->readings + first;
+    enum neph_status status = NEPH_OK;
+    for (int i = 0; i < count && !status; i++)
+        status = ask(take, &readings[i], folder, frames, &comparisons[i], diag);
     if (!status)
-        status = list_frames(take, folder, &comparison.test, diag);
-    if (!status)
-        status = neph_comparison_run(&comparison, false, &compared, diag);
-    if (!status)
-        status = write_document(folder, reading->name, &compared, reading->kept, diag);
-    neph_compared_finish(&compared);
-    neph_sequence_finish(&comparison.test);
+        status = neph_comparisons_run(comparisons, count, false, compared, diag);
+    for (int i = 0; i < count; i++) {
+        if (!status)
+            status = write_document(folder, readings[i].name, &compared[i], readings[i].kept, diag);
+        neph_compared_finish(&compared[i]);
+    }
+    return status;
+}
+
+static int lesser(int a, int b)
+{
+    return a < b ? a : b;
+}
+
+static int readings_at_once(const struct neph_take *take)
+{
+    const struct neph_shot *shot = &take->job.shot;
+    const size_t kept_bytes = KEPT_BYTES_MAX * (size_t)shot->width_px * (size_t)shot->height_px *
+                              (size_t)take->frame_count;
+    const size_t count = kept_limit_bytes / kept_bytes;
+    return count < 1 ? 1 : lesser((int)count, NEPH_COMPARISONS_MAX);
+}
+
+static enum neph_status read_all(const struct neph_take *take, const char *folder,
+                                 const struct frames *frames, struct neph_diag *diag)
+{
+    const int at_once = readings_at_once(take);
+    enum neph_status status = NEPH_OK;
+    for (int first = 0; first < take->reading_count && !status; first += at_once)
+        status = read_off(take, first, lesser(at_once, take->reading_count - first), folder, frames,
+                          diag);
     return status;
 }
 
@@ -204,7 +291,7 @@ static char *reading_text(const struct neph_reading *reading)
             free(text);
             text = longer;
         }
-    for (const struct neph_take_number *kept = reading->kept; text && kept && kept->metric;
+    for (const struct neph_meter_number *kept = reading->kept; text && kept && kept->metric;
          kept++) {
         char *longer = neph_format("%s %s@%s", text, kept->metric, kept->mask);
         free(text);
@@ -263,13 +350,17 @@ static enum neph_status make_entry(const struct neph_take *take, struct neph_sto
     struct neph_scratch *scratch = NULL;
     char *kept = NULL;
     struct neph_cost cost = {0};
+    struct frames frames = {.images = NULL};
     enum neph_status status = neph_store_begin(store, &scratch, diag);
     if (status)
         return status;
     const char *folder = neph_scratch_path(scratch);
-    status = render_frames(take, folder, &cost, diag);
-    for (int i = 0; i < take->reading_count && !status; i++)
-        status = read_off(take, &take->readings[i], folder, diag);
+    status = prepare_frames(take, folder, &frames, diag);
+    if (!status)
+        status = render_frames(take, folder, &frames, &cost, diag);
+    if (!status)
+        status = read_all(take, folder, &frames, diag);
+    finish_frames(take, &frames);
     json_t *record = status ? NULL : record_of(take, &cost);
     if (!status)
         status = neph_json_check(record, diag);

@@ -1,30 +1,28 @@
 /* SPDX-License-Identifier: MIT
  *
  * A take: a sequence of a shortcut, rendered, measured against its reference, and kept in the store
- * as numbers and a few pictures. Its frames are not kept.
+ * as numbers and a few pictures. Its frames are not kept: they are in memory until they are
+ * measured, up to 1 GiB, and in files of the store's folder of work beyond. What is measured keeps
+ * up to 1 GiB at a time too, or what a single reading has to keep if that is more.
  */
 #ifndef NEPH_HARNESS_STUDY_TAKE_H
 #define NEPH_HARNESS_STUDY_TAKE_H
 
 #include "harness/study/reference.h"
-#include "metrics/extractor.h"
+#include "metrics/meter.h"
 
 enum { NEPH_TAKE_PICTURES = 4 }; /* of the last frames */
 
-/* A number of radiance over all frames. */
-struct neph_take_number {
-    const char *metric, *mask;
-};
-
-/* One pass over the frames, which gives one document (comparison.h). */
+/* What is measured of the frames for one document (comparison.h); several share a pass. */
 struct neph_reading {
     const char *name; /* of the document, unique in the take */
     enum neph_reference_rays against;
     const char *const *extractors; /* names, NULL-terminated */
     const char *const *settings;   /* "extractor.key=value", NULL-terminated; NULL: none */
     struct neph_viewing viewing;
-    const struct neph_take_number *kept; /* all that the document keeps; ends with a NULL metric.
-                                            NULL: it keeps everything */
+    const struct neph_meter_number *kept; /* all that the document keeps, of radiance over all
+                                             frames; ends with a NULL metric. NULL: it keeps
+                                             everything */
 };
 
 /* All pointers are borrowed. */
