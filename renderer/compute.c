@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "renderer/compute.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -90,8 +89,12 @@ enum neph_status neph_buffer_create(const struct neph_vulkan *vulkan, enum neph_
     return NEPH_OK;
 }
 
+static void forget_buffer(const struct neph_vulkan *vulkan, VkBuffer buffer);
+
 void neph_buffer_destroy(const struct neph_vulkan *vulkan, struct neph_buffer *buffer)
 {
+    if (buffer->handle)
+        forget_buffer(vulkan, buffer->handle);
     vulkan->api.vkDestroyBuffer(vulkan->device, buffer->handle, NULL);
     vulkan->api.vkFreeMemory(vulkan->device, buffer->memory, NULL); /* unmaps it too */
     *buffer = (struct neph_buffer){0};
@@ -105,17 +108,68 @@ struct neph_kernel {
     VkDescriptorSetLayout set_layout;
     VkPipelineLayout layout;
     VkPipeline pipeline;
-    VkDescriptorPool pool;
-    VkDescriptorSet set;
+    struct kernel_sets *sets; /* owned; grows where the kernel itself is const */
 };
+
+/* The buffers that a kernel has once been run with. */
+struct kernel_set {
+    struct kernel_set *next;
+    VkBuffer buffers[NEPH_KERNEL_BUFFERS_MAX];
+    VkDescriptorPool pool;
+    VkDescriptorSet handle;
+};
+
+struct kernel_sets {
+    struct kernel_set *first;
+};
+
+static int buffer_count_of(const struct neph_kernel *kernel)
+{
+    return kernel->params.buffer_count + kernel->params.array_count;
+}
+
+static bool set_has(const struct neph_kernel *kernel, const struct kernel_set *set, VkBuffer buffer)
+{
+    bool has = false;
+    for (int i = 0; i < buffer_count_of(kernel); i++)
+        has |= set->buffers[i] == buffer;
+    return has;
+}
+
+/* Those that have a buffer; VK_NULL_HANDLE: all of them. */
+static void drop_sets(const struct neph_vulkan *vulkan, const struct neph_kernel *kernel,
+                      VkBuffer buffer)
+{
+    struct kernel_set **at = &kernel->sets->first;
+    while (*at) {
+        struct kernel_set *set = *at;
+        if (buffer && !set_has(kernel, set, buffer)) {
+            at = &set->next;
+            continue;
+        }
+        *at = set->next;
+        vulkan->api.vkDestroyDescriptorPool(vulkan->device, set->pool, NULL);
+        free(set);
+    }
+}
 
 static void kernel_destroy(const struct neph_vulkan *vulkan, struct neph_kernel *kernel)
 {
-    vulkan->api.vkDestroyDescriptorPool(vulkan->device, kernel->pool, NULL);
+    if (kernel->sets)
+        drop_sets(vulkan, kernel, VK_NULL_HANDLE);
+    free(kernel->sets);
     vulkan->api.vkDestroyPipeline(vulkan->device, kernel->pipeline, NULL);
     vulkan->api.vkDestroyPipelineLayout(vulkan->device, kernel->layout, NULL);
     vulkan->api.vkDestroyDescriptorSetLayout(vulkan->device, kernel->set_layout, NULL);
     free(kernel);
+}
+
+/* Nothing that is on its way uses it any more, and another buffer may get its handle. */
+static void forget_buffer(const struct neph_vulkan *vulkan, VkBuffer buffer)
+{
+    neph_lanes_wait(vulkan, vulkan->lanes->sent); /* a lost device is reported by who needs it */
+    for (struct neph_kernel *kernel = vulkan->kernels; kernel; kernel = kernel->next)
+        drop_sets(vulkan, kernel, buffer);
 }
 
 void neph_kernels_destroy(struct neph_vulkan *vulkan)
@@ -165,31 +219,6 @@ static VkResult create_layouts(const struct neph_vulkan *vulkan, struct neph_ker
         .pPushConstantRanges = &push,
     };
     return vulkan->api.vkCreatePipelineLayout(vulkan->device, &layout, NULL, &kernel->layout);
-}
-
-static VkResult create_set(const struct neph_vulkan *vulkan, struct neph_kernel *kernel)
-{
-    const VkDescriptorPoolSize size = {
-        .type = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
-        .descriptorCount = (uint32_t)(kernel->params.buffer_count + kernel->params.array_count),
-    };
-    const VkDescriptorPoolCreateInfo pool = {
-        .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
-        .maxSets = 1,
-        .poolSizeCount = 1,
-        .pPoolSizes = &size,
-    };
-    const VkResult result = vulkan->api.vkCreateDescriptorPool(vulkan->device, &pool, NULL,
-                                                               &kernel->pool);
-    if (result != VK_SUCCESS)
-        return result;
-    const VkDescriptorSetAllocateInfo set = {
-        .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO,
-        .descriptorPool = kernel->pool,
-        .descriptorSetCount = 1,
-        .pSetLayouts = &kernel->set_layout,
-    };
-    return vulkan->api.vkAllocateDescriptorSets(vulkan->device, &set, &kernel->set);
 }
 
 static VkResult create_pipeline(const struct neph_vulkan *vulkan, struct neph_kernel *kernel,
@@ -254,9 +283,8 @@ enum neph_status neph_kernel_get(struct neph_vulkan *vulkan,
         return neph_fail_memory(diag);
     created->params = *params;
     created->params.spirv = NULL;
-    VkResult result = create_layouts(vulkan, created);
-    if (result == VK_SUCCESS)
-        result = create_set(vulkan, created);
+    created->sets = calloc(1, sizeof(*created->sets));
+    VkResult result = created->sets ? create_layouts(vulkan, created) : VK_ERROR_OUT_OF_HOST_MEMORY;
     if (result == VK_SUCCESS)
         result = create_pipeline(vulkan, created, params);
     if (result != VK_SUCCESS) {
@@ -266,29 +294,53 @@ enum neph_status neph_kernel_get(struct neph_vulkan *vulkan,
     neph_vulkan_name(vulkan, VK_OBJECT_TYPE_PIPELINE, (uint64_t)created->pipeline, params->name);
     neph_vulkan_name(vulkan, VK_OBJECT_TYPE_PIPELINE_LAYOUT, (uint64_t)created->layout,
                      params->name);
-    neph_vulkan_name(vulkan, VK_OBJECT_TYPE_DESCRIPTOR_SET, (uint64_t)created->set, params->name);
     created->next = vulkan->kernels;
     vulkan->kernels = created;
     *kernel = created;
     return NEPH_OK;
 }
 
-/* --- running ------------------------------------------------------------------------------ */
+/* --- buffers of a kernel ------------------------------------------------------------------ */
 
-static void bind_buffers(const struct neph_vulkan *vulkan, const struct neph_kernel *kernel,
-                         const struct neph_dispatch *dispatch)
+static VkResult allocate_set(const struct neph_vulkan *vulkan, const struct neph_kernel *kernel,
+                             struct kernel_set *set)
+{
+    const VkDescriptorPoolSize size = {
+        .type = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
+        .descriptorCount = (uint32_t)buffer_count_of(kernel),
+    };
+    const VkDescriptorPoolCreateInfo pool = {
+        .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
+        .maxSets = 1,
+        .poolSizeCount = 1,
+        .pPoolSizes = &size,
+    };
+    const VkResult result = vulkan->api.vkCreateDescriptorPool(vulkan->device, &pool, NULL,
+                                                               &set->pool);
+    if (result != VK_SUCCESS)
+        return result;
+    const VkDescriptorSetAllocateInfo info = {
+        .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO,
+        .descriptorPool = set->pool,
+        .descriptorSetCount = 1,
+        .pSetLayouts = &kernel->set_layout,
+    };
+    return vulkan->api.vkAllocateDescriptorSets(vulkan->device, &info, &set->handle);
+}
+
+static void write_set(const struct neph_vulkan *vulkan, const struct neph_kernel *kernel,
+                      const struct kernel_set *set)
 {
     VkDescriptorBufferInfo buffers[NEPH_KERNEL_BUFFERS_MAX];
     VkWriteDescriptorSet writes[NEPH_KERNEL_BUFFERS_MAX];
     const int array = kernel->params.buffer_count;
     const int binding_count = binding_count_of(&kernel->params);
-    for (int i = 0; i < array + kernel->params.array_count; i++)
-        buffers[i] = (VkDescriptorBufferInfo){.buffer = dispatch->buffers[i]->handle,
-                                              .range = VK_WHOLE_SIZE};
+    for (int i = 0; i < buffer_count_of(kernel); i++)
+        buffers[i] = (VkDescriptorBufferInfo){.buffer = set->buffers[i], .range = VK_WHOLE_SIZE};
     for (int i = 0; i < binding_count; i++)
         writes[i] = (VkWriteDescriptorSet){
             .sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
-            .dstSet = kernel->set,
+            .dstSet = set->handle,
             .dstBinding = (uint32_t)i,
             .descriptorCount = i == array ? (uint32_t)kernel->params.array_count : 1,
             .descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
@@ -297,138 +349,123 @@ static void bind_buffers(const struct neph_vulkan *vulkan, const struct neph_ker
     vulkan->api.vkUpdateDescriptorSets(vulkan->device, (uint32_t)binding_count, writes, 0, NULL);
 }
 
-static void memory_barrier(const struct neph_vulkan *vulkan, VkPipelineStageFlags from_stage,
-                           VkAccessFlags from_access, VkPipelineStageFlags to_stage,
-                           VkAccessFlags to_access)
+static bool has_buffers(const struct neph_kernel *kernel, const struct kernel_set *set,
+                        const struct neph_dispatch *dispatch)
 {
-    const VkMemoryBarrier barrier = {
-        .sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER,
-        .srcAccessMask = from_access,
-        .dstAccessMask = to_access,
-    };
-    vulkan->api.vkCmdPipelineBarrier(vulkan->commands, from_stage, to_stage, 0, 1, &barrier, 0,
-                                     NULL, 0, NULL);
+    bool same = true;
+    for (int i = 0; i < buffer_count_of(kernel) && same; i++)
+        same = set->buffers[i] == dispatch->buffers[i]->handle;
+    return same;
 }
 
-static void record_copy(const struct neph_vulkan *vulkan, const struct neph_buffer *from,
-                        const struct neph_buffer *to, size_t size_bytes)
+/* Made once for the buffers of a dispatch, kept until one of them goes. */
+static VkResult get_set(const struct neph_vulkan *vulkan, const struct neph_kernel *kernel,
+                        const struct neph_dispatch *dispatch, VkDescriptorSet *handle)
 {
-    memory_barrier(vulkan, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_ACCESS_SHADER_WRITE_BIT,
-                   VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_READ_BIT);
-    const VkBufferCopy region = {.size = size_bytes};
-    vulkan->api.vkCmdCopyBuffer(vulkan->commands, from->handle, to->handle, 1, &region);
-    memory_barrier(vulkan, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_WRITE_BIT,
-                   VK_PIPELINE_STAGE_HOST_BIT, VK_ACCESS_HOST_READ_BIT);
-}
-
-/* What an error has left half recorded is dropped. */
-static VkResult begin(const struct neph_vulkan *vulkan)
-{
-    const VkResult result = vulkan->api.vkResetCommandBuffer(vulkan->commands, 0);
-    if (result != VK_SUCCESS)
+    for (const struct kernel_set *set = kernel->sets->first; set; set = set->next)
+        if (has_buffers(kernel, set, dispatch)) {
+            *handle = set->handle;
+            return VK_SUCCESS;
+        }
+    struct kernel_set *made = calloc(1, sizeof(*made));
+    if (!made)
+        return VK_ERROR_OUT_OF_HOST_MEMORY;
+    for (int i = 0; i < buffer_count_of(kernel); i++)
+        made->buffers[i] = dispatch->buffers[i]->handle;
+    made->next = kernel->sets->first;
+    kernel->sets->first = made;
+    const VkResult result = allocate_set(vulkan, kernel, made);
+    if (result != VK_SUCCESS) {
+        kernel->sets->first = made->next;
+        vulkan->api.vkDestroyDescriptorPool(vulkan->device, made->pool, NULL);
+        free(made);
         return result;
-    const VkCommandBufferBeginInfo info = {
-        .sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
-        .flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT,
-    };
-    return vulkan->api.vkBeginCommandBuffer(vulkan->commands, &info);
+    }
+    neph_vulkan_name(vulkan, VK_OBJECT_TYPE_DESCRIPTOR_SET, (uint64_t)made->handle,
+                     kernel->params.name);
+    write_set(vulkan, kernel, made);
+    *handle = made->handle;
+    return VK_SUCCESS;
 }
 
-static VkResult submit_and_wait(const struct neph_vulkan *vulkan)
-{
-    const VkSubmitInfo submit = {
-        .sType = VK_STRUCTURE_TYPE_SUBMIT_INFO,
-        .commandBufferCount = 1,
-        .pCommandBuffers = &vulkan->commands,
-    };
-    VkResult result = vulkan->api.vkResetFences(vulkan->device, 1, &vulkan->fence);
-    if (result == VK_SUCCESS)
-        result = vulkan->api.vkQueueSubmit(vulkan->queue, 1, &submit, vulkan->fence);
-    if (result == VK_SUCCESS)
-        result = vulkan->api.vkWaitForFences(vulkan->device, 1, &vulkan->fence, VK_TRUE,
-                                             UINT64_MAX);
-    return result;
-}
+/* --- running ------------------------------------------------------------------------------ */
 
-static VkResult read_stamps(const struct neph_batch *batch, double seconds[])
+static void record_copy(const struct neph_vulkan *vulkan, const struct neph_lane *lane,
+                        const struct neph_buffer *from, const struct neph_buffer *to,
+                        size_t size_bytes)
 {
-    const struct neph_vulkan *vulkan = batch->vulkan;
-    const uint32_t count = batch->stamp_count;
-    uint64_t ticks[NEPH_BATCH_STAMPS_MAX + 1];
-    for (uint32_t i = 0; i < count; i++)
-        seconds[i] = NAN;
-    if (!vulkan->timestamps || count == 0)
-        return VK_SUCCESS;
-    const VkResult result = vulkan->api.vkGetQueryPoolResults(
-        vulkan->device, vulkan->timestamps, 0, count + 1, sizeof(ticks), ticks, sizeof(ticks[0]),
-        VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT);
-    for (uint32_t i = 0; i < count && result == VK_SUCCESS; i++)
-        seconds[i] = (double)((ticks[i + 1] - ticks[i]) & vulkan->timestamp_mask) *
-                     vulkan->timestamp_period_s;
-    return result;
+    neph_lane_barrier(vulkan, lane, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
+                      VK_ACCESS_SHADER_WRITE_BIT, VK_PIPELINE_STAGE_TRANSFER_BIT,
+                      VK_ACCESS_TRANSFER_READ_BIT);
+    const VkBufferCopy region = {.size = size_bytes};
+    vulkan->api.vkCmdCopyBuffer(lane->commands, from->handle, to->handle, 1, &region);
 }
 
 enum neph_status neph_batch_begin(const struct neph_vulkan *vulkan, struct neph_batch *batch,
                                   struct neph_diag *diag)
 {
     *batch = (struct neph_batch){.vulkan = vulkan};
-    const VkResult result = begin(vulkan);
-    if (result != VK_SUCCESS)
-        return neph_vulkan_fail(result, "begin a batch", diag);
-    if (vulkan->timestamps) {
-        vulkan->api.vkCmdResetQueryPool(vulkan->commands, vulkan->timestamps, 0,
-                                        NEPH_BATCH_STAMPS_MAX + 1);
-        vulkan->api.vkCmdWriteTimestamp(vulkan->commands, VK_PIPELINE_STAGE_TOP_OF_PIPE_BIT,
-                                        vulkan->timestamps, 0);
-    }
-    return NEPH_OK;
+    const VkResult result = neph_lane_begin(vulkan, &batch->lane);
+    return result == VK_SUCCESS ? NEPH_OK : neph_vulkan_fail(result, "begin a batch", diag);
 }
 
-void neph_batch_dispatch(struct neph_batch *batch, const struct neph_kernel *kernel,
-                         const struct neph_dispatch *dispatch)
+static void bind(struct neph_batch *batch, const struct neph_kernel *kernel, VkDescriptorSet set)
 {
     const struct VolkDeviceTable *api = &batch->vulkan->api;
-    const VkCommandBuffer commands = batch->vulkan->commands;
-    if (kernel != batch->bound) {
-        bind_buffers(batch->vulkan, kernel, dispatch);
+    const VkCommandBuffer commands = batch->lane->commands;
+    if (kernel != batch->bound)
         api->vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, kernel->pipeline);
+    if (set != batch->bound_set)
         api->vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, kernel->layout, 0, 1,
-                                     &kernel->set, 0, NULL);
-        batch->bound = kernel;
-    }
+                                     &set, 0, NULL);
+    batch->bound = kernel;
+    batch->bound_set = set;
+}
+
+enum neph_status neph_batch_dispatch(struct neph_batch *batch, const struct neph_kernel *kernel,
+                                     const struct neph_dispatch *dispatch, struct neph_diag *diag)
+{
+    const struct VolkDeviceTable *api = &batch->vulkan->api;
+    const VkCommandBuffer commands = batch->lane->commands;
+    VkDescriptorSet set;
+    const VkResult result = get_set(batch->vulkan, kernel, dispatch, &set);
+    if (result != VK_SUCCESS)
+        return neph_vulkan_fail(result, kernel->params.name, diag);
+    bind(batch, kernel, set);
     if (kernel->params.push_size_bytes > 0)
         api->vkCmdPushConstants(commands, kernel->layout, VK_SHADER_STAGE_COMPUTE_BIT, 0,
                                 (uint32_t)kernel->params.push_size_bytes, dispatch->push);
     api->vkCmdDispatch(commands, dispatch->group_count, 1, 1);
+    return NEPH_OK;
 }
 
 void neph_batch_barrier(struct neph_batch *batch)
 {
-    memory_barrier(batch->vulkan, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_ACCESS_SHADER_WRITE_BIT,
-                   VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
-                   VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT);
+    neph_lane_barrier(batch->vulkan, batch->lane, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
+                      VK_ACCESS_SHADER_WRITE_BIT, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
+                      VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT);
 }
 
-void neph_batch_stamp(struct neph_batch *batch)
+void neph_batch_stamp(struct neph_batch *batch, double *seconds)
 {
-    const struct neph_vulkan *vulkan = batch->vulkan;
-    batch->stamp_count++;
-    if (vulkan->timestamps)
-        vulkan->api.vkCmdWriteTimestamp(vulkan->commands, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
-                                        vulkan->timestamps, batch->stamp_count);
+    neph_lane_stamp(batch->vulkan, batch->lane, seconds);
 }
 
-/* Counters lie in memory that the CPU reads. */
-enum neph_status neph_batch_run(struct neph_batch *batch, const char *what, double seconds[],
-                                struct neph_diag *diag)
+enum neph_status neph_batch_send(struct neph_batch *batch, const char *what, struct neph_diag *diag)
 {
-    memory_barrier(batch->vulkan, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_ACCESS_SHADER_WRITE_BIT,
-                   VK_PIPELINE_STAGE_HOST_BIT, VK_ACCESS_HOST_READ_BIT);
-    VkResult result = batch->vulkan->api.vkEndCommandBuffer(batch->vulkan->commands);
-    if (result == VK_SUCCESS)
-        result = submit_and_wait(batch->vulkan);
-    if (result == VK_SUCCESS)
-        result = read_stamps(batch, seconds);
+    const VkResult result = neph_lane_send(batch->vulkan, batch->lane);
+    return result == VK_SUCCESS ? NEPH_OK : neph_vulkan_fail(result, what, diag);
+}
+
+uint64_t neph_batches_sent(const struct neph_vulkan *vulkan)
+{
+    return vulkan->lanes->sent;
+}
+
+enum neph_status neph_batches_wait(const struct neph_vulkan *vulkan, uint64_t count,
+                                   const char *what, struct neph_diag *diag)
+{
+    const VkResult result = neph_lanes_wait(vulkan, count);
     return result == VK_SUCCESS ? NEPH_OK : neph_vulkan_fail(result, what, diag);
 }
 
@@ -437,15 +474,19 @@ enum neph_status neph_kernel_run(const struct neph_vulkan *vulkan, const struct 
                                  struct neph_diag *diag)
 {
     struct neph_batch batch;
-    double measured_s;
+    double measured_s = 0.0;
     enum neph_status status = neph_batch_begin(vulkan, &batch, diag);
+    if (!status)
+        status = neph_batch_dispatch(&batch, kernel, dispatch, diag);
     if (status)
         return status;
-    neph_batch_dispatch(&batch, kernel, dispatch);
-    neph_batch_stamp(&batch);
+    neph_batch_stamp(&batch, &measured_s);
     if (dispatch->copy_to)
-        record_copy(vulkan, dispatch->copy_from, dispatch->copy_to, dispatch->copy_size_bytes);
-    status = neph_batch_run(&batch, kernel->params.name, &measured_s, diag);
+        record_copy(vulkan, batch.lane, dispatch->copy_from, dispatch->copy_to,
+                    dispatch->copy_size_bytes);
+    status = neph_batch_send(&batch, kernel->params.name, diag);
+    if (!status)
+        status = neph_batches_wait(vulkan, neph_batches_sent(vulkan), kernel->params.name, diag);
     if (!status && gpu_s)
         *gpu_s = measured_s;
     return status;
@@ -453,19 +494,24 @@ enum neph_status neph_kernel_run(const struct neph_vulkan *vulkan, const struct 
 
 /* --- copies ------------------------------------------------------------------------------- */
 
-static VkResult record_upload(const struct neph_vulkan *vulkan, const struct neph_buffer *staging,
-                              const struct neph_buffer *buffer, size_t offset_bytes,
-                              size_t size_bytes)
+/* Send what has been recorded and wait for it. */
+static VkResult run_lane(const struct neph_vulkan *vulkan, struct neph_lane *lane)
 {
-    const struct VolkDeviceTable *api = &vulkan->api;
-    const VkResult result = begin(vulkan);
+    const VkResult result = neph_lane_send(vulkan, lane);
+    return result == VK_SUCCESS ? neph_lanes_wait(vulkan, vulkan->lanes->sent) : result;
+}
+
+static VkResult upload_part(const struct neph_vulkan *vulkan, const struct neph_buffer *staging,
+                            const struct neph_buffer *buffer, size_t offset_bytes,
+                            size_t size_bytes)
+{
+    const VkBufferCopy region = {.dstOffset = offset_bytes, .size = size_bytes};
+    struct neph_lane *lane;
+    const VkResult result = neph_lane_begin(vulkan, &lane);
     if (result != VK_SUCCESS)
         return result;
-    const VkBufferCopy region = {.dstOffset = offset_bytes, .size = size_bytes};
-    api->vkCmdCopyBuffer(vulkan->commands, staging->handle, buffer->handle, 1, &region);
-    memory_barrier(vulkan, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_WRITE_BIT,
-                   VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_ACCESS_SHADER_READ_BIT);
-    return api->vkEndCommandBuffer(vulkan->commands);
+    vulkan->api.vkCmdCopyBuffer(lane->commands, staging->handle, buffer->handle, 1, &region);
+    return run_lane(vulkan, lane);
 }
 
 enum neph_status neph_buffer_upload(const struct neph_vulkan *vulkan,
@@ -481,9 +527,7 @@ enum neph_status neph_buffer_upload(const struct neph_vulkan *vulkan,
         const size_t left = size_bytes - done;
         const size_t now = left < chunk_bytes ? left : chunk_bytes;
         memcpy(staging.mapped, (const char *)data + done, now);
-        VkResult result = record_upload(vulkan, &staging, buffer, offset_bytes + done, now);
-        if (result == VK_SUCCESS)
-            result = submit_and_wait(vulkan);
+        const VkResult result = upload_part(vulkan, &staging, buffer, offset_bytes + done, now);
         if (result != VK_SUCCESS)
             status = neph_vulkan_fail(result, "upload", diag);
     }
@@ -496,12 +540,11 @@ enum neph_status neph_buffer_download(const struct neph_vulkan *vulkan,
                                       const struct neph_buffer *readback, size_t size_bytes,
                                       struct neph_diag *diag)
 {
-    VkResult result = begin(vulkan);
+    struct neph_lane *lane;
+    VkResult result = neph_lane_begin(vulkan, &lane);
     if (result == VK_SUCCESS) {
-        record_copy(vulkan, buffer, readback, size_bytes);
-        result = vulkan->api.vkEndCommandBuffer(vulkan->commands);
+        record_copy(vulkan, lane, buffer, readback, size_bytes);
+        result = run_lane(vulkan, lane);
     }
-    if (result == VK_SUCCESS)
-        result = submit_and_wait(vulkan);
     return result == VK_SUCCESS ? NEPH_OK : neph_vulkan_fail(result, "download", diag);
 }

@@ -6,7 +6,7 @@
 #ifndef NEPH_RENDERER_COMPUTE_H
 #define NEPH_RENDERER_COMPUTE_H
 
-#include "renderer/vulkan_device.h"
+#include "renderer/lane.h"
 
 #include <stddef.h>
 
@@ -55,7 +55,7 @@ enum neph_status neph_buffer_download(const struct neph_vulkan *vulkan,
                                       const struct neph_buffer *readback, size_t size_bytes,
                                       struct neph_diag *diag);
 
-/* A zero buffer is fine. */
+/* A zero buffer is fine. Waits for all that is on its way to the device. */
 void neph_buffer_destroy(const struct neph_vulkan *vulkan, struct neph_buffer *buffer);
 
 /* --- kernels ------------------------------------------------------------------------------ */
@@ -89,34 +89,43 @@ struct neph_dispatch {
     size_t copy_size_bytes;
 };
 
-/* Dispatches that the device gets at once. There is one batch of a device at a time, and no copy
- * while it is open. */
+/* Dispatches that the device gets at once, after all batches before. One batch of a device is made
+ * at a time, and nothing is copied meanwhile; a few more may be on their way (lane.h). */
 struct neph_batch {
     const struct neph_vulkan *vulkan; /* borrowed */
+    struct neph_lane *lane;           /* borrowed */
     const struct neph_kernel *bound;
-    uint32_t stamp_count;
+    VkDescriptorSet bound_set;
 };
 
-enum { NEPH_BATCH_STAMPS_MAX = 64 };
-
+/* Waits for an earlier batch when there are too many on their way. A batch that is not sent leaves
+ * nothing behind. */
 enum neph_status neph_batch_begin(const struct neph_vulkan *vulkan, struct neph_batch *batch,
                                   struct neph_diag *diag);
 
-/* Add a dispatch; its copy is left out. A kernel has the same buffers in all of a batch. */
-void neph_batch_dispatch(struct neph_batch *batch, const struct neph_kernel *kernel,
-                         const struct neph_dispatch *dispatch);
+/* Add a dispatch; its copy is left out. */
+enum neph_status neph_batch_dispatch(struct neph_batch *batch, const struct neph_kernel *kernel,
+                                     const struct neph_dispatch *dispatch, struct neph_diag *diag);
 
 /* What comes after sees what kernels wrote before, and writes what they read no sooner. */
 void neph_batch_barrier(struct neph_batch *batch);
 
-/* Take the time when all before is done, at most NEPH_BATCH_STAMPS_MAX times. */
-void neph_batch_stamp(struct neph_batch *batch);
+/* Take the time when all before is done, at most NEPH_LANE_STAMPS_MAX times. What has passed since
+ * the stamp before it, or since the batch began, is added to `*seconds` when the batch is home (NaN
+ * when the device has no clock); borrowed until then; NULL: nobody wants it. */
+void neph_batch_stamp(struct neph_batch *batch, double *seconds);
 
-/* Submit it and wait for the end. `seconds` receives the time before each stamp, since the one
- * before it or the beginning (NaN when the device has no clock). `what` names the batch in errors.
- * NEPH_ERR_ENGINE: the device was lost. */
-enum neph_status neph_batch_run(struct neph_batch *batch, const char *what, double seconds[],
-                                struct neph_diag *diag);
+/* Send it on its way. What its kernels read must stay as it is until the batch is home. `what`
+ * names it in errors. NEPH_ERR_ENGINE: the device was lost. */
+enum neph_status neph_batch_send(struct neph_batch *batch, const char *what,
+                                 struct neph_diag *diag);
+
+/* How many batches the device was ever sent: for _wait. */
+uint64_t neph_batches_sent(const struct neph_vulkan *vulkan);
+
+/* Wait until `count` of them are home: done, seen by the CPU, their times added. */
+enum neph_status neph_batches_wait(const struct neph_vulkan *vulkan, uint64_t count,
+                                   const char *what, struct neph_diag *diag);
 
 /* Run a kernel and wait for it. `*gpu_s` receives the time the device spent on the dispatch alone
  * (timestamps; NaN when the device has none); NULL is fine. NEPH_ERR_ENGINE: the device was lost.

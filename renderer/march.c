@@ -2,7 +2,7 @@
 #include "renderer/march.h"
 
 #include "base/clock.h"
-#include "renderer/compute.h"
+#include "renderer/flight.h"
 #include "renderer/gpu_scene.h"
 #include "renderer/march_cut.h"
 #include "renderer/reach.h"
@@ -99,8 +99,20 @@ struct neph_march {
     struct neph_march_params params;
     struct neph_march_cut cut;
     struct neph_gpu_scene scene;
+    struct neph_turns frame_turns, solid_turns; /* of the scene's */
     struct neph_buffer pixels, states, readback;
+    struct neph_flight flight;
+    double flights_gpu_s[NEPH_FLIGHT_FRAMES]; /* of the frames in flight */
 };
+
+static enum neph_status create_turns(struct neph_march *march, struct neph_diag *diag)
+{
+    const enum neph_status status = neph_turns_create(march->vulkan, &march->scene.buffers[0],
+                                                      "scene frame", &march->frame_turns, diag);
+    return status ? status
+                  : neph_turns_create(march->vulkan, &march->scene.buffers[1], "scene solids",
+                                      &march->solid_turns, diag);
+}
 
 static enum neph_status create_buffers(struct neph_march *march, struct neph_diag *diag)
 {
@@ -136,6 +148,8 @@ enum neph_status neph_march_create(struct neph_vulkan *vulkan, const struct neph
                                      (uint64_t)params->width_px * (uint64_t)params->height_px,
                                      &made->cut, diag);
     if (!status)
+        status = create_turns(made, diag);
+    if (!status)
         status = create_buffers(made, diag);
     if (status)
         neph_march_destroy(made);
@@ -151,6 +165,8 @@ void neph_march_destroy(struct neph_march *march)
     neph_buffer_destroy(march->vulkan, &march->readback);
     neph_buffer_destroy(march->vulkan, &march->states);
     neph_buffer_destroy(march->vulkan, &march->pixels);
+    neph_turns_destroy(march->vulkan, &march->solid_turns);
+    neph_turns_destroy(march->vulkan, &march->frame_turns);
     neph_gpu_scene_destroy(march->vulkan, &march->scene);
     free(march);
 }
@@ -215,38 +231,56 @@ static void unpack(const struct neph_gpu_march_pixel *pixel, size_t index,
 struct work {
     struct neph_march *march;
     const struct neph_kernel *kernel;
+    bool is_read; /* rays that are through come back, into the layers */
     struct layers layers;
     struct neph_march_stats stats;
+    double *gpu_s; /* borrowed; one of neph_march.flights_gpu_s */
 };
 
-/* One dispatch; the last of its rays also brings the results. */
+static struct neph_dispatch dispatch_of(const struct neph_march *march,
+                                        const struct neph_gpu_march_run *run)
+{
+    struct neph_dispatch dispatch = {
+        .push = run,
+        .group_count = (run->ray_count + NEPH_MARCH_LOCAL_SIZE - 1) / NEPH_MARCH_LOCAL_SIZE,
+    };
+    neph_gpu_scene_bind(&march->scene, &dispatch);
+    dispatch.buffers[NEPH_GPU_SCENE_BUFFERS] = &march->states;
+    dispatch.buffers[NEPH_GPU_SCENE_BUFFERS + 1] = &march->pixels;
+    return dispatch;
+}
+
+static enum neph_status read_pixels(struct work *work, const struct neph_gpu_march_run *run,
+                                    struct neph_diag *diag)
+{
+    struct neph_march *march = work->march;
+    const enum neph_status status = neph_buffer_download(
+        march->vulkan, &march->pixels, &march->readback,
+        run->ray_count * sizeof(struct neph_gpu_march_pixel), diag);
+    const struct neph_gpu_march_pixel *pixels = march->readback.mapped;
+    for (uint32_t i = 0; i < run->ray_count && !status; i++)
+        unpack(&pixels[i], (size_t)run->first_ray + i, &work->layers, &work->stats);
+    return status;
+}
+
+/* One dispatch, sent on its way; the last of its rays also brings the results. */
 static enum neph_status march_run(const struct neph_gpu_march_run *run, void *context,
                                   struct neph_diag *diag)
 {
     struct work *work = context;
     struct neph_march *march = work->march;
-    const bool is_last = run->end_step == march->cut.step_count;
-    struct neph_dispatch dispatch = {
-        .push = run,
-        .group_count = (run->ray_count + NEPH_MARCH_LOCAL_SIZE - 1) / NEPH_MARCH_LOCAL_SIZE,
-        .copy_from = &march->pixels,
-        .copy_to = is_last ? &march->readback : NULL,
-        .copy_size_bytes = run->ray_count * sizeof(struct neph_gpu_march_pixel),
-    };
-    neph_gpu_scene_bind(&march->scene, &dispatch);
-    dispatch.buffers[NEPH_GPU_SCENE_BUFFERS] = &march->states;
-    dispatch.buffers[NEPH_GPU_SCENE_BUFFERS + 1] = &march->pixels;
-    double gpu_s;
-    const enum neph_status status = neph_kernel_run(march->vulkan, work->kernel, &dispatch, &gpu_s,
-                                                    diag);
+    const struct neph_dispatch dispatch = dispatch_of(march, run);
+    struct neph_batch batch;
+    enum neph_status status = neph_batch_begin(march->vulkan, &batch, diag);
+    if (!status)
+        status = neph_batch_dispatch(&batch, work->kernel, &dispatch, diag);
     if (status)
         return status;
-    work->stats.gpu_s += gpu_s;
+    neph_batch_stamp(&batch, work->gpu_s);
+    status = neph_batch_send(&batch, "march", diag);
     work->stats.dispatches++;
-    const struct neph_gpu_march_pixel *pixels = march->readback.mapped;
-    for (uint32_t i = 0; is_last && i < run->ray_count; i++)
-        unpack(&pixels[i], (size_t)run->first_ray + i, &work->layers, &work->stats);
-    return NEPH_OK;
+    const bool is_last = run->end_step == march->cut.step_count;
+    return !status && is_last && work->is_read ? read_pixels(work, run, diag) : status;
 }
 
 static enum neph_status get_kernel(struct neph_march *march, const struct neph_kernel **kernel,
@@ -264,35 +298,83 @@ static enum neph_status get_kernel(struct neph_march *march, const struct neph_k
     return neph_kernel_get(march->vulkan, &params, kernel, diag);
 }
 
-enum neph_status neph_march_frame(struct neph_march *march, const struct neph_scene *scene,
-                                  double frame, const float jitter_px[2], struct neph_image **image,
-                                  struct neph_march_stats *stats, struct neph_diag *diag)
+/* What the shader reads of the scene, in memory that no other frame reads. */
+static void show_scene(struct neph_march *march, const struct neph_scene *scene, double frame,
+                       const float jitter_px[2])
 {
-    const double start_s = neph_wall_s();
-    struct neph_gpu_frame *gpu = march->scene.frame;
+    neph_turns_take(&march->frame_turns, &march->scene.buffers[0]);
+    neph_turns_take(&march->solid_turns, &march->scene.buffers[1]);
+    struct neph_gpu_frame *gpu = march->scene.frame = march->scene.buffers[0].mapped;
     neph_gpu_scene_move(&march->scene, scene, frame, march->params.width_px,
                         march->params.height_px);
     gpu->steps = (uint32_t)march->params.steps;
     gpu->sun_steps = (uint32_t)neph_march_sun_steps(scene, &march->params);
     gpu->jitter_px[0] = jitter_px[0];
     gpu->jitter_px[1] = jitter_px[1];
-    struct work work = {.march = march};
-    struct neph_image *made = NULL;
-    enum neph_status status = get_kernel(march, &work.kernel, diag);
+}
+
+/* All dispatches of a frame, sent. */
+static enum neph_status send_frame(struct neph_march *march, struct work *work,
+                                   struct neph_diag *diag)
+{
+    enum neph_status status = get_kernel(march, &work->kernel, diag);
     if (!status)
-        status = create_image(march, &made, &work.layers, diag);
-    if (!status)
-        status = neph_march_cut_run(&march->cut, march_run, &work, diag);
+        status = neph_march_cut_run(&march->cut, march_run, work, diag);
     if (!status)
         status = neph_vulkan_check(march->vulkan, diag);
+    if (!status)
+        neph_flight_end(march->vulkan, &march->flight);
+    return status;
+}
+
+/* A frame that is waited for, into an image. */
+static enum neph_status read_frame(struct neph_march *march, struct work *work,
+                                   struct neph_image **image, struct neph_diag *diag)
+{
+    struct neph_image *made = NULL;
+    work->is_read = true;
+    enum neph_status status = create_image(march, &made, &work->layers, diag);
+    if (!status)
+        status = send_frame(march, work, diag);
+    if (!status)
+        status = neph_flight_land(march->vulkan, &march->flight, diag);
     if (status) {
         neph_image_destroy(made);
         return status;
     }
-    work.stats.rays = march->cut.rays;
-    work.stats.wall_s = neph_wall_s() - start_s;
+    work->stats.rays = march->cut.rays;
+    work->stats.gpu_s = *work->gpu_s;
     *image = made;
-    if (stats)
-        *stats = work.stats;
     return NEPH_OK;
+}
+
+enum neph_status neph_march_frame(struct neph_march *march, const struct neph_scene *scene,
+                                  double frame, const float jitter_px[2], struct neph_image **image,
+                                  struct neph_march_stats *stats, struct neph_diag *diag)
+{
+    const double start_s = neph_wall_s();
+    struct work work = {.march = march};
+    int slot;
+    enum neph_status status = neph_flight_begin(march->vulkan, &march->flight, &slot, diag);
+    if (status)
+        return status;
+    work.gpu_s = &march->flights_gpu_s[slot];
+    *work.gpu_s = 0.0;
+    show_scene(march, scene, frame, jitter_px);
+    if (!image)
+        return send_frame(march, &work, diag);
+    status = read_frame(march, &work, image, diag);
+    work.stats.wall_s = neph_wall_s() - start_s;
+    if (!status && stats)
+        *stats = work.stats;
+    return status;
+}
+
+enum neph_status neph_march_home(struct neph_march *march, double *gpu_s, struct neph_diag *diag)
+{
+    int slot;
+    const enum neph_status status = neph_flight_home(march->vulkan, &march->flight, &slot, diag);
+    if (!status)
+        *gpu_s = march->flights_gpu_s[slot];
+    return status;
 }

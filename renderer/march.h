@@ -71,9 +71,17 @@ void neph_march_destroy(struct neph_march *march);
  *
  * NEPH_ERR_UNSUPPORTED: one step alone is more than a dispatch may hold (thousands of sun steps).
  * NEPH_ERR_INTERRUPTED: neph_interrupted() between two dispatches (well below a second each on two
- * CPU cores). NEPH_ERR_INTERNAL: the validation layer had something to say. */
+ * CPU cores). NEPH_ERR_INTERNAL: the validation layer had something to say.
+ *
+ * `image` NULL: the frame is on its way when this returns, nothing comes back of it and `stats` is
+ * left alone; up to NEPH_FLIGHT_FRAMES of them are in flight. */
 enum neph_status neph_march_frame(struct neph_march *march, const struct neph_scene *scene,
                                   double frame, const float jitter_px[2], struct neph_image **image,
                                   struct neph_march_stats *stats, struct neph_diag *diag);
+
+/* The device's time for the oldest frame in flight (NaN: it has no clock), waited for. One whose
+ * turn is over, or that had a frame with an image after it, is forgotten. NEPH_ERR_USAGE: none is
+ * in flight. */
+enum neph_status neph_march_home(struct neph_march *march, double *gpu_s, struct neph_diag *diag);
 
 #endif

@@ -257,54 +257,15 @@ static enum neph_status create_device(struct neph_vulkan *vulkan, uint32_t *time
     return NEPH_OK;
 }
 
-static enum neph_status create_timestamps(struct neph_vulkan *vulkan, uint32_t timestamp_bits,
-                                          struct neph_diag *diag)
+static enum neph_status create_lanes(struct neph_vulkan *vulkan, uint32_t timestamp_bits,
+                                     struct neph_diag *diag)
 {
-    if (timestamp_bits == 0)
-        return NEPH_OK;
-    vulkan->timestamp_mask = timestamp_bits >= 64 ? UINT64_MAX : (1ull << timestamp_bits) - 1;
+    if (timestamp_bits > 0)
+        vulkan->timestamp_mask = timestamp_bits >= 64 ? UINT64_MAX : (1ull << timestamp_bits) - 1;
     vulkan->timestamp_period_s = 1e-9 * (double)vulkan->limits.timestampPeriod;
-    const VkQueryPoolCreateInfo info = {
-        .sType = VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO,
-        .queryType = VK_QUERY_TYPE_TIMESTAMP,
-        .queryCount = NEPH_BATCH_STAMPS_MAX + 1,
-    };
-    const VkResult result = vulkan->api.vkCreateQueryPool(vulkan->device, &info, NULL,
-                                                          &vulkan->timestamps);
-    if (result != VK_SUCCESS)
-        return neph_vulkan_fail(result, "create the timestamps", diag);
-    neph_vulkan_name(vulkan, VK_OBJECT_TYPE_QUERY_POOL, (uint64_t)vulkan->timestamps, "timestamps");
-    return NEPH_OK;
-}
-
-static enum neph_status create_commands(struct neph_vulkan *vulkan, struct neph_diag *diag)
-{
-    const VkCommandPoolCreateInfo pool = {
-        .sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
-        .flags = VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT,
-        .queueFamilyIndex = vulkan->queue_family,
-    };
-    VkResult result = vulkan->api.vkCreateCommandPool(vulkan->device, &pool, NULL,
-                                                      &vulkan->command_pool);
-    if (result != VK_SUCCESS)
-        return neph_vulkan_fail(result, "create the command pool", diag);
-    const VkCommandBufferAllocateInfo commands = {
-        .sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO,
-        .commandPool = vulkan->command_pool,
-        .level = VK_COMMAND_BUFFER_LEVEL_PRIMARY,
-        .commandBufferCount = 1,
-    };
-    result = vulkan->api.vkAllocateCommandBuffers(vulkan->device, &commands, &vulkan->commands);
-    if (result != VK_SUCCESS)
-        return neph_vulkan_fail(result, "allocate the command buffer", diag);
-    const VkFenceCreateInfo fence = {.sType = VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
-    result = vulkan->api.vkCreateFence(vulkan->device, &fence, NULL, &vulkan->fence);
-    if (result != VK_SUCCESS)
-        return neph_vulkan_fail(result, "create the fence", diag);
-    neph_vulkan_name(vulkan, VK_OBJECT_TYPE_COMMAND_POOL, (uint64_t)vulkan->command_pool,
-                     "commands");
-    neph_vulkan_name(vulkan, VK_OBJECT_TYPE_FENCE, (uint64_t)vulkan->fence, "run is over");
-    return NEPH_OK;
+    const VkResult result = neph_lanes_create(vulkan, timestamp_bits > 0);
+    return result == VK_SUCCESS ? NEPH_OK
+                                : neph_vulkan_fail(result, "create the command buffers", diag);
 }
 
 /* dl_iterate_phdr's callback: hold the library open for as long as the process lives. */
@@ -344,9 +305,7 @@ enum neph_status neph_vulkan_create(const struct neph_vulkan_params *params,
         status = create_device(created, &timestamp_bits, diag);
     }
     if (!status)
-        status = create_timestamps(created, timestamp_bits, diag);
-    if (!status)
-        status = create_commands(created, diag);
+        status = create_lanes(created, timestamp_bits, diag);
     if (!status)
         status = neph_vulkan_check(created, diag);
     if (status) {
@@ -362,10 +321,8 @@ int neph_vulkan_destroy(struct neph_vulkan *vulkan)
     if (!vulkan)
         return 0;
     if (vulkan->device) {
+        neph_lanes_destroy(vulkan);
         neph_kernels_destroy(vulkan);
-        vulkan->api.vkDestroyFence(vulkan->device, vulkan->fence, NULL);
-        vulkan->api.vkDestroyCommandPool(vulkan->device, vulkan->command_pool, NULL);
-        vulkan->api.vkDestroyQueryPool(vulkan->device, vulkan->timestamps, NULL);
         vulkan->api.vkDestroyDevice(vulkan->device, NULL);
     }
     if (vulkan->messenger)

@@ -11,6 +11,7 @@
 #include <volk.h>
 
 struct neph_kernel;
+struct neph_lanes; /* lane.h */
 
 struct neph_vulkan {
     VkInstance instance;
@@ -19,12 +20,9 @@ struct neph_vulkan {
     struct VolkDeviceTable api; /* every call on the device goes through this */
     VkQueue queue;
     uint32_t queue_family;
-    VkCommandPool command_pool;
-    VkCommandBuffer commands;
-    VkFence fence;
-    VkQueryPool timestamps; /* of a batch: NEPH_BATCH_STAMPS_MAX + 1; null when not supported */
+    struct neph_lanes *lanes; /* owned; they change where the device itself is const */
     double timestamp_period_s;
-    uint64_t timestamp_mask; /* the bits that are valid */
+    uint64_t timestamp_mask; /* the bits that are valid; 0: no clock */
     VkPhysicalDeviceMemoryProperties memory;
     VkPhysicalDeviceLimits limits;
     struct neph_kernel *kernels; /* owned; all that were ever asked for */

@@ -73,6 +73,8 @@ enum neph_status neph_rt_device_create(struct neph_vulkan *vulkan, const struct 
     device->vulkan = vulkan;
     enum neph_status status = neph_buffer_create(vulkan, NEPH_BUFFER_UPLOAD, sizeof(*view), "view",
                                                  &device->view_buffer, diag);
+    if (!status)
+        status = neph_turns_create(vulkan, &device->view_buffer, "view", &device->view_turns, diag);
     if (status)
         return status;
     device->view = malloc(sizeof(*device->view));
@@ -92,6 +94,7 @@ void neph_rt_device_destroy(struct neph_rt_device *device)
     for (int t = 0; t < RT_TARGET_COUNT; t++)
         neph_buffer_destroy(device->vulkan, &device->targets[t]);
     neph_buffer_destroy(device->vulkan, &device->noise);
+    neph_turns_destroy(device->vulkan, &device->view_turns);
     neph_buffer_destroy(device->vulkan, &device->view_buffer);
     free(device->view);
     *device = (struct neph_rt_device){0};
@@ -140,10 +143,14 @@ static void set_choices(const struct neph_rt_device *device, struct neph_kernel_
     }
 }
 
+void neph_rt_device_show(struct neph_rt_device *device)
+{
+    memcpy(device->view_buffer.mapped, device->view, sizeof(*device->view));
+}
+
 void neph_rt_device_bind(struct neph_rt_device *device, const struct neph_rt_pass *pass, int first,
                          struct neph_kernel_params *params, struct neph_dispatch *dispatch)
 {
-    memcpy(device->view_buffer.mapped, device->view, sizeof(*device->view));
     params->name = pass->shader.name;
     params->spirv = pass->shader.spirv;
     params->spirv_size_bytes = pass->shader.spirv_size_bytes;
@@ -194,6 +201,7 @@ enum neph_status neph_rt_device_run(struct neph_rt_device *device, const struct 
                                     struct neph_diag *diag)
 {
     struct neph_rt_submission submission = {.vulkan = device->vulkan};
+    neph_rt_device_show(device);
     const enum neph_status status = neph_rt_device_add(device, pass, &submission, diag);
     return status ? status : neph_rt_submission_wait(&submission, diag);
 }

@@ -6,6 +6,7 @@
 #ifndef NEPH_RENDERER_REALTIME_DEVICE_H
 #define NEPH_RENDERER_REALTIME_DEVICE_H
 
+#include "renderer/flight.h"
 #include "renderer/gpu_scene.h"
 #include "renderer/realtime/submission.h"
 
@@ -18,6 +19,7 @@ struct neph_rt_device {
     struct neph_gpu_view *view; /* owned; change it between passes at will. Not the device's own:
                                    reading mapped memory of a GPU is slow */
     struct neph_buffer view_buffer; /* owned, as all that follow */
+    struct neph_turns view_turns;
     struct neph_buffer noise;
     struct neph_buffer targets[RT_TARGET_COUNT]; /* without memory where not asked for */
     struct neph_buffer nothing; /* one word, where a pass does not declare a target */
@@ -47,8 +49,12 @@ enum neph_status neph_rt_device_download(struct neph_rt_device *device, int targ
 /* What a pass hands on gets its name in the next frame. */
 void neph_rt_device_hand_on(struct neph_rt_device *device, const struct neph_rt_pass *pass);
 
-/* Show the device the view as it is, and fill in what a pass needs behind `first` other buffers and
- * the constants of theirs: the view, the noise and the targets that it declares. */
+/* Show the device the view as it is, in memory of which nothing that is on its way may be in need:
+ * neph_turns_take(). */
+void neph_rt_device_show(struct neph_rt_device *device);
+
+/* Fill in what a pass needs behind `first` other buffers and the constants of theirs: the view, the
+ * noise and the targets that it declares. */
 void neph_rt_device_bind(struct neph_rt_device *device, const struct neph_rt_pass *pass, int first,
                          struct neph_kernel_params *params, struct neph_dispatch *dispatch);
 
@@ -56,7 +62,7 @@ void neph_rt_device_bind(struct neph_rt_device *device, const struct neph_rt_pas
 enum neph_status neph_rt_device_add(struct neph_rt_device *device, const struct neph_rt_pass *pass,
                                     struct neph_rt_submission *submission, struct neph_diag *diag);
 
-/* Run it alone. */
+/* Run it alone, with the view as it is. */
 enum neph_status neph_rt_device_run(struct neph_rt_device *device, const struct neph_rt_pass *pass,
                                     struct neph_diag *diag);
 

@@ -21,6 +21,7 @@ struct neph_realtime {
     uint32_t *noise_ranks; /* owned */
     struct neph_march_params march;
     struct neph_gpu_scene scene;
+    struct neph_turns frame_turns, solid_turns; /* of the scene's */
     struct neph_march *whole; /* owned; without a split the march of every pixel, else NULL */
     struct neph_march_cut cuts[NEPH_RT_PASSES_MAX]; /* of the passes that have rays */
     struct neph_buffer states, counters;
@@ -28,6 +29,8 @@ struct neph_realtime {
     uint32_t frame_count; /* that it has rendered */
     bool has_past;
     struct neph_rt_moment past;
+    struct neph_flight flight;
+    struct neph_realtime_stats flights[NEPH_FLIGHT_FRAMES]; /* of the frames in flight */
     neph_realtime_observer *observer;
     void *observer_context;
 };
@@ -46,7 +49,7 @@ struct ray_pass {
     struct neph_dispatch dispatch;
     struct neph_rt_submission *submission;
     bool is_cut;
-    double *gpu_s;
+    double *gpu_s; /* borrowed; one of neph_realtime.flights */
 };
 
 /* A piece of a pass that is cut is as much as the device may get at once. */
@@ -62,11 +65,11 @@ static enum neph_status add_rays(const struct neph_gpu_march_run *run, void *con
     if (status || !work->is_cut)
         return status;
     neph_rt_submission_mark(work->submission, work->gpu_s);
-    return neph_rt_submission_wait(work->submission, diag);
+    return neph_rt_submission_send(work->submission, diag);
 }
 
 static enum neph_status add_ray_pass(struct neph_realtime *realtime,
-                                     const struct neph_rt_pass *pass,
+                                     const struct neph_rt_pass *pass, bool counts,
                                      struct neph_rt_submission *submission, double *gpu_s,
                                      struct neph_diag *diag)
 {
@@ -84,6 +87,7 @@ static enum neph_status add_ray_pass(struct neph_realtime *realtime,
     neph_rt_device_bind(&realtime->device, pass, NEPH_GPU_SCENE_BUFFERS + 2, &params,
                         &work.dispatch);
     neph_march_constants(&realtime->scene, &realtime->march, params.constants);
+    params.constants[RT_UNCOUNTED_CONSTANT] = !counts;
     const enum neph_status status = neph_kernel_get(realtime->vulkan, &params, &work.kernel, diag);
     return status ? status : neph_march_cut_run(cut, add_rays, &work, diag);
 }
@@ -206,6 +210,12 @@ static enum neph_status create_once(struct neph_realtime *realtime, const struct
         status = neph_gpu_scene_create(realtime->vulkan, scene, 0.0, params->width_px,
                                        params->height_px, false, &realtime->scene, diag);
     if (!status)
+        status = neph_turns_create(realtime->vulkan, &realtime->scene.buffers[0], "scene frame",
+                                   &realtime->frame_turns, diag);
+    if (!status)
+        status = neph_turns_create(realtime->vulkan, &realtime->scene.buffers[1], "scene solids",
+                                   &realtime->solid_turns, diag);
+    if (!status)
         status = neph_buffer_create(realtime->vulkan, NEPH_BUFFER_UPLOAD,
                                     sizeof(struct neph_gpu_counters), "counters",
                                     &realtime->counters, diag);
@@ -246,6 +256,8 @@ void neph_realtime_destroy(struct neph_realtime *realtime)
         return;
     destroy_sized(realtime);
     neph_buffer_destroy(realtime->vulkan, &realtime->counters);
+    neph_turns_destroy(realtime->vulkan, &realtime->solid_turns);
+    neph_turns_destroy(realtime->vulkan, &realtime->frame_turns);
     neph_gpu_scene_destroy(realtime->vulkan, &realtime->scene);
     free(realtime->noise_ranks);
     free(realtime);
@@ -278,11 +290,12 @@ void neph_realtime_observe(struct neph_realtime *realtime, neph_realtime_observe
 
 /* A frame on its way. Targets are NEPH_RT_BIT() of each. */
 struct progress {
-    uint32_t given;   /* what no pass needs to write */
-    uint32_t touched; /* what passes have read or written so far */
-    uint32_t past;    /* what they hand on, as the next frame calls it */
-    int picture;      /* the target that shows the frame */
-    struct neph_realtime_stats stats;
+    uint32_t given;                    /* what no pass needs to write */
+    uint32_t touched;                  /* what passes have read or written so far */
+    uint32_t past;                     /* what they hand on, as the next frame calls it */
+    int picture;                       /* the target that shows the frame */
+    bool counts;                       /* whether passes with rays count what they do */
+    struct neph_realtime_stats *stats; /* borrowed; one of neph_realtime.flights */
 };
 
 static uint64_t targets_bytes(const struct neph_gpu_view *view, uint32_t targets)
@@ -294,13 +307,14 @@ static uint64_t targets_bytes(const struct neph_gpu_view *view, uint32_t targets
     return bytes;
 }
 
-/* An observer sees what the pass has made: the device must have done it. */
+/* An observer sees what the pass has made: the device must have done it. It may change the view. */
 static enum neph_status observe(struct neph_realtime *realtime, const struct neph_rt_pass *pass,
                                 struct neph_rt_submission *submission, struct neph_diag *diag)
 {
     const enum neph_status status = neph_rt_submission_wait(submission, diag);
     if (!status)
         realtime->observer(&realtime->device, pass, realtime->observer_context);
+    neph_rt_device_show(&realtime->device);
     return status;
 }
 
@@ -308,15 +322,17 @@ static enum neph_status add_pass(struct neph_realtime *realtime, const struct ne
                                  struct neph_rt_submission *submission, struct progress *made,
                                  struct neph_diag *diag)
 {
-    double *gpu_s = &made->stats.pass_gpu_s[pass - neph_rt_passes];
+    double *gpu_s = &made->stats->pass_gpu_s[pass - neph_rt_passes];
     const uint32_t touched = pass->reads | pass->writes;
     const enum neph_status status =
-        pass->rays ? add_ray_pass(realtime, pass, submission, gpu_s, diag)
+        pass->rays ? add_ray_pass(realtime, pass, made->counts, submission, gpu_s, diag)
                    : neph_rt_device_add(&realtime->device, pass, submission, diag);
     if (status)
         return status;
     neph_rt_submission_mark(submission, gpu_s);
-    made->stats.traffic_bytes += targets_bytes(realtime->device.view, touched);
+    made->stats->pass_traffic_bytes[pass - neph_rt_passes] = targets_bytes(realtime->device.view,
+                                                                           touched);
+    made->stats->traffic_bytes += made->stats->pass_traffic_bytes[pass - neph_rt_passes];
     made->touched |= touched;
     made->past |= neph_rt_targets_before(pass);
     made->picture = pass->picture ? pass->picture : made->picture;
@@ -332,11 +348,7 @@ static enum neph_status run_passes(struct neph_realtime *realtime, struct progre
     for (const struct neph_rt_pass *pass = neph_rt_passes; pass->name && !status; pass++)
         if (neph_rt_holds(realtime->device.view, pass->condition) && (pass->writes & ~made->given))
             status = add_pass(realtime, pass, &submission, made, diag);
-    if (!status)
-        status = neph_rt_submission_wait(&submission, diag);
-    for (int i = 0; neph_rt_passes[i].name; i++)
-        made->stats.gpu_s += made->stats.pass_gpu_s[i];
-    return status;
+    return status ? status : neph_rt_submission_send(&submission, diag);
 }
 
 static void hand_on(struct neph_realtime *realtime)
@@ -360,26 +372,38 @@ static void take_counters(const struct neph_realtime *realtime, struct neph_real
     stats->closed_forms = whole_number(counters->closed_forms);
 }
 
+/* What the passes of a split frame read of the scene, in memory that no other frame reads. */
+static void show_scene(struct neph_realtime *realtime, const struct neph_scene *still, int frame)
+{
+    neph_turns_take(&realtime->frame_turns, &realtime->scene.buffers[0]);
+    neph_turns_take(&realtime->solid_turns, &realtime->scene.buffers[1]);
+    realtime->scene.frame = realtime->scene.buffers[0].mapped;
+    neph_gpu_scene_move(&realtime->scene, still, frame, realtime->march.width_px,
+                        realtime->march.height_px);
+    realtime->scene.frame->steps = (uint32_t)realtime->march.steps;
+    realtime->scene.frame->sun_steps = (uint32_t)neph_march_sun_steps(still, &realtime->march);
+}
+
 /* One ray for each tile, or whatever the settings make of the split. */
 static enum neph_status render_split(struct neph_realtime *realtime,
                                      const struct neph_realtime_frame *frame,
                                      const struct neph_scene *still, struct neph_image **image,
                                      struct progress *made, struct neph_diag *diag)
 {
-    memset(realtime->counters.mapped, 0, sizeof(struct neph_gpu_counters));
-    neph_gpu_scene_move(&realtime->scene, still, frame->frame, realtime->march.width_px,
-                        realtime->march.height_px);
-    realtime->scene.frame->steps = (uint32_t)realtime->march.steps;
-    realtime->scene.frame->sun_steps = (uint32_t)neph_march_sun_steps(still, &realtime->march);
+    made->counts = image;
+    show_scene(realtime, still, frame->frame);
+    if (made->counts)
+        memset(realtime->counters.mapped, 0, sizeof(struct neph_gpu_counters));
     enum neph_status status = NEPH_OK;
     if (frame->given)
         status = neph_rt_give_frame(&realtime->device, frame->given, &made->given, diag);
     if (!status)
         status = run_passes(realtime, made, diag);
-    if (status)
+    if (status || !image)
         return status;
-    take_counters(realtime, &made->stats);
-    return neph_rt_bring_frame(&realtime->device, made->picture, image, diag);
+    status = neph_rt_bring_frame(&realtime->device, made->picture, image, diag);
+    take_counters(realtime, made->stats);
+    return status;
 }
 
 /* What passes there are behind the march of every pixel. */
@@ -401,6 +425,23 @@ static enum neph_status finish(struct neph_realtime *realtime, struct neph_image
     return status;
 }
 
+/* Without a picture for the CPU there is none for the passes behind the march either. */
+static enum neph_status send_whole(struct neph_realtime *realtime,
+                                   const struct neph_realtime_frame *frame,
+                                   const struct neph_scene *still, struct neph_diag *diag)
+{
+    const struct neph_gpu_view *view = realtime->device.view;
+    for (const struct neph_rt_pass *pass = neph_rt_passes; pass->name; pass++)
+        if (neph_rt_holds(view, pass->condition))
+            return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
+                             "split=none takes its picture to the CPU and back for the pass '%s', "
+                             "so frames of it cannot be in flight: switch the pass off, or set "
+                             "split=four",
+                             pass->name);
+    return neph_march_frame(realtime->whole, still, frame->frame, view->jitter_px, NULL, NULL,
+                            diag);
+}
+
 /* Every pixel, every frame: the march itself. */
 static enum neph_status render_whole(struct neph_realtime *realtime,
                                      const struct neph_realtime_frame *frame,
@@ -410,6 +451,8 @@ static enum neph_status render_whole(struct neph_realtime *realtime,
     if (frame->given)
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
                          "a given depth needs the split frame: set split=four");
+    if (!image)
+        return send_whole(realtime, frame, still, diag);
     struct neph_image *marched = NULL;
     struct neph_march_stats march;
     enum neph_status status = neph_march_frame(realtime->whole, still, frame->frame,
@@ -417,7 +460,7 @@ static enum neph_status render_whole(struct neph_realtime *realtime,
                                                diag);
     if (status)
         return status;
-    struct neph_realtime_stats *stats = &made->stats;
+    struct neph_realtime_stats *stats = made->stats;
     stats->pass_gpu_s[neph_rt_pass_named("march") - neph_rt_passes] = march.gpu_s;
     stats->density_evaluations = march.density_evaluations;
     stats->closed_forms = march.closed_forms;
@@ -431,6 +474,27 @@ static enum neph_status render_whole(struct neph_realtime *realtime,
     return status;
 }
 
+/* A frame that is complete becomes the past of the next. */
+static void finish_frame(struct neph_realtime *realtime, const struct neph_rt_moment *now,
+                         struct progress *made)
+{
+    const struct neph_gpu_view *view = realtime->device.view;
+    hand_on(realtime);
+    realtime->past = *now;
+    realtime->has_past = true;
+    realtime->frame_count++;
+    made->stats->target_bytes = targets_bytes(view, made->touched);
+    made->stats->history_bytes = targets_bytes(view, made->touched & made->past);
+    neph_flight_end(realtime->vulkan, &realtime->flight);
+}
+
+static void sum_passes(struct neph_realtime_stats *stats)
+{
+    stats->gpu_s = 0.0;
+    for (int i = 0; neph_rt_passes[i].name; i++)
+        stats->gpu_s += stats->pass_gpu_s[i];
+}
+
 enum neph_status neph_realtime_render(struct neph_realtime *realtime,
                                       const struct neph_realtime_frame *frame,
                                       struct neph_image **image, struct neph_realtime_stats *stats,
@@ -442,11 +506,18 @@ enum neph_status neph_realtime_render(struct neph_realtime *realtime,
                                                         realtime->frame_count, !frame->given);
     struct progress made = {.given = 0};
     struct neph_scene *still = NULL;
-    enum neph_status status = neph_scene_at(frame->scene, frame->frame, &still, diag);
+    int slot;
+    enum neph_status status = neph_flight_begin(realtime->vulkan, &realtime->flight, &slot, diag);
+    if (!status)
+        status = neph_scene_at(frame->scene, frame->frame, &still, diag);
     if (status)
         return status;
+    made.stats = &realtime->flights[slot];
+    *made.stats = (struct neph_realtime_stats){.gpu_s = 0.0};
     neph_rt_view_set_moment(view, frame->scene, &now, realtime->has_past ? &realtime->past : NULL,
                             realtime->frame_count);
+    neph_turns_take(&realtime->device.view_turns, &realtime->device.view_buffer);
+    neph_rt_device_show(&realtime->device);
     status = (realtime->whole ? render_whole : render_split)(realtime, frame, still, image, &made,
                                                              diag);
     if (!status)
@@ -454,14 +525,30 @@ enum neph_status neph_realtime_render(struct neph_realtime *realtime,
     neph_scene_destroy(still);
     if (status)
         return status;
-    hand_on(realtime);
-    realtime->past = now;
-    realtime->has_past = true;
-    realtime->frame_count++;
-    made.stats.target_bytes = targets_bytes(view, made.touched);
-    made.stats.history_bytes = targets_bytes(view, made.touched & made.past);
-    made.stats.wall_s = neph_wall_s() - start_s;
+    finish_frame(realtime, &now, &made);
+    made.stats->wall_s = neph_wall_s() - start_s;
+    if (!image)
+        return NEPH_OK;
+    status = neph_flight_land(realtime->vulkan, &realtime->flight, diag);
+    sum_passes(made.stats);
     if (stats)
-        *stats = made.stats;
-    return NEPH_OK;
+        *stats = *made.stats;
+    return status;
+}
+
+enum neph_status neph_realtime_home(struct neph_realtime *realtime,
+                                    struct neph_realtime_stats *stats, struct neph_diag *diag)
+{
+    int slot;
+    enum neph_status status = neph_flight_home(realtime->vulkan, &realtime->flight, &slot, diag);
+    if (status)
+        return status;
+    struct neph_realtime_stats *home = &realtime->flights[slot];
+    if (realtime->whole)
+        status = neph_march_home(
+            realtime->whole, &home->pass_gpu_s[neph_rt_pass_named("march") - neph_rt_passes], diag);
+    sum_passes(home);
+    if (!status)
+        *stats = *home;
+    return status;
 }

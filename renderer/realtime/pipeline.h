@@ -47,6 +47,7 @@ struct neph_realtime_stats {
     /* Memory of targets in the formats of the settings. Traffic: what the passes read and write,
      * each texel of a target once per pass. */
     uint64_t history_bytes, target_bytes, traffic_bytes;
+    uint64_t pass_traffic_bytes[NEPH_RT_PASSES_MAX];
 };
 
 /* False, with the reason in words, when the scene asks for what these settings leave out. */
@@ -64,11 +65,22 @@ void neph_realtime_destroy(struct neph_realtime *realtime);
  * Same pictures in the same order on the same device: same bits. `stats` may be NULL.
  * NEPH_ERR_INPUT: the given frame has another size, no Z, a depth that is not above 0, or radiance
  * that is not finite or below 0.
- * NEPH_ERR_INTERRUPTED as of neph_march_frame(); the sequence is of no more use then. */
+ * NEPH_ERR_INTERRUPTED as of neph_march_frame(); the sequence is of no more use then.
+ *
+ * `image` NULL: the picture is on its way when this returns, nothing comes back of it, nothing is
+ * counted, `stats` is left alone; its successors are what they would have been. Up to
+ * NEPH_FLIGHT_FRAMES of them are in flight. NEPH_ERR_UNSUPPORTED then: split=none with a pass
+ * behind the march. */
 enum neph_status neph_realtime_render(struct neph_realtime *realtime,
                                       const struct neph_realtime_frame *frame,
                                       struct neph_image **image, struct neph_realtime_stats *stats,
                                       struct neph_diag *diag);
+
+/* What the oldest picture in flight has cost, waited for: device times, bytes, and as `wall_s` the
+ * CPU's part; no counts. One whose turn is over, or that had a picture with an image after it, is
+ * forgotten. NEPH_ERR_USAGE: none is in flight. */
+enum neph_status neph_realtime_home(struct neph_realtime *realtime,
+                                    struct neph_realtime_stats *stats, struct neph_diag *diag);
 
 /* Another size: the history is void, the count of frames goes on. */
 enum neph_status neph_realtime_resize(struct neph_realtime *realtime,

@@ -30,29 +30,31 @@ enum neph_status neph_rt_submission_add(struct neph_rt_submission *submission,
         submission->reads = submission->writes = 0;
     }
     order(submission, pass->reads, pass->writes | (pass->rays ? RAY_BUFFERS : 0));
-    neph_batch_dispatch(&submission->batch, kernel, dispatch);
-    return NEPH_OK;
+    return neph_batch_dispatch(&submission->batch, kernel, dispatch, diag);
 }
 
 void neph_rt_submission_mark(struct neph_rt_submission *submission, double *gpu_s)
 {
+    if (submission->is_open)
+        neph_batch_stamp(&submission->batch, gpu_s);
+}
+
+static const char what[] = "real-time passes";
+
+enum neph_status neph_rt_submission_send(struct neph_rt_submission *submission,
+                                         struct neph_diag *diag)
+{
     if (!submission->is_open)
-        return;
-    submission->gpu_s[submission->batch.stamp_count] = gpu_s;
-    neph_batch_stamp(&submission->batch);
+        return NEPH_OK;
+    submission->is_open = false;
+    return neph_batch_send(&submission->batch, what, diag);
 }
 
 enum neph_status neph_rt_submission_wait(struct neph_rt_submission *submission,
                                          struct neph_diag *diag)
 {
-    if (!submission->is_open)
-        return NEPH_OK;
-    double seconds[NEPH_BATCH_STAMPS_MAX];
-    const enum neph_status status = neph_batch_run(&submission->batch, "real-time passes", seconds,
-                                                   diag);
-    submission->is_open = false;
-    for (uint32_t i = 0; i < submission->batch.stamp_count && !status; i++)
-        if (submission->gpu_s[i])
-            *submission->gpu_s[i] += seconds[i];
-    return status;
+    const enum neph_status status = neph_rt_submission_send(submission, diag);
+    return status ? status
+                  : neph_batches_wait(submission->vulkan, neph_batches_sent(submission->vulkan),
+                                      what, diag);
 }

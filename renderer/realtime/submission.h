@@ -9,13 +9,12 @@
 #include "renderer/compute.h"
 #include "renderer/realtime/passes.h"
 
-/* Zero but for `vulkan`: nothing is on its way. */
+/* Zero but for `vulkan`: nothing has been added. */
 struct neph_rt_submission {
     const struct neph_vulkan *vulkan; /* borrowed */
     struct neph_batch batch;
     bool is_open;
-    uint32_t reads, writes;               /* of the targets, since the last barrier */
-    double *gpu_s[NEPH_BATCH_STAMPS_MAX]; /* borrowed; where the time before each stamp is added */
+    uint32_t reads, writes; /* of the targets, since the last barrier */
 };
 
 /* Add a dispatch of a pass. */
@@ -25,11 +24,14 @@ enum neph_status neph_rt_submission_add(struct neph_rt_submission *submission,
                                         const struct neph_dispatch *dispatch,
                                         struct neph_diag *diag);
 
-/* The time on the device since the last such mark belongs to `*gpu_s`, which the next _wait adds it
- * to (NaN when there is no clock; NULL: nobody wants it). */
+/* The time on the device since the last such mark belongs to `*gpu_s`: neph_batch_stamp(). */
 void neph_rt_submission_mark(struct neph_rt_submission *submission, double *gpu_s);
 
-/* Let the device do all that has been added, and wait for it. */
+/* Send the device all that has been added. */
+enum neph_status neph_rt_submission_send(struct neph_rt_submission *submission,
+                                         struct neph_diag *diag);
+
+/* Send it, and wait for all that was ever sent. */
 enum neph_status neph_rt_submission_wait(struct neph_rt_submission *submission,
                                          struct neph_diag *diag);
 

@@ -21,8 +21,13 @@ layout(std430, binding = 6) buffer Counters {
     if (atomicAdd(counter[0], amount) > 0xffffffffu - (amount))                                    \
         atomicAdd(counter[1], 1u)
 
+// Nobody will look at the counters: frames in flight.
+layout(constant_id = RT_UNCOUNTED_CONSTANT) const bool UNCOUNTED = false;
+
 void count_cost()
 {
+    if (UNCOUNTED)
+        return;
     ADD_64(counters.view_steps, view_steps);
     ADD_64(counters.density_evaluations, density_evaluations);
     ADD_64(counters.closed_forms, closed_forms);

@@ -107,8 +107,10 @@
 #define RT_SHARPEN_AMOUNT 87
 #define RT_SETTING_COUNT 88
 
-// Specialization constants of the shaders: whether they hold the choices, and the first that does
+// Specialization constants of the shaders: whether passes with rays leave their counters alone
+// (realtime_march.glsl), whether the shaders hold the choices, and the first that does
 // (realtime_choices.glsl).
+#define RT_UNCOUNTED_CONSTANT 6
 #define RT_SPECIALISED_CONSTANT 7
 #define RT_CHOICE_CONSTANT 8
 #define RT_CHOICE_CONSTANT_COUNT 16

@@ -57,6 +57,7 @@ void main()
                                 fraction_through(optical_depth).x));
     float end_m = min(min(ray.length_m, setting(RT_SKY_M)), HALF_MAX);
     put_tile(RT_RAY_DISTANCE, tile, vec4(min(view_distance_m(sums), end_m)));
-    atomicAdd(counters.rays, 1u);
+    if (!UNCOUNTED)
+        atomicAdd(counters.rays, 1u);
     count_cost();
 }

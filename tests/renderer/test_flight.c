@@ -1,0 +1,190 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Frames in flight: a picture that comes after some of which nothing was read is, bit for bit, what
+ * it is after pictures that were.
+ */
+#include "tests/renderer/renderer_test.h"
+
+#include "renderer/march.h"
+#include "renderer/realtime/options.h"
+#include "renderer/realtime/pipeline.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+enum { WIDTH_PX = 48, HEIGHT_PX = 28, FRAMES = 8 /* each lane and slot is used more than once */ };
+
+/* A camera that moves past solids in fog: all that a frame is told differs from the last. */
+static struct neph_scene *load(void)
+{
+    struct neph_scene *scene = NULL;
+    struct neph_diag diag = {0};
+    neph_assert_ok(
+        neph_scene_load(NEPH_SOURCE_DIR "/scenes/catalog/camera_dolly.yaml", &scene, &diag), &diag);
+    return scene;
+}
+
+static struct neph_realtime *open_realtime(struct neph_vulkan *vulkan,
+                                           const struct neph_scene *scene,
+                                           const struct neph_settings *settings)
+{
+    const struct neph_realtime_params params = {
+        .width_px = WIDTH_PX, .height_px = HEIGHT_PX, .settings = settings, .seed = 7};
+    struct neph_realtime *realtime = NULL;
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_realtime_create(vulkan, scene, &params, &realtime, &diag), &diag);
+    return realtime;
+}
+
+/* With dithers that need no masks. */
+static struct neph_settings few_steps(const char *preset)
+{
+    struct neph_settings settings;
+    struct neph_diag diag = {0};
+    neph_assert_ok(
+        neph_options_preset(neph_rt_options, "realtime", neph_rt_presets, preset, &settings, &diag),
+        &diag);
+    settings.values[RT_STEPS] = 4;
+    settings.values[RT_RAY_DITHER] = settings.values[RT_UPSCALE_DITHER] = 0.0;
+    return settings;
+}
+
+static struct neph_image *render(struct neph_realtime *realtime, const struct neph_scene *scene,
+                                 int frame, struct neph_realtime_stats *stats)
+{
+    const struct neph_realtime_frame picture = {scene, frame, NULL};
+    struct neph_image *image = NULL;
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_realtime_render(realtime, &picture, &image, stats, &diag), &diag);
+    return image;
+}
+
+static void send(struct neph_realtime *realtime, const struct neph_scene *scene, int frame)
+{
+    const struct neph_realtime_frame picture = {scene, frame, NULL};
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_realtime_render(realtime, &picture, NULL, NULL, &diag), &diag);
+}
+
+static void assert_same_bits(const struct neph_image *a, const struct neph_image *b)
+{
+    assert_int_equal(a->channel_count, b->channel_count);
+    for (int c = 0; c < a->channel_count; c++)
+        assert_memory_equal(a->channels[c].samples, b->channels[c].samples,
+                            neph_image_pixel_count(a) * sizeof(float));
+}
+
+static void test_the_picture_after_pictures_in_flight(void **state)
+{
+    struct neph_scene *scene = load();
+    const struct neph_settings settings = few_steps("ours");
+    struct neph_realtime *read = open_realtime(*state, scene, &settings);
+    struct neph_realtime *sent = open_realtime(*state, scene, &settings);
+    struct neph_realtime_stats read_stats, sent_stats;
+    struct neph_image *expected = NULL;
+    for (int frame = 0; frame < FRAMES; frame++) {
+        neph_image_destroy(expected);
+        expected = render(read, scene, frame, &read_stats);
+        if (frame < FRAMES - 1)
+            send(sent, scene, frame);
+    }
+    struct neph_image *image = render(sent, scene, FRAMES - 1, &sent_stats);
+    assert_same_bits(image, expected);
+    assert_true(sent_stats.density_evaluations > 0);
+    assert_int_equal(sent_stats.density_evaluations, read_stats.density_evaluations);
+    assert_int_equal(sent_stats.rays, read_stats.rays);
+    neph_image_destroy(image);
+    neph_image_destroy(expected);
+    neph_realtime_destroy(sent);
+    neph_realtime_destroy(read);
+    neph_scene_destroy(scene);
+}
+
+/* What passes move is known before; counts are nobody's. */
+static void test_costs_come_home_in_order(void **state)
+{
+    struct neph_scene *scene = load();
+    const struct neph_settings settings = few_steps("ours");
+    struct neph_realtime *realtime = open_realtime(*state, scene, &settings);
+    struct neph_realtime_stats read, home;
+    struct neph_diag diag = {0};
+    neph_image_destroy(render(realtime, scene, 0, &read));
+    assert_int_equal(neph_realtime_home(realtime, &home, &diag), NEPH_ERR_USAGE);
+    for (int frame = 1; frame <= NEPH_FLIGHT_FRAMES; frame++)
+        send(realtime, scene, frame);
+    for (int frame = 1; frame <= NEPH_FLIGHT_FRAMES; frame++) {
+        uint64_t traffic_bytes = 0;
+        neph_assert_ok(neph_realtime_home(realtime, &home, &diag), &diag);
+        assert_int_equal(home.traffic_bytes, read.traffic_bytes);
+        assert_int_equal(home.density_evaluations, 0);
+        for (int i = 0; neph_rt_passes[i].name; i++) {
+            assert_int_equal(home.pass_gpu_s[i] > 0.0, read.pass_gpu_s[i] > 0.0);
+            traffic_bytes += home.pass_traffic_bytes[i];
+        }
+        assert_int_equal(traffic_bytes, home.traffic_bytes);
+    }
+    assert_int_equal(neph_realtime_home(realtime, &home, &diag), NEPH_ERR_USAGE);
+    neph_realtime_destroy(realtime);
+    neph_scene_destroy(scene);
+}
+
+/* The march of every pixel goes through the CPU to the passes behind it. */
+static void test_no_split_flies_alone(void **state)
+{
+    struct neph_scene *scene = load();
+    struct neph_settings settings = few_steps("off");
+    const struct neph_realtime_frame picture = {scene, 0, NULL};
+    struct neph_realtime *realtime = open_realtime(*state, scene, &settings);
+    struct neph_realtime_stats home;
+    struct neph_diag diag = {0};
+    send(realtime, scene, 0);
+    neph_assert_ok(neph_realtime_home(realtime, &home, &diag), &diag);
+    assert_true(home.gpu_s > 0.0);
+    neph_realtime_destroy(realtime);
+    settings.values[RT_TAA] = 1.0;
+    realtime = open_realtime(*state, scene, &settings);
+    assert_int_equal(neph_realtime_render(realtime, &picture, NULL, NULL, &diag),
+                     NEPH_ERR_UNSUPPORTED);
+    assert_non_null(strstr(diag.message, "split=four"));
+    neph_realtime_destroy(realtime);
+    neph_scene_destroy(scene);
+}
+
+static void test_the_march_in_flight(void **state)
+{
+    static const float centre_px[2] = {0.0f, 0.0f};
+    const struct neph_march_params params = {
+        .width_px = WIDTH_PX, .height_px = HEIGHT_PX, .steps = 4, .sun_steps = 1};
+    struct neph_scene *scene = load();
+    struct neph_march *march = NULL;
+    struct neph_image *alone = NULL, *after = NULL;
+    struct neph_diag diag = {0};
+    double gpu_s;
+    neph_assert_ok(neph_march_create(*state, scene, &params, &march, &diag), &diag);
+    neph_assert_ok(neph_march_frame(march, scene, FRAMES, centre_px, &alone, NULL, &diag), &diag);
+    for (int frame = 0; frame < FRAMES; frame++)
+        neph_assert_ok(neph_march_frame(march, scene, frame, centre_px, NULL, NULL, &diag), &diag);
+    for (int i = 0; i < NEPH_FLIGHT_FRAMES; i++) {
+        neph_assert_ok(neph_march_home(march, &gpu_s, &diag), &diag);
+        assert_true(gpu_s > 0.0);
+    }
+    assert_int_equal(neph_march_home(march, &gpu_s, &diag), NEPH_ERR_USAGE);
+    neph_assert_ok(neph_march_frame(march, scene, 0, centre_px, NULL, NULL, &diag), &diag);
+    neph_assert_ok(neph_march_frame(march, scene, FRAMES, centre_px, &after, NULL, &diag), &diag);
+    assert_same_bits(alone, after);
+    neph_image_destroy(after);
+    neph_image_destroy(alone);
+    neph_march_destroy(march);
+    neph_scene_destroy(scene);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_the_picture_after_pictures_in_flight),
+        cmocka_unit_test(test_costs_come_home_in_order),
+        cmocka_unit_test(test_no_split_flies_alone),
+        cmocka_unit_test(test_the_march_in_flight),
+    };
+    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
+}
