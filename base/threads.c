@@ -16,7 +16,8 @@ struct row_work {
     int row_count;
     neph_row_body *body;
     void *context;
-    atomic_int next_row;
+    int helper_limit; /* threads beside the calling one */
+    atomic_int next_row, helper_count;
     atomic_bool stopped_early;
 };
 
@@ -30,20 +31,41 @@ int neph_processor_count(void)
     return online > 0 ? (int)online : 1;
 }
 
-static void *work_on_rows(void *argument)
+static void take_rows(struct row_work *work)
 {
-    struct row_work *work = argument;
     for (;;) {
         /* Rows are handed out one by one, because rows of a cloud differ much in cost. */
         int row = atomic_fetch_add(&work->next_row, 1);
         if (row >= work->row_count)
-            return NULL;
+            return;
         if (neph_interrupted()) {
             atomic_store(&work->stopped_early, true);
-            return NULL;
+            return;
         }
         work->body(row, work->context);
     }
+}
+
+static void *work_on_rows(void *argument);
+
+static bool start_helper(struct row_work *work, pthread_t *helper)
+{
+    const int left = work->row_count - atomic_load(&work->next_row);
+    if (left < 2 || atomic_fetch_add(&work->helper_count, 1) >= work->helper_limit)
+        return false;
+    return pthread_create(helper, NULL, work_on_rows, work) == 0;
+}
+
+/* Each thread starts the next while rows are left: a short loop is over before it has made many
+ * threads, which would cost more than its rows. */
+static void *work_on_rows(void *argument)
+{
+    pthread_t helper;
+    const bool has_helper = start_helper(argument, &helper);
+    take_rows(argument);
+    if (has_helper)
+        pthread_join(helper, NULL);
+    return NULL;
 }
 
 struct call {
@@ -84,21 +106,12 @@ bool neph_finishes_within(double limit_s, void (*work)(void *context), void *con
 enum neph_status neph_parallel_rows(int row_count, neph_row_body *body, void *context,
                                     struct neph_diag *diag)
 {
-    struct row_work work = {.row_count = row_count, .body = body, .context = context};
-    int processor_count = neph_processor_count();
-    int helper_count = (row_count < processor_count ? row_count : processor_count) - 1;
-
+    struct row_work work = {.row_count = row_count,
+                            .body = body,
+                            .context = context,
+                            .helper_limit = neph_processor_count() - 1};
     /* The calling thread works too, so that nothing here can fail for want of a thread. */
-    pthread_t *helpers = helper_count > 0 ? calloc((size_t)helper_count, sizeof(*helpers)) : NULL;
-    int started_count = 0;
-    while (helpers && started_count < helper_count &&
-           pthread_create(&helpers[started_count], NULL, work_on_rows, &work) == 0)
-        started_count++;
     work_on_rows(&work);
-    for (int i = 0; i < started_count; i++)
-        pthread_join(helpers[i], NULL);
-    free(helpers);
-
     if (atomic_load(&work.stopped_early))
         return neph_fail(diag, NEPH_ERR_INTERRUPTED, "interrupted");
     return NEPH_OK;
