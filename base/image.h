@@ -4,7 +4,7 @@
  *
  * A frame (the unit every engine writes) has the channels
  *   R G B                    radiance with everything, scene-linear Rec.709 [W m^-2 sr^-1]
- *   volume.R volume.G volume.B   in-scattered radiance alone
+ *   volume.R volume.G volume.B   radiance scattered or emitted by media alone
  *   transmittance.R .G .B    camera to the first solid or to infinity [1]
  *   Z                        linear eye depth along the camera axis [m], sky = +inf
  * and may have further ones:

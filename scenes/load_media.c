@@ -29,6 +29,10 @@ static const struct neph_field common_fields[] = {
      .note = "extinction per channel, in parts of extinction_per_m", .standard = "[1, 1, 1]"},
     {"albedo", NEPH_THREE, AT(albedo), "", 0, 1,
      .note = "an albedo above 1 would make light out of nothing"},
+    {"emission_w_per_m2_sr", NEPH_THREE, AT(emission_w_per_m2_sr), "W/m2/sr", 0, 1e6,
+     .note = "of the black body that it were, opaque and without scattering: emitted per metre is "
+             "(1 - albedo) * extinction * emission, seen always, scattered with `multiple`",
+     .standard = "[0, 0, 0]"},
     {"phase", NEPH_WORD, AT(phase.kind), .words = phase_words, .standard = "`isotropic`"},
     {"asymmetry_g", NEPH_NUMBER, AT(phase.g), "", -0.999, 0.999,
      .note = "beyond 0.999 the phase function is a spike that Cycles clamps",

@@ -4,6 +4,7 @@
  */
 #include "scenes/media.h"
 
+#include "scenes/emission.h"
 #include "scenes/hash_text.h"
 #include "scenes/medium_kind.h"
 
@@ -143,6 +144,8 @@ void neph_medium_hash(const struct neph_medium *medium, FILE *text)
     neph_put_vec3(text, "max_m", medium->bounds.max_m);
     neph_put_rgb(text, "extinction_color", medium->extinction_color);
     neph_put_rgb(text, "albedo", medium->albedo);
+    if (neph_medium_emits(medium)) /* what was stored before there was emission stays valid */
+        neph_put_rgb(text, "emission_w_per_m2_sr", medium->emission_w_per_m2_sr);
     neph_put_number(text, "phase", medium->phase.kind);
     neph_put_number(text, "g", medium->phase.g);
     const struct neph_medium_row *row = rows[medium->kind];

@@ -92,9 +92,10 @@ struct neph_horizon; /* scenes/horizon.h */
  * functions of scenes/media.h speak of the scalar extinction(x); only transmittance has colour. */
 struct neph_medium {
     enum neph_medium_kind kind;
-    struct neph_bounds bounds;        /* the medium exists inside only */
-    struct neph_rgb extinction_color; /* >= 0 per channel; 1 1 1 is grey */
-    struct neph_rgb albedo;           /* 0..1 per channel */
+    struct neph_bounds bounds;            /* the medium exists inside only */
+    struct neph_rgb extinction_color;     /* >= 0 per channel; 1 1 1 is grey */
+    struct neph_rgb albedo;               /* 0..1 per channel */
+    struct neph_rgb emission_w_per_m2_sr; /* >= 0; of what is absorbed: scenes/emission.h */
     struct neph_phase phase;
     /* Gaussian: at the centre. Shell: at its radius. Grid and Horizon: per unit of density. */
     double extinction_per_m;

@@ -22,6 +22,10 @@ Laws of Cycles 3.4 that this file relies on, all measured (tests/harness/test_cy
   are rendered channel by channel.
 - A volume file's voxels are trilinear between the places half a voxel beyond what OpenVDB means,
   clipped to the active ones; cycles.c writes files that undo both (NEPH_VDB_BLENDER).
+- Emission(color c, strength s) of a volume adds c s of radiance per unit, exactly within each step.
+  Seen by a camera ray it goes to the pass Emit, met by a later ray of a path to the pass of what
+  that ray left, and is met even where bounces are at their end. So where light is to be scattered
+  once or not at all, emission has a picture of its own, of media that only absorb.
 - A sun of angle 0 and energy E gives the irradiance E across its direction.
 - A ray through a heterogeneous volume takes steps of 0.1 * mean edge of the bounding box *
   step rate of the scene * step rate of the material. A ray that would need more than
@@ -179,9 +183,21 @@ def grid_density(nodes: Nodes, grid: dict, scale: float, units: Units):
                       units.per_length(scale * grid["extinction_per_m"]))
 
 
-def medium_material(medium: dict, color, scatters: bool, units: Units):
+def add_emission(nodes: Nodes, shader, emission, density):
+    """The shader with emission * density added to it."""
+    strength, color = split_color(emission)
+    emitter = nodes.add("ShaderNodeEmission", Color=color,
+                        Strength=nodes.math("MULTIPLY", density, strength))
+    both = nodes.add("ShaderNodeAddShader")
+    nodes.tree.links.new(shader, both.inputs[0])
+    nodes.tree.links.new(emitter.outputs[0], both.inputs[1])
+    return both.outputs[0]
+
+
+def medium_material(medium: dict, color, emission, scatters: bool, units: Units):
     """sigma_t = color * density and sigma_s = albedo * sigma_t, where the densities of the two
-    nodes stand for the brightest channel and their colours are within 0..1."""
+    nodes stand for the brightest channel and their colours are within 0..1. The emission is per
+    sigma_t of that channel; None: there is none."""
     material = bpy.data.materials.new("medium")
     nodes = Nodes(material)
     scale, color = split_color(color)
@@ -202,6 +218,8 @@ def medium_material(medium: dict, color, scatters: bool, units: Units):
         nodes.tree.links.new(shader, both.inputs[0])
         nodes.tree.links.new(scatter.outputs[0], both.inputs[1])
         shader = both.outputs[0]
+    if emission is not None:
+        shader = add_emission(nodes, shader, [e * c for e, c in zip(emission, color)], density)
     output = nodes.add("ShaderNodeOutputMaterial")
     nodes.tree.links.new(shader, output.inputs["Volume"])
     return material
@@ -329,11 +347,14 @@ def grid_step_m(medium: dict, step: float) -> float:
     return max(step * medium["feature_m"], math.hypot(*edges_m) / (0.9 * STEPS_MAX))
 
 
-def add_medium(scene, medium: dict, render_pass: dict, scatters: bool, units: Units) -> None:
+def add_medium(scene, medium: dict, render_pass: dict, scatters: bool, emits: bool,
+               units: Units) -> None:
     color, channel = medium["extinction_color"], render_pass["channel"]
+    emission = medium.get("glow_w_per_m2_sr") if emits else None
     if channel is not None:
         color = (color[channel],) * 3
-    material = medium_material(medium, color, scatters, units)
+        emission = emission and (emission[channel],) * 3
+    material = medium_material(medium, color, emission, scatters, units)
     if "grid" in medium:
         step_m = grid_step_m(medium, render_pass["grid_step"])
         add_grid(scene, medium, material, step_m, units)
@@ -407,10 +428,11 @@ def set_output(scene, spec: dict, path: str) -> None:
     scene.view_settings.view_transform = "Raw"
 
 
-def set_layers(scene) -> None:
+def set_layers(scene, emits: bool) -> None:
     layer = scene.view_layers[0]
     layer.name = "pass"
     layer.use_pass_combined = layer.use_pass_z = True
+    layer.use_pass_emit = emits
     layer.cycles.use_pass_volume_direct = layer.cycles.use_pass_volume_indirect = True
 
 
@@ -420,16 +442,18 @@ def pass_name(render_pass: dict) -> str:
 
 
 def build(spec: dict, render_pass: dict):
-    """One Blender scene: "radiance" as it is; "transmittance" of black media before a world and
-    solids of radiance 1, whose image is exp(-optical depth); "depth" of the solids alone. A pass
-    of one channel gives all channels that one's extinction; only that one is right in its image."""
+    """One Blender scene: "radiance" as it is; "emission" of media that do not scatter, with black
+    solids in the dark; "transmittance" of black media before a world and solids of radiance 1,
+    whose image is exp(-optical depth); "depth" of the solids alone. A pass of one channel gives all
+    channels that one's extinction; only that one is right in its image."""
     kind = render_pass["kind"]
-    if kind not in ("radiance", "transmittance", "depth"):
+    if kind not in ("radiance", "emission", "transmittance", "depth"):
         raise ValueError("unknown kind of pass")
+    emits = kind == "emission" or (kind == "radiance" and spec["scattering"] == "multiple")
     scene = bpy.data.scenes.new(pass_name(render_pass))
     units = Units(spec)
     set_cycles(scene, spec, render_pass)
-    set_layers(scene)
+    set_layers(scene, emits and any("glow_w_per_m2_sr" in medium for medium in spec["media"]))
     set_output(scene, spec, os.path.join(file_root(), scene.name))
     add_camera(scene, spec["camera"], units)
     if kind == "radiance":
@@ -437,12 +461,14 @@ def build(spec: dict, render_pass: dict):
         if spec["sun"] is not None:
             add_sun(scene, spec["sun"])
     else:
-        make_world(scene, (1.0, 1.0, 1.0), False)
+        make_world(scene, (0.0,) * 3 if kind == "emission" else (1.0,) * 3, False)
     for solid in spec["solids"]:
-        add_solid(scene, solid, kind != "radiance", units)
+        if kind == "emission":
+            solid = {**solid, "albedo": (0.0, 0.0, 0.0)}
+        add_solid(scene, solid, kind in ("transmittance", "depth"), units)
     scatters = kind == "radiance" and spec["scattering"] != "none"
     for medium in spec["media"] if kind != "depth" else []:
-        add_medium(scene, medium, render_pass, scatters, units)
+        add_medium(scene, medium, render_pass, scatters, emits, units)
     return scene
 
 

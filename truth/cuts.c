@@ -87,18 +87,25 @@ static void make_cuts(struct neph_cuts *cuts, const struct neph_interval *shadow
     qsort(cuts->at_m, (size_t)cuts->count, sizeof(cuts->at_m[0]), compare_doubles);
 }
 
+static void start_cuts(struct neph_cuts *cuts, const struct neph_scene *scene,
+                       struct neph_vec3 origin_m, struct neph_vec3 direction, double t0_m,
+                       double t1_m)
+{
+    cuts->scene = scene;
+    cuts->origin_m = origin_m;
+    cuts->direction = direction;
+    cuts->t0_m = t0_m;
+    cuts->t1_m = t1_m;
+    cuts->count = 0;
+}
+
 int neph_lit_pieces(const struct neph_scene *scene, struct neph_vec3 origin_m,
                     struct neph_vec3 direction, double t0_m, double t1_m, bool scales,
                     struct neph_interval *pieces)
 {
     struct neph_interval shadows[NEPH_SCENE_SOLIDS_MAX];
     struct neph_cuts cuts; /* not initialised as a whole: it is large */
-    cuts.scene = scene;
-    cuts.origin_m = origin_m;
-    cuts.direction = direction;
-    cuts.t0_m = t0_m;
-    cuts.t1_m = t1_m;
-    cuts.count = 0;
+    start_cuts(&cuts, scene, origin_m, direction, t0_m, t1_m);
     const int shadow_count = shadows_on_ray(&cuts, shadows);
     make_cuts(&cuts, shadows, shadow_count, scales);
 
@@ -112,5 +119,19 @@ int neph_lit_pieces(const struct neph_scene *scene, struct neph_vec3 origin_m,
         if (middle_m > dark_until_m && high_m > low_m)
             pieces[count++] = (struct neph_interval){low_m, high_m};
     }
+    return count;
+}
+
+int neph_ray_pieces(const struct neph_scene *scene, struct neph_vec3 origin_m,
+                    struct neph_vec3 direction, double t0_m, double t1_m,
+                    struct neph_interval *pieces)
+{
+    struct neph_cuts cuts; /* not initialised as a whole: it is large */
+    start_cuts(&cuts, scene, origin_m, direction, t0_m, t1_m);
+    make_cuts(&cuts, NULL, 0, true);
+    int count = 0;
+    for (int i = 0; i + 1 < cuts.count; i++)
+        if (cuts.at_m[i + 1] > cuts.at_m[i])
+            pieces[count++] = (struct neph_interval){cuts.at_m[i], cuts.at_m[i + 1]};
     return count;
 }

@@ -17,4 +17,9 @@ int neph_lit_pieces(const struct neph_scene *scene, struct neph_vec3 origin_m,
                     struct neph_vec3 direction, double t0_m, double t1_m, bool scales,
                     struct neph_interval *pieces);
 
+/* All of [t0_m, t1_m], for light that is not the sun's. */
+int neph_ray_pieces(const struct neph_scene *scene, struct neph_vec3 origin_m,
+                    struct neph_vec3 direction, double t0_m, double t1_m,
+                    struct neph_interval *pieces);
+
 #endif

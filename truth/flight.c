@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "truth/flight.h"
 
+#include "scenes/emission.h"
 #include "scenes/media.h"
 
 #include <math.h>
@@ -211,7 +212,7 @@ static void init_lit(struct neph_flight *flight)
     neph_lit_flight_edges(&flight->lit, end);
     for (int i = 0; i <= NEPH_LIT_CELLS; i++) /* inside: the end may be infinitely far */
         flight->lit.log_light[i] = log_light_at(flight, fmin(flight->lit.s[i], end * (1.0 - 1e-9)));
-    neph_lit_flight_complete(&flight->lit, scene->environment_light);
+    neph_lit_flight_complete(&flight->lit, scene->environment_light || neph_scene_emits(scene));
 }
 
 /* ---- the flight ---- */

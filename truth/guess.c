@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "truth/guess.h"
 
+#include "scenes/emission.h"
 #include "scenes/media.h"
 
 #include <math.h>
@@ -122,7 +123,7 @@ void neph_guess_init(struct neph_guess *guess, const struct neph_scene *scene,
         guess->lit.log_light[i] = -guess->lit.s[i] - guess->sun_depth[i];
     }
     if (spread_of_free_flights(guess) > spread_max)
-        neph_lit_flight_complete(&guess->lit, scene->environment_light);
+        neph_lit_flight_complete(&guess->lit, scene->environment_light || neph_scene_emits(scene));
 }
 
 /* By its share of the extinction; -1: there is none. */

@@ -231,7 +231,7 @@ static double relative_error(const struct render *render)
             power += sums.volume[j] / n * (sums.volume[j] / n);
         }
     }
-    if (variance == 0.0 && power == 0.0 && render->scene->scattering != NEPH_SCATTERING_NONE)
+    if (variance == 0.0 && power == 0.0 && render->has_flights)
         return INFINITY; /* nothing has been seen yet */
     if (variance == 0.0)
         return 0.0;
@@ -420,7 +420,7 @@ enum neph_status neph_oracle_render(const struct neph_scene *scene,
     struct render render = {.scene = scene,
                             .params = params,
                             .camera = neph_scene_camera(scene, params->frame),
-                            .has_flights = scene->scattering != NEPH_SCATTERING_NONE,
+                            .has_flights = neph_path_has_volume(scene),
                             .start_s = neph_wall_s(),
                             .saved_s = neph_wall_s()};
     status = prepare(&render, diag);

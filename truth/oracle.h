@@ -21,7 +21,8 @@
  *
  * The scene's switches: `none` and `single` know one event, the surface in view or (in `single`) a
  * medium; the sun, and with environment light the background, reach it unscattered. `multiple`
- * knows all.
+ * knows all. What media emit (scenes/emission.h) is added at every collision, so that in `none` and
+ * `single` it is seen and lights nothing.
  *
  * Samples are independent, so that the variance of a pixel is unbiased: the sum of squared
  * deviations over n (n - 1).
@@ -57,11 +58,11 @@ struct neph_oracle_stats {
  * without absorption in a fog that has no end, whose paths are of infinite mean length. */
 bool neph_oracle_can_render(const struct neph_scene *scene, char *reason, size_t reason_size);
 
-/* Render: R G B, volume.*, order1.* (light scattered exactly once by a medium, before any surface),
- * transmittance.*, Z, variance.* (of the mean of R G B: the square of its standard error), in
- * base/image.h's names. Same params and scene: same bits, on any number of threads,
- * with or without rests at a checkpoint (a time limit apart). `*frame` is the caller's; `stats` may
- * be NULL. NEPH_ERR_USAGE: a parameter is out of range. NEPH_ERR_UNSUPPORTED:
+/* Render: R G B, volume.*, order1.* (light of the sun or the surroundings scattered exactly once by
+ * a medium, before any surface), transmittance.*, Z, variance.* (of the mean of R G B: the square
+ * of its standard error), in base/image.h's names. Same params and scene: same bits, on any number
+ * of threads, with or without rests at a checkpoint (a time limit apart). `*frame` is the caller's;
+ * `stats` may be NULL. NEPH_ERR_USAGE: a parameter is out of range. NEPH_ERR_UNSUPPORTED:
  * neph_oracle_can_render() says no. NEPH_ERR_INPUT: the checkpoint is damaged or of another render.
  * NEPH_ERR_INTERRUPTED: leaves the checkpoint, if there is one, with all that was done. */
 enum neph_status neph_oracle_render(const struct neph_scene *scene,

@@ -7,6 +7,7 @@
  */
 #include "truth/path.h"
 
+#include "scenes/emission.h"
 #include "scenes/media.h"
 #include "truth/directions.h"
 
@@ -117,12 +118,19 @@ static struct neph_rgb surroundings(const struct path *path)
 
 /* ---- events ---- */
 
-/* Each adds the sunlight that its scattering brings, and turns the path; false when it ends. */
-static bool meet_medium(struct path *path, const struct neph_collision *collision,
-                        struct neph_rgb *light)
+/* To a collision; adds what is emitted there. */
+static void reach_medium(struct path *path, const struct neph_collision *collision,
+                         struct neph_rgb *emitted)
 {
-    const struct neph_medium *medium = &path->scene->media[collision->medium];
     path->at_m = neph_vec3_along(path->at_m, path->direction, collision->t_m);
+    add(emitted,
+        neph_rgb_mul(path_value(path), neph_medium_glow(&path->scene->media[collision->medium])));
+}
+
+/* Each adds the sunlight that its scattering brings, and turns the path; false when it ends. */
+static bool leave_medium(struct path *path, int index, struct neph_rgb *light)
+{
+    const struct neph_medium *medium = &path->scene->media[index];
     if (!reflect(path, medium->albedo))
         return false;
     const double cosine = neph_vec3_dot(path->direction, path->scene->sun.direction);
@@ -169,8 +177,10 @@ static void follow(struct path *path, struct neph_rgb *direct, struct neph_rgb *
                 add(escaped, neph_rgb_mul(path_value(path), path->scene->background_w_per_m2_sr));
             return;
         }
+        if (collision.medium >= 0)
+            reach_medium(path, &collision, light);
         if (!(collision.medium < 0 ? meet_surface(path, &hit, light)
-                                   : meet_medium(path, &collision, light)))
+                                   : leave_medium(path, collision.medium, light)))
             return;
     }
 }
@@ -255,7 +265,9 @@ static void trace_volume(struct path *path, const struct neph_view *view,
     struct neph_collision collision;
     if (!enter_volume(path, view, flight, &collision))
         return;
-    if (!meet_medium(path, &collision, &light->order1))
+    reach_medium(path, &collision, &light->volume);
+    if (path->scene->scattering == NEPH_SCATTERING_NONE ||
+        !leave_medium(path, collision.medium, &light->order1))
         return;
     if (path->scene->scattering == NEPH_SCATTERING_MULTIPLE)
         follow(path, &light->order1, &light->volume);
@@ -276,6 +288,11 @@ static void trace_surface(struct path *path, const struct neph_view *view,
         add(&light->surface, surroundings(path));
 }
 
+bool neph_path_has_volume(const struct neph_scene *scene)
+{
+    return scene->scattering != NEPH_SCATTERING_NONE || neph_scene_emits(scene);
+}
+
 struct neph_path_light neph_path_trace(const struct neph_scene *scene,
                                        const struct neph_tracker *tracker,
                                        const struct neph_view *view,
@@ -283,7 +300,7 @@ struct neph_path_light neph_path_trace(const struct neph_scene *scene,
                                        struct neph_tracking_cost *cost)
 {
     struct neph_path_light light = {black, black, black};
-    if (scene->scattering != NEPH_SCATTERING_NONE && scene->medium_count > 0) {
+    if (neph_path_has_volume(scene) && scene->medium_count > 0) {
         struct path path = path_start(scene, tracker, view, random, cost);
         trace_volume(&path, view, flight, &light);
     }

@@ -19,11 +19,14 @@ struct neph_view {
 
 /* The light of one path, over and above the unscattered [W m^-2 sr^-1]; its mean is the truth. */
 struct neph_path_light {
-    struct neph_rgb volume; /* scattered last, before the camera, by a medium */
-    struct neph_rgb order1; /* of that: scattered only once, by that medium */
+    struct neph_rgb volume; /* scattered last, before the camera, by a medium, or emitted in view */
+    struct neph_rgb order1; /* of that: of the sun or surroundings, scattered only once */
     struct neph_rgb
         surface; /* off the surface in view, beyond the direct sunlight in `unscattered` */
 };
+
+/* Whether light may come from the media that a scene has. */
+bool neph_path_has_volume(const struct neph_scene *scene);
 
 /* Everything exact about the view along a ray. */
 struct neph_view neph_view_create(const struct neph_scene *scene, struct neph_vec3 origin_m,

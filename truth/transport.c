@@ -6,9 +6,14 @@
  * each solid is one interval), so the lit part of the ray is a set of pieces (truth/cuts.h). Where
  * the exponent is affine in the optical depth from the camera (homogeneous media; one height fog
  * without sides) the integral over a piece is a phi, in closed form. Else it is quadrature.
+ *
+ * Light that media emit (scenes/emission.h) is
+ *   integral of sum_m sigma_t,m(t) glow_m exp(-tau_view(t)) dt,
+ * which is glow * (1 - exp(-tau)) where all glow alike, and else quadrature.
  */
 #include "truth/transport.h"
 
+#include "scenes/emission.h"
 #include "scenes/media.h"
 #include "scenes/solids.h"
 #include "truth/cuts.h"
@@ -21,6 +26,9 @@
 /* Beyond this optical depth less than 1e-19 of the light is left: nothing in double, beside light
  * that has not come as far. */
 static const double opaque_optical_depth = 45.0;
+
+/* From behind this optical depth comes nothing in double, however bright it is there. */
+static const double dark_optical_depth = 760.0;
 
 /* Grids have kinks inside the pieces (where sun rays pass the edges of their cells), shells where
  * sun rays graze the ground: quadrature to this part of the whole per piece. */
@@ -138,14 +146,16 @@ static bool is_rough(const struct neph_scene *scene)
     return false;
 }
 
-static double integrate_pieces(struct pieces *pieces, struct neph_rgb *volume)
+static double integrate_pieces(neph_integrand *integrand, struct pieces *pieces,
+                               struct neph_rgb *volume)
 {
     double result[3];
     sum_depths(pieces);
     const double error = is_rough(pieces->ray->scene)
-                             ? neph_integrate_rough(source, pieces, pieces->at_m, pieces->count,
+                             ? neph_integrate_rough(integrand, pieces, pieces->at_m, pieces->count,
                                                     rough_tolerance, result)
-                             : neph_integrate(source, pieces, pieces->at_m, pieces->count, result);
+                             : neph_integrate(integrand, pieces, pieces->at_m, pieces->count,
+                                              result);
     *volume = (struct neph_rgb){result[0], result[1], result[2]};
     return error;
 }
@@ -234,19 +244,25 @@ static bool is_lit_from_behind(const struct ray *ray, double whole, double end_m
     return there > here - opaque;
 }
 
+/* A finite end of the ray behind which no medium is left, or, where there is no such end, behind an
+ * optical depth of `opaque`. */
+static double finite_end_m(const struct ray *ray, struct neph_rgb whole, double opaque)
+{
+    const bool is_endless = isinf(least_depth(ray, whole));
+    double end_m = 1.0;
+    if (isfinite(ray->end_m))
+        return ray->end_m;
+    while (end_m < 1e300 && !(is_endless && view_least_depth(ray, end_m) >= opaque) &&
+           counts(view_optical_depth(ray, end_m, INFINITY), whole))
+        end_m *= 2.0;
+    return end_m;
+}
+
 /* A finite end of the ray behind which nothing can be seen: opaque, or no medium left. */
 static double useful_end_m(const struct ray *ray)
 {
     const struct neph_rgb whole = view_optical_depth(ray, 0.0, ray->end_m);
-    const bool is_endless = isinf(least_depth(ray, whole));
-    double end_m = ray->end_m;
-    if (isinf(end_m)) {
-        end_m = 1.0;
-        while (end_m < 1e300 &&
-               !(is_endless && view_least_depth(ray, end_m) >= opaque_optical_depth) &&
-               counts(view_optical_depth(ray, end_m, INFINITY), whole))
-            end_m *= 2.0;
-    }
+    double end_m = finite_end_m(ray, whole, opaque_optical_depth);
     if (least_depth(ray, whole) > opaque_optical_depth &&
         !is_lit_from_behind(ray, least_depth(ray, whole), end_m))
         end_m = distance_at_optical_depth(ray, opaque_optical_depth, 0.0, end_m);
@@ -357,7 +373,7 @@ static void add_closed_piece(const struct ray *ray, double t0_m, double t1_m, bo
 
 /* ---- the ray ---- */
 
-/* The part of [0, end] that lies in any medium at all: nothing else can scatter. */
+/* The part of [0, end] that lies in any medium at all: nothing else can scatter or emit. */
 static bool scattering_range(const struct ray *ray, double end_m, double *t0_m, double *t1_m)
 {
     *t0_m = INFINITY;
@@ -386,11 +402,92 @@ static double integrate_volume(const struct ray *ray, struct neph_rgb *volume)
     pieces.count = neph_lit_pieces(ray->scene, ray->origin_m, ray->direction, t0_m, t1_m, !closed,
                                    pieces.at_m);
     if (!closed)
-        return integrate_pieces(&pieces, volume);
+        return integrate_pieces(source, &pieces, volume);
     for (int i = 0; i < pieces.count; i++)
         add_closed_piece(ray, pieces.at_m[i].low, pieces.at_m[i].high, homogeneous, volume);
     return 0.0;
 }
+
+/* ---- emission ---- */
+
+/* Emitted radiance per metre at distance t that arrives. */
+static void emitted(double t_m, void *context, double value[3])
+{
+    const struct pieces *pieces = context;
+    const struct neph_scene *scene = pieces->ray->scene;
+    const struct neph_vec3 point_m = ray_point(pieces->ray, t_m);
+    struct neph_rgb sum = {0, 0, 0};
+    for (int m = 0; m < scene->medium_count; m++)
+        sum = neph_rgb_add(sum,
+                           neph_rgb_scale(neph_rgb_mul(neph_medium_glow(&scene->media[m]),
+                                                       scene->media[m].extinction_color),
+                                          neph_medium_extinction_per_m(&scene->media[m], point_m)));
+    value[0] = value[1] = value[2] = 0.0;
+    if (sum.r == 0.0 && sum.g == 0.0 && sum.b == 0.0)
+        return;
+    const struct neph_rgb light = transmittance(depth_to(pieces, t_m));
+    value[0] = light.r > 0.0 ? sum.r * light.r : 0.0; /* 0 * inf: opaque, however dense */
+    value[1] = light.g > 0.0 ? sum.g * light.g : 0.0;
+    value[2] = light.b > 0.0 ? sum.b * light.b : 0.0;
+}
+
+/* Whether two media emit as much per optical depth, in all channels that both attenuate. */
+static bool glow_alike(const struct neph_medium *a, const struct neph_medium *b)
+{
+    const struct neph_rgb c = a->extinction_color, d = b->extinction_color;
+    const struct neph_rgb x = neph_medium_glow(a), y = neph_medium_glow(b);
+    return (x.r == y.r || c.r == 0.0 || d.r == 0.0) && (x.g == y.g || c.g == 0.0 || d.g == 0.0) &&
+           (x.b == y.b || c.b == 0.0 || d.b == 0.0);
+}
+
+/* Whether all media do; `*glow` receives it. */
+static bool all_glow_alike(const struct neph_scene *scene, struct neph_rgb *glow)
+{
+    *glow = (struct neph_rgb){0, 0, 0};
+    for (int i = 0; i < scene->medium_count; i++) {
+        const struct neph_rgb own = neph_medium_glow(&scene->media[i]);
+        for (int j = 0; j < i; j++)
+            if (!glow_alike(&scene->media[i], &scene->media[j]))
+                return false;
+        *glow = (struct neph_rgb){fmax(glow->r, own.r), fmax(glow->g, own.g), fmax(glow->b, own.b)};
+    }
+    return true;
+}
+
+static struct neph_rgb absorbed(struct neph_rgb depth)
+{
+    return (struct neph_rgb){-expm1(-depth.r), -expm1(-depth.g), -expm1(-depth.b)};
+}
+
+static double emission_end_m(const struct ray *ray)
+{
+    const struct neph_rgb whole = view_optical_depth(ray, 0.0, ray->end_m);
+    const double end_m = finite_end_m(ray, whole, dark_optical_depth);
+    return least_depth(ray, whole) > dark_optical_depth
+               ? distance_at_optical_depth(ray, dark_optical_depth, 0.0, end_m)
+               : end_m;
+}
+
+/* Light that the media emit, of the whole ray; returns the estimated error. */
+static double integrate_emission(const struct ray *ray, struct neph_rgb depth,
+                                 struct neph_rgb *light)
+{
+    double t0_m, t1_m;
+    struct neph_rgb glow;
+    if (all_glow_alike(ray->scene, &glow)) {
+        *light = neph_rgb_mul(glow, absorbed(depth));
+        return 0.0;
+    }
+    if (!scattering_range(ray, emission_end_m(ray), &t0_m, &t1_m))
+        return 0.0;
+    struct pieces pieces; /* not initialised as a whole: it is large */
+    pieces.ray = ray;
+    pieces.count = neph_ray_pieces(ray->scene, ray->origin_m, ray->direction, t0_m, t1_m,
+                                   pieces.at_m);
+    return integrate_pieces(emitted, &pieces, light);
+}
+
+/* ---- all ---- */
 
 /* Lambertian, lit by the sun through the media: albedo / pi * E cos(theta) T V. */
 static struct neph_rgb surface_radiance(const struct neph_scene *scene, const struct neph_hit *hit,
@@ -417,15 +514,24 @@ static bool is_black(struct neph_rgb albedo)
     return albedo.r == 0.0 && albedo.g == 0.0 && albedo.b == 0.0;
 }
 
-/* Everything reflects or scatters all light and all light comes from the uniform surround: the
- * radiance is the surround's everywhere, whatever the geometry. */
-static bool is_white_furnace(const struct neph_scene *scene)
+/* What it absorbs it gives back, in a surround of this radiance. */
+static bool is_balanced(const struct neph_medium *medium, struct neph_rgb surround)
+{
+    const struct neph_rgb albedo = medium->albedo, emission = medium->emission_w_per_m2_sr;
+    return (albedo.r == 1.0 || emission.r == surround.r) &&
+           (albedo.g == 1.0 || emission.g == surround.g) &&
+           (albedo.b == 1.0 || emission.b == surround.b);
+}
+
+/* Everything reflects or scatters all light, or emits what it absorbs, and all other light comes
+ * from the uniform surround: the radiance is the surround's everywhere, whatever the geometry. */
+static bool is_furnace(const struct neph_scene *scene)
 {
     if (scene->scattering != NEPH_SCATTERING_MULTIPLE || !scene->environment_light ||
         scene->sun.present)
         return false;
     for (int m = 0; m < scene->medium_count; m++)
-        if (!is_white(scene->media[m].albedo))
+        if (!is_balanced(&scene->media[m], scene->background_w_per_m2_sr))
             return false;
     for (int i = 0; i < scene->solid_count; i++)
         if (!is_white(scene->solids[i].albedo))
@@ -463,12 +569,12 @@ bool neph_transport_is_exact(const struct neph_scene *scene, char *reason, size_
         snprintf(reason, reason_size, "clouds whose optical depth is itself quadrature");
         return false;
     }
-    if (is_white_furnace(scene))
+    if (is_furnace(scene))
         return true;
     const char *cannot = NULL;
     const bool scatters = media_scatter(scene) && scene->scattering != NEPH_SCATTERING_NONE;
     if (scene->scattering == NEPH_SCATTERING_MULTIPLE && (scatters || solids_reflect(scene)))
-        cannot = "multiple scattering (outside the white furnace)";
+        cannot = "multiple scattering (outside a furnace)";
     else if (scene->environment_light && (scatters || solids_reflect(scene)))
         cannot = "light of the surroundings on media or solids";
     if (cannot)
@@ -486,11 +592,9 @@ struct neph_ray_light neph_transport_ray(const struct neph_scene *scene, struct 
     const struct neph_rgb depth = view_optical_depth(&ray, 0.0, hit.t_m);
     light.transmittance = transmittance(depth);
 
-    if (is_white_furnace(scene)) {
+    if (is_furnace(scene)) {
         light.radiance = scene->background_w_per_m2_sr;
-        light.volume = neph_rgb_mul(
-            light.radiance,
-            (struct neph_rgb){-expm1(-depth.r), -expm1(-depth.g), -expm1(-depth.b)});
+        light.volume = neph_rgb_mul(light.radiance, absorbed(depth));
         return light;
     }
     if (scene->sun.present && scene->scattering != NEPH_SCATTERING_NONE && media_scatter(scene)) {
@@ -499,6 +603,11 @@ struct neph_ray_light neph_transport_ray(const struct neph_scene *scene, struct 
         for (int m = 0; m < scene->medium_count; m++)
             ray.phase_per_sr[m] = neph_phase_per_sr(&scene->media[m].phase, cosine);
         light.quadrature_error = integrate_volume(&ray, &light.volume);
+    }
+    if (neph_scene_emits(scene)) {
+        struct neph_rgb own = {0, 0, 0};
+        light.quadrature_error += integrate_emission(&ray, depth, &own);
+        light.volume = neph_rgb_add(light.volume, own);
     }
     const struct neph_rgb behind = hit.solid
                                        ? surface_radiance(scene, &hit, ray_point(&ray, hit.t_m))

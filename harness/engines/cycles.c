@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT
  *
  * Engine `cycles`: Blender's path tracer as a witness of all orders of scattering. One Blender
- * process renders up to three pictures of a shot (scripts/blender_render.py says how):
+ * process renders a few pictures of a shot (scripts/blender_render.py says how):
  *
  *   radiance       the scene; its two volume passes are the in-scattered light
+ *   emission       what media emit, where that is not scattered, too
  *   transmittance  black media before a world and solids of radiance 1
  *   depth          the solids alone
  *
@@ -22,6 +23,7 @@
 #include "harness/engines/bakes.h"
 #include "harness/engines/cycles_spec.h"
 #include "harness/engines/program.h"
+#include "scenes/emission.h"
 #include "scenes/volume_file.h"
 
 #include <math.h>
@@ -336,13 +338,16 @@ static enum neph_status not_finite(const char *kind, size_t pixel, int width_px,
                      kind, pixel % (size_t)width_px, pixel / (size_t)width_px);
 }
 
-/* R = combined, volume = its direct and indirect part; of one picture, in channels first..last. */
+/* R = combined, volume = its direct and indirect part and what media in view emit; of one picture,
+ * in channels first..last. */
 static enum neph_status take_radiance(const struct session *session, const char *picture, int first,
                                       int last, float *const all[3], float *const scattered[3],
                                       struct neph_diag *diag)
 {
     struct neph_image *image = NULL;
-    float *combined[3], *direct[3], *indirect[3];
+    float *combined[3], *direct[3], *indirect[3], *emitted[3];
+    const bool emits = neph_scene_emits(session->shot.scene) &&
+                       !neph_cycles_has_emission_pictures(session->shot.scene);
     enum neph_status status = read_pass(session, picture, &image, diag);
     if (!status)
         status = find_layer(image, "pass.Combined", combined, diag);
@@ -350,11 +355,37 @@ static enum neph_status take_radiance(const struct session *session, const char 
         status = find_layer(image, "pass.VolumeDir", direct, diag);
     if (!status)
         status = find_layer(image, "pass.VolumeInd", indirect, diag);
+    if (!status && emits)
+        status = find_layer(image, "pass.Emit", emitted, diag);
     for (int channel = first; channel <= last && !status; channel++) {
         for (size_t i = 0; i < neph_image_pixel_count(image) && !status; i++) {
             all[channel][i] = combined[channel][i];
             scattered[channel][i] = direct[channel][i] + indirect[channel][i];
+            if (emits)
+                scattered[channel][i] += emitted[channel][i];
             if (!isfinite(all[channel][i]) || !isfinite(scattered[channel][i]))
+                status = not_finite(picture, i, image->width_px, diag);
+        }
+    }
+    neph_image_destroy(image);
+    return status;
+}
+
+/* Both layers get it. */
+static enum neph_status add_emission(const struct session *session, const char *picture, int first,
+                                     int last, float *const all[3], float *const scattered[3],
+                                     struct neph_diag *diag)
+{
+    struct neph_image *image = NULL;
+    float *combined[3];
+    enum neph_status status = read_pass(session, picture, &image, diag);
+    if (!status)
+        status = find_layer(image, "pass.Combined", combined, diag);
+    for (int channel = first; channel <= last && !status; channel++) {
+        for (size_t i = 0; i < neph_image_pixel_count(image) && !status; i++) {
+            all[channel][i] += combined[channel][i];
+            scattered[channel][i] += combined[channel][i];
+            if (!isfinite(combined[channel][i]))
                 status = not_finite(picture, i, image->width_px, diag);
         }
     }
@@ -365,15 +396,25 @@ static enum neph_status take_radiance(const struct session *session, const char 
 static enum neph_status radiance_layers(const struct session *session, struct neph_image *frame,
                                         struct neph_diag *diag)
 {
-    static const char *const pictures[3] = {"radiance0", "radiance1", "radiance2"};
+    static const struct {
+        const char *radiance, *emission;
+        int first, last; /* of the channels that are right in it */
+    } pictures[] = {{"radiance", "emission", 0, 2},
+                    {"radiance0", "emission0", 0, 0},
+                    {"radiance1", "emission1", 1, 1},
+                    {"radiance2", "emission2", 2, 2}};
+    const bool coloured = neph_cycles_is_coloured(session->shot.scene);
+    const bool emits = neph_cycles_has_emission_pictures(session->shot.scene);
     float *all[3], *scattered[3];
     enum neph_status status = neph_image_add_rgb(frame, NULL, all, diag);
     if (!status)
         status = neph_image_add_rgb(frame, "volume", scattered, diag);
-    if (!status && !neph_cycles_is_coloured(session->shot.scene))
-        return take_radiance(session, "radiance", 0, 2, all, scattered, diag);
-    for (int channel = 0; channel < 3 && !status; channel++)
-        status = take_radiance(session, pictures[channel], channel, channel, all, scattered, diag);
+    for (int i = coloured ? 1 : 0; i <= (coloured ? 3 : 0) && !status; i++) {
+        const int first = pictures[i].first, last = pictures[i].last;
+        status = take_radiance(session, pictures[i].radiance, first, last, all, scattered, diag);
+        if (!status && emits)
+            status = add_emission(session, pictures[i].emission, first, last, all, scattered, diag);
+    }
     return status;
 }
 
@@ -422,7 +463,8 @@ static enum neph_status depth_layer(const struct session *session, struct neph_i
 /* Seconds of all pictures of radiance; negative when there is none. */
 static double sum_radiance_s(const json_t *timing)
 {
-    static const char *const pictures[] = {"radiance", "radiance0", "radiance1", "radiance2"};
+    static const char *const pictures[] = {"radiance", "radiance0", "radiance1", "radiance2",
+                                           "emission", "emission0", "emission1", "emission2"};
     double sum_s = 0.0;
     bool found = false;
     for (size_t i = 0; i < sizeof(pictures) / sizeof(pictures[0]); i++) {

@@ -4,6 +4,7 @@
  */
 #include "harness/engines/cycles_spec.h"
 
+#include "scenes/emission.h"
 #include "scenes/grid.h"
 #include "scenes/media.h"
 
@@ -340,7 +341,11 @@ static json_t *medium_json(int index, const struct neph_medium *medium,
                              "extinction_color", color_json(medium->extinction_color), "albedo",
                              color_json(medium->albedo), "g", isotropic ? 0.0 : medium->phase.g,
                              "feature_m", isinf(length_m) ? json_null() : json_real(length_m));
-    if (!json || !set_source(json, index, medium, container->min_m.y))
+    bool is_made = json && !set_source(json, index, medium, container->min_m.y);
+    if (is_made && neph_medium_emits(medium))
+        is_made = !json_object_set_new(json, "glow_w_per_m2_sr",
+                                       color_json(neph_medium_glow(medium)));
+    if (is_made)
         return json;
     json_decref(json);
     return NULL;
@@ -403,15 +408,31 @@ bool neph_cycles_is_coloured(const struct neph_scene *scene)
     return false;
 }
 
+bool neph_cycles_has_emission_pictures(const struct neph_scene *scene)
+{
+    return neph_scene_emits(scene) && scene->scattering != NEPH_SCATTERING_MULTIPLE;
+}
+
+/* Emission has no noise: one sample, with the steps of the transmittance pass. */
+static json_t *emission_json(const struct neph_shot *shot,
+                             const struct neph_cycles_quality *quality, int channel)
+{
+    return pass_json("emission", channel, 1, quality->step / NEPH_CYCLES_FINE_STEPS,
+                     quality->step / NEPH_CYCLES_FINE_GRID_STEPS, shot->seed);
+}
+
 static int append_radiance(json_t *passes, const struct neph_shot *shot,
                            const struct neph_cycles_quality *quality)
 {
     const bool coloured = neph_cycles_is_coloured(shot->scene);
     int failed = 0;
-    for (int channel = coloured ? 0 : -1; channel < (coloured ? 3 : 0); channel++)
+    for (int channel = coloured ? 0 : -1; channel < (coloured ? 3 : 0); channel++) {
         failed |= json_array_append_new(passes,
                                         pass_json("radiance", channel, quality->samples,
                                                   quality->step, quality->step, shot->seed));
+        if (neph_cycles_has_emission_pictures(shot->scene))
+            failed |= json_array_append_new(passes, emission_json(shot, quality, channel));
+    }
     return failed;
 }
 

@@ -50,6 +50,11 @@ enum neph_status neph_cycles_spec(const struct neph_shot *shot,
  * of which each is right in one channel (blender_render.py says why). */
 bool neph_cycles_is_coloured(const struct neph_scene *scene);
 
+/* Whether light that media emit comes in pictures of its own, emission or emission0 to emission2,
+ * to be added to the radiance and to what media scatter. With all orders it is in the radiance, and
+ * what is seen of it in the layer Emit. */
+bool neph_cycles_has_emission_pictures(const struct neph_scene *scene);
+
 /* The name of the OpenVDB file, beside the spec, of a grid medium, by its index in the scene. */
 enum { NEPH_CYCLES_FILE_NAME_MAX = 32 };
 void neph_cycles_grid_name(int index, char name[NEPH_CYCLES_FILE_NAME_MAX]);

@@ -4,6 +4,7 @@
  * together from monochrome pictures that POV-Ray renders one after the other:
  *
  *   volume = sum over the phase functions of the scene of what their media scatter
+ *            + what the media emit
  *   radiance = volume + surface (lit solids and background behind absorbing media)
  *
  * and transmittance and depth are pictures of their own. Colours whose sources are proportional to
@@ -22,6 +23,7 @@
 #include "harness/engines/povray_exposure.h"
 #include "harness/engines/povray_scene.h"
 #include "harness/engines/program.h"
+#include "scenes/emission.h"
 #include "scenes/media.h"
 #include "scenes/volume_file.h"
 
@@ -557,6 +559,19 @@ static enum neph_status add_volume(struct session *session, struct light *volume
     return status;
 }
 
+/* A picture is nowhere brighter than the brightest of its media were, if it were opaque. */
+static enum neph_status add_emission(struct session *session, struct light *volume,
+                                     struct neph_diag *diag)
+{
+    const struct neph_scene *scene = session->shot.scene;
+    struct neph_povray_pass pass = {.kind = NEPH_POVRAY_EMISSION};
+    struct sources sources = {.count = 0};
+    for (int i = 0; i < scene->medium_count; i++)
+        if (session->world.containers[i].used)
+            add_source(&sources, neph_medium_glow(&scene->media[i]));
+    return add_picture(session, "emission", pass, &sources, 1.0, volume, diag);
+}
+
 static enum neph_status add_surface(struct session *session, struct light *surface,
                                     struct neph_diag *diag)
 {
@@ -587,6 +602,8 @@ static enum neph_status radiance_layers(struct session *session, struct neph_ima
         status = neph_image_add_rgb(frame, "volume", scattered, diag);
     if (!status)
         status = add_volume(session, &volume, diag);
+    if (!status)
+        status = add_emission(session, &volume, diag);
     if (!status)
         status = add_surface(session, &surface, diag);
     for (int channel = 0; !status && channel < 3; channel++) {
@@ -674,6 +691,9 @@ static enum neph_status add_attributes(const struct session *session, struct nep
             frame, "neph.povray.passes", diag, "volume %d, surface %d, transmittance %d, depth %d",
             renders[NEPH_POVRAY_VOLUME], renders[NEPH_POVRAY_SURFACE],
             renders[NEPH_POVRAY_TRANSMITTANCE], renders[NEPH_POVRAY_DEPTH]);
+    if (!status && renders[NEPH_POVRAY_EMISSION] > 0)
+        status = neph_image_set_attribute(frame, "neph.povray.emission_passes", diag, "%d",
+                                          renders[NEPH_POVRAY_EMISSION]);
     if (!status)
         status = neph_image_set_attribute(frame, "neph.povray.cut_error", diag, "%.3g",
                                           session->world.cut_error);

@@ -9,12 +9,17 @@
  * - A ray that no light reaches, and every shadow ray, is sampled once when the medium with the
  *   most intervals (the first of them) is uniform. So beside a fog, uniform media ask for one
  *   interval less.
+ * - Emission is radiance per unit of length, without a factor. Slabs with 200 intervals: within
+ *   2e-5 of 1 - exp(-tau) at tau 0.01 to 4, and by -(tau / 200)^2 / 24, which is the midpoint
+ *   rule's, at 10 and 20. Uniform media that emit are written as media of uneven density: unlit,
+ *   they would be sampled once.
  * - Pigment and density functions wrap at 1: the densest place gets 0.999.
  * - Method 2 with one sample is the midpoint rule; methods 1 and 3 are random and biased.
  */
 #include "harness/engines/povray_scene.h"
 
 #include "harness/engines/povray_exposure.h"
+#include "scenes/emission.h"
 #include "scenes/media.h"
 
 #include <math.h>
@@ -440,8 +445,8 @@ static void write_camera(struct writer *writer)
 static bool has_sun(const struct writer *writer)
 {
     enum neph_povray_kind kind = writer->pass->kind;
-    return writer->world->scene->sun.present && kind != NEPH_POVRAY_TRANSMITTANCE &&
-           kind != NEPH_POVRAY_DEPTH;
+    return writer->world->scene->sun.present && kind != NEPH_POVRAY_EMISSION &&
+           kind != NEPH_POVRAY_TRANSMITTANCE && kind != NEPH_POVRAY_DEPTH;
 }
 
 static void write_sun(struct writer *writer)
@@ -471,6 +476,7 @@ static void write_background(struct writer *writer)
         words(writer, "rgb 1");
         break;
     case NEPH_POVRAY_VOLUME:
+    case NEPH_POVRAY_EMISSION:
         words(writer, "rgb 0");
         break;
     }
@@ -479,25 +485,40 @@ static void write_background(struct writer *writer)
 
 /* ---- Media ---------------------------------------------------------------------------------- */
 
-static bool has_fog(const struct neph_povray_world *world)
+/* Is light that media emit part of this picture? */
+static bool has_emission(const struct writer *writer)
 {
-    for (int i = 0; i < world->scene->medium_count; i++) {
-        if (world->containers[i].used && !world->containers[i].uniform)
+    enum neph_povray_kind kind = writer->pass->kind;
+    return kind == NEPH_POVRAY_EMISSION ||
+           (kind == NEPH_POVRAY_BEAUTY && neph_scene_emits(writer->world->scene));
+}
+
+/* Is a medium written without a density? */
+static bool is_plain(const struct writer *writer, int index)
+{
+    return writer->world->containers[index].uniform && !has_emission(writer);
+}
+
+static bool has_density(const struct writer *writer)
+{
+    for (int i = 0; i < writer->world->scene->medium_count; i++) {
+        if (writer->world->containers[i].used && !is_plain(writer, i))
             return true;
     }
     return false;
 }
 
 /* Where no medium scatters, no sample needs a shadow ray, and four times as many are cheap. */
-static int intervals_of(const struct writer *writer, bool uniform)
+static int intervals_of(const struct writer *writer, bool plain)
 {
     enum neph_povray_kind kind = writer->pass->kind;
     int intervals = writer->world->intervals;
-    if (kind == NEPH_POVRAY_SURFACE || kind == NEPH_POVRAY_TRANSMITTANCE)
+    if (kind == NEPH_POVRAY_SURFACE || kind == NEPH_POVRAY_EMISSION ||
+        kind == NEPH_POVRAY_TRANSMITTANCE)
         intervals *= 4;
     if (intervals > NEPH_POVRAY_INTERVALS_MAX)
         intervals = NEPH_POVRAY_INTERVALS_MAX;
-    if (uniform && has_fog(writer->world) && intervals > 1)
+    if (plain && has_density(writer) && intervals > 1)
         intervals--;
     return intervals;
 }
@@ -582,22 +603,33 @@ static void write_comment(struct writer *writer, const struct neph_medium *mediu
 }
 
 /* Extinction of density 1 as the density is written, per unit of length. */
-static double extinction_per_unit(const struct neph_povray_world *world, int index)
+static double extinction_per_unit(const struct writer *writer, int index)
 {
+    const struct neph_povray_world *world = writer->world;
     const struct neph_medium *medium = &world->scene->media[index];
     const struct neph_povray_container *container = &world->containers[index];
     if (!neph_medium_is_fog(medium))
         return medium->extinction_per_m * (double)neph_povray_grid(medium->grid).maximum /
                world->units_per_m;
     const double per_unit = container->extinction_per_m / world->units_per_m;
-    return container->uniform ? per_unit : per_unit / density_peak;
+    return is_plain(writer, index) ? per_unit : per_unit / density_peak;
+}
+
+static void write_emission(struct writer *writer, const struct neph_medium *medium, double per_unit)
+{
+    if (!has_emission(writer))
+        return;
+    words(writer, "    emission ");
+    colour(writer, neph_rgb_scale(neph_rgb_mul(neph_medium_glow(medium), medium->extinction_color),
+                                  per_unit));
+    words(writer, "\n");
 }
 
 static void write_medium(struct writer *writer, int index)
 {
     const struct neph_medium *medium = &writer->world->scene->media[index];
     const struct neph_povray_container *container = &writer->world->containers[index];
-    const double per_unit = extinction_per_unit(writer->world, index);
+    const double per_unit = extinction_per_unit(writer, index);
     write_comment(writer, medium, container);
     words(writer, "box { ");
     position(writer, container->bounds.min_m);
@@ -605,15 +637,16 @@ static void write_medium(struct writer *writer, int index)
     position(writer, container->bounds.max_m);
     words(writer, " hollow pigment { rgbt 1 } finish { ambient 0 diffuse 0 }\n"
                   "  interior { media {\n");
-    named_number(writer, "    method 2 intervals ", intervals_of(writer, container->uniform),
+    named_number(writer, "    method 2 intervals ", intervals_of(writer, is_plain(writer, index)),
                  " samples 1,1\n");
     words(writer, "    absorption ");
     property(writer, neph_rgb_scale(medium->extinction_color, per_unit));
     words(writer, "\n");
+    write_emission(writer, medium, per_unit);
     write_scattering(writer, medium, per_unit);
     if (!neph_medium_is_fog(medium))
         write_voxels(writer, index);
-    else if (!container->uniform)
+    else if (!is_plain(writer, index))
         write_layers(writer, medium, container);
     words(writer, "  } }\n}\n\n");
 }
@@ -672,6 +705,7 @@ static void write_texture(struct writer *writer, struct neph_rgb albedo)
         words(writer, " } finish { ambient 0 diffuse 0 emission 1 }");
         break;
     case NEPH_POVRAY_VOLUME:
+    case NEPH_POVRAY_EMISSION:
         words(writer, " pigment { rgb 0 } finish { ambient 0 diffuse 0 }");
         break;
     case NEPH_POVRAY_BEAUTY:

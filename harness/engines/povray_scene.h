@@ -45,6 +45,7 @@ enum neph_povray_kind {
     NEPH_POVRAY_BEAUTY,        /* for people: colours as they are */
     NEPH_POVRAY_VOLUME,        /* sunlight scattered by the media of one phase function */
     NEPH_POVRAY_SURFACE,       /* lit solids and background through absorbing media */
+    NEPH_POVRAY_EMISSION,      /* what absorbing media emit, in the dark */
     NEPH_POVRAY_TRANSMITTANCE, /* background and solids of radiance 1 through absorbing media */
     NEPH_POVRAY_DEPTH,         /* three digits, povray_exposure.h */
 };

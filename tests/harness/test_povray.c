@@ -599,6 +599,54 @@ static void test_no_scattering(void **state)
     neph_image_destroy(frame);
 }
 
+/* Slabs that glow: a bracket leaves half a quantum of an eighth of full scale, 6.3e-5, and 200
+ * midpoints leave h^2 / 24 of the optical depth h between them, on rays up to a quarter longer than
+ * the slab is thick. */
+static void test_emission_of_slabs(void **state)
+{
+    (void)state;
+    if (!test_has_engine(&neph_engine_povray))
+        skip();
+    static const double extinctions_per_m[] = {0.01, 0.5, 5.0};
+    for (size_t i = 0; i < COUNT(extinctions_per_m); i++) {
+        struct test_scene stage;
+        set_stage(&stage, (struct neph_vec3){0.0, 0.0, 3.0}, (struct neph_vec3){0.0, 0.0, 0.0});
+        struct neph_medium *medium = add_medium(
+            &stage, (struct neph_bounds){{-50.0, -50.0, -2.0}, {50.0, 50.0, 0.0}},
+            extinctions_per_m[i], 0.0, 0.25);
+        medium->emission_w_per_m2_sr = (struct neph_rgb){1.0, 2.0, 4.0};
+        stage.scene.sun.present = false;
+        struct neph_image *frame = render(&stage, NEPH_LAYER_RADIANCE, 50);
+        const double h = 1.25 * 2.0 * extinctions_per_m[i] / 200.0;
+        struct difference off = compare(&stage, frame, "B", RADIANCE, 2);
+        assert_true(off.largest_relative < 6.3e-5 + h * h / 24.0);
+        assert_string_equal(neph_image_attribute(frame, "neph.povray.emission_passes"), "1");
+        neph_image_destroy(frame);
+    }
+}
+
+/* The full scene with a fog and a box that glow in colours of their own. */
+static void test_emission_beside_the_sun(void **state)
+{
+    (void)state;
+    if (!test_has_engine(&neph_engine_povray))
+        skip();
+    struct test_scene stage;
+    set_full_stage(&stage);
+    stage.scene.media[0].emission_w_per_m2_sr = (struct neph_rgb){4.0, 2.0, 1.0};
+    stage.scene.media[1].emission_w_per_m2_sr = (struct neph_rgb){0.0, 1.0, 3.0};
+    struct neph_image *frame = render(&stage, NEPH_LAYER_RADIANCE, 50);
+    static const char *const names[2][3] = {{"R", "G", "B"}, {"volume.R", "volume.G", "volume.B"}};
+    for (int channel = 0; channel < 3; channel++) {
+        struct difference all = compare(&stage, frame, names[0][channel], RADIANCE, channel);
+        struct difference volume = compare(&stage, frame, names[1][channel], VOLUME, channel);
+        assert_true(fabs(all.mean) < 1e-3 * all.truth_mean);
+        assert_true(fabs(volume.mean) < 1e-3 * volume.truth_mean);
+        assert_true(all.largest_relative < 0.02); /* midpoints beside shadow edges */
+    }
+    neph_image_destroy(frame);
+}
+
 /* An empty scene needs no render at all. */
 static void test_empty_scene(void **state)
 {
@@ -723,6 +771,8 @@ int main(int argc, char **argv)
         cmocka_unit_test(test_full_scene),
         cmocka_unit_test(test_orthographic_camera),
         cmocka_unit_test(test_no_scattering),
+        cmocka_unit_test(test_emission_of_slabs),
+        cmocka_unit_test(test_emission_beside_the_sun),
         cmocka_unit_test(test_empty_scene),
         cmocka_unit_test(test_export_runs_by_hand),
     };

@@ -514,6 +514,7 @@ static void test_what_is_refused(void **state)
     scene.scattering = NEPH_SCATTERING_MULTIPLE;
     assert_refused(&scene, "multiple scattering");
     scene.environment_light = true; /* a furnace but for its sun */
+    scene.background_w_per_m2_sr = white;
     assert_refused(&scene, "multiple scattering");
     scene.sun.present = false; /* a furnace but for a grey wall */
     wall.albedo.g = 0.99;
