@@ -1,0 +1,324 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The table of features in scenes/README.md is what the engines say of small scenes, each the same
+ * but for one feature. `test_features --write` writes it.
+ */
+#include "tests/scene_builders.h"
+
+#include "base/files.h"
+#include "harness/engines/engines.h"
+#include "scenes/media.h"
+
+#include <stdio.h>
+
+static const char readme[] = NEPH_SOURCE_DIR "/scenes/README.md";
+static const char before[] = "<!-- written by tests/test_features --write -->\n";
+static const char after[] = "<!-- end -->\n";
+
+/* ---- scenes ---------------------------------------------------------------------------------- */
+
+static const struct neph_bounds cube = {{-1, 80, -11}, {1, 360, -9}}; /* some of a cloud layer */
+
+/* What a scene points to. */
+struct stage {
+    struct test_scene test;
+    struct neph_camera_key camera_keys[2];
+    struct neph_sun_key sun_keys[2];
+    struct neph_wind_key wind_keys[1];
+    struct neph_grid *grid;
+    struct neph_horizon *horizon;
+};
+
+static void change_medium(struct stage *stage, enum neph_medium_kind kind)
+{
+    const struct neph_vec3 center_m = {0, 100, -10};
+    const struct neph_horizon_params clouds = neph_horizon_defaults();
+    struct neph_medium *medium = &stage->test.scene.media[0];
+    *medium = make_homogeneous(0.1, cube);
+    medium->kind = kind;
+    medium->albedo = make_grey(0.5);
+    medium->extinction_per_m = 0.1;
+    medium->gaussian = (struct neph_gaussian){center_m, 0.5};
+    medium->shell = (struct neph_shell){{0, -1000, 0}, 1000, 50};
+    medium->plume = (struct neph_plume){center_m, {0, 1, 0}, 0.5, 20};
+    medium->layer_count = neph_medium_is_fog(medium);
+    medium->layers[0].falloff_per_m = kind == NEPH_MEDIUM_HEIGHT_FOG ? 0.01 : 0.0;
+    if (kind == NEPH_MEDIUM_GRID && !stage->grid) {
+        uint64_t seed = 1;
+        stage->grid = random_lattice((const int[3]){2, 2, 2}, cube.min_m,
+                                     (struct neph_vec3){1, 1, 1}, 0.5, &seed);
+    }
+    if (kind == NEPH_MEDIUM_HORIZON && !stage->horizon)
+        neph_assert_ok(neph_horizon_create(&clouds, &stage->horizon, NULL), NULL);
+    medium->grid = kind == NEPH_MEDIUM_GRID ? stage->grid : NULL;
+    medium->horizon = kind == NEPH_MEDIUM_HORIZON ? stage->horizon : NULL;
+}
+
+/* A medium before the camera in sunlight. */
+static void set_stage(struct stage *stage, enum neph_medium_kind kind,
+                      enum neph_scattering scattering)
+{
+    test_scene_init(&stage->test);
+    stage->test.scene.medium_count = 1;
+    stage->test.scene.scattering = scattering;
+    stage->test.scene.octaves = (struct neph_octaves){8, 0.5, 0.5, 0.5};
+    change_medium(stage, kind);
+}
+
+static struct neph_medium *medium_of(struct stage *stage)
+{
+    return &stage->test.scene.media[0];
+}
+
+static void endless(struct stage *stage)
+{
+    medium_of(stage)->bounds = everywhere;
+}
+
+static void coloured(struct stage *stage)
+{
+    medium_of(stage)->extinction_color = (struct neph_rgb){0.5, 1, 2};
+}
+
+static void henyey_greenstein(struct stage *stage)
+{
+    medium_of(stage)->phase = (struct neph_phase){NEPH_PHASE_HENYEY_GREENSTEIN, 0.8};
+}
+
+static void rayleigh(struct stage *stage)
+{
+    medium_of(stage)->phase = (struct neph_phase){NEPH_PHASE_RAYLEIGH, 0.0};
+}
+
+static void two_phases(struct stage *stage)
+{
+    stage->test.scene.media[1] = *medium_of(stage);
+    stage->test.scene.medium_count = 2;
+    henyey_greenstein(stage);
+}
+
+static void emission(struct stage *stage)
+{
+    medium_of(stage)->emission_w_per_m2_sr = white;
+}
+
+static void solids(struct stage *stage)
+{
+    test_add_box(&stage->test, (struct neph_vec3){-9, -2, -19}, (struct neph_vec3){9, -1, -1});
+    test_add_sphere(&stage->test, (struct neph_vec3){0, 100, -10}, 0.3);
+}
+
+static void environment(struct stage *stage)
+{
+    stage->test.scene.environment_light = true;
+}
+
+static void orthographic(struct stage *stage)
+{
+    stage->test.scene.vertical_fov_rad = 0.0;
+    stage->test.scene.orthographic_height_m = 10.0;
+}
+
+static void moving_camera(struct stage *stage)
+{
+    stage->camera_keys[0] = stage->camera_keys[1] = stage->test.key;
+    stage->camera_keys[1].frame = 10.0;
+    stage->camera_keys[1].position_m.x += 1.0;
+    stage->test.scene.camera_keys = stage->camera_keys;
+    stage->test.scene.camera_key_count = 2;
+    stage->test.scene.frame_count = 11;
+}
+
+static void moving_sun(struct stage *stage)
+{
+    const struct neph_sun *sun = &stage->test.scene.sun;
+    stage->sun_keys[0] = (struct neph_sun_key){0, sun->direction, sun->irradiance_w_per_m2};
+    stage->sun_keys[1] = (struct neph_sun_key){10, {0, 1, 0}, sun->irradiance_w_per_m2};
+    stage->test.scene.sun_keys = stage->sun_keys;
+    stage->test.scene.sun_key_count = 2;
+    stage->test.scene.frame_count = 11;
+}
+
+static void wind(struct stage *stage)
+{
+    stage->wind_keys[0].velocity_m_per_s = (struct neph_vec3){1, 0, 0};
+    stage->test.scene.wind_keys = stage->wind_keys;
+    stage->test.scene.wind_key_count = 1;
+    stage->test.scene.frame_count = 11;
+}
+
+/* ---- features -------------------------------------------------------------------------------- */
+
+#define KIND(kind) (1u << NEPH_MEDIUM_##kind)
+#define LIGHT(scattering) (1u << NEPH_SCATTERING_##scattering)
+
+/* An engine has a feature that it can render with any of these. */
+enum {
+    ANY_KIND = KIND(HOMOGENEOUS) | KIND(HORIZON),
+    ANY_DRIFT = KIND(GAUSSIAN) | KIND(HORIZON),
+    ANY_LIGHT = LIGHT(SINGLE) | LIGHT(MULTIPLE),
+};
+
+static const struct feature {
+    const char *name;
+    unsigned kinds, lights;
+    void (*change)(struct stage *stage);
+} features[] = {
+    {"`homogeneous`", KIND(HOMOGENEOUS), ANY_LIGHT, NULL},
+    {"`height_fog`", KIND(HEIGHT_FOG), ANY_LIGHT, NULL},
+    {"`height_fog` without bounds", KIND(HEIGHT_FOG), ANY_LIGHT, endless},
+    {"`gaussian`", KIND(GAUSSIAN), ANY_LIGHT, NULL},
+    {"`shell`", KIND(SHELL), ANY_LIGHT, NULL},
+    {"`grid`, `volume`, `voxels`", KIND(GRID), ANY_LIGHT, NULL},
+    {"`horizon`", KIND(HORIZON), ANY_LIGHT, NULL},
+    {"`plume`", KIND(PLUME), ANY_LIGHT, NULL},
+    {"`extinction_color`", ANY_KIND, ANY_LIGHT, coloured},
+    {"`henyey_greenstein`", ANY_KIND, ANY_LIGHT, henyey_greenstein},
+    {"`rayleigh`", ANY_KIND, ANY_LIGHT, rayleigh},
+    {"several phase functions in one place", ANY_KIND, ANY_LIGHT, two_phases},
+    {"`scattering: none`", ANY_KIND, LIGHT(NONE), NULL},
+    {"`scattering: single`", ANY_KIND, LIGHT(SINGLE), NULL},
+    {"`scattering: multiple`", ANY_KIND, LIGHT(MULTIPLE), NULL},
+    {"`emission_w_per_m2_sr`, seen", ANY_KIND, LIGHT(NONE) | LIGHT(SINGLE), emission},
+    {"`emission_w_per_m2_sr`, scattered", ANY_KIND, LIGHT(MULTIPLE), emission},
+    {"`environment_light`", ANY_KIND, ANY_LIGHT, environment},
+    {"`solids`", ANY_KIND, ANY_LIGHT, solids},
+    {"`orthographic_height_m`", ANY_KIND, ANY_LIGHT, orthographic},
+    {"`camera.keys`", ANY_KIND, ANY_LIGHT, moving_camera},
+    {"`sun.keys`", ANY_KIND, ANY_LIGHT, moving_sun},
+    {"`wind`", ANY_DRIFT, ANY_LIGHT, wind},
+};
+
+/* ---- answers --------------------------------------------------------------------------------- */
+
+enum { ANSWER_SIZE = 64 };
+
+static bool accepts(const struct neph_engine *engine, const struct neph_scene *scene,
+                    const struct neph_settings *settings)
+{
+    char reason[512] = "";
+    return engine->can_render(scene, settings, reason, sizeof(reason));
+}
+
+/* A choice of an option that lets an engine render what it else cannot. */
+static bool find_choice(const struct neph_engine *engine, const struct neph_scene *scene,
+                        char answer[ANSWER_SIZE])
+{
+    for (int o = 0; engine->options[o].name; o++)
+        for (int c = 0; engine->options[o].choices && engine->options[o].choices[c]; c++) {
+            struct neph_settings settings = neph_settings_default(engine);
+            settings.values[o] = c;
+            if (!accepts(engine, scene, &settings))
+                continue;
+            snprintf(answer, ANSWER_SIZE, "`%s=%s`", engine->options[o].name,
+                     engine->options[o].choices[c]);
+            return true;
+        }
+    return false;
+}
+
+/* Higher is better; `answer` is written when it is better than `best`. */
+static int ask(const struct neph_engine *engine, const struct neph_scene *scene, int best,
+               char answer[ANSWER_SIZE])
+{
+    const struct neph_settings settings = neph_settings_default(engine);
+    const bool is_look = engine->rung == NEPH_RUNG_MODEL &&
+                         scene->scattering == NEPH_SCATTERING_MULTIPLE;
+    const int worth = is_look ? 2 : 3;
+    if (best < worth && accepts(engine, scene, &settings)) {
+        snprintf(answer, ANSWER_SIZE, "%s", is_look ? "look" : "yes");
+        return worth;
+    }
+    return best < 1 && find_choice(engine, scene, answer) ? 1 : best;
+}
+
+static void answer_for(const struct neph_engine *engine, const struct feature *feature,
+                       struct stage *stage, char answer[ANSWER_SIZE])
+{
+    int best = 0;
+    snprintf(answer, ANSWER_SIZE, "no");
+    for (int kind = 0; kind < NEPH_MEDIUM_KIND_COUNT; kind++)
+        for (int light = 0; light <= NEPH_SCATTERING_MULTIPLE; light++) {
+            if (!(feature->kinds >> kind & 1u) || !(feature->lights >> light & 1u))
+                continue;
+            set_stage(stage, (enum neph_medium_kind)kind, (enum neph_scattering)light);
+            if (feature->change)
+                feature->change(stage);
+            best = ask(engine, &stage->test.scene, best, answer);
+        }
+}
+
+static void print_row(FILE *file, const struct feature *feature, struct stage *stage)
+{
+    int count;
+    const struct neph_engine *const *engines = neph_engines(&count);
+    fprintf(file, "| %s |", feature->name);
+    for (int e = 0; e < count; e++) {
+        char answer[ANSWER_SIZE];
+        answer_for(engines[e], feature, stage, answer);
+        fprintf(file, " %s |", answer);
+    }
+    fprintf(file, "\n");
+}
+
+static char *printed_table(void)
+{
+    char *table = NULL;
+    size_t size = 0;
+    int count;
+    struct stage stage = {.grid = NULL};
+    const struct neph_engine *const *engines = neph_engines(&count);
+    FILE *file = open_memstream(&table, &size);
+    assert_non_null(file);
+    fprintf(file, "| |");
+    for (int e = 0; e < count; e++)
+        fprintf(file, " `%s` |", engines[e]->name);
+    fprintf(file, "\n| --- |");
+    for (int e = 0; e < count; e++)
+        fprintf(file, " --- |");
+    fprintf(file, "\n");
+    for (size_t i = 0; i < COUNT(features); i++)
+        print_row(file, &features[i], &stage);
+    assert_int_equal(fclose(file), 0);
+    neph_grid_destroy(stage.grid);
+    neph_horizon_destroy(stage.horizon);
+    return table;
+}
+
+/* ---- the file -------------------------------------------------------------------------------- */
+
+/* README.md as it should be. */
+static char *wanted_text(const char *text)
+{
+    const char *start = strstr(text, before);
+    const char *end = start ? strstr(start, after) : NULL;
+    assert_non_null(end);
+    char *table = printed_table();
+    char *wanted = neph_format("%.*s%s%s", (int)(start - text + (ptrdiff_t)strlen(before)), text,
+                               table, end);
+    free(table);
+    return wanted;
+}
+
+static void test_readme_holds_the_features(void **state)
+{
+    char *text = NULL;
+    size_t size = 0;
+    neph_assert_ok(neph_file_read(readme, 1 << 20, &text, &size, NULL), NULL);
+    char *wanted = wanted_text(text);
+    if (*state)
+        neph_assert_ok(neph_file_write(readme, wanted, strlen(wanted), NULL), NULL);
+    else
+        assert_string_equal(text, wanted);
+    free(wanted);
+    free(text);
+}
+
+int main(int count, char **arguments)
+{
+    const bool writes = count > 1 && !strcmp(arguments[1], "--write");
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_prestate(test_readme_holds_the_features, writes ? arguments : NULL),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
