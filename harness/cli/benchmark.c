@@ -8,6 +8,7 @@
 #include "harness/data.h"
 #include "harness/engines/engines.h"
 #include "harness/run/benchmark.h"
+#include "harness/run/benchmark_frames.h"
 #include "scenes/bake.h"
 #include "scenes/horizon.h"
 #include "scenes/media.h"
@@ -19,14 +20,28 @@
 
 struct request {
     struct neph_cli_shared shared;
-    const char *engines;
+    const char *engines, *preset;
     double rung_s;
-    int voxels;
+    int frame_count, voxels;
+};
+
+/* Engines with noise, and those whose pictures can be in flight. */
+struct both {
+    struct neph_benchmark noise;
+    struct neph_benchmark_frames frames;
+    struct neph_engine_info noise_infos[NEPH_BENCHMARK_ENGINES_MAX + 1];
+    struct neph_engine_info frame_infos[NEPH_BENCHMARK_FRAMES_ENGINES_MAX];
 };
 
 static const struct neph_cli_option options[] = {
-    {"engines", 'e', "A,B", "Engines, the first being the one that the others are measured by",
+    {"engines", 'e', "A,B",
+     "Engines; of those with noise the first is the one that the others are measured by",
      NEPH_CLI_WORD, .at = offsetof(struct request, engines), .otherwise = "tracer,cycles"},
+    {"frames", 0, "N", "How many pictures of march* and realtime are timed, in 10 s at most",
+     NEPH_CLI_INTEGER, .at = offsetof(struct request, frame_count), .otherwise = "200",
+     .minimum = 1, .maximum = NEPH_BENCHMARK_FRAMES_MAX},
+    {"preset", 'p', "NAME", "Engine realtime: a set of settings by name, before any --set",
+     NEPH_CLI_WORD, .at = offsetof(struct request, preset)},
     {.name = "size", .otherwise = "96x54"},
     {"seconds", 0, "S", "About how long the last of four rungs takes, each half the one above it",
      NEPH_CLI_REAL, .at = offsetof(struct request, rung_s), .otherwise = "4", .minimum = 0.01,
@@ -48,21 +63,29 @@ static const struct neph_cli_option options[] = {
 static const struct neph_cli_syntax syntax = {
     .options = options,
     .operands = &neph_cli_one_scene,
-    .doc = "How long engines take for the same noise, on the same cores in one run: noise^2 x time "
-           "of each, and how many times the time of the first engine the others need.\v"
-           "Noise is measured between two seeds, error against two independent references of the "
-           "tracer, whose own noise so falls out. Time is rendering alone, each engine's start "
-           "(kernels "
-           "compiled, grids read) apart; starting Blender itself is in neither. Intervals hold 95 "
-           "%, from the scatter of the four rungs; keep the machine "
-           "quiet. The bias is what no time removes. The time to a stated error, bias "
-           "included, is interpolated between rungs; where it lies off the ladder, that is "
-           "said.\n\n"
-           "Examples:\n"
-           "  neph benchmark slab_multiple_thin\n"
-           "  neph benchmark gaussian_blob --voxels 64 --seconds 10\n"
-           "  neph benchmark voxel_grid -e tracer,oracle --json\n"
-           "  neph benchmark height_fog_up --set cycles:step=0.1",
+    .doc =
+        "How long engines take, each in the way that it is used.\v"
+        "Engines with noise (tracer, oracle, cycles): for the same noise, on the same cores in "
+        "one run: noise^2 x time of each, and how many times the time of the first the others "
+        "need. Noise is measured between two seeds, error against two independent references of "
+        "the tracer, whose own noise so falls out. Time is rendering alone, each engine's start "
+        "(kernels compiled, grids read) apart; starting Blender itself is in neither. Intervals "
+        "hold 95 %, from the scatter of the four rungs; keep the machine quiet. The bias is what "
+        "no time removes. The time to a stated error, bias included, is interpolated between rungs; "
+        "where it lies off the ladder, that is said.\n\n"
+        "Engines march* and realtime: pictures in flight one after the other, nothing read "
+        "back, after a second of warm-up: median, 10 % and 90 % of the time of a picture and of "
+        "its passes on the device. Beside them the error (relative RMSE against the march of "
+        "the same lighting at its defaults), and what part the pass gets of what the device can "
+        "do at most: bytes copied, or voxel grids sampled from a buffer, measured in the same "
+        "run.\n\n"
+        "Examples:\n"
+        "  neph benchmark slab_multiple_thin\n"
+        "  neph benchmark gaussian_blob --voxels 64 --seconds 10\n"
+        "  neph benchmark voxel_grid -e tracer,oracle --json\n"
+        "  neph benchmark height_fog_up --set cycles:step=0.1\n"
+        "  neph benchmark cloud_below -e march_octaves,realtime -p ours "
+        "-s realtime:lighting=octaves --size 1920x1080",
 };
 
 /* --- the scene ---------------------------------------------------------------------------- */
@@ -89,19 +112,10 @@ static enum neph_status to_voxels(struct neph_scene *scene, int resolution, stru
 
 /* --- jobs --------------------------------------------------------------------------------- */
 
-static enum neph_status fill_job(const char *name, const struct neph_scene *scene,
-                                 const struct request *request, struct neph_engine_info *info,
-                                 struct neph_job *job, struct neph_diag *diag)
+static void fill_job(const struct neph_engine *engine, const struct neph_scene *scene,
+                     const struct request *request, struct neph_engine_info *info,
+                     struct neph_job *job)
 {
-    const struct neph_engine *engine = neph_engine_find(name);
-    char reason[256];
-    if (!engine) {
-        neph_fail(diag, NEPH_ERR_USAGE, "there is no engine '%s'", name);
-        neph_hint(diag, "`neph engines` lists them");
-        return NEPH_ERR_USAGE;
-    }
-    if (!neph_benchmark_applies(engine, reason, sizeof(reason)))
-        return neph_fail(diag, NEPH_ERR_USAGE, "engine '%s' %s", name, reason);
     neph_engine_probe(engine, info);
     *job = (struct neph_job){.engine = engine,
                              .info = info,
@@ -111,44 +125,73 @@ static enum neph_status fill_job(const char *name, const struct neph_scene *scen
                                       .width_px = request->shared.size.width_px,
                                       .height_px = request->shared.size.height_px,
                                       .time_limit_s = 3600.0}};
-    return NEPH_OK;
+}
+
+/* The job of an engine in the benchmark of its kind. */
+static enum neph_status add_engine(const char *name, const struct neph_scene *scene,
+                                   const struct request *request, struct both *both,
+                                   struct neph_diag *diag)
+{
+    const struct neph_engine *engine = neph_engine_find(name);
+    char reason[256];
+    if (!engine) {
+        neph_fail(diag, NEPH_ERR_USAGE, "there is no engine '%s'", name);
+        neph_hint(diag, "`neph engines` lists them");
+        return NEPH_ERR_USAGE;
+    }
+    const bool flies = neph_benchmark_frames_applies(engine);
+    if (!flies && !neph_benchmark_applies(engine, reason, sizeof(reason)))
+        return neph_fail(diag, NEPH_ERR_USAGE, "engine '%s' %s", name, reason);
+    if (both->frames.engine_count == NEPH_BENCHMARK_FRAMES_ENGINES_MAX ||
+        both->noise.engine_count == NEPH_BENCHMARK_ENGINES_MAX)
+        return neph_fail(diag, NEPH_ERR_USAGE, "more than %d engines of a kind",
+                         NEPH_BENCHMARK_ENGINES_MAX - 1);
+    const int e = flies ? both->frames.engine_count++ : both->noise.engine_count++;
+    struct neph_job *job = flies ? &both->frames.engines[e].job : &both->noise.engines[e].job;
+    fill_job(engine, scene, request, flies ? &both->frame_infos[e] : &both->noise_infos[e], job);
+    return request->preset && engine->presets
+               ? neph_settings_preset(engine, request->preset, &job->shot.settings, diag)
+               : NEPH_OK;
+}
+
+/* The job of the engine that the first `length` bytes name; NULL: none. */
+static struct neph_job *job_named(struct both *both, const char *name, size_t length)
+{
+    struct neph_job *found = NULL;
+    for (int e = 0; e < both->noise.engine_count + both->frames.engine_count; e++) {
+        const int f = e - both->noise.engine_count;
+        struct neph_job *job = f < 0 ? &both->noise.engines[e].job : &both->frames.engines[f].job;
+        if (strlen(job->engine->name) == length && strncmp(name, job->engine->name, length) == 0)
+            found = job;
+    }
+    return found;
 }
 
 /* "cycles:step=0.1" */
-static enum neph_status apply_setting(struct neph_benchmark *benchmark, const char *text,
-                                      struct neph_diag *diag)
+static enum neph_status apply_setting(struct both *both, const char *text, struct neph_diag *diag)
 {
     const char *colon = strchr(text, ':');
-    for (int e = 0; colon && e < benchmark->engine_count; e++) {
-        struct neph_job *job = &benchmark->engines[e].job;
-        const size_t length = strlen(job->engine->name);
-        if ((size_t)(colon - text) == length && strncmp(text, job->engine->name, length) == 0)
-            return neph_settings_set(job->engine, &job->shot.settings, colon + 1, diag);
-    }
+    struct neph_job *job = colon ? job_named(both, text, (size_t)(colon - text)) : NULL;
+    if (job)
+        return neph_settings_set(job->engine, &job->shot.settings, colon + 1, diag);
     return neph_fail(diag, NEPH_ERR_USAGE, "setting '%s': ENGINE:KEY=VALUE of one of the engines",
                      text);
 }
 
-static enum neph_status fill_benchmark(const struct request *request,
-                                       const struct neph_scene *scene,
-                                       struct neph_engine_info *infos,
-                                       struct neph_benchmark *benchmark, struct neph_diag *diag)
+static enum neph_status fill_both(const struct request *request, const struct neph_scene *scene,
+                                  struct both *both, struct neph_diag *diag)
 {
     char names[256];
     snprintf(names, sizeof(names), "%s", request->engines);
     char *rest = names;
-    enum neph_status status = fill_job("tracer", scene, request, &infos[NEPH_BENCHMARK_ENGINES_MAX],
-                                       &benchmark->reference, diag);
-    for (char *name = strsep(&rest, ","); name && !status; name = strsep(&rest, ",")) {
-        const int e = benchmark->engine_count;
-        if (e == NEPH_BENCHMARK_ENGINES_MAX)
-            return neph_fail(diag, NEPH_ERR_USAGE, "more than %d engines",
-                             NEPH_BENCHMARK_ENGINES_MAX);
-        status = fill_job(name, scene, request, &infos[e], &benchmark->engines[e].job, diag);
-        benchmark->engine_count++;
-    }
+    enum neph_status status = NEPH_OK;
+    for (char *name = strsep(&rest, ","); name && !status; name = strsep(&rest, ","))
+        status = add_engine(name, scene, request, both, diag);
     for (int i = 0; i < request->shared.settings.count && !status; i++)
-        status = apply_setting(benchmark, request->shared.settings.list[i], diag);
+        status = apply_setting(both, request->shared.settings.list[i], diag);
+    if (!status)
+        fill_job(neph_engine_find("tracer"), scene, request,
+                 &both->noise_infos[NEPH_BENCHMARK_ENGINES_MAX], &both->noise.reference);
     return status;
 }
 
@@ -218,37 +261,139 @@ static void print_benchmark(const struct neph_benchmark *benchmark)
     }
 }
 
-static void set_scratch(struct neph_benchmark *benchmark, const char *path)
+/* --- results of pictures in flight --------------------------------------------------------- */
+
+static void print_times(struct neph_spread s)
 {
-    benchmark->reference.shot.scratch_directory = path;
+    printf(" %10.3f %10.3f %10.3f", 1e3 * s.median, 1e3 * s.low, 1e3 * s.high);
+}
+
+static void print_pass(const struct neph_benchmark_frames *benchmark,
+                       const struct neph_benchmark_pass *pass)
+{
+    const char *limit;
+    const double share = neph_benchmark_share(benchmark, pass, &limit);
+    printf("  %-20s", pass->name);
+    print_times(pass->gpu_s);
+    if (isfinite(pass->traffic_bytes))
+        printf("  %.4g MB", 1e-6 * pass->traffic_bytes);
+    if (isfinite(pass->density_evaluations))
+        printf("  %.4g M evaluations, %.4g M/s", 1e-6 * pass->density_evaluations,
+               1e-6 * pass->density_evaluations / pass->gpu_s.median);
+    if (isfinite(share))
+        printf("  %.2g %% of the ceiling of %s", 100.0 * share, limit);
+    printf("\n");
+}
+
+static void print_flight(const struct neph_benchmark_frames *benchmark,
+                         const struct neph_benchmark_frames_engine *engine)
+{
+    char *settings = neph_settings_text(engine->job.engine, &engine->job.shot.settings);
+    printf("%s: %d pictures, %.4g a second with an error of %.3g %% of %s\n",
+           engine->job.engine->name, engine->frame_count, 1.0 / engine->mean_s,
+           100.0 * engine->error, engine->reference->name);
+    printf("  %-20s %10s %10s %10s\n", "[ms]", "median", "10 %", "90 %");
+    printf("  %-20s", "picture to picture");
+    print_times(engine->frame_s);
+    printf("\n  %-20s", "on the device");
+    print_times(engine->gpu_s);
+    printf("\n  %-20s", "until it is sent");
+    print_times(engine->cpu_s);
+    printf("\n");
+    for (int p = 0; p < engine->pass_count; p++)
+        print_pass(benchmark, &engine->passes[p]);
+    printf("  first picture after %.3g s; %s\n", engine->first_s, settings ? settings : "");
+    free(settings);
+}
+
+static void print_frames(const struct neph_benchmark_frames *benchmark)
+{
+    const struct neph_job *job = &benchmark->engines[0].job;
+    const struct neph_ceilings *ceilings = &benchmark->ceilings;
+    printf("%s, %d x %d; %s; %s; ", job->shot.scene->name, job->shot.width_px, job->shot.height_px,
+           job->info->device, job->info->version);
+    if (benchmark->thread_count > 0)
+        printf("%d threads; ", benchmark->thread_count);
+    if (isfinite(benchmark->cpu_clock_hz))
+        printf("clock %.3g GHz\n", 1e-9 * benchmark->cpu_clock_hz);
+    else
+        printf("clock not known\n");
+    printf("ceilings: copies %.4g GB/s (2 x %zu MiB), buffer samples %.4g G/s (grid of %d^3)\n",
+           1e-9 * ceilings->copy_bytes_per_s, ceilings->copy_bytes >> 20,
+           1e-9 * ceilings->buffer_samples_per_s, ceilings->grid_side);
     for (int e = 0; e < benchmark->engine_count; e++)
-        benchmark->engines[e].job.shot.scratch_directory = path;
+        print_flight(benchmark, &benchmark->engines[e]);
+}
+
+/* --- running ------------------------------------------------------------------------------ */
+
+static void set_scratch(struct both *both, const char *path)
+{
+    both->noise.reference.shot.scratch_directory = path;
+    for (int e = 0; e < both->noise.engine_count; e++)
+        both->noise.engines[e].job.shot.scratch_directory = path;
+    for (int e = 0; e < both->frames.engine_count; e++)
+        both->frames.engines[e].job.shot.scratch_directory = path;
+}
+
+/* One document for each kind; both in one where there are both. */
+static json_t *json_of(const struct both *both)
+{
+    if (both->frames.engine_count == 0)
+        return neph_benchmark_json(&both->noise);
+    json_t *frames = neph_benchmark_frames_json(&both->frames);
+    return both->noise.engine_count == 0
+               ? frames
+               : json_pack("{s:s, s:o, s:o}", "format", "neph-benchmark-both-1", "frames", frames,
+                           "noise", neph_benchmark_json(&both->noise));
+}
+
+static enum neph_status measure(const struct request *request, struct both *both,
+                                struct neph_diag *diag)
+{
+    const bool quiet = request->shared.quiet || request->shared.json;
+    enum neph_status status = NEPH_OK;
+    if (both->frames.engine_count > 0)
+        status = neph_benchmark_frames_run(&both->frames, request->frame_count, quiet, diag);
+    if (!status && both->noise.engine_count > 0)
+        status = neph_benchmark_run(&both->noise, request->rung_s, quiet, diag);
+    return status;
+}
+
+static enum neph_status print(const struct request *request, const struct both *both,
+                              struct neph_diag *diag)
+{
+    if (request->shared.json)
+        return neph_cli_print_json(json_of(both), diag);
+    if (both->frames.engine_count > 0)
+        print_frames(&both->frames);
+    if (both->noise.engine_count > 0)
+        print_benchmark(&both->noise);
+    return NEPH_OK;
 }
 
 static enum neph_status run(const struct request *request, struct neph_scene *scene,
                             struct neph_diag *diag)
 {
     const struct neph_cli_shared *shared = &request->shared;
-    struct neph_benchmark benchmark = {.engine_count = 0};
-    struct neph_engine_info infos[NEPH_BENCHMARK_ENGINES_MAX + 1];
     struct neph_scratch *scratch = NULL;
-    enum neph_status status = fill_benchmark(request, scene, infos, &benchmark, diag);
+    struct both *both = calloc(1, sizeof(*both));
+    if (!both)
+        return neph_fail_memory(diag);
+    enum neph_status status = fill_both(request, scene, both, diag);
     if (!status)
         status = neph_cli_open_folder(shared->output, diag);
     if (!status)
         status = neph_cli_begin_scratch(shared->output, &scratch, diag);
     if (!status)
-        set_scratch(&benchmark, neph_scratch_path(scratch));
+        set_scratch(both, neph_scratch_path(scratch));
     if (!status)
-        status = neph_benchmark_run(&benchmark, request->rung_s, shared->quiet || shared->json,
-                                    diag);
+        status = measure(request, both, diag);
     neph_cli_end_scratch(scratch, status, diag);
-    if (status)
-        return status;
-    if (shared->json)
-        return neph_cli_print_json(neph_benchmark_json(&benchmark), diag);
-    print_benchmark(&benchmark);
-    return NEPH_OK;
+    if (!status)
+        status = print(request, both, diag);
+    free(both);
+    return status;
 }
 
 enum neph_status neph_cli_benchmark(int argc, char **argv, struct neph_diag *diag)

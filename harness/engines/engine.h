@@ -73,6 +73,20 @@ struct neph_engine_step {
     double order; /* error ~ step^order */
 };
 
+enum { NEPH_FLIGHT_PASSES_MAX = 32, NEPH_FLIGHT_PICTURES_MAX = 3 };
+
+/* What a picture in flight has cost on the device. */
+struct neph_flight_cost {
+    double gpu_s; /* of all passes; NaN: the device has no clock */
+    double cpu_s; /* until it was on its way */
+    int pass_count;
+    struct {
+        const char *name;
+        double gpu_s;
+        double traffic_bytes; /* NaN: not known */
+    } passes[NEPH_FLIGHT_PASSES_MAX];
+};
+
 /* Pictures in a row, from what is set up once. */
 struct neph_engine_sequence {
     /* Before the first picture, which is the shot's. `*sequence` is for _close. */
@@ -82,6 +96,13 @@ struct neph_engine_sequence {
     enum neph_status (*next)(void *sequence, const struct neph_shot *shot,
                              struct neph_image **frame, struct neph_cost *cost,
                              struct neph_diag *diag);
+
+    /* The next picture goes on its way and nothing of it comes back; NULL: this engine's cannot. At
+     * most NEPH_FLIGHT_PICTURES_MAX may be. NEPH_ERR_UNSUPPORTED: not with these settings. */
+    enum neph_status (*send)(void *sequence, const struct neph_shot *shot, struct neph_diag *diag);
+
+    /* What the oldest of them has cost, waited for. NULL where `send` is. */
+    enum neph_status (*home)(void *sequence, struct neph_flight_cost *cost, struct neph_diag *diag);
 
     /* NULL is fine. */
     void (*close)(void *sequence);

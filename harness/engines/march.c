@@ -8,6 +8,7 @@
 #include "harness/engines/engines.h"
 #include "harness/engines/vulkan_device.h"
 
+#include "base/clock.h"
 #include "harness/engines/frame_stats.h"
 #include "harness/engines/own_cost.h"
 #include "renderer/march_average.h"
@@ -69,6 +70,7 @@ struct sequence {
     int width_px, height_px;
     struct neph_vulkan *vulkan;
     struct neph_march *march; /* for pictures of this size */
+    double sent_s;            /* the CPU's part of the last picture in flight */
 };
 
 static void close_sequence(void *opened)
@@ -147,6 +149,36 @@ static enum neph_status next_picture(void *opened, const struct neph_shot *shot,
     return NEPH_OK;
 }
 
+static enum neph_status send(void *opened, const struct neph_shot *shot, struct neph_diag *diag)
+{
+    static const float centre_px[2] = {0.0f, 0.0f};
+    struct sequence *sequence = opened;
+    if (shot->settings.values[OPTION_RAYS_PER_PX] != 0.0)
+        return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
+                         "rays are averaged on the CPU: a picture in flight has rays_per_px=1");
+    sequence->sent_s = neph_wall_s();
+    const enum neph_status status = neph_march_frame(sequence->march, shot->scene, shot->frame,
+                                                     centre_px, NULL, NULL, diag);
+    sequence->sent_s = neph_wall_s() - sequence->sent_s;
+    return status;
+}
+
+/* All is one pass. What it moves of grids is not known. */
+static enum neph_status home(void *opened, struct neph_flight_cost *cost, struct neph_diag *diag)
+{
+    struct sequence *sequence = opened;
+    double gpu_s;
+    const enum neph_status status = neph_march_home(sequence->march, &gpu_s, diag);
+    if (!status)
+        *cost = (struct neph_flight_cost){
+            .gpu_s = gpu_s,
+            .cpu_s = sequence->sent_s,
+            .pass_count = 1,
+            .passes = {{.name = "march", .gpu_s = gpu_s, .traffic_bytes = NAN}},
+        };
+    return status;
+}
+
 /* A picture alone pays for what it is set up with. */
 static enum neph_status render(enum neph_march_lighting lighting, const struct neph_shot *shot,
                                struct neph_image **frame, struct neph_cost *cost,
@@ -188,7 +220,7 @@ static enum neph_status open_single(const struct neph_shot *shot, void **opened,
 }
 
 static const struct neph_engine_sequence sequence_of_single = {
-    .open = open_single, .next = next_picture, .close = close_sequence};
+    .open = open_single, .next = next_picture, .send = send, .home = home, .close = close_sequence};
 
 const struct neph_engine neph_engine_march = {
     .name = "march",
@@ -224,8 +256,11 @@ static enum neph_status open_octaves(const struct neph_shot *shot, void **opened
     return open_sequence(NEPH_MARCH_OCTAVES, shot, opened, diag);
 }
 
-static const struct neph_engine_sequence sequence_of_octaves = {
-    .open = open_octaves, .next = next_picture, .close = close_sequence};
+static const struct neph_engine_sequence sequence_of_octaves = {.open = open_octaves,
+                                                                .next = next_picture,
+                                                                .send = send,
+                                                                .home = home,
+                                                                .close = close_sequence};
 
 const struct neph_engine neph_engine_march_octaves = {
     .name = "march_octaves",
@@ -262,8 +297,11 @@ static enum neph_status open_horizon(const struct neph_shot *shot, void **opened
     return open_sequence(NEPH_MARCH_HORIZON, shot, opened, diag);
 }
 
-static const struct neph_engine_sequence sequence_of_horizon = {
-    .open = open_horizon, .next = next_picture, .close = close_sequence};
+static const struct neph_engine_sequence sequence_of_horizon = {.open = open_horizon,
+                                                                .next = next_picture,
+                                                                .send = send,
+                                                                .home = home,
+                                                                .close = close_sequence};
 
 const struct neph_engine neph_engine_march_horizon = {
     .name = "march_horizon",

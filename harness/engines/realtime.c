@@ -19,6 +19,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+_Static_assert((int)NEPH_FLIGHT_PICTURES_MAX <= (int)NEPH_FLIGHT_FRAMES, "pictures in flight");
+
 struct sequence {
     struct neph_vulkan *vulkan;
     struct neph_realtime *realtime;
@@ -207,6 +209,31 @@ static enum neph_status next_picture(void *opened, const struct neph_shot *shot,
     return NEPH_OK;
 }
 
+static enum neph_status send(void *opened, const struct neph_shot *shot, struct neph_diag *diag)
+{
+    struct sequence *sequence = opened;
+    const struct neph_realtime_frame picture = {shot->scene, shot->frame, shot->given};
+    return neph_realtime_render(sequence->realtime, &picture, NULL, NULL, diag);
+}
+
+static enum neph_status home(void *opened, struct neph_flight_cost *cost, struct neph_diag *diag)
+{
+    struct sequence *sequence = opened;
+    struct neph_realtime_stats stats;
+    const enum neph_status status = neph_realtime_home(sequence->realtime, &stats, diag);
+    if (status)
+        return status;
+    *cost = (struct neph_flight_cost){.gpu_s = stats.gpu_s, .cpu_s = stats.wall_s};
+    for (int i = 0; neph_rt_passes[i].name; i++)
+        if (stats.pass_gpu_s[i] != 0.0) {
+            const int at = cost->pass_count++;
+            cost->passes[at].name = neph_rt_passes[i].name;
+            cost->passes[at].gpu_s = stats.pass_gpu_s[i];
+            cost->passes[at].traffic_bytes = of_targets(stats.pass_traffic_bytes[i]);
+        }
+    return NEPH_OK;
+}
+
 static enum neph_status render(const struct neph_shot *shot, struct neph_image **frame,
                                struct neph_cost *cost, struct neph_diag *diag)
 {
@@ -273,6 +300,8 @@ static bool describe_pass(int index, struct neph_engine_pass *pass)
 static const struct neph_engine_sequence sequence_of = {
     .open = open_sequence,
     .next = next_picture,
+    .send = send,
+    .home = home,
     .close = close_sequence,
 };
 

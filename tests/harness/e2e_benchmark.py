@@ -78,11 +78,52 @@ class Benchmark(unittest.TestCase):
         for words in ("  3 % error", "  1 % error", "noise^2 falls as time^"):
             self.assertEqual(done.stdout.count(words), 2, done.stdout)
 
+    def test_pictures_in_flight(self):
+        done, left = benchmark("voxel_grid", "-e", "march,realtime,tracer", "--size", "32x18",
+                               "--frames", "4", "--seconds", "0.02", "--preset", "fixed", "--json")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(left, [])
+        document = json.loads(done.stdout)
+        self.assertEqual(document["format"], "neph-benchmark-both-1")
+        self.assertEqual([e["engine"] for e in document["noise"]["engines"]], ["tracer"])
+        frames = document["frames"]
+        self.assertEqual(frames["format"], "neph-benchmark-frames-1")
+        for ceiling in ("copy_bytes_per_s", "buffer_samples_per_s"):
+            self.assertGreater(frames["ceilings"][ceiling], 0.0)
+        march, realtime = frames["engines"]
+        self.assertEqual(march["error"], 0.0)  # its defaults are the reference
+        self.assertGreater(realtime["error"], 0.0)
+        self.assertLess(realtime["error"], 1.0)
+        self.assertEqual([p["pass"] for p in march["passes"]], ["march"])
+        self.assertIn("reconstruction", [p["pass"] for p in realtime["passes"]])
+        for engine in (march, realtime):
+            with self.subTest(engine["engine"]):
+                self.assertTrue(1 <= engine["frames"] <= 4)
+                self.assertEqual(engine["reference"], "march")
+                for times in (engine["frame_s"], engine["gpu_s"], engine["cpu_s"],
+                              *(p["gpu_s"] for p in engine["passes"])):
+                    self.assertTrue(0.0 <= times["low"] <= times["median"] <= times["high"])
+                rays = [p for p in engine["passes"] if p["pass"] == "march"][0]
+                self.assertEqual(rays["ceiling"], "buffer samples")
+                self.assertGreater(rays["density_evaluations"], 0)
+                share = (rays["density_evaluations"] / rays["gpu_s"]["median"] /
+                         frames["ceilings"]["buffer_samples_per_s"])
+                self.assertAlmostEqual(rays["share"] / share, 1.0, places=9)
+        # A ray for each 4 x 4 pixels.
+        counts = [[p["density_evaluations"] for p in e["passes"] if p["pass"] == "march"][0]
+                  for e in (march, realtime)]
+        self.assertLess(counts[1], counts[0] / 8)
+
     def test_wrong_requests_are_refused_in_words(self):
         for arguments, code, word in (
                 (("slab_multiple_thin", "-e", "exact"), 64, "no chance"),
                 (("slab_multiple_thin", "-e", "magic"), 64, "neph engines"),
                 (("slab_multiple_thin", "--seconds", "nan"), 64, "0.01..10000"),
+                (("slab_multiple_thin", "-e", "march", "--frames", "0"), 64, "1.."),
+                (("slab_multiple_thin", "-e", "realtime", "-p", "magic"), 64, "magic"),
+                (("voxel_grid", "-e", "march", "-s", "march:rays_per_px=4", "--size", "16x9"), 2,
+                 "rays_per_px=1"),
+                (("slab_multiple_thin", "-e", "march"), 2, "multiple scattering"),
                 (("slab_multiple_thin", "--voxels", "1"), 64, "2.."),
                 (("slab_multiple_thin", "--set", "povray:samples=3"), 64, "ENGINE:KEY=VALUE"),
                 (("no_such_scene",), 66, "neph scenes")):

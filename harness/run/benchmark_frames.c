@@ -1,0 +1,411 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/run/benchmark_frames.h"
+
+#include "base/clock.h"
+#include "base/threads.h"
+#include "harness/engines/engines.h"
+#include "harness/engines/frame_stats.h"
+#include "harness/engines/vulkan_device.h"
+#include "harness/progress.h"
+#include "metrics/statistics.h"
+#include "scenes/motion.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double warm_up_s = 1.0, limit_s = 10.0, ceiling_s = 0.25;
+
+enum { WARM_UP_FRAMES = 16 }; /* four turns of the four frames: a history */
+
+bool neph_benchmark_frames_applies(const struct neph_engine *engine)
+{
+    return engine->sequence && engine->sequence->send;
+}
+
+/* --- pictures in flight ------------------------------------------------------------------- */
+
+struct flown {
+    struct neph_flight_cost *costs;
+    double *frame_s;
+    double all_s;
+    int count;
+};
+
+/* Frames 0 .. count - 1, and back: nothing jumps, and the wind blows no cloud away. */
+static int place_of(long picture, int count)
+{
+    if (count < 2)
+        return 0;
+    const long turn = picture % (2L * (count - 1));
+    return (int)(turn < count ? turn : 2L * (count - 1) - turn);
+}
+
+static enum neph_status send(struct neph_job *job, long picture, struct neph_diag *diag)
+{
+    struct neph_shot shot = job->shot;
+    struct neph_scene *still = NULL;
+    enum neph_status status = NEPH_OK;
+    shot.frame = place_of(picture, shot.scene->frame_count);
+    if (!job->engine->remembers && neph_scene_moves(shot.scene))
+        status = neph_scene_at(shot.scene, shot.frame, &still, diag);
+    if (still)
+        shot.scene = still;
+    if (!status)
+        status = job->engine->sequence->send(job->sequence, &shot, diag);
+    neph_scene_destroy(still);
+    return status;
+}
+
+/* Pictures from number `*picture` on, until there are `most`, or `least` and the time is over.
+ * `flown` may be NULL. */
+static enum neph_status fly(struct neph_job *job, long *picture, int least, int most,
+                            double seconds, struct flown *flown, struct neph_diag *diag)
+{
+    const double start_s = neph_wall_s();
+    double before_s = start_s;
+    int sent = 0, home = 0;
+    enum neph_status status = NEPH_OK;
+    while (!status && (home < sent || sent < most)) {
+        const bool goes_on = sent < most && (sent < least || neph_wall_s() - start_s < seconds);
+        if (goes_on && sent - home < NEPH_FLIGHT_PICTURES_MAX) {
+            status = send(job, (*picture)++, diag);
+            sent++;
+            continue;
+        }
+        if (home == sent)
+            break;
+        struct neph_flight_cost cost;
+        status = job->engine->sequence->home(job->sequence, &cost, diag);
+        const double now_s = neph_wall_s();
+        if (flown && !status) {
+            flown->costs[flown->count] = cost;
+            flown->frame_s[flown->count++] = now_s - before_s;
+        }
+        before_s = now_s;
+        home++;
+    }
+    if (flown)
+        flown->all_s = before_s - start_s;
+    return status;
+}
+
+/* --- what they took ----------------------------------------------------------------------- */
+
+static int by_size(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* Sorts the values. */
+static struct neph_spread spread_of(double *values, int count)
+{
+    qsort(values, (size_t)count, sizeof(*values), by_size);
+    const int last = count - 1;
+    return (struct neph_spread){
+        .median = 0.5 * (values[last / 2] + values[(last + 1) / 2]),
+        .low = values[(int)(0.1 * last)],
+        .high = values[last - (int)(0.1 * last)],
+    };
+}
+
+/* A double that each picture's cost has at an offset. */
+static struct neph_spread spread_at(const struct flown *flown, size_t offset, double *room)
+{
+    for (int i = 0; i < flown->count; i++)
+        memcpy(&room[i], (const char *)&flown->costs[i] + offset, sizeof(room[i]));
+    return spread_of(room, flown->count);
+}
+
+static void conclude(const struct flown *flown, double *room,
+                     struct neph_benchmark_frames_engine *engine)
+{
+    const struct neph_flight_cost *first = &flown->costs[0];
+    engine->frame_count = flown->count;
+    engine->mean_s = flown->all_s / flown->count;
+    engine->gpu_s = spread_at(flown, offsetof(struct neph_flight_cost, gpu_s), room);
+    engine->cpu_s = spread_at(flown, offsetof(struct neph_flight_cost, cpu_s), room);
+    engine->frame_s = spread_of(flown->frame_s, flown->count);
+    engine->pass_count = first->pass_count;
+    for (int p = 0; p < first->pass_count; p++)
+        engine->passes[p] = (struct neph_benchmark_pass){
+            .name = first->passes[p].name,
+            .gpu_s = spread_at(flown, offsetof(struct neph_flight_cost, passes[p].gpu_s), room),
+            .traffic_bytes = first->passes[p].traffic_bytes,
+            .density_evaluations = NAN,
+        };
+}
+
+static enum neph_status time_frames(struct neph_benchmark_frames_engine *engine, long *picture,
+                                    int frame_count, struct neph_diag *diag)
+{
+    struct flown flown = {
+        .costs = calloc((size_t)frame_count, sizeof(*flown.costs)),
+        .frame_s = calloc((size_t)frame_count, sizeof(*flown.frame_s)),
+    };
+    double *room = calloc((size_t)frame_count, sizeof(*room));
+    enum neph_status status = flown.costs && flown.frame_s && room ? NEPH_OK
+                                                                   : neph_fail_memory(diag);
+    if (!status)
+        status = fly(&engine->job, picture, WARM_UP_FRAMES, NEPH_BENCHMARK_FRAMES_MAX, warm_up_s,
+                     NULL, diag);
+    if (!status)
+        status = fly(&engine->job, picture, 1, frame_count, limit_s, &flown, diag);
+    if (!status)
+        conclude(&flown, room, engine);
+    free(room);
+    free(flown.frame_s);
+    free(flown.costs);
+    return status;
+}
+
+/* --- the error ---------------------------------------------------------------------------- */
+
+/* "march", "march_octaves", ...: whichever has the engine's lighting. */
+static const struct neph_engine *reference_of(const struct neph_job *job)
+{
+    const struct neph_engine *engine = job->engine;
+    const int lighting = neph_option_find(engine->options, "lighting");
+    char name[64];
+    if (!engine->shortcut_of)
+        return engine;
+    const int choice = lighting < 0 ? 0 : (int)job->shot.settings.values[lighting];
+    snprintf(name, sizeof(name), "%s_%s", engine->shortcut_of,
+             lighting < 0 ? "" : engine->options[lighting].choices[choice]);
+    const struct neph_engine *found = neph_engine_find(name);
+    return found ? found : neph_engine_find(engine->shortcut_of);
+}
+
+static enum neph_status relative_rmse(const struct neph_image *image,
+                                      const struct neph_image *reference, double *error,
+                                      struct neph_diag *diag)
+{
+    struct neph_sum squares = {0.0, 0.0}, differences = {0.0, 0.0};
+    const size_t count = neph_image_pixel_count(image);
+    float *of[3], *to[3];
+    if (!neph_image_rgb(image, NULL, of) || !neph_image_rgb(reference, NULL, to))
+        return neph_fail(diag, NEPH_ERR_INTERNAL, "a frame has no radiance");
+    for (int c = 0; c < 3; c++)
+        for (size_t p = 0; p < count; p++) {
+            const double difference = (double)of[c][p] - (double)to[c][p];
+            neph_sum_add(&differences, difference * difference);
+            neph_sum_add(&squares, (double)to[c][p] * (double)to[c][p]);
+        }
+    *error = sqrt(neph_sum_value(&differences) / neph_sum_value(&squares));
+    return NEPH_OK;
+}
+
+static enum neph_status measure_error(struct neph_benchmark_frames_engine *engine,
+                                      const struct neph_image *image, int frame,
+                                      struct neph_diag *diag)
+{
+    struct neph_job job = engine->job;
+    struct neph_image *reference = NULL;
+    struct neph_cost cost;
+    job.engine = engine->reference;
+    job.sequence = NULL;
+    job.shot.frame = frame;
+    job.shot.settings = neph_settings_default(job.engine);
+    enum neph_status status = neph_job_render(&job, &reference, &cost, diag);
+    if (!status)
+        status = relative_rmse(image, reference, &engine->error, diag);
+    neph_image_destroy(reference);
+    return status;
+}
+
+static void take_counts(const struct neph_image *image, struct neph_benchmark_frames_engine *engine)
+{
+    json_t *stats = neph_frame_stats(image);
+    const json_t *count = json_object_get(stats, "density_evaluations");
+    for (int p = 0; p < engine->pass_count && count; p++)
+        if (strcmp(engine->passes[p].name, "march") == 0)
+            engine->passes[p].density_evaluations = json_number_value(count);
+    json_decref(stats);
+}
+
+/* The picture after those that were timed: counted, and compared. */
+static enum neph_status look(struct neph_benchmark_frames_engine *engine, long picture,
+                             struct neph_diag *diag)
+{
+    struct neph_job job = engine->job;
+    struct neph_image *image = NULL;
+    struct neph_cost cost;
+    job.shot.frame = place_of(picture, job.shot.scene->frame_count);
+    enum neph_status status = neph_job_render(&job, &image, &cost, diag);
+    if (!status) {
+        take_counts(image, engine);
+        status = measure_error(engine, image, job.shot.frame, diag);
+    }
+    neph_image_destroy(image);
+    return status;
+}
+
+/* --- all of it ---------------------------------------------------------------------------- */
+
+static enum neph_status first_picture(struct neph_benchmark_frames_engine *engine,
+                                      struct neph_diag *diag)
+{
+    const double start_s = neph_wall_s();
+    struct neph_image *image = NULL;
+    struct neph_cost cost;
+    enum neph_status status = neph_job_open(&engine->job, diag);
+    if (!status)
+        status = neph_job_render(&engine->job, &image, &cost, diag);
+    engine->first_s = neph_wall_s() - start_s;
+    neph_image_destroy(image);
+    return status;
+}
+
+static enum neph_status run_engine(struct neph_benchmark_frames_engine *engine, int frame_count,
+                                   struct neph_diag *diag)
+{
+    long picture = 1;
+    engine->reference = reference_of(&engine->job);
+    enum neph_status status = first_picture(engine, diag);
+    if (!status)
+        status = time_frames(engine, &picture, frame_count, diag);
+    if (!status)
+        status = look(engine, picture, diag);
+    neph_job_close(&engine->job);
+    return status;
+}
+
+/* That of the first processor, now. */
+static double clock_of_cpu(void)
+{
+    FILE *file = fopen("/proc/cpuinfo", "r");
+    char line[256];
+    double mhz = NAN;
+    while (file && isnan(mhz) && fgets(line, sizeof(line), file))
+        if (sscanf(line, "cpu MHz : %lf", &mhz) != 1)
+            mhz = NAN;
+    if (file)
+        fclose(file);
+    return 1e6 * mhz;
+}
+
+/* lavapipe's own limit, where it is set. */
+static int threads_of_cpu(void)
+{
+    const char *limit = getenv("LP_NUM_THREADS");
+    const int count = limit ? atoi(limit) : 0;
+    return count > 0 ? count : neph_processor_count();
+}
+
+static enum neph_status measure_device(struct neph_benchmark_frames *benchmark,
+                                       struct neph_diag *diag)
+{
+    const struct neph_vulkan_params params = neph_vulkan_device_params();
+    struct neph_vulkan *vulkan = NULL;
+    enum neph_status status = neph_vulkan_create(&params, &vulkan, diag);
+    if (status)
+        return status;
+    const bool is_cpu = neph_vulkan_describe(vulkan).is_cpu;
+    status = neph_ceilings_measure(vulkan, ceiling_s, &benchmark->ceilings, diag);
+    benchmark->thread_count = is_cpu ? threads_of_cpu() : 0;
+    benchmark->cpu_clock_hz = is_cpu ? clock_of_cpu() : NAN;
+    neph_vulkan_destroy(vulkan);
+    return status;
+}
+
+static bool samples_grids(const struct neph_scene *scene)
+{
+    bool all = scene->medium_count > 0;
+    for (int i = 0; i < scene->medium_count; i++)
+        all &= scene->media[i].kind == NEPH_MEDIUM_GRID;
+    return all;
+}
+
+enum neph_status neph_benchmark_frames_run(struct neph_benchmark_frames *benchmark, int frame_count,
+                                           bool quiet, struct neph_diag *diag)
+{
+    struct neph_progress progress = neph_progress_start(quiet, 1 + benchmark->engine_count);
+    neph_progress_begin(&progress, "ceilings");
+    benchmark->samples_grids = samples_grids(benchmark->engines[0].job.shot.scene);
+    enum neph_status status = measure_device(benchmark, diag);
+    for (int e = 0; e < benchmark->engine_count && !status; e++) {
+        struct neph_benchmark_frames_engine *engine = &benchmark->engines[e];
+        neph_progress_begin(&progress, engine->job.engine->name);
+        status = run_engine(engine, frame_count, diag);
+        if (!status)
+            neph_progress_step(&progress, engine->job.engine->name, "timed", engine->first_s);
+    }
+    neph_progress_end(&progress);
+    return status;
+}
+
+double neph_benchmark_share(const struct neph_benchmark_frames *benchmark,
+                            const struct neph_benchmark_pass *pass, const char **limit)
+{
+    const double s = pass->gpu_s.median;
+    const bool samples = benchmark->samples_grids && pass->density_evaluations > 0.0;
+    *limit = samples ? "buffer samples" : "copies";
+    return samples ? pass->density_evaluations / s / benchmark->ceilings.buffer_samples_per_s
+                   : pass->traffic_bytes / s / benchmark->ceilings.copy_bytes_per_s;
+}
+
+/* --- JSON --------------------------------------------------------------------------------- */
+
+static json_t *number_json(double value)
+{
+    return isfinite(value) ? json_real(value) : json_null();
+}
+
+static json_t *spread_json(struct neph_spread s)
+{
+    return json_pack("{s:o, s:o, s:o}", "median", number_json(s.median), "low", number_json(s.low),
+                     "high", number_json(s.high));
+}
+
+static json_t *passes_json(const struct neph_benchmark_frames *benchmark,
+                           const struct neph_benchmark_frames_engine *engine)
+{
+    json_t *passes = json_array();
+    for (int p = 0; p < engine->pass_count; p++) {
+        const struct neph_benchmark_pass *pass = &engine->passes[p];
+        const char *limit;
+        const double share = neph_benchmark_share(benchmark, pass, &limit);
+        neph_json_add(&passes, json_pack("{s:s, s:o, s:o, s:o, s:s, s:o}", "pass", pass->name,
+                                         "gpu_s", spread_json(pass->gpu_s), "traffic_bytes",
+                                         number_json(pass->traffic_bytes), "density_evaluations",
+                                         number_json(pass->density_evaluations), "ceiling", limit,
+                                         "share", number_json(share)));
+    }
+    return passes;
+}
+
+static json_t *engine_json(const struct neph_benchmark_frames *benchmark,
+                           const struct neph_benchmark_frames_engine *engine)
+{
+    const struct neph_job *job = &engine->job;
+    char *settings = neph_settings_text(job->engine, &job->shot.settings);
+    json_t *json = json_pack("{s:s, s:s, s:s, s:s, s:f, s:i, s:f, s:o, s:o, s:o, s:o, s:s, s:o}",
+                             "engine", job->engine->name, "version", job->info->version, "device",
+                             job->info->device, "settings", settings ? settings : "", "first_s",
+                             engine->first_s, "frames", engine->frame_count, "mean_s",
+                             engine->mean_s, "frame_s", spread_json(engine->frame_s), "gpu_s",
+                             spread_json(engine->gpu_s), "cpu_s", spread_json(engine->cpu_s),
+                             "passes", passes_json(benchmark, engine), "reference",
+                             engine->reference->name, "error", number_json(engine->error));
+    free(settings);
+    return json;
+}
+
+json_t *neph_benchmark_frames_json(const struct neph_benchmark_frames *benchmark)
+{
+    const struct neph_shot *shot = &benchmark->engines[0].job.shot;
+    const struct neph_ceilings *ceilings = &benchmark->ceilings;
+    json_t *engines = json_array();
+    for (int e = 0; e < benchmark->engine_count; e++)
+        neph_json_add(&engines, engine_json(benchmark, &benchmark->engines[e]));
+    return json_pack("{s:s, s:s, s:s, s:[i,i], s:i, s:o, s:{s:o, s:I, s:o, s:i}, s:o}", "format",
+                     "neph-benchmark-frames-1", "scene", shot->scene->name, "scene_hash",
+                     shot->scene->hash, "size_px", shot->width_px, shot->height_px, "threads",
+                     benchmark->thread_count, "cpu_clock_hz", number_json(benchmark->cpu_clock_hz),
+                     "ceilings", "copy_bytes_per_s", number_json(ceilings->copy_bytes_per_s),
+                     "copy_bytes", (json_int_t)ceilings->copy_bytes, "buffer_samples_per_s",
+                     number_json(ceilings->buffer_samples_per_s), "grid_side", ceilings->grid_side,
+                     "engines", engines);
+}

@@ -1,0 +1,69 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * How fast engines without noise make pictures in a row: after a second of warm-up pictures follow
+ * each other as in a game, a few on their way to the device at once and nothing of them read back.
+ * Beside each speed stand its error and what the device can do at most (renderer/ceilings.h), both
+ * measured in the same run.
+ */
+#ifndef NEPH_HARNESS_RUN_BENCHMARK_FRAMES_H
+#define NEPH_HARNESS_RUN_BENCHMARK_FRAMES_H
+
+#include "harness/run/job.h"
+#include "renderer/ceilings.h"
+
+enum { NEPH_BENCHMARK_FRAMES_ENGINES_MAX = 4, NEPH_BENCHMARK_FRAMES_MAX = 100000 };
+
+/* What many pictures take: half of them less than the median, a tenth less than `low` and a tenth
+ * more than `high`. */
+struct neph_spread {
+    double median, low, high;
+};
+
+struct neph_benchmark_pass {
+    const char *name;
+    struct neph_spread gpu_s;
+    double traffic_bytes;       /* of targets; NaN: not known */
+    double density_evaluations; /* of the picture that was counted; NaN: it has none */
+};
+
+struct neph_benchmark_frames_engine {
+    struct neph_job job; /* its engine, settings and shot */
+    double first_s;      /* from nothing to the first picture on the CPU */
+    int frame_count;     /* timed */
+    double mean_s;       /* from the first's departure to the last at home, by their number */
+    struct neph_spread frame_s; /* of the wall clock, from one picture to the next */
+    struct neph_spread gpu_s;   /* of all passes; NaN: the device has no clock */
+    struct neph_spread cpu_s;   /* until one is sent, with waiting where it is cut into pieces */
+    int pass_count;
+    struct neph_benchmark_pass passes[NEPH_FLIGHT_PASSES_MAX];
+    const struct neph_engine *reference; /* the march of the same lighting, at its defaults */
+    double error; /* of the radiance against the reference's: RMSE in parts of its RMS */
+};
+
+struct neph_benchmark_frames {
+    int engine_count;
+    struct neph_benchmark_frames_engine engines[NEPH_BENCHMARK_FRAMES_ENGINES_MAX];
+    struct neph_ceilings ceilings;
+    bool samples_grids;  /* density evaluations of the scene are samples of voxel grids */
+    int thread_count;    /* of a CPU device; 0: it is none */
+    double cpu_clock_hz; /* of a CPU device, when the ceilings were measured; NaN: not known */
+};
+
+/* Whether the engine's pictures can be in flight. */
+bool neph_benchmark_frames_applies(const struct neph_engine *engine);
+
+/* Fill in the measurements. `benchmark` comes with `engine_count` jobs, all of one scene and size,
+ * with a scratch folder that is theirs; `frame_count` pictures of each are timed, in 10 s at most.
+ * The pictures are those of the scene's frames, to and fro. */
+enum neph_status neph_benchmark_frames_run(struct neph_benchmark_frames *benchmark, int frame_count,
+                                           bool quiet, struct neph_diag *diag);
+
+/* What part a pass gets of the ceiling that limits it: of buffer samples when it samples grids,
+ * else of copies; NaN: not known. `*limit` names it. */
+double neph_benchmark_share(const struct neph_benchmark_frames *benchmark,
+                            const struct neph_benchmark_pass *pass, const char **limit);
+
+/* For the caller to free. */
+json_t *neph_benchmark_frames_json(const struct neph_benchmark_frames *benchmark);
+
+#endif

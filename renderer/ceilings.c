@@ -1,0 +1,202 @@
+/* SPDX-License-Identifier: MIT */
+#include "renderer/ceilings.h"
+
+#include "base/clock.h"
+#include "renderer/compute.h"
+#include "shaders/structs.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+static const uint32_t copy_spirv[] = {
+#include "shaders/ceiling_copy.comp.inc"
+};
+static const uint32_t samples_spirv[] = {
+#include "shaders/ceiling_samples.comp.inc"
+};
+
+enum { local_size = 64, copy_buffers = 2, sample_buffers = 3, word_bytes = 16 };
+
+/* On a CPU device what two cores do in some 10 ms, on a GPU what fills it; the copy exceeds the
+ * 50 MB of the largest caches of GPUs, and the 32 of common CPUs. */
+static const struct sizes {
+    size_t copy_bytes;
+    uint32_t line_count, sample_count;
+} cpu_sizes = {(size_t)64 << 20, 1u << 12, 64}, gpu_sizes = {(size_t)512 << 20, 1u << 20, 256};
+
+enum { grid_side = 128 };
+
+/* --- the fastest of many runs ------------------------------------------------------------- */
+
+static enum neph_status find_least(const struct neph_vulkan *vulkan,
+                                   const struct neph_kernel *kernel,
+                                   const struct neph_dispatch *dispatch, double seconds,
+                                   double *least_s, struct neph_diag *diag)
+{
+    const double start_s = neph_wall_s();
+    enum neph_status status = NEPH_OK;
+    *least_s = INFINITY;
+    while (!status && neph_wall_s() - start_s < 2.0 * seconds) {
+        double gpu_s;
+        status = neph_kernel_run(vulkan, kernel, dispatch, &gpu_s, diag);
+        if (!status && isnan(gpu_s))
+            *least_s = NAN;
+        else if (!status && neph_wall_s() - start_s > seconds)
+            *least_s = fmin(*least_s, gpu_s);
+    }
+    return status;
+}
+
+/* --- copies ------------------------------------------------------------------------------- */
+
+static enum neph_status run_copies(struct neph_vulkan *vulkan,
+                                   const struct neph_buffer buffers[copy_buffers], double seconds,
+                                   double *least_s, struct neph_diag *diag)
+{
+    const struct neph_kernel_params params = {
+        .name = "ceiling_copy",
+        .spirv = copy_spirv,
+        .spirv_size_bytes = sizeof(copy_spirv),
+        .buffer_count = copy_buffers,
+    };
+    const struct neph_dispatch dispatch = {
+        .buffers = {&buffers[0], &buffers[1]},
+        .group_count = (uint32_t)(buffers[0].size_bytes / (word_bytes * local_size)),
+    };
+    const struct neph_kernel *kernel;
+    const enum neph_status status = neph_kernel_get(vulkan, &params, &kernel, diag);
+    return status ? status : find_least(vulkan, kernel, &dispatch, seconds, least_s, diag);
+}
+
+/* As much as one dispatch of groups along x may copy, too. */
+static size_t copy_bytes_of(const struct neph_vulkan *vulkan, const struct sizes *sizes)
+{
+    const size_t groups_max = vulkan->limits.maxComputeWorkGroupCount[0];
+    const size_t dispatch_max = groups_max * local_size * word_bytes;
+    size_t bytes = sizes->copy_bytes;
+    while (bytes > vulkan->limits.maxStorageBufferRange || bytes > dispatch_max)
+        bytes /= 2;
+    return bytes;
+}
+
+static enum neph_status measure_copies(struct neph_vulkan *vulkan, const struct sizes *sizes,
+                                       double seconds, struct neph_ceilings *ceilings,
+                                       struct neph_diag *diag)
+{
+    struct neph_buffer buffers[copy_buffers] = {{0}, {0}};
+    double least_s = NAN;
+    ceilings->copy_bytes = copy_bytes_of(vulkan, sizes);
+    enum neph_status status = NEPH_OK;
+    for (int i = 0; i < copy_buffers && !status; i++)
+        status = neph_buffer_create(vulkan, NEPH_BUFFER_DEVICE, ceilings->copy_bytes, "copy",
+                                    &buffers[i], diag);
+    if (!status)
+        status = run_copies(vulkan, buffers, seconds, &least_s, diag);
+    ceilings->copy_bytes_per_s = 2.0 * (double)ceilings->copy_bytes / least_s;
+    for (int i = 0; i < copy_buffers; i++)
+        neph_buffer_destroy(vulkan, &buffers[i]);
+    return status;
+}
+
+/* --- samples ------------------------------------------------------------------------------ */
+
+/* Lines in squares of 8 x 8 neighbours, half a node apart, each square at a place of its own near
+ * one face of the grid, through to the other. */
+static void fill_lines(struct neph_gpu_ceiling_line *lines, const struct sizes *sizes)
+{
+    const float stride = (float)(grid_side - 4) / (float)sizes->sample_count;
+    for (uint32_t i = 0; i < sizes->line_count; i++) {
+        const uint32_t square = i / local_size * 2654435761u; /* Knuth's multiplicative hash */
+        const float x = (float)(square >> 16 & 127u) / 128.0f, y = (float)(square >> 24) / 256.0f;
+        const float width = (float)(grid_side - 24);
+        lines[i] = (struct neph_gpu_ceiling_line){
+            .start = {2.0f + width * x + 0.5f * (float)(i % 8),
+                      2.0f + width * y + 0.5f * (float)(i / 8 % 8), 1.5f},
+            .stride = {0.1f * stride * (1.0f - x), 0.1f * stride * (1.0f - y), stride},
+        };
+    }
+}
+
+static enum neph_status fill_samples(const struct neph_vulkan *vulkan, const struct sizes *sizes,
+                                     const struct neph_buffer buffers[sample_buffers],
+                                     struct neph_diag *diag)
+{
+    const size_t node_count = (size_t)grid_side * grid_side * grid_side;
+    float *nodes = malloc(node_count * sizeof(*nodes));
+    struct neph_gpu_ceiling_line *lines = malloc(sizes->line_count * sizeof(*lines));
+    enum neph_status status = nodes && lines ? NEPH_OK : neph_fail_memory(diag);
+    for (size_t i = 0; i < node_count && !status; i++)
+        nodes[i] = (float)(i % 97) / 97.0f;
+    if (!status)
+        status = neph_buffer_upload(vulkan, &buffers[0], 0, nodes, node_count * sizeof(*nodes),
+                                    diag);
+    if (!status) {
+        fill_lines(lines, sizes);
+        status = neph_buffer_upload(vulkan, &buffers[1], 0, lines,
+                                    sizes->line_count * sizeof(*lines), diag);
+    }
+    free(lines);
+    free(nodes);
+    return status;
+}
+
+static enum neph_status run_samples(struct neph_vulkan *vulkan, const struct sizes *sizes,
+                                    const struct neph_buffer buffers[sample_buffers],
+                                    double seconds, double *least_s, struct neph_diag *diag)
+{
+    const struct neph_kernel_params params = {
+        .name = "ceiling_samples",
+        .spirv = samples_spirv,
+        .spirv_size_bytes = sizeof(samples_spirv),
+        .buffer_count = sample_buffers,
+        .push_size_bytes = sizeof(struct neph_gpu_ceiling_run),
+    };
+    const struct neph_gpu_ceiling_run run = {grid_side, sizes->sample_count};
+    const struct neph_dispatch dispatch = {
+        .buffers = {&buffers[0], &buffers[1], &buffers[2]},
+        .push = &run,
+        .group_count = sizes->line_count / local_size,
+    };
+    const struct neph_kernel *kernel;
+    const enum neph_status status = neph_kernel_get(vulkan, &params, &kernel, diag);
+    return status ? status : find_least(vulkan, kernel, &dispatch, seconds, least_s, diag);
+}
+
+static enum neph_status measure_samples(struct neph_vulkan *vulkan, const struct sizes *sizes,
+                                        double seconds, struct neph_ceilings *ceilings,
+                                        struct neph_diag *diag)
+{
+    const size_t sizes_bytes[sample_buffers] = {
+        (size_t)grid_side * grid_side * grid_side * sizeof(float),
+        sizes->line_count * sizeof(struct neph_gpu_ceiling_line),
+        sizes->line_count * sizeof(float),
+    };
+    struct neph_buffer buffers[sample_buffers] = {{0}, {0}, {0}};
+    double least_s = NAN;
+    enum neph_status status = NEPH_OK;
+    for (int i = 0; i < sample_buffers && !status; i++)
+        status = neph_buffer_create(vulkan, NEPH_BUFFER_DEVICE, sizes_bytes[i], "samples",
+                                    &buffers[i], diag);
+    if (!status)
+        status = fill_samples(vulkan, sizes, buffers, diag);
+    if (!status)
+        status = run_samples(vulkan, sizes, buffers, seconds, &least_s, diag);
+    ceilings->grid_side = grid_side;
+    ceilings->buffer_samples_per_s = (double)sizes->line_count * sizes->sample_count / least_s;
+    for (int i = 0; i < sample_buffers; i++)
+        neph_buffer_destroy(vulkan, &buffers[i]);
+    return status;
+}
+
+enum neph_status neph_ceilings_measure(struct neph_vulkan *vulkan, double seconds,
+                                       struct neph_ceilings *ceilings, struct neph_diag *diag)
+{
+    const struct sizes *sizes = vulkan->description.is_cpu ? &cpu_sizes : &gpu_sizes;
+    struct neph_ceilings measured;
+    enum neph_status status = measure_copies(vulkan, sizes, seconds, &measured, diag);
+    if (!status)
+        status = measure_samples(vulkan, sizes, seconds, &measured, diag);
+    if (!status)
+        *ceilings = measured;
+    return status;
+}

@@ -1,0 +1,26 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * What a device can do at most, measured on it by kernels that do one thing alone: what passes get
+ * of it is the other half of a roofline (S. Williams, A. Waterman and D. Patterson, "Roofline: An
+ * Insightful Visual Performance Model", CACM 52(4), 2009).
+ */
+#ifndef NEPH_RENDERER_CEILINGS_H
+#define NEPH_RENDERER_CEILINGS_H
+
+#include "renderer/vulkan.h"
+
+#include <stddef.h>
+
+struct neph_ceilings {
+    double copy_bytes_per_s;     /* read and written, each counted */
+    size_t copy_bytes;           /* of each of the two buffers: more than caches hold */
+    double buffer_samples_per_s; /* grid_density() of shaders/grid.glsl, from a storage buffer */
+    int grid_side;               /* nodes of the grid that it samples, which caches may hold */
+};
+
+/* The best of several runs in about `seconds` for each, after as long a warm-up. NaN: the device
+ * has no clock. */
+enum neph_status neph_ceilings_measure(struct neph_vulkan *vulkan, double seconds,
+                                       struct neph_ceilings *ceilings, struct neph_diag *diag);
+
+#endif

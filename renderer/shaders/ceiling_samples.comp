@@ -1,0 +1,45 @@
+#version 450
+// SPDX-License-Identifier: MIT
+//
+// As many trilinear samples of a voxel grid as the device can take from a storage buffer: each
+// thread walks along a line with grid_density() and nothing else, neighbours beside each other as
+// the rays of a camera. What the march takes is measured against it (renderer/ceilings.h).
+#extension GL_GOOGLE_include_directive : require
+
+layout(local_size_x = 64) in;
+
+layout(std430, binding = 0) readonly buffer Values {
+    float grid_values[];
+};
+
+struct CeilingLine {
+    vec3 start; // in nodes
+    float padding;
+    vec3 stride; // from one sample to the next
+    float padding_2;
+};
+
+layout(std430, binding = 1) readonly buffer Lines {
+    CeilingLine lines[];
+};
+
+layout(std430, binding = 2) writeonly buffer Results {
+    float results[];
+};
+
+layout(push_constant) uniform CeilingRun {
+    uint side; // nodes
+    uint sample_count;
+} run;
+
+#include "grid.glsl"
+
+void main()
+{
+    CeilingLine line = lines[gl_GlobalInvocationID.x];
+    Grid grid = Grid(vec3(0.0), 0, vec3(1.0), uvec3(run.side));
+    float sum = 0.0;
+    for (uint i = 0; i < run.sample_count; i++)
+        sum += grid_density(grid, line.start + float(i) * line.stride);
+    results[gl_GlobalInvocationID.x] = sum;
+}
