@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "renderer/compute.h"
 
+#include "renderer/pipeline_cache.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -256,8 +258,8 @@ static VkResult create_pipeline(const struct neph_vulkan *vulkan, struct neph_ke
                   .pSpecializationInfo = &constants},
         .layout = kernel->layout,
     };
-    result = vulkan->api.vkCreateComputePipelines(vulkan->device, VK_NULL_HANDLE, 1, &pipeline,
-                                                  NULL, &kernel->pipeline);
+    result = vulkan->api.vkCreateComputePipelines(
+        vulkan->device, neph_pipeline_cache_handle(vulkan), 1, &pipeline, NULL, &kernel->pipeline);
     vulkan->api.vkDestroyShaderModule(vulkan->device, module, NULL);
     return result;
 }

@@ -2,6 +2,7 @@
 #include "renderer/vulkan.h"
 
 #include "renderer/compute.h"
+#include "renderer/pipeline_cache.h"
 
 #include <dlfcn.h>
 #include <link.h>
@@ -306,6 +307,8 @@ enum neph_status neph_vulkan_create(const struct neph_vulkan_params *params,
     }
     if (!status)
         status = create_lanes(created, timestamp_bits, diag);
+    if (!status && params->cache_folder)
+        status = neph_pipeline_cache_create(created, params->cache_folder, diag);
     if (!status)
         status = neph_vulkan_check(created, diag);
     if (status) {
@@ -323,6 +326,7 @@ int neph_vulkan_destroy(struct neph_vulkan *vulkan)
     if (vulkan->device) {
         neph_lanes_destroy(vulkan);
         neph_kernels_destroy(vulkan);
+        neph_pipeline_cache_destroy(vulkan);
         vulkan->api.vkDestroyDevice(vulkan->device, NULL);
     }
     if (vulkan->messenger)

@@ -19,6 +19,8 @@ struct neph_vulkan_params {
     bool validation;    /* core and synchronization checks; every message is counted */
     const char *device; /* part of the device name, in any case; NULL: a CPU device (lavapipe) when
                          * there is one, since every machine can have it, else the first */
+    const char *cache_folder; /* borrowed; for what the driver compiles; made if need be. NULL:
+                               * nothing is kept */
 };
 
 /* Open a device with a compute queue. NULL params: all zero. Free with _destroy.

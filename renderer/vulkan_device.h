@@ -11,7 +11,8 @@
 #include <volk.h>
 
 struct neph_kernel;
-struct neph_lanes; /* lane.h */
+struct neph_lanes;          /* lane.h */
+struct neph_pipeline_cache; /* pipeline_cache.h */
 
 struct neph_vulkan {
     VkInstance instance;
@@ -25,7 +26,8 @@ struct neph_vulkan {
     uint64_t timestamp_mask; /* the bits that are valid; 0: no clock */
     VkPhysicalDeviceMemoryProperties memory;
     VkPhysicalDeviceLimits limits;
-    struct neph_kernel *kernels; /* owned; all that were ever asked for */
+    struct neph_pipeline_cache *pipelines; /* owned; NULL: nothing is kept on disk */
+    struct neph_kernel *kernels;           /* owned; all that were ever asked for */
     struct neph_vulkan_description description;
 
     /* Validation. The functions are kept here because volk's globals belong to the instance that

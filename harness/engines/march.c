@@ -108,12 +108,11 @@ static enum neph_status open_sequence(enum neph_march_lighting lighting,
                                       const struct neph_shot *shot, void **opened,
                                       struct neph_diag *diag)
 {
-    const struct neph_vulkan_params device = neph_vulkan_device_params();
     struct sequence *sequence = calloc(1, sizeof(*sequence));
     if (!sequence)
         return neph_fail_memory(diag);
     sequence->lighting = lighting;
-    enum neph_status status = neph_vulkan_create(&device, &sequence->vulkan, diag);
+    enum neph_status status = neph_vulkan_open(&sequence->vulkan, diag);
     if (!status)
         status = set_up(sequence, shot, diag);
     if (status)

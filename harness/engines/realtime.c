@@ -40,7 +40,6 @@ static void close_sequence(void *opened)
 static enum neph_status create(struct sequence *sequence, const struct neph_shot *shot,
                                struct neph_diag *diag)
 {
-    const struct neph_vulkan_params device = neph_vulkan_device_params();
     char *cache = neph_cache_path();
     const struct neph_realtime_params params = {
         .width_px = shot->width_px,
@@ -51,7 +50,7 @@ static enum neph_status create(struct sequence *sequence, const struct neph_shot
     };
     enum neph_status status = cache ? NEPH_OK : neph_fail_memory(diag);
     if (!status)
-        status = neph_vulkan_create(&device, &sequence->vulkan, diag);
+        status = neph_vulkan_open(&sequence->vulkan, diag);
     if (!status)
         status = neph_realtime_create(sequence->vulkan, shot->scene, &params, &sequence->realtime,
                                       diag);

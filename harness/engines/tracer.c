@@ -47,7 +47,6 @@ static enum neph_status render(const struct neph_shot *shot, struct neph_image *
                                struct neph_cost *cost, struct neph_diag *diag)
 {
     const struct neph_stopwatch start = neph_stopwatch_start();
-    const struct neph_vulkan_params device = neph_vulkan_device_params();
     const double *values = shot->settings.values;
     const struct neph_tracer_params params = {
         .width_px = shot->width_px,
@@ -62,7 +61,7 @@ static enum neph_status render(const struct neph_shot *shot, struct neph_image *
     struct neph_vulkan *vulkan = NULL;
     struct neph_image *image = NULL;
     struct neph_tracer_stats stats;
-    enum neph_status status = neph_vulkan_create(&device, &vulkan, diag);
+    enum neph_status status = neph_vulkan_open(&vulkan, diag);
     if (!status)
         status = neph_tracer_render(vulkan, shot->scene, &params, &image, &stats, diag);
     if (!status)

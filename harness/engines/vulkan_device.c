@@ -2,6 +2,7 @@
 #include "harness/engines/vulkan_device.h"
 
 #include "base/threads.h"
+#include "harness/data.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -15,6 +16,18 @@ struct neph_vulkan_params neph_vulkan_device_params(void)
         .validation = validation && strcmp(validation, "1") == 0,
         .device = device && device[0] ? device : NULL,
     };
+}
+
+enum neph_status neph_vulkan_open(struct neph_vulkan **vulkan, struct neph_diag *diag)
+{
+    struct neph_vulkan_params params = neph_vulkan_device_params();
+    char *cache = neph_cache_path();
+    if (!cache)
+        return neph_fail_memory(diag);
+    params.cache_folder = cache;
+    const enum neph_status status = neph_vulkan_create(&params, vulkan, diag);
+    free(cache);
+    return status;
 }
 
 /* Outlives the call when the driver hangs. */

@@ -12,6 +12,10 @@
  * layers. The name is the environment's own string. */
 struct neph_vulkan_params neph_vulkan_device_params(void);
 
+/* That device, with what it compiles kept in the cache (neph_cache_path()). Errors as of
+ * neph_vulkan_create(). */
+enum neph_status neph_vulkan_open(struct neph_vulkan **vulkan, struct neph_diag *diag);
+
 /* neph_engine.probe of an engine that needs nothing but the device. */
 void neph_vulkan_probe(struct neph_engine_info *info);
 

@@ -297,9 +297,8 @@ static int threads_of_cpu(void)
 static enum neph_status measure_device(struct neph_benchmark_frames *benchmark,
                                        struct neph_diag *diag)
 {
-    const struct neph_vulkan_params params = neph_vulkan_device_params();
     struct neph_vulkan *vulkan = NULL;
-    enum neph_status status = neph_vulkan_create(&params, &vulkan, diag);
+    enum neph_status status = neph_vulkan_open(&vulkan, diag);
     if (status)
         return status;
     const bool is_cpu = neph_vulkan_describe(vulkan).is_cpu;

@@ -5,7 +5,12 @@
  */
 #include "tests/renderer/renderer_test.h"
 
+#include "base/files.h"
+#include "base/hash.h"
 #include "renderer/compute.h"
+
+#include <dirent.h>
+#include <stdlib.h>
 
 static void test_describes_the_device(void **state)
 {
@@ -151,6 +156,78 @@ static void test_too_large_a_buffer_is_refused(void **state)
     assert_int_equal(neph_vulkan_destroy(vulkan), 0);
 }
 
+/* --- what drivers have compiled -------------------------------------------------------------- */
+
+static void open_and_close(const char *cache_folder)
+{
+    const struct neph_vulkan_params params = {.validation = true, .cache_folder = cache_folder};
+    struct neph_vulkan *vulkan = NULL;
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_vulkan_create(&params, &vulkan, &diag), &diag);
+    assert_int_equal(neph_vulkan_destroy(vulkan), 0);
+}
+
+/* The only file of a folder; the caller frees it. */
+static char *only_file(const char *folder)
+{
+    char *path = NULL;
+    DIR *entries = opendir(folder);
+    assert_non_null(entries);
+    for (struct dirent *entry; (entry = readdir(entries));)
+        if (entry->d_name[0] != '.') {
+            assert_null(path);
+            path = neph_path_join(folder, entry->d_name);
+        }
+    closedir(entries);
+    assert_non_null(path);
+    return path;
+}
+
+/* It begins with the hash of the rest, as `b2sum -l 256` has it. */
+static bool is_sound(const char *path)
+{
+    char *data = NULL, hash[NEPH_HASH_HEX_SIZE];
+    size_t size_bytes = 0;
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_file_read(path, 1 << 20, &data, &size_bytes, &diag), &diag);
+    bool sound = size_bytes > 64;
+    if (sound)
+        neph_assert_ok(neph_hash(data + 64, size_bytes - 64, hash, &diag), &diag);
+    sound = sound && memcmp(data, hash, 64) == 0;
+    free(data);
+    return sound;
+}
+
+static void test_a_broken_cache_is_renewed(void **state)
+{
+    (void)state;
+    static const char *const broken[] = {
+        "", "not a cache",
+        "0123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef and something"};
+    char root[] = "/tmp/neph-test-pipelines-XXXXXX";
+    assert_non_null(mkdtemp(root));
+    char *folder = neph_path_join(root, "made");
+    struct neph_diag diag = {0};
+    open_and_close(folder);
+    char *path = only_file(folder);
+    assert_true(is_sound(path));
+    for (size_t i = 0; i < sizeof(broken) / sizeof(broken[0]); i++) {
+        neph_assert_ok(neph_file_write(path, broken[i], strlen(broken[i]), &diag), &diag);
+        assert_false(is_sound(path));
+        open_and_close(folder);
+        assert_true(is_sound(path));
+    }
+    free(path);
+    free(folder);
+    neph_assert_ok(neph_dir_remove(root, &diag), &diag);
+}
+
+static void test_no_room_for_the_cache_is_no_error(void **state)
+{
+    (void)state;
+    open_and_close("/dev/null/cache");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -164,6 +241,8 @@ int main(void)
         cmocka_unit_test(test_validation_hears_a_mistake),
         cmocka_unit_test(test_validation_hears_a_leak),
         cmocka_unit_test(test_too_large_a_buffer_is_refused),
+        cmocka_unit_test(test_a_broken_cache_is_renewed),
+        cmocka_unit_test(test_no_room_for_the_cache_is_no_error),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
