@@ -65,11 +65,41 @@ NEPH_VECTOR static bool any_above(const float *restrict r, const float *restrict
     return above != 0;
 }
 
-static void count_pixel(struct neph_clipping *clipping, const struct neph_mask *const *masks,
-                        size_t pixel, enum neph_display_bound bound, enum image image)
+/* Pixels at a time. */
+enum { CHUNK_PX = 256 };
+
+/* Which pixels are beyond, 1 or 0, by bound. */
+struct marks {
+    uint8_t beyond[NEPH_BOUND_COUNT][CHUNK_PX];
+};
+
+NEPH_VECTOR static void mark(const float *restrict r, const float *restrict g,
+                             const float *restrict b, size_t count, struct limits limits,
+                             uint8_t *restrict white, uint8_t *restrict pu21)
+{
+    for (size_t i = 0; i < count; i++) {
+        const double red = (double)r[i], green = (double)g[i], blue = (double)b[i];
+        white[i] = (red > limits.channel) | (green > limits.channel) | (blue > limits.channel);
+        pu21[i] = neph_luminance(red, green, blue) > limits.luminance;
+    }
+}
+
+NEPH_VECTOR static size_t count_marks(const uint8_t *restrict beyond,
+                                      const uint8_t *restrict inside, size_t count)
+{
+    uint32_t sum = 0;
+    for (size_t i = 0; i < count; i++)
+        sum += (uint32_t)(beyond[i] & inside[i]);
+    return sum;
+}
+
+static void count_chunk(struct neph_clipping *clipping, const struct marks *marks, size_t first,
+                        size_t count, const struct neph_mask *const *masks, enum image image)
 {
     for (int m = 0; m < clipping->mask_count; m++)
-        clipping->last[m].beyond[bound][image] += masks[m]->inside[pixel];
+        for (int bound = NEPH_BOUND_WHITE; bound <= NEPH_BOUND_PU21; bound++)
+            clipping->last[m].beyond[bound][image] += count_marks(marks->beyond[bound],
+                                                                  masks[m]->inside + first, count);
 }
 
 static void count_row(struct neph_clipping *clipping, const float *const planes[3], size_t first,
@@ -80,12 +110,12 @@ static void count_row(struct neph_clipping *clipping, const float *const planes[
     const double least = fmin(limits.channel, limits.luminance);
     if (!any_above(r, g, b, width, (float)(least * (1.0 - 1e-6)))) /* rounded down for certain */
         return;
-    for (size_t x = 0; x < width; x++) {
-        const double red = (double)r[x], green = (double)g[x], blue = (double)b[x];
-        if (fmax(red, fmax(green, blue)) > limits.channel)
-            count_pixel(clipping, masks, first + x, NEPH_BOUND_WHITE, image);
-        if (neph_luminance(red, green, blue) > limits.luminance)
-            count_pixel(clipping, masks, first + x, NEPH_BOUND_PU21, image);
+    for (size_t x = 0; x < width; x += CHUNK_PX) {
+        const size_t count = width - x < CHUNK_PX ? width - x : CHUNK_PX;
+        struct marks marks;
+        mark(r + x, g + x, b + x, count, limits, marks.beyond[NEPH_BOUND_WHITE],
+             marks.beyond[NEPH_BOUND_PU21]);
+        count_chunk(clipping, &marks, first + x, count, masks, image);
     }
 }
 

@@ -241,9 +241,8 @@ struct frame_work {
 static void luma_of(const float *const planes[3], size_t first, size_t count, double gain,
                     double *luma)
 {
-    double luminance[CHUNK_PX];
     const float *const chunk[3] = {planes[0] + first, planes[1] + first, planes[2] + first};
-    neph_display_luma(chunk, count, gain, luma, luminance);
+    neph_display_luma(chunk, count, gain, luma, NULL);
 }
 
 /* The luma of a reference that stands still is worked out once. */

@@ -5,6 +5,7 @@
  */
 #include "tests/metrics/metrics_test.h"
 
+#include "metrics/clipping.h"
 #include "metrics/extractors/extractors.h"
 #include "metrics/pooling.h"
 
@@ -199,6 +200,61 @@ static void test_the_bound_of_ssim_is_that_of_its_codes(void **state)
     neph_image_destroy(image);
 }
 
+/* Colours about either bound; PU21's end is 100 at a white of 100 cd/m2. */
+static void fill_about_bounds(float *const planes[3], size_t count, uint64_t *random)
+{
+    for (int c = 0; c < 3; c++)
+        for (size_t i = 0; i < count; i++)
+            planes[c][i] = (float)(neph_test_uniform(random, 0.0, 1.0) < 0.9
+                                       ? neph_test_uniform(random, 0.2, 1.02)
+                                       : neph_test_uniform(random, 1.0, 250.0));
+}
+
+static void test_each_pixel_beyond_a_bound_is_counted(void **state)
+{
+    (void)state;
+    enum { WIDE = 601, ROWS = 3 };
+    uint64_t random = 7;
+    struct neph_image *image = create_image(WIDE, ROWS);
+    float *planes[3], *part = add_channel(image, "mask.part", NULL);
+    neph_assert_ok(neph_image_add_rgb(image, NULL, planes, NULL), NULL);
+    fill_about_bounds(planes, WIDE * ROWS, &random);
+    double expected[2][2] = {{0.0}}; /* by mask and bound */
+    for (size_t i = 0; i < WIDE * ROWS; i++) {
+        part[i] = i % 5 < 2 ? 1.0f : 0.0f;
+        const double r = (double)planes[0][i], g = (double)planes[1][i], b = (double)planes[2][i];
+        for (int m = 0; m < 2; m++) {
+            const double inside = m == 0 || i % 5 < 2 ? 1.0 : 0.0;
+            expected[m][0] += fmax(r, fmax(g, b)) > 1.0 ? inside : 0.0;
+            expected[m][1] += neph_luminance(r, g, b) > 100.0 ? inside : 0.0;
+        }
+    }
+    struct neph_mask *masks[2] = {create_mask(image, "all"), create_mask(image, "part")};
+    struct neph_clipping *clipping = neph_clipping_create(2);
+    const struct neph_viewing viewing = NEPH_VIEWING_DEFAULTS;
+    struct neph_frame_pair pair = {.quantity = neph_quantity_find("radiance"),
+                                   .width_px = WIDE,
+                                   .height_px = ROWS,
+                                   .plane_count = 3,
+                                   .viewing = &viewing};
+    assert_true(neph_quantity_planes(pair.quantity, image, pair.reference));
+    assert_true(neph_quantity_planes(pair.quantity, image, pair.test));
+    neph_clipping_look(clipping, &pair, (const struct neph_mask *const *)masks);
+    for (int m = 0; m < 2; m++)
+        for (int b = 0; b < 2; b++) {
+            const struct neph_clipped found = neph_clipping_shares(
+                clipping, b ? NEPH_BOUND_PU21 : NEPH_BOUND_WHITE, masks[m], m, false);
+            assert_true(expected[m][b] > 10.0);
+            neph_assert_close(found.test * (double)masks[m]->pixel_count, expected[m][b], 1e-12,
+                              0.0);
+            assert_true(found.reference == found.test);
+        }
+    neph_clipping_destroy(clipping);
+    neph_mask_destroy(masks[0]);
+    neph_mask_destroy(masks[1]);
+    neph_image_destroy(image);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -207,6 +263,7 @@ int main(void)
         cmocka_unit_test(test_an_error_beyond_the_display_is_no_perfect_match),
         cmocka_unit_test(test_a_change_beyond_the_display_is_no_perfect_match),
         cmocka_unit_test(test_the_bound_of_ssim_is_that_of_its_codes),
+        cmocka_unit_test(test_each_pixel_beyond_a_bound_is_counted),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
