@@ -116,8 +116,8 @@ static enum neph_status create_turns(struct neph_march *march, struct neph_diag 
 
 static enum neph_status create_buffers(struct neph_march *march, struct neph_diag *diag)
 {
-    const size_t pixels_bytes = march->cut.rays * sizeof(struct neph_gpu_march_pixel);
-    const size_t states_bytes = march->cut.rays * NEPH_MARCH_STATE_BYTES;
+    const size_t pixels_bytes = march->cut.rays_max * sizeof(struct neph_gpu_march_pixel);
+    const size_t states_bytes = march->cut.rays_max * NEPH_MARCH_STATE_BYTES;
     enum neph_status status = neph_buffer_create(march->vulkan, NEPH_BUFFER_DEVICE, pixels_bytes,
                                                  "march pixels", &march->pixels, diag);
     if (!status)
@@ -342,8 +342,9 @@ static enum neph_status read_frame(struct neph_march *march, struct work *work,
         neph_image_destroy(made);
         return status;
     }
-    work->stats.rays = march->cut.rays;
+    work->stats.rays = march->cut.ray_count;
     work->stats.gpu_s = *work->gpu_s;
+    neph_march_cut_learn(&march->cut, *work->gpu_s);
     *image = made;
     return NEPH_OK;
 }
@@ -374,7 +375,9 @@ enum neph_status neph_march_home(struct neph_march *march, double *gpu_s, struct
 {
     int slot;
     const enum neph_status status = neph_flight_home(march->vulkan, &march->flight, &slot, diag);
-    if (!status)
-        *gpu_s = march->flights_gpu_s[slot];
-    return status;
+    if (status)
+        return status;
+    neph_march_cut_learn(&march->cut, march->flights_gpu_s[slot]);
+    *gpu_s = march->flights_gpu_s[slot];
+    return NEPH_OK;
 }

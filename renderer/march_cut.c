@@ -4,11 +4,19 @@
 #include "base/interrupt.h"
 #include "scenes/media.h"
 
-/* One dispatch: at most this much work (loop turns of all rays), so that Ctrl-C is heard and no
- * watchdog barks. About 0.2 s on two CPU cores; a GPU does 500 times as much in a millisecond or
- * two, and cut as finely as that runs a few hundred rays at a time of the 100,000 that fill it. */
-static const uint64_t cpu_dispatch_turns_max = 1ull << 25;
-static const uint64_t gpu_dispatch_turns_max = 1ull << 34;
+/* The loop turns of all rays in a dispatch before anything is known of the device's speed: about
+ * 0.2 s on two CPU cores; a GPU does 500 times as much in a millisecond or two, and cut as finely
+ * as that runs a few hundred rays at a time of the 100,000 that fill it. */
+static const uint64_t cpu_first_turns = 1ull << 25;
+static const uint64_t gpu_first_turns = 1ull << 34;
+
+/* A dispatch is no smaller than this, which takes 30 ms where nothing else runs: by the clock of a
+ * device that others use, too, all work is slow, and cut finer it is slower still. */
+static const uint64_t cpu_least_turns = 1ull << 22;
+static const uint64_t gpu_least_turns = 1ull << 28;
+
+/* Those of one thread. A GPU has no limit but its watchdog: this is some 0.1 s of one thread. */
+static const uint64_t gpu_thread_turns_max = 1ull << 20;
 
 /* The rays of one dispatch, at most: 32 MiB of results. */
 static const uint64_t dispatch_rays_max = 1u << 19;
@@ -60,31 +68,59 @@ static uint64_t least(uint64_t a, uint64_t b)
     return a < b ? a : b;
 }
 
+static uint64_t turns_of(const struct neph_march_cut *cut, uint64_t steps)
+{
+    return steps * cut->turns_per_step + cut->turns_per_dispatch;
+}
+
+/* Whole work groups, where it is not less than one anyway. */
+static void set_rays(struct neph_march_cut *cut, uint64_t turns)
+{
+    const uint64_t enough = turns > cut->turns_least ? turns : cut->turns_least;
+    const uint64_t rays = enough / turns_of(cut, cut->steps);
+    const uint64_t groups = rays / NEPH_MARCH_LOCAL_SIZE;
+    cut->rays = least(groups > 0 ? groups * NEPH_MARCH_LOCAL_SIZE : NEPH_MARCH_LOCAL_SIZE,
+                      cut->rays_max);
+}
+
 enum neph_status neph_march_cut_make(const struct neph_vulkan *vulkan,
                                      const struct neph_scene *scene,
                                      const struct neph_gpu_scene *gpu,
                                      const struct neph_march_params *params, uint64_t ray_count,
                                      struct neph_march_cut *cut, struct neph_diag *diag)
 {
-    uint64_t turns_per_step, turns_per_dispatch;
-    count_turns(scene, gpu, params, &turns_per_step, &turns_per_dispatch);
-    if (turns_per_dispatch + turns_per_step > NEPH_KERNEL_LOOP_TURNS_MAX)
-        return neph_fail(
-            diag, NEPH_ERR_UNSUPPORTED,
-            "march: one step with %d sun steps, %d media and %d solids takes %llu "
-            "loop turns; a dispatch has %d",
-            neph_march_sun_steps(scene, params), scene->medium_count, scene->solid_count,
-            (unsigned long long)(turns_per_dispatch + turns_per_step), NEPH_KERNEL_LOOP_TURNS_MAX);
+    const bool is_cpu = vulkan->description.is_cpu;
+    const uint64_t thread_max = is_cpu ? NEPH_KERNEL_LOOP_TURNS_MAX : gpu_thread_turns_max;
     const uint64_t groups_max = vulkan->limits.maxComputeWorkGroupCount[0];
-    const uint64_t step_count = (uint64_t)params->steps;
-    const uint64_t steps = least((NEPH_KERNEL_LOOP_TURNS_MAX - turns_per_dispatch) / turns_per_step,
-                                 step_count);
-    const uint64_t turns_max = vulkan->description.is_cpu ? cpu_dispatch_turns_max
-                                                          : gpu_dispatch_turns_max;
-    uint64_t rays = turns_max / (steps * turns_per_step + turns_per_dispatch);
-    rays = least(least(rays, groups_max * NEPH_MARCH_LOCAL_SIZE), dispatch_rays_max);
-    *cut = (struct neph_march_cut){ray_count, step_count, least(rays, ray_count), steps};
+    struct neph_march_cut made = {.ray_count = ray_count, .step_count = (uint64_t)params->steps};
+    count_turns(scene, gpu, params, &made.turns_per_step, &made.turns_per_dispatch);
+    if (turns_of(&made, 1) > thread_max)
+        return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
+                         "march: one step with %d sun steps, %d media and %d solids takes %llu "
+                         "loop turns; a dispatch has %llu",
+                         neph_march_sun_steps(scene, params), scene->medium_count,
+                         scene->solid_count, (unsigned long long)turns_of(&made, 1),
+                         (unsigned long long)thread_max);
+    made.steps = least((thread_max - made.turns_per_dispatch) / made.turns_per_step,
+                       made.step_count);
+    made.rays_max = least(least(groups_max * NEPH_MARCH_LOCAL_SIZE, dispatch_rays_max), ray_count);
+    made.turns_least = is_cpu ? cpu_least_turns : gpu_least_turns;
+    set_rays(&made, is_cpu ? cpu_first_turns : gpu_first_turns);
+    *cut = made;
     return NEPH_OK;
+}
+
+void neph_march_cut_learn(struct neph_march_cut *cut, double gpu_s)
+{
+    const double turns = (double)cut->ray_count * (double)turns_of(cut, cut->step_count);
+    neph_pace_learn(&cut->pace, turns, gpu_s);
+    if (cut->pace.work_per_s > 0.0)
+        set_rays(cut, neph_pace_work(&cut->pace, 0));
+}
+
+bool neph_march_cut_is_whole(const struct neph_march_cut *cut)
+{
+    return cut->rays >= cut->ray_count && cut->steps >= cut->step_count;
 }
 
 enum neph_status neph_march_cut_run(const struct neph_march_cut *cut, neph_march_body *body,

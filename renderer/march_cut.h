@@ -9,6 +9,7 @@
 
 #include "renderer/gpu_scene.h"
 #include "renderer/march_params.h"
+#include "renderer/pace.h"
 
 enum {
     NEPH_MARCH_LOCAL_SIZE = 64, /* of shaders/march.glsl */
@@ -19,7 +20,11 @@ enum {
 
 struct neph_march_cut {
     uint64_t ray_count, step_count; /* of the whole */
-    uint64_t rays, steps;           /* at most, in one dispatch */
+    uint64_t rays_max;              /* ever in one dispatch: what its buffers have room for */
+    uint64_t rays, steps;           /* now, at most, in one dispatch */
+    uint64_t turns_per_step, turns_per_dispatch; /* of a ray, at most */
+    uint64_t turns_least;                        /* of all rays in a dispatch */
+    struct neph_pace pace;                       /* in such turns */
 };
 
 /* Whether sun rays are marched at all. */
@@ -38,6 +43,13 @@ enum neph_status neph_march_cut_make(const struct neph_vulkan *vulkan,
                                      const struct neph_gpu_scene *gpu,
                                      const struct neph_march_params *params, uint64_t ray_count,
                                      struct neph_march_cut *cut, struct neph_diag *diag);
+
+/* The device took so long for all dispatches of a march: the next will be cut by that. What is
+ * marched does not depend on it. */
+void neph_march_cut_learn(struct neph_march_cut *cut, double gpu_s);
+
+/* Whether it is one dispatch. */
+bool neph_march_cut_is_whole(const struct neph_march_cut *cut);
 
 /* Runs one dispatch. The last of its rays ends with end_step = step_count. */
 typedef enum neph_status neph_march_body(const struct neph_gpu_march_run *run, void *context,

@@ -78,7 +78,7 @@ static enum neph_status add_ray_pass(struct neph_realtime *realtime,
     struct ray_pass work = {
         .pass = pass,
         .submission = submission,
-        .is_cut = cut->rays < cut->ray_count || cut->steps < cut->step_count,
+        .is_cut = !neph_march_cut_is_whole(cut),
         .gpu_s = gpu_s,
     };
     neph_gpu_scene_bind(&realtime->scene, &work.dispatch);
@@ -146,8 +146,8 @@ static enum neph_status create_rays(struct neph_realtime *realtime, const struct
         status = neph_march_cut_make(realtime->vulkan, scene, &realtime->scene, &march,
                                      neph_rt_texel_count(view, pass->resolution),
                                      &realtime->cuts[i], diag);
-        if (pass->rays == NEPH_RT_RAYS_THROUGH_MEDIA && realtime->cuts[i].rays > most_rays)
-            most_rays = realtime->cuts[i].rays;
+        if (pass->rays == NEPH_RT_RAYS_THROUGH_MEDIA && realtime->cuts[i].rays_max > most_rays)
+            most_rays = realtime->cuts[i].rays_max;
     }
     return status ? status
                   : neph_buffer_create(realtime->vulkan, NEPH_BUFFER_DEVICE,
@@ -488,11 +488,15 @@ static void finish_frame(struct neph_realtime *realtime, const struct neph_rt_mo
     neph_flight_end(realtime->vulkan, &realtime->flight);
 }
 
-static void sum_passes(struct neph_realtime_stats *stats)
+/* A frame is home: what its passes took, together, and for the cut of the next. */
+static void take_times(struct neph_realtime *realtime, struct neph_realtime_stats *stats)
 {
     stats->gpu_s = 0.0;
-    for (int i = 0; neph_rt_passes[i].name; i++)
+    for (int i = 0; neph_rt_passes[i].name; i++) {
         stats->gpu_s += stats->pass_gpu_s[i];
+        if (realtime->cuts[i].ray_count > 0)
+            neph_march_cut_learn(&realtime->cuts[i], stats->pass_gpu_s[i]);
+    }
 }
 
 enum neph_status neph_realtime_render(struct neph_realtime *realtime,
@@ -530,7 +534,7 @@ enum neph_status neph_realtime_render(struct neph_realtime *realtime,
     if (!image)
         return NEPH_OK;
     status = neph_flight_land(realtime->vulkan, &realtime->flight, diag);
-    sum_passes(made.stats);
+    take_times(realtime, made.stats);
     if (stats)
         *stats = *made.stats;
     return status;
@@ -547,7 +551,7 @@ enum neph_status neph_realtime_home(struct neph_realtime *realtime,
     if (realtime->whole)
         status = neph_march_home(
             realtime->whole, &home->pass_gpu_s[neph_rt_pass_named("march") - neph_rt_passes], diag);
-    sum_passes(home);
+    take_times(realtime, home);
     if (!status)
         *stats = *home;
     return status;

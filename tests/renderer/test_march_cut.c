@@ -1,0 +1,110 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * How a march is cut: whatever the device's speed, each ray gets each of its steps once and in
+ * order, and a dispatch is what the device does in the time it is meant to have.
+ */
+#include "tests/neph_test.h"
+
+#include "renderer/march_cut.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { RAYS = 100000, STEPS = 37, RAYS_MAX = 65536 };
+
+static struct neph_march_cut new_cut(void)
+{
+    return (struct neph_march_cut){.ray_count = RAYS,
+                                   .step_count = STEPS,
+                                   .rays_max = RAYS_MAX,
+                                   .rays = 4096,
+                                   .steps = 10,
+                                   .turns_per_step = 7,
+                                   .turns_per_dispatch = 3};
+}
+
+struct marched {
+    uint8_t steps[RAYS]; /* that each ray has made */
+    uint32_t most_rays;
+    int dispatches;
+};
+
+static enum neph_status march_on(const struct neph_gpu_march_run *run, void *context,
+                                 struct neph_diag *diag)
+{
+    struct marched *marched = context;
+    (void)diag;
+    marched->dispatches++;
+    if (run->ray_count > marched->most_rays)
+        marched->most_rays = run->ray_count;
+    for (uint32_t ray = run->first_ray; ray < run->first_ray + run->ray_count; ray++) {
+        assert_int_equal(marched->steps[ray], run->first_step);
+        marched->steps[ray] = (uint8_t)run->end_step;
+    }
+    return NEPH_OK;
+}
+
+static void assert_complete(const struct neph_march_cut *cut, struct marched *marched)
+{
+    struct neph_diag diag = {0};
+    memset(marched, 0, sizeof(*marched));
+    neph_assert_ok(neph_march_cut_run(cut, march_on, marched, &diag), &diag);
+    for (int ray = 0; ray < RAYS; ray++)
+        assert_int_equal(marched->steps[ray], STEPS);
+    assert_int_equal(marched->dispatches == 1, neph_march_cut_is_whole(cut));
+}
+
+static void test_each_ray_makes_each_step_once(void **state)
+{
+    (void)state;
+    static const double gpu_s[] = {1e-9, 1e-3, 0.04, 0.7, 30.0, 1e6};
+    static struct marched marched;
+    struct neph_march_cut cut = new_cut();
+    uint32_t before = RAYS;
+    assert_complete(&cut, &marched);
+    for (size_t i = 0; i < sizeof(gpu_s) / sizeof(gpu_s[0]); i++) {
+        neph_march_cut_learn(&cut, gpu_s[i]);
+        assert_complete(&cut, &marched);
+        assert_true(marched.most_rays <= before && marched.most_rays <= RAYS_MAX);
+        before = marched.most_rays;
+    }
+    assert_int_equal(before, NEPH_MARCH_LOCAL_SIZE);
+    cut.turns_least = 73 * 1000;
+    neph_march_cut_learn(&cut, 1e6);
+    assert_int_equal(cut.rays, 1000 / NEPH_MARCH_LOCAL_SIZE * NEPH_MARCH_LOCAL_SIZE);
+}
+
+/* A march of a second and 30 ms of it; what is left out makes a whole work group. */
+static void test_a_dispatch_takes_its_time(void **state)
+{
+    (void)state;
+    struct neph_march_cut cut = new_cut();
+    neph_march_cut_learn(&cut, 1.0);
+    const double turns = (double)RAYS * (STEPS * 7 + 3), group = NEPH_MARCH_LOCAL_SIZE * 73.0;
+    const double dispatch = (double)cut.rays * (10 * 7 + 3);
+    assert_true(dispatch <= 0.03 * turns && dispatch > 0.03 * turns - group);
+}
+
+static void test_without_a_clock_nothing_changes(void **state)
+{
+    (void)state;
+    static const double gpu_s[] = {NAN, 0.0, -1.0, INFINITY};
+    struct neph_march_cut cut = new_cut();
+    for (size_t i = 0; i < sizeof(gpu_s) / sizeof(gpu_s[0]); i++) {
+        neph_march_cut_learn(&cut, gpu_s[i]);
+        assert_int_equal(cut.rays, 4096);
+    }
+    neph_march_cut_learn(&cut, 1e-3);
+    neph_march_cut_learn(&cut, NAN);
+    assert_int_equal(cut.rays, RAYS_MAX);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_each_ray_makes_each_step_once),
+        cmocka_unit_test(test_a_dispatch_takes_its_time),
+        cmocka_unit_test(test_without_a_clock_nothing_changes),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
