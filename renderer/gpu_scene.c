@@ -3,6 +3,7 @@
 
 #include "renderer/media/kind.h"
 #include "renderer/relative.h"
+#include "scenes/emission.h"
 #include "scenes/majorant.h"
 #include "scenes/media.h"
 
@@ -53,6 +54,7 @@ static struct neph_gpu_medium medium_from(const struct neph_medium *medium,
     neph_relative_position(gpu.high_m, support.max_m, camera_m);
     set_rgb(gpu.albedo, medium->albedo);
     set_rgb(gpu.extinction_color, medium->extinction_color);
+    set_rgb(gpu.glow, neph_medium_glow(medium));
     neph_gpu_kind_of(medium)->pack(medium, camera_m, first, &gpu);
     return gpu;
 }
@@ -235,6 +237,7 @@ static void fill_media(const struct neph_scene *scene, struct neph_vec3 camera_m
         *made = medium_from(medium, camera_m, firsts[data]);
         firsts[data] += data == NEPH_GPU_NO_DATA ? 0 : (uint32_t)data_count(medium, data);
         scatters = scatters || !is_black(made->albedo);
+        frame->emits |= !is_black(made->glow);
         gpu->constants[0] |= 1u << medium->kind;
         gpu->constants[1] |= neph_medium_is_coloured(medium) ? NEPH_GPU_COLOURED : 0u;
         gpu->optical_depth_turns += 1 + depth_turns(medium);

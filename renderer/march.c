@@ -6,6 +6,7 @@
 #include "renderer/gpu_scene.h"
 #include "renderer/march_cut.h"
 #include "renderer/reach.h"
+#include "scenes/emission.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -48,6 +49,9 @@ static const char *find_obstacle(const struct neph_scene *scene, enum neph_march
         if (scene->media[i].kind != NEPH_MEDIUM_HORIZON)
             return "a medium without the heights and shapes of Horizon's clouds, which this "
                    "lighting is made of";
+    if (neph_scene_emits(scene) &&
+        (lighting == NEPH_MARCH_HORIZON || scene->scattering == NEPH_SCATTERING_MULTIPLE))
+        return neph_emission_reason;
     return is_lit_by_environment(scene) ? "background light on media and solids" : NULL;
 }
 
@@ -195,7 +199,7 @@ static enum neph_status create_image(const struct neph_march *march, struct neph
         status = neph_image_add_rgb(created, "transmittance", layers->transmittance, diag);
     if (!status)
         status = neph_image_add_channel(created, "Z", &layers->eye_depth_m, diag);
-    if (!status && march->scene.frame->scatters)
+    if (!status && (march->scene.frame->scatters || march->scene.frame->emits))
         status = neph_image_add_channel(created, "volume.distance", &layers->volume_distance_m,
                                         diag);
     if (status) {

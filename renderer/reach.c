@@ -3,7 +3,6 @@
 
 #include "renderer/media/kind.h"
 #include "renderer/relative.h"
-#include "scenes/emission.h"
 #include "scenes/media.h"
 
 #include <math.h>
@@ -74,10 +73,6 @@ static bool are_known(const struct neph_scene *scene, char *reason, size_t reaso
 
 bool neph_float32_reaches(const struct neph_scene *scene, char *reason, size_t reason_size)
 {
-    if (neph_scene_emits(scene)) {
-        snprintf(reason, reason_size, "%s", neph_emission_reason);
-        return false;
-    }
     if (!are_known(scene, reason, reason_size))
         return false;
     for (int k = 0; k < scene->camera_key_count; k++)

@@ -12,10 +12,9 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* Whether the shaders know all media of a scene, these emit nothing, and are near enough to the
- * camera, at every key; if not, `reason` says which is not and by what numbers. Rays of an
- * orthographic camera begin beside it: its picture's height counts as a distance across that to the
- * media. */
+/* Whether the shaders know all media of a scene, and these are near enough to the camera, at every
+ * key; if not, `reason` says which is not and by what numbers. Rays of an orthographic camera begin
+ * beside it: its picture's height counts as a distance across that to the media. */
 bool neph_float32_reaches(const struct neph_scene *scene, char *reason, size_t reason_size);
 
 #endif

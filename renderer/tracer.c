@@ -10,6 +10,7 @@
 #include "renderer/media/kind.h"
 #include "renderer/reach.h"
 #include "renderer/tracer_sums.h"
+#include "scenes/emission.h"
 #include "scenes/media.h"
 #include "scenes/trapped_light.h"
 
@@ -115,6 +116,8 @@ bool neph_tracer_can_render(const struct neph_scene *scene, char *reason, size_t
         cannot = "more than single scattering in a fog and several clouds of coloured extinction";
     if (neph_scene_traps_light(scene))
         cannot = neph_trapped_light_reason;
+    if (neph_scene_emits(scene))
+        cannot = neph_emission_reason;
     if (!cannot)
         return neph_float32_reaches(scene, reason, reason_size);
     snprintf(reason, reason_size, "%s", cannot);

@@ -29,7 +29,8 @@ enum observable {
 
 enum { FURNACE, SINGLE, MULTIPLE, FOG, HALF_SPACE, CONSERVED, RECIPROCAL, COLUMNS };
 static const struct neph_check_rung rungs[] = {
-    [FURNACE] = {"furnace", "white furnace: albedo 1 in a uniform surround vanishes"},
+    [FURNACE] = {"furnace",
+                 "furnace: in a uniform surround vanishes what has albedo 1 or emits as it does"},
     [SINGLE] = {"single", "single scattering against closed forms and quadrature"},
     [MULTIPLE] = {"slab", "slab, all orders, against adding-doubling"},
     [FOG] = {"fog", "height fog over black ground, all orders, against adding-doubling"},
@@ -57,6 +58,7 @@ static const struct row rows[] = {
     {"furnace_fog_8", FURNACE, LOOK_DOWN, NEPH_STAGE_FOG_BOX, 8.0, 1.0, HG(0.5), 0.7},
     {"furnace_shell_8", FURNACE, LOOK_DOWN, NEPH_STAGE_SHELL, 8.0, 1.0, RAYLEIGH, 0.7},
     {"furnace_clouds_16", FURNACE, LOOK_DOWN, NEPH_STAGE_CLOUDS, 16.0, 1.0, HG(0.85), 0.7},
+    {"furnace_glow_4", FURNACE, LOOK_DOWN, NEPH_STAGE_BOX, 4.0, 0.5, HG(0.5), 0.7},
     {"single_slab_thin", SINGLE, LOOK_DOWN, NEPH_STAGE_SLAB, 0.1, 1.0, ISO, 0.7},
     {"single_slab_4_back", SINGLE, LOOK_DOWN, NEPH_STAGE_SLAB, 4.0, 0.9, HG(-0.3), 0.4},
     {"single_box_1", SINGLE, LOOK_DOWN, NEPH_STAGE_BOX, 1.0, 1.0, RAYLEIGH, 0.7},
@@ -212,6 +214,8 @@ static void describe(const struct row *row, char *text, size_t size)
     };
     char phase[64], light[64] = "lit evenly from all sides";
     describe_phase(row->phase, phase);
+    if (row->rung == FURNACE && row->albedo < 1.0)
+        snprintf(light, sizeof(light), "lit evenly from all sides, and as hot as that");
     if (row->rung != FURNACE)
         snprintf(light, sizeof(light), "sun %.0f degrees high",
                  asin(row->sun_cosine) / NEPH_RAD_PER_DEG);

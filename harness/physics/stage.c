@@ -134,11 +134,14 @@ static enum neph_status place_medium(struct neph_stage *stage, struct neph_diag 
 {
     const struct neph_stage_params *params = &stage->params;
     const double a = params->albedo, depth = params->optical_depth;
+    const double hot = params->truth == NEPH_STAGE_TRUTH_FURNACE ? NEPH_STAGE_SURROUND_W_PER_M2_SR
+                                                                 : 0.0;
     struct neph_medium *medium = &stage->scene.media[0];
     *medium = (struct neph_medium){.kind = NEPH_MEDIUM_HOMOGENEOUS,
                                    .bounds = cube(),
                                    .extinction_color = {1, 1, 1},
                                    .albedo = {a, a, a},
+                                   .emission_w_per_m2_sr = {hot, hot, hot},
                                    .phase = params->phase,
                                    .layer_count = 1,
                                    .layers = {{.extinction_per_m = depth / slab_m}}};

@@ -28,7 +28,7 @@ enum neph_stage_medium {
 enum neph_stage_truth {
     NEPH_STAGE_TRUTH_SLAB,       /* truth/slab.h: all orders */
     NEPH_STAGE_TRUTH_RAY,        /* truth/transport.h: single scattering, exact */
-    NEPH_STAGE_TRUTH_FURNACE,    /* the surround's radiance, everywhere */
+    NEPH_STAGE_TRUTH_FURNACE,    /* the surround's radiance, everywhere; media are as hot as that */
     NEPH_STAGE_TRUTH_HALF_SPACE, /* Chandrasekhar's H function: all orders, isotropic, seen from
                                     above; for a slab so thick that its bottom does not matter */
     NEPH_STAGE_TRUTH_COLUMNS,    /* truth/step_cloud.h: all orders, with noise of its own */

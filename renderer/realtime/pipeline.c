@@ -7,6 +7,7 @@
 #include "renderer/realtime/images.h"
 #include "renderer/realtime/moment.h"
 #include "renderer/realtime/noise.h"
+#include "scenes/emission.h"
 #include "scenes/media.h"
 #include "scenes/motion.h"
 
@@ -108,6 +109,10 @@ bool neph_realtime_can_render(const struct neph_scene *scene, const struct neph_
     if (scene->orthographic_height_m > 0.0) {
         snprintf(reason, reason_size,
                  "an orthographic camera: histories are looked up as from one eye");
+        return false;
+    }
+    if (neph_scene_emits(scene)) {
+        snprintf(reason, reason_size, "%s", neph_emission_reason);
         return false;
     }
     return neph_march_can_render(

@@ -27,7 +27,7 @@ layout(std430, binding = 0) readonly buffer Frame {
     uint scatters; // 0 or 1: some medium scatters sunlight that the scene wants to see
     uint octave_count;
     vec3 octave_factors; // contribution, attenuation, eccentricity (struct neph_octaves)
-    float padding;
+    uint emits; // 0 or 1: some medium does
     vec2 jitter_px; // of this frame's view rays, for renderers of sequences
     vec2 padding_2;
     Medium media[MEDIA_MAX];

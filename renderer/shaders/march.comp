@@ -10,7 +10,7 @@
 struct MarchPixel {
     vec3 radiance; // with everything
     float eye_depth_m; // FAR_M for the sky
-    vec3 volume; // in-scattered alone
+    vec3 volume; // of the media alone
     uint density_evaluations;
     vec3 transmittance;
     uint closed_forms;
@@ -51,8 +51,8 @@ void main()
     Hit hit = scene_hit(ray.origin_m, ray.direction);
 
     Sums sums = sums_at_start(thread);
-    // With a closed-form transmittance and no scattering there is nothing to march for.
-    if (!IS_SOLVED || frame.scatters != 0)
+    // With a closed-form transmittance and no light of the media there is nothing to march for.
+    if (!IS_SOLVED || frame.scatters != 0 || frame.emits != 0)
         march(ray, hit.t_m, 0.5, sums);
 
     if (run.end_step < frame.steps)

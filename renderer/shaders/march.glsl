@@ -4,9 +4,9 @@
 //
 //   L = sum_i T_i J_i (1 - e^-dtau_i) + T background,     T_i = e^-(dtau_0 + .. + dtau_(i-1))
 //
-// over `steps` equal steps. J is the source function (in-scattered sunlight per unit of optical
-// depth, W m^-2 sr^-1), taken at one point of the step and constant along it; its integral over
-// the step against the extinction within the step is exact. (Hillaire, "Physically Based and
+// over `steps` equal steps. J is the source function (light scattered or emitted per unit of
+// optical depth, W m^-2 sr^-1), taken at one point of the step and constant along it; its integral
+// over the step against the extinction within the step is exact. (Hillaire, "Physically Based and
 // Unified Volumetric Rendering in Frostbite", SIGGRAPH 2015: S (1 - e^(-sigma dt)) / sigma.)
 // With the point in the middle of the step the error is of second order in the step where the
 // medium is smooth. A dithered start puts it elsewhere in the step, the same place in all steps of
@@ -29,7 +29,7 @@ layout(push_constant) uniform MarchRun {
     uint end_step;
 } run;
 
-// What a march has come to: in-scattered radiance (xyz of `scattered`), optical depth (its w when
+// What a march has come to: radiance of the media (xyz of `scattered`), optical depth (its w when
 // that is the same in all channels, else xyz of `depth`), and the distance [m] of what is seen of
 // the medium times its share of the view, 1 - T in the end.
 struct Sums {
@@ -102,6 +102,8 @@ void march(ViewRay ray, float length_m, float place, inout Sums sums)
         vec3 scattered = vec3(0.0);
         if (frame.scatters != 0)
             scattered = step_light(mixture, point_m, step_m, step_depth) * through;
+        if (frame.emits != 0)
+            scattered += mixture.glow * fraction_lost(step_depth) * through;
         sums_add(sums, scattered, step_depth);
     }
 }

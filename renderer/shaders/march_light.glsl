@@ -94,6 +94,7 @@ struct Mixture {
     vec3 extinction_per_m;
     vec3 marched_per_m; // the part of it that VIEW_MARCHED has
     vec3 scattering; // sum of scattering coefficient times phase function [1/(m sr)]
+    vec3 glow; // the mean of the media's, by their extinction [W m^-2 sr^-1]
 };
 
 // The view ray of this pixel. The sun is a direction: phase functions are the same all along it.
@@ -111,10 +112,13 @@ void look_along(ViewRay ray)
                                                       ray.direction, frame.sun_direction);
 }
 
+// Where there is no extinction, nothing scatters or emits: guards all divisions by it.
+const vec3 LEAST = vec3(1e-37);
+
 Mixture mixture_at(vec3 point_m)
 {
     density_evaluations++;
-    Mixture mixture = Mixture(vec3(0.0), vec3(0.0), vec3(0.0));
+    Mixture mixture = Mixture(vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
     for (uint m = 0; m < frame.medium_count; m++) {
         vec3 extinction_per_m =
             grey(frame.media[m].extinction_color) * medium_extinction_per_m(m, point_m);
@@ -125,6 +129,9 @@ Mixture mixture_at(vec3 point_m)
         mixture.scattering += scattered_per_m * phase_towards_camera_per_sr[m];
         if (LIGHTING == OCTAVES)
             scattering_per_m[m] = scattered_per_m;
+        if (frame.emits != 0)
+            mixture.glow += (frame.media[m].glow - mixture.glow) *
+                            (extinction_per_m / max(mixture.extinction_per_m, LEAST));
     }
     mixture.extinction_per_m = grey(mixture.extinction_per_m);
     mixture.marched_per_m = grey(mixture.marched_per_m);
@@ -160,11 +167,9 @@ vec3 octave_scattering(vec3 optical_depth)
 
 // --- source functions -----------------------------------------------------------------------
 
-// The source function J = scattering / extinction * sunlight. Where there is no extinction there
-// is nothing to scatter: LEAST guards the only division by it.
+// The source function of sunlight, J = scattering / extinction * sunlight.
 vec3 source_function(Mixture mixture, vec3 point_m)
 {
-    const vec3 LEAST = vec3(1e-37);
     if (mixture.scattering == vec3(0.0) || !sees_sun(point_m, NO_SOLID))
         return vec3(0.0);
     vec3 optical_depth = sun_optical_depth(point_m);

@@ -71,6 +71,8 @@ struct Medium {
     float extinction_per_m; // of a shape, where its density is 1
     uvec3 majorant_size;    // cells of the majorant grid over low_m..high_m; 0 when there is none
     uint majorant_first;    // their place in majorants[]
+    vec3 glow; // emitted per optical depth of the medium itself [W m^-2 sr^-1]
+    float padding;
     FogLayer layers[LAYERS_MAX];
     uint layer_count;
     Shape shape;

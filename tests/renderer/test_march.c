@@ -261,6 +261,77 @@ static void test_volume_has_no_floor_but_float32(void **state)
     free(light);
 }
 
+/* --- emission ----------------------------------------------------------------------------- */
+
+/* Media that glow in colours of their own, in sunlight. */
+static void make_glow(struct test_scene *test)
+{
+    static const struct neph_rgb emissions[] = {{1, 20, 4}, {30, 1, 0}, {0, 2, 9}};
+    for (int m = 0; m < test->scene.medium_count; m++)
+        test->scene.media[m].emission_w_per_m2_sr = emissions[m % 3];
+}
+
+static void scene_two_fogs_up(struct test_scene *test)
+{
+    test_add_medium(test, 0.02, 0.05, 0.0);
+    test_add_medium(test, 0.05, 0.2, 1.0);
+    test->key.look_at_m = (struct neph_vec3){3.0, 9.0, -5.0};
+}
+
+/* As sunlight that is scattered: second order, down to what float32 knows. */
+static void test_emission_converges_at_second_order(void **state)
+{
+    static const int counts[] = {64, 256};
+    static void (*const builders[])(struct test_scene *) = {scene_cube, scene_fog_up,
+                                                            scene_fog_down, scene_two_fogs_up};
+    for (size_t s = 0; s < COUNT(builders); s++)
+        for (int m = 0; m < 2; m++) {
+            struct test_scene test;
+            test_scene_init(&test);
+            builders[s](&test);
+            make_glow(&test);
+            struct neph_march_params params = exact_48;
+            params.width_px = 8;
+            params.height_px = 6;
+            params.transmittance = params.sun = m ? NEPH_MARCH_MARCHED : NEPH_MARCH_EXACT;
+            struct neph_ray_light *light = exact_light(&test, params.width_px, params.height_px);
+            double errors[2];
+            for (int c = 0; c < 2; c++) {
+                params.steps = params.sun_steps = counts[c];
+                struct neph_image *frame = render(*state, &test, &params, NULL);
+                errors[c] = volume_error(frame, light);
+                neph_image_destroy(frame);
+            }
+            const double order = log2(errors[0] / errors[1]) / 2.0;
+            print_message("emission: %.1e %.1e  order %.2f\n", errors[0], errors[1], order);
+            assert_true(errors[1] < 5e-7 || order > 1.8);
+            assert_true(errors[1] < 5e-3);
+            free(light);
+        }
+}
+
+/* In the dark and without scattering: glow (1 - T) whatever the steps, and a distance to it. */
+static void test_an_even_medium_that_glows(void **state)
+{
+    struct test_scene test;
+    test_scene_init(&test);
+    scene_homogeneous(&test);
+    make_glow(&test);
+    test.scene.sun.present = false;
+    test.scene.scattering = NEPH_SCATTERING_NONE;
+    test.scene.media[0].extinction_color = (struct neph_rgb){0.5, 1, 3};
+    struct neph_march_params params = exact_48;
+    params.steps = 7;
+    struct neph_ray_light *light = exact_light(&test, params.width_px, params.height_px);
+    struct neph_image *frame = render(*state, &test, &params, NULL);
+    assert_non_null(neph_image_channel(frame, "volume.distance"));
+    const float *volume = neph_image_channel(frame, "volume.B");
+    for (size_t i = 0; i < neph_image_pixel_count(frame); i++) /* a few roundings of each step */
+        neph_assert_close((double)volume[i], light[i].volume.b, 7 * 4 * 0x1p-24 + 1e-6, 0.0);
+    neph_image_destroy(frame);
+    free(light);
+}
+
 /* --- solids ------------------------------------------------------------------------------- */
 
 static void scene_yard(struct test_scene *test)
@@ -558,6 +629,13 @@ static void test_says_what_it_cannot(void **state)
                      NEPH_ERR_UNSUPPORTED);
     assert_non_null(strstr(diag.message, "cannot: multiple scattering"));
 
+    test.scene.media[0].emission_w_per_m2_sr = white; /* the models see it, and do not scatter it */
+    assert_false(neph_march_can_render(&test.scene, NEPH_MARCH_OCTAVES, reason, sizeof(reason)));
+    assert_non_null(strstr(reason, "emit"));
+    test.scene.scattering = NEPH_SCATTERING_NONE;
+    assert_true(neph_march_can_render(&test.scene, NEPH_MARCH_OCTAVES, reason, sizeof(reason)));
+    test.scene.media[0].emission_w_per_m2_sr = make_grey(0);
+
     test.scene.scattering = NEPH_SCATTERING_SINGLE;
     test.scene.environment_light = true;
     assert_false(neph_march_can_render(&test.scene, NEPH_MARCH_SINGLE, reason, sizeof(reason)));
@@ -682,6 +760,8 @@ int main(void)
         cmocka_unit_test(test_marched_transmittance),
         cmocka_unit_test(test_volume_converges_at_second_order),
         cmocka_unit_test(test_volume_has_no_floor_but_float32),
+        cmocka_unit_test(test_emission_converges_at_second_order),
+        cmocka_unit_test(test_an_even_medium_that_glows),
         cmocka_unit_test(test_solids_are_lit_through_the_media),
         cmocka_unit_test(test_shadows_in_the_air),
         cmocka_unit_test(test_many_solids),
