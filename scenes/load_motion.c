@@ -6,6 +6,7 @@
 #include "scenes/load.h"
 #include "scenes/media.h"
 #include "scenes/motion.h"
+#include "scenes/solids.h"
 
 #include <stddef.h>
 #include <stdlib.h>
@@ -289,13 +290,6 @@ const struct neph_record neph_wind_record = {sizeof(struct neph_written_scene), 
 
 /* --- In the finished scene --- */
 
-static bool is_inside(const struct neph_solid *solid, struct neph_vec3 point_m)
-{
-    return solid->kind == NEPH_SOLID_SPHERE
-               ? neph_vec3_length(neph_vec3_sub(point_m, solid->center_m)) <= solid->radius_m
-               : neph_bounds_contain(&solid->box, point_m);
-}
-
 /* Where the file says how the camera stands at a frame of the keys: the last one not after it. */
 static struct neph_path camera_path(const struct neph_reader *reader,
                                     const struct neph_scene *scene, double frame, const char *key)
@@ -326,7 +320,7 @@ static enum neph_status check_view(const struct neph_reader *reader, const struc
                            "give another camera.up",
                            frame);
     for (int i = 0; i < scene->solid_count; i++)
-        if (is_inside(&scene->solids[i], key.position_m))
+        if (neph_solid_contains(&scene->solids[i], key.position_m))
             return neph_refuse(reader, camera_path(reader, scene, frame, "position_m").text,
                                "at frame %g the camera is inside a solid (number %d of the %d in "
                                "the scene, bars counted)",

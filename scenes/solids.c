@@ -10,6 +10,13 @@
 
 #include <math.h>
 
+bool neph_solid_contains(const struct neph_solid *solid, struct neph_vec3 point_m)
+{
+    return solid->kind == NEPH_SOLID_SPHERE
+               ? neph_vec3_length(neph_vec3_sub(point_m, solid->center_m)) <= solid->radius_m
+               : neph_bounds_contain(&solid->box, point_m);
+}
+
 /* A shadow ray starts on a surface: what is nearer than this is the surface itself. Points of a
  * ball are rounded to 1e-16 of its size, which a low sun makes longer. */
 static double shadow_start_m(const struct neph_solid *solid)

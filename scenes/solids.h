@@ -21,6 +21,9 @@ struct neph_hit neph_scene_hit(const struct neph_scene *scene, struct neph_vec3 
  */
 struct neph_vec3 neph_hit_outside_m(const struct neph_hit *hit, struct neph_vec3 point_m);
 
+/* Faces belong to the solid. */
+bool neph_solid_contains(const struct neph_solid *solid, struct neph_vec3 point_m);
+
 /* True when no solid stands between the point and the sun. */
 bool neph_scene_sees_sun(const struct neph_scene *scene, struct neph_vec3 point_m);
 

@@ -53,4 +53,10 @@ enum neph_status neph_scene_variant_text(const struct neph_scene *scene,
                                          const struct neph_variant *variant, char **text,
                                          struct neph_diag *diag);
 
+/* A scene in memory, made from that of a file, as a file: as above, but what is written anew is
+ * name, title, number of frames and camera. `made->path` is the file that it was made from; there
+ * are no pauses in it. NEPH_ERR_UNSUPPORTED: the camera is orthographic. */
+enum neph_status neph_scene_camera_text(const struct neph_scene *made, char **text,
+                                        struct neph_diag *diag);
+
 #endif

@@ -252,16 +252,16 @@ static void finish(struct file *file)
 }
 
 static enum neph_status make_splices(struct file *file, const struct neph_scene *made,
-                                     enum neph_variant_kind kind, struct neph_diag *diag)
+                                     bool has_camera, struct neph_diag *diag)
 {
-    const bool cuts = kind == NEPH_VARIANT_CAMERA_CUT;
     enum neph_status status = rewrite_text(file, "name", made->name, diag);
     if (!status)
         status = rewrite_text(file, "title", made->title, diag);
     if (!status)
         status = rewrite(file, "frames", put_frames, made, diag);
     if (!status)
-        status = rewrite(file, cuts ? "camera" : "sun", cuts ? put_camera : put_sun, made, diag);
+        status = rewrite(file, has_camera ? "camera" : "sun", has_camera ? put_camera : put_sun,
+                         made, diag);
     for (int i = 0; i < made->medium_count && !status; i++)
         status = rewrite_volume(file, i, made->path, diag);
     return status;
@@ -295,14 +295,15 @@ static enum neph_status join(struct file *file, char **text, struct neph_diag *d
     return NEPH_OK;
 }
 
-static enum neph_status write_text(const struct neph_scene *made, enum neph_variant_kind kind,
-                                   char **text, struct neph_diag *diag)
+/* `has_camera`: it is the camera that is new, and not the sun. */
+static enum neph_status write_text(const struct neph_scene *made, bool has_camera, char **text,
+                                   struct neph_diag *diag)
 {
     struct file file = {.splice_count = 0};
     enum neph_status status = read_file(made->path, &file, diag);
     if (status)
         return status;
-    status = make_splices(&file, made, kind, diag);
+    status = make_splices(&file, made, has_camera, diag);
     if (!status)
         status = join(&file, text, diag);
     finish(&file);
@@ -316,7 +317,15 @@ enum neph_status neph_scene_variant_text(const struct neph_scene *scene,
     struct neph_scene *made = NULL;
     enum neph_status status = neph_scene_variant(scene, variant, &made, diag);
     if (!status)
-        status = write_text(made, variant->kind, text, diag);
+        status = write_text(made, variant->kind == NEPH_VARIANT_CAMERA_CUT, text, diag);
     neph_scene_destroy(made);
     return status;
+}
+
+enum neph_status neph_scene_camera_text(const struct neph_scene *made, char **text,
+                                        struct neph_diag *diag)
+{
+    if (made->orthographic_height_m > 0.0)
+        return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "%s has an orthographic camera", made->name);
+    return write_text(made, true, text, diag);
 }

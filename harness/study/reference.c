@@ -38,9 +38,9 @@ static struct neph_settings settings_of(const struct neph_job *test,
     return settings;
 }
 
-static enum neph_status job_of(const struct neph_job *test, enum neph_reference_rays rays,
-                               struct neph_engine_info *info, struct neph_job *job,
-                               struct neph_diag *diag)
+enum neph_status neph_reference_job(const struct neph_job *test, enum neph_reference_rays rays,
+                                    struct neph_engine_info *info, struct neph_job *job,
+                                    struct neph_diag *diag)
 {
     const struct neph_engine *march = engine_of(test);
     neph_engine_probe(march, info);
@@ -169,7 +169,7 @@ enum neph_status neph_reference_key(const struct neph_job *test, int frame_count
     struct neph_engine_info info;
     struct neph_job job;
     char first[NEPH_HASH_HEX_SIZE];
-    enum neph_status status = job_of(test, NEPH_REFERENCE_AVERAGED, &info, &job, diag);
+    enum neph_status status = neph_reference_job(test, NEPH_REFERENCE_AVERAGED, &info, &job, diag);
     if (!status)
         status = neph_job_key(&job, first, diag);
     if (status)
@@ -190,7 +190,7 @@ enum neph_status neph_reference_make(const struct neph_job *test, int frame_coun
     for (int rays = 0; rays < NEPH_REFERENCE_RAYS_COUNT && !status; rays++) {
         struct neph_engine_info info;
         struct neph_job job;
-        status = job_of(test, (enum neph_reference_rays)rays, &info, &job, diag);
+        status = neph_reference_job(test, (enum neph_reference_rays)rays, &info, &job, diag);
         if (!status)
             status = make_frames(&job, count, store, progress, &made, &made.frames[rays], diag);
         if (!status && rays == NEPH_REFERENCE_AVERAGED)

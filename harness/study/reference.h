@@ -36,6 +36,12 @@ struct neph_reference {
     struct neph_cost cost;        /* of all these pictures, when they were rendered */
 };
 
+/* The job of one picture of the reference, with the scene, size and frame of the test, and what it
+ * is told of its engine. NEPH_ERR_USAGE as of neph_settings_set(). */
+enum neph_status neph_reference_job(const struct neph_job *test, enum neph_reference_rays rays,
+                                    struct neph_engine_info *info, struct neph_job *job,
+                                    struct neph_diag *diag);
+
 /* How many pictures the reference of so many frames takes: moments that are the same share one. */
 int neph_reference_picture_count(const struct neph_scene *scene, int first, int frame_count);
 
