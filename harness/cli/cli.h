@@ -16,6 +16,7 @@
 typedef enum neph_status neph_verb(int argc, char **argv, struct neph_diag *diag);
 
 neph_verb neph_cli_render;
+neph_verb neph_cli_fly;
 neph_verb neph_cli_export;
 neph_verb neph_cli_bake;
 neph_verb neph_cli_benchmark;

@@ -7,6 +7,7 @@
 #include "base/child.h"
 #include "harness/data.h"
 #include "harness/engines/engines.h"
+#include "harness/fly/window.h"
 #include "harness/host.h"
 #include "scenes/volume_file.h"
 
@@ -29,6 +30,12 @@ static bool has_openvdb(const char *program)
     return found;
 }
 
+static bool has_windows(const char *library)
+{
+    (void)library;
+    return neph_window_has_library();
+}
+
 static const struct {
     const char *program;
     bool (*is_there)(const char *program);
@@ -40,6 +47,7 @@ static const struct {
      "apt-get install nodejs npm"},
     {"chromium", neph_child_program_exists, "the browser test of the report",
      "apt-get install chromium"},
+    {"SDL 2", has_windows, "neph fly", "apt-get install libsdl2-dev, and build neph again"},
 };
 
 static const struct neph_cli_syntax syntax = {

@@ -21,6 +21,7 @@ static const struct {
     {"validate", neph_cli_validate, "run scenes over all engines, gate the errors, write a report"},
     {"study", neph_cli_study, "what takes longer: steps against their limit, flicker of presets"},
     {"render", neph_cli_render, "render a scene with one engine"},
+    {"fly", neph_cli_fly, "fly through a scene in a window: presets, errors, flicker, times"},
     {"export", neph_cli_export, "leave a scene as files for Blender or POV-Ray"},
     {"bake", neph_cli_bake, "a medium of a scene as a volume file, with what that costs"},
     {"benchmark", neph_cli_benchmark, "how long engines take for the same noise"},

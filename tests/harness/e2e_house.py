@@ -22,8 +22,9 @@ ROOMS = {
     "run": {"engines", "compare"},
     "study": {"engines", "compare", "run"},
     "physics": {"engines", "compare", "run", "study"},
+    "fly": {"engines", "compare", "run", "study"},
     "report": {"engines", "compare", "run", "study", "physics"},
-    "cli": {"engines", "compare", "run", "study", "physics", "report"},
+    "cli": {"engines", "compare", "run", "study", "physics", "fly", "report"},
 }
 INCLUDE = re.compile(r'^#include "([a-z_/]+\.h)"', re.MULTILINE)
 

@@ -1,0 +1,119 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * `neph fly`: a scene in a window.
+ */
+#include "harness/cli/cli.h"
+
+#include "harness/data.h"
+#include "harness/fly/fly.h"
+#include "harness/run/seed.h"
+
+#include <limits.h>
+#include <stdio.h>
+
+enum { FRAMES_MAX = 1000000 };
+
+struct request {
+    struct neph_cli_shared shared;
+    const char *preset, *keys;
+    int frame_count, seed;
+};
+
+static const struct neph_cli_option options[] = {
+    {"preset", 'p', "NAME",
+     "Preset of engine realtime to begin with; `neph engines realtime` "
+     "lists them",
+     NEPH_CLI_WORD, .at = offsetof(struct request, preset), .otherwise = "ours"},
+    {.name = "set",
+     .help = "A setting of engine realtime, in all presets; may be given several "
+             "times"},
+    {.name = "size", .otherwise = "640x360"},
+    {"frames", 0, "N", "Leave after N frames", NEPH_CLI_INTEGER,
+     .at = offsetof(struct request, frame_count), .minimum = 1, .maximum = FRAMES_MAX},
+    {"keys", 0, "KEYS",
+     "Press these keys, one after the other: KEY or KEY*FRAMES, such as \"w*60 x .*8 p\", . for "
+     "none. The camera then moves by the scene's frame rate and not by the clock: the same flight "
+     "again, to compare times and pictures",
+     NEPH_CLI_WORD, .at = offsetof(struct request, keys)},
+    {"seed", 0, "N", "Random seed (default: one of the scene's own)", NEPH_CLI_INTEGER,
+     .at = offsetof(struct request, seed), .minimum = 0, .maximum = INT_MAX},
+    {.name = "output", .help = "Folder for pictures and recorded paths", .otherwise = "."},
+    {.name = "json"},
+    {.name = NULL},
+};
+
+static const struct neph_cli_syntax syntax = {
+    .options = options,
+    .operands = &neph_cli_one_scene,
+    .doc =
+        "Fly through a scene in a window: presets of realtime and march at a key, their error and "
+        "their flicker as maps, times of all passes.\v"
+        "W A S D, Q and E fly, the right button looks around, the wheel changes the speed. 0 to 6 "
+        "are presets, R and M realtime and march, C a line to drag between the two, X the error "
+        "against march, F the flicker at rest, [ and ] the exposure, space stops sun and wind, T "
+        "shows the time of each pass, H all keys. P writes DIR/SCENE_fly.exr and .png, K records "
+        "the way as DIR/SCENE_path.yaml, a scene for every engine; no file is replaced. Needs SDL "
+        "2 and a display. At the end come the number of frames and the median of their times.\n\n"
+        "Examples:\n"
+        "  neph fly fence_backlit\n"
+        "  neph fly cloud_below --size 320x180 --preset unity\n"
+        "  neph fly fence_backlit --frames 300 --keys \"w*60 d*60\" --json",
+};
+
+static double milliseconds(const json_t *result, const char *key)
+{
+    return 1e3 * json_number_value(json_object_get(result, key));
+}
+
+static void print_result(const json_t *result)
+{
+    const json_t *file;
+    size_t index;
+    printf("%lld frames, median %.3g ms from frame to frame, %.3g ms to render\n",
+           (long long)json_integer_value(json_object_get(result, "frames")),
+           milliseconds(result, "frame_median_s"), milliseconds(result, "render_median_s"));
+    json_array_foreach(json_object_get(result, "files"), index, file)
+        printf("%s\n", json_string_value(file));
+}
+
+static enum neph_status fly(const struct request *request, const struct neph_scene *scene,
+                            struct neph_diag *diag)
+{
+    const struct neph_cli_shared *shared = &request->shared;
+    const struct neph_fly_params params = {
+        .studio = {.scene = scene,
+                   .width_px = shared->size.width_px,
+                   .height_px = shared->size.height_px,
+                   .settings = shared->settings.list,
+                   .setting_count = shared->settings.count,
+                   .seed = request->seed >= 0 ? (uint64_t)request->seed : neph_seed_of(scene, 1)},
+        .preset = request->preset,
+        .folder = shared->output,
+        .keys = request->keys,
+        .frame_limit = request->frame_count > 0 ? request->frame_count : 0,
+    };
+    json_t *result = NULL;
+    enum neph_status status = neph_fly(&params, &result, diag);
+    if (!result)
+        return status;
+    if (!shared->json)
+        print_result(result);
+    const enum neph_status printed =
+        shared->json ? neph_cli_print_json(json_incref(result), status ? NULL : diag) : NEPH_OK;
+    json_decref(result);
+    return status ? status : printed;
+}
+
+enum neph_status neph_cli_fly(int argc, char **argv, struct neph_diag *diag)
+{
+    struct request request = {0};
+    neph_cli_parse(&syntax, argc, argv, &request);
+    struct neph_scene *scene = NULL;
+    enum neph_status status = neph_data_load_scene(request.shared.operands[0], &scene, diag);
+    if (!status)
+        status = neph_cli_open_folder(request.shared.output, diag);
+    if (!status)
+        status = fly(&request, scene, diag);
+    neph_scene_destroy(scene);
+    return status;
+}

@@ -1,0 +1,273 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/fly/heat.h"
+
+#include "metrics/display.h"
+#include "metrics/extractors/display_luma.h"
+#include "metrics/extractors/flicker_spectrum.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- error ----------------------------------------------------------------------------------- */
+
+static enum neph_status planes_of(const struct neph_image *image, const struct neph_image *like,
+                                  float *planes[3], struct neph_diag *diag)
+{
+    if (image->width_px != like->width_px || image->height_px != like->height_px)
+        return neph_fail(diag, NEPH_ERR_ENGINE, "frames of %dx%d and %dx%d", image->width_px,
+                         image->height_px, like->width_px, like->height_px);
+    if (!neph_image_rgb(image, NULL, planes))
+        return neph_fail(diag, NEPH_ERR_ENGINE, "a frame has no radiance");
+    return NEPH_OK;
+}
+
+static struct neph_heat_error error_of(float *const reference[3], float *const test[3],
+                                       size_t count)
+{
+    double sum = 0.0, squares = 0.0, whole = 0.0;
+    for (int c = 0; c < 3; c++)
+        for (size_t i = 0; i < count; i++) {
+            const double d = (double)test[c][i] - (double)reference[c][i];
+            sum += d;
+            squares += d * d;
+            whole += (double)reference[c][i];
+        }
+    if (!(whole > 0.0))
+        return (struct neph_heat_error){NAN, NAN};
+    const double samples = 3.0 * (double)count;
+    return (struct neph_heat_error){sum / whole, sqrt(squares / samples) / (whole / samples)};
+}
+
+enum neph_status neph_heat_error(const struct neph_image *reference, const struct neph_image *test,
+                                 double exposure_ev, double white_share,
+                                 struct neph_heat_error *error, uint8_t *rgb,
+                                 struct neph_diag *diag)
+{
+    float *r[3], *t[3];
+    const size_t count = neph_image_pixel_count(test);
+    enum neph_status status = planes_of(reference, test, r, diag);
+    if (!status)
+        status = planes_of(test, reference, t, diag);
+    if (!status)
+        status = neph_display_difference((const float *const[]){r[0], r[1], r[2]},
+                                         (const float *const[]){t[0], t[1], t[2]}, 3, count,
+                                         white_share * exp2(-exposure_ev), rgb, diag);
+    if (!status)
+        *error = error_of(r, t, count);
+    return status;
+}
+
+/* ---- flicker --------------------------------------------------------------------------------- */
+
+/* So many pixels are looked at in a few hundredths of a second. */
+enum { PIXELS_MAX = 40000, CYCLES_MAX = NEPH_HEAT_FRAMES / NEPH_FLICKER_CYCLE };
+
+struct neph_heat_flicker {
+    int width_px, height_px; /* of the pictures */
+    int step;                /* of the grid of pixels that are looked at, odd */
+    int columns, rows;       /* of that grid */
+    int padded;              /* columns as flicker_sums.h pads them */
+    int frame_count;         /* since it was forgotten, without end */
+    double *lumas;           /* by frame of the ring, row, column; owned */
+    float *gathered[3];      /* a row of the grid in linear colours; owned */
+};
+
+static int step_of(int width_px, int height_px)
+{
+    int step = 1;
+    while ((width_px / step) * (height_px / step) > PIXELS_MAX)
+        step += 2;
+    return step;
+}
+
+void neph_heat_flicker_destroy(struct neph_heat_flicker *flicker)
+{
+    if (!flicker)
+        return;
+    free(flicker->lumas);
+    for (int c = 0; c < 3; c++)
+        free(flicker->gathered[c]);
+    free(flicker);
+}
+
+static size_t frame_size(const struct neph_heat_flicker *flicker)
+{
+    return (size_t)flicker->padded * (size_t)flicker->rows;
+}
+
+enum neph_status neph_heat_flicker_create(int width_px, int height_px,
+                                          struct neph_heat_flicker **flicker,
+                                          struct neph_diag *diag)
+{
+    struct neph_heat_flicker *made = calloc(1, sizeof(*made));
+    if (!made)
+        return neph_fail_memory(diag);
+    made->width_px = width_px;
+    made->height_px = height_px;
+    made->step = step_of(width_px, height_px);
+    made->columns = (width_px + made->step - 1) / made->step;
+    made->rows = (height_px + made->step - 1) / made->step;
+    made->padded = neph_flicker_padded(made->columns);
+    made->lumas = neph_flicker_zeros(NEPH_HEAT_FRAMES * frame_size(made));
+    bool complete = made->lumas != NULL;
+    for (int c = 0; c < 3; c++) {
+        made->gathered[c] = calloc((size_t)made->columns, sizeof(float));
+        complete &= made->gathered[c] != NULL;
+    }
+    if (!complete) {
+        neph_heat_flicker_destroy(made);
+        return neph_fail_memory(diag);
+    }
+    *flicker = made;
+    return NEPH_OK;
+}
+
+void neph_heat_flicker_forget(struct neph_heat_flicker *flicker)
+{
+    flicker->frame_count = 0;
+}
+
+static double *row_of(const struct neph_heat_flicker *flicker, int frame, int row)
+{
+    return flicker->lumas + (size_t)(frame % NEPH_HEAT_FRAMES) * frame_size(flicker) +
+           (size_t)row * (size_t)flicker->padded;
+}
+
+static void add_row(struct neph_heat_flicker *flicker, float *const planes[3], int row, double gain)
+{
+    const size_t first = (size_t)row * (size_t)flicker->step * (size_t)flicker->width_px;
+    for (int c = 0; c < 3; c++)
+        for (int x = 0; x < flicker->columns; x++)
+            flicker->gathered[c][x] = planes[c][first + (size_t)(x * flicker->step)];
+    neph_display_luma(
+        (const float *const[]){flicker->gathered[0], flicker->gathered[1], flicker->gathered[2]},
+        (size_t)flicker->columns, gain, row_of(flicker, flicker->frame_count, row), NULL);
+}
+
+enum neph_status neph_heat_flicker_add(struct neph_heat_flicker *flicker,
+                                       const struct neph_image *frame, double exposure_ev,
+                                       struct neph_diag *diag)
+{
+    float *planes[3];
+    const struct neph_image like = {.width_px = flicker->width_px, .height_px = flicker->height_px};
+    const enum neph_status status = planes_of(frame, &like, planes, diag);
+    if (status)
+        return status;
+    for (int row = 0; row < flicker->rows; row++)
+        add_row(flicker, planes, row, exp2(exposure_ev));
+    flicker->frame_count++;
+    return NEPH_OK;
+}
+
+/* Whole cycles of the frames that are still there. */
+static int frames_of(const struct neph_heat_flicker *flicker)
+{
+    const int there = flicker->frame_count < NEPH_HEAT_FRAMES ? flicker->frame_count
+                                                              : NEPH_HEAT_FRAMES;
+    return there / NEPH_FLICKER_CYCLE * NEPH_FLICKER_CYCLE;
+}
+
+/* As differences from the first frame, which the sums want: in place. */
+static void subtract_first(double *const rows[], int frame_count, int count)
+{
+    for (int frame = frame_count - 1; frame >= 0; frame--)
+        for (int x = 0; x < count; x++)
+            rows[frame][x] -= rows[0][x];
+}
+
+static void add_up_row(const struct neph_heat_flicker *flicker, int row, int frame_count,
+                       double *const rows[], struct neph_flicker_sums *sums)
+{
+    struct neph_flicker_weights weights[CYCLES_MAX];
+    const int first = flicker->frame_count - frame_count;
+    for (int frame = 0; frame < frame_count; frame++)
+        memcpy(rows[frame], row_of(flicker, first + frame, row),
+               (size_t)flicker->padded * sizeof(double));
+    for (int cycle = 0; cycle < frame_count / NEPH_FLICKER_CYCLE; cycle++)
+        weights[cycle] = neph_flicker_weights_of(cycle * NEPH_FLICKER_CYCLE, frame_count);
+    subtract_first(rows, frame_count, flicker->padded);
+    neph_flicker_sums_add(sums, row, frame_count / NEPH_FLICKER_CYCLE, weights,
+                          (const double *const *)rows);
+}
+
+/* The sums of all pixels that are looked at; false when memory is short. */
+static bool add_up(const struct neph_heat_flicker *flicker, int frame_count,
+                   struct neph_flicker_sums *sums)
+{
+    double *rows[NEPH_HEAT_FRAMES];
+    double *buffer = neph_flicker_zeros((size_t)NEPH_HEAT_FRAMES * (size_t)flicker->padded);
+    if (!buffer || neph_flicker_sums_begin(sums, flicker->columns, flicker->rows,
+                                           NEPH_FLICKER_VARIANCE_COUNT, NULL) != NEPH_OK) {
+        free(buffer);
+        return false;
+    }
+    for (int frame = 0; frame < NEPH_HEAT_FRAMES; frame++)
+        rows[frame] = buffer + (size_t)frame * (size_t)flicker->padded;
+    for (int row = 0; row < flicker->rows; row++)
+        add_up_row(flicker, row, frame_count, rows, sums);
+    free(buffer);
+    return true;
+}
+
+/* a4 of the grid's pixels, and what they say together. */
+static void find_a4(const struct neph_heat_flicker *flicker, const struct neph_flicker_sums *sums,
+                    struct neph_heat_a4 *a4, float *map)
+{
+    const struct neph_flicker_window window = neph_flicker_window_of(a4->frame_count, true, false);
+    double sum = 0.0;
+    int above = 0;
+    for (int row = 0; row < flicker->rows; row++)
+        for (int x = 0; x < flicker->columns; x++) {
+            double values[NEPH_FLICKER_SUM_COUNT];
+            neph_flicker_sums_of(sums, x, row, values);
+            const double amplitude = neph_flicker_spectrum_of(&window, values).a4;
+            map[row * flicker->columns + x] = (float)amplitude;
+            sum += amplitude;
+            above += amplitude > 1.0 / 255.0;
+        }
+    a4->mean = sum / (flicker->rows * flicker->columns);
+    a4->share_1 = (double)above / (flicker->rows * flicker->columns);
+}
+
+/* Each pixel takes that of the grid which is before it. */
+static void spread(const struct neph_heat_flicker *flicker, const uint8_t *small, uint8_t *rgb)
+{
+    for (int y = 0; y < flicker->height_px; y++)
+        for (int x = 0; x < flicker->width_px; x++, rgb += 3)
+            memcpy(rgb, small + 3 * (y / flicker->step * flicker->columns + x / flicker->step), 3);
+}
+
+static bool draw(const struct neph_heat_flicker *flicker, const struct neph_flicker_sums *sums,
+                 struct neph_heat_a4 *a4, uint8_t *rgb)
+{
+    static const double scale = 16.0 / 255.0; /* that of the metric's own map */
+    const size_t count = (size_t)flicker->rows * (size_t)flicker->columns;
+    float *map = calloc(count, sizeof(*map));
+    uint8_t *small = calloc(count, 3);
+    bool drawn = map && small;
+    if (drawn) {
+        find_a4(flicker, sums, a4, map);
+        drawn = neph_display_map((const float *const[]){map}, 1, count, false, scale, small,
+                                 NULL) == NEPH_OK;
+    }
+    if (drawn)
+        spread(flicker, small, rgb);
+    free(small);
+    free(map);
+    return drawn;
+}
+
+bool neph_heat_flicker_show(const struct neph_heat_flicker *flicker, struct neph_heat_a4 *a4,
+                            uint8_t *rgb)
+{
+    struct neph_heat_a4 found = {.frame_count = frames_of(flicker)};
+    struct neph_flicker_sums sums = {.values = NULL};
+    if (found.frame_count < NEPH_HEAT_FRAMES_MIN || !add_up(flicker, found.frame_count, &sums))
+        return false;
+    const bool drawn = draw(flicker, &sums, &found, rgb);
+    neph_flicker_sums_end(&sums);
+    if (drawn)
+        *a4 = found;
+    return drawn;
+}

@@ -1,0 +1,125 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/fly/overlay.h"
+
+#include "harness/engines/engines.h"
+#include "harness/fly/controls.h"
+
+#include <stdio.h>
+#include <string.h>
+
+enum { LINE_SIZE = 256, FIRST_FREE_LINE = 3 };
+
+static const uint8_t plain[3] = {255, 255, 255}, loud[3] = {255, 213, 0}, red[3] = {255, 96, 96};
+
+static void put_head(const struct neph_overlay *overlay, struct neph_canvas *canvas)
+{
+    char text[LINE_SIZE];
+    snprintf(text, sizeof(text), "%s  %s  %dx%d  EV %+.1f  %.3g m/s%s  H: help", overlay->scene,
+             overlay->engine, overlay->view->width_px, overlay->view->height_px,
+             overlay->view->exposure_ev, overlay->speed_m_per_s,
+             overlay->is_paused ? "  time stands still" : "");
+    neph_canvas_text(canvas, 0, plain, text);
+    snprintf(text, sizeof(text), "frame %.1f ms  render %.1f ms", 1e3 * overlay->frame_s,
+             1e3 * overlay->render_s);
+    neph_canvas_text(canvas, 1, plain, text);
+}
+
+static void put_march(int rays_per_px, char *text, size_t size)
+{
+    snprintf(text, size, "march, %d ray%s a pixel", rays_per_px, rays_per_px == 1 ? "" : "s");
+}
+
+static void put_error(const struct neph_view *view, char text[LINE_SIZE])
+{
+    char march[64];
+    put_march(view->rays_per_px, march, sizeof(march));
+    snprintf(text, LINE_SIZE,
+             "error against %s: bias %+.2f %%, rmse %.2f %%; blue darker, red brighter, ends %g of "
+             "white",
+             march, 100.0 * view->error.rel_bias, 100.0 * view->error.rel_rmse,
+             NEPH_VIEW_ERROR_SCALE);
+}
+
+static void put_flicker(const struct neph_view *view, char text[LINE_SIZE])
+{
+    if (view->a4.frame_count == 0)
+        snprintf(text, LINE_SIZE, "flicker: %d frames before a camera at rest are awaited",
+                 NEPH_HEAT_FRAMES_MIN);
+    else
+        snprintf(text, LINE_SIZE,
+                 "flicker a4 of %d frames: mean %.2f/255, above 1/255 in %.1f %%; pale is 16/255",
+                 view->a4.frame_count, 255.0 * view->a4.mean, 100.0 * view->a4.share_1);
+}
+
+static void put_view(const struct neph_view *view, struct neph_canvas *canvas)
+{
+    char text[LINE_SIZE] = "";
+    if (view->kind == NEPH_VIEW_WIPE)
+        put_march(view->rays_per_px, text, sizeof(text));
+    if (view->kind == NEPH_VIEW_ERROR)
+        put_error(view, text);
+    if (view->kind == NEPH_VIEW_FLICKER)
+        put_flicker(view, text);
+    if (text[0])
+        neph_canvas_text(canvas, 2, loud, text);
+}
+
+static int put_passes(const struct neph_pace_passes *passes, struct neph_canvas *canvas, int line)
+{
+    char text[LINE_SIZE];
+    for (int i = 0; i < passes->count; i++) {
+        snprintf(text, sizeof(text), "%-18s %9.3f ms", passes->passes[i].name,
+                 1e3 * passes->passes[i].mean_s);
+        neph_canvas_text(canvas, line++, plain, text);
+    }
+    if (passes->count == 0)
+        neph_canvas_text(canvas, line++, plain, "this engine tells no passes");
+    return line;
+}
+
+/* "0 off  1 seed  2 fixed ..": each at its key. */
+static void put_presets(struct neph_canvas *canvas, int line)
+{
+    const struct neph_preset *presets = neph_engine_realtime.presets;
+    char text[LINE_SIZE] = "presets       ";
+    for (int i = 0; presets[i].name; i++) {
+        const size_t used = strlen(text);
+        snprintf(text + used, sizeof(text) - used, " %d %s ", i, presets[i].name);
+    }
+    neph_canvas_text(canvas, line, plain, text);
+}
+
+static void put_help(struct neph_canvas *canvas, int line)
+{
+    char text[LINE_SIZE];
+    for (const struct neph_fly_help *row = neph_fly_help; row->keys; row++) {
+        snprintf(text, sizeof(text), "%-14s %s", row->keys, row->text);
+        neph_canvas_text(canvas, line++, plain, text);
+    }
+    put_presets(canvas, line);
+}
+
+static void put_foot(const struct neph_overlay *overlay, struct neph_canvas *canvas)
+{
+    char text[LINE_SIZE];
+    if (overlay->notice)
+        neph_canvas_text(canvas, -1, loud, overlay->notice);
+    if (overlay->recorded_frames < 0)
+        return;
+    snprintf(text, sizeof(text), "recording: %d frames", overlay->recorded_frames);
+    neph_canvas_text(canvas, -2, red, text);
+}
+
+void neph_overlay_draw(const struct neph_overlay *overlay, struct neph_canvas *canvas)
+{
+    int line = FIRST_FREE_LINE;
+    if (overlay->view->kind == NEPH_VIEW_WIPE)
+        neph_canvas_split(canvas, overlay->view->split_share);
+    put_head(overlay, canvas);
+    put_view(overlay->view, canvas);
+    if (overlay->passes)
+        line = put_passes(overlay->passes, canvas, line);
+    if (overlay->shows_help)
+        put_help(canvas, line);
+    put_foot(overlay, canvas);
+}

@@ -1,0 +1,74 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/fly/pace.h"
+
+#include "harness/engines/frame_stats.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double weight_of_new = 1.0 / 8.0;
+static const char pass_end[] = "_gpu_ms";
+
+void neph_pace_add(struct neph_pace_times *times, double seconds)
+{
+    if (isfinite(seconds))
+        times->seconds[times->count++ % NEPH_PACE_FRAMES] = seconds;
+}
+
+static int by_size(const void *a_, const void *b_)
+{
+    const double a = *(const double *)a_, b = *(const double *)b_;
+    return (a > b) - (a < b);
+}
+
+double neph_pace_median_s(const struct neph_pace_times *times)
+{
+    const int count = times->count < NEPH_PACE_FRAMES ? times->count : NEPH_PACE_FRAMES;
+    double sorted[NEPH_PACE_FRAMES];
+    if (count == 0)
+        return NAN;
+    memcpy(sorted, times->seconds, (size_t)count * sizeof(sorted[0]));
+    qsort(sorted, (size_t)count, sizeof(sorted[0]), by_size);
+    return 0.5 * (sorted[(count - 1) / 2] + sorted[count / 2]);
+}
+
+/* "march" of "march_gpu_ms"; false: it is no pass. */
+static bool pass_of(const char *number, char name[NEPH_IMAGE_NAME_MAX])
+{
+    const size_t length = strlen(number), end = sizeof(pass_end) - 1;
+    if (length <= end || length >= NEPH_IMAGE_NAME_MAX || strcmp(number + length - end, pass_end))
+        return false;
+    memset(name, 0, NEPH_IMAGE_NAME_MAX);
+    memcpy(name, number, length - end);
+    for (char *c = name; *c; c++)
+        *c = *c == '_' ? ' ' : *c;
+    return true;
+}
+
+static void mix(struct neph_pace_passes *passes, const char *name, double seconds)
+{
+    int i = 0;
+    while (i < passes->count && strcmp(passes->passes[i].name, name) != 0)
+        i++;
+    if (i == NEPH_PACE_PASSES_MAX)
+        return;
+    double *mean_s = &passes->passes[i].mean_s;
+    if (i < passes->count) {
+        *mean_s += weight_of_new * (seconds - *mean_s);
+        return;
+    }
+    memcpy(passes->passes[i].name, name, NEPH_IMAGE_NAME_MAX);
+    *mean_s = seconds;
+    passes->count++;
+}
+
+void neph_pace_take(struct neph_pace_passes *passes, const struct neph_image *frame)
+{
+    json_t *stats = neph_frame_stats(frame), *value;
+    const char *key;
+    char name[NEPH_IMAGE_NAME_MAX];
+    json_object_foreach(stats, key, value) if (pass_of(key, name))
+        mix(passes, name, 1e-3 * json_number_value(value));
+    json_decref(stats);
+}

@@ -1,0 +1,37 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * How long frames take, and each of their passes.
+ */
+#ifndef NEPH_HARNESS_FLY_PACE_H
+#define NEPH_HARNESS_FLY_PACE_H
+
+#include "base/image.h"
+
+enum { NEPH_PACE_FRAMES = 4096, NEPH_PACE_PASSES_MAX = 32 };
+
+/* The last NEPH_PACE_FRAMES of them. */
+struct neph_pace_times {
+    double seconds[NEPH_PACE_FRAMES];
+    int count; /* since the start, without end */
+};
+
+/* Not finite: not measured, and left out. */
+void neph_pace_add(struct neph_pace_times *times, double seconds);
+
+/* NaN: there is none. */
+double neph_pace_median_s(const struct neph_pace_times *times);
+
+/* The passes of the frames of one engine, each a mean that forgets with 1/8 a frame. Start from
+ * {0}, and again with another engine. */
+struct neph_pace_passes {
+    int count;
+    struct {
+        char name[NEPH_IMAGE_NAME_MAX];
+        double mean_s;
+    } passes[NEPH_PACE_PASSES_MAX];
+};
+
+/* By the attributes "neph.stats.NAME_gpu_ms" of a frame. */
+void neph_pace_take(struct neph_pace_passes *passes, const struct neph_image *frame);
+
+#endif

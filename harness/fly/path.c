@@ -1,0 +1,94 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/fly/path.h"
+
+#include "base/files.h"
+#include "scenes/variant.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* A scene's name has at most 64 bytes: so much is left for "_path_9999". */
+enum { NAME_SIZE = 65, NAME_MAX_BYTES = 54, TITLE_MAX_BYTES = 120 };
+
+static const char title_end[] = "; a camera flown by hand";
+
+bool neph_fly_path_add(struct neph_fly_path *path, const struct neph_camera_key *key)
+{
+    if (path->frame_count == NEPH_SCENE_KEYS_MAX)
+        return false;
+    path->keys[path->frame_count] = *key;
+    path->keys[path->frame_count].frame = path->frame_count;
+    path->frame_count++;
+    return true;
+}
+
+char *neph_fly_free_name(const char *folder, const char *name, const char *suffix)
+{
+    for (int number = 1;; number++) {
+        char counted[16] = "";
+        if (number > 1)
+            snprintf(counted, sizeof(counted), "_%d", number);
+        char *free_name = neph_format("%s/%s%s", folder, name, counted);
+        char *path = free_name ? neph_format("%s.%s", free_name, suffix) : NULL;
+        const bool is_there = path && neph_path_exists(path);
+        free(path);
+        if (!path) {
+            free(free_name);
+            return NULL;
+        }
+        if (!is_there)
+            return free_name;
+        free(free_name);
+    }
+}
+
+/* What the scene of a path has in place of the scene's own. */
+static struct neph_scene scene_of(const struct neph_fly_path *path, const struct neph_scene *scene,
+                                  char *name, char *title)
+{
+    struct neph_scene made = *scene;
+    made.name = name;
+    made.title = title;
+    made.camera_keys = (struct neph_camera_key *)path->keys;
+    made.camera_key_count = path->frame_count;
+    made.frame_count = path->frame_count;
+    made.pause_count = made.frame_scale_count = 0;
+    return made;
+}
+
+static enum neph_status write_as(const struct neph_fly_path *path, const struct neph_scene *scene,
+                                 const char *stem, const char *file, struct neph_diag *diag)
+{
+    const char *slash = strrchr(stem, '/');
+    char name[NAME_SIZE], title[TITLE_MAX_BYTES + 1], *text = NULL;
+    snprintf(name, sizeof(name), "%s", slash + 1);
+    snprintf(title, sizeof(title), "%.*s%s", (int)(TITLE_MAX_BYTES - sizeof(title_end) + 1),
+             scene->title, title_end);
+    const struct neph_scene made = scene_of(path, scene, name, title);
+    enum neph_status status = neph_scene_camera_text(&made, &text, diag);
+    if (!status)
+        status = neph_file_write(file, text, strlen(text), diag);
+    free(text);
+    return status;
+}
+
+enum neph_status neph_fly_path_write(const struct neph_fly_path *path,
+                                     const struct neph_scene *scene, const char *folder,
+                                     char **file, struct neph_diag *diag)
+{
+    if (path->frame_count == 0)
+        return neph_fail(diag, NEPH_ERR_USAGE, "the path has no frame");
+    char *name = neph_format("%.*s_path", NAME_MAX_BYTES, scene->name);
+    char *stem = name ? neph_fly_free_name(folder, name, "yaml") : NULL;
+    char *made = stem ? neph_format("%s.yaml", stem) : NULL;
+    enum neph_status status = made ? write_as(path, scene, stem, made, diag)
+                                   : neph_fail_memory(diag);
+    if (status)
+        free(made);
+    else
+        *file = made;
+    free(stem);
+    free(name);
+    return status;
+}

@@ -1,0 +1,130 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/fly/view.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* A map of flicker is drawn anew after so many frames: it costs more than most of them. */
+enum { A4_EVERY_FRAMES = 8 };
+
+enum neph_status neph_view_init(struct neph_view *view, int width_px, int height_px,
+                                struct neph_diag *diag)
+{
+    const size_t bytes = 3 * (size_t)width_px * (size_t)height_px;
+    struct neph_view made = {.width_px = width_px, .height_px = height_px};
+    made.rgb = calloc(bytes, 1);
+    made.march_rgb = calloc(bytes, 1);
+    made.a4_rgb = calloc(bytes, 1);
+    enum neph_status status = made.rgb && made.march_rgb && made.a4_rgb ? NEPH_OK
+                                                                        : neph_fail_memory(diag);
+    if (!status)
+        status = neph_encoder_create(&made.encoder, diag);
+    if (!status)
+        status = neph_heat_flicker_create(width_px, height_px, &made.flicker, diag);
+    if (status)
+        neph_view_finish(&made);
+    else
+        *view = made;
+    return status;
+}
+
+void neph_view_finish(struct neph_view *view)
+{
+    neph_heat_flicker_destroy(view->flicker);
+    neph_encoder_destroy(view->encoder);
+    free(view->a4_rgb);
+    free(view->march_rgb);
+    free(view->rgb);
+    *view = (struct neph_view){.rgb = NULL};
+}
+
+void neph_view_forget(struct neph_view *view)
+{
+    neph_heat_flicker_forget(view->flicker);
+    view->a4.frame_count = 0;
+    view->frames_since_a4 = 0;
+}
+
+static enum neph_status encode(const struct neph_view *view, const struct neph_image *image,
+                               uint8_t *rgb, struct neph_diag *diag)
+{
+    float *planes[3];
+    if (!neph_image_rgb(image, NULL, planes))
+        return neph_fail(diag, NEPH_ERR_ENGINE, "a frame has no radiance");
+    return neph_encoder_run(view->encoder, (const float *const[]){planes[0], planes[1], planes[2]},
+                            view->width_px, view->height_px, view->exposure_ev, rgb, diag);
+}
+
+/* The march takes the place of what is right of the line. */
+static void wipe(const struct neph_view *view)
+{
+    const int split_px = (int)lround(view->split_share * view->width_px);
+    const size_t left = 3 * (size_t)split_px, row_bytes = 3 * (size_t)view->width_px;
+    for (size_t row = 0; row < (size_t)view->height_px; row++)
+        memcpy(view->rgb + row * row_bytes + left, view->march_rgb + row * row_bytes + left,
+               row_bytes - left);
+}
+
+static enum neph_status draw_wipe(struct neph_view *view, const struct neph_image *image,
+                                  const struct neph_image *march, struct neph_diag *diag)
+{
+    enum neph_status status = encode(view, image, view->rgb, diag);
+    if (!status)
+        status = encode(view, march, view->march_rgb, diag);
+    if (!status)
+        wipe(view);
+    return status;
+}
+
+static enum neph_status draw_beside_march(struct neph_view *view, struct neph_studio *studio,
+                                          const struct neph_image *image, struct neph_diag *diag)
+{
+    const struct neph_image *march = NULL;
+    const enum neph_status status = neph_studio_reference(studio, &march, &view->rays_per_px, diag);
+    if (status)
+        return status;
+    if (view->kind == NEPH_VIEW_WIPE)
+        return draw_wipe(view, image, march, diag);
+    return neph_heat_error(march, image, view->exposure_ev, NEPH_VIEW_ERROR_SCALE, &view->error,
+                           view->rgb, diag);
+}
+
+static bool is_due(const struct neph_view *view)
+{
+    return view->a4.frame_count == 0 || view->frames_since_a4 >= A4_EVERY_FRAMES;
+}
+
+/* The picture itself until there are frames enough. */
+static enum neph_status draw_flicker(struct neph_view *view, const struct neph_image *image,
+                                     bool rests, struct neph_diag *diag)
+{
+    if (!rests)
+        neph_view_forget(view);
+    const enum neph_status status = neph_heat_flicker_add(view->flicker, image, view->exposure_ev,
+                                                          diag);
+    if (status)
+        return status;
+    view->frames_since_a4++;
+    if (is_due(view) && neph_heat_flicker_show(view->flicker, &view->a4, view->a4_rgb))
+        view->frames_since_a4 = 0;
+    if (view->a4.frame_count == 0)
+        return encode(view, image, view->rgb, diag);
+    memcpy(view->rgb, view->a4_rgb, 3 * (size_t)view->width_px * (size_t)view->height_px);
+    return NEPH_OK;
+}
+
+enum neph_status neph_view_draw(struct neph_view *view, struct neph_studio *studio,
+                                const struct neph_image *image, bool rests, struct neph_diag *diag)
+{
+    view->rays_per_px = 0;
+    switch (view->kind) {
+    case NEPH_VIEW_WIPE:
+    case NEPH_VIEW_ERROR:
+        return draw_beside_march(view, studio, image, diag);
+    case NEPH_VIEW_FLICKER:
+        return draw_flicker(view, image, rests, diag);
+    default:
+        return encode(view, image, view->rgb, diag);
+    }
+}

@@ -1,0 +1,227 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""`neph fly` on a display of its own: what is on the screen, what keys do, what it writes and how
+it ends."""
+import json
+import math
+import os
+import pathlib
+import shutil
+import signal
+import struct
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).parent))
+import frames  # noqa: E402
+
+NEPH = os.environ["NEPH"]
+HAS_WINDOW = os.environ["NEPH_HAS_WINDOW"] == "1"
+WIDTH, HEIGHT = 32, 18
+SIZE = f"{WIDTH}x{HEIGHT}"
+ZOOM = 20  # which makes it 640 pixels wide
+
+# Fog before a tower under a bright sky: its shaders are those of e2e_realtime.
+TOWER = """
+name: tower
+title: a test
+physics: a test
+camera: {position_m: [0, 2, 0], look_at_m: [0, 2, -10], vertical_fov_deg: 40}
+frames: {count: 6, rate_hz: 30}
+sun: {direction: [0.6, 0.75, 0.3], irradiance_w_per_m2: [6, 6, 6]}
+background_w_per_m2_sr: [0.5, 0.25, 0.125]
+scattering: single
+solids:
+  - box: {min_m: [1, -6, -21], max_m: [3, 6, -20], albedo: [0, 0, 0]}
+media:
+  - height_fog:
+      layers: [{extinction_per_m: 0.02, falloff_per_m: 0.1, height_m: 0}]
+      albedo: [1, 1, 1]
+"""
+
+OUTSIDE = {name: value for name, value in os.environ.items()
+           if name not in ("DISPLAY", "WAYLAND_DISPLAY") and not name.startswith("SDL_")}
+
+
+def neph(*arguments, **environment):
+    return subprocess.run([NEPH, *map(str, arguments)], capture_output=True, text=True, timeout=300,
+                          env={**OUTSIDE, "NEPH_VULKAN_VALIDATION": "1", **environment})
+
+
+class Screen:
+    """An X server whose screen is a file."""
+
+    def __init__(self, folder):
+        self.file = folder / "Xvfb_screen0"
+        told, tell = os.pipe()
+        self.server = subprocess.Popen(
+            ["Xvfb", "-displayfd", str(tell), "-screen", "0", "800x600x24", "-nolisten", "tcp",
+             "-fbdir", str(folder)], pass_fds=[tell], stderr=subprocess.DEVNULL)
+        os.close(tell)
+        with os.fdopen(told) as display:
+            self.name = ":" + display.readline().strip()
+
+    def close(self):
+        self.server.terminate()
+        self.server.wait()
+
+    def colours(self):
+        """How many pixels of the screen have each colour."""
+        data = self.file.read_bytes()
+        header = struct.unpack(">25I", data[:100])  # the XWD format
+        size, width, height, bits, line, colour_count = (header[0], header[4], header[5],
+                                                         header[11], header[12], header[19])
+        first = size + 12 * colour_count
+        assert bits == 32 and width == 800 and height == 600
+        count = {}
+        for row in range(height):
+            for pixel in struct.iter_unpack("<I", data[first + row * line:][:4 * width]):
+                count[pixel[0] & 0xffffff] = count.get(pixel[0] & 0xffffff, 0) + 1
+        return count
+
+    def is_black(self):
+        return set(self.colours()) == {0}
+
+
+class Refusals(unittest.TestCase):
+    def refuse(self, code, *words, scene=TOWER, arguments=(), **environment):
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / "tower.yaml"
+            path.write_text(scene)
+            done = neph("fly", path, "--size", SIZE, "-o", folder, *arguments, **environment)
+        self.assertEqual(done.returncode, code, done.stderr)
+        self.assertEqual(done.stdout, "")
+        for word in words:
+            self.assertIn(word, done.stderr)
+
+    @unittest.skipIf(HAS_WINDOW, "this neph has windows")
+    def test_without_sdl_it_says_how_to_get_it(self):
+        self.refuse(69, "built without SDL 2", "apt-get install libsdl2-dev")
+
+    @unittest.skipUnless(HAS_WINDOW, "this neph has no windows")
+    def test_without_a_display_it_says_so(self):
+        self.refuse(69, "no window can be opened", "xvfb-run")
+
+    def test_keys_that_are_none(self):
+        self.refuse(64, "'w60'", "key*frames", arguments=["--keys", "p w60"])
+
+    def test_an_orthographic_camera_stands_still(self):
+        self.refuse(2, "orthographic", scene=TOWER.replace("vertical_fov_deg: 40",
+                                                           "orthographic_height_m: 5"))
+
+
+@unittest.skipUnless(HAS_WINDOW, "this neph has no windows")
+class Flight(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        if not shutil.which("Xvfb"):
+            raise unittest.SkipTest("no Xvfb: apt-get install xvfb")
+        cls.screen_folder = tempfile.TemporaryDirectory()
+        cls.screen = Screen(pathlib.Path(cls.screen_folder.name))
+        cls.environment = {"DISPLAY": cls.screen.name, "SDL_RENDER_DRIVER": "software",
+                           "SDL_VIDEODRIVER": "x11", "XDG_CACHE_HOME": cls.screen_folder.name}
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.screen.close()
+        cls.screen_folder.cleanup()
+
+    def setUp(self):
+        temporary = tempfile.TemporaryDirectory()
+        self.addCleanup(temporary.cleanup)
+        self.folder = pathlib.Path(temporary.name)
+        self.scene = self.folder / "tower.yaml"
+        self.scene.write_text(TOWER)
+
+    def fly(self, keys, frame_count, *arguments):
+        done = neph("fly", self.scene, "--size", SIZE, "--seed", 1, "-o", self.folder, "--json",
+                    "-s", "steps=16",
+                    "--keys", keys, "--frames", frame_count, *arguments, **self.environment)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return json.loads(done.stdout)
+
+    def channels(self, name):
+        width, height, channels, _ = frames.read_exr(self.folder / name)
+        self.assertEqual((width, height), (WIDTH, HEIGHT))
+        return channels
+
+    def test_what_was_flown_is_what_the_recorded_scene_renders(self):
+        flown = self.fly("k w*3 d*2 p k", 10)
+        self.assertEqual(flown["frames"], 10)
+        self.assertEqual(flown["engine"], "realtime ours")
+        self.assertGreater(flown["frame_median_s"], 0)
+        self.assertEqual([pathlib.Path(file).name for file in flown["files"]],
+                         ["tower_fly.exr", "tower_fly.png", "tower_path.yaml"])
+        # 5 m/s, a frame is 1/30 s.
+        for actual, expected in zip(flown["camera"]["position_m"], (1 / 3, 2, -1 / 2)):
+            self.assertAlmostEqual(actual, expected, places=12)
+        done = neph("render", self.folder / "tower_path.yaml", "-e", "realtime", "-p", "ours",
+                    "-s", "warm_up=0", "-s", "steps=16", "--size", SIZE, "--seed", 1,
+                    "--frames", 7, "-o", self.folder, **self.environment)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        picture = self.channels("tower_fly.exr")
+        self.assertGreater(max(picture["R"]), 0.1)
+        self.assertEqual(picture, self.channels("tower_path_realtime_0006.exr"))
+        self.assertNotEqual(picture, self.channels("tower_path_realtime_0000.exr"))
+
+    def test_no_file_is_replaced(self):
+        self.fly("p p k k k k", 7)
+        names = {path.name for path in self.folder.iterdir()}
+        self.assertEqual(names, {"tower.yaml", "tower_fly.exr", "tower_fly.png", "tower_fly_2.exr",
+                                 "tower_fly_2.png", "tower_path.yaml", "tower_path_2.yaml"})
+
+    def test_every_pixel_every_frame_has_no_error_against_march(self):
+        flown = self.fly("0 x", 3)
+        self.assertEqual(flown["engine"], "realtime off")
+        self.assertEqual(flown["error"], {"rel_bias": 0, "rel_rmse": 0, "rays_per_px": 1})
+        flown = self.fly("1 x", 3)
+        self.assertEqual(flown["engine"], "realtime seed")
+        self.assertGreater(flown["error"]["rel_rmse"], 0)
+
+    def test_march_at_rest_is_held_against_more_rays(self):
+        flown = self.fly("m x", 6)
+        self.assertEqual(flown["engine"], "march")
+        self.assertEqual(flown["error"]["rays_per_px"], 16)
+        self.assertGreater(flown["error"]["rel_rmse"], 0)
+
+    def test_flicker_is_of_frames_at_rest_alone(self):
+        self.assertIsNone(self.fly("1 f .*8 d", 21)["flicker"])
+        flicker = self.fly("1 f", 20)["flicker"]
+        self.assertEqual(flicker["frames"], 16)
+        self.assertTrue(math.isfinite(flicker["a4_mean"]) and flicker["a4_mean"] > 0)
+
+    def test_leaving_ends_it(self):
+        flown = self.fly("2 t h esc", 100)
+        self.assertEqual(flown["frames"], 3)
+        self.assertIn("steps=16", flown["settings"])
+
+    def start(self, *arguments):
+        flight = subprocess.Popen(
+            [NEPH, "fly", self.scene, "--size", SIZE, "-o", self.folder, *arguments],
+            stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+            preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+            env={**OUTSIDE, "NEPH_VULKAN_VALIDATION": "1", **self.environment})
+        while flight.poll() is None and self.screen.is_black():
+            time.sleep(0.05)
+        return flight
+
+    def test_the_screen_shows_it_and_ctrl_c_loses_nothing(self):
+        flight = self.start("--keys", "k w h")
+        colours = self.screen.colours()
+        shown = 800 * 600 - colours[0]
+        self.assertGreater(shown, 0.7 * WIDTH * HEIGHT * ZOOM**2)  # the tower is black, text dark
+        self.assertGreater(len(colours), 20)
+        self.assertGreater(colours.get(0xffffff, 0), 100)  # letters
+        flight.send_signal(signal.SIGINT)
+        out, err = flight.communicate(timeout=120)
+        self.assertEqual(flight.returncode, 130, err)
+        self.assertIn("tower_path.yaml", out)
+        done = neph("scenes", self.folder / "tower_path.yaml")
+        self.assertEqual(done.returncode, 0, done.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,143 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * A way that was flown, as a scene file: read back it has the same camera in every frame.
+ */
+#include "tests/base/scratch.h"
+
+#include "harness/fly/camera.h"
+#include "harness/fly/path.h"
+#include "scenes/motion.h"
+
+static const char text[] =
+    "# a comment that stays\n"
+    "name: valley\n"
+    "title: A valley\n"
+    "physics: a test\n"
+    "camera:\n"
+    "  position_m: [0, 2, 0]\n"
+    "  look_at_m: [0, 2, -10]\n"
+    "  vertical_fov_deg: 40\n"
+    "frames: {count: 3, rate_hz: 25, pauses: [{frame: 1, count: 4}]}\n"
+    "wind: {velocity_m_per_s: [1, 0, 0]}\n"
+    "scattering: single\n"
+    "media:\n"
+    "  - gaussian: {center_m: [0, 0, -9], width_m: 2, extinction_per_m: 0.1, albedo: [1, 1, 1]}\n";
+
+static struct neph_scene *load(const char *path)
+{
+    struct neph_scene *scene = NULL;
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_scene_load(path, &scene, &diag), &diag);
+    return scene;
+}
+
+static struct neph_scene *make_scene(void **state)
+{
+    char path[SCRATCH_PATH_MAX];
+    scratch_write(scratch_path(state, path, "valley.yaml"), text, sizeof(text) - 1);
+    return load(path);
+}
+
+static struct neph_scene *write_and_load(void **state, const struct neph_fly_path *path,
+                                         const struct neph_scene *scene, const char *name)
+{
+    const struct scratch *scratch = *state;
+    char expected[SCRATCH_PATH_MAX], *file = NULL;
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_fly_path_write(path, scene, scratch->folder, &file, &diag), &diag);
+    assert_string_equal(file, scratch_path(state, expected, name));
+    free(file);
+    return load(expected);
+}
+
+static struct neph_camera_key key_of(double x)
+{
+    return (struct neph_camera_key){.position_m = {x, 2.0 + x / 3.0, 0.1},
+                                    .look_at_m = {x, 2.0, -10.0 / 3.0}};
+}
+
+/* Stands at 0, goes for five frames, stands for five, goes on. */
+static double place(int frame)
+{
+    return frame < 3 ? 0.0 : frame < 8 ? 0.1 * (frame - 2) : frame < 13 ? 0.5 : 0.7;
+}
+
+static void test_read_back_it_is_the_same_camera_in_every_frame(void **state)
+{
+    struct neph_scene *scene = make_scene(state);
+    struct neph_fly_path *path = calloc(1, sizeof(*path));
+    for (int frame = 0; frame < 15; frame++) {
+        const struct neph_camera_key key = key_of(place(frame));
+        assert_true(neph_fly_path_add(path, &key));
+    }
+    struct neph_scene *flown = write_and_load(state, path, scene, "valley_path.yaml");
+    assert_string_equal(flown->name, "valley_path");
+    assert_int_equal(flown->frame_count, 15);
+    assert_int_equal(flown->pause_count, 0);
+    assert_true(flown->frame_rate_hz == 25.0);
+    assert_int_equal(flown->wind_key_count, 1);
+    for (int frame = 0; frame < 15; frame++) {
+        const struct neph_camera_key key = key_of(place(frame));
+        struct neph_scene *still = NULL;
+        neph_assert_ok(neph_scene_at(flown, frame, &still, NULL), NULL);
+        assert_true(neph_fly_is_same_view(&still->camera_keys[0], &key));
+        neph_scene_destroy(still);
+    }
+    neph_scene_destroy(flown);
+    neph_scene_destroy(scene);
+    free(path);
+}
+
+static void test_no_file_is_replaced(void **state)
+{
+    struct neph_scene *scene = make_scene(state);
+    struct neph_fly_path *path = calloc(1, sizeof(*path));
+    const struct neph_camera_key key = key_of(0.0);
+    neph_fly_path_add(path, &key);
+    neph_scene_destroy(write_and_load(state, path, scene, "valley_path.yaml"));
+    neph_scene_destroy(write_and_load(state, path, scene, "valley_path_2.yaml"));
+    neph_scene_destroy(write_and_load(state, path, scene, "valley_path_3.yaml"));
+    assert_int_equal(scratch_count(state), 4);
+    neph_scene_destroy(scene);
+    free(path);
+}
+
+static void test_a_scene_file_has_no_room_for_more_keys(void **state)
+{
+    struct neph_scene *scene = make_scene(state);
+    struct neph_fly_path *path = calloc(1, sizeof(*path));
+    int count = 0;
+    for (struct neph_camera_key key = key_of(0.0); neph_fly_path_add(path, &key); count++)
+        key = key_of(0.001 * (count + 1));
+    assert_int_equal(count, NEPH_SCENE_KEYS_MAX);
+    struct neph_scene *flown = write_and_load(state, path, scene, "valley_path.yaml");
+    assert_int_equal(flown->frame_count, NEPH_SCENE_KEYS_MAX);
+    neph_scene_destroy(flown);
+    neph_scene_destroy(scene);
+    free(path);
+}
+
+static void test_a_path_without_frames_is_refused(void **state)
+{
+    const struct scratch *scratch = *state;
+    struct neph_scene *scene = make_scene(state);
+    struct neph_fly_path *path = calloc(1, sizeof(*path));
+    char *file = NULL;
+    assert_int_equal(neph_fly_path_write(path, scene, scratch->folder, &file, NULL),
+                     NEPH_ERR_USAGE);
+    assert_null(file);
+    assert_int_equal(scratch_count(state), 1);
+    neph_scene_destroy(scene);
+    free(path);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        scratch_test(test_read_back_it_is_the_same_camera_in_every_frame),
+        scratch_test(test_no_file_is_replaced),
+        scratch_test(test_a_scene_file_has_no_room_for_more_keys),
+        scratch_test(test_a_path_without_frames_is_refused),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
