@@ -106,11 +106,6 @@ bool neph_realtime_can_render(const struct neph_scene *scene, const struct neph_
                  "transmittance");
         return false;
     }
-    if (scene->orthographic_height_m > 0.0) {
-        snprintf(reason, reason_size,
-                 "an orthographic camera: histories are looked up as from one eye");
-        return false;
-    }
     if (neph_scene_emits(scene)) {
         snprintf(reason, reason_size, "%s", neph_emission_reason);
         return false;

@@ -21,11 +21,11 @@
 // The camera of one frame; positions are relative to this frame's camera.
 struct ViewCamera {
     vec3 right;
-    float tan_half_width;
+    float half_width; // of the picture; tangents of a perspective camera's angles, else metres
     vec3 up;
-    float tan_half_height;
+    float half_height;
     vec3 forward;
-    float padding;
+    uint is_parallel; // 1: an orthographic camera
     vec3 position_m; // 0 for this frame's; where the last frame's stood for that one
     float padding_2;
 };
@@ -229,14 +229,24 @@ bool is_sound(vec4 value)
 
 // --- rays -----------------------------------------------------------------------------------
 
-// Unit direction through a place of the view in pixels, (0, 0) its upper left corner. Without
-// jitter.
-vec3 view_direction_at(ViewCamera camera, vec2 place_px)
+struct ViewLine {
+    vec3 origin_m; // 0 of a perspective camera
+    vec3 direction; // unit
+};
+
+// What this frame's camera sees through a place of the view in pixels, (0, 0) its upper left
+// corner. Without jitter.
+ViewLine view_line_at(ViewCamera camera, vec2 place_px)
 {
-    float x = (2.0 * place_px.x / float(view.size_px[0]) - 1.0) * camera.tan_half_width;
-    float y = (1.0 - 2.0 * place_px.y / float(view.size_px[1])) * camera.tan_half_height;
-    return normalize(camera.forward + x * camera.right + y * camera.up);
+    float x = (2.0 * place_px.x / float(view.size_px[0]) - 1.0) * camera.half_width;
+    float y = (1.0 - 2.0 * place_px.y / float(view.size_px[1])) * camera.half_height;
+    if (camera.is_parallel != 0u)
+        return ViewLine(x * camera.right + y * camera.up, camera.forward);
+    return ViewLine(vec3(0.0), normalize(camera.forward + x * camera.right + y * camera.up));
 }
+
+// What the width of the picture grows with: the depth, or nothing.
+float view_spread(ViewCamera camera, float depth) { return camera.is_parallel != 0u ? 1.0 : depth; }
 
 // Where a point (relative to this frame's camera) is in a camera's picture: xy in pixels, z its eye
 // depth [m], which is not above 0 when the point is not in front of it.
@@ -244,8 +254,9 @@ vec3 project(ViewCamera camera, vec3 point_m)
 {
     vec3 from_m = point_m - camera.position_m;
     float depth_m = dot(from_m, camera.forward);
-    float x = dot(from_m, camera.right) / (depth_m * camera.tan_half_width);
-    float y = dot(from_m, camera.up) / (depth_m * camera.tan_half_height);
+    float spread_m = view_spread(camera, depth_m);
+    float x = dot(from_m, camera.right) / (spread_m * camera.half_width);
+    float y = dot(from_m, camera.up) / (spread_m * camera.half_height);
     return vec3((0.5 + 0.5 * x) * float(view.size_px[0]), (0.5 - 0.5 * y) * float(view.size_px[1]),
                 depth_m);
 }

@@ -110,19 +110,22 @@ vec2 ray_jitter_px(float jitter_px[2])
 
 // Where the medium was seen that now is `distance_m` away; false if nowhere. The motion is added to
 // the place, because both projections of a resting camera are rounded the same way (if no product
-// is fused into one of them alone): the history of a still image must not creep.
+// is fused into one of them alone): the history of a still image must not creep. In parallel rays
+// the distance changes no place and would only cost digits.
 bool find_before(vec2 place_px, float distance_m, out vec2 before_px)
 {
-    vec3 direction = view_direction_at(view.now, place_px);
-    float length_m = choice(RT_REPROJECT_MEASURE) == RT_MEASURE_EYE
-                         ? distance_m / dot(direction, view.now.forward)
+    ViewLine line = view_line_at(view.now, place_px);
+    bool is_parallel = view.now.is_parallel != 0u;
+    float length_m = is_parallel ? 0.0
+                     : choice(RT_REPROJECT_MEASURE) == RT_MEASURE_EYE
+                         ? distance_m / dot(line.direction, view.now.forward)
                          : distance_m;
-    precise vec3 point_m = length_m * direction;
+    precise vec3 point_m = line.origin_m + length_m * line.direction;
     precise vec3 moved_m = choice(RT_WIND) != 0 ? point_m - wind_m() : point_m;
     vec3 seen = project(view.before, moved_m);
     precise vec2 motion_px = seen.xy - project(view.now, point_m).xy;
     before_px = place_px + motion_px - ray_jitter_px(view.jitter_before_px);
-    return seen.z > 0.0 && all(greaterThanEqual(before_px, vec2(0.0))) &&
+    return (is_parallel || seen.z > 0.0) && all(greaterThanEqual(before_px, vec2(0.0))) &&
            all(lessThanEqual(before_px, vec2(view_size())));
 }
 
@@ -146,9 +149,9 @@ bool is_same_scene(vec2 place_px, vec2 before_px, float depth_m)
 {
     float expected_m = setting(RT_SKY_M);
     if (!is_sky(depth_m)) {
-        vec3 direction = view_direction_at(view.now, place_px);
-        vec3 point_m = depth_m / dot(direction, view.now.forward) * direction;
-        expected_m = project(view.before, point_m).z;
+        ViewLine line = view_line_at(view.now, place_px);
+        float length_m = depth_m / dot(line.direction, view.now.forward);
+        expected_m = project(view.before, line.origin_m + length_m * line.direction).z;
     }
     if (!(expected_m > 0.0))
         return false;

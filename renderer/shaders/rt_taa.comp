@@ -65,23 +65,25 @@ float dot_in_order(vec3 a, vec3 b)
     return sum;
 }
 
-// Through a pixel's centre, without jitter; eye depth 1.
+// The place at eye depth 1 of what a pixel's centre sees, without jitter.
 vec3 ray_through(vec2 centre_px)
 {
-    precise float x = (2.0 * centre_px.x / float(view.size_px[0]) - 1.0) * view.now.tan_half_width;
-    precise float y = (1.0 - 2.0 * centre_px.y / float(view.size_px[1])) * view.now.tan_half_height;
+    precise float x = (2.0 * centre_px.x / float(view.size_px[0]) - 1.0) * view.now.half_width;
+    precise float y = (1.0 - 2.0 * centre_px.y / float(view.size_px[1])) * view.now.half_height;
     precise vec3 ray = view.now.forward + x * view.now.right + y * view.now.up;
     return ray;
 }
 
-// Where a camera sees something in the direction `from`, in pixels from the middle of the picture.
+// Where a camera sees something at `from`, in pixels from the middle of the picture.
 vec2 place_from_middle(ViewCamera camera, vec3 from, float depth)
 {
     precise vec2 place;
     place.x = 0.5 * float(view.size_px[0]) *
-              (dot_in_order(from, camera.right) / (depth * camera.tan_half_width));
+              (dot_in_order(from, camera.right) /
+               (view_spread(camera, depth) * camera.half_width));
     place.y = -0.5 * float(view.size_px[1]) *
-              (dot_in_order(from, camera.up) / (depth * camera.tan_half_height));
+              (dot_in_order(from, camera.up) /
+               (view_spread(camera, depth) * camera.half_height));
     return place;
 }
 
@@ -102,13 +104,15 @@ float depth_of_motion(ivec2 pixel)
 
 // The place of the pixel's content in the frame before; false when that was out of the picture.
 // Lengths are divided by the depth: the sky needs no rule of its own and loses no digits. The
-// motion is a difference of two places found alike: it is exactly 0 for a camera at rest.
+// motion is a difference of two places found alike: it is exactly 0 for a camera at rest. In an
+// orthographic picture all depths move alike.
 bool find_before(ivec2 pixel, out vec2 place_px, out float speed_px)
 {
     precise vec2 centre_px = vec2(pixel) + 0.5;
     vec3 ray = ray_through(centre_px);
-    precise vec3 ray_before = ray - view.before.position_m / depth_of_motion(pixel);
-    float depth_before = dot_in_order(ray_before, view.before.forward);
+    float spread_m = view_spread(view.now, depth_of_motion(pixel));
+    precise vec3 ray_before = ray - view.before.position_m / spread_m;
+    float depth_before = view_spread(view.before, dot_in_order(ray_before, view.before.forward));
     precise vec2 motion_px =
         place_from_middle(view.now, ray, dot_in_order(ray, view.now.forward)) -
         place_from_middle(view.before, ray_before, depth_before);

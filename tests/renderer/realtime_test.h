@@ -67,9 +67,9 @@ static inline void test_passes_open(struct neph_vulkan *vulkan,
     const float tangent = 0.4663077f;
     test->view.now = (struct neph_gpu_view_camera){
         .right = {1, 0, 0},
-        .tan_half_width = tangent * (float)size_px[0] / (float)size_px[1],
+        .half_width = tangent * (float)size_px[0] / (float)size_px[1],
         .up = {0, 1, 0},
-        .tan_half_height = tangent,
+        .half_height = tangent,
         .forward = {0, 0, -1},
     };
     test->view.before = test->view.now;
@@ -84,6 +84,17 @@ static inline void test_passes_open(struct neph_vulkan *vulkan,
     test->twin.noise_ranks = test->noise_ranks;
     for (int t = 0; t < RT_TARGET_COUNT; t++)
         test->twin.targets[t] = calloc(neph_rt_device_words(&test->device, t), sizeof(uint32_t));
+}
+
+/* The camera becomes an orthographic one in both frames. */
+static inline void test_make_parallel(struct neph_gpu_view *view, float half_height_m)
+{
+    struct neph_gpu_view_camera *const cameras[] = {&view->now, &view->before};
+    for (int i = 0; i < 2; i++) {
+        cameras[i]->is_parallel = 1;
+        cameras[i]->half_height = half_height_m;
+        cameras[i]->half_width = half_height_m * (float)view->size_px[0] / (float)view->size_px[1];
+    }
 }
 
 static inline void test_passes_close(struct test_passes *test)

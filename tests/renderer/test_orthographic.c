@@ -1,14 +1,17 @@
 /* SPDX-License-Identifier: MIT
  *
  * Orthographic cameras: the march and the tracer against exact transport along rays that begin all
- * over a plane, and against the oracle; and in any light each pixel is that of a perspective camera
- * which stands where the pixel's ray begins and looks along it.
+ * over a plane, and against the oracle; in any light each pixel is that of a perspective camera
+ * which stands where the pixel's ray begins and looks along it; and the real-time renderer finds
+ * its history where the wind has taken it from.
  */
 #include "tests/renderer/fog_scenes.h"
 #include "tests/renderer/march_test.h"
+#include "tests/renderer/realtime_test.h"
 
-#include "renderer/reach.h"
+#include "renderer/realtime/pipeline.h"
 #include "renderer/tracer.h"
+#include "scenes/motion.h"
 #include "truth/oracle.h"
 #include "truth/transport.h"
 
@@ -401,6 +404,92 @@ static void test_tracer_is_the_oracle(void **state)
     }
 }
 
+/* --- the real-time renderer ---------------------------------------------------------------- */
+
+enum { FILM_WIDTH = 64, FILM_HEIGHT = 36, FILM_FRAMES = 12 };
+
+static struct neph_image *film_last(struct neph_vulkan *vulkan, const struct test_scene *test,
+                                    const struct neph_settings *settings)
+{
+    struct neph_realtime *realtime = NULL;
+    struct neph_image *image = NULL;
+    struct neph_diag diag = {0};
+    const struct neph_realtime_params params = {
+        .width_px = FILM_WIDTH, .height_px = FILM_HEIGHT, .settings = settings, .seed = 7};
+    neph_assert_ok(neph_realtime_create(vulkan, &test->scene, &params, &realtime, &diag), &diag);
+    for (int frame = 0; frame < FILM_FRAMES; frame++) {
+        const struct neph_realtime_frame picture = {&test->scene, frame, NULL};
+        neph_image_destroy(image);
+        image = NULL;
+        neph_assert_ok(neph_realtime_render(realtime, &picture, &image, NULL, &diag), &diag);
+    }
+    neph_realtime_destroy(realtime);
+    return image;
+}
+
+static struct neph_image *film_truth(struct neph_vulkan *vulkan, const struct test_scene *test,
+                                     const struct neph_settings *settings)
+{
+    struct neph_scene *still = NULL;
+    struct neph_image *image = NULL;
+    struct neph_diag diag = {0};
+    const struct neph_march_params params = {
+        .width_px = FILM_WIDTH,
+        .height_px = FILM_HEIGHT,
+        .frame = FILM_FRAMES - 1,
+        .steps = (int)settings->values[RT_STEPS],
+        .transmittance = (enum neph_march_mode)(int)settings->values[RT_TRANSMITTANCE],
+        .sun = (enum neph_march_mode)(int)settings->values[RT_SUN],
+        .sun_steps = (int)settings->values[RT_SUN_STEPS]};
+    neph_assert_ok(neph_scene_at(&test->scene, params.frame, &still, &diag), &diag);
+    neph_assert_ok(test_march_frame(vulkan, still, &params, &image, NULL, &diag), &diag);
+    neph_scene_destroy(still);
+    return image;
+}
+
+/* Largest error of the last frame, in parts of the brightest pixel. */
+static double film_error(struct neph_vulkan *vulkan, const struct test_scene *test,
+                         const char *assignments)
+{
+    const struct neph_settings settings = test_settings(assignments);
+    struct neph_image *film = film_last(vulkan, test, &settings);
+    struct neph_image *truth = film_truth(vulkan, test, &settings);
+    const float *found = neph_image_channel(film, "volume.G");
+    const float *expected = neph_image_channel(truth, "volume.G");
+    double most = 0.0, worst = 0.0;
+    for (size_t i = 0; i < neph_image_pixel_count(film); i++) {
+        most = fmax(most, (double)expected[i]);
+        worst = fmax(worst, fabs((double)found[i] - (double)expected[i]));
+    }
+    neph_image_destroy(film);
+    neph_image_destroy(truth);
+    return worst / most;
+}
+
+/* The split of the frame costs a drifting blob what it costs one that a perspective camera shows as
+ * large, give or take a tenth of the picture's scale between its near and its far side; history
+ * that does not follow the wind costs more. */
+static void test_history_drifts_with_the_wind(void **state)
+{
+    static const char following[] = "taa=off ray_dither=none upscale_dither=none";
+    struct neph_wind_key wind = {0.0, {-6.0, 0.0, 0.0}};
+    struct test_scene test;
+    init(&test, 8.0);
+    scene_gaussian(&test);
+    test.scene.frame_count = FILM_FRAMES;
+    test.scene.wind_keys = &wind;
+    test.scene.wind_key_count = 1;
+    const double parallel = film_error(*state, &test, following);
+    const double left_behind = film_error(*state, &test,
+                                          "taa=off ray_dither=none upscale_dither=none wind=off");
+    test.scene.orthographic_height_m = 0.0;
+    test.scene.vertical_fov_rad = 2.0 * atan(4.0 / 12.0);
+    const double perspective = film_error(*state, &test, following);
+    print_message("realtime: off by %.2g; without wind %.2g; in perspective %.2g\n", parallel,
+                  left_behind, perspective);
+    assert_true(parallel < 1.2 * perspective && left_behind > 1.2 * parallel);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -409,6 +498,7 @@ int main(void)
         cmocka_unit_test(test_every_pixel_is_a_perspective_cameras),
         cmocka_unit_test(test_tracer_is_exact_transport),
         cmocka_unit_test(test_tracer_is_the_oracle),
+        cmocka_unit_test(test_history_drifts_with_the_wind),
     };
     return cmocka_run_group_tests_name("orthographic", tests, test_vulkan_setup,
                                        test_vulkan_teardown);

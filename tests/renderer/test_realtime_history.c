@@ -48,8 +48,8 @@ struct motion_case {
 /* Slopes of the line of sight through a place of this frame: x / z and y / z. */
 static void slopes_at(const struct neph_gpu_view *view, double x_px, double y_px, double slope[2])
 {
-    slope[0] = (2.0 * x_px / view->size_px[0] - 1.0) * view->now.tan_half_width;
-    slope[1] = (1.0 - 2.0 * y_px / view->size_px[1]) * view->now.tan_half_height;
+    slope[0] = (2.0 * x_px / view->size_px[0] - 1.0) * view->now.half_width;
+    slope[1] = (1.0 - 2.0 * y_px / view->size_px[1]) * view->now.half_height;
 }
 
 /* Slopes in the frame before, of a medium that is `distance_m` away, by the closed form of each
@@ -131,8 +131,8 @@ static void test_history_is_where_geometry_says(void **state)
                 slopes_at(&test.view, 2 * x + 1, 2 * y + 1, slope);
                 slopes_before(&cases[i], 100.0, is_radial, slope);
                 const double expected_px[2] = {
-                    (0.5 + 0.5 * slope[0] / test.view.now.tan_half_width) * 127,
-                    (0.5 - 0.5 * slope[1] / test.view.now.tan_half_height) * 33};
+                    (0.5 + 0.5 * slope[0] / test.view.now.half_width) * 127,
+                    (0.5 - 0.5 * slope[1] / test.view.now.half_height) * 33};
                 if (expected_px[0] < 4 || expected_px[0] > 122 || expected_px[1] < 4 ||
                     expected_px[1] > 28)
                     continue;
@@ -142,6 +142,36 @@ static void test_history_is_where_geometry_says(void **state)
                 found++;
             }
         assert_true(found > 200);
+        test_passes_close(&test);
+    }
+}
+
+/* In an orthographic picture what passes by moves by as many metres at any distance; what comes
+ * near does not move. */
+static void test_parallel_history_is_where_geometry_says(void **state)
+{
+    static const struct motion_case cases[] = {
+        {STRAFE, 3.0, "reproject_measure=radial"}, {STRAFE, -3.0, "reproject_measure=eye"},
+        {DOLLY, 10.0, "reproject_measure=radial"}, {DOLLY, -25.0, "reproject_measure=eye"},
+        {WIND, 4.0, "wind=on reject_depth=0.01"},  {WIND, 0.0, "wind=off"},
+    };
+    static const float distances_m[] = {3.0f, 40000.0f, NEPH_GPU_FAR_M};
+    for (int i = 0; i < 18; i++) {
+        struct test_passes test;
+        const struct motion_case *c = &cases[i / 3];
+        open_ramp(*state, c->assignments, 127, 33, &test);
+        test_make_parallel(&test.view, 33.0f); /* 1 px is 2 m */
+        apply_motion(&test.view, c);
+        reconstruct_fill(&test, RT_RAY_DISTANCE, distances_m[i % 3], 0, 0, 0);
+        reconstruct_run(&test);
+        for (int y = 3; y < 14; y++)
+            for (int x = 5; x < 58; x++) {
+                double place_px[2];
+                const double shift_px = c->motion == DOLLY ? 0.0 : 0.5 * c->amount;
+                assert_true(found_at(&test, x, y, place_px));
+                neph_assert_close(place_px[0], 2 * x + 1 - shift_px, 0, 1e-4);
+                neph_assert_close(place_px[1], 2 * y + 1, 0, 1e-4);
+            }
         test_passes_close(&test);
     }
 }
@@ -191,9 +221,9 @@ static void test_filters_are_exact_on_polynomials(void **state)
         const double shift_px = 2.0 / 3.0;
         for (int k = 0; k < 3; k++) {
             struct neph_gpu_view_camera *before = &test.view.before;
-            before->right[k] += (float)(shift_px * 2 / 127 * before->tan_half_width *
+            before->right[k] += (float)(shift_px * 2 / 127 * before->half_width *
                                         test.view.now.forward[k]);
-            before->up[k] += (float)(shift_px * 2 / 33 * before->tan_half_height *
+            before->up[k] += (float)(shift_px * 2 / 33 * before->half_height *
                                      test.view.now.forward[k]);
         }
         reconstruct_run(&test);
@@ -220,7 +250,7 @@ static void test_void_taps_have_no_weight(void **state)
     for (int i = 0; i < 2; i++) {
         struct test_passes test;
         open_ramp(*state, filters[i], 64, 36, &test);
-        const float shift = 2.0f * 0.5f / 64 * test.view.before.tan_half_width;
+        const float shift = 2.0f * 0.5f / 64 * test.view.before.half_width;
         test.view.before.right[2] -= shift; /* a quarter of a texel to the right */
         for (int y = 0; y < 18; y++)
             for (int x = 0; x < 32; x++) {
@@ -329,7 +359,7 @@ static void test_the_screen_ends(void **state)
         open_two_lights(*state, "", 64, 36, &test);
         /* by 2 px per column less half a pixel, so that no centre is at the side */
         test.view.before.right[2] -= (2.0f * (float)columns - 0.5f) * 2.0f / 64 *
-                                     test.view.before.tan_half_width;
+                                     test.view.before.half_width;
         reconstruct_run(&test);
         assert_int_equal(count_without_history(&test), columns * 18);
         test_passes_close(&test);
@@ -391,7 +421,7 @@ static void test_a_steady_scene_is_not_rejected(void **state)
             }
         /* by 0 to 5 texels; eye depths of solids stay as they are */
         test.view.before.right[2] -= (float)(i % 6) * 2.0f * 2.0f / 64 *
-                                     test.view.before.tan_half_width;
+                                     test.view.before.half_width;
         reconstruct_run(&test);
         assert_int_equal(count_without_history(&test), i % 6 * 18); /* off the screen */
         test_passes_close(&test);
@@ -513,8 +543,8 @@ static void test_a_bad_ray_is_not_used(void **state)
                          64, 36, &test);
         reconstruct_fill(&test, RT_RAY, 0.5f, 0.5f, 0.5f, 0.5f);
         reconstruct_fill(&test, RT_HISTORY_BEFORE, 0.5f, 0.5f, 0.5f, 0.5f);
-        test.view.before.right[2] -= 0.6f * 2 / 64 * test.view.before.tan_half_width;
-        test.view.before.up[2] -= 0.6f * 2 / 36 * test.view.before.tan_half_height;
+        test.view.before.right[2] -= 0.6f * 2 / 64 * test.view.before.half_width;
+        test.view.before.up[2] -= 0.6f * 2 / 36 * test.view.before.half_height;
         twin_put_tile(&test.twin, RT_RAY, 8, 5, (float[4]){0.5f, bad[i % 3], 0.5f, 0.5f});
         int unsound[8];
         for (int frame = 0; frame < 8; frame++) {
@@ -706,6 +736,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_history_is_where_geometry_says),
+        cmocka_unit_test(test_parallel_history_is_where_geometry_says),
         cmocka_unit_test(test_what_does_not_move),
         cmocka_unit_test(test_filters_are_exact_on_polynomials),
         cmocka_unit_test(test_void_taps_have_no_weight),

@@ -217,7 +217,8 @@ static void test_boxes_hold_the_twin_s_rays(void **state)
  * points about 10 m away, which may come close to the camera before. */
 static const double place_error_px = 1e-3, point_error_m = 1e-5;
 
-/* Turn the camera before by place_error_px (0 to 3) or move it by point_error_m (4 to 9). */
+/* Turn the camera before (move it where its rays are parallel) by place_error_px (0 to 3) or move
+ * it by point_error_m (4 to 9). */
 static void disturb(struct neph_gpu_view *view, int way)
 {
     struct neph_gpu_view_camera *camera = &view->before;
@@ -229,10 +230,13 @@ static void disturb(struct neph_gpu_view *view, int way)
         return;
     }
     float *axis = way < 2 ? camera->right : camera->up;
-    const float tangent = way < 2 ? camera->tan_half_width : camera->tan_half_height;
+    const float tangent = way < 2 ? camera->half_width : camera->half_height;
     const double shift = sign * 2.0 * place_error_px * tangent / view->size_px[way / 2];
     for (int k = 0; k < 3; k++)
-        axis[k] += (float)(shift * camera->forward[k]);
+        if (camera->is_parallel)
+            camera->position_m[k] += (float)(shift * axis[k]);
+        else
+            axis[k] += (float)(shift * camera->forward[k]);
 }
 
 /* What the twin has for a target, and how much its own result changes when the camera before is
@@ -333,7 +337,8 @@ static void move_at_random(struct neph_gpu_view *view, double much, uint64_t *se
     double numbers[9];
     for (int i = 0; i < 9; i++)
         numbers[i] = much * (test_uniform(seed) - 0.5);
-    reconstruct_turn(&view->before, numbers[0], numbers[1], numbers[2]);
+    if (!view->now.is_parallel)
+        reconstruct_turn(&view->before, numbers[0], numbers[1], numbers[2]);
     for (int k = 0; k < 3; k++) {
         view->before.position_m[k] = (float)(10.0 * numbers[3 + k]);
         view->wind_m[k] = (float)(10.0 * numbers[6 + k]);
@@ -352,6 +357,8 @@ static void test_values_are_the_twin_s(void **state)
             struct test_passes test;
             open_at_random(*state, &settings, sizes_px[s], start, &test);
             uint64_t random = start;
+            if (i % 8 == 4 || i % 8 == 6)
+                test_make_parallel(&test.view, 20.0f);
             if (i % 4 != 0)
                 move_at_random(&test.view, i % 4 == 1 ? 1.0 : 0.03, &random);
             test.view.is_cut = test_random(&random) % 16 == 0;

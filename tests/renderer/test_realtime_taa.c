@@ -226,6 +226,8 @@ static void test_the_pass_equals_the_twin(void **state)
         test.view.is_cut = round % 8 == 1;
         test.view.jitter_px[0] = (float)between(&seed, -0.5, 0.5);
         test.view.jitter_px[1] = (float)between(&seed, -0.5, 0.5);
+        if (round % 8 >= 6)
+            test_make_parallel(&test.view, 5.0f);
         if (round % 4)
             move_camera(&test.view, round % 4 == 1 ? 3.1 : 0.02, 2.0, &seed);
         fill_depths(&test, &seed);
@@ -294,18 +296,21 @@ static bool place_before(const struct neph_gpu_view *view, int x, int y, double 
                          double place_px[2])
 {
     const struct neph_gpu_view_camera *now = &view->now, *before = &view->before;
-    const double right = (2.0 * (x + 0.5) / view->size_px[0] - 1.0) * now->tan_half_width;
-    const double up = (1.0 - 2.0 * (y + 0.5) / view->size_px[1]) * now->tan_half_height;
+    const double right = (2.0 * (x + 0.5) / view->size_px[0] - 1.0) * now->half_width;
+    const double up = (1.0 - 2.0 * (y + 0.5) / view->size_px[1]) * now->half_height;
+    const double spread_m = now->is_parallel ? 1.0 : depth_m;
     double across = 0.0, height = 0.0, depth = 0.0;
     for (int c = 0; c < 3; c++) {
         const double point = now->forward[c] + right * now->right[c] + up * now->up[c] -
-                             before->position_m[c] / depth_m;
+                             before->position_m[c] / spread_m;
         across += point * before->right[c];
         height += point * before->up[c];
         depth += point * before->forward[c];
     }
-    place_px[0] = view->size_px[0] * (0.5 + 0.5 * across / (depth * before->tan_half_width));
-    place_px[1] = view->size_px[1] * (0.5 - 0.5 * height / (depth * before->tan_half_height));
+    if (now->is_parallel)
+        depth = 1.0;
+    place_px[0] = view->size_px[0] * (0.5 + 0.5 * across / (depth * before->half_width));
+    place_px[1] = view->size_px[1] * (0.5 - 0.5 * height / (depth * before->half_height));
     return depth > 0.0 && place_px[0] > 0.0 && place_px[0] < view->size_px[0] &&
            place_px[1] > 0.0 && place_px[1] < view->size_px[1];
 }
@@ -335,7 +340,7 @@ static void test_the_history_comes_from_where_things_were(void **state)
     uint64_t seed = 7;
     static const char *const motions[] = {"taa_motion=centre", "taa_motion=cross"};
     static const int size_px[2] = {127, 33};
-    for (int round = 0; round < 8; round++) {
+    for (int round = 0; round < 10; round++) {
         char text[256];
         snprintf(text, sizeof(text),
                  "%s taa_filter=off taa_box=none taa_alpha=0 taa_alpha_moving=0 taa_contrast=0 "
@@ -345,7 +350,13 @@ static void test_the_history_comes_from_where_things_were(void **state)
         struct test_passes test;
         test_passes_open(*state, &settings, size_px, (int[2]){4, 8}, seed, &test);
         test.view.has_history = 1;
-        move_camera(&test.view, 0.1, round < 4 ? 0.2 : 0.0, &seed);
+        if (round >= 8)
+            test_make_parallel(&test.view, 1.0f);
+        move_camera(&test.view, round < 8 ? 0.1 : 0.0,
+                    round < 4    ? 0.2
+                    : round >= 8 ? 0.5
+                                 : 0.0,
+                    &seed);
         fill_depths(&test, &seed);
         for (int y = 0; y < size_px[1]; y++)
             for (int x = 0; x < size_px[0]; x++) {
@@ -408,8 +419,8 @@ static void open_wall(struct neph_vulkan *vulkan, const char *settings_text,
     const struct neph_settings settings = test_settings(settings_text);
     test_passes_open(vulkan, &settings, (int[2]){256, 64}, (int[2]){0, 0}, 0, test);
     test->view.has_history = 1;
-    test->view.now.tan_half_width = test->view.before.tan_half_width = 1.0f;
-    test->view.now.tan_half_height = test->view.before.tan_half_height = 0.25f;
+    test->view.now.half_width = test->view.before.half_width = 1.0f;
+    test->view.now.half_height = test->view.before.half_height = 0.25f;
     for (size_t i = 0; i < test_elements(test, RT_DEPTH); i++)
         test_set(test, RT_DEPTH, i, (float[4]){128.0f});
 }

@@ -155,7 +155,7 @@ static void pan(struct neph_vulkan *vulkan, const char *settings_text, double sp
     static const double sigma_px = 2.0;
     struct test_passes film;
     film_open(vulkan, settings_text, (int[2]){WALL_PX, 1}, &film);
-    film.view.now.tan_half_width = film.view.before.tan_half_width = 1.0f;
+    film.view.now.half_width = film.view.before.half_width = 1.0f;
     film.view.before.position_m[0] = -(float)speed_px;
     for (int frame = 0; frame < frame_count; frame++) {
         const double at_px = 96.0 + speed_px * (frame_count - 1 - frame);

@@ -55,16 +55,18 @@ static double dot(const double a[3], const float b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* Unit direction of this frame's camera through a place in pixels. */
-static void direction_at(const struct neph_gpu_view *view, const double place_px[2],
-                         double direction[3])
+/* What this frame's camera sees through a place in pixels: unit direction and origin. */
+static void line_at(const struct neph_gpu_view *view, const double place_px[2], double origin_m[3],
+                    double direction[3])
 {
     const struct neph_gpu_view_camera *camera = &view->now;
-    const double x = (2.0 * place_px[0] / view->size_px[0] - 1.0) * camera->tan_half_width;
-    const double y = (1.0 - 2.0 * place_px[1] / view->size_px[1]) * camera->tan_half_height;
+    const double x = (2.0 * place_px[0] / view->size_px[0] - 1.0) * camera->half_width;
+    const double y = (1.0 - 2.0 * place_px[1] / view->size_px[1]) * camera->half_height;
     double square = 0.0;
     for (int i = 0; i < 3; i++) {
-        direction[i] = camera->forward[i] + x * camera->right[i] + y * camera->up[i];
+        const double across = x * camera->right[i] + y * camera->up[i];
+        origin_m[i] = camera->is_parallel ? across : 0.0;
+        direction[i] = camera->forward[i] + (camera->is_parallel ? 0.0 : across);
         square += direction[i] * direction[i];
     }
     for (int i = 0; i < 3; i++)
@@ -79,8 +81,9 @@ static double project(const struct neph_gpu_view *view, const struct neph_gpu_vi
     for (int i = 0; i < 3; i++)
         from_m[i] = point_m[i] - camera->position_m[i];
     const double depth_m = dot(from_m, camera->forward);
-    const double x = dot(from_m, camera->right) / (depth_m * camera->tan_half_width);
-    const double y = dot(from_m, camera->up) / (depth_m * camera->tan_half_height);
+    const double spread_m = camera->is_parallel ? 1.0 : depth_m;
+    const double x = dot(from_m, camera->right) / (spread_m * camera->half_width);
+    const double y = dot(from_m, camera->up) / (spread_m * camera->half_height);
     place_px[0] = (0.5 + 0.5 * x) * view->size_px[0];
     place_px[1] = (0.5 - 0.5 * y) * view->size_px[1];
     return depth_m;
@@ -424,16 +427,19 @@ static bool find_before(const struct twin *twin, const double place_px[2], doubl
                         double before_px[2])
 {
     const struct neph_gpu_view *view = twin->view;
-    double direction[3], point_m[3], moved_m[3], now_px[2], seen_px[2];
-    direction_at(view, place_px, direction);
+    double origin_m[3], direction[3], point_m[3], moved_m[3], now_px[2], seen_px[2];
+    line_at(view, place_px, origin_m, direction);
     if (choice(twin, RT_REPROJECT_MEASURE) == RT_MEASURE_EYE)
         distance_m /= dot(direction, view->now.forward);
+    if (view->now.is_parallel) /* all distances move alike */
+        distance_m = 0.0;
     for (int i = 0; i < 3; i++) {
-        point_m[i] = distance_m * direction[i];
+        point_m[i] = origin_m[i] + distance_m * direction[i];
         moved_m[i] = point_m[i] - (choice(twin, RT_WIND) ? view->wind_m[i] : 0.0);
     }
     project(view, &view->now, point_m, now_px);
-    bool is_seen = project(view, &view->before, moved_m, seen_px) > 0.0;
+    const double depth_m = project(view, &view->before, moved_m, seen_px);
+    bool is_seen = view->now.is_parallel || depth_m > 0.0;
     for (int axis = 0; axis < 2; axis++) {
         /* exactly the place at rest */
         before_px[axis] = place_px[axis] + (seen_px[axis] - now_px[axis]) -
@@ -460,11 +466,11 @@ static bool is_same_scene(const struct twin *twin, const double place_px[2],
     const struct neph_gpu_view *view = twin->view;
     double expected_m = setting(twin, RT_SKY_M);
     if (!is_sky(depth_m)) {
-        double point_m[3], unused_px[2];
-        direction_at(view, place_px, point_m);
-        const double scale = depth_m / dot(point_m, view->now.forward);
+        double origin_m[3], direction[3], point_m[3], unused_px[2];
+        line_at(view, place_px, origin_m, direction);
+        const double length_m = depth_m / dot(direction, view->now.forward);
         for (int i = 0; i < 3; i++)
-            point_m[i] *= scale;
+            point_m[i] = origin_m[i] + length_m * direction[i];
         expected_m = project(view, &view->before, point_m, unused_px);
     }
     const int x = (int)floor(before_px[0] / 2), y = (int)floor(before_px[1] / 2);

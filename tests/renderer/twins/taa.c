@@ -67,14 +67,19 @@ static float dot(const float a[3], const float b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
+static float spread(const struct neph_gpu_view_camera *camera, float depth)
+{
+    return camera->is_parallel ? 1.0f : depth;
+}
+
 static void place_from_middle(const struct neph_gpu_view *view,
                               const struct neph_gpu_view_camera *camera, const float from[3],
                               float depth, float place[2])
 {
     place[0] = 0.5f * (float)view->size_px[0] *
-               (dot(from, camera->right) / (depth * camera->tan_half_width));
+               (dot(from, camera->right) / (spread(camera, depth) * camera->half_width));
     place[1] = -0.5f * (float)view->size_px[1] *
-               (dot(from, camera->up) / (depth * camera->tan_half_height));
+               (dot(from, camera->up) / (spread(camera, depth) * camera->half_height));
 }
 
 static float depth_of_motion(const struct twin *twin, int x, int y)
@@ -96,15 +101,15 @@ static bool find_before(const struct twin *twin, int x, int y, float place_px[2]
     const struct neph_gpu_view_camera *now = &view->now, *before = &view->before;
     const float width_px = (float)view->size_px[0], height_px = (float)view->size_px[1];
     const float centre_px[2] = {(float)x + 0.5f, (float)y + 0.5f};
-    const float right = (2.0f * centre_px[0] / width_px - 1.0f) * now->tan_half_width;
-    const float up = (1.0f - 2.0f * centre_px[1] / height_px) * now->tan_half_height;
-    const float depth_m = depth_of_motion(twin, x, y);
+    const float right = (2.0f * centre_px[0] / width_px - 1.0f) * now->half_width;
+    const float up = (1.0f - 2.0f * centre_px[1] / height_px) * now->half_height;
+    const float spread_m = spread(now, depth_of_motion(twin, x, y));
     float ray[3], ray_before[3], here[2], there[2];
     for (int c = 0; c < 3; c++) {
         ray[c] = now->forward[c] + right * now->right[c] + up * now->up[c];
-        ray_before[c] = ray[c] - before->position_m[c] / depth_m;
+        ray_before[c] = ray[c] - before->position_m[c] / spread_m;
     }
-    const float depth_before = dot(ray_before, before->forward);
+    const float depth_before = spread(before, dot(ray_before, before->forward));
     place_from_middle(view, now, ray, dot(ray, now->forward), here);
     place_from_middle(view, before, ray_before, depth_before, there);
     const float motion_px[2] = {here[0] - there[0], here[1] - there[1]};
