@@ -56,7 +56,7 @@ static const struct neph_cli_syntax syntax = {
         "2 and a display. At the end come the number of frames and the median of their times.\n\n"
         "Examples:\n"
         "  neph fly fence_backlit\n"
-        "  neph fly cloud_below --size 320x180 --preset unity\n"
+        "  neph fly cloud_below --size 320x180 --preset unity -s lighting=octaves\n"
         "  neph fly fence_backlit --frames 300 --keys \"w*60 d*60\" --json",
 };
 

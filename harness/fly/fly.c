@@ -325,6 +325,17 @@ static enum neph_status render_or_turn_back(struct fly *fly, struct neph_image *
     return neph_studio_render(fly->studio, &fly->camera.key, fly->scene_frame, image, cost, diag);
 }
 
+/* Where there is no march to hold the picture against, it is shown alone. */
+static enum neph_status draw(struct fly *fly, bool rests, struct neph_diag *diag)
+{
+    enum neph_status status = neph_view_draw(&fly->view, fly->studio, fly->image, rests, diag);
+    if (status != NEPH_ERR_UNSUPPORTED)
+        return status;
+    notice(fly, "", diag->message);
+    fly->view.kind = NEPH_VIEW_PICTURE;
+    return neph_view_draw(&fly->view, fly->studio, fly->image, rests, diag);
+}
+
 static enum neph_status render(struct fly *fly, struct neph_diag *diag)
 {
     struct neph_image *image = NULL;
@@ -340,7 +351,7 @@ static enum neph_status render(struct fly *fly, struct neph_diag *diag)
     const bool rests = fly->frame_count > 0 && neph_fly_is_same_view(&fly->shown, &fly->camera.key);
     fly->shown = fly->camera.key;
     fly->view.split_share = fly->controls.split_share;
-    return neph_view_draw(&fly->view, fly->studio, image, rests, diag);
+    return draw(fly, rests, diag);
 }
 
 static enum neph_status present(struct fly *fly, struct neph_diag *diag)

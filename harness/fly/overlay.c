@@ -29,6 +29,13 @@ static void put_march(int rays_per_px, char *text, size_t size)
     snprintf(text, size, "march, %d ray%s a pixel", rays_per_px, rays_per_px == 1 ? "" : "s");
 }
 
+static void put_wipe(const struct neph_view *view, char text[LINE_SIZE])
+{
+    char march[64];
+    put_march(view->rays_per_px, march, sizeof(march));
+    snprintf(text, LINE_SIZE, "right of the line: %s", march);
+}
+
 static void put_error(const struct neph_view *view, char text[LINE_SIZE])
 {
     char march[64];
@@ -55,7 +62,7 @@ static void put_view(const struct neph_view *view, struct neph_canvas *canvas)
 {
     char text[LINE_SIZE] = "";
     if (view->kind == NEPH_VIEW_WIPE)
-        put_march(view->rays_per_px, text, sizeof(text));
+        put_wipe(view, text);
     if (view->kind == NEPH_VIEW_ERROR)
         put_error(view, text);
     if (view->kind == NEPH_VIEW_FLICKER)

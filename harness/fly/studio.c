@@ -164,6 +164,7 @@ enum neph_status neph_studio_open(const struct neph_studio_params *params, const
     if (!made)
         return neph_fail_memory(diag);
     made->params = *params;
+    made->same_count = -1; /* the first picture has none before it */
     borrow_scene(made);
     const enum neph_status status = neph_studio_choose_preset(made, preset, diag);
     if (status)

@@ -29,13 +29,13 @@ class CommandLine(unittest.TestCase):
 
     def test_help_of_every_verb_has_an_example(self):
         for verb in ("validate", "render", "export", "compare", "flicker", "conform", "metrics",
-                     "bake", "study", "benchmark", "scenes", "engines", "doctor"):
+                     "bake", "study", "benchmark", "scenes", "engines", "doctor", "fly"):
             done = neph(verb, "--help")
             self.assertEqual(done.returncode, 0, verb)
             self.assertIn("Example", done.stdout, verb)
 
     def test_unknown_verb_engine_setting_and_scene_are_usage_errors_that_help(self):
-        self.assertEqual(neph("fly").returncode, 64)
+        self.assertEqual(neph("flee").returncode, 64)
         done = neph("render", "absorbing_slab", "-e", "magic")
         self.assertEqual((done.returncode, "neph engines" in done.stderr), (64, True))
         done = neph("render", "absorbing_slab", "-s", "steps=0")

@@ -181,6 +181,15 @@ class Flight(unittest.TestCase):
         self.assertEqual(flown["engine"], "realtime seed")
         self.assertGreater(flown["error"]["rel_rmse"], 0)
 
+    def test_the_wipe_has_march_on_its_right(self):
+        for preset, is_march in (("0", True), ("1", False)):
+            for picture in self.folder.glob("tower_fly*"):
+                picture.unlink()
+            self.fly(f"{preset} p c p", 4)
+            alone, beside = ((self.folder / name).read_bytes()
+                             for name in ("tower_fly.png", "tower_fly_2.png"))
+            self.assertEqual(alone == beside, is_march, preset)
+
     def test_march_at_rest_is_held_against_more_rays(self):
         flown = self.fly("m x", 6)
         self.assertEqual(flown["engine"], "march")

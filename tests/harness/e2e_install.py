@@ -75,7 +75,8 @@ class Install(unittest.TestCase):
         for words, expected in (
                 ("neph fli", "flicker"), ("neph study ", "steps flicker"),
                 ("neph study flicker --see", "--seeds"), ("neph bake --me", "--medium"),
-                ("neph render white", "white_furnace"), ("neph render -e po", "povray"),
+                ("neph render white", "white_furnace"), ("neph fly white", "white_furnace"),
+                ("neph render -e po", "povray"),
                 ("neph render -o ", ""), ("neph doctor ", "")):
             done = run("bash", "-c", complete, script, *words.split(" "))
             self.assertEqual((done.stdout.strip(), done.stderr), (expected, ""), words)

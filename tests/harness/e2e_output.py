@@ -93,6 +93,7 @@ class Output(unittest.TestCase):
                           ["render", "absorbing_slab", "-o", ""],
                           ["render", "absorbing_slab", "-e", "tracer", "--checkpoint", ""],
                           ["export", "absorbing_slab", "-o", ""],
+                          ["fly", "absorbing_slab", "-o", ""],
                           ["bake", "voxel_grid", "-o", ""],
                           ["benchmark", "absorbing_slab", "-o", ""],
                           ["study", "march", "height_fog_up", "-o", ""],
