@@ -116,8 +116,6 @@ bool neph_tracer_can_render(const struct neph_scene *scene, char *reason, size_t
         cannot = "more than single scattering in a fog and several clouds of coloured extinction";
     if (neph_scene_traps_light(scene))
         cannot = neph_trapped_light_reason;
-    if (neph_scene_emits(scene))
-        cannot = neph_emission_reason;
     if (!cannot)
         return neph_float32_reaches(scene, reason, reason_size);
     snprintf(reason, reason_size, "%s", cannot);
@@ -257,11 +255,11 @@ static enum neph_status get_kernels(struct render *render, const struct neph_sce
     struct neph_kernel_params params = {
         .buffer_count = BINDING_COUNT,
         .push_size_bytes = sizeof(struct neph_gpu_tracer_run),
-        .constant_count = 12,
+        .constant_count = 13,
         .constants = {render->scene.constants[0], render->scene.constants[1], render->local_size,
                       scene->scattering == NEPH_SCATTERING_MULTIPLE, reflects(scene), lights(scene),
                       render->scene.frame->medium_count, tracked_count, tracked_order, track_steps,
-                      scene->solid_count > 0, is_lit_once(scene)},
+                      scene->solid_count > 0, is_lit_once(scene), neph_scene_emits(scene)},
     };
     const bool is_lit = render->lit_tables > 0, is_open = render->is_open;
     const struct {

@@ -238,6 +238,8 @@ void take_item()
     if (!OPEN)
         path.order1 = results[queue() * QUEUE_ITEMS + path.item].order1.rgb;
     path.higher = vec3(0.0);
+    if (!OPEN && EMITS)
+        path.higher = results[queue() * QUEUE_ITEMS + path.item].higher.rgb;
     path.surface = vec3(0.0);
     path.is_surface_first = 0;
     path.view_fraction = vec3(0.0);
@@ -269,6 +271,16 @@ void add_light(vec3 light)
         path.surface += light;
     else if (path.events == 1)
         path.order1 += light;
+    else
+        path.higher += light;
+}
+
+// Light that a medium emits where the path meets it.
+void add_emitted(vec3 glow)
+{
+    vec3 light = path.throughput * glow * channel_weights(path.channels);
+    if (path.is_surface_first != 0)
+        path.surface += light;
     else
         path.higher += light;
 }
@@ -309,8 +321,8 @@ void prepare_sunlight(float per_sr, float u)
         path.pending = vec3(0.0);
 }
 
-// Unless OPEN: at a first collision order 1 is known already (tracer_first.comp), and at a first
-// surface the sunlight that it reflects (tracer_view.comp).
+// Unless OPEN: at a first collision order 1 and what is emitted are known already
+// (tracer_first.comp), and at a first surface the sunlight that it reflects (tracer_view.comp).
 void happen()
 {
     uvec4 bits = draw4();
@@ -322,6 +334,8 @@ void happen()
         if (MEDIA != 1)
             by = frame.media[path.medium];
         path.solid = NO_SOLID;
+        if (EMITS && (OPEN || path.events > 1))
+            add_emitted(by.glow);
         path.throughput *= by.albedo;
         light_per_sr = phase_per_sr(by.phase_kind, by.g, path.direction, sun_direction);
         next = sample_phase(by.phase_kind, by.g, path.direction, u.xy);

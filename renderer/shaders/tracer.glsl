@@ -19,6 +19,7 @@ layout(constant_id = 8) const uint TRACKED_ORDER = 0x76543210;
 layout(constant_id = 10) const bool SOLIDS = true; // there are some
 
 layout(constant_id = 11) const bool LIT = false;   // light is scattered once, and the sun shines
+layout(constant_id = 12) const bool EMITS = false; // some medium does
 
 // Some medium's optical depth has no closed form: then the view ray is a matter of chance too.
 const bool OPEN = (KINDS & OPEN_KINDS) != 0u;

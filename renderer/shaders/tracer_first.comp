@@ -4,7 +4,7 @@
 // The path tracer's second kernel: forced first collisions, one thread per item. Every sample
 // collides on the view ray, and weighs as much as the ray absorbs; where, is stratified over the
 // samples of a batch. The sunlight scattered there towards the camera is order 1, with the exact
-// transmittance to the sun.
+// transmittance to the sun. Light emitted there is of no order: it is added to the higher ones.
 //
 // A fog layer or another medium is chosen in proportion to what it would absorb alone, the
 // collision is drawn as if it were alone, and the transmittance of the others up to there is a
@@ -174,6 +174,14 @@ vec3 scattered_once(First first, ViewRay ray)
            frame.sun_irradiance * (phase * arriving);
 }
 
+// Light that the medium emits there.
+vec3 emitted(First first)
+{
+    if (!EMITS || first.weight == vec3(0.0))
+        return vec3(0.0);
+    return first.weight * channel_weights(first.channels) * frame.media[first.medium].glow;
+}
+
 void main()
 {
     uint item = gl_GlobalInvocationID.x;
@@ -191,5 +199,6 @@ void main()
     First first = LIT ? lit_collision(pixel, ray, u)
                       : first_collision(pixel, ray, hero_of(bits), u);
     firsts[item] = first;
-    results[item] = Result(vec4(scattered_once(first, ray), 0.0), vec4(0.0), vec4(0.0));
+    results[item] = Result(vec4(scattered_once(first, ray), 0.0), vec4(emitted(first), 0.0),
+                           vec4(0.0));
 }

@@ -8,10 +8,11 @@
 
 #include "tracer.glsl"
 
-// With light from all around, too, half of all collisions are free flights, which are good for
-// that. Guesses (OPEN) earn less trust.
-const float LIT_SHARE = ENVIRONMENT ? 0.45 : OPEN ? 0.8 : 0.9;
-const float FREE_SHARE = ENVIRONMENT ? 0.5 : OPEN ? 0.1 : 0.05; // the rest is even in x
+// With light from all around, too, or of the media themselves, half of all collisions are free
+// flights, which are good for that. Guesses (OPEN) earn less trust.
+const bool AMBIENT = ENVIRONMENT || EMITS;
+const float LIT_SHARE = AMBIENT ? 0.45 : OPEN ? 0.8 : 0.9;
+const float FREE_SHARE = AMBIENT ? 0.5 : OPEN ? 0.1 : 0.05; // the rest is even in x
 
 const uint LIT_EDGES = NEPH_GPU_LIT_EDGES;
 

@@ -756,6 +756,72 @@ static void test_white_furnace(void **state)
     }
 }
 
+/* --- emission ----------------------------------------------------------------------------- */
+
+static void make_glow(struct test_scene *test)
+{
+    static const struct neph_rgb emissions[] = {{1, 20, 4}, {30, 1, 0}, {0, 2, 9}};
+    for (int m = 0; m < test->scene.medium_count; m++)
+        test->scene.media[m].emission_w_per_m2_sr = emissions[m % 3];
+}
+
+/* Seen, beside sunlight that is scattered once and in the dark without scattering: fogs that
+ * overlap, whose first collisions are forced, and a blob among them. Light scattered once is the
+ * sun's alone. */
+static void test_emission_that_is_seen(void **state)
+{
+    for (int is_dark = 0; is_dark < 2; is_dark++) {
+        struct test_scene test;
+        test_scene_init(&test);
+        scene_overlapping_media(&test);
+        test_add(&test, make_blob(0.2, (struct neph_vec3){1.0, 2.0, -12.0}, 2.0));
+        test.scene.media[test.scene.medium_count - 1].albedo = make_grey(0.3);
+        make_glow(&test);
+        if (is_dark) {
+            test.scene.sun.present = false;
+            test.scene.scattering = NEPH_SCATTERING_NONE;
+        }
+        const struct neph_tracer_params params = params_of(48, 27, 512);
+        struct neph_image *frame = render(*state, &test, &params, NULL);
+        const struct verdict v = compare(&test, frame, exact_single, NULL);
+        print_message("emission: sum off by %+.1e +- %.1e\n", v.bias, v.bias_error);
+        assert_true(fabs(v.bias) < 4.0 * v.bias_error && v.bias_error < 5e-3);
+        for (size_t i = 0; is_dark && i < neph_image_pixel_count(frame); i++)
+            assert_true(neph_image_channel(frame, "order1.G")[i] == 0.0f);
+        neph_image_destroy(frame);
+    }
+}
+
+/* What a path gains at its collisions and what is left of it add up to the surround's light, but
+ * for roulette: below 0.05 of its start a path's light is that or 0. A ball lit by it as well. */
+static void test_kirchhoff_furnace(void **state)
+{
+    for (int kind = 0; kind < 2; kind++) {
+        struct test_scene test;
+        test_scene_init(&test);
+        if (kind == 0)
+            scene_cube(&test);
+        else
+            test_add(&test, make_blob(0.5, (struct neph_vec3){0.0, 2.0, -12.0}, 2.0));
+        test.scene.media[0].albedo = (struct neph_rgb){0.5, 0.9, 0.0};
+        test.scene.media[0].emission_w_per_m2_sr = white;
+        test_add_sphere(&test, (struct neph_vec3){1.0, 2.0, -9.0}, 1.5);
+        test.scene.solids[0].albedo = white;
+        test.scene.sun.present = false;
+        test.scene.environment_light = true;
+        test.scene.background_w_per_m2_sr = white;
+        test.scene.scattering = NEPH_SCATTERING_MULTIPLE;
+        const struct neph_tracer_params params = params_of(48, 27, 64);
+        struct neph_image *frame = render(*state, &test, &params, NULL);
+        const struct verdict v = compare(&test, frame, one, NULL);
+        print_message("furnace: sum off by %+.1e +- %.1e\n", v.bias, v.bias_error);
+        assert_true(fabs(v.bias) < 4.0 * v.bias_error && v.bias_error < 1e-3);
+        for (size_t i = 0; i < neph_image_pixel_count(frame); i++)
+            neph_assert_close((double)neph_image_channel(frame, "B")[i], 1.0, 0.0, 0.05);
+        neph_image_destroy(frame);
+    }
+}
+
 /* --- same bits ---------------------------------------------------------------------------- */
 
 static void build_multiple(struct test_scene *test)
@@ -1001,6 +1067,8 @@ int main(void)
         cmocka_unit_test(test_slabs_are_those_of_adding_and_doubling),
         cmocka_unit_test(test_the_half_space_is_chandrasekhars),
         cmocka_unit_test(test_white_furnace),
+        cmocka_unit_test(test_emission_that_is_seen),
+        cmocka_unit_test(test_kirchhoff_furnace),
         cmocka_unit_test(test_dispatches_change_no_bit),
         cmocka_unit_test(test_seeds_are_independent),
         cmocka_unit_test(test_a_rest_at_a_checkpoint_changes_no_bit),
