@@ -133,7 +133,7 @@ void neph_rt_device_hand_on(struct neph_rt_device *device, const struct neph_rt_
 /* Specialization constants of shaders/realtime_choices.glsl. */
 static void set_choices(const struct neph_rt_device *device, struct neph_kernel_params *params)
 {
-    params->constant_count = RT_CHOICE_CONSTANT + RT_CHOICE_CONSTANT_COUNT;
+    params->constant_count = RT_CONSTANT_COUNT;
     params->constants[RT_SPECIALISED_CONSTANT] = device->specialises;
     for (int s = 0; s < RT_SETTING_COUNT && device->specialises; s++) {
         const float value = device->view->settings[s];
@@ -171,7 +171,7 @@ static enum neph_status add_colour(struct neph_rt_device *device, const struct n
                                    struct neph_diag *diag)
 {
     const uint64_t groups_max = device->vulkan->limits.maxComputeWorkGroupCount[0];
-    const uint64_t count = neph_rt_texel_count(device->view, pass->resolution);
+    const uint64_t count = neph_rt_thread_count(device->view, pass);
     enum neph_status status = NEPH_OK;
     for (uint64_t first = 0; first < count && !status; first += groups_max * local_size) {
         const uint64_t groups = (count - first + local_size - 1) / local_size;

@@ -109,6 +109,7 @@ const struct neph_rt_pass neph_rt_passes[] = {
         .shader = {"rt_taa", taa_spirv, sizeof(taa_spirv)},
         .condition = {RT_TAA, 1},
         .resolution = RT_FULL,
+        .column = RT_TAA_COLUMN,
         .reads = BIT(RT_COLOR) | BIT(RT_DEPTH) | BIT(RT_TAA_BEFORE),
         .writes = BIT(RT_TAA_OUT),
         .histories = {{RT_TAA_OUT, RT_TAA_BEFORE}},
@@ -183,6 +184,15 @@ uint32_t neph_rt_targets_before(const struct neph_rt_pass *pass)
     for (int i = 0; i < NEPH_RT_HISTORIES_MAX && pass->histories[i].before; i++)
         before |= BIT(pass->histories[i].before);
     return before;
+}
+
+uint64_t neph_rt_thread_count(const struct neph_gpu_view *view, const struct neph_rt_pass *pass)
+{
+    const uint64_t width = ((uint64_t)view->size_px[0] + (uint64_t)pass->resolution - 1) /
+                           (uint64_t)pass->resolution;
+    const uint64_t height = neph_rt_texel_count(view, pass->resolution) / width;
+    const uint64_t column = pass->column ? (uint64_t)pass->column : 1;
+    return width * ((height + column - 1) / column);
 }
 
 uint32_t neph_rt_colour_count(const struct neph_gpu_view *view, const struct neph_rt_pass *pass)

@@ -41,7 +41,8 @@ struct neph_rt_pass {
     const char *note; /* what it makes, in a few words */
     struct neph_rt_shader shader;
     struct neph_rt_condition condition; /* of being in the frame */
-    int resolution;                     /* RT_FULL, ..: a thread for each texel */
+    int resolution;                     /* RT_FULL, ..: of the texels that it makes */
+    int column; /* texels, one below the other, that a thread makes; 0: one */
     enum neph_rt_rays rays;
     /* Where this holds a dispatch for each of four colours, 2x2 texels, which sees what those
      * before it wrote; else, or NULL, one dispatch. */
@@ -66,6 +67,9 @@ uint32_t neph_rt_targets_used(const struct neph_gpu_view *view);
 
 /* The targets that a pass hands on, under the names that they have in the next frame. */
 uint32_t neph_rt_targets_before(const struct neph_rt_pass *pass);
+
+/* Threads of a dispatch of a pass. */
+uint64_t neph_rt_thread_count(const struct neph_gpu_view *view, const struct neph_rt_pass *pass);
 
 /* Dispatches of a pass: 1 or 4. */
 uint32_t neph_rt_colour_count(const struct neph_gpu_view *view, const struct neph_rt_pass *pass);

@@ -69,6 +69,13 @@ static enum neph_status add_rays(const struct neph_gpu_march_run *run, void *con
     return neph_rt_submission_send(work->submission, diag);
 }
 
+/* Few enough for a shader to be compiled for. */
+static uint32_t known_solids(const struct neph_gpu_scene *scene)
+{
+    const uint32_t count = scene->frame->solid_count;
+    return count < RT_SOLIDS_UNKNOWN ? count : RT_SOLIDS_UNKNOWN;
+}
+
 static enum neph_status add_ray_pass(struct neph_realtime *realtime,
                                      const struct neph_rt_pass *pass, bool counts,
                                      struct neph_rt_submission *submission, double *gpu_s,
@@ -89,6 +96,7 @@ static enum neph_status add_ray_pass(struct neph_realtime *realtime,
                         &work.dispatch);
     neph_march_constants(&realtime->scene, &realtime->march, params.constants);
     params.constants[RT_UNCOUNTED_CONSTANT] = !counts;
+    params.constants[RT_SOLIDS_CONSTANT] = known_solids(&realtime->scene);
     const enum neph_status status = neph_kernel_get(realtime->vulkan, &params, &work.kernel, diag);
     return status ? status : neph_march_cut_run(cut, add_rays, &work, diag);
 }

@@ -67,16 +67,44 @@ layout(std430, binding = REALTIME_BINDING + 2) buffer Targets {
     uint words[];
 } targets[RT_TARGET_COUNT];
 
-int choice(int index) { return SPECIALISED ? known_choice(index) : int(view.settings[index]); }
-float setting(int index) { return view.settings[index]; } // of one that is a number
+// The same words by twos and by fours, for elements of as many: one access each. A target is seen
+// through one of the three alone.
+layout(std430, binding = REALTIME_BINDING + 2) buffer TargetPairs {
+    uvec2 words[];
+} target_pairs[RT_TARGET_COUNT];
+
+layout(std430, binding = REALTIME_BINDING + 2) buffer TargetFours {
+    uvec4 words[];
+} target_fours[RT_TARGET_COUNT];
+
+// The view once more, read at the start of main(): there lavapipe knows that all threads are at
+// work, and reads for all at once. Behind a return or a branch it reads for one after the other.
+ViewCamera view_now = view.now, view_before = view.before;
+float settings[RT_SETTING_COUNT] = view.settings;
+ivec2 origin_px = ivec2(view.origin_px[0], view.origin_px[1]);
+ivec2 size_px = ivec2(view.size_px[0], view.size_px[1]);
+ivec2 half_size_px = ivec2(view.half_size_px[0], view.half_size_px[1]);
+ivec2 tiles = ivec2(view.tile_count[0], view.tile_count[1]);
+vec2 jitter_px = vec2(view.jitter_px[0], view.jitter_px[1]);
+vec2 jitter_before_px = vec2(view.jitter_before_px[0], view.jitter_before_px[1]);
+vec3 moved_by_wind_m = vec3(view.wind_m[0], view.wind_m[1], view.wind_m[2]);
+uint view_seed = view.seed, view_frame = view.frame;
+bool has_past = view.has_history != 0u, is_cut = view.is_cut != 0u;
+// Texels in a row of the targets of each resolution.
+int full_row = int(view.targets[RT_DEPTH].width);
+int half_row = int(view.targets[RT_HALF_DEPTH].width);
+int quarter_row = int(view.targets[RT_TILE].width);
+
+int choice(int index) { return SPECIALISED ? known_choice(index) : int(settings[index]); }
+float setting(int index) { return settings[index]; } // of one that is a number
 // Whether a number is other than 0, where that is "never" or "off".
 bool is_set(int index) { return SPECIALISED ? known_choice(index) != 0 : setting(index) != 0.0; }
 
-ivec2 view_origin() { return ivec2(view.origin_px[0], view.origin_px[1]); }
-ivec2 view_size() { return ivec2(view.size_px[0], view.size_px[1]); }
-ivec2 half_size() { return ivec2(view.half_size_px[0], view.half_size_px[1]); }
-ivec2 tile_count() { return ivec2(view.tile_count[0], view.tile_count[1]); }
-vec3 wind_m() { return vec3(view.wind_m[0], view.wind_m[1], view.wind_m[2]); }
+ivec2 view_origin() { return origin_px; }
+ivec2 view_size() { return size_px; }
+ivec2 half_size() { return half_size_px; }
+ivec2 tile_count() { return tiles; }
+vec3 wind_m() { return moved_by_wind_m; }
 
 // --- halves ---------------------------------------------------------------------------------
 
@@ -136,10 +164,16 @@ int format_of(int target)
 vec2 unpack(uint word) { return vec2(from_half(word & 0xffffu), from_half(word >> 16)); }
 uint pack(vec2 value) { return to_half(value.x) | (to_half(value.y) << 16); }
 
+int width_of(int target)
+{
+    int resolution = TARGETS[target].resolution;
+    return resolution == RT_FULL ? full_row : resolution == RT_HALF ? half_row : quarter_row;
+}
+
 // Element (x, y) of a target, in texels of the whole target. The caller keeps inside.
 vec4 fetch(int target, ivec2 texel)
 {
-    uint index = uint(texel.y) * view.targets[target].width + uint(texel.x);
+    uint index = uint(texel.y * width_of(target) + texel.x);
     switch (format_of(target)) {
     case RT_R16F:
         return vec4(from_half(targets[target].words[index] & 0xffffu), 0.0, 0.0, 0.0);
@@ -148,22 +182,19 @@ vec4 fetch(int target, ivec2 texel)
     case RT_RG16F:
         return vec4(unpack(targets[target].words[index]), 0.0, 0.0);
     case RT_RG32F:
-        return vec4(uintBitsToFloat(targets[target].words[2u * index]),
-                    uintBitsToFloat(targets[target].words[2u * index + 1u]), 0.0, 0.0);
-    case RT_RGBA16F:
-        return vec4(unpack(targets[target].words[2u * index]),
-                    unpack(targets[target].words[2u * index + 1u]));
+        return vec4(uintBitsToFloat(target_pairs[target].words[index]), 0.0, 0.0);
+    case RT_RGBA16F: {
+        uvec2 words = target_pairs[target].words[index];
+        return vec4(unpack(words.x), unpack(words.y));
+    }
     default:
-        return vec4(uintBitsToFloat(targets[target].words[4u * index]),
-                    uintBitsToFloat(targets[target].words[4u * index + 1u]),
-                    uintBitsToFloat(targets[target].words[4u * index + 2u]),
-                    uintBitsToFloat(targets[target].words[4u * index + 3u]));
+        return uintBitsToFloat(target_fours[target].words[index]);
     }
 }
 
 void put(int target, ivec2 texel, vec4 value)
 {
-    uint index = uint(texel.y) * view.targets[target].width + uint(texel.x);
+    uint index = uint(texel.y * width_of(target) + texel.x);
     switch (format_of(target)) {
     case RT_R16F:
         targets[target].words[index] = to_half(value.x);
@@ -175,19 +206,25 @@ void put(int target, ivec2 texel, vec4 value)
         targets[target].words[index] = pack(value.xy);
         break;
     case RT_RG32F:
-        targets[target].words[2u * index] = floatBitsToUint(value.x);
-        targets[target].words[2u * index + 1u] = floatBitsToUint(value.y);
+        target_pairs[target].words[index] = floatBitsToUint(value.xy);
         break;
     case RT_RGBA16F:
-        targets[target].words[2u * index] = pack(value.xy);
-        targets[target].words[2u * index + 1u] = pack(value.zw);
+        target_pairs[target].words[index] = uvec2(pack(value.xy), pack(value.zw));
         break;
     default:
-        targets[target].words[4u * index] = floatBitsToUint(value.x);
-        targets[target].words[4u * index + 1u] = floatBitsToUint(value.y);
-        targets[target].words[4u * index + 2u] = floatBitsToUint(value.z);
-        targets[target].words[4u * index + 3u] = floatBitsToUint(value.w);
+        target_fours[target].words[index] = floatBitsToUint(value);
     }
+}
+
+// Column and row of an element of an image that is `width` wide. lavapipe divides whole numbers for
+// one thread after the other; a quotient of floats is off by at most one row up to 2^20 of them.
+ivec2 element_at(int index, int width)
+{
+    int row = int(float(index) / float(width));
+    int column = index - row * width;
+    if (column < 0)
+        return ivec2(column + width, row - 1);
+    return column < width ? ivec2(column, row) : ivec2(column - width, row + 1);
 }
 
 // Elements by their place in the view: pixels, half-resolution texels or tiles, held at its sides.
@@ -215,6 +252,10 @@ void put_half(int target, ivec2 pixel, vec4 value)
 
 void put_tile(int target, ivec2 tile, vec4 value) { put(target, view_origin() / 4 + tile, value); }
 
+// The first and the last of four taps in a row that have a weight: one tap where the camera rests.
+int first_tap(vec4 weights) { return weights.x != 0.0 ? 0 : weights.y != 0.0 ? 1 : 2; }
+int last_tap(vec4 weights) { return weights.w != 0.0 ? 3 : weights.z != 0.0 ? 2 : 1; }
+
 // --- numbers that may be bad -------------------------------------------------------------------
 
 // Bits, because a compiler may assume that there is no NaN.
@@ -238,8 +279,8 @@ struct ViewLine {
 // corner. Without jitter.
 ViewLine view_line_at(ViewCamera camera, vec2 place_px)
 {
-    float x = (2.0 * place_px.x / float(view.size_px[0]) - 1.0) * camera.half_width;
-    float y = (1.0 - 2.0 * place_px.y / float(view.size_px[1])) * camera.half_height;
+    float x = (2.0 * place_px.x / float(size_px.x) - 1.0) * camera.half_width;
+    float y = (1.0 - 2.0 * place_px.y / float(size_px.y)) * camera.half_height;
     if (camera.is_parallel != 0u)
         return ViewLine(x * camera.right + y * camera.up, camera.forward);
     return ViewLine(vec3(0.0), normalize(camera.forward + x * camera.right + y * camera.up));
@@ -257,7 +298,7 @@ vec3 project(ViewCamera camera, vec3 point_m)
     float spread_m = view_spread(camera, depth_m);
     float x = dot(from_m, camera.right) / (spread_m * camera.half_width);
     float y = dot(from_m, camera.up) / (spread_m * camera.half_height);
-    return vec3((0.5 + 0.5 * x) * float(view.size_px[0]), (0.5 - 0.5 * y) * float(view.size_px[1]),
+    return vec3((0.5 + 0.5 * x) * float(size_px.x), (0.5 - 0.5 * y) * float(size_px.y),
                 depth_m);
 }
 

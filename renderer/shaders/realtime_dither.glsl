@@ -44,7 +44,7 @@ const uint SPATIAL_MASK = 0u, SPATIOTEMPORAL_MASK = 64u * 64u; // where their ra
 
 uint white_word(ivec2 pixel, uint frame, uint channel)
 {
-    return pcg4d(uvec4(uvec2(pixel), frame, view.seed + channel * DITHER_STEPS[0])).x | 0x100u;
+    return pcg4d(uvec4(uvec2(pixel), frame, view_seed + channel * DITHER_STEPS[0])).x | 0x100u;
 }
 
 uint interleaved_word(ivec2 pixel, uint frame, uint channel)

@@ -69,24 +69,24 @@ History history_about(vec2 place_px)
     vec4 sum = vec4(0.0);
     float total = 0.0, heaviest = 0.0;
     Box range = Box(vec4(FAR_M), vec4(-FAR_M));
-    for (int i = 0; i < 16; i++) {
-        ivec2 tap = ivec2(i & 3, i >> 2);
-        float weight = weights_x[tap.x] * weights_y[tap.y];
-        if (weight == 0.0)
-            continue;
-        History other = history_at(base + tap - 1);
-        if (other.is_void)
-            continue;
-        history.is_void = false;
-        sum += weight * other.value;
-        total += weight;
-        if (weight > heaviest) {
-            heaviest = weight;
-            history.age = other.age;
+    ivec2 first = ivec2(first_tap(weights_x), first_tap(weights_y));
+    ivec2 last = ivec2(last_tap(weights_x), last_tap(weights_y));
+    for (int y = first.y; y <= last.y; y++)
+        for (int x = first.x; x <= last.x; x++) {
+            float weight = weights_x[x] * weights_y[y];
+            History other = history_at(base + ivec2(x, y) - 1);
+            if (weight == 0.0 || other.is_void)
+                continue;
+            history.is_void = false;
+            sum += weight * other.value;
+            total += weight;
+            if (weight > heaviest) {
+                heaviest = weight;
+                history.age = other.age;
+            }
+            if (x % 3 != 0 && y % 3 != 0)
+                extend(range, other.value);
         }
-        if (tap.x % 3 != 0 && tap.y % 3 != 0)
-            extend(range, other.value);
-    }
     if (!history.is_void)
         history.value = held(sum / total, range);
     return history;
@@ -102,10 +102,10 @@ float known_distance_m(float distance_m)
 
 // A frame's rays go through places shifted by its jitter. The article's reprojection knows, by
 // Unreal's matrices, which have the jitter in them; others leave it out.
-vec2 ray_jitter_px(float jitter_px[2])
+vec2 ray_jitter_px(vec2 of_frame_px)
 {
     bool is_followed = choice(RT_REPROJECT_JITTER) != 0 && choice(RT_JITTERED_DEPTH) != 0;
-    return is_followed ? vec2(jitter_px[0], jitter_px[1]) : vec2(0.0);
+    return is_followed ? of_frame_px : vec2(0.0);
 }
 
 // Where the medium was seen that now is `distance_m` away; false if nowhere. The motion is added to
@@ -114,17 +114,17 @@ vec2 ray_jitter_px(float jitter_px[2])
 // the distance changes no place and would only cost digits.
 bool find_before(vec2 place_px, float distance_m, out vec2 before_px)
 {
-    ViewLine line = view_line_at(view.now, place_px);
-    bool is_parallel = view.now.is_parallel != 0u;
+    ViewLine line = view_line_at(view_now, place_px);
+    bool is_parallel = view_now.is_parallel != 0u;
     float length_m = is_parallel ? 0.0
                      : choice(RT_REPROJECT_MEASURE) == RT_MEASURE_EYE
-                         ? distance_m / dot(line.direction, view.now.forward)
+                         ? distance_m / dot(line.direction, view_now.forward)
                          : distance_m;
     precise vec3 point_m = line.origin_m + length_m * line.direction;
     precise vec3 moved_m = choice(RT_WIND) != 0 ? point_m - wind_m() : point_m;
-    vec3 seen = project(view.before, moved_m);
-    precise vec2 motion_px = seen.xy - project(view.now, point_m).xy;
-    before_px = place_px + motion_px - ray_jitter_px(view.jitter_before_px);
+    vec3 seen = project(view_before, moved_m);
+    precise vec2 motion_px = seen.xy - project(view_now, point_m).xy;
+    before_px = place_px + motion_px - ray_jitter_px(jitter_before_px);
     return (is_parallel || seen.z > 0.0) && all(greaterThanEqual(before_px, vec2(0.0))) &&
            all(lessThanEqual(before_px, vec2(view_size())));
 }
@@ -149,17 +149,17 @@ bool is_same_scene(vec2 place_px, vec2 before_px, float depth_m)
 {
     float expected_m = setting(RT_SKY_M);
     if (!is_sky(depth_m)) {
-        ViewLine line = view_line_at(view.now, place_px);
-        float length_m = depth_m / dot(line.direction, view.now.forward);
-        expected_m = project(view.before, line.origin_m + length_m * line.direction).z;
+        ViewLine line = view_line_at(view_now, place_px);
+        float length_m = depth_m / dot(line.direction, view_now.forward);
+        expected_m = project(view_before, line.origin_m + length_m * line.direction).z;
     }
     if (!(expected_m > 0.0))
         return false;
     ivec2 nearest = ivec2(floor(0.5 * before_px));
-    for (int i = 0; i < 9; i++) {
-        if (i != 4 && choice(RT_REJECT_AROUND) == 0)
-            continue;
-        float before_m = fetch_half(RT_HALF_DEPTH_BEFORE, nearest + ivec2(i % 3, i / 3) - 1).x;
+    int count = choice(RT_REJECT_AROUND) != 0 ? 9 : 1;
+    for (int i = 0; i < count; i++) {
+        int tap = (i + 4) % 9; // the very one first: it is enough nearly everywhere
+        float before_m = fetch_half(RT_HALF_DEPTH_BEFORE, nearest + ivec2(tap % 3, tap / 3) - 1).x;
         if (is_same_depth(expected_m, is_sky(before_m) ? setting(RT_SKY_M) : before_m))
             return true;
     }
@@ -194,10 +194,10 @@ bool is_same_edge(ivec2 half_pixel, vec2 before_px)
 // `distance_m` away.
 History history_of(ivec2 half_pixel, float depth_m, float distance_m)
 {
-    bool is_new = (checks_validity() && view.has_history == 0u) ||
-                  (choice(RT_CUT_RESET) != 0 && view.is_cut != 0u);
+    bool is_new = (checks_validity() && !has_past) ||
+                  (choice(RT_CUT_RESET) != 0 && is_cut);
     vec2 centre_px = vec2(2 * half_pixel + 1), before_px;
-    vec2 place_px = centre_px + ray_jitter_px(view.jitter_px);
+    vec2 place_px = centre_px + ray_jitter_px(jitter_px);
     bool is_too_near = is_set(RT_REPROJECT_LEAST_M) &&
                        known_distance_m(distance_m) < setting(RT_REPROJECT_LEAST_M);
     if (is_new || is_too_near || !find_before(place_px, known_distance_m(distance_m), before_px))

@@ -17,8 +17,9 @@ layout(std430, binding = 6) buffer Counters {
     uint closed_forms[2];
 } counters;
 
+// Nothing is added where there is nothing: all threads would wait for the same word.
 #define ADD_64(counter, amount)                                                                    \
-    if (atomicAdd(counter[0], amount) > 0xffffffffu - (amount))                                    \
+    if ((amount) > 0u && atomicAdd(counter[0], amount) > 0xffffffffu - (amount))                   \
         atomicAdd(counter[1], 1u)
 
 // Nobody will look at the counters: frames in flight.

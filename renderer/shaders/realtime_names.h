@@ -107,13 +107,21 @@
 #define RT_SHARPEN_AMOUNT 87
 #define RT_SETTING_COUNT 88
 
-// Specialization constants of the shaders: whether passes with rays leave their counters alone
-// (realtime_march.glsl), whether the shaders hold the choices, and the first that does
-// (realtime_choices.glsl).
+// Specialization constants of the shaders, behind those of the march: whether passes with rays
+// leave their counters alone (realtime_march.glsl); whether the shaders hold the choices, and the
+// first that does (realtime_choices.glsl); how many solids the scene has, or that there are many
+// (rt_scene.comp).
 #define RT_UNCOUNTED_CONSTANT 6
 #define RT_SPECIALISED_CONSTANT 7
 #define RT_CHOICE_CONSTANT 8
 #define RT_CHOICE_CONSTANT_COUNT 16
+#define RT_SOLIDS_CONSTANT 24
+#define RT_SOLIDS_UNKNOWN 33 // and from there on: looked at one by one
+#define RT_CONSTANT_COUNT 25
+
+// Pixels below each other that a thread of the anti-aliasing takes: each row that it reads serves
+// three of them.
+#define RT_TAA_COLUMN 4
 
 // --- choices ----------------------------------------------------------------------------------
 

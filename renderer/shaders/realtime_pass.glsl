@@ -16,8 +16,7 @@ layout(push_constant) uniform PassRun {
 // The element of this thread in an image, row by row; false when there is none left.
 bool own_element(ivec2 size, out ivec2 element)
 {
-    uint thread = run.first_thread + gl_GlobalInvocationID.x;
-    element = ivec2(thread % uint(size.x), thread / uint(size.x));
+    element = element_at(int(run.first_thread + gl_GlobalInvocationID.x), size.x);
     return element.y < size.y;
 }
 

@@ -42,7 +42,7 @@ int slot_of(ivec2 half_pixel)
 int default_slot(ivec2 tile)
 {
     bool is_ahead = choice(RT_SLOT_CHECKERBOARD) != 0 && (tile.x & 1) == (tile.y & 1);
-    return int((view.frame + (is_ahead ? 1u : 0u)) & 3u);
+    return int((view_frame + (is_ahead ? 1u : 0u)) & 3u);
 }
 
 bool is_sky(float depth_m) { return depth_m >= FAR_M; }

@@ -21,19 +21,21 @@ struct Ray {
     float place;    // in each step
 };
 
+Camera camera = frame_camera(); // read before any branch, as the view is (realtime.glsl)
+
 Ray ray_of(ivec2 tile)
 {
     ivec2 half_pixel = 2 * tile + slot_place(int(fetch_tile(RT_TILE, tile).x));
     half_pixel = min(half_pixel, half_size() - 1);
     vec2 place_px = vec2(2 * half_pixel + 1);
     if (choice(RT_JITTERED_DEPTH) != 0)
-        place_px += vec2(view.jitter_px[0], view.jitter_px[1]);
+        place_px += jitter_px;
     float depth_m = fetch_half(RT_HALF_DEPTH, half_pixel).x;
     Ray ray;
-    ray.view = camera_ray_at(frame_camera(), place_px);
-    float cosine = dot(ray.view.direction, frame.camera_forward);
+    ray.view = camera_ray_at(camera, place_px);
+    float cosine = dot(ray.view.direction, camera.forward);
     ray.length_m = depth_m < FAR_M ? depth_m / cosine : FAR_M;
-    ray.place = mix(0.5, dither(choice(RT_RAY_DITHER), tile, view.frame, 0u),
+    ray.place = mix(0.5, dither(choice(RT_RAY_DITHER), tile, view_frame, 0u),
                     setting(RT_RAY_DITHER_AMOUNT));
     return ray;
 }
@@ -43,8 +45,7 @@ void main()
     uint thread = gl_GlobalInvocationID.x;
     if (thread >= run.ray_count)
         return;
-    uint index = run.first_ray + thread;
-    ivec2 tile = ivec2(index % view.tile_count[0], index / view.tile_count[0]);
+    ivec2 tile = element_at(int(run.first_ray + thread), tile_count().x);
     Ray ray = ray_of(tile);
     Sums sums = sums_at_start(thread);
     march(ray.view, ray.length_m, ray.place, sums);
@@ -57,7 +58,7 @@ void main()
                                 fraction_through(optical_depth).x));
     float end_m = min(min(ray.length_m, setting(RT_SKY_M)), HALF_MAX);
     put_tile(RT_RAY_DISTANCE, tile, vec4(min(view_distance_m(sums), end_m)));
-    if (!UNCOUNTED)
-        atomicAdd(counters.rays, 1u);
+    if (!UNCOUNTED && gl_LocalInvocationIndex == 0u)
+        atomicAdd(counters.rays, min(gl_WorkGroupSize.x, run.ray_count - thread));
     count_cost();
 }

@@ -6,31 +6,73 @@
 // from comes from a ray of its own when the picture's rays are jittered: a depth map that moves
 // with the jitter (jittered_depth = on) makes the choice of slots flicker in front of a camera at
 // rest.
+//
+// lavapipe reads what all threads share once for all of them where it knows them to be at work,
+// before any branch, and thread by thread behind one: so few solids are a loop that is unrolled,
+// one for both rays, and threads without a pixel do the work of the last one.
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 
 #include "realtime_march.glsl"
 
-ViewRay ray_through(ivec2 pixel, vec2 jitter_px)
+layout(constant_id = RT_SOLIDS_CONSTANT) const uint KNOWN_SOLIDS = RT_SOLIDS_UNKNOWN;
+
+struct SightLine {
+    ViewRay ray;
+    Hit hit;
+};
+
+SightLine sight_line(Camera camera, vec2 place_px)
 {
-    return camera_ray_at(frame_camera(), vec2(pixel) + 0.5 + jitter_px);
+    return SightLine(camera_ray_at(camera, place_px), Hit(FAR_M, NO_SOLID));
+}
+
+// As scene_hit() takes the nearest.
+void meet(Solid solid, uint s, inout SightLine line)
+{
+    float t0_m, t1_m;
+    bool meets = solid_interval(solid, line.ray.origin_m, line.ray.direction, t0_m, t1_m);
+    float t_m = t0_m > 0.0 ? t0_m : t1_m;
+    if (meets && t_m > 0.0 && t_m < line.hit.t_m)
+        line.hit = Hit(t_m, s);
+}
+
+void meet_both(uint s, inout SightLine picture, inout SightLine steady)
+{
+    Solid solid = solids[s];
+    meet(solid, s, picture);
+    if (choice(RT_JITTERED_DEPTH) == 0)
+        meet(solid, s, steady);
+}
+
+void meet_solids(inout SightLine picture, inout SightLine steady)
+{
+    if (KNOWN_SOLIDS != RT_SOLIDS_UNKNOWN) {
+        [[unroll]] for (uint s = 0; s < KNOWN_SOLIDS; s++)
+            meet_both(s, picture, steady);
+    } else {
+        for (uint s = 0; s < frame.solid_count; s++)
+            meet_both(s, picture, steady);
+    }
 }
 
 void main()
 {
-    uint thread = gl_GlobalInvocationID.x;
-    if (thread >= run.ray_count)
+    uint thread = min(gl_GlobalInvocationID.x, run.ray_count - 1u);
+    ivec2 pixel = element_at(int(run.first_ray + thread), view_size().x);
+    Camera camera = frame_camera();
+    vec3 background = frame.background;
+    SightLine picture = sight_line(camera, vec2(pixel) + 0.5 + jitter_px);
+    SightLine steady = sight_line(camera, vec2(pixel) + 0.5);
+    meet_solids(picture, steady);
+    if (choice(RT_JITTERED_DEPTH) != 0)
+        steady = picture;
+    if (gl_GlobalInvocationID.x >= run.ray_count)
         return;
-    uint index = run.first_ray + thread;
-    ivec2 pixel = ivec2(index % view.size_px[0], index / view.size_px[0]);
-    vec2 jitter_px = vec2(view.jitter_px[0], view.jitter_px[1]);
-    ViewRay ray = ray_through(pixel, jitter_px);
-    Hit hit = scene_hit(ray.origin_m, ray.direction);
-    put_full(RT_DEPTH, pixel, vec4(hit_eye_depth_m(hit, ray)));
-    put_full(RT_BEHIND, pixel, vec4(radiance_behind(hit, ray), 0.0));
-    if (choice(RT_JITTERED_DEPTH) == 0) {
-        ray = ray_through(pixel, vec2(0.0));
-        hit = scene_hit(ray.origin_m, ray.direction);
-    }
-    put_full(RT_STEADY_DEPTH, pixel, vec4(hit_eye_depth_m(hit, ray)));
+    bool is_sky = picture.hit.solid == NO_SOLID;
+    put_full(RT_DEPTH, pixel, vec4(hit_eye_depth_m(picture.hit, picture.ray)));
+    put_full(RT_BEHIND, pixel,
+             vec4(is_sky ? background : radiance_behind(picture.hit, picture.ray), 0.0));
+    put_full(RT_STEADY_DEPTH, pixel, vec4(hit_eye_depth_m(steady.hit, steady.ray)));
     count_cost();
 }

@@ -68,9 +68,9 @@ float dot_in_order(vec3 a, vec3 b)
 // The place at eye depth 1 of what a pixel's centre sees, without jitter.
 vec3 ray_through(vec2 centre_px)
 {
-    precise float x = (2.0 * centre_px.x / float(view.size_px[0]) - 1.0) * view.now.half_width;
-    precise float y = (1.0 - 2.0 * centre_px.y / float(view.size_px[1])) * view.now.half_height;
-    precise vec3 ray = view.now.forward + x * view.now.right + y * view.now.up;
+    precise float x = (2.0 * centre_px.x / float(size_px.x) - 1.0) * view_now.half_width;
+    precise float y = (1.0 - 2.0 * centre_px.y / float(size_px.y)) * view_now.half_height;
+    precise vec3 ray = view_now.forward + x * view_now.right + y * view_now.up;
     return ray;
 }
 
@@ -78,10 +78,10 @@ vec3 ray_through(vec2 centre_px)
 vec2 place_from_middle(ViewCamera camera, vec3 from, float depth)
 {
     precise vec2 place;
-    place.x = 0.5 * float(view.size_px[0]) *
+    place.x = 0.5 * float(size_px.x) *
               (dot_in_order(from, camera.right) /
                (view_spread(camera, depth) * camera.half_width));
-    place.y = -0.5 * float(view.size_px[1]) *
+    place.y = -0.5 * float(size_px.y) *
               (dot_in_order(from, camera.up) /
                (view_spread(camera, depth) * camera.half_height));
     return place;
@@ -91,6 +91,8 @@ vec2 place_from_middle(ViewCamera camera, vec3 from, float depth)
 // in Unreal the motion is that of the pixel's own place at this depth, not of the neighbour's.
 float depth_of_motion(ivec2 pixel)
 {
+    if (view_before.position_m == vec3(0.0))
+        return FAR_M; // nobody has moved: all depths move alike
     float nearest_m = fetch_full(RT_DEPTH, pixel).x;
     if (choice(RT_TAA_MOTION) == RT_MOTION_CENTRE)
         return nearest_m;
@@ -110,17 +112,17 @@ bool find_before(ivec2 pixel, out vec2 place_px, out float speed_px)
 {
     precise vec2 centre_px = vec2(pixel) + 0.5;
     vec3 ray = ray_through(centre_px);
-    float spread_m = view_spread(view.now, depth_of_motion(pixel));
-    precise vec3 ray_before = ray - view.before.position_m / spread_m;
-    float depth_before = view_spread(view.before, dot_in_order(ray_before, view.before.forward));
+    float spread_m = view_spread(view_now, depth_of_motion(pixel));
+    precise vec3 ray_before = ray - view_before.position_m / spread_m;
+    float depth_before = view_spread(view_before, dot_in_order(ray_before, view_before.forward));
     precise vec2 motion_px =
-        place_from_middle(view.now, ray, dot_in_order(ray, view.now.forward)) -
-        place_from_middle(view.before, ray_before, depth_before);
+        place_from_middle(view_now, ray, dot_in_order(ray, view_now.forward)) -
+        place_from_middle(view_before, ray_before, depth_before);
     precise vec2 before_px = centre_px - motion_px;
     place_px = before_px;
     speed_px = length(motion_px);
-    return depth_before > 0.0 && before_px.x > 0.0 && before_px.x < float(view.size_px[0]) &&
-           before_px.y > 0.0 && before_px.y < float(view.size_px[1]);
+    return depth_before > 0.0 && before_px.x > 0.0 && before_px.x < float(size_px.x) &&
+           before_px.y > 0.0 && before_px.y < float(size_px.y);
 }
 
 // --- history ------------------------------------------------------------------------------------
@@ -145,13 +147,15 @@ bool fetch_history(vec2 place_px, out vec3 history)
     precise vec2 corner = floor(place_px - 0.5);
     precise vec2 way = place_px - 0.5 - corner;
     vec4 columns = filter_weights(way.x), rows = filter_weights(way.y);
+    ivec2 first = ivec2(first_tap(columns), first_tap(rows));
+    ivec2 last = ivec2(last_tap(columns), last_tap(rows));
     history = vec3(0.0);
-    for (int i = 0; i < 16; i++) {
-        ivec2 texel = ivec2(i & 3, i >> 2);
-        float weight = columns[texel.x] * rows[texel.y];
-        if (weight != 0.0) // at rest 15 of 16 are
-            history += weight * fetch_full(RT_TAA_BEFORE, ivec2(corner) + texel - 1).rgb;
-    }
+    for (int y = first.y; y <= last.y; y++)
+        for (int x = first.x; x <= last.x; x++) {
+            float weight = columns[x] * rows[y];
+            if (weight != 0.0)
+                history += weight * fetch_full(RT_TAA_BEFORE, ivec2(corner) + ivec2(x, y) - 1).rgb;
+        }
     bool is_sound = !guarded() || is_finite(history);
     history = guard(history);
     return is_sound;
@@ -175,22 +179,32 @@ bool is_counted(uint counted, int i) { return (counted >> i & 1u) != 0u; }
 // From the pixel's centre to where the ray of a neighbour went [px], squared.
 float distance_squared(int i)
 {
-    precise float x = float(offset_of(i).x) + view.jitter_px[0];
-    precise float y = float(offset_of(i).y) + view.jitter_px[1];
+    precise float x = float(offset_of(i).x) + jitter_px.x;
+    precise float y = float(offset_of(i).y) + jitter_px.y;
     precise float sum = x * x + y * y;
     return sum;
 }
 
-Surroundings look_around(ivec2 pixel)
+// One row down: two of three rows are known.
+void look_down(ivec2 pixel, inout Surroundings around)
 {
-    Surroundings around;
-    around.counted = 0u;
-    for (int i = 0; i < 9; i++) {
+    around.counted >>= 3;
+    for (int i = 0; i < 6; i++)
+        around.colours[i] = around.colours[i + 3];
+    for (int i = 6; i < 9; i++) {
         vec3 colour = fetch_full(RT_COLOR, pixel + offset_of(i)).rgb;
         if (!guarded() || is_finite(colour))
             around.counted |= 1u << i;
         around.colours[i] = guard(colour);
     }
+}
+
+Surroundings look_above(ivec2 pixel)
+{
+    Surroundings around;
+    around.counted = 0u;
+    look_down(pixel - ivec2(0, 2), around);
+    look_down(pixel - ivec2(0, 1), around);
     return around;
 }
 
@@ -376,29 +390,38 @@ vec3 round_to_format(vec3 colour, ivec2 pixel)
         choice(RT_TAA_ROUNDING) != RT_ROUNDING_STOCHASTIC)
         return colour;
     // The hash's first number is the white dither's (renderer/dither.h).
-    vec3 numbers = uniform_from(pcg4d(uvec4(pixel, view.frame, view.seed)).yzw);
+    vec3 numbers = uniform_from(pcg4d(uvec4(pixel, view_frame, view_seed)).yzw);
     return vec3(round_by_chance(colour.r, numbers.x), round_by_chance(colour.g, numbers.y),
                 round_by_chance(colour.b, numbers.z));
 }
 
-void main()
+vec3 resolved(ivec2 pixel, Surroundings around)
 {
-    ivec2 pixel;
-    if (!own_element(view_size(), pixel))
-        return;
-    bool is_reset = view.has_history == 0u || (view.is_cut != 0u && choice(RT_CUT_RESET) != 0);
+    bool is_reset = !has_past || (is_cut && choice(RT_CUT_RESET) != 0);
     vec2 before_px;
     float speed_px;
     vec3 history, colour;
     bool has_history =
         !is_reset && find_before(pixel, before_px, speed_px) && fetch_history(before_px, history);
-    Surroundings around = look_around(pixel);
     if (!filter_frame(around, colour)) {
         colour = has_history ? history : vec3(0.0);
     } else if (has_history) {
         float alpha = frame_weight(luma_4(colour), luma_4(history), speed_px);
         colour = blend(colour, hold_history(history, around, colour), alpha);
     }
-    colour = guard(hold(colour, vec3(-HALF_MAX), vec3(HALF_MAX)));
-    put_full(RT_TAA_OUT, pixel, vec4(round_to_format(colour, pixel), 0.0));
+    return guard(hold(colour, vec3(-HALF_MAX), vec3(HALF_MAX)));
+}
+
+void main()
+{
+    ivec2 pixel, size = view_size();
+    if (!own_element(ivec2(size.x, (size.y - 1) / RT_TAA_COLUMN + 1), pixel))
+        return;
+    pixel.y *= RT_TAA_COLUMN;
+    int end = min(pixel.y + RT_TAA_COLUMN, size.y);
+    Surroundings around = look_above(pixel);
+    for (; pixel.y < end; pixel.y++) {
+        look_down(pixel, around);
+        put_full(RT_TAA_OUT, pixel, vec4(round_to_format(resolved(pixel, around), pixel), 0.0));
+    }
 }

@@ -49,6 +49,7 @@
 //
 // With validity on, taps that are void or unsound do not count; a pixel without any tap is void.
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 
 #include "realtime_dither.glsl"
 #include "realtime_pass.glsl"
@@ -82,8 +83,8 @@ bool is_usable(vec4 volume, float age)
 vec2 place_of(ivec2 pixel)
 {
     bool is_jittered = choice(RT_JITTERED_DEPTH) == 0;
-    vec2 jitter_px = is_jittered ? vec2(view.jitter_px[0], view.jitter_px[1]) : vec2(0.0);
-    precise vec2 place = 0.5 * vec2(pixel) - 0.25 + 0.5 * jitter_px;
+    vec2 shift_px = is_jittered ? jitter_px : vec2(0.0);
+    precise vec2 place = 0.5 * vec2(pixel) - 0.25 + 0.5 * shift_px;
     return place;
 }
 
@@ -114,12 +115,14 @@ float shift_amount_px(ivec2 pixel)
 vec2 shift_px(ivec2 pixel)
 {
     int kind = choice(RT_UPSCALE_DITHER);
+    if (kind == RT_DITHER_NONE)
+        return vec2(0.0);
     vec2 number;
     if (choice(RT_UPSCALE_PAIR) == RT_PAIR_SHARED)
-        number = vec2(dither(kind, pixel, view.frame % SHARED_FRAMES, 0u),
-                      dither(kind, pixel.yx, view.frame % SHARED_FRAMES, 0u));
+        number = vec2(dither(kind, pixel, view_frame % SHARED_FRAMES, 0u),
+                      dither(kind, pixel.yx, view_frame % SHARED_FRAMES, 0u));
     else
-        number = vec2(dither(kind, pixel, view.frame, 0u), dither(kind, pixel, view.frame, 1u));
+        number = vec2(dither(kind, pixel, view_frame, 0u), dither(kind, pixel, view_frame, 1u));
     precise vec2 shift = shift_amount_px(pixel) * (2.0 * number - 1.0);
     return shift;
 }
@@ -180,24 +183,37 @@ int asked_tap(int i, vec2 fraction)
     return i ^ ((fraction.x < 0.5 ? 0 : 1) + (fraction.y < 0.5 ? 0 : 2));
 }
 
+// A choice among known taps is cheaper than an index into memory.
+Tap picked(Tap taps[TAPS_MAX], int index)
+{
+    Tap tap = taps[0];
+    [[unroll]] for (int i = 1; i < tap_count(); i++)
+        if (i == index)
+            tap = taps[i];
+    return tap;
+}
+
 // The tap nearest in depth; -1: none is used.
 int nearest_tap(Tap taps[TAPS_MAX], vec2 fraction)
 {
     int nearest = -1;
-    for (int i = 0; i < tap_count(); i++) {
+    float least_m = 0.0;
+    [[unroll]] for (int i = 0; i < tap_count(); i++) {
         int asked = asked_tap(i, fraction);
-        if (taps[asked].is_used &&
-            (nearest < 0 || taps[asked].difference_m < taps[nearest].difference_m))
+        Tap tap = picked(taps, asked);
+        if (tap.is_used && (nearest < 0 || tap.difference_m < least_m)) {
             nearest = asked;
+            least_m = tap.difference_m;
+        }
     }
     return nearest;
 }
 
-bool depth_matters(Tap taps[TAPS_MAX], int nearest)
+bool depth_matters(Tap taps[TAPS_MAX], Tap nearest)
 {
     float contrast = setting(RT_UPSCALE_CONTRAST);
-    float least = taps[nearest].volume.w, largest = least;
-    for (int i = 0; i < tap_count(); i++) {
+    float least = nearest.volume.w, largest = least;
+    [[unroll]] for (int i = 0; i < tap_count(); i++) {
         if (taps[i].is_used && taps[i].volume.w < least)
             least = taps[i].volume.w;
         if (taps[i].is_used && taps[i].volume.w > largest)
@@ -211,7 +227,7 @@ bool depth_matters(Tap taps[TAPS_MAX], int nearest)
 
 bool all_within(Tap taps[TAPS_MAX], float limit_m)
 {
-    for (int i = 0; i < tap_count(); i++)
+    [[unroll]] for (int i = 0; i < tap_count(); i++)
         if (taps[i].is_used && !(taps[i].difference_m < limit_m))
             return false;
     return true;
@@ -241,15 +257,15 @@ float tap_weight(Tap tap, bool is_nearest, bool regardless, float limit_m)
 
 // Held between the values that it is made of: a constant stays what it is, and no rounding makes a
 // radiance negative.
-vec4 blend(Tap taps[TAPS_MAX], float weights[TAPS_MAX], int nearest)
+vec4 blend(Tap taps[TAPS_MAX], float weights[TAPS_MAX], Tap nearest)
 {
     float total = 0.0;
-    for (int i = 0; i < tap_count(); i++)
+    [[unroll]] for (int i = 0; i < tap_count(); i++)
         total += weights[i];
     if (!(total > 0.0))
-        return taps[nearest].volume;
+        return nearest.volume;
     vec4 sum = vec4(0.0), least = vec4(FLOAT_MAX), largest = vec4(-FLOAT_MAX);
-    for (int i = 0; i < tap_count(); i++)
+    [[unroll]] for (int i = 0; i < tap_count(); i++)
         if (weights[i] > 0.0) {
             vec4 value = taps[i].volume;
             sum += weights[i] / total * value;
@@ -272,7 +288,7 @@ void main()
     precise float limit_m = setting(RT_UPSCALE_DEPTH) * compared_depth_m(scene_m);
 
     Tap taps[TAPS_MAX];
-    for (int i = 0; i < tap_count(); i++)
+    [[unroll]] for (int i = 0; i < tap_count(); i++)
         taps[i] = tap_at(ivec2(corner), i, fraction, scene_m);
     int nearest = nearest_tap(taps, fraction);
     if (nearest < 0) {
@@ -280,12 +296,13 @@ void main()
         put_full(RT_VOLUME_DISTANCE, pixel, vec4(0.0));
         return;
     }
+    Tap chosen = picked(taps, nearest);
     bool allows = choice(RT_UPSCALE) == RT_UPSCALE_MEAN ||
                       choice(RT_UPSCALE) == RT_UPSCALE_INVERSE;
-    bool regardless = !depth_matters(taps, nearest) || (allows && all_within(taps, limit_m));
+    bool regardless = !depth_matters(taps, chosen) || (allows && all_within(taps, limit_m));
     float weights[TAPS_MAX];
-    for (int i = 0; i < tap_count(); i++)
+    [[unroll]] for (int i = 0; i < tap_count(); i++)
         weights[i] = tap_weight(taps[i], i == nearest, regardless, limit_m);
-    put_full(RT_VOLUME, pixel, blend(taps, weights, nearest));
-    put_full(RT_VOLUME_DISTANCE, pixel, vec4(taps[nearest].distance_m));
+    put_full(RT_VOLUME, pixel, blend(taps, weights, chosen));
+    put_full(RT_VOLUME_DISTANCE, pixel, vec4(chosen.distance_m));
 }

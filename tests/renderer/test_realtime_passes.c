@@ -142,6 +142,28 @@ static void test_choices_fit_into_their_constants(void **state)
     }
 }
 
+/* A thread for each texel, or for each column of them, the last of which may be cut. */
+static void test_threads_cover_all_texels(void **state)
+{
+    (void)state;
+    const struct neph_settings settings = neph_options_default(neph_rt_options);
+    struct neph_gpu_view view;
+    neph_rt_view_init(&view, &settings, (int[2]){37, 21}, (int[2]){0, 0}, (int[2]){37, 21});
+    static const struct {
+        int resolution, column;
+        uint64_t count;
+    } cases[] = {
+        {RT_FULL, 0, 37 * 21},   {RT_FULL, 4, 37 * 6},    {RT_FULL, 21, 37},
+        {RT_FULL, 64, 37},       {RT_HALF, 0, 19 * 11},   {RT_HALF, 2, 19 * 6},
+        {RT_QUARTER, 0, 10 * 6}, {RT_QUARTER, 3, 10 * 2},
+    };
+    for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+        const struct neph_rt_pass pass = {.resolution = cases[i].resolution,
+                                          .column = cases[i].column};
+        assert_int_equal(neph_rt_thread_count(&view, &pass), cases[i].count);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -149,6 +171,7 @@ int main(void)
         cmocka_unit_test(test_what_is_read_was_written),
         cmocka_unit_test(test_histories_have_one_shape),
         cmocka_unit_test(test_choices_fit_into_their_constants),
+        cmocka_unit_test(test_threads_cover_all_texels),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -569,6 +569,36 @@ static void test_given_depth(void **state)
     neph_image_destroy(given);
 }
 
+/* Shaders are compiled for a few solids and look at many one by one: what is behind the media is
+ * what the march sees there, on both sides of where that changes. */
+static void test_few_and_many_solids_look_alike(void **state)
+{
+    static const int counts[] = {0, RT_SOLIDS_UNKNOWN - 1, RT_SOLIDS_UNKNOWN};
+    struct test_scene test;
+    test_scene_init(&test);
+    struct neph_solid solids[RT_SOLIDS_UNKNOWN];
+    for (int i = 0; i < RT_SOLIDS_UNKNOWN; i++)
+        solids[i] = i % 2 ? make_sphere(-8.0 + 0.5 * i, 1.0, -12.0 - i % 5, 0.6)
+                          : make_box(-8.0 + 0.5 * i, 0.0, -15.0, -7.8 + 0.5 * i, 4.0, -14.0);
+    test.scene.solids = solids;
+    struct neph_settings settings = preset("fixed");
+    set(&settings, "taa=off");
+    for (size_t n = 0; n < sizeof(counts) / sizeof(counts[0]); n++) {
+        test.scene.solid_count = counts[n];
+        struct neph_realtime *realtime = open_realtime(*state, &test.scene, &settings);
+        struct neph_image *frame = next(realtime, &test.scene, 0, NULL);
+        struct neph_image *march = marched(*state, &test.scene, 0, NULL);
+        static const char *const names[] = {"R", "G", "B", "Z"};
+        for (int c = 0; c < 4; c++)
+            assert_memory_equal(neph_image_channel(frame, names[c]),
+                                neph_image_channel(march, names[c]),
+                                WIDTH_PX * HEIGHT_PX * sizeof(float));
+        neph_image_destroy(march);
+        neph_image_destroy(frame);
+        neph_realtime_destroy(realtime);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -585,6 +615,7 @@ int main(void)
         cmocka_unit_test(test_a_fourteenth_of_the_evaluations),
         cmocka_unit_test(test_coloured_extinction_is_refused),
         cmocka_unit_test(test_given_depth),
+        cmocka_unit_test(test_few_and_many_solids_look_alike),
     };
     return cmocka_run_group_tests(tests, setup, teardown);
 }
