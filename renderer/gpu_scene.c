@@ -101,6 +101,40 @@ static struct neph_gpu_frame frame_from(const struct neph_scene *scene,
     return gpu;
 }
 
+/* --- the world ---------------------------------------------------------------------------- */
+
+uint32_t neph_gpu_scene_media(const struct neph_scene *scene,
+                              struct neph_gpu_medium media[NEPH_GPU_MEDIA_MAX])
+{
+    const struct neph_vec3 origin_m = {0.0, 0.0, 0.0};
+    uint32_t count = 0;
+    memset(media, 0, NEPH_GPU_MEDIA_MAX * sizeof(*media));
+    for (int i = 0; i < scene->medium_count; i++)
+        if (is_there(&scene->media[i]))
+            media[count++] = medium_from(&scene->media[i], origin_m, 0);
+    return count;
+}
+
+static struct neph_bounds hull(struct neph_bounds a, struct neph_bounds b)
+{
+    return (struct neph_bounds){
+        {fmin(a.min_m.x, b.min_m.x), fmin(a.min_m.y, b.min_m.y), fmin(a.min_m.z, b.min_m.z)},
+        {fmax(a.max_m.x, b.max_m.x), fmax(a.max_m.y, b.max_m.y), fmax(a.max_m.z, b.max_m.z)}};
+}
+
+bool neph_shapes_box(const struct neph_scene *scene, struct neph_bounds *box)
+{
+    bool any = false;
+    for (int i = 0; i < scene->medium_count; i++) {
+        if (neph_medium_is_fog(&scene->media[i]) || !is_there(&scene->media[i]))
+            continue;
+        const struct neph_bounds own = neph_medium_support(&scene->media[i]);
+        *box = any ? hull(*box, own) : own;
+        any = true;
+    }
+    return any;
+}
+
 /* --- buffers ------------------------------------------------------------------------------ */
 
 /* A device buffer of at least one element: nothing may be bound that is empty. */

@@ -54,6 +54,13 @@ enum neph_status neph_gpu_scene_create(const struct neph_vulkan *vulkan,
 void neph_gpu_scene_move(struct neph_gpu_scene *gpu, const struct neph_scene *scene, double frame,
                          int width_px, int height_px);
 
+/* The media that do something, in the world's places; zeros behind them. Returns how many. */
+uint32_t neph_gpu_scene_media(const struct neph_scene *scene,
+                              struct neph_gpu_medium media[NEPH_GPU_MEDIA_MAX]);
+
+/* The box around all shapes (media but fogs) of them; false when there is none. */
+bool neph_shapes_box(const struct neph_scene *scene, struct neph_bounds *box);
+
 void neph_gpu_scene_destroy(const struct neph_vulkan *vulkan, struct neph_gpu_scene *gpu);
 
 /* Fill in the first buffers of a dispatch. */

@@ -6,6 +6,9 @@
 #include "renderer/gpu_scene.h"
 #include "renderer/march_cut.h"
 #include "renderer/reach.h"
+#include "renderer/shortcuts.h"
+#include "renderer/skip_cells.h"
+#include "renderer/sun_cache.h"
 #include "scenes/emission.h"
 
 #include <math.h>
@@ -90,6 +93,9 @@ enum neph_status neph_march_check(const struct neph_scene *scene,
         return neph_fail(diag, NEPH_ERR_USAGE,
                          "march: %d steps of %d sun steps each are more than a pixel can count",
                          params->steps, params->sun_steps);
+    status = neph_shortcuts_check(params, diag);
+    if (status)
+        return status;
     char reason[256];
     if (!neph_march_can_render(scene, params->lighting, reason, sizeof(reason)))
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "march: cannot: %s", reason);
@@ -104,6 +110,8 @@ struct neph_march {
     struct neph_march_cut cut;
     struct neph_gpu_scene scene;
     struct neph_turns frame_turns, solid_turns; /* of the scene's */
+    struct neph_skip_cells skip_cells;
+    struct neph_sun_cache sun_cache;
     struct neph_buffer pixels, states, readback;
     struct neph_flight flight;
     double flights_gpu_s[NEPH_FLIGHT_FRAMES]; /* of the frames in flight */
@@ -148,6 +156,10 @@ enum neph_status neph_march_create(struct neph_vulkan *vulkan, const struct neph
     status = neph_gpu_scene_create(vulkan, scene, params->frame, params->width_px,
                                    params->height_px, false, &made->scene, diag);
     if (!status)
+        status = neph_skip_cells_create(vulkan, scene, params, &made->skip_cells, diag);
+    if (!status)
+        status = neph_sun_cache_create(vulkan, scene, &made->scene, params, &made->sun_cache, diag);
+    if (!status)
         status = neph_march_cut_make(vulkan, scene, &made->scene, params,
                                      (uint64_t)params->width_px * (uint64_t)params->height_px,
                                      &made->cut, diag);
@@ -171,6 +183,8 @@ void neph_march_destroy(struct neph_march *march)
     neph_buffer_destroy(march->vulkan, &march->pixels);
     neph_turns_destroy(march->vulkan, &march->solid_turns);
     neph_turns_destroy(march->vulkan, &march->frame_turns);
+    neph_sun_cache_destroy(&march->sun_cache);
+    neph_skip_cells_destroy(march->vulkan, &march->skip_cells);
     neph_gpu_scene_destroy(march->vulkan, &march->scene);
     free(march);
 }
@@ -238,7 +252,8 @@ struct work {
     bool is_read; /* rays that are through come back, into the layers */
     struct layers layers;
     struct neph_march_stats stats;
-    double *gpu_s; /* borrowed; one of neph_march.flights_gpu_s */
+    double *gpu_s;                   /* borrowed; one of neph_march.flights_gpu_s */
+    struct neph_sun_cache_cost cost; /* of the fill before it, if there was one */
 };
 
 static struct neph_dispatch dispatch_of(const struct neph_march *march,
@@ -249,8 +264,10 @@ static struct neph_dispatch dispatch_of(const struct neph_march *march,
         .group_count = (run->ray_count + NEPH_MARCH_LOCAL_SIZE - 1) / NEPH_MARCH_LOCAL_SIZE,
     };
     neph_gpu_scene_bind(&march->scene, &dispatch);
+    neph_skip_cells_bind(&march->skip_cells, &dispatch);
     dispatch.buffers[NEPH_GPU_SCENE_BUFFERS] = &march->states;
     dispatch.buffers[NEPH_GPU_SCENE_BUFFERS + 1] = &march->pixels;
+    dispatch.buffers[NEPH_GPU_SCENE_BUFFERS + 2] = &march->sun_cache.nodes;
     return dispatch;
 }
 
@@ -294,7 +311,7 @@ static enum neph_status get_kernel(struct neph_march *march, const struct neph_k
         .name = "march",
         .spirv = march_spirv,
         .spirv_size_bytes = sizeof(march_spirv),
-        .buffer_count = NEPH_GPU_SCENE_BUFFERS + 2,
+        .buffer_count = NEPH_MARCH_BUFFERS,
         .push_size_bytes = sizeof(struct neph_gpu_march_run),
         .constant_count = NEPH_MARCH_CONSTANTS,
     };
@@ -311,10 +328,25 @@ static void show_scene(struct neph_march *march, const struct neph_scene *scene,
     struct neph_gpu_frame *gpu = march->scene.frame = march->scene.buffers[0].mapped;
     neph_gpu_scene_move(&march->scene, scene, frame, march->params.width_px,
                         march->params.height_px);
-    gpu->steps = (uint32_t)march->params.steps;
-    gpu->sun_steps = (uint32_t)neph_march_sun_steps(scene, &march->params);
+    neph_march_set_frame(scene, &march->params, gpu);
     gpu->jitter_px[0] = jitter_px[0];
     gpu->jitter_px[1] = jitter_px[1];
+}
+
+/* What it looks up beside the scene. */
+static enum neph_status show_shortcuts(struct neph_march *march, const struct neph_scene *scene,
+                                       double frame, struct neph_sun_cache_cost *cost,
+                                       struct neph_diag *diag)
+{
+    enum neph_status status = neph_skip_cells_place(&march->skip_cells, scene, frame,
+                                                    march->scene.frame, diag);
+    /* Frames in flight may still read the nodes: they land first, and their times stay theirs. */
+    if (!status && neph_sun_cache_is_stale(&march->sun_cache, scene, &march->scene))
+        status = neph_batches_wait(march->vulkan, neph_batches_sent(march->vulkan),
+                                   "frames in flight", diag);
+    return status ? status
+                  : neph_sun_cache_fill(&march->sun_cache, scene, frame, &march->scene,
+                                        &march->skip_cells, cost, diag);
 }
 
 /* All dispatches of a frame, sent. */
@@ -347,7 +379,10 @@ static enum neph_status read_frame(struct neph_march *march, struct work *work,
         return status;
     }
     work->stats.rays = march->cut.ray_count;
-    work->stats.gpu_s = *work->gpu_s;
+    work->stats.gpu_s = *work->gpu_s + work->cost.gpu_s;
+    work->stats.density_evaluations += work->cost.density_evaluations;
+    work->stats.closed_forms += work->cost.closed_forms;
+    work->stats.dispatches += work->cost.dispatches;
     neph_march_cut_learn(&march->cut, *work->gpu_s);
     *image = made;
     return NEPH_OK;
@@ -366,6 +401,9 @@ enum neph_status neph_march_frame(struct neph_march *march, const struct neph_sc
     work.gpu_s = &march->flights_gpu_s[slot];
     *work.gpu_s = 0.0;
     show_scene(march, scene, frame, jitter_px);
+    status = show_shortcuts(march, scene, frame, &work.cost, diag);
+    if (status)
+        return status;
     if (!image)
         return send_frame(march, &work, diag);
     status = read_frame(march, &work, image, diag);

@@ -34,6 +34,15 @@ int neph_march_sun_steps(const struct neph_scene *scene, const struct neph_march
     return neph_march_marches_sun(scene, params) ? params->sun_steps : 0;
 }
 
+void neph_march_set_frame(const struct neph_scene *scene, const struct neph_march_params *params,
+                          struct neph_gpu_frame *frame)
+{
+    frame->steps = (uint32_t)params->steps;
+    frame->sun_steps = (uint32_t)neph_march_sun_steps(scene, params);
+    frame->early_out = (float)params->shortcuts.early_out;
+    frame->step_growth = (float)params->shortcuts.step_growth;
+}
+
 /* Upper bound of loop turns (compute.h) of the shader, following its loops one by one. */
 static void count_turns(const struct neph_scene *scene, const struct neph_gpu_scene *gpu,
                         const struct neph_march_params *params, uint64_t *per_step,
@@ -48,9 +57,18 @@ static void count_turns(const struct neph_scene *scene, const struct neph_gpu_sc
     const uint64_t octaves = params->lighting == NEPH_MARCH_OCTAVES
                                  ? (uint64_t)scene->octaves.count * (1 + media)
                                  : 0;
-    const uint64_t sunlight = solids + media + exact + sun_steps * (1 + media) + octaves + 1;
-    *per_step = 1 + 2 * media + exact + sunlight;
+    const uint64_t empties = params->shortcuts.skip ? 1 + media : 0; /* of one step */
+    const uint64_t sunlight = solids + media + exact + sun_steps * (1 + media + 2 * empties) +
+                              octaves + 1;
+    *per_step = 1 + 2 * media + exact + sunlight + 3 * empties;
     *per_dispatch = solids + 3 * media + exact + sunlight + 1;
+}
+
+/* `SHORTCUTS` of shaders/shortcuts.glsl. */
+static uint32_t shortcut_bits(const struct neph_shortcuts *shortcuts)
+{
+    return (shortcuts->sun_cache ? 1u : 0u) | (shortcuts->skip ? 2u : 0u) |
+           (shortcuts->early_out > 0.0 ? 4u : 0u) | (shortcuts->step_growth > 1.0 ? 8u : 0u);
 }
 
 void neph_march_constants(const struct neph_gpu_scene *gpu, const struct neph_march_params *params,
@@ -61,6 +79,7 @@ void neph_march_constants(const struct neph_gpu_scene *gpu, const struct neph_ma
     constants[2] = params->transmittance;
     constants[3] = params->sun;
     constants[4] = params->lighting;
+    constants[5] = shortcut_bits(&params->shortcuts);
 }
 
 static uint64_t least(uint64_t a, uint64_t b)

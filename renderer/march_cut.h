@@ -15,7 +15,9 @@ enum {
     NEPH_MARCH_LOCAL_SIZE = 64, /* of shaders/march.glsl */
     NEPH_MARCH_STATE_BYTES = sizeof(
         struct neph_gpu_march_state), /* one for each ray of a dispatch */
-    NEPH_MARCH_CONSTANTS = NEPH_GPU_SCENE_CONSTANTS + 3,
+    /* The scene's, a march's states, what it makes of them, the sun cache. */
+    NEPH_MARCH_BUFFERS = NEPH_GPU_SCENE_BUFFERS + 3,
+    NEPH_MARCH_CONSTANTS = NEPH_GPU_SCENE_CONSTANTS + 4,
 };
 
 struct neph_march_cut {
@@ -32,6 +34,10 @@ bool neph_march_marches_sun(const struct neph_scene *scene, const struct neph_ma
 
 /* Steps of the scene's sun rays: 0 where none is marched. */
 int neph_march_sun_steps(const struct neph_scene *scene, const struct neph_march_params *params);
+
+/* Write into a frame what the shaders are told there. */
+void neph_march_set_frame(const struct neph_scene *scene, const struct neph_march_params *params,
+                          struct neph_gpu_frame *frame);
 
 /* Specialization constants of the shaders. */
 void neph_march_constants(const struct neph_gpu_scene *gpu, const struct neph_march_params *params,

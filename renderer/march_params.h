@@ -5,6 +5,8 @@
 #ifndef NEPH_RENDERER_MARCH_PARAMS_H
 #define NEPH_RENDERER_MARCH_PARAMS_H
 
+#include <stdbool.h>
+
 /* Where an optical depth comes from. */
 enum neph_march_mode {
     NEPH_MARCH_EXACT, /* closed forms; Horizon clouds, which have none, are marched all the same */
@@ -21,6 +23,28 @@ enum neph_march_lighting {
 #define NEPH_MARCH_SIDE_MAX_PX 4096
 #define NEPH_MARCH_STEPS_MAX 65536
 
+/* Shortcuts through media, for speed. Zero: none, and the march keeps its bits. */
+struct neph_shortcuts {
+    /* Optical depth of shapes (all media but fogs) towards the sun from a lattice over their
+     * bounds, in place of a ray for each sample; of solids, and of fogs, it stays as it is. */
+    bool sun_cache;
+    int sun_cache_voxels; /* its nodes along the longest side, NEPH_SUN_CACHE_VOXELS_* */
+    /* No density is evaluated in cells whose majorant is 0; same bits, fewer evaluations. */
+    bool skip;
+    /* A view ray ends where its transmittance is below this, 0..1; 0: never. What lies behind is
+     * at most this times the brightest of it. Not where the transmittance is a closed form. */
+    double early_out;
+    /* Each view step is so many times as long as the one before; 0 and 1: all are equal. */
+    double step_growth;
+};
+
+#define NEPH_SUN_CACHE_VOXELS_MIN 8
+#define NEPH_SUN_CACHE_VOXELS_MAX 512
+#define NEPH_STEP_GROWTH_MAX 2.0
+
+/* The last step is at most so many times as long as the first. */
+#define NEPH_STEP_GROWTH_WHOLE_MAX 1e6
+
 struct neph_march_params {
     int width_px, height_px;            /* 1..NEPH_MARCH_SIDE_MAX_PX */
     double frame;                       /* of the scene; may be fractional */
@@ -29,6 +53,7 @@ struct neph_march_params {
     enum neph_march_mode sun;           /* towards the sun */
     enum neph_march_lighting lighting;
     int sun_steps; /* per sun ray, 1..NEPH_MARCH_STEPS_MAX; not used where none is marched */
+    struct neph_shortcuts shortcuts;
 };
 
 #endif

@@ -12,6 +12,7 @@
 #include "harness/engines/frame_stats.h"
 #include "harness/engines/own_cost.h"
 #include "renderer/march_average.h"
+#include "renderer/shortcuts.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -20,7 +21,18 @@ static const char *const modes[] = {"exact", "marched", NULL};
 static const char *const rays[] = {"1",  "2",  "4",   "8",   "16",
                                    "32", "64", "128", "256", NULL}; /* 2 to the index */
 
-enum { OPTION_STEPS, OPTION_TRANSMITTANCE, OPTION_SUN, OPTION_SUN_STEPS, OPTION_RAYS_PER_PX };
+enum {
+    OPTION_STEPS,
+    OPTION_TRANSMITTANCE,
+    OPTION_SUN,
+    OPTION_SUN_STEPS,
+    OPTION_RAYS_PER_PX,
+    OPTION_SUN_CACHE,
+    OPTION_SUN_CACHE_VOXELS,
+    OPTION_SKIP,
+    OPTION_EARLY_OUT,
+    OPTION_STEP_GROWTH,
+};
 
 static const struct neph_option options[] = {
     [OPTION_STEPS] = {"steps", NEPH_OPTION_INTEGER, 64, 1, NEPH_MARCH_STEPS_MAX, NULL,
@@ -38,6 +50,11 @@ static const struct neph_option options[] = {
         {"rays_per_px", NEPH_OPTION_CHOICE, 0, 0, 0, rays,
          "rays averaged over the square of a pixel, at the points of a Hammersley set; 1: through "
          "its centre. Depth is always that of the centre"},
+    [OPTION_SUN_CACHE] = NEPH_OPTION_SUN_CACHE,
+    [OPTION_SUN_CACHE_VOXELS] = NEPH_OPTION_SUN_CACHE_VOXELS,
+    [OPTION_SKIP] = NEPH_OPTION_SKIP,
+    [OPTION_EARLY_OUT] = NEPH_OPTION_EARLY_OUT,
+    [OPTION_STEP_GROWTH] = NEPH_OPTION_STEP_GROWTH,
     {.name = NULL},
 };
 
@@ -96,6 +113,11 @@ static enum neph_status set_up(struct sequence *sequence, const struct neph_shot
         .sun = (enum neph_march_mode)values[OPTION_SUN],
         .lighting = sequence->lighting,
         .sun_steps = (int)values[OPTION_SUN_STEPS],
+        .shortcuts = {.sun_cache = values[OPTION_SUN_CACHE] != 0.0,
+                      .sun_cache_voxels = (int)values[OPTION_SUN_CACHE_VOXELS],
+                      .skip = values[OPTION_SKIP] != 0.0,
+                      .early_out = values[OPTION_EARLY_OUT],
+                      .step_growth = values[OPTION_STEP_GROWTH]},
     };
     neph_march_destroy(sequence->march);
     sequence->march = NULL;

@@ -8,6 +8,7 @@
 #include "renderer/realtime/options.h"
 
 #include "renderer/march.h"
+#include "renderer/shortcuts.h"
 
 static const char *const modes[] = {"exact", "marched", NULL};
 static const char *const lightings[] = {"single", "octaves", "horizon", NULL};
@@ -320,5 +321,11 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
                           "the finished picture away from the mean of its four neighbours, held "
                           "between the least and the largest of the five"),
     [RT_SHARPEN_AMOUNT] = REAL("sharpen_amount", 0.5, 0, 4, "of the distance from that mean"),
+
+    [RT_SUN_CACHE] = NEPH_OPTION_SUN_CACHE,
+    [RT_SUN_CACHE_VOXELS] = NEPH_OPTION_SUN_CACHE_VOXELS,
+    [RT_SKIP] = NEPH_OPTION_SKIP,
+    [RT_EARLY_OUT] = NEPH_OPTION_EARLY_OUT,
+    [RT_STEP_GROWTH] = NEPH_OPTION_STEP_GROWTH,
     {.name = NULL},
 };

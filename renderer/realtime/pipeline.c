@@ -7,6 +7,9 @@
 #include "renderer/realtime/images.h"
 #include "renderer/realtime/moment.h"
 #include "renderer/realtime/noise.h"
+#include "renderer/shortcuts.h"
+#include "renderer/skip_cells.h"
+#include "renderer/sun_cache.h"
 #include "scenes/emission.h"
 #include "scenes/media.h"
 #include "scenes/motion.h"
@@ -23,6 +26,8 @@ struct neph_realtime {
     struct neph_march_params march;
     struct neph_gpu_scene scene;
     struct neph_turns frame_turns, solid_turns; /* of the scene's */
+    struct neph_skip_cells skip_cells;
+    struct neph_sun_cache sun_cache; /* of the split frame */
     struct neph_march *whole; /* owned; without a split the march of every pixel, else NULL */
     struct neph_march_cut cuts[NEPH_RT_PASSES_MAX]; /* of the passes that have rays */
     struct neph_buffer states, counters;
@@ -90,10 +95,11 @@ static enum neph_status add_ray_pass(struct neph_realtime *realtime,
         .gpu_s = gpu_s,
     };
     neph_gpu_scene_bind(&realtime->scene, &work.dispatch);
+    neph_skip_cells_bind(&realtime->skip_cells, &work.dispatch);
     work.dispatch.buffers[NEPH_GPU_SCENE_BUFFERS] = &realtime->states;
     work.dispatch.buffers[NEPH_GPU_SCENE_BUFFERS + 1] = &realtime->counters;
-    neph_rt_device_bind(&realtime->device, pass, NEPH_GPU_SCENE_BUFFERS + 2, &params,
-                        &work.dispatch);
+    work.dispatch.buffers[NEPH_GPU_SCENE_BUFFERS + 2] = &realtime->sun_cache.nodes;
+    neph_rt_device_bind(&realtime->device, pass, NEPH_MARCH_BUFFERS, &params, &work.dispatch);
     neph_march_constants(&realtime->scene, &realtime->march, params.constants);
     params.constants[RT_UNCOUNTED_CONSTANT] = !counts;
     params.constants[RT_SOLIDS_CONSTANT] = known_solids(&realtime->scene);
@@ -135,6 +141,11 @@ static struct neph_march_params march_params(const struct neph_realtime_params *
         .sun = (enum neph_march_mode)(int)values[RT_SUN],
         .lighting = (enum neph_march_lighting)(int)values[RT_LIGHTING],
         .sun_steps = (int)values[RT_SUN_STEPS],
+        .shortcuts = {.sun_cache = values[RT_SUN_CACHE] != 0.0,
+                      .sun_cache_voxels = (int)values[RT_SUN_CACHE_VOXELS],
+                      .skip = values[RT_SKIP] != 0.0,
+                      .early_out = values[RT_EARLY_OUT],
+                      .step_growth = values[RT_STEP_GROWTH]},
     };
 }
 
@@ -224,6 +235,12 @@ static enum neph_status create_once(struct neph_realtime *realtime, const struct
         status = neph_turns_create(realtime->vulkan, &realtime->scene.buffers[1], "scene solids",
                                    &realtime->solid_turns, diag);
     if (!status)
+        status = neph_skip_cells_create(realtime->vulkan, scene, &realtime->march,
+                                        &realtime->skip_cells, diag);
+    if (!status)
+        status = neph_sun_cache_create(realtime->vulkan, scene, &realtime->scene, &realtime->march,
+                                       &realtime->sun_cache, diag);
+    if (!status)
         status = neph_buffer_create(realtime->vulkan, NEPH_BUFFER_UPLOAD,
                                     sizeof(struct neph_gpu_counters), "counters",
                                     &realtime->counters, diag);
@@ -266,6 +283,8 @@ void neph_realtime_destroy(struct neph_realtime *realtime)
     neph_buffer_destroy(realtime->vulkan, &realtime->counters);
     neph_turns_destroy(realtime->vulkan, &realtime->solid_turns);
     neph_turns_destroy(realtime->vulkan, &realtime->frame_turns);
+    neph_sun_cache_destroy(&realtime->sun_cache);
+    neph_skip_cells_destroy(realtime->vulkan, &realtime->skip_cells);
     neph_gpu_scene_destroy(realtime->vulkan, &realtime->scene);
     free(realtime->noise_ranks);
     free(realtime);
@@ -303,6 +322,7 @@ struct progress {
     uint32_t past;                     /* what they hand on, as the next frame calls it */
     int picture;                       /* the target that shows the frame */
     bool counts;                       /* whether passes with rays count what they do */
+    struct neph_sun_cache_cost fill;   /* of the split frame's sun cache, if there was one */
     struct neph_realtime_stats *stats; /* borrowed; one of neph_realtime.flights */
 };
 
@@ -388,8 +408,23 @@ static void show_scene(struct neph_realtime *realtime, const struct neph_scene *
     realtime->scene.frame = realtime->scene.buffers[0].mapped;
     neph_gpu_scene_move(&realtime->scene, still, frame, realtime->march.width_px,
                         realtime->march.height_px);
-    realtime->scene.frame->steps = (uint32_t)realtime->march.steps;
-    realtime->scene.frame->sun_steps = (uint32_t)neph_march_sun_steps(still, &realtime->march);
+    neph_march_set_frame(still, &realtime->march, realtime->scene.frame);
+}
+
+/* What they look up beside the scene. */
+static enum neph_status show_shortcuts(struct neph_realtime *realtime,
+                                       const struct neph_scene *still, int frame,
+                                       struct neph_sun_cache_cost *cost, struct neph_diag *diag)
+{
+    enum neph_status status = neph_skip_cells_place(&realtime->skip_cells, still, frame,
+                                                    realtime->scene.frame, diag);
+    /* Frames in flight may still read the nodes: they land first, and their times stay theirs. */
+    if (!status && neph_sun_cache_is_stale(&realtime->sun_cache, still, &realtime->scene))
+        status = neph_batches_wait(realtime->vulkan, neph_batches_sent(realtime->vulkan),
+                                   "frames in flight", diag);
+    return status ? status
+                  : neph_sun_cache_fill(&realtime->sun_cache, still, frame, &realtime->scene,
+                                        &realtime->skip_cells, cost, diag);
 }
 
 /* One ray for each tile, or whatever the settings make of the split. */
@@ -402,8 +437,8 @@ static enum neph_status render_split(struct neph_realtime *realtime,
     show_scene(realtime, still, frame->frame);
     if (made->counts)
         memset(realtime->counters.mapped, 0, sizeof(struct neph_gpu_counters));
-    enum neph_status status = NEPH_OK;
-    if (frame->given)
+    enum neph_status status = show_shortcuts(realtime, still, frame->frame, &made->fill, diag);
+    if (!status && frame->given)
         status = neph_rt_give_frame(&realtime->device, frame->given, &made->given, diag);
     if (!status)
         status = run_passes(realtime, made, diag);
@@ -507,6 +542,15 @@ static void take_times(struct neph_realtime *realtime, struct neph_realtime_stat
     }
 }
 
+/* A fill is of the march, but no measure of its cut. */
+static void add_fill(struct neph_realtime_stats *stats, const struct neph_sun_cache_cost *fill)
+{
+    stats->gpu_s += fill->gpu_s;
+    stats->pass_gpu_s[neph_rt_pass_named("march") - neph_rt_passes] += fill->gpu_s;
+    stats->density_evaluations += fill->density_evaluations;
+    stats->closed_forms += fill->closed_forms;
+}
+
 enum neph_status neph_realtime_render(struct neph_realtime *realtime,
                                       const struct neph_realtime_frame *frame,
                                       struct neph_image **image, struct neph_realtime_stats *stats,
@@ -543,6 +587,7 @@ enum neph_status neph_realtime_render(struct neph_realtime *realtime,
         return NEPH_OK;
     status = neph_flight_land(realtime->vulkan, &realtime->flight, diag);
     take_times(realtime, made.stats);
+    add_fill(made.stats, &made.fill);
     if (stats)
         *stats = *made.stats;
     return status;

@@ -9,6 +9,13 @@
 const uint MEDIA_MAX = NEPH_GPU_MEDIA_MAX;
 const uint NO_SOLID = 0xffffffffu;
 
+// A lattice of nodes, or of cells from one node to the next.
+struct Lattice {
+    vec3 origin_m; // of node (0, 0, 0)
+    vec3 per_m;    // nodes or cells
+    uvec3 size;
+};
+
 layout(std430, binding = 0) readonly buffer Frame {
     vec3 camera_right;
     float half_width; // of the picture; tangents of a perspective camera's angles, else metres
@@ -29,7 +36,10 @@ layout(std430, binding = 0) readonly buffer Frame {
     vec3 octave_factors; // contribution, attenuation, eccentricity (struct neph_octaves)
     uint emits; // 0 or 1: some medium does
     vec2 jitter_px; // of this frame's view rays, for renderers of sequences
-    vec2 padding_2;
+    float early_out; // transmittance at which a view ray ends
+    float step_growth; // each view step is so many times as long as the one before
+    Lattice sun_lattice;  // nodes of the sun cache, at least 2 along each axis (sun_cache.glsl)
+    Lattice skip_lattice; // cells that may be empty (shortcuts.glsl)
     Medium media[MEDIA_MAX];
 } frame;
 

@@ -19,15 +19,7 @@
 #define NEPH_MARCH_GLSL
 
 #include "march_light.glsl"
-
-layout(local_size_x = 64) in;
-
-layout(push_constant) uniform MarchRun {
-    uint first_ray;
-    uint ray_count;
-    uint first_step;
-    uint end_step;
-} run;
+#include "march_run.glsl"
 
 // What a march has come to: radiance of the media (xyz of `scattered`), optical depth (its w when
 // that is the same in all channels, else xyz of `depth`), and the distance [m] of what is seen of
@@ -75,6 +67,12 @@ vec3 step_light(Mixture mixture, vec3 point_m, float step_m, vec3 step_depth)
 
 float mean(vec3 channels) { return COLOURED ? dot(channels, vec3(1.0 / 3.0)) : channels.x; }
 
+// Whether a step where the density is 0 at its point adds nothing: all that it asks of the media
+// it asks there.
+bool skips_steps() { return SKIPS && VIEW_MARCHED == KINDS && !has_fog(); }
+
+bool is_dark(vec3 through) { return all(lessThan(through, vec3(frame.early_out))); }
+
 // March the steps of this run along a view ray of some length, onto the sums. The medium is looked
 // at `place` (0..1) of each step.
 //
@@ -87,11 +85,20 @@ void march(ViewRay ray, float length_m, float place, inout Sums sums)
     if (stretch.t1_m <= stretch.t0_m)
         return;
     look_along(ray);
-    view_steps += run.end_step - run.first_step;
-    float step_m = (stretch.t1_m - stretch.t0_m) / float(frame.steps);
+    Steps steps = view_steps_of(stretch);
     for (uint i = run.first_step; i < run.end_step; i++) {
-        vec3 start_m = view_point_m(ray, stretch.t0_m + float(i) * step_m);
-        float point_distance_m = stretch.t0_m + (float(i) + place) * step_m;
+        if (skips_steps()) {
+            if (pass_empty_steps(steps, place, ray.origin_m, ray.direction, run.end_step, i))
+                sums_add(sums, vec3(0.0), vec3(0.0)); // as in marched_optical_depth()
+            if (i == run.end_step)
+                break;
+        }
+        if (ENDS_EARLY && is_dark(fraction_through(marched_depth(sums))))
+            break;
+        view_steps++;
+        float step_m = step_length_m(steps, i);
+        vec3 start_m = view_point_m(ray, step_start_m(steps, i));
+        float point_distance_m = step_point_m(steps, i, place);
         vec3 point_m = view_point_m(ray, point_distance_m);
         Mixture mixture = mixture_at(point_m);
         vec3 step_depth = mixture.marched_per_m * step_m;

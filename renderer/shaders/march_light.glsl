@@ -13,7 +13,7 @@
 #ifndef NEPH_MARCH_LIGHT_GLSL
 #define NEPH_MARCH_LIGHT_GLSL
 
-#include "scene.glsl"
+#include "sun_cache.glsl"
 
 // enum neph_march_mode: where an optical depth comes from.
 const uint EXACT = 0;   // closed form, of the kinds that have one
@@ -54,19 +54,38 @@ vec3 exact_optical_depth(vec3 origin_m, vec3 direction, float length_m)
     return scene_optical_depth(origin_m, direction, length_m);
 }
 
-vec3 marched_optical_depth(uint kinds, vec3 origin_m, vec3 direction, uint steps)
+// As scene_optical_depth(), of the kinds of media among `kinds`.
+vec3 exact_optical_depth_of(uint kinds, vec3 origin_m, vec3 direction, float length_m)
+{
+    closed_forms++;
+    vec3 optical_depth = vec3(0.0);
+    for (uint m = 0; m < frame.medium_count; m++)
+        if (is_among(kinds, m))
+            optical_depth += frame.media[m].extinction_color *
+                             medium_optical_depth(m, origin_m, direction, length_m);
+    return grey(optical_depth);
+}
+
+// Where empty steps were passed nothing is added once: a sum that carries its error may then still
+// move by its last bit, and after that not again, as if nothing had been added for each.
+vec3 marched_optical_depth(uint kinds, vec3 origin_m, vec3 direction, uint step_count)
 {
     Stretch stretch = scene_stretch(kinds, origin_m, direction, FAR_M);
     if (stretch.t1_m <= stretch.t0_m)
         return vec3(0.0);
-    float step_m = (stretch.t1_m - stretch.t0_m) / float(steps);
+    Steps steps = equal_steps(stretch, step_count);
     Sum sum = sum_zero();
-    for (uint i = 0; i < steps; i++) {
-        float middle_m = stretch.t0_m + (float(i) + 0.5) * step_m;
-        vec3 middle = origin_m + middle_m * direction;
-        sum_add(sum, vec4(scene_extinction_per_m(kinds, middle) * step_m, 0.0));
+    for (uint i = 0; i < step_count; i++) {
+        if (SKIPS && (kinds & FOG_KINDS) == 0u) {
+            if (pass_empty_steps(steps, 0.5, origin_m, direction, step_count, i))
+                sum_add(sum, vec4(0.0));
+            if (i == step_count)
+                break;
+        }
+        vec3 middle = origin_m + step_point_m(steps, i, 0.5) * direction;
+        sum_add(sum, vec4(scene_extinction_per_m(kinds, middle) * steps.step_m, 0.0));
+        density_evaluations++;
     }
-    density_evaluations += steps;
     return grey(sum.value.xyz);
 }
 
@@ -79,6 +98,25 @@ vec3 sun_optical_depth(vec3 point_m)
         optical_depth += marched_optical_depth(SUN_MARCHED, point_m, frame.sun_direction,
                                                frame.sun_steps);
     return optical_depth;
+}
+
+vec3 sun_optical_depth_of(uint kinds, vec3 point_m)
+{
+    vec3 optical_depth = vec3(0.0);
+    if (SUN == EXACT && (kinds & ~OPEN_KINDS) != 0u)
+        optical_depth = exact_optical_depth_of(kinds, point_m, frame.sun_direction, FAR_M);
+    if ((SUN_MARCHED & kinds) != 0u)
+        optical_depth += marched_optical_depth(SUN_MARCHED & kinds, point_m, frame.sun_direction,
+                                               frame.sun_steps);
+    return optical_depth;
+}
+
+// What a sample of a medium sees: fogs as ever, shapes from the cache where there is one.
+vec3 sample_sun_depth(vec3 point_m)
+{
+    if (!CACHES_SUN)
+        return sun_optical_depth(point_m);
+    return sun_optical_depth_of(KINDS & FOG_KINDS, point_m) + cached_sun_depth(point_m);
 }
 
 // Sunlight that reaches a point [W/m^2].
@@ -117,11 +155,14 @@ const vec3 LEAST = vec3(1e-37);
 
 Mixture mixture_at(vec3 point_m)
 {
-    density_evaluations++;
+    bool only_fogs = SKIPS && shapes_are_empty(point_m);
+    if (!only_fogs || has_fog())
+        density_evaluations++;
     Mixture mixture = Mixture(vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
     for (uint m = 0; m < frame.medium_count; m++) {
-        vec3 extinction_per_m =
-            grey(frame.media[m].extinction_color) * medium_extinction_per_m(m, point_m);
+        float density_per_m =
+            only_fogs && !is_fog(m) ? 0.0 : medium_extinction_per_m(m, point_m);
+        vec3 extinction_per_m = grey(frame.media[m].extinction_color) * density_per_m;
         vec3 scattered_per_m = extinction_per_m * frame.media[m].albedo;
         mixture.extinction_per_m += extinction_per_m;
         if (is_among(VIEW_MARCHED, m))
@@ -172,7 +213,7 @@ vec3 source_function(Mixture mixture, vec3 point_m)
 {
     if (mixture.scattering == vec3(0.0) || !sees_sun(point_m, NO_SOLID))
         return vec3(0.0);
-    vec3 optical_depth = sun_optical_depth(point_m);
+    vec3 optical_depth = sample_sun_depth(point_m);
     vec3 scattered = LIGHTING == OCTAVES ? octave_scattering(optical_depth)
                                          : mixture.scattering * fraction_through(optical_depth);
     return frame.sun_irradiance * scattered / max(mixture.extinction_per_m, LEAST);

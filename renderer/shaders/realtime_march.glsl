@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: MIT
 //
-// For the passes of the real-time renderer that look at the scene: the march (bindings 0 to 5),
-// what it has cost, and behind it the view and its targets.
+// For the passes of the real-time renderer that look at the scene: the march (bindings 0 to 5
+// and 7), what it has cost, and behind it the view and its targets.
 #ifndef NEPH_REALTIME_MARCH_GLSL
 #define NEPH_REALTIME_MARCH_GLSL
 
+#include "counting.glsl"
 #include "march.glsl"
 
-#define REALTIME_BINDING 7
+#define REALTIME_BINDING 8
 #include "realtime.glsl"
 
 layout(std430, binding = 6) buffer Counters {
@@ -16,11 +17,6 @@ layout(std430, binding = 6) buffer Counters {
     uint density_evaluations[2];
     uint closed_forms[2];
 } counters;
-
-// Nothing is added where there is nothing: all threads would wait for the same word.
-#define ADD_64(counter, amount)                                                                    \
-    if ((amount) > 0u && atomicAdd(counter[0], amount) > 0xffffffffu - (amount))                   \
-        atomicAdd(counter[1], 1u)
 
 // Nobody will look at the counters: frames in flight.
 layout(constant_id = RT_UNCOUNTED_CONSTANT) const bool UNCOUNTED = false;

@@ -105,7 +105,13 @@
 // Sharpening.
 #define RT_SHARPEN 86
 #define RT_SHARPEN_AMOUNT 87
-#define RT_SETTING_COUNT 88
+// Shortcuts of the march.
+#define RT_SUN_CACHE 88
+#define RT_SUN_CACHE_VOXELS 89
+#define RT_SKIP 90
+#define RT_EARLY_OUT 91
+#define RT_STEP_GROWTH 92
+#define RT_SETTING_COUNT 93
 
 // Specialization constants of the shaders, behind those of the march: whether passes with rays
 // leave their counters alone (realtime_march.glsl); whether the shaders hold the choices, and the

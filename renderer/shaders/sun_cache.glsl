@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: MIT
+//
+// The sun cache: optical depth of all shapes towards the sun at the nodes of a lattice over their
+// bounds (written by sun_cache.comp), looked up trilinearly in place of a ray for each sample. Its
+// error is that of a straight line between nodes: of second order in their distance where the depth
+// is smooth, of first order behind an edge of the medium.
+#ifndef NEPH_SUN_CACHE_GLSL
+#define NEPH_SUN_CACHE_GLSL
+
+#include "shortcuts.glsl"
+
+const uint SUN_CHANNELS = COLOURED ? 3 : 1; // of a node, one after the other
+
+layout(std430, binding = 7) readonly buffer SunCache {
+    float sun_depths[];
+};
+
+uint sun_node(uvec3 node)
+{
+    uvec3 size = frame.sun_lattice.size;
+    return SUN_CHANNELS * (node.x + size.x * (node.y + size.y * node.z));
+}
+
+// One channel at a place within the cell above the node `at`.
+float sun_depth_in(uint at, vec3 in_cell)
+{
+    uint x = SUN_CHANNELS, y = x * frame.sun_lattice.size.x, z = y * frame.sun_lattice.size.y;
+    return cell_density(Cell(vec4(sun_depths[at], sun_depths[at + x], sun_depths[at + y],
+                                  sun_depths[at + x + y]),
+                             vec4(sun_depths[at + z], sun_depths[at + x + z],
+                                  sun_depths[at + y + z], sun_depths[at + x + y + z])),
+                        in_cell);
+}
+
+// At a point of the lattice.
+vec3 sun_lattice_depth(vec3 point_m)
+{
+    vec3 last = vec3(frame.sun_lattice.size - 1);
+    vec3 place = (point_m - frame.sun_lattice.origin_m) * frame.sun_lattice.per_m;
+    place = clamp(place, vec3(0.0), last);
+    vec3 cell = min(floor(place), last - 1.0);
+    uint at = sun_node(uvec3(cell));
+    vec3 depth;
+    depth.x = sun_depth_in(at, place - cell);
+    if (!COLOURED)
+        return depth.xxx;
+    depth.y = sun_depth_in(at + 1, place - cell);
+    depth.z = sun_depth_in(at + 2, place - cell);
+    return depth;
+}
+
+// At any point: one outside of the bounds sees what the point sees where its sun ray enters them.
+vec3 cached_sun_depth(vec3 point_m)
+{
+    vec3 low_m = frame.sun_lattice.origin_m;
+    vec3 high_m = low_m + vec3(frame.sun_lattice.size - 1) / frame.sun_lattice.per_m;
+    float t0_m = 0.0, t1_m = FAR_M;
+    if (!clip_box(low_m, high_m, point_m, frame.sun_direction, t0_m, t1_m))
+        return vec3(0.0);
+    return sun_lattice_depth(point_m + t0_m * frame.sun_direction);
+}
+
+#endif

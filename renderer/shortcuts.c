@@ -1,0 +1,59 @@
+/* SPDX-License-Identifier: MIT */
+#include "renderer/shortcuts.h"
+
+#include <math.h>
+#include <stddef.h>
+
+const char *const neph_sun_caches[] = {"off", "grid", NULL};
+const char *const neph_skips[] = {"off", "majorant", NULL};
+
+static enum neph_status check_range(const char *name, double value, double least, double most,
+                                    struct neph_diag *diag)
+{
+    if (value >= least && value <= most)
+        return NEPH_OK;
+    return neph_fail(diag, NEPH_ERR_USAGE, "march: %s is %g, outside %g..%g", name, value, least,
+                     most);
+}
+
+static enum neph_status check_growth(const struct neph_march_params *params, struct neph_diag *diag)
+{
+    const double growth = params->shortcuts.step_growth;
+    if (pow(growth, params->steps - 1) <= NEPH_STEP_GROWTH_WHOLE_MAX)
+        return NEPH_OK;
+    return neph_fail(diag, NEPH_ERR_USAGE,
+                     "march: with step_growth=%g the last of %d steps is more than %g times as "
+                     "long as the first; at most step_growth=%.6g is of use",
+                     growth, params->steps, NEPH_STEP_GROWTH_WHOLE_MAX,
+                     pow(NEPH_STEP_GROWTH_WHOLE_MAX, 1.0 / (params->steps - 1)));
+}
+
+static enum neph_status check_lighting(const struct neph_march_params *params,
+                                       struct neph_diag *diag)
+{
+    const struct neph_shortcuts *shortcuts = &params->shortcuts;
+    if (params->lighting != NEPH_MARCH_HORIZON || !(shortcuts->sun_cache || shortcuts->skip))
+        return NEPH_OK;
+    return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
+                     shortcuts->skip
+                         ? "march: skip=majorant: the light of Horizon's clouds shines in clear "
+                           "air, too, and would be lost; set skip=off"
+                         : "march: sun_cache=grid: the light of Horizon's clouds asks for no "
+                           "optical depth towards the sun; set sun_cache=off");
+}
+
+enum neph_status neph_shortcuts_check(const struct neph_march_params *params,
+                                      struct neph_diag *diag)
+{
+    const struct neph_shortcuts *shortcuts = &params->shortcuts;
+    enum neph_status status = check_range("early_out", shortcuts->early_out, 0.0, 1.0, diag);
+    if (!status)
+        status = check_range("step_growth", fmax(1.0, shortcuts->step_growth), 1.0,
+                             NEPH_STEP_GROWTH_MAX, diag);
+    if (!status)
+        status = check_growth(params, diag);
+    if (!status && shortcuts->sun_cache)
+        status = check_range("sun_cache_voxels", shortcuts->sun_cache_voxels,
+                             NEPH_SUN_CACHE_VOXELS_MIN, NEPH_SUN_CACHE_VOXELS_MAX, diag);
+    return status ? status : check_lighting(params, diag);
+}

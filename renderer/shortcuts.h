@@ -1,0 +1,51 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Shortcuts of a march through media (struct neph_shortcuts): the rows of the tables of options
+ * that two renderers share, and what is refused. Each is off unless asked for, and says what it
+ * costs in docs/shortcuts.md.
+ */
+#ifndef NEPH_RENDERER_SHORTCUTS_H
+#define NEPH_RENDERER_SHORTCUTS_H
+
+#include "base/option.h"
+#include "renderer/march_params.h"
+
+extern const char *const neph_sun_caches[], *const neph_skips[]; /* words of the choices */
+
+#define NEPH_OPTION_SUN_CACHE                                                                      \
+    {                                                                                              \
+        "sun_cache", NEPH_OPTION_CHOICE, 0, 0, 0, neph_sun_caches,                                 \
+            "optical depth of clouds towards the sun: by a sun ray for each sample, or between "   \
+            "the nodes of a lattice, filled anew when sun or clouds have moved; fogs and "         \
+            "sunlight on solids are never from it"                                                 \
+    }
+#define NEPH_OPTION_SUN_CACHE_VOXELS                                                               \
+    {                                                                                              \
+        "sun_cache_voxels", NEPH_OPTION_INTEGER, 128, NEPH_SUN_CACHE_VOXELS_MIN,                   \
+            NEPH_SUN_CACHE_VOXELS_MAX, NULL,                                                       \
+            "nodes of that lattice along the longest side of all clouds' bounds"                   \
+    }
+#define NEPH_OPTION_SKIP                                                                           \
+    {                                                                                              \
+        "skip", NEPH_OPTION_CHOICE, 0, 0, 0, neph_skips,                                           \
+            "majorant: nothing is asked of a cloud in cells where its majorant is 0; same bits, "  \
+            "and with a marched transmittance no step is spent there"                              \
+    }
+#define NEPH_OPTION_EARLY_OUT                                                                      \
+    {                                                                                              \
+        "early_out", NEPH_OPTION_REAL, 0, 0, 1, NULL,                                              \
+            "transmittance below which a view ray ends; 0: never"                                  \
+    }
+#define NEPH_OPTION_STEP_GROWTH                                                                    \
+    {                                                                                              \
+        "step_growth", NEPH_OPTION_REAL, 1, 1, NEPH_STEP_GROWTH_MAX, NULL,                         \
+            "each step of a view ray is so many times as long as the one before; 1: all are equal" \
+    }
+
+/* NEPH_ERR_USAGE: a number out of range, or a last step beyond NEPH_STEP_GROWTH_WHOLE_MAX of the
+ * first. NEPH_ERR_UNSUPPORTED: the light of Horizon's clouds with a sun cache, which it has no use
+ * for, or with skipping: it shines in clear air. */
+enum neph_status neph_shortcuts_check(const struct neph_march_params *params,
+                                      struct neph_diag *diag);
+
+#endif

@@ -1,0 +1,212 @@
+/* SPDX-License-Identifier: MIT */
+#include "renderer/sun_cache.h"
+
+#include "renderer/relative.h"
+#include "scenes/motion.h"
+
+#include <math.h>
+#include <string.h>
+
+static const uint32_t sun_cache_spirv[] = {
+#include "shaders/sun_cache.comp.inc"
+};
+
+/* --- where it lies -------------------------------------------------------------------------- */
+
+static struct neph_vec3 extent_of(const struct neph_bounds *box)
+{
+    return neph_vec3_sub(box->max_m, box->min_m);
+}
+
+/* Cubes, as near as whole numbers of them come to the box. */
+static void choose_size(const struct neph_bounds *box, int voxels, uint32_t size[3])
+{
+    const struct neph_vec3 extent_m = extent_of(box);
+    const double sides_m[3] = {extent_m.x, extent_m.y, extent_m.z};
+    const double longest_m = fmax(extent_m.x, fmax(extent_m.y, extent_m.z));
+    for (int axis = 0; axis < 3; axis++)
+        size[axis] = 1 + (uint32_t)fmax(1.0, ceil((voxels - 1) * sides_m[axis] / longest_m - 1e-9));
+}
+
+static enum neph_status check_box(const struct neph_bounds *box, struct neph_diag *diag)
+{
+    const struct neph_vec3 extent_m = extent_of(box);
+    const double largest_m = fmax(extent_m.x, fmax(extent_m.y, extent_m.z));
+    const double least_m = fmin(extent_m.x, fmin(extent_m.y, extent_m.z));
+    if (isfinite(largest_m) && least_m > 0.0)
+        return NEPH_OK;
+    return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
+                     "sun_cache=grid: a medium of the scene has no finite bounds for a lattice; "
+                     "give it bounds, or set sun_cache=off");
+}
+
+/* --- making --------------------------------------------------------------------------------- */
+
+static uint64_t node_count(const struct neph_sun_cache *cache)
+{
+    return (uint64_t)cache->size[0] * cache->size[1] * cache->size[2];
+}
+
+/* A node's ray is that of one step of a march. */
+static enum neph_status plan(struct neph_sun_cache *cache, const struct neph_scene *scene,
+                             const struct neph_gpu_scene *gpu, struct neph_diag *diag)
+{
+    cache->params.steps = 1;
+    enum neph_status status = neph_march_cut_make(cache->vulkan, scene, gpu, &cache->params,
+                                                  node_count(cache), &cache->cut, diag);
+    if (!status)
+        status = neph_buffer_create(cache->vulkan, NEPH_BUFFER_UPLOAD,
+                                    sizeof(struct neph_gpu_sun_counters), "sun cache counters",
+                                    &cache->counters, diag);
+    return status;
+}
+
+enum neph_status neph_sun_cache_create(struct neph_vulkan *vulkan, const struct neph_scene *scene,
+                                       const struct neph_gpu_scene *gpu,
+                                       const struct neph_march_params *params,
+                                       struct neph_sun_cache *cache, struct neph_diag *diag)
+{
+    struct neph_bounds box;
+    cache->vulkan = vulkan;
+    cache->params = *params;
+    const bool has_lattice = params->shortcuts.sun_cache && neph_shapes_box(scene, &box);
+    enum neph_status status = has_lattice ? check_box(&box, diag) : NEPH_OK;
+    if (!status && has_lattice) {
+        choose_size(&box, params->shortcuts.sun_cache_voxels, cache->size);
+        status = plan(cache, scene, gpu, diag);
+    }
+    const size_t channels = gpu->constants[1] ? 3 : 1;
+    const size_t values = has_lattice ? channels * node_count(cache) : 1;
+    return status ? status
+                  : neph_buffer_create(vulkan, NEPH_BUFFER_DEVICE, values * sizeof(float),
+                                       "sun cache", &cache->nodes, diag);
+}
+
+void neph_sun_cache_destroy(struct neph_sun_cache *cache)
+{
+    if (!cache->vulkan)
+        return;
+    neph_buffer_destroy(cache->vulkan, &cache->counters);
+    neph_buffer_destroy(cache->vulkan, &cache->nodes);
+    *cache = (struct neph_sun_cache){0};
+}
+
+/* --- filling -------------------------------------------------------------------------------- */
+
+static void place(const struct neph_sun_cache *cache, const struct neph_scene *scene, double frame,
+                  struct neph_gpu_lattice *lattice)
+{
+    struct neph_bounds box = {0};
+    neph_shapes_box(scene, &box);
+    const struct neph_vec3 extent_m = extent_of(&box);
+    const double sides_m[3] = {extent_m.x, extent_m.y, extent_m.z};
+    neph_relative_position(lattice->origin_m, box.min_m,
+                           neph_scene_camera(scene, frame).position_m);
+    for (int axis = 0; axis < 3; axis++) {
+        lattice->size[axis] = cache->size[axis];
+        lattice->per_m[axis] = (float)((cache->size[axis] - 1) / sides_m[axis]);
+    }
+}
+
+/* A fill in work. */
+struct work {
+    struct neph_sun_cache *cache;
+    const struct neph_kernel *kernel;
+    struct neph_dispatch dispatch;
+    struct neph_sun_cache_cost cost;
+};
+
+static enum neph_status fill_run(const struct neph_gpu_march_run *run, void *context,
+                                 struct neph_diag *diag)
+{
+    struct work *work = context;
+    double gpu_s;
+    work->dispatch.push = run;
+    work->dispatch.group_count = (run->ray_count + NEPH_MARCH_LOCAL_SIZE - 1) /
+                                 NEPH_MARCH_LOCAL_SIZE;
+    const enum neph_status status = neph_kernel_run(work->cache->vulkan, work->kernel,
+                                                    &work->dispatch, &gpu_s, diag);
+    work->cost.gpu_s += status ? 0.0 : gpu_s;
+    work->cost.dispatches++;
+    return status;
+}
+
+static enum neph_status get_kernel(struct neph_sun_cache *cache, const struct neph_gpu_scene *gpu,
+                                   const struct neph_kernel **kernel, struct neph_diag *diag)
+{
+    struct neph_kernel_params params = {
+        .name = "sun_cache",
+        .spirv = sun_cache_spirv,
+        .spirv_size_bytes = sizeof(sun_cache_spirv),
+        .buffer_count = NEPH_GPU_SCENE_BUFFERS + 2,
+        .push_size_bytes = sizeof(struct neph_gpu_march_run),
+        .constant_count = NEPH_MARCH_CONSTANTS,
+    };
+    neph_march_constants(gpu, &cache->params, params.constants);
+    return neph_kernel_get(cache->vulkan, &params, kernel, diag);
+}
+
+static uint64_t whole_number(const uint32_t halves[2])
+{
+    return halves[0] | (uint64_t)halves[1] << 32;
+}
+
+static enum neph_status fill(struct neph_sun_cache *cache, const struct neph_gpu_scene *gpu,
+                             const struct neph_skip_cells *skip, struct neph_sun_cache_cost *cost,
+                             struct neph_diag *diag)
+{
+    struct work work = {.cache = cache};
+    struct neph_gpu_sun_counters *counters = cache->counters.mapped;
+    memset(counters, 0, sizeof(*counters));
+    neph_gpu_scene_bind(gpu, &work.dispatch);
+    neph_skip_cells_bind(skip, &work.dispatch);
+    work.dispatch.buffers[NEPH_GPU_SCENE_BUFFERS] = &cache->nodes;
+    work.dispatch.buffers[NEPH_GPU_SCENE_BUFFERS + 1] = &cache->counters;
+    enum neph_status status = get_kernel(cache, gpu, &work.kernel, diag);
+    if (!status)
+        status = neph_march_cut_run(&cache->cut, fill_run, &work, diag);
+    work.cost.density_evaluations = whole_number(counters->density_evaluations);
+    work.cost.closed_forms = whole_number(counters->closed_forms);
+    *cost = work.cost;
+    return status;
+}
+
+static bool same_sun(const struct neph_sun *a, const struct neph_sun *b)
+{
+    return a->direction.x == b->direction.x && a->direction.y == b->direction.y &&
+           a->direction.z == b->direction.z;
+}
+
+static bool is_used(const struct neph_sun_cache *cache, const struct neph_gpu_scene *gpu)
+{
+    return cache->size[0] > 0 && gpu->frame->scatters;
+}
+
+bool neph_sun_cache_is_stale(const struct neph_sun_cache *cache, const struct neph_scene *scene,
+                             const struct neph_gpu_scene *gpu)
+{
+    struct neph_gpu_medium media[NEPH_GPU_MEDIA_MAX];
+    if (!is_used(cache, gpu))
+        return false;
+    neph_gpu_scene_media(scene, media);
+    return !cache->is_filled || !same_sun(&scene->sun, &cache->sun) ||
+           memcmp(media, cache->media, sizeof(media)) != 0;
+}
+
+enum neph_status neph_sun_cache_fill(struct neph_sun_cache *cache, const struct neph_scene *scene,
+                                     double frame, const struct neph_gpu_scene *gpu,
+                                     const struct neph_skip_cells *skip,
+                                     struct neph_sun_cache_cost *cost, struct neph_diag *diag)
+{
+    *cost = (struct neph_sun_cache_cost){0};
+    if (!is_used(cache, gpu))
+        return NEPH_OK;
+    place(cache, scene, frame, &gpu->frame->sun_lattice);
+    if (!neph_sun_cache_is_stale(cache, scene, gpu))
+        return NEPH_OK;
+    const enum neph_status status = fill(cache, gpu, skip, cost, diag);
+    cache->is_filled = !status;
+    cache->sun = scene->sun;
+    neph_gpu_scene_media(scene, cache->media);
+    return status;
+}

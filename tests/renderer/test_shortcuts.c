@@ -1,0 +1,488 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Shortcuts of the march: each off keeps the bits, each on does something, and what it changes
+ * stays within what it promises.
+ */
+#include "tests/renderer/march_test.h"
+
+#include "base/files.h"
+#include "renderer/realtime/options.h"
+#include "renderer/realtime/pipeline.h"
+#include "scenes/media.h"
+
+#include <stdlib.h>
+
+enum { WIDTH_PX = 40, HEIGHT_PX = 24, PIXELS = WIDTH_PX * HEIGHT_PX };
+
+static const struct neph_march_params marched = {.width_px = WIDTH_PX,
+                                                 .height_px = HEIGHT_PX,
+                                                 .steps = 64,
+                                                 .transmittance = NEPH_MARCH_MARCHED,
+                                                 .sun = NEPH_MARCH_MARCHED,
+                                                 .sun_steps = 6};
+
+static struct neph_image *render(struct neph_vulkan *vulkan, const struct neph_scene *scene,
+                                 const struct neph_march_params *params,
+                                 struct neph_march_stats *stats)
+{
+    struct neph_diag diag = {0};
+    struct neph_image *frame = NULL;
+    neph_assert_ok(test_march_frame(vulkan, scene, params, &frame, stats, &diag), &diag);
+    return frame;
+}
+
+static bool same_bits(const struct neph_image *a, const struct neph_image *b)
+{
+    bool same = a->channel_count == b->channel_count;
+    for (int c = 0; c < a->channel_count && same; c++)
+        same = memcmp(a->channels[c].samples, b->channels[c].samples,
+                      neph_image_pixel_count(a) * sizeof(float)) == 0;
+    return same;
+}
+
+static double largest_difference(const struct neph_image *a, const struct neph_image *b,
+                                 const char *layer)
+{
+    float *one[3], *other[3];
+    double largest = 0.0;
+    assert_true(neph_image_rgb(a, layer, one) && neph_image_rgb(b, layer, other));
+    for (int c = 0; c < 3; c++)
+        for (size_t p = 0; p < neph_image_pixel_count(a); p++)
+            largest = fmax(largest, fabs((double)one[c][p] - (double)other[c][p]));
+    return largest;
+}
+
+/* --- scenes --------------------------------------------------------------------------------- */
+
+static const double blob_per_m = 0.8, blob_width_m = 1.5, blob_reach_m = 4.5;
+
+/* Cut at three widths. */
+static void add_blob(struct test_scene *test)
+{
+    const struct neph_vec3 at_m = {0.5, 2.0, -12.0};
+    struct neph_medium *blob = test_add_cloud(test, NEPH_MEDIUM_GAUSSIAN, blob_per_m);
+    const struct neph_vec3 reach_m = {blob_reach_m, blob_reach_m, blob_reach_m};
+    blob->gaussian = (struct neph_gaussian){at_m, blob_width_m};
+    blob->bounds = (struct neph_bounds){neph_vec3_sub(at_m, reach_m), neph_vec3_add(at_m, reach_m)};
+}
+
+/* Most of its nodes are 0. The caller's to destroy. */
+static struct neph_grid *add_sparse_grid(struct test_scene *test)
+{
+    uint64_t random = 11;
+    struct neph_medium *medium = test_add_cloud(test, NEPH_MEDIUM_GRID, 0.9);
+    medium->grid = random_lattice((const int[3]){12, 11, 10}, (struct neph_vec3){-3.0, -1.0, -15.0},
+                                  (struct neph_vec3){0.6, 0.5, 0.7}, -9.0, &random);
+    return medium->grid;
+}
+
+static void add_fog(struct test_scene *test)
+{
+    test_add_medium(test, 0.03, 0.05, 0.0);
+}
+
+static void add_ground(struct test_scene *test)
+{
+    test_add_box(test, (struct neph_vec3){-1e3, -3.0, -1e3}, (struct neph_vec3){1e3, -2.0, 1e3});
+}
+
+/* --- off ------------------------------------------------------------------------------------ */
+
+static void test_values_of_what_is_off_do_not_count(void **state)
+{
+    struct test_scene test;
+    test_scene_init(&test);
+    add_blob(&test);
+    struct neph_march_params params = marched;
+    struct neph_image *plain = render(*state, &test.scene, &params, NULL);
+    params.shortcuts = (struct neph_shortcuts){.sun_cache_voxels = 77, .step_growth = 1.0};
+    struct neph_image *off = render(*state, &test.scene, &params, NULL);
+    assert_true(same_bits(plain, off));
+    neph_image_destroy(off);
+    neph_image_destroy(plain);
+}
+
+/* --- skipping ------------------------------------------------------------------------------- */
+
+static void check_skip(struct neph_vulkan *vulkan, const struct neph_scene *scene,
+                       struct neph_march_params params, const char *what)
+{
+    struct neph_march_stats every, some;
+    struct neph_image *plain = render(vulkan, scene, &params, &every);
+    params.shortcuts.skip = true;
+    struct neph_image *skipped = render(vulkan, scene, &params, &some);
+    print_message("%s: %llu density evaluations, then %llu\n", what,
+                  (unsigned long long)every.density_evaluations,
+                  (unsigned long long)some.density_evaluations);
+    assert_true(same_bits(plain, skipped));
+    assert_true(some.density_evaluations > 0);
+    assert_true(some.density_evaluations < every.density_evaluations);
+    neph_image_destroy(skipped);
+    neph_image_destroy(plain);
+}
+
+static void test_skipping_keeps_the_bits(void **state)
+{
+    struct test_scene test;
+    test_scene_init(&test);
+    struct neph_grid *grid = add_sparse_grid(&test);
+    add_ground(&test);
+    check_skip(*state, &test.scene, marched, "a sparse grid");
+    struct neph_march_params params = marched;
+    params.transmittance = params.sun = NEPH_MARCH_EXACT;
+    check_skip(*state, &test.scene, params, "with closed forms");
+    test.scene.media[0].extinction_color = (struct neph_rgb){1.0, 0.7, 0.4};
+    check_skip(*state, &test.scene, marched, "coloured");
+    test.scene.scattering = NEPH_SCATTERING_MULTIPLE;
+    params = marched;
+    params.lighting = NEPH_MARCH_OCTAVES;
+    check_skip(*state, &test.scene, params, "in octaves");
+    neph_grid_destroy(grid);
+}
+
+/* In fog every step counts: the cloud alone is not asked, which no counter tells. Where there is
+ * only fog, there is nothing to skip or to cache. */
+static void test_skipping_in_fog_keeps_the_bits(void **state)
+{
+    struct test_scene test;
+    test_scene_init(&test);
+    struct neph_grid *grid = add_sparse_grid(&test);
+    struct neph_march_params params = marched;
+    for (int with_cloud = 1; with_cloud >= 0; with_cloud--) {
+        if (!with_cloud)
+            test.scene.medium_count = 0;
+        add_fog(&test);
+        params.shortcuts = (struct neph_shortcuts){.skip = false};
+        struct neph_image *plain = render(*state, &test.scene, &params, NULL);
+        params.shortcuts = (struct neph_shortcuts){
+            .skip = true, .sun_cache = !with_cloud, .sun_cache_voxels = 32};
+        struct neph_image *skipped = render(*state, &test.scene, &params, NULL);
+        assert_true(same_bits(plain, skipped));
+        neph_image_destroy(skipped);
+        neph_image_destroy(plain);
+    }
+    neph_grid_destroy(grid);
+}
+
+/* --- the sun cache -------------------------------------------------------------------------- */
+
+static struct neph_march_params cached(int voxels)
+{
+    return (struct neph_march_params){.width_px = WIDTH_PX,
+                                      .height_px = HEIGHT_PX,
+                                      .steps = 64,
+                                      .shortcuts = {.sun_cache = true, .sun_cache_voxels = voxels}};
+}
+
+static double cache_error(struct neph_vulkan *vulkan, const struct neph_scene *scene, int voxels)
+{
+    struct neph_march_params params = cached(voxels);
+    struct neph_image *with = render(vulkan, scene, &params, NULL);
+    params.shortcuts.sun_cache = false;
+    struct neph_image *without = render(vulkan, scene, &params, NULL);
+    const double error = largest_difference(with, without, "volume");
+    neph_image_destroy(without);
+    neph_image_destroy(with);
+    return error;
+}
+
+/* Between nodes a distance h apart a depth is off by h^2 / 8 times the sum of its second
+ * derivatives along the axes. Of a Gaussian's depth none is above s sqrt(2 pi) / w across the sun's
+ * direction and s e^-0.5 / w along it: together 3.2 s / w, and thrice that for all axes. Radiance
+ * is at most that times the sun's irradiance and the largest phase function. */
+static double cache_bound(const struct neph_scene *scene, int voxels)
+{
+    const double spacing_m = 2.0 * blob_reach_m / (voxels - 1);
+    const double depth = spacing_m * spacing_m / 8.0 * 3.0 * 3.2 * blob_per_m / blob_width_m;
+    const double g = scene->media[0].phase.g;
+    const double phase_per_sr = (1.0 + g) / (4.0 * M_PI * (1.0 - g) * (1.0 - g));
+    return depth * scene->sun.irradiance_w_per_m2.r * phase_per_sr;
+}
+
+static void check_cache(struct neph_vulkan *vulkan, const struct neph_scene *scene)
+{
+    double before = INFINITY;
+    for (int voxels = 9; voxels <= 33; voxels = 2 * voxels - 1) {
+        const double error = cache_error(vulkan, scene, voxels);
+        print_message("%d nodes: volume off by %.2e, at most %.2e\n", voxels, error,
+                      cache_bound(scene, voxels));
+        assert_true(error > 0.0 && error < cache_bound(scene, voxels));
+        assert_true(error < before / 2.5); /* 4 where all derivatives above the second are 0 */
+        before = error;
+    }
+}
+
+static void test_the_sun_cache_is_of_second_order(void **state)
+{
+    struct test_scene test;
+    test_scene_init(&test);
+    add_blob(&test);
+    check_cache(*state, &test.scene);
+    add_fog(&test); /* in front, and in the shadow behind */
+    check_cache(*state, &test.scene);
+}
+
+/* A coloured cloud has three depths a node, of which red's is the largest here. */
+static void test_the_sun_cache_has_colours(void **state)
+{
+    struct test_scene test;
+    test_scene_init(&test);
+    add_blob(&test);
+    test.scene.media[0].extinction_color = (struct neph_rgb){1.0, 0.5, 0.1};
+    check_cache(*state, &test.scene);
+}
+
+static struct neph_image *next(struct neph_march *march, const struct neph_scene *scene,
+                               struct neph_march_stats *stats)
+{
+    struct neph_diag diag = {0};
+    struct neph_image *frame = NULL;
+    neph_assert_ok(
+        neph_march_frame(march, scene, 0.0, (const float[2]){0, 0}, &frame, stats, &diag), &diag);
+    return frame;
+}
+
+/* Filled once, and again when the sun or the cloud has moved: then as if it were the first. */
+static void check_refill(struct neph_vulkan *vulkan, const struct neph_scene *scene,
+                         struct neph_march *march, uint64_t *fill_evaluations)
+{
+    struct neph_march_params params = cached(32);
+    params.sun = NEPH_MARCH_MARCHED;
+    params.sun_steps = 6;
+    struct neph_march_stats first, again;
+    struct neph_image *moved = next(march, scene, &first);
+    struct neph_image *still = next(march, scene, &again);
+    struct neph_image *alone = render(vulkan, scene, &params, NULL);
+    assert_true(same_bits(moved, still) && same_bits(moved, alone));
+    *fill_evaluations = first.density_evaluations - again.density_evaluations;
+    neph_image_destroy(alone);
+    neph_image_destroy(still);
+    neph_image_destroy(moved);
+}
+
+static void test_the_sun_cache_follows_sun_and_cloud(void **state)
+{
+    struct test_scene test;
+    struct neph_march *march = NULL;
+    struct neph_diag diag = {0};
+    uint64_t evaluations;
+    test_scene_init(&test);
+    add_blob(&test);
+    struct neph_march_params params = cached(32);
+    params.sun = NEPH_MARCH_MARCHED;
+    params.sun_steps = 6;
+    neph_assert_ok(neph_march_create(*state, &test.scene, &params, &march, &diag), &diag);
+    check_refill(*state, &test.scene, march, &evaluations);
+    /* Six of each node but those from which the sun ray leaves the bounds at once. */
+    assert_true(evaluations > 6 * 31 * 31 * 31 * 9 / 10 && evaluations <= 6 * 32 * 32 * 32);
+    test.scene.sun.direction = neph_vec3_normalize((struct neph_vec3){-0.5, 0.7, -0.6});
+    check_refill(*state, &test.scene, march, &evaluations);
+    assert_true(evaluations > 0);
+    neph_medium_drift(&test.scene.media[0], (struct neph_vec3){0.25, 0.0, 0.5});
+    check_refill(*state, &test.scene, march, &evaluations);
+    assert_true(evaluations > 0);
+    neph_march_destroy(march);
+}
+
+/* --- early out ------------------------------------------------------------------------------ */
+
+/* What is left out is seen through less than the limit: the brightest that light can be scattered
+ * once to, and what is behind. */
+static void test_early_out_loses_what_it_says(void **state)
+{
+    struct test_scene test;
+    test_scene_init(&test);
+    struct neph_medium *slab = test_add_medium(&test, 0.9, 0.0, 0.0);
+    slab->bounds = (struct neph_bounds){{-20.0, -20.0, -30.0}, {20.0, 20.0, -5.0}};
+    const double limits[] = {0.01, 0.1};
+    const double g = slab->phase.g;
+    const double phase_per_sr = (1.0 + g) / (4.0 * M_PI * (1.0 - g) * (1.0 - g));
+    const double brightest = 10.0 * phase_per_sr + 0.4;
+    struct neph_march_params params = marched;
+    struct neph_march_stats whole, ended;
+    struct neph_image *plain = render(*state, &test.scene, &params, &whole);
+    for (int i = 0; i < 2; i++) {
+        params.shortcuts.early_out = limits[i];
+        struct neph_image *early = render(*state, &test.scene, &params, &ended);
+        const double error = largest_difference(plain, early, NULL);
+        print_message("early_out %g: off by %.2e, %llu of %llu steps\n", limits[i], error,
+                      (unsigned long long)ended.view_steps, (unsigned long long)whole.view_steps);
+        assert_true(error > 0.0 && error < limits[i] * brightest);
+        assert_true(largest_difference(plain, early, "transmittance") < limits[i]);
+        assert_true(ended.view_steps < whole.view_steps / 2);
+        assert_true(ended.density_evaluations < whole.density_evaluations / 2);
+        neph_image_destroy(early);
+    }
+    neph_image_destroy(plain);
+}
+
+/* --- growing steps -------------------------------------------------------------------------- */
+
+static double growth_difference(struct neph_vulkan *vulkan, const struct neph_scene *scene,
+                                int steps, double growth, const char *layer)
+{
+    struct neph_march_params params = marched;
+    params.steps = steps;
+    struct neph_image *equal = render(vulkan, scene, &params, NULL);
+    params.shortcuts.step_growth = growth;
+    struct neph_image *grown = render(vulkan, scene, &params, NULL);
+    const double difference = largest_difference(equal, grown, layer);
+    neph_image_destroy(grown);
+    neph_image_destroy(equal);
+    return difference;
+}
+
+/* Steps of any length add up to the stretch, and both kinds converge to the same. */
+static void test_growing_steps_tile_the_ray(void **state)
+{
+    struct test_scene test;
+    test_scene_init(&test);
+    struct neph_medium *slab = test_add_medium(&test, 0.2, 0.0, 0.0);
+    slab->bounds = (struct neph_bounds){{-20.0, -20.0, -30.0}, {20.0, 20.0, -5.0}};
+    /* pow() is good to 16 ulp or so at a largest power of 20, and edges to 1e-6 of 25 m. */
+    assert_true(growth_difference(*state, &test.scene, 64, 1.05, "transmittance") < 3e-6);
+    const double coarse = growth_difference(*state, &test.scene, 16, 1.2, "volume");
+    const double fine = growth_difference(*state, &test.scene, 64, pow(1.2, 0.25), "volume");
+    print_message("growing steps: volume off by %.2e, with four times as many %.2e\n", coarse,
+                  fine);
+    assert_true(coarse > 1e-5 && fine < coarse / 8.0); /* 16 where the step error is of order 2 */
+}
+
+/* --- refusals ------------------------------------------------------------------------------- */
+
+static enum neph_status check(const struct neph_scene *scene,
+                              const struct neph_march_params *params)
+{
+    struct neph_diag diag = {0};
+    return neph_march_check(scene, params, &diag);
+}
+
+static void test_what_is_of_no_use_is_refused(void **state)
+{
+    (void)state;
+    struct test_scene test;
+    test_scene_init(&test);
+    add_blob(&test);
+    struct neph_march_params params = marched;
+    params.shortcuts.step_growth = 1.2;
+    assert_int_equal(check(&test.scene, &params), NEPH_OK);
+    params.shortcuts.step_growth = 1.3;
+    assert_int_equal(check(&test.scene, &params), NEPH_ERR_USAGE);
+    params.shortcuts = (struct neph_shortcuts){.early_out = 1.5};
+    assert_int_equal(check(&test.scene, &params), NEPH_ERR_USAGE);
+    params.shortcuts = (struct neph_shortcuts){.sun_cache = true, .sun_cache_voxels = 7};
+    assert_int_equal(check(&test.scene, &params), NEPH_ERR_USAGE);
+    params.lighting = NEPH_MARCH_HORIZON;
+    params.shortcuts = (struct neph_shortcuts){.skip = true};
+    assert_int_equal(check(&test.scene, &params), NEPH_ERR_UNSUPPORTED);
+    params.shortcuts = (struct neph_shortcuts){.sun_cache = true, .sun_cache_voxels = 64};
+    assert_int_equal(check(&test.scene, &params), NEPH_ERR_UNSUPPORTED);
+}
+
+/* Two clouds, of which one moves: empty cells do not stay empty. Both together do. */
+static void test_skipping_refuses_media_that_part(void **state)
+{
+    struct test_scene test;
+    struct neph_march *march = NULL;
+    struct neph_image *frame = NULL;
+    struct neph_diag diag = {0};
+    const struct neph_vec3 by_m = {0.25, 0.0, 0.5};
+    test_scene_init(&test);
+    struct neph_grid *grid = add_sparse_grid(&test);
+    add_blob(&test);
+    struct neph_march_params params = marched;
+    params.shortcuts.skip = true;
+    neph_assert_ok(neph_march_create(*state, &test.scene, &params, &march, &diag), &diag);
+    for (int m = 0; m < 2; m++)
+        neph_medium_drift(&test.scene.media[m], by_m);
+    struct neph_image *together = next(march, &test.scene, NULL);
+    params.shortcuts.skip = false;
+    struct neph_image *plain = render(*state, &test.scene, &params, NULL);
+    assert_true(same_bits(plain, together));
+    neph_medium_drift(&test.scene.media[0], by_m);
+    assert_int_equal(
+        neph_march_frame(march, &test.scene, 0.0, (const float[2]){0, 0}, &frame, NULL, &diag),
+        NEPH_ERR_UNSUPPORTED);
+    neph_image_destroy(plain);
+    neph_image_destroy(together);
+    neph_march_destroy(march);
+    neph_grid_destroy(grid);
+}
+
+/* --- in real time --------------------------------------------------------------------------- */
+
+static char cache_folder[] = "/tmp/neph-test-shortcuts-XXXXXX";
+
+/* The second of two frames. */
+static struct neph_image *second_frame(struct neph_vulkan *vulkan, const struct neph_scene *scene,
+                                       const char *const *assignments,
+                                       struct neph_realtime_stats *stats)
+{
+    struct neph_diag diag = {0};
+    struct neph_realtime *realtime = NULL;
+    struct neph_image *image = NULL;
+    struct neph_settings settings = neph_options_default(neph_rt_options);
+    for (int i = 0; assignments[i]; i++)
+        neph_assert_ok(
+            neph_options_set(neph_rt_options, "realtime", assignments[i], &settings, &diag), &diag);
+    const struct neph_realtime_params params = {WIDTH_PX, HEIGHT_PX, &settings, 7, cache_folder};
+    neph_assert_ok(neph_realtime_create(vulkan, scene, &params, &realtime, &diag), &diag);
+    for (int f = 0; f < 2; f++) {
+        neph_image_destroy(image);
+        const struct neph_realtime_frame picture = {scene, f, NULL};
+        neph_assert_ok(neph_realtime_render(realtime, &picture, &image, stats, &diag), &diag);
+    }
+    neph_realtime_destroy(realtime);
+    return image;
+}
+
+static void test_shortcuts_in_real_time(void **state)
+{
+    static const char *const plain[] = {"transmittance=marched", "sun=marched", "sun_steps=6",
+                                        NULL};
+    static const char *const all[] = {
+        "transmittance=marched", "sun=marched",         "sun_steps=6", "skip=majorant",
+        "sun_cache=grid",        "sun_cache_voxels=32", NULL};
+    struct test_scene test;
+    struct neph_realtime_stats stats[2];
+    test_scene_init(&test);
+    struct neph_grid *grid = add_sparse_grid(&test);
+    struct neph_image *slow = second_frame(*state, &test.scene, plain, &stats[0]);
+    struct neph_image *fast = second_frame(*state, &test.scene, all, &stats[1]);
+    assert_false(same_bits(slow, fast));
+    assert_true(stats[1].view_steps < stats[0].view_steps);
+    /* The lattice is there already: one evaluation a step is left. */
+    assert_int_equal(stats[1].density_evaluations, stats[1].view_steps);
+    neph_image_destroy(fast);
+    neph_image_destroy(slow);
+    neph_grid_destroy(grid);
+}
+
+static int setup(void **state)
+{
+    return mkdtemp(cache_folder) ? test_vulkan_setup(state) : -1;
+}
+
+static int teardown(void **state)
+{
+    neph_dir_remove(cache_folder, NULL);
+    return test_vulkan_teardown(state);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_values_of_what_is_off_do_not_count),
+        cmocka_unit_test(test_skipping_keeps_the_bits),
+        cmocka_unit_test(test_skipping_in_fog_keeps_the_bits),
+        cmocka_unit_test(test_the_sun_cache_is_of_second_order),
+        cmocka_unit_test(test_the_sun_cache_has_colours),
+        cmocka_unit_test(test_the_sun_cache_follows_sun_and_cloud),
+        cmocka_unit_test(test_early_out_loses_what_it_says),
+        cmocka_unit_test(test_growing_steps_tile_the_ray),
+        cmocka_unit_test(test_what_is_of_no_use_is_refused),
+        cmocka_unit_test(test_skipping_refuses_media_that_part),
+        cmocka_unit_test(test_shortcuts_in_real_time),
+    };
+    return cmocka_run_group_tests(tests, setup, teardown);
+}
