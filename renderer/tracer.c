@@ -94,6 +94,15 @@ static size_t lit_tables(const struct neph_scene *scene)
     return is_open(scene) ? 1 : (size_t)scene->medium_count * (size_t)layers;
 }
 
+/* Ways of a pixel through media (shaders/tracer_way.glsl): one for each, where some are grids. */
+static size_t ways(const struct neph_scene *scene, const struct neph_gpu_frame *frame)
+{
+    for (int i = 0; i < scene->medium_count; i++)
+        if (scene->media[i].kind == NEPH_MEDIUM_GRID && !is_open(scene))
+            return frame->medium_count;
+    return 0;
+}
+
 static bool is_bounded(const struct neph_medium *medium)
 {
     const struct neph_bounds b = neph_medium_support(medium);
@@ -169,6 +178,7 @@ enum binding {
     BINDING_DEPTHS,
     BINDING_LITS,
     BINDING_GUESSES,
+    BINDING_WAYS,
     BINDING_COUNT,
 };
 
@@ -182,6 +192,7 @@ struct render {
     uint32_t local_size; /* of the path kernel */
     bool needs_paths, is_open;
     size_t lit_tables; /* of a pixel; 0: none are needed */
+    size_t ways;       /* of a pixel, through media; 0: none are needed */
     bool is_lit;       /* media may scatter light at all */
     uint32_t turns;    /* of one dispatch, at most */
     uint32_t window;   /* queues in one dispatch; follows the device's speed */
@@ -317,6 +328,9 @@ static enum neph_status create_buffers(struct render *render, struct neph_diag *
          (render->lit_tables > 0 && render->is_open ? render->chunk_pixels : 1) *
              sizeof(struct neph_gpu_guess),
          "tracer guesses"},
+        {&render->buffers[BINDING_WAYS], NEPH_BUFFER_DEVICE,
+         (render->ways > 0 ? render->chunk_pixels * render->ways : 1) * sizeof(struct neph_gpu_way),
+         "tracer ways"},
         {&render->buffers[BINDING_QUEUES], NEPH_BUFFER_DEVICE, queues * sizeof(uint32_t),
          "tracer queues"},
         {&render->buffers[BINDING_PIXELS], NEPH_BUFFER_DEVICE, pixels_bytes, "tracer pixels"},
@@ -356,10 +370,12 @@ static void scatter_nothing(struct neph_gpu_frame *frame)
         memset(frame->media[m].albedo, 0, sizeof(frame->media[m].albedo));
 }
 
-/* The kernel of first collisions walks through the grids thrice, the one of paths not at all. */
+/* The kernel of first collisions walks through the grids thrice, the one of paths not at all. Each
+ * edge of a way may cost a walk a turn of its own, and the walk's end. */
 static enum neph_status check_turns(const struct render *render, struct neph_diag *diag)
 {
     const uint64_t turns = 3 * render->scene.optical_depth_turns +
+                           3 * NEPH_GPU_WAY_STRETCHES * render->ways +
                            4 * ((uint64_t)render->scene.frame->solid_count + 1) + 64;
     if (turns > NEPH_KERNEL_LOOP_TURNS_MAX)
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
@@ -386,8 +402,10 @@ static enum neph_status prepare(struct render *render, const struct neph_scene *
     if (!status)
         status = neph_gpu_scene_create(render->vulkan, scene, params->frame, params->width_px,
                                        params->height_px, needs_paths(scene), &render->scene, diag);
-    if (!status)
+    if (!status) {
+        render->ways = ways(scene, render->scene.frame);
         status = check_turns(render, diag);
+    }
     if (!status && scene->scattering == NEPH_SCATTERING_NONE)
         scatter_nothing(render->scene.frame);
     if (!status)

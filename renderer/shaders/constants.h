@@ -27,4 +27,7 @@
 #define NEPH_GPU_QUEUE_PIXELS 8
 #define NEPH_GPU_LIT_EDGES 16
 
+// Stretches of a view ray's way through a voxel grid (tracer_way.glsl).
+#define NEPH_GPU_WAY_STRETCHES 32
+
 #endif

@@ -65,7 +65,7 @@ First first_collision(uint pixel, ViewRay ray, uint hero, float u)
     float part = absorbed_fraction(color[hero] * choice.depth);
     float depth = min(-log_1_plus(-choice.u * part) / color[hero], choice.depth);
     first.medium = m;
-    first.t_m = layer_free_path_m(m, choice.layer, ray, t0_m, t1_m, depth);
+    first.t_m = view_free_path_m(pixel, m, choice.layer, ray, t0_m, t1_m, depth);
     vec3 others = others_depth(m, choice.layer, ray, first.t_m);
     first.weight = choice.total * colour_transmittance(others);
     if (COLOURED) { // p = color e^(-color depth) / total; e^30 is more than chance allows
@@ -153,7 +153,7 @@ First lit_collision(uint pixel, ViewRay ray, float u)
                                  part.other_chance, mean_of(color));
     LitPlace place = lit_place(choice, part.u);
     first.medium = m;
-    first.t_m = layer_free_path_m(m, part.layer, ray, t0_m, t1_m, place.x);
+    first.t_m = view_free_path_m(pixel, m, part.layer, ray, t0_m, t1_m, place.x);
     vec3 way = color * place.x + others_depth(m, part.layer, ray, first.t_m);
     first.weight = color * colour_transmittance(way) / place.density;
     return first;

@@ -61,7 +61,7 @@ float find_log_light(uint pixel, uint m, uint l, uint edge)
         !clip_medium(m, ray.origin_m, ray.direction, t0_m, t1_m))
         return DARK;
     float x = lit_inside(edge, lit_last(color, depth));
-    float t_m = layer_free_path_m(m, l, ray, t0_m, t1_m, x);
+    float t_m = view_free_path_m(pixel, m, l, ray, t0_m, t1_m, x);
     vec3 lost = way(m, l, ray, t_m, x);
     float least = min(lost.r, min(lost.g, lost.b));
     vec3 light = frame.sun_irradiance * color * colour_transmittance(lost - least);

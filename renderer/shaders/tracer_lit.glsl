@@ -6,7 +6,7 @@
 #ifndef NEPH_TRACER_LIT_GLSL
 #define NEPH_TRACER_LIT_GLSL
 
-#include "tracer.glsl"
+#include "tracer_way.glsl"
 
 // With light from all around, too, or of the media themselves, half of all collisions are free
 // flights, which are good for that. Guesses (OPEN) earn less trust.

@@ -6,7 +6,7 @@
 // item.
 #extension GL_GOOGLE_include_directive : require
 
-#include "tracer.glsl"
+#include "tracer_way.glsl"
 
 layout(local_size_x = 64) in;
 
@@ -29,7 +29,9 @@ vec3 find_depths(uint pixel, ViewRay ray, float length_m)
         uint part = pixel * PARTS + m * LAYERS_MAX;
         float depth = 0.0;
         for (uint l = 0; l < layers_of(m); l++) {
-            depths[part + l] = layer_optical_depth(m, l, ray.origin_m, ray.direction, length_m);
+            depths[part + l] = has_way(m) ? way_walk(pixel, m, ray, length_m)
+                                          : layer_optical_depth(m, l, ray.origin_m, ray.direction,
+                                                                length_m);
             depth += depths[part + l];
         }
         sum += frame.media[m].extinction_color * depth;

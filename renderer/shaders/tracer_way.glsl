@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: MIT
+//
+// How each view ray goes through the voxel grids, walked once for all of a pixel's samples: the
+// integral of the density up to evenly spaced edges. A first collision is then looked for within
+// one stretch, a few cells, instead of from the grid's border on; where it lies is the same.
+#ifndef NEPH_TRACER_WAY_GLSL
+#define NEPH_TRACER_WAY_GLSL
+
+#include "tracer.glsl"
+
+const uint WAY_STRETCHES = NEPH_GPU_WAY_STRETCHES;
+
+// A pixel has one in each medium.
+struct Way {
+    float t0_m, t1_m; // the ray is in the medium's box there
+    float integral_m[WAY_STRETCHES + 1u];
+};
+
+layout(std430, binding = 14) buffer Ways {
+    Way ways[];
+};
+
+uint way_of(uint pixel, uint m) { return pixel * frame.medium_count + m; }
+
+bool has_way(uint m) { return !OPEN && is_a(MEDIUM_GRID, frame.media[m].kind); }
+
+float way_edge_m(uint way, uint i)
+{
+    float t0_m = ways[way].t0_m, t1_m = ways[way].t1_m;
+    return i == WAY_STRETCHES ? t1_m : t0_m + float(i) * ((t1_m - t0_m) / float(WAY_STRETCHES));
+}
+
+// Returns the optical depth of all of it.
+float way_walk(uint pixel, uint m, ViewRay ray, float length_m)
+{
+    uint way = way_of(pixel, m);
+    float t0_m = 0.0, t1_m = length_m;
+    if (!clip_medium(m, ray.origin_m, ray.direction, t0_m, t1_m))
+        return 0.0; // nobody looks for a collision there
+    ways[way].t0_m = t0_m;
+    ways[way].t1_m = t1_m;
+    Sum sum = sum_zero();
+    for (uint i = 0; i < WAY_STRETCHES; i++) {
+        ways[way].integral_m[i] = sum.value.x;
+        sum_add(sum, vec4(grid_integral_m(frame.media[m].shape.grid, ray.origin_m, ray.direction,
+                                          way_edge_m(way, i), way_edge_m(way, i + 1u))));
+    }
+    ways[way].integral_m[WAY_STRETCHES] = sum.value.x;
+    return frame.media[m].extinction_per_m * sum.value.x;
+}
+
+float way_free_path_m(uint pixel, uint m, ViewRay ray, float depth)
+{
+    uint way = way_of(pixel, m);
+    float target_m = depth / frame.media[m].extinction_per_m;
+    uint low = 0, high = WAY_STRETCHES;
+    while (high - low > 1u) {
+        uint middle = (low + high) / 2u;
+        if (ways[way].integral_m[middle] <= target_m)
+            low = middle;
+        else
+            high = middle;
+    }
+    return grid_free_path_m(frame.media[m].shape.grid, ray.origin_m, ray.direction,
+                            way_edge_m(way, low), way_edge_m(way, high),
+                            target_m - ways[way].integral_m[low]);
+}
+
+// layer_free_path_m() (media.glsl) of a pixel's ray.
+float view_free_path_m(uint pixel, uint m, uint l, ViewRay ray, float t0_m, float t1_m,
+                       float depth)
+{
+    if (has_way(m))
+        return clamp(way_free_path_m(pixel, m, ray, depth), t0_m, t1_m);
+    return layer_free_path_m(m, l, ray, t0_m, t1_m, depth);
+}
+
+#endif
