@@ -10,10 +10,11 @@
  * free paths: by inversion of the closed form (homogeneous, fog), by delta tracking through local
  * majorants elsewhere (E. R. Woodcock et al. 1965); the nearest of all media's collisions counts.
  * At each event the sun is sampled, its transmittance in closed form (fog; all media at the first
- * collision) or by ratio tracking (J. Novak et al., "Residual Ratio Tracking", SIGGRAPH Asia 2014),
- * with roulette where little of it would arrive. One path serves all three channels, with the
- * balance heuristic over the channels (B. Miller, I. Georgiev, W. Jarosz, "A Null-Scattering Path
- * Integral Formulation of Light Transport", SIGGRAPH 2019).
+ * collision, but not voxel grids where light goes on) or by ratio tracking (J. Novak et al.,
+ * "Residual Ratio Tracking", SIGGRAPH Asia 2014), with roulette where little of it would arrive.
+ * One path serves all three channels, with the balance heuristic over the channels (B. Miller, I.
+ * Georgiev, W. Jarosz, "A Null-Scattering Path Integral Formulation of Light Transport", SIGGRAPH
+ * 2019).
  *
  * Where light is scattered once, the first collision is drawn by the sunlight that comes from there
  * (truth/lit_flight.h); in a scene with Horizon clouds, where free flights would miss it, by a

@@ -317,12 +317,13 @@ void prepare_sunlight(float per_sr, float u)
     path.pending = path.throughput * sun_irradiance * (per_sr * path.sun_fraction);
     path.sun_roulette /= max(path.sun_fraction.r, 1.0);
     path.sun_fraction = vec3(1.0);
-    if (path.events == 1 && !OPEN)
+    bool is_looked_for = OPEN || (FIRST_BY_RAY && path.stage == STAGE_MEDIUM);
+    if (path.events == 1 && !is_looked_for)
         path.pending = vec3(0.0);
 }
 
-// Unless OPEN: at a first collision order 1 and what is emitted are known already
-// (tracer_first.comp), and at a first surface the sunlight that it reflects (tracer_view.comp).
+// Unless OPEN: at a first collision what is emitted is known already (tracer_first.comp), and order
+// 1 unless FIRST_BY_RAY; at a first surface the sunlight that it reflects (tracer_view.comp).
 void happen()
 {
     uvec4 bits = draw4();

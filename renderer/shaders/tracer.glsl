@@ -24,6 +24,13 @@ layout(constant_id = 12) const bool EMITS = false; // some medium does
 // Some medium's optical depth has no closed form: then the view ray is a matter of chance too.
 const bool OPEN = (KINDS & OPEN_KINDS) != 0u;
 
+// Where paths go on anyway, a ray to the sun costs less than the walk through a voxel grid that
+// knows exactly what arrives at a first collision, and adds little to the noise of all orders.
+const bool HAS_GRID = (KINDS & 1u << MEDIUM_GRID) != 0u;
+const bool CLOSED = !OPEN;
+const bool CLOSED_GRID = HAS_GRID && CLOSED;
+const bool FIRST_BY_RAY = MULTIPLE && CLOSED_GRID; // step by step: a compiler's bug
+
 // First collisions may be chosen by a guess (tracer_guess.glsl).
 const bool GUESSED = LIT && OPEN;
 

@@ -199,6 +199,6 @@ void main()
     First first = LIT ? lit_collision(pixel, ray, u)
                       : first_collision(pixel, ray, hero_of(bits), u);
     firsts[item] = first;
-    results[item] = Result(vec4(scattered_once(first, ray), 0.0), vec4(emitted(first), 0.0),
-                           vec4(0.0));
+    vec3 order1 = FIRST_BY_RAY ? vec3(0.0) : scattered_once(first, ray);
+    results[item] = Result(vec4(order1, 0.0), vec4(emitted(first), 0.0), vec4(0.0));
 }
