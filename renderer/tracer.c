@@ -40,10 +40,9 @@ static const uint32_t sum_spirv[] = {
 
 enum {
     depths_bytes = 4 * NEPH_GPU_MEDIA_MAX * NEPH_GPU_LAYERS_MAX,
-    track_steps = 8, /* of a turn, through majorant cells */
-    queue_items = NEPH_GPU_QUEUE_PIXELS * NEPH_TRACER_BATCH_SAMPLES,
+    track_steps = 8,       /* of a turn, through majorant cells */
     pixel_local_size = 64, /* of tracer_view.comp and tracer_sum.comp */
-    chunk_pixels_max = 1 << 16,
+    round_batches_max = 8,
     window_queues_max = 1 << 12,
 };
 
@@ -182,6 +181,17 @@ enum binding {
     BINDING_COUNT,
 };
 
+/* What a device is given at once. More items are better used: a work group that has many of them
+ * keeps all its threads busy for longer. They cost memory, 100 bytes each. */
+struct sizes {
+    uint32_t chunk_items;               /* pixels of a chunk times samples of a round, at most */
+    uint32_t queue_items, least_queues; /* of a work group, about; and at least so many of these */
+    uint32_t first_window;
+};
+
+static const struct sizes cpu_sizes = {1 << 19, 512, 64, 64};
+static const struct sizes gpu_sizes = {1 << 22, 1024, 4096, 1024};
+
 struct render {
     struct neph_vulkan *vulkan;
     const struct neph_tracer_params *params;
@@ -189,6 +199,7 @@ struct render {
     const struct neph_kernel *path, *view, *lit, *first, *sum; /* NULL: not needed */
     struct neph_gpu_scene scene;
     struct neph_buffer buffers[BINDING_COUNT], pixels_readback, progress_readback;
+    struct sizes sizes;
     uint32_t local_size; /* of the path kernel */
     bool needs_paths, is_open;
     size_t lit_tables; /* of a pixel; 0: none are needed */
@@ -198,22 +209,26 @@ struct render {
     uint32_t window;   /* queues in one dispatch; follows the device's speed */
     size_t pixel_count, chunk_pixels;
     size_t viewed_first; /* first pixel of the chunk that the device holds; SIZE_MAX: none */
+    int round_batches;   /* of the next round; follows the device's speed */
+    int most_batches;    /* of a round */
+    double round_max_s;  /* where a round may take more than a batch */
     struct neph_gpu_progress progress;
-    struct neph_tracer_sums sums;
-    struct neph_tracer_sums batch; /* counts whole or not at all */
-    float *view_light;             /* per pixel: behind, eye depth, transmittance */
+    struct neph_tracer_sums sums;      /* of whole rounds; its pixels are those read back last */
+    double round_head[NEPH_SUMS_HEAD]; /* of the round in work */
     char *identity;
     struct neph_tracer_stats stats;
 };
 
 /* Upper bound of the loop turns (compute.h) in one turn of the path kernel's main loop: three loops
- * over the solids, two over fog, and tracking, each of whose steps may choose a node in a loop. */
+ * over the solids, two over fog, tracking, each of whose steps may choose a node in a loop, and one
+ * over empty items. */
 static uint32_t turns_within(const struct neph_scene *scene)
 {
     uint32_t fog = 1;
     for (int i = 0; i < scene->medium_count; i++)
         fog += 3 + 2 * (uint32_t)scene->media[i].layer_count;
-    return 1 + 3 * ((uint32_t)scene->solid_count + 1) + 2 * fog + track_steps * 5 + 1;
+    return 1 + 3 * ((uint32_t)scene->solid_count + 1) + 2 * fog + track_steps * 5 + 1 +
+           NEPH_GPU_TAKES + 1;
 }
 
 static uint32_t choose_turns(const struct neph_scene *scene,
@@ -301,11 +316,12 @@ static enum neph_status get_kernels(struct render *render, const struct neph_sce
 
 static enum neph_status create_buffers(struct render *render, struct neph_diag *diag)
 {
-    const size_t queues = (render->chunk_pixels + NEPH_GPU_QUEUE_PIXELS - 1) /
-                          NEPH_GPU_QUEUE_PIXELS;
+    const size_t queues = render->chunk_pixels; /* at most */
+    const size_t items = render->chunk_pixels * (size_t)render->most_batches *
+                         NEPH_TRACER_BATCH_SAMPLES;
     const size_t threads = (queues < window_queues_max ? queues : window_queues_max) *
                            render->local_size;
-    const size_t pixels_bytes = render->chunk_pixels * sizeof(struct neph_gpu_tracer_pixel);
+    const size_t pixels_bytes = render->pixel_count * sizeof(struct neph_gpu_tracer_pixel);
     const struct {
         struct neph_buffer *buffer;
         enum neph_buffer_use use;
@@ -315,9 +331,9 @@ static enum neph_status create_buffers(struct render *render, struct neph_diag *
         {&render->buffers[BINDING_STATES], NEPH_BUFFER_DEVICE,
          threads * sizeof(struct neph_gpu_tracer_state), "tracer states"},
         {&render->buffers[BINDING_RESULTS], NEPH_BUFFER_DEVICE,
-         queues * queue_items * sizeof(struct neph_gpu_result), "tracer results"},
+         items * sizeof(struct neph_gpu_result), "tracer results"},
         {&render->buffers[BINDING_FIRSTS], NEPH_BUFFER_DEVICE,
-         queues * queue_items * sizeof(struct neph_gpu_first), "tracer first collisions"},
+         items * sizeof(struct neph_gpu_first), "tracer first collisions"},
         {&render->buffers[BINDING_DEPTHS], NEPH_BUFFER_DEVICE, render->chunk_pixels * depths_bytes,
          "tracer depths"},
         {&render->buffers[BINDING_LITS], NEPH_BUFFER_DEVICE,
@@ -347,21 +363,52 @@ static enum neph_status create_buffers(struct render *render, struct neph_diag *
     return status;
 }
 
-static enum neph_status create_sums(struct render *render, const struct neph_scene *scene,
-                                    struct neph_diag *diag)
+/* Go on from a checkpoint. */
+static enum neph_status resume(struct render *render, struct neph_diag *diag)
 {
-    render->sums.pixel_count = render->batch.pixel_count = render->pixel_count;
-    render->sums.values = calloc(neph_tracer_sums_count(&render->sums), sizeof(double));
-    render->batch.values = calloc(neph_tracer_sums_count(&render->sums), sizeof(double));
-    render->view_light = calloc(render->pixel_count * NEPH_TRACER_VIEW_FLOATS, sizeof(float));
-    render->identity = identity_of(scene, render->params, render->vulkan);
-    if (!render->sums.values || !render->batch.values || !render->view_light || !render->identity)
-        return neph_fail_memory(diag);
     const char *checkpoint = render->params->checkpoint;
     if (!checkpoint || !neph_path_exists(checkpoint))
         return NEPH_OK;
-    return neph_checkpoint_read(checkpoint, render->identity, render->sums.values,
-                                neph_tracer_sums_count(&render->sums), diag);
+    const size_t count = neph_tracer_sums_count(&render->sums);
+    double *values = malloc(count * sizeof(*values));
+    if (!values)
+        return neph_fail_memory(diag);
+    enum neph_status status = neph_checkpoint_read(checkpoint, render->identity, values, count,
+                                                   diag);
+    if (!status) {
+        neph_tracer_sums_load(&render->sums, values);
+        status = neph_buffer_upload(render->vulkan, &render->buffers[BINDING_PIXELS], 0,
+                                    render->sums.pixels,
+                                    render->pixel_count * sizeof(*render->sums.pixels), diag);
+    }
+    free(values);
+    return status;
+}
+
+static enum neph_status create_sums(struct render *render, const struct neph_scene *scene,
+                                    struct neph_diag *diag)
+{
+    render->sums.pixel_count = render->pixel_count;
+    render->sums.pixels = render->pixels_readback.mapped;
+    render->identity = identity_of(scene, render->params, render->vulkan);
+    return render->identity ? resume(render, diag) : neph_fail_memory(diag);
+}
+
+/* A round that nothing may end before its time is as long as it can be; else it begins short. */
+static void choose_sizes(struct render *render)
+{
+    const struct neph_tracer_params *params = render->params;
+    const int batches = 1 + (params->samples - 1) / NEPH_TRACER_BATCH_SAMPLES;
+    const bool is_open_ended = params->target_error > 0.0 || params->time_limit_s < INFINITY ||
+                               params->checkpoint;
+    render->sizes = render->vulkan->description.is_cpu ? cpu_sizes : gpu_sizes;
+    render->most_batches = batches < round_batches_max ? batches : round_batches_max;
+    render->round_batches = is_open_ended ? 1 : render->most_batches;
+    render->round_max_s = is_open_ended ? 1.0 : INFINITY;
+    render->window = render->sizes.first_window;
+    const size_t chunk_max = render->sizes.chunk_items /
+                             (uint32_t)(render->most_batches * NEPH_TRACER_BATCH_SAMPLES);
+    render->chunk_pixels = render->pixel_count < chunk_max ? render->pixel_count : chunk_max;
 }
 
 static void scatter_nothing(struct neph_gpu_frame *frame)
@@ -390,18 +437,15 @@ static enum neph_status prepare(struct render *render, const struct neph_scene *
 {
     const struct neph_tracer_params *params = render->params;
     render->pixel_count = (size_t)params->width_px * (size_t)params->height_px;
-    render->chunk_pixels = render->pixel_count < chunk_pixels_max ? render->pixel_count
-                                                                  : chunk_pixels_max;
     render->viewed_first = SIZE_MAX;
     render->turns = choose_turns(scene, params);
-    render->window = 64;
+    choose_sizes(render);
     render->needs_paths = needs_paths(scene);
     render->is_open = is_open(scene);
     render->lit_tables = lit_tables(scene);
-    enum neph_status status = create_sums(render, scene, diag);
-    if (!status)
-        status = neph_gpu_scene_create(render->vulkan, scene, params->frame, params->width_px,
-                                       params->height_px, needs_paths(scene), &render->scene, diag);
+    enum neph_status status = neph_gpu_scene_create(render->vulkan, scene, params->frame,
+                                                    params->width_px, params->height_px,
+                                                    needs_paths(scene), &render->scene, diag);
     if (!status) {
         render->ways = ways(scene, render->scene.frame);
         status = check_turns(render, diag);
@@ -412,6 +456,8 @@ static enum neph_status prepare(struct render *render, const struct neph_scene *
         status = get_kernels(render, scene, diag);
     if (!status)
         status = create_buffers(render, diag);
+    if (!status)
+        status = create_sums(render, scene, diag);
     return status;
 }
 
@@ -422,9 +468,6 @@ static void finish(struct render *render)
         neph_buffer_destroy(render->vulkan, &render->buffers[i]);
     neph_buffer_destroy(render->vulkan, &render->pixels_readback);
     neph_buffer_destroy(render->vulkan, &render->progress_readback);
-    free(render->sums.values);
-    free(render->batch.values);
-    free(render->view_light);
     free(render->identity);
 }
 
@@ -469,7 +512,7 @@ static enum neph_status view_chunk(struct render *render, const struct neph_gpu_
     if (render->viewed_first == run->first_pixel)
         return NEPH_OK;
     enum neph_status status = run_kernel(render, render->view, run, pixel_groups(run->pixel_count),
-                                         BINDING_PIXELS, &render->pixels_readback, diag);
+                                         BINDING_PIXELS, NULL, diag);
     if (!status && render->lit)
         status = run_kernel(
             render, render->lit, run,
@@ -479,10 +522,6 @@ static enum neph_status view_chunk(struct render *render, const struct neph_gpu_
         return status;
     render->viewed_first = run->first_pixel;
     render->progress = (struct neph_gpu_progress){0}; /* the kernel has set it to 0 */
-    const struct neph_gpu_tracer_pixel *pixels = render->pixels_readback.mapped;
-    for (size_t i = 0; i < run->pixel_count; i++)
-        memcpy(render->view_light + (run->first_pixel + i) * NEPH_TRACER_VIEW_FLOATS, &pixels[i],
-               NEPH_TRACER_VIEW_FLOATS * sizeof(float));
     return NEPH_OK;
 }
 
@@ -497,7 +536,7 @@ static enum neph_status run_window(struct render *render, const struct neph_gpu_
         return status;
     /* Counters only grow, modulo 2^32. */
     const struct neph_gpu_progress *now = render->progress_readback.mapped;
-    double *head = render->batch.values;
+    double *head = render->round_head;
     *items_done += now->items_done - render->progress.items_done;
     head[NEPH_SUMS_COLLISIONS] += now->collisions - render->progress.collisions;
     head[NEPH_SUMS_LOOKUPS] += now->lookups - render->progress.lookups;
@@ -515,20 +554,19 @@ static void adapt_window(struct render *render, double dispatch_s)
         render->window /= 2;
 }
 
-/* All paths of a batch for the queues of the chunk. */
+/* All paths of a round for the queues of the chunk. */
 static enum neph_status trace_paths(struct render *render, struct neph_gpu_tracer_run run,
                                     struct neph_diag *diag)
 {
-    const uint32_t queues = (run.pixel_count + NEPH_GPU_QUEUE_PIXELS - 1) / NEPH_GPU_QUEUE_PIXELS;
+    const uint32_t queues = (run.pixel_count + run.queue_pixels - 1) / run.queue_pixels;
     for (uint32_t first = 0, count; first < queues; first += count) {
         count = queues - first < render->window ? queues - first : render->window;
-        const uint32_t pixels_left = run.pixel_count - first * NEPH_GPU_QUEUE_PIXELS;
-        const uint32_t pixels = pixels_left < count * NEPH_GPU_QUEUE_PIXELS
-                                    ? pixels_left
-                                    : count * NEPH_GPU_QUEUE_PIXELS;
+        const uint32_t pixels_left = run.pixel_count - first * run.queue_pixels;
+        const uint32_t pixels = pixels_left < count * run.queue_pixels ? pixels_left
+                                                                       : count * run.queue_pixels;
         uint32_t items_done = 0;
         run.first_queue = first;
-        for (run.is_fresh = 1; items_done < pixels * NEPH_TRACER_BATCH_SAMPLES; run.is_fresh = 0) {
+        for (run.is_fresh = 1; items_done < pixels * run.samples; run.is_fresh = 0) {
             const double start_s = neph_wall_s();
             const enum neph_status status = run_window(render, &run, count, &items_done, diag);
             if (status)
@@ -546,66 +584,93 @@ static enum neph_status trace_chunk(struct render *render, const struct neph_gpu
     enum neph_status status = view_chunk(render, run, diag);
     if (!status && render->first)
         status = run_kernel(render, render->first, run,
-                            pixel_groups(run->pixel_count * NEPH_TRACER_BATCH_SAMPLES),
-                            BINDING_PIXELS, NULL, diag);
+                            pixel_groups(run->pixel_count * run->samples), BINDING_PIXELS, NULL,
+                            diag);
     if (!status && render->needs_paths)
         status = trace_paths(render, *run, diag);
     if (!status)
         status = run_kernel(render, render->sum, run, pixel_groups(run->pixel_count),
-                            BINDING_PIXELS, &render->pixels_readback, diag);
+                            BINDING_PIXELS, NULL, diag);
     return status;
 }
 
-static struct neph_gpu_tracer_run chunk_run(const struct render *render, size_t first)
+/* Fewer, where a small frame would leave the device without work groups. */
+static uint32_t queue_pixels(const struct render *render, uint32_t samples)
+{
+    const uint32_t wanted = render->sizes.queue_items / samples;
+    const uint32_t most = (uint32_t)render->chunk_pixels / render->sizes.least_queues;
+    return wanted < most ? wanted : most > 1 ? most : 1;
+}
+
+static struct neph_gpu_tracer_run chunk_run(const struct render *render, size_t first, int batches)
 {
     const size_t left = render->pixel_count - first;
+    const uint32_t samples = (uint32_t)(batches * NEPH_TRACER_BATCH_SAMPLES);
     return (struct neph_gpu_tracer_run){
         .seed_low = (uint32_t)render->params->seed,
         .seed_high = (uint32_t)(render->params->seed >> 32),
         .first_pixel = (uint32_t)first,
         .pixel_count = (uint32_t)(left < render->chunk_pixels ? left : render->chunk_pixels),
-        .first_sample = (uint32_t)render->sums.values[NEPH_SUMS_SAMPLES],
+        .first_sample = (uint32_t)render->sums.head[NEPH_SUMS_SAMPLES],
+        .samples = samples,
+        .queue_pixels = queue_pixels(render, samples),
         .turns = render->turns,
     };
 }
 
+static enum neph_status read_back(struct render *render, struct neph_diag *diag)
+{
+    return neph_buffer_download(render->vulkan, &render->buffers[BINDING_PIXELS],
+                                &render->pixels_readback, render->pixels_readback.size_bytes, diag);
+}
+
+/* For a checkpoint that holds all samples already. */
 static enum neph_status view_all(struct render *render, struct neph_diag *diag)
 {
     enum neph_status status = NEPH_OK;
     for (size_t first = 0; !status && first < render->pixel_count; first += render->chunk_pixels) {
-        const struct neph_gpu_tracer_run run = chunk_run(render, first);
+        const struct neph_gpu_tracer_run run = chunk_run(render, first, 1);
         status = view_chunk(render, &run, diag);
     }
     return status;
 }
 
-static enum neph_status trace_batch(struct render *render, struct neph_diag *diag)
+/* The sums are read back when somebody may ask for them before the end. */
+static enum neph_status trace_round(struct render *render, int batches, struct neph_diag *diag)
 {
-    double *values = render->batch.values;
-    memset(values, 0, neph_tracer_sums_count(&render->batch) * sizeof(*values));
-    for (size_t first = 0; first < render->pixel_count; first += render->chunk_pixels) {
-        const struct neph_gpu_tracer_run run = chunk_run(render, first);
-        const enum neph_status status = trace_chunk(render, &run, diag);
-        if (status)
-            return status;
-        const struct neph_gpu_tracer_pixel *pixels = render->pixels_readback.mapped;
-        for (size_t i = 0; i < run.pixel_count; i++)
-            neph_tracer_sums_add(&render->batch, first + i, &pixels[i]);
+    const struct neph_tracer_params *params = render->params;
+    enum neph_status status = NEPH_OK;
+    memset(render->round_head, 0, sizeof(render->round_head));
+    for (size_t first = 0; !status && first < render->pixel_count; first += render->chunk_pixels) {
+        const struct neph_gpu_tracer_run run = chunk_run(render, first, batches);
+        status = trace_chunk(render, &run, diag);
     }
-    values[NEPH_SUMS_SAMPLES] = NEPH_TRACER_BATCH_SAMPLES;
-    for (size_t i = 0; i < neph_tracer_sums_count(&render->sums); i++)
-        render->sums.values[i] += values[i];
+    if (!status && (params->checkpoint || params->target_error > 0.0))
+        status = read_back(render, diag);
+    if (status)
+        return status;
+    render->round_head[NEPH_SUMS_SAMPLES] = batches * NEPH_TRACER_BATCH_SAMPLES;
+    for (int i = 0; i < NEPH_SUMS_HEAD; i++)
+        render->sums.head[i] += render->round_head[i];
     return NEPH_OK;
 }
 
 /* --- progress ----------------------------------------------------------------------------- */
 
+/* The rounds that are whole: of one that was interrupted nothing has been read back. */
 static enum neph_status save(const struct render *render, struct neph_diag *diag)
 {
     if (!render->params->checkpoint)
         return NEPH_OK;
-    return neph_checkpoint_write(render->params->checkpoint, render->identity, render->sums.values,
-                                 neph_tracer_sums_count(&render->sums), diag);
+    const size_t count = neph_tracer_sums_count(&render->sums);
+    double *values = malloc(count * sizeof(*values));
+    if (!values)
+        return neph_fail_memory(diag);
+    neph_tracer_sums_save(&render->sums, values);
+    const enum neph_status status = neph_checkpoint_write(render->params->checkpoint,
+                                                          render->identity, values, count, diag);
+    free(values);
+    return status;
 }
 
 /* Fewer paths per pixel say nothing of their own scatter. */
@@ -614,7 +679,7 @@ static const double samples_min = 16.0;
 static bool is_done(struct render *render, double batch_s)
 {
     const struct neph_tracer_params *params = render->params;
-    const double samples = render->sums.values[NEPH_SUMS_SAMPLES];
+    const double samples = render->sums.head[NEPH_SUMS_SAMPLES];
     if (samples <= 0.0)
         return false;
     if (samples >= params->samples)
@@ -625,32 +690,66 @@ static bool is_done(struct render *render, double batch_s)
     return neph_wall_s() - render->start_s + batch_s > params->time_limit_s;
 }
 
-static enum neph_status trace_batches(struct render *render, struct neph_diag *diag)
+/* By the clock: twice as many as last time, or half. */
+static int batches_in_time(const struct render *render, double batch_s)
+{
+    const int last = render->round_batches;
+    if (2.0 * last * batch_s < render->round_max_s && batch_s > 0.0)
+        return 2 * last <= render->most_batches ? 2 * last : last;
+    return last > 1 && last * batch_s > render->round_max_s ? last / 2 : last;
+}
+
+/* Where the error decides when to stop, by the samples so far: what is asked once more must stop at
+ * the same sample. */
+static int batches_on_target(const struct render *render)
+{
+    const double batches = render->sums.head[NEPH_SUMS_SAMPLES] / NEPH_TRACER_BATCH_SAMPLES;
+    return (int)fmax(1.0, fmin(batches / 4.0, render->most_batches));
+}
+
+/* None beyond the limit of time. */
+static int choose_batches(struct render *render, double batch_s)
+{
+    const struct neph_tracer_params *params = render->params;
+    const double samples_left = params->samples - render->sums.head[NEPH_SUMS_SAMPLES];
+    const double time_left_s = params->time_limit_s - (neph_wall_s() - render->start_s);
+    const int left = (int)ceil(samples_left / NEPH_TRACER_BATCH_SAMPLES);
+    int batches = params->target_error > 0.0 ? batches_on_target(render)
+                                             : batches_in_time(render, batch_s);
+    while (batches > 1 && batches * batch_s > time_left_s)
+        batches /= 2;
+    render->round_batches = batches;
+    return batches < left ? batches : left;
+}
+
+static enum neph_status trace_rounds(struct render *render, struct neph_diag *diag)
 {
     const double save_every_s = 60.0;
     double saved_s = neph_wall_s();
     for (double batch_s = 0.0; !is_done(render, batch_s);) {
         const double start_s = neph_wall_s();
-        enum neph_status status = trace_batch(render, diag);
+        const int batches = choose_batches(render, batch_s);
+        enum neph_status status = trace_round(render, batches, diag);
+        batch_s = (neph_wall_s() - start_s) / batches;
         if (!status && neph_wall_s() - saved_s > save_every_s) {
             status = save(render, diag);
             saved_s = neph_wall_s();
         }
         if (status)
             return status;
-        batch_s = neph_wall_s() - start_s;
     }
     return NEPH_OK;
 }
 
 static enum neph_status trace(struct render *render, struct neph_diag *diag)
 {
-    enum neph_status status = view_all(render, diag);
+    const bool is_whole = is_done(render, 0.0);
+    enum neph_status status = is_whole ? view_all(render, diag) : trace_rounds(render, diag);
     if (!status)
-        status = trace_batches(render, diag);
+        status = read_back(render, diag);
     if (!status)
         return save(render, diag);
-    if (status == NEPH_ERR_INTERRUPTED && render->sums.values[NEPH_SUMS_SAMPLES] > 0.0 &&
+    if (status == NEPH_ERR_INTERRUPTED && render->sums.head[NEPH_SUMS_SAMPLES] > 0.0 &&
         save(render, NULL))
         return neph_fail(diag, NEPH_ERR_IO, "tracer: interrupted, and cannot write '%s'",
                          render->params->checkpoint);
@@ -661,7 +760,7 @@ static enum neph_status trace(struct render *render, struct neph_diag *diag)
 
 static void count(struct render *render)
 {
-    const double *head = render->sums.values;
+    const double *head = render->sums.head;
     struct neph_tracer_stats *stats = &render->stats;
     stats->samples = (int)head[NEPH_SUMS_SAMPLES];
     stats->collisions = (uint64_t)head[NEPH_SUMS_COLLISIONS];
@@ -688,8 +787,8 @@ enum neph_status neph_tracer_render(struct neph_vulkan *vulkan, const struct nep
     if (!status)
         status = trace(&render, diag);
     if (!status)
-        status = neph_tracer_sums_frame(&render.sums, render.view_light, render.is_open,
-                                        params->width_px, params->height_px, &image, diag);
+        status = neph_tracer_sums_frame(&render.sums, render.is_open, params->width_px,
+                                        params->height_px, &image, diag);
     if (!status)
         status = neph_vulkan_check(vulkan, diag);
     if (!status) {

@@ -2,7 +2,7 @@
  *
  * The path tracer on the device: the estimator of truth/oracle.h in float32, without bias, for
  * lavapipe and GPUs alike. No clamp, no limit on bounces, roulette only below a twentieth of the
- * first throughput; float32 within a batch of 8 samples, double across batches.
+ * first throughput; every float32 sum carries its rounding error.
  *
  * Estimator. What reaches the camera unscattered is exact, and every sample collides on the view
  * ray, where the inverse of its optical depth says (forced collision). A scene with a medium of

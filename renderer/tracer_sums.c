@@ -5,48 +5,65 @@
 
 #include <math.h>
 
-/* Per pixel: order1, higher, surface, spread, transmittance (0 unless open); three channels each.
- */
-enum { sums_per_pixel = 15 };
+/* Sums of a pixel. */
+enum { ORDER1, HIGHER, SURFACE, SPREAD, SUM_COUNT };
 
-static double *sums_of(const struct neph_tracer_sums *sums, size_t pixel)
-{
-    return sums->values + NEPH_SUMS_HEAD + pixel * sums_per_pixel;
-}
+enum { floats_per_pixel = 2 * 4 * SUM_COUNT };
+
+_Static_assert(sizeof(((struct neph_gpu_tracer_pixel *)NULL)->sums) == 16 * SUM_COUNT &&
+                   sizeof(((struct neph_gpu_tracer_pixel *)NULL)->excess) == 16 * SUM_COUNT,
+               "the shader has other sums");
 
 size_t neph_tracer_sums_count(const struct neph_tracer_sums *sums)
 {
-    return NEPH_SUMS_HEAD + sums->pixel_count * sums_per_pixel;
+    return NEPH_SUMS_HEAD + sums->pixel_count * floats_per_pixel;
 }
 
-void neph_tracer_sums_add(struct neph_tracer_sums *sums, size_t index,
-                          const struct neph_gpu_tracer_pixel *pixel)
+void neph_tracer_sums_save(const struct neph_tracer_sums *sums, double *values)
 {
-    double *own = sums_of(sums, index);
-    for (int c = 0; c < 3; c++) {
-        for (int layer = 0; layer < 3; layer++)
-            own[3 * layer + c] += (double)pixel->sums[layer][c];
-        own[9 + c] += (double)pixel->spread[c];
-        own[12 + c] += (double)pixel->sums[c][3];
-    }
+    for (int i = 0; i < NEPH_SUMS_HEAD; i++)
+        *values++ = sums->head[i];
+    for (size_t p = 0; p < sums->pixel_count; p++)
+        for (int i = 0; i < SUM_COUNT; i++)
+            for (int k = 0; k < 4; k++) {
+                *values++ = (double)sums->pixels[p].sums[i][k];
+                *values++ = (double)sums->pixels[p].excess[i][k];
+            }
+}
+
+void neph_tracer_sums_load(struct neph_tracer_sums *sums, const double *values)
+{
+    for (int i = 0; i < NEPH_SUMS_HEAD; i++)
+        sums->head[i] = *values++;
+    for (size_t p = 0; p < sums->pixel_count; p++)
+        for (int i = 0; i < SUM_COUNT; i++)
+            for (int k = 0; k < 4; k++) {
+                sums->pixels[p].sums[i][k] = (float)*values++;
+                sums->pixels[p].excess[i][k] = (float)*values++;
+            }
+}
+
+static double sum_of(const struct neph_gpu_tracer_pixel *pixel, int sum, int component)
+{
+    return (double)pixel->sums[sum][component] - (double)pixel->excess[sum][component];
 }
 
 /* The variance of the mean of all light: each pair's squared difference / 4 estimates that of the
  * pair's mean, and the mean is that of `pairs` of them. */
-static double variance_of(const double *sums, int channel, double samples)
+static double variance_of(const struct neph_gpu_tracer_pixel *pixel, int channel, double samples)
 {
     const double pairs = 0.5 * samples;
-    return 0.25 * sums[9 + channel] / (pairs * pairs);
+    return 0.25 * sum_of(pixel, SPREAD, channel) / (pairs * pairs);
 }
 
 double neph_tracer_sums_error(const struct neph_tracer_sums *sums, bool is_lit)
 {
-    const double samples = sums->values[NEPH_SUMS_SAMPLES];
+    const double samples = sums->head[NEPH_SUMS_SAMPLES];
     double variance = 0.0, radiance = 0.0;
     for (size_t i = 0; i < sums->pixel_count; i++)
         for (int c = 0; c < 3; c++) {
-            const double *pixel = sums_of(sums, i);
-            const double volume = (pixel[c] + pixel[3 + c]) / samples;
+            const struct neph_gpu_tracer_pixel *pixel = &sums->pixels[i];
+            const double volume = (sum_of(pixel, ORDER1, c) + sum_of(pixel, HIGHER, c)) / samples;
             variance += variance_of(pixel, c, samples);
             radiance += volume * volume;
         }
@@ -77,9 +94,8 @@ static enum neph_status create_image(int width_px, int height_px, struct neph_im
     return status;
 }
 
-enum neph_status neph_tracer_sums_frame(const struct neph_tracer_sums *sums,
-                                        const float *view_light, bool is_open, int width_px,
-                                        int height_px, struct neph_image **frame,
+enum neph_status neph_tracer_sums_frame(const struct neph_tracer_sums *sums, bool is_open,
+                                        int width_px, int height_px, struct neph_image **frame,
                                         struct neph_diag *diag)
 {
     struct neph_image *image = NULL;
@@ -90,16 +106,18 @@ enum neph_status neph_tracer_sums_frame(const struct neph_tracer_sums *sums,
         neph_image_destroy(image);
         return status;
     }
-    const double samples = sums->values[NEPH_SUMS_SAMPLES];
+    const double samples = sums->head[NEPH_SUMS_SAMPLES];
     for (size_t i = 0; i < sums->pixel_count; i++) {
-        const double *own = sums_of(sums, i);
-        const float *view = view_light + i * NEPH_TRACER_VIEW_FLOATS;
-        eye_depth_m[i] = view[3] < NEPH_GPU_FAR_M ? view[3] : INFINITY;
+        const struct neph_gpu_tracer_pixel *own = &sums->pixels[i];
+        eye_depth_m[i] = own->behind[3] < NEPH_GPU_FAR_M ? own->behind[3] : INFINITY;
         for (int c = 0; c < 3; c++) {
-            const double transmittance = is_open ? own[12 + c] / samples : (double)view[4 + c];
-            const double order1 = own[c] / samples, surface = own[6 + c] / samples;
-            const double volume = order1 + own[3 + c] / samples;
-            const double behind = is_open ? surface : transmittance * ((double)view[c] + surface);
+            const double transmittance = is_open ? sum_of(own, c, 3) / samples
+                                                 : (double)own->transmittance[c];
+            const double order1 = sum_of(own, ORDER1, c) / samples;
+            const double surface = sum_of(own, SURFACE, c) / samples;
+            const double volume = order1 + sum_of(own, HIGHER, c) / samples;
+            const double behind = is_open ? surface
+                                          : transmittance * ((double)own->behind[c] + surface);
             layers[LAYER_RADIANCE][c][i] = (float)(volume + behind);
             layers[LAYER_VOLUME][c][i] = (float)volume;
             layers[LAYER_ORDER1][c][i] = (float)order1;

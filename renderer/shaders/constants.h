@@ -21,10 +21,9 @@
 #define NEPH_GPU_HORIZON_DETAIL_SIDE 32
 #define NEPH_GPU_HORIZON_WEATHER_SIDE 256
 
-// The path tracer: strata of a pixel's samples, pixels that one work group works on, edges of a
-// table of light (tracer_lit.glsl).
+// The path tracer: strata of a pixel's samples, edges of a table of light (tracer_lit.glsl).
 #define NEPH_GPU_STRATA 4
-#define NEPH_GPU_QUEUE_PIXELS 8
+#define NEPH_GPU_TAKES 8 // of items, in a turn of a thread
 #define NEPH_GPU_LIT_EDGES 16
 
 // Stretches of a view ray's way through a voxel grid (tracer_way.glsl).

@@ -26,6 +26,9 @@ const float SUN_ROULETTE = 0.2;
 // Steps through majorant cells in a turn.
 layout(constant_id = 9) const uint STEPS = 8;
 
+// Items that a thread takes in a turn, at most, if they are empty.
+const uint TAKES = NEPH_GPU_TAKES;
+
 // What the thread is about to do.
 const uint STAGE_IDLE = 0;    // take an item
 const uint STAGE_MEDIUM = 1;  // scatter in `medium` at `origin`
@@ -134,7 +137,11 @@ uvec4 draw4()
 
 uint queue() { return run.first_queue + gl_WorkGroupID.x; }
 
-uint item_pixel() { return queue() * QUEUE_PIXELS + path.item / BATCH_SAMPLES; } // in the chunk
+// In the chunk.
+uint item_pixel() { return queue() * run.queue_pixels + path.item / run.samples; }
+
+// The place of its result.
+uint item_place() { return queue() * queue_items() + path.item; }
 
 // The path of the current item from the camera, all over again.
 ViewRay start_path()
@@ -196,7 +203,7 @@ float raise_for(float guessed_depth)
 // The ray to a first collision that is chosen already, if the guess is better than to look for it.
 void start_for_guessed_collision()
 {
-    First first = firsts[queue() * QUEUE_ITEMS + path.item];
+    First first = firsts[item_place()];
     if (first.medium == MEDIA_MAX)
         return;
     path.throughput = first.weight;
@@ -213,7 +220,7 @@ void start_for_guessed_collision()
 
 void start_at_first_collision()
 {
-    First first = firsts[queue() * QUEUE_ITEMS + path.item];
+    First first = firsts[item_place()];
     path.origin_m = view_point_m(start_path(), first.t_m);
     path.throughput = first.weight;
     path.roulette = ROULETTE * most_of(first.weight);
@@ -223,23 +230,42 @@ void start_at_first_collision()
         path.channels = first.channels;
 }
 
+// Nothing but the sum of its first kernels comes of an item that meets no medium and no surface.
+bool is_empty_item()
+{
+    return !OPEN && !SURFACES && firsts[item_place()].weight == vec3(0.0);
+}
+
+// The next item with a path. None among so many: again in the next turn.
+bool find_item()
+{
+    for (uint i = 0; i < TAKES; i++) {
+        path.item = atomicAdd(next_items[queue()], 1);
+        if (path.item >= queue_items() || item_pixel() >= run.pixel_count) {
+            path.stage = STAGE_DONE;
+            return false;
+        }
+        if (!is_empty_item())
+            return true;
+        items_done++;
+    }
+    return false;
+}
+
 void take_item()
 {
-    path.item = atomicAdd(next_items[queue()], 1);
-    if (path.item >= QUEUE_ITEMS || item_pixel() >= run.pixel_count) {
-        path.stage = STAGE_DONE;
+    if (!find_item())
         return;
-    }
     path.key = sample_key(run.first_pixel + item_pixel(),
-                          run.first_sample + path.item % BATCH_SAMPLES).xyz;
+                          run.first_sample + path.item % run.samples).xyz;
     path.drawn = 0;
     path.hero = hero_of(draw());
     path.order1 = vec3(0.0);
     if (!OPEN)
-        path.order1 = results[queue() * QUEUE_ITEMS + path.item].order1.rgb;
+        path.order1 = results[item_place()].order1.rgb;
     path.higher = vec3(0.0);
     if (!OPEN && EMITS)
-        path.higher = results[queue() * QUEUE_ITEMS + path.item].higher.rgb;
+        path.higher = results[item_place()].higher.rgb;
     path.surface = vec3(0.0);
     path.is_surface_first = 0;
     path.view_fraction = vec3(0.0);
@@ -257,7 +283,7 @@ void finish_path()
 
 void finish_item()
 {
-    results[queue() * QUEUE_ITEMS + path.item] =
+    results[item_place()] =
         Result(vec4(path.order1, path.view_fraction.r), vec4(path.higher, path.view_fraction.g),
                vec4(path.surface, path.view_fraction.b));
     path.stage = STAGE_IDLE;

@@ -39,7 +39,9 @@ layout(push_constant) uniform TracerRun {
     uint seed_high;
     uint first_pixel;  // of the chunk of the frame that is in work, in raster order
     uint pixel_count;  // of the chunk
-    uint first_sample; // of the batch
+    uint first_sample; // of the round
+    uint samples;      // of the round, per pixel: whole batches
+    uint queue_pixels; // that one work group works on
     uint first_queue;  // of this dispatch
     uint turns;        // of the outer loop, at most
     uint is_fresh;     // 1: the states hold nothing yet
@@ -47,8 +49,9 @@ layout(push_constant) uniform TracerRun {
 
 const uint STRATA = NEPH_GPU_STRATA;
 const uint BATCH_SAMPLES = 2 * STRATA; // per pixel: a pair in each stratum
-const uint QUEUE_PIXELS = NEPH_GPU_QUEUE_PIXELS; // the pixels that one work group works on
-const uint QUEUE_ITEMS = QUEUE_PIXELS * BATCH_SAMPLES;
+
+// A work group's items, an item being one sample of one pixel.
+uint queue_items() { return run.queue_pixels * run.samples; }
 
 // One sample's light [W m^-2 sr^-1]; the fourth components are its estimate of the view's
 // transmittance, red, green and blue, if OPEN.
@@ -63,26 +66,28 @@ layout(std430, binding = 6) buffer Results {
     Result results[];
 };
 
-// Per queue: the next item that nobody has taken.
+// Per queue: the next item that nobody has taken. There is room for a queue of each pixel of the
+// chunk: how many there are may change from round to round.
 layout(std430, binding = 7) buffer Queues {
     uint next_items[];
 };
 
-// Per pixel of the chunk: what needs no chance, and the sums of a batch.
+// Per pixel of the frame: what needs no chance, and the sums over all samples so far, each with its
+// rounding error (numbers.glsl).
 struct TracerPixel {
     vec4 behind;        // background, or sunlight reflected by the surface; black if OPEN;
                         // w: eye depth [m]
     vec4 transmittance; // w: free
-    vec4 sums[3];       // of the batch's results: order1, higher, surface
-    vec4 spread;        // sum over the batch's pairs of their squared difference, all light
-    vec4 padding;
+    vec4 sums[4];       // of the results: order1, higher, surface; then of all light the squared
+                        // differences of pairs
+    vec4 excess[4];     // what they have too much
 };
 
 layout(std430, binding = 8) buffer Pixels {
     TracerPixel pixels[];
 };
 
-// What the batches have cost and how far they are. Only ever added to.
+// What the rounds have cost and how far they are. Only ever added to.
 layout(std430, binding = 9) buffer Progress {
     uint items_done;
     uint collisions;

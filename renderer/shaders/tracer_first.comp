@@ -185,13 +185,13 @@ vec3 emitted(First first)
 void main()
 {
     uint item = gl_GlobalInvocationID.x;
-    uint pixel = item / BATCH_SAMPLES;
+    uint pixel = item / run.samples;
     if (pixel >= run.pixel_count)
         return;
-    uint sample_index = item % BATCH_SAMPLES;
+    uint sample_index = item % run.samples;
     ViewRay ray = pixel_ray(run.first_pixel + pixel);
     uvec3 bits = pcg3d(sample_key(run.first_pixel + pixel, run.first_sample + sample_index).xyz);
-    float u = (float(sample_index / 2) + uniform_from(bits).x) / float(STRATA);
+    float u = (float(sample_index % BATCH_SAMPLES / 2) + uniform_from(bits).x) / float(STRATA);
     if (GUESSED) {
         firsts[item] = guessed_collision(pixel, ray, vec2(u, uniform_from(bits).y));
         return;

@@ -1,8 +1,9 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// The path tracer's last kernel: the samples of a batch become sums, in the order of the samples,
-// one thread per pixel; and every queue starts anew.
+// The path tracer's last kernel: the samples of a round are added to the sums, in the order of the
+// samples, one thread per pixel; and every queue starts anew. Sums carry their rounding error, so
+// that it does not matter how samples were cut into rounds.
 //
 // The two samples of a pair lie in the same stratum: half their squared difference estimates the
 // variance inside the stratum, which is all the variance that a stratified mean has.
@@ -12,19 +13,32 @@
 
 layout(local_size_x = 64) in;
 
+Sum sum_so_far(uint pixel, uint i)
+{
+    if (run.first_sample == 0)
+        return sum_zero();
+    return Sum(pixels[pixel].sums[i], pixels[pixel].excess[i]);
+}
+
+void keep_sum(uint pixel, uint i, Sum sum)
+{
+    pixels[pixel].sums[i] = sum.value;
+    pixels[pixel].excess[i] = sum.excess;
+}
+
 void main()
 {
     uint thread = gl_GlobalInvocationID.x;
     if (thread >= run.pixel_count)
         return;
-    if (thread % QUEUE_PIXELS == 0)
-        next_items[thread / QUEUE_PIXELS] = 0;
-    vec4 transmitted = OPEN ? vec4(1.0) : pixels[thread].transmittance;
-    Sum order1 = sum_zero(), higher = sum_zero(), surface = sum_zero();
-    vec4 spread = vec4(0.0);
-    for (uint s = 0; s < STRATA; s++) {
-        Result a = results[thread * BATCH_SAMPLES + 2 * s];
-        Result b = results[thread * BATCH_SAMPLES + 2 * s + 1];
+    next_items[thread] = 0;
+    uint pixel = run.first_pixel + thread;
+    vec4 transmitted = OPEN ? vec4(1.0) : pixels[pixel].transmittance;
+    Sum order1 = sum_so_far(pixel, 0), higher = sum_so_far(pixel, 1);
+    Sum surface = sum_so_far(pixel, 2), spread = sum_so_far(pixel, 3);
+    for (uint s = 0; s < run.samples; s += 2) {
+        Result a = results[thread * run.samples + s];
+        Result b = results[thread * run.samples + s + 1];
         sum_add(order1, a.order1);
         sum_add(order1, b.order1);
         sum_add(higher, a.higher);
@@ -33,10 +47,10 @@ void main()
         sum_add(surface, b.surface);
         vec4 difference = (a.order1 - b.order1) + (a.higher - b.higher) +
                           transmitted * (a.surface - b.surface);
-        spread += difference * difference;
+        sum_add(spread, difference * difference);
     }
-    pixels[thread].sums[0] = order1.value;
-    pixels[thread].sums[1] = higher.value;
-    pixels[thread].sums[2] = surface.value;
-    pixels[thread].spread = spread;
+    keep_sum(pixel, 0, order1);
+    keep_sum(pixel, 1, higher);
+    keep_sum(pixel, 2, surface);
+    keep_sum(pixel, 3, spread);
 }

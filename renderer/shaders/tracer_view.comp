@@ -50,8 +50,7 @@ void main()
     }
     if (thread >= run.pixel_count)
         return;
-    if (thread % QUEUE_PIXELS == 0)
-        next_items[thread / QUEUE_PIXELS] = 0;
+    next_items[thread] = 0;
     ViewRay ray = pixel_ray(run.first_pixel + thread);
     Hit hit = scene_hit(ray.origin_m, ray.direction);
     vec3 behind = vec3(0.0);
@@ -61,6 +60,6 @@ void main()
     float eye_depth_m =
         hit.solid == NO_SOLID ? FAR_M : hit.t_m * dot(ray.direction, frame.camera_forward);
     vec3 arriving = colour_transmittance(find_depths(thread, ray, hit.t_m));
-    pixels[thread].behind = vec4(behind, eye_depth_m);
-    pixels[thread].transmittance = vec4(arriving, 0.0);
+    pixels[run.first_pixel + thread].behind = vec4(behind, eye_depth_m);
+    pixels[run.first_pixel + thread].transmittance = vec4(arriving, 0.0);
 }

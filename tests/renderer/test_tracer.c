@@ -971,6 +971,9 @@ static void test_targets_and_time_limits_stop(void **state)
     params.target_error = 0.05;
     neph_image_destroy(render(*state, &test, &params, &stats));
     assert_true(stats.error <= 0.05 && stats.samples < 4096);
+    struct neph_tracer_stats again; /* the clock has no say in where it stops */
+    neph_image_destroy(render(*state, &test, &params, &again));
+    assert_int_equal(stats.samples, again.samples);
     params.target_error = 0.0;
     params.time_limit_s = 0.3;
     neph_image_destroy(render(*state, &test, &params, &stats));
