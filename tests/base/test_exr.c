@@ -140,7 +140,7 @@ static void test_smooth_image_is_compressed(void **state)
     neph_assert_ok(neph_image_add_channel(image, "Y", &samples, NULL), NULL);
     for (int i = 0; i < 256 * 256; i++)
         samples[i] = (float)(i / 256);
-    assert_round_trip(scratch_path(state, path, "smooth.exr"), image);
+    neph_assert_ok(neph_exr_write(scratch_path(state, path, "smooth.exr"), image, NULL), NULL);
     neph_assert_ok(neph_file_read(path, SIZE_MAX, &data, &size, NULL), NULL);
     assert_true(size < 256 * 256 * sizeof(float) / 10);
     free(data);
