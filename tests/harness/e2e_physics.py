@@ -18,7 +18,7 @@ SUITE = ["validate", "--suite", "physics", "-q", "--samples", "4"]
 
 
 def neph(*arguments):
-    return subprocess.run([NEPH, *map(str, arguments)], capture_output=True, text=True, timeout=60,
+    return subprocess.run([NEPH, *map(str, arguments)], capture_output=True, text=True, timeout=300,
                           env={**os.environ, "NEPH_VULKAN_VALIDATION": "1"})
 
 
