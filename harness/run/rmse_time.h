@@ -19,7 +19,7 @@ enum neph_rmse_found {
     NEPH_RMSE_BEFORE, /* the first rung is better already; extrapolated */
     NEPH_RMSE_BEYOND, /* the last rung is worse; extrapolated */
     NEPH_RMSE_NEVER,  /* the bias is larger, and significantly so */
-    NEPH_RMSE_UNKNOWN /* the last rung is worse, and the bias may be, or the noise does not fall */
+    NEPH_RMSE_UNKNOWN /* not within, and the bias may be larger, or the noise does not fall */
 };
 
 struct neph_rmse_time {
