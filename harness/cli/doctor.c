@@ -63,10 +63,12 @@ enum neph_status neph_cli_doctor(int argc, char **argv, struct neph_diag *diag)
     neph_cli_parse(&syntax, argc, argv, &request);
     json_t *list = json_array();
     int count, missing = 0, broken = 0;
-    const struct neph_engine *const *engines = neph_engines(&count);
+    const struct neph_engine *const *engines = neph_engines_and_guests(&count);
     for (int i = 0; i < count; i++) {
         struct neph_engine_info info;
         neph_engine_probe(engines[i], &info);
+        if (engines[i]->is_guest && !info.available && !info.broken)
+            continue;
         missing += !info.available;
         broken += info.broken;
         neph_json_add(&list, json_pack("{s:s, s:b, s:b, s:s, s:s, s:s, s:s}", "name",

@@ -103,7 +103,7 @@ enum neph_status neph_cli_engines(int argc, char **argv, struct neph_diag *diag)
                          only);
     json_t *list = json_array();
     int count;
-    const struct neph_engine *const *engines = neph_engines(&count);
+    const struct neph_engine *const *engines = neph_engines_and_guests(&count);
     for (int i = 0; i < count; i++) {
         struct neph_engine_info info;
         if (only && strcmp(only, engines[i]->name) != 0)

@@ -135,6 +135,7 @@ struct neph_engine {
                                 it is measured against; it takes part in comparisons with physics
                                 only when it is named. NULL: it is no shortcut */
     bool rests;              /* it leaves its work in a checkpoint and goes on from there */
+    bool is_guest; /* a program of the user's: takes part where it is named, and nobody lacks it */
     double typical_s; /* about how long a picture of the catalogue takes on two cores: for the time
                          left, before anything is measured */
     bool stochastic;  /* another seed gives another frame of the same mean */

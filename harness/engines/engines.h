@@ -18,17 +18,21 @@
     of(march_horizon) \
     of(realtime) \
     of(cycles) \
-    of(povray)
+    of(povray) \
+    of(command)
 /* clang-format on */
 
 #define NEPH_ENGINE_DECLARED(name) extern const struct neph_engine neph_engine_##name;
 NEPH_ENGINES(NEPH_ENGINE_DECLARED)
 #undef NEPH_ENGINE_DECLARED
 
-/* All engines; `*count` receives how many. */
+/* All engines but guests; `*count` receives how many. */
 const struct neph_engine *const *neph_engines(int *count);
 
-/* By name; NULL when there is none. */
+/* The same, and guests behind them. */
+const struct neph_engine *const *neph_engines_and_guests(int *count);
+
+/* By name, guests among them; NULL when there is none. */
 const struct neph_engine *neph_engine_find(const char *name);
 
 #endif

@@ -4,7 +4,6 @@
 #include "base/child.h"
 #include "base/files.h"
 #include "base/hash.h"
-#include "base/scratch.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -12,14 +11,14 @@
 static const char scratch_prefix[] = "neph-probe-";
 static const size_t text_limit_bytes = 1 << 16;
 
-/* A home of its own, because a program may want to write there before it answers. */
-static enum neph_status make_home(struct neph_scratch **home, struct neph_diag *diag)
+enum neph_status neph_program_home(const char *prefix, struct neph_scratch **home,
+                                   struct neph_diag *diag)
 {
     const char *folder = getenv("TMPDIR");
     folder = folder && folder[0] ? folder : "/tmp";
-    neph_scratch_sweep(folder, scratch_prefix);
+    neph_scratch_sweep(folder, prefix);
     struct neph_diag why = {.line = 0};
-    const enum neph_status status = neph_scratch_create(folder, scratch_prefix, home, &why);
+    const enum neph_status status = neph_scratch_create(folder, prefix, home, &why);
     return status ? neph_fail(diag, status, "%s (the folder of TMPDIR)", why.message) : NEPH_OK;
 }
 
@@ -73,7 +72,7 @@ enum neph_status neph_program_ask(const char *program, const char *name, double 
 {
     struct neph_scratch *home = NULL;
     char *said = NULL;
-    enum neph_status status = make_home(&home, diag);
+    enum neph_status status = neph_program_home(scratch_prefix, &home, diag);
     if (!status)
         status = run_version(program, neph_scratch_path(home), time_limit_s, &said, diag);
     neph_scratch_destroy(home);

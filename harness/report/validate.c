@@ -29,7 +29,7 @@ static enum neph_status choose_engines(const struct neph_validate_params *params
                                        struct neph_field *field, struct neph_diag *diag)
 {
     int known;
-    const struct neph_engine *const *engines = neph_engines(&known);
+    const struct neph_engine *const *engines = neph_engines_and_guests(&known);
     for (int i = 0; i < params->engine_count; i++)
         if (!neph_engine_find(params->engines[i])) {
             neph_fail(diag, NEPH_ERR_USAGE, "there is no engine '%s'", params->engines[i]);
@@ -37,7 +37,8 @@ static enum neph_status choose_engines(const struct neph_validate_params *params
             return NEPH_ERR_USAGE;
         }
     for (int i = 0; i < known; i++) {
-        bool wanted = params->engine_count == 0 && !engines[i]->shortcut_of;
+        bool wanted = params->engine_count == 0 && !engines[i]->shortcut_of &&
+                      !engines[i]->is_guest;
         for (int j = 0; j < params->engine_count; j++)
             wanted |= strcmp(params->engines[j], engines[i]->name) == 0;
         if (!wanted)

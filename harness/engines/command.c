@@ -1,0 +1,360 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Engine `command`: any renderer, as the program that NEPH_COMMAND names. `PROGRAM --version` says
+ * what it is; `PROGRAM job.json` renders a picture, in a folder where it finds job.json and
+ * depth.exr and leaves frame.exr. The folder stays from one picture of a sequence to the next.
+ */
+#include "harness/engines/command_job.h"
+#include "harness/engines/engines.h"
+
+#include "base/child.h"
+#include "base/exr.h"
+#include "base/files.h"
+#include "base/text.h"
+#include "base/threads.h"
+#include "harness/engines/frame_stats.h"
+#include "harness/engines/program.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static const double probe_limit_s = 30.0;
+static const char install_line[] = "export NEPH_COMMAND=/path/to/your/program";
+static const char scratch_prefix[] = "neph-command-";
+static const size_t reason_max_bytes = 4096;
+
+enum { WARM_UP };
+
+#define PARAMETER(letter)                                                                          \
+    {                                                                                              \
+        .name = letter, .kind = NEPH_OPTION_REAL, .minimum = -1e30, .maximum = 1e30,               \
+        .help = "a number for the program to do with as it likes",                                 \
+    }
+
+static const struct neph_option options[] = {
+    [WARM_UP] = {.name = "warm_up",
+                 .kind = NEPH_OPTION_INTEGER,
+                 .minimum = 0,
+                 .maximum = 1024,
+                 .help = "pictures before the first, for what remembers: the program renders them, "
+                         "and nobody looks"},
+    PARAMETER("a"),
+    PARAMETER("b"),
+    PARAMETER("c"),
+    PARAMETER("d"),
+    {.name = NULL},
+};
+
+/* ---- the program ----------------------------------------------------------------------------- */
+
+/* NULL: none is named. */
+static const char *program_of_the_user(void)
+{
+    const char *program = getenv("NEPH_COMMAND");
+    return program && program[0] ? program : NULL;
+}
+
+static void probe(struct neph_engine_info *info)
+{
+    *info = (struct neph_engine_info){.available = false};
+    const char *program = program_of_the_user();
+    snprintf(info->install_line, sizeof(info->install_line), "%s", install_line);
+    if (!program) {
+        snprintf(info->missing, sizeof(info->missing), "NEPH_COMMAND names no program");
+        return;
+    }
+    struct neph_diag diag = {0};
+    char *text = NULL;
+    info->broken = neph_program_ask(program, "", probe_limit_s, &text, info->build, &diag) !=
+                   NEPH_OK;
+    if (info->broken) {
+        snprintf(info->missing, sizeof(info->missing), "'%.120s --version' failed: %.350s", program,
+                 diag.message);
+        return;
+    }
+    text[strcspn(text, "\n")] = '\0';
+    snprintf(info->version, sizeof(info->version), "%.120s", text);
+    info->broken = !text[0];
+    if (info->broken)
+        snprintf(info->missing, sizeof(info->missing), "'%.120s --version' says nothing", program);
+    free(text);
+    info->available = !info->broken;
+    snprintf(info->device, sizeof(info->device), "its own, %d processors", neph_processor_count());
+}
+
+/* ---- one picture ----------------------------------------------------------------------------- */
+
+/* Pictures in a row: the folder they are made in, and how many there were. */
+struct sequence {
+    struct neph_scratch *scratch; /* NULL: the folder is another's */
+    const char *folder;
+    int pictures;
+    bool keeps; /* somebody was told to look into it */
+};
+
+/* What is owned are the paths. */
+struct files {
+    char *frame, *cannot, *log;
+};
+
+static void free_files(struct files *files)
+{
+    free(files->frame);
+    free(files->cannot);
+    free(files->log);
+}
+
+static enum neph_status remove_old(const char *path, struct neph_diag *diag)
+{
+    if (unlink(path) == 0 || errno == ENOENT)
+        return NEPH_OK;
+    return neph_fail(diag, NEPH_ERR_IO, "cannot remove '%s': %s", path, strerror(errno));
+}
+
+/* What is there afterwards is new. */
+static enum neph_status name_files(const char *folder, struct files *files, struct neph_diag *diag)
+{
+    *files = (struct files){neph_path_join(folder, "frame.exr"),
+                            neph_path_join(folder, "cannot.txt"),
+                            neph_path_join(folder, "program.log")};
+    if (!files->frame || !files->cannot || !files->log)
+        return neph_fail_memory(diag);
+    const enum neph_status status = remove_old(files->frame, diag);
+    return status ? status : remove_old(files->cannot, diag);
+}
+
+static enum neph_status run(const char *folder, const char *log, double time_limit_s,
+                            struct neph_cost *cost, struct neph_diag *diag)
+{
+    const char *program = program_of_the_user();
+    if (!program)
+        return neph_fail(diag, NEPH_ERR_UNAVAILABLE, "NEPH_COMMAND names no program");
+    const char *argv[] = {program, "job.json", NULL};
+    const struct neph_child_params params = {.argv = argv,
+                                             .working_directory = folder,
+                                             .log_path = log,
+                                             .home = folder,
+                                             .time_limit_s = time_limit_s};
+    struct neph_child_result result = {0};
+    const enum neph_status status = neph_child_run(&params, &result, diag);
+    *cost = (struct neph_cost){.render_s = result.wall_s,
+                               .wall_s = result.wall_s,
+                               .cpu_s = result.cpu_s,
+                               .peak_memory_bytes = result.peak_memory_bytes};
+    return status;
+}
+
+static enum neph_status refuse(const char *path, struct neph_diag *diag)
+{
+    char *reason = NULL;
+    size_t size = 0;
+    enum neph_status status = neph_file_read(path, reason_max_bytes, &reason, &size, diag);
+    if (status)
+        return status;
+    reason[strcspn(reason, "\n")] = '\0';
+    neph_text_clean(reason, size + 1);
+    status = neph_fail(diag, NEPH_ERR_UNSUPPORTED, "cannot: %.300s", reason);
+    free(reason);
+    return status;
+}
+
+/* "stats.NAME" tells what the picture has cost; no other text of the program's is taken over. */
+static enum neph_status take_stats(const struct neph_image *from, struct neph_image *frame,
+                                   struct neph_cost *cost, struct neph_diag *diag)
+{
+    static const char start[] = "stats.";
+    enum neph_status status = NEPH_OK;
+    for (int i = 0; i < from->attribute_count && !status; i++) {
+        const struct neph_attribute *attribute = &from->attributes[i];
+        if (strncmp(attribute->name, start, sizeof(start) - 1) != 0)
+            continue;
+        const char *name = attribute->name + sizeof(start) - 1;
+        char *end;
+        const double value = strtod(attribute->value, &end);
+        if (end == attribute->value || *end)
+            return neph_fail(diag, NEPH_ERR_ENGINE, "frame.exr: '%s' is '%s' and no number",
+                             attribute->name, attribute->value);
+        status = neph_frame_stats_set(frame, name, value, diag);
+        if (strcmp(name, "render_s") == 0 && value > 0.0 && value <= cost->wall_s)
+            cost->render_s = value;
+    }
+    return status;
+}
+
+static enum neph_status take_channels(const struct neph_image *from, struct neph_image *frame,
+                                      struct neph_diag *diag)
+{
+    enum neph_status status = NEPH_OK;
+    for (int c = 0; c < from->channel_count && !status; c++) {
+        float *samples = NULL;
+        status = neph_image_add_channel(frame, from->channels[c].name, &samples, diag);
+        if (!status)
+            memcpy(samples, from->channels[c].samples,
+                   neph_image_pixel_count(from) * sizeof(*samples));
+    }
+    return status;
+}
+
+/* What a frame must be beyond what every engine's must. */
+static enum neph_status check_file(const struct neph_image *image, const struct neph_shot *shot,
+                                   struct neph_diag *diag)
+{
+    static const char *const unusual[] = {"primaries", "crop", "pixel_aspect"};
+    float *rgb[3];
+    for (size_t i = 0; i < sizeof(unusual) / sizeof(unusual[0]); i++)
+        if (neph_image_attribute(image, unusual[i]))
+            return neph_fail(diag, NEPH_ERR_ENGINE,
+                             "frame.exr has %s %s; a whole picture of square pixels in linear "
+                             "Rec.709 is asked for",
+                             unusual[i], neph_image_attribute(image, unusual[i]));
+    if (image->width_px != shot->width_px || image->height_px != shot->height_px)
+        return neph_fail(diag, NEPH_ERR_ENGINE, "frame.exr is %d x %d pixels, not %d x %d",
+                         image->width_px, image->height_px, shot->width_px, shot->height_px);
+    if ((shot->layers & NEPH_LAYER_RADIANCE) && !neph_image_rgb(image, NULL, rgb))
+        return neph_fail(diag, NEPH_ERR_ENGINE, "frame.exr lacks one of the channels R, G, B");
+    return NEPH_OK;
+}
+
+static enum neph_status read_frame(const struct files *files, const struct neph_shot *shot,
+                                   struct neph_image **frame, struct neph_cost *cost,
+                                   struct neph_diag *diag)
+{
+    if (neph_path_exists(files->cannot))
+        return refuse(files->cannot, diag);
+    if (!neph_path_exists(files->frame))
+        return neph_fail(diag, NEPH_ERR_ENGINE, "the program ended well and left no frame.exr");
+    struct neph_image *image = NULL, *taken = NULL;
+    enum neph_status status = neph_exr_read(files->frame, &image, diag);
+    if (status == NEPH_ERR_INPUT)
+        status = NEPH_ERR_ENGINE;
+    if (!status)
+        status = check_file(image, shot, diag);
+    if (!status)
+        status = neph_image_create(image->width_px, image->height_px, &taken, diag);
+    if (!status)
+        status = take_channels(image, taken, diag);
+    if (!status)
+        status = take_stats(image, taken, cost, diag);
+    neph_image_destroy(image);
+    if (status) {
+        neph_image_destroy(taken);
+        return status;
+    }
+    *frame = taken;
+    return NEPH_OK;
+}
+
+static enum neph_status next_picture(void *opened, const struct neph_shot *shot,
+                                     struct neph_image **frame, struct neph_cost *cost,
+                                     struct neph_diag *diag)
+{
+    struct sequence *sequence = opened;
+    struct files files;
+    enum neph_status status = name_files(sequence->folder, &files, diag);
+    if (!status)
+        status = neph_command_job_write(&neph_engine_command, shot, sequence->pictures++,
+                                        sequence->folder, diag);
+    if (!status)
+        status = run(sequence->folder, files.log, shot->time_limit_s, cost, diag);
+    if (!status)
+        status = read_frame(&files, shot, frame, cost, diag);
+    free_files(&files);
+    if (status == NEPH_ERR_ENGINE || status == NEPH_ERR_TIMEOUT) {
+        sequence->keeps = true;
+        neph_hint(diag, "what it got, wrote and said is in '%s'", sequence->folder);
+    }
+    return status;
+}
+
+/* ---- sequences ------------------------------------------------------------------------------- */
+
+static enum neph_status warm_up(struct sequence *sequence, const struct neph_shot *shot,
+                                struct neph_diag *diag)
+{
+    enum neph_status status = NEPH_OK;
+    for (int left = (int)shot->settings.values[WARM_UP]; left > 0 && !status; left--) {
+        struct neph_shot before = *shot;
+        struct neph_image *image = NULL;
+        struct neph_cost cost;
+        before.frame -= left;
+        status = next_picture(sequence, &before, &image, &cost, diag);
+        neph_image_destroy(image);
+    }
+    return status;
+}
+
+static void close_sequence(void *opened)
+{
+    struct sequence *sequence = opened;
+    if (!sequence)
+        return;
+    if (sequence->keeps)
+        neph_scratch_keep(sequence->scratch);
+    else
+        neph_scratch_destroy(sequence->scratch);
+    free(sequence);
+}
+
+static enum neph_status open_sequence(const struct neph_shot *shot, void **opened,
+                                      struct neph_diag *diag)
+{
+    struct sequence *sequence = calloc(1, sizeof(*sequence));
+    if (!sequence)
+        return neph_fail_memory(diag);
+    enum neph_status status = neph_program_home(scratch_prefix, &sequence->scratch, diag);
+    if (!status) {
+        sequence->folder = neph_scratch_path(sequence->scratch);
+        status = warm_up(sequence, shot, diag);
+    }
+    if (status)
+        close_sequence(sequence);
+    else
+        *opened = sequence;
+    return status;
+}
+
+static enum neph_status render(const struct neph_shot *shot, struct neph_image **frame,
+                               struct neph_cost *cost, struct neph_diag *diag)
+{
+    struct sequence sequence = {.folder = shot->scratch_directory};
+    const enum neph_status status = warm_up(&sequence, shot, diag);
+    return status ? status : next_picture(&sequence, shot, frame, cost, diag);
+}
+
+/* What else it cannot do the program says when it is run. */
+static bool can_render(const struct neph_scene *scene, const struct neph_settings *settings,
+                       char *reason, size_t reason_size)
+{
+    (void)settings;
+    if (scene->borrows && reason_size > 0)
+        snprintf(reason, reason_size,
+                 "the scene was changed after it was read, and a program reads the file");
+    return !scene->borrows;
+}
+
+static const struct neph_engine_sequence sequence_of = {
+    .open = open_sequence,
+    .next = next_picture,
+    .close = close_sequence,
+};
+
+const struct neph_engine neph_engine_command = {
+    .name = "command",
+    .summary = "a renderer of your own: the program that NEPH_COMMAND names",
+    .rung = NEPH_RUNG_MODEL,
+    .typical_s = 5.0,
+    .bias = "yours to tell",
+    .options = options,
+    .sequence = &sequence_of,
+    .remembers = true,
+    .version = 1,
+    .is_guest = true,
+    .stochastic = true,
+    .step = {.option = NULL},
+    .probe = probe,
+    .can_render = can_render,
+    .render = render,
+};

@@ -1,0 +1,182 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""Engine `command`: programs of a user's take part like engines of ours, and what they do wrong is
+said and harms nothing else."""
+import json
+import os
+import pathlib
+import shutil
+import subprocess
+import tempfile
+import unittest
+
+NEPH = os.environ["NEPH"]
+EXAMPLES = pathlib.Path(os.environ["NEPH_SOURCE_DIR"]) / "docs/examples"
+
+SCENE = """
+name: even_fog
+title: Even fog before solids
+physics: Beer's law
+camera: {position_m: [0, 2, 0], look_at_m: [1, 3, -10], vertical_fov_deg: 50}
+background_w_per_m2_sr: [0.5, 0.6, 0.7]
+scattering: none
+media:
+  - homogeneous: {extinction_per_m: 0.05, albedo: [0, 0, 0],
+                  bounds: {min_m: [-1e5, -1e5, -1e5], max_m: [1e5, 1e5, 1e5]}}
+solids:
+  - sphere: {center_m: [0, 2, -12], radius_m: 3, albedo: [0, 0, 0]}
+  - box: {min_m: [-50, -1, -60], max_m: [50, 0, 0], albedo: [0, 0, 0]}
+frames: {count: 8, rate_hz: 30}
+"""
+
+# What a test does in place of rendering; the example's files are at hand as `fog`.
+PROGRAM = """#!/usr/bin/env python3
+import json, os, sys, time
+sys.dont_write_bytecode = True
+sys.path.insert(0, {examples!r})
+import fog
+if sys.argv[1] == "--version":
+    print("test program")
+    sys.exit()
+job = json.load(open("job.json"))
+width, height = job["size_px"]
+def write(value, width=width, height=height):
+    fog.write_frame("frame.exr", width, height, {{c: [[value] * width] * height for c in "RGB"}})
+{body}
+"""
+
+
+class Command(unittest.TestCase):
+    def setUp(self):
+        self.kept = tempfile.TemporaryDirectory()
+        self.folder = pathlib.Path(self.kept.name)
+        self.scene = self.folder / "even_fog.yaml"
+        self.scene.write_text(SCENE)
+
+    def tearDown(self):
+        self.kept.cleanup()
+
+    def program(self, body):
+        path = self.folder / "program.py"
+        path.write_text(PROGRAM.format(examples=str(EXAMPLES), body=body))
+        path.chmod(0o755)
+        return path
+
+    def neph(self, *arguments, program=None):
+        surroundings = {k: v for k, v in os.environ.items() if k != "NEPH_COMMAND"}
+        surroundings["TMPDIR"] = str(self.folder)
+        if program:
+            surroundings["NEPH_COMMAND"] = str(program)
+        return subprocess.run([NEPH, *map(str, arguments)], env=surroundings, capture_output=True,
+                              text=True, timeout=120, cwd=self.folder)
+
+    def render(self, program, *arguments):
+        return self.neph("render", "--scene", self.scene, "-e", "command", "--size", "24x16", "-q",
+                         "-o", "frames", *arguments, program=program)
+
+    def compare(self, a, b, mask="all"):
+        done = self.neph("compare", a, b, "--json")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return {(m["quantity"], m["metric"]): m["value"]
+                for m in json.loads(done.stdout)["measurements"] if m["mask"] == mask}
+
+    def test_the_example_is_beers_law(self):
+        done = self.render(EXAMPLES / "fog.py", "-s", "a=0.05")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        done = self.neph("render", "--scene", self.scene, "-e", "exact", "--size", "24x16", "-q",
+                         "-o", "frames")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        numbers = self.compare("frames/even_fog_exact_0000.exr", "frames/even_fog_command_0000.exr")
+        # Depth is the same double rounded to float; from there on Python reckons in double.
+        self.assertEqual(numbers["depth", "max_abs"], 0.0)
+        self.assertLess(numbers["transmittance", "max_abs"], 2.0 ** -23)
+
+    def test_a_sequence_has_one_folder(self):
+        program = self.program("""
+open("seen", "a").write("x")
+write(1000.0 * job["frame"] + 10.0 * job["picture"] + os.path.getsize("seen"))
+""")
+        done = self.render(program, "--frames", "3", "-s", "warm_up=2", "--json")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        again = self.program('write(1000.0 * job["frame"] + 10.0 * (job["frame"] + 2) + '
+                             'job["frame"] + 3)')
+        done = self.neph("render", "--scene", self.scene, "-e", "command", "--size", "24x16", "-q",
+                         "-o", "wanted", "--frames", "3", program=again)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        for frame in range(3):
+            name = f"even_fog_command_{frame:04}.exr"
+            self.assertEqual(self.compare(f"wanted/{name}", f"frames/{name}")
+                             ["radiance", "max_abs"], 0.0)
+        self.assertEqual(list(self.folder.glob("neph-command-*")), [])
+
+    def test_what_it_says_of_its_cost_is_kept(self):
+        program = self.program("""
+write(1.0)
+data = open("frame.exr", "rb").read()
+data = data[:8] + fog.attribute("stats.rays", "string", b"384") + data[8:]
+open("frame.exr", "wb").write(data)
+""")
+        # The attribute moves the lines by its length: the table of offsets is written anew.
+        program.write_text(program.read_text().replace("data = data[:8]", """import struct
+more = len(fog.attribute("stats.rays", "string", b"384"))
+start = data.index(struct.pack("<ii", 0, 12 * width)) - 8 * height
+table = struct.unpack_from(f"<{height}Q", data, start)
+data = (data[:start] + struct.pack(f"<{height}Q", *(t + more for t in table)) +
+        data[start + 8 * height:])
+data = data[:8]"""))
+        done = self.render(program, "--stats", "--json")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(json.loads(done.stdout)[0]["stats"]["rays"], 384)
+
+    def test_what_goes_wrong_is_said(self):
+        for body, code, words in (
+                ("print('no such texture'); sys.exit(3)", 3, ("exit code 3", "no such texture")),
+                ("pass", 3, ("no frame.exr",)),
+                ("write(0.5, width + 1)", 3, ("25 x 16", "not 24 x 16")),
+                ("write(float('nan'))", 3, ("non-finite",)),
+                ("write(-1.0)", 3, ("negative",)),
+                ("fog.write_frame('frame.exr', width, height, {'Z': [[1.0] * width] * height})", 3,
+                 ("R, G, B",)),
+                ("open('frame.exr', 'w').write('not a picture')", 3, ("frame.exr",)),
+                ("open('cannot.txt', 'w').write('moving suns\\nat all')", 2,
+                 ("cannot: moving suns",))):
+            with self.subTest(body):
+                done = self.render(self.program(body))
+                self.assertEqual(done.returncode, code, done.stderr)
+                for word in words:
+                    self.assertIn(word, done.stderr)
+                self.assertFalse((self.folder / "frames/even_fog_command_0000.exr").exists())
+                for kept in self.folder.glob("neph-command-*/program.log"):
+                    self.assertIn(kept.parent.name, done.stderr)
+                    shutil.rmtree(kept.parent)
+
+    def test_one_that_hangs_is_ended(self):
+        done = self.render(self.program("time.sleep(600)"), "--time-limit", "1")
+        self.assertEqual(done.returncode, 124, done.stderr)
+        self.assertIn("time limit of 1 s", done.stderr)
+
+    def test_nobody_lacks_it(self):
+        parts = json.loads(self.neph("doctor", "--json").stdout)["parts"]
+        self.assertNotIn("command", [part["name"] for part in parts])
+        done = self.render(None)
+        self.assertEqual(done.returncode, 69, done.stderr)
+        self.assertIn("NEPH_COMMAND", done.stderr)
+        done = self.neph("doctor", program=self.program("") / "nowhere")
+        self.assertEqual(done.returncode, 3, done.stdout)
+        self.assertIn("nowhere --version", done.stdout)
+
+    def test_it_is_validated_like_others(self):
+        def bias(body):
+            done = self.neph("validate", self.scene, "-e", "exact", "-e", "command", "--size",
+                             "24x16", "-q", "--json", program=self.program(body))
+            self.assertEqual(done.returncode, 0, done.stderr)
+            frames = json.loads(done.stdout)["scenes"][0]["frames"]
+            self.assertEqual([frame["engine"] for frame in frames], ["exact", "command"])
+            return [m["value"] for m in frames[1]["measurements"]
+                    if (m["quantity"], m["metric"], m["mask"]) == ("radiance", "bias", "all")]
+        self.assertEqual(bias("write(0.25)"), [0.25])
+        self.assertEqual(bias("write(0.75)"), [0.75])  # another program: not from the store
+
+
+if __name__ == "__main__":
+    unittest.main()
