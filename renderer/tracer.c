@@ -9,6 +9,7 @@
 #include "renderer/gpu_scene.h"
 #include "renderer/media/kind.h"
 #include "renderer/reach.h"
+#include "renderer/tracer_parts.h"
 #include "renderer/tracer_sums.h"
 #include "scenes/emission.h"
 #include "scenes/media.h"
@@ -198,7 +199,8 @@ struct render {
     double start_s;
     const struct neph_kernel *path, *view, *lit, *first, *sum; /* NULL: not needed */
     struct neph_gpu_scene scene;
-    struct neph_buffer buffers[BINDING_COUNT], pixels_readback, progress_readback;
+    struct neph_buffer buffers[BINDING_COUNT], progress_readback; /* but for BINDING_PIXELS */
+    struct neph_tracer_parts parts;
     struct sizes sizes;
     uint32_t local_size; /* of the path kernel */
     bool needs_paths, is_open;
@@ -213,7 +215,7 @@ struct render {
     int most_batches;    /* of a round */
     double round_max_s;  /* where a round may take more than a batch */
     struct neph_gpu_progress progress;
-    struct neph_tracer_sums sums;      /* of whole rounds; its pixels are those read back last */
+    struct neph_tracer_sums sums;      /* of whole rounds; its pixels (owned) were read back last */
     double round_head[NEPH_SUMS_HEAD]; /* of the round in work */
     char *identity;
     struct neph_tracer_stats stats;
@@ -321,7 +323,6 @@ static enum neph_status create_buffers(struct render *render, struct neph_diag *
                          NEPH_TRACER_BATCH_SAMPLES;
     const size_t threads = (queues < window_queues_max ? queues : window_queues_max) *
                            render->local_size;
-    const size_t pixels_bytes = render->pixel_count * sizeof(struct neph_gpu_tracer_pixel);
     const struct {
         struct neph_buffer *buffer;
         enum neph_buffer_use use;
@@ -349,14 +350,14 @@ static enum neph_status create_buffers(struct render *render, struct neph_diag *
          "tracer ways"},
         {&render->buffers[BINDING_QUEUES], NEPH_BUFFER_DEVICE, queues * sizeof(uint32_t),
          "tracer queues"},
-        {&render->buffers[BINDING_PIXELS], NEPH_BUFFER_DEVICE, pixels_bytes, "tracer pixels"},
         {&render->buffers[BINDING_PROGRESS], NEPH_BUFFER_DEVICE, sizeof(struct neph_gpu_progress),
          "tracer progress"},
-        {&render->pixels_readback, NEPH_BUFFER_READBACK, pixels_bytes, "tracer pixels readback"},
         {&render->progress_readback, NEPH_BUFFER_READBACK, sizeof(struct neph_gpu_progress),
          "tracer progress readback"},
     };
-    enum neph_status status = NEPH_OK;
+    enum neph_status status = neph_tracer_parts_create(
+        render->vulkan, render->pixel_count, render->chunk_pixels, render->params->part_pixels,
+        &render->parts, diag);
     for (size_t i = 0; !status && i < sizeof(wanted) / sizeof(wanted[0]); i++)
         status = neph_buffer_create(render->vulkan, wanted[i].use, wanted[i].size_bytes,
                                     wanted[i].name, wanted[i].buffer, diag);
@@ -377,9 +378,8 @@ static enum neph_status resume(struct render *render, struct neph_diag *diag)
                                                    diag);
     if (!status) {
         neph_tracer_sums_load(&render->sums, values);
-        status = neph_buffer_upload(render->vulkan, &render->buffers[BINDING_PIXELS], 0,
-                                    render->sums.pixels,
-                                    render->pixel_count * sizeof(*render->sums.pixels), diag);
+        status = neph_tracer_parts_upload(render->vulkan, &render->parts, render->sums.pixels,
+                                          diag);
     }
     free(values);
     return status;
@@ -389,9 +389,27 @@ static enum neph_status create_sums(struct render *render, const struct neph_sce
                                     struct neph_diag *diag)
 {
     render->sums.pixel_count = render->pixel_count;
-    render->sums.pixels = render->pixels_readback.mapped;
+    render->sums.pixels = calloc(render->pixel_count, sizeof(*render->sums.pixels));
     render->identity = identity_of(scene, render->params, render->vulkan);
-    return render->identity ? resume(render, diag) : neph_fail_memory(diag);
+    return render->sums.pixels && render->identity ? resume(render, diag) : neph_fail_memory(diag);
+}
+
+/* A pixel's samples, or the edges of its tables, are a dispatch's threads. */
+static size_t choose_chunk(const struct render *render)
+{
+    const size_t samples = (size_t)render->most_batches * NEPH_TRACER_BATCH_SAMPLES;
+    const size_t edges = render->lit_tables * NEPH_GPU_LIT_EDGES;
+    const size_t groups = render->vulkan->limits.maxComputeWorkGroupCount[0];
+    const size_t limits[] = {
+        render->pixel_count,
+        render->sizes.chunk_items / samples,
+        groups * pixel_local_size / (samples > edges ? samples : edges),
+        render->params->part_pixels > 0 ? render->params->part_pixels : SIZE_MAX,
+    };
+    size_t pixels = limits[0];
+    for (size_t i = 1; i < sizeof(limits) / sizeof(limits[0]); i++)
+        pixels = limits[i] < pixels ? limits[i] : pixels;
+    return pixels;
 }
 
 /* A round that nothing may end before its time is as long as it can be; else it begins short. */
@@ -406,9 +424,7 @@ static void choose_sizes(struct render *render)
     render->round_batches = is_open_ended ? 1 : render->most_batches;
     render->round_max_s = is_open_ended ? 1.0 : INFINITY;
     render->window = render->sizes.first_window;
-    const size_t chunk_max = render->sizes.chunk_items /
-                             (uint32_t)(render->most_batches * NEPH_TRACER_BATCH_SAMPLES);
-    render->chunk_pixels = render->pixel_count < chunk_max ? render->pixel_count : chunk_max;
+    render->chunk_pixels = choose_chunk(render);
 }
 
 static void scatter_nothing(struct neph_gpu_frame *frame)
@@ -439,10 +455,10 @@ static enum neph_status prepare(struct render *render, const struct neph_scene *
     render->pixel_count = (size_t)params->width_px * (size_t)params->height_px;
     render->viewed_first = SIZE_MAX;
     render->turns = choose_turns(scene, params);
-    choose_sizes(render);
     render->needs_paths = needs_paths(scene);
     render->is_open = is_open(scene);
     render->lit_tables = lit_tables(scene);
+    choose_sizes(render);
     enum neph_status status = neph_gpu_scene_create(render->vulkan, scene, params->frame,
                                                     params->width_px, params->height_px,
                                                     needs_paths(scene), &render->scene, diag);
@@ -466,30 +482,32 @@ static void finish(struct render *render)
     neph_gpu_scene_destroy(render->vulkan, &render->scene);
     for (int i = 0; i < BINDING_COUNT; i++)
         neph_buffer_destroy(render->vulkan, &render->buffers[i]);
-    neph_buffer_destroy(render->vulkan, &render->pixels_readback);
+    neph_tracer_parts_destroy(render->vulkan, &render->parts);
     neph_buffer_destroy(render->vulkan, &render->progress_readback);
+    free(render->sums.pixels);
     free(render->identity);
 }
 
 /* --- dispatches --------------------------------------------------------------------------- */
 
 static enum neph_status run_kernel(struct render *render, const struct neph_kernel *kernel,
-                                   const struct neph_gpu_tracer_run *run, uint32_t group_count,
-                                   enum binding copy_from, struct neph_buffer *copy_to,
-                                   struct neph_diag *diag)
+                                   struct neph_gpu_tracer_run run, uint32_t group_count,
+                                   const struct neph_buffer *progress, struct neph_diag *diag)
 {
     if (neph_interrupted())
         return neph_fail(diag, NEPH_ERR_INTERRUPTED, "tracer: interrupted");
     struct neph_dispatch dispatch = {
-        .push = run,
+        .push = &run,
         .group_count = group_count,
-        .copy_from = &render->buffers[copy_from],
-        .copy_to = copy_to,
-        .copy_size_bytes = copy_to ? copy_to->size_bytes : 0,
+        .copy_from = &render->buffers[BINDING_PROGRESS],
+        .copy_to = progress,
+        .copy_size_bytes = progress ? progress->size_bytes : 0,
     };
     neph_gpu_scene_bind(&render->scene, &dispatch);
     for (int i = NEPH_GPU_SCENE_BUFFERS; i < BINDING_COUNT; i++)
         dispatch.buffers[i] = &render->buffers[i];
+    dispatch.buffers[BINDING_PIXELS] = neph_tracer_part_of(&render->parts, run.first_pixel,
+                                                           &run.part_pixel);
     double gpu_s;
     const enum neph_status status = neph_kernel_run(render->vulkan, kernel, &dispatch, &gpu_s,
                                                     diag);
@@ -511,13 +529,13 @@ static enum neph_status view_chunk(struct render *render, const struct neph_gpu_
 {
     if (render->viewed_first == run->first_pixel)
         return NEPH_OK;
-    enum neph_status status = run_kernel(render, render->view, run, pixel_groups(run->pixel_count),
-                                         BINDING_PIXELS, NULL, diag);
+    enum neph_status status = run_kernel(render, render->view, *run, pixel_groups(run->pixel_count),
+                                         NULL, diag);
     if (!status && render->lit)
         status = run_kernel(
-            render, render->lit, run,
+            render, render->lit, *run,
             pixel_groups((uint32_t)render->lit_tables * NEPH_GPU_LIT_EDGES * run->pixel_count),
-            BINDING_PIXELS, NULL, diag);
+            NULL, diag);
     if (status)
         return status;
     render->viewed_first = run->first_pixel;
@@ -530,8 +548,8 @@ static enum neph_status run_window(struct render *render, const struct neph_gpu_
                                    uint32_t queue_count, uint32_t *items_done,
                                    struct neph_diag *diag)
 {
-    const enum neph_status status = run_kernel(render, render->path, run, queue_count,
-                                               BINDING_PROGRESS, &render->progress_readback, diag);
+    const enum neph_status status = run_kernel(render, render->path, *run, queue_count,
+                                               &render->progress_readback, diag);
     if (status)
         return status;
     /* Counters only grow, modulo 2^32. */
@@ -583,14 +601,12 @@ static enum neph_status trace_chunk(struct render *render, const struct neph_gpu
 {
     enum neph_status status = view_chunk(render, run, diag);
     if (!status && render->first)
-        status = run_kernel(render, render->first, run,
-                            pixel_groups(run->pixel_count * run->samples), BINDING_PIXELS, NULL,
-                            diag);
+        status = run_kernel(render, render->first, *run,
+                            pixel_groups(run->pixel_count * run->samples), NULL, diag);
     if (!status && render->needs_paths)
         status = trace_paths(render, *run, diag);
     if (!status)
-        status = run_kernel(render, render->sum, run, pixel_groups(run->pixel_count),
-                            BINDING_PIXELS, NULL, diag);
+        status = run_kernel(render, render->sum, *run, pixel_groups(run->pixel_count), NULL, diag);
     return status;
 }
 
@@ -620,8 +636,7 @@ static struct neph_gpu_tracer_run chunk_run(const struct render *render, size_t 
 
 static enum neph_status read_back(struct render *render, struct neph_diag *diag)
 {
-    return neph_buffer_download(render->vulkan, &render->buffers[BINDING_PIXELS],
-                                &render->pixels_readback, render->pixels_readback.size_bytes, diag);
+    return neph_tracer_parts_download(render->vulkan, &render->parts, render->sums.pixels, diag);
 }
 
 /* For a checkpoint that holds all samples already. */

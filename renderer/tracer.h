@@ -54,6 +54,8 @@ struct neph_tracer_params {
                             always one); +inf: none */
     const char *checkpoint;  /* file to resume from and to leave the sums in; NULL: none */
     uint32_t dispatch_turns; /* most turns of a dispatch; 0: chosen here. Changes no bit. */
+    uint32_t part_pixels; /* of the frame in one buffer, at most; 0: as the device allows. Changes
+                                no bit. */
 };
 
 struct neph_tracer_stats {

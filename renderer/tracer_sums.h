@@ -23,7 +23,7 @@ enum {
 
 struct neph_tracer_sums {
     double head[NEPH_SUMS_HEAD];
-    struct neph_gpu_tracer_pixel *pixels; /* borrowed: of the whole frame, as the device has them */
+    struct neph_gpu_tracer_pixel *pixels; /* owned; of the whole frame, as the device has them */
     size_t pixel_count;
 };
 

@@ -39,6 +39,7 @@ layout(push_constant) uniform TracerRun {
     uint seed_high;
     uint first_pixel;  // of the chunk of the frame that is in work, in raster order
     uint pixel_count;  // of the chunk
+    uint part_pixel;   // the first that `pixels` has
     uint first_sample; // of the round
     uint samples;      // of the round, per pixel: whole batches
     uint queue_pixels; // that one work group works on
@@ -72,7 +73,7 @@ layout(std430, binding = 7) buffer Queues {
     uint next_items[];
 };
 
-// Per pixel of the frame: what needs no chance, and the sums over all samples so far, each with its
+// Per pixel of a part of the frame: what needs no chance, and the sums over all samples so far, each with its
 // rounding error (numbers.glsl).
 struct TracerPixel {
     vec4 behind;        // background, or sunlight reflected by the surface; black if OPEN;

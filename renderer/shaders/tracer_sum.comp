@@ -32,7 +32,7 @@ void main()
     if (thread >= run.pixel_count)
         return;
     next_items[thread] = 0;
-    uint pixel = run.first_pixel + thread;
+    uint pixel = run.first_pixel + thread - run.part_pixel;
     vec4 transmitted = OPEN ? vec4(1.0) : pixels[pixel].transmittance;
     Sum order1 = sum_so_far(pixel, 0), higher = sum_so_far(pixel, 1);
     Sum surface = sum_so_far(pixel, 2), spread = sum_so_far(pixel, 3);

@@ -60,6 +60,7 @@ void main()
     float eye_depth_m =
         hit.solid == NO_SOLID ? FAR_M : hit.t_m * dot(ray.direction, frame.camera_forward);
     vec3 arriving = colour_transmittance(find_depths(thread, ray, hit.t_m));
-    pixels[run.first_pixel + thread].behind = vec4(behind, eye_depth_m);
-    pixels[run.first_pixel + thread].transmittance = vec4(arriving, 0.0);
+    uint pixel = run.first_pixel + thread - run.part_pixel;
+    pixels[pixel].behind = vec4(behind, eye_depth_m);
+    pixels[pixel].transmittance = vec4(arriving, 0.0);
 }

@@ -858,14 +858,17 @@ static void build_horizon(struct test_scene *test)
 
 static void dispatches_change_no_bit(void **state, void (*build)(struct test_scene *))
 {
-    static const uint32_t turns[] = {0, 1, 7, 100};
+    static const struct {
+        uint32_t turns, part_pixels;
+    } cuts[] = {{0, 0}, {1, 0}, {7, 50}, {100, 9}};
     struct test_scene test;
     build(&test);
     struct neph_image *first = NULL;
     struct neph_tracer_stats of_first;
-    for (size_t i = 0; i < sizeof(turns) / sizeof(turns[0]); i++) {
+    for (size_t i = 0; i < sizeof(cuts) / sizeof(cuts[0]); i++) {
         struct neph_tracer_params params = params_of(13, 9, 16);
-        params.dispatch_turns = turns[i];
+        params.dispatch_turns = cuts[i].turns;
+        params.part_pixels = cuts[i].part_pixels;
         struct neph_tracer_stats stats;
         struct neph_image *frame = render(*state, &test, &params, &stats);
         if (first) {
