@@ -114,7 +114,8 @@ struct neph_march {
     struct neph_sun_cache sun_cache;
     struct neph_buffer pixels, states, readback;
     struct neph_flight flight;
-    double flights_gpu_s[NEPH_FLIGHT_FRAMES]; /* of the frames in flight */
+    /* Of the frames in flight: their dispatches, and the fills before them. */
+    double flights_gpu_s[NEPH_FLIGHT_FRAMES], fills_gpu_s[NEPH_FLIGHT_FRAMES];
 };
 
 static enum neph_status create_turns(struct neph_march *march, struct neph_diag *diag)
@@ -404,6 +405,7 @@ enum neph_status neph_march_frame(struct neph_march *march, const struct neph_sc
     status = show_shortcuts(march, scene, frame, &work.cost, diag);
     if (status)
         return status;
+    march->fills_gpu_s[slot] = work.cost.gpu_s;
     if (!image)
         return send_frame(march, &work, diag);
     status = read_frame(march, &work, image, diag);
@@ -420,6 +422,6 @@ enum neph_status neph_march_home(struct neph_march *march, double *gpu_s, struct
     if (status)
         return status;
     neph_march_cut_learn(&march->cut, march->flights_gpu_s[slot]);
-    *gpu_s = march->flights_gpu_s[slot];
+    *gpu_s = march->flights_gpu_s[slot] + march->fills_gpu_s[slot];
     return NEPH_OK;
 }

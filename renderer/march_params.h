@@ -32,14 +32,16 @@ struct neph_shortcuts {
     /* No density is evaluated in cells whose majorant is 0; same bits, fewer evaluations. */
     bool skip;
     /* A view ray ends where its transmittance is below this, 0..1; 0: never. What lies behind is
-     * at most this times the brightest of it. Not where the transmittance is a closed form. */
+     * at most this times the brightest of it. A transmittance in closed form stays whole. */
     double early_out;
-    /* Each view step is so many times as long as the one before; 0 and 1: all are equal. */
+    /* Each view step is so many times as long as the one before; 0 and 1: all are equal. Else at
+     * least NEPH_STEP_GROWTH_LEAST: nearer to 1 the shader's geometric sums cancel. */
     double step_growth;
 };
 
 #define NEPH_SUN_CACHE_VOXELS_MIN 8
 #define NEPH_SUN_CACHE_VOXELS_MAX 512
+#define NEPH_STEP_GROWTH_LEAST 1.001
 #define NEPH_STEP_GROWTH_MAX 2.0
 
 /* The last step is at most so many times as long as the first. */

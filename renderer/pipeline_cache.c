@@ -7,6 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 /* Shaders change and their old code is never asked for again: a file that has grown beyond this
  * begins anew. */
@@ -123,8 +124,12 @@ static void save(const struct neph_vulkan *vulkan, const struct neph_pipeline_ca
     size_t data_bytes = 0;
     char hash[NEPH_HASH_HEX_SIZE];
     vulkan->api.vkGetPipelineCacheData(vulkan->device, cache->handle, &data_bytes, NULL);
+    if (data_bytes > FILE_MAX_BYTES - HASH_BYTES) {
+        unlink(cache->path);
+        return;
+    }
     char *file = malloc(HASH_BYTES + data_bytes);
-    if (!file || data_bytes > FILE_MAX_BYTES - HASH_BYTES ||
+    if (!file ||
         vulkan->api.vkGetPipelineCacheData(vulkan->device, cache->handle, &data_bytes,
                                            file + HASH_BYTES) != VK_SUCCESS ||
         neph_hash(file + HASH_BYTES, data_bytes, hash, NULL) || strcmp(hash, cache->hash) == 0) {

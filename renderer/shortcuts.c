@@ -19,6 +19,11 @@ static enum neph_status check_range(const char *name, double value, double least
 static enum neph_status check_growth(const struct neph_march_params *params, struct neph_diag *diag)
 {
     const double growth = params->shortcuts.step_growth;
+    if (growth > 1.0 && growth < NEPH_STEP_GROWTH_LEAST)
+        return neph_fail(diag, NEPH_ERR_USAGE,
+                         "march: step_growth is %.9g: 1 (equal steps), or at least %g, since "
+                         "nearer to 1 float32 cannot tell its steps apart",
+                         growth, NEPH_STEP_GROWTH_LEAST);
     if (pow(growth, params->steps - 1) <= NEPH_STEP_GROWTH_WHOLE_MAX)
         return NEPH_OK;
     return neph_fail(diag, NEPH_ERR_USAGE,

@@ -39,7 +39,9 @@ extern const char *const neph_sun_caches[], *const neph_skips[]; /* words of the
 #define NEPH_OPTION_STEP_GROWTH                                                                    \
     {                                                                                              \
         "step_growth", NEPH_OPTION_REAL, 1, 1, NEPH_STEP_GROWTH_MAX, NULL,                         \
-            "each step of a view ray is so many times as long as the one before; 1: all are equal" \
+            "each step of a view ray is so many times as long as the one before, 1.001 or more; "  \
+            "1: "                                                                                  \
+            "all are equal"                                                                        \
     }
 
 /* NEPH_ERR_USAGE: a number out of range, or a last step beyond NEPH_STEP_GROWTH_WHOLE_MAX of the

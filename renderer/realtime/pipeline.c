@@ -37,6 +37,7 @@ struct neph_realtime {
     struct neph_rt_moment past;
     struct neph_flight flight;
     struct neph_realtime_stats flights[NEPH_FLIGHT_FRAMES]; /* of the frames in flight */
+    struct neph_sun_cache_cost fills[NEPH_FLIGHT_FRAMES];   /* before them */
     neph_realtime_observer *observer;
     void *observer_context;
 };
@@ -582,6 +583,7 @@ enum neph_status neph_realtime_render(struct neph_realtime *realtime,
     if (status)
         return status;
     finish_frame(realtime, &now, &made);
+    realtime->fills[slot] = made.fill;
     made.stats->wall_s = neph_wall_s() - start_s;
     if (!image)
         return NEPH_OK;
@@ -605,6 +607,7 @@ enum neph_status neph_realtime_home(struct neph_realtime *realtime,
         status = neph_march_home(
             realtime->whole, &home->pass_gpu_s[neph_rt_pass_named("march") - neph_rt_passes], diag);
     take_times(realtime, home);
+    add_fill(home, &realtime->fills[slot]);
     if (!status)
         *stats = *home;
     return status;

@@ -111,7 +111,7 @@ vec2 ray_jitter_px(vec2 of_frame_px)
 // Where the medium was seen that now is `distance_m` away; false if nowhere. The motion is added to
 // the place, because both projections of a resting camera are rounded the same way (if no product
 // is fused into one of them alone): the history of a still image must not creep. In parallel rays
-// the distance changes no place and would only cost digits.
+// of a camera that does not turn the distance changes no place and would only cost digits.
 bool find_before(vec2 place_px, float distance_m, out vec2 before_px)
 {
     ViewLine line = view_line_at(view_now, place_px);

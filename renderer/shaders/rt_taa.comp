@@ -107,7 +107,7 @@ float depth_of_motion(ivec2 pixel)
 // The place of the pixel's content in the frame before; false when that was out of the picture.
 // Lengths are divided by the depth: the sky needs no rule of its own and loses no digits. The
 // motion is a difference of two places found alike: it is exactly 0 for a camera at rest. In an
-// orthographic picture all depths move alike.
+// orthographic picture all depths move alike, since its camera never turns (scenes/load_motion.c).
 bool find_before(ivec2 pixel, out vec2 place_px, out float speed_px)
 {
     precise vec2 centre_px = vec2(pixel) + 0.5;

@@ -14,14 +14,18 @@
 
 enum { WIDTH_PX = 48, HEIGHT_PX = 28, FRAMES = 8 /* each lane and slot is used more than once */ };
 
-/* A camera that moves past solids in fog: all that a frame is told differs from the last. */
-static struct neph_scene *load(void)
+static struct neph_scene *load_file(const char *path)
 {
     struct neph_scene *scene = NULL;
     struct neph_diag diag = {0};
-    neph_assert_ok(
-        neph_scene_load(NEPH_SOURCE_DIR "/scenes/catalog/camera_dolly.yaml", &scene, &diag), &diag);
+    neph_assert_ok(neph_scene_load(path, &scene, &diag), &diag);
     return scene;
+}
+
+/* A camera that moves past solids in fog: all that a frame is told differs from the last. */
+static struct neph_scene *load(void)
+{
+    return load_file(NEPH_SOURCE_DIR "/scenes/catalog/camera_dolly.yaml");
 }
 
 static struct neph_realtime *open_realtime(struct neph_vulkan *vulkan,
@@ -74,12 +78,11 @@ static void assert_same_bits(const struct neph_image *a, const struct neph_image
                             neph_image_pixel_count(a) * sizeof(float));
 }
 
-static void test_the_picture_after_pictures_in_flight(void **state)
+static void check_after_flight(struct neph_vulkan *vulkan, const struct neph_scene *scene,
+                               const struct neph_settings *settings)
 {
-    struct neph_scene *scene = load();
-    const struct neph_settings settings = few_steps("ours");
-    struct neph_realtime *read = open_realtime(*state, scene, &settings);
-    struct neph_realtime *sent = open_realtime(*state, scene, &settings);
+    struct neph_realtime *read = open_realtime(vulkan, scene, settings);
+    struct neph_realtime *sent = open_realtime(vulkan, scene, settings);
     struct neph_realtime_stats read_stats, sent_stats;
     struct neph_image *expected = NULL;
     for (int frame = 0; frame < FRAMES; frame++) {
@@ -97,6 +100,36 @@ static void test_the_picture_after_pictures_in_flight(void **state)
     neph_image_destroy(expected);
     neph_realtime_destroy(sent);
     neph_realtime_destroy(read);
+}
+
+static void test_the_picture_after_pictures_in_flight(void **state)
+{
+    struct neph_scene *scene = load();
+    const struct neph_settings settings = few_steps("ours");
+    check_after_flight(*state, scene, &settings);
+    neph_scene_destroy(scene);
+}
+
+/* Clouds drift: each frame fills the nodes anew that frames before it may still read, and of all
+ * that is in flight the fill alone is counted. */
+static void test_a_cache_is_filled_between_pictures_in_flight(void **state)
+{
+    struct neph_scene *scene = load_file(NEPH_SOURCE_DIR "/scenes/failure/wind_cloud.yaml");
+    struct neph_settings settings = few_steps("ours");
+    settings.values[RT_SUN_CACHE] = 1.0;
+    settings.values[RT_SUN_CACHE_VOXELS] = 16.0;
+    settings.values[RT_SUN] = NEPH_MARCH_MARCHED;
+    check_after_flight(*state, scene, &settings);
+    struct neph_realtime *realtime = open_realtime(*state, scene, &settings);
+    struct neph_realtime_stats home;
+    struct neph_diag diag = {0};
+    send(realtime, scene, 0);
+    send(realtime, scene, 1);
+    for (int frame = 0; frame < 2; frame++) {
+        neph_assert_ok(neph_realtime_home(realtime, &home, &diag), &diag);
+        assert_true(home.density_evaluations > 0);
+    }
+    neph_realtime_destroy(realtime);
     neph_scene_destroy(scene);
 }
 
@@ -182,6 +215,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_the_picture_after_pictures_in_flight),
+        cmocka_unit_test(test_a_cache_is_filled_between_pictures_in_flight),
         cmocka_unit_test(test_costs_come_home_in_order),
         cmocka_unit_test(test_no_split_flies_alone),
         cmocka_unit_test(test_the_march_in_flight),

@@ -368,6 +368,8 @@ static void test_what_is_of_no_use_is_refused(void **state)
     assert_int_equal(check(&test.scene, &params), NEPH_OK);
     params.shortcuts.step_growth = 1.3;
     assert_int_equal(check(&test.scene, &params), NEPH_ERR_USAGE);
+    params.shortcuts.step_growth = 1.0005;
+    assert_int_equal(check(&test.scene, &params), NEPH_ERR_USAGE);
     params.shortcuts = (struct neph_shortcuts){.early_out = 1.5};
     assert_int_equal(check(&test.scene, &params), NEPH_ERR_USAGE);
     params.shortcuts = (struct neph_shortcuts){.sun_cache = true, .sun_cache_voxels = 7};
