@@ -114,7 +114,7 @@ struct neph_march {
     struct neph_sun_cache sun_cache;
     struct neph_buffer pixels, states, readback;
     struct neph_flight flight;
-    /* Of the frames in flight: their dispatches, and the fills before them. */
+    /* What dispatches of the frames in flight take, and the fills before them. */
     double flights_gpu_s[NEPH_FLIGHT_FRAMES], fills_gpu_s[NEPH_FLIGHT_FRAMES];
 };
 

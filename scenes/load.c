@@ -9,6 +9,7 @@
 #include "base/text.h"
 #include "scenes/bake.h"
 #include "scenes/media.h"
+#include "scenes/words.h"
 
 #include <locale.h>
 #include <stddef.h>
@@ -56,18 +57,11 @@ static enum neph_status check_names(const struct neph_reader *reader,
 
 /* --- Gates --- */
 
-static const char *const quantity_words[] = {
-    [NEPH_QUANTITY_RADIANCE] = "radiance",
-    [NEPH_QUANTITY_TRANSMITTANCE] = "transmittance",
-    [NEPH_QUANTITY_DEPTH] = "depth",
-    NULL,
-};
-
 static const char *const mask_words[] = {"all", "sky", "solid", "medium", "depth_edge", NULL};
 
 static const struct neph_field gate_fields[] = {
     {"engine", NEPH_TEXT, GATE(engine), .least = 1, .most = 64},
-    {"quantity", NEPH_WORD, GATE(quantity), .words = quantity_words},
+    {"quantity", NEPH_WORD, GATE(quantity), .words = neph_gate_quantity_words},
     {"metric", NEPH_TEXT, GATE(metric), .least = 1, .most = 64,
      .note = "one that `neph metrics` lists for single pictures"},
     {"mask", NEPH_TEXT, GATE(mask), .words = mask_words, .standard = "`all`"},
@@ -100,13 +94,6 @@ static const struct neph_record gate_record = {sizeof(struct neph_gate), gate_fi
 /* --- The file --- */
 
 _Static_assert(NEPH_BAKE_RESOLUTION_DEFAULT == 64, "as the table says");
-
-static const char *const scattering_words[] = {
-    [NEPH_SCATTERING_NONE] = "none",
-    [NEPH_SCATTERING_SINGLE] = "single",
-    [NEPH_SCATTERING_MULTIPLE] = "multiple",
-    NULL,
-};
 
 static const struct neph_field octaves_fields[] = {
     {"count", NEPH_WHOLE, OCTAVES(count), "", 1, 16, .standard = "8"},
@@ -142,7 +129,7 @@ static const struct neph_field scene_fields[] = {
     {"scattering", NEPH_WORD, SCENE(scattering),
      .note = "`none`: media attenuate; `single`: plus sunlight scattered once; `multiple`: all "
              "orders, surface bounces included",
-     .words = scattering_words},
+     .words = neph_scattering_words},
     {"octaves", NEPH_RECORD, SCENE(octaves),
      .note = "of the ray marcher's lighting model of that name", .record = &octaves_record,
      .standard = ""},
@@ -248,16 +235,6 @@ char *neph_scene_name_of(const char *path)
     const char *start = slash ? slash + 1 : path;
     const char *dot = strrchr(start, '.');
     return dot ? strndup(start, (size_t)(dot - start)) : strdup(start);
-}
-
-const char *neph_scattering_name(enum neph_scattering scattering)
-{
-    return scattering_words[scattering];
-}
-
-const char *neph_gate_quantity_name(enum neph_gate_quantity quantity)
-{
-    return quantity_words[quantity];
 }
 
 void neph_scene_destroy(struct neph_scene *scene)

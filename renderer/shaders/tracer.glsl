@@ -73,8 +73,8 @@ layout(std430, binding = 7) buffer Queues {
     uint next_items[];
 };
 
-// Per pixel of a part of the frame: what needs no chance, and the sums over all samples so far, each with its
-// rounding error (numbers.glsl).
+// Per pixel of a part of the frame: what needs no chance, and the sums over all samples so far,
+// each with its rounding error (numbers.glsl).
 struct TracerPixel {
     vec4 behind;        // background, or sunlight reflected by the surface; black if OPEN;
                         // w: eye depth [m]

@@ -1,0 +1,12 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * What enumerations are called in scene files. Each list ends with NULL. Private to scenes/; others
+ * call neph_scattering_name() and the like.
+ */
+#ifndef NEPH_SCENES_WORDS_H
+#define NEPH_SCENES_WORDS_H
+
+extern const char *const neph_scattering_words[];    /* by enum neph_scattering */
+extern const char *const neph_gate_quantity_words[]; /* by enum neph_gate_quantity */
+
+#endif
