@@ -40,6 +40,9 @@ static const struct neph_cli_option options[] = {
      NEPH_CLI_INTEGER, .at = offsetof(struct request, samples), .minimum = 2, .maximum = 1000000},
     {"engine", 'e', "NAME", "Only this engine; may be given several times (default: all)",
      NEPH_CLI_WORDS, .at = offsetof(struct request, engines)},
+    {.name = "set",
+     .argument = "ENGINE:KEY=VALUE",
+     .help = "A setting of an engine, in scenes and not in charts; may be given several times"},
     {.name = "size", .help = "Size in pixels (default: 192x108; quick: 128x72)"},
     {.name = "output", .help = "Folder of the store and the report", .otherwise = "out"},
     {"no-charts", 0, NULL,
@@ -72,6 +75,8 @@ static void check(const void *request_, const struct argp_state *state)
         argp_error(state, "there is no tier '%s'; there are quick and full", request->tier);
     if (request->check && request->check[0] == '\0')
         argp_error(state, "--check needs a part of the name of a check or rung");
+    if (is_physics(request) && shared->settings.count > 0)
+        argp_error(state, "the physics suite chooses its engines' settings itself: no --set");
     if (!is_physics(request) && (request->check || request->samples >= 0))
         argp_error(state, "--check and --samples belong to --suite physics");
     if (request->suite && request->tier)
@@ -101,7 +106,7 @@ static const struct neph_cli_syntax syntax = {
         "  neph validate\n"
         "  neph validate --tier full --budget 120\n"
         "  neph validate fence_backlit --size 320x180\n"
-        "  neph validate my_fog.yaml -e exact -e march -o /tmp/fog\n"
+        "  neph validate my_fog.yaml -e exact -e march -s march:steps=256 -o /tmp/fog\n"
         "  neph validate --suite physics -o out/physics\n"
         "  neph validate --suite physics --check slab -e oracle -e tracer --samples 4096",
 };
@@ -151,6 +156,8 @@ static void make_params(const struct request *request, const struct neph_tier *t
         .ids = tier->charts, .repeats = tier->chart_repeats, .time_limit_s = budget_s};
     *params = (struct neph_validate_params){.engines = request->engines.list,
                                             .engine_count = request->engines.count,
+                                            .settings = shared->settings.list,
+                                            .setting_count = shared->settings.count,
                                             .width_px = tier->width_px,
                                             .height_px = tier->height_px,
                                             .budget_s = budget_s,

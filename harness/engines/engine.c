@@ -5,6 +5,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 static const char *const rung_names[] = {
     [NEPH_RUNG_EXACT] = "exact",
@@ -42,6 +43,13 @@ enum neph_status neph_settings_set(const struct neph_engine *engine, struct neph
     if (status && diag && !diag->hint[0])
         neph_hint(diag, "`neph engines %s` explains its settings", engine->name);
     return status;
+}
+
+const char *neph_settings_for(const struct neph_engine *engine, const char *text)
+{
+    const size_t length = strlen(engine->name);
+    const bool is_for_it = strncmp(text, engine->name, length) == 0 && text[length] == ':';
+    return is_for_it ? text + length + 1 : NULL;
 }
 
 enum neph_status neph_settings_preset(const struct neph_engine *engine, const char *name,

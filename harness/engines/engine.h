@@ -178,6 +178,9 @@ struct neph_settings neph_settings_default(const struct neph_engine *engine);
 enum neph_status neph_settings_set(const struct neph_engine *engine, struct neph_settings *settings,
                                    const char *assignment, struct neph_diag *diag);
 
+/* What stands behind the colon of "ENGINE:KEY=VALUE", when it is for this engine; else NULL. */
+const char *neph_settings_for(const struct neph_engine *engine, const char *text);
+
 /* Every option as a preset has it. Errors name the presets there are. */
 enum neph_status neph_settings_preset(const struct neph_engine *engine, const char *name,
                                       struct neph_settings *settings, struct neph_diag *diag);

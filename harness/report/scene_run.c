@@ -60,13 +60,23 @@ static struct neph_job job_of(const struct neph_scene_run *run, int index,
         .engine = engine,
         .info = &run->field->infos[index],
         .shot = {.scene = scene,
-                 .settings = neph_settings_default(engine),
+                 .settings = run->field->settings[index],
                  .width_px = run->width_px,
                  .height_px = run->height_px,
                  .frame = frame_of(run, scene),
                  .layers = NEPH_LAYERS_ALL,
                  .seed = neph_seed_of(scene, seed)},
     };
+}
+
+/* The user has chosen the step. */
+static bool has_own_step(const struct neph_job *job)
+{
+    const struct neph_settings standard = neph_settings_default(job->engine);
+    const char *step = job->engine->step.option;
+    const double chosen = neph_setting(job->engine, &job->shot.settings, step);
+    const double usual = neph_setting(job->engine, &standard, step);
+    return chosen != usual && !(isnan(chosen) && isnan(usual));
 }
 
 /* Other people's renderers march in steps of our choice: a study chooses them, one that comes with
@@ -76,7 +86,7 @@ static enum neph_status choose_step(const struct neph_scene_run *run, struct nep
 {
     *chosen = false;
     if (job->engine->rung != NEPH_RUNG_WITNESS || !job->info->available ||
-        !neph_study_applies(job->engine, job->shot.scene))
+        !neph_study_applies(job->engine, job->shot.scene) || has_own_step(job))
         return NEPH_OK;
     enum neph_status status = neph_studies_find(job, study, chosen, diag);
     if (!status && !*chosen) {

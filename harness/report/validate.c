@@ -46,9 +46,32 @@ static enum neph_status choose_engines(const struct neph_validate_params *params
         if (neph_interrupted())
             return neph_fail(diag, NEPH_ERR_INTERRUPTED, "interrupted");
         field->engines[field->count] = engines[i];
+        field->settings[field->count] = neph_settings_default(engines[i]);
         neph_engine_probe(engines[i], &field->infos[field->count++]);
     }
     return NEPH_OK;
+}
+
+static enum neph_status apply_setting(const char *text, struct neph_field *field,
+                                      struct neph_diag *diag)
+{
+    for (int i = 0; i < field->count; i++) {
+        const char *assignment = neph_settings_for(field->engines[i], text);
+        if (assignment)
+            return neph_settings_set(field->engines[i], &field->settings[i], assignment, diag);
+    }
+    neph_fail(diag, NEPH_ERR_USAGE, "setting '%s' is for none of the engines of this run", text);
+    neph_hint(diag, "it is written ENGINE:KEY=VALUE, and -e names engines");
+    return NEPH_ERR_USAGE;
+}
+
+static enum neph_status choose_settings(const struct neph_validate_params *params,
+                                        struct neph_field *field, struct neph_diag *diag)
+{
+    enum neph_status status = NEPH_OK;
+    for (int i = 0; i < params->setting_count && !status; i++)
+        status = apply_setting(params->settings[i], field, diag);
+    return status;
 }
 
 static enum neph_status begin(struct run *run, struct neph_diag *diag)
@@ -171,6 +194,8 @@ enum neph_status neph_validate(const struct neph_validate_params *params, struct
     enum neph_status status = neph_data_check_scenes(params->scenes, params->scene_count, diag);
     if (!status)
         status = choose_engines(params, &validation->field, diag);
+    if (!status)
+        status = choose_settings(params, &validation->field, diag);
     if (!status)
         status = begin(&run, diag);
     if (status)

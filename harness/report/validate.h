@@ -17,6 +17,8 @@ struct neph_validate_params {
     int scene_count;
     const char *const *engines; /* names; engine_count 0: all that are no shortcut */
     int engine_count;
+    const char *const *settings; /* "ENGINE:KEY=VALUE"; charts and the sequence have their own */
+    int setting_count;
     int width_px, height_px;
     int frame;       /* of every scene; the last frame of a shorter one */
     double budget_s; /* of each picture of another project's renderer: see budget.h */

@@ -23,6 +23,7 @@ struct neph_field {
     int count;
     const struct neph_engine *engines[NEPH_FIELD_MAX];
     struct neph_engine_info infos[NEPH_FIELD_MAX];
+    struct neph_settings settings[NEPH_FIELD_MAX]; /* those that the user wants */
 };
 
 /* What difference maps are drawn of. */

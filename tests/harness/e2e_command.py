@@ -166,9 +166,9 @@ data = data[:8]"""))
         self.assertIn("nowhere --version", done.stdout)
 
     def test_it_is_validated_like_others(self):
-        def bias(body):
+        def bias(body, *arguments):
             done = self.neph("validate", self.scene, "-e", "exact", "-e", "command", "--size",
-                             "24x16", "-q", "--json", program=self.program(body))
+                             "24x16", "-q", "--json", *arguments, program=self.program(body))
             self.assertEqual(done.returncode, 0, done.stderr)
             frames = json.loads(done.stdout)["scenes"][0]["frames"]
             self.assertEqual([frame["engine"] for frame in frames], ["exact", "command"])
@@ -176,6 +176,17 @@ data = data[:8]"""))
                     if (m["quantity"], m["metric"], m["mask"]) == ("radiance", "bias", "all")]
         self.assertEqual(bias("write(0.25)"), [0.25])
         self.assertEqual(bias("write(0.75)"), [0.75])  # another program: not from the store
+        tuned = 'write(job["settings"]["b"])'
+        self.assertEqual(bias(tuned, "-s", "command:b=0.5"), [0.5])
+        self.assertEqual(bias(tuned, "-s", "command:b=0.125"), [0.125])
+
+    def test_settings_are_for_engines_of_the_run(self):
+        for setting, word in (("march:steps=9", "march:steps=9"), ("steps=9", "ENGINE:KEY=VALUE"),
+                              ("exact:steps=9", "steps")):
+            done = self.neph("validate", self.scene, "-e", "exact", "-e", "povray", "-q", "-s",
+                             setting)
+            self.assertEqual(done.returncode, 64, done.stderr)
+            self.assertIn(word, done.stderr)
 
 
 if __name__ == "__main__":
