@@ -264,6 +264,25 @@ static VkResult create_pipeline(const struct neph_vulkan *vulkan, struct neph_ke
     return result;
 }
 
+/* Constants that a shader does not have become 0: they make no other kernel. (Words and order as in
+ * the SPIR-V specification, 2.3 and 2.4: decorations come before the first type.) */
+static struct neph_kernel_params own_constants(const struct neph_kernel_params *params)
+{
+    enum { HEADER_WORDS = 5, FIRST_TYPE = 19, LAST_TYPE = 39, OP_DECORATE = 71, SPEC_ID = 1 };
+    struct neph_kernel_params own = *params;
+    const uint32_t *words = params->spirv;
+    const size_t count = params->spirv_size_bytes / sizeof(*words);
+    memset(own.constants, 0, sizeof(own.constants));
+    for (size_t i = HEADER_WORDS; i < count; i += words[i] >> 16) {
+        const uint32_t operation = words[i] & 0xffff;
+        if (operation >= FIRST_TYPE && operation <= LAST_TYPE)
+            break;
+        if (operation == OP_DECORATE && words[i + 2] == SPEC_ID)
+            own.constants[words[i + 3]] = params->constants[words[i + 3]];
+    }
+    return own;
+}
+
 static bool same_kernel(const struct neph_kernel_params *a, const struct neph_kernel_params *b)
 {
     return strcmp(a->name, b->name) == 0 && a->constant_count == b->constant_count &&
@@ -275,20 +294,21 @@ enum neph_status neph_kernel_get(struct neph_vulkan *vulkan,
                                  const struct neph_kernel_params *params,
                                  const struct neph_kernel **kernel, struct neph_diag *diag)
 {
+    const struct neph_kernel_params own = own_constants(params);
     for (struct neph_kernel *known = vulkan->kernels; known; known = known->next)
-        if (same_kernel(&known->params, params)) {
+        if (same_kernel(&known->params, &own)) {
             *kernel = known;
             return NEPH_OK;
         }
     struct neph_kernel *created = calloc(1, sizeof(*created));
     if (!created)
         return neph_fail_memory(diag);
-    created->params = *params;
+    created->params = own;
     created->params.spirv = NULL;
     created->sets = calloc(1, sizeof(*created->sets));
     VkResult result = created->sets ? create_layouts(vulkan, created) : VK_ERROR_OUT_OF_HOST_MEMORY;
     if (result == VK_SUCCESS)
-        result = create_pipeline(vulkan, created, params);
+        result = create_pipeline(vulkan, created, &own);
     if (result != VK_SUCCESS) {
         kernel_destroy(vulkan, created);
         return neph_vulkan_fail(result, params->name, diag);

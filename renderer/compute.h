@@ -72,7 +72,7 @@ struct neph_kernel_params {
 };
 
 /* The compiled kernel of a shader and its specialization constants: made at the first call, kept
- * and owned by the device. */
+ * and owned by the device. Constants that the shader does not have may have any value. */
 enum neph_status neph_kernel_get(struct neph_vulkan *vulkan,
                                  const struct neph_kernel_params *params,
                                  const struct neph_kernel **kernel, struct neph_diag *diag);

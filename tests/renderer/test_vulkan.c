@@ -41,6 +41,37 @@ static void test_two_devices_live_side_by_side(void **state)
     assert_int_equal(neph_vulkan_destroy(second), 0);
 }
 
+static const uint32_t sum_spirv[] = {
+#include "shaders/tracer_sum.comp.inc"
+};
+
+static const struct neph_kernel *sum_kernel(struct neph_vulkan *vulkan, uint32_t kinds,
+                                            uint32_t unknown)
+{
+    const struct neph_kernel_params params = {.name = "tracer_sum",
+                                              .spirv = sum_spirv,
+                                              .spirv_size_bytes = sizeof(sum_spirv),
+                                              .buffer_count = NEPH_KERNEL_BUFFERS_MAX,
+                                              .push_size_bytes = 64,
+                                              .constant_count = 2,
+                                              .constants = {kinds, unknown}};
+    const struct neph_kernel *kernel = NULL;
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_kernel_get(vulkan, &params, &kernel, &diag), &diag);
+    return kernel;
+}
+
+/* The shader that adds up a tracer's samples has constant 0 and not constant 1. */
+static void test_only_constants_of_the_shader_make_another_kernel(void **state)
+{
+    (void)state;
+    struct neph_vulkan *vulkan = test_vulkan_open();
+    const struct neph_kernel *kernel = sum_kernel(vulkan, 1, 0);
+    assert_ptr_equal(kernel, sum_kernel(vulkan, 1, 7));
+    assert_ptr_not_equal(kernel, sum_kernel(vulkan, 2, 0));
+    assert_int_equal(neph_vulkan_destroy(vulkan), 0);
+}
+
 static void test_destroy_takes_null(void **state)
 {
     (void)state;
@@ -233,6 +264,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_describes_the_device),
         cmocka_unit_test(test_two_devices_live_side_by_side),
+        cmocka_unit_test(test_only_constants_of_the_shader_make_another_kernel),
         cmocka_unit_test(test_destroy_takes_null),
         cmocka_unit_test(test_no_driver_is_said_with_the_install_line),
         cmocka_unit_test(test_no_validation_layer_is_said_with_the_install_line),
