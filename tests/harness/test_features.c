@@ -3,17 +3,13 @@
  * The table of features in scenes/README.md is what the engines say of small scenes, each the same
  * but for one feature. `test_features --write` writes it.
  */
+#include "tests/printed_table.h"
 #include "tests/scene_builders.h"
 
-#include "base/files.h"
 #include "harness/engines/engines.h"
 #include "scenes/media.h"
 
 #include <stdio.h>
-
-static const char readme[] = NEPH_SOURCE_DIR "/scenes/README.md";
-static const char before[] = "<!-- written by tests/test_features --write -->\n";
-static const char after[] = "<!-- end -->\n";
 
 /* ---- scenes ---------------------------------------------------------------------------------- */
 
@@ -261,7 +257,7 @@ static void print_row(FILE *file, const struct feature *feature, struct stage *s
     fprintf(file, "\n");
 }
 
-static char *printed_table(void)
+static char *printed_features(void)
 {
     char *table = NULL;
     size_t size = 0;
@@ -287,38 +283,18 @@ static char *printed_table(void)
 
 /* ---- the file -------------------------------------------------------------------------------- */
 
-/* README.md as it should be. */
-static char *wanted_text(const char *text)
-{
-    const char *start = strstr(text, before);
-    const char *end = start ? strstr(start, after) : NULL;
-    assert_non_null(end);
-    char *table = printed_table();
-    char *wanted = neph_format("%.*s%s%s", (int)(start - text + (ptrdiff_t)strlen(before)), text,
-                               table, end);
-    free(table);
-    return wanted;
-}
-
 static void test_readme_holds_the_features(void **state)
 {
-    char *text = NULL;
-    size_t size = 0;
-    neph_assert_ok(neph_file_read(readme, 1 << 20, &text, &size, NULL), NULL);
-    char *wanted = wanted_text(text);
-    if (*state)
-        neph_assert_ok(neph_file_write(readme, wanted, strlen(wanted), NULL), NULL);
-    else
-        assert_string_equal(text, wanted);
-    free(wanted);
-    free(text);
+    const struct printed_table table = {NEPH_SOURCE_DIR "/scenes/README.md",
+                                        "<!-- written by tests/test_features --write -->\n",
+                                        "<!-- end -->\n", printed_features};
+    check_readme(&table, *state);
 }
 
 int main(int count, char **arguments)
 {
-    const bool writes = count > 1 && !strcmp(arguments[1], "--write");
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_prestate(test_readme_holds_the_features, writes ? arguments : NULL),
+        cmocka_unit_test_prestate(test_readme_holds_the_features, writes_readme(count, arguments)),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
