@@ -517,8 +517,8 @@ static void test_full_scene(void **state)
     check_full_stage(&stage, NEPH_LAYERS_ALL);
 }
 
-/* Much of it forwards; and what is not in-scattered light came straight from the sky: R - volume = T
- * * background. */
+/* Much of it forwards; and what is not in-scattered light came straight from the sky: R - volume is
+ * T times the background. */
 static void test_single_scattering_in_a_box(void **state)
 {
     (void)state;
