@@ -454,6 +454,7 @@ class Charts(unittest.TestCase):
 
     def test_the_chart_fits_a_readme_and_brings_its_own_paper(self):
         result, svg, _ = self.draw(lambda spec: None)
+        self.assertEqual(svg, self.draw(lambda spec: None)[1])  # rows alone decide on its bytes
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertEqual(result.stderr, "")
         self.assertLessEqual(int(svg.split('width="')[1].split('"')[0]), 760)
@@ -463,9 +464,6 @@ class Charts(unittest.TestCase):
             self.assertIn(text, svg)
         self.assertIn("&lt;img src=x", svg)
         self.assertNotIn("<img", svg)
-
-    def test_the_same_rows_give_the_same_bytes(self):
-        self.assertEqual(self.draw(lambda spec: None)[1], self.draw(lambda spec: None)[1])
 
     def test_a_chart_needs_neither_slopes_nor_error_bars(self):
         def bare(spec):
@@ -625,6 +623,12 @@ class Page(unittest.TestCase):
                 self.assertIn(right, text)
                 text = text.replace(right, wrong)
             script.write_text(text)
+            page = folder / "index.html"
+            text = page.read_text()
+            start = text.index('<meta http-equiv="Content-Security-Policy"')
+            text = text[:start] + text[text.index(">", start) + 1:]
+            page.write_text(text.replace(
+                "</head>", '<script src="https://example.com/tracker.js"></script></head>'))
             data = report_data()
             data["scenes"][0]["frames"][1]["measurements"][2]["value"] *= 1.001
             (folder / "data.json").write_text(json.dumps(data))
@@ -636,6 +640,7 @@ class Page(unittest.TestCase):
                 ("a finding that is counted wrongly", "physics.others.gap"),
                 ("a number that differs", "scenes/0/frames/1/measurements/2/value"),
                 ("a missing picture", "images/height_fog/march.png"),
+                ("a network request", "example.com"),
                 ("markup from data", "markup that is none of the page's")):
             with self.subTest(what):
                 self.assertIn(told, result.stdout)
@@ -648,18 +653,6 @@ class Page(unittest.TestCase):
         result = self.broken("shown", change)
         self.assertEqual(result.returncode, 1)
         self.assertIn("reads", result.stdout)
-
-    def test_a_network_request_is_found(self):
-        def change(folder):
-            page = folder / "index.html"
-            text = page.read_text()
-            start = text.index('<meta http-equiv="Content-Security-Policy"')
-            text = text[:start] + text[text.index(">", start) + 1:]
-            page.write_text(text.replace(
-                "</head>", '<script src="https://example.com/tracker.js"></script></head>'))
-        result = self.broken("network", change)
-        self.assertEqual(result.returncode, 1)
-        self.assertIn("example.com", result.stdout)
 
     def test_a_missing_bundle_is_found(self):
         result = self.broken("bundle", lambda folder: (folder / "vendor/vega.min.js").unlink())
