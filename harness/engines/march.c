@@ -87,7 +87,8 @@ struct sequence {
     int width_px, height_px;
     struct neph_vulkan *vulkan;
     struct neph_march *march; /* for pictures of this size */
-    double sent_s;            /* the CPU's part of the last picture in flight */
+    int sent, home;           /* pictures that went on their way, and those no longer on it */
+    double sent_s[NEPH_FLIGHT_PICTURES_MAX]; /* the CPU's part of each, by number */
 };
 
 static void close_sequence(void *opened)
@@ -153,6 +154,7 @@ static enum neph_status next_picture(void *opened, const struct neph_shot *shot,
     const int rays_per_px = 1 << (int)shot->settings.values[OPTION_RAYS_PER_PX];
     struct neph_image *image = NULL;
     struct neph_march_stats stats = {.gpu_s = NAN};
+    sequence->home = sequence->sent; /* those in flight are forgotten */
     const bool fits = shot->width_px == sequence->width_px &&
                       shot->height_px == sequence->height_px && sequence->march;
     enum neph_status status = fits ? NEPH_OK : set_up(sequence, shot, diag);
@@ -177,10 +179,11 @@ static enum neph_status send(void *opened, const struct neph_shot *shot, struct 
     if (shot->settings.values[OPTION_RAYS_PER_PX] != 0.0)
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
                          "rays are averaged on the CPU: a picture in flight has rays_per_px=1");
-    sequence->sent_s = neph_wall_s();
+    const double start_s = neph_wall_s();
     const enum neph_status status = neph_march_frame(sequence->march, shot->scene, shot->frame,
                                                      centre_px, NULL, NULL, diag);
-    sequence->sent_s = neph_wall_s() - sequence->sent_s;
+    if (!status)
+        sequence->sent_s[sequence->sent++ % NEPH_FLIGHT_PICTURES_MAX] = neph_wall_s() - start_s;
     return status;
 }
 
@@ -193,7 +196,7 @@ static enum neph_status home(void *opened, struct neph_flight_cost *cost, struct
     if (!status)
         *cost = (struct neph_flight_cost){
             .gpu_s = gpu_s,
-            .cpu_s = sequence->sent_s,
+            .cpu_s = sequence->sent_s[sequence->home++ % NEPH_FLIGHT_PICTURES_MAX],
             .pass_count = 1,
             .passes = {{.name = "march", .gpu_s = gpu_s, .traffic_bytes = NAN}},
         };
