@@ -145,9 +145,10 @@ static enum neph_status write_pair(struct fly *fly, const char *exr, const char 
 /* The frame as the engine has made it, and what is shown of it, without the text. */
 static void take_screenshot(struct fly *fly)
 {
+    static const char *const suffixes[] = {".exr", ".png", NULL};
     struct neph_diag diag = {.line = 0};
     char *name = neph_format("%s_fly", scene_of(fly)->name);
-    char *stem = name ? neph_fly_free_name(fly->params->folder, name, "exr") : NULL;
+    char *stem = name ? neph_fly_free_name(fly->params->folder, name, suffixes) : NULL;
     char *exr = stem ? neph_format("%s.exr", stem) : NULL;
     char *png = stem ? neph_format("%s.png", stem) : NULL;
     if (exr && png)

@@ -23,23 +23,34 @@ bool neph_fly_path_add(struct neph_fly_path *path, const struct neph_camera_key 
     return true;
 }
 
-char *neph_fly_free_name(const char *folder, const char *name, const char *suffix)
+/* Whether one of the files is there; false when memory is short. */
+static bool find_any(const char *stem, const char *const suffixes[], bool *is_there)
+{
+    *is_there = false;
+    for (int i = 0; suffixes[i] && !*is_there; i++) {
+        char *path = neph_format("%s%s", stem, suffixes[i]);
+        if (!path)
+            return false;
+        *is_there = neph_path_exists(path);
+        free(path);
+    }
+    return true;
+}
+
+char *neph_fly_free_name(const char *folder, const char *name, const char *const suffixes[])
 {
     for (int number = 1;; number++) {
         char counted[16] = "";
+        bool is_there;
         if (number > 1)
             snprintf(counted, sizeof(counted), "_%d", number);
-        char *free_name = neph_format("%s/%s%s", folder, name, counted);
-        char *path = free_name ? neph_format("%s.%s", free_name, suffix) : NULL;
-        const bool is_there = path && neph_path_exists(path);
-        free(path);
-        if (!path) {
-            free(free_name);
+        char *stem = neph_format("%s/%s%s", folder, name, counted);
+        const bool is_known = stem && find_any(stem, suffixes, &is_there);
+        if (is_known && !is_there)
+            return stem;
+        free(stem);
+        if (!is_known)
             return NULL;
-        }
-        if (!is_there)
-            return free_name;
-        free(free_name);
     }
 }
 
@@ -79,8 +90,9 @@ enum neph_status neph_fly_path_write(const struct neph_fly_path *path,
 {
     if (path->frame_count == 0)
         return neph_fail(diag, NEPH_ERR_USAGE, "the path has no frame");
+    static const char *const suffixes[] = {".yaml", NULL};
     char *name = neph_format("%.*s_path", NAME_MAX_BYTES, scene->name);
-    char *stem = name ? neph_fly_free_name(folder, name, "yaml") : NULL;
+    char *stem = name ? neph_fly_free_name(folder, name, suffixes) : NULL;
     char *made = stem ? neph_format("%s.yaml", stem) : NULL;
     enum neph_status status = made ? write_as(path, scene, stem, made, diag)
                                    : neph_fail_memory(diag);

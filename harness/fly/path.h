@@ -26,8 +26,8 @@ enum neph_status neph_fly_path_write(const struct neph_fly_path *path,
                                      const struct neph_scene *scene, const char *folder,
                                      char **file, struct neph_diag *diag);
 
-/* The first of "folder/NAME.SUFFIX", "folder/NAME_2.SUFFIX", .. that is not there, without the
- * suffix, for the caller to free; NULL when memory is short. */
-char *neph_fly_free_name(const char *folder, const char *name, const char *suffix);
+/* The first of "folder/NAME", "folder/NAME_2", .. that is there with none of the suffixes (".exr"),
+ * which end with NULL; for the caller to free. NULL when memory is short. */
+char *neph_fly_free_name(const char *folder, const char *name, const char *const suffixes[]);
 
 #endif

@@ -102,6 +102,19 @@ static void test_no_file_is_replaced(void **state)
     free(path);
 }
 
+/* A name is free when none of the files that are to have it are there: each of two, alone. */
+static void test_a_name_is_free_of_all_its_files(void **state)
+{
+    static const char *const suffixes[] = {".exr", ".png", NULL};
+    const struct scratch *scratch = *state;
+    char path[SCRATCH_PATH_MAX];
+    scratch_write(scratch_path(state, path, "valley_fly.png"), "", 0);
+    scratch_write(scratch_path(state, path, "valley_fly_2.exr"), "", 0);
+    char *name = neph_fly_free_name(scratch->folder, "valley_fly", suffixes);
+    assert_string_equal(name, scratch_path(state, path, "valley_fly_3"));
+    free(name);
+}
+
 static void test_a_scene_file_has_no_room_for_more_keys(void **state)
 {
     struct neph_scene *scene = make_scene(state);
@@ -136,6 +149,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         scratch_test(test_read_back_it_is_the_same_camera_in_every_frame),
         scratch_test(test_no_file_is_replaced),
+        scratch_test(test_a_name_is_free_of_all_its_files),
         scratch_test(test_a_scene_file_has_no_room_for_more_keys),
         scratch_test(test_a_path_without_frames_is_refused),
     };
