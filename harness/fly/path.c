@@ -2,6 +2,7 @@
 #include "harness/fly/path.h"
 
 #include "base/files.h"
+#include "base/text.h"
 #include "scenes/variant.h"
 
 #include <stdio.h>
@@ -74,8 +75,8 @@ static enum neph_status write_as(const struct neph_fly_path *path, const struct 
     const char *slash = strrchr(stem, '/');
     char name[NAME_SIZE], title[TITLE_MAX_BYTES + 1], *text = NULL;
     snprintf(name, sizeof(name), "%s", slash + 1);
-    snprintf(title, sizeof(title), "%.*s%s", (int)(TITLE_MAX_BYTES - sizeof(title_end) + 1),
-             scene->title, title_end);
+    neph_text_format(title, sizeof(title) - (sizeof(title_end) - 1), "%s", scene->title);
+    strcat(title, title_end);
     const struct neph_scene made = scene_of(path, scene, name, title);
     enum neph_status status = neph_scene_camera_text(&made, &text, diag);
     if (!status)

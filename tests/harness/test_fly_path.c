@@ -115,6 +115,28 @@ static void test_a_name_is_free_of_all_its_files(void **state)
     free(name);
 }
 
+/* 120 bytes are a title's room, and 24 of them the end's: the 96th and 97th here are one. */
+static void test_a_long_title_is_cut_between_characters(void **state)
+{
+    struct neph_scene *scene = make_scene(state);
+    struct neph_fly_path *path = calloc(1, sizeof(*path));
+    const struct neph_camera_key key = key_of(0.0);
+    char title[121] = "";
+    while (strlen(title) < 95)
+        strcat(title, "v");
+    while (strlen(title) < 119)
+        strcat(title, "\u00e4");
+    free(scene->title);
+    scene->title = strdup(title);
+    neph_fly_path_add(path, &key);
+    struct neph_scene *flown = write_and_load(state, path, scene, "valley_path.yaml");
+    strcpy(title + 95, "; a camera flown by hand");
+    assert_string_equal(flown->title, title);
+    neph_scene_destroy(flown);
+    neph_scene_destroy(scene);
+    free(path);
+}
+
 static void test_a_scene_file_has_no_room_for_more_keys(void **state)
 {
     struct neph_scene *scene = make_scene(state);
@@ -150,6 +172,7 @@ int main(void)
         scratch_test(test_read_back_it_is_the_same_camera_in_every_frame),
         scratch_test(test_no_file_is_replaced),
         scratch_test(test_a_name_is_free_of_all_its_files),
+        scratch_test(test_a_long_title_is_cut_between_characters),
         scratch_test(test_a_scene_file_has_no_room_for_more_keys),
         scratch_test(test_a_path_without_frames_is_refused),
     };
