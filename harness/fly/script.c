@@ -12,8 +12,8 @@ static const struct {
     const char *name;
     int key;
 } names[] = {
-    {"space", NEPH_FLY_KEY_SPACE}, {"tab", NEPH_FLY_KEY_TAB},     {"esc", NEPH_FLY_KEY_ESCAPE},
-    {"home", NEPH_FLY_KEY_HOME},   {"shift", NEPH_FLY_KEY_SHIFT}, {".", NEPH_FLY_KEY_NONE},
+    {"space", NEPH_FLY_KEY_SPACE}, {"tab", NEPH_FLY_KEY_TAB}, {"esc", NEPH_FLY_KEY_ESCAPE},
+    {"home", NEPH_FLY_KEY_HOME},   {".", NEPH_FLY_KEY_NONE},
 };
 
 struct word {

@@ -16,7 +16,7 @@ struct neph_fly_strokes {
 };
 
 /* "w*60 x p": W held for 60 frames, then X for one, then P. The keys are a character, or space,
- * tab, esc, home, shift; '.' is none, a wait. NEPH_ERR_USAGE names the word that is none. */
+ * tab, esc, home; '.' is none, a wait. NEPH_ERR_USAGE names the word that is none. */
 enum neph_status neph_fly_script_check(const char *script, struct neph_diag *diag);
 
 /* The strokes before a frame, 0-based, of a script that is right. */

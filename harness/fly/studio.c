@@ -12,7 +12,7 @@
 /* So many frames have to be the same before a picture of 16 rays is worth its time. */
 enum { REST_FRAMES = 4 };
 
-/* A job, what it is told of its engine, and the settings of the reference where it is that. */
+/* A job, and what it is told of its engine. */
 struct seat {
     struct neph_job job;
     struct neph_engine_info info;

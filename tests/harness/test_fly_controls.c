@@ -142,7 +142,8 @@ static void test_a_script_presses_keys_frame_by_frame(void **state)
 static void test_what_is_no_script_is_refused_by_its_word(void **state)
 {
     (void)state;
-    static const char *const wrong[] = {"w60", "w*0", "w*", "w*-3", "p w*1x", "up", "w**2"};
+    static const char *const wrong[] = {"w60",    "w*0", "w*",   "w*-3",
+                                        "p w*1x", "up",  "w**2", "shift"};
     for (size_t i = 0; i < COUNT(wrong); i++) {
         struct neph_diag diag = {0};
         assert_int_equal(neph_fly_script_check(wrong[i], &diag), NEPH_ERR_USAGE);
