@@ -60,18 +60,22 @@ static const struct neph_cli_syntax syntax = {
         "  neph fly fence_backlit --frames 300 --keys \"w*60 d*60\" --json",
 };
 
-static double milliseconds(const json_t *result, const char *key)
+/* Nothing, where too few frames were shown for one. */
+static void print_median(const json_t *result, const char *key, const char *what)
 {
-    return 1e3 * json_number_value(json_object_get(result, key));
+    const json_t *median_s = json_object_get(result, key);
+    if (json_is_number(median_s))
+        printf(", median %.3g ms %s", 1e3 * json_number_value(median_s), what);
 }
 
 static void print_result(const json_t *result)
 {
     const json_t *file;
     size_t index;
-    printf("%lld frames, median %.3g ms from frame to frame, %.3g ms to render\n",
-           (long long)json_integer_value(json_object_get(result, "frames")),
-           milliseconds(result, "frame_median_s"), milliseconds(result, "render_median_s"));
+    printf("%lld frames", (long long)json_integer_value(json_object_get(result, "frames")));
+    print_median(result, "frame_median_s", "from frame to frame");
+    print_median(result, "render_median_s", "to render");
+    printf("\n");
     json_array_foreach(json_object_get(result, "files"), index, file)
         printf("%s\n", json_string_value(file));
 }

@@ -186,6 +186,18 @@ static enum neph_status choose_preset(struct fly *fly, int number, struct neph_d
     return NEPH_OK;
 }
 
+static enum neph_status choose_march(struct fly *fly, int number, struct neph_diag *diag)
+{
+    (void)number;
+    return settle(fly, neph_studio_choose_march(fly->studio, true, diag), diag);
+}
+
+static enum neph_status choose_realtime(struct fly *fly, int number, struct neph_diag *diag)
+{
+    (void)number;
+    return settle(fly, neph_studio_choose_march(fly->studio, false, diag), diag);
+}
+
 /* A second time: the picture again. */
 static void show(struct fly *fly, enum neph_view_kind kind)
 {
@@ -193,11 +205,36 @@ static void show(struct fly *fly, enum neph_view_kind kind)
     neph_view_forget(&fly->view);
 }
 
+static void show_wipe(struct fly *fly)
+{
+    show(fly, NEPH_VIEW_WIPE);
+}
+
+static void show_error(struct fly *fly)
+{
+    show(fly, NEPH_VIEW_ERROR);
+}
+
+static void show_flicker(struct fly *fly)
+{
+    show(fly, NEPH_VIEW_FLICKER);
+}
+
 static void expose(struct fly *fly, double step_ev)
 {
     const double exposure_ev = fly->view.exposure_ev + step_ev;
     fly->view.exposure_ev = fmin(exposure_max_ev, fmax(-exposure_max_ev, exposure_ev));
     neph_view_forget(&fly->view);
+}
+
+static void darken(struct fly *fly)
+{
+    expose(fly, -exposure_step_ev);
+}
+
+static void brighten(struct fly *fly)
+{
+    expose(fly, exposure_step_ev);
 }
 
 /* A recorded camera moves on in each frame, and a scene file cannot stop sun and wind alone. */
@@ -220,59 +257,55 @@ static void go_home(struct fly *fly)
     fly->camera.key = neph_fly_camera_of(scene_of(fly)).key;
 }
 
+static void ask_for_screenshot(struct fly *fly)
+{
+    fly->takes_screenshot = true;
+}
+
+static void show_passes(struct fly *fly)
+{
+    fly->shows_passes = !fly->shows_passes;
+}
+
+static void show_help(struct fly *fly)
+{
+    fly->shows_help = !fly->shows_help;
+}
+
+static void leave(struct fly *fly)
+{
+    fly->leaves = true;
+}
+
 static enum neph_status obey(struct fly *fly, struct neph_fly_order order, struct neph_diag *diag)
 {
-    switch (order.command) {
-    case NEPH_FLY_PRESET:
-        return choose_preset(fly, order.number, diag);
-    case NEPH_FLY_MARCH:
-    case NEPH_FLY_REALTIME:
-        return settle(fly,
-                      neph_studio_choose_march(fly->studio, order.command == NEPH_FLY_MARCH, diag),
-                      diag);
-    case NEPH_FLY_WIPE:
-        show(fly, NEPH_VIEW_WIPE);
-        break;
-    case NEPH_FLY_ERROR:
-        show(fly, NEPH_VIEW_ERROR);
-        break;
-    case NEPH_FLY_FLICKER:
-        show(fly, NEPH_VIEW_FLICKER);
-        break;
-    case NEPH_FLY_DARKER:
-        expose(fly, -exposure_step_ev);
-        break;
-    case NEPH_FLY_BRIGHTER:
-        expose(fly, exposure_step_ev);
-        break;
-    case NEPH_FLY_PAUSE:
-        pause_time(fly);
-        break;
-    case NEPH_FLY_HOME:
-        go_home(fly);
-        break;
-    case NEPH_FLY_RECORD:
-        record(fly);
-        break;
-    case NEPH_FLY_SCREENSHOT:
-        fly->takes_screenshot = true;
-        break;
-    case NEPH_FLY_PASSES:
-        fly->shows_passes = !fly->shows_passes;
-        break;
-    case NEPH_FLY_CAPTURE:
-        capture(fly);
-        break;
-    case NEPH_FLY_HELP:
-        fly->shows_help = !fly->shows_help;
-        break;
-    case NEPH_FLY_LEAVE:
-        fly->leaves = true;
-        break;
-    case NEPH_FLY_NOTHING:
-        break;
-    }
-    return NEPH_OK;
+    /* One of the two, or neither. */
+    static const struct {
+        enum neph_status (*choose)(struct fly *fly, int number, struct neph_diag *diag);
+        void (*act)(struct fly *fly);
+    } rows[] = {
+        [NEPH_FLY_NOTHING] = {0},
+        [NEPH_FLY_PRESET] = {.choose = choose_preset},
+        [NEPH_FLY_MARCH] = {.choose = choose_march},
+        [NEPH_FLY_REALTIME] = {.choose = choose_realtime},
+        [NEPH_FLY_WIPE] = {.act = show_wipe},
+        [NEPH_FLY_ERROR] = {.act = show_error},
+        [NEPH_FLY_FLICKER] = {.act = show_flicker},
+        [NEPH_FLY_DARKER] = {.act = darken},
+        [NEPH_FLY_BRIGHTER] = {.act = brighten},
+        [NEPH_FLY_PAUSE] = {.act = pause_time},
+        [NEPH_FLY_HOME] = {.act = go_home},
+        [NEPH_FLY_RECORD] = {.act = record},
+        [NEPH_FLY_SCREENSHOT] = {.act = ask_for_screenshot},
+        [NEPH_FLY_PASSES] = {.act = show_passes},
+        [NEPH_FLY_CAPTURE] = {.act = capture},
+        [NEPH_FLY_HELP] = {.act = show_help},
+        [NEPH_FLY_LEAVE] = {.act = leave},
+    };
+    if (rows[order.command].act)
+        rows[order.command].act(fly);
+    return rows[order.command].choose ? rows[order.command].choose(fly, order.number, diag)
+                                      : NEPH_OK;
 }
 
 /* ---- a frame --------------------------------------------------------------------------------- */
@@ -301,7 +334,7 @@ static enum neph_status follow_orders(struct fly *fly, struct neph_diag *diag)
     return status;
 }
 
-/* Since the frame before. */
+/* Since the frame before: the times are of frames that were shown and followed by another. */
 static double tick(struct fly *fly)
 {
     const double now_s = neph_wall_s();
@@ -425,7 +458,6 @@ static enum neph_status loop(struct fly *fly, struct neph_diag *diag)
                                     : next_frame(fly, diag);
     if (status == NEPH_ERR_INTERRUPTED)
         neph_interrupt_acknowledge();
-    tick(fly);
     end_recording(fly);
     if (!status && fly->unwritten && diag)
         *diag = fly->why_unwritten;

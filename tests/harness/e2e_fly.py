@@ -207,6 +207,10 @@ class Flight(unittest.TestCase):
         self.assertEqual(flown["frames"], 3)
         self.assertIn("steps=16", flown["settings"])
 
+    def test_a_time_is_between_two_frames(self):
+        self.assertIsNone(self.fly(".", 1)["frame_median_s"])
+        self.assertGreater(self.fly(".", 2)["frame_median_s"], 0)
+
     def start(self, *arguments):
         flight = subprocess.Popen(
             [NEPH, "fly", self.scene, "--size", SIZE, "-o", self.folder, *arguments],
