@@ -143,11 +143,12 @@ static enum neph_status add_engine(const char *name, const struct neph_scene *sc
     const bool flies = neph_benchmark_frames_applies(engine);
     if (!flies && !neph_benchmark_applies(engine, reason, sizeof(reason)))
         return neph_fail(diag, NEPH_ERR_USAGE, "engine '%s' %s", name, reason);
-    if (both->frames.engine_count == NEPH_BENCHMARK_FRAMES_ENGINES_MAX ||
-        both->noise.engine_count == NEPH_BENCHMARK_ENGINES_MAX)
-        return neph_fail(diag, NEPH_ERR_USAGE, "more than %d engines of a kind",
-                         NEPH_BENCHMARK_ENGINES_MAX - 1);
-    const int e = flies ? both->frames.engine_count++ : both->noise.engine_count++;
+    int *count = flies ? &both->frames.engine_count : &both->noise.engine_count;
+    const int most = flies ? NEPH_BENCHMARK_FRAMES_ENGINES_MAX : NEPH_BENCHMARK_ENGINES_MAX;
+    if (*count == most)
+        return neph_fail(diag, NEPH_ERR_USAGE, "more than %d engines %s", most,
+                         flies ? "whose pictures can be in flight" : "with noise");
+    const int e = (*count)++;
     struct neph_job *job = flies ? &both->frames.engines[e].job : &both->noise.engines[e].job;
     fill_job(engine, scene, request, flies ? &both->frame_infos[e] : &both->noise_infos[e], job);
     return request->preset && engine->presets
@@ -179,6 +180,16 @@ static enum neph_status apply_setting(struct both *both, const char *text, struc
                      text);
 }
 
+static bool any_has_presets(const struct both *both)
+{
+    bool any = false;
+    for (int e = 0; e < both->noise.engine_count; e++)
+        any |= both->noise.engines[e].job.engine->presets != NULL;
+    for (int e = 0; e < both->frames.engine_count; e++)
+        any |= both->frames.engines[e].job.engine->presets != NULL;
+    return any;
+}
+
 static enum neph_status fill_both(const struct request *request, const struct neph_scene *scene,
                                   struct both *both, struct neph_diag *diag)
 {
@@ -188,6 +199,9 @@ static enum neph_status fill_both(const struct request *request, const struct ne
     enum neph_status status = NEPH_OK;
     for (char *name = strsep(&rest, ","); name && !status; name = strsep(&rest, ","))
         status = add_engine(name, scene, request, both, diag);
+    if (!status && request->preset && !any_has_presets(both))
+        status = neph_fail(diag, NEPH_ERR_USAGE, "preset '%s': none of the engines has presets",
+                           request->preset);
     for (int i = 0; i < request->shared.settings.count && !status; i++)
         status = apply_setting(both, request->shared.settings.list[i], diag);
     if (!status)
