@@ -246,8 +246,12 @@ static void print_rmse_times(const struct neph_benchmark *benchmark, int e)
     const struct neph_benchmark_engine *engine = &benchmark->engines[e];
     for (int i = 0; i < NEPH_BENCHMARK_RMSES; i++)
         print_rmse_time(&engine->rmse_times[i], &benchmark->engines[0].rmse_times[i]);
-    printf("  noise^2 falls as time^%.2f; bias^2 %.2g (%.2g..%.2g)\n", engine->law.slope,
-           engine->law.bias2, engine->law.bias2_low, engine->law.bias2_high);
+    if (isfinite(engine->law.slope))
+        printf("  noise^2 falls as time^%.2f; ", engine->law.slope);
+    else
+        printf("  all rungs took the same time; ");
+    printf("bias^2 %.2g (%.2g..%.2g)\n", engine->law.bias2, engine->law.bias2_low,
+           engine->law.bias2_high);
 }
 
 static void print_benchmark(const struct neph_benchmark *benchmark)

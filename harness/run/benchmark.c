@@ -312,15 +312,14 @@ static json_t *value_json(struct neph_benchmark_value v)
     return json_pack("{s:f, s:f, s:f}", "value", v.value, "low", v.low, "high", v.high);
 }
 
-/* JSON has no NaN. */
 static json_t *rmse_times_json(const struct neph_benchmark_engine *engine)
 {
     json_t *times = json_array();
     for (int i = 0; i < NEPH_BENCHMARK_RMSES; i++) {
         const struct neph_rmse_time *time = &engine->rmse_times[i];
-        json_t *render_s = isnan(time->render_s) ? json_null() : json_real(time->render_s);
-        neph_json_add(&times, json_pack("{s:f, s:o, s:s}", "rmse", time->rmse, "render_s", render_s,
-                                        "found", neph_rmse_found_name(time->found)));
+        neph_json_add(&times, json_pack("{s:f, s:o, s:s}", "rmse", time->rmse, "render_s",
+                                        neph_json_number(time->render_s), "found",
+                                        neph_rmse_found_name(time->found)));
     }
     return times;
 }
@@ -328,7 +327,8 @@ static json_t *rmse_times_json(const struct neph_benchmark_engine *engine)
 static json_t *law_json(const struct neph_rmse_law *law)
 {
     const struct neph_benchmark_value bias2 = {law->bias2, law->bias2_low, law->bias2_high};
-    return json_pack("{s:f, s:o}", "slope", law->slope, "bias2", value_json(bias2));
+    return json_pack("{s:o, s:o}", "slope", neph_json_number(law->slope), "bias2",
+                     value_json(bias2));
 }
 
 static json_t *engine_json(const struct neph_benchmark_engine *engine)

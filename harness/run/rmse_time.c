@@ -3,8 +3,14 @@
 
 #include <assert.h>
 #include <math.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
 
 static const double least = 1e-30; /* of a square, where a logarithm is taken */
+
+/* The squared spread of log times that differ by a millionth: fewer tell nothing. */
+static const double same_times = 1e-12;
 
 /* The 97.5 % quantiles of Student's distribution for 1.. degrees of freedom. */
 static const double student_95[NEPH_RMSE_RUNGS_MAX - 1] = {12.706, 4.303, 3.182, 2.776,
@@ -28,7 +34,7 @@ static double noise_slope(const struct neph_rmse_rung *rungs, int count)
         xx += dx * dx;
         xy += dx * (log_square(rungs[k].noise2) - y);
     }
-    return xy / xx;
+    return xx > same_times ? xy / xx : NAN;
 }
 
 /* The estimate of a rung scatters as its squared noise does. */
@@ -70,22 +76,44 @@ static double law_time(const struct neph_rmse_rung *from, const struct neph_rmse
     return from->render_s * pow(noise2 / fmax(from->noise2, least), 1.0 / law->slope);
 }
 
+static bool falls(const struct neph_rmse_law *law)
+{
+    return isfinite(law->slope) && law->slope < 0.0;
+}
+
+/* Beside a slope of almost 0 the time may be more, or less, than a double holds: not known. */
+static struct neph_rmse_time extrapolated(double rmse, double render_s, enum neph_rmse_found found)
+{
+    return isnormal(render_s) ? (struct neph_rmse_time){rmse, render_s, found}
+                              : (struct neph_rmse_time){rmse, NAN, NEPH_RMSE_UNKNOWN};
+}
+
 static struct neph_rmse_time beyond(const struct neph_rmse_rung *last,
                                     const struct neph_rmse_law *law, double rmse)
 {
     const double square = rmse * rmse;
     if (law->bias2_low >= square)
         return (struct neph_rmse_time){rmse, NAN, NEPH_RMSE_NEVER};
-    if (law->bias2_high >= square || law->slope >= 0.0)
+    if (law->bias2_high >= square || !falls(law))
         return (struct neph_rmse_time){rmse, NAN, NEPH_RMSE_UNKNOWN};
     /* The error of the last rung is chance, too: never before it. */
-    return (struct neph_rmse_time){rmse, fmax(last->render_s, law_time(last, law, square)),
-                                   NEPH_RMSE_BEYOND};
+    return extrapolated(rmse, fmax(last->render_s, law_time(last, law, square)), NEPH_RMSE_BEYOND);
 }
 
-struct neph_rmse_time neph_rmse_time_to(const struct neph_rmse_rung *rungs, int count, double rmse)
+static int by_time(const void *a_, const void *b_)
 {
-    const struct neph_rmse_law law = neph_rmse_law_of(rungs, count);
+    const double a = ((const struct neph_rmse_rung *)a_)->render_s;
+    const double b = ((const struct neph_rmse_rung *)b_)->render_s;
+    return (a > b) - (a < b);
+}
+
+struct neph_rmse_time neph_rmse_time_to(const struct neph_rmse_rung *measured, int count,
+                                        double rmse)
+{
+    struct neph_rmse_rung rungs[NEPH_RMSE_RUNGS_MAX];
+    const struct neph_rmse_law law = neph_rmse_law_of(measured, count);
+    memcpy(rungs, measured, (size_t)count * sizeof(rungs[0]));
+    qsort(rungs, (size_t)count, sizeof(rungs[0]), by_time);
     const double square = rmse * rmse;
     int first = count; /* from here on all rungs are good enough */
     while (first > 0 && rungs[first - 1].error2 <= square)
@@ -95,10 +123,10 @@ struct neph_rmse_time neph_rmse_time_to(const struct neph_rmse_rung *rungs, int 
     if (first > 0)
         return (struct neph_rmse_time){rmse, line_time(&rungs[first - 1], &rungs[first], square),
                                        NEPH_RMSE_WITHIN};
-    if (law.slope >= 0.0 || law.bias2 >= square)
+    if (!falls(&law) || law.bias2 >= square)
         return (struct neph_rmse_time){rmse, NAN, NEPH_RMSE_UNKNOWN};
-    return (struct neph_rmse_time){rmse, fmin(rungs[0].render_s, law_time(&rungs[0], &law, square)),
-                                   NEPH_RMSE_BEFORE};
+    return extrapolated(rmse, fmin(rungs[0].render_s, law_time(&rungs[0], &law, square)),
+                        NEPH_RMSE_BEFORE);
 }
 
 const char *neph_rmse_found_name(enum neph_rmse_found found)

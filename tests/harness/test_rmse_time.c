@@ -106,6 +106,38 @@ static void test_the_last_crossing_counts(void **state)
     expect(rungs, rmse, NEPH_RMSE_WITHIN, 6.0);
 }
 
+/* Times that are all the same have no slope, and an all but level one no end. */
+static void test_times_that_tell_nothing_are_not_extrapolated(void **state)
+{
+    (void)state;
+    struct neph_rmse_rung rungs[RUNGS];
+    make_ladder(0.05, 1.0, 0.0, rungs);
+    for (int k = 0; k < RUNGS; k++)
+        rungs[k].render_s = 1.0;
+    assert_true(isnan(neph_rmse_law_of(rungs, RUNGS).slope));
+    expect(rungs, 0.01, NEPH_RMSE_UNKNOWN, NAN);
+    expect(rungs, 0.10, NEPH_RMSE_UNKNOWN, NAN);
+    make_ladder(0.05, 1e-6, 0.0, rungs);
+    assert_true(neph_rmse_law_of(rungs, RUNGS).slope < 0.0);
+    expect(rungs, 0.01, NEPH_RMSE_UNKNOWN, NAN);
+    expect(rungs, 0.10, NEPH_RMSE_UNKNOWN, NAN);
+}
+
+/* A busy machine mixes the times of rungs. The law is one of times, and holds. */
+static void test_the_order_of_the_rungs_is_that_of_their_times(void **state)
+{
+    (void)state;
+    static const int order[RUNGS] = {2, 0, 3, 1};
+    struct neph_rmse_rung rungs[RUNGS], mixed[RUNGS];
+    make_ladder(0.05, 1.0, 0.0, rungs);
+    for (int k = 0; k < RUNGS; k++)
+        mixed[k] = rungs[order[k]];
+    expect(mixed, 0.05 * 2.0, NEPH_RMSE_BEFORE, 0.25);
+    expect(mixed, 0.05 / sqrt(3.0), NEPH_RMSE_WITHIN, 3.0);
+    expect(mixed, 0.05 / sqrt(6.0), NEPH_RMSE_WITHIN, 6.0);
+    expect(mixed, 0.05 / 4.0, NEPH_RMSE_BEYOND, 16.0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -115,6 +147,8 @@ int main(void)
         cmocka_unit_test(test_a_bias_that_is_not_known_decides_nothing),
         cmocka_unit_test(test_noise_that_does_not_fall_is_not_extrapolated),
         cmocka_unit_test(test_the_last_crossing_counts),
+        cmocka_unit_test(test_times_that_tell_nothing_are_not_extrapolated),
+        cmocka_unit_test(test_the_order_of_the_rungs_is_that_of_their_times),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
