@@ -222,24 +222,39 @@ static void check_coloured_fog(int e)
     neph_scene_destroy(scene);
 }
 
-static void on_both(void (*check)(int e))
+/* Which engines are here: `*state` in the tests below. */
+static int find_engines(void **state)
+{
+    bool *found = calloc(ENGINES, sizeof(*found));
+    for (int e = 0; found && e < ENGINES; e++)
+        found[e] = test_has_engine(engines[e]);
+    *state = found;
+    return found ? 0 : -1;
+}
+
+static int forget_engines(void **state)
+{
+    free(*state);
+    return 0;
+}
+
+static void on_both(const bool *found, void (*check)(int e))
 {
     for (int e = 0; e < ENGINES; e++)
-        if (test_has_engine(engines[e]))
+        if (found[e])
             check(e);
 }
 
 static void test_grids(void **state)
 {
-    (void)state;
-    on_both(check_grid);
+    on_both(*state, check_grid);
 }
 
 /* One engine is enough where the bake is to be judged, and POV-Ray starts faster. */
 static void test_what_is_baked(void **state)
 {
-    (void)state;
-    if (!test_has_engine(engines[POVRAY]))
+    const bool *found = *state;
+    if (!found[POVRAY])
         skip();
     check_cut_grid(POVRAY);
     check_blob(POVRAY);
@@ -247,14 +262,12 @@ static void test_what_is_baked(void **state)
 
 static void test_mixtures(void **state)
 {
-    (void)state;
-    on_both(check_mixture);
+    on_both(*state, check_mixture);
 }
 
 static void test_coloured_fog(void **state)
 {
-    (void)state;
-    on_both(check_coloured_fog);
+    on_both(*state, check_coloured_fog);
 }
 
 /* ---- what cannot be had ---------------------------------------------------------------------- */
@@ -343,6 +356,6 @@ int main(int argc, char **argv)
         cmocka_unit_test(test_coloured_fog),
     };
     if (neph_test_wants_engines(argc, argv))
-        return cmocka_run_group_tests(engine_tests, NULL, NULL);
+        return cmocka_run_group_tests(engine_tests, find_engines, forget_engines);
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
