@@ -227,6 +227,12 @@ static void scene_shell(struct test_scene *test)
     test->scene.solids[0].albedo = (struct neph_rgb){0.0, 0.0, 0.0};
 }
 
+static void scene_shell_and_blob(struct test_scene *test)
+{
+    scene_gaussian(test);
+    scene_shell(test);
+}
+
 static void scene_coloured_grid(struct test_scene *test)
 {
     scene_grid(test);
@@ -272,25 +278,25 @@ static const struct {
     const char *name;
     void (*build)(struct test_scene *);
 } clouds[] = {
-    {"grid", scene_grid},
-    {"Gaussian", scene_gaussian},
-    {"shell", scene_shell},
-    {"coloured grid", scene_coloured_grid},
-    {"two coloured", scene_two_coloured},
-    {"all media", scene_all},
-    {"Horizon", scene_horizon},
+    {"grid", scene_grid},     {"Gaussian", scene_gaussian},
+    {"shell", scene_shell},   {"two coloured", scene_two_coloured},
+    {"all media", scene_all}, {"Horizon", scene_horizon},
 };
-enum { FIRST_OF_CHANCE = 3 }; /* in the furnace: from here on weights are by chance */
+/* From these on weights are by chance in the furnace, and the oracle is slow. */
+enum { FIRST_OF_CHANCE = 3, FIRST_SLOW = 4 };
 
 static void test_clouds_in_single_scattering(void **state)
 {
-    for (size_t s = 0; s < 4; s++) {
+    static void (*const builders[])(struct test_scene *) = {scene_grid, scene_shell_and_blob,
+                                                            scene_coloured_grid};
+    static const char *const names[] = {"grid", "shell and Gaussian", "coloured grid"};
+    for (size_t s = 0; s < COUNT(builders); s++) {
         struct test_scene test;
         test_scene_init(&test);
-        clouds[s].build(&test);
+        builders[s](&test);
         const struct neph_tracer_params params = params_of(24, 14, 256);
         struct neph_image *frame = render(*state, &test, &params, NULL);
-        judge(clouds[s].name, compare(&test, frame, exact_single, NULL), 2.0 / 64.0);
+        judge(names[s], compare(&test, frame, exact_single, NULL), 2.0 / 64.0);
         neph_image_destroy(frame);
         teardown(&test);
     }
@@ -300,33 +306,28 @@ static void test_clouds_in_single_scattering(void **state)
  * near one, once in e^(optical depth) paths. */
 static void test_against_the_light(void **state)
 {
-    static const struct {
+    static const double faint = 1e-6; /* a medium of its kind, so that all share kernels */
+    const struct {
         const char *name;
-        double optical_depth;
-        bool is_ball, is_coloured, is_two;
+        double slab_depth, ball_depth;
+        bool is_coloured;
     } cases[] = {
-        {"slab of 12", 12.0, false, false, false},   {"slab of 16", 16.0, false, false, false},
-        {"slab of 20", 20.0, false, false, false},   {"ball of 16", 16.0, true, false, false},
-        {"coloured slab", 16.0, false, true, false}, {"slab and ball", 8.0, false, false, true},
+        {"slab of 12", 12.0, faint, false},   {"slab of 16", 16.0, faint, false},
+        {"slab of 20", 20.0, faint, false},   {"ball of 16", faint, 16.0, false},
+        {"coloured slab", 16.0, faint, true}, {"slab and ball", 8.0, 8.0, false},
     };
     for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
         struct test_scene test;
         test_scene_init(&test);
         test.scene.sun.direction = neph_vec3_normalize((struct neph_vec3){0.02, 0.05, -1.0});
         test.scene.background_w_per_m2_sr = (struct neph_rgb){0, 0, 0};
-        const double depth = cases[i].optical_depth;
-        struct neph_medium *medium = test_add_medium(&test, depth / 10.0, 0.0, 0.0);
-        medium->bounds = (struct neph_bounds){{-200, -200, -30}, {200, 200, -20}};
-        if (cases[i].is_ball || cases[i].is_two) {
-            medium = cases[i].is_ball ? medium : test_add_medium(&test, 0.0, 0.0, 0.0);
-            medium->kind = NEPH_MEDIUM_GAUSSIAN;
-            medium->bounds = everywhere;
-            medium->layer_count = 0;
-            medium->extinction_per_m = depth / (2.5066282746310002 * 4.0);
-            medium->gaussian = (struct neph_gaussian){{0.0, 1.6, -24.0}, 4.0};
-        }
+        struct neph_medium *slab = test_add_medium(&test, cases[i].slab_depth / 10.0, 0.0, 0.0);
+        slab->bounds = (struct neph_bounds){{-200, -200, -30}, {200, 200, -20}};
         if (cases[i].is_coloured)
-            medium->extinction_color = (struct neph_rgb){0.8, 1.0, 1.1};
+            slab->extinction_color = (struct neph_rgb){0.8, 1.0, 1.1};
+        struct neph_medium *ball = test_add_cloud(&test, NEPH_MEDIUM_GAUSSIAN,
+                                                  cases[i].ball_depth / (2.5066282746310002 * 4.0));
+        ball->gaussian = (struct neph_gaussian){{0.0, 1.6, -24.0}, 4.0};
         const struct neph_tracer_params params = params_of(16, 9, 1024);
         struct neph_image *frame = render(*state, &test, &params, NULL);
         judge(cases[i].name, compare(&test, frame, exact_single, NULL), 2.0 / 128.0);
@@ -348,46 +349,36 @@ static double lit_from_behind(const struct test_scene *test, struct neph_vec3 ra
     return scattered[channel] * per_sr * tau * exp(-tau);
 }
 
-/* Against the light in clouds without closed forms: the optical depth along the view is given by
- * the extinction, and all pixels have the same view to a centimetre. */
+/* Against the light in a cloud without closed form, and fog: the optical depth along the view is
+ * given by the extinction, and all pixels have the same view to a centimetre. */
 static void test_procedural_clouds_against_the_light(void **state)
 {
-    static const struct {
-        const char *name;
-        double optical_depth;
-        bool has_fog;
-        double skewness; /* of a path at most; of free flights it is hundreds */
-    } cases[] = {
-        {"Horizon of 12", 12.0, false, 6.0},
-        {"Horizon in fog, 16", 16.0, true, 9.0},
-    };
-    for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
-        struct test_scene test;
-        test_scene_init(&test);
-        scene_horizon(&test);
-        struct neph_medium *media = test.scene.media;
-        media[0].extinction_color = (struct neph_rgb){1, 1, 1};
-        media[1].albedo = media[0].albedo;
-        media[1].phase = media[0].phase;
-        test.scene.medium_count = cases[i].has_fog ? 2 : 1;
-        test.scene.solid_count = 0;
-        test.scene.background_w_per_m2_sr = (struct neph_rgb){0, 0, 0};
-        test.scene.vertical_fov_rad = 1e-5;
-        const struct neph_camera camera = neph_scene_camera(&test.scene, 0.0);
-        const struct neph_vec3 ahead = neph_camera_ray(&camera, 1, 1, 0, 0).direction;
-        test.scene.sun.direction = ahead;
-        double thin = 0.0;
-        for (int m = 0; m < test.scene.medium_count; m++)
-            thin += neph_medium_optical_depth(&media[m], test.key.position_m, ahead, 0.0, INFINITY);
-        media[0].extinction_per_m *= cases[i].optical_depth / thin;
-        media[1].layers[0].extinction_per_m *= cases[i].optical_depth / thin;
-        const struct neph_tracer_params params = params_of(12, 7, 256);
-        struct neph_image *frame = render(*state, &test, &params, NULL);
-        judge_skewed(cases[i].name, compare(&test, frame, lit_from_behind, &cases[i].optical_depth),
-                     cases[i].skewness, params.samples);
-        neph_image_destroy(frame);
-        teardown(&test);
-    }
+    const double optical_depth = 16.0,
+                 skewness = 9.0; /* of a path at most; free flights': hundreds */
+    struct test_scene test;
+    test_scene_init(&test);
+    scene_horizon(&test);
+    struct neph_medium *media = test.scene.media;
+    media[0].extinction_color = (struct neph_rgb){1, 1, 1};
+    media[1].albedo = media[0].albedo;
+    media[1].phase = media[0].phase;
+    test.scene.solid_count = 0;
+    test.scene.background_w_per_m2_sr = (struct neph_rgb){0, 0, 0};
+    test.scene.vertical_fov_rad = 1e-5;
+    const struct neph_camera camera = neph_scene_camera(&test.scene, 0.0);
+    const struct neph_vec3 ahead = neph_camera_ray(&camera, 1, 1, 0, 0).direction;
+    test.scene.sun.direction = ahead;
+    double thin = 0.0;
+    for (int m = 0; m < test.scene.medium_count; m++)
+        thin += neph_medium_optical_depth(&media[m], test.key.position_m, ahead, 0.0, INFINITY);
+    media[0].extinction_per_m *= optical_depth / thin;
+    media[1].layers[0].extinction_per_m *= optical_depth / thin;
+    const struct neph_tracer_params params = params_of(12, 7, 256);
+    struct neph_image *frame = render(*state, &test, &params, NULL);
+    judge_skewed("Horizon in fog, 16", compare(&test, frame, lit_from_behind, &optical_depth),
+                 skewness, params.samples);
+    neph_image_destroy(frame);
+    teardown(&test);
 }
 
 /* A sun in the plane of a box's face: whether a place on the face lies in the box is a matter of
@@ -464,6 +455,25 @@ static void test_without_scattering_the_rest_is_exact(void **state)
     teardown(&test);
 }
 
+/* Against the oracle, whose frame has chances of its own. */
+static void judge_by_oracle(struct neph_vulkan *vulkan, const char *name,
+                            const struct test_scene *test, int samples, int oracle_samples)
+{
+    struct neph_diag diag = {0};
+    const struct neph_tracer_params params = params_of(16, 9, samples);
+    const struct neph_oracle_params of_oracle = {.width_px = 16,
+                                                 .height_px = 9,
+                                                 .seed = 5,
+                                                 .samples = oracle_samples,
+                                                 .time_limit_s = INFINITY};
+    struct neph_image *frame = render(vulkan, test, &params, NULL), *truth = NULL;
+    neph_assert_ok(neph_oracle_render(&test->scene, &of_oracle, &truth, NULL, &diag), &diag);
+    judge_pair(name, frame, truth, 0.3);
+    neph_image_destroy(frame);
+    neph_image_destroy(truth);
+}
+
+/* The surroundings' light as well, as in the furnace, which shares the kernels. */
 static void test_clouds_are_those_of_the_oracle(void **state)
 {
     for (size_t s = 0; s < sizeof(clouds) / sizeof(clouds[0]); s++) {
@@ -471,20 +481,9 @@ static void test_clouds_are_those_of_the_oracle(void **state)
         test_scene_init(&test);
         clouds[s].build(&test);
         test.scene.scattering = NEPH_SCATTERING_MULTIPLE;
-        test.scene.environment_light = s % 2 == 1;
-        struct neph_diag diag = {0};
-        const bool is_slow = s >= 5;
-        const struct neph_tracer_params params = params_of(16, 9, is_slow ? 192 : 384);
-        const struct neph_oracle_params of_oracle = {.width_px = 16,
-                                                     .height_px = 9,
-                                                     .seed = 5,
-                                                     .samples = is_slow ? 256 : 448,
-                                                     .time_limit_s = INFINITY};
-        struct neph_image *frame = render(*state, &test, &params, NULL), *truth = NULL;
-        neph_assert_ok(neph_oracle_render(&test.scene, &of_oracle, &truth, NULL, &diag), &diag);
-        judge_pair(clouds[s].name, frame, truth, 0.3);
-        neph_image_destroy(frame);
-        neph_image_destroy(truth);
+        test.scene.environment_light = true;
+        const bool is_slow = s >= FIRST_SLOW;
+        judge_by_oracle(*state, clouds[s].name, &test, is_slow ? 192 : 384, is_slow ? 256 : 448);
         teardown(&test);
     }
 }
@@ -494,21 +493,12 @@ static void test_clouds_are_those_of_the_oracle(void **state)
 static void test_guessed_clouds_are_those_of_the_oracle(void **state)
 {
     struct test_scene test;
-    struct neph_diag diag = {0};
-    struct neph_image *frame, *truth;
     test_scene_init(&test);
     scene_horizon(&test);
     test.scene.media[0].extinction_per_m *= 3.0;
     test.scene.sun.direction = neph_vec3_normalize((struct neph_vec3){0.05, 0.5, -1.0});
     test.scene.environment_light = true;
-    const struct neph_tracer_params params = params_of(16, 9, 256);
-    const struct neph_oracle_params of_oracle = {
-        .width_px = 16, .height_px = 9, .seed = 6, .samples = 256, .time_limit_s = INFINITY};
-    frame = render(*state, &test, &params, NULL);
-    neph_assert_ok(neph_oracle_render(&test.scene, &of_oracle, &truth, NULL, &diag), &diag);
-    judge_pair("Horizon, single", frame, truth, 0.3);
-    neph_image_destroy(frame);
-    neph_image_destroy(truth);
+    judge_by_oracle(*state, "Horizon, single", &test, 256, 256);
     teardown(&test);
 }
 
@@ -533,19 +523,11 @@ static void scene_spikes(struct test_scene *test)
 static void test_spikes_are_those_of_the_oracle(void **state)
 {
     struct test_scene test;
-    struct neph_diag diag = {0};
-    struct neph_image *judged, *frame;
     test_scene_init(&test);
     scene_spikes(&test);
     test.scene.scattering = NEPH_SCATTERING_MULTIPLE;
-    const struct neph_tracer_params params = params_of(16, 9, 2048);
-    const struct neph_oracle_params oracle = {
-        .width_px = 16, .height_px = 9, .seed = 9, .samples = 2048, .time_limit_s = INFINITY};
-    frame = render(*state, &test, &params, NULL);
-    neph_assert_ok(neph_oracle_render(&test.scene, &oracle, &judged, NULL, &diag), &diag);
-    judge_pair("spikes", frame, judged, 0.3);
-    neph_image_destroy(judged);
-    neph_image_destroy(frame);
+    test.scene.environment_light = true;
+    judge_by_oracle(*state, "spikes", &test, 2048, 2048);
     teardown(&test);
 }
 
@@ -582,6 +564,7 @@ static void test_level_rays_stay_in_their_cells(void **state)
         test_scene_init(&test);
         scene_spikes(&test);
         test.scene.scattering = NEPH_SCATTERING_MULTIPLE;
+        test.scene.environment_light = true;
         test.scene.sun.direction = (struct neph_vec3){leanings[i], 1.0, 0.0};
         const struct neph_tracer_params params = params_of(16, 9, 64);
         struct neph_image *frame = render(*state, &test, &params, NULL);
@@ -601,6 +584,19 @@ static double one(const struct test_scene *test, struct neph_vec3 ray, int i, in
     return 1.0;
 }
 
+/* All is white in light that comes from everywhere. */
+static void heat(struct test_scene *test)
+{
+    for (int m = 0; m < test->scene.medium_count; m++)
+        test->scene.media[m].albedo = white;
+    for (int i = 0; i < test->scene.solid_count; i++)
+        test->scene.solids[i].albedo = white;
+    test->scene.sun.present = false;
+    test->scene.environment_light = true;
+    test->scene.background_w_per_m2_sr = white;
+    test->scene.scattering = NEPH_SCATTERING_MULTIPLE;
+}
+
 /* Every medium and every channel; where paths serve all channels at once their weights are by
  * chance, else each path brings home 1. */
 static void test_clouds_in_the_white_furnace(void **state)
@@ -609,14 +605,7 @@ static void test_clouds_in_the_white_furnace(void **state)
         struct test_scene test;
         test_scene_init(&test);
         clouds[s].build(&test);
-        for (int m = 0; m < test.scene.medium_count; m++)
-            test.scene.media[m].albedo = white;
-        for (int i = 0; i < test.scene.solid_count; i++)
-            test.scene.solids[i].albedo = white;
-        test.scene.sun.present = false;
-        test.scene.environment_light = true;
-        test.scene.background_w_per_m2_sr = white;
-        test.scene.scattering = NEPH_SCATTERING_MULTIPLE;
+        heat(&test);
         const struct neph_tracer_params params = params_of(16, 9, 128);
         struct neph_image *frame = render(*state, &test, &params, NULL);
         const struct verdict v = compare(&test, frame, one, NULL);
@@ -739,14 +728,9 @@ static void test_white_furnace(void **state)
         test_scene_init(&test);
         scene_cube(&test);
         test.scene.media[0].layers[0].extinction_per_m = optical_depth / 6.0;
-        test.scene.media[0].albedo = (struct neph_rgb){1.0, 1.0, 1.0};
         test.scene.media[0].phase.g = 0.85;
         test_add_sphere(&test, (struct neph_vec3){1.0, 2.0, -9.0}, 1.5);
-        test.scene.solids[0].albedo = (struct neph_rgb){1.0, 1.0, 1.0};
-        test.scene.sun.present = false;
-        test.scene.environment_light = true;
-        test.scene.background_w_per_m2_sr = (struct neph_rgb){1.0, 1.0, 1.0};
-        test.scene.scattering = NEPH_SCATTERING_MULTIPLE;
+        heat(&test);
         const struct neph_tracer_params params = params_of(48, 27, 64);
         struct neph_image *frame = render(*state, &test, &params, NULL);
         const struct verdict v = compare(&test, frame, one, NULL);
@@ -803,14 +787,10 @@ static void test_kirchhoff_furnace(void **state)
             scene_cube(&test);
         else
             test_add(&test, make_blob(0.5, (struct neph_vec3){0.0, 2.0, -12.0}, 2.0));
+        test_add_sphere(&test, (struct neph_vec3){1.0, 2.0, -9.0}, 1.5);
+        heat(&test);
         test.scene.media[0].albedo = (struct neph_rgb){0.5, 0.9, 0.0};
         test.scene.media[0].emission_w_per_m2_sr = white;
-        test_add_sphere(&test, (struct neph_vec3){1.0, 2.0, -9.0}, 1.5);
-        test.scene.solids[0].albedo = white;
-        test.scene.sun.present = false;
-        test.scene.environment_light = true;
-        test.scene.background_w_per_m2_sr = white;
-        test.scene.scattering = NEPH_SCATTERING_MULTIPLE;
         const struct neph_tracer_params params = params_of(48, 27, 64);
         struct neph_image *frame = render(*state, &test, &params, NULL);
         const struct verdict v = compare(&test, frame, one, NULL);
@@ -854,6 +834,7 @@ static void build_horizon(struct test_scene *test)
     test_scene_init(test);
     scene_horizon(test);
     test->scene.scattering = NEPH_SCATTERING_MULTIPLE;
+    test->scene.environment_light = true;
 }
 
 static void dispatches_change_no_bit(void **state, void (*build)(struct test_scene *))
