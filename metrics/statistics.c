@@ -54,3 +54,23 @@ double neph_percentile(double *values, size_t count, double share)
         above = fmin(above, values[i]);
     return below + (position - (double)rank) * (above - below);
 }
+
+struct neph_relative_error neph_relative_error_of(const float *const reference[],
+                                                  const float *const test[], int plane_count,
+                                                  size_t count)
+{
+    struct neph_sum differences = {0.0, 0.0}, squares = {0.0, 0.0}, whole = {0.0, 0.0};
+    for (int p = 0; p < plane_count; p++)
+        for (size_t i = 0; i < count; i++) {
+            const double d = (double)test[p][i] - (double)reference[p][i];
+            neph_sum_add(&differences, d);
+            neph_sum_add(&squares, d * d);
+            neph_sum_add(&whole, (double)reference[p][i]);
+        }
+    const double samples = (double)plane_count * (double)count;
+    const double mean = neph_sum_value(&whole) / samples;
+    if (!(mean > 0.0))
+        return (struct neph_relative_error){NAN, NAN};
+    return (struct neph_relative_error){neph_sum_value(&differences) / samples / mean,
+                                        sqrt(neph_sum_value(&squares) / samples) / mean};
+}

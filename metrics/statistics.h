@@ -32,4 +32,14 @@ static inline double neph_sum_value(const struct neph_sum *total)
  * Statistician 50, 1996; numpy's default. Reorders the values. */
 double neph_percentile(double *values, size_t count, double share);
 
+/* rel_bias and rel_rmse of the extractor `error`, of planes jointly. */
+struct neph_relative_error {
+    double bias, rmse;
+};
+
+/* `count` finite samples a plane. NaN: the mean of the reference is not above 0. */
+struct neph_relative_error neph_relative_error_of(const float *const reference[],
+                                                  const float *const test[], int plane_count,
+                                                  size_t count);
+
 #endif

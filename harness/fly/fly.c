@@ -475,8 +475,8 @@ static json_t *error_json(const struct neph_view *view)
 {
     return view->kind != NEPH_VIEW_ERROR || view->rays_per_px == 0
                ? json_null()
-               : json_pack("{s:o, s:o, s:i}", "rel_bias", neph_json_number(view->error.rel_bias),
-                           "rel_rmse", neph_json_number(view->error.rel_rmse), "rays_per_px",
+               : json_pack("{s:o, s:o, s:i}", "rel_bias", neph_json_number(view->error.bias),
+                           "rel_rmse", neph_json_number(view->error.rmse), "rays_per_px",
                            view->rays_per_px);
 }
 

@@ -22,26 +22,9 @@ static enum neph_status planes_of(const struct neph_image *image, const struct n
     return NEPH_OK;
 }
 
-static struct neph_heat_error error_of(float *const reference[3], float *const test[3],
-                                       size_t count)
-{
-    double sum = 0.0, squares = 0.0, whole = 0.0;
-    for (int c = 0; c < 3; c++)
-        for (size_t i = 0; i < count; i++) {
-            const double d = (double)test[c][i] - (double)reference[c][i];
-            sum += d;
-            squares += d * d;
-            whole += (double)reference[c][i];
-        }
-    if (!(whole > 0.0))
-        return (struct neph_heat_error){NAN, NAN};
-    const double samples = 3.0 * (double)count;
-    return (struct neph_heat_error){sum / whole, sqrt(squares / samples) / (whole / samples)};
-}
-
 enum neph_status neph_heat_error(const struct neph_image *reference, const struct neph_image *test,
                                  double exposure_ev, double white_share,
-                                 struct neph_heat_error *error, uint8_t *rgb,
+                                 struct neph_relative_error *error, uint8_t *rgb,
                                  struct neph_diag *diag)
 {
     float *r[3], *t[3];
@@ -54,7 +37,8 @@ enum neph_status neph_heat_error(const struct neph_image *reference, const struc
                                          (const float *const[]){t[0], t[1], t[2]}, 3, count,
                                          white_share * exp2(-exposure_ev), rgb, diag);
     if (!status)
-        *error = error_of(r, t, count);
+        *error = neph_relative_error_of((const float *const[]){r[0], r[1], r[2]},
+                                        (const float *const[]){t[0], t[1], t[2]}, 3, count);
     return status;
 }
 

@@ -8,20 +8,16 @@
 #define NEPH_HARNESS_FLY_HEAT_H
 
 #include "base/image.h"
+#include "metrics/statistics.h"
 
 #include <stdint.h>
 
-/* All colour channels jointly, as rel_bias and rel_rmse of `neph metrics error`; NaN before a
- * black reference. */
-struct neph_heat_error {
-    double rel_bias, rel_rmse;
-};
-
-/* The colours of neph_display_difference(), whose scale is `white_share` of what is white at this
- * exposure. `rgb` as there. NEPH_ERR_ENGINE: one of the two has no radiance, or another size. */
+/* `*error` is of all colour channels jointly. The colours of neph_display_difference(), whose
+ * scale is `white_share` of what is white at this exposure. `rgb` as there. NEPH_ERR_ENGINE: one
+ * of the two has no radiance, or another size. */
 enum neph_status neph_heat_error(const struct neph_image *reference, const struct neph_image *test,
                                  double exposure_ev, double white_share,
-                                 struct neph_heat_error *error, uint8_t *rgb,
+                                 struct neph_relative_error *error, uint8_t *rgb,
                                  struct neph_diag *diag);
 
 enum { NEPH_HEAT_FRAMES = 64, NEPH_HEAT_FRAMES_MIN = 16 };

@@ -43,8 +43,7 @@ static void put_error(const struct neph_view *view, char text[LINE_SIZE])
     snprintf(text, LINE_SIZE,
              "error against %s: bias %+.2f %%, rmse %.2f %%; blue darker, red brighter, ends %g of "
              "white",
-             march, 100.0 * view->error.rel_bias, 100.0 * view->error.rel_rmse,
-             NEPH_VIEW_ERROR_SCALE);
+             march, 100.0 * view->error.bias, 100.0 * view->error.rmse, NEPH_VIEW_ERROR_SCALE);
 }
 
 static void put_flicker(const struct neph_view *view, char text[LINE_SIZE])

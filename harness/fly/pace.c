@@ -2,9 +2,9 @@
 #include "harness/fly/pace.h"
 
 #include "harness/engines/frame_stats.h"
+#include "metrics/statistics.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 static const double weight_of_new = 1.0 / 8.0;
@@ -16,21 +16,14 @@ void neph_pace_add(struct neph_pace_times *times, double seconds)
         times->seconds[times->count++ % NEPH_PACE_FRAMES] = seconds;
 }
 
-static int by_size(const void *a_, const void *b_)
-{
-    const double a = *(const double *)a_, b = *(const double *)b_;
-    return (a > b) - (a < b);
-}
-
 double neph_pace_median_s(const struct neph_pace_times *times)
 {
     const int count = times->count < NEPH_PACE_FRAMES ? times->count : NEPH_PACE_FRAMES;
-    double sorted[NEPH_PACE_FRAMES];
+    double values[NEPH_PACE_FRAMES];
     if (count == 0)
         return NAN;
-    memcpy(sorted, times->seconds, (size_t)count * sizeof(sorted[0]));
-    qsort(sorted, (size_t)count, sizeof(sorted[0]), by_size);
-    return 0.5 * (sorted[(count - 1) / 2] + sorted[count / 2]);
+    memcpy(values, times->seconds, (size_t)count * sizeof(values[0]));
+    return neph_percentile(values, (size_t)count, 0.5);
 }
 
 /* "march" of "march_gpu_ms"; false: it is no pass. */

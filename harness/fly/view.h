@@ -30,7 +30,7 @@ struct neph_view {
 
     /* What the last drawing has of these. */
     int rays_per_px; /* of the march; 0: there was none */
-    struct neph_heat_error error;
+    struct neph_relative_error error;
     struct neph_heat_a4 a4; /* frame_count 0: too few frames yet */
     int frames_since_a4;
 };

@@ -176,13 +176,13 @@ static void test_an_error_is_that_of_all_channels(void **state)
 {
     (void)state;
     struct neph_image *reference = make_image(2, 1, 1.0f), *test = make_image(2, 1, 1.0f);
-    struct neph_heat_error error;
+    struct neph_relative_error error;
     uint8_t rgb[6];
     neph_image_channel(test, "G")[0] = 1.5f;
     neph_image_channel(test, "B")[1] = 0.75f;
     neph_assert_ok(neph_heat_error(reference, test, 0.0, 0.1, &error, rgb, NULL), NULL);
-    assert_true(error.rel_bias == 0.25 / 6.0);
-    assert_true(error.rel_rmse == sqrt((0.25 + 0.0625) / 6.0));
+    assert_true(error.bias == 0.25 / 6.0);
+    assert_true(error.rmse == sqrt((0.25 + 0.0625) / 6.0));
     /* The luminance is off by 0.36 and -0.018, on a scale of 0.1. */
     const struct neph_display_legend *legend = neph_display_difference_legend();
     assert_memory_equal(rgb, legend->above, 3);

@@ -6,6 +6,7 @@
 #include "tests/metrics/metrics_test.h"
 
 #include "metrics/extractors/extractors.h"
+#include "metrics/statistics.h"
 
 static const double tight = 1e-12;
 
@@ -34,6 +35,17 @@ static void assert_two_pixels(const struct measured *m)
     neph_assert_close(value_of(m, "p50"), 0.25, tight, 0);  /* of 0 .25 .25 .25 .5 1 */
     neph_assert_close(value_of(m, "p95"), 0.875, tight, 0); /* at 4.75 */
     neph_assert_close(value_of(m, "p99"), 0.975, tight, 0); /* at 4.95 */
+}
+
+static void test_the_plain_function_is_the_metric(void **state)
+{
+    (void)state;
+    const float *const reference[] = {two_pixels_reference}, *const test[] = {two_pixels_test};
+    const struct neph_relative_error error = neph_relative_error_of(reference, test, 1, 6);
+    neph_assert_close(error.bias, 1.25 / 7.75, tight, 0);
+    neph_assert_close(error.rmse, 0.37894645562808808345, tight, 0);
+    const float *const black[] = {(const float[6]){0.0f}};
+    assert_true(isnan(neph_relative_error_of(black, test, 1, 6).rmse));
 }
 
 static void test_two_pixels_by_hand(void **state)
@@ -426,6 +438,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_two_pixels_by_hand),
+        cmocka_unit_test(test_the_plain_function_is_the_metric),
         cmocka_unit_test(test_mask_and_scene_mean),
         cmocka_unit_test(test_sign_is_test_minus_reference),
         cmocka_unit_test(test_identical_images_are_exactly_zero),
