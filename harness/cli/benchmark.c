@@ -76,7 +76,7 @@ static const struct neph_cli_syntax syntax = {
         "where it lies off the ladder, that is said.\n\n"
         "Engines march* and realtime: pictures in flight one after the other, nothing read "
         "back, after a second of warm-up: median, 10 % and 90 % of the time of a picture and of "
-        "its passes on the device. Beside them the error (relative RMSE against the march of "
+        "its passes on the device. Beside them the error (rel_rmse against the march of "
         "the same lighting at its defaults), and what part the pass gets of what the device can "
         "do at most: bytes copied, or voxel grids sampled from a buffer, measured in the same "
         "run.\n\n"

@@ -77,12 +77,12 @@ enum { NEPH_FLIGHT_PASSES_MAX = 32, NEPH_FLIGHT_PICTURES_MAX = 3 };
 
 /* What a picture in flight has cost on the device. */
 struct neph_flight_cost {
-    double gpu_s; /* of all passes; NaN: the device has no clock */
-    double cpu_s; /* until it was on its way */
-    int pass_count;
+    double gpu_s;   /* of all passes; NaN: the device has no clock */
+    double cpu_s;   /* until it was on its way */
+    int pass_count; /* the same passes in every picture */
     struct {
         const char *name;
-        double gpu_s;
+        double gpu_s;         /* 0: it did not run */
         double traffic_bytes; /* NaN: not known */
     } passes[NEPH_FLIGHT_PASSES_MAX];
 };

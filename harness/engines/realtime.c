@@ -223,13 +223,12 @@ static enum neph_status home(void *opened, struct neph_flight_cost *cost, struct
     if (status)
         return status;
     *cost = (struct neph_flight_cost){.gpu_s = stats.gpu_s, .cpu_s = stats.wall_s};
-    for (int i = 0; neph_rt_passes[i].name; i++)
-        if (stats.pass_gpu_s[i] != 0.0) {
-            const int at = cost->pass_count++;
-            cost->passes[at].name = neph_rt_passes[i].name;
-            cost->passes[at].gpu_s = stats.pass_gpu_s[i];
-            cost->passes[at].traffic_bytes = of_targets(stats.pass_traffic_bytes[i]);
-        }
+    for (int i = 0; neph_rt_passes[i].name; i++) {
+        cost->passes[i].name = neph_rt_passes[i].name;
+        cost->passes[i].gpu_s = stats.pass_gpu_s[i];
+        cost->passes[i].traffic_bytes = of_targets(stats.pass_traffic_bytes[i]);
+        cost->pass_count = i + 1;
+    }
     return NEPH_OK;
 }
 

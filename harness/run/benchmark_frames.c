@@ -96,21 +96,16 @@ static enum neph_status fly(struct neph_job *job, long *picture, int least, int 
 
 /* --- what they took ----------------------------------------------------------------------- */
 
-static int by_size(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
-/* Sorts the values. */
+/* Reorders the values. NaN: there is no clock. */
 static struct neph_spread spread_of(double *values, int count)
 {
-    qsort(values, (size_t)count, sizeof(*values), by_size);
-    const int last = count - 1;
+    const size_t size = (size_t)count;
+    if (!isfinite(values[0]))
+        return (struct neph_spread){NAN, NAN, NAN};
     return (struct neph_spread){
-        .median = 0.5 * (values[last / 2] + values[(last + 1) / 2]),
-        .low = values[(int)(0.1 * last)],
-        .high = values[last - (int)(0.1 * last)],
+        .median = neph_percentile(values, size, 0.5),
+        .low = neph_percentile(values, size, 0.1),
+        .high = neph_percentile(values, size, 0.9),
     };
 }
 
@@ -122,23 +117,39 @@ static struct neph_spread spread_at(const struct flown *flown, size_t offset, do
     return spread_of(room, flown->count);
 }
 
+/* The first picture for which a pass ran; NULL: it never did. */
+static const struct neph_flight_cost *first_with(const struct flown *flown, int pass)
+{
+    for (int i = 0; i < flown->count; i++)
+        if (flown->costs[i].passes[pass].gpu_s != 0.0)
+            return &flown->costs[i];
+    return NULL;
+}
+
+static void conclude_pass(const struct flown *flown, int pass, double *room,
+                          struct neph_benchmark_frames_engine *engine)
+{
+    const struct neph_flight_cost *first = first_with(flown, pass);
+    if (first)
+        engine->passes[engine->pass_count++] = (struct neph_benchmark_pass){
+            .name = first->passes[pass].name,
+            .gpu_s = spread_at(flown, offsetof(struct neph_flight_cost, passes[pass].gpu_s), room),
+            .traffic_bytes = first->passes[pass].traffic_bytes,
+            .density_evaluations = NAN,
+        };
+}
+
 static void conclude(const struct flown *flown, double *room,
                      struct neph_benchmark_frames_engine *engine)
 {
-    const struct neph_flight_cost *first = &flown->costs[0];
     engine->frame_count = flown->count;
     engine->mean_s = flown->all_s / flown->count;
     engine->gpu_s = spread_at(flown, offsetof(struct neph_flight_cost, gpu_s), room);
     engine->cpu_s = spread_at(flown, offsetof(struct neph_flight_cost, cpu_s), room);
     engine->frame_s = spread_of(flown->frame_s, flown->count);
-    engine->pass_count = first->pass_count;
-    for (int p = 0; p < first->pass_count; p++)
-        engine->passes[p] = (struct neph_benchmark_pass){
-            .name = first->passes[p].name,
-            .gpu_s = spread_at(flown, offsetof(struct neph_flight_cost, passes[p].gpu_s), room),
-            .traffic_bytes = first->passes[p].traffic_bytes,
-            .density_evaluations = NAN,
-        };
+    engine->pass_count = 0;
+    for (int pass = 0; pass < flown->costs[0].pass_count; pass++)
+        conclude_pass(flown, pass, room, engine);
 }
 
 static enum neph_status time_frames(struct neph_benchmark_frames_engine *engine, long *picture,
@@ -185,18 +196,13 @@ static enum neph_status relative_rmse(const struct neph_image *image,
                                       const struct neph_image *reference, double *error,
                                       struct neph_diag *diag)
 {
-    struct neph_sum squares = {0.0, 0.0}, differences = {0.0, 0.0};
-    const size_t count = neph_image_pixel_count(image);
     float *of[3], *to[3];
     if (!neph_image_rgb(image, NULL, of) || !neph_image_rgb(reference, NULL, to))
         return neph_fail(diag, NEPH_ERR_INTERNAL, "a frame has no radiance");
-    for (int c = 0; c < 3; c++)
-        for (size_t p = 0; p < count; p++) {
-            const double difference = (double)of[c][p] - (double)to[c][p];
-            neph_sum_add(&differences, difference * difference);
-            neph_sum_add(&squares, (double)to[c][p] * (double)to[c][p]);
-        }
-    *error = sqrt(neph_sum_value(&differences) / neph_sum_value(&squares));
+    *error = neph_relative_error_of((const float *const[]){to[0], to[1], to[2]},
+                                    (const float *const[]){of[0], of[1], of[2]}, 3,
+                                    neph_image_pixel_count(image))
+                 .rmse;
     return NEPH_OK;
 }
 
@@ -218,13 +224,37 @@ static enum neph_status measure_error(struct neph_benchmark_frames_engine *engin
     return status;
 }
 
+static struct neph_benchmark_pass *pass_named(struct neph_benchmark_frames_engine *engine,
+                                              const char *name)
+{
+    for (int p = 0; p < engine->pass_count; p++)
+        if (strcmp(engine->passes[p].name, name) == 0)
+            return &engine->passes[p];
+    return NULL;
+}
+
+/* A picture has one count of all its evaluations: that of the march alone, unless the pass "scene"
+ * lights solids, or sun or wind make a sun cache be filled again. */
+static bool march_alone_evaluates(struct neph_benchmark_frames_engine *engine)
+{
+    const struct neph_shot *shot = &engine->job.shot;
+    const int cache = neph_option_find(engine->job.engine->options, "sun_cache");
+    const bool lights = pass_named(engine, "scene") && shot->scene->solid_count > 0 &&
+                        shot->scene->sun.present;
+    const bool fills = cache >= 0 && shot->settings.values[cache] != 0.0 &&
+                       neph_scene_moves(shot->scene);
+    return !lights && !fills;
+}
+
 static void take_counts(const struct neph_image *image, struct neph_benchmark_frames_engine *engine)
 {
     json_t *stats = neph_frame_stats(image);
     const json_t *count = json_object_get(stats, "density_evaluations");
-    for (int p = 0; p < engine->pass_count && count; p++)
-        if (strcmp(engine->passes[p].name, "march") == 0)
-            engine->passes[p].density_evaluations = json_number_value(count);
+    struct neph_benchmark_pass *march = pass_named(engine, "march");
+    if (march && count) {
+        march->is_march = true;
+        march->density_evaluations = march_alone_evaluates(engine) ? json_number_value(count) : NAN;
+    }
     json_decref(stats);
 }
 
@@ -343,7 +373,8 @@ double neph_benchmark_share(const struct neph_benchmark_frames *benchmark,
                             const struct neph_benchmark_pass *pass, const char **limit)
 {
     const double s = pass->gpu_s.median;
-    const bool samples = benchmark->samples_grids && pass->density_evaluations > 0.0;
+    const bool samples = benchmark->samples_grids && pass->is_march &&
+                         pass->density_evaluations != 0.0;
     *limit = samples ? "buffer samples" : "copies";
     return samples ? pass->density_evaluations / s / benchmark->ceilings.buffer_samples_per_s
                    : pass->traffic_bytes / s / benchmark->ceilings.copy_bytes_per_s;
@@ -351,15 +382,10 @@ double neph_benchmark_share(const struct neph_benchmark_frames *benchmark,
 
 /* --- JSON --------------------------------------------------------------------------------- */
 
-static json_t *number_json(double value)
-{
-    return isfinite(value) ? json_real(value) : json_null();
-}
-
 static json_t *spread_json(struct neph_spread s)
 {
-    return json_pack("{s:o, s:o, s:o}", "median", number_json(s.median), "low", number_json(s.low),
-                     "high", number_json(s.high));
+    return json_pack("{s:o, s:o, s:o}", "median", neph_json_number(s.median), "low",
+                     neph_json_number(s.low), "high", neph_json_number(s.high));
 }
 
 static json_t *passes_json(const struct neph_benchmark_frames *benchmark,
@@ -370,11 +396,12 @@ static json_t *passes_json(const struct neph_benchmark_frames *benchmark,
         const struct neph_benchmark_pass *pass = &engine->passes[p];
         const char *limit;
         const double share = neph_benchmark_share(benchmark, pass, &limit);
-        neph_json_add(&passes, json_pack("{s:s, s:o, s:o, s:o, s:s, s:o}", "pass", pass->name,
-                                         "gpu_s", spread_json(pass->gpu_s), "traffic_bytes",
-                                         number_json(pass->traffic_bytes), "density_evaluations",
-                                         number_json(pass->density_evaluations), "ceiling", limit,
-                                         "share", number_json(share)));
+        neph_json_add(&passes,
+                      json_pack("{s:s, s:o, s:o, s:o, s:s, s:o}", "pass", pass->name, "gpu_s",
+                                spread_json(pass->gpu_s), "traffic_bytes",
+                                neph_json_number(pass->traffic_bytes), "density_evaluations",
+                                neph_json_number(pass->density_evaluations), "ceiling", limit,
+                                "share", neph_json_number(share)));
     }
     return passes;
 }
@@ -391,7 +418,7 @@ static json_t *engine_json(const struct neph_benchmark_frames *benchmark,
                              engine->mean_s, "frame_s", spread_json(engine->frame_s), "gpu_s",
                              spread_json(engine->gpu_s), "cpu_s", spread_json(engine->cpu_s),
                              "passes", passes_json(benchmark, engine), "reference",
-                             engine->reference->name, "error", number_json(engine->error));
+                             engine->reference->name, "error", neph_json_number(engine->error));
     free(settings);
     return json;
 }
@@ -406,9 +433,10 @@ json_t *neph_benchmark_frames_json(const struct neph_benchmark_frames *benchmark
     return json_pack("{s:s, s:s, s:s, s:[i,i], s:i, s:o, s:{s:o, s:I, s:o, s:i}, s:o}", "format",
                      "neph-benchmark-frames-1", "scene", shot->scene->name, "scene_hash",
                      shot->scene->hash, "size_px", shot->width_px, shot->height_px, "threads",
-                     benchmark->thread_count, "cpu_clock_hz", number_json(benchmark->cpu_clock_hz),
-                     "ceilings", "copy_bytes_per_s", number_json(ceilings->copy_bytes_per_s),
-                     "copy_bytes", (json_int_t)ceilings->copy_bytes, "buffer_samples_per_s",
-                     number_json(ceilings->buffer_samples_per_s), "grid_side", ceilings->grid_side,
-                     "engines", engines);
+                     benchmark->thread_count, "cpu_clock_hz",
+                     neph_json_number(benchmark->cpu_clock_hz), "ceilings", "copy_bytes_per_s",
+                     neph_json_number(ceilings->copy_bytes_per_s), "copy_bytes",
+                     (json_int_t)ceilings->copy_bytes, "buffer_samples_per_s",
+                     neph_json_number(ceilings->buffer_samples_per_s), "grid_side",
+                     ceilings->grid_side, "engines", engines);
 }

@@ -23,7 +23,9 @@ struct neph_benchmark_pass {
     const char *name;
     struct neph_spread gpu_s;
     double traffic_bytes;       /* of targets; NaN: not known */
-    double density_evaluations; /* of the picture that was counted; NaN: it has none */
+    bool is_march;              /* it evaluates the media's density */
+    double density_evaluations; /* of the picture that was counted; NaN: it has none, or they are
+                                   not known apart from those of other passes */
 };
 
 struct neph_benchmark_frames_engine {
@@ -37,7 +39,7 @@ struct neph_benchmark_frames_engine {
     int pass_count;
     struct neph_benchmark_pass passes[NEPH_FLIGHT_PASSES_MAX];
     const struct neph_engine *reference; /* the march of the same lighting, at its defaults */
-    double error; /* of the radiance against the reference's: RMSE in parts of its RMS */
+    double error; /* of the radiance against the reference's: rel_rmse of `neph metrics error` */
 };
 
 struct neph_benchmark_frames {
