@@ -75,7 +75,7 @@ enum neph_status neph_sun_cache_create(struct neph_vulkan *vulkan, const struct 
         choose_size(&box, params->shortcuts.sun_cache_voxels, cache->size);
         status = plan(cache, scene, gpu, diag);
     }
-    const size_t channels = gpu->constants[1] ? 3 : 1;
+    const size_t channels = gpu->constants[1] & NEPH_GPU_COLOURED ? 3 : 1;
     const size_t values = has_lattice ? channels * node_count(cache) : 1;
     return status ? status
                   : neph_buffer_create(vulkan, NEPH_BUFFER_DEVICE, values * sizeof(float),

@@ -8,6 +8,7 @@
 #include "base/files.h"
 #include "renderer/realtime/options.h"
 #include "renderer/realtime/pipeline.h"
+#include "renderer/sun_cache.h"
 #include "scenes/media.h"
 
 #include <stdlib.h>
@@ -248,6 +249,36 @@ static void test_the_sun_cache_has_colours(void **state)
     test.scene.media[0].extinction_color = (struct neph_rgb){1.0, 0.5, 0.1};
     add_fog(&test);
     check_cache(*state, &test.scene);
+}
+
+static size_t cache_bytes(struct neph_vulkan *vulkan, const struct neph_scene *scene)
+{
+    const struct neph_march_params params = cached(9);
+    struct neph_gpu_scene gpu = {.frame = NULL};
+    struct neph_sun_cache cache = {.vulkan = NULL};
+    struct neph_diag diag = {0};
+    neph_assert_ok(
+        neph_gpu_scene_create(vulkan, scene, 0.0, WIDTH_PX, HEIGHT_PX, false, &gpu, &diag), &diag);
+    neph_assert_ok(neph_sun_cache_create(vulkan, scene, &gpu, &params, &cache, &diag), &diag);
+    const size_t bytes = cache.nodes.size_bytes;
+    neph_sun_cache_destroy(&cache);
+    neph_gpu_scene_destroy(vulkan, &gpu);
+    return bytes;
+}
+
+/* Three depths a node are for colours, and for nothing else that is known of a scene. */
+static void test_the_sun_cache_has_a_depth_a_channel(void **state)
+{
+    enum { NODES = 9 * 9 * 9 };
+    struct test_scene test;
+    test_scene_init(&test);
+    add_blob(&test);
+    assert_int_equal(cache_bytes(*state, &test.scene), NODES * sizeof(float));
+    test.scene.vertical_fov_rad = 0.0;
+    test.scene.orthographic_height_m = 10.0;
+    assert_int_equal(cache_bytes(*state, &test.scene), NODES * sizeof(float));
+    test.scene.media[0].extinction_color = (struct neph_rgb){1.0, 0.5, 0.1};
+    assert_int_equal(cache_bytes(*state, &test.scene), 3 * NODES * sizeof(float));
 }
 
 static struct neph_image *next(struct neph_march *march, const struct neph_scene *scene,
@@ -497,6 +528,7 @@ int main(void)
         cmocka_unit_test(test_fog_alone_keeps_the_bits),
         cmocka_unit_test(test_the_sun_cache_is_of_second_order),
         cmocka_unit_test(test_the_sun_cache_has_colours),
+        cmocka_unit_test(test_the_sun_cache_has_a_depth_a_channel),
         cmocka_unit_test(test_the_sun_cache_follows_sun_and_cloud),
         cmocka_unit_test(test_early_out_loses_what_it_says),
         cmocka_unit_test(test_growing_steps_tile_the_ray),
