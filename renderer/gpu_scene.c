@@ -77,9 +77,7 @@ static struct neph_gpu_frame frame_from(const struct neph_scene *scene,
                                         const struct neph_camera *camera, int width_px,
                                         int height_px)
 {
-    const double half_height = camera->orthographic_height_m > 0.0
-                                   ? 0.5 * camera->orthographic_height_m
-                                   : tan(0.5 * camera->vertical_fov_rad);
+    const double half_height = neph_camera_half_height(camera);
     struct neph_gpu_frame gpu = {
         .half_width = (float)(half_height * width_px / height_px),
         .half_height = (float)half_height,

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "renderer/skip_cells.h"
 
-#include "renderer/relative.h"
+#include "renderer/lattice.h"
 #include "scenes/horizon.h"
 #include "scenes/media.h"
 #include "scenes/motion.h"
@@ -19,28 +19,12 @@ static const double hair = 1e-2;
 /* The buffer of majorants: frame.glsl. */
 static const int binding = 3;
 
-static struct neph_vec3 extent_of(const struct neph_bounds *box)
-{
-    return neph_vec3_sub(box->max_m, box->min_m);
-}
-
-static enum neph_status check_box(const struct neph_bounds *box, struct neph_diag *diag)
-{
-    const struct neph_vec3 extent_m = extent_of(box);
-    const double volume_m3 = extent_m.x * extent_m.y * extent_m.z;
-    if (isfinite(volume_m3) && volume_m3 > 0.0)
-        return NEPH_OK;
-    return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
-                     "skip=majorant: a medium of the scene has no finite bounds to be cut into "
-                     "cells; give it bounds, or set skip=off");
-}
-
 /* About as many cubes as are wanted; a flat box has fewer. */
 static void choose_size(const struct neph_bounds *box, uint32_t size[3])
 {
-    const struct neph_vec3 extent_m = extent_of(box);
-    const double sides_m[3] = {extent_m.x, extent_m.y, extent_m.z};
-    const double side_m = cbrt(extent_m.x * extent_m.y * extent_m.z / cells_wanted);
+    double sides_m[3];
+    neph_lattice_sides_m(box, sides_m);
+    const double side_m = cbrt(sides_m[0] * sides_m[1] * sides_m[2] / cells_wanted);
     for (int axis = 0; axis < 3; axis++)
         size[axis] = (uint32_t)fmin(fmax(1.0, floor(sides_m[axis] / side_m)), 1024.0);
 }
@@ -125,7 +109,7 @@ enum neph_status neph_skip_cells_create(const struct neph_vulkan *vulkan,
     struct neph_bounds box;
     if (!params->shortcuts.skip || !neph_shapes_box(scene, &box))
         return NEPH_OK;
-    const enum neph_status status = check_box(&box, diag);
+    const enum neph_status status = neph_lattice_check(&box, "skip=majorant", "skip=off", diag);
     if (status)
         return status;
     choose_size(&box, skip->size);
@@ -167,9 +151,10 @@ static enum neph_status check_places(const struct neph_skip_cells *skip,
                                      const struct neph_scene *scene, const struct neph_bounds *box,
                                      struct neph_diag *diag)
 {
-    const struct neph_vec3 extent_m = extent_of(box);
-    const double cell_m = fmin(extent_m.x / skip->size[0],
-                               fmin(extent_m.y / skip->size[1], extent_m.z / skip->size[2]));
+    double sides_m[3];
+    neph_lattice_sides_m(box, sides_m);
+    const double cell_m = fmin(sides_m[0] / skip->size[0],
+                               fmin(sides_m[1] / skip->size[1], sides_m[2] / skip->size[2]));
     /* Sums of displacements in double differ by far less than this. */
     const double rounding_m = 1e-6 * cell_m;
     if (largest_shift_m(skip, scene, box->min_m, skip->box_min_m) <= rounding_m)
@@ -187,14 +172,8 @@ enum neph_status neph_skip_cells_place(const struct neph_skip_cells *skip,
     struct neph_bounds box;
     if (skip->size[0] == 0 || !neph_shapes_box(scene, &box))
         return NEPH_OK;
-    const struct neph_vec3 extent_m = extent_of(&box);
-    const double sides_m[3] = {extent_m.x, extent_m.y, extent_m.z};
-    neph_relative_position(gpu->skip_lattice.origin_m, box.min_m,
-                           neph_scene_camera(scene, frame).position_m);
-    for (int axis = 0; axis < 3; axis++) {
-        gpu->skip_lattice.size[axis] = skip->size[axis];
-        gpu->skip_lattice.per_m[axis] = (float)(skip->size[axis] / sides_m[axis]);
-    }
+    neph_lattice_place(&box, neph_scene_camera(scene, frame).position_m, skip->size, 0,
+                       &gpu->skip_lattice);
     return check_places(skip, scene, &box, diag);
 }
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "renderer/sun_cache.h"
 
-#include "renderer/relative.h"
+#include "renderer/lattice.h"
 #include "scenes/motion.h"
 
 #include <math.h>
@@ -13,31 +13,14 @@ static const uint32_t sun_cache_spirv[] = {
 
 /* --- where it lies -------------------------------------------------------------------------- */
 
-static struct neph_vec3 extent_of(const struct neph_bounds *box)
-{
-    return neph_vec3_sub(box->max_m, box->min_m);
-}
-
 /* Cubes, as near as whole numbers of them come to the box. */
 static void choose_size(const struct neph_bounds *box, int voxels, uint32_t size[3])
 {
-    const struct neph_vec3 extent_m = extent_of(box);
-    const double sides_m[3] = {extent_m.x, extent_m.y, extent_m.z};
-    const double longest_m = fmax(extent_m.x, fmax(extent_m.y, extent_m.z));
+    double sides_m[3];
+    neph_lattice_sides_m(box, sides_m);
+    const double longest_m = fmax(sides_m[0], fmax(sides_m[1], sides_m[2]));
     for (int axis = 0; axis < 3; axis++)
         size[axis] = 1 + (uint32_t)fmax(1.0, ceil((voxels - 1) * sides_m[axis] / longest_m - 1e-9));
-}
-
-static enum neph_status check_box(const struct neph_bounds *box, struct neph_diag *diag)
-{
-    const struct neph_vec3 extent_m = extent_of(box);
-    const double largest_m = fmax(extent_m.x, fmax(extent_m.y, extent_m.z));
-    const double least_m = fmin(extent_m.x, fmin(extent_m.y, extent_m.z));
-    if (isfinite(largest_m) && least_m > 0.0)
-        return NEPH_OK;
-    return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
-                     "sun_cache=grid: a medium of the scene has no finite bounds for a lattice; "
-                     "give it bounds, or set sun_cache=off");
 }
 
 /* --- making --------------------------------------------------------------------------------- */
@@ -70,7 +53,8 @@ enum neph_status neph_sun_cache_create(struct neph_vulkan *vulkan, const struct 
     cache->vulkan = vulkan;
     cache->params = *params;
     const bool has_lattice = params->shortcuts.sun_cache && neph_shapes_box(scene, &box);
-    enum neph_status status = has_lattice ? check_box(&box, diag) : NEPH_OK;
+    enum neph_status status =
+        has_lattice ? neph_lattice_check(&box, "sun_cache=grid", "sun_cache=off", diag) : NEPH_OK;
     if (!status && has_lattice) {
         choose_size(&box, params->shortcuts.sun_cache_voxels, cache->size);
         status = plan(cache, scene, gpu, diag);
@@ -98,14 +82,7 @@ static void place(const struct neph_sun_cache *cache, const struct neph_scene *s
 {
     struct neph_bounds box = {0};
     neph_shapes_box(scene, &box);
-    const struct neph_vec3 extent_m = extent_of(&box);
-    const double sides_m[3] = {extent_m.x, extent_m.y, extent_m.z};
-    neph_relative_position(lattice->origin_m, box.min_m,
-                           neph_scene_camera(scene, frame).position_m);
-    for (int axis = 0; axis < 3; axis++) {
-        lattice->size[axis] = cache->size[axis];
-        lattice->per_m[axis] = (float)((cache->size[axis] - 1) / sides_m[axis]);
-    }
+    neph_lattice_place(&box, neph_scene_camera(scene, frame).position_m, cache->size, 1, lattice);
 }
 
 /* A fill in work. */
@@ -182,6 +159,13 @@ static bool is_used(const struct neph_sun_cache *cache, const struct neph_gpu_sc
     return cache->size[0] > 0 && gpu->frame->scatters;
 }
 
+static bool holds(const struct neph_sun_cache *cache, const struct neph_sun *sun,
+                  const struct neph_gpu_medium media[NEPH_GPU_MEDIA_MAX])
+{
+    return cache->is_filled && same_sun(sun, &cache->sun) &&
+           memcmp(media, cache->media, sizeof(cache->media)) == 0;
+}
+
 bool neph_sun_cache_is_stale(const struct neph_sun_cache *cache, const struct neph_scene *scene,
                              const struct neph_gpu_scene *gpu)
 {
@@ -189,8 +173,7 @@ bool neph_sun_cache_is_stale(const struct neph_sun_cache *cache, const struct ne
     if (!is_used(cache, gpu))
         return false;
     neph_gpu_scene_media(scene, media);
-    return !cache->is_filled || !same_sun(&scene->sun, &cache->sun) ||
-           memcmp(media, cache->media, sizeof(media)) != 0;
+    return !holds(cache, &scene->sun, media);
 }
 
 enum neph_status neph_sun_cache_fill(struct neph_sun_cache *cache, const struct neph_scene *scene,
@@ -198,15 +181,17 @@ enum neph_status neph_sun_cache_fill(struct neph_sun_cache *cache, const struct 
                                      const struct neph_skip_cells *skip,
                                      struct neph_sun_cache_cost *cost, struct neph_diag *diag)
 {
+    struct neph_gpu_medium media[NEPH_GPU_MEDIA_MAX];
     *cost = (struct neph_sun_cache_cost){0};
     if (!is_used(cache, gpu))
         return NEPH_OK;
     place(cache, scene, frame, &gpu->frame->sun_lattice);
-    if (!neph_sun_cache_is_stale(cache, scene, gpu))
+    neph_gpu_scene_media(scene, media);
+    if (holds(cache, &scene->sun, media))
         return NEPH_OK;
     const enum neph_status status = fill(cache, gpu, skip, cost, diag);
     cache->is_filled = !status;
     cache->sun = scene->sun;
-    neph_gpu_scene_media(scene, cache->media);
+    memcpy(cache->media, media, sizeof(media));
     return status;
 }

@@ -110,14 +110,18 @@ struct neph_camera neph_scene_camera(const struct neph_scene *scene, double fram
     return camera;
 }
 
-/* The image plane of a perspective camera is at distance 1: half its height is tan(fov/2). Pixels
- * are square. Blender and POV-Ray were measured to use the same rays. */
+double neph_camera_half_height(const struct neph_camera *camera)
+{
+    return camera->orthographic_height_m > 0.0 ? 0.5 * camera->orthographic_height_m
+                                               : tan(0.5 * camera->vertical_fov_rad);
+}
+
+/* Pixels are square. Blender and POV-Ray were measured to use the same rays. */
 struct neph_pixel_ray neph_camera_ray(const struct neph_camera *camera, int width_px, int height_px,
                                       double i, double j)
 {
     const bool is_parallel = camera->orthographic_height_m > 0.0;
-    const double half_height = is_parallel ? 0.5 * camera->orthographic_height_m
-                                           : tan(0.5 * camera->vertical_fov_rad);
+    const double half_height = neph_camera_half_height(camera);
     const double half_width = half_height * width_px / height_px;
     const double x = (2.0 * (i + 0.5) / width_px - 1.0) * half_width;
     const double y = (1.0 - 2.0 * (j + 0.5) / height_px) * half_height;

@@ -276,6 +276,10 @@ void neph_scene_destroy(struct neph_scene *scene);
 /* The camera of a picture (0-based; may be fractional). */
 struct neph_camera neph_scene_camera(const struct neph_scene *scene, double frame);
 
+/* Half the height of the picture: of a perspective camera in its image plane at distance 1, of an
+ * orthographic one [m]. */
+double neph_camera_half_height(const struct neph_camera *camera);
+
 /* The ray through the centre of pixel (i, j), row 0 on top. It begins at the camera's position;
  * rays of an orthographic camera are parallel to `forward` and begin on the plane through it. */
 struct neph_pixel_ray neph_camera_ray(const struct neph_camera *camera, int width_px, int height_px,

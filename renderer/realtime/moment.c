@@ -4,7 +4,6 @@
 #include "renderer/realtime/jitter.h"
 #include "scenes/motion.h"
 
-#include <math.h>
 #include <string.h>
 
 static void set_vector(float out[3], struct neph_vec3 vector)
@@ -17,13 +16,11 @@ static void set_vector(float out[3], struct neph_vec3 vector)
 static struct neph_gpu_view_camera camera_from(const struct neph_camera *camera,
                                                struct neph_vec3 origin_m, const uint32_t size_px[2])
 {
-    const bool is_parallel = camera->orthographic_height_m > 0.0;
-    const double half_height = is_parallel ? 0.5 * camera->orthographic_height_m
-                                           : tan(0.5 * camera->vertical_fov_rad);
+    const double half_height = neph_camera_half_height(camera);
     struct neph_gpu_view_camera made = {
         .half_width = (float)(half_height * size_px[0] / size_px[1]),
         .half_height = (float)half_height,
-        .is_parallel = is_parallel,
+        .is_parallel = camera->orthographic_height_m > 0.0,
     };
     set_vector(made.right, camera->right);
     set_vector(made.up, camera->up);
