@@ -12,9 +12,9 @@
 #include "harness/fly/canvas.h"
 #include "harness/fly/controls.h"
 #include "harness/fly/overlay.h"
-#include "harness/fly/pace.h"
 #include "harness/fly/path.h"
 #include "harness/fly/script.h"
+#include "harness/fly/times.h"
 #include "harness/fly/view.h"
 #include "harness/fly/window.h"
 
@@ -39,8 +39,8 @@ struct fly {
     struct neph_view view;
     struct neph_canvas canvas;
     struct neph_image *image; /* the last picture; owned */
-    struct neph_pace_times frame_times, render_times;
-    struct neph_pace_passes passes;
+    struct neph_fly_times frame_times, render_times;
+    struct neph_fly_passes passes;
     double frame_start_s, frame_s, render_s;
     int frame_count;
     int scene_frame;         /* of sun and wind */
@@ -340,7 +340,7 @@ static double tick(struct fly *fly)
     const double now_s = neph_wall_s();
     if (fly->frame_count > 0) {
         fly->frame_s = now_s - fly->frame_start_s;
-        neph_pace_add(&fly->frame_times, fly->frame_s);
+        neph_fly_times_add(&fly->frame_times, fly->frame_s);
     }
     fly->frame_start_s = now_s;
     return fly->params->keys ? 1.0 / scene_of(fly)->frame_rate_hz : fmin(step_max_s, fly->frame_s);
@@ -380,8 +380,8 @@ static enum neph_status render(struct fly *fly, struct neph_diag *diag)
     neph_image_destroy(fly->image);
     fly->image = image;
     fly->render_s = cost.render_s;
-    neph_pace_add(&fly->render_times, cost.render_s);
-    neph_pace_take(&fly->passes, image);
+    neph_fly_times_add(&fly->render_times, cost.render_s);
+    neph_fly_passes_take(&fly->passes, image);
     const bool rests = fly->frame_count > 0 && neph_fly_is_same_view(&fly->shown, &fly->camera.key);
     fly->shown = fly->camera.key;
     fly->view.split_share = fly->controls.split_share;
@@ -497,8 +497,8 @@ static json_t *result_of(const struct fly *fly)
         scene_of(fly)->name, "engine", neph_studio_name(fly->studio), "settings",
         settings ? settings : "", "device", job->info->device, "size_px", fly->view.width_px,
         fly->view.height_px, "frames", fly->frame_count, "frame_median_s",
-        neph_json_number(neph_pace_median_s(&fly->frame_times)), "render_median_s",
-        neph_json_number(neph_pace_median_s(&fly->render_times)), "camera", "position_m",
+        neph_json_number(neph_fly_times_median_s(&fly->frame_times)), "render_median_s",
+        neph_json_number(neph_fly_times_median_s(&fly->render_times)), "camera", "position_m",
         vector_json(fly->camera.key.position_m), "look_at_m",
         vector_json(fly->camera.key.look_at_m), "error", error_json(&fly->view), "flicker",
         flicker_json(&fly->view), "files", fly->files);

@@ -70,7 +70,7 @@ static void put_view(const struct neph_view *view, struct neph_canvas *canvas)
         neph_canvas_text(canvas, 2, loud, text);
 }
 
-static int put_passes(const struct neph_pace_passes *passes, struct neph_canvas *canvas, int line)
+static int put_passes(const struct neph_fly_passes *passes, struct neph_canvas *canvas, int line)
 {
     char text[LINE_SIZE];
     for (int i = 0; i < passes->count; i++) {

@@ -6,7 +6,7 @@
 #define NEPH_HARNESS_FLY_OVERLAY_H
 
 #include "harness/fly/canvas.h"
-#include "harness/fly/pace.h"
+#include "harness/fly/times.h"
 #include "harness/fly/view.h"
 
 #include <stdbool.h>
@@ -15,7 +15,7 @@ struct neph_overlay {
     const char *scene, *engine;
     const struct neph_view *view;
     double speed_m_per_s, frame_s, render_s;
-    const struct neph_pace_passes *passes; /* NULL: not wanted */
+    const struct neph_fly_passes *passes; /* NULL: not wanted */
     bool is_paused, shows_help;
     int recorded_frames; /* below 0: nothing is recorded */
     const char *notice;  /* NULL: none */

@@ -10,7 +10,7 @@
 #include "harness/fly/encode.h"
 #include "harness/fly/font.h"
 #include "harness/fly/heat.h"
-#include "harness/fly/pace.h"
+#include "harness/fly/times.h"
 #include "metrics/display.h"
 
 /* ---- display codes --------------------------------------------------------------------------- */
@@ -268,30 +268,30 @@ static void test_large_pictures_are_looked_at_in_steps(void **state)
 static void test_a_median_is_of_what_was_measured(void **state)
 {
     (void)state;
-    static struct neph_pace_times times;
-    assert_true(isnan(neph_pace_median_s(&times)));
-    neph_pace_add(&times, 3.0);
-    neph_pace_add(&times, NAN);
-    neph_pace_add(&times, 1.0);
-    assert_true(neph_pace_median_s(&times) == 2.0);
-    neph_pace_add(&times, 0.5);
-    assert_true(neph_pace_median_s(&times) == 1.0);
-    for (int i = 0; i < NEPH_PACE_FRAMES; i++) /* all others are forgotten */
-        neph_pace_add(&times, 7.0);
-    assert_true(neph_pace_median_s(&times) == 7.0);
+    static struct neph_fly_times times;
+    assert_true(isnan(neph_fly_times_median_s(&times)));
+    neph_fly_times_add(&times, 3.0);
+    neph_fly_times_add(&times, NAN);
+    neph_fly_times_add(&times, 1.0);
+    assert_true(neph_fly_times_median_s(&times) == 2.0);
+    neph_fly_times_add(&times, 0.5);
+    assert_true(neph_fly_times_median_s(&times) == 1.0);
+    for (int i = 0; i < NEPH_FLY_TIMES_MAX; i++) /* all others are forgotten */
+        neph_fly_times_add(&times, 7.0);
+    assert_true(neph_fly_times_median_s(&times) == 7.0);
 }
 
 static void test_passes_are_those_of_the_frame(void **state)
 {
     (void)state;
-    struct neph_pace_passes passes = {.count = 0};
+    struct neph_fly_passes passes = {.count = 0};
     struct neph_image *image = make_image(1, 1, 0.0f);
     neph_assert_ok(neph_frame_stats_set(image, "rays", 7.0, NULL), NULL);
     neph_assert_ok(neph_frame_stats_set(image, "gpu_ms", 9.0, NULL), NULL);
     neph_assert_ok(neph_frame_stats_set(image, "depth_map_gpu_ms", 4.0, NULL), NULL);
-    neph_pace_take(&passes, image);
+    neph_fly_passes_take(&passes, image);
     neph_assert_ok(neph_frame_stats_set(image, "depth_map_gpu_ms", 12.0, NULL), NULL);
-    neph_pace_take(&passes, image);
+    neph_fly_passes_take(&passes, image);
     assert_int_equal(passes.count, 1);
     assert_string_equal(passes.passes[0].name, "depth map");
     neph_assert_close(passes.passes[0].mean_s, 0.005, 1e-15, 0.0); /* 4 + (12 - 4) / 8 ms */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "harness/fly/pace.h"
+#include "harness/fly/times.h"
 
 #include "harness/engines/frame_stats.h"
 #include "metrics/statistics.h"
@@ -10,16 +10,16 @@
 static const double weight_of_new = 1.0 / 8.0;
 static const char pass_end[] = "_gpu_ms";
 
-void neph_pace_add(struct neph_pace_times *times, double seconds)
+void neph_fly_times_add(struct neph_fly_times *times, double seconds)
 {
     if (isfinite(seconds))
-        times->seconds[times->count++ % NEPH_PACE_FRAMES] = seconds;
+        times->seconds[times->count++ % NEPH_FLY_TIMES_MAX] = seconds;
 }
 
-double neph_pace_median_s(const struct neph_pace_times *times)
+double neph_fly_times_median_s(const struct neph_fly_times *times)
 {
-    const int count = times->count < NEPH_PACE_FRAMES ? times->count : NEPH_PACE_FRAMES;
-    double values[NEPH_PACE_FRAMES];
+    const int count = times->count < NEPH_FLY_TIMES_MAX ? times->count : NEPH_FLY_TIMES_MAX;
+    double values[NEPH_FLY_TIMES_MAX];
     if (count == 0)
         return NAN;
     memcpy(values, times->seconds, (size_t)count * sizeof(values[0]));
@@ -39,12 +39,12 @@ static bool pass_of(const char *number, char name[NEPH_IMAGE_NAME_MAX])
     return true;
 }
 
-static void mix(struct neph_pace_passes *passes, const char *name, double seconds)
+static void mix(struct neph_fly_passes *passes, const char *name, double seconds)
 {
     int i = 0;
     while (i < passes->count && strcmp(passes->passes[i].name, name) != 0)
         i++;
-    if (i == NEPH_PACE_PASSES_MAX)
+    if (i == NEPH_FLY_PASSES_MAX)
         return;
     double *mean_s = &passes->passes[i].mean_s;
     if (i < passes->count) {
@@ -56,7 +56,7 @@ static void mix(struct neph_pace_passes *passes, const char *name, double second
     passes->count++;
 }
 
-void neph_pace_take(struct neph_pace_passes *passes, const struct neph_image *frame)
+void neph_fly_passes_take(struct neph_fly_passes *passes, const struct neph_image *frame)
 {
     json_t *stats = neph_frame_stats(frame), *value;
     const char *key;
