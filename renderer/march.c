@@ -2,8 +2,8 @@
 #include "renderer/march.h"
 
 #include "base/clock.h"
-#include "renderer/flight.h"
 #include "renderer/gpu_scene.h"
+#include "renderer/in_flight.h"
 #include "renderer/march_cut.h"
 #include "renderer/reach.h"
 #include "renderer/shortcuts.h"
@@ -113,9 +113,9 @@ struct neph_march {
     struct neph_skip_cells skip_cells;
     struct neph_sun_cache sun_cache;
     struct neph_buffer pixels, states, readback;
-    struct neph_flight flight;
+    struct neph_in_flight flight;
     /* What dispatches of the frames in flight take, and the fills before them. */
-    double flights_gpu_s[NEPH_FLIGHT_FRAMES], fills_gpu_s[NEPH_FLIGHT_FRAMES];
+    double flights_gpu_s[NEPH_IN_FLIGHT_FRAMES], fills_gpu_s[NEPH_IN_FLIGHT_FRAMES];
 };
 
 static enum neph_status create_turns(struct neph_march *march, struct neph_diag *diag)
@@ -360,7 +360,7 @@ static enum neph_status send_frame(struct neph_march *march, struct work *work,
     if (!status)
         status = neph_vulkan_check(march->vulkan, diag);
     if (!status)
-        neph_flight_end(march->vulkan, &march->flight);
+        neph_in_flight_end(march->vulkan, &march->flight);
     return status;
 }
 
@@ -374,7 +374,7 @@ static enum neph_status read_frame(struct neph_march *march, struct work *work,
     if (!status)
         status = send_frame(march, work, diag);
     if (!status)
-        status = neph_flight_land(march->vulkan, &march->flight, diag);
+        status = neph_in_flight_land(march->vulkan, &march->flight, diag);
     if (status) {
         neph_image_destroy(made);
         return status;
@@ -396,7 +396,7 @@ enum neph_status neph_march_frame(struct neph_march *march, const struct neph_sc
     const double start_s = neph_wall_s();
     struct work work = {.march = march};
     int slot;
-    enum neph_status status = neph_flight_begin(march->vulkan, &march->flight, &slot, diag);
+    enum neph_status status = neph_in_flight_begin(march->vulkan, &march->flight, &slot, diag);
     if (status)
         return status;
     work.gpu_s = &march->flights_gpu_s[slot];
@@ -418,7 +418,7 @@ enum neph_status neph_march_frame(struct neph_march *march, const struct neph_sc
 enum neph_status neph_march_home(struct neph_march *march, double *gpu_s, struct neph_diag *diag)
 {
     int slot;
-    const enum neph_status status = neph_flight_home(march->vulkan, &march->flight, &slot, diag);
+    const enum neph_status status = neph_in_flight_home(march->vulkan, &march->flight, &slot, diag);
     if (status)
         return status;
     neph_march_cut_learn(&march->cut, march->flights_gpu_s[slot]);

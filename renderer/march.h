@@ -74,7 +74,7 @@ void neph_march_destroy(struct neph_march *march);
  * CPU cores). NEPH_ERR_INTERNAL: the validation layer had something to say.
  *
  * `image` NULL: the frame is on its way when this returns, nothing comes back of it and `stats` is
- * left alone; up to NEPH_FLIGHT_FRAMES of them are in flight. */
+ * left alone; up to NEPH_IN_FLIGHT_FRAMES of them are in flight. */
 enum neph_status neph_march_frame(struct neph_march *march, const struct neph_scene *scene,
                                   double frame, const float jitter_px[2], struct neph_image **image,
                                   struct neph_march_stats *stats, struct neph_diag *diag);

@@ -19,7 +19,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-_Static_assert((int)NEPH_FLIGHT_PICTURES_MAX <= (int)NEPH_FLIGHT_FRAMES, "pictures in flight");
+_Static_assert((int)NEPH_FLIGHT_PICTURES_MAX <= (int)NEPH_IN_FLIGHT_FRAMES, "pictures in flight");
 
 struct sequence {
     struct neph_vulkan *vulkan;

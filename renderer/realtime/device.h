@@ -6,8 +6,8 @@
 #ifndef NEPH_RENDERER_REALTIME_DEVICE_H
 #define NEPH_RENDERER_REALTIME_DEVICE_H
 
-#include "renderer/flight.h"
 #include "renderer/gpu_scene.h"
+#include "renderer/in_flight.h"
 #include "renderer/realtime/submission.h"
 
 /* Ranks of the spatial mask of 64x64 and then of the spatiotemporal one of 64x64x32; the order of

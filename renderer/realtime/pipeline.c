@@ -35,9 +35,9 @@ struct neph_realtime {
     uint32_t frame_count; /* that it has rendered */
     bool has_past;
     struct neph_rt_moment past;
-    struct neph_flight flight;
-    struct neph_realtime_stats flights[NEPH_FLIGHT_FRAMES]; /* of the frames in flight */
-    struct neph_sun_cache_cost fills[NEPH_FLIGHT_FRAMES];   /* before them */
+    struct neph_in_flight flight;
+    struct neph_realtime_stats flights[NEPH_IN_FLIGHT_FRAMES]; /* of the frames in flight */
+    struct neph_sun_cache_cost fills[NEPH_IN_FLIGHT_FRAMES];   /* before them */
     neph_realtime_observer *observer;
     void *observer_context;
 };
@@ -529,7 +529,7 @@ static void finish_frame(struct neph_realtime *realtime, const struct neph_rt_mo
     realtime->frame_count++;
     made->stats->target_bytes = targets_bytes(view, made->touched);
     made->stats->history_bytes = targets_bytes(view, made->touched & made->past);
-    neph_flight_end(realtime->vulkan, &realtime->flight);
+    neph_in_flight_end(realtime->vulkan, &realtime->flight);
 }
 
 /* A frame is home: what its passes took, together, and for the cut of the next. */
@@ -564,7 +564,8 @@ enum neph_status neph_realtime_render(struct neph_realtime *realtime,
     struct progress made = {.given = 0};
     struct neph_scene *still = NULL;
     int slot;
-    enum neph_status status = neph_flight_begin(realtime->vulkan, &realtime->flight, &slot, diag);
+    enum neph_status status = neph_in_flight_begin(realtime->vulkan, &realtime->flight, &slot,
+                                                   diag);
     if (!status)
         status = neph_scene_at(frame->scene, frame->frame, &still, diag);
     if (status)
@@ -587,7 +588,7 @@ enum neph_status neph_realtime_render(struct neph_realtime *realtime,
     made.stats->wall_s = neph_wall_s() - start_s;
     if (!image)
         return NEPH_OK;
-    status = neph_flight_land(realtime->vulkan, &realtime->flight, diag);
+    status = neph_in_flight_land(realtime->vulkan, &realtime->flight, diag);
     take_times(realtime, made.stats);
     add_fill(made.stats, &made.fill);
     if (stats)
@@ -599,7 +600,7 @@ enum neph_status neph_realtime_home(struct neph_realtime *realtime,
                                     struct neph_realtime_stats *stats, struct neph_diag *diag)
 {
     int slot;
-    enum neph_status status = neph_flight_home(realtime->vulkan, &realtime->flight, &slot, diag);
+    enum neph_status status = neph_in_flight_home(realtime->vulkan, &realtime->flight, &slot, diag);
     if (status)
         return status;
     struct neph_realtime_stats *home = &realtime->flights[slot];

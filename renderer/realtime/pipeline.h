@@ -69,7 +69,7 @@ void neph_realtime_destroy(struct neph_realtime *realtime);
  *
  * `image` NULL: the picture is on its way when this returns, nothing comes back of it, nothing is
  * counted, `stats` is left alone; its successors are what they would have been. Up to
- * NEPH_FLIGHT_FRAMES of them are in flight. NEPH_ERR_UNSUPPORTED then: split=none with a pass
+ * NEPH_IN_FLIGHT_FRAMES of them are in flight. NEPH_ERR_UNSUPPORTED then: split=none with a pass
  * behind the march. */
 enum neph_status neph_realtime_render(struct neph_realtime *realtime,
                                       const struct neph_realtime_frame *frame,

@@ -143,9 +143,9 @@ static void test_costs_come_home_in_order(void **state)
     struct neph_diag diag = {0};
     neph_image_destroy(render(realtime, scene, 0, &read));
     assert_int_equal(neph_realtime_home(realtime, &home, &diag), NEPH_ERR_USAGE);
-    for (int frame = 1; frame <= NEPH_FLIGHT_FRAMES; frame++)
+    for (int frame = 1; frame <= NEPH_IN_FLIGHT_FRAMES; frame++)
         send(realtime, scene, frame);
-    for (int frame = 1; frame <= NEPH_FLIGHT_FRAMES; frame++) {
+    for (int frame = 1; frame <= NEPH_IN_FLIGHT_FRAMES; frame++) {
         uint64_t traffic_bytes = 0;
         neph_assert_ok(neph_realtime_home(realtime, &home, &diag), &diag);
         assert_int_equal(home.traffic_bytes, read.traffic_bytes);
@@ -197,7 +197,7 @@ static void test_the_march_in_flight(void **state)
     neph_assert_ok(neph_march_frame(march, scene, FRAMES, centre_px, &alone, NULL, &diag), &diag);
     for (int frame = 0; frame < FRAMES; frame++)
         neph_assert_ok(neph_march_frame(march, scene, frame, centre_px, NULL, NULL, &diag), &diag);
-    for (int i = 0; i < NEPH_FLIGHT_FRAMES; i++) {
+    for (int i = 0; i < NEPH_IN_FLIGHT_FRAMES; i++) {
         neph_assert_ok(neph_march_home(march, &gpu_s, &diag), &diag);
         assert_true(gpu_s > 0.0);
     }
