@@ -167,11 +167,11 @@ static const struct {
     int width_px, height_px, samples;
     double unseen;
 } single_scenes[] = {
-    {"box", scene_cube, 48, 27, 512, 0.0},
-    {"fog", scene_fog, 48, 27, 512, 0.0},
-    {"fog, down", scene_fog_down, 48, 27, 512, 0.0},
-    {"two layers, up", scene_two_layers_up, 48, 27, 512, 0.0},
-    {"overlapping media", scene_overlapping_media, 48, 27, 512, 0.0},
+    {"box", scene_cube, 32, 18, 512, 0.0},
+    {"fog", scene_fog, 32, 18, 512, 0.0},
+    {"fog, down", scene_fog_down, 32, 18, 512, 0.0},
+    {"two layers, up", scene_two_layers_up, 32, 18, 512, 0.0},
+    {"overlapping media", scene_overlapping_media, 32, 18, 512, 0.0},
     {"solids in fog", scene_solids_in_fog, 24, 14, 4096, 7.0 / 4096},
 };
 
