@@ -13,7 +13,9 @@ static const struct {
     VkBufferUsageFlags usage;
     VkMemoryPropertyFlags needed, liked;
 } buffer_uses[] = {
-    [NEPH_BUFFER_UPLOAD] = {VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT,
+    [NEPH_BUFFER_UPLOAD] = {VK_BUFFER_USAGE_STORAGE_BUFFER_BIT |
+                                VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT |
+                                VK_BUFFER_USAGE_TRANSFER_SRC_BIT,
                             VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT |
                                 VK_MEMORY_PROPERTY_HOST_COHERENT_BIT,
                             VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT},
@@ -188,6 +190,12 @@ static int binding_count_of(const struct neph_kernel_params *params)
     return params->buffer_count + (params->array_count > 0 ? 1 : 0);
 }
 
+static VkDescriptorType type_of(const struct neph_kernel_params *params, int binding)
+{
+    return binding < params->uniform_count ? VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER
+                                           : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+}
+
 static VkResult create_layouts(const struct neph_vulkan *vulkan, struct neph_kernel *kernel)
 {
     VkDescriptorSetLayoutBinding bindings[NEPH_KERNEL_BUFFERS_MAX];
@@ -196,7 +204,7 @@ static VkResult create_layouts(const struct neph_vulkan *vulkan, struct neph_ker
     for (int i = 0; i < binding_count; i++)
         bindings[i] = (VkDescriptorSetLayoutBinding){
             .binding = (uint32_t)i,
-            .descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
+            .descriptorType = type_of(&kernel->params, i),
             .descriptorCount = i == array ? (uint32_t)kernel->params.array_count : 1,
             .stageFlags = VK_SHADER_STAGE_COMPUTE_BIT,
         };
@@ -327,15 +335,16 @@ enum neph_status neph_kernel_get(struct neph_vulkan *vulkan,
 static VkResult allocate_set(const struct neph_vulkan *vulkan, const struct neph_kernel *kernel,
                              struct kernel_set *set)
 {
-    const VkDescriptorPoolSize size = {
-        .type = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
-        .descriptorCount = (uint32_t)buffer_count_of(kernel),
+    const uint32_t uniforms = (uint32_t)kernel->params.uniform_count;
+    const VkDescriptorPoolSize sizes[] = {
+        {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, (uint32_t)buffer_count_of(kernel) - uniforms},
+        {VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, uniforms},
     };
     const VkDescriptorPoolCreateInfo pool = {
         .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
         .maxSets = 1,
-        .poolSizeCount = 1,
-        .pPoolSizes = &size,
+        .poolSizeCount = uniforms > 0 ? 2 : 1,
+        .pPoolSizes = sizes,
     };
     const VkResult result = vulkan->api.vkCreateDescriptorPool(vulkan->device, &pool, NULL,
                                                                &set->pool);
@@ -365,7 +374,7 @@ static void write_set(const struct neph_vulkan *vulkan, const struct neph_kernel
             .dstSet = set->handle,
             .dstBinding = (uint32_t)i,
             .descriptorCount = i == array ? (uint32_t)kernel->params.array_count : 1,
-            .descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
+            .descriptorType = type_of(&kernel->params, i),
             .pBufferInfo = &buffers[i],
         };
     vulkan->api.vkUpdateDescriptorSets(vulkan->device, (uint32_t)binding_count, writes, 0, NULL);

@@ -64,7 +64,8 @@ struct neph_kernel_params {
     const char *name;      /* unique to the shader */
     const uint32_t *spirv; /* borrowed */
     size_t spirv_size_bytes;
-    int buffer_count;       /* storage buffers at set 0, bindings 0 .. count-1 */
+    int buffer_count;       /* at set 0, bindings 0 .. count-1: storage buffers but for .. */
+    int uniform_count;      /* .. the first of them, which are uniform ones */
     int array_count;        /* more of them, an array at binding buffer_count; 0: none */
     size_t push_size_bytes; /* push constants, from offset 0 */
     int constant_count;     /* specialization constants 0 .. count-1 */

@@ -149,13 +149,17 @@ static enum neph_status upload(const struct neph_vulkan *vulkan, const void *dat
 }
 
 /* Room for all solids in mapped memory: they move with the camera. */
-static enum neph_status create_solids(const struct neph_vulkan *vulkan,
-                                      const struct neph_scene *scene, struct neph_gpu_scene *gpu,
+static enum neph_status create_solids(const struct neph_vulkan *vulkan, struct neph_gpu_scene *gpu,
                                       struct neph_diag *diag)
 {
-    const size_t count = scene->solid_count > 0 ? (size_t)scene->solid_count : 1;
-    return neph_buffer_create(vulkan, NEPH_BUFFER_UPLOAD, count * sizeof(struct neph_gpu_solid),
-                              "scene solids", &gpu->buffers[1], diag);
+    const size_t bytes = sizeof(struct neph_gpu_solids);
+    if (bytes > vulkan->limits.maxUniformBufferRange)
+        return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
+                         "room for solids takes a uniform buffer of %zu bytes; the device allows "
+                         "%u: NEPH_VULKAN_DEVICE chooses another",
+                         bytes, vulkan->limits.maxUniformBufferRange);
+    return neph_buffer_create(vulkan, NEPH_BUFFER_UPLOAD, bytes, "scene solids", &gpu->buffers[1],
+                              diag);
 }
 
 static const struct {
@@ -278,18 +282,57 @@ static void fill_media(const struct neph_scene *scene, struct neph_vec3 camera_m
                       !is_black(frame->sun_irradiance);
 }
 
+/* The kinds and layers of few media, for specialization constant 1. */
+static uint32_t known_media(const struct neph_gpu_frame *frame)
+{
+    uint32_t known = frame->medium_count << NEPH_GPU_MEDIA_SHIFT;
+    if (frame->medium_count > NEPH_GPU_KNOWN_MEDIA_MAX)
+        return 0;
+    for (uint32_t m = 0; m < frame->medium_count; m++) {
+        const uint32_t layers = frame->media[m].layer_count > 1 ? 8 : 0;
+        known |= (frame->media[m].kind | layers) << (NEPH_GPU_KINDS_SHIFT + 4 * m);
+    }
+    return known;
+}
+
+/* All of space around a sphere: what rounding makes of its rays no box bounds. */
+static void block_include(struct neph_gpu_solid_block *block, const struct neph_gpu_solid *solid)
+{
+    const bool is_box = solid->kind == NEPH_SOLID_BOX;
+    for (int axis = 0; axis < 3; axis++) {
+        block->low_m[axis] = fminf(block->low_m[axis],
+                                   is_box ? solid->low_m[axis] : -NEPH_GPU_FAR_M);
+        block->high_m[axis] = fmaxf(block->high_m[axis],
+                                    is_box ? solid->high_m[axis] : NEPH_GPU_FAR_M);
+    }
+}
+
+static void fill_solids(const struct neph_scene *scene, struct neph_vec3 camera_m,
+                        struct neph_gpu_solids *gpu)
+{
+    for (int i = 0; i < scene->solid_count; i++) {
+        struct neph_gpu_solid_block *block = &gpu->blocks[i / NEPH_GPU_BLOCK_SOLIDS];
+        gpu->solids[i] = neph_gpu_solid_from(&scene->solids[i], camera_m);
+        if (i % NEPH_GPU_BLOCK_SOLIDS == 0)
+            *block = (struct neph_gpu_solid_block){
+                .low_m = {INFINITY, INFINITY, INFINITY},
+                .high_m = {-INFINITY, -INFINITY, -INFINITY},
+            };
+        block_include(block, &gpu->solids[i]);
+    }
+}
+
 /* The first buffers, and which medium each of theirs is. */
 static void fill(struct neph_gpu_scene *gpu, const struct neph_scene *scene, double frame,
                  int width_px, int height_px, const struct neph_medium *media[NEPH_SCENE_MEDIA_MAX])
 {
     const struct neph_camera camera = neph_scene_camera(scene, frame);
-    struct neph_gpu_solid *solids = gpu->buffers[1].mapped;
     *gpu->frame = frame_from(scene, &camera, width_px, height_px);
     gpu->constants[0] = 0;
     gpu->constants[1] = camera.orthographic_height_m > 0.0 ? NEPH_GPU_ORTHOGRAPHIC : 0u;
     fill_media(scene, camera.position_m, gpu, media);
-    for (int i = 0; i < scene->solid_count; i++)
-        solids[i] = neph_gpu_solid_from(&scene->solids[i], camera.position_m);
+    gpu->constants[1] |= known_media(gpu->frame) | (gpu->is_on_cpu ? NEPH_GPU_ON_CPU : 0u);
+    fill_solids(scene, camera.position_m, gpu->buffers[1].mapped);
 }
 
 enum neph_status neph_gpu_scene_create(const struct neph_vulkan *vulkan,
@@ -301,10 +344,11 @@ enum neph_status neph_gpu_scene_create(const struct neph_vulkan *vulkan,
     enum neph_status status = neph_buffer_create(vulkan, NEPH_BUFFER_UPLOAD, sizeof(*gpu->frame),
                                                  "scene frame", &gpu->buffers[0], diag);
     if (!status)
-        status = create_solids(vulkan, scene, gpu, diag);
+        status = create_solids(vulkan, gpu, diag);
     if (status)
         return status;
     gpu->frame = gpu->buffers[0].mapped;
+    gpu->is_on_cpu = vulkan->description.is_cpu;
     fill(gpu, scene, frame, width_px, height_px, media);
     status = upload_data(vulkan, media, NEPH_GPU_VALUES, gpu, diag);
     if (!status && with_majorants)

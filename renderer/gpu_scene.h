@@ -17,6 +17,7 @@
 _Static_assert(NEPH_SCENE_MEDIA_MAX == NEPH_GPU_MEDIA_MAX &&
                    NEPH_FOG_LAYERS_MAX == NEPH_GPU_LAYERS_MAX,
                "room in a frame");
+_Static_assert(NEPH_SCENE_SOLIDS_MAX == NEPH_GPU_SOLIDS_MAX, "room for solids");
 _Static_assert(NEPH_PHASE_ISOTROPIC == 0 && NEPH_PHASE_HENYEY_GREENSTEIN == 1 &&
                    NEPH_PHASE_RAYLEIGH == 2,
                "phase.glsl's kinds");
@@ -25,9 +26,15 @@ _Static_assert(NEPH_SOLID_BOX == 0 && NEPH_SOLID_SPHERE == 1, "solids.glsl's kin
 struct neph_gpu_solid neph_gpu_solid_from(const struct neph_solid *solid,
                                           struct neph_vec3 camera_position_m);
 
+/* Loop turns (compute.h) of one ray through all solids, at most: a block is left by one more. */
+static inline uint64_t neph_gpu_solid_turns(uint64_t solid_count)
+{
+    return solid_count + 2 * (solid_count / NEPH_GPU_BLOCK_SOLIDS + 1) + 1;
+}
+
 /* A scene on the device, for one frame: the buffers at bindings 0 to 4 of every kernel that
  * includes shaders/scene.glsl. */
-enum { NEPH_GPU_SCENE_BUFFERS = 5, NEPH_GPU_SCENE_CONSTANTS = 2 };
+enum { NEPH_GPU_SCENE_BUFFERS = 5, NEPH_GPU_SCENE_UNIFORMS = 2, NEPH_GPU_SCENE_CONSTANTS = 2 };
 
 struct neph_gpu_scene {
     struct neph_gpu_frame *frame; /* in the mapped memory of buffers[0]; may be changed between
@@ -37,6 +44,7 @@ struct neph_gpu_scene {
     /* Specialization constants 0 and 1 of every such kernel: the kinds of media that are there, and
      * what else is known of the scene (NEPH_GPU_COLOURED and what follows it in constants.h). */
     uint32_t constants[NEPH_GPU_SCENE_CONSTANTS];
+    bool is_on_cpu;
     /* Loop turns (compute.h) of one exact optical depth through all media, at most. */
     uint64_t optical_depth_turns;
 };

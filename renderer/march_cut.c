@@ -48,7 +48,7 @@ static void count_turns(const struct neph_scene *scene, const struct neph_gpu_sc
                         const struct neph_march_params *params, uint64_t *per_step,
                         uint64_t *per_dispatch)
 {
-    const uint64_t solids = (uint64_t)scene->solid_count + 1;
+    const uint64_t solids = neph_gpu_solid_turns((uint64_t)scene->solid_count);
     const uint64_t exact = gpu->optical_depth_turns;
     uint64_t media = (uint64_t)scene->medium_count + 1;
     for (int i = 0; i < scene->medium_count; i++)

@@ -229,8 +229,8 @@ static uint32_t turns_within(const struct neph_scene *scene)
     uint32_t fog = 1;
     for (int i = 0; i < scene->medium_count; i++)
         fog += 3 + 2 * (uint32_t)scene->media[i].layer_count;
-    return 1 + 3 * ((uint32_t)scene->solid_count + 1) + 2 * fog + track_steps * 5 + 1 +
-           NEPH_GPU_TAKES + 1;
+    return 1 + 3 * (uint32_t)neph_gpu_solid_turns((uint64_t)scene->solid_count) + 2 * fog +
+           track_steps * 5 + 1 + NEPH_GPU_TAKES + 1;
 }
 
 static uint32_t choose_turns(const struct neph_scene *scene,
@@ -282,6 +282,7 @@ static enum neph_status get_kernels(struct render *render, const struct neph_sce
     const uint32_t tracked_count = tracked_media(render->scene.frame, &tracked_order);
     struct neph_kernel_params params = {
         .buffer_count = BINDING_COUNT,
+        .uniform_count = NEPH_GPU_SCENE_UNIFORMS,
         .push_size_bytes = sizeof(struct neph_gpu_tracer_run),
         .constant_count = 13,
         .constants = {render->scene.constants[0], render->scene.constants[1], render->local_size,
@@ -439,7 +440,7 @@ static enum neph_status check_turns(const struct render *render, struct neph_dia
 {
     const uint64_t turns = 3 * render->scene.optical_depth_turns +
                            3 * NEPH_GPU_WAY_STRETCHES * render->ways +
-                           4 * ((uint64_t)render->scene.frame->solid_count + 1) + 64;
+                           4 * neph_gpu_solid_turns(render->scene.frame->solid_count) + 64;
     if (turns > NEPH_KERNEL_LOOP_TURNS_MAX)
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
                          "tracer: the voxel grids are too fine together: a ray may take %llu turns "

@@ -88,7 +88,10 @@ static enum neph_status add_ray_pass(struct neph_realtime *realtime,
                                      struct neph_diag *diag)
 {
     const struct neph_march_cut *cut = &realtime->cuts[pass - neph_rt_passes];
-    struct neph_kernel_params params = {.push_size_bytes = sizeof(struct neph_gpu_march_run)};
+    struct neph_kernel_params params = {
+        .uniform_count = NEPH_GPU_SCENE_UNIFORMS,
+        .push_size_bytes = sizeof(struct neph_gpu_march_run),
+    };
     struct ray_pass work = {
         .pass = pass,
         .submission = submission,

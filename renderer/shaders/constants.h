@@ -15,6 +15,17 @@
 // Bits of specialization constant 1, what is known of a scene beside its kinds of media.
 #define NEPH_GPU_COLOURED 1u // some medium's extinction depends on the channel
 #define NEPH_GPU_ORTHOGRAPHIC 2u // the camera is orthographic
+#define NEPH_GPU_ON_CPU 4u // the device is a CPU
+// Behind these, where there are no more than so many media: how many, and from KINDS_SHIFT on four
+// bits for each, the kind and above it 1 for two layers. Else 0, and the frame says.
+#define NEPH_GPU_KNOWN_MEDIA_MAX 4
+#define NEPH_GPU_MEDIA_SHIFT 8u
+#define NEPH_GPU_KINDS_SHIFT 16u
+
+// Solids, and those of a block, which has a box around all of them.
+#define NEPH_GPU_SOLIDS_MAX 1024
+#define NEPH_GPU_BLOCK_SOLIDS 8
+#define NEPH_GPU_BLOCKS_MAX (NEPH_GPU_SOLIDS_MAX / NEPH_GPU_BLOCK_SOLIDS)
 
 // Texels along each side of the textures of Horizon clouds.
 #define NEPH_GPU_HORIZON_BASE_SIDE 64

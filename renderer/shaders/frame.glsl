@@ -16,7 +16,7 @@ struct Lattice {
     uvec3 size;
 };
 
-layout(std430, binding = 0) readonly buffer Frame {
+layout(std140, binding = 0) uniform Frame {
     vec3 camera_right;
     float half_width; // of the picture; tangents of a perspective camera's angles, else metres
     vec3 camera_up;
@@ -48,9 +48,28 @@ layout(std430, binding = 3) readonly buffer Majorants {
     float majorants[];
 };
 
-layout(std430, binding = 1) readonly buffer Solids {
-    Solid solids[];
+layout(std140, binding = 1) uniform Solids {
+    SolidBlock blocks[NEPH_GPU_BLOCKS_MAX];
+    Solid solids[NEPH_GPU_SOLIDS_MAX];
 };
+
+// A number of the frame that alone decides a branch or ends a loop. lavapipe would compile the
+// kernel anew for its value whenever another buffer is bound; a number of the thread's own, which
+// this is by an index that has no such bit, it leaves alone.
+uint own(uint number)
+{
+    return ON_CPU ? number | gl_LocalInvocationIndex & 0x80000000u : number;
+}
+
+bool own(bool answer) { return own(uint(answer)) != 0u; }
+
+vec3 own(vec3 v)
+{
+    uvec3 bits = floatBitsToUint(v);
+    return uintBitsToFloat(uvec3(own(bits.x), own(bits.y), own(bits.z)));
+}
+
+vec3 to_sun() { return own(frame.sun_direction); }
 
 struct Camera {
     vec3 right;
@@ -81,7 +100,7 @@ ViewRay camera_ray_at(Camera camera, vec2 place_px)
     float x = (2.0 * place_px.x / float(camera.width_px) - 1.0) * camera.half_width;
     float y = (1.0 - 2.0 * place_px.y / float(camera.height_px)) * camera.half_height;
     vec3 origin_m = ORTHOGRAPHIC ? x * camera.right + y * camera.up : vec3(0.0);
-    vec3 direction = ORTHOGRAPHIC ? camera.forward
+    vec3 direction = ORTHOGRAPHIC ? own(camera.forward)
                               : normalize(camera.forward + x * camera.right + y * camera.up);
     return ViewRay(origin_m, direction);
 }

@@ -52,10 +52,10 @@ void main()
 
     Sums sums = sums_at_start(thread);
     // With a closed-form transmittance and no light of the media there is nothing to march for.
-    if (!IS_SOLVED || frame.scatters != 0 || frame.emits != 0)
+    if (!IS_SOLVED || own(frame.scatters | frame.emits) != 0)
         march(ray, hit.t_m, 0.5, sums);
 
-    if (run.end_step < frame.steps)
+    if (run.end_step < own(frame.steps))
         sums_keep(thread, sums);
     else
         pixels[thread] = finished_pixel(ray, hit, sums);

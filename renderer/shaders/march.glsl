@@ -86,11 +86,11 @@ void march(ViewRay ray, float length_m, float place, inout Sums sums)
         return;
     look_along(ray);
     Steps steps = view_steps_of(stretch);
-    for (uint i = run.first_step; i < run.end_step; i++) {
+    for (uint i = own(run.first_step); i < own(run.end_step); i++) {
         if (skips_steps()) {
-            if (pass_empty_steps(steps, place, ray.origin_m, ray.direction, run.end_step, i))
+            if (pass_empty_steps(steps, place, ray.origin_m, ray.direction, own(run.end_step), i))
                 sums_add(sums, vec3(0.0), vec3(0.0)); // as in marched_optical_depth()
-            if (i == run.end_step)
+            if (i == own(run.end_step))
                 break;
         }
         if (ENDS_EARLY && is_dark(fraction_through(marched_depth(sums))))
@@ -107,9 +107,9 @@ void march(ViewRay ray, float length_m, float place, inout Sums sums)
         vec3 through = fraction_through(marched_depth(sums));
         sums.distance_m += point_distance_m * mean(through * fraction_lost(step_depth));
         vec3 scattered = vec3(0.0);
-        if (frame.scatters != 0)
+        if (own(frame.scatters) != 0)
             scattered = step_light(mixture, point_m, step_m, step_depth) * through;
-        if (frame.emits != 0)
+        if (own(frame.emits) != 0)
             scattered += mixture.glow * fraction_lost(step_depth) * through;
         sums_add(sums, scattered, step_depth);
     }
@@ -118,7 +118,7 @@ void march(ViewRay ray, float length_m, float place, inout Sums sums)
 // Continue where the run before has ended.
 Sums sums_at_start(uint thread)
 {
-    if (run.first_step == 0)
+    if (own(run.first_step) == 0)
         return sums_zero();
     density_evaluations = states[thread].density_evaluations;
     closed_forms = states[thread].closed_forms;
@@ -156,8 +156,9 @@ float view_distance_m(Sums sums)
 vec3 surface_radiance(Hit hit, vec3 point_m)
 {
     vec3 albedo = solids[hit.solid].albedo.rgb;
-    float cosine = dot(solid_normal(solids[hit.solid], point_m), frame.sun_direction);
-    if (cosine <= 0.0 || albedo == vec3(0.0) || frame.sun_irradiance == vec3(0.0))
+    float cosine = dot(solid_normal(solids[hit.solid], point_m), to_sun());
+    if (cosine <= 0.0 || albedo == vec3(0.0) ||
+        own(frame.sun_irradiance == vec3(0.0)))
         return vec3(0.0);
     return albedo / PI * cosine * sunlight(point_m, hit.solid);
 }

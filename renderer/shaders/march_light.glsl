@@ -59,7 +59,7 @@ vec3 exact_optical_depth_of(uint kinds, vec3 origin_m, vec3 direction, float len
 {
     closed_forms++;
     vec3 optical_depth = vec3(0.0);
-    for (uint m = 0; m < frame.medium_count; m++)
+    [[unroll]] for (uint m = 0; m < media_count(); m++)
         if (is_among(kinds, m))
             optical_depth += frame.media[m].extinction_color *
                              medium_optical_depth(m, origin_m, direction, length_m);
@@ -93,10 +93,10 @@ vec3 sun_optical_depth(vec3 point_m)
 {
     vec3 optical_depth = vec3(0.0);
     if (SUN == EXACT)
-        optical_depth = exact_optical_depth(point_m, frame.sun_direction, FAR_M);
+        optical_depth = exact_optical_depth(point_m, to_sun(), FAR_M);
     if (SUN_MARCHED != 0u)
-        optical_depth += marched_optical_depth(SUN_MARCHED, point_m, frame.sun_direction,
-                                               frame.sun_steps);
+        optical_depth += marched_optical_depth(SUN_MARCHED, point_m, to_sun(),
+                                               own(frame.sun_steps));
     return optical_depth;
 }
 
@@ -104,10 +104,10 @@ vec3 sun_optical_depth_of(uint kinds, vec3 point_m)
 {
     vec3 optical_depth = vec3(0.0);
     if (SUN == EXACT && (kinds & ~OPEN_KINDS) != 0u)
-        optical_depth = exact_optical_depth_of(kinds, point_m, frame.sun_direction, FAR_M);
+        optical_depth = exact_optical_depth_of(kinds, point_m, to_sun(), FAR_M);
     if ((SUN_MARCHED & kinds) != 0u)
-        optical_depth += marched_optical_depth(SUN_MARCHED & kinds, point_m, frame.sun_direction,
-                                               frame.sun_steps);
+        optical_depth += marched_optical_depth(SUN_MARCHED & kinds, point_m, to_sun(),
+                                               own(frame.sun_steps));
     return optical_depth;
 }
 
@@ -145,9 +145,9 @@ void look_along(ViewRay ray)
 {
     view_origin_m = ray.origin_m;
     view_direction = ray.direction;
-    for (uint m = 0; m < frame.medium_count; m++)
-        phase_towards_camera_per_sr[m] = phase_per_sr(frame.media[m].phase_kind, frame.media[m].g,
-                                                      ray.direction, frame.sun_direction);
+    [[unroll]] for (uint m = 0; m < media_count(); m++)
+        phase_towards_camera_per_sr[m] = phase_per_sr(own(frame.media[m].phase_kind),
+                                                      frame.media[m].g, ray.direction, to_sun());
 }
 
 // Where there is no extinction, nothing scatters or emits: guards all divisions by it.
@@ -159,7 +159,7 @@ Mixture mixture_at(vec3 point_m)
     if (!only_fogs || has_fog())
         density_evaluations++;
     Mixture mixture = Mixture(vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
-    for (uint m = 0; m < frame.medium_count; m++) {
+    [[unroll]] for (uint m = 0; m < media_count(); m++) {
         float density_per_m =
             only_fogs && !is_fog(m) ? 0.0 : medium_extinction_per_m(m, point_m);
         vec3 extinction_per_m = grey(frame.media[m].extinction_color) * density_per_m;
@@ -170,7 +170,7 @@ Mixture mixture_at(vec3 point_m)
         mixture.scattering += scattered_per_m * phase_towards_camera_per_sr[m];
         if (LIGHTING == OCTAVES)
             scattering_per_m[m] = scattered_per_m;
-        if (frame.emits != 0)
+        if (own(frame.emits) != 0)
             mixture.glow += (frame.media[m].glow - mixture.glow) *
                             (extinction_per_m / max(mixture.extinction_per_m, LEAST));
     }
@@ -185,9 +185,9 @@ Mixture mixture_at(vec3 point_m)
 // cosine is, as the authors have it.
 float flattened_phase_per_sr(uint m, float part)
 {
-    if (frame.media[m].phase_kind == PHASE_HENYEY_GREENSTEIN)
+    if (own(frame.media[m].phase_kind) == PHASE_HENYEY_GREENSTEIN)
         return henyey_greenstein_per_sr(part * frame.media[m].g, view_direction,
-                                        frame.sun_direction);
+                                        to_sun());
     return mix(1.0 / (4.0 * PI), phase_towards_camera_per_sr[m], part);
 }
 
@@ -196,9 +196,9 @@ vec3 octave_scattering(vec3 optical_depth)
 {
     vec3 sum = vec3(0.0);
     vec3 scale = vec3(1.0); // a^i, b^i, c^i
-    for (uint i = 0; i < frame.octave_count; i++) {
+    for (uint i = 0; i < own(frame.octave_count); i++) {
         vec3 octave = vec3(0.0);
-        for (uint m = 0; m < frame.medium_count; m++)
+        [[unroll]] for (uint m = 0; m < media_count(); m++)
             octave += scattering_per_m[m] * flattened_phase_per_sr(m, scale.z);
         sum += scale.x * octave * fraction_through(scale.y * optical_depth);
         scale *= frame.octave_factors;
@@ -231,10 +231,10 @@ float horizon_beer(float density_to_sun)
 
 float horizon_phase()
 {
-    float towards_sun = max(dot(view_direction, frame.sun_direction), 0.0);
-    float forward = max(henyey_greenstein_per_sr(0.5, view_direction, frame.sun_direction),
+    float towards_sun = max(dot(view_direction, to_sun()), 0.0);
+    float forward = max(henyey_greenstein_per_sr(0.5, view_direction, to_sun()),
                         towards_sun * towards_sun);
-    return mix(forward, henyey_greenstein_per_sr(-0.1, view_direction, frame.sun_direction), 0.5);
+    return mix(forward, henyey_greenstein_per_sr(-0.1, view_direction, to_sun()), 0.5);
 }
 
 // In-scatter probability. Below a height of .0622 the article raises a negative number to .8; what
@@ -251,7 +251,7 @@ float horizon_density_to_sun(Horizon horizon, vec3 point_m, float density)
 {
     float t0_m = 0.0, t1_m = FAR_M;
     globe_hull(horizon.globe, view_origin_m, view_direction, 0.0, horizon.thickness_m, t0_m, t1_m);
-    vec3 next_m = point_m + 0.025 * max(t1_m - t0_m, 0.0) * frame.sun_direction;
+    vec3 next_m = point_m + 0.025 * max(t1_m - t0_m, 0.0) * to_sun();
     density_evaluations++;
     return density + horizon_density(horizon, next_m);
 }
@@ -265,7 +265,7 @@ float horizon_density_to_sun(Horizon horizon, vec3 point_m, float density)
 vec3 horizon_light(vec3 point_m)
 {
     vec3 light = vec3(0.0);
-    for (uint m = 0; m < frame.medium_count; m++) {
+    [[unroll]] for (uint m = 0; m < media_count(); m++) {
         Horizon horizon = frame.media[m].shape.horizon;
         if (any(lessThan(point_m, frame.media[m].low_m)) ||
             any(greaterThan(point_m, frame.media[m].high_m)))

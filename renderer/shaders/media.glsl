@@ -6,6 +6,8 @@
 #ifndef NEPH_MEDIA_GLSL
 #define NEPH_MEDIA_GLSL
 
+#extension GL_EXT_control_flow_attributes : require
+
 layout(std430, binding = 2) readonly buffer GridValues {
     float grid_values[]; // of all voxel grids, one after the other
 };
@@ -43,6 +45,10 @@ const uint MEDIUM_PLUME = 6;
 const uint FOG_KINDS = 1u << MEDIUM_HOMOGENEOUS | 1u << MEDIUM_HEIGHT_FOG;
 const uint SHAPE_KINDS = KINDS & ~FOG_KINDS;
 const uint OPEN_KINDS = 1u << MEDIUM_HORIZON; // no closed form of the optical depth
+
+const bool ON_CPU = (TRAITS & NEPH_GPU_ON_CPU) != 0u;
+const uint KNOWN_MEDIA = TRAITS >> NEPH_GPU_MEDIA_SHIFT & 15u; // 0: any number
+const uint KNOWN_KINDS = TRAITS >> NEPH_GPU_KINDS_SHIFT;
 
 bool has_kind(uint kind) { return (KINDS & (1u << kind)) != 0u; }
 
@@ -142,7 +148,23 @@ void shape_narrow(uint kind, Shape shape, vec3 origin_m, vec3 direction, inout S
 
 // --- media: by place in the frame, for reading all of one costs more than most answers ----------
 
-bool is_among(uint kinds, uint m) { return (kinds & (1u << frame.media[m].kind)) != 0u; }
+// Loops over them are unrolled where it is known how many there are: what is the same for all
+// threads has then a place that the compiler knows, too, and lavapipe reads it once for all.
+uint media_count() { return KNOWN_MEDIA > 0u ? KNOWN_MEDIA : own(frame.medium_count); }
+
+uint kind_of(uint m)
+{
+    return KNOWN_MEDIA > 0u ? KNOWN_KINDS >> 4u * m & 7u : own(frame.media[m].kind);
+}
+
+// How many layers a fog has.
+uint layer_count_of(uint m)
+{
+    return KNOWN_MEDIA > 0u ? 1u + (KNOWN_KINDS >> 4u * m + 3u & 1u)
+                            : own(frame.media[m].layer_count);
+}
+
+bool is_among(uint kinds, uint m) { return (kinds & (1u << kind_of(m))) != 0u; }
 
 bool is_fog(uint m) { return has_fog() && is_among(FOG_KINDS, m); }
 
@@ -160,7 +182,7 @@ bool medium_contains(uint m, vec3 point_m)
 float fog_medium_extinction_per_m(uint m, vec3 point_m)
 {
     float extinction_per_m = 0.0;
-    for (uint l = 0; l < frame.media[m].layer_count; l++)
+    [[unroll]] for (uint l = 0; l < layer_count_of(m); l++)
         extinction_per_m += fog_extinction_per_m(frame.media[m].layers[l], point_m.y);
     return extinction_per_m;
 }
@@ -174,18 +196,18 @@ float medium_extinction_per_m(uint m, vec3 point_m)
             extinction_per_m = fog_medium_extinction_per_m(m, point_m);
         else
             extinction_per_m = frame.media[m].extinction_per_m *
-                               shape_density(frame.media[m].kind, frame.media[m].shape, point_m);
+                               shape_density(kind_of(m), frame.media[m].shape, point_m);
     }
     return extinction_per_m;
 }
 
 // Layers of a fog; a shape is one layer.
-uint layers_of(uint m) { return is_fog(m) ? frame.media[m].layer_count : 1u; }
+uint layers_of(uint m) { return is_fog(m) ? layer_count_of(m) : 1u; }
 
 float fog_medium_optical_depth(uint m, vec3 origin_m, vec3 direction, float t0_m, float t1_m)
 {
     float optical_depth = 0.0;
-    for (uint l = 0; l < frame.media[m].layer_count; l++)
+    [[unroll]] for (uint l = 0; l < layer_count_of(m); l++)
         optical_depth += fog_layer_optical_depth(frame.media[m].layers[l], origin_m, direction,
                                                  t0_m, t1_m);
     return optical_depth;
@@ -193,7 +215,7 @@ float fog_medium_optical_depth(uint m, vec3 origin_m, vec3 direction, float t0_m
 
 float shape_optical_depth(uint m, vec3 origin_m, vec3 direction, float t0_m, float t1_m)
 {
-    return frame.media[m].extinction_per_m * shape_integral_m(frame.media[m].kind,
+    return frame.media[m].extinction_per_m * shape_integral_m(kind_of(m),
                                                               frame.media[m].shape, origin_m,
                                                               direction, t0_m, t1_m);
 }
@@ -244,7 +266,7 @@ float layer_free_path_m(uint m, uint l, ViewRay ray, float t0_m, float t1_m, flo
     if (is_fog(m))
         t_m = fog_layer_free_path_m(frame.media[m].layers[l], ray.origin_m, ray.direction, t0_m,
                                     depth);
-    else if (is_a(MEDIUM_GRID, frame.media[m].kind))
+    else if (is_a(MEDIUM_GRID, kind_of(m)))
         t_m = grid_free_path_m(frame.media[m].shape.grid, ray.origin_m, ray.direction, t0_m, t1_m,
                                depth / frame.media[m].extinction_per_m);
     else
@@ -258,11 +280,11 @@ void medium_include(uint m, vec3 origin_m, vec3 direction, Stretch inside, inout
                     inout float opaque_m)
 {
     if (is_fog(m)) {
-        for (uint l = 0; l < frame.media[m].layer_count; l++)
+        [[unroll]] for (uint l = 0; l < layer_count_of(m); l++)
             fog_layer_include(frame.media[m].layers[l], frame.media[m].extinction_color, origin_m,
                               direction, inside, hull, opaque_m);
     } else {
-        shape_narrow(frame.media[m].kind, frame.media[m].shape, origin_m, direction, inside);
+        shape_narrow(kind_of(m), frame.media[m].shape, origin_m, direction, inside);
         include(hull, inside.t0_m, inside.t1_m);
     }
 }

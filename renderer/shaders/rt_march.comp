@@ -49,7 +49,7 @@ void main()
     Ray ray = ray_of(tile);
     Sums sums = sums_at_start(thread);
     march(ray.view, ray.length_m, ray.place, sums);
-    if (run.end_step < frame.steps) {
+    if (run.end_step < own(frame.steps)) {
         sums_keep(thread, sums);
         return;
     }

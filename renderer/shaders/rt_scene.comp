@@ -40,6 +40,7 @@ void meet(Solid solid, uint s, inout SightLine line)
 void meet_both(uint s, inout SightLine picture, inout SightLine steady)
 {
     Solid solid = solids[s];
+    solid.kind = own(solid.kind);
     meet(solid, s, picture);
     if (choice(RT_JITTERED_DEPTH) == 0)
         meet(solid, s, steady);
@@ -51,7 +52,7 @@ void meet_solids(inout SightLine picture, inout SightLine steady)
         [[unroll]] for (uint s = 0; s < KNOWN_SOLIDS; s++)
             meet_both(s, picture, steady);
     } else {
-        for (uint s = 0; s < frame.solid_count; s++)
+        for (uint s = 0; s < own(frame.solid_count); s++)
             meet_both(s, picture, steady);
     }
 }

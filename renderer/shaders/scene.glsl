@@ -21,17 +21,32 @@ struct Hit {
     uint solid; // NO_SOLID when nothing is hit
 };
 
+// Where the solids of a block end that a ray has to ask within [t0, t1]: where they begin if it
+// passes the block by.
+uint block_end(uint block, vec3 origin_m, vec3 direction, float t0_m, float t1_m)
+{
+    uint first = block * BLOCK_SOLIDS;
+    bool meets = clip_box(blocks[block].low_m, blocks[block].high_m, origin_m, direction, t0_m,
+                          t1_m);
+    return meets ? min(first + BLOCK_SOLIDS, frame.solid_count) : first;
+}
+
+uint block_count() { return (own(frame.solid_count) + BLOCK_SOLIDS - 1) / BLOCK_SOLIDS; }
+
 // Nearest surface with t > 0; from inside a solid that is its far side.
 Hit scene_hit(vec3 origin_m, vec3 direction)
 {
     Hit hit = Hit(FAR_M, NO_SOLID);
-    for (uint s = 0; s < frame.solid_count; s++) {
-        float t0_m, t1_m;
-        if (!solid_interval(solids[s], origin_m, direction, t0_m, t1_m))
-            continue;
-        float t_m = t0_m > 0.0 ? t0_m : t1_m;
-        if (t_m > 0.0 && t_m < hit.t_m)
-            hit = Hit(t_m, s);
+    for (uint block = 0; block < block_count(); block++) {
+        uint end = block_end(block, origin_m, direction, 0.0, hit.t_m);
+        for (uint s = block * BLOCK_SOLIDS; s < end; s++) {
+            float t0_m, t1_m;
+            if (!solid_interval(solids[s], origin_m, direction, t0_m, t1_m))
+                continue;
+            float t_m = t0_m > 0.0 ? t0_m : t1_m;
+            if (t_m > 0.0 && t_m < hit.t_m)
+                hit = Hit(t_m, s);
+        }
     }
     return hit;
 }
@@ -45,11 +60,14 @@ const float SHADOW_START = 1e-6;
 bool sees_sun(vec3 point_m, uint except)
 {
     float start_m = SHADOW_START * length(point_m);
-    for (uint s = 0; s < frame.solid_count; s++) {
-        float t0_m, t1_m;
-        if (s != except && solid_interval(solids[s], point_m, frame.sun_direction, t0_m, t1_m) &&
-            t1_m > start_m)
-            return false;
+    for (uint block = 0; block < block_count(); block++) {
+        uint end = block_end(block, point_m, to_sun(), start_m, FAR_M);
+        for (uint s = block * BLOCK_SOLIDS; s < end; s++) {
+            float t0_m, t1_m;
+            if (s != except && solid_interval(solids[s], point_m, to_sun(), t0_m, t1_m) &&
+                t1_m > start_m)
+                return false;
+        }
     }
     return true;
 }
@@ -60,7 +78,7 @@ bool sees_sun(vec3 point_m, uint except)
 vec3 scene_extinction_per_m(uint kinds, vec3 point_m)
 {
     vec3 extinction_per_m = vec3(0.0);
-    for (uint m = 0; m < frame.medium_count; m++)
+    [[unroll]] for (uint m = 0; m < media_count(); m++)
         if (is_among(kinds, m))
             extinction_per_m +=
                 frame.media[m].extinction_color * medium_extinction_per_m(m, point_m);
@@ -71,7 +89,7 @@ vec3 scene_extinction_per_m(uint kinds, vec3 point_m)
 vec3 scene_optical_depth(vec3 origin_m, vec3 direction, float length_m)
 {
     vec3 optical_depth = vec3(0.0);
-    for (uint m = 0; m < frame.medium_count; m++)
+    [[unroll]] for (uint m = 0; m < media_count(); m++)
         optical_depth += frame.media[m].extinction_color *
                          medium_optical_depth(m, origin_m, direction, length_m);
     return grey(optical_depth);
@@ -86,7 +104,7 @@ Stretch scene_stretch(uint kinds, vec3 origin_m, vec3 direction, float length_m)
 {
     Stretch hull = Stretch(length_m, 0.0);
     float opaque_m = length_m;
-    for (uint m = 0; m < frame.medium_count; m++) {
+    [[unroll]] for (uint m = 0; m < media_count(); m++) {
         Stretch inside = Stretch(0.0, length_m);
         if (is_among(kinds, m) &&
             clip_medium(m, origin_m, direction, inside.t0_m, inside.t1_m))

@@ -36,7 +36,7 @@ Steps view_steps_of(Stretch stretch)
     return steps;
 }
 
-bool are_equal(Steps steps) { return !GROWS || steps.growth == 1.0; }
+bool are_equal(Steps steps) { return !GROWS || own(steps.growth == 1.0); }
 
 // Where a step that has grown begins: lengths in geometric progression.
 float grown_start_m(Steps steps, uint i)

@@ -18,6 +18,16 @@ struct Solid {
     vec4 albedo; // w: of a sphere, how high the camera is above it
 };
 
+// The box around BLOCK_SOLIDS of them that follow each other: its rounded interval on a ray holds
+// each of theirs, for it is found in the same way from lower lows and higher highs.
+struct SolidBlock {
+    vec3 low_m;
+    float padding_low;
+    vec3 high_m;
+    float padding_high;
+};
+const uint BLOCK_SOLIDS = NEPH_GPU_BLOCK_SOLIDS;
+
 // A direction component below this is parallel to the face; what is left cannot overflow when a
 // distance up to FAR_M is divided by it.
 const float PARALLEL = 1e-20;

@@ -55,9 +55,9 @@ vec3 cached_sun_depth(vec3 point_m)
     vec3 low_m = frame.sun_lattice.origin_m;
     vec3 high_m = low_m + vec3(frame.sun_lattice.size - 1) / frame.sun_lattice.per_m;
     float t0_m = 0.0, t1_m = FAR_M;
-    if (!clip_box(low_m, high_m, point_m, frame.sun_direction, t0_m, t1_m))
+    if (!clip_box(low_m, high_m, point_m, to_sun(), t0_m, t1_m))
         return vec3(0.0);
-    return sun_lattice_depth(point_m + t0_m * frame.sun_direction);
+    return sun_lattice_depth(point_m + t0_m * to_sun());
 }
 
 #endif

@@ -114,7 +114,7 @@ void read_tracked()
 void read_scene()
 {
     camera = frame_camera();
-    sun_direction = frame.sun_direction;
+    sun_direction = to_sun();
     sun_irradiance = frame.sun_irradiance;
     background = frame.background;
     only = frame.media[0];
@@ -388,7 +388,7 @@ void happen()
 Hit nearest_hit(vec3 origin_m, vec3 direction, uint except)
 {
     Hit hit = Hit(FAR_M, NO_SOLID);
-    for (uint s = 0; s < frame.solid_count; s++) {
+    for (uint s = 0; s < own(frame.solid_count); s++) {
         float t0_m, t1_m;
         if (s == except || !solid_interval(solids[s], origin_m, direction, t0_m, t1_m))
             continue;
@@ -431,7 +431,7 @@ void cross_fog()
 {
     if (MEDIA == 1)
         cross_fog_medium(0, only);
-    for (uint m = 0; MEDIA != 1 && m < frame.medium_count; m++)
+    for (uint m = 0; MEDIA != 1 && m < media_count(); m++)
         if (is_fog(m))
             cross_fog_medium(m, frame.media[m]);
 }
@@ -440,7 +440,7 @@ void cross_fog()
 // color where fog has scattered.
 void weigh_fog()
 {
-    for (uint m = 0; m < frame.medium_count; m++) {
+    for (uint m = 0; m < media_count(); m++) {
         if (!is_fog(m))
             continue;
         vec3 color = frame.media[m].extinction_color;

@@ -153,9 +153,9 @@ float mean_of(vec3 channels) { return dot(channels, vec3(1.0 / 3.0)); }
 vec3 others_depth(uint but_medium, uint but_layer, ViewRay ray, float length_m)
 {
     vec3 sum = vec3(0.0);
-    if (frame.medium_count == 1 && layers_of(0) == 1)
+    if (media_count() == 1 && layers_of(0) == 1)
         return sum;
-    for (uint m = 0; m < frame.medium_count; m++) {
+    for (uint m = 0; m < media_count(); m++) {
         float depth = 0.0;
         for (uint l = 0; l < layers_of(m); l++)
             if (m != but_medium || l != but_layer)

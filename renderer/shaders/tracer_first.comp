@@ -29,13 +29,13 @@ struct Choice {
 Choice choose(uint pixel, uint hero, float u)
 {
     Choice choice = Choice(0, 0, 0.0, 0.5, vec3(0.0));
-    for (uint m = 0; m < frame.medium_count; m++)
+    for (uint m = 0; m < media_count(); m++)
         for (uint l = 0; l < layers_of(m); l++)
             choice.total += colour_absorbed_fraction(frame.media[m].extinction_color *
                                                      depths[pixel * PARTS + m * LAYERS_MAX + l]);
     float target = u * choice.total[hero];
     bool is_found = false;
-    for (uint m = 0; m < frame.medium_count; m++)
+    for (uint m = 0; m < media_count(); m++)
         for (uint l = 0; l < layers_of(m); l++) {
             float depth = depths[pixel * PARTS + m * LAYERS_MAX + l];
             float part = absorbed_fraction(frame.media[m].extinction_color[hero] * depth);
@@ -102,11 +102,11 @@ struct Whole {
 Whole whole_of(uint pixel)
 {
     Whole whole = Whole(2.0 * DARK, 0.0, 0.0);
-    for (uint m = 0; m < frame.medium_count; m++)
+    for (uint m = 0; m < media_count(); m++)
         for (uint l = 0; l < layers_of(m); l++)
             whole.most_log_light =
                 max(whole.most_log_light, lits[lit_table(pixel, m, l)].log_whole);
-    for (uint m = 0; m < frame.medium_count; m++)
+    for (uint m = 0; m < media_count(); m++)
         for (uint l = 0; l < layers_of(m); l++) {
             float log_light = lits[lit_table(pixel, m, l)].log_whole - whole.most_log_light;
             whole.light += exp(max(log_light, EXPONENT_MIN));
@@ -120,7 +120,7 @@ Part choose_lit(uint pixel, float u)
     Whole whole = whole_of(pixel);
     Part part = Part(0, 0, 0.0, 0.0, 0.5);
     bool is_found = false;
-    for (uint m = 0; m < frame.medium_count; m++)
+    for (uint m = 0; m < media_count(); m++)
         for (uint l = 0; l < layers_of(m); l++) {
             float absorbed = grey_absorbed(pixel, m, l);
             if (is_found || absorbed <= 0.0)
@@ -168,8 +168,8 @@ vec3 scattered_once(First first, ViewRay ray)
         return vec3(0.0);
     uint m = first.medium;
     float phase = phase_per_sr(frame.media[m].phase_kind, frame.media[m].g, ray.direction,
-                               frame.sun_direction);
-    vec3 arriving = colour_transmittance(scene_optical_depth(point_m, frame.sun_direction, FAR_M));
+                               to_sun());
+    vec3 arriving = colour_transmittance(scene_optical_depth(point_m, to_sun(), FAR_M));
     return first.weight * channel_weights(first.channels) * frame.media[m].albedo *
            frame.sun_irradiance * (phase * arriving);
 }

@@ -37,7 +37,7 @@ Stretch find_hull(ViewRay ray)
 {
     float length_m = scene_hit(ray.origin_m, ray.direction).t_m;
     Stretch hull = Stretch(length_m, 0.0);
-    for (uint m = 0; m < frame.medium_count; m++) {
+    for (uint m = 0; m < media_count(); m++) {
         Stretch inside = inside_of(m, ray.origin_m, ray.direction, length_m);
         include(hull, inside.t0_m, inside.t1_m);
     }
@@ -46,15 +46,15 @@ Stretch find_hull(ViewRay ray)
 
 float guess_sun_depth(vec3 point_m)
 {
-    float sum = mean_of(scene_optical_depth(point_m, frame.sun_direction, FAR_M));
-    for (uint m = 0; m < frame.medium_count; m++) {
+    float sum = mean_of(scene_optical_depth(point_m, to_sun(), FAR_M));
+    for (uint m = 0; m < media_count(); m++) {
         if (!is_among(OPEN_KINDS, m))
             continue;
-        Stretch inside = inside_of(m, point_m, frame.sun_direction, FAR_M);
+        Stretch inside = inside_of(m, point_m, to_sun(), FAR_M);
         float step_m = max(inside.t1_m - inside.t0_m, 0.0) / float(SUN_PLACES);
         float color = mean_of(frame.media[m].extinction_color);
         for (uint i = 0; step_m > 0.0 && i < SUN_PLACES; i++) {
-            vec3 at_m = point_m + (inside.t0_m + (float(i) + 0.5) * step_m) * frame.sun_direction;
+            vec3 at_m = point_m + (inside.t0_m + (float(i) + 0.5) * step_m) * to_sun();
             sum += step_m * color * medium_extinction_per_m(m, at_m);
         }
     }

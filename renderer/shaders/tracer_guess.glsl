@@ -45,7 +45,7 @@ uint pick_medium(vec3 point_m, float total_per_m, float u)
 {
     uint picked = MEDIA_MAX;
     float left_per_m = u * total_per_m;
-    for (uint m = 0; m < frame.medium_count; m++) {
+    for (uint m = 0; m < media_count(); m++) {
         float own_per_m =
             mean_of(frame.media[m].extinction_color) * medium_extinction_per_m(m, point_m);
         if (own_per_m > 0.0 && left_per_m >= 0.0)

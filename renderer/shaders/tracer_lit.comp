@@ -35,7 +35,7 @@ float lit_edge(uint i, float last)
 vec3 way(uint m, uint l, ViewRay ray, float t_m, float x)
 {
     vec3 sum = frame.media[m].extinction_color * x +
-               scene_optical_depth(view_point_m(ray, t_m), frame.sun_direction, FAR_M);
+               scene_optical_depth(view_point_m(ray, t_m), to_sun(), FAR_M);
     return sum + others_depth(m, l, ray, t_m);
 }
 

@@ -13,11 +13,11 @@ layout(local_size_x = 64) in;
 vec3 surface_sunlight(Hit hit, vec3 point_m)
 {
     vec3 albedo = solids[hit.solid].albedo.rgb;
-    float cosine = dot(solid_normal(solids[hit.solid], point_m), frame.sun_direction);
-    if (cosine <= 0.0 || albedo == vec3(0.0) || frame.sun_irradiance == vec3(0.0) ||
-        !sees_sun(point_m, hit.solid))
+    float cosine = dot(solid_normal(solids[hit.solid], point_m), to_sun());
+    if (cosine <= 0.0 || albedo == vec3(0.0) ||
+        own(frame.sun_irradiance == vec3(0.0)) || !sees_sun(point_m, hit.solid))
         return vec3(0.0);
-    vec3 arriving = colour_transmittance(scene_optical_depth(point_m, frame.sun_direction, FAR_M));
+    vec3 arriving = colour_transmittance(scene_optical_depth(point_m, to_sun(), FAR_M));
     return albedo / PI * cosine * arriving * frame.sun_irradiance;
 }
 
@@ -25,7 +25,7 @@ vec3 surface_sunlight(Hit hit, vec3 point_m)
 vec3 find_depths(uint pixel, ViewRay ray, float length_m)
 {
     vec3 sum = vec3(0.0);
-    for (uint m = 0; m < frame.medium_count; m++) {
+    for (uint m = 0; m < media_count(); m++) {
         uint part = pixel * PARTS + m * LAYERS_MAX;
         float depth = 0.0;
         for (uint l = 0; l < layers_of(m); l++) {

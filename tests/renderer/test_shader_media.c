@@ -74,6 +74,7 @@ static struct answer *ask(struct neph_vulkan *vulkan, const struct test_scene *t
         .spirv = probe_spirv,
         .spirv_size_bytes = sizeof(probe_spirv),
         .buffer_count = NEPH_GPU_SCENE_BUFFERS + 2,
+        .uniform_count = NEPH_GPU_SCENE_UNIFORMS,
         .constant_count = NEPH_GPU_SCENE_CONSTANTS,
         .constants = {gpu.constants[0], gpu.constants[1]},
     };
