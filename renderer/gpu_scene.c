@@ -2,6 +2,7 @@
 #include "renderer/gpu_scene.h"
 
 #include "renderer/media/kind.h"
+#include "renderer/octaves_fitted.h"
 #include "renderer/relative.h"
 #include "scenes/emission.h"
 #include "scenes/majorant.h"
@@ -40,6 +41,24 @@ struct neph_gpu_solid neph_gpu_solid_from(const struct neph_solid *solid,
     return gpu;
 }
 
+_Static_assert(NEPH_GPU_FITTED_OCTAVES == NEPH_OCTAVES_FITTED_COUNT, "one number of octaves");
+
+/* Each channel has its own contribution. What the phase function and the sun's optical depth are
+ * scaled by is one for all: three would cost three times as much. */
+static void fit_octaves(const struct neph_medium *medium, struct neph_gpu_medium *gpu)
+{
+    const struct neph_rgb albedo = medium->albedo;
+    const double g = medium->phase.kind == NEPH_PHASE_HENYEY_GREENSTEIN ? medium->phase.g : 0.0;
+    const struct neph_octaves mean = neph_octaves_of(&neph_octaves_fitted, g,
+                                                     (albedo.r + albedo.g + albedo.b) / 3.0);
+    const double of_channels[3] = {albedo.r, albedo.g, albedo.b};
+    for (int c = 0; c < 3; c++)
+        gpu->octave_contribution[c] =
+            (float)neph_octaves_of(&neph_octaves_fitted, g, of_channels[c]).contribution;
+    gpu->octave_attenuation = (float)mean.attenuation;
+    gpu->octave_eccentricity = (float)mean.eccentricity;
+}
+
 static struct neph_gpu_medium medium_from(const struct neph_medium *medium,
                                           struct neph_vec3 camera_m, uint32_t first)
 {
@@ -55,6 +74,7 @@ static struct neph_gpu_medium medium_from(const struct neph_medium *medium,
     set_rgb(gpu.albedo, medium->albedo);
     set_rgb(gpu.extinction_color, medium->extinction_color);
     set_rgb(gpu.glow, neph_medium_glow(medium));
+    fit_octaves(medium, &gpu);
     neph_gpu_kind_of(medium)->pack(medium, camera_m, first, &gpu);
     return gpu;
 }

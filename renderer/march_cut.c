@@ -2,6 +2,7 @@
 #include "renderer/march_cut.h"
 
 #include "base/interrupt.h"
+#include "renderer/octaves_fitted.h"
 #include "scenes/media.h"
 
 /* The loop turns of all rays in a dispatch before anything is known of the device's speed: about
@@ -43,6 +44,13 @@ void neph_march_set_frame(const struct neph_scene *scene, const struct neph_marc
     frame->step_growth = (float)params->shortcuts.step_growth;
 }
 
+static uint64_t octave_count(const struct neph_scene *scene, enum neph_march_lighting lighting)
+{
+    if (lighting == NEPH_MARCH_OCTAVES_FITTED)
+        return NEPH_OCTAVES_FITTED_COUNT;
+    return lighting == NEPH_MARCH_OCTAVES ? (uint64_t)scene->octaves.count : 0;
+}
+
 /* Upper bound of loop turns (compute.h) of the shader, following its loops one by one. */
 static void count_turns(const struct neph_scene *scene, const struct neph_gpu_scene *gpu,
                         const struct neph_march_params *params, uint64_t *per_step,
@@ -54,9 +62,7 @@ static void count_turns(const struct neph_scene *scene, const struct neph_gpu_sc
     for (int i = 0; i < scene->medium_count; i++)
         media += (uint64_t)scene->media[i].layer_count + 1;
     const uint64_t sun_steps = (uint64_t)neph_march_sun_steps(scene, params);
-    const uint64_t octaves = params->lighting == NEPH_MARCH_OCTAVES
-                                 ? (uint64_t)scene->octaves.count * (1 + media)
-                                 : 0;
+    const uint64_t octaves = octave_count(scene, params->lighting) * (1 + media);
     const uint64_t empties = params->shortcuts.skip ? 1 + media : 0; /* of one step */
     const uint64_t sunlight = solids + media + exact + sun_steps * (1 + media + 2 * empties) +
                               octaves + 1;

@@ -15,9 +15,11 @@ enum neph_march_mode {
 
 /* How light gets to a point of a medium; the formulas are in shaders/march_light.glsl. */
 enum neph_march_lighting {
-    NEPH_MARCH_SINGLE,  /* sunlight scattered once */
-    NEPH_MARCH_OCTAVES, /* multiple scattering as scaled single scatterings: a look */
-    NEPH_MARCH_HORIZON, /* the light of Horizon's clouds, for their layers alone: a look */
+    NEPH_MARCH_SINGLE,         /* sunlight scattered once */
+    NEPH_MARCH_OCTAVES,        /* multiple scattering as scaled single scatterings: a look */
+    NEPH_MARCH_HORIZON,        /* the light of Horizon's clouds, for their layers alone: a look */
+    NEPH_MARCH_OCTAVES_FITTED, /* octaves by g and albedo of each medium (octaves_fitted.h): a look
+                                */
 };
 
 #define NEPH_MARCH_SIDE_MAX_PX 4096

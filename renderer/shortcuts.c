@@ -37,6 +37,11 @@ static enum neph_status check_lighting(const struct neph_march_params *params,
                                        struct neph_diag *diag)
 {
     const struct neph_shortcuts *shortcuts = &params->shortcuts;
+    if (params->lighting == NEPH_MARCH_OCTAVES_FITTED && shortcuts->early_out > 0.0)
+        return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
+                         "march: early_out=%g: of fitted octaves light also comes from where the "
+                         "view's transmittance is small; set early_out=0",
+                         shortcuts->early_out);
     if (params->lighting != NEPH_MARCH_HORIZON || !(shortcuts->sun_cache || shortcuts->skip))
         return NEPH_OK;
     return neph_fail(diag, NEPH_ERR_UNSUPPORTED,

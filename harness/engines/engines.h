@@ -16,6 +16,7 @@
     of(march) \
     of(march_octaves) \
     of(march_horizon) \
+    of(march_octaves_fitted) \
     of(realtime) \
     of(cycles) \
     of(povray) \

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * Engines `march`, `march_octaves` and `march_horizon`: our Vulkan ray marcher at full resolution,
- * one engine for each of its lighting models. The device is the first CPU device
- * (lavapipe) unless NEPH_VULKAN_DEVICE names part of another's name; NEPH_VULKAN_VALIDATION=1
- * turns the validation layers on, and then any message fails the frame.
+ * Engines `march`, `march_octaves`, `march_horizon` and `march_octaves_fitted`: our Vulkan ray
+ * marcher at full resolution, one engine for each of its lighting models. The device is the first
+ * CPU device (lavapipe) unless NEPH_VULKAN_DEVICE names part of another's name;
+ * NEPH_VULKAN_VALIDATION=1 turns the validation layers on, and then any message fails the frame.
  */
 #include "harness/engines/engines.h"
 #include "harness/engines/vulkan_device.h"
@@ -341,4 +341,49 @@ const struct neph_engine neph_engine_march_horizon = {
     .can_render = can_render_horizon,
     .render = render_horizon,
     .sequence = &sequence_of_horizon,
+};
+
+static bool can_render_octaves_fitted(const struct neph_scene *scene,
+                                      const struct neph_settings *settings, char *reason,
+                                      size_t reason_size)
+{
+    (void)settings;
+    return neph_march_can_render(scene, NEPH_MARCH_OCTAVES_FITTED, reason, reason_size);
+}
+
+static enum neph_status render_octaves_fitted(const struct neph_shot *shot,
+                                              struct neph_image **frame, struct neph_cost *cost,
+                                              struct neph_diag *diag)
+{
+    return render(NEPH_MARCH_OCTAVES_FITTED, shot, frame, cost, diag);
+}
+
+static enum neph_status open_octaves_fitted(const struct neph_shot *shot, void **opened,
+                                            struct neph_diag *diag)
+{
+    return open_sequence(NEPH_MARCH_OCTAVES_FITTED, shot, opened, diag);
+}
+
+static const struct neph_engine_sequence sequence_of_octaves_fitted = {.open = open_octaves_fitted,
+                                                                       .next = next_picture,
+                                                                       .send = send,
+                                                                       .home = home,
+                                                                       .close = close_sequence};
+
+const struct neph_engine neph_engine_march_octaves_fitted = {
+    .name = "march_octaves_fitted",
+    .summary = "octaves that follow from g and albedo, fitted to the tracer: a look, not physics",
+    .rung = NEPH_RUNG_MODEL,
+    .typical_s = 2.0,
+    .look = true,
+    .bias =
+        "a sum of octaves knows no sides of a cloud and does not conserve energy; fitted on the "
+        "tuning suite of `neph study light`",
+    .options = options,
+    .version = 1,
+    .step = step,
+    .probe = neph_vulkan_probe,
+    .can_render = can_render_octaves_fitted,
+    .render = render_octaves_fitted,
+    .sequence = &sequence_of_octaves_fitted,
 };

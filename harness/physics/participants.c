@@ -22,6 +22,11 @@ static const struct neph_participant participants[] = {
      .refined = "steps=128",
      .order = 2,
      .rounding = 1e-6},
+    {.name = "march octaves fitted",
+     .engine = "march_octaves_fitted",
+     .refined = "steps=128",
+     .order = 2,
+     .rounding = 1e-6},
 };
 
 int neph_participant_count(void)
@@ -46,6 +51,8 @@ static const struct {
     {NULL, LOWERED, "it models single scattering only"},
     {"march octaves", ALWAYS,
      "a sum of octaves is a look: it saturates with optical depth and does not conserve energy"},
+    {"march octaves fitted", ALWAYS,
+     "a sum of octaves is a look, fitted or not: it does not conserve energy"},
     {"cycles", DEEP,
      "it ends paths at 1024 bounces, Blender's own limit, and beyond an optical depth of some 30 "
      "light without absorption scatters more often than that"},

@@ -20,7 +20,8 @@ _Static_assert(NEPH_REFERENCE_RAYS_PER_PX == 16, "what rays_settings says");
 /* By the test's setting "lighting". */
 static const struct neph_engine *engine_of(const struct neph_job *test)
 {
-    static const char *const marches[] = {"march", "march_octaves", "march_horizon"};
+    static const char *const marches[] = {"march", "march_octaves", "march_horizon",
+                                          "march_octaves_fitted"};
     const int lighting = neph_option_find(test->engine->options, "lighting");
     return neph_engine_find(marches[lighting < 0 ? 0 : (int)test->shot.settings.values[lighting]]);
 }

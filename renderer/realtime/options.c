@@ -11,7 +11,7 @@
 #include "renderer/shortcuts.h"
 
 static const char *const modes[] = {"exact", "marched", NULL};
-static const char *const lightings[] = {"single", "octaves", "horizon", NULL};
+static const char *const lightings[] = {"single", "octaves", "horizon", "octaves_fitted", NULL};
 static const char *const switches[] = {"off", "on", NULL};
 static const char *const splits[] = {"none", "four", NULL};
 static const char *const depth_maps[] = {"checkerboard", "nearest", "farthest", "reversed", NULL};
@@ -63,8 +63,8 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
                                 "steps"),
     [RT_SUN] = CHOICE("sun", 0, modes, "optical depth towards the sun: closed form, or marched"),
     [RT_LIGHTING] = CHOICE("lighting", 0, lightings,
-                           "sunlight scattered once, or one of the looks of march_octaves and "
-                           "march_horizon"),
+                           "sunlight scattered once, or one of the looks of march_octaves, "
+                           "march_horizon and march_octaves_fitted"),
 
     [RT_SPLIT] = CHOICE("split", RT_SPLIT_FOUR, splits,
                         "none: every pixel every frame; four: one ray per 4x4 pixels, four frames "

@@ -37,6 +37,9 @@
 #define NEPH_GPU_TAKES 8 // of items, in a turn of a thread
 #define NEPH_GPU_LIT_EDGES 16
 
+// Octaves of scattering whose factors are fitted (renderer/octaves_fitted.h).
+#define NEPH_GPU_FITTED_OCTAVES 8
+
 // Stretches of a view ray's way through a voxel grid (tracer_way.glsl).
 #define NEPH_GPU_WAY_STRETCHES 32
 

@@ -108,7 +108,9 @@ void march(ViewRay ray, float length_m, float place, inout Sums sums)
         sums.distance_m += point_distance_m * mean(through * fraction_lost(step_depth));
         vec3 scattered = vec3(0.0);
         if (own(frame.scatters) != 0)
-            scattered = step_light(mixture, point_m, step_m, step_depth) * through;
+            scattered = LIGHTING == OCTAVES_FITTED
+                            ? fitted_octave_light(mixture, point_m, marched_depth(sums), step_depth)
+                            : step_light(mixture, point_m, step_m, step_depth) * through;
         if (own(frame.emits) != 0)
             scattered += mixture.glow * fraction_lost(step_depth) * through;
         sums_add(sums, scattered, step_depth);

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: MIT
 //
-// What a ray marcher meets in a step: extinction, and light by one of three models.
+// What a ray marcher meets in a step: extinction, and light by one of four models.
 //
 // single   sunlight scattered once: physics, as far as it goes.
 // octaves  multiple scattering as a sum of scaled single scatterings: octave i has the scattering
 //          a^i, the sun's optical depth b^i and the phase function of g c^i; what the view loses is
 //          not scaled. (Wrenninge, Kulla, Lundqvist, "Oz: The Great and Volumetric", SIGGRAPH 2013;
 //          Hillaire, SIGGRAPH 2016 and 2020.) It does not conserve energy: a look.
+// octaves_fitted  octaves whose a, b and c follow from each medium's g and albedo, fitted to the
+//          path tracer, and whose b^i scales what the view loses, too (renderer/octaves_fitted.h):
+//          a look as well.
 // horizon  the light of A. Schneider's Horizon clouds ("The Real-time Volumetric Cloudscapes of
 //          Horizon: Zero Dawn", SIGGRAPH 2015) as later written down for engines (horizon_light).
 //          In units of its own: a look.
@@ -25,13 +28,17 @@ layout(constant_id = 3) const uint SUN = EXACT;           // towards the sun
 const uint SINGLE = 0;
 const uint OCTAVES = 1;
 const uint HORIZON = 2;
+const uint OCTAVES_FITTED = 3;
 layout(constant_id = 4) const uint LIGHTING = SINGLE;
+const bool SUMS_OCTAVES = LIGHTING == OCTAVES || LIGHTING == OCTAVES_FITTED;
 
 // The kinds of media of which optical depths are summed over steps; of the others they are closed
 // forms.
 const uint VIEW_MARCHED = KINDS & (TRANSMITTANCE == EXACT ? OPEN_KINDS : ~0u);
 const bool IS_SOLVED = TRANSMITTANCE == EXACT && VIEW_MARCHED == 0u; // the view without a march
 const uint SUN_MARCHED = KINDS & (SUN == EXACT ? OPEN_KINDS : ~0u);
+
+const uint FITTED_OCTAVES = NEPH_GPU_FITTED_OCTAVES;
 
 // What this pixel has cost.
 uint density_evaluations = 0;
@@ -138,7 +145,7 @@ struct Mixture {
 // The view ray of this pixel. The sun is a direction: phase functions are the same all along it.
 vec3 view_origin_m, view_direction;
 float phase_towards_camera_per_sr[MEDIA_MAX];
-// The scattering coefficients at the point where mixture_at() was last [1/m]; OCTAVES alone.
+// The scattering coefficients at the point where mixture_at() was last [1/m]; SUMS_OCTAVES alone.
 vec3 scattering_per_m[MEDIA_MAX];
 
 void look_along(ViewRay ray)
@@ -168,7 +175,7 @@ Mixture mixture_at(vec3 point_m)
         if (is_among(VIEW_MARCHED, m))
             mixture.marched_per_m += extinction_per_m;
         mixture.scattering += scattered_per_m * phase_towards_camera_per_sr[m];
-        if (LIGHTING == OCTAVES)
+        if (SUMS_OCTAVES)
             scattering_per_m[m] = scattered_per_m;
         if (own(frame.emits) != 0)
             mixture.glow += (frame.media[m].glow - mixture.glow) *
@@ -217,6 +224,34 @@ vec3 source_function(Mixture mixture, vec3 point_m)
     vec3 scattered = LIGHTING == OCTAVES ? octave_scattering(optical_depth)
                                          : mixture.scattering * fraction_through(optical_depth);
     return frame.sun_irradiance * scattered / max(mixture.extinction_per_m, LEAST);
+}
+
+// --- octaves, fitted -------------------------------------------------------------------------
+
+// What a step of optical depth `step_depth`, met after `seen_depth`, sends to the camera: octave i
+// loses b^i of both ways' optical depths, and so the sum stays the same when eye and sun change
+// places, as radiance does.
+vec3 fitted_octave_light(Mixture mixture, vec3 point_m, vec3 seen_depth, vec3 step_depth)
+{
+    if (mixture.scattering == vec3(0.0) || !sees_sun(point_m, NO_SOLID))
+        return vec3(0.0);
+    vec3 way = sample_sun_depth(point_m) + seen_depth;
+    vec3 sum = vec3(0.0);
+    for (uint m = 0; m < frame.medium_count; m++) {
+        vec3 scattered_per_m = scattering_per_m[m];
+        float depth_part = 1.0, phase_part = 1.0; // b^i, c^i
+        for (uint i = 0; i < FITTED_OCTAVES; i++) {
+            vec3 own_step = depth_part * step_depth;
+            vec3 share = COLOURED ? vec3(phi(own_step.x), phi(own_step.y), phi(own_step.z))
+                                  : vec3(phi(own_step.x));
+            sum += scattered_per_m * flattened_phase_per_sr(m, phase_part) *
+                   fraction_through(depth_part * way) * share;
+            scattered_per_m *= frame.media[m].octave_contribution;
+            depth_part *= frame.media[m].octave_attenuation;
+            phase_part *= frame.media[m].octave_eccentricity;
+        }
+    }
+    return frame.sun_irradiance * sum / max(mixture.extinction_per_m, LEAST) * step_depth;
 }
 
 // --- horizon --------------------------------------------------------------------------------

@@ -78,7 +78,9 @@ struct Medium {
     uvec3 majorant_size;    // cells of the majorant grid over low_m..high_m; 0 when there is none
     uint majorant_first;    // their place in majorants[]
     vec3 glow; // emitted per optical depth of the medium itself [W m^-2 sr^-1]
-    float padding;
+    float octave_eccentricity;  // fitted, as the next two (renderer/octaves_fitted.h)
+    vec3 octave_contribution;
+    float octave_attenuation;
     FogLayer layers[LAYERS_MAX];
     uint layer_count;
     Shape shape;
