@@ -18,6 +18,8 @@ static const struct {
      "how far an engine's steps are from their limit, and which are enough"},
     {"flicker", neph_cli_study_flicker,
      "which preset of the real-time renderer flickers and lags less, with intervals"},
+    {"light", neph_cli_study_light,
+     "how far lighting models are from all orders of scattering, and where"},
 };
 enum { KIND_COUNT = sizeof(kinds) / sizeof(kinds[0]) };
 
@@ -30,7 +32,8 @@ static void print_help(FILE *out)
                  "`neph study ENGINE SCENE`\nand `neph study --renew` are of `steps`.\n\n"
                  "Examples:\n"
                  "  neph study steps march fence_backlit\n"
-                 "  neph study flicker --suite test --markdown study.md\n");
+                 "  neph study flicker --suite test --markdown study.md\n"
+                 "  neph study light cloud_below --suns 50:180,15:0 --g 0,0.85\n");
 }
 
 static enum neph_status refuse_kind(const char *word, struct neph_diag *diag)

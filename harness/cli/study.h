@@ -9,5 +9,6 @@
 
 neph_verb neph_cli_study_steps;
 neph_verb neph_cli_study_flicker;
+neph_verb neph_cli_study_light;
 
 #endif

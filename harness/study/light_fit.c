@@ -1,0 +1,319 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/study/light_fit.h"
+
+#include "scenes/media.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { UNKNOWNS = 3 * NEPH_OCTAVES_FEATURES, ITERATIONS_MAX = 200 };
+_Static_assert(sizeof(struct neph_octaves_fit) == UNKNOWNS * sizeof(double), "nothing else");
+
+/* Shares of what is made small. */
+static const double rms_share = 0.25, thin_share = 0.1;
+
+/* Share of the squares of the coefficients themselves: what no cell asks for stays small. */
+static const double ridge = 1e-3;
+
+/* Where a medium is thinner than this, it is hardly seen. */
+static const double thinnest = 0.1;
+
+/* ---- the model ------------------------------------------------------------------------------- */
+
+double neph_light_octaves(const struct neph_light_view *view, const struct neph_octaves *octaves,
+                          double g, double albedo)
+{
+    const double cosine = cos(view->angle_rad);
+    double sum = 0.0, a = 1.0, b = 1.0, c = 1.0;
+    for (int i = 0; i < octaves->count; i++) {
+        const struct neph_phase phase = {NEPH_PHASE_HENYEY_GREENSTEIN, c * g};
+        sum += a * neph_phase_per_sr(&phase, cosine) * neph_light_lit_at(view->lit, b);
+        a *= octaves->contribution;
+        b *= octaves->attenuation;
+        c *= octaves->eccentricity;
+    }
+    return albedo * sum;
+}
+
+/* ---- pixels of a cell ------------------------------------------------------------------------ */
+
+static bool is_dense(const struct neph_light_pixel *pixel)
+{
+    return exp(-pixel->view.eye_depth) < NEPH_LIGHT_DENSE_TRANSMITTANCE;
+}
+
+static bool is_among(const struct neph_light_pixel *pixel, bool dense)
+{
+    return pixel->view.eye_depth >= thinnest && is_dense(pixel) == dense;
+}
+
+static struct neph_octaves octaves_of(const struct neph_light_cell *cell,
+                                      const struct neph_octaves_fit *fit)
+{
+    return neph_octaves_of(fit, cell->light.g, cell->light.albedo);
+}
+
+static struct neph_light_sums sum_cell(const struct neph_light_cell *cell,
+                                       const struct neph_octaves_fit *fit, bool dense)
+{
+    const struct neph_octaves octaves = octaves_of(cell, fit);
+    struct neph_light_sums sums = {.count = 0};
+    for (int p = 0; p < cell->pixel_count && !cell->left_out[0]; p++) {
+        const struct neph_light_pixel *pixel = &cell->pixels[p];
+        if (is_among(pixel, dense))
+            neph_light_sums_add(
+                &sums,
+                neph_light_octaves(&pixel->view, &octaves, cell->light.g, cell->light.albedo),
+                pixel->first, pixel->second);
+    }
+    return sums;
+}
+
+/* ---- residuals ------------------------------------------------------------------------------- */
+
+/* Those of the dense or thin pixels of a cell: the bias, then each pixel. Returns how many. */
+static int residuals_of_part(const struct neph_light_cell *cell, const struct neph_octaves_fit *fit,
+                             bool dense, double *residuals)
+{
+    const struct neph_octaves octaves = octaves_of(cell, fit);
+    const double share = dense ? 1.0 : thin_share;
+    double truth = 0.0, off = 0.0;
+    int count = 0;
+    for (int p = 0; p < cell->pixel_count; p++) {
+        const struct neph_light_pixel *pixel = &cell->pixels[p];
+        if (!is_among(pixel, dense))
+            continue;
+        const double radiance = 0.5 * (pixel->first + pixel->second);
+        const double error = neph_light_octaves(&pixel->view, &octaves, cell->light.g,
+                                                cell->light.albedo) -
+                             radiance;
+        residuals[++count] = error;
+        truth += radiance;
+        off += error;
+    }
+    if (!(truth > 0.0))
+        return 0;
+    for (int i = 1; i <= count; i++)
+        residuals[i] *= sqrt(share * rms_share * count) / truth;
+    residuals[0] = sqrt(share) * off / truth;
+    return count + 1;
+}
+
+/* All of them; returns how many. */
+static int residuals_of(const struct neph_light_study *study, const struct neph_octaves_fit *fit,
+                        double *residuals)
+{
+    const double *coefficients = fit->contribution;
+    int count = 0;
+    for (int i = 0; i < study->cell_count; i++)
+        for (int dense = 0; dense < 2 && !study->cells[i].left_out[0]; dense++)
+            count += residuals_of_part(&study->cells[i], fit, dense != 0, residuals + count);
+    for (int k = 0; k < UNKNOWNS && count > 0; k++)
+        residuals[count++] = sqrt(ridge) * coefficients[k];
+    return count;
+}
+
+static double squares_of(const double *residuals, int count)
+{
+    double sum = 0.0;
+    for (int i = 0; i < count; i++)
+        sum += residuals[i] * residuals[i];
+    return sum;
+}
+
+/* ---- least squares --------------------------------------------------------------------------- */
+
+struct normal {
+    double matrix[UNKNOWNS][UNKNOWNS], right[UNKNOWNS];
+};
+
+struct search {
+    const struct neph_light_study *study;
+    struct neph_octaves_fit fit;
+    double damping, squares;
+    int count;                 /* of residuals */
+    double *residuals, *moved; /* at `fit`, and at another; owned */
+    double *slopes[UNKNOWNS];  /* of all residuals by each unknown; owned */
+};
+
+static struct neph_octaves_fit moved_by(const struct neph_octaves_fit *fit, const double *step)
+{
+    struct neph_octaves_fit moved = *fit;
+    double *coefficients = moved.contribution;
+    for (int k = 0; k < UNKNOWNS; k++)
+        coefficients[k] += step[k];
+    return moved;
+}
+
+/* Forward differences: a step of 1e-5 leaves half the digits of a double. */
+static void find_slopes(struct search *search)
+{
+    for (int k = 0; k < UNKNOWNS; k++) {
+        double step[UNKNOWNS] = {0.0};
+        step[k] = 1e-5;
+        const struct neph_octaves_fit moved = moved_by(&search->fit, step);
+        residuals_of(search->study, &moved, search->slopes[k]);
+        for (int i = 0; i < search->count; i++)
+            search->slopes[k][i] = (search->slopes[k][i] - search->residuals[i]) / step[k];
+    }
+}
+
+static double dot(const double *a, const double *b, int count)
+{
+    double sum = 0.0;
+    for (int i = 0; i < count; i++)
+        sum += a[i] * b[i];
+    return sum;
+}
+
+static struct normal normal_of(const struct search *search)
+{
+    struct normal normal;
+    for (int k = 0; k < UNKNOWNS; k++) {
+        for (int l = 0; l < UNKNOWNS; l++)
+            normal.matrix[k][l] = dot(search->slopes[k], search->slopes[l], search->count);
+        normal.right[k] = -dot(search->slopes[k], search->residuals, search->count);
+    }
+    return normal;
+}
+
+/* Gaussian elimination; the damped matrix is positive definite and needs no pivots. */
+static void solve(struct normal normal, double damping, double step[UNKNOWNS])
+{
+    for (int k = 0; k < UNKNOWNS; k++)
+        normal.matrix[k][k] *= 1.0 + damping;
+    for (int k = 0; k < UNKNOWNS; k++)
+        for (int row = k + 1; row < UNKNOWNS; row++) {
+            const double factor = normal.matrix[row][k] / normal.matrix[k][k];
+            for (int l = k; l < UNKNOWNS; l++)
+                normal.matrix[row][l] -= factor * normal.matrix[k][l];
+            normal.right[row] -= factor * normal.right[k];
+        }
+    for (int k = UNKNOWNS - 1; k >= 0; k--) {
+        step[k] = normal.right[k];
+        for (int l = k + 1; l < UNKNOWNS; l++)
+            step[k] -= normal.matrix[k][l] * step[l];
+        step[k] /= normal.matrix[k][k];
+    }
+}
+
+/* One step downhill, with as much damping as it takes; false: there is none. */
+static bool descend(struct search *search)
+{
+    find_slopes(search);
+    const struct normal normal = normal_of(search);
+    for (; search->damping < 1e9; search->damping *= 4.0) {
+        double step[UNKNOWNS];
+        solve(normal, search->damping, step);
+        const struct neph_octaves_fit moved = moved_by(&search->fit, step);
+        residuals_of(search->study, &moved, search->moved);
+        const double squares = squares_of(search->moved, search->count);
+        if (!(squares < search->squares))
+            continue;
+        const bool is_worth_it = search->squares - squares > 1e-7 * search->squares;
+        double *residuals = search->residuals;
+        search->residuals = search->moved;
+        search->moved = residuals;
+        search->fit = moved;
+        search->squares = squares;
+        search->damping = fmax(search->damping / 8.0, 1e-9);
+        return is_worth_it;
+    }
+    return false;
+}
+
+static size_t room_of(const struct neph_light_study *study)
+{
+    size_t room = UNKNOWNS;
+    for (int i = 0; i < study->cell_count; i++)
+        room += (size_t)study->cells[i].pixel_count + 4;
+    return room;
+}
+
+static bool make_room(struct search *search)
+{
+    const size_t size = room_of(search->study);
+    bool is_there = (search->residuals = calloc(size, sizeof(double))) != NULL;
+    is_there = (search->moved = calloc(size, sizeof(double))) && is_there;
+    for (int k = 0; k < UNKNOWNS; k++)
+        is_there = (search->slopes[k] = calloc(size, sizeof(double))) && is_there;
+    return is_there;
+}
+
+static void finish(struct search *search)
+{
+    for (int k = 0; k < UNKNOWNS; k++)
+        free(search->slopes[k]);
+    free(search->moved);
+    free(search->residuals);
+}
+
+enum neph_status neph_light_fit(const struct neph_light_study *study, struct neph_octaves_fit *fit,
+                                struct neph_diag *diag)
+{
+    struct search search = {.study = study, .damping = 1e-2};
+    enum neph_status status = make_room(&search) ? NEPH_OK : neph_fail_memory(diag);
+    if (!status) {
+        search.count = residuals_of(study, &search.fit, search.residuals);
+        search.squares = squares_of(search.residuals, search.count);
+        if (search.count == 0)
+            status = neph_fail(diag, NEPH_ERR_USAGE, "there is no cell with media to fit on");
+    }
+    for (int i = 0; i < ITERATIONS_MAX && !status; i++)
+        if (!descend(&search))
+            break;
+    if (!status)
+        *fit = search.fit;
+    finish(&search);
+    return status;
+}
+
+/* ---- results --------------------------------------------------------------------------------- */
+
+struct neph_light_verdict neph_light_fit_verdict(const struct neph_light_study *study,
+                                                 const struct neph_octaves_fit *fit)
+{
+    struct neph_light_verdict verdict = {.cell_count = 0};
+    for (int i = 0; i < study->cell_count; i++) {
+        const struct neph_light_sums dense = sum_cell(&study->cells[i], fit, true);
+        if (!isnan(neph_light_bias(&dense)))
+            neph_light_verdict_add(&verdict, &dense);
+    }
+    neph_light_verdict_end(&verdict);
+    return verdict;
+}
+
+static void print_factors(const char *name, const double k[NEPH_OCTAVES_FEATURES], FILE *out)
+{
+    fprintf(out, ".%s = {%.6g, %.6g, %.6g, %.6g, %.6g},\n", name, k[0], k[1], k[2], k[3], k[4]);
+}
+
+enum neph_status neph_light_fit_text(const struct neph_light_study *study,
+                                     const struct neph_octaves_fit *fit, char **text,
+                                     struct neph_diag *diag)
+{
+    const struct neph_light_study_params *params = study->params;
+    const struct neph_light_verdict after = neph_light_fit_verdict(study, fit);
+    *text = NULL;
+    size_t size;
+    FILE *out = open_memstream(text, &size);
+    if (!out)
+        return neph_fail_memory(diag);
+    fprintf(out,
+            "/* Written by `neph study light --suite tuning --fit`: %d cells with dense parts at "
+            "%dx%d, the\n * tracer's noise %g. Mean of abs(bias) there %.1f %% (worst %.1f %%), "
+            "mean rms %.1f %%. */\n",
+            after.cell_count, params->width_px, params->height_px, params->noise,
+            100.0 * after.mean_bias, 100.0 * after.worst_bias, 100.0 * after.mean_rms);
+    print_factors("contribution", fit->contribution, out);
+    print_factors("attenuation", fit->attenuation, out);
+    print_factors("eccentricity", fit->eccentricity, out);
+    const bool cut = ferror(out) != 0, closed = fclose(out) == 0;
+    if (!cut && closed)
+        return NEPH_OK;
+    free(*text);
+    *text = NULL;
+    return neph_fail_memory(diag);
+}

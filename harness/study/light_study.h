@@ -1,0 +1,103 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * A light study: lighting models of the ray marcher side by side with the tracer's multiple
+ * scattering, over clouds, suns, phase functions, albedos and densities. A cell is one of each. All
+ * numbers are of the radiance of media alone, channels averaged, under a sun of 1 W/m2 and nothing
+ * else (scenes/relit.h). What is finished is in the store, and the same study goes on from there.
+ */
+#ifndef NEPH_HARNESS_STUDY_LIGHT_STUDY_H
+#define NEPH_HARNESS_STUDY_LIGHT_STUDY_H
+
+#include "harness/run/job.h"
+#include "harness/study/light_suites.h"
+#include "harness/study/light_sums.h"
+#include "harness/study/light_view.h"
+
+enum { NEPH_LIGHT_MODELS_MAX = 8, NEPH_LIGHT_WHY_SIZE = 200 };
+
+/* Less than this of what lies behind comes through a dense pixel. */
+#define NEPH_LIGHT_DENSE_TRANSMITTANCE 0.1
+
+struct neph_light_study_params {
+    const char *const *models; /* engines: "NAME" or "NAME+KEY=VALUE+..." */
+    int model_count;           /* 1 .. NEPH_LIGHT_MODELS_MAX */
+    const struct neph_light_entry *entries;
+    int entry_count;
+    int width_px, height_px;
+    int steps;     /* of every view ray, unless a model says otherwise */
+    double noise;  /* of a picture of the tracer: its target_error */
+    int samples;   /* its most */
+    bool with_lit; /* keep what a fit needs of every pixel */
+    bool quiet;
+};
+
+/* What a fit needs of a pixel. */
+struct neph_light_pixel {
+    struct neph_light_view view;
+    double first, second; /* radiance by the tracer */
+};
+
+/* A model in a cell. */
+struct neph_light_gap {
+    struct neph_light_sums dense, all; /* pixels of transmittance below a tenth; that hold media */
+    double render_s;
+    bool once;                         /* it was given the scene with light scattered once */
+    char because[NEPH_LIGHT_WHY_SIZE]; /* why it has none; "" when it has */
+};
+
+struct neph_light_cell {
+    char *scene;               /* owned */
+    struct neph_relight light; /* as it is, of the first medium */
+    double noise;              /* of one of the tracer's pictures (run/noise.h) */
+    double tracer_s;           /* of both, when they were rendered */
+    struct neph_light_gap gaps[NEPH_LIGHT_MODELS_MAX];
+    struct neph_light_pixel *pixels; /* owned; NULL unless asked for */
+    int pixel_count;
+    char left_out[NEPH_LIGHT_WHY_SIZE]; /* why nothing was measured; "" when it was */
+};
+
+/* A model's pixels of all cells, by two axes. */
+struct neph_light_map {
+    struct neph_light_sums bins[NEPH_LIGHT_BINS][NEPH_LIGHT_BINS];
+};
+
+struct neph_light_study {
+    const struct neph_light_study_params *params; /* borrowed */
+    char device[128];
+    struct neph_light_cell *cells; /* owned */
+    int cell_count;
+    struct neph_light_map eye_sun[NEPH_LIGHT_MODELS_MAX], eye_angle[NEPH_LIGHT_MODELS_MAX];
+    int failed_count; /* models and tracers that broke; their cells say why */
+};
+
+/* How a model does over cells. A cell without dense pixels is not counted. */
+struct neph_light_verdict {
+    int cell_count;
+    double mean_bias, worst_bias, mean_rms; /* of |bias|, in the dense parts; NaN without a cell */
+    double share_within;                    /* of cells with |bias| <= 5 % */
+    double share_smooth;                    /* of cells with rms <= 15 % */
+};
+
+/* A cell's dense parts into a verdict that began with {0}; and, after the last, its means. */
+void neph_light_verdict_add(struct neph_light_verdict *verdict,
+                            const struct neph_light_sums *dense);
+void neph_light_verdict_end(struct neph_light_verdict *verdict);
+
+#define NEPH_LIGHT_BIAS_WANTED 0.05
+#define NEPH_LIGHT_RMS_WANTED 0.15
+
+/* Run it. A scene whose data is not on this machine, or that cannot be lit anew, is left out, and
+ * so is a model where it cannot render the scene. NEPH_ERR_INTERRUPTED: what is finished stays in
+ * the store. For _finish in any case. */
+enum neph_status neph_light_study_run(const struct neph_light_study_params *params,
+                                      struct neph_store *store, struct neph_light_study *study,
+                                      struct neph_diag *diag);
+void neph_light_study_finish(struct neph_light_study *study);
+
+/* Over the cells that `counts` says yes to; NULL: all. */
+struct neph_light_verdict neph_light_verdict_of(const struct neph_light_study *study, int model,
+                                                bool (*counts)(const struct neph_light_cell *cell,
+                                                               const void *context),
+                                                const void *context);
+
+#endif

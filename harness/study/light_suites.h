@@ -1,0 +1,39 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * What a light study renders: scenes, each under several suns and with several phase functions,
+ * albedos and densities; by suites (scenes/studies/light.json): "tuning", which models are fitted
+ * on, and "test", which no fit sees. What is said of a model is said of the second.
+ */
+#ifndef NEPH_HARNESS_STUDY_LIGHT_SUITES_H
+#define NEPH_HARNESS_STUDY_LIGHT_SUITES_H
+
+#include "base/status.h"
+#include "scenes/relit.h"
+
+enum { NEPH_LIGHT_SWEEP_MAX = 8 };
+
+/* Every sun with every g, albedo and density. A list of none is the scene's own. */
+struct neph_light_sweep {
+    int sun_count, g_count, albedo_count, density_count;
+    double suns_deg[NEPH_LIGHT_SWEEP_MAX][2]; /* elevation and azimuth, see scenes/relit.h */
+    double g[NEPH_LIGHT_SWEEP_MAX], albedo[NEPH_LIGHT_SWEEP_MAX], density[NEPH_LIGHT_SWEEP_MAX];
+};
+
+struct neph_light_entry {
+    char *scene;        /* a name of the catalogue, or a path; owned */
+    bool may_be_absent; /* its data need not be on this machine */
+    struct neph_light_sweep sweep;
+};
+
+int neph_light_sweep_count(const struct neph_light_sweep *sweep);
+
+/* 0 .. count - 1; the sun changes last. */
+struct neph_relight neph_light_sweep_at(const struct neph_light_sweep *sweep, int index);
+
+/* The entries of a suite, for neph_light_entries_free(). Errors as of neph_suite_find(); also
+ * NEPH_ERR_INPUT: a list is not one of numbers, or too long. */
+enum neph_status neph_light_suite_find(const char *name, struct neph_light_entry **entries,
+                                       int *count, struct neph_diag *diag);
+void neph_light_entries_free(struct neph_light_entry *entries, int count);
+
+#endif

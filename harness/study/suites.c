@@ -1,0 +1,85 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/study/suites.h"
+
+#include "harness/data.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static enum neph_status load(const char *file, const char *format, json_t **content,
+                             struct neph_diag *diag)
+{
+    json_error_t error;
+    char *path = neph_data_path(file);
+    if (!path)
+        return neph_fail_memory(diag);
+    json_t *loaded = json_load_file(path, JSON_REJECT_DUPLICATES, &error);
+    enum neph_status status = NEPH_OK;
+    if (!loaded || strcmp(neph_json_text(loaded, "format"), format) != 0) {
+        status = neph_fail(diag, NEPH_ERR_INPUT, "%s",
+                           loaded ? "these are no suites of this kind of study" : error.text);
+        neph_locate(diag, path, loaded ? 1 : error.line, loaded ? 1 : error.column);
+        json_decref(loaded);
+    } else {
+        *content = loaded;
+    }
+    free(path);
+    return status;
+}
+
+/* Each scene once, over all suites, and with a reason. */
+static enum neph_status check(const json_t *suites, struct neph_diag *diag)
+{
+    json_t *seen = json_object();
+    enum neph_status status = seen ? NEPH_OK : neph_fail_memory(diag);
+    const char *suite;
+    json_t *scenes;
+    json_object_foreach((json_t *)suites, suite, scenes)
+    {
+        for (size_t i = 0; i < json_array_size(scenes) && !status; i++) {
+            const json_t *entry = json_array_get(scenes, i);
+            const char *name = neph_json_text(entry, "scene");
+            if (!*name || !*neph_json_text(entry, "reason"))
+                status = neph_fail(diag, NEPH_ERR_INPUT,
+                                   "entry %zu of the suite %s lacks a scene or a reason", i, suite);
+            else if (json_object_get(seen, name))
+                status = neph_fail(diag, NEPH_ERR_INPUT, "the scene %s is in the suites twice",
+                                   name);
+            else
+                status = neph_json_put(seen, name, json_true(), diag);
+        }
+    }
+    json_decref(seen);
+    return status;
+}
+
+static enum neph_status refuse(const char *name, const json_t *suites, struct neph_diag *diag)
+{
+    char names[256] = "";
+    const char *suite;
+    json_t *scenes;
+    neph_fail(diag, NEPH_ERR_USAGE, "there is no suite '%s'", name);
+    json_object_foreach((json_t *)suites, suite, scenes)
+    {
+        strncat(names, " ", sizeof(names) - strlen(names) - 1);
+        strncat(names, suite, sizeof(names) - strlen(names) - 1);
+    }
+    neph_hint(diag, "suites are:%s", names);
+    return NEPH_ERR_USAGE;
+}
+
+enum neph_status neph_suite_find(const char *file, const char *format, const char *name,
+                                 json_t **entries, struct neph_diag *diag)
+{
+    json_t *content = NULL;
+    enum neph_status status = load(file, format, &content, diag);
+    const json_t *suites = json_object_get(content, "suites");
+    if (!status)
+        status = check(suites, diag);
+    if (!status && !json_object_get(suites, name))
+        status = refuse(name, suites, diag);
+    if (!status)
+        *entries = json_incref(json_object_get(suites, name));
+    json_decref(content);
+    return status;
+}

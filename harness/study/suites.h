@@ -1,0 +1,18 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Lists of scenes for studies, as data with a reason for each: {"format": FORMAT, "suites": {NAME:
+ * [{"scene": ..., "reason": ..., ...}, ...], ...}} in scenes/studies/. What is chosen by one suite
+ * is judged by another: a scene is in one of them, and once.
+ */
+#ifndef NEPH_HARNESS_STUDY_SUITES_H
+#define NEPH_HARNESS_STUDY_SUITES_H
+
+#include "harness/json.h"
+
+/* The entries of a suite in a file of the project ("scenes/studies/flicker.json"), for the caller
+ * to json_decref. NEPH_ERR_USAGE: there is no such suite (the hint lists them). NEPH_ERR_INPUT: the
+ * file is not what it should be: of another format, a scene without a reason, or twice. */
+enum neph_status neph_suite_find(const char *file, const char *format, const char *name,
+                                 json_t **entries, struct neph_diag *diag);
+
+#endif

@@ -1,0 +1,114 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""`neph study light` as a user runs it, in tiny pictures: tables, files, reuse, a fit, refusals."""
+import csv
+import json
+import os
+import pathlib
+import subprocess
+import tempfile
+import unittest
+import xml.etree.ElementTree
+
+NEPH = os.environ["NEPH"]
+CACHE = tempfile.TemporaryDirectory()
+unittest.addModuleCleanup(CACHE.cleanup)
+ENVIRONMENT = {**os.environ, "NEPH_VULKAN_VALIDATION": "1", "XDG_CACHE_HOME": CACHE.name}
+
+# Optical depth 6 straight down: half of the view is dense.
+SLAB = """
+name: slab
+title: a test
+physics: a test
+camera: {position_m: [0, 8, 0], look_at_m: [1, 0, -4], vertical_fov_deg: 40}
+sun: {direction: [0.6, 0.75, 0.3], irradiance_w_per_m2: [6, 6, 6]}
+background_w_per_m2_sr: [0.5, 0.25, 0.125]
+scattering: multiple
+media:
+  - homogeneous:
+      extinction_per_m: 2
+      albedo: [0.9, 0.9, 0.9]
+      bounds: {min_m: [-1000, -3, -1000], max_m: [1000, 0, 1000]}
+"""
+DARK = SLAB.replace("slab", "dark").replace("sun:", "# sun:")
+
+
+class StudyLight(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+        self.slab, self.dark = self.folder / "slab.yaml", self.folder / "dark.yaml"
+        self.slab.write_text(SLAB)
+        self.dark.write_text(DARK)
+
+    def run_neph(self, *arguments):
+        return subprocess.run(
+            [NEPH, "study", "light", *map(str, arguments), "--size", "12x8", "--steps", "32",
+             "--noise", "0.5", "--samples", "8", "-o", str(self.folder / "out")],
+            capture_output=True, text=True, timeout=300, env=ENVIRONMENT)
+
+    def test_models_files_and_reuse(self):
+        table, lines = self.folder / "light.md", self.folder / "light.csv"
+        fit = self.folder / "fit.inc"
+        arguments = (self.slab, "--suns", "50:180", "--albedo", "1,0.9", "--csv", lines,
+                     "--markdown", table, "--fit", fit, "--json")
+        done = self.run_neph(*arguments)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        found = json.loads(done.stdout)
+        self.assertEqual([c["albedo"] for c in found["cells"]], [1, 0.9])
+        bias = {}
+        for cell in found["cells"]:
+            self.assertAlmostEqual(cell["sun_elevation_deg"], 50)
+            self.assertAlmostEqual(abs(cell["sun_azimuth_deg"]), 180)
+            once, octaves, fitted = cell["models"]
+            self.assertTrue(once["scattered_once"] and not octaves["scattered_once"])
+            self.assertGreater(once["dense"]["pixels"], 40)
+            # single scattering is a part of all orders; in a thick white slab a small one
+            self.assertLess(once["dense"]["bias"], -0.3)
+            self.assertLess(abs(fitted["dense"]["bias"]), abs(once["dense"]["bias"]))
+            bias[cell["albedo"]] = once["dense"]["bias"]
+        self.assertLess(bias[1], bias[0.9])
+        # every pixel with media is in a bin of each map
+        for maps in found["maps"]:
+            for name in ("eye_sun", "eye_angle"):
+                pixels = sum(b["pixels"] for row in maps[name] for b in row)
+                self.assertEqual(pixels, sum(c["models"][0]["all"]["pixels"]
+                                             for c in found["cells"]))
+        with lines.open(newline="") as file:
+            self.assertEqual(len(list(csv.DictReader(file))), 6)
+        self.assertIn("| march_octaves_fitted |", table.read_text())
+        xml.etree.ElementTree.parse(self.folder / "out" / "light.svg")
+        self.assertIn(".attenuation = {", fit.read_text())
+        store = self.folder / "out" / "store" / "frames"
+        before = sorted((p.name, p.stat().st_mtime_ns) for p in store.iterdir())
+        again = self.run_neph(*arguments)
+        self.assertEqual(json.loads(again.stdout), found)
+        self.assertEqual(sorted((p.name, p.stat().st_mtime_ns) for p in store.iterdir()), before)
+
+    def test_refusals(self):
+        for arguments, words in (
+                (("--suite", "both"), "there is no suite 'both'"),
+                (("--suite", "test", self.slab), "a suite or scenes by name"),
+                (("--fit", "x.inc"), "what a fit is judged by"),
+                (("--suns", "50:180"), "are of a SCENE"),
+                ((self.slab, "--suns", "50"), "no elevation and azimuth"),
+                ((self.slab, "--g", "much"), "is no number"),
+                ((self.slab, "--models", "tracer"), "is no lighting model"),
+                ((self.slab, "--g", "1.5"), "outside -0.999..0.999"),
+                (("nowhere",), "nowhere")):
+            done = self.run_neph(*arguments)
+            self.assertNotEqual(done.returncode, 0, arguments)
+            self.assertIn(words, " ".join(done.stderr.split()), arguments)
+            self.assertEqual(done.stdout, "")
+
+    def test_what_cannot_be_lit_is_left_out(self):
+        done = self.run_neph(self.dark, "--json")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        cell, = json.loads(done.stdout)["cells"]
+        self.assertIn("no sun", cell["left_out"])
+        self.assertEqual([m["dense"]["pixels"] for m in cell["models"]], [0, 0, 0])
+
+
+if __name__ == "__main__":
+    unittest.main()
