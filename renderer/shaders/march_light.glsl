@@ -237,7 +237,7 @@ vec3 fitted_octave_light(Mixture mixture, vec3 point_m, vec3 seen_depth, vec3 st
         return vec3(0.0);
     vec3 way = sample_sun_depth(point_m) + seen_depth;
     vec3 sum = vec3(0.0);
-    for (uint m = 0; m < frame.medium_count; m++) {
+    [[unroll]] for (uint m = 0; m < media_count(); m++) {
         vec3 scattered_per_m = scattering_per_m[m];
         float depth_part = 1.0, phase_part = 1.0; // b^i, c^i
         for (uint i = 0; i < FITTED_OCTAVES; i++) {
