@@ -687,13 +687,16 @@ static void build_extreme_scene(uint64_t *random, struct test_scene *test)
         (struct neph_vec3){PICK(random, components), PICK(random, components), -1.0});
     test->scene.sun.direction = neph_vec3_normalize((struct neph_vec3){
         PICK(random, components), PICK(random, components) + 1e-3, PICK(random, components)});
-    const int media = (int)(neph_test_random(random) % 4);
-    for (int i = 0; i < media; i++) {
+    /* Another number, kind or layer of media is another kernel. */
+    const bool is_simple = neph_test_random(random) % 8 == 0;
+    for (int i = 0; i < (is_simple ? 1 : 3); i++) {
         struct neph_medium *medium = test_add_medium(test, PICK(random, extinctions),
                                                      PICK(random, falloffs), PICK(random, heights));
-        if (neph_test_random(random) % 2)
+        if (!is_simple) {
+            medium->kind = NEPH_MEDIUM_HEIGHT_FOG;
             test_add_layer(medium, PICK(random, extinctions), PICK(random, falloffs),
                            PICK(random, heights));
+        }
         medium->phase.g = PICK(random, gs);
         medium->bounds.min_m.y = -PICK(random, sides);
         medium->bounds.max_m.y = PICK(random, sides);
