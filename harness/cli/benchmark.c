@@ -156,26 +156,15 @@ static enum neph_status add_engine(const char *name, const struct neph_scene *sc
                : NEPH_OK;
 }
 
-/* The job of the engine that the first `length` bytes name; NULL: none. */
-static struct neph_job *job_named(struct both *both, const char *name, size_t length)
+static enum neph_status apply_setting(struct both *both, const char *text, struct neph_diag *diag)
 {
-    struct neph_job *found = NULL;
     for (int e = 0; e < both->noise.engine_count + both->frames.engine_count; e++) {
         const int f = e - both->noise.engine_count;
         struct neph_job *job = f < 0 ? &both->noise.engines[e].job : &both->frames.engines[f].job;
-        if (strlen(job->engine->name) == length && strncmp(name, job->engine->name, length) == 0)
-            found = job;
+        const char *assignment = neph_settings_for(job->engine, text);
+        if (assignment)
+            return neph_settings_set(job->engine, &job->shot.settings, assignment, diag);
     }
-    return found;
-}
-
-/* "cycles:step=0.1" */
-static enum neph_status apply_setting(struct both *both, const char *text, struct neph_diag *diag)
-{
-    const char *colon = strchr(text, ':');
-    struct neph_job *job = colon ? job_named(both, text, (size_t)(colon - text)) : NULL;
-    if (job)
-        return neph_settings_set(job->engine, &job->shot.settings, colon + 1, diag);
     return neph_fail(diag, NEPH_ERR_USAGE, "setting '%s': ENGINE:KEY=VALUE of one of the engines",
                      text);
 }
