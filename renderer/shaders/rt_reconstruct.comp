@@ -1,8 +1,8 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// The reconstruction: the medium at half resolution, from a quarter of its rays and the frame
-// before.
+// The reconstruction: the medium at half resolution, from this frame's rays, one for every four
+// texels, and the frame before.
 //
 // A half-resolution texel (half_pixel) that has a ray in this frame takes it, all of it
 // (fresh_weight = 1) or blended with its history. The others take their history, looked up where
@@ -21,14 +21,14 @@
 // - reproject_depth = tile, reproject_measure = eye: the distance of the tile's ray stands for that
 //   of the texel's cloud, and for an eye depth.
 // - wind = off, validity = off: history does not follow the wind, and nothing is ever void.
-// The article's weight of 0.5 for a fresh ray stands behind a return and is never reached. The
+// The article's weight of 0.5 for a fresh ray stands behind its return and is never reached. The
 // sky's depth is sky_m here with `far` = infinite too: the article says 20 km at this place.
 //
 // Void is what validity = on does not use: rays that are not finite or negative, history of age 0,
-// history that is not sound. Off the screen, behind the camera and after a cut (cut_reset) there is
-// no history with validity = off either; in the first frame there is then what the memory holds.
-// The age counts the rays that went into a texel; one that borrowed its first value from a
-// neighbour's ray is 1 old.
+// history that is not sound; disocclusion (reject_depth) is in realtime_history.glsl. Off the
+// screen, behind the camera and after a cut (cut_reset) there is no history with validity = off
+// either; in the first frame there is then what the memory holds. The age counts the rays that went
+// into a texel; one that borrowed its first value from a neighbour's ray is 1 old.
 #extension GL_GOOGLE_include_directive : require
 
 #include "realtime_pass.glsl"
