@@ -302,6 +302,10 @@ static void fill_media(const struct neph_scene *scene, struct neph_vec3 camera_m
                       !is_black(frame->sun_irradiance);
 }
 
+_Static_assert((int)NEPH_MEDIUM_KIND_COUNT <= 8 && NEPH_FOG_LAYERS_MAX <= 2 &&
+                   NEPH_GPU_KINDS_SHIFT + 4 * NEPH_GPU_KNOWN_MEDIA_MAX <= 32,
+               "three bits for a kind, one for its layers");
+
 /* The kinds and layers of few media, for specialization constant 1. */
 static uint32_t known_media(const struct neph_gpu_frame *frame)
 {

@@ -5,6 +5,7 @@
 #include "harness/study/flicker_study_output.h"
 
 #include "harness/study/flicker_pairs.h"
+#include "harness/study/svg.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -69,17 +70,6 @@ static void draw_ticks(const struct axis *axis, bool is_x, FILE *out)
         }
 }
 
-/* Names of presets are the user's. */
-static void print_escaped(const char *text, FILE *out)
-{
-    for (; *text; text++) {
-        if (*text == '<' || *text == '&' || *text == '"')
-            fprintf(out, "&#%d;", *text);
-        else
-            fputc(*text, out);
-    }
-}
-
 static void draw_point(const struct axis *x, const struct axis *y,
                        const struct neph_study_level *lag, const struct neph_study_level *flicker,
                        const char *name, FILE *out)
@@ -94,7 +84,7 @@ static void draw_point(const struct axis *x, const struct axis *y,
     fprintf(out,
             "<circle cx=\"%.1f\" cy=\"%.1f\" r=\"5\" fill=\"#336\"/><text x=\"%.1f\" y=\"%.1f\">",
             x_px, y_px, x_px + 9, y_px - 7);
-    print_escaped(name, out);
+    neph_svg_print_escaped(name, out);
     fprintf(out, "</text>\n");
 }
 

@@ -4,6 +4,8 @@
  */
 #include "harness/study/light_study_output.h"
 
+#include "harness/study/svg.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -73,22 +75,11 @@ static void draw_map(const struct neph_light_map *map, enum neph_light_axis x, i
     draw_edges(x, left_px, top_px, out);
 }
 
-/* Names of models are the user's. */
-static void print_escaped(const char *text, FILE *out)
-{
-    for (; *text; text++) {
-        if (*text == '<' || *text == '&' || *text == '"')
-            fprintf(out, "&#%d;", *text);
-        else
-            fputc(*text, out);
-    }
-}
-
 static void draw_model(const struct neph_light_study *study, int model, FILE *out)
 {
     const int left_px = LEFT + model * (SQUARE + ACROSS);
     fprintf(out, "<text x=\"%d\" y=\"%d\" font-size=\"15\">", left_px, TOP - 12);
-    print_escaped(study->params->models[model], out);
+    neph_svg_print_escaped(study->params->models[model], out);
     fprintf(out, "</text>\n");
     draw_map(&study->eye_sun[model], NEPH_LIGHT_SUN, left_px, TOP, out);
     draw_map(&study->eye_angle[model], NEPH_LIGHT_ANGLE, left_px, TOP + SQUARE + BELOW, out);
