@@ -113,9 +113,23 @@ static bool boxes_overlap(const struct neph_bounds *a, const struct neph_bounds 
            b->min_m.y < a->max_m.y && a->min_m.z < b->max_m.z && b->min_m.z < a->max_m.z;
 }
 
+/* What Cycles calls anisotropy, of the phase functions that it has. */
 static double asymmetry(const struct neph_phase *phase)
 {
     return phase->kind == NEPH_PHASE_HENYEY_GREENSTEIN ? phase->g : 0.0;
+}
+
+/* A switch, so that a new phase function does not compile before it is known here. */
+static bool has_phase(const struct neph_phase *phase)
+{
+    switch (phase->kind) {
+    case NEPH_PHASE_ISOTROPIC:
+    case NEPH_PHASE_HENYEY_GREENSTEIN:
+        return true;
+    case NEPH_PHASE_RAYLEIGH:
+        return false;
+    }
+    return false;
 }
 
 /* Cycles 3.4 weighs the scattering of overlapping media by the plain sum of their phase functions
@@ -182,7 +196,7 @@ static enum neph_status adapt_medium(const struct neph_scene *scene, int index,
 {
     const struct neph_medium *medium = &scene->media[index];
     double cut_error = 0.0;
-    if (medium->phase.kind == NEPH_PHASE_RAYLEIGH && scene->scattering != NEPH_SCATTERING_NONE)
+    if (!has_phase(&medium->phase) && scene->scattering != NEPH_SCATTERING_NONE)
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "Rayleigh phase function");
     world->containers[index] = neph_medium_container(scene, medium, &cut_error);
     if (!is_box(&world->containers[index]))
@@ -335,11 +349,10 @@ static int set_source(json_t *json, int index, const struct neph_medium *medium,
 static json_t *medium_json(int index, const struct neph_medium *medium,
                            const struct neph_bounds *container, double length_m)
 {
-    const bool isotropic = medium->phase.kind == NEPH_PHASE_ISOTROPIC;
     json_t *json = json_pack("{s:o, s:o, s:o, s:o, s:f, s:o}", "min_m",
                              vector_json(container->min_m), "max_m", vector_json(container->max_m),
                              "extinction_color", color_json(medium->extinction_color), "albedo",
-                             color_json(medium->albedo), "g", isotropic ? 0.0 : medium->phase.g,
+                             color_json(medium->albedo), "g", asymmetry(&medium->phase),
                              "feature_m", isinf(length_m) ? json_null() : json_real(length_m));
     bool is_made = json && !set_source(json, index, medium, container->min_m.y);
     if (is_made && neph_medium_emits(medium))
