@@ -2,18 +2,17 @@
 #include "renderer/march.h"
 
 #include "base/clock.h"
-#include "renderer/gpu_scene.h"
 #include "renderer/in_flight.h"
 #include "renderer/march_cut.h"
+#include "renderer/march_scene.h"
 #include "renderer/reach.h"
 #include "renderer/shortcuts.h"
-#include "renderer/skip_cells.h"
-#include "renderer/sun_cache.h"
 #include "scenes/emission.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 static const uint32_t march_spirv[] = {
 #include "shaders/march.comp.inc"
@@ -108,24 +107,12 @@ struct neph_march {
     struct neph_vulkan *vulkan; /* borrowed */
     struct neph_march_params params;
     struct neph_march_cut cut;
-    struct neph_gpu_scene scene;
-    struct neph_turns frame_turns, solid_turns; /* of the scene's */
-    struct neph_skip_cells skip_cells;
-    struct neph_sun_cache sun_cache;
+    struct neph_march_scene scene;
     struct neph_buffer pixels, states, readback;
     struct neph_in_flight flight;
     /* What dispatches of the frames in flight take, and the fills before them. */
     double flights_gpu_s[NEPH_IN_FLIGHT_FRAMES], fills_gpu_s[NEPH_IN_FLIGHT_FRAMES];
 };
-
-static enum neph_status create_turns(struct neph_march *march, struct neph_diag *diag)
-{
-    const enum neph_status status = neph_turns_create(march->vulkan, &march->scene.buffers[0],
-                                                      "scene frame", &march->frame_turns, diag);
-    return status ? status
-                  : neph_turns_create(march->vulkan, &march->scene.buffers[1], "scene solids",
-                                      &march->solid_turns, diag);
-}
 
 static enum neph_status create_buffers(struct neph_march *march, struct neph_diag *diag)
 {
@@ -154,18 +141,11 @@ enum neph_status neph_march_create(struct neph_vulkan *vulkan, const struct neph
         return neph_fail_memory(diag);
     made->vulkan = vulkan;
     made->params = *params;
-    status = neph_gpu_scene_create(vulkan, scene, params->frame, params->width_px,
-                                   params->height_px, false, &made->scene, diag);
+    status = neph_march_scene_create(vulkan, scene, params, &made->scene, diag);
     if (!status)
-        status = neph_skip_cells_create(vulkan, scene, params, &made->skip_cells, diag);
-    if (!status)
-        status = neph_sun_cache_create(vulkan, scene, &made->scene, params, &made->sun_cache, diag);
-    if (!status)
-        status = neph_march_cut_make(vulkan, scene, &made->scene, params,
+        status = neph_march_cut_make(vulkan, scene, &made->scene.gpu, params,
                                      (uint64_t)params->width_px * (uint64_t)params->height_px,
                                      &made->cut, diag);
-    if (!status)
-        status = create_turns(made, diag);
     if (!status)
         status = create_buffers(made, diag);
     if (status)
@@ -182,11 +162,7 @@ void neph_march_destroy(struct neph_march *march)
     neph_buffer_destroy(march->vulkan, &march->readback);
     neph_buffer_destroy(march->vulkan, &march->states);
     neph_buffer_destroy(march->vulkan, &march->pixels);
-    neph_turns_destroy(march->vulkan, &march->solid_turns);
-    neph_turns_destroy(march->vulkan, &march->frame_turns);
-    neph_sun_cache_destroy(&march->sun_cache);
-    neph_skip_cells_destroy(march->vulkan, &march->skip_cells);
-    neph_gpu_scene_destroy(march->vulkan, &march->scene);
+    neph_march_scene_destroy(march->vulkan, &march->scene);
     free(march);
 }
 
@@ -214,7 +190,7 @@ static enum neph_status create_image(const struct neph_march *march, struct neph
         status = neph_image_add_rgb(created, "transmittance", layers->transmittance, diag);
     if (!status)
         status = neph_image_add_channel(created, "Z", &layers->eye_depth_m, diag);
-    if (!status && (march->scene.frame->scatters || march->scene.frame->emits))
+    if (!status && (march->scene.gpu.frame->scatters || march->scene.gpu.frame->emits))
         status = neph_image_add_channel(created, "volume.distance", &layers->volume_distance_m,
                                         diag);
     if (status) {
@@ -264,11 +240,9 @@ static struct neph_dispatch dispatch_of(const struct neph_march *march,
         .push = run,
         .group_count = (run->ray_count + NEPH_MARCH_LOCAL_SIZE - 1) / NEPH_MARCH_LOCAL_SIZE,
     };
-    neph_gpu_scene_bind(&march->scene, &dispatch);
-    neph_skip_cells_bind(&march->skip_cells, &dispatch);
+    neph_march_scene_bind(&march->scene, &dispatch);
     dispatch.buffers[NEPH_GPU_SCENE_BUFFERS] = &march->states;
     dispatch.buffers[NEPH_GPU_SCENE_BUFFERS + 1] = &march->pixels;
-    dispatch.buffers[NEPH_GPU_SCENE_BUFFERS + 2] = &march->sun_cache.nodes;
     return dispatch;
 }
 
@@ -317,38 +291,8 @@ static enum neph_status get_kernel(struct neph_march *march, const struct neph_k
         .push_size_bytes = sizeof(struct neph_gpu_march_run),
         .constant_count = NEPH_MARCH_CONSTANTS,
     };
-    neph_march_constants(&march->scene, &march->params, params.constants);
+    neph_march_constants(&march->scene.gpu, &march->params, params.constants);
     return neph_kernel_get(march->vulkan, &params, kernel, diag);
-}
-
-/* What the shader reads of the scene, in memory that no other frame reads. */
-static void show_scene(struct neph_march *march, const struct neph_scene *scene, double frame,
-                       const float jitter_px[2])
-{
-    neph_turns_take(&march->frame_turns, &march->scene.buffers[0]);
-    neph_turns_take(&march->solid_turns, &march->scene.buffers[1]);
-    struct neph_gpu_frame *gpu = march->scene.frame = march->scene.buffers[0].mapped;
-    neph_gpu_scene_move(&march->scene, scene, frame, march->params.width_px,
-                        march->params.height_px);
-    neph_march_set_frame(scene, &march->params, gpu);
-    gpu->jitter_px[0] = jitter_px[0];
-    gpu->jitter_px[1] = jitter_px[1];
-}
-
-/* What it looks up beside the scene. */
-static enum neph_status show_shortcuts(struct neph_march *march, const struct neph_scene *scene,
-                                       double frame, struct neph_sun_cache_cost *cost,
-                                       struct neph_diag *diag)
-{
-    enum neph_status status = neph_skip_cells_place(&march->skip_cells, scene, frame,
-                                                    march->scene.frame, diag);
-    /* Frames in flight may still read the nodes: they land first, and their times stay theirs. */
-    if (!status && neph_sun_cache_is_stale(&march->sun_cache, scene, &march->scene))
-        status = neph_batches_wait(march->vulkan, neph_batches_sent(march->vulkan),
-                                   "frames in flight", diag);
-    return status ? status
-                  : neph_sun_cache_fill(&march->sun_cache, scene, frame, &march->scene,
-                                        &march->skip_cells, cost, diag);
 }
 
 /* All dispatches of a frame, sent. */
@@ -402,10 +346,11 @@ enum neph_status neph_march_frame(struct neph_march *march, const struct neph_sc
         return status;
     work.gpu_s = &march->flights_gpu_s[slot];
     *work.gpu_s = 0.0;
-    show_scene(march, scene, frame, jitter_px);
-    status = show_shortcuts(march, scene, frame, &work.cost, diag);
+    status = neph_march_scene_show(march->vulkan, scene, &march->params, frame, &march->scene,
+                                   &work.cost, diag);
     if (status)
         return status;
+    memcpy(march->scene.gpu.frame->jitter_px, jitter_px, 2 * sizeof(*jitter_px));
     march->fills_gpu_s[slot] = work.cost.gpu_s;
     if (!image)
         return send_frame(march, &work, diag);

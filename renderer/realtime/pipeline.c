@@ -4,12 +4,11 @@
 #include "base/clock.h"
 #include "renderer/march.h"
 #include "renderer/march_cut.h"
+#include "renderer/march_scene.h"
 #include "renderer/realtime/images.h"
 #include "renderer/realtime/moment.h"
 #include "renderer/realtime/noise.h"
 #include "renderer/shortcuts.h"
-#include "renderer/skip_cells.h"
-#include "renderer/sun_cache.h"
 #include "scenes/emission.h"
 #include "scenes/media.h"
 #include "scenes/motion.h"
@@ -24,11 +23,8 @@ struct neph_realtime {
     uint32_t seed;
     uint32_t *noise_ranks; /* owned */
     struct neph_march_params march;
-    struct neph_gpu_scene scene;
-    struct neph_turns frame_turns, solid_turns; /* of the scene's */
-    struct neph_skip_cells skip_cells;
-    struct neph_sun_cache sun_cache; /* of the split frame */
-    struct neph_march *whole; /* owned; without a split the march of every pixel, else NULL */
+    struct neph_march_scene scene; /* of the split frame */
+    struct neph_march *whole;      /* owned; without a split the march of every pixel, else NULL */
     struct neph_march_cut cuts[NEPH_RT_PASSES_MAX]; /* of the passes that have rays */
     struct neph_buffer states, counters;
     struct neph_rt_device device;
@@ -98,15 +94,13 @@ static enum neph_status add_ray_pass(struct neph_realtime *realtime,
         .is_cut = !neph_march_cut_is_whole(cut),
         .gpu_s = gpu_s,
     };
-    neph_gpu_scene_bind(&realtime->scene, &work.dispatch);
-    neph_skip_cells_bind(&realtime->skip_cells, &work.dispatch);
+    neph_march_scene_bind(&realtime->scene, &work.dispatch);
     work.dispatch.buffers[NEPH_GPU_SCENE_BUFFERS] = &realtime->states;
     work.dispatch.buffers[NEPH_GPU_SCENE_BUFFERS + 1] = &realtime->counters;
-    work.dispatch.buffers[NEPH_GPU_SCENE_BUFFERS + 2] = &realtime->sun_cache.nodes;
     neph_rt_device_bind(&realtime->device, pass, NEPH_MARCH_BUFFERS, &params, &work.dispatch);
-    neph_march_constants(&realtime->scene, &realtime->march, params.constants);
+    neph_march_constants(&realtime->scene.gpu, &realtime->march, params.constants);
     params.constants[RT_UNCOUNTED_CONSTANT] = !counts;
-    params.constants[RT_SOLIDS_CONSTANT] = known_solids(&realtime->scene);
+    params.constants[RT_SOLIDS_CONSTANT] = known_solids(&realtime->scene.gpu);
     const enum neph_status status = neph_kernel_get(realtime->vulkan, &params, &work.kernel, diag);
     return status ? status : neph_march_cut_run(cut, add_rays, &work, diag);
 }
@@ -166,7 +160,7 @@ static enum neph_status create_rays(struct neph_realtime *realtime, const struct
             continue;
         if (pass->rays == NEPH_RT_RAYS_TO_SOLIDS)
             march.steps = 1;
-        status = neph_march_cut_make(realtime->vulkan, scene, &realtime->scene, &march,
+        status = neph_march_cut_make(realtime->vulkan, scene, &realtime->scene.gpu, &march,
                                      neph_rt_texel_count(view, pass->resolution),
                                      &realtime->cuts[i], diag);
         if (pass->rays == NEPH_RT_RAYS_THROUGH_MEDIA && realtime->cuts[i].rays_max > most_rays)
@@ -230,20 +224,8 @@ static enum neph_status create_once(struct neph_realtime *realtime, const struct
         status = neph_rt_noise_ranks(params->seed, params->cache_folder, realtime->noise_ranks,
                                      diag);
     if (!status)
-        status = neph_gpu_scene_create(realtime->vulkan, scene, 0.0, params->width_px,
-                                       params->height_px, false, &realtime->scene, diag);
-    if (!status)
-        status = neph_turns_create(realtime->vulkan, &realtime->scene.buffers[0], "scene frame",
-                                   &realtime->frame_turns, diag);
-    if (!status)
-        status = neph_turns_create(realtime->vulkan, &realtime->scene.buffers[1], "scene solids",
-                                   &realtime->solid_turns, diag);
-    if (!status)
-        status = neph_skip_cells_create(realtime->vulkan, scene, &realtime->march,
-                                        &realtime->skip_cells, diag);
-    if (!status)
-        status = neph_sun_cache_create(realtime->vulkan, scene, &realtime->scene, &realtime->march,
-                                       &realtime->sun_cache, diag);
+        status = neph_march_scene_create(realtime->vulkan, scene, &realtime->march,
+                                         &realtime->scene, diag);
     if (!status)
         status = neph_buffer_create(realtime->vulkan, NEPH_BUFFER_UPLOAD,
                                     sizeof(struct neph_gpu_counters), "counters",
@@ -285,11 +267,7 @@ void neph_realtime_destroy(struct neph_realtime *realtime)
         return;
     destroy_sized(realtime);
     neph_buffer_destroy(realtime->vulkan, &realtime->counters);
-    neph_turns_destroy(realtime->vulkan, &realtime->solid_turns);
-    neph_turns_destroy(realtime->vulkan, &realtime->frame_turns);
-    neph_sun_cache_destroy(&realtime->sun_cache);
-    neph_skip_cells_destroy(realtime->vulkan, &realtime->skip_cells);
-    neph_gpu_scene_destroy(realtime->vulkan, &realtime->scene);
+    neph_march_scene_destroy(realtime->vulkan, &realtime->scene);
     free(realtime->noise_ranks);
     free(realtime);
 }
@@ -404,33 +382,6 @@ static void take_counters(const struct neph_realtime *realtime, struct neph_real
     stats->closed_forms = whole_number(counters->closed_forms);
 }
 
-/* What the passes of a split frame read of the scene, in memory that no other frame reads. */
-static void show_scene(struct neph_realtime *realtime, const struct neph_scene *still, int frame)
-{
-    neph_turns_take(&realtime->frame_turns, &realtime->scene.buffers[0]);
-    neph_turns_take(&realtime->solid_turns, &realtime->scene.buffers[1]);
-    realtime->scene.frame = realtime->scene.buffers[0].mapped;
-    neph_gpu_scene_move(&realtime->scene, still, frame, realtime->march.width_px,
-                        realtime->march.height_px);
-    neph_march_set_frame(still, &realtime->march, realtime->scene.frame);
-}
-
-/* What they look up beside the scene. */
-static enum neph_status show_shortcuts(struct neph_realtime *realtime,
-                                       const struct neph_scene *still, int frame,
-                                       struct neph_sun_cache_cost *cost, struct neph_diag *diag)
-{
-    enum neph_status status = neph_skip_cells_place(&realtime->skip_cells, still, frame,
-                                                    realtime->scene.frame, diag);
-    /* Frames in flight may still read the nodes: they land first, and their times stay theirs. */
-    if (!status && neph_sun_cache_is_stale(&realtime->sun_cache, still, &realtime->scene))
-        status = neph_batches_wait(realtime->vulkan, neph_batches_sent(realtime->vulkan),
-                                   "frames in flight", diag);
-    return status ? status
-                  : neph_sun_cache_fill(&realtime->sun_cache, still, frame, &realtime->scene,
-                                        &realtime->skip_cells, cost, diag);
-}
-
 /* One ray for each tile, or whatever the settings make of the split. */
 static enum neph_status render_split(struct neph_realtime *realtime,
                                      const struct neph_realtime_frame *frame,
@@ -438,10 +389,11 @@ static enum neph_status render_split(struct neph_realtime *realtime,
                                      struct progress *made, struct neph_diag *diag)
 {
     made->counts = image;
-    show_scene(realtime, still, frame->frame);
     if (made->counts)
         memset(realtime->counters.mapped, 0, sizeof(struct neph_gpu_counters));
-    enum neph_status status = show_shortcuts(realtime, still, frame->frame, &made->fill, diag);
+    enum neph_status status = neph_march_scene_show(realtime->vulkan, still, &realtime->march,
+                                                    frame->frame, &realtime->scene, &made->fill,
+                                                    diag);
     if (!status && frame->given)
         status = neph_rt_give_frame(&realtime->device, frame->given, &made->given, diag);
     if (!status)

@@ -1,0 +1,42 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * What a march reads of a scene on the device: the scene as one frame sees it, in memory that
+ * frames in flight take turns with, and its shortcuts. Not for other folders.
+ */
+#ifndef NEPH_RENDERER_MARCH_SCENE_H
+#define NEPH_RENDERER_MARCH_SCENE_H
+
+#include "renderer/gpu_scene.h"
+#include "renderer/in_flight.h"
+#include "renderer/skip_cells.h"
+#include "renderer/sun_cache.h"
+
+struct neph_march_scene {
+    struct neph_gpu_scene gpu;
+    struct neph_turns frame_turns, solid_turns;
+    struct neph_skip_cells skip_cells;
+    struct neph_sun_cache sun_cache;
+};
+
+/* For a march with these parameters, at their frame. Zero-initialise `scene`; free with _destroy,
+ * also after an error. Errors as of neph_gpu_scene_create() and of its shortcuts' _create. */
+enum neph_status neph_march_scene_create(struct neph_vulkan *vulkan, const struct neph_scene *from,
+                                         const struct neph_march_params *params,
+                                         struct neph_march_scene *scene, struct neph_diag *diag);
+
+/* A zero one is fine. */
+void neph_march_scene_destroy(const struct neph_vulkan *vulkan, struct neph_march_scene *scene);
+
+/* Show another frame, after neph_in_flight_begin(), in memory that no other frame reads; `*cost`
+ * receives what filling a sun cache has taken. Frames in flight land before it is filled anew.
+ * Errors as of neph_march_frame(). */
+enum neph_status neph_march_scene_show(struct neph_vulkan *vulkan, const struct neph_scene *from,
+                                       const struct neph_march_params *params, double frame,
+                                       struct neph_march_scene *scene,
+                                       struct neph_sun_cache_cost *cost, struct neph_diag *diag);
+
+/* Fill in the buffers of shaders/march_run.glsl but for the march's own at NEPH_GPU_SCENE_BUFFERS
+ * and the binding after it. */
+void neph_march_scene_bind(const struct neph_march_scene *scene, struct neph_dispatch *dispatch);
+
+#endif
