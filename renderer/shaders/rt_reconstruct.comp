@@ -37,8 +37,8 @@
 const float AGE_MAX = 255.0;
 
 struct Ray {
-    vec4 value;
-    float depth_m;
+    vec4 value;    // radiance of the medium in W/(m2 sr), transmittance
+    float depth_m; // of the scene, where the ray ends
     bool is_usable;
     bool is_sky; // known where somebody asks
     bool is_in_box;
@@ -56,10 +56,10 @@ ivec2 ray_tile(ivec2 tile, int ray)
     return ray == 0 ? tile : clamp(tile + AROUND[ray], ivec2(0), last);
 }
 
-// Where the article finds the depth of a neighbour towards the upper left or the lower right: in
-// the 2x2 texels about that corner of the tile, at (4 * corner + origin) / buffer size of a buffer
-// of a quarter of that size, rounded up. In whole numbers; the last bit of a coordinate is the
-// device's own.
+// Where the article finds the depth of the six neighbours whose offsets do not sum to 0: by two
+// gathers of 2x2 texels, about the upper left and the lower right corner of the tile, at
+// (4 * corner + origin) / buffer size of a buffer of a quarter of that size, rounded up. In whole
+// numbers; the last bit of a coordinate is the device's own.
 ivec2 gathered_texel(ivec2 tile, ivec2 offset)
 {
     int corner = offset.x + offset.y > 0 ? 1 : 0;
