@@ -305,19 +305,30 @@ static enum neph_status measure(const struct neph_medium *medium, const struct n
 
 /* ---------------------------------------------------------------------------------------------- */
 
+enum neph_status neph_medium_sample(const struct neph_medium *medium, const struct neph_bounds *box,
+                                    int resolution, struct neph_bake *bake, struct neph_diag *diag)
+{
+    struct neph_bake made = {.grid = NULL};
+    const int nodes = resolution ? resolution : NEPH_BAKE_RESOLUTION_DEFAULT;
+    const enum neph_status status = resolution == 0 && neph_medium_is_whole_grid(medium)
+                                        ? copy(medium, &made, diag)
+                                        : sample(medium, box, nodes, &made, diag);
+    if (status)
+        neph_bake_finish(&made);
+    else
+        *bake = made;
+    return status;
+}
+
 enum neph_status neph_medium_bake(const struct neph_medium *medium, const struct neph_bounds *box,
                                   int resolution, struct neph_bake *bake, struct neph_diag *diag)
 {
-    struct neph_bake made = {.grid = NULL};
-    enum neph_status status;
-    if (resolution == 0 && neph_medium_is_whole_grid(medium)) {
-        status = copy(medium, &made, diag);
-    } else {
-        status = sample(medium, box, resolution ? resolution : NEPH_BAKE_RESOLUTION_DEFAULT, &made,
-                        diag);
-        if (!status)
-            status = measure(medium, box, &made, diag);
-    }
+    struct neph_bake made;
+    enum neph_status status = neph_medium_sample(medium, box, resolution, &made, diag);
+    if (status)
+        return status;
+    if (!made.is_copy)
+        status = measure(medium, box, &made, diag);
     if (status)
         neph_bake_finish(&made);
     else

@@ -49,6 +49,11 @@ bool neph_medium_is_whole_grid(const struct neph_medium *medium);
 enum neph_status neph_medium_bake(const struct neph_medium *medium, const struct neph_bounds *box,
                                   int resolution, struct neph_bake *bake, struct neph_diag *diag);
 
+/* The same grid without a measurement of the error, which takes most of the time: errors are 0. For
+ * whom the voxels are the medium. */
+enum neph_status neph_medium_sample(const struct neph_medium *medium, const struct neph_bounds *box,
+                                    int resolution, struct neph_bake *bake, struct neph_diag *diag);
+
 void neph_bake_finish(struct neph_bake *bake);
 
 /* A copy of `medium` with the same optical properties whose kind is GRID. The grid is borrowed. */

@@ -116,7 +116,7 @@ static enum neph_status make_voxels(struct neph_medium *medium, int nodes, struc
 {
     const struct neph_bounds box = neph_medium_support(medium);
     struct neph_bake bake;
-    const enum neph_status status = neph_medium_bake(medium, &box, nodes, &bake, diag);
+    const enum neph_status status = neph_medium_sample(medium, &box, nodes, &bake, diag);
     if (status)
         return status;
     const struct neph_medium voxels = neph_medium_from_bake(medium, &bake);

@@ -99,7 +99,7 @@ static enum neph_status to_voxels(struct neph_scene *scene, int resolution, stru
             continue;
         const struct neph_bounds box = neph_medium_support(medium);
         struct neph_bake bake;
-        const enum neph_status status = neph_medium_bake(medium, &box, resolution, &bake, diag);
+        const enum neph_status status = neph_medium_sample(medium, &box, resolution, &bake, diag);
         if (status)
             return status;
         const struct neph_medium baked = neph_medium_from_bake(medium, &bake);
