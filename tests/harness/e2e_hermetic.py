@@ -13,7 +13,8 @@ import unittest
 import frames
 
 NEPH = os.environ["NEPH"]
-CLEAN = {name: os.environ[name] for name in ("PATH", "NEPH_DATA_DIR") if name in os.environ}
+CLEAN = {name: os.environ[name] for name in ("PATH", "NEPH_DATA_DIR", "MESA_SHADER_CACHE_DIR")
+         if name in os.environ}
 
 # A quarter of the picture, black outside; the command line that neph gives has no word on it.
 POVRAY_INI = "Start_Column=5\nEnd_Row=4\nLibrary_Path=/nonexistent\n"
@@ -60,8 +61,10 @@ class Hermetic(unittest.TestCase):
                  '"1.0.0", "layer": {"name": "VK_LAYER_evil", "type": "GLOBAL", "library_path": '
                  '"/nonexistent.so", "api_version": "1.3.0", "implementation_version": "1", '
                  '"description": "evil", ' '"disable_environment": {"NO_EVIL": "1"}}}')
-        return {**CLEAN, "HOME": str(home), "POVINI": str(self.folder / "povini.ini"),
-                "POVINC": "/nonexistent", "XDG_CONFIG_HOME": str(self.folder / "config"),
+        # Mesa's cache is a new one: nothing is there that was translated among none of these.
+        return {**CLEAN, "MESA_SHADER_CACHE_DIR": str(home / "mesa"), "HOME": str(home),
+                "POVINI": str(self.folder / "povini.ini"), "POVINC": "/nonexistent",
+                "XDG_CONFIG_HOME": str(self.folder / "config"),
                 "BLENDER_USER_SCRIPTS": str(self.folder / "scripts"),
                 "BLENDER_SYSTEM_SCRIPTS": "/nonexistent", "BLENDER_USER_CONFIG": "/nonexistent",
                 "PYTHONPATH": str(self.folder / "python"), "PYTHONHOME": "/nonexistent",
@@ -70,7 +73,8 @@ class Hermetic(unittest.TestCase):
                 "OCIO": self.put("broken.ocio", "not a configuration"),
                 "OCIO_OPTIMIZATION_FLAGS": "0", "LD_LIBRARY_PATH": "/nonexistent",
                 "LP_NATIVE_VECTOR_WIDTH": "128", "GALLIVM_PERF": "nopt", "GALLIUM_NOSSE": "1",
-                "MESA_SPIRV_FORCE_UNSTRUCTURED": "1", "VK_INSTANCE_LAYERS": "VK_LAYER_evil"}
+                "MESA_SPIRV_FORCE_UNSTRUCTURED": "1", "VK_INSTANCE_LAYERS": "VK_LAYER_evil",
+                "VK_LOADER_DEBUG": "layer"}
 
     def render(self, scene, engine, output, environment, *settings):
         """The channels of a frame with what decides them, and what was said."""
@@ -102,11 +106,8 @@ class Hermetic(unittest.TestCase):
         for name in ("LP_NATIVE_VECTOR_WIDTH", "GALLIVM_PERF", "VK_INSTANCE_LAYERS",
                      "MESA_SPIRV_FORCE_UNSTRUCTURED", "OCIO_OPTIMIZATION_FLAGS"):
             self.assertIn(f"{name} is ignored", said)
-        loader = subprocess.run([NEPH, "render", "fence_backlit", "--size", "8x8", "-q", "-o",
-                                 "loader"], capture_output=True, text=True, timeout=300,
-                                env={**self.hostile(), "VK_LOADER_DEBUG": "layer"}, cwd=self.folder)
-        self.assertNotIn("Insert instance layer", loader.stderr)
-        self.assertNotIn("/nonexistent.so", loader.stderr)
+        self.assertNotIn("Insert instance layer", said)
+        self.assertNotIn("/nonexistent.so", said)
 
     def test_choices_that_change_no_bit_are_left(self):
         _, said = self.render("fence_backlit", "march", "threads",
