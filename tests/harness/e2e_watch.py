@@ -48,8 +48,8 @@ class Watch(unittest.TestCase):
 
     def test_a_page_is_there_from_the_first_scene_on_and_after_an_interruption(self):
         # The last scene is large enough to be still at work when the page of the first is read.
-        child = subprocess.Popen([NEPH, "validate", *SCENES, "-e", "exact", "-e", "oracle", "-e",
-                                  "march", "--size", "320x180", "-q", "-o", self.folder],
+        child = subprocess.Popen([NEPH, "validate", *SCENES, "-e", "exact", "-e", "oracle",
+                                  "--size", "192x108", "-q", "-o", self.folder],
                                  stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
         page = self.wait_for_page(child)
         self.assertEqual(page["verdict"], "running")
@@ -68,7 +68,7 @@ class Watch(unittest.TestCase):
         self.assertGreaterEqual(len(page["scenes"]), 1)
 
     def test_a_finished_page_is_no_longer_running(self):
-        done = neph("validate", SCENES[0], "-e", "exact", "-e", "march", "--size", "32x18", "-q",
+        done = neph("validate", SCENES[0], "-e", "exact", "-e", "oracle", "--size", "32x18", "-q",
                     "-o", self.folder)
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertNotIn("progress", self.data())
