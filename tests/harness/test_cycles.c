@@ -361,52 +361,33 @@ static void transmittance_errors(const struct stage *stage, double floor, double
     neph_image_destroy(frame);
 }
 
-static void test_transmittance_of_parallel_rays(void **state)
+/* Cycles ends a path whose throughput is below 1e-6. */
+static void test_transmittance_of_parallel_rays_is_cut(void **state)
 {
     (void)state;
-    double absolute, relative;
     struct stage stage;
-    set_box_stage(&stage, 1.4);
+    set_box_stage(&stage, 2.8);
     stage.key.position_m.y = 6.0;
     stage.scene.vertical_fov_rad = 0.0;
     stage.scene.orthographic_height_m = 5.0;
-    transmittance_errors(&stage, 1e-5, &absolute, &relative);
-    assert_true(relative < 1e-4);
-}
-
-/* Cycles ends a path whose throughput is below 1e-6. */
-static void test_transmittance_is_cut(void **state)
-{
-    (void)state;
-    struct stage stage;
-    set_box_stage(&stage, 2.4);
     struct neph_image *frame = render(&stage, NEPH_LAYER_TRANSMITTANCE);
     const float *samples = neph_image_channel(frame, "transmittance.R");
-    int below = 0;
+    int above = 0, below = 0;
     for (int i = 0; i < PIXELS; i++) {
-        const double tau = neph_scene_optical_depth(&stage.scene, stage.key.position_m,
-                                                    ray_of(&stage, i).direction, 0.0, INFINITY)
-                               .r;
+        const struct neph_pixel_ray ray = ray_of(&stage, i);
+        const double tau =
+            neph_scene_optical_depth(&stage.scene, ray.origin_m, ray.direction, 0.0, INFINITY).r;
         if (tau < 13.7)
             neph_assert_close(samples[i], exp(-tau), 1e-4, 0.0);
+        above += tau > 0.0 && tau < 13.7;
         if (tau < 13.9)
             continue;
         assert_true(samples[i] == 0.0f);
         below++;
     }
-    assert_true(below > 50);
+    print_message("  transmittance: %d pixels, %d cut\n", above, below);
+    assert_true(above > 50 && below > 50);
     neph_image_destroy(frame);
-}
-
-static void test_transmittance_of_height_fog(void **state)
-{
-    (void)state;
-    double absolute, relative;
-    struct stage stage; /* in a box of fog */
-    set_stage(&stage, (struct neph_vec3){0.0, 2.0, 5.0}, (struct neph_vec3){0.0, 2.0, 0.0});
-    add_medium(&stage, (struct neph_bounds){{-30.0, 0.0, -30.0}, {30.0, 10.0, -10.0}}, 0.3, 0.5);
-    transmittance_errors(&stage, 1e-2, &absolute, &relative);
-    assert_true(absolute < 2e-4);
 }
 
 static void test_transmittance_of_open_fog(void **state)
@@ -493,10 +474,10 @@ static void test_single_scattering_in_height_fog(void **state)
 }
 
 /* Light of the full stage in the mean; 3e-3: edges of shadows, noise. */
-static void check_full_stage(struct stage *stage, unsigned layers)
+static void check_full_stage(struct stage *stage)
 {
     stage->samples = 512;
-    struct neph_image *frame = render(stage, layers);
+    struct neph_image *frame = render(stage, NEPH_LAYERS_ALL);
     for (int channel = 0; channel < 3; channel++) {
         const double truth = truth_mean(stage, false, channel);
         const double measured = mean_of(frame, colors[channel]);
@@ -507,14 +488,6 @@ static void check_full_stage(struct stage *stage, unsigned layers)
                           3e-3, 0.0);
     }
     neph_image_destroy(frame);
-}
-
-static void test_full_scene(void **state)
-{
-    (void)state;
-    struct stage stage;
-    set_full_stage(&stage);
-    check_full_stage(&stage, NEPH_LAYERS_ALL);
 }
 
 /* Much of it forwards; and what is not in-scattered light came straight from the sky: R - volume is
@@ -596,24 +569,21 @@ static void test_white_furnace(void **state)
 static void test_emission_of_a_box(void **state)
 {
     (void)state;
-    for (int coloured = 0; coloured < 2; coloured++) {
-        struct stage stage;
-        struct neph_medium *medium = set_box_stage(&stage, 0.3);
-        medium->emission_w_per_m2_sr = (struct neph_rgb){1, 2, 3};
-        if (coloured)
-            medium->extinction_color = (struct neph_rgb){0.3, 1, 4};
-        stage.scene.scattering = NEPH_SCATTERING_NONE;
-        stage.samples = 1;
-        struct neph_image *frame = render(&stage, NEPH_LAYER_RADIANCE);
-        for (int channel = 0; channel < 3; channel++)
-            for (int i = 0; i < PIXELS; i++) {
-                const double truth = component(truth_of(&stage, i).radiance, channel);
-                neph_assert_close(neph_image_channel(frame, colors[channel])[i], truth, 1e-5, 5e-6);
-                neph_assert_close(neph_image_channel(frame, volume_colors[channel])[i], truth, 1e-5,
-                                  5e-6);
-            }
-        neph_image_destroy(frame);
-    }
+    struct stage stage;
+    struct neph_medium *medium = set_box_stage(&stage, 0.3);
+    medium->emission_w_per_m2_sr = (struct neph_rgb){1, 2, 3};
+    medium->extinction_color = (struct neph_rgb){0.3, 1, 4};
+    stage.scene.scattering = NEPH_SCATTERING_NONE;
+    stage.samples = 1;
+    struct neph_image *frame = render(&stage, NEPH_LAYER_RADIANCE);
+    for (int channel = 0; channel < 3; channel++)
+        for (int i = 0; i < PIXELS; i++) {
+            const double truth = component(truth_of(&stage, i).radiance, channel);
+            neph_assert_close(neph_image_channel(frame, colors[channel])[i], truth, 1e-5, 5e-6);
+            neph_assert_close(neph_image_channel(frame, volume_colors[channel])[i], truth, 1e-5,
+                              5e-6);
+        }
+    neph_image_destroy(frame);
 }
 
 /* Where light is scattered once, emitted light is seen, and lights neither media nor solids. */
@@ -623,7 +593,7 @@ static void test_emission_beside_the_sun(void **state)
     struct stage stage;
     set_full_stage(&stage);
     stage.scene.media[0].emission_w_per_m2_sr = (struct neph_rgb){8, 1, 2};
-    check_full_stage(&stage, NEPH_LAYER_RADIANCE);
+    check_full_stage(&stage);
 }
 
 /* Media that absorb, as hot as what lights them, and a white ball: 1 everywhere, of which the media
@@ -691,11 +661,11 @@ static void test_same_seed_same_bits(void **state)
     stage.scene.media[0].layers[0].falloff_per_m = 0.5;
     stage.samples = 4;
     stage.threads = 2;
-    struct neph_image *first = render(&stage, NEPH_LAYERS_ALL);
+    struct neph_image *first = render(&stage, NEPH_LAYER_RADIANCE);
     stage.threads = 1;
-    struct neph_image *again = render(&stage, NEPH_LAYERS_ALL);
+    struct neph_image *again = render(&stage, NEPH_LAYER_RADIANCE);
     stage.seed = UINT64_C(1) << 40; /* its low bits are those of seed 0 */
-    struct neph_image *other = render(&stage, NEPH_LAYERS_ALL);
+    struct neph_image *other = render(&stage, NEPH_LAYER_RADIANCE);
     assert_true(largest_difference(first, again) == 0.0);
     assert_true(largest_difference(first, other) > 0.0);
     neph_image_destroy(first);
@@ -780,15 +750,12 @@ int main(int argc, char **argv)
         cmocka_unit_test(test_spec_refuses_what_is_not_a_number),
     };
     const struct CMUnitTest engine_tests[] = {
-        cmocka_unit_test(test_transmittance_of_parallel_rays),
-        cmocka_unit_test(test_transmittance_is_cut),
-        cmocka_unit_test(test_transmittance_of_height_fog),
+        cmocka_unit_test(test_transmittance_of_parallel_rays_is_cut),
         cmocka_unit_test(test_transmittance_of_open_fog),
         cmocka_unit_test(test_depth_behind_media),
         cmocka_unit_test(test_single_scattering_in_a_box),
         cmocka_unit_test(test_single_scattering_in_thin_air),
         cmocka_unit_test(test_single_scattering_in_height_fog),
-        cmocka_unit_test(test_full_scene),
         cmocka_unit_test(test_no_scattering),
         cmocka_unit_test(test_white_furnace),
         cmocka_unit_test(test_emission_of_a_box),
