@@ -378,34 +378,48 @@ static double value_of(struct neph_rgb colour, int channel)
 
 enum quantity { RADIANCE, VOLUME, TRANSMITTANCE, DEPTH };
 
-static double truth_of(const struct test_scene *stage, enum quantity quantity, int channel, int i,
-                       int j)
+/* What each pixel's ray brings, for the caller to free. Without scattering when that is not looked
+ * at: it is most of the work. */
+static struct neph_ray_light *trace(const struct test_scene *stage, enum neph_scattering scattering)
 {
-    struct neph_camera camera = neph_scene_camera(&stage->scene, 0.0);
-    struct neph_pixel_ray ray = neph_camera_ray(&camera, WIDTH, HEIGHT, i, j);
-    struct neph_ray_light light = neph_transport_ray(&stage->scene, ray.origin_m, ray.direction);
+    struct neph_ray_light *lights = calloc((size_t)WIDTH * HEIGHT, sizeof(*lights));
+    struct neph_scene scene = stage->scene;
+    scene.scattering = scattering;
+    const struct neph_camera camera = neph_scene_camera(&scene, 0.0);
+    assert_non_null(lights);
+    for (int p = 0; p < WIDTH * HEIGHT; p++) {
+        struct neph_pixel_ray ray = neph_camera_ray(&camera, WIDTH, HEIGHT, p % WIDTH, p / WIDTH);
+        lights[p] = neph_transport_ray(&scene, ray.origin_m, ray.direction);
+        lights[p].hit_m *= neph_vec3_dot(ray.direction, camera.forward); /* as depth is written */
+    }
+    return lights;
+}
+
+static double truth_of(const struct neph_ray_light *light, enum quantity quantity, int channel)
+{
     switch (quantity) {
     case RADIANCE:
-        return value_of(light.radiance, channel);
+        return value_of(light->radiance, channel);
     case VOLUME:
-        return value_of(light.volume, channel);
+        return value_of(light->volume, channel);
     case TRANSMITTANCE:
-        return light.transmittance.r;
+        return light->transmittance.r;
     case DEPTH:
-        return light.hit_m * neph_vec3_dot(ray.direction, camera.forward);
+        return light->hit_m;
     }
     return NAN;
 }
 
-static struct difference compare(const struct test_scene *stage, const struct neph_image *frame,
-                                 const char *name, enum quantity quantity, int channel)
+static struct difference compare_with(const struct neph_ray_light *lights,
+                                      const struct neph_image *frame, const char *name,
+                                      enum quantity quantity, int channel)
 {
     const float *samples = neph_image_channel(frame, name);
     struct difference difference = {0};
     assert_non_null(samples);
     for (int j = 0; j < HEIGHT; j++) {
         for (int i = 0; i < WIDTH; i++) {
-            double truth = truth_of(stage, quantity, channel, i, j);
+            double truth = truth_of(&lights[j * WIDTH + i], quantity, channel);
             double measured = samples[j * WIDTH + i];
             if (isinf(truth) && isinf(measured))
                 continue;
@@ -421,6 +435,17 @@ static struct difference compare(const struct test_scene *stage, const struct ne
     print_message("  %-15s mean %.6g, bias %+.2e, worst %.2e, worst relative %.2e\n", name,
                   difference.truth_mean, difference.mean / difference.truth_mean,
                   difference.largest, difference.largest_relative);
+    return difference;
+}
+
+static struct difference compare(const struct test_scene *stage, const struct neph_image *frame,
+                                 const char *name, enum quantity quantity, int channel)
+{
+    const bool lit = quantity == RADIANCE || quantity == VOLUME;
+    struct neph_ray_light *lights = trace(stage,
+                                          lit ? stage->scene.scattering : NEPH_SCATTERING_NONE);
+    const struct difference difference = compare_with(lights, frame, name, quantity, channel);
+    free(lights);
     return difference;
 }
 
@@ -532,13 +557,15 @@ static void test_single_scattering_slabs(void **state)
 static void check_light(const struct test_scene *stage, const struct neph_image *frame)
 {
     static const char *const names[2][3] = {{"R", "G", "B"}, {"volume.R", "volume.G", "volume.B"}};
+    struct neph_ray_light *lights = trace(stage, stage->scene.scattering);
     for (int channel = 0; channel < 3; channel++) {
-        struct difference all = compare(stage, frame, names[0][channel], RADIANCE, channel);
-        struct difference volume = compare(stage, frame, names[1][channel], VOLUME, channel);
+        struct difference all = compare_with(lights, frame, names[0][channel], RADIANCE, channel);
+        struct difference volume = compare_with(lights, frame, names[1][channel], VOLUME, channel);
         assert_true(fabs(all.mean) < 1e-3 * all.truth_mean);
         assert_true(fabs(volume.mean) < 1e-3 * volume.truth_mean);
         assert_true(all.largest_relative < 0.02); /* midpoints beside shadow edges */
     }
+    free(lights);
 }
 
 /* Two overlapping media of different phase functions, a fog among them, a ground that touches
