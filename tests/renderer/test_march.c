@@ -32,7 +32,7 @@ static const struct {
              {NEPH_MEDIUM_HEIGHT_FOG, 2},
              {NEPH_MEDIUM_HEIGHT_FOG, 2}};
 
-/* Of those that do something, as the device counts them. */
+/* Layers that do something, as the device counts them. */
 static int layers_of(const struct neph_medium *medium)
 {
     int count = 0;
