@@ -5,7 +5,6 @@
  */
 #include "tests/renderer/march_test.h"
 
-#include "base/files.h"
 #include "renderer/realtime/options.h"
 #include "renderer/realtime/pipeline.h"
 #include "renderer/sun_cache.h"
@@ -77,6 +76,25 @@ static struct neph_grid *add_sparse_grid(struct test_scene *test)
     return medium->grid;
 }
 
+/* Tests that only need some grid take two: they share a kernel, whose making is most of what they
+ * cost. */
+struct two_grids {
+    struct neph_grid *grids[2];
+};
+
+static struct two_grids add_two_grids(struct test_scene *test)
+{
+    const struct two_grids two = {{add_sparse_grid(test), add_sparse_grid(test)}};
+    neph_medium_drift(&test->scene.media[1], (struct neph_vec3){1.1, 0.4, -3.0});
+    return two;
+}
+
+static void destroy_two(struct two_grids two)
+{
+    neph_grid_destroy(two.grids[0]);
+    neph_grid_destroy(two.grids[1]);
+}
+
 static void add_fog(struct test_scene *test)
 {
     test_add_medium(test, 0.03, 0.05, 0.0);
@@ -93,7 +111,7 @@ static void test_values_of_what_is_off_do_not_count(void **state)
 {
     struct test_scene test;
     test_scene_init(&test);
-    struct neph_grid *grid = add_sparse_grid(&test);
+    const struct two_grids two = add_two_grids(&test);
     struct neph_march_params params = marched;
     struct neph_image *plain = render(*state, &test.scene, &params, NULL);
     params.shortcuts = (struct neph_shortcuts){.sun_cache_voxels = 77, .step_growth = 1.0};
@@ -101,7 +119,7 @@ static void test_values_of_what_is_off_do_not_count(void **state)
     assert_true(same_bits(plain, off));
     neph_image_destroy(off);
     neph_image_destroy(plain);
-    neph_grid_destroy(grid);
+    destroy_two(two);
 }
 
 /* --- skipping ------------------------------------------------------------------------------- */
@@ -127,9 +145,13 @@ static void test_skipping_keeps_the_bits(void **state)
 {
     struct test_scene test;
     test_scene_init(&test);
+    const struct two_grids two = add_two_grids(&test);
+    add_ground(&test);
+    check_skip(*state, &test.scene, marched, "sparse grids");
+    destroy_two(two);
+    test_scene_init(&test);
     struct neph_grid *grid = add_sparse_grid(&test);
     add_ground(&test);
-    check_skip(*state, &test.scene, marched, "a sparse grid");
     struct neph_march_params params = marched;
     params.transmittance = params.sun = NEPH_MARCH_EXACT;
     test.scene.media[0].extinction_color = (struct neph_rgb){1.0, 0.7, 0.4};
@@ -437,8 +459,7 @@ static void test_skipping_refuses_media_that_part(void **state)
     struct neph_diag diag = {0};
     const struct neph_vec3 by_m = {0.25, 0.0, 0.5};
     test_scene_init(&test);
-    struct neph_grid *const grids[] = {add_sparse_grid(&test), add_sparse_grid(&test)};
-    neph_medium_drift(&test.scene.media[1], (struct neph_vec3){1.1, 0.4, -3.0});
+    const struct two_grids two = add_two_grids(&test);
     struct neph_march_params params = marched;
     params.shortcuts.skip = true;
     neph_assert_ok(neph_march_create(*state, &test.scene, &params, &march, &diag), &diag);
@@ -455,13 +476,10 @@ static void test_skipping_refuses_media_that_part(void **state)
     neph_image_destroy(plain);
     neph_image_destroy(together);
     neph_march_destroy(march);
-    neph_grid_destroy(grids[0]);
-    neph_grid_destroy(grids[1]);
+    destroy_two(two);
 }
 
 /* --- in real time --------------------------------------------------------------------------- */
-
-static char cache_folder[] = "/tmp/neph-test-shortcuts-XXXXXX";
 
 /* The second of two frames. */
 static struct neph_image *second_frame(struct neph_vulkan *vulkan, const struct neph_scene *scene,
@@ -475,7 +493,7 @@ static struct neph_image *second_frame(struct neph_vulkan *vulkan, const struct 
     for (int i = 0; assignments[i]; i++)
         neph_assert_ok(
             neph_options_set(neph_rt_options, "realtime", assignments[i], &settings, &diag), &diag);
-    const struct neph_realtime_params params = {WIDTH_PX, HEIGHT_PX, &settings, 7, cache_folder};
+    const struct neph_realtime_params params = {WIDTH_PX, HEIGHT_PX, &settings, 7, NULL};
     neph_assert_ok(neph_realtime_create(vulkan, scene, &params, &realtime, &diag), &diag);
     for (int f = 0; f < 2; f++) {
         neph_image_destroy(image);
@@ -488,11 +506,14 @@ static struct neph_image *second_frame(struct neph_vulkan *vulkan, const struct 
 
 static void test_shortcuts_in_real_time(void **state)
 {
-    static const char *const plain[] = {"transmittance=marched", "sun=marched", "sun_steps=6",
-                                        NULL};
-    static const char *const all[] = {
-        "transmittance=marched", "sun=marched",         "sun_steps=6", "skip=majorant",
-        "sun_cache=grid",        "sun_cache_voxels=32", NULL};
+    static const char *const plain[] = {
+        "transmittance=marched", "sun=marched",         "sun_steps=6", "taa=off",
+        "ray_dither=none",       "upscale_dither=none", NULL};
+    static const char *const all[] = {"transmittance=marched", "sun=marched",
+                                      "sun_steps=6",           "taa=off",
+                                      "ray_dither=none",       "upscale_dither=none",
+                                      "skip=majorant",         "sun_cache=grid",
+                                      "sun_cache_voxels=32",   NULL};
     struct test_scene test;
     struct neph_realtime_stats stats[2];
     test_scene_init(&test);
@@ -506,17 +527,6 @@ static void test_shortcuts_in_real_time(void **state)
     neph_image_destroy(fast);
     neph_image_destroy(slow);
     neph_grid_destroy(grid);
-}
-
-static int setup(void **state)
-{
-    return mkdtemp(cache_folder) ? test_vulkan_setup(state) : -1;
-}
-
-static int teardown(void **state)
-{
-    neph_dir_remove(cache_folder, NULL);
-    return test_vulkan_teardown(state);
 }
 
 int main(void)
@@ -536,5 +546,5 @@ int main(void)
         cmocka_unit_test(test_skipping_refuses_media_that_part),
         cmocka_unit_test(test_shortcuts_in_real_time),
     };
-    return cmocka_run_group_tests(tests, setup, teardown);
+    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
 }
