@@ -121,7 +121,8 @@ static inline void test_get(const struct test_passes *test, int target, size_t i
     neph_rt_load(&test->view.targets[target], test->twin.targets[target], index, value);
 }
 
-/* Give the device the view and all targets as the twin has them, and run a pass there. */
+/* Give the device the view and, as the twin has them, the targets that a pass says it touches, and
+ * run it there. */
 static inline void test_passes_run(struct test_passes *test, const char *name)
 {
     const struct neph_rt_pass *pass = neph_rt_pass_named(name);
@@ -129,8 +130,9 @@ static inline void test_passes_run(struct test_passes *test, const char *name)
     assert_non_null(pass);
     *test->device.view = test->view;
     for (int t = 0; t < RT_TARGET_COUNT; t++)
-        neph_assert_ok(neph_rt_device_upload(&test->device, t, test->twin.targets[t], &diag),
-                       &diag);
+        if ((pass->reads | pass->writes) & NEPH_RT_BIT(t))
+            neph_assert_ok(neph_rt_device_upload(&test->device, t, test->twin.targets[t], &diag),
+                           &diag);
     neph_assert_ok(neph_rt_device_run(&test->device, pass, &diag), &diag);
 }
 
