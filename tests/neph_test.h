@@ -56,14 +56,14 @@ static inline bool neph_test_wants_engines(int argc, char **argv)
     return argc == 2 && strcmp(argv[1], "--engines") == 0;
 }
 
-/* Under the sanitizers tests draw every seventh path, photon or trial, and look at every seventh of
- * a table of cases that differ in their numbers alone (7 has no factor in common with the 2, 3, 4,
+/* Under the sanitizers tests draw every 11th path, photon or trial, and look at every 11th of
+ * a table of cases that differ in their numbers alone (11 has no factor in common with the 2, 3, 4,
  * 5 that tests cycle through): what sanitizers look for shows in any of them, and whether the
  * numbers are right is for the release build to say, with all. Tolerances in standard errors of the
  * estimate follow by themselves; a bound on those errors is for all paths, and neph_test_noise() is
  * what it is for these. */
 #ifdef NEPH_SANITIZED
-enum { NEPH_TEST_EVERY = 7 };
+enum { NEPH_TEST_EVERY = 11 };
 #else
 enum { NEPH_TEST_EVERY = 1 };
 #endif

@@ -10,6 +10,7 @@
 #include "base/files.h"
 
 #include <dirent.h>
+#include <unistd.h>
 
 #define SCRATCH_PATH_MAX 512
 
@@ -46,9 +47,11 @@ static inline const char *scratch_path(void **state, char path[SCRATCH_PATH_MAX]
 }
 
 /* A file as it comes from elsewhere. Unlike neph_file_write() it is not flushed to the disk, which
- * a loop over damaged files would wait for most of its time. */
+ * a loop over damaged files would wait for most of its time; and it is a new one each time, as ext4
+ * flushes what is written over what was there. */
 static inline void scratch_write(const char *path, const void *data, size_t size)
 {
+    unlink(path);
     FILE *file = fopen(path, "wb");
     assert_non_null(file);
     assert_true(fwrite(data, 1, size, file) == size);

@@ -242,13 +242,14 @@ static void test_sweeps(void **state)
     assert_int_equal(neph_light_sweep_count(&(struct neph_light_sweep){.sun_count = 0}), 1);
 }
 
-/* Every scene can be loaded, where its data is at hand, and every cell be lit. */
+/* Every scene can be loaded, where its data is at hand, and every cell be lit; under the sanitizers
+ * the fourth, a slab: clouds are seconds of noise each. */
 static void check_suite(const char *name, struct neph_light_entry **entries, int *count)
 {
     struct neph_diag diag = {.line = 0};
     neph_assert_ok(neph_light_suite_find(name, entries, count, &diag), &diag);
     assert_true(*count >= 5);
-    for (int i = 0; i < *count; i++) {
+    for (int i = NEPH_TEST_EVERY > 1 ? 3 : 0; i < *count; i += NEPH_TEST_EVERY) {
         struct neph_scene *scene = NULL, *relit = NULL;
         const struct neph_light_sweep *sweep = &(*entries)[i].sweep;
         const enum neph_status status = neph_data_load_scene((*entries)[i].scene, &scene, &diag);

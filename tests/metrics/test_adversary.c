@@ -10,7 +10,7 @@
 #include "metrics/extractors/extractors.h"
 #include "metrics/eye.h"
 
-enum { W = 12, H = 12, LENGTH_MAX = 16, HOLD_MAX = 4, PERIOD_MAX = LENGTH_MAX * HOLD_MAX };
+enum { W = 6, H = 6, LENGTH_MAX = 16, HOLD_MAX = 4, PERIOD_MAX = LENGTH_MAX * HOLD_MAX };
 
 /* A waveform of `length` values, each shown for `hold` frames. */
 struct dodge {

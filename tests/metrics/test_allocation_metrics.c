@@ -10,7 +10,7 @@
 #include "metrics/pair.h"
 #include "metrics/validity.h"
 
-enum { WIDTH = 17, HEIGHT = 10, FRAMES_MAX = 20 };
+enum { WIDTH = 17, HEIGHT = 4, FRAMES_MAX = 20 };
 
 /* Frames, made while nothing fails, and what is asked of them. */
 struct job {

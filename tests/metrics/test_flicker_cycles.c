@@ -173,7 +173,7 @@ static void test_a_wrong_period_says_so(void **state)
 {
     (void)state;
     int wrong = 0;
-    for (int i = 0; i < 16; i++) {
+    for (int i = 0; i < neph_test_paths(16); i++) {
         const struct cycle_plan plan = {.periods = {31, 0},
                                         .random_phase = true,
                                         .rms = 0.02,
@@ -191,7 +191,7 @@ static void test_a_wrong_period_says_so(void **state)
         free(findings.items);
         free(frames.values);
     }
-    assert_true(wrong > 0);
+    assert_true(wrong > 0 || NEPH_TEST_EVERY > 1); /* of the few there need not be one */
 }
 
 /* ---- the budget ------------------------------------------------------------------------------ */

@@ -225,10 +225,17 @@ static void test_bootstrap_against_single_draws(void **state)
 static const double offset = 0.02, tile_sigma = 0.05, pixel_sigma = 0.05;
 static const double reference_low = 0.7, reference_high = 1.3;
 
-static double gaussian(uint64_t *random)
+/* Two of them, which know nothing of each other (Box and Muller). */
+struct gaussians {
+    double first, second;
+};
+
+static struct gaussians two_gaussians(uint64_t *random)
 {
-    double u = 1.0 - neph_test_uniform(random, 0.0, 1.0);
-    return sqrt(-2.0 * log(u)) * cos(2.0 * M_PI * neph_test_uniform(random, 0.0, 1.0));
+    const double u = 1.0 - neph_test_uniform(random, 0.0, 1.0);
+    const double angle = 2.0 * M_PI * neph_test_uniform(random, 0.0, 1.0);
+    const double radius = sqrt(-2.0 * log(u));
+    return (struct gaussians){radius * cos(angle), radius * sin(angle)};
 }
 
 /* How errors hang together: in squares, the first of which begins outside the image. */
@@ -245,15 +252,19 @@ static void make_images(int side_px, struct blocks blocks, uint64_t *random, flo
     assert_true(block_count <= BLOCKS_MAX);
     for (int y = 0; y < block_count; y++) {
         for (int x = 0; x < block_count; x++) {
-            common[y][x] = tile_sigma * gaussian(random);
+            common[y][x] = tile_sigma * two_gaussians(random).first;
             level[y][x] = neph_test_uniform(random, reference_low, reference_high);
         }
     }
     for (int y = 0; y < side_px; y++) {
+        struct gaussians noise = {0.0, 0.0};
         for (int x = 0; x < side_px; x++) {
             int row = (y + blocks.shift_px) / blocks.side_px;
             int column = (x + blocks.shift_px) / blocks.side_px;
-            double d = offset + common[row][column] + pixel_sigma * gaussian(random);
+            if (x % 2 == 0)
+                noise = two_gaussians(random);
+            const double of_pixel = x % 2 == 0 ? noise.first : noise.second;
+            double d = offset + common[row][column] + pixel_sigma * of_pixel;
             reference[y * side_px + x] = (float)level[row][column];
             test[y * side_px + x] = (float)(level[row][column] + d);
         }

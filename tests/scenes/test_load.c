@@ -486,15 +486,15 @@ static char *with_fewer_voxels(char *text)
     return edited_text;
 }
 
-/* A copy of a scene file in another folder; NULL if the sanitizers have seen its like: procedural
- * clouds differ in numbers alone, and make the same noise for seconds each. */
+/* A copy of a scene file in another folder; NULL where its like was loaded: procedural clouds
+ * differ in numbers alone, and make the same noise for seconds each. */
 static char *copy_scene(const char *path, const char *folder, int *cloud_count)
 {
     char *text, *copy = neph_path_join(folder, strrchr(path, '/') + 1);
     size_t size;
     neph_assert_ok(neph_file_read(path, 1 << 20, &text, &size, NULL), NULL);
     text = with_fewer_voxels(text);
-    if (strstr(text, "horizon:") && (*cloud_count)++ % NEPH_TEST_EVERY != 0) {
+    if (strstr(text, "horizon:") && (*cloud_count)++ > 0) {
         free(copy);
         copy = NULL;
     } else {
