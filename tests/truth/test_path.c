@@ -535,7 +535,7 @@ static void test_half_space_against_chandrasekhar(void **state)
 static void test_colour_of_all_orders(void **state)
 {
     (void)state;
-    enum { SAMPLES = 40000 };
+    enum { SAMPLES = 20000 };
     struct neph_solid solids[2];
     struct neph_scene scene = sunny(NEPH_SCATTERING_MULTIPLE);
     add_solids(&scene, solids);
