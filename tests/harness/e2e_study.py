@@ -14,8 +14,7 @@ import unittest
 import xml.etree.ElementTree
 
 NEPH = os.environ["NEPH"]
-# Without the layers, which look at each picture anew: e2e_realtime runs the same with them.
-ENVIRONMENT = dict(os.environ)
+ENVIRONMENT = {**os.environ, "NEPH_VULKAN_VALIDATION": "1"}
 
 # A wall half before a blob: an edge that a pixel's 16 rays see otherwise than its centre does.
 REST = """

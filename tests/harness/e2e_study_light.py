@@ -11,9 +11,7 @@ import unittest
 import xml.etree.ElementTree
 
 NEPH = os.environ["NEPH"]
-# Without the layers, which look at each picture's device anew: tests/renderer runs each model and
-# the tracer with them.
-ENVIRONMENT = dict(os.environ)
+ENVIRONMENT = {**os.environ, "NEPH_VULKAN_VALIDATION": "1"}
 
 # Optical depth 6 straight down: half of the view is dense.
 SLAB = """
