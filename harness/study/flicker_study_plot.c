@@ -10,6 +10,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 enum { WIDTH = 720, HEIGHT = 520, LEFT = 90, RIGHT = 30, TOP = 50, BOTTOM = 110 };
 
@@ -70,9 +71,45 @@ static void draw_ticks(const struct axis *axis, bool is_x, FILE *out)
         }
 }
 
-static void draw_point(const struct axis *x, const struct axis *y,
-                       const struct neph_study_level *lag, const struct neph_study_level *flicker,
-                       const char *name, FILE *out)
+/* Where a name stands: its first letter's foot. */
+struct label {
+    double x_px, y_px, width_px;
+};
+
+/* The font's 13 px: how wide a letter is on average, and how high a line. */
+static const double letter_px = 7.2, line_px = 14.0;
+
+static bool labels_meet(const struct label *a, const struct label *b)
+{
+    return a->x_px < b->x_px + b->width_px && b->x_px < a->x_px + a->width_px &&
+           fabs(a->y_px - b->y_px) < line_px;
+}
+
+/* Beside the point, at the first of four places where it meets none of the names before it; the
+ * last when all do. */
+static struct label place_label(double x_px, double y_px, const char *name,
+                                const struct label *labels, int count)
+{
+    const double width_px = letter_px * (double)strlen(name);
+    const struct label places[] = {{x_px + 9, y_px - 7, width_px},
+                                   {x_px + 9, y_px + 16, width_px},
+                                   {x_px - 9 - width_px, y_px - 7, width_px},
+                                   {x_px - 9 - width_px, y_px + 16, width_px}};
+    const int last = sizeof(places) / sizeof(places[0]) - 1;
+    for (int p = 0; p < last; p++) {
+        bool meets = false;
+        for (int i = 0; i < count; i++)
+            meets |= labels_meet(&places[p], &labels[i]);
+        if (!meets)
+            return places[p];
+    }
+    return places[last];
+}
+
+static struct label draw_point(const struct axis *x, const struct axis *y,
+                               const struct neph_study_level *lag,
+                               const struct neph_study_level *flicker, const char *name,
+                               const struct label *labels, int label_count, FILE *out)
 {
     const double x_px = at_px(x, lag->mean), y_px = at_px(y, flicker->mean);
     if (lag->has_interval)
@@ -81,11 +118,13 @@ static void draw_point(const struct axis *x, const struct axis *y,
     if (flicker->has_interval)
         fprintf(out, "<path d=\"M%.1f %.1f V%.1f\" stroke=\"#336\"/>", x_px, at_px(y, flicker->low),
                 at_px(y, flicker->high));
+    const struct label label = place_label(x_px, y_px, name, labels, label_count);
     fprintf(out,
             "<circle cx=\"%.1f\" cy=\"%.1f\" r=\"5\" fill=\"#336\"/><text x=\"%.1f\" y=\"%.1f\">",
-            x_px, y_px, x_px + 9, y_px - 7);
+            x_px, y_px, label.x_px, label.y_px);
     neph_svg_print_escaped(name, out);
     fprintf(out, "</text>\n");
+    return label;
 }
 
 static void draw(const struct neph_flicker_study *study, const struct neph_study_level *lag,
@@ -101,9 +140,18 @@ static void draw(const struct neph_flicker_study *study, const struct neph_study
     }
     draw_ticks(&x, true, out);
     draw_ticks(&y, false, out);
+    struct label labels[2 * NEPH_STUDY_PRESETS_MAX]; /* the points first: no name covers one */
+    int label_count = 0;
     for (int i = 0; i < count; i++)
         if (is_drawn(&lag[i], &flicker[i]))
-            draw_point(&x, &y, &lag[i], &flicker[i], study->params->presets[i], out);
+            labels[label_count++] = (struct label){at_px(&x, lag[i].mean) - 6.0,
+                                                   at_px(&y, flicker[i].mean) + 5.0, 12.0};
+    for (int i = 0; i < count; i++)
+        if (is_drawn(&lag[i], &flicker[i])) {
+            labels[label_count] = draw_point(&x, &y, &lag[i], &flicker[i],
+                                             study->params->presets[i], labels, label_count, out);
+            label_count++;
+        }
 }
 
 enum neph_status neph_flicker_study_plot(const struct neph_flicker_study *study, char **svg,
