@@ -224,8 +224,41 @@ static enum neph_status upload_data(const struct neph_vulkan *vulkan,
     return status;
 }
 
-/* All majorant grids, one after the other; sizes and places go into the media. */
+/* One cell for a medium whose density moves within its box. */
+static enum neph_status majorants_of(const struct neph_medium *medium, bool flows,
+                                     struct neph_majorants **majorants, struct neph_diag *diag)
+{
+    const struct neph_bounds box = neph_medium_support(medium);
+    const int cell_count = flows ? 1 : neph_medium_facts(medium->kind)->majorant_cells;
+    const enum neph_status status = neph_majorants_create(medium, &box, cell_count, majorants,
+                                                          diag);
+    if (status)
+        return status;
+    if (flows)
+        (*majorants)->extinction_per_m[0] = nextafterf((float)neph_gpu_largest_per_m(medium),
+                                                       INFINITY);
+    else
+        neph_majorants_cover_nodes(*majorants, medium); /* what grid_random_node() looks up */
+    return NEPH_OK;
+}
+
+static enum neph_status append(float **values, size_t *count,
+                               const struct neph_majorants *majorants, struct neph_diag *diag)
+{
+    const size_t cells = (size_t)majorants->size[0] * (size_t)majorants->size[1] *
+                         (size_t)majorants->size[2];
+    float *grown = realloc(*values, (*count + cells) * sizeof(*grown));
+    if (!grown)
+        return neph_fail_memory(diag);
+    memcpy(grown + *count, majorants->extinction_per_m, cells * sizeof(*grown));
+    *values = grown;
+    *count += cells;
+    return NEPH_OK;
+}
+
+/* All majorant grids, one after the other. */
 static enum neph_status upload_majorants(const struct neph_vulkan *vulkan,
+                                         const struct neph_scene *scene,
                                          const struct neph_medium *const *media,
                                          struct neph_gpu_scene *gpu, struct neph_diag *diag)
 {
@@ -233,29 +266,17 @@ static enum neph_status upload_majorants(const struct neph_vulkan *vulkan,
     size_t count = 0;
     enum neph_status status = NEPH_OK;
     for (uint32_t m = 0; m < gpu->frame->medium_count && !status; m++) {
-        struct neph_gpu_medium *medium = &gpu->frame->media[m];
+        const bool flows = scene->wind_key_count > 0 && media[m]->kind == NEPH_MEDIUM_HORIZON;
         struct neph_majorants *majorants = NULL;
-        const struct neph_bounds box = neph_medium_support(media[m]);
-        const int cell_count = neph_medium_facts(media[m]->kind)->majorant_cells;
         if (neph_medium_is_fog(media[m]))
             continue;
-        status = neph_majorants_create(media[m], &box, cell_count, &majorants, diag);
+        status = majorants_of(media[m], flows, &majorants, diag);
         if (status)
             break;
-        neph_majorants_cover_nodes(majorants, media[m]); /* what grid_random_node() looks up */
-        const size_t cells = (size_t)majorants->size[0] * (size_t)majorants->size[1] *
-                             (size_t)majorants->size[2];
-        float *grown = realloc(values, (count + cells) * sizeof(*values));
-        if (grown) {
-            values = grown;
-            memcpy(values + count, majorants->extinction_per_m, cells * sizeof(*values));
-            medium->majorant_first = (uint32_t)count;
-            for (int axis = 0; axis < 3; axis++)
-                medium->majorant_size[axis] = (uint32_t)majorants->size[axis];
-            count += cells;
-        } else {
-            status = neph_fail_memory(diag);
-        }
+        gpu->majorants[m].first = (uint32_t)count;
+        for (int axis = 0; axis < 3; axis++)
+            gpu->majorants[m].size[axis] = (uint32_t)majorants->size[axis];
+        status = append(&values, &count, majorants, diag);
         neph_majorants_destroy(majorants);
     }
     if (!status)
@@ -346,6 +367,15 @@ static void fill_solids(const struct neph_scene *scene, struct neph_vec3 camera_
     }
 }
 
+static void place_majorants(struct neph_gpu_scene *gpu)
+{
+    for (uint32_t m = 0; m < gpu->frame->medium_count; m++) {
+        gpu->frame->media[m].majorant_first = gpu->majorants[m].first;
+        memcpy(gpu->frame->media[m].majorant_size, gpu->majorants[m].size,
+               sizeof(gpu->majorants[m].size));
+    }
+}
+
 /* The first buffers, and which medium each of theirs is. */
 static void fill(struct neph_gpu_scene *gpu, const struct neph_scene *scene, double frame,
                  int width_px, int height_px, const struct neph_medium *media[NEPH_SCENE_MEDIA_MAX])
@@ -357,6 +387,7 @@ static void fill(struct neph_gpu_scene *gpu, const struct neph_scene *scene, dou
     fill_media(scene, camera.position_m, gpu, media);
     gpu->constants[1] |= known_media(gpu->frame) | (gpu->is_on_cpu ? NEPH_GPU_ON_CPU : 0u);
     fill_solids(scene, camera.position_m, gpu->buffers[1].mapped);
+    place_majorants(gpu);
 }
 
 enum neph_status neph_gpu_scene_create(const struct neph_vulkan *vulkan,
@@ -376,9 +407,10 @@ enum neph_status neph_gpu_scene_create(const struct neph_vulkan *vulkan,
     fill(gpu, scene, frame, width_px, height_px, media);
     status = upload_data(vulkan, media, NEPH_GPU_VALUES, gpu, diag);
     if (!status && with_majorants)
-        status = upload_majorants(vulkan, media, gpu, diag);
+        status = upload_majorants(vulkan, scene, media, gpu, diag);
     else if (!status)
         status = upload(vulkan, NULL, 0, sizeof(float), "scene majorants", &gpu->buffers[3], diag);
+    place_majorants(gpu);
     if (!status)
         status = upload_data(vulkan, media, NEPH_GPU_TEXELS, gpu, diag);
     return status;

@@ -45,12 +45,17 @@ struct neph_gpu_scene {
      * what else is known of the scene (NEPH_GPU_COLOURED and what follows it in constants.h). */
     uint32_t constants[NEPH_GPU_SCENE_CONSTANTS];
     bool is_on_cpu;
+    /* Where the majorants of each medium lie, if there are any; they go with it. */
+    struct neph_gpu_majorants {
+        uint32_t size[3], first;
+    } majorants[NEPH_GPU_MEDIA_MAX];
     /* Loop turns (compute.h) of one exact optical depth through all media, at most. */
     uint64_t optical_depth_turns;
 };
 
 /* Zero-initialise `gpu`; free with _destroy, also after an error. `with_majorants`: build majorant
- * grids for the media that have no free path in closed form. NEPH_ERR_UNSUPPORTED: a grid is larger
+ * grids for the media that have no free path in closed form: one cell for Horizon clouds whose
+ * noise the wind carries through their bounds. NEPH_ERR_UNSUPPORTED: a grid is larger
  * than the device lets a kernel see; a medium needs majorants and has no end. */
 enum neph_status neph_gpu_scene_create(const struct neph_vulkan *vulkan,
                                        const struct neph_scene *scene, double frame, int width_px,
@@ -58,7 +63,7 @@ enum neph_status neph_gpu_scene_create(const struct neph_vulkan *vulkan,
                                        struct neph_gpu_scene *gpu, struct neph_diag *diag);
 
 /* Upload the scene at another frame, with another sun or its media moved (neph_scene_at()): grids
- * and textures stay where they are on the device. Not for a scene with majorants. */
+ * and textures stay where they are on the device. */
 void neph_gpu_scene_move(struct neph_gpu_scene *gpu, const struct neph_scene *scene, double frame,
                          int width_px, int height_px);
 

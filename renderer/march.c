@@ -8,6 +8,7 @@
 #include "renderer/reach.h"
 #include "renderer/shortcuts.h"
 #include "scenes/emission.h"
+#include "scenes/media.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -40,6 +41,20 @@ static bool is_lit_by_environment(const struct neph_scene *scene)
     return false;
 }
 
+/* Paths of traced light start in media, so it lights no solids. */
+static const char *find_obstacle_to_traced(const struct neph_scene *scene)
+{
+    for (int i = 0; i < scene->medium_count; i++)
+        if (neph_medium_is_coloured(&scene->media[i]))
+            return "extinction that differs between the channels: traced light has one opacity";
+    if (neph_scene_emits(scene))
+        return neph_emission_reason;
+    for (int i = 0; i < scene->solid_count && scene->environment_light; i++)
+        if (is_positive(scene->solids[i].albedo) && is_positive(scene->background_w_per_m2_sr))
+            return "background light on solids";
+    return NULL;
+}
+
 /* NULL when there is none. */
 static const char *find_obstacle(const struct neph_scene *scene, enum neph_march_lighting lighting)
 {
@@ -54,6 +69,8 @@ static const char *find_obstacle(const struct neph_scene *scene, enum neph_march
     if (neph_scene_emits(scene) &&
         (lighting == NEPH_MARCH_HORIZON || scene->scattering == NEPH_SCATTERING_MULTIPLE))
         return neph_emission_reason;
+    if (lighting == NEPH_MARCH_TRACED)
+        return find_obstacle_to_traced(scene);
     return is_lit_by_environment(scene) ? "background light on media and solids" : NULL;
 }
 
@@ -75,6 +92,22 @@ static enum neph_status check_range(const char *name, int value, int maximum,
     return neph_fail(diag, NEPH_ERR_USAGE, "march: %s is %d, outside 1..%d", name, value, maximum);
 }
 
+static enum neph_status check_light(const struct neph_light_paths *light, struct neph_diag *diag)
+{
+    enum neph_status status = check_range("light_texel_px", light->texel_px,
+                                          NEPH_LIGHT_TEXEL_PX_MAX, diag);
+    if (!status)
+        status = check_range("light_paths", light->paths, NEPH_LIGHT_PATHS_MAX, diag);
+    if (!status)
+        status = check_range("light_rounds", light->rounds, NEPH_LIGHT_ROUNDS_MAX, diag);
+    if (!status)
+        status = check_range("light_memory", light->memory, NEPH_LIGHT_MEMORY_MAX, diag);
+    if (status || (light->blur_texels >= 0.0 && light->blur_texels <= NEPH_LIGHT_BLUR_MAX))
+        return status;
+    return neph_fail(diag, NEPH_ERR_USAGE, "march: light_blur is %g, outside 0..%g",
+                     light->blur_texels, NEPH_LIGHT_BLUR_MAX);
+}
+
 enum neph_status neph_march_check(const struct neph_scene *scene,
                                   const struct neph_march_params *params, struct neph_diag *diag)
 {
@@ -93,6 +126,8 @@ enum neph_status neph_march_check(const struct neph_scene *scene,
                          "march: %d steps of %d sun steps each are more than a pixel can count",
                          params->steps, params->sun_steps);
     status = neph_shortcuts_check(params, diag);
+    if (!status && params->lighting == NEPH_MARCH_TRACED)
+        status = check_light(&params->light, diag);
     if (status)
         return status;
     char reason[256];
@@ -112,6 +147,7 @@ struct neph_march {
     struct neph_in_flight flight;
     /* What dispatches of the frames in flight take, and the fills before them. */
     double flights_gpu_s[NEPH_IN_FLIGHT_FRAMES], fills_gpu_s[NEPH_IN_FLIGHT_FRAMES];
+    double lights_gpu_s[NEPH_IN_FLIGHT_FRAMES]; /* paths of traced light before them */
 };
 
 static enum neph_status create_buffers(struct neph_march *march, struct neph_diag *diag)
@@ -229,8 +265,8 @@ struct work {
     bool is_read; /* rays that are through come back, into the layers */
     struct layers layers;
     struct neph_march_stats stats;
-    double *gpu_s;                   /* borrowed; one of neph_march.flights_gpu_s */
-    struct neph_sun_cache_cost cost; /* of the fill before it, if there was one */
+    double *gpu_s;                     /* borrowed; one of neph_march.flights_gpu_s */
+    struct neph_march_scene_cost cost; /* before it */
 };
 
 static struct neph_dispatch dispatch_of(const struct neph_march *march,
@@ -325,33 +361,38 @@ static enum neph_status read_frame(struct neph_march *march, struct work *work,
         return status;
     }
     work->stats.rays = march->cut.ray_count;
-    work->stats.gpu_s = *work->gpu_s + work->cost.gpu_s;
-    work->stats.density_evaluations += work->cost.density_evaluations;
-    work->stats.closed_forms += work->cost.closed_forms;
-    work->stats.dispatches += work->cost.dispatches;
+    work->stats.gpu_s = *work->gpu_s + work->cost.fill.gpu_s + *work->cost.light_gpu_s;
+    work->stats.density_evaluations += work->cost.fill.density_evaluations;
+    work->stats.closed_forms += work->cost.fill.closed_forms;
+    work->stats.dispatches += work->cost.fill.dispatches;
     neph_march_cut_learn(&march->cut, *work->gpu_s);
     *image = made;
     return NEPH_OK;
 }
 
 enum neph_status neph_march_frame(struct neph_march *march, const struct neph_scene *scene,
-                                  double frame, const float jitter_px[2], struct neph_image **image,
-                                  struct neph_march_stats *stats, struct neph_diag *diag)
+                                  double frame, const struct neph_march_moment *moment,
+                                  struct neph_image **image, struct neph_march_stats *stats,
+                                  struct neph_diag *diag)
 {
     const double start_s = neph_wall_s();
+    static const struct neph_march_moment alone;
     struct work work = {.march = march};
     int slot;
+    moment = moment ? moment : &alone;
     enum neph_status status = neph_in_flight_begin(march->vulkan, &march->flight, &slot, diag);
     if (status)
         return status;
     work.gpu_s = &march->flights_gpu_s[slot];
     *work.gpu_s = 0.0;
-    status = neph_march_scene_show(march->vulkan, scene, &march->params, frame, &march->scene,
-                                   &work.cost, diag);
+    work.cost.light_gpu_s = &march->lights_gpu_s[slot];
+    *work.cost.light_gpu_s = 0.0;
+    status = neph_march_scene_show(march->vulkan, scene, &march->params, frame, moment,
+                                   &march->scene, &work.cost, diag);
     if (status)
         return status;
-    memcpy(march->scene.gpu.frame->jitter_px, jitter_px, 2 * sizeof(*jitter_px));
-    march->fills_gpu_s[slot] = work.cost.gpu_s;
+    memcpy(march->scene.gpu.frame->jitter_px, moment->jitter_px, sizeof(moment->jitter_px));
+    march->fills_gpu_s[slot] = work.cost.fill.gpu_s;
     if (!image)
         return send_frame(march, &work, diag);
     status = read_frame(march, &work, image, diag);

@@ -64,8 +64,7 @@ enum neph_status neph_march_create(struct neph_vulkan *vulkan, const struct neph
 void neph_march_destroy(struct neph_march *march);
 
 /* One frame of the scene, which may have another sun or its media moved since (neph_scene_at());
- * params.frame counts no more. `jitter_px` is added to the place of each ray, x to the right, y
- * down. The image has R G B, volume.*, transmittance.*, Z as in base/image.h, and where something
+ * params.frame counts no more. `moment` NULL: a picture by itself. The image has R G B, volume.*, transmittance.*, Z as in base/image.h, and where something
  * was marched volume.distance; no attributes. Same scene, params and device: same bits. `stats` may
  * be NULL.
  *
@@ -76,7 +75,8 @@ void neph_march_destroy(struct neph_march *march);
  * `image` NULL: the frame is on its way when this returns, nothing comes back of it and `stats` is
  * left alone; up to NEPH_IN_FLIGHT_FRAMES of them are in flight. */
 enum neph_status neph_march_frame(struct neph_march *march, const struct neph_scene *scene,
-                                  double frame, const float jitter_px[2], struct neph_image **image,
+                                  double frame, const struct neph_march_moment *moment,
+                                  struct neph_image **image,
                                   struct neph_march_stats *stats, struct neph_diag *diag);
 
 /* The device's time for the oldest frame in flight (NaN: it has no clock), waited for. One whose

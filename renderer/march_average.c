@@ -55,12 +55,12 @@ static void take_means(const double *sums, int rays_per_px, struct neph_image *i
 
 /* The frame through one point, into the sums. */
 static enum neph_status add_ray(struct neph_march *march, const struct neph_scene *scene,
-                                double frame, const float jitter_px[2], double *sums,
+                                double frame, const struct neph_march_moment *moment, double *sums,
                                 struct neph_march_stats *total, struct neph_diag *diag)
 {
     struct neph_image *image = NULL;
     struct neph_march_stats stats;
-    const enum neph_status status = neph_march_frame(march, scene, frame, jitter_px, &image, &stats,
+    const enum neph_status status = neph_march_frame(march, scene, frame, moment, &image, &stats,
                                                      diag);
     if (status)
         return status;
@@ -74,7 +74,6 @@ enum neph_status neph_march_average(struct neph_march *march, const struct neph_
                                     double frame, int rays_per_px, struct neph_image **image,
                                     struct neph_march_stats *stats, struct neph_diag *diag)
 {
-    static const float centre_px[2] = {0.0f, 0.0f};
     struct neph_march_stats total;
     struct neph_image *made = NULL;
     double *sums = NULL;
@@ -82,14 +81,14 @@ enum neph_status neph_march_average(struct neph_march *march, const struct neph_
         (rays_per_px & (rays_per_px - 1)) != 0)
         return neph_fail(diag, NEPH_ERR_USAGE, "march: rays_per_px is %d, no power of two in 1..%d",
                          rays_per_px, NEPH_MARCH_RAYS_PER_PX_MAX);
-    enum neph_status status = neph_march_frame(march, scene, frame, centre_px, &made, &total, diag);
+    enum neph_status status = neph_march_frame(march, scene, frame, NULL, &made, &total, diag);
     if (!status && rays_per_px > 1 &&
         !(sums = calloc(neph_image_pixel_count(made) * (size_t)made->channel_count, sizeof(*sums))))
         status = neph_fail_memory(diag);
     for (int ray = 0; ray < rays_per_px && rays_per_px > 1 && !status; ray++) {
-        float jitter_px[2];
-        neph_march_point(ray, rays_per_px, jitter_px);
-        status = add_ray(march, scene, frame, jitter_px, sums, &total, diag);
+        struct neph_march_moment moment = {.continues = false};
+        neph_march_point(ray, rays_per_px, moment.jitter_px);
+        status = add_ray(march, scene, frame, &moment, sums, &total, diag);
     }
     if (!status && rays_per_px > 1)
         take_means(sums, rays_per_px, made);

@@ -41,6 +41,7 @@ void neph_march_set_frame(const struct neph_scene *scene, const struct neph_marc
     frame->steps = (uint32_t)params->steps;
     frame->sun_steps = (uint32_t)neph_march_sun_steps(scene, params);
     frame->early_out = (float)params->shortcuts.early_out;
+    frame->light_texel_px = (uint32_t)params->light.texel_px;
     frame->step_growth = (float)params->shortcuts.step_growth;
 }
 
@@ -108,6 +109,40 @@ static void set_rays(struct neph_march_cut *cut, uint64_t turns)
                       cut->rays_max);
 }
 
+static uint64_t thread_turns_max(const struct neph_vulkan *vulkan)
+{
+    return vulkan->description.is_cpu ? NEPH_KERNEL_LOOP_TURNS_MAX : gpu_thread_turns_max;
+}
+
+static enum neph_status refuse_step(const struct neph_vulkan *vulkan,
+                                    const struct neph_scene *scene,
+                                    const struct neph_march_params *params, uint64_t turns,
+                                    struct neph_diag *diag)
+{
+    return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
+                     "march: one step with %d sun steps, %d media and %d solids takes %llu "
+                     "loop turns; a dispatch has %llu",
+                     neph_march_sun_steps(scene, params), scene->medium_count, scene->solid_count,
+                     (unsigned long long)turns, (unsigned long long)thread_turns_max(vulkan));
+}
+
+enum neph_status neph_march_cut_events(const struct neph_vulkan *vulkan,
+                                       const struct neph_scene *scene,
+                                       const struct neph_gpu_scene *gpu,
+                                       const struct neph_march_params *params, uint64_t turns,
+                                       uint64_t *events, struct neph_diag *diag)
+{
+    uint64_t per_event, whole_ray;
+    count_turns(scene, gpu, params, &per_event, &whole_ray);
+    per_event += neph_gpu_solid_turns((uint64_t)scene->solid_count);
+    const uint64_t beside = turns * (3 + 2 * (uint64_t)scene->medium_count);
+    const uint64_t most = thread_turns_max(vulkan);
+    if (beside + per_event > most)
+        return refuse_step(vulkan, scene, params, beside + per_event, diag);
+    *events = (most - beside) / per_event;
+    return NEPH_OK;
+}
+
 enum neph_status neph_march_cut_make(const struct neph_vulkan *vulkan,
                                      const struct neph_scene *scene,
                                      const struct neph_gpu_scene *gpu,
@@ -115,17 +150,12 @@ enum neph_status neph_march_cut_make(const struct neph_vulkan *vulkan,
                                      struct neph_march_cut *cut, struct neph_diag *diag)
 {
     const bool is_cpu = vulkan->description.is_cpu;
-    const uint64_t thread_max = is_cpu ? NEPH_KERNEL_LOOP_TURNS_MAX : gpu_thread_turns_max;
+    const uint64_t thread_max = thread_turns_max(vulkan);
     const uint64_t groups_max = vulkan->limits.maxComputeWorkGroupCount[0];
     struct neph_march_cut made = {.ray_count = ray_count, .step_count = (uint64_t)params->steps};
     count_turns(scene, gpu, params, &made.turns_per_step, &made.turns_per_dispatch);
     if (turns_of(&made, 1) > thread_max)
-        return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
-                         "march: one step with %d sun steps, %d media and %d solids takes %llu "
-                         "loop turns; a dispatch has %llu",
-                         neph_march_sun_steps(scene, params), scene->medium_count,
-                         scene->solid_count, (unsigned long long)turns_of(&made, 1),
-                         (unsigned long long)thread_max);
+        return refuse_step(vulkan, scene, params, turns_of(&made, 1), diag);
     made.steps = least((thread_max - made.turns_per_dispatch) / made.turns_per_step,
                        made.step_count);
     made.rays_max = least(least(groups_max * NEPH_MARCH_LOCAL_SIZE, dispatch_rays_max), ray_count);

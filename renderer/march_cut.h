@@ -15,8 +15,8 @@ enum {
     NEPH_MARCH_LOCAL_SIZE = 64, /* of shaders/march.glsl */
     NEPH_MARCH_STATE_BYTES = sizeof(
         struct neph_gpu_march_state), /* one for each ray of a dispatch */
-    /* The scene's, a march's states, what it makes of them, the sun cache. */
-    NEPH_MARCH_BUFFERS = NEPH_GPU_SCENE_BUFFERS + 3,
+    /* The scene's, a march's states, what it makes of them, the sun cache, traced light. */
+    NEPH_MARCH_BUFFERS = NEPH_GPU_SCENE_BUFFERS + 4,
     NEPH_MARCH_CONSTANTS = NEPH_GPU_SCENE_CONSTANTS + 4,
 };
 
@@ -42,6 +42,14 @@ void neph_march_set_frame(const struct neph_scene *scene, const struct neph_marc
 /* Specialization constants of the shaders. */
 void neph_march_constants(const struct neph_gpu_scene *gpu, const struct neph_march_params *params,
                           uint32_t constants[NEPH_MARCH_CONSTANTS]);
+
+/* How many events one thread may have in a dispatch, each with a sun ray and a ray to the next
+ * solid, beside so many turns that look at each medium twice. NEPH_ERR_UNSUPPORTED: none. */
+enum neph_status neph_march_cut_events(const struct neph_vulkan *vulkan,
+                                       const struct neph_scene *scene,
+                                       const struct neph_gpu_scene *gpu,
+                                       const struct neph_march_params *params, uint64_t turns,
+                                       uint64_t *events, struct neph_diag *diag);
 
 /* NEPH_ERR_UNSUPPORTED: one step alone is more than a dispatch may hold. */
 enum neph_status neph_march_cut_make(const struct neph_vulkan *vulkan,

@@ -5,7 +5,10 @@
 #ifndef NEPH_RENDERER_MARCH_PARAMS_H
 #define NEPH_RENDERER_MARCH_PARAMS_H
 
+#include "base/vec3.h"
+
 #include <stdbool.h>
+#include <stdint.h>
 
 /* Where an optical depth comes from. */
 enum neph_march_mode {
@@ -20,6 +23,7 @@ enum neph_march_lighting {
     NEPH_MARCH_HORIZON,        /* the light of Horizon's clouds, for their layers alone: a look */
     NEPH_MARCH_OCTAVES_FITTED, /* octaves by g and albedo of each medium (octaves_fitted.h): a look
                                 */
+    NEPH_MARCH_TRACED,         /* single, and higher orders by paths (traced_light.h) */
 };
 
 #define NEPH_MARCH_SIDE_MAX_PX 4096
@@ -49,6 +53,22 @@ struct neph_shortcuts {
 /* The last step is at most so many times as long as the first. */
 #define NEPH_STEP_GROWTH_WHOLE_MAX 1e6
 
+/* Paths of traced light, for NEPH_MARCH_TRACED alone. */
+struct neph_light_paths {
+    int texel_px;       /* pixels along the side of a texel: 1..NEPH_LIGHT_TEXEL_PX_MAX */
+    int paths;          /* of a texel, under way at a time: 1..NEPH_LIGHT_PATHS_MAX */
+    int rounds;         /* of all paths in a picture: 1..NEPH_LIGHT_ROUNDS_MAX */
+    int memory;         /* pictures over which sums fade; 1: each picture is by itself */
+    double blur_texels; /* standard deviation of the blur; 0: none */
+    uint32_t seed;
+};
+
+#define NEPH_LIGHT_TEXEL_PX_MAX 64
+#define NEPH_LIGHT_PATHS_MAX 64
+#define NEPH_LIGHT_ROUNDS_MAX 65536
+#define NEPH_LIGHT_MEMORY_MAX 65536
+#define NEPH_LIGHT_BLUR_MAX 2.0
+
 struct neph_march_params {
     int width_px, height_px;            /* 1..NEPH_MARCH_SIDE_MAX_PX */
     double frame;                       /* of the scene; may be fractional */
@@ -58,6 +78,14 @@ struct neph_march_params {
     enum neph_march_lighting lighting;
     int sun_steps; /* per sun ray, 1..NEPH_MARCH_STEPS_MAX; not used where none is marched */
     struct neph_shortcuts shortcuts;
+    struct neph_light_paths light;
+};
+
+/* A picture among others. Zero: through the centres of pixels, a picture by itself. */
+struct neph_march_moment {
+    float jitter_px[2];       /* added to the place of each ray, x to the right, y down */
+    bool continues;           /* the picture before was of the same sequence, without a cut */
+    struct neph_vec3 drift_m; /* how far the wind has carried the media, since whenever */
 };
 
 #endif

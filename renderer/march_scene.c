@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "renderer/march_scene.h"
 
+#include "scenes/motion.h"
+
 static enum neph_status create_turns(const struct neph_vulkan *vulkan,
                                      struct neph_march_scene *scene, struct neph_diag *diag)
 {
@@ -15,19 +17,24 @@ enum neph_status neph_march_scene_create(struct neph_vulkan *vulkan, const struc
                                          const struct neph_march_params *params,
                                          struct neph_march_scene *scene, struct neph_diag *diag)
 {
+    const bool traces = params->lighting == NEPH_MARCH_TRACED;
     enum neph_status status = neph_gpu_scene_create(vulkan, from, params->frame, params->width_px,
-                                                    params->height_px, false, &scene->gpu, diag);
+                                                    params->height_px, traces, &scene->gpu, diag);
     if (!status)
         status = create_turns(vulkan, scene, diag);
     if (!status)
         status = neph_skip_cells_create(vulkan, from, params, &scene->skip_cells, diag);
     if (!status)
         status = neph_sun_cache_create(vulkan, from, &scene->gpu, params, &scene->sun_cache, diag);
+    if (!status)
+        status = neph_traced_light_create(vulkan, from, &scene->gpu, params, &scene->traced_light,
+                                          diag);
     return status;
 }
 
 void neph_march_scene_destroy(const struct neph_vulkan *vulkan, struct neph_march_scene *scene)
 {
+    neph_traced_light_destroy(&scene->traced_light);
     neph_sun_cache_destroy(&scene->sun_cache);
     neph_skip_cells_destroy(vulkan, &scene->skip_cells);
     neph_turns_destroy(vulkan, &scene->solid_turns);
@@ -46,10 +53,24 @@ static void show_scene(const struct neph_scene *from, const struct neph_march_pa
     neph_march_set_frame(from, params, scene->gpu.frame);
 }
 
+static enum neph_status trace_light(const struct neph_scene *from, double frame,
+                                    const struct neph_march_moment *moment,
+                                    struct neph_march_scene *scene, double *gpu_s,
+                                    struct neph_diag *diag)
+{
+    struct neph_dispatch bound = {.group_count = 0};
+    const struct neph_light_view view = {neph_scene_camera(from, frame), moment->drift_m};
+    neph_gpu_scene_bind(&scene->gpu, &bound);
+    bound.buffers[NEPH_GPU_SCENE_BUFFERS + 2] = &scene->sun_cache.nodes;
+    return neph_traced_light_trace(&scene->traced_light, from, &scene->gpu, &bound, &view,
+                                   moment->continues, gpu_s, diag);
+}
+
 enum neph_status neph_march_scene_show(struct neph_vulkan *vulkan, const struct neph_scene *from,
                                        const struct neph_march_params *params, double frame,
+                                       const struct neph_march_moment *moment,
                                        struct neph_march_scene *scene,
-                                       struct neph_sun_cache_cost *cost, struct neph_diag *diag)
+                                       struct neph_march_scene_cost *cost, struct neph_diag *diag)
 {
     show_scene(from, params, frame, scene);
     enum neph_status status = neph_skip_cells_place(&scene->skip_cells, from, frame,
@@ -57,9 +78,10 @@ enum neph_status neph_march_scene_show(struct neph_vulkan *vulkan, const struct 
     /* Frames in flight may still read the nodes: they land first, and their times stay theirs. */
     if (!status && neph_sun_cache_is_stale(&scene->sun_cache, from, &scene->gpu))
         status = neph_batches_wait(vulkan, neph_batches_sent(vulkan), "frames in flight", diag);
-    return status ? status
-                  : neph_sun_cache_fill(&scene->sun_cache, from, frame, &scene->gpu,
-                                        &scene->skip_cells, cost, diag);
+    if (!status)
+        status = neph_sun_cache_fill(&scene->sun_cache, from, frame, &scene->gpu,
+                                     &scene->skip_cells, &cost->fill, diag);
+    return status ? status : trace_light(from, frame, moment, scene, cost->light_gpu_s, diag);
 }
 
 void neph_march_scene_bind(const struct neph_march_scene *scene, struct neph_dispatch *dispatch)
@@ -67,4 +89,5 @@ void neph_march_scene_bind(const struct neph_march_scene *scene, struct neph_dis
     neph_gpu_scene_bind(&scene->gpu, dispatch);
     neph_skip_cells_bind(&scene->skip_cells, dispatch);
     dispatch->buffers[NEPH_GPU_SCENE_BUFFERS + 2] = &scene->sun_cache.nodes;
+    dispatch->buffers[NEPH_GPU_SCENE_BUFFERS + 3] = &scene->traced_light.smoothed;
 }

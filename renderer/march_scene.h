@@ -10,12 +10,14 @@
 #include "renderer/in_flight.h"
 #include "renderer/skip_cells.h"
 #include "renderer/sun_cache.h"
+#include "renderer/traced_light.h"
 
 struct neph_march_scene {
     struct neph_gpu_scene gpu;
     struct neph_turns frame_turns, solid_turns;
     struct neph_skip_cells skip_cells;
     struct neph_sun_cache sun_cache;
+    struct neph_traced_light traced_light;
 };
 
 /* For a march with these parameters, at their frame. Zero-initialise `scene`; free with _destroy,
@@ -27,13 +29,20 @@ enum neph_status neph_march_scene_create(struct neph_vulkan *vulkan, const struc
 /* A zero one is fine. */
 void neph_march_scene_destroy(const struct neph_vulkan *vulkan, struct neph_march_scene *scene);
 
-/* Show another frame, after neph_in_flight_begin(), in memory that no other frame reads; `*cost`
- * receives what filling a sun cache has taken. Frames in flight land before it is filled anew.
- * Errors as of neph_march_frame(). */
+/* What a picture has cost before it is marched. */
+struct neph_march_scene_cost {
+    struct neph_sun_cache_cost fill; /* of a sun cache; zeros: there was nothing to be done */
+    double *light_gpu_s; /* receives the device's time for traced light when that is home; borrowed
+                            until then */
+};
+
+/* Show another frame, after neph_in_flight_begin(), in memory that no other frame reads. Frames in
+ * flight land before a sun cache is filled anew. Errors as of neph_march_frame(). */
 enum neph_status neph_march_scene_show(struct neph_vulkan *vulkan, const struct neph_scene *from,
                                        const struct neph_march_params *params, double frame,
+                                       const struct neph_march_moment *moment,
                                        struct neph_march_scene *scene,
-                                       struct neph_sun_cache_cost *cost, struct neph_diag *diag);
+                                       struct neph_march_scene_cost *cost, struct neph_diag *diag);
 
 /* Fill in the buffers of shaders/march_run.glsl but for the march's own at NEPH_GPU_SCENE_BUFFERS
  * and the binding after it. */

@@ -44,6 +44,28 @@ extern const char *const neph_sun_caches[], *const neph_skips[]; /* words of the
             "all are equal"                                                                        \
     }
 
+/* Of traced light, which is no shortcut but shared alike. */
+#define NEPH_OPTION_LIGHT_TEXEL                                                                    \
+    {                                                                                              \
+        "light_texel_px", NEPH_OPTION_INTEGER, 8, 1, NEPH_LIGHT_TEXEL_PX_MAX, NULL,                \
+            "lighting=traced: pixels along the side of a texel, which shares its paths"            \
+    }
+#define NEPH_OPTION_LIGHT_PATHS(value)                                                             \
+    {                                                                                              \
+        "light_paths", NEPH_OPTION_INTEGER, value, 1, NEPH_LIGHT_PATHS_MAX, NULL,                  \
+            "lighting=traced: paths under way at a time for each texel"                       \
+    }
+#define NEPH_OPTION_LIGHT_ROUNDS(value)                                                            \
+    {                                                                                              \
+        "light_rounds", NEPH_OPTION_INTEGER, value, 1, NEPH_LIGHT_ROUNDS_MAX, NULL,                \
+            "lighting=traced: rounds of them in a picture, each 64 turns of a path"                \
+    }
+#define NEPH_OPTION_LIGHT_BLUR                                                                     \
+    {                                                                                              \
+        "light_blur", NEPH_OPTION_REAL, 1, 0, NEPH_LIGHT_BLUR_MAX, NULL,                           \
+            "lighting=traced: standard deviation of the blur in texels; 0: none"                \
+    }
+
 /* NEPH_ERR_USAGE: a number out of range, or a last step beyond NEPH_STEP_GROWTH_WHOLE_MAX of the
  * first. NEPH_ERR_UNSUPPORTED: the light of Horizon's clouds with a sun cache, which it has no use
  * for, or with skipping: it shines in clear air. */

@@ -17,6 +17,7 @@
     of(march_octaves) \
     of(march_horizon) \
     of(march_octaves_fitted) \
+    of(march_traced) \
     of(realtime) \
     of(cycles) \
     of(povray) \

@@ -32,29 +32,56 @@ enum {
     OPTION_SKIP,
     OPTION_EARLY_OUT,
     OPTION_STEP_GROWTH,
+    OPTION_LIGHT_TEXEL, /* from here on of march_traced alone */
+    OPTION_LIGHT_PATHS,
+    OPTION_LIGHT_ROUNDS,
+    OPTION_LIGHT_BLUR,
 };
 
-static const struct neph_option options[] = {
-    [OPTION_STEPS] = {"steps", NEPH_OPTION_INTEGER, 64, 1, NEPH_MARCH_STEPS_MAX, NULL,
-                      "steps per view ray"},
-    [OPTION_TRANSMITTANCE] =
-        {"transmittance", NEPH_OPTION_CHOICE, NEPH_MARCH_EXACT, 0, 1, modes,
-         "optical depth of view rays: closed form (but for Horizon clouds), or summed over the "
-         "steps"},
-    [OPTION_SUN] =
-        {"sun", NEPH_OPTION_CHOICE, NEPH_MARCH_EXACT, 0, 1, modes,
-         "optical depth towards the sun: closed form (but for Horizon clouds), or marched"},
-    [OPTION_SUN_STEPS] = {"sun_steps", NEPH_OPTION_INTEGER, 16, 1, NEPH_MARCH_STEPS_MAX, NULL,
-                          "steps per marched sun ray"},
-    [OPTION_RAYS_PER_PX] =
-        {"rays_per_px", NEPH_OPTION_CHOICE, 0, 0, 0, rays,
-         "rays averaged over the square of a pixel, at the points of a Hammersley set; 1: through "
-         "its centre. Depth is always that of the centre"},
-    [OPTION_SUN_CACHE] = NEPH_OPTION_SUN_CACHE,
-    [OPTION_SUN_CACHE_VOXELS] = NEPH_OPTION_SUN_CACHE_VOXELS,
-    [OPTION_SKIP] = NEPH_OPTION_SKIP,
-    [OPTION_EARLY_OUT] = NEPH_OPTION_EARLY_OUT,
-    [OPTION_STEP_GROWTH] = NEPH_OPTION_STEP_GROWTH,
+/* Rows of all tables. */
+#define OPTIONS_OF_ALL                                                                             \
+    [OPTION_STEPS] = {"steps", NEPH_OPTION_INTEGER, 64, 1, NEPH_MARCH_STEPS_MAX,                   \
+                      NULL,    "steps per view ray"},                                              \
+    [OPTION_TRANSMITTANCE] =                                                                       \
+        {"transmittance",                                                                          \
+         NEPH_OPTION_CHOICE,                                                                       \
+         NEPH_MARCH_EXACT,                                                                         \
+         0,                                                                                        \
+         1,                                                                                        \
+         modes,                                                                                    \
+         "optical depth of view rays: closed form (but for Horizon clouds), or summed over the "   \
+         "steps"},                                                                                 \
+    [OPTION_SUN] =                                                                                 \
+        {"sun",                                                                                    \
+         NEPH_OPTION_CHOICE,                                                                       \
+         NEPH_MARCH_EXACT,                                                                         \
+         0,                                                                                        \
+         1,                                                                                        \
+         modes,                                                                                    \
+         "optical depth towards the sun: closed form (but for Horizon clouds), or marched"},       \
+    [OPTION_SUN_STEPS] = {"sun_steps", NEPH_OPTION_INTEGER,        16, 1, NEPH_MARCH_STEPS_MAX,    \
+                          NULL,        "steps per marched sun ray"},                               \
+    [OPTION_RAYS_PER_PX] = {"rays_per_px",                                                         \
+                            NEPH_OPTION_CHOICE,                                                    \
+                            0,                                                                     \
+                            0,                                                                     \
+                            0,                                                                     \
+                            rays,                                                                  \
+                            "rays averaged over the square of a pixel, at the points of a "        \
+                            "Hammersley set; 1: through "                                          \
+                            "its centre. Depth is always that of the centre"},                     \
+    [OPTION_SUN_CACHE] = NEPH_OPTION_SUN_CACHE,                                                    \
+    [OPTION_SUN_CACHE_VOXELS] = NEPH_OPTION_SUN_CACHE_VOXELS, [OPTION_SKIP] = NEPH_OPTION_SKIP,    \
+    [OPTION_EARLY_OUT] = NEPH_OPTION_EARLY_OUT, [OPTION_STEP_GROWTH] = NEPH_OPTION_STEP_GROWTH
+
+static const struct neph_option options[] = {OPTIONS_OF_ALL, {.name = NULL}};
+
+static const struct neph_option options_of_traced[] = {
+    OPTIONS_OF_ALL,
+    [OPTION_LIGHT_TEXEL] = NEPH_OPTION_LIGHT_TEXEL,
+    [OPTION_LIGHT_PATHS] = NEPH_OPTION_LIGHT_PATHS(8),
+    [OPTION_LIGHT_ROUNDS] = NEPH_OPTION_LIGHT_ROUNDS(64),
+    [OPTION_LIGHT_BLUR] = NEPH_OPTION_LIGHT_BLUR,
     {.name = NULL},
 };
 
@@ -101,11 +128,25 @@ static void close_sequence(void *opened)
     free(sequence);
 }
 
+/* Each picture is by itself. */
+static struct neph_light_paths light_of(const struct neph_shot *shot)
+{
+    const double *values = shot->settings.values;
+    return (struct neph_light_paths){
+        .texel_px = (int)values[OPTION_LIGHT_TEXEL],
+        .paths = (int)values[OPTION_LIGHT_PATHS],
+        .rounds = (int)values[OPTION_LIGHT_ROUNDS],
+        .memory = 1,
+        .blur_texels = values[OPTION_LIGHT_BLUR],
+        .seed = (uint32_t)shot->seed,
+    };
+}
+
 static enum neph_status set_up(struct sequence *sequence, const struct neph_shot *shot,
                                struct neph_diag *diag)
 {
     const double *values = shot->settings.values;
-    const struct neph_march_params params = {
+    struct neph_march_params params = {
         .width_px = shot->width_px,
         .height_px = shot->height_px,
         .frame = shot->frame,
@@ -120,6 +161,8 @@ static enum neph_status set_up(struct sequence *sequence, const struct neph_shot
                       .early_out = values[OPTION_EARLY_OUT],
                       .step_growth = values[OPTION_STEP_GROWTH]},
     };
+    if (sequence->lighting == NEPH_MARCH_TRACED)
+        params.light = light_of(shot);
     neph_march_destroy(sequence->march);
     sequence->march = NULL;
     sequence->width_px = shot->width_px;
@@ -174,14 +217,13 @@ static enum neph_status next_picture(void *opened, const struct neph_shot *shot,
 
 static enum neph_status send(void *opened, const struct neph_shot *shot, struct neph_diag *diag)
 {
-    static const float centre_px[2] = {0.0f, 0.0f};
     struct sequence *sequence = opened;
     if (shot->settings.values[OPTION_RAYS_PER_PX] != 0.0)
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
                          "rays are averaged on the CPU: a picture in flight has rays_per_px=1");
     const double start_s = neph_wall_s();
     const enum neph_status status = neph_march_frame(sequence->march, shot->scene, shot->frame,
-                                                     centre_px, NULL, NULL, diag);
+                                                     NULL, NULL, NULL, diag);
     if (!status)
         sequence->sent_s[sequence->sent++ % NEPH_FLIGHT_PICTURES_MAX] = neph_wall_s() - start_s;
     return status;
@@ -386,4 +428,43 @@ const struct neph_engine neph_engine_march_octaves_fitted = {
     .can_render = can_render_octaves_fitted,
     .render = render_octaves_fitted,
     .sequence = &sequence_of_octaves_fitted,
+};
+
+static bool can_render_traced(const struct neph_scene *scene, const struct neph_settings *settings,
+                              char *reason, size_t reason_size)
+{
+    (void)settings;
+    return neph_march_can_render(scene, NEPH_MARCH_TRACED, reason, reason_size);
+}
+
+static enum neph_status render_traced(const struct neph_shot *shot, struct neph_image **frame,
+                                      struct neph_cost *cost, struct neph_diag *diag)
+{
+    return render(NEPH_MARCH_TRACED, shot, frame, cost, diag);
+}
+
+static enum neph_status open_traced(const struct neph_shot *shot, void **opened,
+                                    struct neph_diag *diag)
+{
+    return open_sequence(NEPH_MARCH_TRACED, shot, opened, diag);
+}
+
+static const struct neph_engine_sequence sequence_of_traced = {
+    .open = open_traced, .next = next_picture, .send = send, .home = home, .close = close_sequence};
+
+const struct neph_engine neph_engine_march_traced = {
+    .name = "march_traced",
+    .summary = "march, and light of higher orders by paths for each few pixels",
+    .rung = NEPH_RUNG_MODEL,
+    .typical_s = 6.0,
+    .stochastic = true,
+    .bias = "as march, and a blur of the light of higher orders over a few texels; solids "
+            "are lit by the sun alone",
+    .options = options_of_traced,
+    .version = 1,
+    .step = step,
+    .probe = neph_vulkan_probe,
+    .can_render = can_render_traced,
+    .render = render_traced,
+    .sequence = &sequence_of_traced,
 };

@@ -3,6 +3,7 @@
 
 #include "base/files.h"
 #include "harness/engines/engines.h"
+#include "renderer/march_params.h"
 #include "scenes/motion.h"
 
 #include <stdio.h>
@@ -21,7 +22,8 @@ _Static_assert(NEPH_REFERENCE_RAYS_PER_PX == 16, "what rays_settings says");
 static const struct neph_engine *engine_of(const struct neph_job *test)
 {
     static const char *const marches[] = {"march", "march_octaves", "march_horizon",
-                                          "march_octaves_fitted"};
+                                          "march_octaves_fitted", "march_traced"};
+    _Static_assert(sizeof(marches) / sizeof(marches[0]) == NEPH_MARCH_TRACED + 1, "one each");
     const int lighting = neph_option_find(test->engine->options, "lighting");
     return neph_engine_find(marches[lighting < 0 ? 0 : (int)test->shot.settings.values[lighting]]);
 }

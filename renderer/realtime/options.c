@@ -11,7 +11,8 @@
 #include "renderer/shortcuts.h"
 
 static const char *const modes[] = {"exact", "marched", NULL};
-static const char *const lightings[] = {"single", "octaves", "horizon", "octaves_fitted", NULL};
+static const char *const lightings[] = {"single", "octaves", "horizon", "octaves_fitted",
+                                         "traced", NULL};
 static const char *const switches[] = {"off", "on", NULL};
 static const char *const splits[] = {"none", "four", NULL};
 static const char *const depth_maps[] = {"checkerboard", "nearest", "farthest", "reversed", NULL};
@@ -54,6 +55,8 @@ static const char *const roundings[] = {"nearest", "stochastic", NULL};
     {                                                                                              \
         name, NEPH_OPTION_INTEGER, value, least, most, NULL, help                                  \
     }
+
+_Static_assert(RT_SETTING_COUNT < NEPH_OPTIONS_MAX, "room for every setting");
 
 const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
     [RT_STEPS] = WHOLE("steps", 64, 1, NEPH_MARCH_STEPS_MAX, "steps per view ray"),
@@ -327,5 +330,12 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
     [RT_SKIP] = NEPH_OPTION_SKIP,
     [RT_EARLY_OUT] = NEPH_OPTION_EARLY_OUT,
     [RT_STEP_GROWTH] = NEPH_OPTION_STEP_GROWTH,
+
+    [RT_LIGHT_TEXEL_PX] = NEPH_OPTION_LIGHT_TEXEL,
+    [RT_LIGHT_PATHS] = NEPH_OPTION_LIGHT_PATHS(2),
+    [RT_LIGHT_ROUNDS] = NEPH_OPTION_LIGHT_ROUNDS(1),
+    [RT_LIGHT_MEMORY] = WHOLE("light_memory", 32, 1, NEPH_LIGHT_MEMORY_MAX,
+                              "pictures over which traced light fades; 1: each picture has its own"),
+    [RT_LIGHT_BLUR] = NEPH_OPTION_LIGHT_BLUR,
     {.name = NULL},
 };

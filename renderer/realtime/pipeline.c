@@ -144,6 +144,12 @@ static struct neph_march_params march_params(const struct neph_realtime_params *
                       .skip = values[RT_SKIP] != 0.0,
                       .early_out = values[RT_EARLY_OUT],
                       .step_growth = values[RT_STEP_GROWTH]},
+        .light = {.texel_px = (int)values[RT_LIGHT_TEXEL_PX],
+                  .paths = (int)values[RT_LIGHT_PATHS],
+                  .rounds = (int)values[RT_LIGHT_ROUNDS],
+                  .memory = (int)values[RT_LIGHT_MEMORY],
+                  .blur_texels = values[RT_LIGHT_BLUR],
+                  .seed = params->seed},
     };
 }
 
@@ -299,12 +305,13 @@ void neph_realtime_observe(struct neph_realtime *realtime, neph_realtime_observe
 
 /* A frame on its way. Targets are NEPH_RT_BIT() of each. */
 struct progress {
-    uint32_t given;                    /* what no pass needs to write */
-    uint32_t touched;                  /* what passes have read or written so far */
-    uint32_t past;                     /* what they hand on, as the next frame calls it */
-    int picture;                       /* the target that shows the frame */
-    bool counts;                       /* whether passes with rays count what they do */
-    struct neph_sun_cache_cost fill;   /* of the split frame's sun cache, if there was one */
+    uint32_t given;                  /* what no pass needs to write */
+    uint32_t touched;                /* what passes have read or written so far */
+    uint32_t past;                   /* what they hand on, as the next frame calls it */
+    int picture;                     /* the target that shows the frame */
+    bool counts;                     /* whether passes with rays count what they do */
+    struct neph_sun_cache_cost fill; /* of the split frame's sun cache, if there was one */
+    struct neph_march_moment moment;
     struct neph_realtime_stats *stats; /* borrowed; one of neph_realtime.flights */
 };
 
@@ -388,12 +395,14 @@ static enum neph_status render_split(struct neph_realtime *realtime,
                                      const struct neph_scene *still, struct neph_image **image,
                                      struct progress *made, struct neph_diag *diag)
 {
+    struct neph_march_scene_cost cost = {.light_gpu_s = &made->stats->light_gpu_s};
     made->counts = image;
     if (made->counts)
         memset(realtime->counters.mapped, 0, sizeof(struct neph_gpu_counters));
     enum neph_status status = neph_march_scene_show(realtime->vulkan, still, &realtime->march,
-                                                    frame->frame, &realtime->scene, &made->fill,
-                                                    diag);
+                                                    frame->frame, &made->moment, &realtime->scene,
+                                                    &cost, diag);
+    made->fill = cost.fill;
     if (!status && frame->given)
         status = neph_rt_give_frame(&realtime->device, frame->given, &made->given, diag);
     if (!status)
@@ -427,7 +436,8 @@ static enum neph_status finish(struct neph_realtime *realtime, struct neph_image
 /* Without a picture for the CPU there is none for the passes behind the march either. */
 static enum neph_status send_whole(struct neph_realtime *realtime,
                                    const struct neph_realtime_frame *frame,
-                                   const struct neph_scene *still, struct neph_diag *diag)
+                                   const struct neph_scene *still,
+                                   const struct neph_march_moment *moment, struct neph_diag *diag)
 {
     const struct neph_gpu_view *view = realtime->device.view;
     for (const struct neph_rt_pass *pass = neph_rt_passes; pass->name; pass++)
@@ -437,8 +447,7 @@ static enum neph_status send_whole(struct neph_realtime *realtime,
                              "so frames of it cannot be in flight: switch the pass off, or set "
                              "split=four",
                              pass->name);
-    return neph_march_frame(realtime->whole, still, frame->frame, view->jitter_px, NULL, NULL,
-                            diag);
+    return neph_march_frame(realtime->whole, still, frame->frame, moment, NULL, NULL, diag);
 }
 
 /* Every pixel, every frame: the march itself. */
@@ -451,12 +460,11 @@ static enum neph_status render_whole(struct neph_realtime *realtime,
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
                          "a given depth needs the split frame: set split=four");
     if (!image)
-        return send_whole(realtime, frame, still, diag);
+        return send_whole(realtime, frame, still, &made->moment, diag);
     struct neph_image *marched = NULL;
     struct neph_march_stats march;
-    enum neph_status status = neph_march_frame(realtime->whole, still, frame->frame,
-                                               realtime->device.view->jitter_px, &marched, &march,
-                                               diag);
+    enum neph_status status = neph_march_frame(realtime->whole, still, frame->frame, &made->moment,
+                                               &marched, &march, diag);
     if (status)
         return status;
     struct neph_realtime_stats *stats = made->stats;
@@ -490,7 +498,7 @@ static void finish_frame(struct neph_realtime *realtime, const struct neph_rt_mo
 /* A frame is home: what its passes took, together, and for the cut of the next. */
 static void take_times(struct neph_realtime *realtime, struct neph_realtime_stats *stats)
 {
-    stats->gpu_s = 0.0;
+    stats->gpu_s = stats->light_gpu_s;
     for (int i = 0; neph_rt_passes[i].name; i++) {
         stats->gpu_s += stats->pass_gpu_s[i];
         if (realtime->cuts[i].ray_count > 0)
@@ -505,6 +513,17 @@ static void add_fill(struct neph_realtime_stats *stats, const struct neph_sun_ca
     stats->pass_gpu_s[neph_rt_pass_named("march") - neph_rt_passes] += fill->gpu_s;
     stats->density_evaluations += fill->density_evaluations;
     stats->closed_forms += fill->closed_forms;
+}
+
+/* What a view that has its moment says to who marches. */
+static struct neph_march_moment march_moment(const struct neph_gpu_view *view,
+                                             const struct neph_rt_moment *now)
+{
+    return (struct neph_march_moment){
+        .jitter_px = {view->jitter_px[0], view->jitter_px[1]},
+        .continues = view->has_history,
+        .drift_m = now->drift_m,
+    };
 }
 
 enum neph_status neph_realtime_render(struct neph_realtime *realtime,
@@ -529,6 +548,7 @@ enum neph_status neph_realtime_render(struct neph_realtime *realtime,
     *made.stats = (struct neph_realtime_stats){.gpu_s = 0.0};
     neph_rt_view_set_moment(view, frame->scene, &now, realtime->has_past ? &realtime->past : NULL,
                             realtime->frame_count);
+    made.moment = march_moment(view, &now);
     neph_turns_take(&realtime->device.view_turns, &realtime->device.view_buffer);
     neph_rt_device_show(&realtime->device);
     status = (realtime->whole ? render_whole : render_split)(realtime, frame, still, image, &made,

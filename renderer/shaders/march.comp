@@ -23,12 +23,12 @@ layout(std430, binding = 6) writeonly buffer Pixels {
     MarchPixel pixels[];
 };
 
-MarchPixel finished_pixel(ViewRay ray, Hit hit, Sums sums)
+MarchPixel finished_pixel(ViewRay ray, vec2 place_px, Hit hit, Sums sums)
 {
     vec3 optical_depth = view_optical_depth(ray, hit.t_m, sums);
     vec3 behind = radiance_behind(hit, ray);
     MarchPixel pixel;
-    pixel.volume = view_scattered(sums, optical_depth);
+    pixel.volume = view_scattered(sums, optical_depth, place_px);
     pixel.transmittance = fraction_through(optical_depth);
     precise vec3 radiance = pixel.volume + pixel.transmittance * behind; // as rt_compose.comp does
     pixel.radiance = radiance;
@@ -46,8 +46,8 @@ void main()
     if (thread >= run.ray_count)
         return;
     uint pixel = run.first_ray + thread;
-    vec2 place_px = vec2(pixel % frame.width_px, pixel / frame.width_px) + 0.5;
-    ViewRay ray = camera_ray_at(frame_camera(), place_px + frame.jitter_px);
+    vec2 place_px = vec2(pixel % frame.width_px, pixel / frame.width_px) + 0.5 + frame.jitter_px;
+    ViewRay ray = camera_ray_at(frame_camera(), place_px);
     Hit hit = scene_hit(ray.origin_m, ray.direction);
 
     Sums sums = sums_at_start(thread);
@@ -58,5 +58,5 @@ void main()
     if (run.end_step < own(frame.steps))
         sums_keep(thread, sums);
     else
-        pixels[thread] = finished_pixel(ray, hit, sums);
+        pixels[thread] = finished_pixel(ray, place_px, hit, sums);
 }

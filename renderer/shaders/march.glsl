@@ -140,11 +140,37 @@ vec3 view_optical_depth(ViewRay ray, float length_m, Sums sums)
                      : marched_depth(sums);
 }
 
-// In-scattered radiance of the whole ray.
-vec3 view_scattered(Sums sums, vec3 optical_depth)
+// Texels of traced light: light and collisions.
+layout(std430, binding = 8) readonly buffer TracedLight {
+    vec4 traced_light[];
+};
+
+// Light of higher orders per unit of opacity at a place of the picture: by the sums of the four
+// texels around it.
+vec3 higher_light(vec2 place_px)
+{
+    ivec2 size = ivec2(light_size(uvec2(frame.width_px, frame.height_px), frame.light_texel_px));
+    vec2 place = place_px / float(frame.light_texel_px) - 0.5;
+    vec2 low = floor(place), part = place - low;
+    vec4 sum = vec4(0.0);
+    for (int i = 0; i < 4; i++) {
+        ivec2 step = ivec2(i & 1, i >> 1);
+        ivec2 at = clamp(ivec2(low) + step, ivec2(0), size - 1);
+        vec2 weight = mix(1.0 - part, part, vec2(step));
+        sum += weight.x * weight.y * traced_light[at.x + size.x * at.y];
+    }
+    return sum.w > 0.0 ? sum.rgb / sum.w : vec3(0.0);
+}
+
+// In-scattered radiance of the whole ray through a place of the picture.
+vec3 view_scattered(Sums sums, vec3 optical_depth, vec2 place_px)
 {
     vec3 scattered = sums.scattered.value.xyz;
-    return LIGHTING == HORIZON ? scattered * fraction_lost(optical_depth) : scattered;
+    if (LIGHTING == HORIZON)
+        scattered *= fraction_lost(optical_depth);
+    if (LIGHTING == TRACED)
+        scattered += fraction_lost(optical_depth) * higher_light(place_px);
+    return scattered;
 }
 
 // Mean distance of what is seen of the medium [m]; FAR_M where it shows nothing.

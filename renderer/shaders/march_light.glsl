@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// What a ray marcher meets in a step: extinction, and light by one of four models.
+// What a ray marcher meets in a step: extinction, and light by one of five models.
 //
 // single   sunlight scattered once: physics, as far as it goes.
 // octaves  multiple scattering as a sum of scaled single scatterings: octave i has the scattering
@@ -10,6 +10,7 @@
 // octaves_fitted  octaves whose a, b and c follow from each medium's g and albedo, fitted to the
 //          path tracer, and whose b^i scales what the view loses, too (renderer/octaves_fitted.h):
 //          a look as well.
+// traced   single, and what paths have found of all higher orders (traced_light.glsl): physics.
 // horizon  the light of A. Schneider's Horizon clouds ("The Real-time Volumetric Cloudscapes of
 //          Horizon: Zero Dawn", SIGGRAPH 2015) as later written down for engines (horizon_light).
 //          In units of its own: a look.
@@ -17,6 +18,7 @@
 #define NEPH_MARCH_LIGHT_GLSL
 
 #include "sun_cache.glsl"
+#include "traced_light.glsl"
 
 // enum neph_march_mode: where an optical depth comes from.
 const uint EXACT = 0;   // closed form, of the kinds that have one
@@ -29,6 +31,7 @@ const uint SINGLE = 0;
 const uint OCTAVES = 1;
 const uint HORIZON = 2;
 const uint OCTAVES_FITTED = 3;
+const uint TRACED = 4;
 layout(constant_id = 4) const uint LIGHTING = SINGLE;
 const bool SUMS_OCTAVES = LIGHTING == OCTAVES || LIGHTING == OCTAVES_FITTED;
 

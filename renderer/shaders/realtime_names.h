@@ -111,7 +111,13 @@
 #define RT_SKIP 90
 #define RT_EARLY_OUT 91
 #define RT_STEP_GROWTH 92
-#define RT_SETTING_COUNT 93
+// Traced light.
+#define RT_LIGHT_TEXEL_PX 93
+#define RT_LIGHT_PATHS 94
+#define RT_LIGHT_ROUNDS 95
+#define RT_LIGHT_MEMORY 96
+#define RT_LIGHT_BLUR 97
+#define RT_SETTING_COUNT 98
 
 // Specialization constants of the shaders, behind those of the march: whether passes with rays
 // leave their counters alone (realtime_march.glsl); whether the shaders hold the choices, and the

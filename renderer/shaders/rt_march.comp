@@ -17,6 +17,7 @@
 
 struct Ray {
     ViewRay view;
+    vec2 place_px;  // of the picture
     float length_m; // FAR_M: to the sky
     float place;    // in each step
 };
@@ -32,6 +33,7 @@ Ray ray_of(ivec2 tile)
         place_px += jitter_px;
     float depth_m = fetch_half(RT_HALF_DEPTH, half_pixel).x;
     Ray ray;
+    ray.place_px = place_px;
     ray.view = camera_ray_at(camera, place_px);
     float cosine = dot(ray.view.direction, camera.forward);
     ray.length_m = depth_m < FAR_M ? depth_m / cosine : FAR_M;
@@ -54,7 +56,7 @@ void main()
         return;
     }
     vec3 optical_depth = view_optical_depth(ray.view, ray.length_m, sums);
-    put_tile(RT_RAY, tile, vec4(view_scattered(sums, optical_depth),
+    put_tile(RT_RAY, tile, vec4(view_scattered(sums, optical_depth, ray.place_px),
                                 fraction_through(optical_depth).x));
     float end_m = min(min(ray.length_m, setting(RT_SKY_M)), HALF_MAX);
     put_tile(RT_RAY_DISTANCE, tile, vec4(min(view_distance_m(sums), end_m)));

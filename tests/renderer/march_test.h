@@ -18,8 +18,7 @@ test_march_frame(struct neph_vulkan *vulkan, const struct neph_scene *scene,
     struct neph_march *march = NULL;
     enum neph_status status = neph_march_create(vulkan, scene, params, &march, diag);
     if (!status)
-        status = neph_march_frame(march, scene, params->frame, (const float[2]){0, 0}, frame, stats,
-                                  diag);
+        status = neph_march_frame(march, scene, params->frame, NULL, frame, stats, diag);
     neph_march_destroy(march);
     return status;
 }

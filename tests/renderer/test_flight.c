@@ -185,7 +185,6 @@ static void test_no_split_flies_alone(void **state)
 
 static void test_the_march_in_flight(void **state)
 {
-    static const float centre_px[2] = {0.0f, 0.0f};
     const struct neph_march_params params = {
         .width_px = WIDTH_PX, .height_px = HEIGHT_PX, .steps = 4, .sun_steps = 1};
     struct neph_scene *scene = load();
@@ -194,16 +193,16 @@ static void test_the_march_in_flight(void **state)
     struct neph_diag diag = {0};
     double gpu_s;
     neph_assert_ok(neph_march_create(*state, scene, &params, &march, &diag), &diag);
-    neph_assert_ok(neph_march_frame(march, scene, FRAMES, centre_px, &alone, NULL, &diag), &diag);
+    neph_assert_ok(neph_march_frame(march, scene, FRAMES, NULL, &alone, NULL, &diag), &diag);
     for (int frame = 0; frame < FRAMES; frame++)
-        neph_assert_ok(neph_march_frame(march, scene, frame, centre_px, NULL, NULL, &diag), &diag);
+        neph_assert_ok(neph_march_frame(march, scene, frame, NULL, NULL, NULL, &diag), &diag);
     for (int i = 0; i < NEPH_IN_FLIGHT_FRAMES; i++) {
         neph_assert_ok(neph_march_home(march, &gpu_s, &diag), &diag);
         assert_true(gpu_s > 0.0);
     }
     assert_int_equal(neph_march_home(march, &gpu_s, &diag), NEPH_ERR_USAGE);
-    neph_assert_ok(neph_march_frame(march, scene, 0, centre_px, NULL, NULL, &diag), &diag);
-    neph_assert_ok(neph_march_frame(march, scene, FRAMES, centre_px, &after, NULL, &diag), &diag);
+    neph_assert_ok(neph_march_frame(march, scene, 0, NULL, NULL, NULL, &diag), &diag);
+    neph_assert_ok(neph_march_frame(march, scene, FRAMES, NULL, &after, NULL, &diag), &diag);
     assert_same_bits(alone, after);
     neph_image_destroy(after);
     neph_image_destroy(alone);

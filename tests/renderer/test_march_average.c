@@ -32,7 +32,8 @@ static struct neph_image *through(struct neph_march *march, const struct neph_sc
 {
     struct neph_image *image = NULL;
     struct neph_diag diag = {0};
-    neph_assert_ok(neph_march_frame(march, scene, 0.0, jitter_px, &image, NULL, &diag), &diag);
+    const struct neph_march_moment moment = {.jitter_px = {jitter_px[0], jitter_px[1]}};
+    neph_assert_ok(neph_march_frame(march, scene, 0.0, &moment, &image, NULL, &diag), &diag);
     return image;
 }
 

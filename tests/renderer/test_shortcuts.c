@@ -308,8 +308,7 @@ static struct neph_image *next(struct neph_march *march, const struct neph_scene
 {
     struct neph_diag diag = {0};
     struct neph_image *frame = NULL;
-    neph_assert_ok(
-        neph_march_frame(march, scene, 0.0, (const float[2]){0, 0}, &frame, stats, &diag), &diag);
+    neph_assert_ok(neph_march_frame(march, scene, 0.0, NULL, &frame, stats, &diag), &diag);
     return frame;
 }
 
@@ -470,9 +469,8 @@ static void test_skipping_refuses_media_that_part(void **state)
     struct neph_image *plain = render(*state, &test.scene, &params, NULL);
     assert_true(same_bits(plain, together));
     neph_medium_drift(&test.scene.media[0], by_m);
-    assert_int_equal(
-        neph_march_frame(march, &test.scene, 0.0, (const float[2]){0, 0}, &frame, NULL, &diag),
-        NEPH_ERR_UNSUPPORTED);
+    assert_int_equal(neph_march_frame(march, &test.scene, 0.0, NULL, &frame, NULL, &diag),
+                     NEPH_ERR_UNSUPPORTED);
     neph_image_destroy(plain);
     neph_image_destroy(together);
     neph_march_destroy(march);

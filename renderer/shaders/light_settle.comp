@@ -1,0 +1,121 @@
+#version 450
+// SPDX-License-Identifier: MIT
+//
+// What the paths of a round have found joins what is left of earlier rounds: one thread, one texel
+// of traced light (traced_light.glsl). Earlier sums are looked up where the texel's place in the
+// media was in the picture before, and fade.
+#extension GL_GOOGLE_include_directive : require
+
+#include "traced_light.glsl"
+
+layout(local_size_x = 64) in;
+
+layout(push_constant) uniform LightFade {
+    vec3 right; // of the camera of the picture before, as in frame.glsl
+    float half_width;
+    vec3 up;
+    float half_height;
+    vec3 forward;
+    float keep; // of the earlier sums; 0: there are none
+    vec3 position_m; // where the wind has carried the place of the camera of then, from today's
+    uint paths;
+    uvec2 size_px;
+    uint texel_px;
+    uint is_parallel;
+    uint is_still; // 1: the picture shows what the one before did
+} fade;
+
+layout(std140, binding = 0) uniform Now { // this picture's camera: the head of frame.glsl's Frame
+    vec3 right;
+    float half_width;
+    vec3 up;
+    float half_height;
+    vec3 forward;
+} now;
+
+layout(std430, binding = 1) readonly buffer Found {
+    LightTexel found[];
+};
+
+layout(std430, binding = 2) readonly buffer Before {
+    LightTexel before[];
+};
+
+layout(std430, binding = 3) writeonly buffer Settled {
+    LightTexel settled[];
+};
+
+LightTexel none() { return LightTexel(vec3(0.0), 0.0, 0.0, float[3](0.0, 0.0, 0.0)); }
+
+void add(inout LightTexel sum, LightTexel texel, float weight)
+{
+    sum.light += weight * texel.light;
+    sum.collisions += weight * texel.collisions;
+    sum.distance_m += weight * texel.distance_m;
+}
+
+LightTexel newly_found(uint texel)
+{
+    LightTexel sum = none();
+    for (uint p = 0; p < fade.paths; p++)
+        add(sum, found[texel * fade.paths + p], 1.0);
+    return sum;
+}
+
+// How far away the media are that a texel shows; what it knew before where nothing was found now.
+float distance_of(uint texel, LightTexel fresh)
+{
+    LightTexel known = none();
+    add(known, before[texel], 1.0);
+    add(known, fresh, 1.0);
+    return known.collisions > 0.0 ? known.distance_m / known.collisions : FAR_M;
+}
+
+// Where a texel's place was in the picture before, in texels.
+vec2 place_before(uvec2 at, float distance_m)
+{
+    vec2 place = (vec2(at) + 0.5) * (2.0 * float(fade.texel_px)) / vec2(fade.size_px) - 1.0;
+    vec3 aside = place.x * now.half_width * now.right - place.y * now.half_height * now.up;
+    bool is_parallel = fade.is_parallel != 0u;
+    vec3 point_m = is_parallel ? aside + distance_m * now.forward
+                               : distance_m * normalize(now.forward + aside);
+    vec3 from_m = point_m - fade.position_m;
+    float depth_m = dot(from_m, fade.forward);
+    if (depth_m <= 0.0 && !is_parallel)
+        return vec2(-2.0); // behind it: outside
+    float spread_m = is_parallel ? 1.0 : depth_m;
+    vec2 then = vec2(dot(from_m, fade.right) / (spread_m * fade.half_width),
+                     -dot(from_m, fade.up) / (spread_m * fade.half_height));
+    return (0.5 * then + 0.5) * vec2(fade.size_px) / float(fade.texel_px) - 0.5;
+}
+
+LightTexel looked_up(vec2 place, uvec2 size)
+{
+    LightTexel sum = none();
+    vec2 low = floor(place), part = place - low;
+    for (int i = 0; i < 4; i++) {
+        ivec2 step = ivec2(i & 1, i >> 1), at = ivec2(low) + step;
+        vec2 weight = mix(1.0 - part, part, vec2(step));
+        if (all(greaterThanEqual(at, ivec2(0))) && all(lessThan(at, ivec2(size))))
+            add(sum, before[uint(at.x) + size.x * uint(at.y)], weight.x * weight.y);
+    }
+    return sum;
+}
+
+void main()
+{
+    uint texel = gl_GlobalInvocationID.x;
+    uvec2 size = light_size(fade.size_px, fade.texel_px);
+    if (texel >= size.x * size.y)
+        return;
+    uvec2 at = uvec2(texel % size.x, texel / size.x);
+    LightTexel sum = newly_found(texel);
+    if (fade.keep > 0.0) {
+        LightTexel old = before[texel];
+        if (fade.is_still == 0u)
+            old = looked_up(clamp(place_before(at, distance_of(texel, sum)), vec2(-2.0),
+                                  vec2(size + 1u)), size);
+        add(sum, old, fade.keep);
+    }
+    settled[texel] = sum;
+}

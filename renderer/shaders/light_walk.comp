@@ -1,0 +1,310 @@
+#version 450
+// SPDX-License-Identifier: MIT
+//
+// The paths of traced light (traced_light.glsl): one thread, one path of a texel. A dispatch takes
+// it some turns further, and another one where that left it: a turn is the way to the next face of
+// a majorant cell, or to a tentative collision before it (Woodcock 1965). Free paths have no memory,
+// so one may be drawn anew wherever a dispatch ends.
+//
+// The sunlight of the first collision is left out: single scattering is the march's. What arrives
+// of sunlight at the others is found as the march finds it.
+#extension GL_GOOGLE_include_directive : require
+
+#include "march_light.glsl"
+
+#include "sampling.glsl"
+#include "traced_light.glsl"
+
+layout(local_size_x = 64) in;
+
+layout(push_constant) uniform LightRun {
+    vec3 shift_m; // how far what stood still has gone past the camera since the round before
+    uint seed;
+    uint round; // ever
+    uint paths; // of a texel
+    uint turns; // of a thread, at most
+    uint events; // of it, at most
+    uint count; // of all paths
+    uint is_fresh; // 1: no path is under way
+    uint has_environment; // 1: the background lights media
+} run;
+
+// Where a path is between two dispatches.
+struct LightPath {
+    vec3 origin_m;
+    uint events; // scatterings and reflections so far
+    vec3 direction;
+    uint solid; // that `origin_m` lies on, or NO_SOLID
+    vec3 throughput;
+    uint is_alive;
+};
+
+layout(std430, binding = 5) buffer Paths {
+    LightPath paths[];
+};
+
+layout(std430, binding = 6) writeonly buffer Found {
+    LightTexel found[]; // by each path, in this round
+};
+
+// A path goes on by chance alone below this (Russian roulette).
+const float ROULETTE = 0.1;
+
+// Rays that miss all media are cheap, but texels of nothing but sky need not have many.
+const uint MISSES_MAX = 4;
+
+// How far beyond a cell's face the next turn begins, in cells: a place is known to less.
+const float HAIR = 1e-3;
+
+LightPath path;
+LightTexel sums = LightTexel(vec3(0.0), 0.0, 0.0, float[3](0.0, 0.0, 0.0));
+Hit solid_ahead; // on the way of the path
+float fog_m;     // to the fog's next collision on it
+uint fog_medium;
+uint misses = 0, events = 0, drawn = 0, thread;
+
+vec4 draw()
+{
+    uvec4 bits = pcg4d(uvec4(thread, run.round, run.seed, drawn++));
+    return vec4(uniform_from(bits.xyz), uniform_from(bits.www).x);
+}
+
+uvec2 draw_bits() { return pcg4d(uvec4(thread, run.round, ~run.seed, drawn++)).xy; }
+
+// --- segments -----------------------------------------------------------------------------------
+
+Hit hit_but(uint except)
+{
+    Hit hit = Hit(FAR_M, NO_SOLID);
+    for (uint s = 0; s < own(frame.solid_count); s++) {
+        float t0_m, t1_m;
+        if (s == except || !solid_interval(solids[s], path.origin_m, path.direction, t0_m, t1_m))
+            continue;
+        float t_m = t0_m > 0.0 ? t0_m : t1_m;
+        if (t_m > 0.0 && t_m < hit.t_m)
+            hit = Hit(t_m, s);
+    }
+    return hit;
+}
+
+void look_for_fog(uint m)
+{
+    float t0_m = 0.0, t1_m = solid_ahead.t_m;
+    if (!clip_medium(m, path.origin_m, path.direction, t0_m, t1_m))
+        return;
+    for (uint l = 0; l < layer_count_of(m); l++) {
+        float depth = -log(draw().x) / max(frame.media[m].extinction_color.x, 1e-20);
+        float t_m = fog_layer_free_path_m(frame.media[m].layers[l], path.origin_m, path.direction,
+                                          t0_m, depth);
+        if (t_m < min(t1_m, fog_m)) {
+            fog_m = t_m;
+            fog_medium = m;
+        }
+    }
+}
+
+// What a path would meet if there were no shapes.
+void look_ahead()
+{
+    solid_ahead = hit_but(path.solid);
+    fog_m = FAR_M;
+    fog_medium = MEDIA_MAX;
+    if (has_fog())
+        for (uint m = 0; m < media_count(); m++)
+            if (is_fog(m))
+                look_for_fog(m);
+}
+
+void start()
+{
+    uint texel = thread / run.paths;
+    uvec2 size_px = uvec2(frame.width_px, frame.height_px);
+    uint wide = light_size(size_px, frame.light_texel_px).x;
+    vec2 place_px = float(frame.light_texel_px) * (vec2(texel % wide, texel / wide) + draw().xy);
+    ViewRay ray = camera_ray_at(frame_camera(), min(place_px, vec2(size_px)));
+    path = LightPath(ray.origin_m, 0u, ray.direction, NO_SOLID, vec3(1.0), 1u);
+    look_ahead();
+}
+
+void end()
+{
+    if (path.events == 0u)
+        misses++;
+    path.is_alive = 0u;
+}
+
+// --- events -------------------------------------------------------------------------------------
+
+// Sunlight and the way on at the path's origin: in a medium, or on a solid where `m` is MEDIA_MAX.
+void happen(uint m, uint solid)
+{
+    vec4 u = draw();
+    float per_sr;
+    vec3 next;
+    events++;
+    if (m == MEDIA_MAX) {
+        vec3 normal = solid_normal(solids[solid], path.origin_m);
+        path.throughput *= solids[solid].albedo.rgb;
+        per_sr = max(0.0, dot(normal, to_sun())) / PI;
+        next = sample_cosine(normal, u.xy);
+    } else {
+        uint kind = own(frame.media[m].phase_kind);
+        path.throughput *= frame.media[m].albedo;
+        per_sr = phase_per_sr(kind, frame.media[m].g, path.direction, to_sun());
+        next = sample_phase(kind, frame.media[m].g, path.direction, u.xy);
+    }
+    path.solid = solid;
+    if (path.events > 0u && per_sr > 0.0 && own(frame.scatters) != 0u &&
+        sees_sun(path.origin_m, solid))
+        sums.light += path.throughput * per_sr * frame.sun_irradiance *
+                      fraction_through(sample_sun_depth(path.origin_m));
+    path.events++;
+    path.direction = next;
+    float most = max(path.throughput.r, max(path.throughput.g, path.throughput.b));
+    float survival = min(1.0, most / ROULETTE);
+    if (u.z >= survival) {
+        end();
+        return;
+    }
+    path.throughput /= survival;
+    look_ahead();
+}
+
+void collide(uint m)
+{
+    if (path.events == 0u) {
+        sums.collisions += 1.0;
+        sums.distance_m += dot(path.origin_m, path.direction);
+    }
+    happen(m, NO_SOLID);
+}
+
+// The end of a segment on which no shape was in the way.
+void arrive()
+{
+    if (fog_m <= solid_ahead.t_m && fog_medium != MEDIA_MAX) {
+        collide(fog_medium);
+        return;
+    }
+    if (solid_ahead.solid == NO_SOLID && path.events > 0u && run.has_environment != 0u)
+        sums.light += path.throughput * frame.background;
+    if (solid_ahead.solid == NO_SOLID || path.events == 0u ||
+        solids[solid_ahead.solid].albedo.rgb == vec3(0.0))
+        end();
+    else
+        happen(MEDIA_MAX, solid_ahead.solid);
+}
+
+// --- turns --------------------------------------------------------------------------------------
+
+// What is known of the next stretch: no extinction of the shapes passes the majorant on it.
+struct Stride {
+    float length_m, majorant_per_m;
+};
+
+void stride_in(uint m, inout Stride stride)
+{
+    vec3 low_m = frame.media[m].low_m, high_m = frame.media[m].high_m;
+    float t0_m = 0.0, t1_m = FAR_M;
+    if (!clip_box(low_m, high_m, path.origin_m, path.direction, t0_m, t1_m))
+        return;
+    uvec3 size = frame.media[m].majorant_size;
+    vec3 cells_per_m = vec3(size) / (high_m - low_m);
+    vec3 slope = path.direction * cells_per_m;
+    float hair_m = HAIR / max(abs(slope.x), max(abs(slope.y), abs(slope.z)));
+    if (t0_m > 0.0) {
+        stride.length_m = min(stride.length_m, t0_m + hair_m);
+        return;
+    }
+    vec3 place = (path.origin_m - low_m) * cells_per_m;
+    vec3 cell = clamp(floor(place), vec3(0.0), vec3(size) - 1.0);
+    vec3 ahead = cell + vec3(greaterThan(slope, vec3(0.0))) - place;
+    bvec3 parallel = lessThan(abs(slope), vec3(PARALLEL));
+    vec3 faces_m = mix(ahead / mix(slope, vec3(1.0), parallel), vec3(FAR_M), parallel);
+    float face_m = max(0.0, min(faces_m.x, min(faces_m.y, faces_m.z)));
+    uvec3 at = uvec3(cell);
+    stride.length_m = min(stride.length_m, face_m + hair_m);
+    stride.majorant_per_m +=
+        frame.media[m].extinction_color.x *
+        majorants[frame.media[m].majorant_first + at.x + size.x * (at.y + size.y * at.z)];
+}
+
+Stride next_stride(float end_m)
+{
+    Stride stride = Stride(end_m, 0.0);
+    [[unroll]] for (uint m = 0; m < media_count(); m++)
+        if (!is_fog(m))
+            stride_in(m, stride);
+    return stride;
+}
+
+// A tentative collision in a shape: a real one with the probability extinction / majorant.
+void tentative(float majorant_per_m, float u)
+{
+    float left_per_m = u * majorant_per_m;
+    uint by = MEDIA_MAX;
+    [[unroll]] for (uint m = 0; m < media_count(); m++) {
+        if (by != MEDIA_MAX || is_fog(m) || !medium_contains(m, path.origin_m))
+            continue;
+        left_per_m -= frame.media[m].extinction_color.x * frame.media[m].extinction_per_m *
+                      shape_random_density(kind_of(m), frame.media[m].shape, path.origin_m,
+                                           draw_bits());
+        if (left_per_m < 0.0)
+            by = m;
+    }
+    if (by != MEDIA_MAX)
+        collide(by);
+}
+
+void advance(float way_m)
+{
+    path.origin_m += way_m * path.direction;
+    solid_ahead.t_m -= way_m;
+    fog_m -= way_m;
+    path.solid = NO_SOLID;
+}
+
+void turn()
+{
+    float end_m = min(solid_ahead.t_m, fog_m);
+    Stride stride = next_stride(end_m);
+    if (stride.majorant_per_m > 0.0) {
+        vec4 u = draw();
+        float free_m = -log(u.x) / stride.majorant_per_m;
+        if (free_m < stride.length_m) {
+            advance(free_m);
+            tentative(stride.majorant_per_m, u.y);
+            return;
+        }
+    }
+    if (stride.length_m < end_m) {
+        advance(stride.length_m);
+        return;
+    }
+    bool is_open = end_m >= 0.5 * FAR_M; // nothing more is met
+    if (!is_open)
+        path.origin_m += end_m * path.direction;
+    arrive();
+}
+
+void main()
+{
+    thread = gl_GlobalInvocationID.x;
+    if (thread >= run.count)
+        return;
+    path.is_alive = 0u;
+    if (run.is_fresh == 0u)
+        path = paths[thread];
+    if (path.is_alive != 0u) {
+        path.origin_m += run.shift_m;
+        look_ahead();
+    }
+    for (uint i = 0; i < run.turns && events < run.events && misses < MISSES_MAX; i++) {
+        if (path.is_alive == 0u)
+            start();
+        else
+            turn();
+    }
+    paths[thread] = path;
+    found[thread] = sums;
+}

@@ -1,0 +1,349 @@
+/* SPDX-License-Identifier: MIT */
+#include "renderer/traced_light.h"
+
+#include "base/interrupt.h"
+#include "renderer/relative.h"
+
+static const uint32_t walk_spirv[] = {
+#include "shaders/light_walk.comp.inc"
+};
+static const uint32_t settle_spirv[] = {
+#include "shaders/light_settle.comp.inc"
+};
+static const uint32_t smooth_spirv[] = {
+#include "shaders/light_smooth.comp.inc"
+};
+
+enum { local_size = 64 };
+
+/* Turns of a path in a round. One through a thick cloud takes several times as many: it goes on in
+ * the next, and a round is as long for all. */
+static const uint32_t turns = 64;
+
+/* --- buffers --------------------------------------------------------------------------------- */
+
+static uint32_t texels_along(const struct neph_traced_light *light, int axis)
+{
+    const uint32_t texel_px = (uint32_t)light->params.light.texel_px;
+    return (light->size_px[axis] + texel_px - 1) / texel_px;
+}
+
+static uint32_t texel_count(const struct neph_traced_light *light)
+{
+    return texels_along(light, 0) * texels_along(light, 1);
+}
+
+static uint32_t path_count(const struct neph_traced_light *light)
+{
+    return texel_count(light) * (uint32_t)light->params.light.paths;
+}
+
+static void destroy_sized(struct neph_traced_light *light)
+{
+    neph_buffer_destroy(light->vulkan, &light->smoothed);
+    for (int i = 0; i < 2; i++)
+        neph_buffer_destroy(light->vulkan, &light->texels[i]);
+    neph_buffer_destroy(light->vulkan, &light->found);
+    neph_buffer_destroy(light->vulkan, &light->paths);
+}
+
+static enum neph_status create(const struct neph_traced_light *light, size_t count,
+                               size_t element_bytes, const char *name, struct neph_buffer *buffer,
+                               struct neph_diag *diag)
+{
+    return neph_buffer_create(light->vulkan, NEPH_BUFFER_DEVICE, count * element_bytes, name,
+                              buffer, diag);
+}
+
+static enum neph_status create_sized(struct neph_traced_light *light, struct neph_diag *diag)
+{
+    const size_t texels = texel_count(light), paths = path_count(light);
+    enum neph_status status = create(light, paths, sizeof(struct neph_gpu_light_path),
+                                     "light paths", &light->paths, diag);
+    if (!status)
+        status = create(light, paths, sizeof(struct neph_gpu_light_texel), "light found",
+                        &light->found, diag);
+    for (int i = 0; i < 2 && !status; i++)
+        status = create(light, texels, sizeof(struct neph_gpu_light_texel), "light texels",
+                        &light->texels[i], diag);
+    return status
+               ? status
+               : create(light, texels, 4 * sizeof(float), "light smoothed", &light->smoothed, diag);
+}
+
+/* Buffers for pictures of another size, if it is another; then nothing is known of the past. */
+static enum neph_status fit(struct neph_traced_light *light, const uint32_t size_px[2],
+                            struct neph_diag *diag)
+{
+    if (light->size_px[0] == size_px[0] && light->size_px[1] == size_px[1])
+        return NEPH_OK;
+    destroy_sized(light);
+    light->size_px[0] = size_px[0];
+    light->size_px[1] = size_px[1];
+    light->has_past = false;
+    return create_sized(light, diag);
+}
+
+/* --- making ---------------------------------------------------------------------------------- */
+
+enum neph_status neph_traced_light_create(struct neph_vulkan *vulkan,
+                                          const struct neph_scene *scene,
+                                          const struct neph_gpu_scene *gpu,
+                                          const struct neph_march_params *params,
+                                          struct neph_traced_light *light, struct neph_diag *diag)
+{
+    light->vulkan = vulkan;
+    light->params = *params;
+    if (params->lighting != NEPH_MARCH_TRACED)
+        return create(light, 1, 4 * sizeof(float), "no traced light", &light->smoothed, diag);
+    uint64_t events;
+    const enum neph_status status = neph_march_cut_events(vulkan, scene, gpu, params, turns,
+                                                          &events, diag);
+    light->events = (uint32_t)(events < turns ? events : turns);
+    const uint32_t size_px[2] = {(uint32_t)params->width_px, (uint32_t)params->height_px};
+    return status ? status : fit(light, size_px, diag);
+}
+
+void neph_traced_light_destroy(struct neph_traced_light *light)
+{
+    if (!light->vulkan)
+        return;
+    destroy_sized(light);
+    *light = (struct neph_traced_light){0};
+}
+
+/* --- rounds ---------------------------------------------------------------------------------- */
+
+/* A picture in work. */
+struct work {
+    struct neph_traced_light *light;
+    const struct neph_dispatch *bound;
+    const struct neph_kernel *walk, *settle, *smooth;
+    struct neph_gpu_light_run run;
+    struct neph_gpu_light_fade fade;
+};
+
+static uint32_t groups_of(uint32_t threads)
+{
+    return (threads + local_size - 1) / local_size;
+}
+
+/* Empty cells are no majorants, which the walk has in their place. */
+static enum neph_status get_walk(struct neph_traced_light *light, const struct neph_gpu_scene *gpu,
+                                 const struct neph_kernel **kernel, struct neph_diag *diag)
+{
+    struct neph_march_params march = light->params;
+    struct neph_kernel_params params = {
+        .name = "light_walk",
+        .spirv = walk_spirv,
+        .spirv_size_bytes = sizeof(walk_spirv),
+        .buffer_count = NEPH_GPU_SCENE_BUFFERS + 3,
+        .uniform_count = NEPH_GPU_SCENE_UNIFORMS,
+        .push_size_bytes = sizeof(struct neph_gpu_light_run),
+        .constant_count = NEPH_MARCH_CONSTANTS,
+    };
+    march.shortcuts.skip = false;
+    neph_march_constants(gpu, &march, params.constants);
+    return neph_kernel_get(light->vulkan, &params, kernel, diag);
+}
+
+static enum neph_status get_kernels(struct work *work, const struct neph_gpu_scene *gpu,
+                                    struct neph_diag *diag)
+{
+    const struct neph_kernel_params settle = {
+        .name = "light_settle",
+        .spirv = settle_spirv,
+        .spirv_size_bytes = sizeof(settle_spirv),
+        .buffer_count = 4,
+        .uniform_count = 1,
+        .push_size_bytes = sizeof(struct neph_gpu_light_fade),
+    };
+    const struct neph_kernel_params smooth = {
+        .name = "light_smooth",
+        .spirv = smooth_spirv,
+        .spirv_size_bytes = sizeof(smooth_spirv),
+        .buffer_count = 2,
+        .push_size_bytes = sizeof(struct neph_gpu_light_smooth),
+    };
+    struct neph_vulkan *vulkan = work->light->vulkan;
+    enum neph_status status = get_walk(work->light, gpu, &work->walk, diag);
+    if (!status)
+        status = neph_kernel_get(vulkan, &settle, &work->settle, diag);
+    return status ? status : neph_kernel_get(vulkan, &smooth, &work->smooth, diag);
+}
+
+static enum neph_status add_walk(struct work *work, struct neph_batch *batch,
+                                 struct neph_diag *diag)
+{
+    struct neph_traced_light *light = work->light;
+    struct neph_dispatch dispatch = *work->bound;
+    work->run.round = light->round;
+    dispatch.buffers[NEPH_GPU_SCENE_BUFFERS] = &light->paths;
+    dispatch.buffers[NEPH_GPU_SCENE_BUFFERS + 1] = &light->found;
+    dispatch.push = &work->run;
+    dispatch.group_count = groups_of(work->run.count);
+    return neph_batch_dispatch(batch, work->walk, &dispatch, diag);
+}
+
+static enum neph_status add_settle(struct work *work, struct neph_batch *batch,
+                                   struct neph_diag *diag)
+{
+    struct neph_traced_light *light = work->light;
+    const uint32_t now = light->round % 2;
+    const struct neph_dispatch dispatch = {
+        .buffers = {work->bound->buffers[0], &light->found, &light->texels[1 - now],
+                    &light->texels[now]},
+        .push = &work->fade,
+        .group_count = groups_of(texel_count(light)),
+    };
+    return neph_batch_dispatch(batch, work->settle, &dispatch, diag);
+}
+
+static enum neph_status add_smooth(struct work *work, struct neph_batch *batch,
+                                   struct neph_diag *diag)
+{
+    struct neph_traced_light *light = work->light;
+    const struct neph_gpu_light_smooth smooth = {
+        .size = {texels_along(light, 0), texels_along(light, 1)},
+        .sigma = (float)light->params.light.blur_texels,
+    };
+    const struct neph_dispatch dispatch = {
+        .buffers = {&light->texels[light->round % 2], &light->smoothed},
+        .push = &smooth,
+        .group_count = groups_of(texel_count(light)),
+    };
+    return neph_batch_dispatch(batch, work->smooth, &dispatch, diag);
+}
+
+static enum neph_status add_round(struct work *work, struct neph_batch *batch, bool is_last,
+                                  struct neph_diag *diag)
+{
+    enum neph_status status = add_walk(work, batch, diag);
+    if (status)
+        return status;
+    neph_batch_barrier(batch);
+    status = add_settle(work, batch, diag);
+    if (status || !is_last)
+        return status;
+    neph_batch_barrier(batch);
+    return add_smooth(work, batch, diag);
+}
+
+static enum neph_status run_round(struct work *work, bool is_last, double *gpu_s,
+                                  struct neph_diag *diag)
+{
+    struct neph_batch batch;
+    if (neph_interrupted())
+        return neph_fail(diag, NEPH_ERR_INTERRUPTED, "traced light: interrupted");
+    work->light->round++;
+    enum neph_status status = neph_batch_begin(work->light->vulkan, &batch, diag);
+    if (!status)
+        status = add_round(work, &batch, is_last, diag);
+    if (status)
+        return status;
+    neph_batch_stamp(&batch, gpu_s);
+    return neph_batch_send(&batch, "traced light", diag);
+}
+
+/* --- a picture ------------------------------------------------------------------------------- */
+
+static void set_vector(float out[3], struct neph_vec3 vector)
+{
+    out[0] = (float)vector.x;
+    out[1] = (float)vector.y;
+    out[2] = (float)vector.z;
+}
+
+/* How far what drifts with the wind has gone past the camera. */
+static struct neph_vec3 shift_of(const struct neph_light_view *from,
+                                 const struct neph_light_view *to)
+{
+    return neph_vec3_sub(neph_vec3_sub(to->drift_m, from->drift_m),
+                         neph_vec3_sub(to->camera.position_m, from->camera.position_m));
+}
+
+static void set_fade(const struct neph_traced_light *light, const struct neph_light_view *view,
+                     bool continues, struct neph_gpu_light_fade *fade)
+{
+    const struct neph_light_view *before = continues ? &light->past : view;
+    const double half_height = neph_camera_half_height(&before->camera);
+    *fade = (struct neph_gpu_light_fade){
+        .half_width = (float)(half_height * light->size_px[0] / light->size_px[1]),
+        .half_height = (float)half_height,
+        .keep = continues ? (float)(1.0 - 1.0 / light->params.light.memory) : 0.0f,
+        .paths = (uint32_t)light->params.light.paths,
+        .size_px = {light->size_px[0], light->size_px[1]},
+        .texel_px = (uint32_t)light->params.light.texel_px,
+        .is_parallel = view->camera.orthographic_height_m > 0.0,
+    };
+    set_vector(fade->right, before->camera.right);
+    set_vector(fade->up, before->camera.up);
+    set_vector(fade->forward, before->camera.forward);
+    set_vector(fade->position_m, shift_of(before, view));
+}
+
+/* Of a start in a row of pictures. */
+static const int unseen_at_start = 8;
+
+/* Rounds that do not count, before the first that do: what the last paths will not bring home in
+ * time, paths that are under way when counting begins do in their place. */
+static int unseen_rounds(const struct neph_traced_light *light, bool continues)
+{
+    if (continues)
+        return 0;
+    return light->params.light.memory == 1 ? (light->params.light.rounds + 1) / 2 : unseen_at_start;
+}
+
+static enum neph_status run_rounds(struct work *work, int unseen, double *gpu_s,
+                                   struct neph_diag *diag)
+{
+    const int seen = work->light->params.light.rounds;
+    enum neph_status status = NEPH_OK;
+    for (int i = 0; i < unseen + seen && !status; i++) {
+        status = run_round(work, i + 1 == unseen + seen, gpu_s, diag);
+        set_vector(work->run.shift_m, (struct neph_vec3){0.0, 0.0, 0.0});
+        work->run.is_fresh = 0;
+        if (i >= unseen) {
+            work->fade.keep = 1.0f;
+            work->fade.is_still = 1;
+        }
+    }
+    return status;
+}
+
+enum neph_status neph_traced_light_trace(struct neph_traced_light *light,
+                                         const struct neph_scene *scene,
+                                         const struct neph_gpu_scene *gpu,
+                                         const struct neph_dispatch *bound,
+                                         const struct neph_light_view *view, bool continues,
+                                         double *gpu_s, struct neph_diag *diag)
+{
+    if (light->params.lighting != NEPH_MARCH_TRACED)
+        return NEPH_OK;
+    const uint32_t size_px[2] = {gpu->frame->width_px, gpu->frame->height_px};
+    struct work work = {.light = light, .bound = bound};
+    enum neph_status status = fit(light, size_px, diag);
+    if (!status)
+        status = get_kernels(&work, gpu, diag);
+    if (status)
+        return status;
+    continues = continues && light->has_past && light->params.light.memory > 1;
+    if (!continues)
+        light->round = 0;
+    work.run = (struct neph_gpu_light_run){
+        .seed = light->params.light.seed,
+        .paths = (uint32_t)light->params.light.paths,
+        .turns = turns,
+        .events = light->events,
+        .count = path_count(light),
+        .is_fresh = !continues,
+        .has_environment = scene->environment_light,
+    };
+    set_fade(light, view, continues, &work.fade);
+    if (continues)
+        set_vector(work.run.shift_m, shift_of(&light->past, view));
+    status = run_rounds(&work, unseen_rounds(light, continues), gpu_s, diag);
+    light->has_past = !status;
+    light->past = *view;
+    return status;
+}
