@@ -2,6 +2,7 @@
 #include "renderer/compute.h"
 
 #include "renderer/pipeline_cache.h"
+#include "renderer/specialize.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -231,39 +232,37 @@ static VkResult create_layouts(const struct neph_vulkan *vulkan, struct neph_ker
     return vulkan->api.vkCreatePipelineLayout(vulkan->device, &layout, NULL, &kernel->layout);
 }
 
+static VkResult create_module(const struct neph_vulkan *vulkan,
+                              const struct neph_kernel_params *params, VkShaderModule *module)
+{
+    uint32_t *spirv = NULL;
+    size_t size_bytes = 0;
+    if (neph_specialize(params->spirv, params->spirv_size_bytes, params->constants,
+                        params->constant_count, &spirv, &size_bytes, NULL))
+        return VK_ERROR_OUT_OF_HOST_MEMORY;
+    const VkShaderModuleCreateInfo info = {
+        .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
+        .codeSize = size_bytes,
+        .pCode = spirv,
+    };
+    const VkResult result = vulkan->api.vkCreateShaderModule(vulkan->device, &info, NULL, module);
+    free(spirv);
+    return result;
+}
+
 static VkResult create_pipeline(const struct neph_vulkan *vulkan, struct neph_kernel *kernel,
                                 const struct neph_kernel_params *params)
 {
-    const VkShaderModuleCreateInfo module_info = {
-        .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
-        .codeSize = params->spirv_size_bytes,
-        .pCode = params->spirv,
-    };
     VkShaderModule module;
-    VkResult result = vulkan->api.vkCreateShaderModule(vulkan->device, &module_info, NULL, &module);
+    VkResult result = create_module(vulkan, params, &module);
     if (result != VK_SUCCESS)
         return result;
-
-    VkSpecializationMapEntry entries[NEPH_KERNEL_CONSTANTS_MAX];
-    for (int i = 0; i < params->constant_count; i++)
-        entries[i] = (VkSpecializationMapEntry){
-            .constantID = (uint32_t)i,
-            .offset = (uint32_t)i * (uint32_t)sizeof(params->constants[0]),
-            .size = sizeof(params->constants[0]),
-        };
-    const VkSpecializationInfo constants = {
-        .mapEntryCount = (uint32_t)params->constant_count,
-        .pMapEntries = entries,
-        .dataSize = sizeof(params->constants),
-        .pData = params->constants,
-    };
     const VkComputePipelineCreateInfo pipeline = {
         .sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO,
         .stage = {.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
                   .stage = VK_SHADER_STAGE_COMPUTE_BIT,
                   .module = module,
-                  .pName = "main",
-                  .pSpecializationInfo = &constants},
+                  .pName = "main"},
         .layout = kernel->layout,
     };
     result = vulkan->api.vkCreateComputePipelines(

@@ -1,0 +1,249 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Shaders with their specialization constants built in: what a probe of all sorts of ways answers,
+ * against the same in C, and that the layer finds nothing wrong with the renderer's own.
+ */
+#include "tests/renderer/renderer_test.h"
+
+#include "renderer/compute.h"
+#include "renderer/specialize.h"
+
+static const uint32_t probe_spirv[] = {
+#include "shaders/probe_constants.comp.inc"
+};
+static const uint32_t march_spirv[] = {
+#include "shaders/march.comp.inc"
+};
+static const uint32_t tracer_spirv[] = {
+#include "shaders/tracer.comp.inc"
+};
+static const uint32_t first_spirv[] = {
+#include "shaders/tracer_first.comp.inc"
+};
+static const uint32_t taa_spirv[] = {
+#include "shaders/rt_taa.comp.inc"
+};
+
+enum { ANSWERS = 64, CONSTANTS = 4 };
+
+struct constants {
+    uint32_t kind, is_on, turns;
+    float factor;
+};
+
+/* --- shaders/probe_constants.comp once more ----------------------------------------------- */
+
+static uint32_t early(const struct constants *c, uint32_t x)
+{
+    if (c->kind == 1)
+        return x + 1;
+    if (c->is_on && x > 40)
+        return 7;
+    for (uint32_t i = 0; i < c->turns; i++) {
+        if (c->kind == 4)
+            return i;
+        if (x % 3 == i)
+            return 100 + i;
+    }
+    return x * 2;
+}
+
+static uint32_t chosen(const struct constants *c, uint32_t x)
+{
+    if (c->kind == 0)
+        return x + 5;
+    if (c->kind == 2)
+        return (x * 3) ^ 9;
+    return c->kind == 3 ? x ^ 9 : 1;
+}
+
+static uint32_t turns(const struct constants *c, uint32_t x)
+{
+    uint32_t sum = 0;
+    do {
+        sum += x & 3;
+        if (c->kind == 3)
+            break;
+        for (uint32_t i = 0; c->is_on && i < x; i++)
+            sum += i == c->kind ? 0 : i;
+    } while (!c->is_on && sum < 6 && x % 4 != 0);
+    do
+        sum += c->is_on && c->kind == 2 ? 11 : 0;
+    while (c->is_on && c->kind == 2 && sum <= 60);
+    return sum;
+}
+
+static float scaled(const struct constants *c, uint32_t x)
+{
+    const float value = c->is_on ? (float)x * c->factor : (float)x + c->factor;
+    if (c->kind > 2 || value > 9.0f)
+        return value;
+    return c->kind == 2 ? c->factor : 3.0f;
+}
+
+/* --- the probe ---------------------------------------------------------------------------- */
+
+struct buffers {
+    struct neph_buffer asked, answers, readback;
+};
+
+static void create_buffers(struct neph_vulkan *vulkan, struct buffers *buffers)
+{
+    struct neph_diag diag = {0};
+    const size_t bytes = ANSWERS * 4 * sizeof(uint32_t);
+    neph_assert_ok(neph_buffer_create(vulkan, NEPH_BUFFER_UPLOAD, ANSWERS * sizeof(uint32_t),
+                                      "asked", &buffers->asked, &diag),
+                   &diag);
+    neph_assert_ok(
+        neph_buffer_create(vulkan, NEPH_BUFFER_DEVICE, bytes, "answers", &buffers->answers, &diag),
+        &diag);
+    neph_assert_ok(neph_buffer_create(vulkan, NEPH_BUFFER_READBACK, bytes, "readback",
+                                      &buffers->readback, &diag),
+                   &diag);
+    for (uint32_t i = 0; i < ANSWERS; i++)
+        ((uint32_t *)buffers->asked.mapped)[i] = i;
+}
+
+static void destroy_buffers(struct neph_vulkan *vulkan, struct buffers *buffers)
+{
+    neph_buffer_destroy(vulkan, &buffers->readback);
+    neph_buffer_destroy(vulkan, &buffers->answers);
+    neph_buffer_destroy(vulkan, &buffers->asked);
+}
+
+static void run_probe(struct neph_vulkan *vulkan, const struct constants *constants,
+                      const struct buffers *buffers)
+{
+    struct neph_kernel_params params = {
+        .name = "probe_constants",
+        .spirv = probe_spirv,
+        .spirv_size_bytes = sizeof(probe_spirv),
+        .buffer_count = 2,
+        .constant_count = CONSTANTS,
+    };
+    memcpy(params.constants, constants, sizeof(*constants));
+    const struct neph_dispatch dispatch = {
+        .buffers = {&buffers->asked, &buffers->answers},
+        .group_count = 1,
+        .copy_from = &buffers->answers,
+        .copy_to = &buffers->readback,
+        .copy_size_bytes = buffers->readback.size_bytes,
+    };
+    struct neph_diag diag = {0};
+    const struct neph_kernel *kernel = NULL;
+    neph_assert_ok(neph_kernel_get(vulkan, &params, &kernel, &diag), &diag);
+    neph_assert_ok(neph_kernel_run(vulkan, kernel, &dispatch, NULL, &diag), &diag);
+}
+
+static void check_answers(const struct constants *c, const struct buffers *buffers)
+{
+    enum { KEPT = 11 };
+    const uint32_t(*answers)[4] = buffers->readback.mapped;
+    for (uint32_t x = 0; x < ANSWERS; x++) {
+        const float value = scaled(c, x);
+        assert_int_equal(answers[x][0], early(c, x) + KEPT);
+        assert_int_equal(answers[x][1], chosen(c, x) + (c->kind << 3 | c->is_on));
+        assert_int_equal(answers[x][2], turns(c, x));
+        assert_memory_equal(&answers[x][3], &value, sizeof(value));
+    }
+}
+
+static void test_every_way(void **state)
+{
+    struct buffers buffers = {0};
+    create_buffers(*state, &buffers);
+    for (uint32_t i = 0; i < 24; i++) {
+        const struct constants constants = {i % 6, i / 6 % 2, i / 12 * 3, 0.25f};
+        run_probe(*state, &constants, &buffers);
+        check_answers(&constants, &buffers);
+    }
+    destroy_buffers(*state, &buffers);
+}
+
+/* --- the renderer's own ------------------------------------------------------------------- */
+
+static const struct {
+    const char *name;
+    const uint32_t *words;
+    size_t size_bytes;
+} shaders[] = {
+    {"probe_constants", probe_spirv, sizeof(probe_spirv)},
+    {"march", march_spirv, sizeof(march_spirv)},
+    {"tracer", tracer_spirv, sizeof(tracer_spirv)},
+    {"tracer_first", first_spirv, sizeof(first_spirv)},
+    {"rt_taa", taa_spirv, sizeof(taa_spirv)},
+};
+
+static bool has_spec_constants(const uint32_t *words, size_t size_bytes)
+{
+    enum { HEADER_WORDS = 5, FIRST = 48, LAST = 52 }; /* OpSpecConstantTrue .. OpSpecConstantOp */
+    bool has = false;
+    for (size_t i = HEADER_WORDS; i < size_bytes / sizeof(*words); i += words[i] >> 16)
+        has |= (words[i] & 0xffff) >= FIRST && (words[i] & 0xffff) <= LAST;
+    return has;
+}
+
+/* The layer reads every module that is made. */
+static void check_module(struct neph_vulkan *vulkan, const uint32_t *words, size_t size_bytes)
+{
+    const VkShaderModuleCreateInfo info = {
+        .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
+        .codeSize = size_bytes,
+        .pCode = words,
+    };
+    VkShaderModule module;
+    assert_int_equal(vulkan->api.vkCreateShaderModule(vulkan->device, &info, NULL, &module), 0);
+    vulkan->api.vkDestroyShaderModule(vulkan->device, module, NULL);
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_vulkan_check(vulkan, &diag), &diag);
+}
+
+static void test_valid_whatever_the_constants(void **state)
+{
+    enum { TRIES = 3, COUNT = 12 };
+    const uint64_t seed = 20261123;
+    uint64_t random = seed;
+    for (size_t i = 0; i < TRIES * sizeof(shaders) / sizeof(shaders[0]); i++) {
+        struct neph_diag diag = {0};
+        uint32_t constants[COUNT], *spirv = NULL;
+        size_t bytes = 0;
+        for (int j = 0; j < COUNT; j++)
+            constants[j] = (uint32_t)neph_test_random(&random) >> neph_test_random(&random) % 32;
+        const size_t shader = i / TRIES;
+        print_message("%s, seed %llu, try %zu\n", shaders[shader].name, (unsigned long long)seed,
+                      i % TRIES);
+        neph_assert_ok(neph_specialize(shaders[shader].words, shaders[shader].size_bytes, constants,
+                                       COUNT, &spirv, &bytes, &diag),
+                       &diag);
+        assert_false(has_spec_constants(spirv, bytes));
+        assert_true(bytes <= shaders[shader].size_bytes);
+        check_module(*state, spirv, bytes);
+        free(spirv);
+    }
+}
+
+/* A march of nothing knows no medium, no light and no cloud. */
+static void test_unused_goes(void **state)
+{
+    (void)state;
+    struct neph_diag diag = {0};
+    const uint32_t constants[12] = {0};
+    uint32_t *spirv = NULL;
+    size_t bytes = 0;
+    neph_assert_ok(
+        neph_specialize(march_spirv, sizeof(march_spirv), constants, 12, &spirv, &bytes, &diag),
+        &diag);
+    print_message("%zu of %zu bytes\n", bytes, sizeof(march_spirv));
+    assert_true(8 * bytes < sizeof(march_spirv));
+    free(spirv);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_every_way),
+        cmocka_unit_test(test_valid_whatever_the_constants),
+        cmocka_unit_test(test_unused_goes),
+    };
+    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
+}
