@@ -102,9 +102,8 @@ static void record_start(const struct neph_vulkan *vulkan, struct neph_lane *lan
     const VkAccessFlags writes = VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_WRITE_BIT;
     const VkAccessFlags reads = VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_TRANSFER_READ_BIT;
     lane->stamp_count = 0;
-    if (lane->timestamps)
-        vulkan->api.vkCmdResetQueryPool(lane->commands, lane->timestamps, 0,
-                                        NEPH_LANE_STAMPS_MAX + 1);
+    if (lane->timestamps) /* by the CPU: it is home, and the device would take its time */
+        vulkan->api.vkResetQueryPool(vulkan->device, lane->timestamps, 0, NEPH_LANE_STAMPS_MAX + 1);
     neph_lane_barrier(vulkan, lane, stages, writes, stages, reads | writes);
     write_timestamp(vulkan, lane);
 }

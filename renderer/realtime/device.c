@@ -82,6 +82,9 @@ enum neph_status neph_rt_device_create(struct neph_vulkan *vulkan, const struct 
         return neph_fail_memory(diag);
     *device->view = *view;
     status = create_noise(device, noise_ranks, diag);
+    device->on_gpu = !vulkan->description.is_cpu;
+    if (!status && device->on_gpu)
+        status = neph_halves_ask(vulkan, &device->native_halves, diag);
     return status ? status : create_targets(device, targets, diag);
 }
 
@@ -134,6 +137,8 @@ void neph_rt_device_hand_on(struct neph_rt_device *device, const struct neph_rt_
 static void set_choices(const struct neph_rt_device *device, struct neph_kernel_params *params)
 {
     params->constant_count = RT_CONSTANT_COUNT;
+    params->constants[RT_HALVES_CONSTANT] = device->native_halves;
+    params->constants[RT_ON_GPU_CONSTANT] = device->on_gpu;
     params->constants[RT_SPECIALISED_CONSTANT] = device->specialises;
     for (int s = 0; s < RT_SETTING_COUNT && device->specialises; s++) {
         const float value = device->view->settings[s];
@@ -155,6 +160,8 @@ void neph_rt_device_bind(struct neph_rt_device *device, const struct neph_rt_pas
     params->spirv = pass->shader.spirv;
     params->spirv_size_bytes = pass->shader.spirv_size_bytes;
     params->buffer_count = first + 2;
+    if (first == 0)
+        params->uniform_count = 1; /* the view, where no scene is before it */
     params->array_count = RT_TARGET_COUNT;
     set_choices(device, params);
     dispatch->buffers[first] = &device->view_buffer;

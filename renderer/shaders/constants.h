@@ -40,6 +40,11 @@
 // Octaves of scattering whose factors are fitted (renderer/octaves_fitted.h).
 #define NEPH_GPU_FITTED_OCTAVES 8
 
+// Bits of what halves.comp is asked: whether the driver reads halves as they are, and writes the
+// nearest, of two the even one.
+#define NEPH_HALVES_READ 1u
+#define NEPH_HALVES_WRITTEN 2u
+
 // Stretches of a view ray's way through a voxel grid (tracer_way.glsl).
 #define NEPH_GPU_WAY_STRETCHES 32
 

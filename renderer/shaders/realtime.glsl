@@ -10,12 +10,18 @@
 #ifndef NEPH_REALTIME_GLSL
 #define NEPH_REALTIME_GLSL
 
+#extension GL_EXT_scalar_block_layout : require
+
+#include "halves.glsl"
 #include "numbers.glsl"
 #include "realtime_choices.glsl"
 #include "realtime_names.h"
 
 #ifndef REALTIME_BINDING
-#define REALTIME_BINDING 0 // behind the scene's buffers in passes that look at the scene
+#define REALTIME_BINDING 0
+#define VIEW_BLOCK uniform
+#else // behind the scene's buffers in passes that look at the scene
+#define VIEW_BLOCK readonly buffer
 #endif
 
 // The camera of one frame; positions are relative to this frame's camera.
@@ -40,7 +46,7 @@ struct Target {
 // A view is a rectangle of its targets: pixel (0, 0) of the view is texel `origin` of the
 // full-resolution targets, origin / 2 of the half, origin / 4 of the quarter (`origin` is a
 // multiple of 4).
-layout(std430, binding = REALTIME_BINDING) readonly buffer View {
+layout(std430, binding = REALTIME_BINDING) VIEW_BLOCK View {
     ViewCamera now, before;
     Target targets[RT_TARGET_COUNT];
     float settings[RT_SETTING_COUNT]; // as in the table of options; choices as whole numbers
@@ -106,43 +112,6 @@ ivec2 half_size() { return half_size_px; }
 ivec2 tile_count() { return tiles; }
 vec3 wind_m() { return moved_by_wind_m; }
 
-// --- halves ---------------------------------------------------------------------------------
-
-// Keep the upper bits, ties to even.
-uint round_shift(uint bits, uint shift)
-{
-    return (bits + (1u << (shift - 1u)) - 1u + ((bits >> shift) & 1u)) >> shift;
-}
-
-// The nearest half. packHalf2x16 would leave the rounding to the driver.
-uint to_half(float value)
-{
-    uint bits = floatBitsToUint(value);
-    uint sign = (bits >> 16) & 0x8000u;
-    uint magnitude = bits & 0x7fffffffu;
-    if (magnitude > 0x7f800000u)
-        return sign | 0x7e00u; // NaN
-    if (magnitude >= 0x477ff000u)
-        return sign | 0x7c00u; // from 65520 on
-    if (magnitude >= 0x38800000u)
-        return sign | round_shift(magnitude - 0x38000000u, 13u);
-    if (magnitude >= 0x33000000u) // from 2^-25 on, below the normal halves
-        return sign | round_shift((magnitude & 0x7fffffu) | 0x800000u, 126u - (magnitude >> 23));
-    return sign;
-}
-
-float from_half(uint bits)
-{
-    uint sign = (bits & 0x8000u) << 16;
-    uint exponent = (bits >> 10) & 31u;
-    uint fraction = bits & 0x3ffu;
-    if (exponent == 0u)
-        return uintBitsToFloat(floatBitsToUint(float(fraction) * exp2(-24.0)) | sign);
-    if (exponent == 31u)
-        return uintBitsToFloat(sign | 0x7f800000u | (fraction << 13));
-    return uintBitsToFloat(sign | ((exponent + 112u) << 23) | (fraction << 13));
-}
-
 // --- targets --------------------------------------------------------------------------------
 
 // The largest half. It is also where what is kept in one ends before it becomes infinite.
@@ -161,8 +130,25 @@ int format_of(int target)
                                                                            : row.float_format;
 }
 
-vec2 unpack(uint word) { return vec2(from_half(word & 0xffffu), from_half(word >> 16)); }
-uint pack(vec2 value) { return to_half(value.x) | (to_half(value.y) << 16); }
+layout(constant_id = RT_HALVES_CONSTANT) const uint NATIVE_HALVES = 0;
+// lavapipe runs both sides of every branch, and skips what no thread wants of a loop alone; a GPU
+// keeps in registers what it finds without an index, and wants its loops known.
+layout(constant_id = RT_ON_GPU_CONSTANT) const bool ON_GPU = false;
+
+// By the driver's own conversions where they are known to be right (renderer/halves.h).
+vec2 unpack(uint word)
+{
+    return (NATIVE_HALVES & NEPH_HALVES_READ) != 0u
+               ? unpackHalf2x16(word)
+               : vec2(from_half(word & 0xffffu), from_half(word >> 16));
+}
+
+uint pack(vec2 value)
+{
+    return (NATIVE_HALVES & NEPH_HALVES_WRITTEN) != 0u
+               ? packHalf2x16(value)
+               : to_half(value.x) | (to_half(value.y) << 16);
+}
 
 int width_of(int target)
 {
@@ -176,7 +162,7 @@ vec4 fetch(int target, ivec2 texel)
     uint index = uint(texel.y * width_of(target) + texel.x);
     switch (format_of(target)) {
     case RT_R16F:
-        return vec4(from_half(targets[target].words[index] & 0xffffu), 0.0, 0.0, 0.0);
+        return vec4(unpack(targets[target].words[index] & 0xffffu).x, 0.0, 0.0, 0.0);
     case RT_R32F:
         return vec4(uintBitsToFloat(targets[target].words[index]), 0.0, 0.0, 0.0);
     case RT_RG16F:
@@ -197,7 +183,7 @@ void put(int target, ivec2 texel, vec4 value)
     uint index = uint(texel.y * width_of(target) + texel.x);
     switch (format_of(target)) {
     case RT_R16F:
-        targets[target].words[index] = to_half(value.x);
+        targets[target].words[index] = pack(vec2(value.x, 0.0));
         break;
     case RT_R32F:
         targets[target].words[index] = floatBitsToUint(value.x);
@@ -253,8 +239,15 @@ void put_half(int target, ivec2 pixel, vec4 value)
 void put_tile(int target, ivec2 tile, vec4 value) { put(target, view_origin() / 4 + tile, value); }
 
 // The first and the last of four taps in a row that have a weight: one tap where the camera rests.
-int first_tap(vec4 weights) { return weights.x != 0.0 ? 0 : weights.y != 0.0 ? 1 : 2; }
-int last_tap(vec4 weights) { return weights.w != 0.0 ? 3 : weights.z != 0.0 ? 2 : 1; }
+int first_tap(vec4 weights)
+{
+    return ON_GPU || weights.x != 0.0 ? 0 : weights.y != 0.0 ? 1 : 2;
+}
+
+int last_tap(vec4 weights)
+{
+    return ON_GPU || weights.w != 0.0 ? 3 : weights.z != 0.0 ? 2 : 1;
+}
 
 // --- numbers that may be bad -------------------------------------------------------------------
 

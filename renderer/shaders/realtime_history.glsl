@@ -74,8 +74,10 @@ History history_about(vec2 place_px)
     for (int y = first.y; y <= last.y; y++)
         for (int x = first.x; x <= last.x; x++) {
             float weight = weights_x[x] * weights_y[y];
+            if (weight == 0.0)
+                continue;
             History other = history_at(base + ivec2(x, y) - 1);
-            if (weight == 0.0 || other.is_void)
+            if (other.is_void)
                 continue;
             history.is_void = false;
             sum += weight * other.value;

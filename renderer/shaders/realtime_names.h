@@ -122,14 +122,17 @@
 // Specialization constants of the shaders, behind those of the march: whether passes with rays
 // leave their counters alone (realtime_march.glsl); whether the shaders hold the choices, and the
 // first that does (realtime_choices.glsl); how many solids the scene has, or that there are many
-// (rt_scene.comp).
+// (rt_scene.comp); which of the driver's own conversions of halves are taken (renderer/halves.h);
+// whether the device is no CPU.
 #define RT_UNCOUNTED_CONSTANT 6
 #define RT_SPECIALISED_CONSTANT 7
 #define RT_CHOICE_CONSTANT 8
 #define RT_CHOICE_CONSTANT_COUNT 16
 #define RT_SOLIDS_CONSTANT 24
 #define RT_SOLIDS_UNKNOWN 33 // and from there on: looked at one by one
-#define RT_CONSTANT_COUNT 25
+#define RT_HALVES_CONSTANT 25
+#define RT_ON_GPU_CONSTANT 26
+#define RT_CONSTANT_COUNT 27
 
 // Pixels below each other that a thread of the anti-aliasing takes: each row that it reads serves
 // three of them.

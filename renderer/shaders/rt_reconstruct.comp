@@ -30,6 +30,7 @@
 // either; in the first frame there is then what the memory holds. The age counts the rays that went
 // into a texel; one that borrowed its first value from a neighbour's ray is 1 old.
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 
 #include "realtime_pass.glsl"
 #include "realtime_history.glsl"
@@ -92,13 +93,23 @@ float ray_depth_m(ivec2 tile, int ray)
 
 void load_rays(ivec2 tile)
 {
-    for (int i = 0; i < 9; i++) {
+    [[unroll]] for (int i = 0; i < 9; i++) {
         rays[i].value = fetch_tile(RT_RAY, ray_tile(tile, i));
         rays[i].depth_m = ray_depth_m(tile, i);
         rays[i].is_usable = !checks_validity() || is_sound(rays[i].value);
         rays[i].is_sky = asks_for_kinds() &&
                          is_sky(fetch_half(RT_HALF_DEPTH, ray_half_pixel(ray_tile(tile, i))).x);
     }
+}
+
+// A choice among known rays is cheaper than an index into memory.
+vec4 value_of(int ray)
+{
+    vec4 value = rays[0].value;
+    [[unroll]] for (int i = 1; i < 9; i++)
+        if (i == ray)
+            value = rays[i].value;
+    return value;
 }
 
 float depth_difference_m(float own_m, int ray)
@@ -114,8 +125,8 @@ int nearest_ray(float own_m, int first)
 {
     float least_m = choice(RT_CLAMP_PIXEL_DEPTH) != 0 ? FAR_M : setting(RT_SKY_M);
     int nearest = -1;
-    for (int i = first; i < 9; i++) {
-        if (!rays[i].is_usable)
+    [[unroll]] for (int i = 0; i < 9; i++) {
+        if (i < first || !rays[i].is_usable)
             continue;
         float difference_m = depth_difference_m(own_m, i);
         if (difference_m < least_m || nearest < 0)
@@ -139,31 +150,31 @@ bool is_alike(float transmittance, float other)
     return difference < allowed;
 }
 
-bool is_accepted(int ray, int nearest, float own_m, bool own_is_sky)
+bool is_accepted(int ray, int nearest, float nearest_through, float own_m, bool own_is_sky)
 {
     precise float allowed_m = setting(RT_BOX_DEPTH) * rays[ray].depth_m;
     bool is_candidate = rays[ray].is_usable && (ray != 0 || choice(RT_BOX_CENTRE) != 0) &&
                         (choice(RT_BOX_SAME_KIND) == 0 || rays[ray].is_sky == own_is_sky);
     return ray == nearest ||
            (is_candidate && (depth_difference_m(own_m, ray) < allowed_m ||
-                             is_alike(rays[ray].value.a, rays[nearest].value.a)));
+                             is_alike(rays[ray].value.a, nearest_through)));
 }
 
-void choose_rays(int nearest, float own_m, bool own_is_sky)
+void choose_rays(int nearest, float nearest_through, float own_m, bool own_is_sky)
 {
     int count = 0;
-    for (int i = 0; i < 9; i++) {
-        rays[i].is_in_box = is_accepted(i, nearest, own_m, own_is_sky);
+    [[unroll]] for (int i = 0; i < 9; i++) {
+        rays[i].is_in_box = is_accepted(i, nearest, nearest_through, own_m, own_is_sky);
         count += int(rays[i].is_in_box);
     }
     if (count < int(setting(RT_BOX_LEAST)))
-        for (int i = 0; i < 9; i++)
+        [[unroll]] for (int i = 0; i < 9; i++)
             rays[i].is_in_box = rays[i].is_usable;
 }
 
 void extend_by_rays(inout Box box, int space)
 {
-    for (int i = 0; i < 9; i++)
+    [[unroll]] for (int i = 0; i < 9; i++)
         if (rays[i].is_in_box)
             extend(box, to_space(space, rays[i].value));
 }
@@ -172,13 +183,13 @@ void extend_by_variance(inout Box box, int space)
 {
     float count = 0.0;
     vec4 mean = vec4(0.0), variance = vec4(0.0);
-    for (int i = 0; i < 9; i++)
+    [[unroll]] for (int i = 0; i < 9; i++)
         if (rays[i].is_in_box) {
             count += 1.0;
             mean += to_space(space, rays[i].value);
         }
     mean /= count;
-    for (int i = 0; i < 9; i++)
+    [[unroll]] for (int i = 0; i < 9; i++)
         if (rays[i].is_in_box) {
             vec4 difference = to_space(space, rays[i].value) - mean;
             variance += difference * difference;
@@ -193,14 +204,14 @@ vec4 held_among_rays(vec4 value, int nearest, float own_m, bool own_is_sky)
     if (choice(RT_BOX) == RT_BOX_NONE)
         return value;
     int space = choice(RT_BOX_SPACE);
-    vec4 first = to_space(space, rays[nearest].value);
+    vec4 nearest_value = value_of(nearest), first = to_space(space, nearest_value);
     Box box = Box(first, first);
-    choose_rays(nearest, own_m, own_is_sky);
+    choose_rays(nearest, nearest_value.a, own_m, own_is_sky);
     if (choice(RT_BOX) == RT_BOX_MIN_MAX)
         extend_by_rays(box, space);
     else
         extend_by_variance(box, space);
-    return held_in_space(space, value, rays[nearest].value, box);
+    return held_in_space(space, value, nearest_value, box);
 }
 
 // 0 up to `least`, 1 from twice that on.
@@ -219,11 +230,12 @@ float change_at_ray(ivec2 tile, int ray)
     ivec2 place = ray_half_pixel(own_tile);
     History then = history_of(place, fetch_half(RT_HALF_DEPTH, place).x,
                               fetch_tile(RT_RAY_DISTANCE, own_tile).x);
-    float now_luminance = luminance(rays[ray].value.rgb);
+    vec4 now = value_of(ray);
+    float now_luminance = luminance(now.rgb);
     float then_luminance = luminance(then.value.rgb);
     float most = max(now_luminance, then_luminance);
     float change = most > 0.0 ? abs(now_luminance - then_luminance) / most : 0.0;
-    return then.is_void ? 1.0 : max(change, abs(rays[ray].value.a - then.value.a));
+    return then.is_void ? 1.0 : max(change, abs(now.a - then.value.a));
 }
 
 // How much of the neighbourhood clamp applies, 0..1. What is at rest and in unchanged light needs
@@ -276,7 +288,7 @@ vec4 mean_of_rays(int kind, ivec2 half_pixel, int nearest, float own_m, bool own
     bool by_depth = kind == RT_FALLBACK_BILATERAL;
     vec4 sum = vec4(0.0);
     float total = 0.0;
-    for (int i = 0; i < 9; i++) {
+    [[unroll]] for (int i = 0; i < 9; i++) {
         ivec2 at = 1 + AROUND[i] * (1 - 2 * (half_pixel & 1));
         float weight = by_depth ? GAUSSIAN_WEIGHTS[at.x] * GAUSSIAN_WEIGHTS[at.y] /
                                       (depth_difference_m(own_m, i) +
@@ -287,7 +299,7 @@ vec4 mean_of_rays(int kind, ivec2 half_pixel, int nearest, float own_m, bool own
         sum += weight * rays[i].value;
         total += weight;
     }
-    return total > 0.0 ? sum / total : rays[nearest].value;
+    return total > 0.0 ? sum / total : value_of(nearest);
 }
 
 vec4 stand_in(int kind, ivec2 half_pixel, int nearest, float own_m, bool own_is_sky)
@@ -297,7 +309,7 @@ vec4 stand_in(int kind, ivec2 half_pixel, int nearest, float own_m, bool own_is_
         return mean_of_rays(kind, half_pixel, nearest, own_m, own_is_sky);
     if (kind == RT_FALLBACK_TILE && rays[0].is_usable)
         return rays[0].value;
-    return rays[around < 0 ? nearest : around].value;
+    return value_of(around < 0 ? nearest : around);
 }
 
 // --- the result ---------------------------------------------------------------------------------
@@ -348,7 +360,7 @@ void main()
 
     bool is_fresh = rays[0].is_usable && int(fetch_tile(RT_TILE, tile).x) == slot_of(half_pixel);
     float age = history.is_void ? 1.0 : history.age;
-    vec4 value = rays[is_fresh ? 0 : nearest].value;
+    vec4 value = value_of(is_fresh ? 0 : nearest);
     if (is_fresh && !history.is_void) {
         age = min(history.age + 1.0, AGE_MAX);
         value = blend_fresh(history.value, value, fresh_weight(age, part));

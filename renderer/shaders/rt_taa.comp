@@ -104,6 +104,15 @@ float depth_of_motion(ivec2 pixel)
     return nearest_m;
 }
 
+// What it sees stays where it is: motions would come out as 0.
+bool rests()
+{
+    return view_before.position_m == vec3(0.0) && view_now.forward == view_before.forward &&
+           view_now.right == view_before.right && view_now.up == view_before.up &&
+           view_now.half_width == view_before.half_width &&
+           view_now.half_height == view_before.half_height;
+}
+
 // The place of the pixel's content in the frame before; false when that was out of the picture.
 // Lengths are divided by the depth: the sky needs no rule of its own and loses no digits. The
 // motion is a difference of two places found alike: it is exactly 0 for a camera at rest. In an
@@ -111,6 +120,11 @@ float depth_of_motion(ivec2 pixel)
 bool find_before(ivec2 pixel, out vec2 place_px, out float speed_px)
 {
     precise vec2 centre_px = vec2(pixel) + 0.5;
+    if (ON_GPU && rests()) {
+        place_px = centre_px;
+        speed_px = 0.0;
+        return true;
+    }
     vec3 ray = ray_through(centre_px);
     float spread_m = view_spread(view_now, depth_of_motion(pixel));
     precise vec3 ray_before = ray - view_before.position_m / spread_m;
@@ -141,21 +155,29 @@ vec4 filter_weights(float x)
     }
 }
 
-// False when the guard finds the history void.
-bool fetch_history(vec2 place_px, out vec3 history)
+vec3 filtered_history(vec2 place_px)
 {
     precise vec2 corner = floor(place_px - 0.5);
     precise vec2 way = place_px - 0.5 - corner;
+    if (ON_GPU && rests())
+        return fetch_full(RT_TAA_BEFORE, ivec2(corner)).rgb;
     vec4 columns = filter_weights(way.x), rows = filter_weights(way.y);
     ivec2 first = ivec2(first_tap(columns), first_tap(rows));
     ivec2 last = ivec2(last_tap(columns), last_tap(rows));
-    history = vec3(0.0);
+    vec3 sum = vec3(0.0);
     for (int y = first.y; y <= last.y; y++)
         for (int x = first.x; x <= last.x; x++) {
             float weight = columns[x] * rows[y];
             if (weight != 0.0)
-                history += weight * fetch_full(RT_TAA_BEFORE, ivec2(corner) + ivec2(x, y) - 1).rgb;
+                sum += weight * fetch_full(RT_TAA_BEFORE, ivec2(corner) + ivec2(x, y) - 1).rgb;
         }
+    return sum;
+}
+
+// False when the guard finds the history void.
+bool fetch_history(vec2 place_px, out vec3 history)
+{
+    history = filtered_history(place_px);
     bool is_sound = !guarded() || is_finite(history);
     history = guard(history);
     return is_sound;
@@ -166,6 +188,7 @@ bool fetch_history(vec2 place_px, out vec3 history)
 // The 3x3 colours around a pixel, row by row.
 struct Surroundings {
     vec3 colours[9];
+    float hdr_weights[9];
     uint counted; // bit i: colours[i] counts
 };
 
@@ -185,17 +208,26 @@ float distance_squared(int i)
     return sum;
 }
 
+// Bright samples count less, or a single one would shine through for many frames.
+float hdr_weight(vec3 colour)
+{
+    return choice(RT_TAA_HDR_WEIGHT) != 0 ? 1.0 / (luma_4(colour) + 4.0) : 1.0;
+}
+
 // One row down: two of three rows are known.
 void look_down(ivec2 pixel, inout Surroundings around)
 {
     around.counted >>= 3;
-    for (int i = 0; i < 6; i++)
+    for (int i = 0; i < 6; i++) {
         around.colours[i] = around.colours[i + 3];
+        around.hdr_weights[i] = around.hdr_weights[i + 3];
+    }
     for (int i = 6; i < 9; i++) {
         vec3 colour = fetch_full(RT_COLOR, pixel + offset_of(i)).rgb;
         if (!guarded() || is_finite(colour))
             around.counted |= 1u << i;
         around.colours[i] = guard(colour);
+        around.hdr_weights[i] = hdr_weight(around.colours[i]);
     }
 }
 
@@ -208,15 +240,18 @@ Surroundings look_above(ivec2 pixel)
     return around;
 }
 
-// Bright samples count less, or a single one would shine through for many frames.
-float hdr_weight(vec3 colour)
-{
-    return choice(RT_TAA_HDR_WEIGHT) != 0 ? 1.0 / (luma_4(colour) + 4.0) : 1.0;
-}
+float nearness[9]; // of the rays to the pixel's centre, the same in all pixels
 
 // A Gaussian about the unjittered centre: Unreal's exp(-2.29 d^2), 0.47 px, a fit to the Blackman-
 // Harris window of 3.3 px. (Its r.TemporalAACatmullRom, off by default, is another filter here, not
-// of the history.) False when no colour counts.
+// of the history.)
+void find_nearness()
+{
+    for (int i = 0; i < 9; i++)
+        nearness[i] = exp(-2.29 * distance_squared(i));
+}
+
+// False when no colour counts.
 bool filter_frame(Surroundings around, out vec3 colour)
 {
     colour = around.colours[CENTRE];
@@ -227,7 +262,7 @@ bool filter_frame(Surroundings around, out vec3 colour)
     for (int i = 0; i < 9; i++) {
         if (!is_counted(around.counted, i))
             continue;
-        float weight = exp(-2.29 * distance_squared(i)) * hdr_weight(around.colours[i]);
+        float weight = nearness[i] * around.hdr_weights[i];
         sum += weight * around.colours[i];
         weights += weight;
     }
@@ -293,6 +328,12 @@ Box rounded_box(Surroundings around)
     return Box(0.5 * (square.low + plus.low), 0.5 * (square.high + plus.high));
 }
 
+// A GPU divides once where all are divided by the same, lavapipe by a true division.
+vec3 part_of(vec3 value, float count)
+{
+    return ON_GPU ? value * (1.0 / count) : value / count;
+}
+
 // M. Salvi, "An Excursion in Temporal Supersampling", GDC 2016; the filtered colour is in it.
 Box variance_box(Surroundings around, vec3 filtered)
 {
@@ -300,10 +341,10 @@ Box variance_box(Surroundings around, vec3 filtered)
     float count = float(bitCount(around.counted));
     for (int i = 0; i < 9; i++)
         if (is_counted(around.counted, i))
-            mean += around.colours[i] / count;
+            mean += part_of(around.colours[i], count);
     for (int i = 0; i < 9; i++)
         if (is_counted(around.counted, i))
-            variance += (around.colours[i] - mean) * (around.colours[i] - mean) / count;
+            variance += part_of((around.colours[i] - mean) * (around.colours[i] - mean), count);
     vec3 reach = setting(RT_TAA_SIGMA) * sqrt(variance);
     vec3 low = mean - reach, high = mean + reach;
     return Box(mix(low, filtered, lessThan(filtered, low)),
@@ -419,6 +460,7 @@ void main()
         return;
     pixel.y *= RT_TAA_COLUMN;
     int end = min(pixel.y + RT_TAA_COLUMN, size.y);
+    find_nearness();
     Surroundings around = look_above(pixel);
     for (; pixel.y < end; pixel.y++) {
         look_down(pixel, around);

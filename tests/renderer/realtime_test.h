@@ -54,8 +54,17 @@ static inline struct neph_settings test_settings(const char *assignments)
     return settings;
 }
 
+/* Compile passes as for a GPU. */
+static inline void test_be_gpu(struct neph_rt_device *device)
+{
+    struct neph_diag diag = {0};
+    device->on_gpu = true;
+    neph_assert_ok(neph_halves_ask(device->vulkan, &device->native_halves, &diag), &diag);
+}
+
 /* A view of this size at the corner of its buffers, a camera of 50 degrees in both frames; the test
- * changes twin.view (which is `view`) and targets before test_passes_run(). */
+ * changes twin.view (which is `view`) and targets before test_passes_run(). Odd seeds have the
+ * kernels that a GPU has. */
 static inline void test_passes_open(struct neph_vulkan *vulkan,
                                     const struct neph_settings *settings, const int size_px[2],
                                     const int origin_px[2], uint64_t seed, struct test_passes *test)
@@ -80,6 +89,8 @@ static inline void test_passes_open(struct neph_vulkan *vulkan,
     neph_assert_ok(neph_rt_device_create(vulkan, &test->view, NEPH_RT_BIT(RT_TARGET_COUNT) - 1,
                                          test->noise_ranks, &test->device, &diag),
                    &diag);
+    if (test->view.seed % 2)
+        test_be_gpu(&test->device);
     test->twin.view = &test->view;
     test->twin.noise_ranks = test->noise_ranks;
     for (int t = 0; t < RT_TARGET_COUNT; t++)

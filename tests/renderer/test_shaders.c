@@ -9,7 +9,9 @@
 
 #include "renderer/compute.h"
 #include "renderer/gpu_scene.h"
+#include "renderer/halves.h"
 #include "renderer/media/fog.h"
+#include "renderer/realtime/view.h"
 #include "scenes/media.h"
 #include "scenes/solids.h"
 
@@ -29,6 +31,7 @@ enum probe_what {
     PROBE_SOLID,
     PROBE_SUM,
     PROBE_LOOPS,
+    PROBE_HALVES,
 };
 
 struct probe {
@@ -566,6 +569,83 @@ static void test_the_ground_of_a_planet(void **state)
     free(probes);
 }
 
+/* --- halves ------------------------------------------------------------------------------- */
+
+static float moved(float value, int ulps)
+{
+    uint32_t bits;
+    memcpy(&bits, &value, sizeof(bits));
+    bits += (uint32_t)ulps;
+    memcpy(&value, &bits, sizeof(value));
+    return value;
+}
+
+/* The half itself, and three floats about the middle between it and the next larger one. */
+static void about_half(uint32_t half, float values[4])
+{
+    const uint32_t magnitude = half & 0x7fffu;
+    const float sign = half & 0x8000u ? -1.0f : 1.0f;
+    const float own = neph_rt_from_half((uint16_t)magnitude);
+    const float next = magnitude == 0x7bffu ? 65536.0f
+                                            : neph_rt_from_half((uint16_t)(magnitude + 1));
+    const float middle = sign * (0.5f * (own + next));
+    const bool ends = magnitude >= 0x7c00u;
+    for (int i = 0; i < 4; i++)
+        values[i] = i == 0 || ends ? neph_rt_from_half((uint16_t)half) : moved(middle, i - 2);
+}
+
+static bool is_read_right(float answer, uint16_t half)
+{
+    const float expected = neph_rt_from_half(half);
+    return isnan(expected) ? isnan(answer) : memcmp(&answer, &expected, sizeof(answer)) == 0;
+}
+
+static bool is_written_right(float answer, float value)
+{
+    const uint16_t half = (uint16_t)answer;
+    return isnan(value) ? isnan(neph_rt_from_half(half)) : half == neph_rt_to_half(value);
+}
+
+/* Bits of what the driver does otherwise than the twins' conversions, for `count` halves. */
+static uint32_t wrong_from(struct neph_vulkan *vulkan, struct probe *probes, uint32_t first,
+                           int count)
+{
+    uint32_t wrong = 0;
+    for (int i = 0; i < 2 * count; i++) {
+        const uint32_t half = first + (uint32_t)i / 2;
+        float values[4];
+        about_half(half, values);
+        probes[i] = (struct probe){.what = PROBE_HALVES, .kind = half | half << 16};
+        memcpy(probes[i].a, &values[i % 2 * 2], 2 * sizeof(values[0]));
+    }
+    struct answer *answers = ask(vulkan, probes, 2 * count);
+    for (int i = 0; i < 2 * count; i++)
+        for (int c = 0; c < 2; c++) {
+            if (!is_read_right(answers[i].value[c], (uint16_t)probes[i].kind))
+                wrong |= NEPH_HALVES_READ;
+            if (!is_written_right(answers[i].value[2 + c], probes[i].a[c]))
+                wrong |= NEPH_HALVES_WRITTEN;
+        }
+    free(answers);
+    return wrong;
+}
+
+/* Whatever this driver does, it is asked right. */
+static void test_what_a_drivers_halves_are_worth(void **state)
+{
+    struct probe *probes = new_probes();
+    const int batch = 8192;
+    uint32_t wrong = 0, right = 0;
+    struct neph_diag diag = {0};
+    for (uint32_t half = 0; half < 1u << 16; half += (uint32_t)batch)
+        wrong |= wrong_from(*state, probes, half, batch);
+    neph_assert_ok(neph_halves_ask(*state, &right, &diag), &diag);
+    print_message("halves: read right %d, written right %d\n", (right & NEPH_HALVES_READ) != 0,
+                  (right & NEPH_HALVES_WRITTEN) != 0);
+    assert_int_equal(right, (NEPH_HALVES_READ | NEPH_HALVES_WRITTEN) & ~wrong);
+    free(probes);
+}
+
 int main(void)
 {
     print_message("seed %llu\n", (unsigned long long)seed);
@@ -573,6 +653,7 @@ int main(void)
         cmocka_unit_test(test_phi_and_friends),
         cmocka_unit_test(test_sum_of_many_steps_keeps_its_digits),
         cmocka_unit_test(test_loops_make_all_their_turns),
+        cmocka_unit_test(test_what_a_drivers_halves_are_worth),
         cmocka_unit_test(test_phase_functions),
         cmocka_unit_test(test_fog_optical_depth),
         cmocka_unit_test(test_fog_extinction),

@@ -23,6 +23,8 @@ const uint PROBE_SOLID = 7;          // kind, a = low or centre, b = high, radiu
 const uint PROBE_SUM = 8;            // a.x added b.x times -> sum
 const uint PROBE_LOOPS = 9;          // a = (outer, inner) turns -> turns made: all in the inner
                                      // loop, of the outer loop alone
+const uint PROBE_HALVES = 10;        // kind: two halves -> as the driver reads them, and as whole
+                                     // numbers the halves that it writes of a.xy
 
 struct Probe {
     vec4 a, b, c, d;
@@ -80,6 +82,10 @@ vec4 answer(Probe p)
                 inner_turns += (i ^ j) == 0xffffffffu ? 2u : 1u;
         }
         return vec4(inner_turns, outer_turns, 0.0, 0.0);
+    }
+    case PROBE_HALVES: {
+        uint word = packHalf2x16(p.a.xy);
+        return vec4(unpackHalf2x16(p.kind), float(word & 0xffffu), float(word >> 16));
     }
     }
     return vec4(-1.0);
