@@ -22,9 +22,9 @@ struct request {
 
 static const struct neph_cli_option options[] = {
     {"models", 0, "A,B",
-     "Lighting models to hold against the tracer, by their engines; ENGINE+KEY=VALUE changes one",
-     NEPH_CLI_WORD, .at = offsetof(struct request, models),
-     .otherwise = "march,march_octaves,march_octaves_fitted"},
+     "Lighting models to hold against the tracer, by their engines; ENGINE+KEY=VALUE changes one, "
+     "and ENGINE+preset=NAME has a preset's values (default: all that engines offer)",
+     NEPH_CLI_WORD, .at = offsetof(struct request, models)},
     {"suite", 0, "NAME",
      "tuning: what models were fitted on; test: others (default, without a SCENE: test)",
      NEPH_CLI_WORD, .at = offsetof(struct request, suite)},
@@ -180,7 +180,8 @@ static enum neph_status list_entries(const struct request *request,
         return status;
     struct neph_light_entry *made = calloc((size_t)shared->operand_count, sizeof(*made));
     for (int i = 0; made && i < shared->operand_count; i++) {
-        made[i] = (struct neph_light_entry){.scene = strdup(shared->operands[i]), .sweep = sweep};
+        made[i] = (struct neph_light_entry){
+            .scene = strdup(shared->operands[i]), .sweep_count = 1, .sweeps = {sweep}};
         if (!made[i].scene)
             status = neph_fail_memory(diag);
     }
@@ -283,7 +284,7 @@ enum neph_status neph_cli_study_light(int argc, char **argv, struct neph_diag *d
     const struct neph_cli_shared *shared = &request.shared;
     const char *models[NEPH_LIGHT_MODELS_MAX];
     struct neph_light_entry *entries = NULL;
-    char *words = strdup(request.models);
+    char *words = request.models ? strdup(request.models) : neph_light_models_offered();
     struct neph_light_study_params params = {.models = models,
                                              .width_px = shared->size.width_px,
                                              .height_px = shared->size.height_px,

@@ -278,7 +278,7 @@ struct neph_light_verdict neph_light_fit_verdict(const struct neph_light_study *
     struct neph_light_verdict verdict = {.cell_count = 0};
     for (int i = 0; i < study->cell_count; i++) {
         const struct neph_light_sums dense = sum_cell(&study->cells[i], fit, true);
-        if (!isnan(neph_light_bias(&dense)))
+        if (neph_light_counts(&dense))
             neph_light_verdict_add(&verdict, &dense);
     }
     neph_light_verdict_end(&verdict);

@@ -59,23 +59,27 @@ class StudyLight(unittest.TestCase):
         for cell in found["cells"]:
             self.assertAlmostEqual(cell["sun_elevation_deg"], 50)
             self.assertAlmostEqual(abs(cell["sun_azimuth_deg"]), 180)
-            once, octaves, fitted = cell["models"]
+            once, octaves, horizon, fitted = cell["models"]
             self.assertTrue(once["scattered_once"] and not octaves["scattered_once"])
+            self.assertIn("Horizon", horizon["because"])
+            self.assertGreater(cell["optical_depth"], 6)
             self.assertGreater(once["dense"]["pixels"], 40)
             # single scattering is a part of all orders; in a thick white slab a small one
             self.assertLess(once["dense"]["bias"], -0.3)
             self.assertLess(abs(fitted["dense"]["bias"]), abs(once["dense"]["bias"]))
             bias[cell["albedo"]] = once["dense"]["bias"]
         self.assertLess(bias[1], bias[0.9])
+        self.assertEqual([v["look"] for v in found["verdicts"]], [False, True, True, True])
+        self.assertEqual([v["all"]["cells"] for v in found["verdicts"]], [2, 2, 0, 2])
         # every pixel with media is in a bin of each map
-        for maps in found["maps"]:
+        for model, maps in enumerate(found["maps"]):
             for name in ("eye_sun", "eye_angle"):
                 pixels = sum(b["pixels"] for row in maps[name] for b in row)
-                self.assertEqual(pixels, sum(c["models"][0]["all"]["pixels"]
+                self.assertEqual(pixels, sum(c["models"][model]["all"]["pixels"]
                                              for c in found["cells"]))
         with lines.open(newline="") as file:
-            self.assertEqual(len(list(csv.DictReader(file))), 6)
-        self.assertIn("| march_octaves_fitted |", table.read_text())
+            self.assertEqual(len(list(csv.DictReader(file))), 8)
+        self.assertIn("| march_octaves_fitted, a look | dense parts | 2 |", table.read_text())
         xml.etree.ElementTree.parse(self.folder / "out" / "light.svg")
         self.assertIn(".attenuation = {", fit.read_text())
         store = self.folder / "out" / "store" / "frames"
@@ -105,7 +109,7 @@ class StudyLight(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done.stderr)
         cell, = json.loads(done.stdout)["cells"]
         self.assertIn("no sun", cell["left_out"])
-        self.assertEqual([m["dense"]["pixels"] for m in cell["models"]], [0, 0, 0])
+        self.assertEqual([m["dense"]["pixels"] for m in cell["models"]], [0] * 4)
 
 
 if __name__ == "__main__":
