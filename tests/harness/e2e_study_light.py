@@ -43,14 +43,15 @@ class StudyLight(unittest.TestCase):
     def run_neph(self, *arguments):
         return subprocess.run(
             [NEPH, "study", "light", *map(str, arguments), "--size", "12x8", "--steps", "32",
-             "--noise", "0.5", "--samples", "8", "-o", str(self.folder / "out")],
+             "--noise", "0.5", "--samples", "4", "-o", str(self.folder / "out")],
             capture_output=True, text=True, timeout=300, env=ENVIRONMENT)
 
     def test_models_files_and_reuse(self):
         table, lines = self.folder / "light.md", self.folder / "light.csv"
         fit = self.folder / "fit.inc"
-        arguments = (self.slab, "--suns", "50:180", "--albedo", "1,0.9", "--csv", lines,
-                     "--markdown", table, "--fit", fit, "--json")
+        models = "march,march_horizon,march_octaves_fitted"
+        arguments = (self.slab, "--models", models, "--suns", "50:180", "--albedo", "1,0.9",
+                     "--csv", lines, "--markdown", table, "--fit", fit, "--json")
         done = self.run_neph(*arguments)
         self.assertEqual(done.returncode, 0, done.stderr)
         found = json.loads(done.stdout)
@@ -59,8 +60,8 @@ class StudyLight(unittest.TestCase):
         for cell in found["cells"]:
             self.assertAlmostEqual(cell["sun_elevation_deg"], 50)
             self.assertAlmostEqual(abs(cell["sun_azimuth_deg"]), 180)
-            once, octaves, horizon, fitted = cell["models"]
-            self.assertTrue(once["scattered_once"] and not octaves["scattered_once"])
+            once, horizon, fitted = cell["models"]
+            self.assertTrue(once["scattered_once"] and not fitted["scattered_once"])
             self.assertIn("Horizon", horizon["because"])
             self.assertGreater(cell["optical_depth"], 6)
             self.assertGreater(once["dense"]["pixels"], 40)
@@ -69,8 +70,8 @@ class StudyLight(unittest.TestCase):
             self.assertLess(abs(fitted["dense"]["bias"]), abs(once["dense"]["bias"]))
             bias[cell["albedo"]] = once["dense"]["bias"]
         self.assertLess(bias[1], bias[0.9])
-        self.assertEqual([v["look"] for v in found["verdicts"]], [False, True, True, True])
-        self.assertEqual([v["all"]["cells"] for v in found["verdicts"]], [2, 2, 0, 2])
+        self.assertEqual([v["look"] for v in found["verdicts"]], [False, True, True])
+        self.assertEqual([v["all"]["cells"] for v in found["verdicts"]], [2, 0, 2])
         # every pixel with media is in a bin of each map
         for model, maps in enumerate(found["maps"]):
             for name in ("eye_sun", "eye_angle"):
@@ -78,7 +79,7 @@ class StudyLight(unittest.TestCase):
                 self.assertEqual(pixels, sum(c["models"][model]["all"]["pixels"]
                                              for c in found["cells"]))
         with lines.open(newline="") as file:
-            self.assertEqual(len(list(csv.DictReader(file))), 8)
+            self.assertEqual(len(list(csv.DictReader(file))), 6)
         self.assertIn("| march_octaves_fitted, a look | dense parts | 2 |", table.read_text())
         xml.etree.ElementTree.parse(self.folder / "out" / "light.svg")
         self.assertIn(".attenuation = {", fit.read_text())
@@ -104,12 +105,26 @@ class StudyLight(unittest.TestCase):
             self.assertIn(words, " ".join(done.stderr.split()), arguments)
             self.assertEqual(done.stdout, "")
 
-    def test_what_cannot_be_lit_is_left_out(self):
-        done = self.run_neph(self.dark, "--json")
+    def test_what_cannot_be_lit_is_left_out_and_laws_hold_of_models_alone(self):
+        table = self.folder / "laws.md"
+        done = self.run_neph(self.dark, "--models", "march_octaves,march_horizon", "--laws",
+                             "--markdown", table, "--json")
         self.assertEqual(done.returncode, 0, done.stderr)
-        cell, = json.loads(done.stdout)["cells"]
+        found = json.loads(done.stdout)
+        cell, = found["cells"]
         self.assertIn("no sun", cell["left_out"])
-        self.assertEqual([m["dense"]["pixels"] for m in cell["models"]], [0] * 4)
+        self.assertEqual([m["dense"]["pixels"] for m in cell["models"]], [0, 0])
+        # Octaves are a look: by Beer's law alone a slab of depth 16 would let no light through, and
+        # what is reciprocal would lose as much towards the eye as towards the sun.
+        of = {(law["law"], law["optical_depth"], law["albedo"]): law for law in found["laws"]}
+        through = of["transmitted, slab", 16, 1]
+        octaves, horizon = through["models"]
+        self.assertTrue(octaves["look"])
+        self.assertIsNone(horizon["value"])
+        self.assertAlmostEqual(through["truth"] + of["reflected, slab", 16, 1]["truth"], 1, 6)
+        self.assertTrue(0.01 < octaves["value"] < 0.5 * through["truth"])
+        self.assertLess(of["reciprocity, slab", 4, 1]["models"][0]["value"], 0.8)
+        self.assertIn("| white furnace, ball | 1 |", table.read_text())
 
 
 if __name__ == "__main__":
