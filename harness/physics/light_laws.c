@@ -256,8 +256,14 @@ static enum neph_status read_sum(const struct neph_stage *stage, const struct ne
     return status;
 }
 
-/* From the store, or rendered. What follows from pictures before has one sun only: it begins anew
- * for each. */
+/* What draws samples may go on with those of the picture before, which had another sun: it begins
+ * anew for each. */
+static bool may_share(const struct neph_engine *engine)
+{
+    return !engine->remembers && !engine->stochastic;
+}
+
+/* From the store, or rendered. */
 static enum neph_status take_picture(struct run *run, struct neph_job_result *result,
                                      struct neph_diag *diag)
 {
@@ -266,7 +272,7 @@ static enum neph_status take_picture(struct run *run, struct neph_job_result *re
     if (status || found)
         return status;
     neph_job_result_finish(result);
-    if (!run->job.sequence && !run->model.engine->remembers)
+    if (!run->job.sequence && may_share(run->model.engine))
         status = neph_job_open(&run->job, diag);
     return status ? status : neph_job_run(&run->job, run->store, result, diag);
 }
