@@ -4,7 +4,8 @@
  * of scattering as such a sum gets. Octave i is single scattering with sigma_s a^i, asymmetry g c^i
  * and the extinction sigma_t b^i, towards the sun and towards the eye: the sum is reciprocal, and
  * brighter where a medium is thick behind what is seen. With the view's own extinction, which
- * struct neph_octaves has, the best fit to the same cells is off by 18 % where this one is by 13 %.
+ * struct neph_octaves has, the best fit to dense parts of thick clouds is off by 18 %, and this one
+ * by 13 %.
  *
  *   a = albedo / (1 + e^-f_a),  b = 1 / (1 + e^-f_b),  c = 1 / (1 + e^-f_c),
  *   f = k0 + k1 g + k2 g^2 + k3 s + k4 g s,  s = sqrt(1 - albedo),
@@ -12,8 +13,9 @@
  * s because what diffuses in a medium decays with the root of what it absorbs (H. C. van de Hulst,
  * "Multiple Light Scattering", 1980, chapter 14). A look, as all sums of octaves are. The
  * coefficients are fitted to the path tracer on the tuning suite of scenes/studies/light.json
- * (`neph study light --suite tuning --fit renderer/octaves_fitted.inc`; raise the version of engine
- * march_octaves_fitted with them), and judged on its test suite (docs/light.md).
+ * (`neph study light --suite tuning --fit renderer/octaves_fitted.inc`; raise the versions of the
+ * engines march_octaves_fitted and realtime with them), and judged on its test suite
+ * (docs/light.md).
  */
 #ifndef NEPH_RENDERER_OCTAVES_FITTED_H
 #define NEPH_RENDERER_OCTAVES_FITTED_H

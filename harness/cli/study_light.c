@@ -6,6 +6,7 @@
 
 #include "base/files.h"
 #include "harness/data.h"
+#include "harness/physics/light_laws.h"
 #include "harness/study/light_fit.h"
 #include "harness/study/light_study_output.h"
 
@@ -18,13 +19,20 @@ struct request {
     const char *models, *suite, *suns, *g, *albedo, *density, *csv, *markdown, *fit;
     double noise;
     int samples, steps;
+    bool laws;
+};
+
+/* What was found; the laws where they were asked for. */
+struct findings {
+    struct neph_light_study study;
+    struct neph_light_laws laws;
 };
 
 static const struct neph_cli_option options[] = {
     {"models", 0, "A,B",
-     "Lighting models to hold against the tracer, by their engines; ENGINE+KEY=VALUE changes one",
-     NEPH_CLI_WORD, .at = offsetof(struct request, models),
-     .otherwise = "march,march_octaves,march_octaves_fitted"},
+     "Lighting models to hold against the tracer, by their engines; ENGINE+KEY=VALUE changes one, "
+     "and ENGINE+preset=NAME has a preset's values (default: all that engines offer)",
+     NEPH_CLI_WORD, .at = offsetof(struct request, models)},
     {"suite", 0, "NAME",
      "tuning: what models were fitted on; test: others (default, without a SCENE: test)",
      NEPH_CLI_WORD, .at = offsetof(struct request, suite)},
@@ -55,6 +63,10 @@ static const struct neph_cli_option options[] = {
      .at = offsetof(struct request, csv)},
     {"markdown", 0, "FILE", "The tables into a file, too", NEPH_CLI_FILE,
      .at = offsetof(struct request, markdown)},
+    {"laws", 0, NULL,
+     "Also hold the models to what they owe whatever the cloud: a white furnace, the balance of "
+     "energy and reciprocity, against closed forms",
+     NEPH_CLI_FLAG, .at = offsetof(struct request, laws)},
     {"fit", 0, "FILE",
      "Also fit octaves to what the tracer found, and write their coefficients as the file that "
      "renderer/octaves_fitted.c includes; not on the suite that they are judged by",
@@ -180,7 +192,8 @@ static enum neph_status list_entries(const struct request *request,
         return status;
     struct neph_light_entry *made = calloc((size_t)shared->operand_count, sizeof(*made));
     for (int i = 0; made && i < shared->operand_count; i++) {
-        made[i] = (struct neph_light_entry){.scene = strdup(shared->operands[i]), .sweep = sweep};
+        made[i] = (struct neph_light_entry){
+            .scene = strdup(shared->operands[i]), .sweep_count = 1, .sweeps = {sweep}};
         if (!made[i].scene)
             status = neph_fail_memory(diag);
     }
@@ -209,14 +222,41 @@ static enum neph_status write_file(const char *path, writer *write,
     return status;
 }
 
-static enum neph_status print_results(const struct request *request,
-                                      const struct neph_light_study *study, struct neph_diag *diag)
+/* The study, and the laws below it; for the caller to free. */
+static enum neph_status make_text(const struct request *request, const struct findings *found,
+                                  char **text, struct neph_diag *diag)
+{
+    char *tables = NULL, *laws = NULL;
+    enum neph_status status = neph_light_study_text(&found->study, &tables, diag);
+    if (!status && request->laws)
+        status = neph_light_laws_text(&found->laws, &laws, diag);
+    if (!status && asprintf(text, "%s%s", tables, laws ? laws : "") < 0)
+        status = neph_fail_memory(diag);
+    free(laws);
+    free(tables);
+    return status;
+}
+
+static json_t *make_json(const struct request *request, const struct findings *found)
+{
+    json_t *made = neph_light_study_json(&found->study);
+    if (request->laws)
+        neph_json_set(&made, "laws", neph_light_laws_json(&found->laws));
+    return made;
+}
+
+static enum neph_status print_results(const struct request *request, const struct findings *found,
+                                      struct neph_diag *diag)
 {
     char *text = NULL;
-    if (request->shared.json)
-        return neph_cli_print_json(neph_light_study_json(study), diag);
-    const enum neph_status status = neph_light_study_text(study, &text, diag);
-    if (!status)
+    if (request->shared.json && !request->markdown)
+        return neph_cli_print_json(make_json(request, found), diag);
+    enum neph_status status = make_text(request, found, &text, diag);
+    if (!status && request->markdown)
+        status = neph_file_write(request->markdown, text, strlen(text), diag);
+    if (!status && request->shared.json)
+        status = neph_cli_print_json(make_json(request, found), diag);
+    else if (!status)
         fputs(text, stdout);
     free(text);
     return status;
@@ -236,13 +276,12 @@ static enum neph_status write_fit(const char *path, const struct neph_light_stud
     return status;
 }
 
-static enum neph_status write_all(const struct request *request,
-                                  const struct neph_light_study *study, struct neph_diag *diag)
+static enum neph_status write_all(const struct request *request, const struct findings *found,
+                                  struct neph_diag *diag)
 {
+    const struct neph_light_study *study = &found->study;
     char *svg = neph_path_join(request->shared.output, "light.svg");
-    enum neph_status status = svg ? print_results(request, study, diag) : neph_fail_memory(diag);
-    if (!status && request->markdown)
-        status = write_file(request->markdown, neph_light_study_text, study, diag);
+    enum neph_status status = svg ? print_results(request, found, diag) : neph_fail_memory(diag);
     if (!status && request->csv)
         status = write_file(request->csv, neph_light_study_csv, study, diag);
     if (!status)
@@ -262,15 +301,18 @@ static enum neph_status run(const struct request *request,
                             const struct neph_light_study_params *params, struct neph_diag *diag)
 {
     struct neph_store *store = NULL;
-    struct neph_light_study study = {.params = params};
+    struct findings found = {.study = {.params = params}};
     char *folder = neph_path_join(request->shared.output, "store");
     enum neph_status status = folder ? neph_store_open(folder, &store, diag)
                                      : neph_fail_memory(diag);
     if (!status)
-        status = neph_light_study_run(params, store, &study, diag);
+        status = neph_light_study_run(params, store, &found.study, diag);
+    if (!status && request->laws)
+        status = neph_light_laws_run(params->models, params->model_count, params->steps, store,
+                                     &found.laws, diag);
     if (!status)
-        status = write_all(request, &study, diag);
-    neph_light_study_finish(&study);
+        status = write_all(request, &found, diag);
+    neph_light_study_finish(&found.study);
     neph_store_close(store);
     free(folder);
     return status;
@@ -283,7 +325,7 @@ enum neph_status neph_cli_study_light(int argc, char **argv, struct neph_diag *d
     const struct neph_cli_shared *shared = &request.shared;
     const char *models[NEPH_LIGHT_MODELS_MAX];
     struct neph_light_entry *entries = NULL;
-    char *words = strdup(request.models);
+    char *words = request.models ? strdup(request.models) : neph_light_models_offered();
     struct neph_light_study_params params = {.models = models,
                                              .width_px = shared->size.width_px,
                                              .height_px = shared->size.height_px,

@@ -422,7 +422,7 @@ const struct neph_engine neph_engine_march_octaves_fitted = {
         "a sum of octaves knows no sides of a cloud and does not conserve energy; fitted on the "
         "tuning suite of `neph study light`",
     .options = options,
-    .version = 1,
+    .version = 2, /* fitted to whole pictures, too */
     .step = step,
     .probe = neph_vulkan_probe,
     .can_render = can_render_octaves_fitted,

@@ -314,7 +314,7 @@ const struct neph_engine neph_engine_realtime = {
     .sequence = &sequence_of,
     .remembers = true,
     .takes_given = true,
-    .version = 2, /* no fused fraction of a voxel */
+    .version = 3, /* octaves fitted to whole pictures, too */
     .shortcut_of = "march",
     .stochastic = true,
     .step = {.option = NULL},

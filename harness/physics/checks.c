@@ -133,29 +133,37 @@ static struct neph_check_view look(const struct row *row, const char *name, doub
     };
 }
 
-/* One hemisphere by the faces of a cube: the one towards the slab, and the near halves of the level
- * ones. The picture is symmetric about the plane of the sun: one face across it counts twice. */
-static void add_hemisphere(const struct row *row, struct neph_check *check, double side)
+/* The face towards the slab, and the near halves of the level ones. The picture is symmetric about
+ * the plane of the sun: one face across it counts twice. */
+void neph_check_hemisphere(const struct neph_stage_params *stage, double side,
+                           struct neph_check_view views[NEPH_CHECK_FACES])
 {
-    const struct {
+    static const struct {
         double azimuth_rad, elevation_rad, factor;
-    } faces[] = {{0.0, 90.0 * NEPH_RAD_PER_DEG, 1.0},
-                 {0.0, 0.0, 1.0},
-                 {180.0 * NEPH_RAD_PER_DEG, 0.0, 1.0},
-                 {90.0 * NEPH_RAD_PER_DEG, 0.0, 2.0}};
-    for (int i = 0; i < 4; i++) {
+    } faces[NEPH_CHECK_FACES] = {{0.0, 90.0 * NEPH_RAD_PER_DEG, 1.0},
+                                 {0.0, 0.0, 1.0},
+                                 {180.0 * NEPH_RAD_PER_DEG, 0.0, 1.0},
+                                 {90.0 * NEPH_RAD_PER_DEG, 0.0, 2.0}};
+    for (int i = 0; i < NEPH_CHECK_FACES; i++) {
         /* Level faces lean by 1e-9 rad to the slab's side: that is where their camera stands. */
         const double elevation_rad = fmax(faces[i].elevation_rad, 1e-9);
-        struct neph_check_view view = look(row, check->name,
-                                           side * fmin(elevation_rad, 89.99 * NEPH_RAD_PER_DEG));
-        view.stage.view_azimuth_rad = faces[i].azimuth_rad;
-        view.stage.vertical_fov_rad = 90.0 * NEPH_RAD_PER_DEG;
-        view.stage.aspect = 1.0;
-        view.weight = NEPH_CHECK_FLUX;
-        view.factor = faces[i].factor;
-        view.width_px = view.height_px = 16;
-        check->views[check->view_count++] = view;
+        views[i] = (struct neph_check_view){.stage = *stage,
+                                            .weight = NEPH_CHECK_FLUX,
+                                            .factor = faces[i].factor,
+                                            .width_px = 16,
+                                            .height_px = 16};
+        views[i].stage.view_azimuth_rad = faces[i].azimuth_rad;
+        views[i].stage.view_elevation_rad = side * fmin(elevation_rad, 89.99 * NEPH_RAD_PER_DEG);
+        views[i].stage.vertical_fov_rad = 90.0 * NEPH_RAD_PER_DEG;
+        views[i].stage.aspect = 1.0;
     }
+}
+
+static void add_hemisphere(const struct row *row, struct neph_check *check, double side)
+{
+    const struct neph_check_view view = look(row, check->name, side);
+    neph_check_hemisphere(&view.stage, side, &check->views[check->view_count]);
+    check->view_count += NEPH_CHECK_FACES;
 }
 
 /* Three rays to a column; as high as Cycles' narrowest field of view. */

@@ -49,6 +49,12 @@ int neph_check_count(void);
 /* By index; the names of its stages point into `check`. */
 void neph_check_get(int index, struct neph_check *check);
 
+/* All light that leaves a slab on one side, 1: below, -1: above, by the faces of a cube: `views`,
+ * whose sum is the flux, with stages like `stage` but for where the camera looks. */
+enum { NEPH_CHECK_FACES = 4 };
+void neph_check_hemisphere(const struct neph_stage_params *stage, double side,
+                           struct neph_check_view views[NEPH_CHECK_FACES]);
+
 /* The weight of a pixel whose ray has this direction, factor left out. */
 double neph_check_pixel_weight(const struct neph_check_view *view, const struct neph_camera *camera,
                                struct neph_vec3 direction);

@@ -11,14 +11,11 @@
 enum { UNKNOWNS = 3 * NEPH_OCTAVES_FEATURES, ITERATIONS_MAX = 200 };
 _Static_assert(sizeof(struct neph_octaves_fit) == UNKNOWNS * sizeof(double), "nothing else");
 
-/* Shares of what is made small. */
-static const double rms_share = 0.25, thin_share = 0.1;
+/* Share of the mean square in what is made small, beside the square of the bias. */
+static const double rms_share = 0.25;
 
 /* Share of the squares of the coefficients themselves: what no cell asks for stays small. */
-static const double ridge = 1e-3;
-
-/* Where a medium is thinner than this, it is hardly seen. */
-static const double thinnest = 0.1;
+static const double ridge = 1e-2;
 
 /* ---- the model ------------------------------------------------------------------------------- */
 
@@ -39,14 +36,11 @@ double neph_light_octaves(const struct neph_light_view *view, const struct neph_
 
 /* ---- pixels of a cell ------------------------------------------------------------------------ */
 
-static bool is_dense(const struct neph_light_pixel *pixel)
+static bool is_among(const struct neph_light_pixel *pixel, enum neph_light_part part)
 {
-    return exp(-pixel->view.eye_depth) < NEPH_LIGHT_DENSE_TRANSMITTANCE;
-}
-
-static bool is_among(const struct neph_light_pixel *pixel, bool dense)
-{
-    return pixel->view.eye_depth >= thinnest && is_dense(pixel) == dense;
+    if (part == NEPH_LIGHT_DENSE)
+        return exp(-pixel->view.eye_depth) < NEPH_LIGHT_DENSE_TRANSMITTANCE;
+    return neph_light_bin(NEPH_LIGHT_EYE, pixel->view.eye_depth) >= 0;
 }
 
 static struct neph_octaves octaves_of(const struct neph_light_cell *cell,
@@ -56,13 +50,14 @@ static struct neph_octaves octaves_of(const struct neph_light_cell *cell,
 }
 
 static struct neph_light_sums sum_cell(const struct neph_light_cell *cell,
-                                       const struct neph_octaves_fit *fit, bool dense)
+                                       const struct neph_octaves_fit *fit,
+                                       enum neph_light_part part)
 {
     const struct neph_octaves octaves = octaves_of(cell, fit);
     struct neph_light_sums sums = {.count = 0};
     for (int p = 0; p < cell->pixel_count && !cell->left_out[0]; p++) {
         const struct neph_light_pixel *pixel = &cell->pixels[p];
-        if (is_among(pixel, dense))
+        if (is_among(pixel, part))
             neph_light_sums_add(
                 &sums,
                 neph_light_octaves(&pixel->view, &octaves, cell->light.g, cell->light.albedo),
@@ -73,17 +68,16 @@ static struct neph_light_sums sum_cell(const struct neph_light_cell *cell,
 
 /* ---- residuals ------------------------------------------------------------------------------- */
 
-/* Those of the dense or thin pixels of a cell: the bias, then each pixel. Returns how many. */
+/* Those of a part of a cell, if it counts: the bias, then each pixel. Returns how many. */
 static int residuals_of_part(const struct neph_light_cell *cell, const struct neph_octaves_fit *fit,
-                             bool dense, double *residuals)
+                             enum neph_light_part part, double *residuals)
 {
     const struct neph_octaves octaves = octaves_of(cell, fit);
-    const double share = dense ? 1.0 : thin_share;
     double truth = 0.0, off = 0.0;
     int count = 0;
     for (int p = 0; p < cell->pixel_count; p++) {
         const struct neph_light_pixel *pixel = &cell->pixels[p];
-        if (!is_among(pixel, dense))
+        if (!is_among(pixel, part))
             continue;
         const double radiance = 0.5 * (pixel->first + pixel->second);
         const double error = neph_light_octaves(&pixel->view, &octaves, cell->light.g,
@@ -93,11 +87,11 @@ static int residuals_of_part(const struct neph_light_cell *cell, const struct ne
         truth += radiance;
         off += error;
     }
-    if (!(truth > 0.0))
+    if (!(truth > 0.0) || count < NEPH_LIGHT_PIXELS_MIN)
         return 0;
     for (int i = 1; i <= count; i++)
-        residuals[i] *= sqrt(share * rms_share * count) / truth;
-    residuals[0] = sqrt(share) * off / truth;
+        residuals[i] *= sqrt(rms_share * count) / truth;
+    residuals[0] = off / truth;
     return count + 1;
 }
 
@@ -108,8 +102,9 @@ static int residuals_of(const struct neph_light_study *study, const struct neph_
     const double *coefficients = fit->contribution;
     int count = 0;
     for (int i = 0; i < study->cell_count; i++)
-        for (int dense = 0; dense < 2 && !study->cells[i].left_out[0]; dense++)
-            count += residuals_of_part(&study->cells[i], fit, dense != 0, residuals + count);
+        for (int part = 0; part < NEPH_LIGHT_PARTS && !study->cells[i].left_out[0]; part++)
+            count += residuals_of_part(&study->cells[i], fit, (enum neph_light_part)part,
+                                       residuals + count);
     for (int k = 0; k < UNKNOWNS && count > 0; k++)
         residuals[count++] = sqrt(ridge) * coefficients[k];
     return count;
@@ -228,7 +223,7 @@ static size_t room_of(const struct neph_light_study *study)
 {
     size_t room = UNKNOWNS;
     for (int i = 0; i < study->cell_count; i++)
-        room += (size_t)study->cells[i].pixel_count + 4;
+        room += NEPH_LIGHT_PARTS * ((size_t)study->cells[i].pixel_count + 1);
     return room;
 }
 
@@ -273,13 +268,14 @@ enum neph_status neph_light_fit(const struct neph_light_study *study, struct nep
 /* ---- results --------------------------------------------------------------------------------- */
 
 struct neph_light_verdict neph_light_fit_verdict(const struct neph_light_study *study,
-                                                 const struct neph_octaves_fit *fit)
+                                                 const struct neph_octaves_fit *fit,
+                                                 enum neph_light_part part)
 {
     struct neph_light_verdict verdict = {.cell_count = 0};
     for (int i = 0; i < study->cell_count; i++) {
-        const struct neph_light_sums dense = sum_cell(&study->cells[i], fit, true);
-        if (!isnan(neph_light_bias(&dense)))
-            neph_light_verdict_add(&verdict, &dense);
+        const struct neph_light_sums sums = sum_cell(&study->cells[i], fit, part);
+        if (neph_light_counts(&sums))
+            neph_light_verdict_add(&verdict, &sums);
     }
     neph_light_verdict_end(&verdict);
     return verdict;
@@ -295,18 +291,21 @@ enum neph_status neph_light_fit_text(const struct neph_light_study *study,
                                      struct neph_diag *diag)
 {
     const struct neph_light_study_params *params = study->params;
-    const struct neph_light_verdict after = neph_light_fit_verdict(study, fit);
+    const struct neph_light_verdict dense = neph_light_fit_verdict(study, fit, NEPH_LIGHT_DENSE),
+                                    whole = neph_light_fit_verdict(study, fit, NEPH_LIGHT_WHOLE);
     *text = NULL;
     size_t size;
     FILE *out = open_memstream(text, &size);
     if (!out)
         return neph_fail_memory(diag);
-    fprintf(out,
-            "/* Written by `neph study light --suite tuning --fit`: %d cells with dense parts at "
-            "%dx%d, the\n * tracer's noise %g. Mean of abs(bias) there %.1f %% (worst %.1f %%), "
-            "mean rms %.1f %%. */\n",
-            after.cell_count, params->width_px, params->height_px, params->noise,
-            100.0 * after.mean_bias, 100.0 * after.worst_bias, 100.0 * after.mean_rms);
+    fprintf(
+        out,
+        "/* Written by `neph study light --suite tuning --fit`: %d cells at %dx%d, the tracer's "
+        "noise %g.\n * Mean of abs(bias) %.1f %% (worst %.1f %%), mean rms %.1f %%; in the "
+        "dense parts of %d cells %.1f %%\n * (worst %.1f %%), %.1f %%. */\n",
+        whole.cell_count, params->width_px, params->height_px, params->noise,
+        100.0 * whole.mean_bias, 100.0 * whole.worst_bias, 100.0 * whole.mean_rms, dense.cell_count,
+        100.0 * dense.mean_bias, 100.0 * dense.worst_bias, 100.0 * dense.mean_rms);
     print_factors("contribution", fit->contribution, out);
     print_factors("attenuation", fit->attenuation, out);
     print_factors("eccentricity", fit->eccentricity, out);

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT
  *
  * The fit of octaves to the tracer, over the cells of a light study: damped least squares (D. W.
- * Marquardt 1963). What is made small is, for each cell, the square of its bias in the dense parts
- * plus a quarter of its mean square there, and a tenth of both where more than a tenth comes
- * through; cells count alike, however bright they are. Nothing is rendered: along each view ray the
- * light at scaled optical depths is known (light_view.h).
+ * Marquardt 1963). What is made small is, for each cell, the square of its bias plus a quarter of
+ * its mean square, of the whole picture and once more of the dense parts alone; cells count alike,
+ * however bright they are. Nothing is rendered: along each view ray the light at scaled optical
+ * depths is known (light_view.h).
  */
 #ifndef NEPH_HARNESS_STUDY_LIGHT_FIT_H
 #define NEPH_HARNESS_STUDY_LIGHT_FIT_H
@@ -19,7 +19,8 @@ double neph_light_octaves(const struct neph_light_view *view, const struct neph_
 
 /* How a fit does over the cells, as neph_light_verdict_of(). */
 struct neph_light_verdict neph_light_fit_verdict(const struct neph_light_study *study,
-                                                 const struct neph_octaves_fit *fit);
+                                                 const struct neph_octaves_fit *fit,
+                                                 enum neph_light_part part);
 
 /* From all factors 1/2 on. The study was run with_lit. NEPH_ERR_USAGE: it has no cell with media.
  * NEPH_ERR_MEMORY. */

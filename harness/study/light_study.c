@@ -21,37 +21,10 @@ struct work {
     struct neph_light_study *study;
     struct neph_store *store;
     struct neph_progress progress;
-    const struct neph_engine *tracer, *engines[NEPH_LIGHT_MODELS_MAX];
-    struct neph_settings settings[NEPH_LIGHT_MODELS_MAX];
-    struct neph_engine_info tracer_info, infos[NEPH_LIGHT_MODELS_MAX];
+    const struct neph_engine *tracer;
+    struct neph_engine_info tracer_info;
+    struct neph_light_model models[NEPH_LIGHT_MODELS_MAX];
 };
-
-/* ---- models ---------------------------------------------------------------------------------- */
-
-/* Each '+' of "NAME+KEY=VALUE+..." ends a word. */
-static enum neph_status parse_model(struct work *work, int model, struct neph_diag *diag)
-{
-    char steps[32], *words = strdup(work->params->models[model]), *rest = words;
-    if (!words)
-        return neph_fail_memory(diag);
-    const char *name = strsep(&rest, "+");
-    const struct neph_engine *engine = neph_engine_find(name);
-    enum neph_status status = NEPH_OK;
-    if (!engine || engine->rung != NEPH_RUNG_MODEL || engine->remembers) {
-        status = neph_fail(diag, NEPH_ERR_USAGE, "'%s' is no lighting model", name);
-        neph_hint(diag, "march, march_octaves and the other engines called march_");
-    } else {
-        work->engines[model] = engine;
-        work->settings[model] = neph_settings_default(engine);
-        neph_engine_probe(engine, &work->infos[model]);
-        snprintf(steps, sizeof(steps), "steps=%d", work->params->steps);
-        status = neph_settings_set(engine, &work->settings[model], steps, diag);
-    }
-    while (rest && !status)
-        status = neph_settings_set(engine, &work->settings[model], strsep(&rest, "+"), diag);
-    free(words);
-    return status;
-}
 
 static struct neph_job make_job(const struct work *work, const struct neph_scene *scene)
 {
@@ -146,10 +119,11 @@ static const struct neph_scene *fitting(const struct work *work, int model,
                                         const struct neph_scene *single, char *why, size_t size)
 {
     char other[NEPH_LIGHT_WHY_SIZE];
-    const struct neph_engine *engine = work->engines[model];
-    if (engine->can_render(multiple, &work->settings[model], why, size))
+    const struct neph_engine *engine = work->models[model].engine;
+    const struct neph_settings *settings = &work->models[model].settings;
+    if (engine->can_render(multiple, settings, why, size))
         return multiple;
-    return engine->can_render(single, &work->settings[model], other, sizeof(other)) ? single : NULL;
+    return engine->can_render(single, settings, other, sizeof(other)) ? single : NULL;
 }
 
 static enum neph_status run_model(struct work *work, struct neph_light_cell *cell, int model,
@@ -165,9 +139,9 @@ static enum neph_status run_model(struct work *work, struct neph_light_cell *cel
     gap->because[0] = '\0';
     gap->once = scene == single;
     struct neph_job job = make_job(work, scene);
-    job.engine = work->engines[model];
-    job.info = &work->infos[model];
-    job.shot.settings = work->settings[model];
+    job.engine = work->models[model].engine;
+    job.info = &work->models[model].info;
+    job.shot.settings = work->models[model].settings;
     enum neph_status status = take_picture(&job, work->store, &picture, &gap->render_s, diag);
     if (!status)
         status = measure(work, cell, model, picture, gap, diag);
@@ -176,6 +150,28 @@ static enum neph_status run_model(struct work *work, struct neph_light_cell *cel
 }
 
 /* ---- a cell ---------------------------------------------------------------------------------- */
+
+static int compare_doubles(const void *a, const void *b)
+{
+    const double first = *(const double *)a, second = *(const double *)b;
+    return (first > second) - (first < second);
+}
+
+/* What a tenth of the pixels with media have more of; NaN where none has. */
+static enum neph_status find_depth(struct neph_light_cell *cell, struct neph_diag *diag)
+{
+    int count = 0;
+    double *depths = calloc((size_t)cell->pixel_count, sizeof(*depths));
+    if (!depths)
+        return neph_fail_memory(diag);
+    for (int p = 0; p < cell->pixel_count; p++)
+        if (neph_light_bin(NEPH_LIGHT_EYE, cell->pixels[p].view.eye_depth) >= 0)
+            depths[count++] = cell->pixels[p].view.eye_depth;
+    qsort(depths, (size_t)count, sizeof(*depths), compare_doubles);
+    cell->optical_depth = count > 0 ? depths[(count - 1) * 9 / 10] : NAN;
+    free(depths);
+    return NEPH_OK;
+}
 
 static enum neph_status look(const struct work *work, const struct neph_scene *scene,
                              float *const first[3], float *const second[3],
@@ -195,7 +191,7 @@ static enum neph_status look(const struct work *work, const struct neph_scene *s
             .first = radiance_of(first, p),
             .second = radiance_of(second, p)};
     }
-    return NEPH_OK;
+    return find_depth(cell, diag);
 }
 
 static enum neph_status trace_cell(struct work *work, const struct neph_scene *scene,
@@ -279,13 +275,17 @@ static enum neph_status prepare(struct work *work, struct neph_diag *diag)
     enum neph_status status = NEPH_OK;
     work->tracer = neph_engine_find("tracer");
     neph_engine_probe(work->tracer, &work->tracer_info);
-    for (int model = 0; model < params->model_count && !status; model++)
-        status = parse_model(work, model, diag);
+    for (int model = 0; model < params->model_count && !status; model++) {
+        status = neph_light_model_parse(params->models[model], params->steps, &work->models[model],
+                                        diag);
+        if (!status)
+            study->looks[model] = neph_light_model_is_look(&work->models[model]);
+    }
     if (status)
         return status;
     snprintf(study->device, sizeof(study->device), "%s", work->tracer_info.device);
     for (int i = 0; i < params->entry_count; i++)
-        study->cell_count += neph_light_sweep_count(&params->entries[i].sweep);
+        study->cell_count += neph_light_entry_count(&params->entries[i]);
     neph_progress_expect(&work->progress, 0, study->cell_count, cell_typical_s);
     study->cells = calloc((size_t)study->cell_count, sizeof(*study->cells));
     return study->cells ? NEPH_OK : neph_fail_memory(diag);
@@ -303,10 +303,11 @@ static enum neph_status run_entry(struct work *work, const struct neph_light_ent
         *diag = why;
     if (is_absent)
         status = NEPH_OK;
-    for (int i = 0; i < neph_light_sweep_count(&entry->sweep) && !status; i++) {
-        const struct neph_relight light = neph_light_sweep_at(&entry->sweep, i);
+    for (int i = 0; i < neph_light_entry_count(entry) && !status; i++) {
+        const struct neph_relight light = neph_light_entry_at(entry, i);
         cells[i].scene = neph_scene_name_of(scene ? scene->path : entry->scene);
         cells[i].light = light;
+        cells[i].optical_depth = NAN;
         if (!cells[i].scene)
             status = neph_fail_memory(diag);
         else if (is_absent)
@@ -332,7 +333,7 @@ enum neph_status neph_light_study_run(const struct neph_light_study_params *para
     struct neph_light_cell *cells = study->cells;
     for (int i = 0; i < params->entry_count && !status; i++) {
         status = run_entry(&work, &params->entries[i], cells, diag);
-        cells += neph_light_sweep_count(&params->entries[i].sweep);
+        cells += neph_light_entry_count(&params->entries[i]);
     }
     neph_progress_end(&work.progress);
     if (status == NEPH_ERR_INTERRUPTED)
@@ -352,14 +353,32 @@ void neph_light_study_finish(struct neph_light_study *study)
 
 /* ---- verdicts -------------------------------------------------------------------------------- */
 
-void neph_light_verdict_add(struct neph_light_verdict *verdict, const struct neph_light_sums *dense)
+const char *neph_light_part_name(enum neph_light_part part)
 {
-    const double bias = fabs(neph_light_bias(dense)), rms = neph_light_rms(dense);
+    static const char *const names[NEPH_LIGHT_PARTS] = {"dense parts", "whole picture"};
+    return names[part];
+}
+
+const struct neph_light_sums *neph_light_part_of(const struct neph_light_gap *gap,
+                                                 enum neph_light_part part)
+{
+    return part == NEPH_LIGHT_DENSE ? &gap->dense : &gap->all;
+}
+
+bool neph_light_counts(const struct neph_light_sums *sums)
+{
+    return sums->count >= NEPH_LIGHT_PIXELS_MIN && !isnan(neph_light_bias(sums));
+}
+
+void neph_light_verdict_add(struct neph_light_verdict *verdict, const struct neph_light_sums *sums)
+{
+    const double bias = fabs(neph_light_bias(sums)), rms = neph_light_rms(sums);
     verdict->cell_count++;
     verdict->mean_bias += bias;
     verdict->worst_bias = fmax(verdict->worst_bias, bias);
     verdict->mean_rms += rms;
     verdict->share_within += bias <= NEPH_LIGHT_BIAS_WANTED;
+    verdict->share_near += bias <= NEPH_LIGHT_BIAS_WORST_WANTED;
     verdict->share_smooth += rms <= NEPH_LIGHT_RMS_WANTED;
 }
 
@@ -369,21 +388,23 @@ void neph_light_verdict_end(struct neph_light_verdict *verdict)
     verdict->mean_bias /= count;
     verdict->mean_rms /= count;
     verdict->share_within /= count;
+    verdict->share_near /= count;
     verdict->share_smooth /= count;
     if (verdict->cell_count == 0)
         verdict->worst_bias = NAN;
 }
 
-struct neph_light_verdict neph_light_verdict_of(const struct neph_light_study *study, int model,
-                                                bool (*counts)(const struct neph_light_cell *cell,
-                                                               const void *context),
-                                                const void *context)
+struct neph_light_verdict
+neph_light_verdict_of(const struct neph_light_study *study, int model, enum neph_light_part part,
+                      bool (*counts)(const struct neph_light_cell *cell, const void *context),
+                      const void *context)
 {
     struct neph_light_verdict verdict = {.cell_count = 0};
     for (int i = 0; i < study->cell_count; i++) {
         const struct neph_light_cell *cell = &study->cells[i];
-        if (!isnan(neph_light_bias(&cell->gaps[model].dense)) && (!counts || counts(cell, context)))
-            neph_light_verdict_add(&verdict, &cell->gaps[model].dense);
+        const struct neph_light_sums *sums = neph_light_part_of(&cell->gaps[model], part);
+        if (neph_light_counts(sums) && (!counts || counts(cell, context)))
+            neph_light_verdict_add(&verdict, sums);
     }
     neph_light_verdict_end(&verdict);
     return verdict;

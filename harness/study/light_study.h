@@ -9,17 +9,18 @@
 #define NEPH_HARNESS_STUDY_LIGHT_STUDY_H
 
 #include "harness/run/job.h"
+#include "harness/study/light_models.h"
 #include "harness/study/light_suites.h"
 #include "harness/study/light_sums.h"
 #include "harness/study/light_view.h"
 
-enum { NEPH_LIGHT_MODELS_MAX = 8, NEPH_LIGHT_WHY_SIZE = 200 };
+enum { NEPH_LIGHT_WHY_SIZE = 200 };
 
 /* Less than this of what lies behind comes through a dense pixel. */
 #define NEPH_LIGHT_DENSE_TRANSMITTANCE 0.1
 
 struct neph_light_study_params {
-    const char *const *models; /* engines: "NAME" or "NAME+KEY=VALUE+..." */
+    const char *const *models; /* of neph_light_model_parse() */
     int model_count;           /* 1 .. NEPH_LIGHT_MODELS_MAX */
     const struct neph_light_entry *entries;
     int entry_count;
@@ -48,6 +49,7 @@ struct neph_light_gap {
 struct neph_light_cell {
     char *scene;               /* owned */
     struct neph_relight light; /* as it is, of the first medium */
+    double optical_depth;      /* of a view ray: a tenth of the pixels with media have more */
     double noise;              /* of one of the tracer's pictures (run/noise.h) */
     double tracer_s;           /* of both, when they were rendered */
     struct neph_light_gap gaps[NEPH_LIGHT_MODELS_MAX];
@@ -64,26 +66,39 @@ struct neph_light_map {
 struct neph_light_study {
     const struct neph_light_study_params *params; /* borrowed */
     char device[128];
-    struct neph_light_cell *cells; /* owned */
+    bool looks[NEPH_LIGHT_MODELS_MAX]; /* the model claims no physics */
+    struct neph_light_cell *cells;     /* owned */
     int cell_count;
     struct neph_light_map eye_sun[NEPH_LIGHT_MODELS_MAX], eye_angle[NEPH_LIGHT_MODELS_MAX];
     int failed_count; /* models and tracers that broke; their cells say why */
 };
 
-/* How a model does over cells. A cell without dense pixels is not counted. */
+/* Which pixels of a cell count. */
+enum neph_light_part { NEPH_LIGHT_DENSE, NEPH_LIGHT_WHOLE, NEPH_LIGHT_PARTS };
+
+const char *neph_light_part_name(enum neph_light_part part);
+const struct neph_light_sums *neph_light_part_of(const struct neph_light_gap *gap,
+                                                 enum neph_light_part part);
+
+/* Whether there are enough of them, and light in them, for a bias to be said. */
+enum { NEPH_LIGHT_PIXELS_MIN = 8 };
+bool neph_light_counts(const struct neph_light_sums *sums);
+
+/* How a model does over the cells of which a part counts. */
 struct neph_light_verdict {
     int cell_count;
-    double mean_bias, worst_bias, mean_rms; /* of |bias|, in the dense parts; NaN without a cell */
+    double mean_bias, worst_bias, mean_rms; /* of |bias|; NaN without a cell */
     double share_within;                    /* of cells with |bias| <= 5 % */
+    double share_near;                      /* of cells with |bias| <= 15 % */
     double share_smooth;                    /* of cells with rms <= 15 % */
 };
 
-/* A cell's dense parts into a verdict that began with {0}; and, after the last, its means. */
-void neph_light_verdict_add(struct neph_light_verdict *verdict,
-                            const struct neph_light_sums *dense);
+/* A cell's pixels into a verdict that began with {0}; and, after the last, its means. */
+void neph_light_verdict_add(struct neph_light_verdict *verdict, const struct neph_light_sums *sums);
 void neph_light_verdict_end(struct neph_light_verdict *verdict);
 
 #define NEPH_LIGHT_BIAS_WANTED 0.05
+#define NEPH_LIGHT_BIAS_WORST_WANTED 0.15
 #define NEPH_LIGHT_RMS_WANTED 0.15
 
 /* Run it. A scene whose data is not on this machine, or that cannot be lit anew, is left out, and
@@ -95,9 +110,9 @@ enum neph_status neph_light_study_run(const struct neph_light_study_params *para
 void neph_light_study_finish(struct neph_light_study *study);
 
 /* Over the cells that `counts` says yes to; NULL: all. */
-struct neph_light_verdict neph_light_verdict_of(const struct neph_light_study *study, int model,
-                                                bool (*counts)(const struct neph_light_cell *cell,
-                                                               const void *context),
-                                                const void *context);
+struct neph_light_verdict
+neph_light_verdict_of(const struct neph_light_study *study, int model, enum neph_light_part part,
+                      bool (*counts)(const struct neph_light_cell *cell, const void *context),
+                      const void *context);
 
 #endif

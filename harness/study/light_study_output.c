@@ -50,21 +50,27 @@ static void print_verdict(const struct neph_light_verdict *verdict, FILE *out)
     print_percent(verdict->worst_bias, out);
     print_percent(verdict->mean_rms, out);
     print_percent(verdict->share_within, out);
+    print_percent(verdict->share_near, out);
     print_percent(verdict->share_smooth, out);
     fprintf(out, "\n");
 }
 
 static void print_verdicts(const struct neph_light_study *study, FILE *out)
 {
-    fprintf(out, "\n**Models in the dense parts, over cells, in %%**\n\n"
-                 "| model | cells | mean of abs(bias) | worst | mean rms | cells with abs(bias) <= "
-                 "5 | with rms <= 15 |\n"
-                 "| --- | ---: | ---: | ---: | ---: | ---: | ---: |\n");
-    for (int model = 0; model < study->params->model_count; model++) {
-        const struct neph_light_verdict verdict = neph_light_verdict_of(study, model, NULL, NULL);
-        fprintf(out, "| %s |", study->params->models[model]);
-        print_verdict(&verdict, out);
-    }
+    fprintf(out,
+            "\n**Models over cells, in %%**\n\n"
+            "| model | of | cells | mean of abs(bias) | worst | mean rms | cells with abs(bias) "
+            "<= 5 | <= 15 | with rms <= 15 |\n"
+            "| --- | --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: |\n");
+    for (int model = 0; model < study->params->model_count; model++)
+        for (int p = 0; p < NEPH_LIGHT_PARTS; p++) {
+            const enum neph_light_part part = (enum neph_light_part)p;
+            const struct neph_light_verdict verdict = neph_light_verdict_of(study, model, part,
+                                                                            NULL, NULL);
+            fprintf(out, "| %s%s | %s |", study->params->models[model],
+                    study->looks[model] ? ", a look" : "", neph_light_part_name(part));
+            print_verdict(&verdict, out);
+        }
 }
 
 /* ---- by what a cell is ----------------------------------------------------------------------- */
@@ -92,10 +98,26 @@ static void key_albedo(const struct neph_light_cell *cell, char *word, size_t si
     snprintf(word, size, "%.4g", cell->light.albedo);
 }
 
+static void key_depth(const struct neph_light_cell *cell, char *word, size_t size)
+{
+    static const double edges[] = {3.0, 10.0, 30.0, 100.0};
+    double from = 0.0;
+    for (size_t i = 0; i < sizeof(edges) / sizeof(edges[0]); from = edges[i++])
+        if (cell->optical_depth < edges[i]) {
+            snprintf(word, size, "%g to %g", from, edges[i]);
+            return;
+        }
+    snprintf(word, size, "%g and more", from);
+}
+
 static const struct {
     const char *title;
     key_function *of;
-} keys[] = {{"cloud", key_scene}, {"sun", key_sun}, {"g", key_g}, {"albedo", key_albedo}};
+} keys[] = {{"cloud", key_scene},
+            {"sun", key_sun},
+            {"g", key_g},
+            {"albedo", key_albedo},
+            {"optical depth", key_depth}};
 enum { KEY_COUNT = sizeof(keys) / sizeof(keys[0]), WORD_SIZE = 96 };
 
 struct match {
@@ -122,40 +144,41 @@ static bool is_first(const struct neph_light_study *study, int cell, const struc
 
 /* The mean bias, with its sign: whether a model is too dark or too bright there. */
 static double signed_bias(const struct neph_light_study *study, int model,
-                          const struct match *match)
+                          enum neph_light_part part, const struct match *match)
 {
     double sum = 0.0;
     int count = 0;
     for (int i = 0; i < study->cell_count; i++) {
-        const double bias = neph_light_bias(&study->cells[i].gaps[model].dense);
-        if (isnan(bias) || !is_match(&study->cells[i], match))
+        const struct neph_light_sums *sums = neph_light_part_of(&study->cells[i].gaps[model], part);
+        if (!neph_light_counts(sums) || !is_match(&study->cells[i], match))
             continue;
-        sum += bias;
+        sum += neph_light_bias(sums);
         count++;
     }
     return count > 0 ? sum / count : NAN;
 }
 
-static void print_key_row(const struct neph_light_study *study, const struct match *match,
-                          FILE *out)
+static void print_key_row(const struct neph_light_study *study, enum neph_light_part part,
+                          const struct match *match, FILE *out)
 {
     fprintf(out, "| %s |", match->word);
     for (int model = 0; model < study->params->model_count; model++) {
-        const struct neph_light_verdict verdict = neph_light_verdict_of(study, model, is_match,
-                                                                        match);
+        const struct neph_light_verdict verdict = neph_light_verdict_of(study, model, part,
+                                                                        is_match, match);
         if (verdict.cell_count == 0)
             fprintf(out, " - |");
         else
             fprintf(out, " %.1f (%+.1f), %d |", 100.0 * verdict.mean_bias,
-                    100.0 * signed_bias(study, model, match), verdict.cell_count);
+                    100.0 * signed_bias(study, model, part, match), verdict.cell_count);
     }
     fprintf(out, "\n");
 }
 
-static void print_key(const struct neph_light_study *study, int key, FILE *out)
+static void print_key(const struct neph_light_study *study, int key, enum neph_light_part part,
+                      FILE *out)
 {
-    fprintf(out, "\n**By %s: mean of abs(bias) in the dense parts (of bias), cells**\n\n| %s |",
-            keys[key].title, keys[key].title);
+    fprintf(out, "\n**By %s, %s: mean of abs(bias) (of bias) in %%, cells**\n\n| %s |",
+            keys[key].title, neph_light_part_name(part), keys[key].title);
     for (int model = 0; model < study->params->model_count; model++)
         fprintf(out, " %s |", study->params->models[model]);
     fprintf(out, "\n| --- |");
@@ -169,7 +192,7 @@ static void print_key(const struct neph_light_study *study, int key, FILE *out)
             continue;
         match.of(&study->cells[i], word, sizeof(word));
         if (is_first(study, i, &match))
-            print_key_row(study, &match, out);
+            print_key_row(study, part, &match, out);
     }
 }
 
@@ -218,48 +241,58 @@ static void print_axis(const struct neph_light_study *study, enum neph_light_axi
 
 /* ---- cells ----------------------------------------------------------------------------------- */
 
-static void print_gap(const struct neph_light_gap *gap, FILE *out)
+static void print_gap(const struct neph_light_sums *sums, FILE *out)
 {
-    const struct neph_light_sums *dense = &gap->dense;
-    if (isnan(neph_light_bias(dense)))
-        fprintf(out, " - |");
+    if (neph_light_counts(sums))
+        fprintf(out, " %+.1f (%.1f) |", 100.0 * neph_light_bias(sums),
+                100.0 * neph_light_rms(sums));
     else
-        fprintf(out, " %+.1f (%.1f) |", 100.0 * neph_light_bias(dense),
-                100.0 * neph_light_rms(dense));
+        fprintf(out, " - |");
 }
 
 static void print_cell(const struct neph_light_study *study, const struct neph_light_cell *cell,
-                       FILE *out)
+                       enum neph_light_part part, FILE *out)
 {
-    const struct neph_light_sums *dense = &cell->gaps[0].dense;
-    fprintf(out, "| %s | %.0f, %.0f | %.3g | %.4g | %.3g |", cell->scene,
+    const struct neph_light_sums *sums = neph_light_part_of(&cell->gaps[0], part);
+    fprintf(out, "| %s | %s, %.0f, %.0f | %.3g | %.4g | %.3g |", cell->scene, side_of(cell),
             degrees(cell->light.sun_elevation_rad), degrees(cell->light.sun_azimuth_rad),
-            cell->light.g, cell->light.albedo, cell->light.density);
+            cell->light.g, cell->light.albedo, cell->optical_depth);
     if (cell->left_out[0]) {
         fprintf(out, " left out: %s |\n", cell->left_out);
         return;
     }
-    fprintf(out, " %ld | %.1f |", dense->count,
-            dense->count > 0 ? 100.0 * sqrt(dense->noise) / dense->truth : 0.0);
+    fprintf(out, " %ld | %.1f |", sums->count,
+            neph_light_counts(sums) ? 100.0 * sqrt(sums->noise) / sums->truth : 0.0);
     for (int model = 0; model < study->params->model_count; model++)
-        print_gap(&cell->gaps[model], out);
+        print_gap(neph_light_part_of(&cell->gaps[model], part), out);
     fprintf(out, "\n");
 }
 
-static void print_cells(const struct neph_light_study *study, FILE *out)
+static void print_cells(const struct neph_light_study *study, enum neph_light_part part, FILE *out)
 {
-    fprintf(out, "\n**Cells: bias in the dense parts (rms), in %%**\n\nThe sun's elevation and "
-                 "azimuth in degrees: 0 is where the camera looks, 180 behind it. Noise: of the "
-                 "tracer's mean over the dense parts.\n\n"
-                 "| cloud | sun | g | albedo | density | pixels | noise |");
+    fprintf(out,
+            "\n**Cells, %s: bias (rms) in %%**\n\n"
+            "| cloud | sun | g | albedo | optical depth | pixels | noise |",
+            neph_light_part_name(part));
     for (int model = 0; model < study->params->model_count; model++)
         fprintf(out, " %s |", study->params->models[model]);
-    fprintf(out, "\n| --- | ---: | ---: | ---: | ---: | ---: | ---: |");
+    fprintf(out, "\n| --- | --- | ---: | ---: | ---: | ---: | ---: |");
     for (int model = 0; model < study->params->model_count; model++)
         fprintf(out, " ---: |");
     fprintf(out, "\n");
     for (int i = 0; i < study->cell_count; i++)
-        print_cell(study, &study->cells[i], out);
+        print_cell(study, &study->cells[i], part, out);
+}
+
+static void print_all_cells(const struct neph_light_study *study, FILE *out)
+{
+    fprintf(out,
+            "\nIn the next tables the sun's elevation and azimuth are in degrees, and azimuth "
+            "0 is where the camera looks, 180 behind it; a tenth of a cell's pixels with media "
+            "have more than its optical depth; noise is what the tracer's leaves of its mean, "
+            "in %%.\n");
+    for (int part = 0; part < NEPH_LIGHT_PARTS; part++)
+        print_cells(study, (enum neph_light_part)part, out);
 }
 
 /* Once for each model: why it has nothing, or not what others have. */
@@ -305,10 +338,11 @@ enum neph_status neph_light_study_text(const struct neph_light_study *study, cha
     print_notes(study, out);
     print_verdicts(study, out);
     for (int key = 0; key < KEY_COUNT; key++)
-        print_key(study, key, out);
+        for (int part = 0; part < NEPH_LIGHT_PARTS; part++)
+            print_key(study, key, (enum neph_light_part)part, out);
     for (int axis = 0; axis < NEPH_LIGHT_AXES; axis++)
         print_axis(study, (enum neph_light_axis)axis, out);
-    print_cells(study, out);
+    print_all_cells(study, out);
     return close_text(out, text, diag);
 }
 
@@ -349,6 +383,8 @@ static void print_row(const struct neph_light_study *study, const struct neph_li
     print_number(cell->light.g, out);
     print_number(cell->light.albedo, out);
     print_number(cell->light.density, out);
+    print_number(cell->optical_depth, out);
+    print_quoted(side_of(cell), out);
     print_quoted(study->params->models[model], out);
     print_sums(&gap->dense, out);
     print_sums(&gap->all, out);
@@ -366,8 +402,9 @@ enum neph_status neph_light_study_csv(const struct neph_light_study *study, char
     FILE *out = open_memstream(text, &size);
     if (!out)
         return neph_fail_memory(diag);
-    fputs("scene,sun_elevation_deg,sun_azimuth_deg,g,albedo,density,model,dense_pixels,dense_bias,"
-          "dense_bias_noise,dense_rms,pixels,bias,bias_noise,rms,render_s,tracer_noise,because\r\n",
+    fputs("scene,sun_elevation_deg,sun_azimuth_deg,g,albedo,density,optical_depth,sun,model,"
+          "dense_pixels,dense_bias,dense_bias_noise,dense_rms,pixels,bias,bias_noise,rms,render_s,"
+          "tracer_noise,because\r\n",
           out);
     for (int i = 0; i < study->cell_count; i++)
         for (int model = 0; model < study->params->model_count; model++)
@@ -407,31 +444,41 @@ static json_t *cells_json(const struct neph_light_study *study)
         const struct neph_light_cell *cell = &study->cells[i];
         const struct neph_relight *light = &cell->light;
         neph_json_add(
-            &list,
-            json_pack("{s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:f, s:s, s:o}", "scene", cell->scene,
-                      "sun_elevation_deg", neph_json_number(degrees(light->sun_elevation_rad)),
-                      "sun_azimuth_deg", neph_json_number(degrees(light->sun_azimuth_rad)), "g",
-                      neph_json_number(light->g), "albedo", neph_json_number(light->albedo),
-                      "density", neph_json_number(light->density), "tracer_noise",
-                      neph_json_number(cell->noise), "tracer_s", cell->tracer_s, "left_out",
-                      cell->left_out, "models", gaps_json(study, cell)));
+            &list, json_pack("{s:s, s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:f, s:s, s:o}",
+                             "scene", cell->scene, "sun", side_of(cell), "sun_elevation_deg",
+                             neph_json_number(degrees(light->sun_elevation_rad)), "sun_azimuth_deg",
+                             neph_json_number(degrees(light->sun_azimuth_rad)), "g",
+                             neph_json_number(light->g), "albedo", neph_json_number(light->albedo),
+                             "density", neph_json_number(light->density), "optical_depth",
+                             neph_json_number(cell->optical_depth), "tracer_noise",
+                             neph_json_number(cell->noise), "tracer_s", cell->tracer_s, "left_out",
+                             cell->left_out, "models", gaps_json(study, cell)));
     }
     return list;
+}
+
+static json_t *verdict_json(const struct neph_light_verdict *verdict)
+{
+    return json_pack("{s:i, s:o, s:o, s:o, s:o, s:o, s:o}", "cells", verdict->cell_count,
+                     "mean_abs_bias", neph_json_number(verdict->mean_bias), "worst_abs_bias",
+                     neph_json_number(verdict->worst_bias), "mean_rms",
+                     neph_json_number(verdict->mean_rms), "share_bias_within_5_percent",
+                     neph_json_number(verdict->share_within), "share_bias_within_15_percent",
+                     neph_json_number(verdict->share_near), "share_rms_within_15_percent",
+                     neph_json_number(verdict->share_smooth));
 }
 
 static json_t *verdicts_json(const struct neph_light_study *study)
 {
     json_t *list = json_array();
     for (int model = 0; model < study->params->model_count; model++) {
-        const struct neph_light_verdict verdict = neph_light_verdict_of(study, model, NULL, NULL);
-        neph_json_add(
-            &list, json_pack("{s:s, s:i, s:o, s:o, s:o, s:o, s:o}", "model",
-                             study->params->models[model], "cells", verdict.cell_count,
-                             "mean_abs_bias", neph_json_number(verdict.mean_bias), "worst_abs_bias",
-                             neph_json_number(verdict.worst_bias), "mean_rms",
-                             neph_json_number(verdict.mean_rms), "share_bias_within_5_percent",
-                             neph_json_number(verdict.share_within), "share_rms_within_15_percent",
-                             neph_json_number(verdict.share_smooth)));
+        const struct neph_light_verdict dense = neph_light_verdict_of(study, model,
+                                                                      NEPH_LIGHT_DENSE, NULL, NULL),
+                                        whole = neph_light_verdict_of(study, model,
+                                                                      NEPH_LIGHT_WHOLE, NULL, NULL);
+        neph_json_add(&list, json_pack("{s:s, s:b, s:o, s:o}", "model",
+                                       study->params->models[model], "look", study->looks[model],
+                                       "dense", verdict_json(&dense), "all", verdict_json(&whole)));
     }
     return list;
 }
@@ -475,7 +522,7 @@ json_t *neph_light_study_json(const struct neph_light_study *study)
 {
     const struct neph_light_study_params *params = study->params;
     return json_pack("{s:s, s:s, s:s, s:[i,i], s:i, s:f, s:i, s:i, s:o, s:o, s:o, s:o}", "format",
-                     "neph-light-study-1", "version", NEPH_VERSION, "device", study->device,
+                     "neph-light-study-2", "version", NEPH_VERSION, "device", study->device,
                      "size_px", params->width_px, params->height_px, "steps", params->steps,
                      "noise", params->noise, "samples", params->samples, "broken",
                      study->failed_count, "verdicts", verdicts_json(study), "cells",

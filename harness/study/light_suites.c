@@ -41,48 +41,90 @@ struct neph_relight neph_light_sweep_at(const struct neph_light_sweep *sweep, in
     return light;
 }
 
-/* ---- suites ---------------------------------------------------------------------------------- */
-
-static enum neph_status refuse(const json_t *entry, const char *key, struct neph_diag *diag)
+int neph_light_entry_count(const struct neph_light_entry *entry)
 {
-    return neph_fail(diag, NEPH_ERR_INPUT, "%s of %s is no list of at most %d %s", key,
-                     neph_json_text(entry, "scene"), NEPH_LIGHT_SWEEP_MAX,
-                     strcmp(key, "suns_deg") == 0 ? "pairs" : "numbers");
+    int count = 0;
+    for (int i = 0; i < entry->sweep_count; i++)
+        count += neph_light_sweep_count(&entry->sweeps[i]);
+    return count;
 }
 
-static enum neph_status read_list(const json_t *entry, const char *key,
+struct neph_relight neph_light_entry_at(const struct neph_light_entry *entry, int index)
+{
+    const struct neph_light_sweep *sweep = entry->sweeps;
+    for (; index >= neph_light_sweep_count(sweep); sweep++)
+        index -= neph_light_sweep_count(sweep);
+    return neph_light_sweep_at(sweep, index);
+}
+
+/* ---- suites ---------------------------------------------------------------------------------- */
+
+static enum neph_status refuse(const char *key, struct neph_diag *diag)
+{
+    return neph_fail(diag, NEPH_ERR_INPUT, "%s is no list of at most %d %s", key,
+                     NEPH_LIGHT_SWEEP_MAX, strcmp(key, "suns_deg") == 0 ? "pairs" : "numbers");
+}
+
+static enum neph_status read_list(const json_t *numbers, const char *key,
                                   double list[NEPH_LIGHT_SWEEP_MAX], int *count,
                                   struct neph_diag *diag)
 {
-    const json_t *values = json_object_get(entry, key);
+    const json_t *values = json_object_get(numbers, key);
     *count = (int)json_array_size(values);
     if (*count > NEPH_LIGHT_SWEEP_MAX || (values && !json_is_array(values)))
-        return refuse(entry, key, diag);
+        return refuse(key, diag);
     for (int i = 0; i < *count; i++) {
         const json_t *value = json_array_get(values, (size_t)i);
         if (!json_is_number(value))
-            return refuse(entry, key, diag);
+            return refuse(key, diag);
         list[i] = json_number_value(value);
     }
     return NEPH_OK;
 }
 
-static enum neph_status read_suns(const json_t *entry, struct neph_light_sweep *sweep,
+static enum neph_status read_suns(const json_t *numbers, struct neph_light_sweep *sweep,
                                   struct neph_diag *diag)
 {
-    const json_t *suns = json_object_get(entry, "suns_deg");
+    const json_t *suns = json_object_get(numbers, "suns_deg");
     sweep->sun_count = (int)json_array_size(suns);
     if (sweep->sun_count > NEPH_LIGHT_SWEEP_MAX || (suns && !json_is_array(suns)))
-        return refuse(entry, "suns_deg", diag);
+        return refuse("suns_deg", diag);
     for (int i = 0; i < sweep->sun_count; i++) {
         const json_t *sun = json_array_get(suns, (size_t)i);
         const json_t *elevation = json_array_get(sun, 0), *azimuth = json_array_get(sun, 1);
         if (json_array_size(sun) != 2 || !json_is_number(elevation) || !json_is_number(azimuth))
-            return refuse(entry, "suns_deg", diag);
+            return refuse("suns_deg", diag);
         sweep->suns_deg[i][0] = json_number_value(elevation);
         sweep->suns_deg[i][1] = json_number_value(azimuth);
     }
     return NEPH_OK;
+}
+
+static enum neph_status read_sweep(const json_t *numbers, struct neph_light_sweep *sweep,
+                                   struct neph_diag *diag)
+{
+    enum neph_status status = read_suns(numbers, sweep, diag);
+    if (!status)
+        status = read_list(numbers, "g", sweep->g, &sweep->g_count, diag);
+    if (!status)
+        status = read_list(numbers, "albedo", sweep->albedo, &sweep->albedo_count, diag);
+    if (!status)
+        status = read_list(numbers, "density", sweep->density, &sweep->density_count, diag);
+    return status;
+}
+
+static enum neph_status read_sweeps(const json_t *list, struct neph_light_entry *made,
+                                    struct neph_diag *diag)
+{
+    const size_t count = json_array_size(list);
+    enum neph_status status = NEPH_OK;
+    if (count < 1 || count > NEPH_LIGHT_SWEEPS_MAX)
+        status = neph_fail(diag, NEPH_ERR_INPUT, "sweeps is no list of 1 to %d",
+                           NEPH_LIGHT_SWEEPS_MAX);
+    for (; made->sweep_count < (int)count && !status; made->sweep_count++)
+        status = read_sweep(json_array_get(list, (size_t)made->sweep_count),
+                            &made->sweeps[made->sweep_count], diag);
+    return status;
 }
 
 /* With a slash it is a file of the project, not of the catalogue. */
@@ -90,19 +132,13 @@ static enum neph_status read_entry(const json_t *entry, struct neph_light_entry 
                                    struct neph_diag *diag)
 {
     const char *scene = neph_json_text(entry, "scene");
-    struct neph_light_sweep *sweep = &made->sweep;
     made->may_be_absent = true;
     made->scene = strchr(scene, '/') ? neph_data_path(scene) : strdup(scene);
     if (!made->scene)
         return neph_fail_memory(diag);
-    enum neph_status status = read_suns(entry, sweep, diag);
-    if (!status)
-        status = read_list(entry, "g", sweep->g, &sweep->g_count, diag);
-    if (!status)
-        status = read_list(entry, "albedo", sweep->albedo, &sweep->albedo_count, diag);
-    if (!status)
-        status = read_list(entry, "density", sweep->density, &sweep->density_count, diag);
-    return status;
+    struct neph_diag why;
+    const enum neph_status status = read_sweeps(json_object_get(entry, "sweeps"), made, &why);
+    return status ? neph_fail(diag, status, "%s: %s", scene, why.message) : NEPH_OK;
 }
 
 enum neph_status neph_light_suite_find(const char *name, struct neph_light_entry **entries,

@@ -10,7 +10,7 @@
 #include "base/status.h"
 #include "scenes/relit.h"
 
-enum { NEPH_LIGHT_SWEEP_MAX = 8 };
+enum { NEPH_LIGHT_SWEEP_MAX = 8, NEPH_LIGHT_SWEEPS_MAX = 4 };
 
 /* Every sun with every g, albedo and density. A list of none is the scene's own. */
 struct neph_light_sweep {
@@ -19,10 +19,12 @@ struct neph_light_sweep {
     double g[NEPH_LIGHT_SWEEP_MAX], albedo[NEPH_LIGHT_SWEEP_MAX], density[NEPH_LIGHT_SWEEP_MAX];
 };
 
+/* A scene under one sweep after the other. */
 struct neph_light_entry {
     char *scene;        /* a name of the catalogue, or a path; owned */
     bool may_be_absent; /* its data need not be on this machine */
-    struct neph_light_sweep sweep;
+    int sweep_count;
+    struct neph_light_sweep sweeps[NEPH_LIGHT_SWEEPS_MAX];
 };
 
 int neph_light_sweep_count(const struct neph_light_sweep *sweep);
@@ -30,8 +32,13 @@ int neph_light_sweep_count(const struct neph_light_sweep *sweep);
 /* 0 .. count - 1; the sun changes last. */
 struct neph_relight neph_light_sweep_at(const struct neph_light_sweep *sweep, int index);
 
+/* The same over all sweeps of an entry. */
+int neph_light_entry_count(const struct neph_light_entry *entry);
+struct neph_relight neph_light_entry_at(const struct neph_light_entry *entry, int index);
+
 /* The entries of a suite, for neph_light_entries_free(). Errors as of neph_suite_find(); also
- * NEPH_ERR_INPUT: a list is not one of numbers, or too long. */
+ * NEPH_ERR_INPUT: a list is not one of numbers, or too long, or there are too many
+ * sweeps. */
 enum neph_status neph_light_suite_find(const char *name, struct neph_light_entry **entries,
                                        int *count, struct neph_diag *diag);
 void neph_light_entries_free(struct neph_light_entry *entries, int count);

@@ -43,14 +43,15 @@ class StudyLight(unittest.TestCase):
     def run_neph(self, *arguments):
         return subprocess.run(
             [NEPH, "study", "light", *map(str, arguments), "--size", "12x8", "--steps", "32",
-             "--noise", "0.5", "--samples", "8", "-o", str(self.folder / "out")],
+             "--noise", "0.5", "--samples", "4", "-o", str(self.folder / "out")],
             capture_output=True, text=True, timeout=300, env=ENVIRONMENT)
 
     def test_models_files_and_reuse(self):
         table, lines = self.folder / "light.md", self.folder / "light.csv"
         fit = self.folder / "fit.inc"
-        arguments = (self.slab, "--suns", "50:180", "--albedo", "1,0.9", "--csv", lines,
-                     "--markdown", table, "--fit", fit, "--json")
+        models = "march,march_horizon"
+        arguments = (self.slab, "--models", models, "--suns", "50:180", "--albedo", "1,0.9",
+                     "--csv", lines, "--markdown", table, "--fit", fit, "--json")
         done = self.run_neph(*arguments)
         self.assertEqual(done.returncode, 0, done.stderr)
         found = json.loads(done.stdout)
@@ -59,23 +60,26 @@ class StudyLight(unittest.TestCase):
         for cell in found["cells"]:
             self.assertAlmostEqual(cell["sun_elevation_deg"], 50)
             self.assertAlmostEqual(abs(cell["sun_azimuth_deg"]), 180)
-            once, octaves, fitted = cell["models"]
-            self.assertTrue(once["scattered_once"] and not octaves["scattered_once"])
+            once, horizon = cell["models"]
+            self.assertTrue(once["scattered_once"])
+            self.assertIn("Horizon", horizon["because"])
+            self.assertGreater(cell["optical_depth"], 6)
             self.assertGreater(once["dense"]["pixels"], 40)
             # single scattering is a part of all orders; in a thick white slab a small one
             self.assertLess(once["dense"]["bias"], -0.3)
-            self.assertLess(abs(fitted["dense"]["bias"]), abs(once["dense"]["bias"]))
             bias[cell["albedo"]] = once["dense"]["bias"]
         self.assertLess(bias[1], bias[0.9])
+        self.assertEqual([v["look"] for v in found["verdicts"]], [False, True])
+        self.assertEqual([v["all"]["cells"] for v in found["verdicts"]], [2, 0])
         # every pixel with media is in a bin of each map
-        for maps in found["maps"]:
+        for model, maps in enumerate(found["maps"]):
             for name in ("eye_sun", "eye_angle"):
                 pixels = sum(b["pixels"] for row in maps[name] for b in row)
-                self.assertEqual(pixels, sum(c["models"][0]["all"]["pixels"]
+                self.assertEqual(pixels, sum(c["models"][model]["all"]["pixels"]
                                              for c in found["cells"]))
         with lines.open(newline="") as file:
-            self.assertEqual(len(list(csv.DictReader(file))), 6)
-        self.assertIn("| march_octaves_fitted |", table.read_text())
+            self.assertEqual(len(list(csv.DictReader(file))), 4)
+        self.assertIn("| march | dense parts | 2 |", table.read_text())
         xml.etree.ElementTree.parse(self.folder / "out" / "light.svg")
         self.assertIn(".attenuation = {", fit.read_text())
         store = self.folder / "out" / "store" / "frames"
@@ -100,12 +104,26 @@ class StudyLight(unittest.TestCase):
             self.assertIn(words, " ".join(done.stderr.split()), arguments)
             self.assertEqual(done.stdout, "")
 
-    def test_what_cannot_be_lit_is_left_out(self):
-        done = self.run_neph(self.dark, "--json")
+    def test_what_cannot_be_lit_is_left_out_and_laws_hold_of_models_alone(self):
+        table = self.folder / "laws.md"
+        done = self.run_neph(self.dark, "--models", "march_octaves_fitted,march_horizon", "--laws",
+                             "--markdown", table, "--json")
         self.assertEqual(done.returncode, 0, done.stderr)
-        cell, = json.loads(done.stdout)["cells"]
+        found = json.loads(done.stdout)
+        cell, = found["cells"]
         self.assertIn("no sun", cell["left_out"])
-        self.assertEqual([m["dense"]["pixels"] for m in cell["models"]], [0, 0, 0])
+        self.assertEqual([m["dense"]["pixels"] for m in cell["models"]], [0, 0])
+        # Fitted octaves are a look: reciprocal, but energy is lost in a white slab.
+        of = {(law["law"], law["optical_depth"], law["albedo"]): law for law in found["laws"]}
+        through = of["transmitted, slab", 16, 1]
+        octaves, horizon = through["models"]
+        self.assertTrue(octaves["look"])
+        self.assertIsNone(horizon["value"])
+        self.assertAlmostEqual(through["truth"] + of["reflected, slab", 16, 1]["truth"], 1, 6)
+        self.assertTrue(0.1 < octaves["value"] < 0.4)
+        self.assertAlmostEqual(of["reciprocity, slab", 4, 1]["models"][0]["value"], 1, 2)
+        self.assertLess(of["R + T + A, slab", 4, 1]["models"][0]["value"], 0.9)
+        self.assertIn("| white furnace, ball | 1 |", table.read_text())
 
 
 if __name__ == "__main__":

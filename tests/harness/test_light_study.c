@@ -196,13 +196,17 @@ static void test_fit_finds_its_truth(void **state)
         make_cell(&truth, i, pixels[i], &cells[i]);
     const struct neph_light_study study = {.cells = cells, .cell_count = CELLS};
     neph_assert_ok(neph_light_fit(&study, &fit, &diag), &diag);
-    const struct neph_light_verdict before = neph_light_fit_verdict(&study, &halves);
-    const struct neph_light_verdict after = neph_light_fit_verdict(&study, &fit);
+    const struct neph_light_verdict before = neph_light_fit_verdict(&study, &halves,
+                                                                    NEPH_LIGHT_DENSE);
+    const struct neph_light_verdict after = neph_light_fit_verdict(&study, &fit, NEPH_LIGHT_DENSE),
+                                    whole = neph_light_fit_verdict(&study, &fit, NEPH_LIGHT_WHOLE);
     print_message("bias %g before, %g after\n", before.mean_bias, after.mean_bias);
     assert_int_equal(after.cell_count, CELLS);
     assert_true(before.mean_bias > 0.3);
-    /* The ridge pulls on coefficients of some 1 with 1e-4: of the bias that is its root at most. */
+    /* The ridge pulls on coefficients of some 1 with 4e-4 for each part of a cell: of the bias that
+     * is its root, 0.02, at most, and half of it is enough here. */
     assert_true(after.mean_bias < 0.01 && after.mean_rms < 0.02);
+    assert_true(whole.mean_bias < 0.01 && whole.mean_rms < 0.02);
 }
 
 static void test_octaves_of_a_medium(void **state)
@@ -242,6 +246,124 @@ static void test_sweeps(void **state)
     assert_int_equal(neph_light_sweep_count(&(struct neph_light_sweep){.sun_count = 0}), 1);
 }
 
+/* One sweep after the other. */
+static void test_entries(void **state)
+{
+    (void)state;
+    const struct neph_light_entry entry = {
+        .sweep_count = 2,
+        .sweeps = {{.g_count = 2, .g = {0.1, 0.2}}, {.g_count = 3, .g = {0.3, 0.4, 0.5}}}};
+    assert_int_equal(neph_light_entry_count(&entry), 5);
+    for (int i = 0; i < 5; i++)
+        neph_assert_close(neph_light_entry_at(&entry, i).g, 0.1 * (i + 1), 1e-15, 0.0);
+}
+
+/* What the issue of light asks of the cells, of each suite whole. */
+static void test_suites_cover(void **state)
+{
+    (void)state;
+    static const char *const names[] = {"tuning", "test"};
+    for (int suite = 0; suite < 2; suite++) {
+        struct neph_light_entry *entries;
+        struct neph_diag diag = {.line = 0};
+        int count, behind = 0, beside = 0, ahead = 0;
+        double g_least = 1.0, g_most = 0.0, albedo_least = 1.0, albedo_most = 0.0;
+        neph_assert_ok(neph_light_suite_find(names[suite], &entries, &count, &diag), &diag);
+        for (int i = 0; i < count; i++)
+            for (int cell = 0; cell < neph_light_entry_count(&entries[i]); cell++) {
+                const struct neph_relight light = neph_light_entry_at(&entries[i], cell);
+                const double azimuth_deg = fabs(light.sun_azimuth_rad) / NEPH_RAD_PER_DEG;
+                behind += azimuth_deg > 120.0;
+                beside += azimuth_deg >= 60.0 && azimuth_deg <= 120.0;
+                ahead += azimuth_deg < 60.0;
+                g_least = fmin(g_least, light.g);
+                g_most = fmax(g_most, light.g);
+                albedo_least = fmin(albedo_least, light.albedo);
+                albedo_most = fmax(albedo_most, light.albedo);
+            }
+        assert_true(behind >= 15 && beside >= 15 && ahead >= 15);
+        assert_true(g_least == 0.0 && g_most == 0.9 && albedo_most == 1.0);
+        assert_true(albedo_least >= 0.9 && albedo_least <= 0.93);
+        neph_light_entries_free(entries, count);
+    }
+}
+
+/* ---- verdicts -------------------------------------------------------------------------------- */
+
+static struct neph_light_sums off_by(double bias, int count)
+{
+    struct neph_light_sums sums = {.count = 0};
+    for (int i = 0; i < count; i++)
+        neph_light_sums_add(&sums, 1.0 + bias, 1.0, 1.0);
+    return sums;
+}
+
+/* Dense parts and whole pictures are judged apart, and too few pixels not at all. */
+static void test_verdicts_of_parts(void **state)
+{
+    (void)state;
+    static struct neph_light_cell cells[3];
+    const struct neph_light_study study = {.cells = cells, .cell_count = 3};
+    const double whole[3] = {0.04, -0.1, 0.3};
+    for (int i = 0; i < 3; i++)
+        cells[i].gaps[0].all = off_by(whole[i], 40);
+    cells[0].gaps[0].dense = off_by(-0.5, NEPH_LIGHT_PIXELS_MIN);
+    cells[1].gaps[0].dense = off_by(-0.9, NEPH_LIGHT_PIXELS_MIN - 1);
+    const struct neph_light_verdict of_dense = neph_light_verdict_of(&study, 0, NEPH_LIGHT_DENSE,
+                                                                     NULL, NULL);
+    assert_int_equal(of_dense.cell_count, 1);
+    neph_assert_close(of_dense.worst_bias, 0.5, 1e-12, 0.0);
+    const struct neph_light_verdict of_whole = neph_light_verdict_of(&study, 0, NEPH_LIGHT_WHOLE,
+                                                                     NULL, NULL);
+    assert_int_equal(of_whole.cell_count, 3);
+    neph_assert_close(of_whole.mean_bias, 0.44 / 3.0, 1e-12, 0.0);
+    neph_assert_close(of_whole.share_within, 1.0 / 3.0, 1e-15, 0.0);
+    neph_assert_close(of_whole.share_near, 2.0 / 3.0, 1e-15, 0.0);
+    neph_assert_close(of_whole.share_smooth, 2.0 / 3.0, 1e-15, 0.0);
+}
+
+/* ---- models ---------------------------------------------------------------------------------- */
+
+static void test_models_offered(void **state)
+{
+    (void)state;
+    char *words = neph_light_models_offered(), *rest = words;
+    assert_non_null(words);
+    int count = 0, singles = 0;
+    while (rest) {
+        const char *word = strsep(&rest, ",");
+        struct neph_light_model model;
+        struct neph_diag diag = {.line = 0};
+        neph_assert_ok(neph_light_model_parse(word, 99, &model, &diag), &diag);
+        assert_true(neph_setting(model.engine, &model.settings, "steps") == 99.0);
+        assert_null(strstr(word, "lighting=octaves")); /* march_octaves stands for it */
+        singles += strcmp(word, "march") == 0;
+        count++;
+    }
+    assert_true(singles == 1 && count >= 4 && count <= NEPH_LIGHT_MODELS_MAX);
+    free(words);
+}
+
+static void test_models_by_name(void **state)
+{
+    (void)state;
+    struct neph_light_model model;
+    struct neph_diag diag = {.line = 0};
+    neph_assert_ok(
+        neph_light_model_parse("realtime+preset=ours+lighting=octaves", 77, &model, &diag), &diag);
+    assert_true(neph_setting(model.engine, &model.settings, "steps") == 77.0);
+    assert_true(neph_setting(model.engine, &model.settings, "warm_up") == NEPH_LIGHT_WARM_UP);
+    assert_true(neph_light_model_is_look(&model));
+    neph_assert_ok(neph_light_model_parse("realtime+steps=5+warm_up=2", 77, &model, &diag), &diag);
+    assert_true(neph_setting(model.engine, &model.settings, "steps") == 5.0);
+    assert_true(neph_setting(model.engine, &model.settings, "warm_up") == 2.0);
+    assert_false(neph_light_model_is_look(&model));
+    static const char *const refused[] = {
+        "tracer", "nothing", "", "march+preset=ours", "realtime+preset=none", "march+light=1"};
+    for (size_t i = 0; i < sizeof(refused) / sizeof(refused[0]); i++)
+        assert_int_equal(neph_light_model_parse(refused[i], 8, &model, &diag), NEPH_ERR_USAGE);
+}
+
 /* Every scene can be loaded, where its data is at hand, and every cell be lit; under the sanitizers
  * the fourth, a slab: clouds are seconds of noise each. */
 static void check_suite(const char *name, struct neph_light_entry **entries, int *count)
@@ -251,13 +373,13 @@ static void check_suite(const char *name, struct neph_light_entry **entries, int
     assert_true(*count >= 5);
     for (int i = NEPH_TEST_EVERY > 1 ? 3 : 0; i < *count; i += NEPH_TEST_EVERY) {
         struct neph_scene *scene = NULL, *relit = NULL;
-        const struct neph_light_sweep *sweep = &(*entries)[i].sweep;
-        const enum neph_status status = neph_data_load_scene((*entries)[i].scene, &scene, &diag);
+        const struct neph_light_entry *entry = &(*entries)[i];
+        const enum neph_status status = neph_data_load_scene(entry->scene, &scene, &diag);
         if (status == NEPH_ERR_NOT_FOUND && strstr(diag.message, "environment variable"))
             continue;
         neph_assert_ok(status, &diag);
-        for (int cell = 0; cell < neph_light_sweep_count(sweep); cell++) {
-            const struct neph_relight light = neph_light_sweep_at(sweep, cell);
+        for (int cell = 0; cell < neph_light_entry_count(entry); cell++) {
+            const struct neph_relight light = neph_light_entry_at(entry, cell);
             neph_assert_ok(neph_scene_relit(scene, &light, NEPH_SCATTERING_MULTIPLE, &relit, &diag),
                            &diag);
             neph_scene_destroy(relit);
@@ -297,6 +419,11 @@ int main(void)
         cmocka_unit_test(test_fit_finds_its_truth),
         cmocka_unit_test(test_octaves_of_a_medium),
         cmocka_unit_test(test_sweeps),
+        cmocka_unit_test(test_entries),
+        cmocka_unit_test(test_suites_cover),
+        cmocka_unit_test(test_verdicts_of_parts),
+        cmocka_unit_test(test_models_offered),
+        cmocka_unit_test(test_models_by_name),
         cmocka_unit_test(test_suites_share_nothing),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
