@@ -107,7 +107,7 @@ double neph_failure_read(const struct neph_failing_limit *limit, const json_t *d
         else if (!why[0])
             snprintf(why, NEPH_FAILURE_WHY_SIZE, "%s",
                      found ? neph_json_text(found, "undefined_because")
-                           : "the scene has no such pixels");
+                           : "the mask is empty, or the whole picture");
     }
     const double value = measure->value(numbers);
     if (!isnan(value))

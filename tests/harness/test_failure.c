@@ -12,6 +12,7 @@
 #include "harness/failure/measures.h"
 #include "harness/failure/plan.h"
 #include "harness/failure/share.h"
+#include "harness/run/job.h"
 #include "metrics/extractors/extractors.h"
 
 #include <math.h>
@@ -181,7 +182,7 @@ static void test_measures_are_read(void **state)
     assert_true(isnan(read_off(NEPH_FAILING_FLICKER, "seen_contrast", NAN, NULL, 0, why)));
     assert_string_equal(why, "it cannot be told");
     assert_true(isnan(read_off(NEPH_FAILING_FLICKER, "other", 1, NULL, 0, why)));
-    assert_string_equal(why, "the scene has no such pixels");
+    assert_string_equal(why, "the mask is empty, or the whole picture");
 }
 
 static void test_measures_are_of_metrics_that_there_are(void **state)
@@ -195,6 +196,26 @@ static void test_measures_are_of_metrics_that_there_are(void **state)
             assert_non_null(neph_metric_find(measure->metrics[n], &owner));
             assert_string_equal(owner->name, measure->extractor);
         }
+    }
+}
+
+/* Infinity is an answer of a distance alone; -inf is one value, though it is bad twice. */
+static void test_bad_values_are_counted_in_all_channels(void **state)
+{
+    (void)state;
+    static const float values[] = {NAN, INFINITY, -INFINITY, -1.0f, 0.0f, 1.0f};
+    static const struct {
+        const char *name;
+        size_t bad;
+    } channels[] = {{"R", 4}, {"Z", 3}, {"volume.distance", 3}, {"transmittance.G", 4}};
+    for (size_t i = 0; i < sizeof(channels) / sizeof(channels[0]); i++) {
+        struct neph_image *image = NULL;
+        float *samples = NULL;
+        neph_assert_ok(neph_image_create(6, 1, &image, NULL), NULL);
+        neph_assert_ok(neph_image_add_channel(image, channels[i].name, &samples, NULL), NULL);
+        memcpy(samples, values, sizeof(values));
+        assert_int_equal(neph_job_count_bad(image), channels[i].bad);
+        neph_image_destroy(image);
     }
 }
 
@@ -353,6 +374,7 @@ int main(void)
         scratch_test(test_lists_that_are_none),
         cmocka_unit_test(test_measures_are_read),
         cmocka_unit_test(test_measures_are_of_metrics_that_there_are),
+        cmocka_unit_test(test_bad_values_are_counted_in_all_channels),
         cmocka_unit_test(test_every_expectation_is_of_something),
         cmocka_unit_test(test_every_scenario_can_be_run),
         cmocka_unit_test(test_wrong_words_are_refused),
