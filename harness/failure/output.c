@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/failure/output.h"
 
+#include "harness/run/seed.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -53,11 +55,13 @@ static void print_news(const struct neph_failure_suite *suite, const struct neph
     if (fails)
         fprintf(out, "  symptom: %s\n", failing->symptom);
     if (!row->point[0] && !strchr(suite->presets[preset], '+'))
-        fprintf(out,
-                "  neph render %s -e realtime --preset %s -s steps=%d --frames %d --size %dx%d -o "
-                "%s\n",
-                row->scene->name, suite->presets[preset], failing->steps, failing->frame_count,
-                failing->width_px, failing->height_px, row->scene->name);
+        fprintf(
+            out,
+            "  neph render %s -e realtime --preset %s -s steps=%d --seed %llu --frames %d --size "
+            "%dx%d -o %s\n",
+            row->scene->name, suite->presets[preset], failing->steps,
+            (unsigned long long)neph_seed_of(row->scene, 1), failing->frame_count,
+            failing->width_px, failing->height_px, row->scene->name);
 }
 
 static void print_counts(const struct neph_failure_suite *suite, FILE *out)

@@ -199,6 +199,17 @@ class Mutations(unittest.TestCase):
         self.assertEqual(found[*key, mutant]["verdict"], "fail", found[*key, mutant])
 
 
+class Proofs(unittest.TestCase):
+    """A scenario that nothing fails proves nothing: which these are is written down."""
+
+    def test_each_scenario_fails_for_somebody_or_is_listed(self):
+        listed = json.loads((ROOT / "scenes/studies/failure_expectations.json").read_text())
+        proven = ({e["scene"] for e in listed["expectations"] if e["is"] == "fails"}
+                  | {m["scene"] for m in MUTATIONS["mutations"]})
+        scenarios = {path.stem for path in (ROOT / "scenes/failure").glob("*.yaml")}
+        self.assertEqual(scenarios - proven, set(MUTATIONS["unproven"]))
+
+
 def tearDownModule():
     TEMPORARY.cleanup()
 
