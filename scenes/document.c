@@ -2,6 +2,7 @@
 #include "scenes/document.h"
 
 #include <stdbool.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -235,10 +236,11 @@ static yaml_node_t *item_of(struct neph_document *document, const yaml_node_t *s
     return yaml_document_get_node(&document->yaml, sequence->data.sequence.items.start[index]);
 }
 
-yaml_node_t *neph_document_find(struct neph_document *document, const char *path)
+/* As far as the file has the path; `*rest` is what it has not got of it. */
+static yaml_node_t *walk(struct neph_document *document, const char *path, const char **rest)
 {
     yaml_node_t *node = neph_document_root(document);
-    while (*path) {
+    for (*rest = path; *path; *rest = path) {
         yaml_node_t *next = NULL;
         if (*path == '[') {
             char *end;
@@ -258,6 +260,33 @@ yaml_node_t *neph_document_find(struct neph_document *document, const char *path
         node = next;
     }
     return node;
+}
+
+yaml_node_t *neph_document_find(struct neph_document *document, const char *path)
+{
+    const char *rest;
+    return walk(document, path, &rest);
+}
+
+yaml_node_t *neph_document_exactly(struct neph_document *document, const char *path)
+{
+    const char *rest;
+    yaml_node_t *node = walk(document, path, &rest);
+    return *rest ? NULL : node;
+}
+
+enum neph_status neph_document_put_number(yaml_node_t *scalar, double number,
+                                          struct neph_diag *diag)
+{
+    char text[32];
+    const int length = snprintf(text, sizeof(text), "%.17g", number);
+    yaml_char_t *copy = (yaml_char_t *)strdup(text);
+    if (!copy)
+        return neph_fail_memory(diag);
+    free(scalar->data.scalar.value);
+    scalar->data.scalar.value = copy;
+    scalar->data.scalar.length = (size_t)length;
+    return NEPH_OK;
 }
 
 void neph_document_locate(const struct neph_document *document, const yaml_node_t *node,

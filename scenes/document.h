@@ -32,6 +32,13 @@ yaml_node_t *neph_document_root(struct neph_document *document);
 /* The node of a path such as "media[0].homogeneous.albedo[2]", or of the part of it that exists. */
 yaml_node_t *neph_document_find(struct neph_document *document, const char *path);
 
+/* The node of exactly that path; NULL when the file has not got all of it. */
+yaml_node_t *neph_document_exactly(struct neph_document *document, const char *path);
+
+/* Write a number in place of a scalar. NEPH_ERR_MEMORY. */
+enum neph_status neph_document_put_number(yaml_node_t *scalar, double number,
+                                          struct neph_diag *diag);
+
 /* The value of a key of a mapping; NULL when it is not there. */
 yaml_node_t *neph_document_value(struct neph_document *document, const yaml_node_t *mapping,
                                  const char *key, size_t key_size);

@@ -26,7 +26,7 @@ enum { TITLE_MAX = 120, GATES_MAX = 64 };
 
 /* --- Texts --- */
 
-static bool is_identifier(const char *text)
+bool neph_is_identifier(const char *text)
 {
     return strspn(text, "abcdefghijklmnopqrstuvwxyz0123456789_") == strlen(text);
 }
@@ -43,7 +43,7 @@ static enum neph_status check_names(const struct neph_reader *reader,
 {
     char quote[NEPH_QUOTE_SIZE], stem_quote[NEPH_QUOTE_SIZE];
     neph_document_quote(scene->name, quote);
-    if (!is_identifier(scene->name))
+    if (!neph_is_identifier(scene->name))
         return neph_refuse(reader, "name", "'%s' is not a name; use a-z, 0-9 and _ alone", quote);
     if (strcmp(scene->name, stem))
         return neph_refuse(reader, "name", "'%s' differs from the name of the file, '%s.yaml'",
@@ -78,7 +78,7 @@ static enum neph_status read_gate(struct neph_reader *reader, const yaml_node_t 
     const enum neph_status status = neph_read_fields(reader, node, record->fields, target);
     if (status)
         return status;
-    if (!is_identifier(gate->engine))
+    if (!neph_is_identifier(gate->engine))
         return neph_refuse(reader, "engine", "'%s' is not the name of an engine",
                            neph_document_quote(gate->engine, quote));
     if (has_control(gate->reason, "\n"))
@@ -140,6 +140,8 @@ static const struct neph_field scene_fields[] = {
     {"display", NEPH_RECORD, .record = &display_record, .standard = "an exposure of 0"},
     {"gates", NEPH_LIST, SCENE(gates), .most = GATES_MAX, .count_at = SCENE(gate_count),
      .record = &gate_record, .standard = "none"},
+    {"failure", NEPH_RECORD, SCENE(failing), .note = "how methods fail over time, see Failures",
+     .record = &neph_failing_record, .standard = "none"},
     {"solids", NEPH_LIST, offsetof(struct neph_written_scene, solids),
      .most = NEPH_SCENE_SOLIDS_MAX, .count_at = offsetof(struct neph_written_scene, solid_count),
      .record = &neph_solid_record, .standard = "none"},
@@ -172,6 +174,12 @@ static enum neph_status finish(struct neph_reader *reader, const char *path,
     return status ? status : neph_scene_hash(scene, reader->diag);
 }
 
+/* Whose sweep the file is read at a point of; NULL: as it is. */
+struct swept {
+    const struct neph_failing *failing;
+    int point;
+};
+
 static enum neph_status load_document(struct neph_document *document, const char *path,
                                       struct neph_scene **scene, struct neph_diag *diag)
 {
@@ -193,20 +201,24 @@ static enum neph_status load_document(struct neph_document *document, const char
 }
 
 static enum neph_status load_text(const char *path, const char *text, size_t size,
-                                  struct neph_scene **scene, struct neph_diag *diag)
+                                  const struct swept *swept, struct neph_scene **scene,
+                                  struct neph_diag *diag)
 {
     struct neph_document document;
     enum neph_status status = neph_document_init(&document, path, text, size,
                                                  NEPH_DOCUMENT_DEPTH_MAX, diag);
     if (status)
         return status;
-    status = load_document(&document, path, scene, diag);
+    if (swept)
+        status = neph_failing_put_point(&document, swept->failing, swept->point, diag);
+    if (!status)
+        status = load_document(&document, path, scene, diag);
     neph_document_finish(&document);
     return status;
 }
 
-enum neph_status neph_scene_load(const char *path, struct neph_scene **scene,
-                                 struct neph_diag *diag)
+static enum neph_status load_file(const char *path, const struct swept *swept,
+                                  struct neph_scene **scene, struct neph_diag *diag)
 {
     char *text = NULL;
     size_t size = 0;
@@ -217,7 +229,7 @@ enum neph_status neph_scene_load(const char *path, struct neph_scene **scene,
     locale_t c_locale = newlocale(LC_NUMERIC_MASK, "C", (locale_t)0);
     if (c_locale) {
         locale_t before = uselocale(c_locale);
-        status = load_text(path, text, size, scene, diag);
+        status = load_text(path, text, size, swept, scene, diag);
         uselocale(before);
         freelocale(c_locale);
     } else {
@@ -225,6 +237,19 @@ enum neph_status neph_scene_load(const char *path, struct neph_scene **scene,
     }
     free(text);
     return status;
+}
+
+enum neph_status neph_scene_load(const char *path, struct neph_scene **scene,
+                                 struct neph_diag *diag)
+{
+    return load_file(path, NULL, scene, diag);
+}
+
+enum neph_status neph_scene_load_point(const struct neph_scene *scene, int point,
+                                       struct neph_scene **made, struct neph_diag *diag)
+{
+    const struct swept swept = {&scene->failing, point};
+    return load_file(scene->path, &swept, made, diag);
 }
 
 /* --- Names and end --- */
@@ -252,6 +277,7 @@ void neph_scene_destroy(struct neph_scene *scene)
         free(scene->gates[i].reason);
     }
     free(scene->gates);
+    neph_failing_finish(&scene->failing);
     for (int i = 0; i < scene->medium_count; i++)
         neph_medium_finish(&scene->media[i]);
     free(scene->solids);

@@ -22,6 +22,17 @@ struct neph_written_scene {
 extern const struct neph_record neph_camera_record, neph_frames_record, neph_sun_record,
     neph_wind_record;
 
+/* Into a struct neph_failing. */
+extern const struct neph_record neph_failing_record;
+
+/* Write the numbers of a point of the sweep into the file. */
+enum neph_status neph_failing_put_point(struct neph_document *document,
+                                        const struct neph_failing *failing, int point,
+                                        struct neph_diag *diag);
+
+/* Whether a text is of a-z, 0-9 and _ alone. */
+bool neph_is_identifier(const char *text);
+
 /* Entries of lists. */
 extern const struct neph_record neph_solid_record, neph_medium_record;
 

@@ -12,6 +12,7 @@
 #include "base/hash.h"
 #include "base/status.h"
 #include "base/vec3.h"
+#include "scenes/failing.h"
 
 #include <stdbool.h>
 #include <stdio.h>
@@ -247,17 +248,24 @@ struct neph_scene {
 
     double exposure_ev; /* display = radiance * 2^ev; frozen for all pictures of the scene */
     int gate_count;
-    struct neph_gate *gates; /* owned */
+    struct neph_gate *gates;     /* owned */
+    struct neph_failing failing; /* how methods fail in it over time; owned */
     bool borrows; /* made by neph_scene_at() or neph_scene_variant(): what is owned belongs to the
                      scene it came from */
 
-    /* BLAKE2b of everything above that changes a rendered value (not names, gates, exposure). */
+    /* BLAKE2b of everything above that changes a rendered value (not names, gates, failures,
+     * exposure). */
     char hash[NEPH_HASH_HEX_SIZE];
 };
 
 /* Read and check a scene file. Every error names file, line, column, value and allowed range. */
 enum neph_status neph_scene_load(const char *path, struct neph_scene **scene,
                                  struct neph_diag *diag);
+
+/* The file of `scene` read anew, at a point of its sweep (scenes/failing.h). Errors as of loading:
+ * a point may be no scene. */
+enum neph_status neph_scene_load_point(const struct neph_scene *scene, int point,
+                                       struct neph_scene **made, struct neph_diag *diag);
 
 /* All keys of a scene file, as a table of Markdown: what scenes/README.md holds. */
 void neph_scene_print_keys(FILE *file);

@@ -17,6 +17,24 @@ const char *const neph_gate_quantity_words[] = {
     NULL,
 };
 
+const char *const neph_failing_measure_words[] = {
+    [NEPH_FAILING_ERROR] = "error",
+    [NEPH_FAILING_FLICKER] = "flicker",
+    [NEPH_FAILING_PERIOD_4] = "period_4",
+    [NEPH_FAILING_LAG] = "lag",
+    [NEPH_FAILING_EDGE_RATIO] = "edge_ratio",
+    [NEPH_FAILING_NEVER_SEEN] = "never_seen",
+    [NEPH_FAILING_ENERGY] = "energy",
+    [NEPH_FAILING_BAD_VALUES] = "bad_values",
+    NULL,
+};
+
+const char *const neph_failing_truth_words[] = {
+    [NEPH_FAILING_MARCH] = "march",
+    [NEPH_FAILING_EXACT] = "exact",
+    NULL,
+};
+
 const char *neph_scattering_name(enum neph_scattering scattering)
 {
     return neph_scattering_words[scattering];
@@ -25,4 +43,14 @@ const char *neph_scattering_name(enum neph_scattering scattering)
 const char *neph_gate_quantity_name(enum neph_gate_quantity quantity)
 {
     return neph_gate_quantity_words[quantity];
+}
+
+const char *neph_failing_measure_name(enum neph_failing_measure measure)
+{
+    return neph_failing_measure_words[measure];
+}
+
+const char *neph_failing_truth_name(enum neph_failing_truth truth)
+{
+    return neph_failing_truth_words[truth];
 }

@@ -70,6 +70,42 @@ static json_t *layer_json(const struct neph_fog_layer *layer)
                      unreal.fog_height_falloff);
 }
 
+static json_t *limits_json(const struct neph_failing *failing)
+{
+    json_t *list = json_array();
+    for (int i = 0; i < failing->limit_count; i++) {
+        const struct neph_failing_limit *limit = &failing->limits[i];
+        neph_json_add(&list,
+                      json_pack("{s:s, s:s, s:f, s:s}", "measure",
+                                neph_failing_measure_name(limit->measure), "over", limit->over,
+                                "limit", limit->limit, "reason", limit->reason));
+    }
+    return list;
+}
+
+static json_t *points_json(const struct neph_failing *failing)
+{
+    json_t *list = json_array();
+    for (int point = 0; point < neph_failing_point_count(failing); point++) {
+        char name[NEPH_FAILING_POINT_SIZE];
+        neph_failing_point_name(failing, point, name, sizeof(name));
+        neph_json_add(&list, json_string(name));
+    }
+    return list;
+}
+
+static json_t *failing_json(const struct neph_failing *failing)
+{
+    if (!failing->fails)
+        return json_null();
+    return json_pack("{s:s, s:s, s:s, s:s, s:[i, i], s:i, s:i, s:s, s:b, s:o, s:o}", "fails",
+                     failing->fails, "known", failing->known, "symptom", failing->symptom,
+                     "presets", failing->presets, "size_px", failing->width_px, failing->height_px,
+                     "frames", failing->frame_count, "steps", failing->steps, "truth",
+                     neph_failing_truth_name(failing->truth), "quick", failing->quick, "measures",
+                     limits_json(failing), "points", points_json(failing));
+}
+
 static json_t *scene_json(const struct neph_scene *scene)
 {
     json_t *layers = json_array(), *engines = json_array();
@@ -85,11 +121,30 @@ static json_t *scene_json(const struct neph_scene *scene)
         neph_json_add(&engines, json_pack("{s:s, s:b, s:s}", "engine", list[i]->name, "can_render",
                                           can, "reason", reason));
     }
-    return json_pack("{s:s, s:s, s:s, s:s, s:s, s:i, s:i, s:i, s:o, s:o}", "name", scene->name,
+    return json_pack("{s:s, s:s, s:s, s:s, s:s, s:i, s:i, s:i, s:o, s:o, s:o}", "name", scene->name,
                      "title", scene->title, "physics", scene->physics, "hash", scene->hash,
                      "scattering", neph_scattering_name(scene->scattering), "frames",
                      scene->frame_count, "solids", scene->solid_count, "gates", scene->gate_count,
-                     "layers", layers, "engines", engines);
+                     "layers", layers, "failure", failing_json(&scene->failing), "engines",
+                     engines);
+}
+
+static void print_failing(const struct neph_failing *failing)
+{
+    if (!failing->fails)
+        return;
+    printf("fails       %s\nknown       %s\nsymptom     %s\n"
+           "judged      %dx%d px, %d frames, %d steps, against %s, presets %s, tier %s\n",
+           failing->fails, failing->known, failing->symptom, failing->width_px, failing->height_px,
+           failing->frame_count, failing->steps, neph_failing_truth_name(failing->truth),
+           failing->presets[0] ? failing->presets : "all", failing->quick ? "quick" : "full");
+    for (int i = 0; i < failing->limit_count; i++)
+        printf("limit       %s over %s <= %g: %s\n",
+               neph_failing_measure_name(failing->limits[i].measure), failing->limits[i].over,
+               failing->limits[i].limit, failing->limits[i].reason);
+    for (int i = 0; i < failing->axis_count; i++)
+        printf("sweep       %s, %d values of %s\n", failing->axes[i].name,
+               neph_failing_axis_count(&failing->axes[i]), failing->axes[i].paths);
 }
 
 static void print_scene(const struct neph_scene *scene)
@@ -106,6 +161,7 @@ static void print_scene(const struct neph_scene *scene)
                    m, layer->extinction_per_m, layer->falloff_per_m, layer->height_m,
                    unreal.fog_density, unreal.fog_height_falloff);
         }
+    print_failing(&scene->failing);
     int count;
     const struct neph_engine *const *engines = neph_engines(&count);
     for (int i = 0; i < count; i++) {

@@ -3,6 +3,7 @@
  * `neph validate`: the main job.
  */
 #include "harness/cli/cli.h"
+#include "harness/cli/validate_failure.h"
 
 #include "base/files.h"
 #include "base/interrupt.h"
@@ -19,9 +20,9 @@
 
 struct request {
     struct neph_cli_shared shared; /* operands: scenes */
-    struct neph_cli_words engines;
+    struct neph_cli_words engines, only, presets;
     const char *tier, *suite, *check;
-    int budget_s, samples;
+    int budget_s, samples, jobs;
     bool no_charts;
 };
 
@@ -31,13 +32,25 @@ static const struct neph_cli_option options[] = {
      "full: the whole catalogue, all engines, all charts",
      NEPH_CLI_WORD, .at = offsetof(struct request, tier)},
     {"suite", 0, "NAME",
-     "catalog: the same as --tier full; physics: every engine against truth that needs no renderer",
+     "catalog: the same as --tier full; physics: every engine against truth that needs no "
+     "renderer; "
+     "failure: presets of realtime where such methods fail, with limits (tiers quick, full)",
      NEPH_CLI_WORD, .at = offsetof(struct request, suite)},
     {"check", 0, "TEXT", "Of the physics suite: only checks whose name or rung contains TEXT",
      NEPH_CLI_WORD, .at = offsetof(struct request, check)},
     {"samples", 0, "N",
      "Of the physics suite: paths per pixel and seed of our tracers (default: 256)",
      NEPH_CLI_INTEGER, .at = offsetof(struct request, samples), .minimum = 2, .maximum = 1000000},
+    {"only", 0, "SCENARIO",
+     "Of the failure suite: only this scenario, whatever its tier; may be given several times",
+     NEPH_CLI_WORDS, .at = offsetof(struct request, only)},
+    {"preset", 0, "NAME",
+     "Of the failure suite: only this preset, or PRESET+KEY=VALUE; may be given several times "
+     "(default: seed, fixed and ours, in the full tier all)",
+     NEPH_CLI_WORDS, .at = offsetof(struct request, presets)},
+    {"jobs", 0, "N", "Of the failure suite: processes that render at the same time (default: 1)",
+     NEPH_CLI_INTEGER, .at = offsetof(struct request, jobs), .minimum = 1,
+     .maximum = NEPH_FAILURE_JOBS_MAX},
     {"engine", 'e', "NAME", "Only this engine; may be given several times (default: all)",
      NEPH_CLI_WORDS, .at = offsetof(struct request, engines)},
     {.name = "set",
@@ -65,12 +78,35 @@ static bool is_physics(const struct request *request)
     return request->suite && strcmp(request->suite, "physics") == 0;
 }
 
+static bool is_failure(const struct request *request)
+{
+    return request->suite && strcmp(request->suite, "failure") == 0;
+}
+
+/* What belongs to the failure suite, and what does not. */
+static void check_failure(const struct request *request, const struct argp_state *state)
+{
+    const struct neph_cli_shared *shared = &request->shared;
+    if (!is_failure(request)) {
+        if (request->only.count > 0 || request->presets.count > 0 || request->jobs >= 0)
+            argp_error(state, "--only, --preset and --jobs belong to --suite failure");
+        return;
+    }
+    if (shared->operand_count > 0)
+        argp_error(state, "the failure suite has scenarios of its own; --only chooses among them");
+    if (request->engines.count > 0 || shared->settings.count > 0)
+        argp_error(state, "the failure suite is of presets: --preset, and no --engine or --set");
+}
+
 static void check(const void *request_, const struct argp_state *state)
 {
     const struct request *request = request_;
     const struct neph_cli_shared *shared = &request->shared;
-    if (request->suite && strcmp(request->suite, "catalog") != 0 && !is_physics(request))
-        argp_error(state, "there is no suite '%s'; there are catalog and physics", request->suite);
+    if (request->suite && strcmp(request->suite, "catalog") != 0 && !is_physics(request) &&
+        !is_failure(request))
+        argp_error(state, "there is no suite '%s'; there are catalog, physics and failure",
+                   request->suite);
+    check_failure(request, state);
     if (request->tier && !neph_tier_find(request->tier))
         argp_error(state, "there is no tier '%s'; there are quick and full", request->tier);
     if (request->check && request->check[0] == '\0')
@@ -79,7 +115,7 @@ static void check(const void *request_, const struct argp_state *state)
         argp_error(state, "the physics suite chooses its engines' settings itself: no --set");
     if (!is_physics(request) && (request->check || request->samples >= 0))
         argp_error(state, "--check and --samples belong to --suite physics");
-    if (request->suite && request->tier)
+    if (request->suite && request->tier && !is_failure(request))
         argp_error(state, "either --suite or --tier: the catalogue is --tier full");
     if (is_physics(request) && shared->operand_count > 0)
         argp_error(state,
@@ -108,7 +144,8 @@ static const struct neph_cli_syntax syntax = {
         "  neph validate fence_backlit --size 320x180\n"
         "  neph validate my_fog.yaml -e exact -e march -s march:steps=256 -o /tmp/fog\n"
         "  neph validate --suite physics -o out/physics\n"
-        "  neph validate --suite physics --check slab -e oracle -e tracer --samples 4096",
+        "  neph validate --suite physics --check slab -e oracle -e tracer --samples 4096\n"
+        "  neph validate --suite failure --only fence_tiles --preset fixed+override=parallel",
 };
 
 /* The physics suite: the frame of a validation without scenes, and the checks. */
@@ -292,11 +329,29 @@ static enum neph_status run_catalog(const struct request *request, struct neph_d
     return status;
 }
 
+static enum neph_status run_failure(const struct request *request, struct neph_diag *diag)
+{
+    const struct neph_cli_shared *shared = &request->shared;
+    const struct neph_failure_params params = {.full = request->tier &&
+                                                       strcmp(request->tier, "full") == 0,
+                                               .only = request->only.list,
+                                               .only_count = request->only.count,
+                                               .presets = request->presets.list,
+                                               .preset_count = request->presets.count,
+                                               .width_px = shared->size.width_px,
+                                               .height_px = shared->size.height_px,
+                                               .jobs = request->jobs < 0 ? 1 : request->jobs,
+                                               .quiet = shared->quiet};
+    return neph_cli_validate_failure(&params, shared->output, shared->json, diag);
+}
+
 enum neph_status neph_cli_validate(int argc, char **argv, struct neph_diag *diag)
 {
     struct request request = {0};
     neph_cli_parse(&syntax, argc, argv, &request);
     const struct neph_cli_shared *shared = &request.shared;
+    if (is_failure(&request))
+        return run_failure(&request, diag);
     if (shared->operand_count > 0)
         return run(&request, shared->operands, shared->operand_count, diag);
     const char *const *scenes = tier_of(&request)->scenes;

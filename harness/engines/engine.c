@@ -5,6 +5,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 static const char *const rung_names[] = {
@@ -58,6 +59,22 @@ enum neph_status neph_settings_preset(const struct neph_engine *engine, const ch
     char owner[64];
     snprintf(owner, sizeof(owner), "engine %s", engine->name);
     return neph_options_preset(engine->options, owner, engine->presets, name, settings, diag);
+}
+
+enum neph_status neph_settings_words(const struct neph_engine *engine, const char *words,
+                                     const char *shared, struct neph_settings *settings,
+                                     struct neph_diag *diag)
+{
+    char *text = strdup(words), *rest = text;
+    enum neph_status status = text
+                                  ? neph_settings_preset(engine, strsep(&rest, "+"), settings, diag)
+                                  : neph_fail_memory(diag);
+    if (!status)
+        status = neph_settings_set(engine, settings, shared, diag);
+    while (rest && !status)
+        status = neph_settings_set(engine, settings, strsep(&rest, "+"), diag);
+    free(text);
+    return status;
 }
 
 double neph_setting(const struct neph_engine *engine, const struct neph_settings *settings,

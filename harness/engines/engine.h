@@ -185,6 +185,12 @@ const char *neph_settings_for(const struct neph_engine *engine, const char *text
 enum neph_status neph_settings_preset(const struct neph_engine *engine, const char *name,
                                       struct neph_settings *settings, struct neph_diag *diag);
 
+/* "NAME" or "NAME+KEY=VALUE+...": a preset, then `shared` ("steps=8"), then what it is changed by.
+ * Errors as of both. */
+enum neph_status neph_settings_words(const struct neph_engine *engine, const char *words,
+                                     const char *shared, struct neph_settings *settings,
+                                     struct neph_diag *diag);
+
 /* The value of an option by name; the name must exist in the table. */
 double neph_setting(const struct neph_engine *engine, const struct neph_settings *settings,
                     const char *name);

@@ -57,6 +57,34 @@ static bool may_be_infinite(const char *channel)
 }
 
 /* Every other value an engine hands over is finite, and none is negative. */
+static void count_bad(const struct neph_image *frame, const struct neph_channel *channel,
+                      size_t *non_finite, size_t *negative)
+{
+    const bool is_distance = may_be_infinite(channel->name);
+    const size_t count = neph_image_pixel_count(frame);
+    *non_finite = *negative = 0;
+    for (size_t p = 0; p < count; p++) {
+        const float value = channel->samples[p];
+        *non_finite += !(isfinite(value) || (is_distance && value == INFINITY));
+        *negative += value < 0.0f;
+    }
+}
+
+/* -inf is both not finite and negative, and one value. */
+size_t neph_job_count_bad(const struct neph_image *frame)
+{
+    size_t sum = 0;
+    for (int i = 0; i < frame->channel_count; i++) {
+        const struct neph_channel *channel = &frame->channels[i];
+        size_t non_finite, negative;
+        count_bad(frame, channel, &non_finite, &negative);
+        for (size_t p = 0; p < neph_image_pixel_count(frame); p++)
+            negative -= channel->samples[p] == -INFINITY;
+        sum += non_finite + negative;
+    }
+    return sum;
+}
+
 static enum neph_status check_frame(const struct neph_job *job, const struct neph_image *frame,
                                     struct neph_diag *diag)
 {
@@ -65,16 +93,10 @@ static enum neph_status check_frame(const struct neph_job *job, const struct nep
         return neph_fail(diag, NEPH_ERR_ENGINE, "%s gave a frame of %dx%d instead of %dx%d",
                          job->engine->name, frame->width_px, frame->height_px, shot->width_px,
                          shot->height_px);
-    const size_t count = neph_image_pixel_count(frame);
     for (int i = 0; i < frame->channel_count; i++) {
         const struct neph_channel *channel = &frame->channels[i];
-        const bool is_distance = may_be_infinite(channel->name);
-        size_t non_finite = 0, negative = 0;
-        for (size_t p = 0; p < count; p++) {
-            const float value = channel->samples[p];
-            non_finite += !(isfinite(value) || (is_distance && value == INFINITY));
-            negative += value < 0.0f;
-        }
+        size_t non_finite, negative;
+        count_bad(frame, channel, &non_finite, &negative);
         if (non_finite + negative > 0)
             return neph_fail(diag, NEPH_ERR_ENGINE,
                              "%s gave an unusable frame: channel %s holds %zu non-finite and %zu "

@@ -69,6 +69,10 @@ enum neph_status neph_job_render(const struct neph_job *job, struct neph_image *
 enum neph_status neph_job_render_unchecked(const struct neph_job *job, struct neph_image **frame,
                                            struct neph_cost *cost, struct neph_diag *diag);
 
+/* How many values of a frame no engine may hand over: not finite (but +inf where that is an
+ * answer), or negative; in all channels. */
+size_t neph_job_count_bad(const struct neph_image *frame);
+
 /* The content address: scene, engine, version, device, settings, size, frame, layers, seed. */
 enum neph_status neph_job_key(const struct neph_job *job, char key[NEPH_HASH_HEX_SIZE],
                               struct neph_diag *diag);

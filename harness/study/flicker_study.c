@@ -40,24 +40,6 @@ struct neph_study_cell *neph_study_cell_at(const struct neph_flicker_study *stud
 
 /* ---- jobs ------------------------------------------------------------------------------------ */
 
-/* Each '+' of "NAME+KEY=VALUE+..." ends a word: the preset, then what it is changed by, which has
- * the last word on steps too. */
-static enum neph_status apply_preset(const char *text, int steps, struct neph_job *job,
-                                     struct neph_diag *diag)
-{
-    char shared[32], *words = strdup(text), *rest = words;
-    snprintf(shared, sizeof(shared), "steps=%d", steps);
-    enum neph_status status = words ? neph_settings_preset(job->engine, strsep(&rest, "+"),
-                                                           &job->shot.settings, diag)
-                                    : neph_fail_memory(diag);
-    if (!status)
-        status = neph_settings_set(job->engine, &job->shot.settings, shared, diag);
-    while (rest && !status)
-        status = neph_settings_set(job->engine, &job->shot.settings, strsep(&rest, "+"), diag);
-    free(words);
-    return status;
-}
-
 static enum neph_status make_job(const struct work *work, const struct neph_scene *scene,
                                  int preset, int seed, struct neph_job *job, struct neph_diag *diag)
 {
@@ -71,7 +53,9 @@ static enum neph_status make_job(const struct work *work, const struct neph_scen
                                       .height_px = params->height_px,
                                       .layers = NEPH_LAYERS_ALL,
                                       .seed = scene ? neph_seed_of(scene, seed + 1) : 1}};
-    return apply_preset(params->presets[preset], params->steps, job, diag);
+    char steps[32];
+    snprintf(steps, sizeof(steps), "steps=%d", params->steps);
+    return neph_settings_words(engine, params->presets[preset], steps, &job->shot.settings, diag);
 }
 
 /* ---- readings -------------------------------------------------------------------------------- */

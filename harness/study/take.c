@@ -31,6 +31,7 @@ struct frames {
     struct neph_sequence files; /* where they are, or would be; owned */
     struct neph_image **images; /* NULL where it is in its file; owned, and each of them */
     size_t size_bytes;          /* of the images */
+    size_t bad_values;          /* of all frames, where they are counted */
 };
 
 static char *frame_path(const struct neph_take *take, const char *folder, int frame)
@@ -104,9 +105,12 @@ static enum neph_status render_frame(const struct neph_take *take, const struct 
     struct neph_image *frame = NULL;
     struct neph_cost cost = {0};
     const int flip = number - (take->frame_count - NEPH_TAKE_PICTURES);
-    enum neph_status status = neph_job_render(job, &frame, &cost, diag);
+    enum neph_status status = (take->counts_bad ? neph_job_render_unchecked
+                                                : neph_job_render)(job, &frame, &cost, diag);
     if (status)
         return status;
+    if (take->counts_bad)
+        frames->bad_values += neph_job_count_bad(frame);
     keep_radiance(frame);
     add_cost(total, &cost);
     if (number == take->frame_count - 1)
@@ -308,10 +312,11 @@ static enum neph_status make_key(const struct neph_take *take, char key[NEPH_HAS
     if (status)
         return status;
     char *text = neph_format("neph-take-1\nfirst %s\nframes %d\nreference %s\nmeasured %d\nmasks "
-                             "%d plain %d\npictures %d %s\n",
+                             "%d plain %d\npictures %d %s\n%s",
                              first, take->frame_count, take->reference->key, MEASURED_REVISION,
                              take->all_masks, take->plain, take->with_pictures,
-                             take->map_file ? take->map_file : "");
+                             take->map_file ? take->map_file : "",
+                             take->counts_bad ? "bad values counted\n" : "");
     for (int i = 0; i < take->reading_count && text; i++) {
         char *reading = reading_text(&take->readings[i]);
         char *longer = reading ? neph_format("%s%s\n", text, reading) : NULL;
@@ -335,13 +340,15 @@ static json_t *picture_names(const struct neph_take *take)
     return names;
 }
 
-static json_t *record_of(const struct neph_take *take, const struct neph_cost *cost)
+static json_t *record_of(const struct neph_take *take, const struct neph_cost *cost,
+                         size_t bad_values)
 {
-    return json_pack("{s:s, s:s, s:s, s:s, s:i, s:f, s:f, s:f, s:o}", "format", "neph-take-1",
+    return json_pack("{s:s, s:s, s:s, s:s, s:i, s:f, s:f, s:f, s:o, s:o}", "format", "neph-take-1",
                      "scene", take->job.shot.scene->name, "engine", take->job.engine->name,
                      "version", take->job.info->version, "frames", take->frame_count, "render_s",
-                     cost->render_s, "wall_s", cost->wall_s, "cpu_s", cost->cpu_s, "pictures",
-                     picture_names(take));
+                     cost->render_s, "wall_s", cost->wall_s, "cpu_s", cost->cpu_s, "bad_values",
+                     take->counts_bad ? json_integer((json_int_t)bad_values) : json_null(),
+                     "pictures", picture_names(take));
 }
 
 static enum neph_status make_entry(const struct neph_take *take, struct neph_store *store,
@@ -358,10 +365,10 @@ static enum neph_status make_entry(const struct neph_take *take, struct neph_sto
     status = prepare_frames(take, folder, &frames, diag);
     if (!status)
         status = render_frames(take, folder, &frames, &cost, diag);
-    if (!status)
+    if (!status && frames.bad_values == 0)
         status = read_all(take, folder, &frames, diag);
     finish_frames(take, &frames);
-    json_t *record = status ? NULL : record_of(take, &cost);
+    json_t *record = status ? NULL : record_of(take, &cost, frames.bad_values);
     if (!status)
         status = neph_json_check(record, diag);
     if (!status)

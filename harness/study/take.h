@@ -38,6 +38,8 @@ struct neph_take {
     bool all_masks;       /* also those of which there are many */
     bool plain;           /* numbers without intervals */
     bool frozen_is_fine;  /* frames equal to the one before are no reason to fail */
+    bool counts_bad; /* values that no engine may hand over are no error: the record counts them in
+                        "bad_values", and where there are any nothing is measured */
 };
 
 /* Take it from the store, or render, measure and publish it. `*folder` (to free) is the entry's,

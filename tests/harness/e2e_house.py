@@ -22,9 +22,10 @@ ROOMS = {
     "run": {"engines", "compare"},
     "study": {"engines", "compare", "run"},
     "physics": {"engines", "compare", "run", "study"},
+    "failure": {"engines", "compare", "run", "study"},
     "fly": {"engines", "compare", "run", "study"},
     "report": {"engines", "compare", "run", "study", "physics"},
-    "cli": {"engines", "compare", "run", "study", "physics", "fly", "report"},
+    "cli": {"engines", "compare", "run", "study", "physics", "failure", "fly", "report"},
 }
 INCLUDE = re.compile(r'^#include "([a-z_/]+\.h)"', re.MULTILINE)
 

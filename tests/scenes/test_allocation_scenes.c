@@ -128,6 +128,26 @@ static void test_variants(void **state)
     neph_scene_destroy(scene);
 }
 
+static enum neph_status sweep(void *context, struct neph_diag *diag)
+{
+    struct neph_scene *at = NULL;
+    const enum neph_status status = neph_scene_load_point(context, 3, &at, diag);
+    assert_int_equal(at != NULL, status == NEPH_OK);
+    neph_scene_destroy(at);
+    return status;
+}
+
+/* What is said of failures, and a point of a sweep. */
+static void test_points(void **state)
+{
+    (void)state;
+    struct neph_scene *scene = NULL;
+    neph_assert_ok(neph_scene_load(NEPH_SOURCE_DIR "/scenes/failure/fog_none.yaml", &scene, NULL),
+                   NULL);
+    assert_every_failure_is_told("a point", sweep, scene);
+    neph_scene_destroy(scene);
+}
+
 static enum neph_status copy_volume(void *context, struct neph_diag *diag)
 {
     struct neph_grid *grid = NULL;
@@ -152,8 +172,9 @@ static void test_volume_files(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        scratch_test(test_catalogue),    scratch_test(test_motion),       scratch_test(test_voxels),
-        cmocka_unit_test(test_variants), scratch_test(test_volume_files),
+        scratch_test(test_catalogue),  scratch_test(test_motion),
+        scratch_test(test_voxels),     cmocka_unit_test(test_variants),
+        cmocka_unit_test(test_points), scratch_test(test_volume_files),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

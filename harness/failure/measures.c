@@ -1,0 +1,116 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/failure/measures.h"
+
+#include "harness/study/flicker_metrics.h"
+#include "harness/study/take.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static double itself(const double numbers[NEPH_FAILURE_NUMBERS])
+{
+    return numbers[0];
+}
+
+static double magnitude(const double numbers[NEPH_FAILURE_NUMBERS])
+{
+    return fabs(numbers[0]);
+}
+
+/* The bound stands for what cannot be told from the rest: a part is no more than the whole. */
+static double or_bound(const double numbers[NEPH_FAILURE_NUMBERS])
+{
+    return isnan(numbers[0]) ? numbers[1] : numbers[0];
+}
+
+/* Pixels that never get there have no time, and are not in the percentile. */
+static double or_never(const double numbers[NEPH_FAILURE_NUMBERS])
+{
+    return numbers[1] > NEPH_STUDY_NEVER_MOST ? INFINITY : numbers[0];
+}
+
+/* Nothing wrong at edges is no fault, whatever is around them. */
+static double ratio(const double numbers[NEPH_FAILURE_NUMBERS])
+{
+    return numbers[0] == 0.0 ? 0.0 : numbers[0] / numbers[1];
+}
+
+static const struct neph_failure_measure measures[NEPH_FAILING_MEASURES] = {
+    [NEPH_FAILING_ERROR] = {"error", {"rel_rmse"}, {NULL}, itself},
+    [NEPH_FAILING_FLICKER] = {"seen", {"seen_contrast"}, {NULL}, itself},
+    [NEPH_FAILING_PERIOD_4] = {"cycles", {"repeats_4", "cycle_std"}, {NULL}, or_bound},
+    [NEPH_FAILING_LAG] = {"lag", {"frames_to_10_p95", "share_unsettled_10"}, {NULL}, or_never},
+    [NEPH_FAILING_EDGE_RATIO] = {"error", {"rmse", "rmse"}, {"depth_edge", "non_edge"}, ratio},
+    [NEPH_FAILING_NEVER_SEEN] = {"lag", {"share_never_settled"}, {NULL}, itself},
+    [NEPH_FAILING_ENERGY] = {"error", {"rel_bias"}, {NULL}, magnitude},
+    [NEPH_FAILING_BAD_VALUES] = {NULL, {NULL}, {NULL}, itself},
+};
+
+const struct neph_failure_measure *neph_failure_measure(enum neph_failing_measure measure)
+{
+    return &measures[measure];
+}
+
+static bool is_listed(const char *const *names, const char *name)
+{
+    while (*names && strcmp(*names, name) != 0)
+        names++;
+    return *names != NULL;
+}
+
+void neph_failure_extractors(const struct neph_failing *failing,
+                             const char *names[NEPH_FAILING_MEASURES + 1])
+{
+    int count = 0;
+    names[0] = NULL;
+    for (int i = 0; i < failing->limit_count; i++) {
+        const char *extractor = measures[failing->limits[i].measure].extractor;
+        if (!extractor || is_listed(names, extractor))
+            continue;
+        names[count++] = extractor;
+        names[count] = NULL;
+    }
+}
+
+static const char *mask_of(const struct neph_failing_limit *limit, int number)
+{
+    const char *own = measures[limit->measure].masks[number];
+    return own ? own : limit->over;
+}
+
+void neph_failure_kept(const struct neph_failing *failing,
+                       struct neph_meter_number kept[NEPH_FAILURE_KEPT_MAX])
+{
+    int count = 0;
+    for (int i = 0; i < failing->limit_count; i++) {
+        const struct neph_failing_limit *limit = &failing->limits[i];
+        for (int n = 0; n < NEPH_FAILURE_NUMBERS; n++)
+            if (measures[limit->measure].metrics[n])
+                kept[count++] = (struct neph_meter_number){measures[limit->measure].metrics[n],
+                                                           mask_of(limit, n)};
+    }
+    kept[count] = (struct neph_meter_number){.metric = NULL};
+}
+
+double neph_failure_read(const struct neph_failing_limit *limit, const json_t *document,
+                         char why[NEPH_FAILURE_WHY_SIZE])
+{
+    const struct neph_failure_measure *measure = &measures[limit->measure];
+    double numbers[NEPH_FAILURE_NUMBERS] = {NAN, NAN};
+    why[0] = '\0';
+    for (int n = 0; n < NEPH_FAILURE_NUMBERS && measure->metrics[n]; n++) {
+        const json_t *found = neph_take_find(document, measure->metrics[n], mask_of(limit, n));
+        const json_t *value = json_object_get(found, "value");
+        if (json_is_number(value))
+            numbers[n] = json_number_value(value);
+        else if (!why[0])
+            snprintf(why, NEPH_FAILURE_WHY_SIZE, "%s",
+                     found ? neph_json_text(found, "undefined_because")
+                           : "the mask is empty, or the whole picture");
+    }
+    const double value = measure->value(numbers);
+    if (!isnan(value))
+        why[0] = '\0';
+    return value;
+}

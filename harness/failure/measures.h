@@ -1,0 +1,39 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * How each measure of the failure suite is taken: the numbers of metrics/ that it is made of. None
+ * is new: flicker and four-frame flicker are those of the flicker study.
+ */
+#ifndef NEPH_HARNESS_FAILURE_MEASURES_H
+#define NEPH_HARNESS_FAILURE_MEASURES_H
+
+#include "harness/json.h"
+#include "metrics/meter.h"
+#include "scenes/failing.h"
+
+enum { NEPH_FAILURE_NUMBERS = 2, NEPH_FAILURE_WHY_SIZE = 160 };
+
+struct neph_failure_measure {
+    const char *extractor; /* NULL: counted in the frames themselves */
+    /* All of the scene's mask, or of `masks`; the value is made of these in order. */
+    const char *metrics[NEPH_FAILURE_NUMBERS];
+    const char *masks[NEPH_FAILURE_NUMBERS]; /* NULL: that of the limit */
+    double (*value)(const double numbers[NEPH_FAILURE_NUMBERS]);
+};
+
+const struct neph_failure_measure *neph_failure_measure(enum neph_failing_measure measure);
+
+/* Names of the extractors of some limits, NULL-terminated, each once. */
+void neph_failure_extractors(const struct neph_failing *failing,
+                             const char *names[NEPH_FAILING_MEASURES + 1]);
+
+/* The numbers that some limits are read off, ending with a NULL metric. */
+enum { NEPH_FAILURE_KEPT_MAX = 16 * NEPH_FAILURE_NUMBERS + 1 };
+void neph_failure_kept(const struct neph_failing *failing,
+                       struct neph_meter_number kept[NEPH_FAILURE_KEPT_MAX]);
+
+/* The value of a limit's measure in a take's document; NaN: there is none, and `why` says so. It
+ * may be infinite: a lag that never ends. */
+double neph_failure_read(const struct neph_failing_limit *limit, const json_t *document,
+                         char why[NEPH_FAILURE_WHY_SIZE]);
+
+#endif

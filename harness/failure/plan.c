@@ -1,0 +1,214 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/failure/plan.h"
+
+#include "harness/data.h"
+#include "harness/engines/engines.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char *const all_presets[] = {"off",  "seed",  "fixed", "ue",
+                                          "c52e", "unity", "ours",  NULL};
+static const char *const quick_presets[] = {"seed", "fixed", "ours", NULL};
+
+/* Every scenario has it, whatever its file says. */
+static const struct neph_failing_limit no_bad_values = {
+    .measure = NEPH_FAILING_BAD_VALUES,
+    .over = (char[]){"all"},
+    .limit = 0.0,
+    .reason = (char[]){"a value that is not finite stays in a history for ever, and light is not "
+                       "negative"},
+};
+
+/* --- Presets --- */
+
+/* The text of a preset's name up to its first change. */
+static bool is_based_on(const char *preset, const char *name, size_t length)
+{
+    return strncmp(preset, name, length) == 0 && (preset[length] == '\0' || preset[length] == '+');
+}
+
+bool neph_failure_has_preset(const struct neph_failing *failing, const char *preset)
+{
+    const char *word = failing->presets;
+    while (*word) {
+        const size_t length = strcspn(word, " ");
+        if (length > 0 && is_based_on(preset, word, length))
+            return true;
+        word += length + (word[length] == ' ');
+    }
+    return failing->presets[0] == '\0';
+}
+
+static enum neph_status check_preset(const char *words, struct neph_diag *diag)
+{
+    const struct neph_engine *engine = neph_engine_find("realtime");
+    struct neph_settings settings = neph_settings_default(engine);
+    return neph_settings_words(engine, words, "steps=8", &settings, diag);
+}
+
+static enum neph_status choose_presets(const struct neph_failure_params *params,
+                                       struct neph_failure_suite *suite, struct neph_diag *diag)
+{
+    const char *const *own = params->full ? all_presets : quick_presets;
+    enum neph_status status = NEPH_OK;
+    if (params->preset_count > NEPH_FAILURE_PRESETS_MAX)
+        return neph_fail(diag, NEPH_ERR_USAGE, "%d presets are more than %d", params->preset_count,
+                         NEPH_FAILURE_PRESETS_MAX);
+    for (int i = 0; i < params->preset_count && !status; i++) {
+        status = check_preset(params->presets[i], diag);
+        suite->presets[suite->preset_count++] = params->presets[i];
+    }
+    for (int i = 0; own[i] && params->preset_count == 0; i++)
+        suite->presets[suite->preset_count++] = own[i];
+    return status;
+}
+
+/* --- Scenarios --- */
+
+static bool is_named(const struct neph_failure_params *params, const char *name)
+{
+    for (int i = 0; i < params->only_count; i++)
+        if (strcmp(params->only[i], name) == 0)
+            return true;
+    return false;
+}
+
+static bool is_chosen(const struct neph_failure_params *params, const struct neph_scene *scene)
+{
+    if (!scene->failing.fails)
+        return false;
+    return params->only_count > 0 || params->full || scene->failing.quick;
+}
+
+/* Presets that a scenario names are presets of the engine. */
+static enum neph_status check_scene(const struct neph_scene *scene, struct neph_diag *diag)
+{
+    char *words = strdup(scene->failing.presets), *rest = words;
+    enum neph_status status = words ? NEPH_OK : neph_fail_memory(diag);
+    for (const char *word; !status && (word = strsep(&rest, " "));)
+        if (*word && check_preset(word, diag)) {
+            status = neph_fail(diag, NEPH_ERR_INPUT, "failure.presets: there is no preset '%s'",
+                               word);
+            neph_locate(diag, scene->path, 1, 1);
+        }
+    free(words);
+    return status;
+}
+
+static enum neph_status add_scene(const struct neph_failure_params *params, const char *name,
+                                  struct neph_failure_suite *suite, struct neph_diag *diag)
+{
+    struct neph_scene *scene = NULL;
+    if (params->only_count > 0 && !is_named(params, name))
+        return NEPH_OK;
+    enum neph_status status = neph_data_load_scene(name, &scene, diag);
+    if (!status && is_chosen(params, scene))
+        status = check_scene(scene, diag);
+    if (status || !is_chosen(params, scene))
+        neph_scene_destroy(scene);
+    else
+        suite->scenes[suite->scene_count++] = scene;
+    return status;
+}
+
+static enum neph_status check_only(const struct neph_failure_params *params,
+                                   const struct neph_failure_suite *suite, struct neph_diag *diag)
+{
+    for (int i = 0; i < params->only_count; i++) {
+        bool found = false;
+        for (int s = 0; s < suite->scene_count; s++)
+            found |= strcmp(suite->scenes[s]->name, params->only[i]) == 0;
+        if (found)
+            continue;
+        neph_fail(diag, NEPH_ERR_USAGE, "there is no scenario '%s'", params->only[i]);
+        neph_hint(diag, "scenarios are the scenes of scenes/failure; `neph scenes` lists them");
+        return NEPH_ERR_USAGE;
+    }
+    return NEPH_OK;
+}
+
+static enum neph_status choose_scenes(const struct neph_failure_params *params,
+                                      struct neph_failure_suite *suite, struct neph_diag *diag)
+{
+    char **names = NULL;
+    int count = 0;
+    enum neph_status status = neph_data_list_scenes(NEPH_DATA_FAILURES, &names, &count, diag);
+    if (!status && !(suite->scenes = calloc((size_t)count + 1, sizeof(struct neph_scene *))))
+        status = neph_fail_memory(diag);
+    for (int i = 0; i < count && !status; i++)
+        status = add_scene(params, names[i], suite, diag);
+    neph_data_free_names(names);
+    return status ? status : check_only(params, suite, diag);
+}
+
+/* --- Rows --- */
+
+static int point_count(const struct neph_failure_params *params, const struct neph_scene *scene)
+{
+    return params->full ? neph_failing_point_count(&scene->failing) : 1;
+}
+
+static bool judges_bad_values(const struct neph_failing *failing)
+{
+    for (int i = 0; i < failing->limit_count; i++)
+        if (failing->limits[i].measure == NEPH_FAILING_BAD_VALUES)
+            return true;
+    return false;
+}
+
+static void add_row(struct neph_failure_suite *suite, const struct neph_scene *scene, int point,
+                    const char *name, const struct neph_failing_limit *limit)
+{
+    const size_t size = sizeof(struct neph_failure_cell);
+    struct neph_failure_row *row = &suite->rows[suite->row_count++];
+    *row = (struct neph_failure_row){
+        .scene = scene,
+        .point_index = point,
+        .point = name,
+        .limit = limit,
+        .cells = neph_arena_zeroed(&suite->arena, (size_t)suite->preset_count, size),
+    };
+    for (int p = 0; p < suite->preset_count && row->cells; p++)
+        row->cells[p] = (struct neph_failure_cell){NAN, NEPH_FAILURE_NOT_ASKED, ""};
+}
+
+static void add_point(const struct neph_failure_params *params, struct neph_failure_suite *suite,
+                      const struct neph_scene *scene, int point)
+{
+    char text[NEPH_FAILING_POINT_SIZE];
+    neph_failing_point_name(&scene->failing, point, text, sizeof(text));
+    const char *name = neph_arena_text(&suite->arena, text);
+    for (int i = 0; i < scene->failing.limit_count; i++) {
+        const struct neph_failing_limit *limit = &scene->failing.limits[i];
+        if (params->width_px == 0 || limit->measure == NEPH_FAILING_BAD_VALUES)
+            add_row(suite, scene, point, name, limit);
+    }
+    if (!judges_bad_values(&scene->failing))
+        add_row(suite, scene, point, name, &no_bad_values);
+}
+
+static enum neph_status make_rows(const struct neph_failure_params *params,
+                                  struct neph_failure_suite *suite, struct neph_diag *diag)
+{
+    size_t most = 0;
+    for (int s = 0; s < suite->scene_count; s++)
+        most += (size_t)point_count(params, suite->scenes[s]) *
+                (size_t)(suite->scenes[s]->failing.limit_count + 1);
+    suite->rows = neph_arena_zeroed(&suite->arena, most, sizeof(*suite->rows));
+    for (int s = 0; s < suite->scene_count && suite->rows; s++)
+        for (int point = 0; point < point_count(params, suite->scenes[s]); point++)
+            add_point(params, suite, suite->scenes[s], point);
+    return neph_arena_check(&suite->arena, diag);
+}
+
+enum neph_status neph_failure_plan(const struct neph_failure_params *params,
+                                   struct neph_failure_suite *suite, struct neph_diag *diag)
+{
+    enum neph_status status = choose_presets(params, suite, diag);
+    if (!status)
+        status = choose_scenes(params, suite, diag);
+    return status ? status : make_rows(params, suite, diag);
+}

@@ -1,0 +1,19 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The failure suite: scenarios of scenes/failure over presets of `realtime`, each number held
+ * against its limit (scenes/failing.h) and against what is expected of it (expectations.h). What is
+ * finished is in the store, and the same run goes on from there; a limit that is changed costs no
+ * picture.
+ */
+#ifndef NEPH_HARNESS_FAILURE_SUITE_H
+#define NEPH_HARNESS_FAILURE_SUITE_H
+
+#include "harness/failure/results.h"
+#include "harness/run/store.h"
+
+/* Run it. NEPH_OK also when it does not pass. NEPH_ERR_USAGE: no such scenario or preset.
+ * NEPH_ERR_INTERRUPTED: what is finished stays in the store. For _finish in any case. */
+enum neph_status neph_failure_run(const struct neph_failure_params *params,
+                                  struct neph_store *store, struct neph_failure_suite *suite,
+                                  struct neph_diag *diag);
+#endif

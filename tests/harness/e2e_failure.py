@@ -1,0 +1,218 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""`neph validate --suite failure` as a user runs it: verdicts, what fails a run, reuse, refusals,
+and planted faults that it must find. NEPH_FAILURE_TIER=full plants all of them."""
+import json
+import os
+import pathlib
+import signal
+import subprocess
+import tempfile
+import time
+import unittest
+
+NEPH = os.environ["NEPH"]
+ROOT = pathlib.Path(os.environ["NEPH_SOURCE_DIR"])
+FULL = os.environ.get("NEPH_FAILURE_TIER") == "full"
+MUTATIONS = json.loads((ROOT / "tests/harness/failure_mutations.json").read_text())
+FAULT = "fixed+override=parallel"
+
+
+def neph(*arguments, **environment):
+    return subprocess.run([NEPH, *map(str, arguments)], capture_output=True, text=True,
+                          timeout=None if FULL else 300,
+                          env={**os.environ, "NEPH_VULKAN_VALIDATION": "1", **environment})
+
+
+def suite(folder, *arguments, **environment):
+    return neph("validate", "--suite", "failure", "-q", "-o", folder, *arguments, **environment)
+
+
+def cells(done):
+    """{(scene, measure, over, preset): result} of the file as it is."""
+    return {(r["scene"], r["measure"], r["over"], r["preset"]): r
+            for r in json.loads(done.stdout)["results"] if r["point"] == ""}
+
+
+def data_with(folder, expectations):
+    """A folder of the project's data with other expectations."""
+    data = folder / "data"
+    (data / "scenes/studies").mkdir(parents=True)
+    for name in ("catalog", "failure"):
+        (data / "scenes" / name).symlink_to(ROOT / "scenes" / name)
+    (data / "scripts").symlink_to(ROOT / "scripts")
+    (data / "scenes/studies/failure_expectations.json").write_text(json.dumps(
+        {"format": "neph-failure-expectations-1", "expectations": expectations}))
+    return data
+
+
+def expectation(kind, preset, measure):
+    return {"scene": "fence_tiles", "presets": [preset], "measure": measure, "is": kind,
+            "reason": "because of the test"}
+
+
+# One store for all.
+TEMPORARY = tempfile.TemporaryDirectory()
+
+
+class Runs(unittest.TestCase):
+    """Two scenarios over a preset and a planted fault, by two processes; then only read."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = pathlib.Path(TEMPORARY.name)
+        cls.words = ["--only", "fence_tiles", "--only", "fog_none", "--preset", "fixed",
+                     "--preset", FAULT]
+        cls.done = suite(cls.folder, *cls.words, "--jobs", "2", "--json")
+
+    def entries(self):
+        return {path: path.stat().st_mtime_ns for path in (self.folder / "store/frames").iterdir()}
+
+    def with_expectations(self, *expectations, words=None):
+        """The same run, of which everything is there, with other expectations."""
+        before = self.entries()
+        with tempfile.TemporaryDirectory() as folder:
+            data = data_with(pathlib.Path(folder), expectations)
+            done = suite(self.folder, *(words or self.words), "--json", NEPH_DATA_DIR=str(data))
+        self.assertEqual(self.entries(), before)
+        return done
+
+    def test_a_planted_fault_fails_where_the_preset_passes(self):
+        self.assertEqual(self.done.returncode, 1, self.done.stderr)
+        found = cells(self.done)
+        self.assertEqual(found["fence_tiles", "error", "all", "fixed"]["verdict"], "pass")
+        self.assertEqual(found["fence_tiles", "error", "all", FAULT]["verdict"], "fail")
+        for preset in ("fixed", FAULT):
+            self.assertEqual(found["fog_none", "error", "all", preset]["value"], 0.0)
+            self.assertEqual(found["fog_none", "bad_values", "all", preset]["value"], 0.0)
+
+    def test_what_is_compared_is_counted(self):
+        document = json.loads(self.done.stdout)
+        verdicts = [r["verdict"] for r in document["results"]]
+        self.assertEqual(document["compared"], len(verdicts))
+        self.assertEqual(document["counts"], {v: verdicts.count(v) for v in document["counts"]})
+        self.assertEqual(json.loads((self.folder / "failure.json").read_text())["results"],
+                         document["results"])
+
+    def test_the_table_for_people(self):
+        before = self.entries()
+        done = suite(self.folder, *self.words)
+        self.assertEqual((done.returncode, self.entries()), (1, before), done.stderr)
+        for word in ("period_4/all", "FAIL", "symptom: all gaps blink", "verdict: fail",
+                     f"{json.loads(self.done.stdout)['compared']} comparisons in 2 scenarios"):
+            self.assertIn(word, done.stdout)
+        self.assertIn("failure_expectations.json", done.stderr)
+
+    def test_known_failures_pass_and_a_known_failure_that_passes_fails(self):
+        known = [expectation("fails", "fixed", "period_4")]
+        words = ["--only", "fence_tiles", "--preset", "fixed"]
+        done = self.with_expectations(*known, words=words)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        found = cells(done)["fence_tiles", "period_4", "all", "fixed"]
+        self.assertEqual((found["verdict"], found["why"]), ("known_fail", "because of the test"))
+        done = self.with_expectations(*known, expectation("fails", "fixed", "error"), words=words)
+        self.assertEqual(done.returncode, 1)
+        self.assertEqual(cells(done)["fence_tiles", "error", "all", "fixed"]["verdict"],
+                         "unexpected_pass")
+
+    def test_nothing_compared_is_a_failure(self):
+        skips = [expectation("skips", "fixed", m) for m in ("error", "period_4", "bad_values")]
+        done = self.with_expectations(*skips, words=["--only", "fence_tiles", "--preset", "fixed"])
+        self.assertEqual((done.returncode, json.loads(done.stdout)["compared"]), (1, 0))
+        self.assertIn("nothing was compared", done.stderr)
+
+    def test_at_another_size_bad_values_alone_are_judged(self):
+        done = suite(self.folder, "--only", "fog_none", "--preset", "fixed", "--size", "32x18",
+                     "--json")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual([r["measure"] for r in json.loads(done.stdout)["results"]],
+                         ["bad_values"])
+
+
+class Interrupted(unittest.TestCase):
+    def test_what_is_finished_is_not_rendered_again(self):
+        with tempfile.TemporaryDirectory() as name:
+            folder = pathlib.Path(name)
+            words = ["--only", "fog_none", "--preset", "fixed", "--preset", "ours", "--size",
+                     "32x18"]
+            command = [NEPH, "validate", "--suite", "failure", "-q", "-o", name, *words]
+            run = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                   text=True)
+            store, deadline = folder / "store/frames", time.monotonic() + 120
+            while not (store.exists()
+                       and any(store.iterdir())) and time.monotonic() < deadline:
+                time.sleep(0.02)
+            run.send_signal(signal.SIGINT)
+            out, err = run.communicate(timeout=60)
+            self.assertEqual((run.returncode, out), (130, ""), err)
+            kept = {path: path.stat().st_mtime_ns for path in store.iterdir()}
+            done = suite(folder, *words, "--json")
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertGreaterEqual(len(kept), 1)
+            self.assertEqual({path: path.stat().st_mtime_ns for path in kept}, kept)
+
+
+class Words(unittest.TestCase):
+    def test_wrong_commands_are_usage_errors_that_say_what_is_wrong(self):
+        with tempfile.TemporaryDirectory() as folder:
+            for told, arguments in (
+                    (("nobody", "neph scenes"), ("--suite", "failure", "--only", "nobody")),
+                    (("nope", "off, seed"), ("--suite", "failure", "--preset", "nope")),
+                    (("zzz",), ("--suite", "failure", "--preset", "ours+zzz=1")),
+                    (("--only",), ("--suite", "failure", "fence_tiles")),
+                    (("--preset",), ("--suite", "failure", "-e", "march")),
+                    (("--suite failure",), ("--only", "fence_tiles")),
+                    (("jobs",), ("--suite", "failure", "--jobs", "0"))):
+                done = neph("validate", "-q", "-o", folder, *arguments)
+                self.assertEqual((done.returncode, done.stdout), (64, ""), done.stderr)
+                for word in told:
+                    self.assertIn(word, done.stderr)
+
+    def test_a_scene_shows_what_fails_in_it(self):
+        done = neph("scenes", "fence_tiles")
+        for word in ("fails ", "symptom ", "limit       period_4 over all <= 0.002", "pitch_m"):
+            self.assertIn(word, done.stdout)
+        shown = json.loads(neph("scenes", "fence_tiles", "--json").stdout)["failure"]
+        self.assertEqual(len(shown["points"]), 1 + 6 * 3 * 2)
+        self.assertIsNone(json.loads(neph("scenes", "fence_sky", "--json").stdout)["failure"])
+
+
+class Mutations(unittest.TestCase):
+    """Each planted fault fails the measure that is there for it, where its preset passes."""
+
+    def test_planted_faults_are_found(self):
+        chosen = [m for m in MUTATIONS["mutations"] if FULL or m["tier"] == "quick"]
+        self.assertGreater(len(chosen), 0)
+        for mutation in chosen:
+            with self.subTest(mutation=mutation):
+                self.plant(mutation)
+
+    def plant(self, mutation):
+        preset = mutation["preset"]
+        mutant = preset + "".join(f"+{setting}" for setting in mutation["settings"].split())
+        done = suite(TEMPORARY.name, "--only", mutation["scene"], "--preset", preset, "--preset",
+                     mutant, "--json")
+        self.assertIn(done.returncode, (0, 1), done.stderr)
+        found = cells(done)
+        key = mutation["scene"], mutation["measure"], mutation.get("over", "all")
+        self.assertEqual(found[*key, preset]["verdict"], "pass", found[*key, preset])
+        self.assertEqual(found[*key, mutant]["verdict"], "fail", found[*key, mutant])
+
+
+class Proofs(unittest.TestCase):
+    """A scenario that nothing fails proves nothing: which these are is written down."""
+
+    def test_each_scenario_fails_for_somebody_or_is_listed(self):
+        listed = json.loads((ROOT / "scenes/studies/failure_expectations.json").read_text())
+        proven = ({e["scene"] for e in listed["expectations"] if e["is"] == "fails"}
+                  | {m["scene"] for m in MUTATIONS["mutations"]})
+        scenarios = {path.stem for path in (ROOT / "scenes/failure").glob("*.yaml")}
+        self.assertEqual(scenarios - proven, set(MUTATIONS["unproven"]))
+
+
+def tearDownModule():
+    TEMPORARY.cleanup()
+
+
+if __name__ == "__main__":
+    unittest.main()

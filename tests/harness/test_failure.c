@@ -1,0 +1,384 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The failure suite without a renderer: verdicts, what fails a run, expectations, how measures are
+ * read off documents, and that the project's own files agree with each other.
+ */
+#include "tests/base/scratch.h"
+
+#include "base/files.h"
+#include "harness/data.h"
+#include "harness/engines/engines.h"
+#include "harness/failure/expectations.h"
+#include "harness/failure/measures.h"
+#include "harness/failure/plan.h"
+#include "harness/failure/share.h"
+#include "harness/run/job.h"
+#include "metrics/extractors/extractors.h"
+
+#include <math.h>
+#include <unistd.h>
+
+/* ---- verdicts -------------------------------------------------------------------------------- */
+
+static void test_verdicts(void **state)
+{
+    (void)state;
+    static const struct {
+        double value;
+        enum neph_failure_expected expected;
+        enum neph_failure_verdict verdict;
+    } cases[] = {
+        {0.5, NEPH_FAILURE_PASSES, NEPH_FAILURE_PASS},
+        {1.0, NEPH_FAILURE_PASSES, NEPH_FAILURE_PASS}, /* the limit itself passes */
+        {1.5, NEPH_FAILURE_PASSES, NEPH_FAILURE_FAIL},
+        {INFINITY, NEPH_FAILURE_PASSES, NEPH_FAILURE_FAIL},
+        {NAN, NEPH_FAILURE_PASSES, NEPH_FAILURE_NO_NUMBER},
+        {1.5, NEPH_FAILURE_FAILS, NEPH_FAILURE_KNOWN_FAIL},
+        {0.5, NEPH_FAILURE_FAILS, NEPH_FAILURE_NEW_PASS},
+        {NAN, NEPH_FAILURE_FAILS, NEPH_FAILURE_NO_NUMBER},
+        {1.5, NEPH_FAILURE_FLAKES, NEPH_FAILURE_FLAKE},
+        {0.5, NEPH_FAILURE_FLAKES, NEPH_FAILURE_PASS},
+        {NAN, NEPH_FAILURE_FLAKES, NEPH_FAILURE_NO_NUMBER},
+        {NAN, NEPH_FAILURE_SKIPS, NEPH_FAILURE_SKIP},
+    };
+    for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++)
+        assert_int_equal(neph_failure_judge(cases[i].value, 1.0, cases[i].expected),
+                         cases[i].verdict);
+}
+
+/* A suite of one row and two presets. */
+static bool passes(enum neph_failure_verdict a, enum neph_failure_verdict b, int *compared)
+{
+    struct neph_failure_cell cells[] = {{1.0, a, ""}, {1.0, b, ""}};
+    struct neph_failure_row row = {.cells = cells};
+    struct neph_failure_suite suite = {.preset_count = 2, .row_count = 1, .rows = &row};
+    neph_failure_count(&suite);
+    *compared = suite.counts.compared;
+    return suite.passes;
+}
+
+static void test_what_fails_a_run(void **state)
+{
+    (void)state;
+    int compared;
+    assert_true(passes(NEPH_FAILURE_PASS, NEPH_FAILURE_KNOWN_FAIL, &compared));
+    assert_int_equal(compared, 2);
+    assert_true(passes(NEPH_FAILURE_FLAKE, NEPH_FAILURE_SKIP, &compared));
+    assert_int_equal(compared, 1);
+    assert_false(passes(NEPH_FAILURE_PASS, NEPH_FAILURE_FAIL, &compared));
+    assert_false(passes(NEPH_FAILURE_PASS, NEPH_FAILURE_NEW_PASS, &compared));
+    assert_false(passes(NEPH_FAILURE_PASS, NEPH_FAILURE_NO_NUMBER, &compared));
+    assert_int_equal(compared, 1);
+}
+
+static void test_nothing_compared_is_no_pass(void **state)
+{
+    (void)state;
+    int compared;
+    assert_false(passes(NEPH_FAILURE_SKIP, NEPH_FAILURE_NOT_ASKED, &compared));
+    assert_int_equal(compared, 0);
+}
+
+/* ---- expectations ---------------------------------------------------------------------------- */
+
+#define LIST(entries)                                                                              \
+    "{\"format\": \"neph-failure-expectations-1\", \"expectations\": [" entries "]}"
+#define ENTRY(more, is, reason)                                                                    \
+    "{\"scene\": \"s\", \"presets\": [\"seed\", \"ue\"], \"measure\": \"error\", " more            \
+    "\"is\": \"" is "\", \"reason\": \"" reason "\"}"
+
+static enum neph_status load_list(void **state, const char *text, json_t **list,
+                                  struct neph_diag *diag)
+{
+    char path[SCRATCH_PATH_MAX];
+    scratch_write(scratch_path(state, path, "list.json"), text, strlen(text));
+    return neph_failure_expectations_load(path, list, diag);
+}
+
+static void assert_expected(const json_t *list, struct neph_failure_place place,
+                            enum neph_failure_expected expected, const char *reason)
+{
+    const char *found;
+    assert_int_equal(neph_failure_expected_at(list, &place, &found), expected);
+    assert_string_equal(found, reason);
+}
+
+static void test_the_first_entry_that_fits_counts(void **state)
+{
+    json_t *list = NULL;
+    struct neph_diag diag = {.line = 0};
+    neph_assert_ok(load_list(state,
+                             LIST(ENTRY("\"points\": [\"x=1\"], ", "skips", "a") "," ENTRY(
+                                 "\"over\": \"sky\", ", "flakes", "b") "," ENTRY("", "fails", "c")),
+                             &list, &diag),
+                   &diag);
+    typedef struct neph_failure_place at;
+    assert_expected(list, (at){"s", "x=1", "ue", "error", "sky"}, NEPH_FAILURE_SKIPS, "a");
+    assert_expected(list, (at){"s", "", "ue", "error", "sky"}, NEPH_FAILURE_FLAKES, "b");
+    assert_expected(list, (at){"s", "", "seed", "error", "all"}, NEPH_FAILURE_FAILS, "c");
+    assert_expected(list, (at){"s", "", "ours", "error", "all"}, NEPH_FAILURE_PASSES, "");
+    assert_expected(list, (at){"s", "", "seed+taa=off", "error", "all"}, NEPH_FAILURE_PASSES, "");
+    assert_expected(list, (at){"s", "", "seed", "lag", "all"}, NEPH_FAILURE_PASSES, "");
+    assert_expected(list, (at){"t", "", "seed", "error", "all"}, NEPH_FAILURE_PASSES, "");
+    json_decref(list);
+}
+
+static void test_lists_that_are_none(void **state)
+{
+    static const char *const bad[] = {
+        "[",
+        "{}",
+        "{\"format\": \"other\", \"expectations\": []}",
+        LIST(ENTRY("", "passes", "a")),
+        LIST(ENTRY("", "breaks", "a")),
+        LIST(ENTRY("", "fails", "")),
+        LIST("{\"scene\": \"s\", \"presets\": [], \"measure\": \"error\", \"is\": \"fails\", "
+             "\"reason\": \"a\"}")};
+    for (size_t i = 0; i < sizeof(bad) / sizeof(bad[0]); i++) {
+        json_t *list = NULL;
+        struct neph_diag diag = {.line = 0};
+        assert_int_equal(load_list(state, bad[i], &list, &diag), NEPH_ERR_INPUT);
+        assert_null(list);
+        assert_true(diag.line > 0);
+    }
+}
+
+/* ---- measures -------------------------------------------------------------------------------- */
+
+static json_t *document(const char *const metrics[2], const double values[2], const char *mask)
+{
+    json_t *list = json_array();
+    for (int i = 0; i < 2 && metrics[i]; i++)
+        neph_json_add(&list,
+                      json_pack("{s:s, s:s, s:s, s:o, s:s}", "metric", metrics[i], "mask", mask,
+                                "quantity", "radiance", "value", neph_json_number(values[i]),
+                                "undefined_because", isnan(values[i]) ? "it cannot be told" : ""));
+    return json_pack("{s:o}", "measurements", list);
+}
+
+static double read_off(enum neph_failing_measure measure, const char *first, double a,
+                       const char *second, double b, char why[NEPH_FAILURE_WHY_SIZE])
+{
+    json_t *json = document((const char *const[]){first, second}, (double[]){a, b}, "all");
+    const struct neph_failing_limit limit = {.measure = measure, .over = (char[]){"all"}};
+    const double value = neph_failure_read(&limit, json, why);
+    json_decref(json);
+    return value;
+}
+
+static void test_measures_are_read(void **state)
+{
+    (void)state;
+    char why[NEPH_FAILURE_WHY_SIZE];
+    assert_true(read_off(NEPH_FAILING_ERROR, "rel_rmse", 0.25, NULL, 0, why) == 0.25);
+    assert_true(read_off(NEPH_FAILING_ENERGY, "rel_bias", -0.25, NULL, 0, why) == 0.25);
+    assert_true(read_off(NEPH_FAILING_PERIOD_4, "repeats_4", 1, "cycle_std", 2, why) == 1.0);
+    assert_true(read_off(NEPH_FAILING_PERIOD_4, "repeats_4", NAN, "cycle_std", 2, why) == 2.0);
+    assert_string_equal(why, "");
+    assert_true(
+        read_off(NEPH_FAILING_LAG, "frames_to_10_p95", 3, "share_unsettled_10", 0.05, why) == 3.0);
+    assert_true(
+        isinf(read_off(NEPH_FAILING_LAG, "frames_to_10_p95", 3, "share_unsettled_10", 0.06, why)));
+    assert_true(isnan(read_off(NEPH_FAILING_FLICKER, "seen_contrast", NAN, NULL, 0, why)));
+    assert_string_equal(why, "it cannot be told");
+    assert_true(isnan(read_off(NEPH_FAILING_FLICKER, "other", 1, NULL, 0, why)));
+    assert_string_equal(why, "the mask is empty, or the whole picture");
+}
+
+static void test_measures_are_of_metrics_that_there_are(void **state)
+{
+    (void)state;
+    for (int m = 0; m < NEPH_FAILING_MEASURES; m++) {
+        const struct neph_failure_measure *measure = neph_failure_measure(
+            (enum neph_failing_measure)m);
+        for (int n = 0; n < NEPH_FAILURE_NUMBERS && measure->metrics[n]; n++) {
+            const struct neph_extractor *owner = NULL;
+            assert_non_null(neph_metric_find(measure->metrics[n], &owner));
+            assert_string_equal(owner->name, measure->extractor);
+        }
+    }
+}
+
+/* Infinity is an answer of a distance alone; -inf is one value, though it is bad twice. */
+static void test_bad_values_are_counted_in_all_channels(void **state)
+{
+    (void)state;
+    static const float values[] = {NAN, INFINITY, -INFINITY, -1.0f, 0.0f, 1.0f};
+    static const struct {
+        const char *name;
+        size_t bad;
+    } channels[] = {{"R", 4}, {"Z", 3}, {"volume.distance", 3}, {"transmittance.G", 4}};
+    for (size_t i = 0; i < sizeof(channels) / sizeof(channels[0]); i++) {
+        struct neph_image *image = NULL;
+        float *samples = NULL;
+        neph_assert_ok(neph_image_create(6, 1, &image, NULL), NULL);
+        neph_assert_ok(neph_image_add_channel(image, channels[i].name, &samples, NULL), NULL);
+        memcpy(samples, values, sizeof(values));
+        assert_int_equal(neph_job_count_bad(image), channels[i].bad);
+        neph_image_destroy(image);
+    }
+}
+
+/* ---- the project's own files ----------------------------------------------------------------- */
+
+static void plan(struct neph_failure_suite *suite, bool full)
+{
+    const struct neph_failure_params params = {.full = full};
+    struct neph_diag diag = {.line = 0};
+    *suite = (struct neph_failure_suite){.scenes = NULL};
+    neph_assert_ok(neph_failure_plan(&params, suite, &diag), &diag);
+}
+
+static bool has_row(const struct neph_failure_suite *suite, const struct neph_failure_place *place)
+{
+    for (int r = 0; r < suite->row_count; r++) {
+        const struct neph_failure_row *row = &suite->rows[r];
+        if (strcmp(row->scene->name, place->scene) == 0 &&
+            (!place->point || strcmp(row->point, place->point) == 0) &&
+            strcmp(neph_failing_measure_name(row->limit->measure), place->measure) == 0 &&
+            (!*place->over || strcmp(row->limit->over, place->over) == 0) &&
+            neph_failure_has_preset(&row->scene->failing, place->preset))
+            return true;
+    }
+    return false;
+}
+
+static bool is_preset(const char *name)
+{
+    const struct neph_preset *preset = neph_engine_find("realtime")->presets;
+    while (preset->name && strcmp(preset->name, name) != 0)
+        preset++;
+    return preset->name != NULL;
+}
+
+/* An entry that fits nothing would hide that what it excused is gone. */
+static void test_every_expectation_is_of_something(void **state)
+{
+    (void)state;
+    struct neph_failure_suite suite;
+    json_t *list = NULL;
+    struct neph_diag diag = {.line = 0};
+    plan(&suite, true);
+    neph_assert_ok(neph_failure_expectations_load(NULL, &list, &diag), &diag);
+    for (size_t i = 0; i < json_array_size(list); i++) {
+        const json_t *entry = json_array_get(list, i);
+        const json_t *presets = json_object_get(entry, "presets");
+        const json_t *points = json_object_get(entry, "points");
+        for (size_t p = 0; p < json_array_size(presets); p++)
+            for (size_t k = 0; k < (points ? json_array_size(points) : 1); k++) {
+                const struct neph_failure_place place = {
+                    neph_json_text(entry, "scene"), json_string_value(json_array_get(points, k)),
+                    json_string_value(json_array_get(presets, p)), neph_json_text(entry, "measure"),
+                    neph_json_text(entry, "over")};
+                if (!is_preset(place.preset) || !has_row(&suite, &place))
+                    fail_msg("expectation %zu: %s, %s, %s is of nothing", i, place.scene,
+                             place.preset, place.measure);
+            }
+    }
+    json_decref(list);
+    neph_failure_finish(&suite);
+}
+
+/* Every scene says what fails; each is told how many bad values it has; every point is a scene. */
+static void test_every_scenario_can_be_run(void **state)
+{
+    (void)state;
+    struct neph_failure_suite full, quick;
+    char **names = NULL;
+    int count = 0;
+    assert_int_equal(neph_data_list_scenes(NEPH_DATA_FAILURES, &names, &count, NULL), NEPH_OK);
+    plan(&full, true);
+    plan(&quick, false);
+    assert_int_equal(full.scene_count, count);
+    assert_true(quick.scene_count > 0 && quick.scene_count < full.scene_count);
+    for (int s = 0; s < full.scene_count; s++) {
+        const struct neph_failure_place place = {full.scenes[s]->name, "", "fixed", "bad_values",
+                                                 "all"};
+        assert_true(has_row(&full, &place));
+        for (int p = 1; p < neph_failing_point_count(&full.scenes[s]->failing); p++) {
+            struct neph_scene *at = NULL;
+            struct neph_diag diag = {.line = 0};
+            neph_assert_ok(neph_scene_load_point(full.scenes[s], p, &at, &diag), &diag);
+            neph_scene_destroy(at);
+        }
+    }
+    neph_data_free_names(names);
+    neph_failure_finish(&full);
+    neph_failure_finish(&quick);
+}
+
+static void test_wrong_words_are_refused(void **state)
+{
+    (void)state;
+    static const char *const nobody[] = {"nobody"};
+    const struct neph_failure_params params[] = {{.only = nobody, .only_count = 1},
+                                                 {.presets = nobody, .preset_count = 1}};
+    for (size_t i = 0; i < sizeof(params) / sizeof(params[0]); i++) {
+        struct neph_failure_suite suite = {.scenes = NULL};
+        struct neph_diag diag = {.line = 0};
+        assert_int_equal(neph_failure_plan(&params[i], &suite, &diag), NEPH_ERR_USAGE);
+        assert_non_null(strstr(diag.message, "nobody"));
+        neph_failure_finish(&suite);
+    }
+}
+
+/* ---- shares ---------------------------------------------------------------------------------- */
+
+/* A line for each number that is of the share, by one write, which does not interleave. */
+static enum neph_status note(const struct neph_share *share, void *context, struct neph_diag *diag)
+{
+    FILE *file = fopen(context, "a");
+    (void)diag;
+    assert_non_null(file);
+    for (int number = 0; number < 10; number++)
+        if (neph_share_has(share, number))
+            fprintf(file, "%d of %d: %d\n", share->index, share->count, number);
+    fclose(file);
+    return NEPH_OK;
+}
+
+static int count_lines(const char *path, const char *line)
+{
+    char *text = NULL;
+    size_t size = 0;
+    int count = 0;
+    assert_int_equal(neph_file_read(path, 1 << 20, &text, &size, NULL), NEPH_OK);
+    for (const char *at = text; (at = strstr(at, line)); at++)
+        count++;
+    free(text);
+    return count;
+}
+
+static void test_shares_are_the_whole_once_and_then_the_whole(void **state)
+{
+    char path[SCRATCH_PATH_MAX];
+    scratch_path(state, path, "notes");
+    assert_int_equal(neph_shares_run(3, note, path, NULL), NEPH_OK);
+    for (int number = 0; number < 10; number++) {
+        char line[40];
+        snprintf(line, sizeof(line), "%d of 3: %d\n", number % 3, number);
+        assert_int_equal(count_lines(path, line), 1);
+        snprintf(line, sizeof(line), "0 of 1: %d\n", number);
+        assert_int_equal(count_lines(path, line), 1);
+    }
+    assert_int_equal(count_lines(path, "\n"), 20);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_verdicts),
+        cmocka_unit_test(test_what_fails_a_run),
+        cmocka_unit_test(test_nothing_compared_is_no_pass),
+        scratch_test(test_the_first_entry_that_fits_counts),
+        scratch_test(test_lists_that_are_none),
+        cmocka_unit_test(test_measures_are_read),
+        cmocka_unit_test(test_measures_are_of_metrics_that_there_are),
+        cmocka_unit_test(test_bad_values_are_counted_in_all_channels),
+        cmocka_unit_test(test_every_expectation_is_of_something),
+        cmocka_unit_test(test_every_scenario_can_be_run),
+        cmocka_unit_test(test_wrong_words_are_refused),
+        scratch_test(test_shares_are_the_whole_once_and_then_the_whole),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
