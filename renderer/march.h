@@ -64,9 +64,9 @@ enum neph_status neph_march_create(struct neph_vulkan *vulkan, const struct neph
 void neph_march_destroy(struct neph_march *march);
 
 /* One frame of the scene, which may have another sun or its media moved since (neph_scene_at());
- * params.frame counts no more. `moment` NULL: a picture by itself. The image has R G B, volume.*, transmittance.*, Z as in base/image.h, and where something
- * was marched volume.distance; no attributes. Same scene, params and device: same bits. `stats` may
- * be NULL.
+ * params.frame counts no more. `moment` NULL: a picture by itself. The image has R G B, volume.*,
+ * transmittance.*, Z as in base/image.h, and where something was marched volume.distance; no
+ * attributes. Same scene, params and device: same bits. `stats` may be NULL.
  *
  * NEPH_ERR_UNSUPPORTED: one step alone is more than a dispatch may hold (thousands of sun steps).
  * NEPH_ERR_INTERRUPTED: neph_interrupted() between two dispatches (well below a second each on two

@@ -59,7 +59,7 @@ static enum neph_status trace_light(const struct neph_scene *from, double frame,
                                     struct neph_diag *diag)
 {
     struct neph_dispatch bound = {.group_count = 0};
-    const struct neph_light_view view = {neph_scene_camera(from, frame), moment->drift_m};
+    const struct neph_light_moment view = {neph_scene_camera(from, frame), moment->drift_m};
     neph_gpu_scene_bind(&scene->gpu, &bound);
     bound.buffers[NEPH_GPU_SCENE_BUFFERS + 2] = &scene->sun_cache.nodes;
     return neph_traced_light_trace(&scene->traced_light, from, &scene->gpu, &bound, &view,

@@ -44,7 +44,7 @@ extern const char *const neph_sun_caches[], *const neph_skips[]; /* words of the
             "all are equal"                                                                        \
     }
 
-/* Of traced light, which is no shortcut but shared alike. */
+/* Traced light is no shortcut, but its rows are shared as well. */
 #define NEPH_OPTION_LIGHT_TEXEL                                                                    \
     {                                                                                              \
         "light_texel_px", NEPH_OPTION_INTEGER, 8, 1, NEPH_LIGHT_TEXEL_PX_MAX, NULL,                \

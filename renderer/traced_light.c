@@ -255,17 +255,17 @@ static void set_vector(float out[3], struct neph_vec3 vector)
 }
 
 /* How far what drifts with the wind has gone past the camera. */
-static struct neph_vec3 shift_of(const struct neph_light_view *from,
-                                 const struct neph_light_view *to)
+static struct neph_vec3 shift_of(const struct neph_light_moment *from,
+                                 const struct neph_light_moment *to)
 {
     return neph_vec3_sub(neph_vec3_sub(to->drift_m, from->drift_m),
                          neph_vec3_sub(to->camera.position_m, from->camera.position_m));
 }
 
-static void set_fade(const struct neph_traced_light *light, const struct neph_light_view *view,
+static void set_fade(const struct neph_traced_light *light, const struct neph_light_moment *view,
                      bool continues, struct neph_gpu_light_fade *fade)
 {
-    const struct neph_light_view *before = continues ? &light->past : view;
+    const struct neph_light_moment *before = continues ? &light->past : view;
     const double half_height = neph_camera_half_height(&before->camera);
     *fade = (struct neph_gpu_light_fade){
         .half_width = (float)(half_height * light->size_px[0] / light->size_px[1]),
@@ -282,7 +282,7 @@ static void set_fade(const struct neph_traced_light *light, const struct neph_li
     set_vector(fade->position_m, shift_of(before, view));
 }
 
-/* Of a start in a row of pictures. */
+/* Rounds before the first picture of a row. */
 static const int unseen_at_start = 8;
 
 /* Rounds that do not count, before the first that do: what the last paths will not bring home in
@@ -315,7 +315,7 @@ enum neph_status neph_traced_light_trace(struct neph_traced_light *light,
                                          const struct neph_scene *scene,
                                          const struct neph_gpu_scene *gpu,
                                          const struct neph_dispatch *bound,
-                                         const struct neph_light_view *view, bool continues,
+                                         const struct neph_light_moment *view, bool continues,
                                          double *gpu_s, struct neph_diag *diag)
 {
     if (light->params.lighting != NEPH_MARCH_TRACED)

@@ -14,7 +14,7 @@
 #include "renderer/march_cut.h"
 
 /* The camera and the wind of a picture. */
-struct neph_light_view {
+struct neph_light_moment {
     struct neph_camera camera;
     struct neph_vec3 drift_m;
 };
@@ -30,7 +30,7 @@ struct neph_traced_light {
     struct neph_buffer smoothed;  /* at binding 8 of a march, whether it traces or not */
     uint32_t round;               /* ever */
     bool has_past;
-    struct neph_light_view past;
+    struct neph_light_moment past;
 };
 
 /* For a march with these parameters: without paths unless its lighting is NEPH_MARCH_TRACED.
@@ -53,7 +53,7 @@ enum neph_status neph_traced_light_trace(struct neph_traced_light *light,
                                          const struct neph_scene *scene,
                                          const struct neph_gpu_scene *gpu,
                                          const struct neph_dispatch *bound,
-                                         const struct neph_light_view *view, bool continues,
+                                         const struct neph_light_moment *view, bool continues,
                                          double *gpu_s, struct neph_diag *diag);
 
 #endif

@@ -41,11 +41,17 @@ struct bound {
  *
  * tracer: the random numbers are the same, but a collision that the last bit makes null sends the
  * rest of the path elsewhere, where it is as right. Of 33 such pictures the worst had 3.2 % beyond
- * and a mean 1e-4 off. */
+ * and a mean 1e-4 off.
+ *
+ * march_traced: so do its paths, and each counts in a texel of many pixels and in its neighbours.
+ * Of three pictures at 96x54 on an NVIDIA H200 and on lavapipe one differed: 13 % of the pixels
+ * beyond, a mean 4e-5 off. */
 static const struct bound bounds[] = {
     {"realtime", "Z", 5e-4, 0.0, 0.002, 1e-3},
     {"realtime", "volume.distance", 1e-2, 1e-3, 0.05, 1e-2},
     {"realtime", "", 4e-3, 1e-3, 0.05, 5e-4},
+    {"march_traced", "Z", 5e-4, 0.0, 0.002, 1e-3},
+    {"march_traced", "", 2e-4, 2e-5, 0.2, 5e-4},
     {"tracer", "Z", 5e-4, 0.0, 0.002, 1e-3},
     {"tracer", "", 2e-4, 2e-5, 0.05, 5e-4},
     {"", "Z", 5e-4, 0.0, 0.002, 1e-3},

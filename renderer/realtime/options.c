@@ -11,8 +11,8 @@
 #include "renderer/shortcuts.h"
 
 static const char *const modes[] = {"exact", "marched", NULL};
-static const char *const lightings[] = {"single", "octaves", "horizon", "octaves_fitted",
-                                         "traced", NULL};
+static const char *const lightings[] = {"single",         "octaves", "horizon",
+                                        "octaves_fitted", "traced",  NULL};
 static const char *const switches[] = {"off", "on", NULL};
 static const char *const splits[] = {"none", "four", NULL};
 static const char *const depth_maps[] = {"checkerboard", "nearest", "farthest", "reversed", NULL};
@@ -335,7 +335,7 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
     [RT_LIGHT_PATHS] = NEPH_OPTION_LIGHT_PATHS(2),
     [RT_LIGHT_ROUNDS] = NEPH_OPTION_LIGHT_ROUNDS(1),
     [RT_LIGHT_MEMORY] = WHOLE("light_memory", 32, 1, NEPH_LIGHT_MEMORY_MAX,
-                              "pictures over which traced light fades; 1: each picture has its own"),
+                              "pictures over which traced light fades; 1: each has its own"),
     [RT_LIGHT_BLUR] = NEPH_OPTION_LIGHT_BLUR,
     {.name = NULL},
 };

@@ -3,8 +3,8 @@
 //
 // The paths of traced light (traced_light.glsl): one thread, one path of a texel. A dispatch takes
 // it some turns further, and another one where that left it: a turn is the way to the next face of
-// a majorant cell, or to a tentative collision before it (Woodcock 1965). Free paths have no memory,
-// so one may be drawn anew wherever a dispatch ends.
+// a majorant cell, or to a tentative collision before it (Woodcock 1965). Free paths have no
+// memory, so one may be drawn anew wherever a dispatch ends.
 //
 // The sunlight of the first collision is left out: single scattering is the march's. What arrives
 // of sunlight at the others is found as the march finds it.

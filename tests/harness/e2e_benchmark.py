@@ -92,7 +92,7 @@ class Benchmark(unittest.TestCase):
 
     def test_the_table_says_what_it_found(self):
         done, _ = benchmark("gaussian_blob", "--voxels", "12", "-e", "tracer,oracle", "--size",
-                            "16x9", "--seconds", "0.05", "--set", "oracle:samples=4")
+                            "16x9", "--seconds", "0.3", "--set", "oracle:samples=4")
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertIn("noise^2 x time", done.stdout)
         self.assertIn("times the time of tracer for the same noise", done.stdout)
