@@ -409,6 +409,6 @@ enum neph_status neph_march_home(struct neph_march *march, double *gpu_s, struct
     if (status)
         return status;
     neph_march_cut_learn(&march->cut, march->flights_gpu_s[slot]);
-    *gpu_s = march->flights_gpu_s[slot] + march->fills_gpu_s[slot];
+    *gpu_s = march->flights_gpu_s[slot] + march->fills_gpu_s[slot] + march->lights_gpu_s[slot];
     return NEPH_OK;
 }

@@ -107,6 +107,8 @@ static enum neph_status label_passes(struct neph_image *frame,
         if (stats->pass_gpu_s[i] > 0.0) /* it ran, on a device with a clock */
             status = neph_frame_stats_set(frame, name, 1e3 * stats->pass_gpu_s[i], diag);
     }
+    if (!status && stats->light_gpu_s > 0.0)
+        status = neph_frame_stats_set(frame, "traced_light_gpu_ms", 1e3 * stats->light_gpu_s, diag);
     return status;
 }
 
@@ -228,6 +230,11 @@ static enum neph_status home(void *opened, struct neph_flight_cost *cost, struct
         cost->passes[i].gpu_s = stats.pass_gpu_s[i];
         cost->passes[i].traffic_bytes = of_targets(stats.pass_traffic_bytes[i]);
         cost->pass_count = i + 1;
+    }
+    if (stats.light_gpu_s > 0.0) {
+        cost->passes[cost->pass_count].name = "traced light";
+        cost->passes[cost->pass_count].gpu_s = stats.light_gpu_s;
+        cost->passes[cost->pass_count++].traffic_bytes = NAN;
     }
     return NEPH_OK;
 }
