@@ -232,8 +232,9 @@ static VkResult create_layouts(const struct neph_vulkan *vulkan, struct neph_ker
     return vulkan->api.vkCreatePipelineLayout(vulkan->device, &layout, NULL, &kernel->layout);
 }
 
-/* A CPU device gets a shader that knows its constants: to lavapipe that is a third to a half of the
- * work of a pipeline. What GPUs make of it has not been measured; theirs get shader and constants. */
+/* A CPU device gets a shader that knows its constants: to lavapipe that is a third to a half of
+ * the work of a pipeline. What GPUs make of it has not been measured; theirs get shader and
+ * constants. */
 static VkResult create_module(const struct neph_vulkan *vulkan,
                               const struct neph_kernel_params *params, VkShaderModule *module)
 {

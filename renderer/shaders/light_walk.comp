@@ -117,11 +117,12 @@ void look_ahead()
 
 void start()
 {
-    uint texel = thread / run.paths;
+    uint texel = thread / run.paths, texel_px = frame.light_texel_px;
     uvec2 size_px = uvec2(frame.width_px, frame.height_px);
-    uint wide = light_size(size_px, frame.light_texel_px).x;
-    vec2 place_px = float(frame.light_texel_px) * (vec2(texel % wide, texel / wide) + draw().xy);
-    ViewRay ray = camera_ray_at(frame_camera(), min(place_px, vec2(size_px)));
+    uint wide = light_size(size_px, texel_px).x;
+    uvec2 low_px = texel_px * uvec2(texel % wide, texel / wide);
+    vec2 high_px = vec2(min(low_px + texel_px, size_px)); // the last may not be whole
+    ViewRay ray = camera_ray_at(frame_camera(), mix(vec2(low_px), high_px, draw().xy));
     path = LightPath(ray.origin_m, 0u, ray.direction, NO_SOLID, vec3(1.0), 1u);
     look_ahead();
 }
