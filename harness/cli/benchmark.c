@@ -140,7 +140,7 @@ static enum neph_status add_engine(const char *name, const struct neph_scene *sc
         neph_hint(diag, "`neph engines` lists them");
         return NEPH_ERR_USAGE;
     }
-    const bool flies = neph_benchmark_frames_applies(engine);
+    const bool flies = neph_flight_applies(engine);
     if (!flies && !neph_benchmark_applies(engine, reason, sizeof(reason)))
         return neph_fail(diag, NEPH_ERR_USAGE, "engine '%s' %s", name, reason);
     int *count = flies ? &both->frames.engine_count : &both->noise.engine_count;

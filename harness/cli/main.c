@@ -25,6 +25,7 @@ static const struct {
     {"export", neph_cli_export, "leave a scene as files for Blender or POV-Ray"},
     {"bake", neph_cli_bake, "a medium of a scene as a volume file, with what that costs"},
     {"benchmark", neph_cli_benchmark, "how long engines take for the same noise"},
+    {"sweep", neph_cli_sweep, "speed against accuracy of engines and settings over a scene"},
     {"compare", neph_cli_compare,
      "measure the error of frames of any renderer against a reference"},
     {"flicker", neph_cli_flicker, "measure the flicker and the lag of a sequence of any renderer"},

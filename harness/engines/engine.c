@@ -69,7 +69,7 @@ enum neph_status neph_settings_words(const struct neph_engine *engine, const cha
     enum neph_status status = text
                                   ? neph_settings_preset(engine, strsep(&rest, "+"), settings, diag)
                                   : neph_fail_memory(diag);
-    if (!status)
+    if (!status && shared)
         status = neph_settings_set(engine, settings, shared, diag);
     while (rest && !status)
         status = neph_settings_set(engine, settings, strsep(&rest, "+"), diag);

@@ -185,7 +185,7 @@ const char *neph_settings_for(const struct neph_engine *engine, const char *text
 enum neph_status neph_settings_preset(const struct neph_engine *engine, const char *name,
                                       struct neph_settings *settings, struct neph_diag *diag);
 
-/* "NAME" or "NAME+KEY=VALUE+...": a preset, then `shared` ("steps=8"), then what it is changed by.
+/* "NAME" or "NAME+KEY=VALUE+...": a preset, then `shared` ("steps=8"; or NULL), then its changes.
  * Errors as of both. */
 enum neph_status neph_settings_words(const struct neph_engine *engine, const char *words,
                                      const char *shared, struct neph_settings *settings,

@@ -201,8 +201,8 @@ static enum neph_status run_take(struct work *work, struct place *place, int pre
     neph_failure_kept(failing, kept);
     snprintf(step, sizeof(step), "lag.step_frame=%d", failing->event_frame);
     const char *const settings[] = {failing->event_frame > 0 ? step : NULL, NULL};
-    const struct neph_reading reading = {"failure", NEPH_REFERENCE_AVERAGED, extractors,
-                                         settings,  viewing_of(place->at),   kept};
+    const struct neph_reading reading = {
+        "failure", NEPH_REFERENCE_AVERAGED, extractors, settings, viewing_of(place->at), kept, 0};
     const struct neph_take take = {.job = job,
                                    .frame_count = failing->frame_count,
                                    .reference = &place->reference,

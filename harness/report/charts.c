@@ -13,6 +13,7 @@
 #include "harness/data.h"
 #include "harness/engines/engines.h"
 #include "harness/progress.h"
+#include "harness/report/vega.h"
 #include "harness/run/job.h"
 
 #include <math.h>
@@ -213,21 +214,6 @@ static enum neph_status run_series(const struct sweep *sweep, const struct serie
     return status;
 }
 
-static enum neph_status load_template(json_t **spec, struct neph_diag *diag)
-{
-    char *path = neph_data_path("scripts/report/speed_accuracy.vl.json");
-    json_error_t error;
-    *spec = path ? json_load_file(path, 0, &error) : NULL;
-    enum neph_status status = NEPH_OK;
-    if (!*spec) {
-        status = neph_fail(diag, NEPH_ERR_NOT_FOUND, "cannot read the chart's template '%s'",
-                           path ? path : "?");
-        neph_hint(diag, "set NEPH_DATA_DIR to the folder that holds scenes/ and scripts/");
-    }
-    free(path);
-    return status;
-}
-
 static enum neph_status render_truth(struct sweep *sweep, struct neph_diag *diag)
 {
     const struct neph_engine *exact = neph_engine_find("exact");
@@ -278,7 +264,7 @@ static enum neph_status run_chart(const struct chart *chart, struct sweep *sweep
     char absent[512] = "";
     enum neph_status status = neph_data_load_scene(chart->scene, &scene, diag);
     if (!status)
-        status = load_template(&spec, diag);
+        status = neph_vega_template("speed_accuracy.vl.json", &spec, diag);
     sweep->scene = scene;
     sweep->truth = NULL;
     if (!status)

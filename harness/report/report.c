@@ -1,21 +1,18 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/report/report.h"
 
-#include "base/child.h"
 #include "base/exr.h"
 #include "base/files.h"
 #include "base/png.h"
-#include "harness/data.h"
 #include "harness/physics/pictures.h"
+#include "harness/report/page.h"
 #include "harness/report/report_folder.h"
+#include "harness/report/vega.h"
 #include "metrics/display.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
-
-static const double chart_time_limit_s = 120.0;
 
 struct neph_report {
     struct neph_report_folder *folder;
@@ -130,47 +127,18 @@ static enum neph_status draw_scene(const char *folder, struct neph_scene_result 
 
 /* ---- charts ---------------------------------------------------------------------------------- */
 
-/* Node, with the very specification that the page shows; `*drawn` tells whether there is a picture,
- * and `why` why not. */
-static enum neph_status run_node(const char *spec_path, const char *svg_path, const char *log_path,
-                                 bool *drawn, struct neph_diag *why)
-{
-    char *script = neph_data_path("scripts/report/render_chart.mjs");
-    if (!script)
-        return neph_fail_memory(why);
-    const char *const argv[] = {"node", script, spec_path, svg_path, NULL};
-    const struct neph_child_params params = {
-        .argv = argv, .log_path = log_path, .time_limit_s = chart_time_limit_s};
-    struct neph_child_result result;
-    unlink(svg_path); /* an older one is linked to from the report, and not to be written to */
-    const enum neph_status status = neph_child_run(&params, &result, why);
-    *drawn = !status;
-    if (!status)
-        unlink(log_path);
-    free(script);
-    return status == NEPH_ERR_INTERRUPTED ? status : NEPH_OK;
-}
-
 static enum neph_status draw_chart(const char *folder, struct neph_chart *chart,
                                    struct neph_arena *arena, struct neph_diag *diag)
 {
     if (chart->svg || chart->missing)
         return NEPH_OK;
-    struct neph_arena paths = {0};
-    const char *spec_path = neph_arena_format(&paths, "%s/charts/%s.vl.json", folder, chart->id);
-    const char *svg_path = neph_arena_format(&paths, "%s/charts/%s.svg", folder, chart->id);
-    const char *log_path = neph_arena_format(&paths, "%s/charts/%s.log", folder, chart->id);
-    char *spec = json_dumps(chart->spec, JSON_INDENT(1));
+    char *stem = neph_format("%s/charts/%s", folder, chart->id);
     struct neph_diag why = {.line = 0};
     bool drawn = false;
-    enum neph_status status = spec ? neph_arena_check(&paths, diag) : neph_fail_memory(diag);
+    enum neph_status status = stem ? neph_vega_write(chart->spec, stem, diag)
+                                   : neph_fail_memory(diag);
     if (!status)
-        status = neph_file_write(spec_path, spec, strlen(spec), diag);
-    if (!status) {
-        status = run_node(spec_path, svg_path, log_path, &drawn, &why);
-        if (status && diag)
-            *diag = why;
-    }
+        status = neph_vega_draw(&stem, 1, &drawn, &why, diag);
     if (!status && drawn)
         chart->svg = neph_arena_format(arena, "charts/%s.svg", chart->id);
     else if (!status) /* said on the page; the interactive chart is still there */
@@ -179,101 +147,18 @@ static enum neph_status draw_chart(const char *folder, struct neph_chart *chart,
             "static chart not drawn: %s (apt-get install nodejs npm; npm ci --omit=dev in "
             "scripts/report)",
             why.message);
-    free(spec);
-    neph_arena_finish(&paths);
+    free(stem);
     return status;
 }
 
 /* ---- the page -------------------------------------------------------------------------------- */
 
-/* What the page is made of: from scripts/report/ into the report. */
-static const struct {
-    const char *from, *to;
-    bool vendored; /* comes with npm; the page does without */
-} page_files[] = {
-    {"index.html", "index.html", false},
-    {"report.css", "report.css", false},
-    {"report.js", "report.js", false},
-    {"node_modules/vega/build/vega.min.js", "vendor/vega.min.js", true},
-    {"node_modules/vega-lite/build/vega-lite.min.js", "vendor/vega-lite.min.js", true},
-    {"node_modules/vega-embed/build/vega-embed.min.js", "vendor/vega-embed.min.js", true},
-    {"vendor-licences.txt", "vendor/LICENSES.txt", true},
+static const struct neph_page_file page_files[] = {
+    {"index.html", "index.html"},
+    {"report.css", "report.css"},
+    {"report.js", "report.js"},
+    {NULL, NULL},
 };
-
-static char *page_file_path(const char *from)
-{
-    char *name = neph_path_join("scripts/report", from);
-    char *path = name ? neph_data_path(name) : NULL;
-    free(name);
-    return path;
-}
-
-static enum neph_status copy_page(const char *folder, bool with_vendor, struct neph_diag *diag)
-{
-    enum neph_status status = NEPH_OK;
-    for (size_t i = 0; i < sizeof(page_files) / sizeof(page_files[0]) && !status; i++) {
-        if (page_files[i].vendored && !with_vendor)
-            continue;
-        char *from = page_file_path(page_files[i].from);
-        char *to = neph_path_join(folder, page_files[i].to);
-        status = from && to ? neph_file_copy(from, to, diag) : neph_fail_memory(diag);
-        free(from);
-        free(to);
-    }
-    return status;
-}
-
-static bool vendor_is_installed(void)
-{
-    bool installed = true;
-    for (size_t i = 0; i < sizeof(page_files) / sizeof(page_files[0]); i++) {
-        char *path = page_file_path(page_files[i].from);
-        if (page_files[i].vendored)
-            installed &= path && neph_path_exists(path);
-        free(path);
-    }
-    return installed;
-}
-
-/* "</script>" and friends cannot end the script early: '<' is written as an escape. */
-static char *escape_for_script(const char *json)
-{
-    size_t extra = 0;
-    for (const char *c = json; *c; c++)
-        extra += *c == '<' ? 5 : 0;
-    char *escaped = malloc(strlen(json) + extra + 1), *out = escaped;
-    if (!escaped)
-        return NULL;
-    for (const char *c = json; *c; c++) {
-        if (*c == '<')
-            out = stpcpy(out, "\\u003c");
-        else
-            *out++ = *c;
-    }
-    *out = '\0';
-    return escaped;
-}
-
-static enum neph_status write_data(const char *folder, const json_t *document,
-                                   struct neph_diag *diag)
-{
-    char *json = json_dumps(document, JSON_INDENT(1));
-    char *escaped = json ? escape_for_script(json) : NULL;
-    char *script = escaped ? neph_format("window.NEPH_REPORT = %s;\n", escaped) : NULL;
-    char *json_path = neph_path_join(folder, "data.json");
-    char *script_path = neph_path_join(folder, "data.js");
-    enum neph_status status = script && json_path && script_path ? NEPH_OK : neph_fail_memory(diag);
-    if (!status)
-        status = neph_file_write(json_path, json, strlen(json), diag);
-    if (!status)
-        status = neph_file_write(script_path, script, strlen(script), diag);
-    free(json);
-    free(escaped);
-    free(script);
-    free(json_path);
-    free(script_path);
-    return status;
-}
 
 /* All but the data, into the folder that is kept between publications. */
 static enum neph_status draw(struct neph_report *report, struct neph_validation *validation,
@@ -305,8 +190,11 @@ static enum neph_status start_folder(struct neph_report *report, struct neph_dia
         status = path ? neph_dir_create(path, diag) : neph_fail_memory(diag);
         free(path);
     }
-    report->with_vendor = vendor_is_installed();
-    return status ? status : copy_page(folder, report->with_vendor, diag);
+    report->with_vendor = neph_page_vendor_is_installed();
+    if (!status)
+        status = neph_page_copy(folder, page_files, diag);
+    return status || !report->with_vendor ? status
+                                          : neph_page_copy(folder, neph_page_vendored, diag);
 }
 
 enum neph_status neph_report_open(const char *folder, struct neph_report **report,
@@ -345,7 +233,7 @@ enum neph_status neph_report_publish(struct neph_report *report, struct neph_val
     if (!status)
         status = neph_report_folder_begin(report->folder, &fresh, diag);
     if (!status)
-        status = write_data(neph_scratch_path(fresh), document, diag);
+        status = neph_page_write_data(neph_scratch_path(fresh), "NEPH_REPORT", document, diag);
     if (!status)
         status = neph_report_folder_exchange(report->folder, fresh, diag);
     json_decref(document);

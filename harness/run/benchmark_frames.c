@@ -22,103 +22,18 @@ static const double cpu_ceiling_s = 0.25, gpu_ceiling_s = 1.0;
 
 enum { WARM_UP_FRAMES = 16 }; /* four turns of the four frames: a history */
 
-bool neph_benchmark_frames_applies(const struct neph_engine *engine)
-{
-    return engine->sequence && engine->sequence->send;
-}
-
-/* --- pictures in flight ------------------------------------------------------------------- */
-
-struct flown {
-    struct neph_flight_cost *costs;
-    double *frame_s;
-    double all_s;
-    int count;
-};
-
-/* Frames 0 .. count - 1, and back: nothing jumps, and the wind blows no cloud away. */
-static int place_of(long picture, int count)
-{
-    if (count < 2)
-        return 0;
-    const long turn = picture % (2L * (count - 1));
-    return (int)(turn < count ? turn : 2L * (count - 1) - turn);
-}
-
-static enum neph_status send(struct neph_job *job, long picture, struct neph_diag *diag)
-{
-    struct neph_shot shot = job->shot;
-    struct neph_scene *still = NULL;
-    enum neph_status status = NEPH_OK;
-    shot.frame = place_of(picture, shot.scene->frame_count);
-    if (!job->engine->remembers && neph_scene_moves(shot.scene))
-        status = neph_scene_at(shot.scene, shot.frame, &still, diag);
-    if (still)
-        shot.scene = still;
-    if (!status)
-        status = job->engine->sequence->send(job->sequence, &shot, diag);
-    neph_scene_destroy(still);
-    return status;
-}
-
-/* Pictures from number `*picture` on, until there are `most`, or `least` and the time is over.
- * `flown` may be NULL. */
-static enum neph_status fly(struct neph_job *job, long *picture, int least, int most,
-                            double seconds, struct flown *flown, struct neph_diag *diag)
-{
-    const double start_s = neph_wall_s();
-    double before_s = start_s;
-    int sent = 0, home = 0;
-    enum neph_status status = NEPH_OK;
-    while (!status && (home < sent || sent < most)) {
-        const bool goes_on = sent < most && (sent < least || neph_wall_s() - start_s < seconds);
-        if (goes_on && sent - home < NEPH_FLIGHT_PICTURES_MAX) {
-            status = send(job, (*picture)++, diag);
-            sent++;
-            continue;
-        }
-        if (home == sent)
-            break;
-        struct neph_flight_cost cost;
-        status = job->engine->sequence->home(job->sequence, &cost, diag);
-        const double now_s = neph_wall_s();
-        if (flown && !status) {
-            flown->costs[flown->count] = cost;
-            flown->frame_s[flown->count++] = now_s - before_s;
-        }
-        before_s = now_s;
-        home++;
-    }
-    if (flown)
-        flown->all_s = before_s - start_s;
-    return status;
-}
-
 /* --- what they took ----------------------------------------------------------------------- */
 
-/* Reorders the values. NaN: there is no clock. */
-static struct neph_spread spread_of(double *values, int count)
-{
-    const size_t size = (size_t)count;
-    if (!isfinite(values[0]))
-        return (struct neph_spread){NAN, NAN, NAN};
-    return (struct neph_spread){
-        .median = neph_percentile(values, size, 0.5),
-        .low = neph_percentile(values, size, 0.1),
-        .high = neph_percentile(values, size, 0.9),
-    };
-}
-
 /* A double that each picture's cost has at an offset. */
-static struct neph_spread spread_at(const struct flown *flown, size_t offset, double *room)
+static struct neph_spread spread_at(const struct neph_flown *flown, size_t offset, double *room)
 {
     for (int i = 0; i < flown->count; i++)
         memcpy(&room[i], (const char *)&flown->costs[i] + offset, sizeof(room[i]));
-    return spread_of(room, flown->count);
+    return neph_spread_of(room, flown->count);
 }
 
 /* The first picture for which a pass ran; NULL: it never did. */
-static const struct neph_flight_cost *first_with(const struct flown *flown, int pass)
+static const struct neph_flight_cost *first_with(const struct neph_flown *flown, int pass)
 {
     for (int i = 0; i < flown->count; i++)
         if (flown->costs[i].passes[pass].gpu_s != 0.0)
@@ -126,7 +41,7 @@ static const struct neph_flight_cost *first_with(const struct flown *flown, int 
     return NULL;
 }
 
-static void conclude_pass(const struct flown *flown, int pass, double *room,
+static void conclude_pass(const struct neph_flown *flown, int pass, double *room,
                           struct neph_benchmark_frames_engine *engine)
 {
     const struct neph_flight_cost *first = first_with(flown, pass);
@@ -139,14 +54,14 @@ static void conclude_pass(const struct flown *flown, int pass, double *room,
         };
 }
 
-static void conclude(const struct flown *flown, double *room,
+static void conclude(const struct neph_flown *flown, double *room,
                      struct neph_benchmark_frames_engine *engine)
 {
     engine->frame_count = flown->count;
     engine->mean_s = flown->all_s / flown->count;
     engine->gpu_s = spread_at(flown, offsetof(struct neph_flight_cost, gpu_s), room);
     engine->cpu_s = spread_at(flown, offsetof(struct neph_flight_cost, cpu_s), room);
-    engine->frame_s = spread_of(flown->frame_s, flown->count);
+    engine->frame_s = neph_spread_of(flown->frame_s, flown->count);
     engine->pass_count = 0;
     for (int pass = 0; pass < flown->costs[0].pass_count; pass++)
         conclude_pass(flown, pass, room, engine);
@@ -155,7 +70,7 @@ static void conclude(const struct flown *flown, double *room,
 static enum neph_status time_frames(struct neph_benchmark_frames_engine *engine, long *picture,
                                     int frame_count, struct neph_diag *diag)
 {
-    struct flown flown = {
+    struct neph_flown flown = {
         .costs = calloc((size_t)frame_count, sizeof(*flown.costs)),
         .frame_s = calloc((size_t)frame_count, sizeof(*flown.frame_s)),
     };
@@ -163,10 +78,10 @@ static enum neph_status time_frames(struct neph_benchmark_frames_engine *engine,
     enum neph_status status = flown.costs && flown.frame_s && room ? NEPH_OK
                                                                    : neph_fail_memory(diag);
     if (!status)
-        status = fly(&engine->job, picture, WARM_UP_FRAMES, NEPH_BENCHMARK_FRAMES_MAX, warm_up_s,
-                     NULL, diag);
+        status = neph_flight_fly(&engine->job, picture, WARM_UP_FRAMES, NEPH_BENCHMARK_FRAMES_MAX,
+                                 warm_up_s, NULL, diag);
     if (!status)
-        status = fly(&engine->job, picture, 1, frame_count, limit_s, &flown, diag);
+        status = neph_flight_fly(&engine->job, picture, 1, frame_count, limit_s, &flown, diag);
     if (!status)
         conclude(&flown, room, engine);
     free(room);
@@ -265,7 +180,7 @@ static enum neph_status look(struct neph_benchmark_frames_engine *engine, long p
     struct neph_job job = engine->job;
     struct neph_image *image = NULL;
     struct neph_cost cost;
-    job.shot.frame = place_of(picture, job.shot.scene->frame_count);
+    job.shot.frame = neph_flight_frame(picture, job.shot.scene->frame_count);
     enum neph_status status = neph_job_render(&job, &image, &cost, diag);
     if (!status) {
         take_counts(image, engine);

@@ -8,16 +8,10 @@
 #ifndef NEPH_HARNESS_RUN_BENCHMARK_FRAMES_H
 #define NEPH_HARNESS_RUN_BENCHMARK_FRAMES_H
 
-#include "harness/run/job.h"
+#include "harness/run/flight.h"
 #include "renderer/ceilings.h"
 
 enum { NEPH_BENCHMARK_FRAMES_ENGINES_MAX = 4, NEPH_BENCHMARK_FRAMES_MAX = 100000 };
-
-/* What many pictures take: half of them less than the median, a tenth less than `low` and a tenth
- * more than `high`. */
-struct neph_spread {
-    double median, low, high;
-};
 
 struct neph_benchmark_pass {
     const char *name;
@@ -50,9 +44,6 @@ struct neph_benchmark_frames {
     int thread_count;    /* of a CPU device; 0: it is none */
     double cpu_clock_hz; /* of a CPU device, when the ceilings were measured; NaN: not known */
 };
-
-/* Whether the engine's pictures can be in flight. */
-bool neph_benchmark_frames_applies(const struct neph_engine *engine);
 
 /* Fill in the measurements. `benchmark` comes with `engine_count` jobs, all of one scene and size,
  * with a scratch folder that is theirs; `frame_count` pictures of each are timed, in 10 s at most.

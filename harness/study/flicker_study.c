@@ -98,15 +98,23 @@ static int readings_of(const struct neph_scene *scene, enum neph_study_take_id i
     const struct neph_study_take *take = &neph_study_takes[id];
     const struct neph_viewing viewing = viewing_of(scene, 0);
     int count = 0;
+    readings[count++] = (struct neph_reading){display_names[0],
+                                              NEPH_REFERENCE_AVERAGED,
+                                              take->extractors,
+                                              take->settings,
+                                              viewing,
+                                              kept,
+                                              0};
     readings[count++] = (struct neph_reading){
-        display_names[0], NEPH_REFERENCE_AVERAGED, take->extractors, take->settings, viewing, kept};
-    readings[count++] = (struct neph_reading){
-        centre_name, NEPH_REFERENCE_CENTRE, take->extractors, take->settings, viewing, kept};
+        centre_name, NEPH_REFERENCE_CENTRE, take->extractors, take->settings, viewing, kept, 0};
     for (int d = 1; d < NEPH_STUDY_DISPLAYS && id == NEPH_STUDY_FLICKER; d++)
-        readings[count++] = (struct neph_reading){
-            display_names[d],          NEPH_REFERENCE_AVERAGED,
-            neph_study_eye_extractors, NULL,
-            viewing_of(scene, d),      kept};
+        readings[count++] = (struct neph_reading){display_names[d],
+                                                  NEPH_REFERENCE_AVERAGED,
+                                                  neph_study_eye_extractors,
+                                                  NULL,
+                                                  viewing_of(scene, d),
+                                                  kept,
+                                                  0};
     return count;
 }
 

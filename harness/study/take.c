@@ -223,6 +223,7 @@ static enum neph_status ask(const struct neph_take *take, const struct neph_read
         .test_images = (const struct neph_image *const *)frames->images,
         .viewing = reading->viewing,
         .wanted = reading->kept,
+        .warm_up_frames = reading->warm_up_frames,
         .detail_masks = take->all_masks,
         .maps_directory = take->map_file && reading == take->readings ? folder : NULL,
         .frozen_is_fine = take->frozen_is_fine,
@@ -288,6 +289,11 @@ static char *reading_text(const struct neph_reading *reading)
                              (int)reading->against, viewing->frame_rate_hz,
                              viewing->pixels_per_degree, viewing->exposure_ev,
                              viewing->white_cd_per_m2);
+    if (text && reading->warm_up_frames > 0) {
+        char *longer = neph_format("%s after %d", text, reading->warm_up_frames);
+        free(text);
+        text = longer;
+    }
     const char *const *const lists[] = {reading->extractors, reading->settings};
     for (size_t l = 0; l < sizeof(lists) / sizeof(lists[0]); l++)
         for (int i = 0; text && lists[l] && lists[l][i]; i++) {

@@ -23,6 +23,7 @@ struct neph_reading {
     const struct neph_meter_number *kept; /* all that the document keeps, of radiance over all
                                              frames; ends with a NULL metric. NULL: it keeps
                                              everything */
+    int warm_up_frames; /* at the start, that are rendered and not looked at */
 };
 
 /* All pointers are borrowed. */

@@ -25,7 +25,8 @@ ROOMS = {
     "failure": {"engines", "compare", "run", "study"},
     "fly": {"engines", "compare", "run", "study"},
     "report": {"engines", "compare", "run", "study", "physics"},
-    "cli": {"engines", "compare", "run", "study", "physics", "failure", "fly", "report"},
+    "sweep": {"engines", "compare", "run", "study", "report"},
+    "cli": {"engines", "compare", "run", "study", "physics", "failure", "fly", "report", "sweep"},
 }
 INCLUDE = re.compile(r'^#include "([a-z_/]+\.h)"', re.MULTILINE)
 

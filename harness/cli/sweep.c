@@ -1,0 +1,181 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * `neph sweep SCENE`.
+ */
+#include "harness/cli/cli.h"
+
+#include "base/files.h"
+#include "harness/progress.h"
+#include "harness/report/report_folder.h"
+#include "harness/run/store.h"
+#include "harness/sweep/output.h"
+#include "harness/sweep/page.h"
+#include "harness/sweep/sweep.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct request {
+    struct neph_cli_shared shared;
+    const char *plan, *only, *csv;
+    int seed;
+    bool untimed;
+};
+
+static const struct neph_cli_option options[] = {
+    {"plan", 0, "FILE",
+     "What is swept: a YAML file, or the name of one that comes with neph (scenes/studies)",
+     NEPH_CLI_WORD, .at = offsetof(struct request, plan), .otherwise = "sweep"},
+    {"only", 0, "A,B", "These series of the plan alone", NEPH_CLI_WORD,
+     .at = offsetof(struct request, only)},
+    {"untimed", 0, NULL, "No times: what a point costs is its evaluations of density",
+     NEPH_CLI_FLAG, .at = offsetof(struct request, untimed)},
+    {"seed", 0, "N", "Of all that is random", NEPH_CLI_INTEGER,
+     .at = offsetof(struct request, seed), .otherwise = "1", .minimum = 1, .maximum = 1000000},
+    {.name = "size", .help = "Pixels, in place of the plan's"},
+    {.name = "output", .help = "Folder of the store and of sweep.json", .otherwise = "out"},
+    {.name = "json", .help = "All numbers as JSON on stdout, instead of the table"},
+    {"csv", 0, "FILE", "A line for each point", NEPH_CLI_FILE, .at = offsetof(struct request, csv)},
+    {.name = "time-limit"},
+    {.name = "quiet"},
+    {.name = NULL},
+};
+
+static const struct neph_cli_syntax syntax = {
+    .options = options,
+    .operands = &neph_cli_one_scene,
+    .doc = "Engines and their settings over one scene: what each costs, and what it is off by.\v"
+           "Errors are against the truth: engine exact where it has the scene, else the tracer, "
+           "whose noise is printed. What a shortcut is off by against the march of its own model, "
+           "its flicker and its half-life after a step of the sun stand beside that, and are never "
+           "mixed with it. Times are measured in rounds over all points, with nothing else going "
+           "on: keep the machine quiet. Frames are kept in DIR/store and not rendered twice. "
+           "NEPH_VULKAN_DEVICE names the device.\n\n"
+           "Examples:\n"
+           "  neph sweep voxel_grid\n"
+           "  neph sweep cloud_below --only march,ours,tracer --size 192x108 --csv -\n"
+           "  neph sweep my_fog.yaml --plan my_sweep.yaml --json",
+};
+
+enum { ONLY_MAX = NEPH_SWEEP_SERIES_MAX };
+
+static enum neph_status write_text(const char *path, const char *text, struct neph_diag *diag)
+{
+    if (strcmp(path, "-") == 0)
+        return fputs(text, stdout) < 0 ? neph_fail(diag, NEPH_ERR_IO, "cannot write to stdout")
+                                       : NEPH_OK;
+    return neph_file_write(path, text, strlen(text), diag);
+}
+
+static enum neph_status write_json(const char *folder, const struct neph_sweep *sweep,
+                                   struct neph_diag *diag)
+{
+    char *path = neph_path_join(folder, "sweep.json");
+    json_t *json = neph_sweep_json(sweep);
+    char *text = json ? json_dumps(json, JSON_INDENT(1)) : NULL;
+    enum neph_status status = path && text ? neph_file_write(path, text, strlen(text), diag)
+                                           : neph_fail_memory(diag);
+    free(text);
+    json_decref(json);
+    free(path);
+    return status;
+}
+
+static enum neph_status write_page(const struct neph_report_folder *page,
+                                   const struct neph_sweep *sweep, struct neph_diag *diag)
+{
+    char told[512] = "";
+    const enum neph_status status = neph_sweep_page_write(sweep, page, told, diag);
+    if (told[0])
+        neph_progress_warn("%s", told);
+    return status;
+}
+
+static void print(const char *folder, const struct neph_sweep *sweep)
+{
+    neph_sweep_print(sweep, stdout);
+    printf("%s/sweep/index.html\n", folder);
+}
+
+static enum neph_status write_all(const struct request *request,
+                                  const struct neph_report_folder *page,
+                                  const struct neph_sweep *sweep, struct neph_diag *diag)
+{
+    char *csv = NULL;
+    enum neph_status status = write_json(request->shared.output, sweep, diag);
+    if (!status)
+        status = write_page(page, sweep, diag);
+    if (!status && request->csv)
+        status = neph_sweep_csv(sweep, &csv, diag);
+    if (!status && csv)
+        status = write_text(request->csv, csv, diag);
+    free(csv);
+    if (!status && request->shared.json)
+        return neph_cli_print_json(neph_sweep_json(sweep), diag);
+    if (!status && !(request->csv && strcmp(request->csv, "-") == 0))
+        print(request->shared.output, sweep);
+    if (!status && neph_sweep_measured_count(sweep) == 0)
+        status = neph_fail(diag, NEPH_ERR_GATE, "no point could be measured");
+    return status;
+}
+
+static enum neph_status run(const struct request *request, const struct neph_sweep_plan *plan,
+                            const char *const *only, struct neph_diag *diag)
+{
+    const struct neph_cli_shared *shared = &request->shared;
+    const struct neph_sweep_params params = {.plan = plan,
+                                             .scene = shared->operands[0],
+                                             .only = only,
+                                             .time_limit_s = shared->time_limit_s,
+                                             .seed = (uint64_t)request->seed,
+                                             .quiet = shared->quiet,
+                                             .untimed = request->untimed};
+    struct neph_store *store = NULL;
+    struct neph_sweep sweep = {.plan = NULL};
+    struct neph_report_folder *page = NULL; /* open at once: whose it is, is told at once */
+    char *folder = neph_path_join(shared->output, "store"),
+         *page_folder = neph_path_join(shared->output, "sweep");
+    enum neph_status status = folder && page_folder
+                                  ? neph_report_folder_open(page_folder, &page, diag)
+                                  : neph_fail_memory(diag);
+    if (!status)
+        status = neph_store_open(folder, &store, diag);
+    if (!status)
+        status = neph_sweep_run(&params, store, &sweep, diag);
+    if (!status)
+        status = write_all(request, page, &sweep, diag);
+    neph_sweep_finish(&sweep);
+    neph_store_close(store);
+    neph_report_folder_close(page);
+    free(page_folder);
+    free(folder);
+    return status;
+}
+
+static void set_size(const struct neph_cli_shared *shared, struct neph_sweep_plan *plan)
+{
+    if (shared->size.width_px > 0) {
+        plan->width_px = shared->size.width_px;
+        plan->height_px = shared->size.height_px;
+    }
+}
+
+enum neph_status neph_cli_sweep(int argc, char **argv, struct neph_diag *diag)
+{
+    struct request request = {0};
+    neph_cli_parse(&syntax, argc, argv, &request);
+    const char *only[ONLY_MAX + 1] = {NULL};
+    char *words = request.only ? strdup(request.only) : NULL;
+    int count = 0;
+    struct neph_sweep_plan plan = {.title = NULL};
+    enum neph_status status = neph_sweep_plan_load(request.plan, &plan, diag);
+    set_size(&request.shared, &plan);
+    if (!status && words)
+        status = neph_cli_split(words, "series", ONLY_MAX, only, &count, diag);
+    if (!status)
+        status = run(&request, &plan, words ? only : NULL, diag);
+    neph_sweep_plan_finish(&plan);
+    free(words);
+    return status;
+}

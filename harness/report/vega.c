@@ -1,0 +1,84 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/report/vega.h"
+
+#include "base/child.h"
+#include "base/files.h"
+#include "harness/data.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static const double time_limit_s = 120.0;
+
+enum neph_status neph_vega_template(const char *name, json_t **spec, struct neph_diag *diag)
+{
+    char *relative = neph_path_join("scripts/report", name);
+    char *path = relative ? neph_data_path(relative) : NULL;
+    json_error_t error;
+    *spec = path ? json_load_file(path, 0, &error) : NULL;
+    enum neph_status status = NEPH_OK;
+    if (!*spec) {
+        status = neph_fail(diag, NEPH_ERR_NOT_FOUND, "cannot read the chart's template '%s'",
+                           path ? path : "?");
+        neph_hint(diag, "set NEPH_DATA_DIR to the folder that holds scenes/ and scripts/");
+    }
+    free(path);
+    free(relative);
+    return status;
+}
+
+enum neph_status neph_vega_write(const json_t *spec, const char *stem, struct neph_diag *diag)
+{
+    char *path = neph_format("%s.vl.json", stem), *text = json_dumps(spec, JSON_INDENT(1));
+    const enum neph_status status = path && text ? neph_file_write(path, text, strlen(text), diag)
+                                                 : neph_fail_memory(diag);
+    free(text);
+    free(path);
+    return status;
+}
+
+static enum neph_status run_node(const char *const *argv, const char *log_path, bool *drawn,
+                                 struct neph_diag *why, struct neph_diag *diag)
+{
+    const struct neph_child_params params = {
+        .argv = argv, .log_path = log_path, .time_limit_s = time_limit_s};
+    struct neph_child_result result;
+    const enum neph_status status = neph_child_run(&params, &result, why);
+    *drawn = !status;
+    if (!status)
+        unlink(log_path);
+    if (status != NEPH_ERR_INTERRUPTED)
+        return NEPH_OK;
+    if (diag)
+        *diag = *why;
+    return status;
+}
+
+enum neph_status neph_vega_draw(char *const *stems, int count, bool *drawn, struct neph_diag *why,
+                                struct neph_diag *diag)
+{
+    char *paths[2 * NEPH_VEGA_CHARTS_MAX] = {NULL};
+    const char *argv[2 * NEPH_VEGA_CHARTS_MAX + 3] = {"node"};
+    char *script = neph_data_path("scripts/report/render_chart.mjs"),
+         *log_path = neph_format("%s.log", stems[0]);
+    enum neph_status status = script && log_path ? NEPH_OK : neph_fail_memory(diag);
+    *drawn = false;
+    argv[1] = script;
+    for (int i = 0; i < count && !status; i++) {
+        argv[2 + 2 * i] = paths[2 * i] = neph_format("%s.vl.json", stems[i]);
+        argv[3 + 2 * i] = paths[2 * i + 1] = neph_format("%s.svg", stems[i]);
+        if (!paths[2 * i] || !paths[2 * i + 1])
+            status = neph_fail_memory(diag);
+        else
+            unlink(paths[2 * i + 1]); /* a report links to an older one, which is not written to */
+    }
+    if (!status)
+        status = run_node(argv, log_path, drawn, why, diag);
+    for (int i = 0; i < 2 * count; i++)
+        free(paths[i]);
+    free(log_path);
+    free(script);
+    return status;
+}

@@ -1,0 +1,80 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/run/flight.h"
+
+#include "base/clock.h"
+#include "metrics/statistics.h"
+#include "scenes/motion.h"
+
+#include <math.h>
+
+bool neph_flight_applies(const struct neph_engine *engine)
+{
+    return engine->sequence && engine->sequence->send;
+}
+
+int neph_flight_frame(long picture, int count)
+{
+    if (count < 2)
+        return 0;
+    const long turn = picture % (2L * (count - 1));
+    return (int)(turn < count ? turn : 2L * (count - 1) - turn);
+}
+
+static enum neph_status send(struct neph_job *job, long picture, struct neph_diag *diag)
+{
+    struct neph_shot shot = job->shot;
+    struct neph_scene *still = NULL;
+    enum neph_status status = NEPH_OK;
+    shot.frame = neph_flight_frame(picture, shot.scene->frame_count);
+    if (!job->engine->remembers && neph_scene_moves(shot.scene))
+        status = neph_scene_at(shot.scene, shot.frame, &still, diag);
+    if (still)
+        shot.scene = still;
+    if (!status)
+        status = job->engine->sequence->send(job->sequence, &shot, diag);
+    neph_scene_destroy(still);
+    return status;
+}
+
+enum neph_status neph_flight_fly(struct neph_job *job, long *picture, int least, int most,
+                                 double seconds, struct neph_flown *flown, struct neph_diag *diag)
+{
+    const double start_s = neph_wall_s();
+    double before_s = start_s;
+    int sent = 0, home = 0;
+    enum neph_status status = NEPH_OK;
+    while (!status && (home < sent || sent < most)) {
+        const bool goes_on = sent < most && (sent < least || neph_wall_s() - start_s < seconds);
+        if (goes_on && sent - home < NEPH_FLIGHT_PICTURES_MAX) {
+            status = send(job, (*picture)++, diag);
+            sent++;
+            continue;
+        }
+        if (home == sent)
+            break;
+        struct neph_flight_cost cost;
+        status = job->engine->sequence->home(job->sequence, &cost, diag);
+        const double now_s = neph_wall_s();
+        if (flown && !status) {
+            flown->costs[flown->count] = cost;
+            flown->frame_s[flown->count++] = now_s - before_s;
+        }
+        before_s = now_s;
+        home++;
+    }
+    if (flown)
+        flown->all_s += before_s - start_s;
+    return status;
+}
+
+struct neph_spread neph_spread_of(double *values, int count)
+{
+    const size_t size = (size_t)count;
+    if (!isfinite(values[0]))
+        return (struct neph_spread){NAN, NAN, NAN};
+    return (struct neph_spread){
+        .median = neph_percentile(values, size, 0.5),
+        .low = neph_percentile(values, size, 0.1),
+        .high = neph_percentile(values, size, 0.9),
+    };
+}

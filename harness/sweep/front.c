@@ -1,0 +1,33 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/sweep/front.h"
+
+#include <math.h>
+
+static bool takes_part(const struct neph_front_point *point, int axis_count)
+{
+    for (int a = 0; a < axis_count; a++)
+        if (isnan(point->values[a]))
+            return false;
+    return true;
+}
+
+static bool beats(const struct neph_front_point *a, const struct neph_front_point *b,
+                  int axis_count)
+{
+    bool is_less = false;
+    for (int i = 0; i < axis_count; i++) {
+        if (!(a->values[i] <= b->values[i])) /* a NaN beats nobody */
+            return false;
+        is_less |= a->values[i] < b->values[i];
+    }
+    return is_less;
+}
+
+void neph_front_find(struct neph_front_point *points, int count, int axis_count)
+{
+    for (int i = 0; i < count; i++) {
+        points[i].on_front = takes_part(&points[i], axis_count);
+        for (int k = 0; k < count && points[i].on_front; k++)
+            points[i].on_front = !beats(&points[k], &points[i], axis_count);
+    }
+}

@@ -1,0 +1,232 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/sweep/point.h"
+
+#include "base/exr.h"
+#include "base/files.h"
+#include "harness/engines/engines.h"
+#include "harness/engines/frame_stats.h"
+#include "harness/study/flicker_metrics.h"
+#include "harness/study/take.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* A take with a step is as long as in a flicker study. */
+enum { STEP_FRAMES = 80 };
+
+static const char *const of_flicker[] = {"seen", "flicker", "error", NULL};
+static const char *const of_lag[] = {"lag", NULL};
+static const char *const at_step[] = {"lag.step_frame=32", NULL};
+_Static_assert(NEPH_STUDY_EVENT_FRAME == 32, "what at_step says");
+
+/* Where there are edges in depth, methods fail there. */
+static const char *const masks[] = {"depth_edge", "all"};
+
+static const struct neph_meter_number kept_of_flicker[] = {
+    {"seen_contrast", "depth_edge"},
+    {"seen_contrast", "all"},
+    {"a4_p95", "depth_edge"},
+    {"a4_p95", "all"},
+    {"rel_rmse", "all"},
+    {.metric = NULL},
+};
+static const struct neph_meter_number kept_of_lag[] = {
+    {"half_life_p50", "all"},
+    {.metric = NULL},
+};
+
+bool neph_sweep_is_sequence(const struct neph_sweep_point *point)
+{
+    return point->job.engine->remembers || point->series->flicker || point->series->lag_at;
+}
+
+/* --- numbers -------------------------------------------------------------------------------- */
+
+static struct neph_sweep_value value_of(const json_t *found)
+{
+    const json_t *value = json_object_get(found, "value"), *low = json_object_get(found, "low"),
+                 *high = json_object_get(found, "high");
+    return (struct neph_sweep_value){
+        json_is_number(value) ? json_number_value(value) : NAN,
+        json_is_number(low) ? json_number_value(low) : NAN,
+        json_is_number(high) ? json_number_value(high) : NAN,
+    };
+}
+
+/* By the first mask that the scene has. */
+static struct neph_sweep_value number_in(const json_t *document, enum neph_sweep_number number)
+{
+    const char *metric = neph_sweep_number_texts[number].metric;
+    const json_t *found = NULL;
+    for (size_t i = 0; i < sizeof(masks) / sizeof(masks[0]) && !found; i++)
+        found = neph_take_find(document, metric, masks[i]);
+    return value_of(found);
+}
+
+static enum neph_status count_work(const char *frame_path, struct neph_sweep_point *point,
+                                   struct neph_diag *diag)
+{
+    struct neph_image *image = NULL;
+    const enum neph_status status = neph_exr_read(frame_path, &image, diag);
+    if (status)
+        return status;
+    json_t *stats = neph_frame_stats(image);
+    const json_t *count = json_object_get(stats, "density_evaluations");
+    if (json_is_number(count))
+        point->evaluations = json_number_value(count) / (double)neph_image_pixel_count(image);
+    json_decref(stats);
+    neph_image_destroy(image);
+    return NEPH_OK;
+}
+
+/* --- sequences ------------------------------------------------------------------------------ */
+
+static enum neph_status have_reference(struct neph_sweep_bench *bench, const struct neph_job *job,
+                                       int frame_count, struct neph_reference *reference,
+                                       struct neph_diag *diag)
+{
+    char key[NEPH_HASH_HEX_SIZE];
+    enum neph_status status = neph_reference_key(job, frame_count, key, diag);
+    if (status || (reference->text && strcmp(reference->key, key) == 0))
+        return status;
+    neph_reference_finish(reference);
+    return neph_reference_make(job, frame_count, bench->store, bench->progress, reference, diag);
+}
+
+static struct neph_viewing viewing_of(const struct neph_scene *scene)
+{
+    struct neph_viewing viewing = NEPH_VIEWING_DEFAULTS;
+    viewing.exposure_ev = scene->exposure_ev;
+    return viewing;
+}
+
+static enum neph_status measure_flicker(struct neph_sweep_bench *bench,
+                                        struct neph_sweep_point *point, struct neph_diag *diag)
+{
+    const struct neph_reading reading = {.name = "sweep",
+                                         .against = NEPH_REFERENCE_AVERAGED,
+                                         .extractors = of_flicker,
+                                         .viewing = viewing_of(bench->scene),
+                                         .kept = kept_of_flicker,
+                                         .warm_up_frames = bench->plan->warm_up};
+    const struct neph_take take = {.job = point->job,
+                                   .frame_count = bench->plan->frame_count,
+                                   .reference = &bench->still,
+                                   .readings = &reading,
+                                   .reading_count = 1,
+                                   .frozen_is_fine = true};
+    char *folder = NULL, *last = NULL;
+    json_t *record = NULL, *document = NULL;
+    enum neph_status status = have_reference(bench, &point->job, bench->plan->frame_count,
+                                             &bench->still, diag);
+    if (!status)
+        status = neph_take_run(&take, bench->store, &folder, &record, diag);
+    if (!status)
+        status = neph_take_document(folder, reading.name, &document, diag);
+    if (!status && !(last = neph_path_join(folder, "frame.exr")))
+        status = neph_fail_memory(diag);
+    if (!status) {
+        point->numbers[NEPH_SWEEP_SHORTCUT] = number_in(document, NEPH_SWEEP_SHORTCUT);
+        point->numbers[NEPH_SWEEP_FLICKER] = number_in(document, NEPH_SWEEP_FLICKER);
+        point->numbers[NEPH_SWEEP_FOUR] = number_in(document, NEPH_SWEEP_FOUR);
+        bench->mask = neph_take_find(document, "seen_contrast", masks[0]) ? masks[0] : masks[1];
+        status = count_work(last, point, diag);
+    }
+    if (!status)
+        status = neph_sweep_truth_error(bench->truth, last, &point->numbers[NEPH_SWEEP_ERROR],
+                                        diag);
+    json_decref(document);
+    json_decref(record);
+    free(last);
+    free(folder);
+    return status;
+}
+
+static enum neph_status measure_lag(struct neph_sweep_bench *bench, struct neph_sweep_point *point,
+                                    struct neph_diag *diag)
+{
+    const struct neph_reading reading = {.name = "step",
+                                         .against = NEPH_REFERENCE_AVERAGED,
+                                         .extractors = of_lag,
+                                         .settings = at_step,
+                                         .viewing = viewing_of(bench->scene),
+                                         .kept = kept_of_lag};
+    struct neph_take take = {.job = point->job,
+                             .frame_count = STEP_FRAMES,
+                             .reference = &bench->stepped,
+                             .readings = &reading,
+                             .reading_count = 1,
+                             .plain = true,
+                             .frozen_is_fine = true};
+    char *folder = NULL;
+    json_t *record = NULL, *document = NULL;
+    take.job.shot.scene = bench->step;
+    enum neph_status status = have_reference(bench, &take.job, STEP_FRAMES, &bench->stepped, diag);
+    if (!status)
+        status = neph_take_run(&take, bench->store, &folder, &record, diag);
+    if (!status)
+        status = neph_take_document(folder, reading.name, &document, diag);
+    if (!status)
+        point->numbers[NEPH_SWEEP_HALF_LIFE] = number_in(document, NEPH_SWEEP_HALF_LIFE);
+    json_decref(document);
+    json_decref(record);
+    free(folder);
+    return status;
+}
+
+/* --- pictures ------------------------------------------------------------------------------- */
+
+enum neph_status neph_sweep_point_render(const struct neph_sweep_bench *bench,
+                                         struct neph_sweep_point *point, int round,
+                                         struct neph_sweep_value *error, double *seconds,
+                                         struct neph_diag *diag)
+{
+    struct neph_job job = point->job;
+    struct neph_job_result result = {.outcome = NEPH_OUTCOME_FAILED};
+    job.repeat = round;
+    if (job.engine->stochastic)
+        job.shot.seed = bench->seed + (uint64_t)round;
+    enum neph_status status = neph_job_run(&job, bench->store, &result, diag);
+    if (!status && result.outcome != NEPH_OUTCOME_RENDERED)
+        snprintf(point->missing, sizeof(point->missing), "%s", result.reason);
+    if (!status && result.outcome == NEPH_OUTCOME_RENDERED) {
+        *seconds = result.cost.render_s;
+        status = neph_sweep_truth_error(bench->truth, result.frame_path, error, diag);
+        if (!status)
+            status = count_work(result.frame_path, point, diag);
+    }
+    neph_job_result_finish(&result);
+    return status;
+}
+
+/* What breaks or cannot be had is this point's matter alone. */
+static bool is_of_the_point(enum neph_status status)
+{
+    return status == NEPH_ERR_ENGINE || status == NEPH_ERR_UNSUPPORTED || status == NEPH_ERR_GATE ||
+           status == NEPH_ERR_UNAVAILABLE || status == NEPH_ERR_TIMEOUT;
+}
+
+enum neph_status neph_sweep_point_measure(struct neph_sweep_bench *bench,
+                                          struct neph_sweep_point *point, struct neph_diag *diag)
+{
+    struct neph_diag why = {.line = 0};
+    double seconds;
+    enum neph_status status;
+    if (neph_sweep_is_sequence(point))
+        status = measure_flicker(bench, point, &why);
+    else
+        status = neph_sweep_point_render(bench, point, 0, &point->numbers[NEPH_SWEEP_ERROR],
+                                         &seconds, &why);
+    if (!status && bench->step && neph_sweep_has_lag(point->series, point->place))
+        status = measure_lag(bench, point, &why);
+    point->at_floor = point->numbers[NEPH_SWEEP_ERROR].value < 2.0 * bench->truth->noise;
+    if (is_of_the_point(status)) {
+        snprintf(point->missing, sizeof(point->missing), "%s", why.message);
+        return NEPH_OK;
+    }
+    if (status && diag)
+        *diag = why;
+    return status;
+}

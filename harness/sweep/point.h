@@ -1,0 +1,41 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * One point of a sweep, measured: its error against the truth and, of engines with a history, what
+ * a sequence of it flickers and lags by.
+ */
+#ifndef NEPH_HARNESS_SWEEP_POINT_H
+#define NEPH_HARNESS_SWEEP_POINT_H
+
+#include "harness/progress.h"
+#include "harness/study/reference.h"
+#include "harness/sweep/truth.h"
+
+/* What points share. References are of the last point's model: points that follow each other with
+ * the same steps and light share them. */
+struct neph_sweep_bench {
+    const struct neph_sweep_plan *plan;
+    const struct neph_sweep_truth *truth;
+    struct neph_store *store;
+    struct neph_progress *progress;
+    const struct neph_scene *scene, *step; /* `step`: with a step of its sun; NULL: it cannot */
+    struct neph_reference still, stepped;  /* start from {0}; for neph_reference_finish */
+    uint64_t seed;
+    const char *mask; /* that flicker was taken over, once it was */
+};
+
+/* Whether the point is a sequence of pictures, of which the last is what it is off by. */
+bool neph_sweep_is_sequence(const struct neph_sweep_point *point);
+
+/* The point's numbers, but for times. What cannot be rendered is said in point->missing. Errors:
+ * NEPH_ERR_INTERRUPTED, and those of the store. */
+enum neph_status neph_sweep_point_measure(struct neph_sweep_bench *bench,
+                                          struct neph_sweep_point *point, struct neph_diag *diag);
+
+/* A whole picture of the point with a round's seed, as a job of the store: its error into `error`,
+ * its time into `seconds`. */
+enum neph_status neph_sweep_point_render(const struct neph_sweep_bench *bench,
+                                         struct neph_sweep_point *point, int round,
+                                         struct neph_sweep_value *error, double *seconds,
+                                         struct neph_diag *diag);
+
+#endif

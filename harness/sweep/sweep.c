@@ -1,0 +1,294 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/sweep/sweep.h"
+
+#include "base/clock.h"
+#include "harness/data.h"
+#include "harness/engines/engines.h"
+#include "harness/study/flicker_metrics.h"
+#include "harness/sweep/front.h"
+#include "harness/sweep/timing.h"
+#include "scenes/variant.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { KIND_TRUTH, KIND_POINT, KIND_REFERENCE, KIND_ROUND }; /* of progress */
+
+/* Guesses on two cores. */
+static const double truth_typical_s = 60.0, point_typical_s = 6.0, round_typical_s = 20.0;
+
+/* --- points --------------------------------------------------------------------------------- */
+
+static bool is_wanted(const char *const *only, const char *name)
+{
+    bool wanted = !only;
+    for (int i = 0; only && only[i]; i++)
+        wanted |= strcmp(only[i], name) == 0;
+    return wanted;
+}
+
+static const struct neph_engine_info *info_of(const struct neph_sweep *sweep,
+                                              const struct neph_engine *engine)
+{
+    int count = 0, index = 0;
+    const struct neph_engine *const *engines = neph_engines_and_guests(&count);
+    while (engines[index] != engine)
+        index++;
+    return &sweep->infos[index];
+}
+
+static enum neph_status fill_point(const struct neph_sweep_params *params, struct neph_sweep *sweep,
+                                   const struct neph_sweep_series *series, int place,
+                                   struct neph_sweep_point *point, struct neph_diag *diag)
+{
+    const struct neph_sweep_plan *plan = params->plan;
+    const struct neph_engine *engine = neph_sweep_engine(plan, series, sweep->scene->scattering);
+    const struct neph_engine_info *info = info_of(sweep, engine);
+    *point = (struct neph_sweep_point){
+        .series = series,
+        .place = place,
+        .job = {.engine = engine,
+                .info = info,
+                .shot = {.scene = sweep->scene,
+                         .width_px = plan->width_px,
+                         .height_px = plan->height_px,
+                         .layers = NEPH_LAYERS_ALL,
+                         .seed = params->seed,
+                         .time_limit_s = params->time_limit_s}},
+        .time = {NAN, NAN, NAN},
+        .evaluations = NAN,
+    };
+    for (int n = 0; n < NEPH_SWEEP_NUMBERS; n++)
+        point->numbers[n] = (struct neph_sweep_value){NAN, NAN, NAN};
+    neph_sweep_value(series, place, point->label);
+    struct neph_shot *shot = &point->job.shot;
+    enum neph_status status = neph_sweep_settings(plan, series, place, sweep->scene->scattering,
+                                                  &shot->settings, diag);
+    if (!status && !(point->settings = neph_settings_text(engine, &shot->settings)))
+        status = neph_fail_memory(diag);
+    if (!status && !info->available)
+        snprintf(point->missing, sizeof(point->missing), "%.500s", info->missing);
+    else if (!status)
+        engine->can_render(sweep->scene, &shot->settings, point->missing, sizeof(point->missing));
+    return status;
+}
+
+static enum neph_status fill_points(const struct neph_sweep_params *params,
+                                    struct neph_sweep *sweep, struct neph_diag *diag)
+{
+    const struct neph_sweep_plan *plan = params->plan;
+    enum neph_status status = NEPH_OK;
+    sweep->points = calloc(NEPH_SWEEP_POINTS_MAX, sizeof(*sweep->points));
+    if (!sweep->points)
+        return neph_fail_memory(diag);
+    for (int s = 0; s < plan->series_count; s++)
+        for (int i = 0; i < neph_sweep_value_count(&plan->series[s]) && !status; i++)
+            if (is_wanted(params->only, plan->series[s].name))
+                status = fill_point(params, sweep, &plan->series[s], i,
+                                    &sweep->points[sweep->point_count++], diag);
+    return status;
+}
+
+/* Names that the plan has not got are told before anything is rendered. */
+static enum neph_status check_only(const struct neph_sweep_params *params, struct neph_diag *diag)
+{
+    const struct neph_sweep_plan *plan = params->plan;
+    char names[512] = "";
+    for (int s = 0; s < plan->series_count; s++) {
+        const size_t used = strlen(names);
+        snprintf(names + used, sizeof(names) - used, "%s%s", s > 0 ? ", " : "",
+                 plan->series[s].name);
+    }
+    for (int i = 0; params->only && params->only[i]; i++) {
+        bool is_there = false;
+        for (int s = 0; s < plan->series_count; s++)
+            is_there |= strcmp(plan->series[s].name, params->only[i]) == 0;
+        if (!is_there) {
+            neph_fail(diag, NEPH_ERR_USAGE, "the plan has no series '%s'", params->only[i]);
+            neph_hint(diag, "its series are %s", names);
+            return NEPH_ERR_USAGE;
+        }
+    }
+    return NEPH_OK;
+}
+
+static enum neph_status probe_engines(struct neph_sweep *sweep, struct neph_diag *diag)
+{
+    int count = 0;
+    const struct neph_engine *const *engines = neph_engines_and_guests(&count);
+    sweep->infos = calloc((size_t)count, sizeof(*sweep->infos));
+    if (!sweep->infos)
+        return neph_fail_memory(diag);
+    for (int i = 0; i < count; i++)
+        neph_engine_probe(engines[i], &sweep->infos[i]);
+    return NEPH_OK;
+}
+
+/* --- measuring ------------------------------------------------------------------------------ */
+
+/* Points with the same steps behind each other share their reference. */
+static int by_reference(const void *a_, const void *b_)
+{
+    const struct neph_sweep_point *a = *(struct neph_sweep_point *const *)a_,
+                                  *b = *(struct neph_sweep_point *const *)b_;
+    const int by_label = strcmp(a->label, b->label);
+    return by_label ? by_label : (a > b) - (a < b);
+}
+
+static enum neph_status measure_point(struct neph_sweep_bench *bench,
+                                      struct neph_sweep_point *point, struct neph_diag *diag)
+{
+    char what[160];
+    snprintf(what, sizeof(what), "%s %s", point->series->name, point->label);
+    bench->progress->kind = KIND_REFERENCE;
+    neph_progress_begin(bench->progress, what);
+    const double start_s = neph_wall_s();
+    const enum neph_status status = point->missing[0]
+                                        ? NEPH_OK
+                                        : neph_sweep_point_measure(bench, point, diag);
+    bench->progress->kind = KIND_POINT;
+    if (!status)
+        neph_progress_step(bench->progress, what, point->missing[0] ? point->missing : "measured",
+                           neph_wall_s() - start_s);
+    return status;
+}
+
+static enum neph_status measure_points(struct neph_sweep_bench *bench, struct neph_sweep *sweep,
+                                       struct neph_diag *diag)
+{
+    struct neph_sweep_point **order = calloc((size_t)sweep->point_count, sizeof(*order));
+    enum neph_status status = order ? NEPH_OK : neph_fail_memory(diag);
+    for (int i = 0; i < sweep->point_count && order; i++)
+        order[i] = &sweep->points[i];
+    if (!status)
+        qsort(order, (size_t)sweep->point_count, sizeof(struct neph_sweep_point *), by_reference);
+    for (int i = 0; i < sweep->point_count && !status; i++)
+        status = measure_point(bench, order[i], diag);
+    free(order);
+    return status;
+}
+
+/* --- fronts --------------------------------------------------------------------------------- */
+
+/* What a picture costs: its time, or where that was not asked for, its work. */
+static double cost_of(const struct neph_sweep_point *point, bool untimed)
+{
+    return untimed ? point->evaluations : point->time.median;
+}
+
+static enum neph_status find_fronts(struct neph_sweep *sweep, bool untimed, struct neph_diag *diag)
+{
+    struct neph_front_point *front = calloc((size_t)sweep->point_count, sizeof(*front));
+    if (!front)
+        return neph_fail_memory(diag);
+    for (int n = 0; n < NEPH_SWEEP_NUMBERS; n++) {
+        for (int i = 0; i < sweep->point_count; i++) {
+            front[i].values[0] = cost_of(&sweep->points[i], untimed);
+            front[i].values[1] = sweep->points[i].numbers[n].value;
+        }
+        neph_front_find(front, sweep->point_count, 2);
+        for (int i = 0; i < sweep->point_count; i++)
+            sweep->points[i].on_front[n] = front[i].on_front;
+    }
+    free(front);
+    return NEPH_OK;
+}
+
+/* --- the whole ------------------------------------------------------------------------------ */
+
+static double load_now(void)
+{
+    double load = NAN;
+    return getloadavg(&load, 1) == 1 ? load : NAN;
+}
+
+static enum neph_status make_step(const struct neph_scene *scene, struct neph_scene **step,
+                                  struct neph_diag *diag)
+{
+    const struct neph_variant variant = {NEPH_VARIANT_SUN_STEP, NEPH_STUDY_EVENT_FRAME, 80};
+    return neph_variant_obstacle(scene, NEPH_VARIANT_SUN_STEP)
+               ? NEPH_OK
+               : neph_scene_variant(scene, &variant, step, diag);
+}
+
+static void expect(struct neph_progress *progress, const struct neph_sweep *sweep, bool untimed)
+{
+    neph_progress_expect(progress, KIND_TRUTH, 1, truth_typical_s);
+    neph_progress_expect(progress, KIND_POINT, sweep->point_count, point_typical_s);
+    if (!untimed)
+        neph_progress_expect(progress, KIND_ROUND, sweep->plan->round_count, round_typical_s);
+}
+
+static enum neph_status make_truth(const struct neph_sweep_params *params, struct neph_sweep *sweep,
+                                   struct neph_store *store, struct neph_progress *progress,
+                                   struct neph_sweep_truth *truth, struct neph_diag *diag)
+{
+    const double start_s = neph_wall_s();
+    progress->kind = KIND_TRUTH;
+    neph_progress_begin(progress, "truth");
+    const enum neph_status status = neph_sweep_truth_make(params->plan, &sweep->points[0].job.shot,
+                                                          store, truth, diag);
+    if (status)
+        return status;
+    neph_progress_step(progress, "truth", "rendered", neph_wall_s() - start_s);
+    sweep->truth = truth->engine->name;
+    sweep->floor = truth->noise;
+    sweep->clear_of = truth->mask;
+    return NEPH_OK;
+}
+
+static enum neph_status run_bench(const struct neph_sweep_params *params, struct neph_sweep *sweep,
+                                  struct neph_sweep_bench *bench, struct neph_diag *diag)
+{
+    const double start_s = neph_wall_s();
+    enum neph_status status = measure_points(bench, sweep, diag);
+    sweep->mask = bench->mask;
+    bench->progress->kind = KIND_ROUND;
+    if (!status && !params->untimed)
+        status = neph_sweep_time(bench, sweep->points, sweep->point_count, diag);
+    sweep->load = load_now();
+    sweep->measure_s = neph_wall_s() - start_s;
+    return status ? status : find_fronts(sweep, params->untimed, diag);
+}
+
+enum neph_status neph_sweep_run(const struct neph_sweep_params *params, struct neph_store *store,
+                                struct neph_sweep *sweep, struct neph_diag *diag)
+{
+    struct neph_progress progress = neph_progress_start(params->quiet, 0);
+    struct neph_sweep_truth truth = {.image = NULL};
+    struct neph_scene *step = NULL;
+    *sweep = (struct neph_sweep){.plan = params->plan};
+    enum neph_status status = check_only(params, diag);
+    if (!status)
+        status = neph_data_load_scene(params->scene, &sweep->scene, diag);
+    if (!status)
+        status = probe_engines(sweep, diag);
+    if (!status)
+        status = fill_points(params, sweep, diag);
+    if (!status)
+        status = make_step(sweep->scene, &step, diag);
+    if (!status)
+        expect(&progress, sweep, params->untimed);
+    if (!status)
+        status = make_truth(params, sweep, store, &progress, &truth, diag);
+    struct neph_sweep_bench bench = {.plan = params->plan,
+                                     .truth = &truth,
+                                     .store = store,
+                                     .progress = &progress,
+                                     .scene = sweep->scene,
+                                     .step = step,
+                                     .mask = "all",
+                                     .seed = params->seed};
+    if (!status)
+        status = run_bench(params, sweep, &bench, diag);
+    neph_reference_finish(&bench.still);
+    neph_reference_finish(&bench.stepped);
+    neph_sweep_truth_finish(&truth);
+    neph_scene_destroy(step);
+    neph_progress_end(&progress);
+    if (status == NEPH_ERR_INTERRUPTED)
+        neph_hint(diag, "what is finished is in the store: the same command goes on from there");
+    return status;
+}

@@ -1,0 +1,21 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The times of a sweep's points, in rounds: each round times every point once, a few pictures of
+ * it, so that what the machine does in between hits all points alike.
+ */
+#ifndef NEPH_HARNESS_SWEEP_TIMING_H
+#define NEPH_HARNESS_SWEEP_TIMING_H
+
+#include "harness/sweep/point.h"
+
+/* Pictures of a point in flight in a round: as many as fit, within bounds. */
+#define NEPH_SWEEP_ROUND_S 0.3
+enum { NEPH_SWEEP_ROUND_LEAST = 4, NEPH_SWEEP_ROUND_MOST = 100 };
+
+/* Time the points that are not missing. Of engines without flight a round is a picture with a seed
+ * of its own, whose error counts too. What a round costs the first time, kernels and histories, is
+ * left out. Errors as of neph_sweep_point_measure(). */
+enum neph_status neph_sweep_time(struct neph_sweep_bench *bench, struct neph_sweep_point *points,
+                                 int count, struct neph_diag *diag);
+
+#endif

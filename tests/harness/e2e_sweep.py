@@ -1,0 +1,142 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""`neph sweep`: a plan of a few points, its numbers against those that `neph compare` gives, its
+page, and what is refused. No absolute times: machines differ."""
+import csv
+import io
+import json
+import math
+import os
+import pathlib
+import shlex
+import subprocess
+import tempfile
+import unittest
+
+NEPH = os.environ["NEPH"]
+PLAN = """title: a small one
+light: octaves
+width_px: 32
+height_px: 18
+frames: 32
+warm_up: 16
+truth_samples: 64
+rounds: 2
+series:
+- {name: march, engine: march, vary: steps, values: 4 16, order: 2}
+- {name: ours, engine: realtime, preset: ours, vary: steps, values: 4 16, flicker: true, lag_at: 16}
+- {name: fitted, engine: march_octaves_fitted}
+"""
+
+
+def run(*arguments, **more):
+    return subprocess.run([NEPH, *arguments], capture_output=True, text=True, timeout=600, **more)
+
+
+class Sweep(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.out = pathlib.Path(self.folder.name)
+        self.plan = self.out / "plan.yaml"
+        self.plan.write_text(PLAN)
+
+    def tearDown(self):
+        self.folder.cleanup()
+
+    def sweep(self, *arguments):
+        return run("sweep", "voxel_grid", "--plan", str(self.plan), "-o", str(self.out / "out"),
+                   "-q", *arguments)
+
+    def test_a_sweep(self):
+        done = self.sweep("--json")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        document = json.loads(done.stdout)
+        self.assertEqual(document["format"], "neph-sweep-1")
+        self.assertEqual((document["measured"], document["expected"]), (4, 5))
+        coarse, fine, ours, ours_fine, fitted = document["points"]
+        self.assertIn("single scattering", fitted["missing"])
+        # More steps cost more work, and the march gets nearer to the truth.
+        self.assertGreater(coarse["error"]["value"], 2.0 * fine["error"]["value"])
+        self.assertAlmostEqual(fine["evaluations"] / coarse["evaluations"], 4.0, delta=0.4)
+        self.assertLess(ours["evaluations"], 0.2 * coarse["evaluations"])
+        for point in (coarse, fine, ours, ours_fine):
+            self.assertGreater(point["seconds"], 0.0)
+            self.assertLessEqual(point["seconds_low"], point["seconds"])
+            self.assertLessEqual(point["seconds"], point["seconds_high"])
+            self.assertLessEqual(point["error"]["low"], point["error"]["value"])
+        # A march has no history: no shortcut, no flicker, no lag.
+        self.assertIsNone(fine["flicker"]["value"])
+        self.assertIsNone(fine["shortcut"]["value"])
+        self.assertGreater(ours["flicker"]["value"], 0.0)
+        self.assertIsNone(ours["half_life"]["value"])
+        self.assertGreater(ours_fine["half_life"]["value"], 0.0)
+        self.check_command(fine)
+        self.check_page(document)
+        self.check_again(document)
+
+    def check_command(self, point):
+        """The command of a point renders it: its error against `exact` is the point's."""
+        command = shlex.split(point["command"])[1:]
+        frames = self.out / "frames"
+        for arguments in (command, ["render", "voxel_grid", "-e", "exact", "--size", "32x18"]):
+            done = run(*arguments, "-o", str(frames), "-q")
+            self.assertEqual(done.returncode, 0, done.stderr)
+        done = run("compare", str(frames / "voxel_grid_exact_0000.exr"),
+                   str(frames / "voxel_grid_march_0000.exr"), "-m", "error", "--json")
+        numbers = [entry for entry in json.loads(done.stdout)["measurements"]
+                   if entry["metric"] == "rel_rmse" and entry["mask"] == "all"
+                   and entry["quantity"] == "radiance"]
+        self.assertAlmostEqual(numbers[-1]["value"], point["error"]["value"], places=9)
+
+    def check_page(self, document):
+        page = self.out / "out" / "sweep"
+        self.assertTrue((page / "index.html").exists())
+        shown = json.loads((page / "data.json").read_text())
+        self.assertEqual(shown["points"], document["points"])
+        charts = {chart["id"]: chart for chart in shown["charts"]}
+        # Two points without lag are no chart of it; one is.
+        self.assertEqual(set(charts), {"time_error", "time_shortcut", "time_flicker", "lag_flicker",
+                                       "work_error", "work_flicker"})
+        for chart in charts.values():
+            for size in ("wide", "narrow"):
+                svg = (page / chart[size]["svg"]).read_text()
+                self.assertIn("ours", svg)
+                self.assertNotIn("NaN", svg)
+
+    def check_again(self, before):
+        """Nothing is rendered twice, and what is measured of frames is the same."""
+        done = self.sweep("--untimed", "--csv", "-")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        rows = list(csv.DictReader(io.StringIO(done.stdout)))
+        self.assertEqual(len(rows), 5)
+        for row, point in zip(rows[:4], before["points"]):
+            self.assertTrue(math.isclose(float(row["error"]), point["error"]["value"],
+                                         rel_tol=1e-8))
+            self.assertEqual(row["seconds"], "")
+        self.assertEqual(rows[4]["outcome"], "missing")
+
+    def test_what_is_refused(self):
+        self.plan.write_text(PLAN.replace("engine: march,", "engine: marsh,"))
+        done = self.sweep()
+        self.assertEqual(done.returncode, 65, done.stderr)
+        self.assertRegex(done.stderr, r"plan\.yaml:10:\d+: .*no engine 'marsh'")
+        self.plan.write_text(PLAN)
+        done = self.sweep("--only", "nothing")
+        self.assertEqual(done.returncode, 64, done.stderr)
+        self.assertIn("march, ours, fitted", done.stderr)
+        done = run("sweep", "voxel_grid", "--plan", "no_such", "-o", str(self.out / "out"))
+        self.assertEqual(done.returncode, 66, done.stderr)
+        done = run("sweep", "voxel_grid", "--plan", str(self.plan), "-o", "")
+        self.assertEqual(done.returncode, 64)
+        # Somebody's folder is left alone, and before anything is rendered.
+        (self.out / "out" / "sweep").mkdir(parents=True)
+        (self.out / "out" / "sweep" / "mine.txt").write_text("mine")
+        done = self.sweep("--only", "march")
+        self.assertEqual(done.returncode, 64, done.stderr)
+        self.assertEqual((self.out / "out" / "sweep" / "mine.txt").read_text(), "mine")
+        self.assertFalse((self.out / "out" / "store" / "frames").exists() and
+                         any((self.out / "out" / "store" / "frames").iterdir()))
+
+
+if __name__ == "__main__":
+    unittest.main()

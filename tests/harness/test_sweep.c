@@ -1,0 +1,361 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Sweeps without rendering: plans and what is refused of them, fronts, where names stand, and what
+ * charts are made of. The table of keys in docs/sweep.md is what the fields print; `test_sweep
+ * --write` writes it.
+ */
+#include "tests/printed_table.h"
+
+#include "harness/engines/engines.h"
+#include "harness/sweep/chart.h"
+#include "harness/sweep/front.h"
+#include "harness/sweep/labels.h"
+#include "harness/sweep/output.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+/* --- plans ---------------------------------------------------------------------------------- */
+
+#define HEAD                                                                                       \
+    "title: a plan\nlight: octaves\nwidth_px: 32\nheight_px: 18\nframes: 32\nwarm_up: 16\n"        \
+    "truth_samples: 16\nrounds: 2\nseries:\n"
+
+static enum neph_status load(const char *text, struct neph_sweep_plan *plan, struct neph_diag *diag)
+{
+    char path[] = "/tmp/neph_test_sweep_XXXXXX";
+    const int fd = mkstemp(path);
+    assert_true(fd >= 0);
+    assert_int_equal(write(fd, text, strlen(text)), strlen(text));
+    close(fd);
+    const enum neph_status status = neph_sweep_plan_load(path, plan, diag);
+    unlink(path);
+    return status;
+}
+
+static void test_a_plan_is_read(void **state)
+{
+    (void)state;
+    struct neph_sweep_plan plan;
+    struct neph_diag diag = {.line = 0};
+    neph_assert_ok(load(HEAD "- {name: a, engine: march, vary: steps, values: 4 8  16}\n"
+                             "- {name: b, engine: realtime, preset: ours+taa=off, set: steps=8, "
+                             "flicker: true}\n"
+                             "- {name: c, engine: realtime, vary: steps, values: 4 8, lag_at: 8}\n",
+                        &plan, &diag),
+                   &diag);
+    char label[NEPH_SWEEP_LABEL_SIZE];
+    assert_int_equal(plan.series_count, 3);
+    assert_int_equal(neph_sweep_value_count(&plan.series[0]), 3);
+    assert_int_equal(neph_sweep_value_count(&plan.series[1]), 1);
+    neph_sweep_value(&plan.series[0], 2, label);
+    assert_string_equal(label, "steps=16");
+    neph_sweep_value(&plan.series[1], 0, label);
+    assert_string_equal(label, "");
+    assert_true(plan.series[1].flicker && !plan.series[0].flicker);
+    assert_false(neph_sweep_has_lag(&plan.series[2], 0));
+    assert_true(neph_sweep_has_lag(&plan.series[2], 1));
+    neph_sweep_plan_finish(&plan);
+}
+
+/* The light of a plan is for scenes with all orders of scattering, and for who names none. */
+static void test_the_light_is_that_of_the_scene(void **state)
+{
+    (void)state;
+    struct neph_sweep_plan plan;
+    struct neph_diag diag = {.line = 0};
+    struct neph_settings single, multiple;
+    const struct neph_engine *realtime = neph_engine_find("realtime");
+    neph_assert_ok(load(HEAD "- {name: a, engine: march}\n- {name: b, engine: realtime}\n"
+                             "- {name: c, engine: realtime, set: lighting=traced}\n",
+                        &plan, &diag),
+                   &diag);
+    assert_string_equal(neph_sweep_engine(&plan, &plan.series[0], NEPH_SCATTERING_SINGLE)->name,
+                        "march");
+    assert_string_equal(neph_sweep_engine(&plan, &plan.series[0], NEPH_SCATTERING_MULTIPLE)->name,
+                        "march_octaves");
+    static const char *const wanted[] = {"octaves", "traced"};
+    for (int s = 1; s < 3; s++) {
+        neph_assert_ok(
+            neph_sweep_settings(&plan, &plan.series[s], 0, NEPH_SCATTERING_SINGLE, &single, &diag),
+            &diag);
+        neph_assert_ok(neph_sweep_settings(&plan, &plan.series[s], 0, NEPH_SCATTERING_MULTIPLE,
+                                           &multiple, &diag),
+                       &diag);
+        const int lighting = neph_option_find(realtime->options, "lighting");
+        assert_string_equal(realtime->options[lighting].choices[(int)multiple.values[lighting]],
+                            wanted[s - 1]);
+        if (s == 1)
+            assert_true(single.values[lighting] == 0.0);
+    }
+    neph_sweep_plan_finish(&plan);
+}
+
+/* Each with what the message must say. */
+static void test_bad_plans_are_refused(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *text, *said;
+    } bad[] = {
+        {HEAD "- {name: a, engine: marsh}\n", "no engine 'marsh'"},
+        {HEAD "- {name: a, engine: march, vary: steps}\n", "come together"},
+        {HEAD "- {name: a, engine: march, values: 3 4}\n", "come together"},
+        {HEAD "- {name: a, engine: march, vary: stepps, values: 4}\n", "stepps"},
+        {HEAD "- {name: a, engine: march, vary: steps, values: 0}\n", "1..65536"},
+        {HEAD "- {name: a, engine: march, vary: steps, values: 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 "
+              "1}\n",
+         "1 to 16 values"},
+        {HEAD "- {name: a, engine: march}\n- {name: a, engine: tracer}\n", "a second series"},
+        {HEAD "- {name: a, engine: realtime, preset: mine}\n", "mine"},
+        {HEAD "- {name: a, engine: march, colour: red}\n", "colour"},
+        {HEAD, "series"},
+        {"title: a plan\nlight: candle\nwidth_px: 32\nheight_px: 18\nframes: 32\nwarm_up: 16\n"
+         "truth_samples: 16\nrounds: 2\nseries:\n- {name: a, engine: march}\n",
+         "no light 'candle'"},
+        {"title: a plan\nlight: octaves\nwidth_px: 32\nheight_px: 18\nframes: 32\nwarm_up: 20\n"
+         "truth_samples: 16\nrounds: 2\nseries:\n- {name: a, engine: march}\n",
+         "fewer than 16 of 32"},
+        {"title: a plan\nlight: octaves\nwidth_px: 32\nheight_px: 18\nframes: 33\nwarm_up: 16\n"
+         "truth_samples: 16\nrounds: 2\nseries:\n- {name: a, engine: march}\n",
+         "no multiple of 4"},
+    };
+    for (size_t i = 0; i < sizeof(bad) / sizeof(bad[0]); i++) {
+        struct neph_sweep_plan plan;
+        struct neph_diag diag = {.line = 0};
+        assert_int_equal(load(bad[i].text, &plan, &diag), NEPH_ERR_INPUT);
+        if (!strstr(diag.message, bad[i].said))
+            fail_msg("'%s' does not say '%s'", diag.message, bad[i].said);
+    }
+}
+
+static void test_the_plan_that_comes_with_neph(void **state)
+{
+    (void)state;
+    struct neph_sweep_plan plan;
+    struct neph_diag diag = {.line = 0};
+    int points = 0;
+    neph_assert_ok(neph_sweep_plan_load("sweep", &plan, &diag), &diag);
+    for (int i = 0; i < plan.series_count; i++)
+        points += neph_sweep_value_count(&plan.series[i]);
+    assert_true(points >= 30);
+    neph_sweep_plan_finish(&plan);
+    assert_int_equal(neph_sweep_plan_load("no_such_plan", &plan, &diag), NEPH_ERR_NOT_FOUND);
+}
+
+static char *printed_keys(void)
+{
+    char *keys = NULL;
+    size_t size = 0;
+    FILE *file = open_memstream(&keys, &size);
+    assert_non_null(file);
+    neph_sweep_plan_print_keys(file);
+    assert_int_equal(fclose(file), 0);
+    return keys;
+}
+
+static void test_the_manual_holds_the_keys(void **state)
+{
+    const struct printed_table table = {NEPH_SOURCE_DIR "/docs/sweep.md",
+                                        "<!-- written by tests/test_sweep --write -->\n",
+                                        "<!-- end -->\n", printed_keys};
+    check_readme(&table, *state);
+}
+
+/* --- fronts --------------------------------------------------------------------------------- */
+
+static void test_a_front(void **state)
+{
+    (void)state;
+    struct neph_front_point points[] = {{{1, 9}, false}, {{2, 5}, false}, {{2, 5}, false},
+                                        {{3, 6}, false}, {{9, 1}, false}, {{NAN, 0}, false},
+                                        {{2, 7}, false}};
+    static const bool wanted[] = {true, true, true, false, true, false, false};
+    neph_front_find(points, 7, 2);
+    for (int i = 0; i < 7; i++)
+        assert_int_equal(points[i].on_front, wanted[i]);
+}
+
+/* By its definition, on random points with many ties. */
+static void test_fronts_of_random_points(void **state)
+{
+    (void)state;
+    uint64_t seed = 20261124;
+    for (int trial = 0; trial < 50; trial++) {
+        struct neph_front_point points[40];
+        for (int i = 0; i < 40; i++)
+            for (int a = 0; a < 3; a++)
+                points[i].values[a] = floor(neph_test_uniform(&seed, 0.0, 6.0));
+        neph_front_find(points, 40, 3);
+        for (int i = 0; i < 40; i++) {
+            bool is_beaten = false;
+            for (int k = 0; k < 40; k++) {
+                const double *a = points[k].values, *b = points[i].values;
+                is_beaten |= a[0] <= b[0] && a[1] <= b[1] && a[2] <= b[2] &&
+                             a[0] + a[1] + a[2] < b[0] + b[1] + b[2];
+            }
+            assert_int_equal(points[i].on_front, !is_beaten);
+        }
+    }
+}
+
+/* --- names ---------------------------------------------------------------------------------- */
+
+/* Whether the name of one meets a box around a middle. */
+static bool name_meets(const struct neph_label *label, double x_px, double y_px, double width_px,
+                       double height_px)
+{
+    const double middle = label->x_px + label->dx_px + 0.5 * label->width_px;
+    return fabs(middle - x_px) < 0.5 * (label->width_px + width_px) &&
+           fabs(label->y_px + label->dy_px - y_px) < 0.5 * (NEPH_LABEL_HEIGHT_PX + height_px);
+}
+
+static bool names_meet(const struct neph_label *a, const struct neph_label *b)
+{
+    return name_meets(a, b->x_px + b->dx_px + 0.5 * b->width_px, b->y_px + b->dy_px, b->width_px,
+                      NEPH_LABEL_HEIGHT_PX);
+}
+
+/* Names that say that they are clear lie neither on each other nor on marks, and of ten among
+ * thirty marks nearly all are. */
+static void test_names_lie_on_nothing(void **state)
+{
+    (void)state;
+    uint64_t seed = 20261124;
+    int clear = 0;
+    enum { MARKS = 30, TRIALS = 40 };
+    for (int trial = 0; trial < TRIALS; trial++) {
+        struct neph_label labels[MARKS];
+        for (int i = 0; i < MARKS; i++)
+            labels[i] = (struct neph_label){.x_px = neph_test_uniform(&seed, 0.0, 600.0),
+                                            .y_px = neph_test_uniform(&seed, 0.0, 400.0),
+                                            .width_px = i % 3 ? 0.0 : 60.0};
+        neph_labels_place(labels, MARKS, 600.0, 400.0, 14.0);
+        for (int i = 0; i < MARKS; i++) {
+            if (!labels[i].is_clear)
+                continue;
+            clear++;
+            for (int k = 0; k < MARKS; k++) {
+                const double side_px = 2.0 * NEPH_MARK_RADIUS_PX;
+                assert_false(
+                    name_meets(&labels[i], labels[k].x_px, labels[k].y_px, side_px, side_px));
+                assert_false(k != i && labels[k].width_px > 0.0 && labels[k].is_clear &&
+                             names_meet(&labels[i], &labels[k]));
+            }
+        }
+    }
+    assert_true(clear > (9 * TRIALS * MARKS / 3) / 10);
+}
+
+/* --- charts and JSON ------------------------------------------------------------------------ */
+
+enum { POINTS = 4 };
+
+/* Two series of two points; one that was not rendered, one whose flicker is 0. */
+static void make_sweep(struct neph_sweep_plan *plan, struct neph_scene *scene,
+                       struct neph_engine_info *info, struct neph_sweep_point points[POINTS],
+                       struct neph_sweep *sweep)
+{
+    struct neph_diag diag = {.line = 0};
+    neph_assert_ok(load(HEAD "- {name: one, engine: march, vary: steps, values: 4 8, order: 1}\n"
+                             "- {name: two, engine: tracer, vary: samples, values: 4 8}\n",
+                        plan, &diag),
+                   &diag);
+    *sweep = (struct neph_sweep){.plan = plan,
+                                 .scene = scene,
+                                 .points = points,
+                                 .point_count = POINTS,
+                                 .truth = "exact",
+                                 .mask = "all",
+                                 .clear_of = "all"};
+    for (int i = 0; i < POINTS; i++) {
+        points[i] = (struct neph_sweep_point){
+            .series = &plan->series[i / 2],
+            .place = i % 2,
+            .settings = "",
+            .evaluations = NAN,
+            .job = {.engine = neph_engine_find(i < 2 ? "march" : "tracer"), .info = info},
+            .time = {0.01 * (i + 1), 0.009 * (i + 1), 0.012 * (i + 1)}};
+        for (int n = 0; n < NEPH_SWEEP_NUMBERS; n++)
+            points[i].numbers[n] = (struct neph_sweep_value){NAN, NAN, NAN};
+        points[i].numbers[NEPH_SWEEP_ERROR] = (struct neph_sweep_value){0.1 / (i + 1), NAN, NAN};
+        points[i].job.shot.settings = neph_settings_default(points[i].job.engine);
+        neph_sweep_value(points[i].series, points[i].place, points[i].label);
+    }
+    snprintf(points[3].missing, sizeof(points[3].missing), "not here");
+    points[0].numbers[NEPH_SWEEP_FLICKER].value = 0.0;
+}
+
+static void test_charts_hold_what_was_measured(void **state)
+{
+    (void)state;
+    struct neph_sweep_plan plan;
+    struct neph_sweep_point points[POINTS];
+    struct neph_scene scene = {.name = "made"};
+    struct neph_engine_info info = {.device = "a device", .version = "1"};
+    struct neph_sweep sweep;
+    struct neph_diag diag = {.line = 0};
+    make_sweep(&plan, &scene, &info, points, &sweep);
+    json_t *spec = NULL;
+    neph_assert_ok(neph_sweep_chart_spec(&sweep, &neph_sweep_charts[0], &neph_sweep_chart_sizes[0],
+                                         &spec, &diag),
+                   &diag);
+    const json_t *data = json_object_get(spec, "datasets");
+    assert_int_equal(json_array_size(json_object_get(data, "points")), 3);
+    assert_int_equal(json_array_size(json_object_get(data, "labels")), 2);
+    assert_int_equal(json_array_size(json_object_get(data, "front")), 3 + 2); /* and two ends */
+    const json_t *slopes = json_object_get(data, "slopes");
+    assert_int_equal(json_array_size(slopes), 2);
+    const double first = json_number_value(json_object_get(json_array_get(slopes, 0), "y"));
+    const double last = json_number_value(json_object_get(json_array_get(slopes, 1), "y"));
+    assert_true(fabs(first / last - 2.0) < 1e-12); /* twice the time, order 1 */
+    json_decref(spec);
+    for (const struct neph_sweep_chart *chart = neph_sweep_charts; chart->id; chart++)
+        if (chart->y == NEPH_SWEEP_FLICKER) { /* its only point has no place on the axis */
+            neph_assert_ok(
+                neph_sweep_chart_spec(&sweep, chart, &neph_sweep_chart_sizes[0], &spec, &diag),
+                &diag);
+            assert_null(spec);
+        }
+    neph_sweep_plan_finish(&plan);
+}
+
+static void test_json_has_every_point(void **state)
+{
+    (void)state;
+    struct neph_sweep_plan plan;
+    struct neph_sweep_point points[POINTS];
+    struct neph_scene scene = {.name = "made"};
+    struct neph_engine_info info = {.device = "a device", .version = "1"};
+    struct neph_sweep sweep;
+    make_sweep(&plan, &scene, &info, points, &sweep);
+    json_t *json = neph_sweep_json(&sweep);
+    assert_non_null(json);
+    assert_int_equal(json_integer_value(json_object_get(json, "measured")), 3);
+    assert_int_equal(json_integer_value(json_object_get(json, "expected")), POINTS);
+    const json_t *list = json_object_get(json, "points");
+    assert_int_equal(json_array_size(list), POINTS);
+    assert_string_equal(neph_json_text(json_array_get(list, 3), "missing"), "not here");
+    const char *command = neph_json_text(json_array_get(list, 0), "command");
+    assert_string_equal(command, "neph render made -e march --size 32x18 --seed 0");
+    json_decref(json);
+    neph_sweep_plan_finish(&plan);
+}
+
+int main(int count, char **arguments)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_a_plan_is_read),
+        cmocka_unit_test(test_the_light_is_that_of_the_scene),
+        cmocka_unit_test(test_bad_plans_are_refused),
+        cmocka_unit_test(test_the_plan_that_comes_with_neph),
+        cmocka_unit_test_prestate(test_the_manual_holds_the_keys, writes_readme(count, arguments)),
+        cmocka_unit_test(test_a_front),
+        cmocka_unit_test(test_fronts_of_random_points),
+        cmocka_unit_test(test_names_lie_on_nothing),
+        cmocka_unit_test(test_charts_hold_what_was_measured),
+        cmocka_unit_test(test_json_has_every_point),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
