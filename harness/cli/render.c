@@ -15,24 +15,29 @@
 #include "harness/progress.h"
 #include "harness/report/scene_layers.h"
 #include "harness/report/step_depth.h"
+#include "harness/run/configuration.h"
 #include "harness/run/job.h"
 #include "harness/run/noise.h"
 #include "harness/run/seed.h"
 #include "scenes/motion.h"
+#include "scenes/rescatter.h"
+#include "scenes/words.h"
 
 #include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* A sequence engine goes on beyond the scene's last key. */
 enum { FRAMES_MAX = 100000 };
 
 struct request {
     struct neph_cli_shared shared;
-    const char *checkpoint, *preset, *depth;
+    const char *checkpoint, *preset, *depth, *config, *scattering;
     int first_frame, frame_count, seed;
     bool noise, scene_layers, stats;
+    struct neph_configuration configuration; /* of --config; its engine is NULL without */
 };
 
 /* `neph export` has them too; only its engine, where none is named, is another. */
@@ -41,6 +46,14 @@ static const struct neph_cli_option options[] = {
      "Engine realtime: a set of settings by name, before any --set; `neph engines realtime` lists "
      "them",
      NEPH_CLI_WORD, .at = offsetof(struct request, preset)},
+    {"config", 0, "FILE",
+     "Engine, settings and orders of scattering as `neph pick` has left them, in place of --engine "
+     "and --preset, before any --set",
+     NEPH_CLI_WORD, .at = offsetof(struct request, config)},
+    {"scattering", 0, "ORDERS",
+     "As if the scene had none, single or multiple scattering: what an engine leaves out that has "
+     "no more",
+     NEPH_CLI_WORD, .at = offsetof(struct request, scattering)},
     {.name = "set"},
     {.name = "size", .otherwise = "192x108"},
     {"frame", 0, "N", "First frame, 0-based", NEPH_CLI_INTEGER,
@@ -144,6 +157,8 @@ static enum neph_status check_engine(const struct request *request,
         return neph_fail(diag, NEPH_ERR_USAGE,
                          "--depth is for engine realtime; engine %s renders the scene's solids",
                          engine->name);
+    if (request->preset && request->config)
+        return neph_fail(diag, NEPH_ERR_USAGE, "--preset or --config, not both");
     if (request->preset && !engine->presets)
         return neph_fail(diag, NEPH_ERR_USAGE,
                          "--preset is for engine realtime; engine %s has no presets", engine->name);
@@ -155,7 +170,8 @@ static enum neph_status make_job(const struct request *request, const struct nep
                                  struct neph_diag *diag)
 {
     const struct neph_cli_shared *shared = &request->shared;
-    const struct neph_engine *engine = neph_engine_find(shared->engine);
+    const struct neph_engine *engine = request->config ? request->configuration.engine
+                                                       : neph_engine_find(shared->engine);
     if (!engine) {
         neph_fail(diag, NEPH_ERR_USAGE, "there is no engine '%s'", shared->engine);
         neph_hint(diag, "`neph engines` lists them");
@@ -165,7 +181,8 @@ static enum neph_status make_job(const struct request *request, const struct nep
         .engine = engine,
         .info = info,
         .shot = {.scene = scene,
-                 .settings = neph_settings_default(engine),
+                 .settings = request->config ? request->configuration.settings
+                                             : neph_settings_default(engine),
                  .layers = NEPH_LAYERS_ALL,
                  .width_px = shared->size.width_px,
                  .height_px = shared->size.height_px,
@@ -378,18 +395,53 @@ static enum neph_status render_frames(const struct request *request, struct neph
     return status ? status : printed;
 }
 
+/* The orders of --scattering, or of --config; `*wanted` tells whether either names some. */
+static enum neph_status find_scattering(const struct request *request, bool *wanted,
+                                        enum neph_scattering *scattering, struct neph_diag *diag)
+{
+    const char *word = request->scattering;
+    *wanted = word || (request->config && request->configuration.rescatters);
+    *scattering = request->configuration.scattering;
+    if (!word)
+        return NEPH_OK;
+    for (int i = 0; neph_scattering_words[i]; i++)
+        if (strcmp(neph_scattering_words[i], word) == 0) {
+            *scattering = (enum neph_scattering)i;
+            return NEPH_OK;
+        }
+    return neph_fail(diag, NEPH_ERR_USAGE,
+                     "there is no scattering '%.40s'; it is none, single or multiple", word);
+}
+
+/* The scene, or with other orders of scattering `*other`, which borrows from it. */
+static enum neph_status load(struct request *request, struct neph_scene **scene,
+                             struct neph_scene **other, struct neph_diag *diag)
+{
+    bool wanted = false;
+    enum neph_scattering scattering = NEPH_SCATTERING_NONE;
+    enum neph_status status = request->config ? neph_configuration_read(
+                                                    request->config, &request->configuration, diag)
+                                              : NEPH_OK;
+    if (!status)
+        status = find_scattering(request, &wanted, &scattering, diag);
+    if (!status)
+        status = neph_data_load_scene(request->shared.operands[0], scene, diag);
+    return status || !wanted ? status : neph_scene_rescatter(*scene, scattering, other, diag);
+}
+
 enum neph_status neph_cli_render(int argc, char **argv, struct neph_diag *diag)
 {
     struct request request = {0};
     neph_cli_parse(&render_syntax, argc, argv, &request);
-    struct neph_scene *scene = NULL;
+    struct neph_scene *scene = NULL, *other = NULL;
     struct neph_engine_info info;
     struct neph_job job;
-    enum neph_status status = neph_data_load_scene(request.shared.operands[0], &scene, diag);
+    enum neph_status status = load(&request, &scene, &other, diag);
     if (!status)
-        status = make_job(&request, scene, &info, &job, diag);
+        status = make_job(&request, other ? other : scene, &info, &job, diag);
     if (!status)
         status = render_frames(&request, &job, diag);
+    neph_scene_destroy(other);
     neph_scene_destroy(scene);
     return status;
 }
@@ -424,19 +476,20 @@ enum neph_status neph_cli_export(int argc, char **argv, struct neph_diag *diag)
 {
     struct request request = {0};
     neph_cli_parse(&export_syntax, argc, argv, &request);
-    struct neph_scene *scene = NULL, *still = NULL;
+    struct neph_scene *scene = NULL, *other = NULL, *still = NULL;
     struct neph_engine_info info;
     struct neph_job job;
-    enum neph_status status = neph_data_load_scene(request.shared.operands[0], &scene, diag);
+    enum neph_status status = load(&request, &scene, &other, diag);
     if (!status)
-        status = make_job(&request, scene, &info, &job, diag);
+        status = make_job(&request, other ? other : scene, &info, &job, diag);
     if (!status && neph_scene_moves(scene))
-        status = neph_scene_at(scene, job.shot.frame, &still, diag);
+        status = neph_scene_at(job.shot.scene, job.shot.frame, &still, diag);
     if (still)
         job.shot.scene = still;
     if (!status)
         status = export_files(&request, &job, diag);
     neph_scene_destroy(still);
+    neph_scene_destroy(other);
     neph_scene_destroy(scene);
     return status;
 }

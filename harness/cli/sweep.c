@@ -20,7 +20,7 @@ struct request {
     struct neph_cli_shared shared;
     const char *plan, *only, *csv;
     int seed;
-    bool untimed;
+    bool untimed, retimes;
 };
 
 static const struct neph_cli_option options[] = {
@@ -31,6 +31,8 @@ static const struct neph_cli_option options[] = {
      .at = offsetof(struct request, only)},
     {"untimed", 0, NULL, "No times: what a point costs is its evaluations of density",
      NEPH_CLI_FLAG, .at = offsetof(struct request, untimed)},
+    {"retime", 0, NULL, "Time again what DIR/times.json has times of", NEPH_CLI_FLAG,
+     .at = offsetof(struct request, retimes)},
     {"seed", 0, "N", "Of all that is random", NEPH_CLI_INTEGER,
      .at = offsetof(struct request, seed), .otherwise = "1", .minimum = 1, .maximum = 1000000},
     {.name = "size", .help = "Pixels, in place of the plan's"},
@@ -45,17 +47,19 @@ static const struct neph_cli_option options[] = {
 static const struct neph_cli_syntax syntax = {
     .options = options,
     .operands = &neph_cli_one_scene,
-    .doc = "Engines and their settings over one scene: what each costs, and what it is off by.\v"
-           "Errors are against the truth: engine exact where it has the scene, else the tracer, "
-           "whose noise is printed. What a shortcut is off by against the march of its own model, "
-           "its flicker and its half-life after a step of the sun stand beside that, and are never "
-           "mixed with it. Times are measured in rounds over all points, with nothing else going "
-           "on: keep the machine quiet. Frames are kept in DIR/store and not rendered twice. "
-           "NEPH_VULKAN_DEVICE names the device.\n\n"
-           "Examples:\n"
-           "  neph sweep voxel_grid\n"
-           "  neph sweep cloud_below --only march,ours,tracer --size 192x108 --csv -\n"
-           "  neph sweep my_fog.yaml --plan my_sweep.yaml --json",
+    .doc =
+        "Engines and their settings over one scene: what each costs, and what it is off by.\v"
+        "Errors are against the truth: engine exact where it has the scene, else the tracer, "
+        "whose noise is printed. What a shortcut is off by against the march of its own model, "
+        "its flicker and its half-life after a step of the sun stand beside that, and are never "
+        "mixed with it. Times are measured in rounds over all points, with nothing else going "
+        "on: keep the machine quiet. Frames are kept in DIR/store and not rendered twice, times in "
+        "DIR/times.json. "
+        "NEPH_VULKAN_DEVICE names the device.\n\n"
+        "Examples:\n"
+        "  neph sweep voxel_grid\n"
+        "  neph sweep cloud_below --only march,ours,tracer --size 192x108 --csv -\n"
+        "  neph sweep my_fog.yaml --plan my_sweep.yaml --json",
 };
 
 enum { ONLY_MAX = NEPH_SWEEP_SERIES_MAX };
@@ -120,17 +124,30 @@ static enum neph_status write_all(const struct request *request,
     return status;
 }
 
+static enum neph_status open_times(const char *folder, struct neph_times *times,
+                                   struct neph_diag *diag)
+{
+    char *path = neph_path_join(folder, "times.json");
+    const enum neph_status status = path ? neph_times_open(path, times, diag)
+                                         : neph_fail_memory(diag);
+    free(path);
+    return status;
+}
+
 static enum neph_status run(const struct request *request, const struct neph_sweep_plan *plan,
                             const char *const *only, struct neph_diag *diag)
 {
     const struct neph_cli_shared *shared = &request->shared;
+    struct neph_times times = {NULL};
     const struct neph_sweep_params params = {.plan = plan,
                                              .scene = shared->operands[0],
                                              .only = only,
                                              .time_limit_s = shared->time_limit_s,
                                              .seed = (uint64_t)request->seed,
                                              .quiet = shared->quiet,
-                                             .untimed = request->untimed};
+                                             .untimed = request->untimed,
+                                             .times = &times,
+                                             .retimes = request->retimes};
     struct neph_store *store = NULL;
     struct neph_sweep sweep = {.plan = NULL};
     struct neph_report_folder *page = NULL; /* open at once: whose it is, is told at once */
@@ -142,10 +159,13 @@ static enum neph_status run(const struct request *request, const struct neph_swe
     if (!status)
         status = neph_store_open(folder, &store, diag);
     if (!status)
+        status = open_times(shared->output, &times, diag);
+    if (!status)
         status = neph_sweep_run(&params, store, &sweep, diag);
     if (!status)
         status = write_all(request, page, &sweep, diag);
     neph_sweep_finish(&sweep);
+    neph_times_close(&times);
     neph_store_close(store);
     neph_report_folder_close(page);
     free(page_folder);

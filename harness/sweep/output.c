@@ -40,6 +40,8 @@ char *neph_sweep_command(const struct neph_sweep *sweep, const struct neph_sweep
         if (same && strcmp(word, same) != 0)
             fprintf(out, " -s %s", word);
     }
+    if (point->job.shot.scene != sweep->scene)
+        fprintf(out, " --scattering %s", neph_scattering_name(point->job.shot.scene->scattering));
     if (engine->remembers)
         fprintf(out, " --frames %d", plan->frame_count);
     fprintf(out, " --seed %llu", (unsigned long long)point->job.shot.seed);

@@ -61,6 +61,12 @@ bool neph_sweep_has_lag(const struct neph_sweep_series *series, int index)
 
 /* --- engines and settings ------------------------------------------------------------------- */
 
+enum neph_scattering neph_sweep_scattering(const struct neph_sweep_series *series,
+                                           const struct neph_scene *scene)
+{
+    return series->scattering < 0 ? scene->scattering : (enum neph_scattering)series->scattering;
+}
+
 const struct neph_engine *neph_sweep_engine(const struct neph_sweep_plan *plan,
                                             const struct neph_sweep_series *series,
                                             enum neph_scattering scattering)
@@ -179,6 +185,18 @@ static enum neph_status check_plan(const struct neph_reader *reader,
     return status;
 }
 
+/* One more than enum neph_scattering: 0, what stands where nothing is given, is the scene's own. */
+static const char *const scattering_words[] = {"scene", "none", "single", "multiple", NULL};
+
+static enum neph_status read_series(struct neph_reader *reader, const yaml_node_t *node,
+                                    const struct neph_record *record, void *target)
+{
+    struct neph_sweep_series *series = target;
+    const enum neph_status status = neph_read_fields(reader, node, record->fields, target);
+    series->scattering--;
+    return status;
+}
+
 static const struct neph_field series_fields[] = {
     {"name", NEPH_TEXT, SERIES(name), .note = "in tables and legends", .least = 1,
      .most = NAME_MAX},
@@ -197,6 +215,9 @@ static const struct neph_field series_fields[] = {
     {"lag_at", NEPH_TEXT, SERIES(lag_at),
      .note = "those of the values at which sequences with a step of the sun are rendered, too",
      .least = 1, .most = TEXT_MAX, .standard = "none"},
+    {"scattering", NEPH_WORD, SERIES(scattering),
+     .note = "the scene as if it had these orders of scattering: what is left out is in the error",
+     .words = scattering_words, .standard = "`scene`"},
     {"order", NEPH_NUMBER, SERIES(order), "", 0, 8,
      .note = "error ~ time^-order, drawn beside it as it ought to be; 0: not drawn",
      .standard = "0"},
@@ -204,7 +225,7 @@ static const struct neph_field series_fields[] = {
 };
 
 static const struct neph_record series_record = {sizeof(struct neph_sweep_series), series_fields,
-                                                 NULL};
+                                                 read_series};
 
 static const struct neph_field plan_fields[] = {
     {"title", NEPH_TEXT, PLAN(title), .least = 1, .most = TEXT_MAX},

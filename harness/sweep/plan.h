@@ -30,7 +30,9 @@ struct neph_sweep_series {
     bool flicker; /* rendered as a sequence, whose flicker is measured */
     char *lag_at; /* values of `varied` at which that is done again with a step of the sun; NULL: at
                      none */
-    double order; /* error ~ time^-order where it works as it should; 0: nobody says */
+    int scattering; /* the scene as if it had these orders of scattering: enum neph_scattering; -1:
+                       those that it has */
+    double order;   /* error ~ time^-order where it works as it should; 0: nobody says */
 };
 
 struct neph_sweep_plan {
@@ -61,6 +63,10 @@ void neph_sweep_value(const struct neph_sweep_series *series, int index,
 
 /* Whether the lag of that point is measured. */
 bool neph_sweep_has_lag(const struct neph_sweep_series *series, int index);
+
+/* The orders of scattering that a series has of a scene. */
+enum neph_scattering neph_sweep_scattering(const struct neph_sweep_series *series,
+                                           const struct neph_scene *scene);
 
 /* The engine of a series in a scene: of single scattering that which it names. Where a scene has
  * all orders, "march" is the march of the plan's light, as "realtime" gets it as a setting. */

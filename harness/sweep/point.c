@@ -7,6 +7,7 @@
 #include "harness/engines/frame_stats.h"
 #include "harness/study/flicker_metrics.h"
 #include "harness/study/take.h"
+#include "scenes/variant.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -36,6 +37,14 @@ static const struct neph_meter_number kept_of_lag[] = {
     {"half_life_p50", "all"},
     {.metric = NULL},
 };
+
+void neph_sweep_bench_finish(struct neph_sweep_bench *bench)
+{
+    neph_reference_finish(&bench->still);
+    neph_reference_finish(&bench->stepped);
+    for (int i = 0; i <= NEPH_SCATTERING_MULTIPLE; i++)
+        neph_scene_destroy(bench->steps[i]);
+}
 
 bool neph_sweep_is_sequence(const struct neph_sweep_point *point)
 {
@@ -108,7 +117,7 @@ static enum neph_status measure_flicker(struct neph_sweep_bench *bench,
     const struct neph_reading reading = {.name = "sweep",
                                          .against = NEPH_REFERENCE_AVERAGED,
                                          .extractors = of_flicker,
-                                         .viewing = viewing_of(bench->scene),
+                                         .viewing = viewing_of(point->job.shot.scene),
                                          .kept = kept_of_flicker,
                                          .warm_up_frames = bench->plan->warm_up};
     const struct neph_take take = {.job = point->job,
@@ -144,6 +153,20 @@ static enum neph_status measure_flicker(struct neph_sweep_bench *bench,
     return status;
 }
 
+/* The scene with a step of its sun; NULL: it cannot have one. */
+static enum neph_status have_step(struct neph_sweep_bench *bench, const struct neph_scene *scene,
+                                  const struct neph_scene **step, struct neph_diag *diag)
+{
+    const struct neph_variant variant = {NEPH_VARIANT_SUN_STEP, NEPH_STUDY_EVENT_FRAME,
+                                         STEP_FRAMES};
+    struct neph_scene **made = &bench->steps[scene->scattering];
+    enum neph_status status = NEPH_OK;
+    if (!*made && !neph_variant_obstacle(scene, NEPH_VARIANT_SUN_STEP))
+        status = neph_scene_variant(scene, &variant, made, diag);
+    *step = *made;
+    return status;
+}
+
 static enum neph_status measure_lag(struct neph_sweep_bench *bench, struct neph_sweep_point *point,
                                     struct neph_diag *diag)
 {
@@ -151,7 +174,7 @@ static enum neph_status measure_lag(struct neph_sweep_bench *bench, struct neph_
                                          .against = NEPH_REFERENCE_AVERAGED,
                                          .extractors = of_lag,
                                          .settings = at_step,
-                                         .viewing = viewing_of(bench->scene),
+                                         .viewing = viewing_of(point->job.shot.scene),
                                          .kept = kept_of_lag};
     struct neph_take take = {.job = point->job,
                              .frame_count = STEP_FRAMES,
@@ -162,8 +185,10 @@ static enum neph_status measure_lag(struct neph_sweep_bench *bench, struct neph_
                              .frozen_is_fine = true};
     char *folder = NULL;
     json_t *record = NULL, *document = NULL;
-    take.job.shot.scene = bench->step;
-    enum neph_status status = have_reference(bench, &take.job, STEP_FRAMES, &bench->stepped, diag);
+    enum neph_status status = have_step(bench, point->job.shot.scene, &take.job.shot.scene, diag);
+    if (status || !take.job.shot.scene)
+        return status;
+    status = have_reference(bench, &take.job, STEP_FRAMES, &bench->stepped, diag);
     if (!status)
         status = neph_take_run(&take, bench->store, &folder, &record, diag);
     if (!status)
@@ -219,7 +244,7 @@ enum neph_status neph_sweep_point_measure(struct neph_sweep_bench *bench,
     else
         status = neph_sweep_point_render(bench, point, 0, &point->numbers[NEPH_SWEEP_ERROR],
                                          &seconds, &why);
-    if (!status && bench->step && neph_sweep_has_lag(point->series, point->place))
+    if (!status && neph_sweep_has_lag(point->series, point->place))
         status = measure_lag(bench, point, &why);
     point->at_floor = point->numbers[NEPH_SWEEP_ERROR].value < 2.0 * bench->truth->noise;
     if (is_of_the_point(status)) {

@@ -8,6 +8,7 @@
 
 #include "harness/progress.h"
 #include "harness/study/reference.h"
+#include "harness/sweep/times.h"
 #include "harness/sweep/truth.h"
 
 /* What points share. References are of the last point's model: points that follow each other with
@@ -17,11 +18,17 @@ struct neph_sweep_bench {
     const struct neph_sweep_truth *truth;
     struct neph_store *store;
     struct neph_progress *progress;
-    const struct neph_scene *scene, *step; /* `step`: with a step of its sun; NULL: it cannot */
-    struct neph_reference still, stepped;  /* start from {0}; for neph_reference_finish */
+    struct neph_times *times; /* borrowed */
+    bool retimes;             /* whatever was timed before is timed again */
+    struct neph_scene *steps[NEPH_SCATTERING_MULTIPLE + 1]; /* with a step of the sun, by orders of
+                                                               scattering, as they are asked for;
+                                                               owned, for _bench_finish */
+    struct neph_reference still, stepped;                   /* of the point at hand; owned */
     uint64_t seed;
     const char *mask; /* that flicker was taken over, once it was */
 };
+
+void neph_sweep_bench_finish(struct neph_sweep_bench *bench);
 
 /* Whether the point is a sequence of pictures, of which the last is what it is off by. */
 bool neph_sweep_is_sequence(const struct neph_sweep_point *point);

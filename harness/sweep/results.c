@@ -19,6 +19,8 @@ void neph_sweep_finish(struct neph_sweep *sweep)
         free(sweep->points[i].settings);
     free(sweep->points);
     free(sweep->infos);
+    for (int i = 0; i <= NEPH_SCATTERING_MULTIPLE; i++)
+        neph_scene_destroy(sweep->rescattered[i]);
     neph_scene_destroy(sweep->scene);
     *sweep = (struct neph_sweep){.plan = NULL};
 }

@@ -49,10 +49,12 @@ struct neph_sweep_point {
 };
 
 struct neph_sweep {
-    const struct neph_sweep_plan *plan; /* borrowed */
-    struct neph_scene *scene;           /* owned */
-    struct neph_engine_info *infos;     /* by neph_engines; owned */
-    struct neph_sweep_point *points;    /* owned */
+    const struct neph_sweep_plan *plan;                           /* borrowed */
+    struct neph_scene *scene;                                     /* owned */
+    struct neph_scene *rescattered[NEPH_SCATTERING_MULTIPLE + 1]; /* with these orders, where a
+                                                                     series has them; owned */
+    struct neph_engine_info *infos;                               /* by neph_engines; owned */
+    struct neph_sweep_point *points;                              /* owned */
     int point_count;
     const char *truth;    /* the name of its engine */
     double floor;         /* relative noise of the truth; 0: it has none */

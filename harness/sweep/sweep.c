@@ -4,10 +4,9 @@
 #include "base/clock.h"
 #include "harness/data.h"
 #include "harness/engines/engines.h"
-#include "harness/study/flicker_metrics.h"
 #include "harness/sweep/front.h"
 #include "harness/sweep/timing.h"
-#include "scenes/variant.h"
+#include "scenes/rescatter.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -21,12 +20,13 @@ static const double truth_typical_s = 60.0, point_typical_s = 6.0, round_typical
 
 /* --- points --------------------------------------------------------------------------------- */
 
-static bool is_wanted(const char *const *only, const char *name)
+static bool is_wanted(const struct neph_sweep_params *params, int series, int place)
 {
-    bool wanted = !only;
-    for (int i = 0; only && only[i]; i++)
-        wanted |= strcmp(only[i], name) == 0;
-    return wanted;
+    const char *name = params->plan->series[series].name;
+    bool wanted = !params->only;
+    for (int i = 0; params->only && params->only[i]; i++)
+        wanted |= strcmp(params->only[i], name) == 0;
+    return wanted && (!params->wanted || params->wanted[series * NEPH_SWEEP_VALUES_MAX + place]);
 }
 
 static const struct neph_engine_info *info_of(const struct neph_sweep *sweep,
@@ -39,19 +39,34 @@ static const struct neph_engine_info *info_of(const struct neph_sweep *sweep,
     return &sweep->infos[index];
 }
 
+static enum neph_status have_scene(struct neph_sweep *sweep, enum neph_scattering scattering,
+                                   const struct neph_scene **scene, struct neph_diag *diag)
+{
+    struct neph_scene **other = &sweep->rescattered[scattering];
+    enum neph_status status = NEPH_OK;
+    *scene = sweep->scene;
+    if (scattering == sweep->scene->scattering)
+        return NEPH_OK;
+    if (!*other)
+        status = neph_scene_rescatter(sweep->scene, scattering, other, diag);
+    *scene = *other;
+    return status;
+}
+
 static enum neph_status fill_point(const struct neph_sweep_params *params, struct neph_sweep *sweep,
                                    const struct neph_sweep_series *series, int place,
                                    struct neph_sweep_point *point, struct neph_diag *diag)
 {
     const struct neph_sweep_plan *plan = params->plan;
-    const struct neph_engine *engine = neph_sweep_engine(plan, series, sweep->scene->scattering);
+    const enum neph_scattering scattering = neph_sweep_scattering(series, sweep->scene);
+    const struct neph_engine *engine = neph_sweep_engine(plan, series, scattering);
     const struct neph_engine_info *info = info_of(sweep, engine);
     *point = (struct neph_sweep_point){
         .series = series,
         .place = place,
         .job = {.engine = engine,
                 .info = info,
-                .shot = {.scene = sweep->scene,
+                .shot = {.scene = NULL,
                          .width_px = plan->width_px,
                          .height_px = plan->height_px,
                          .layers = NEPH_LAYERS_ALL,
@@ -64,14 +79,15 @@ static enum neph_status fill_point(const struct neph_sweep_params *params, struc
         point->numbers[n] = (struct neph_sweep_value){NAN, NAN, NAN};
     neph_sweep_value(series, place, point->label);
     struct neph_shot *shot = &point->job.shot;
-    enum neph_status status = neph_sweep_settings(plan, series, place, sweep->scene->scattering,
-                                                  &shot->settings, diag);
+    enum neph_status status = have_scene(sweep, scattering, &shot->scene, diag);
+    if (!status)
+        status = neph_sweep_settings(plan, series, place, scattering, &shot->settings, diag);
     if (!status && !(point->settings = neph_settings_text(engine, &shot->settings)))
         status = neph_fail_memory(diag);
     if (!status && !info->available)
         snprintf(point->missing, sizeof(point->missing), "%.500s", info->missing);
     else if (!status)
-        engine->can_render(sweep->scene, &shot->settings, point->missing, sizeof(point->missing));
+        engine->can_render(shot->scene, &shot->settings, point->missing, sizeof(point->missing));
     return status;
 }
 
@@ -85,7 +101,7 @@ static enum neph_status fill_points(const struct neph_sweep_params *params,
         return neph_fail_memory(diag);
     for (int s = 0; s < plan->series_count; s++)
         for (int i = 0; i < neph_sweep_value_count(&plan->series[s]) && !status; i++)
-            if (is_wanted(params->only, plan->series[s].name))
+            if (is_wanted(params, s, i))
                 status = fill_point(params, sweep, &plan->series[s], i,
                                     &sweep->points[sweep->point_count++], diag);
     return status;
@@ -198,21 +214,6 @@ static enum neph_status find_fronts(struct neph_sweep *sweep, bool untimed, stru
 
 /* --- the whole ------------------------------------------------------------------------------ */
 
-static double load_now(void)
-{
-    double load = NAN;
-    return getloadavg(&load, 1) == 1 ? load : NAN;
-}
-
-static enum neph_status make_step(const struct neph_scene *scene, struct neph_scene **step,
-                                  struct neph_diag *diag)
-{
-    const struct neph_variant variant = {NEPH_VARIANT_SUN_STEP, NEPH_STUDY_EVENT_FRAME, 80};
-    return neph_variant_obstacle(scene, NEPH_VARIANT_SUN_STEP)
-               ? NEPH_OK
-               : neph_scene_variant(scene, &variant, step, diag);
-}
-
 static void expect(struct neph_progress *progress, const struct neph_sweep *sweep, bool untimed)
 {
     neph_progress_expect(progress, KIND_TRUTH, 1, truth_typical_s);
@@ -248,7 +249,7 @@ static enum neph_status run_bench(const struct neph_sweep_params *params, struct
     bench->progress->kind = KIND_ROUND;
     if (!status && !params->untimed)
         status = neph_sweep_time(bench, sweep->points, sweep->point_count, diag);
-    sweep->load = load_now();
+    sweep->load = neph_sweep_load();
     sweep->measure_s = neph_wall_s() - start_s;
     return status ? status : find_fronts(sweep, params->untimed, diag);
 }
@@ -258,7 +259,6 @@ enum neph_status neph_sweep_run(const struct neph_sweep_params *params, struct n
 {
     struct neph_progress progress = neph_progress_start(params->quiet, 0);
     struct neph_sweep_truth truth = {.image = NULL};
-    struct neph_scene *step = NULL;
     *sweep = (struct neph_sweep){.plan = params->plan};
     enum neph_status status = check_only(params, diag);
     if (!status)
@@ -268,8 +268,6 @@ enum neph_status neph_sweep_run(const struct neph_sweep_params *params, struct n
     if (!status)
         status = fill_points(params, sweep, diag);
     if (!status)
-        status = make_step(sweep->scene, &step, diag);
-    if (!status)
         expect(&progress, sweep, params->untimed);
     if (!status)
         status = make_truth(params, sweep, store, &progress, &truth, diag);
@@ -277,16 +275,14 @@ enum neph_status neph_sweep_run(const struct neph_sweep_params *params, struct n
                                      .truth = &truth,
                                      .store = store,
                                      .progress = &progress,
-                                     .scene = sweep->scene,
-                                     .step = step,
                                      .mask = "all",
+                                     .times = params->times,
+                                     .retimes = params->retimes,
                                      .seed = params->seed};
     if (!status)
         status = run_bench(params, sweep, &bench, diag);
-    neph_reference_finish(&bench.still);
-    neph_reference_finish(&bench.stepped);
+    neph_sweep_bench_finish(&bench);
     neph_sweep_truth_finish(&truth);
-    neph_scene_destroy(step);
     neph_progress_end(&progress);
     if (status == NEPH_ERR_INTERRUPTED)
         neph_hint(diag, "what is finished is in the store: the same command goes on from there");

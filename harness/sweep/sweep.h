@@ -12,6 +12,7 @@
 
 #include "harness/run/store.h"
 #include "harness/sweep/results.h"
+#include "harness/sweep/times.h"
 
 struct neph_sweep_params {
     const struct neph_sweep_plan *plan;
@@ -20,7 +21,11 @@ struct neph_sweep_params {
     double time_limit_s;     /* per child process */
     uint64_t seed;
     bool quiet;
-    bool untimed; /* no times: evaluations are the cost */
+    bool untimed;             /* no times: evaluations are the cost */
+    struct neph_times *times; /* what was timed before is not timed again; NULL when untimed */
+    bool retimes;             /* but with this it is */
+    const bool *wanted; /* points, by series of the plan and place: [series * NEPH_SWEEP_VALUES_MAX
+                           + place]; NULL: all */
 };
 
 /* Run it. Engines that cannot render a point say so in it. NEPH_ERR_INTERRUPTED: what is finished

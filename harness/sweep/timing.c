@@ -19,9 +19,10 @@ struct timed {
     int rendered;
 };
 
-static bool is_there(const struct neph_sweep_point *point)
+/* Those that can be timed and were not before. */
+static bool is_due(const struct neph_sweep_point *point)
 {
-    return !point->missing[0];
+    return !point->missing[0] && point->timed == 0;
 }
 
 /* --- one point ------------------------------------------------------------------------------ */
@@ -120,7 +121,7 @@ static enum neph_status run_rounds(struct neph_sweep_bench *bench, struct neph_s
         neph_progress_begin(bench->progress, what);
         const double start_s = neph_wall_s();
         for (int i = 0; i < count && !status; i++)
-            if (is_there(&points[i]))
+            if (is_due(&points[i]))
                 status = run_round(bench, &points[i], &all[i], round, diag);
         if (!status)
             neph_progress_step(bench->progress, what, "timed", neph_wall_s() - start_s);
@@ -133,16 +134,30 @@ enum neph_status neph_sweep_time(struct neph_sweep_bench *bench, struct neph_swe
 {
     struct timed *all = calloc((size_t)count, sizeof(*all));
     enum neph_status status = all ? NEPH_OK : neph_fail_memory(diag);
+    for (int i = 0; i < count && !bench->retimes; i++)
+        neph_times_find(bench->times, &points[i].job, &points[i].time, &points[i].timed);
     for (int i = 0; i < count && !status; i++)
-        if (is_there(&points[i]))
+        if (is_due(&points[i]))
             status = open_one(bench, &points[i], &all[i], diag);
     if (!status)
         status = run_rounds(bench, points, all, count, diag);
+    const double load = neph_sweep_load();
     for (int i = 0; all && i < count; i++) {
-        if (!status && is_there(&points[i]))
+        if (!status && is_due(&points[i])) {
             conclude(&all[i], &points[i]);
+            status = points[i].timed > 0
+                         ? neph_times_put(bench->times, &points[i].job, points[i].time,
+                                          points[i].timed, load, diag)
+                         : NEPH_OK;
+        }
         close_one(&all[i]);
     }
     free(all);
-    return status;
+    return status ? status : neph_times_save(bench->times, diag);
+}
+
+double neph_sweep_load(void)
+{
+    double load = NAN;
+    return getloadavg(&load, 1) == 1 ? load : NAN;
 }

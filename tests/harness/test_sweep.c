@@ -42,7 +42,8 @@ static void test_a_plan_is_read(void **state)
     neph_assert_ok(load(HEAD "- {name: a, engine: march, vary: steps, values: 4 8  16}\n"
                              "- {name: b, engine: realtime, preset: ours+taa=off, set: steps=8, "
                              "flicker: true}\n"
-                             "- {name: c, engine: realtime, vary: steps, values: 4 8, lag_at: 8}\n",
+                             "- {name: c, engine: realtime, vary: steps, values: 4 8, lag_at: 8, "
+                             "scattering: single}\n",
                         &plan, &diag),
                    &diag);
     char label[NEPH_SWEEP_LABEL_SIZE];
@@ -56,6 +57,9 @@ static void test_a_plan_is_read(void **state)
     assert_true(plan.series[1].flicker && !plan.series[0].flicker);
     assert_false(neph_sweep_has_lag(&plan.series[2], 0));
     assert_true(neph_sweep_has_lag(&plan.series[2], 1));
+    const struct neph_scene scene = {.scattering = NEPH_SCATTERING_MULTIPLE};
+    assert_int_equal(neph_sweep_scattering(&plan.series[0], &scene), NEPH_SCATTERING_MULTIPLE);
+    assert_int_equal(neph_sweep_scattering(&plan.series[2], &scene), NEPH_SCATTERING_SINGLE);
     neph_sweep_plan_finish(&plan);
 }
 
@@ -280,6 +284,7 @@ static void make_sweep(struct neph_sweep_plan *plan, struct neph_scene *scene,
         for (int n = 0; n < NEPH_SWEEP_NUMBERS; n++)
             points[i].numbers[n] = (struct neph_sweep_value){NAN, NAN, NAN};
         points[i].numbers[NEPH_SWEEP_ERROR] = (struct neph_sweep_value){0.1 / (i + 1), NAN, NAN};
+        points[i].job.shot.scene = scene;
         points[i].job.shot.settings = neph_settings_default(points[i].job.engine);
         neph_sweep_value(points[i].series, points[i].place, points[i].label);
     }

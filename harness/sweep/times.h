@@ -1,0 +1,34 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Times that were measured, kept under the key of their job in one file: what is decided by times
+ * is then decided alike the next time, and nothing is timed twice.
+ */
+#ifndef NEPH_HARNESS_SWEEP_TIMES_H
+#define NEPH_HARNESS_SWEEP_TIMES_H
+
+#include "harness/json.h"
+#include "harness/run/flight.h"
+
+/* Start from {NULL}. */
+struct neph_times {
+    char *path;   /* owned */
+    json_t *list; /* {"format": ..., "times": {KEY: {"median", "low", "high", "pictures",
+                     "device", "load"}}}; owned */
+};
+
+/* Of `path`, which need not be there. NEPH_ERR_INPUT: it is something else. */
+enum neph_status neph_times_open(const char *path, struct neph_times *times,
+                                 struct neph_diag *diag);
+void neph_times_close(struct neph_times *times);
+
+/* Of this device and driver, as of everything in a job's key. */
+bool neph_times_find(const struct neph_times *times, const struct neph_job *job,
+                     struct neph_spread *time, int *pictures);
+
+/* In place of an older one; written by neph_times_save(). Errors: NEPH_ERR_MEMORY. */
+enum neph_status neph_times_put(struct neph_times *times, const struct neph_job *job,
+                                struct neph_spread time, int pictures, double load,
+                                struct neph_diag *diag);
+enum neph_status neph_times_save(const struct neph_times *times, struct neph_diag *diag);
+
+#endif
