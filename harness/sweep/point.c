@@ -74,6 +74,16 @@ static struct neph_sweep_value number_in(const json_t *document, enum neph_sweep
     return value_of(found);
 }
 
+/* Paths of traced light ask for densities that no counter sees. */
+static bool is_counted(const struct neph_job *job)
+{
+    const int lighting = neph_option_find(job->engine->options, "lighting");
+    if (lighting < 0)
+        return strcmp(job->engine->name, "march_traced") != 0;
+    const int choice = (int)job->shot.settings.values[lighting];
+    return strcmp(job->engine->options[lighting].choices[choice], "traced") != 0;
+}
+
 static enum neph_status count_work(const char *frame_path, struct neph_sweep_point *point,
                                    struct neph_diag *diag)
 {
@@ -83,7 +93,7 @@ static enum neph_status count_work(const char *frame_path, struct neph_sweep_poi
         return status;
     json_t *stats = neph_frame_stats(image);
     const json_t *count = json_object_get(stats, "density_evaluations");
-    if (json_is_number(count))
+    if (json_is_number(count) && is_counted(&point->job))
         point->evaluations = json_number_value(count) / (double)neph_image_pixel_count(image);
     json_decref(stats);
     neph_image_destroy(image);

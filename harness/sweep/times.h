@@ -16,12 +16,12 @@ struct neph_times {
                      "device", "load"}}}; owned */
 };
 
-/* Of `path`, which need not be there. NEPH_ERR_INPUT: it is something else. */
+/* Read `path`, which need not be there. NEPH_ERR_INPUT: it is something else. */
 enum neph_status neph_times_open(const char *path, struct neph_times *times,
                                  struct neph_diag *diag);
 void neph_times_close(struct neph_times *times);
 
-/* Of this device and driver, as of everything in a job's key. */
+/* False: there is none of this job on this device and driver. */
 bool neph_times_find(const struct neph_times *times, const struct neph_job *job,
                      struct neph_spread *time, int *pictures);
 

@@ -15,9 +15,10 @@ enum { NEPH_SWEEP_ROUND_LEAST = 4, NEPH_SWEEP_ROUND_MOST = 100 };
 /* How many processes wanted the machine in the last minute; NaN: not known. */
 double neph_sweep_load(void);
 
-/* Time the points that are not missing, and that bench->times has not got, into which they go. Of engines without flight a round is a picture with a seed
- * of its own, whose error counts too. What a round costs the first time, kernels and histories, is
- * left out. Errors as of neph_sweep_point_measure(). */
+/* Time the points that are not missing, and that bench->times has not got, into which they go. Of
+ * engines without flight a round is a picture with a seed of its own, whose error counts too. What
+ * a round costs the first time, kernels and histories, is left out. Errors as of
+ * neph_sweep_point_measure(). */
 enum neph_status neph_sweep_time(struct neph_sweep_bench *bench, struct neph_sweep_point *points,
                                  int count, struct neph_diag *diag);
 
