@@ -130,15 +130,27 @@ static enum neph_status check_only(const struct neph_sweep_params *params, struc
     return NEPH_OK;
 }
 
-static enum neph_status probe_engines(struct neph_sweep *sweep, struct neph_diag *diag)
+/* Those of the plan alone: some take a second to tell their version. */
+static enum neph_status probe_engines(const struct neph_sweep_params *params,
+                                      struct neph_sweep *sweep, struct neph_diag *diag)
 {
+    const struct neph_sweep_plan *plan = params->plan;
     int count = 0;
     const struct neph_engine *const *engines = neph_engines_and_guests(&count);
     sweep->infos = calloc((size_t)count, sizeof(*sweep->infos));
     if (!sweep->infos)
         return neph_fail_memory(diag);
-    for (int i = 0; i < count; i++)
-        neph_engine_probe(engines[i], &sweep->infos[i]);
+    for (int i = 0; i < count; i++) {
+        bool is_asked = false;
+        for (int s = 0; s < plan->series_count; s++)
+            for (int k = 0; k < neph_sweep_value_count(&plan->series[s]) && !is_asked; k++)
+                is_asked = is_wanted(params, s, k) &&
+                           neph_sweep_engine(
+                               plan, &plan->series[s],
+                               neph_sweep_scattering(&plan->series[s], sweep->scene)) == engines[i];
+        if (is_asked)
+            neph_engine_probe(engines[i], &sweep->infos[i]);
+    }
     return NEPH_OK;
 }
 
@@ -229,8 +241,9 @@ static enum neph_status make_truth(const struct neph_sweep_params *params, struc
     const double start_s = neph_wall_s();
     progress->kind = KIND_TRUTH;
     neph_progress_begin(progress, "truth");
-    const enum neph_status status = neph_sweep_truth_make(params->plan, &sweep->points[0].job.shot,
-                                                          store, truth, diag);
+    struct neph_shot shot = sweep->points[0].job.shot;
+    shot.scene = sweep->scene; /* with all its orders, whatever that series has */
+    const enum neph_status status = neph_sweep_truth_make(params->plan, &shot, store, truth, diag);
     if (status)
         return status;
     neph_progress_step(progress, "truth", "rendered", neph_wall_s() - start_s);
@@ -264,7 +277,7 @@ enum neph_status neph_sweep_run(const struct neph_sweep_params *params, struct n
     if (!status)
         status = neph_data_load_scene(params->scene, &sweep->scene, diag);
     if (!status)
-        status = probe_engines(sweep, diag);
+        status = probe_engines(params, sweep, diag);
     if (!status)
         status = fill_points(params, sweep, diag);
     if (!status)

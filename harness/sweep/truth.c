@@ -34,27 +34,42 @@ static enum neph_status render(const struct neph_engine *engine,
     return status;
 }
 
-/* The mean of both into the first, and half their difference as noise. */
+static enum neph_status check_light(const struct neph_image *image, double *mean,
+                                    struct neph_diag *diag)
+{
+    const size_t count = neph_image_pixel_count(image);
+    float *planes[3];
+    double sum = 0.0;
+    if (!neph_image_rgb(image, NULL, planes))
+        return neph_fail(diag, NEPH_ERR_INTERNAL, "a picture of the truth has no radiance");
+    for (int c = 0; c < 3; c++)
+        for (size_t i = 0; i < count; i++)
+            sum += planes[c][i];
+    *mean = sum / (3.0 * (double)count);
+    return *mean > 0.0 ? NEPH_OK
+                       : neph_fail(diag, NEPH_ERR_UNSUPPORTED,
+                                   "the truth of this scene is black: nothing is off by a part");
+}
+
+/* The mean of both into the first; half their difference is its noise. */
 static enum neph_status merge(struct neph_image *first, const struct neph_image *second,
                               double *noise, struct neph_diag *diag)
 {
     const size_t count = neph_image_pixel_count(first);
     float *a[3], *b[3];
-    double sum = 0.0, squares = 0.0;
+    double squares = 0.0, mean = 0.0;
     if (!neph_image_rgb(first, NULL, a) || !neph_image_rgb(second, NULL, b))
-        return neph_fail(diag, NEPH_ERR_INTERNAL, "a picture of the tracer has no radiance");
+        return neph_fail(diag, NEPH_ERR_INTERNAL, "a picture of the truth has no radiance");
     for (int c = 0; c < 3; c++)
         for (size_t i = 0; i < count; i++) {
-            const double half = 0.5 * ((double)a[c][i] - b[c][i]), mean = a[c][i] - half;
+            const double half = 0.5 * ((double)a[c][i] - b[c][i]);
             squares += half * half;
-            sum += mean;
-            a[c][i] = (float)mean;
+            a[c][i] = (float)(a[c][i] - half);
         }
-    if (!(sum > 0.0))
-        return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
-                         "the truth of this scene is black: nothing can be off from it by a part");
-    *noise = sqrt(squares / (3.0 * (double)count)) / (sum / (3.0 * (double)count));
-    return NEPH_OK;
+    const enum neph_status status = check_light(first, &mean, diag);
+    if (!status)
+        *noise = sqrt(squares / (3.0 * (double)count)) / mean;
+    return status;
 }
 
 static const char *clear_mask(const struct neph_image *image, struct neph_diag *diag,
@@ -86,8 +101,10 @@ static enum neph_status make_pictures(const struct neph_sweep_plan *plan,
                                      &truth->image, diag);
     if (!status && engine->stochastic)
         status = render(engine, info, &own, shot->seed + 1000001, store, truth, &second, diag);
-    if (!status && second)
-        status = merge(truth->image, second, &truth->noise, diag);
+    double mean;
+    if (!status)
+        status = second ? merge(truth->image, second, &truth->noise, diag)
+                        : check_light(truth->image, &mean, diag);
     neph_image_destroy(second);
     return status;
 }
@@ -146,7 +163,7 @@ enum neph_status neph_sweep_truth_error(const struct neph_sweep_truth *truth,
         status = neph_measure(truth->image, image, "error", &viewing, &list, diag);
     const struct neph_measurement *found = neph_measurement_find(&list, "radiance", "rel_rmse",
                                                                  truth->mask);
-    if (!status && found)
+    if (!status && found && found->defined)
         *error = (struct neph_sweep_value){found->value, has_interval(found) ? found->low : NAN,
                                            has_interval(found) ? found->high : NAN};
     neph_measurements_finish(&list);

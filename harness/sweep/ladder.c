@@ -1,0 +1,159 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/sweep/ladder.h"
+
+#include "base/files.h"
+#include "scenes/media.h"
+#include "scenes/motion.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+const struct neph_ladder_light neph_ladder_lights[] = {
+    {"no scattering", NEPH_SCATTERING_NONE, "march", NULL, false},
+    {"scattered once", NEPH_SCATTERING_SINGLE, "march", NULL, false},
+    {"octaves", NEPH_SCATTERING_MULTIPLE, "march_octaves", "lighting=octaves", false},
+    {"fitted octaves", NEPH_SCATTERING_MULTIPLE, "march_octaves_fitted", "lighting=octaves_fitted",
+     false},
+    {"traced", NEPH_SCATTERING_MULTIPLE, "march_traced", "lighting=traced", true},
+    {.name = NULL},
+};
+
+const struct neph_ladder_pipeline neph_ladder_pipelines[] = {
+    {"ours", "ours"},
+    {"fixed", "fixed"},
+    {"march", NULL},
+    {.name = NULL},
+};
+
+const struct neph_ladder_part neph_ladder_motion[] = {
+    {"history follows the wind", "wind=off"},
+    {"cuts of the camera void the history", "cut_reset=off"},
+    {"disocclusion voids the history", "reject_depth=0"},
+    {"motion of the nearest of five depths", "taa_motion=centre"},
+    {.name = NULL},
+};
+
+static const char all_steps[] = "8 16 32 64";
+
+/* As the plan that comes with neph. */
+enum { FRAMES = 48, WARM_UP = 16, TRUTH_SAMPLES = 256, ROUNDS = 3 };
+
+bool neph_ladder_is_still(const struct neph_scene *scene)
+{
+    for (int frame = 1; frame < scene->frame_count; frame++)
+        if (!neph_scene_is_same_moment(scene, 0, frame))
+            return false;
+    return true;
+}
+
+bool neph_ladder_has_closed_form(const struct neph_scene *scene)
+{
+    for (int m = 0; m < scene->medium_count; m++)
+        if (scene->media[m].kind != NEPH_MEDIUM_HOMOGENEOUS &&
+            !neph_medium_is_fog(&scene->media[m]))
+            return false;
+    return true;
+}
+
+char *neph_ladder_without_motion(void)
+{
+    char *text = strdup("");
+    for (const struct neph_ladder_part *part = neph_ladder_motion; text && part->name; part++) {
+        char *longer = neph_format("%s%s%s", text, text[0] ? " " : "", part->off);
+        free(text);
+        text = longer;
+    }
+    return text;
+}
+
+static char *copy(const char *text, bool *is_short)
+{
+    char *made = text ? strdup(text) : NULL;
+    *is_short |= text && !made;
+    return made;
+}
+
+enum neph_status neph_ladder_add(struct neph_sweep_plan *plan, const char *name, const char *engine,
+                                 const char *preset, const char *held, const char *steps,
+                                 int scattering, bool flicker, struct neph_diag *diag)
+{
+    struct neph_sweep_series *longer = realloc(plan->series,
+                                               (size_t)(plan->series_count + 1) * sizeof(*longer));
+    bool is_short = false;
+    if (!longer)
+        return neph_fail_memory(diag);
+    plan->series = longer;
+    longer[plan->series_count++] = (struct neph_sweep_series){
+        .name = copy(name, &is_short),
+        .engine = copy(engine, &is_short),
+        .preset = copy(preset, &is_short),
+        .held = copy(held && held[0] ? held : NULL, &is_short),
+        .varied = copy(steps ? "steps" : NULL, &is_short),
+        .values = copy(steps, &is_short),
+        .flicker = flicker,
+        .scattering = scattering};
+    return is_short ? neph_fail_memory(diag) : NEPH_OK;
+}
+
+/* A light of one pipeline. */
+static enum neph_status add_rung(struct neph_sweep_plan *plan,
+                                 const struct neph_ladder_pipeline *pipeline,
+                                 const struct neph_ladder_light *light, bool is_still,
+                                 struct neph_diag *diag)
+{
+    char *name = neph_format("%s, %s", pipeline->name, light->name);
+    char *still = is_still ? neph_ladder_without_motion() : strdup("");
+    char *held = still ? neph_format("%s%s%s", light->settings ? light->settings : "",
+                                     light->settings && still[0] ? " " : "", still)
+                       : NULL;
+    enum neph_status status = name && held ? NEPH_OK : neph_fail_memory(diag);
+    if (!status)
+        status = pipeline->preset ? neph_ladder_add(plan, name, "realtime", pipeline->preset, held,
+                                                    all_steps, light->scattering, true, diag)
+                                  : neph_ladder_add(plan, name, light->march, NULL, NULL, all_steps,
+                                                    light->scattering, !is_still, diag);
+    free(held);
+    free(still);
+    free(name);
+    return status;
+}
+
+static enum neph_status add_closed_form(struct neph_sweep_plan *plan,
+                                        const struct neph_ladder_light *light,
+                                        struct neph_diag *diag)
+{
+    char *name = neph_format("closed form, %s", light->name);
+    const enum neph_status status = name ? neph_ladder_add(plan, name, "exact", NULL, NULL, NULL,
+                                                           light->scattering, false, diag)
+                                         : neph_fail_memory(diag);
+    free(name);
+    return status;
+}
+
+enum neph_status neph_ladder_plan(const struct neph_scene *scene, bool late, int width_px,
+                                  int height_px, struct neph_sweep_plan *plan,
+                                  struct neph_diag *diag)
+{
+    const bool is_still = neph_ladder_is_still(scene), closed = neph_ladder_has_closed_form(scene);
+    *plan = (struct neph_sweep_plan){.title = strdup("pick"),
+                                     .light = strdup("octaves"),
+                                     .width_px = width_px,
+                                     .height_px = height_px,
+                                     .frame_count = FRAMES,
+                                     .warm_up = WARM_UP,
+                                     .truth_samples = TRUTH_SAMPLES,
+                                     .round_count = ROUNDS};
+    enum neph_status status = plan->title && plan->light ? NEPH_OK : neph_fail_memory(diag);
+    const struct neph_ladder_light *light = neph_ladder_lights;
+    for (; light->name && closed && !late && !status; light++)
+        if (light->scattering <= (int)scene->scattering &&
+            light->scattering != NEPH_SCATTERING_MULTIPLE)
+            status = add_closed_form(plan, light, diag);
+    for (light = neph_ladder_lights; light->name; light++)
+        for (const struct neph_ladder_pipeline *pipeline = neph_ladder_pipelines;
+             pipeline->name && !status; pipeline++)
+            if (light->scattering <= (int)scene->scattering && light->is_late == late &&
+                !(late && !pipeline->preset))
+                status = add_rung(plan, pipeline, light, is_still, diag);
+    return status;
+}

@@ -1,0 +1,53 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * What `neph pick` looks at: pipelines and lights as a plan of a sweep, by what a scene has.
+ */
+#ifndef NEPH_HARNESS_SWEEP_LADDER_H
+#define NEPH_HARNESS_SWEEP_LADDER_H
+
+#include "harness/sweep/plan.h"
+
+/* A light that stands for all orders of scattering, or what a scene is taken for that has fewer. */
+struct neph_ladder_light {
+    const char *name;
+    int scattering;       /* of the scene as it is rendered: enum neph_scattering */
+    const char *march;    /* the engine that marches with it */
+    const char *settings; /* of realtime; NULL: none */
+    bool is_late;         /* looked at when nothing else is good enough */
+};
+extern const struct neph_ladder_light
+    neph_ladder_lights[]; /* by what they have; a NULL name ends */
+
+/* A pipeline: realtime with a preset, or the engine of the light alone. */
+struct neph_ladder_pipeline {
+    const char *name, *preset; /* NULL: the march itself */
+};
+extern const struct neph_ladder_pipeline neph_ladder_pipelines[]; /* the cheapest first */
+
+/* Parts of realtime that only motion needs, as settings without them. */
+struct neph_ladder_part {
+    const char *name, *off;
+};
+extern const struct neph_ladder_part neph_ladder_motion[];
+
+/* Whether no picture of the scene differs from another. */
+bool neph_ladder_is_still(const struct neph_scene *scene);
+
+/* Whether all media have closed forms: homogeneous ones, and fogs. */
+bool neph_ladder_has_closed_form(const struct neph_scene *scene);
+
+/* A series for each: closed forms, then pipelines by lights, those that are late or those that are
+ * not. Of a still scene without the parts for motion. For neph_sweep_plan_finish(). */
+enum neph_status neph_ladder_plan(const struct neph_scene *scene, bool late, int width_px,
+                                  int height_px, struct neph_sweep_plan *plan,
+                                  struct neph_diag *diag);
+
+/* One more series of a plan; texts are copied, NULL is none. `scattering` as in the plan. */
+enum neph_status neph_ladder_add(struct neph_sweep_plan *plan, const char *name, const char *engine,
+                                 const char *preset, const char *held, const char *steps,
+                                 int scattering, bool flicker, struct neph_diag *diag);
+
+/* "wind=off ...": neph_ladder_motion in one text; for the caller to free. */
+char *neph_ladder_without_motion(void);
+
+#endif

@@ -1,0 +1,456 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/sweep/pick.h"
+
+#include "base/files.h"
+#include "harness/data.h"
+#include "harness/sweep/ladder.h"
+#include "harness/sweep/output.h"
+#include "harness/sweep/point.h"
+#include "harness/sweep/sweep.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Sizes in which configurations are looked at, the last being the full one: what passes in a small
+ * picture may be worse than asked by `slack`, as edges and thin things weigh more there. */
+static const struct {
+    int part;
+    double slack;
+} sizes[] = {{4, 3.0}, {2, 1.5}, {1, 1.0}};
+enum { SIZES = sizeof(sizes) / sizeof(sizes[0]), FULL = SIZES - 1 };
+
+enum { LEAST_WIDTH_PX = 64, LEAST_HEIGHT_PX = 36, SAMPLES_MAX = 16384 };
+
+struct entry {
+    bool is_there;
+    struct neph_pick_point point; /* as of the largest size that it was looked at in */
+};
+
+struct work {
+    const struct neph_pick_params *params;
+    struct neph_store *store;
+    struct neph_scene *scene;
+    struct neph_sweep_plan plan;
+    struct entry *entries; /* [series * NEPH_SWEEP_VALUES_MAX + place], NEPH_SWEEP_POINTS_MAX */
+    struct neph_pick *pick;
+};
+
+/* --- measuring ------------------------------------------------------------------------------ */
+
+static struct neph_pick_point point_of(const struct work *work,
+                                       const struct neph_sweep_point *point)
+{
+    const struct neph_job *job = &point->job;
+    struct neph_pick_point made = {
+        .configuration = {.engine = job->engine,
+                          .settings = job->shot.settings,
+                          .rescatters = job->shot.scene->scattering != work->scene->scattering,
+                          .scattering = job->shot.scene->scattering},
+        .error = point->numbers[NEPH_SWEEP_ERROR].value,
+        .flicker = point->numbers[NEPH_SWEEP_FLICKER].value,
+        .evaluations = point->evaluations,
+        .time = point->time,
+        .is_closed = job->engine->rung == NEPH_RUNG_EXACT,
+    };
+    snprintf(made.name, sizeof(made.name), "%.40s%s%.20s", point->series->name,
+             point->label[0] ? ", " : "", point->label);
+    if (!neph_sweep_is_sequence(point)) /* one picture is as the next */
+        made.flicker = 0.0;
+    if (made.is_closed)
+        made.evaluations = 0.0;
+    return made;
+}
+
+/* What is asked for in parts of the truth's noise: a quarter of the error. */
+static void ask_for_samples(struct work *work, double floor)
+{
+    const double wanted = 0.25 * work->params->error;
+    int *samples = &work->plan.truth_samples;
+    for (; floor > wanted && *samples < SAMPLES_MAX; floor /= sqrt(2.0))
+        *samples *= 2;
+}
+
+/* At least a size at which flicker and tiles mean something, and never more than the full one. */
+static int side_px(int full_px, int part, int least_px)
+{
+    const int side = full_px / part;
+    return side >= least_px ? side : full_px < least_px ? full_px : least_px;
+}
+
+static enum neph_status measure(struct work *work, const bool *wanted, int size, bool is_timed,
+                                struct neph_diag *diag)
+{
+    const struct neph_pick_params *params = work->params;
+    const struct neph_sweep_params asked = {.plan = &work->plan,
+                                            .scene = params->scene,
+                                            .time_limit_s = params->time_limit_s,
+                                            .seed = params->seed,
+                                            .quiet = params->quiet,
+                                            .untimed = !is_timed,
+                                            .times = params->times,
+                                            .wanted = wanted};
+    struct neph_sweep sweep = {.plan = NULL};
+    work->plan.width_px = side_px(params->width_px, sizes[size].part, LEAST_WIDTH_PX);
+    work->plan.height_px = side_px(params->height_px, sizes[size].part, LEAST_HEIGHT_PX);
+    const enum neph_status status = neph_sweep_run(&asked, work->store, &sweep, diag);
+    for (int i = 0; i < sweep.point_count && !status; i++) {
+        const struct neph_sweep_point *point = &sweep.points[i];
+        const long series = point->series - work->plan.series;
+        struct entry *entry = &work->entries[series * NEPH_SWEEP_VALUES_MAX + point->place];
+        entry->is_there = !point->missing[0];
+        entry->point = point_of(work, point);
+        work->pick->measured += entry->is_there;
+    }
+    if (!status) {
+        ask_for_samples(work, sweep.floor);
+        work->pick->truth = sweep.truth;
+        work->pick->floor = sweep.floor;
+        if (neph_sweep_device(&sweep)[0])
+            snprintf(work->pick->device, sizeof(work->pick->device), "%s",
+                     neph_sweep_device(&sweep));
+    }
+    neph_sweep_finish(&sweep);
+    return status;
+}
+
+static enum neph_status measure_one(struct work *work, int index, int size, struct neph_diag *diag)
+{
+    bool wanted[NEPH_SWEEP_POINTS_MAX] = {false};
+    wanted[index] = true;
+    return measure(work, wanted, size, size == FULL && isfinite(work->params->time_s), diag);
+}
+
+/* --- judging -------------------------------------------------------------------------------- */
+
+static double ratio(double value, double most)
+{
+    return isnan(most) ? 0.0 : isnan(value) ? INFINITY : value / most;
+}
+
+/* How far from good enough: 1 is just so. */
+static double farness(const struct neph_pick_params *params, const struct neph_pick_point *point)
+{
+    const double time = isnan(point->time.median) ? 0.0 : ratio(point->time.median, params->time_s);
+    return fmax(time,
+                fmax(ratio(point->error, params->error), ratio(point->flicker, params->flicker)));
+}
+
+/* Evaluations, which are counted; what is not counted comes last. */
+static double cost(const struct neph_pick_point *point)
+{
+    return isnan(point->evaluations) ? INFINITY : point->evaluations;
+}
+
+/* The entry of least cost that is left, by the order of the ladder among equals; -1: none. */
+static int cheapest(const struct work *work, const bool *is_left)
+{
+    int best = -1;
+    for (int i = 0; i < work->plan.series_count * NEPH_SWEEP_VALUES_MAX; i++)
+        if (is_left[i] &&
+            (best < 0 || cost(&work->entries[i].point) < cost(&work->entries[best].point)))
+            best = i;
+    return best;
+}
+
+static int nearest(const struct work *work)
+{
+    int best = -1;
+    for (int i = 0; i < work->plan.series_count * NEPH_SWEEP_VALUES_MAX; i++)
+        if (work->entries[i].is_there &&
+            (best < 0 || farness(work->params, &work->entries[i].point) <
+                             farness(work->params, &work->entries[best].point)))
+            best = i;
+    return best;
+}
+
+/* --- the ladder ----------------------------------------------------------------------------- */
+
+/* Through the larger sizes; `*passes` at the end of them. */
+static enum neph_status climb(struct work *work, int index, bool *passes, struct neph_diag *diag)
+{
+    enum neph_status status = NEPH_OK;
+    *passes = true;
+    for (int size = 1; size < SIZES && *passes && !status; size++) {
+        status = measure_one(work, index, size, diag);
+        *passes = !status && work->entries[index].is_there &&
+                  farness(work->params, &work->entries[index].point) <= sizes[size].slack;
+    }
+    return status;
+}
+
+/* From the cheapest up, of the series of one sort; `*chosen` is the last that was climbed with. */
+static enum neph_status walk(struct work *work, bool closed, int *chosen, struct neph_diag *diag)
+{
+    bool is_left[NEPH_SWEEP_POINTS_MAX] = {false};
+    int count = 0;
+    for (int s = 0; s < work->plan.series_count; s++)
+        for (int i = 0; i < neph_sweep_value_count(&work->plan.series[s]); i++) {
+            const bool is_wanted = closed == (strcmp(work->plan.series[s].engine, "exact") == 0);
+            is_left[s * NEPH_SWEEP_VALUES_MAX + i] = is_wanted;
+            count += is_wanted;
+        }
+    enum neph_status status = count > 0 ? measure(work, is_left, 0, false, diag) : NEPH_OK;
+    for (int i = 0; i < work->plan.series_count * NEPH_SWEEP_VALUES_MAX && !status; i++) {
+        work->pick->looked_at += is_left[i];
+        is_left[i] &= work->entries[i].is_there &&
+                      farness(work->params, &work->entries[i].point) <= sizes[0].slack;
+    }
+    for (int index = 0; !status && !work->pick->found; is_left[index] = false) {
+        index = cheapest(work, is_left);
+        if (index < 0)
+            break;
+        status = climb(work, index, &work->pick->found, diag);
+        *chosen = index;
+    }
+    return status;
+}
+
+static enum neph_status start(struct work *work, bool late, struct neph_diag *diag)
+{
+    neph_sweep_plan_finish(&work->plan);
+    memset(work->entries, 0, NEPH_SWEEP_POINTS_MAX * sizeof(*work->entries));
+    return neph_ladder_plan(work->scene, late, work->params->width_px, work->params->height_px,
+                            &work->plan, diag);
+}
+
+/* --- what is left out ----------------------------------------------------------------------- */
+
+/* The choice with something more, as one series more. */
+static enum neph_status add_variant(struct work *work, const char *what, const char *because,
+                                    const char *engine, const char *preset, const char *held,
+                                    const char *steps, int scattering, struct neph_diag *diag)
+{
+    struct neph_pick *pick = work->pick;
+    if (pick->left_out_count == NEPH_PICK_LEFT_OUT_MAX)
+        return NEPH_OK;
+    struct neph_pick_left_out *left = &pick->left_out[pick->left_out_count++];
+    snprintf(left->what, sizeof(left->what), "%s", what);
+    left->because = because;
+    const bool is_sequence = strcmp(engine, "realtime") == 0 || !pick->is_still;
+    return neph_ladder_add(&work->plan, what, engine, preset, held, steps, scattering, is_sequence,
+                           diag);
+}
+
+static const struct neph_ladder_light *light_of(const struct neph_sweep_series *series)
+{
+    const char *name = strchr(series->name, ','); /* "ours, octaves" */
+    const struct neph_ladder_light *light = neph_ladder_lights;
+    while (light->name && strcmp(light->name, name + 2) != 0)
+        light++;
+    return light;
+}
+
+/* Lights that have more than the choice's, at the same pipeline and steps. */
+static enum neph_status add_lights(struct work *work, const struct neph_sweep_series *chosen,
+                                   const char *steps, struct neph_diag *diag)
+{
+    const bool is_realtime = strcmp(chosen->engine, "realtime") == 0;
+    char *still = work->pick->is_still ? neph_ladder_without_motion() : strdup("");
+    enum neph_status status = still ? NEPH_OK : neph_fail_memory(diag);
+    for (const struct neph_ladder_light *light = light_of(chosen) + 1; light->name && !status;
+         light++) {
+        if (light->scattering > (int)work->scene->scattering || light->is_late)
+            continue;
+        char *held = neph_format("%s %s", light->settings ? light->settings : "", still);
+        status = held
+                     ? add_variant(work, light->name, NULL, is_realtime ? "realtime" : light->march,
+                                   is_realtime ? chosen->preset : NULL, is_realtime ? held : NULL,
+                                   steps, light->scattering, diag)
+                     : neph_fail_memory(diag);
+        free(held);
+    }
+    free(still);
+    return status;
+}
+
+static enum neph_status add_steps(struct work *work, const struct neph_sweep_series *chosen,
+                                  const char *steps, struct neph_diag *diag)
+{
+    char more[16], what[48];
+    snprintf(more, sizeof(more), "%d", 2 * atoi(steps));
+    snprintf(what, sizeof(what), "more steps: %s", more);
+    return add_variant(work, what, NULL, chosen->engine, chosen->preset, chosen->held, more,
+                       chosen->scattering, diag);
+}
+
+/* What a shortcut saves, and the parts of it for motion. */
+static enum neph_status add_pipeline(struct work *work, const struct neph_sweep_series *chosen,
+                                     const char *steps, struct neph_diag *diag)
+{
+    const struct neph_ladder_light *light = light_of(chosen);
+    enum neph_status status = add_variant(work, "a ray for every pixel, every frame", NULL,
+                                          light->march, NULL, NULL, steps, chosen->scattering,
+                                          diag);
+    if (!status && work->pick->is_still)
+        status = add_variant(work, "parts that only motion needs", "nothing moves", "realtime",
+                             chosen->preset, light->settings, steps, chosen->scattering, diag);
+    return status;
+}
+
+static enum neph_status add_variants(struct work *work, int chosen, struct neph_diag *diag)
+{
+    /* A copy: the list of series grows. */
+    const struct neph_sweep_series series = work->plan.series[chosen / NEPH_SWEEP_VALUES_MAX];
+    char label[NEPH_SWEEP_LABEL_SIZE];
+    neph_sweep_value(&series, chosen % NEPH_SWEEP_VALUES_MAX, label);
+    const char *steps = label[0] ? strchr(label, '=') + 1 : "32";
+    enum neph_status status = NEPH_OK;
+    if (strcmp(series.engine, "exact") == 0)
+        return add_variant(work, "a ray march of 32 steps", "the closed form has no steps",
+                           light_of(&series)->march, NULL, NULL, steps, series.scattering, diag);
+    if (strcmp(series.engine, "realtime") == 0)
+        status = add_pipeline(work, &series, steps, diag);
+    if (!status)
+        status = add_steps(work, &series, steps, diag);
+    return status ? status : add_lights(work, &series, steps, diag);
+}
+
+static enum neph_status weigh_what_is_left_out(struct work *work, int chosen,
+                                               struct neph_diag *diag)
+{
+    bool wanted[NEPH_SWEEP_POINTS_MAX] = {false};
+    const int first = work->plan.series_count;
+    enum neph_status status = add_variants(work, chosen, diag);
+    for (int s = first; s < work->plan.series_count; s++)
+        wanted[s * NEPH_SWEEP_VALUES_MAX] = true;
+    if (!status)
+        status = measure(work, wanted, FULL, isfinite(work->params->time_s), diag);
+    for (int i = 0; i < work->pick->left_out_count && !status; i++)
+        work->pick->left_out[i].with = work->entries[(first + i) * NEPH_SWEEP_VALUES_MAX].point;
+    return status;
+}
+
+/* --- the whole ------------------------------------------------------------------------------ */
+
+static enum neph_status choose(struct work *work, struct neph_diag *diag)
+{
+    int chosen = -1;
+    enum neph_status status = NEPH_OK;
+    for (int late = 0; late < 2 && !work->pick->found && !status; late++) {
+        if (late && work->scene->scattering != NEPH_SCATTERING_MULTIPLE)
+            break;
+        status = start(work, late, diag);
+        if (!status)
+            status = walk(work, true, &chosen, diag);
+        if (!status && !work->pick->found)
+            status = walk(work, false, &chosen, diag);
+        const int best = status || work->pick->found ? chosen : nearest(work);
+        if (!status && best >= 0 && !work->pick->found)
+            status = measure_one(work, best, FULL, diag);
+        if (status || best < 0)
+            continue;
+        const struct neph_pick_point *point = &work->entries[best].point;
+        if (work->pick->found || !work->pick->chosen.name[0] ||
+            farness(work->params, point) < farness(work->params, &work->pick->chosen))
+            work->pick->chosen = *point;
+    }
+    return status || !work->pick->found ? status : weigh_what_is_left_out(work, chosen, diag);
+}
+
+enum neph_status neph_pick_run(const struct neph_pick_params *params, struct neph_store *store,
+                               struct neph_pick *pick, struct neph_diag *diag)
+{
+    struct work work = {.params = params, .store = store, .pick = pick};
+    *pick = (struct neph_pick){.truth = ""};
+    work.entries = calloc(NEPH_SWEEP_POINTS_MAX, sizeof(*work.entries));
+    enum neph_status status = work.entries ? neph_data_load_scene(params->scene, &work.scene, diag)
+                                           : neph_fail_memory(diag);
+    if (!status) {
+        pick->is_still = neph_ladder_is_still(work.scene);
+        status = choose(&work, diag);
+    }
+    neph_sweep_plan_finish(&work.plan);
+    neph_scene_destroy(work.scene);
+    free(work.entries);
+    return status;
+}
+
+/* --- output --------------------------------------------------------------------------------- */
+
+static void print_numbers(const struct neph_pick_point *point, FILE *out)
+{
+    fprintf(out, "error %.3g, flicker %.3g, ", point->error, point->flicker);
+    if (point->is_closed)
+        fprintf(out, "no marched samples");
+    else if (isnan(point->evaluations))
+        fprintf(out, "evaluations not counted");
+    else
+        fprintf(out, "%.3g evaluations a pixel", point->evaluations);
+    if (!isnan(point->time.median))
+        fprintf(out, ", %.3g ms", 1e3 * point->time.median);
+}
+
+static void print_asked(const struct neph_pick_params *params, FILE *out)
+{
+    const char *comma = "";
+    const struct {
+        const char *what;
+        double most;
+    } asked[] = {
+        {"error", params->error}, {"flicker", params->flicker}, {"ms", 1e3 * params->time_s}};
+    for (size_t i = 0; i < sizeof(asked) / sizeof(asked[0]); i++)
+        if (!isnan(asked[i].most)) {
+            fprintf(out, "%s%s %.3g", comma, asked[i].what, asked[i].most);
+            comma = ", ";
+        }
+}
+
+void neph_pick_print(const struct neph_pick_params *params, const struct neph_pick *pick, FILE *out)
+{
+    fprintf(out, "asked: ");
+    print_asked(params, out);
+    fprintf(out, ", at %d x %d; truth: %s, noise %.2g\n", params->width_px, params->height_px,
+            pick->truth, pick->floor);
+    fprintf(out, pick->found ? "%s: " : "none is good enough; best is %s: ", pick->chosen.name);
+    print_numbers(&pick->chosen, out);
+    fprintf(out, "\n");
+    if (pick->left_out_count > 0)
+        fprintf(out, "\nleft out, and what comes of it with each:\n");
+    for (int i = 0; i < pick->left_out_count; i++) {
+        const struct neph_pick_left_out *left = &pick->left_out[i];
+        fprintf(out, "  %-36s ", left->what);
+        print_numbers(&left->with, out);
+        fprintf(out, "%s%s%s\n", left->because ? " (" : "", left->because ? left->because : "",
+                left->because ? ")" : "");
+    }
+    fprintf(out, "\n%d configurations looked at, %d pictures or sequences of them measured; %s\n",
+            pick->looked_at, pick->measured, pick->device);
+    if (!isnan(params->error) && pick->floor > 0.5 * params->error)
+        fprintf(out, "the truth's noise is more than half of the error that was asked for: what "
+                     "is said of errors is not certain\n");
+}
+
+static json_t *point_json(const struct neph_pick_point *point)
+{
+    json_t *json = neph_configuration_json(&point->configuration);
+    neph_json_set(&json, "name", json_string(point->name));
+    neph_json_set(&json, "error", neph_json_number(point->error));
+    neph_json_set(&json, "flicker", neph_json_number(point->flicker));
+    neph_json_set(&json, "evaluations", neph_json_number(point->evaluations));
+    neph_json_set(&json, "seconds", neph_json_number(point->time.median));
+    return json;
+}
+
+json_t *neph_pick_json(const struct neph_pick_params *params, const struct neph_pick *pick)
+{
+    json_t *json = point_json(&pick->chosen), *left_out = json_array();
+    for (int i = 0; i < pick->left_out_count; i++) {
+        const struct neph_pick_left_out *left = &pick->left_out[i];
+        neph_json_add(&left_out, json_pack("{s:s, s:s?, s:o}", "what", left->what, "because",
+                                           left->because, "with", point_json(&left->with)));
+    }
+    neph_json_set(&json, "found", json_boolean(pick->found));
+    neph_json_set(&json, "scene", json_string(params->scene));
+    neph_json_set(&json, "asked",
+                  json_pack("{s:o, s:o, s:o}", "error", neph_json_number(params->error), "flicker",
+                            neph_json_number(params->flicker), "seconds",
+                            neph_json_number(params->time_s)));
+    neph_json_set(&json, "width_px", json_integer(params->width_px));
+    neph_json_set(&json, "height_px", json_integer(params->height_px));
+    neph_json_set(&json, "truth", json_string(pick->truth));
+    neph_json_set(&json, "truth_noise", neph_json_number(pick->floor));
+    neph_json_set(&json, "device", json_string(pick->device));
+    neph_json_set(&json, "left_out", left_out);
+    return json;
+}
