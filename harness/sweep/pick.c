@@ -376,7 +376,7 @@ static void print_numbers(const struct neph_pick_point *point, FILE *out)
     else if (isnan(point->evaluations))
         fprintf(out, "evaluations not counted");
     else
-        fprintf(out, "%.3g evaluations a pixel", point->evaluations);
+        fprintf(out, "%.3g evaluations/px", point->evaluations);
     if (!isnan(point->time.median))
         fprintf(out, ", %.3g ms", 1e3 * point->time.median);
 }

@@ -80,7 +80,8 @@ class Pick(unittest.TestCase):
     def test_what_is_refused(self):
         self.assertEqual(run("pick", "voxel_grid").returncode, 64)
         self.assertEqual(run("pick", "voxel_grid", "--error", "-1").returncode, 64)
-        self.assertEqual(run("pick", "no_such_scene", "--error", "1", "-o", self.out).returncode, 66)
+        done = run("pick", "no_such_scene", "--error", "1", "-o", self.out)
+        self.assertEqual(done.returncode, 66)
 
 
 if __name__ == "__main__":
