@@ -409,7 +409,7 @@ void neph_pick_print(const struct neph_pick_params *params, const struct neph_pi
         fprintf(out, "\nleft out, and what comes of it with each:\n");
     for (int i = 0; i < pick->left_out_count; i++) {
         const struct neph_pick_left_out *left = &pick->left_out[i];
-        fprintf(out, "  %-36s ", left->what);
+        fprintf(out, "  %-34s ", left->what);
         print_numbers(&left->with, out);
         fprintf(out, "%s%s%s\n", left->because ? " (" : "", left->because ? left->because : "",
                 left->because ? ")" : "");
