@@ -18,7 +18,7 @@
 
 struct request {
     struct neph_cli_shared shared;
-    const char *plan, *only, *csv;
+    const char *plan, *only, *csv, *against;
     int seed;
     bool untimed, retimes;
 };
@@ -29,6 +29,10 @@ static const struct neph_cli_option options[] = {
      NEPH_CLI_WORD, .at = offsetof(struct request, plan), .otherwise = "sweep"},
     {"only", 0, "A,B", "These series of the plan alone", NEPH_CLI_WORD,
      .at = offsetof(struct request, only)},
+    {"against", 0, "NAME",
+     "The series that others are held against at equal error and in equal time (default: the "
+     "first)",
+     NEPH_CLI_WORD, .at = offsetof(struct request, against)},
     {"untimed", 0, NULL, "No times: what a point costs is its evaluations of density",
      NEPH_CLI_FLAG, .at = offsetof(struct request, untimed)},
     {"retime", 0, NULL, "Time again what DIR/times.json has times of", NEPH_CLI_FLAG,
@@ -96,10 +100,11 @@ static enum neph_status write_page(const struct neph_report_folder *page,
     return status;
 }
 
-static void print(const char *folder, const struct neph_sweep *sweep)
+static void print(const struct request *request, const struct neph_sweep *sweep)
 {
     neph_sweep_print(sweep, stdout);
-    printf("%s/sweep/index.html\n", folder);
+    neph_sweep_print_equals(sweep, request->against, stdout);
+    printf("%s/sweep/index.html\n", request->shared.output);
 }
 
 static enum neph_status write_all(const struct request *request,
@@ -118,7 +123,7 @@ static enum neph_status write_all(const struct request *request,
     if (!status && request->shared.json)
         return neph_cli_print_json(neph_sweep_json(sweep), diag);
     if (!status && !(request->csv && strcmp(request->csv, "-") == 0))
-        print(request->shared.output, sweep);
+        print(request, sweep);
     if (!status && neph_sweep_measured_count(sweep) == 0)
         status = neph_fail(diag, NEPH_ERR_GATE, "no point could be measured");
     return status;
@@ -173,6 +178,17 @@ static enum neph_status run(const struct request *request, const struct neph_swe
     return status;
 }
 
+static enum neph_status check_against(const char *name, const struct neph_sweep_plan *plan,
+                                      struct neph_diag *diag)
+{
+    bool is_there = !name;
+    for (int s = 0; s < plan->series_count; s++)
+        is_there |= name && strcmp(plan->series[s].name, name) == 0;
+    return is_there
+               ? NEPH_OK
+               : neph_fail(diag, NEPH_ERR_USAGE, "--against: the plan has no series '%s'", name);
+}
+
 static void set_size(const struct neph_cli_shared *shared, struct neph_sweep_plan *plan)
 {
     if (shared->size.width_px > 0) {
@@ -191,6 +207,8 @@ enum neph_status neph_cli_sweep(int argc, char **argv, struct neph_diag *diag)
     struct neph_sweep_plan plan = {.title = NULL};
     enum neph_status status = neph_sweep_plan_load(request.plan, &plan, diag);
     set_size(&request.shared, &plan);
+    if (!status)
+        status = check_against(request.against, &plan, diag);
     if (!status && words)
         status = neph_cli_split(words, "series", ONLY_MAX, only, &count, diag);
     if (!status)

@@ -3,6 +3,7 @@
 
 #include "base/threads.h"
 #include "harness/engines/engines.h"
+#include "harness/sweep/equal.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -119,6 +120,52 @@ void neph_sweep_print(const struct neph_sweep *sweep, FILE *out)
         fprintf(out, "; the machine was busy (load %.1f): times are those of a busy machine",
                 sweep->load);
     fprintf(out, "\n");
+}
+
+/* --- equal error, equal time ----------------------------------------------------------------- */
+
+static const struct neph_sweep_series *base_of(const struct neph_sweep *sweep, const char *against,
+                                               struct neph_sweep_equal *list, int *count)
+{
+    *count = 0;
+    for (int s = 0; s < sweep->plan->series_count; s++) {
+        const struct neph_sweep_series *series = &sweep->plan->series[s];
+        if (against && strcmp(against, series->name) != 0)
+            continue;
+        *count = neph_sweep_equals(sweep, series, list);
+        if (against || *count > 0)
+            return series;
+    }
+    return NULL;
+}
+
+/* "12.3", or what is said where there is no such point. */
+static void print_ratio(double value, FILE *out)
+{
+    if (isfinite(value))
+        fprintf(out, " %14.3g", value);
+    else
+        fprintf(out, " %14s", "beyond");
+}
+
+void neph_sweep_print_equals(const struct neph_sweep *sweep, const char *against, FILE *out)
+{
+    struct neph_sweep_equal list[NEPH_SWEEP_SERIES_MAX];
+    int count = 0;
+    const struct neph_sweep_series *base = base_of(sweep, against, list, &count);
+    if (count == 0)
+        return;
+    fprintf(out,
+            "\nat the best point of each, over what %s has there:\n%-16s %11s %11s %14s %14s\n",
+            base->name, "series", "error", "ms", "time at that", "error in that");
+    for (int i = 0; i < count; i++) {
+        fprintf(out, "%-16s %11.3g %11.3g", list[i].series->name, list[i].at_error,
+                1e3 * list[i].at_s);
+        print_ratio(list[i].time_ratio, out);
+        print_ratio(list[i].error_ratio, out);
+        fprintf(out, "\n");
+    }
+    fprintf(out, "beyond: %s was not measured at such an error, or in such a time\n", base->name);
 }
 
 /* --- JSON ----------------------------------------------------------------------------------- */

@@ -67,6 +67,8 @@ static enum neph_status run_round(struct neph_sweep_bench *bench, struct neph_sw
         return neph_flight_fly(&timed->job, &timed->picture, NEPH_SWEEP_ROUND_LEAST,
                                NEPH_SWEEP_ROUND_MOST, NEPH_SWEEP_ROUND_S, &timed->flown, diag);
     const int index = timed->rendered;
+    if (index > 0 && timed->seconds[index - 1] > NEPH_SWEEP_LONG_S)
+        return NEPH_OK;
     const enum neph_status status = neph_sweep_point_render(bench, point, round, &error,
                                                             &timed->seconds[index], diag);
     timed->errors[index] = error.value;

@@ -10,6 +10,8 @@
 
 /* Pictures of a point in flight in a round: as many as fit, within bounds. */
 #define NEPH_SWEEP_ROUND_S 0.3
+/* A whole picture that takes longer is timed in one round alone. */
+#define NEPH_SWEEP_LONG_S 5.0
 enum { NEPH_SWEEP_ROUND_LEAST = 4, NEPH_SWEEP_ROUND_MOST = 100 };
 
 /* How many processes wanted the machine in the last minute; NaN: not known. */

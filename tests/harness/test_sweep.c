@@ -8,6 +8,7 @@
 
 #include "harness/engines/engines.h"
 #include "harness/sweep/chart.h"
+#include "harness/sweep/equal.h"
 #include "harness/sweep/front.h"
 #include "harness/sweep/labels.h"
 #include "harness/sweep/output.h"
@@ -326,6 +327,32 @@ static void test_charts_hold_what_was_measured(void **state)
     neph_sweep_plan_finish(&plan);
 }
 
+/* Half the error in twice the time, whatever the order of the points. */
+static void test_equal_error_and_equal_time(void **state)
+{
+    (void)state;
+    const double time_s[] = {4, 1, 16}, error[] = {0.25, 1, 0.0625};
+    assert_true(fabs(neph_sweep_between(time_s, error, 3, 2.0) - 0.5) < 1e-12);
+    assert_true(fabs(neph_sweep_between(error, time_s, 3, 0.125) - 8.0) < 1e-12);
+    assert_true(fabs(neph_sweep_between(time_s, error, 3, 16.0) - 0.0625) < 1e-12);
+    assert_true(isnan(neph_sweep_between(time_s, error, 3, 17.0)));
+    assert_true(isnan(neph_sweep_between(time_s, error, 3, 0.9)));
+    struct neph_sweep_plan plan;
+    struct neph_sweep_point points[POINTS];
+    struct neph_scene scene = {.name = "made"};
+    struct neph_engine_info info = {.device = "a device", .version = "1"};
+    struct neph_sweep sweep;
+    struct neph_sweep_equal list[NEPH_SWEEP_SERIES_MAX];
+    make_sweep(&plan, &scene, &info, points, &sweep);
+    points[2].numbers[NEPH_SWEEP_ERROR].value = 0.05; /* that of the second point, in 0.03 s */
+    assert_int_equal(neph_sweep_equals(&sweep, &plan.series[0], list), 1);
+    assert_ptr_equal(list[0].series, &plan.series[1]);
+    assert_true(fabs(list[0].time_ratio - 1.5) < 1e-12);
+    assert_true(isnan(list[0].error_ratio)); /* 0.03 s are beyond 0.02 s */
+    assert_int_equal(neph_sweep_equals(&sweep, &plan.series[1], list), 0); /* one point */
+    neph_sweep_plan_finish(&plan);
+}
+
 static void test_json_has_every_point(void **state)
 {
     (void)state;
@@ -360,6 +387,7 @@ int main(int count, char **arguments)
         cmocka_unit_test(test_fronts_of_random_points),
         cmocka_unit_test(test_names_lie_on_nothing),
         cmocka_unit_test(test_charts_hold_what_was_measured),
+        cmocka_unit_test(test_equal_error_and_equal_time),
         cmocka_unit_test(test_json_has_every_point),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
