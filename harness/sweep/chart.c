@@ -24,8 +24,8 @@ const struct neph_sweep_chart neph_sweep_charts[] = {
 };
 
 const struct neph_sweep_chart_size neph_sweep_chart_sizes[NEPH_SWEEP_CHART_SIZES] = {
-    {"wide", 612, 420},
-    {"narrow", 300, 340},
+    {"wide", 612, 420, 6},
+    {"narrow", 300, 340, 3},
 };
 
 static const char *const axis_titles[] = {
@@ -293,6 +293,9 @@ static enum neph_status fill(const struct neph_sweep *sweep, const struct neph_s
         status = neph_json_put(spec, "width", json_integer(size->width_px), diag);
     if (!status)
         status = neph_json_put(spec, "height", json_integer(size->height_px), diag);
+    if (!status)
+        status = neph_json_put(json_object_get(json_object_get(spec, "config"), "legend"),
+                               "columns", json_integer(size->legend_columns), diag);
     if (!status)
         status = set_axis(spec, "x", x, axis_titles[chart->x], diag);
     if (!status)

@@ -27,7 +27,7 @@ extern const struct neph_sweep_chart neph_sweep_charts[];
 /* Sizes in which each is drawn: for a page, and for a telephone. */
 struct neph_sweep_chart_size {
     const char *name;
-    int width_px, height_px;
+    int width_px, height_px, legend_columns;
 };
 enum { NEPH_SWEEP_CHART_SIZES = 2 };
 extern const struct neph_sweep_chart_size neph_sweep_chart_sizes[NEPH_SWEEP_CHART_SIZES];
