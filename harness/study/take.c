@@ -5,16 +5,18 @@
 #include "base/files.h"
 #include "base/png.h"
 #include "harness/compare/comparison.h"
+#include "harness/engines/frame_stats.h"
 #include "metrics/display.h"
 #include "metrics/extractors/extractors.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 /* Part of the key under which measurements are kept; raise it when a metric over time
- * changes, or what documents hold. */
-enum { MEASURED_REVISION = 3 };
+ * changes, or what documents or records hold. */
+enum { MEASURED_REVISION = 4 };
 
 /* Frames are measured where they are, in memory, up to so many bytes; what comes after waits in
  * files. */
@@ -27,11 +29,16 @@ enum { KEPT_BYTES_MAX = 8 };
 
 /* ---- frames ---------------------------------------------------------------------------------- */
 
+/* What engines count in a frame (frame_stats.h) and a record sums over all. */
+static const char *const counted_names[] = {"density_evaluations", "traffic_bytes", "gpu_ms"};
+enum { COUNTED = sizeof(counted_names) / sizeof(counted_names[0]) };
+
 struct frames {
     struct neph_sequence files; /* where they are, or would be; owned */
     struct neph_image **images; /* NULL where it is in its file; owned, and each of them */
     size_t size_bytes;          /* of the images */
     size_t bad_values;          /* of all frames, where they are counted */
+    double counted[COUNTED];    /* NaN: a frame has none */
 };
 
 static char *frame_path(const struct neph_take *take, const char *folder, int frame)
@@ -77,6 +84,16 @@ static void add_cost(struct neph_cost *sum, const struct neph_cost *cost)
     sum->cpu_s += cost->cpu_s;
 }
 
+static void add_counts(struct frames *frames, const struct neph_image *frame)
+{
+    json_t *stats = neph_frame_stats(frame);
+    for (int i = 0; i < COUNTED; i++) {
+        const json_t *number = json_object_get(stats, counted_names[i]);
+        frames->counted[i] += number ? json_number_value(number) : NAN;
+    }
+    json_decref(stats);
+}
+
 static size_t image_bytes(const struct neph_image *image)
 {
     return neph_image_pixel_count(image) * (size_t)image->channel_count * sizeof(float);
@@ -113,6 +130,7 @@ static enum neph_status render_frame(const struct neph_take *take, const struct 
         frames->bad_values += neph_job_count_bad(frame);
     keep_radiance(frame);
     add_cost(total, &cost);
+    add_counts(frames, frame);
     if (number == take->frame_count - 1)
         status = neph_exr_write(frames->files.paths[number], frame, diag);
     if (!status && take->with_pictures && flip >= 0)
@@ -341,14 +359,18 @@ static json_t *picture_names(const struct neph_take *take)
 }
 
 static json_t *record_of(const struct neph_take *take, const struct neph_cost *cost,
-                         size_t bad_values)
+                         const struct frames *frames)
 {
-    return json_pack("{s:s, s:s, s:s, s:s, s:i, s:f, s:f, s:f, s:o, s:o}", "format", "neph-take-1",
-                     "scene", take->job.shot.scene->name, "engine", take->job.engine->name,
-                     "version", take->job.info->version, "frames", take->frame_count, "render_s",
-                     cost->render_s, "wall_s", cost->wall_s, "cpu_s", cost->cpu_s, "bad_values",
-                     take->counts_bad ? json_integer((json_int_t)bad_values) : json_null(),
-                     "pictures", picture_names(take));
+    json_t *record = json_pack(
+        "{s:s, s:s, s:s, s:s, s:i, s:f, s:f, s:f, s:o, s:o}", "format", "neph-take-1", "scene",
+        take->job.shot.scene->name, "engine", take->job.engine->name, "version",
+        take->job.info->version, "frames", take->frame_count, "render_s", cost->render_s, "wall_s",
+        cost->wall_s, "cpu_s", cost->cpu_s, "bad_values",
+        take->counts_bad ? json_integer((json_int_t)frames->bad_values) : json_null(), "pictures",
+        picture_names(take));
+    for (int i = 0; i < COUNTED; i++)
+        neph_json_set(&record, counted_names[i], neph_json_number(frames->counted[i]));
+    return record;
 }
 
 static enum neph_status make_entry(const struct neph_take *take, struct neph_store *store,
@@ -368,7 +390,7 @@ static enum neph_status make_entry(const struct neph_take *take, struct neph_sto
     if (!status && frames.bad_values == 0)
         status = read_all(take, folder, &frames, diag);
     finish_frames(take, &frames);
-    json_t *record = status ? NULL : record_of(take, &cost, frames.bad_values);
+    json_t *record = status ? NULL : record_of(take, &cost, &frames);
     if (!status)
         status = neph_json_check(record, diag);
     if (!status)
