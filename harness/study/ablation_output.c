@@ -105,26 +105,28 @@ static int print_verdict(const struct neph_ablation_comparison *of,
 /* What a part does in a single scene is worth a word from a fifth on. */
 static const double worth_naming_decades = 0.1;
 
-/* The largest change down that pictures or light have in one scene. */
-static void print_best_scene(const struct neph_ablation *ablation,
-                             const struct neph_ablation_comparison *of, FILE *out)
+/* The first measure that a part lowers by so much in a scene; -1: none. */
+static int worth_naming(const struct neph_ablation_comparison *of)
 {
-    int measure = -1;
-    double least = -worth_naming_decades;
-    char change[NEPH_ABLATION_CHANGE_SIZE];
-    for (int m = 0; neph_ablation_measures[m].name; m++) {
+    for (int m = 0; neph_ablation_measures[m].metric; m++) {
         const struct neph_ablation_effect *effect = &of->effects[m];
-        if (!neph_ablation_measures[m].metric || effect->best_scene < 0 ||
-            effect->scenes[effect->best_scene] >= least)
-            continue;
-        least = effect->scenes[effect->best_scene];
-        measure = m;
+        if (effect->best_scene >= 0 && effect->scenes[effect->best_scene] < -worth_naming_decades)
+            return m;
     }
+    return -1;
+}
+
+static void print_best_scene(const struct neph_ablation *ablation,
+                             const struct neph_ablation_comparison *of, const char *before,
+                             FILE *out)
+{
+    char change[NEPH_ABLATION_CHANGE_SIZE];
+    const int measure = worth_naming(of);
     if (measure < 0)
         return;
-    neph_ablation_change(least, change);
-    fprintf(out, "; most in %s: %s %s",
-            ablation->study.scenes[of->effects[measure].best_scene].name,
+    const struct neph_ablation_effect *effect = &of->effects[measure];
+    neph_ablation_change(effect->scenes[effect->best_scene], change);
+    fprintf(out, "%s %s (%s %s)", before, ablation->study.scenes[effect->best_scene].name,
             neph_ablation_measures[measure].title, change);
 }
 
@@ -133,19 +135,25 @@ void neph_ablation_sentence(const struct neph_ablation *ablation,
 {
     static const enum neph_ablation_verdict order[] = {NEPH_ABLATION_BUYS, NEPH_ABLATION_MAY_BUY,
                                                        NEPH_ABLATION_COSTS, NEPH_ABLATION_MAY_COST};
-    static const char *const ends[NEPH_ABLATION_ADVICES] = {
-        [NEPH_ABLATION_UNTOLD] = "what it buys cannot be told from nothing: could be left out",
-        [NEPH_ABLATION_LEAVE_OUT] = "buys nothing: leave it out",
-        [NEPH_ABLATION_LITTLE] = "changes nothing by 5 %: could be left out",
-        [NEPH_ABLATION_IDLE] = "changes no number in these scenes: could be left out in such",
+    static const struct {
+        const char *end, *scene;
+    } words[NEPH_ABLATION_ADVICES] = {
+        [NEPH_ABLATION_KEEP] = {NULL, "; most in"},
+        [NEPH_ABLATION_PERHAPS] = {NULL, "; most in"},
+        [NEPH_ABLATION_UNTOLD] = {"what it buys cannot be told from nothing: could be left out",
+                                  ", but for scenes like"},
+        [NEPH_ABLATION_LEAVE_OUT] = {"buys nothing: leave it out", ", but for scenes like"},
+        [NEPH_ABLATION_LITTLE] = {"changes nothing by 5 %: could be left out",
+                                  ", but for scenes like"},
+        [NEPH_ABLATION_IDLE] = {"changes no number in these scenes: could be left out in such", ""},
     };
     const enum neph_ablation_advice advice = neph_ablation_advise(in_preset);
     int count = 0;
     for (size_t i = 0; i < sizeof(order) / sizeof(order[0]); i++)
         count += print_verdict(in_preset, order[i], count ? "; " : "", out);
-    if (ends[advice])
-        fprintf(out, "%s%s", count ? "; " : "", ends[advice]);
-    print_best_scene(ablation, in_preset, out);
+    if (words[advice].end)
+        fprintf(out, "%s%s", count ? "; " : "", words[advice].end);
+    print_best_scene(ablation, in_preset, words[advice].scene, out);
 }
 
 /* ---- the head -------------------------------------------------------------------------------- */

@@ -37,10 +37,14 @@ static const struct neph_ablation_effect *effect_of(const struct panel *panel, i
     return of && !isnan(of->effects[panel->measure].mean) ? &of->effects[panel->measure] : NULL;
 }
 
-static bool is_quiet(const struct neph_ablation_effect *effect)
+/* Not worth a row: small, whether that is certain or not; of a clock all that is not certain. */
+static bool is_quiet(const struct panel *panel, const struct neph_ablation_effect *effect)
 {
+    const bool is_small = effect && fabs(effect->mean) < NEPH_ABLATION_NOTHING_DECADES;
     return !effect || effect->verdict == NEPH_ABLATION_SAME ||
-           effect->verdict == NEPH_ABLATION_NOTHING;
+           effect->verdict == NEPH_ABLATION_NOTHING ||
+           (effect->verdict == NEPH_ABLATION_UNDECIDED &&
+            (is_small || neph_ablation_measures[panel->measure].is_time));
 }
 
 static double size_of(const struct panel *panel, int part)
@@ -54,8 +58,8 @@ static void sort_parts(struct panel *panel)
     for (int part = 0; neph_ablation_parts[part].name; part++) {
         if ((panel->ablation->asked >> part & 1) == 0)
             continue;
-        if (is_quiet(effect_of(panel, part, NEPH_ABLATION_IN_PRESET)) &&
-            is_quiet(effect_of(panel, part, NEPH_ABLATION_ALONE))) {
+        if (is_quiet(panel, effect_of(panel, part, NEPH_ABLATION_IN_PRESET)) &&
+            is_quiet(panel, effect_of(panel, part, NEPH_ABLATION_ALONE))) {
             panel->quiet[panel->quiet_count++] = part;
             continue;
         }
@@ -222,10 +226,14 @@ static double draw_words(const char *const *words, int count, double y_px, FILE 
 
 static double draw_quiet(const struct panel *panel, double y_px, FILE *out)
 {
-    const char *words[NEPH_ABLATION_PARTS_MAX + 5] = {"Within", "5 %", "either", "way:"};
-    int count = 4;
+    const char *words[NEPH_ABLATION_PARTS_MAX + 5] = {"Less", "than", "5 %:"};
+    const char *clock_words[] = {"Not", "told", "from", "0:"};
+    int count = 3;
     if (panel->quiet_count == 0)
         return y_px;
+    if (neph_ablation_measures[panel->measure].is_time)
+        for (count = 0; count < 4; count++)
+            words[count] = clock_words[count];
     for (int i = 0; i < panel->quiet_count; i++)
         words[count++] = neph_ablation_parts[panel->quiet[i]].name;
     return draw_words(words, count, y_px + LINE, out);

@@ -441,8 +441,7 @@ static void test_output_holds_every_number(void **state)
     neph_assert_ok(neph_ablation_text(&ablation, &text, NULL), NULL);
     assert_non_null(strstr(text, "Left out: four: it is too deep."));
     assert_non_null(strstr(text, "- override: lowers relative RMSE (-48 %), four-frame flicker at "
-                                 "depth edges (<-99 %); most in one: four-frame flicker at depth "
-                                 "edges <-99 %.\n"));
+                                 "depth edges (<-99 %); most in two (relative RMSE -50 %).\n"));
     assert_non_null(strstr(text, "| override | **-48 %** | = | = | **<-99 %** | = | = | = | - |"));
     assert_non_null(strstr(text, "not in this preset: upscale_dither."));
     neph_assert_ok(neph_ablation_csv(&ablation, &csv, NULL), NULL);
