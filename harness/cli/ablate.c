@@ -91,7 +91,7 @@ static const struct neph_cli_syntax syntax = {
         "Examples:\n"
         "  neph ablate --list\n"
         "  neph ablate fence_backlit foliage --only override,box,gradients\n"
-        "  neph ablate --suite tuning -o tuning         # three quarters of an hour on two cores\n"
+        "  neph ablate --suite tuning -o tuning    # an hour on two cores\n"
         "  neph ablate --suite test --preset fixed --size 320x180 --frames 64 --seeds 3",
 };
 

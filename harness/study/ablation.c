@@ -41,9 +41,13 @@ const char *const neph_ablation_verdict_words[NEPH_ABLATION_VERDICTS] = {
 };
 
 const char *const neph_ablation_advice_words[NEPH_ABLATION_ADVICES] = {
-    [NEPH_ABLATION_KEEP] = "keep",     [NEPH_ABLATION_PERHAPS] = "perhaps",
-    [NEPH_ABLATION_UNTOLD] = "untold", [NEPH_ABLATION_LEAVE_OUT] = "leave out",
-    [NEPH_ABLATION_LITTLE] = "little", [NEPH_ABLATION_IDLE] = "idle",
+    [NEPH_ABLATION_KEEP] = "keep",
+    [NEPH_ABLATION_PERHAPS] = "perhaps",
+    [NEPH_ABLATION_UNTOLD] = "untold",
+    [NEPH_ABLATION_LEAVE_OUT] = "leave out",
+    [NEPH_ABLATION_LITTLE] = "little",
+    [NEPH_ABLATION_IDLE] = "idle",
+    [NEPH_ABLATION_UNMEASURED] = "not measured",
 };
 
 _Static_assert(2 * NEPH_ABLATION_PARTS_MAX + 2 <= (int)NEPH_STUDY_PRESETS_MAX, "configurations");
@@ -290,7 +294,9 @@ enum neph_ablation_advice neph_ablation_advise(const struct neph_ablation_compar
         return NEPH_ABLATION_UNTOLD;
     if (counts[NEPH_ABLATION_COSTS] + counts[NEPH_ABLATION_MAY_COST] > 0)
         return NEPH_ABLATION_LEAVE_OUT;
-    return counts[NEPH_ABLATION_NOTHING] > 0 ? NEPH_ABLATION_LITTLE : NEPH_ABLATION_IDLE;
+    if (counts[NEPH_ABLATION_NOTHING] > 0)
+        return NEPH_ABLATION_LITTLE;
+    return counts[NEPH_ABLATION_SAME] > 0 ? NEPH_ABLATION_IDLE : NEPH_ABLATION_UNMEASURED;
 }
 
 /* ---- all of them ----------------------------------------------------------------------------- */
@@ -374,11 +380,27 @@ enum neph_status neph_ablation_judge(struct neph_ablation *ablation, struct neph
     return status;
 }
 
+/* One that can be rendered is enough. */
+static enum neph_status check_scenes(const struct neph_ablation *ablation, struct neph_diag *diag)
+{
+    const struct neph_study_scene *scenes = ablation->study.scenes;
+    for (int i = 0; i < ablation->params.scene_count; i++)
+        if (!scenes[i].left_out)
+            return NEPH_OK;
+    neph_fail(diag, NEPH_ERR_UNSUPPORTED, "%s: %s", scenes[0].name, scenes[0].left_out);
+    neph_hint(diag,
+              "no scene is left to look at parts in; --preset %s+KEY=VALUE changes the preset",
+              ablation->preset);
+    return NEPH_ERR_UNSUPPORTED;
+}
+
 enum neph_status neph_ablation_run(struct neph_ablation *ablation, struct neph_store *store,
                                    struct neph_diag *diag)
 {
-    const enum neph_status status = neph_flicker_study_run(&ablation->params, store,
-                                                           &ablation->study, diag);
+    enum neph_status status = neph_flicker_study_run(&ablation->params, store, &ablation->study,
+                                                     diag);
+    if (!status)
+        status = check_scenes(ablation, diag);
     return status ? status : neph_ablation_judge(ablation, diag);
 }
 

@@ -96,7 +96,8 @@ enum neph_status neph_ablation_plan(const char *preset, const char *const *only,
                                     const struct neph_flicker_study_params *params,
                                     struct neph_ablation *ablation, struct neph_diag *diag);
 
-/* Render and measure what was planned, and judge it. Errors as of neph_flicker_study_run(). */
+/* Render and measure what was planned, and judge it. Errors as of neph_flicker_study_run();
+ * NEPH_ERR_UNSUPPORTED: none of the scenes can be rendered. */
 enum neph_status neph_ablation_run(struct neph_ablation *ablation, struct neph_store *store,
                                    struct neph_diag *diag);
 
@@ -117,6 +118,7 @@ enum neph_ablation_advice {
     NEPH_ABLATION_LEAVE_OUT, /* it buys nothing, and costs or may cost something */
     NEPH_ABLATION_LITTLE,    /* it changes nothing by 5 % */
     NEPH_ABLATION_IDLE,      /* it changes no number in any scene */
+    NEPH_ABLATION_UNMEASURED, /* no scene has a number */
     NEPH_ABLATION_ADVICES,
 };
 extern const char *const neph_ablation_advice_words[NEPH_ABLATION_ADVICES];

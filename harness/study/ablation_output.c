@@ -146,6 +146,7 @@ void neph_ablation_sentence(const struct neph_ablation *ablation,
         [NEPH_ABLATION_LITTLE] = {"changes nothing by 5 %: could be left out",
                                   ", but for scenes like"},
         [NEPH_ABLATION_IDLE] = {"changes no number in these scenes: could be left out in such", ""},
+        [NEPH_ABLATION_UNMEASURED] = {"no scene has a number", ""},
     };
     const enum neph_ablation_advice advice = neph_ablation_advise(in_preset);
     int count = 0;

@@ -130,6 +130,7 @@ class Ablate(unittest.TestCase):
                 (64, ("multiple of 4",), (self.scenes[0], "--frames", "18")),
                 (64, ("'0'", "1..64"), (self.scenes[0], "--seeds", "0")),
                 (66, ("no_such",), ("no_such",)),
+                (2, ("multiple scattering", "--preset"), ("slab_multiple_thin",)),
         ):
             done = self.run_neph("ablate", *arguments, "-q")
             self.assertEqual((done.returncode, done.stdout), (code, ""), done.stderr)

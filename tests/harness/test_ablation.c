@@ -390,6 +390,7 @@ static void test_advice(void **state)
         {{NEPH_ABLATION_MAY_COST, NEPH_ABLATION_NOTHING}, NEPH_ABLATION_LEAVE_OUT},
         {{NEPH_ABLATION_NOTHING, NEPH_ABLATION_SAME}, NEPH_ABLATION_LITTLE},
         {{NEPH_ABLATION_SAME, NEPH_ABLATION_SAME}, NEPH_ABLATION_IDLE},
+        {{NEPH_ABLATION_NO_NUMBER}, NEPH_ABLATION_UNMEASURED},
     };
     for (size_t i = 0; i < COUNT(cases); i++) {
         struct neph_ablation_comparison of = {.part = 0};
