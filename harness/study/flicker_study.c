@@ -198,22 +198,21 @@ static void mark_cells(struct work *work, int scene, enum neph_study_take_id id,
             say_why(neph_study_cell_at(work->study, scene, preset, seed, m), why);
 }
 
-/* A number of a record, divided by its frames; NaN where there is none. */
-static double per_frame(const json_t *record, const char *name)
+/* A number of a record; NaN where there is none. */
+static double recorded(const json_t *record, const char *name)
 {
     const json_t *number = json_object_get(record, name);
-    return json_is_number(number)
-               ? json_number_value(number) / json_number_value(json_object_get(record, "frames"))
-               : NAN;
+    return json_is_number(number) ? json_number_value(number) : NAN;
 }
 
 static void read_cost(struct work *work, const json_t *record, int scene, int preset, int seed)
 {
-    const double pixels = (double)work->params->width_px * work->params->height_px;
+    const double pixels = recorded(record, "frames") * (double)work->params->width_px *
+                          work->params->height_px;
     *neph_study_cost_at(work->study, scene, preset, seed) = (struct neph_study_cost){
-        .density_evaluations = per_frame(record, "density_evaluations") / pixels,
-        .traffic_bytes = per_frame(record, "traffic_bytes") / pixels,
-        .gpu_ms = per_frame(record, "gpu_ms"),
+        .density_evaluations = recorded(record, "density_evaluations") / pixels,
+        .traffic_bytes = recorded(record, "traffic_bytes") / pixels,
+        .gpu_ms = recorded(record, "gpu_ms_median"),
     };
 }
 

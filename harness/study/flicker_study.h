@@ -45,7 +45,7 @@ struct neph_study_cost {
     double density_evaluations; /* per pixel and frame, counted; NaN: not rendered */
     double traffic_bytes; /* per pixel and frame, of all passes (neph_realtime_stats); NaN, too,
                              where there are no passes */
-    double gpu_ms;        /* per frame; NaN, too, where the device has no clock */
+    double gpu_ms;        /* of a frame, the median; NaN, too, where the device has no clock */
 };
 
 struct neph_study_scene {

@@ -8,6 +8,7 @@
 #include "harness/engines/frame_stats.h"
 #include "metrics/display.h"
 #include "metrics/extractors/extractors.h"
+#include "metrics/statistics.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -30,7 +31,7 @@ enum { KEPT_BYTES_MAX = 8 };
 /* ---- frames ---------------------------------------------------------------------------------- */
 
 /* What engines count in a frame (frame_stats.h) and a record sums over all. */
-static const char *const counted_names[] = {"density_evaluations", "traffic_bytes", "gpu_ms"};
+static const char *const counted_names[] = {"density_evaluations", "traffic_bytes"};
 enum { COUNTED = sizeof(counted_names) / sizeof(counted_names[0]) };
 
 struct frames {
@@ -39,6 +40,7 @@ struct frames {
     size_t size_bytes;          /* of the images */
     size_t bad_values;          /* of all frames, where they are counted */
     double counted[COUNTED];    /* NaN: a frame has none */
+    double *gpu_ms;             /* of each frame; NaN: the device has no clock; owned */
 };
 
 static char *frame_path(const struct neph_take *take, const char *folder, int frame)
@@ -84,13 +86,18 @@ static void add_cost(struct neph_cost *sum, const struct neph_cost *cost)
     sum->cpu_s += cost->cpu_s;
 }
 
-static void add_counts(struct frames *frames, const struct neph_image *frame)
+static double stat_of(const json_t *stats, const char *name)
+{
+    const json_t *number = json_object_get(stats, name);
+    return number ? json_number_value(number) : NAN;
+}
+
+static void add_counts(struct frames *frames, int number, const struct neph_image *frame)
 {
     json_t *stats = neph_frame_stats(frame);
-    for (int i = 0; i < COUNTED; i++) {
-        const json_t *number = json_object_get(stats, counted_names[i]);
-        frames->counted[i] += number ? json_number_value(number) : NAN;
-    }
+    for (int i = 0; i < COUNTED; i++)
+        frames->counted[i] += stat_of(stats, counted_names[i]);
+    frames->gpu_ms[number] = stat_of(stats, "gpu_ms");
     json_decref(stats);
 }
 
@@ -130,7 +137,7 @@ static enum neph_status render_frame(const struct neph_take *take, const struct 
         frames->bad_values += neph_job_count_bad(frame);
     keep_radiance(frame);
     add_cost(total, &cost);
-    add_counts(frames, frame);
+    add_counts(frames, number, frame);
     if (number == take->frame_count - 1)
         status = neph_exr_write(frames->files.paths[number], frame, diag);
     if (!status && take->with_pictures && flip >= 0)
@@ -161,8 +168,9 @@ static enum neph_status prepare_frames(const struct neph_take *take, const char 
 {
     struct neph_sequence *files = &frames->files;
     frames->images = calloc((size_t)take->frame_count, sizeof(struct neph_image *));
+    frames->gpu_ms = calloc((size_t)take->frame_count, sizeof(*frames->gpu_ms));
     files->paths = calloc((size_t)take->frame_count, sizeof(*files->paths));
-    if (!frames->images || !files->paths)
+    if (!frames->images || !frames->gpu_ms || !files->paths)
         return neph_fail_memory(diag);
     for (; files->count < take->frame_count; files->count++)
         if (!(files->paths[files->count] = frame_path(take, folder, files->count)))
@@ -175,6 +183,7 @@ static void finish_frames(const struct neph_take *take, struct frames *frames)
     for (int i = 0; frames->images && i < take->frame_count; i++)
         neph_image_destroy(frames->images[i]);
     free(frames->images);
+    free(frames->gpu_ms);
     neph_sequence_finish(&frames->files);
 }
 
@@ -358,6 +367,15 @@ static json_t *picture_names(const struct neph_take *take)
     return names;
 }
 
+/* The middle one: drivers translate shaders in some frames. */
+static double median_gpu_ms(const struct neph_take *take, const struct frames *frames)
+{
+    for (int i = 0; i < take->frame_count; i++)
+        if (isnan(frames->gpu_ms[i]))
+            return NAN;
+    return neph_percentile(frames->gpu_ms, (size_t)take->frame_count, 0.5);
+}
+
 static json_t *record_of(const struct neph_take *take, const struct neph_cost *cost,
                          const struct frames *frames)
 {
@@ -370,6 +388,7 @@ static json_t *record_of(const struct neph_take *take, const struct neph_cost *c
         picture_names(take));
     for (int i = 0; i < COUNTED; i++)
         neph_json_set(&record, counted_names[i], neph_json_number(frames->counted[i]));
+    neph_json_set(&record, "gpu_ms_median", neph_json_number(median_gpu_ms(take, frames)));
     return record;
 }
 
@@ -389,8 +408,8 @@ static enum neph_status make_entry(const struct neph_take *take, struct neph_sto
         status = render_frames(take, folder, &frames, &cost, diag);
     if (!status && frames.bad_values == 0)
         status = read_all(take, folder, &frames, diag);
-    finish_frames(take, &frames);
     json_t *record = status ? NULL : record_of(take, &cost, &frames);
+    finish_frames(take, &frames);
     if (!status)
         status = neph_json_check(record, diag);
     if (!status)

@@ -75,6 +75,8 @@ class Ablate(unittest.TestCase):
         for decades in evaluations["scenes"].values():
             self.assertAlmostEqual(decades, -math.log10(16), delta=1e-9)
         self.assertEqual((evaluations["better"], evaluations["verdict"]), (2, "buys"))
+        for measure in ("traffic", "gpu_ms"):
+            self.assertEqual(len(self.effect(found, "split", "in_preset", measure)["scenes"]), 2)
         self.assertEqual((found["format"], found["plain"].count("taa=off")),
                          ("neph-ablation-1", 1))
         self.check_files()
