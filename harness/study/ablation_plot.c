@@ -286,11 +286,19 @@ static double draw_legend(const struct neph_ablation *ablation, FILE *out)
     return 164.0;
 }
 
+static bool has_numbers(const struct neph_ablation *ablation, int measure)
+{
+    for (int i = 0; i < ablation->comparison_count; i++)
+        if (ablation->comparisons[i].effects[measure].scene_count > 0)
+            return true;
+    return false;
+}
+
 static double draw(const struct neph_ablation *ablation, FILE *out)
 {
     double y_px = draw_legend(ablation, out);
     for (int m = 0; neph_ablation_measures[m].name; m++)
-        if (neph_ablation_has_measure(ablation, m))
+        if (has_numbers(ablation, m))
             y_px = draw_panel(ablation, m, y_px, out);
     return y_px;
 }
