@@ -20,6 +20,7 @@ static const struct {
 } verbs[] = {
     {"validate", neph_cli_validate, "run scenes over all engines, gate the errors, write a report"},
     {"study", neph_cli_study, "what takes longer: steps against their limit, flicker of presets"},
+    {"ablate", neph_cli_ablate, "what each part of the real-time renderer buys, and costs"},
     {"render", neph_cli_render, "render a scene with one engine"},
     {"fly", neph_cli_fly, "fly through a scene in a window: presets, errors, flicker, times"},
     {"export", neph_cli_export, "leave a scene as files for Blender or POV-Ray"},

@@ -44,6 +44,15 @@ static double decades(const struct neph_flicker_study *study, int metric, int di
 
 /* ---- pairs ----------------------------------------------------------------------------------- */
 
+double neph_study_difference(const struct neph_flicker_study *study, int metric, int display,
+                             int first, int second, int scene)
+{
+    const double floor = fmax(floor_of(study, metric, scene, first),
+                              floor_of(study, metric, scene, second));
+    return decades_above(study, metric, display, scene, first, floor) -
+           decades_above(study, metric, display, scene, second, floor);
+}
+
 static void count_signs(const double *a, const double *b, int count, struct neph_study_pair *pair)
 {
     for (int i = 0; i < count; i++) {

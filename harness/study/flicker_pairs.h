@@ -19,6 +19,10 @@ struct neph_study_pair {
     double p_sign;            /* two-sided, exact sign test on these */
 };
 
+/* What they differ by in one scene; NaN when one of them has no number that counts there. */
+double neph_study_difference(const struct neph_flicker_study *study, int metric, int display,
+                             int first, int second, int scene);
+
 /* Errors: NEPH_ERR_MEMORY. */
 enum neph_status neph_study_pair(const struct neph_flicker_study *study, int metric, int display,
                                  int first, int second, struct neph_study_pair *pair,

@@ -38,6 +38,13 @@ struct neph_study_cell *neph_study_cell_at(const struct neph_flicker_study *stud
     return &study->cells[row * neph_study_metric_count() + metric];
 }
 
+struct neph_study_cost *neph_study_cost_at(const struct neph_flicker_study *study, int scene,
+                                           int preset, int seed)
+{
+    const struct neph_flicker_study_params *params = study->params;
+    return &study->costs[(scene * params->preset_count + preset) * params->seed_count + seed];
+}
+
 /* ---- jobs ------------------------------------------------------------------------------------ */
 
 static enum neph_status make_job(const struct work *work, const struct neph_scene *scene,
@@ -89,32 +96,33 @@ static void list_kept(enum neph_study_take_id id, struct neph_meter_number kept[
     kept[count] = (struct neph_meter_number){.metric = NULL};
 }
 
-/* All metrics against the averaged reference and the centre rays; those of the eye also at the
- * other displays. */
-static int readings_of(const struct neph_scene *scene, enum neph_study_take_id id,
+/* All metrics against the averaged reference and, unless it is to be brief, the centre rays; those
+ * of the eye also at the other displays. */
+static int readings_of(const struct neph_scene *scene, enum neph_study_take_id id, bool brief,
                        const struct neph_meter_number *kept,
                        struct neph_reading readings[READINGS_MAX])
 {
     const struct neph_study_take *take = &neph_study_takes[id];
     const struct neph_viewing viewing = viewing_of(scene, 0);
     int count = 0;
-    readings[count++] = (struct neph_reading){display_names[0],
-                                              NEPH_REFERENCE_AVERAGED,
-                                              take->extractors,
-                                              take->settings,
-                                              viewing,
-                                              kept,
-                                              0};
-    readings[count++] = (struct neph_reading){
-        centre_name, NEPH_REFERENCE_CENTRE, take->extractors, take->settings, viewing, kept, 0};
+    const struct neph_reading averaged = {.name = display_names[0],
+                                          .against = NEPH_REFERENCE_AVERAGED,
+                                          .extractors = take->extractors,
+                                          .settings = take->settings,
+                                          .viewing = viewing,
+                                          .kept = kept};
+    readings[count++] = averaged;
+    if (brief)
+        return count;
+    readings[count] = averaged;
+    readings[count].name = centre_name;
+    readings[count++].against = NEPH_REFERENCE_CENTRE;
     for (int d = 1; d < NEPH_STUDY_DISPLAYS && id == NEPH_STUDY_FLICKER; d++)
-        readings[count++] = (struct neph_reading){display_names[d],
-                                                  NEPH_REFERENCE_AVERAGED,
-                                                  neph_study_eye_extractors,
-                                                  NULL,
-                                                  viewing_of(scene, d),
-                                                  kept,
-                                                  0};
+        readings[count++] = (struct neph_reading){.name = display_names[d],
+                                                  .against = NEPH_REFERENCE_AVERAGED,
+                                                  .extractors = neph_study_eye_extractors,
+                                                  .viewing = viewing_of(scene, d),
+                                                  .kept = kept};
     return count;
 }
 
@@ -164,8 +172,11 @@ static enum neph_status read_cells(struct work *work, const char *folder, int sc
                                    struct neph_diag *diag)
 {
     json_t *documents[NEPH_STUDY_DISPLAYS] = {NULL}, *centre = NULL;
-    enum neph_status status = neph_take_document(folder, centre_name, &centre, diag);
-    for (int d = 0; d < (id == NEPH_STUDY_FLICKER ? NEPH_STUDY_DISPLAYS : 1) && !status; d++)
+    const bool brief = work->params->brief;
+    const int display_count = id == NEPH_STUDY_FLICKER && !brief ? NEPH_STUDY_DISPLAYS : 1;
+    enum neph_status status = brief ? NEPH_OK
+                                    : neph_take_document(folder, centre_name, &centre, diag);
+    for (int d = 0; d < display_count && !status; d++)
         status = neph_take_document(folder, display_names[d], &documents[d], diag);
     for (int m = 0; neph_study_metrics[m].title && !status; m++) {
         const struct neph_study_metric *metric = &neph_study_metrics[m];
@@ -175,7 +186,7 @@ static enum neph_status read_cells(struct work *work, const char *folder, int sc
         cell->value = number_of(documents[0], metric->metric, metric->mask);
         cell->centre = number_of(centre, metric->metric, metric->mask);
         cell->displays[0] = cell->value;
-        for (int d = 1; d < NEPH_STUDY_DISPLAYS && metric->of_the_eye; d++)
+        for (int d = 1; d < display_count && metric->of_the_eye; d++)
             cell->displays[d] = number_of(documents[d], metric->metric, metric->mask);
         judge(metric, documents[0], cell);
     }
@@ -192,6 +203,24 @@ static void mark_cells(struct work *work, int scene, enum neph_study_take_id id,
     for (int m = 0; neph_study_metrics[m].title; m++)
         if (neph_study_metrics[m].take == id)
             say_why(neph_study_cell_at(work->study, scene, preset, seed, m), why);
+}
+
+/* A number of a record; NaN where there is none. */
+static double recorded(const json_t *record, const char *name)
+{
+    const json_t *number = json_object_get(record, name);
+    return json_is_number(number) ? json_number_value(number) : NAN;
+}
+
+static void read_cost(struct work *work, const json_t *record, int scene, int preset, int seed)
+{
+    const double pixels = recorded(record, "frames") * (double)work->params->width_px *
+                          work->params->height_px;
+    *neph_study_cost_at(work->study, scene, preset, seed) = (struct neph_study_cost){
+        .density_evaluations = recorded(record, "density_evaluations") / pixels,
+        .traffic_bytes = recorded(record, "traffic_bytes") / pixels,
+        .gpu_ms = recorded(record, "gpu_ms_median"),
+    };
 }
 
 /* ---- one take -------------------------------------------------------------------------------- */
@@ -236,7 +265,7 @@ static enum neph_status run_take(struct work *work, const struct neph_job *job, 
         .frame_count = count,
         .reference = &work->reference,
         .readings = readings,
-        .reading_count = readings_of(job->shot.scene, id, kept, readings),
+        .reading_count = readings_of(job->shot.scene, id, work->params->brief, kept, readings),
         .plain = true, /* scenes are what is counted */
         .frozen_is_fine = true};
     status = neph_take_run(&take, work->store, &folder, &record, diag);
@@ -244,6 +273,8 @@ static enum neph_status run_take(struct work *work, const struct neph_job *job, 
         status = read_cells(work, folder, scene, id, preset, seed, diag);
     if (!status)
         row->takes_s += json_number_value(json_object_get(record, "cpu_s"));
+    if (!status && id == NEPH_STUDY_FLICKER)
+        read_cost(work, record, scene, preset, seed);
     json_decref(record);
     free(folder);
     return status;
@@ -257,8 +288,10 @@ static enum neph_status try_take(struct work *work, const struct neph_scene *sce
     struct neph_job job;
     struct neph_diag why = {.line = 0};
     char what[256];
-    snprintf(what, sizeof(what), "%s, %s, preset %s, seed %d", work->study->scenes[index].name,
-             neph_study_takes[id].name, work->params->presets[preset], seed + 1);
+    const struct neph_flicker_study_params *params = work->params;
+    snprintf(what, sizeof(what), "%s, %s, %s%s, seed %d", work->study->scenes[index].name,
+             neph_study_takes[id].name, params->labels ? "" : "preset ",
+             (params->labels ? params->labels : params->presets)[preset], seed + 1);
     neph_progress_begin(&work->progress, what);
     enum neph_status status = make_job(work, scene, preset, seed, &job, &why);
     const double start_s = neph_wall_s();
@@ -371,8 +404,11 @@ static enum neph_status prepare(struct work *work, struct neph_diag *diag)
     const size_t cell_count = rows * (size_t)neph_study_metric_count();
     study->scenes = calloc((size_t)params->scene_count, sizeof(*study->scenes));
     study->cells = calloc(cell_count, sizeof(*study->cells));
-    if (!study->scenes || !study->cells)
+    study->costs = calloc(rows, sizeof(*study->costs));
+    if (!study->scenes || !study->cells || !study->costs)
         return neph_fail_memory(diag);
+    for (size_t i = 0; i < rows; i++)
+        study->costs[i] = (struct neph_study_cost){NAN, NAN, NAN};
     for (size_t i = 0; i < cell_count; i++) {
         study->cells[i] = (struct neph_study_cell){.value = NAN, .centre = NAN};
         for (int d = 0; d < NEPH_STUDY_DISPLAYS; d++)
@@ -469,5 +505,6 @@ void neph_flicker_study_finish(struct neph_flicker_study *study)
         free(study->settings[i]);
     free(study->scenes);
     free(study->cells);
+    free(study->costs);
     *study = (struct neph_flicker_study){.params = NULL};
 }

@@ -10,10 +10,11 @@
 #include "harness/run/job.h"
 #include "harness/study/flicker_metrics.h"
 
-enum { NEPH_STUDY_PRESETS_MAX = 16, NEPH_STUDY_SEEDS_MAX = 64 };
+enum { NEPH_STUDY_PRESETS_MAX = 96, NEPH_STUDY_SEEDS_MAX = 64 };
 
 struct neph_flicker_study_params {
     const char *const *presets; /* "NAME" or "NAME+KEY=VALUE+..." */
+    const char *const *labels;  /* what progress calls each; NULL: as it is */
     int preset_count;           /* 1 .. NEPH_STUDY_PRESETS_MAX */
     const char *const *scenes;  /* names or paths */
     int scene_count;
@@ -22,6 +23,7 @@ struct neph_flicker_study_params {
     int steps;
     int width_px, height_px;
     bool takes[NEPH_STUDY_TAKES];
+    bool brief; /* nothing at the displays but the first, nor against centre rays */
     bool quiet;
 };
 
@@ -36,6 +38,14 @@ struct neph_study_cell {
                                              more than `value` */
     bool counts;                          /* takes part in comparisons */
     char because[NEPH_STUDY_WHY_SIZE];    /* why it does not, when it does not */
+};
+
+/* What the flicker's take of a preset in a scene with a seed has cost, warm-up left out. */
+struct neph_study_cost {
+    double density_evaluations; /* per pixel and frame, counted; NaN: not rendered */
+    double traffic_bytes; /* per pixel and frame, of all passes (neph_realtime_stats); NaN, too,
+                             where there are no passes */
+    double gpu_ms;        /* of a frame, the median; NaN, too, where the device has no clock */
 };
 
 struct neph_study_scene {
@@ -54,6 +64,7 @@ struct neph_flicker_study {
     char *settings[NEPH_STUDY_PRESETS_MAX]; /* of each preset; owned */
     struct neph_study_scene *scenes;        /* owned */
     struct neph_study_cell *cells;          /* owned; by neph_study_cell_at() */
+    struct neph_study_cost *costs;          /* owned; by neph_study_cost_at() */
     int failed_count;                       /* takes that broke */
 };
 
@@ -66,5 +77,7 @@ void neph_flicker_study_finish(struct neph_flicker_study *study);
 
 struct neph_study_cell *neph_study_cell_at(const struct neph_flicker_study *study, int scene,
                                            int preset, int seed, int metric);
+struct neph_study_cost *neph_study_cost_at(const struct neph_flicker_study *study, int scene,
+                                           int preset, int seed);
 
 #endif

@@ -5,16 +5,19 @@
 #include "base/files.h"
 #include "base/png.h"
 #include "harness/compare/comparison.h"
+#include "harness/engines/frame_stats.h"
 #include "metrics/display.h"
 #include "metrics/extractors/extractors.h"
+#include "metrics/statistics.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 /* Part of the key under which measurements are kept; raise it when a metric over time
- * changes, or what documents hold. */
-enum { MEASURED_REVISION = 3 };
+ * changes, or what documents or records hold. */
+enum { MEASURED_REVISION = 4 };
 
 /* Frames are measured where they are, in memory, up to so many bytes; what comes after waits in
  * files. */
@@ -27,11 +30,17 @@ enum { KEPT_BYTES_MAX = 8 };
 
 /* ---- frames ---------------------------------------------------------------------------------- */
 
+/* What engines count in a frame (frame_stats.h) and a record sums over all. */
+static const char *const counted_names[] = {"density_evaluations", "traffic_bytes"};
+enum { COUNTED = sizeof(counted_names) / sizeof(counted_names[0]) };
+
 struct frames {
     struct neph_sequence files; /* where they are, or would be; owned */
     struct neph_image **images; /* NULL where it is in its file; owned, and each of them */
     size_t size_bytes;          /* of the images */
     size_t bad_values;          /* of all frames, where they are counted */
+    double counted[COUNTED];    /* NaN: a frame has none */
+    double *gpu_ms;             /* of each frame; NaN: the device has no clock; owned */
 };
 
 static char *frame_path(const struct neph_take *take, const char *folder, int frame)
@@ -77,6 +86,21 @@ static void add_cost(struct neph_cost *sum, const struct neph_cost *cost)
     sum->cpu_s += cost->cpu_s;
 }
 
+static double stat_of(const json_t *stats, const char *name)
+{
+    const json_t *number = json_object_get(stats, name);
+    return number ? json_number_value(number) : NAN;
+}
+
+static void add_counts(struct frames *frames, int number, const struct neph_image *frame)
+{
+    json_t *stats = neph_frame_stats(frame);
+    for (int i = 0; i < COUNTED; i++)
+        frames->counted[i] += stat_of(stats, counted_names[i]);
+    frames->gpu_ms[number] = stat_of(stats, "gpu_ms");
+    json_decref(stats);
+}
+
 static size_t image_bytes(const struct neph_image *image)
 {
     return neph_image_pixel_count(image) * (size_t)image->channel_count * sizeof(float);
@@ -113,6 +137,7 @@ static enum neph_status render_frame(const struct neph_take *take, const struct 
         frames->bad_values += neph_job_count_bad(frame);
     keep_radiance(frame);
     add_cost(total, &cost);
+    add_counts(frames, number, frame);
     if (number == take->frame_count - 1)
         status = neph_exr_write(frames->files.paths[number], frame, diag);
     if (!status && take->with_pictures && flip >= 0)
@@ -143,8 +168,9 @@ static enum neph_status prepare_frames(const struct neph_take *take, const char 
 {
     struct neph_sequence *files = &frames->files;
     frames->images = calloc((size_t)take->frame_count, sizeof(struct neph_image *));
+    frames->gpu_ms = calloc((size_t)take->frame_count, sizeof(*frames->gpu_ms));
     files->paths = calloc((size_t)take->frame_count, sizeof(*files->paths));
-    if (!frames->images || !files->paths)
+    if (!frames->images || !frames->gpu_ms || !files->paths)
         return neph_fail_memory(diag);
     for (; files->count < take->frame_count; files->count++)
         if (!(files->paths[files->count] = frame_path(take, folder, files->count)))
@@ -157,6 +183,7 @@ static void finish_frames(const struct neph_take *take, struct frames *frames)
     for (int i = 0; frames->images && i < take->frame_count; i++)
         neph_image_destroy(frames->images[i]);
     free(frames->images);
+    free(frames->gpu_ms);
     neph_sequence_finish(&frames->files);
 }
 
@@ -346,15 +373,29 @@ static json_t *picture_names(const struct neph_take *take)
     return names;
 }
 
-static json_t *record_of(const struct neph_take *take, const struct neph_cost *cost,
-                         size_t bad_values)
+/* The middle one: drivers translate shaders in some frames. */
+static double median_gpu_ms(const struct neph_take *take, const struct frames *frames)
 {
-    return json_pack("{s:s, s:s, s:s, s:s, s:i, s:f, s:f, s:f, s:o, s:o}", "format", "neph-take-1",
-                     "scene", take->job.shot.scene->name, "engine", take->job.engine->name,
-                     "version", take->job.info->version, "frames", take->frame_count, "render_s",
-                     cost->render_s, "wall_s", cost->wall_s, "cpu_s", cost->cpu_s, "bad_values",
-                     take->counts_bad ? json_integer((json_int_t)bad_values) : json_null(),
-                     "pictures", picture_names(take));
+    for (int i = 0; i < take->frame_count; i++)
+        if (isnan(frames->gpu_ms[i]))
+            return NAN;
+    return neph_percentile(frames->gpu_ms, (size_t)take->frame_count, 0.5);
+}
+
+static json_t *record_of(const struct neph_take *take, const struct neph_cost *cost,
+                         const struct frames *frames)
+{
+    json_t *record = json_pack(
+        "{s:s, s:s, s:s, s:s, s:i, s:f, s:f, s:f, s:o, s:o}", "format", "neph-take-1", "scene",
+        take->job.shot.scene->name, "engine", take->job.engine->name, "version",
+        take->job.info->version, "frames", take->frame_count, "render_s", cost->render_s, "wall_s",
+        cost->wall_s, "cpu_s", cost->cpu_s, "bad_values",
+        take->counts_bad ? json_integer((json_int_t)frames->bad_values) : json_null(), "pictures",
+        picture_names(take));
+    for (int i = 0; i < COUNTED; i++)
+        neph_json_set(&record, counted_names[i], neph_json_number(frames->counted[i]));
+    neph_json_set(&record, "gpu_ms_median", neph_json_number(median_gpu_ms(take, frames)));
+    return record;
 }
 
 static enum neph_status make_entry(const struct neph_take *take, struct neph_store *store,
@@ -373,8 +414,8 @@ static enum neph_status make_entry(const struct neph_take *take, struct neph_sto
         status = render_frames(take, folder, &frames, &cost, diag);
     if (!status && frames.bad_values == 0)
         status = read_all(take, folder, &frames, diag);
+    json_t *record = status ? NULL : record_of(take, &cost, &frames);
     finish_frames(take, &frames);
-    json_t *record = status ? NULL : record_of(take, &cost, frames.bad_values);
     if (!status)
         status = neph_json_check(record, diag);
     if (!status)

@@ -44,7 +44,9 @@ struct neph_take {
 };
 
 /* Take it from the store, or render, measure and publish it. `*folder` (to free) is the entry's,
- * `*record` (to json_decref) its job.json: "frames", "render_s", "wall_s", "cpu_s", "pictures".
+ * `*record` (to json_decref) its job.json: "frames", "render_s", "wall_s", "cpu_s", "pictures", and
+ * null where the engine or the device has none, "density_evaluations" and "traffic_bytes" of all
+ * frames, and "gpu_ms_median" of one.
  * Errors: those of rendering and measuring; NEPH_ERR_GATE for frozen frames. */
 enum neph_status neph_take_run(const struct neph_take *take, struct neph_store *store,
                                char **folder, json_t **record, struct neph_diag *diag);

@@ -1,0 +1,428 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/study/ablation.h"
+
+#include "base/files.h"
+#include "harness/study/flicker_pairs.h"
+#include "metrics/series.h"
+#include "metrics/significance.h"
+
+#include <math.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+const struct neph_ablation_measure neph_ablation_measures[] = {
+    {"error", "error", "relative RMSE", "rel_rmse", "all", .is_time = false},
+    {"flicker", "flicker", "flicker seen", "seen_contrast", "all", .is_time = false},
+    {"edge_flicker", "at edges", "flicker seen at depth edges", "seen_contrast", "depth_edge",
+     .is_time = false},
+    {"four_frame", "four-frame", "four-frame flicker at depth edges", "a4_p95", "depth_edge",
+     .is_time = false},
+    {"half_life", "half-life", "half-life after a step of the sun", "half_life_p50", "all",
+     .is_time = false},
+    {"evaluations", "evaluations", "density evaluations a pixel",
+     .cost = offsetof(struct neph_study_cost, density_evaluations)},
+    {"traffic", "bytes", "bytes that passes read and write a pixel",
+     .cost = offsetof(struct neph_study_cost, traffic_bytes)},
+    {"gpu_ms", "ms", "milliseconds of the device", .cost = offsetof(struct neph_study_cost, gpu_ms),
+     .is_time = true},
+    {.name = NULL},
+};
+_Static_assert(sizeof(neph_ablation_measures) / sizeof(neph_ablation_measures[0]) <=
+                   (size_t)NEPH_ABLATION_MEASURES_MAX + 1,
+               "measures");
+
+const char *const neph_ablation_verdict_words[NEPH_ABLATION_VERDICTS] = {
+    [NEPH_ABLATION_NO_NUMBER] = "no number", [NEPH_ABLATION_SAME] = "same",
+    [NEPH_ABLATION_NOTHING] = "nothing",     [NEPH_ABLATION_BUYS] = "buys",
+    [NEPH_ABLATION_MAY_BUY] = "may buy",     [NEPH_ABLATION_COSTS] = "costs",
+    [NEPH_ABLATION_MAY_COST] = "may cost",   [NEPH_ABLATION_UNDECIDED] = "undecided",
+};
+
+const char *const neph_ablation_advice_words[NEPH_ABLATION_ADVICES] = {
+    [NEPH_ABLATION_KEEP] = "keep",
+    [NEPH_ABLATION_PERHAPS] = "perhaps",
+    [NEPH_ABLATION_UNTOLD] = "untold",
+    [NEPH_ABLATION_LEAVE_OUT] = "leave out",
+    [NEPH_ABLATION_LITTLE] = "little",
+    [NEPH_ABLATION_IDLE] = "idle",
+    [NEPH_ABLATION_UNMEASURED] = "not measured",
+};
+
+_Static_assert(2 * NEPH_ABLATION_PARTS_MAX + 2 <= (int)NEPH_STUDY_PRESETS_MAX, "configurations");
+
+static const double family_alpha = 0.05;
+
+int neph_ablation_measure_count(void)
+{
+    int count = 0;
+    while (neph_ablation_measures[count].name)
+        count++;
+    return count;
+}
+
+/* ---- what is rendered ------------------------------------------------------------------------ */
+
+/* Index of the configuration; a new one if there is none yet. Negative: memory is short. */
+static int configure(struct neph_ablation *ablation, neph_ablation_set without, const char *label)
+{
+    int count = ablation->params.preset_count;
+    for (int i = 0; i < count; i++)
+        if (ablation->without[i] == without)
+            return i;
+    ablation->without[count] = without;
+    ablation->words[count] = neph_ablation_words(ablation->preset, without);
+    ablation->labels[count] = strdup(label);
+    ablation->params.preset_count = count + 1;
+    return ablation->words[count] && ablation->labels[count] ? count : -1;
+}
+
+static enum neph_status compare(struct neph_ablation *ablation, int part,
+                                enum neph_ablation_place place, neph_ablation_set with,
+                                neph_ablation_set without, struct neph_diag *diag)
+{
+    const char *name = part < 0 ? "all" : neph_ablation_parts[part].name;
+    char label[64];
+    snprintf(label, sizeof(label), "%s alone", name);
+    const int first = configure(ablation, with, label);
+    snprintf(label, sizeof(label), place == NEPH_ABLATION_ALONE ? "what %s needs" : "without %s",
+             name);
+    const int second = first < 0 ? -1 : configure(ablation, without, label);
+    if (second < 0)
+        return neph_fail_memory(diag);
+    ablation->comparisons[ablation->comparison_count++] = (struct neph_ablation_comparison){
+        .part = part, .place = place, .with = first, .without = second};
+    return NEPH_OK;
+}
+
+/* What the plain pipeline lacks of what the preset has. */
+static neph_ablation_set left_out_of_plain(const struct neph_ablation *ablation)
+{
+    neph_ablation_set set = ablation->parts;
+    for (int i = 0; neph_ablation_parts[i].name; i++)
+        if (neph_ablation_parts[i].stays)
+            set &= ~((neph_ablation_set)1 << i);
+    return set;
+}
+
+static enum neph_status plan_part(struct neph_ablation *ablation, int part, struct neph_diag *diag)
+{
+    const neph_ablation_set own = (neph_ablation_set)1 << part;
+    const neph_ablation_set plain = left_out_of_plain(ablation);
+    const neph_ablation_set needed = neph_ablation_with_needs(part) & ~own;
+    enum neph_status status = compare(ablation, part, NEPH_ABLATION_IN_PRESET, 0, own, diag);
+    if (!status && !neph_ablation_parts[part].stays)
+        status = compare(ablation, part, NEPH_ABLATION_ALONE, plain & ~needed & ~own,
+                         plain & ~needed, diag);
+    return status;
+}
+
+static enum neph_status refuse_part(const char *name, struct neph_diag *diag)
+{
+    char names[768] = "";
+    for (int i = 0; neph_ablation_parts[i].name; i++) {
+        const size_t length = strlen(names);
+        snprintf(names + length, sizeof(names) - length, "%s%s", i ? ", " : "",
+                 neph_ablation_parts[i].name);
+    }
+    neph_fail(diag, NEPH_ERR_USAGE, "there is no part '%s'", name);
+    neph_hint(diag, "parts are %s", names);
+    return NEPH_ERR_USAGE;
+}
+
+static enum neph_status refuse_absent(const struct neph_ablation *ablation, int part,
+                                      struct neph_diag *diag)
+{
+    const struct neph_ablation_part *of = &neph_ablation_parts[part];
+    neph_fail(diag, NEPH_ERR_USAGE, "preset %s does not have '%s': %s", ablation->preset, of->name,
+              ablation->values[part]);
+    neph_hint(diag, "`neph ablate --list --preset %s` says what it has%s%s", ablation->preset,
+              of->needs ? "; this part needs " : "", of->needs ? of->needs : "");
+    return NEPH_ERR_USAGE;
+}
+
+static enum neph_status choose(struct neph_ablation *ablation, const char *const *only,
+                               int only_count, struct neph_diag *diag)
+{
+    ablation->asked = only_count > 0 ? 0 : ablation->parts;
+    for (int i = 0; i < only_count; i++) {
+        const int part = neph_ablation_part_find(only[i]);
+        if (part < 0)
+            return refuse_part(only[i], diag);
+        if ((ablation->parts >> part & 1) == 0)
+            return refuse_absent(ablation, part, diag);
+        ablation->asked |= (neph_ablation_set)1 << part;
+    }
+    return NEPH_OK;
+}
+
+enum neph_status neph_ablation_plan(const char *preset, const char *const *only, int only_count,
+                                    const struct neph_flicker_study_params *params,
+                                    struct neph_ablation *ablation, struct neph_diag *diag)
+{
+    ablation->preset = preset;
+    ablation->params = *params;
+    ablation->params.presets = (const char *const *)ablation->words;
+    ablation->params.labels = (const char *const *)ablation->labels;
+    ablation->params.preset_count = 0;
+    ablation->study.params = &ablation->params;
+    enum neph_status status = neph_ablation_parts_of(preset, &ablation->parts, diag);
+    for (int i = 0; neph_ablation_parts[i].name && !status; i++)
+        status = neph_ablation_part_values(preset, i, &ablation->values[i], diag);
+    if (!status)
+        status = choose(ablation, only, only_count, diag);
+    if (!status && (configure(ablation, 0, preset) < 0 ||
+                    configure(ablation, left_out_of_plain(ablation), "plain") < 0))
+        status = neph_fail_memory(diag);
+    if (!status)
+        status = compare(ablation, -1, NEPH_ABLATION_IN_PRESET, 0, left_out_of_plain(ablation),
+                         diag);
+    for (int i = 0; neph_ablation_parts[i].name && !status; i++)
+        if (ablation->asked >> i & 1)
+            status = plan_part(ablation, i, diag);
+    return status;
+}
+
+/* ---- one change ------------------------------------------------------------------------------ */
+
+static int metric_of(const struct neph_ablation_measure *measure)
+{
+    int index = 0;
+    while (neph_study_metrics[index].title &&
+           (strcmp(neph_study_metrics[index].metric, measure->metric) != 0 ||
+            strcmp(neph_study_metrics[index].mask, measure->mask) != 0))
+        index++;
+    return index;
+}
+
+static double cost_decades(const struct neph_ablation *ablation, size_t cost, int scene, int preset)
+{
+    double sum = 0.0;
+    for (int seed = 0; seed < ablation->params.seed_count; seed++) {
+        double value;
+        memcpy(&value,
+               (const char *)neph_study_cost_at(&ablation->study, scene, preset, seed) + cost,
+               sizeof(value));
+        sum += value > 0.0 ? log10(value) : NAN; /* what evaluates nothing has no ratio */
+    }
+    return sum / ablation->params.seed_count;
+}
+
+static double difference(const struct neph_ablation *ablation,
+                         const struct neph_ablation_comparison *of, int measure, int scene)
+{
+    const struct neph_ablation_measure *what = &neph_ablation_measures[measure];
+    if (what->metric)
+        return neph_study_difference(&ablation->study, metric_of(what), 0, of->with, of->without,
+                                     scene);
+    return cost_decades(ablation, what->cost, scene, of->with) -
+           cost_decades(ablation, what->cost, scene, of->without);
+}
+
+static void count_scene(struct neph_ablation_effect *effect, int scene)
+{
+    const double change = effect->scenes[scene];
+    const int best = effect->best_scene, worst = effect->worst_scene;
+    effect->scene_count++;
+    effect->better += change < 0.0;
+    effect->worse += change > 0.0;
+    effect->alike += change == 0.0;
+    if (change < (best < 0 ? 0.0 : effect->scenes[best]))
+        effect->best_scene = scene;
+    if (change > (worst < 0 ? 0.0 : effect->scenes[worst]))
+        effect->worst_scene = scene;
+}
+
+static struct neph_ablation_effect summarise(const double *changes, int count, double *room)
+{
+    struct neph_ablation_effect effect = {.scenes = changes,
+                                          .mean = NAN,
+                                          .p = 1.0,
+                                          .p_holm = 1.0,
+                                          .best_scene = -1,
+                                          .worst_scene = -1};
+    for (int scene = 0; scene < count; scene++)
+        if (!isnan(changes[scene])) {
+            room[effect.scene_count] = changes[scene];
+            count_scene(&effect, scene);
+        }
+    const struct neph_mean mean = neph_series_mean(room, effect.scene_count, NEPH_REPLICATE_RUNS);
+    if (!mean.defined)
+        return effect;
+    effect.mean = mean.value;
+    effect.has_interval = mean.interval != NEPH_INTERVAL_NONE;
+    effect.low = mean.low;
+    effect.high = mean.high;
+    if (effect.has_interval && mean.value != 0.0)
+        effect.p = mean.standard_error == 0.0
+                       ? 0.0 /* all scenes alike */
+                       : neph_student_p(mean.value / mean.standard_error, mean.n - 1);
+    return effect;
+}
+
+static enum neph_ablation_verdict judge(const struct neph_ablation_effect *effect)
+{
+    if (effect->scene_count == 0)
+        return NEPH_ABLATION_NO_NUMBER;
+    if (effect->alike == effect->scene_count)
+        return NEPH_ABLATION_SAME;
+    if (!effect->has_interval)
+        return NEPH_ABLATION_UNDECIDED;
+    if (effect->low > -NEPH_ABLATION_NOTHING_DECADES &&
+        effect->high < NEPH_ABLATION_NOTHING_DECADES)
+        return NEPH_ABLATION_NOTHING;
+    const bool is_certain = effect->p_holm < family_alpha;
+    if (effect->high < 0.0)
+        return is_certain ? NEPH_ABLATION_BUYS : NEPH_ABLATION_MAY_BUY;
+    if (effect->low > 0.0)
+        return is_certain ? NEPH_ABLATION_COSTS : NEPH_ABLATION_MAY_COST;
+    return NEPH_ABLATION_UNDECIDED;
+}
+
+enum neph_ablation_advice neph_ablation_advise(const struct neph_ablation_comparison *in_preset)
+{
+    int counts[NEPH_ABLATION_VERDICTS] = {0};
+    for (int m = 0; neph_ablation_measures[m].name; m++)
+        if (!neph_ablation_measures[m].is_time)
+            counts[in_preset->effects[m].verdict]++;
+    if (counts[NEPH_ABLATION_BUYS] > 0)
+        return NEPH_ABLATION_KEEP;
+    if (counts[NEPH_ABLATION_MAY_BUY] > 0)
+        return NEPH_ABLATION_PERHAPS;
+    if (counts[NEPH_ABLATION_UNDECIDED] > 0)
+        return NEPH_ABLATION_UNTOLD;
+    if (counts[NEPH_ABLATION_COSTS] + counts[NEPH_ABLATION_MAY_COST] > 0)
+        return NEPH_ABLATION_LEAVE_OUT;
+    if (counts[NEPH_ABLATION_NOTHING] > 0)
+        return NEPH_ABLATION_LITTLE;
+    return counts[NEPH_ABLATION_SAME] > 0 ? NEPH_ABLATION_IDLE : NEPH_ABLATION_UNMEASURED;
+}
+
+/* ---- all of them ----------------------------------------------------------------------------- */
+
+/* The family is of all numbers that have an interval and are neither the same everywhere nor of a
+ * clock: what cannot be wrong by chance makes nothing else less certain. */
+static bool is_of_family(const struct neph_ablation_effect *effect, int measure)
+{
+    return effect->has_interval && effect->alike < effect->scene_count &&
+           !neph_ablation_measures[measure].is_time;
+}
+
+/* Holm's p of the family, or how large it is: `p` NULL. In the order of comparisons. */
+static int walk_family(struct neph_ablation *ablation, double *p, const double *adjusted)
+{
+    int count = 0;
+    for (int c = 0; c < ablation->comparison_count; c++)
+        for (int m = 0; neph_ablation_measures[m].name; m++) {
+            struct neph_ablation_effect *effect = &ablation->comparisons[c].effects[m];
+            if (!is_of_family(effect, m))
+                continue;
+            if (p)
+                p[count] = effect->p;
+            if (adjusted)
+                effect->p_holm = adjusted[count];
+            count++;
+        }
+    return count;
+}
+
+static enum neph_status adjust(struct neph_ablation *ablation, struct neph_diag *diag)
+{
+    const int count = walk_family(ablation, NULL, NULL);
+    double *p = calloc(2 * (size_t)count + 1, sizeof(*p));
+    if (!p)
+        return neph_fail_memory(diag);
+    walk_family(ablation, p, NULL);
+    neph_holm(p, count, p + count);
+    walk_family(ablation, NULL, p + count);
+    ablation->judged_count = count;
+    free(p);
+    return NEPH_OK;
+}
+
+bool neph_ablation_has_measure(const struct neph_ablation *ablation, int measure)
+{
+    const struct neph_ablation_measure *what = &neph_ablation_measures[measure];
+    return ablation->params
+        .takes[what->metric ? neph_study_metrics[metric_of(what)].take : NEPH_STUDY_FLICKER];
+}
+
+static void measure_comparison(struct neph_ablation *ablation,
+                               struct neph_ablation_comparison *comparison, double *changes,
+                               double *room)
+{
+    const int scene_count = ablation->params.scene_count;
+    for (int m = 0; neph_ablation_measures[m].name; m++, changes += scene_count) {
+        for (int scene = 0; scene < scene_count; scene++)
+            changes[scene] = difference(ablation, comparison, m, scene);
+        comparison->effects[m] = summarise(changes, scene_count, room);
+    }
+}
+
+enum neph_status neph_ablation_judge(struct neph_ablation *ablation, struct neph_diag *diag)
+{
+    const size_t scene_count = (size_t)ablation->params.scene_count;
+    const size_t size = scene_count * (size_t)neph_ablation_measure_count();
+    const size_t count = (size_t)ablation->comparison_count;
+    free(ablation->differences);
+    ablation->differences = calloc(count * size + scene_count, sizeof(double));
+    if (!ablation->differences)
+        return neph_fail_memory(diag);
+    for (size_t c = 0; c < count; c++)
+        measure_comparison(ablation, &ablation->comparisons[c], ablation->differences + c * size,
+                           ablation->differences + count * size);
+    const enum neph_status status = adjust(ablation, diag);
+    for (size_t c = 0; c < count && !status; c++)
+        for (int m = 0; neph_ablation_measures[m].name; m++)
+            ablation->comparisons[c].effects[m].verdict = judge(
+                &ablation->comparisons[c].effects[m]);
+    return status;
+}
+
+/* One that can be rendered is enough. */
+static enum neph_status check_scenes(const struct neph_ablation *ablation, struct neph_diag *diag)
+{
+    const struct neph_study_scene *scenes = ablation->study.scenes;
+    for (int i = 0; i < ablation->params.scene_count; i++)
+        if (!scenes[i].left_out)
+            return NEPH_OK;
+    neph_fail(diag, NEPH_ERR_UNSUPPORTED, "%s: %s", scenes[0].name, scenes[0].left_out);
+    neph_hint(diag,
+              "no scene is left to look at parts in; --preset %s+KEY=VALUE changes the preset",
+              ablation->preset);
+    return NEPH_ERR_UNSUPPORTED;
+}
+
+enum neph_status neph_ablation_run(struct neph_ablation *ablation, struct neph_store *store,
+                                   struct neph_diag *diag)
+{
+    enum neph_status status = neph_flicker_study_run(&ablation->params, store, &ablation->study,
+                                                     diag);
+    if (!status)
+        status = check_scenes(ablation, diag);
+    return status ? status : neph_ablation_judge(ablation, diag);
+}
+
+const struct neph_ablation_comparison *neph_ablation_find(const struct neph_ablation *ablation,
+                                                          int part, enum neph_ablation_place place)
+{
+    for (int i = 0; i < ablation->comparison_count; i++)
+        if (ablation->comparisons[i].part == part && ablation->comparisons[i].place == place)
+            return &ablation->comparisons[i];
+    return NULL;
+}
+
+void neph_ablation_finish(struct neph_ablation *ablation)
+{
+    if (ablation->study.params)
+        neph_flicker_study_finish(&ablation->study);
+    for (int i = 0; i < NEPH_STUDY_PRESETS_MAX; i++) {
+        free(ablation->words[i]);
+        free(ablation->labels[i]);
+    }
+    for (int i = 0; i < NEPH_ABLATION_PARTS_MAX; i++)
+        free(ablation->values[i]);
+    free(ablation->differences);
+    *ablation = (struct neph_ablation){.preset = NULL};
+}

@@ -1,0 +1,231 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * "The article" is the one on the frame split of Red Dead Redemption 2 (docs/realtime.md), after F.
+ * Bauer, SIGGRAPH 2019. Plain values are those of the article, or what is there when a part is not.
+ */
+#include "harness/study/ablation_parts.h"
+
+#include "base/files.h"
+#include "harness/engines/engines.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+const struct neph_ablation_part neph_ablation_parts[] = {
+    {"split", "one ray in 4x4 pixels, four frames for a whole",
+     "F. Bauer, SIGGRAPH 2019: a sixteenth of the rays", "split=none", .stays = true},
+    {"min_max", "half-resolution depth: nearest and farthest by turns, in a checkerboard",
+     "the article: what is near and what is behind both have rays", "depth_map=nearest",
+     .needs = NULL},
+    {"slot_order", "the slots of a tile are marched clockwise, not row by row",
+     "the article: near and far depths are met in every frame", "slot_order=raster", .needs = NULL},
+    {"tiles_ahead", "every other tile is one slot ahead",
+     "the article: near and far depths are met in every frame", "slot_checkerboard=off",
+     .needs = NULL},
+    {"override", "a tile marches the slot whose depth no ray around stands for",
+     "the article, all tiles at once; in four passes that see each other: ours", "override=none",
+     .needs = NULL},
+    {"steady_depth", "the depth map does not follow the jitter of the anti-aliasing",
+     "ours: the choice of slots stands still; the article's follows",
+     "jittered_depth=on+reproject_jitter=on", .needs = "taa_jitter"},
+    {"far_depths", "depths beyond 10 km are told from the sky",
+     "ours: far walls do not pass for sky; the article's do",
+     "clamp_pixel_depth=off+sky_m=20000+ray_depth_max_m=10000", .needs = NULL},
+    {"ray_dither", "noise shifts the start of a ray's steps",
+     "the article: grain, which is averaged, in place of bands", "ray_dither_amount=0",
+     .needs = NULL},
+    {"blue_noise", "that noise is blue, in place and over time",
+     "the article: filters take blue noise out better than white", "ray_dither=white",
+     .needs = "ray_dither"},
+    {"history", "a texel without a ray keeps what frames before knew of it",
+     "the article: four frames make a whole", "history_weight=0", .needs = NULL},
+    {"lookup", "history is looked up by the ray nearest in depth, along the ray",
+     "ours: the right place at depth edges; the article takes the tile's ray and its eye depth",
+     "reproject_depth=tile+reproject_measure=eye", .needs = "history"},
+    {"wind", "history follows the wind", "c52e/SkyRendering; the article has none", "wind=off",
+     .needs = "history"},
+    {"cut", "a cut of the camera voids the history", "Unreal Engine; the article has none",
+     "cut_reset=off", .needs = "history"},
+    {"disocclusion", "history is void where the scene behind has changed",
+     "Unreal Engine 5 and HDRP; the article has none", "reject_depth=0", .needs = "history"},
+    {"box", "history is held in the box of the rays around that are as deep",
+     "the article, as B. Karis, SIGGRAPH 2014: old light does not stay", "box=none",
+     .needs = "history"},
+    {"own_ray", "the tile's own ray may be in that box", "ours; the article leaves it out",
+     "box_centre=off", .needs = "box"},
+    {"gradients", "what is at rest and in the same light is not held in the box",
+     "after C. Schied, C. Peters, C. Dachsbacher, HPG 2018: no flicker through the box",
+     "box_motion_px=0+box_change=0", .needs = "box"},
+    {"depth_upscale", "where depths differ, a pixel takes the texel nearest in depth",
+     "the article: clouds do not leak over edges", "upscale=bilinear", .needs = NULL},
+    {"upscale_dither", "noise shifts the taps of the upscale",
+     "the article: grain, which is averaged, in place of half-resolution texels",
+     "upscale_dither=none+upscale_pair=shared", .needs = NULL},
+    {"taa", "temporal anti-aliasing of the whole picture",
+     "B. Karis, SIGGRAPH 2014; Unreal Engine 4.26", "taa=off", .needs = NULL},
+    {"taa_jitter", "each frame's rays go through other places of the pixels",
+     "B. Karis, SIGGRAPH 2014: frames average to smooth edges", "taa_jitter=none", .needs = "taa"},
+    {"jitter_7", "a jitter of 7 places, prime to the four slots",
+     "ours: each slot sees all places; Unreal's 8 show each the same two", "taa_jitter_length=8",
+     .needs = "taa_jitter"},
+    {"taa_filter", "a frame is filtered about the place without jitter", "Unreal Engine 4.26",
+     "taa_filter=off", .needs = "taa"},
+    {"taa_cross", "motion is that of the nearest of five depths", "Unreal Engine 4.26",
+     "taa_motion=centre", .needs = "taa"},
+    {"taa_cubic", "history is sampled by Catmull-Rom, not bilinearly",
+     "Unreal Engine 4.26: history stays sharp", "taa_history=bilinear", .needs = "taa"},
+    {"taa_box", "history is held in a box of the pixels around",
+     "B. Karis, SIGGRAPH 2014: no ghosts", "taa_box=none", .needs = "taa", .stays = true},
+    {"taa_variance", "that box is mean and deviation, not least and largest",
+     "M. Salvi, GDC 2016: a tighter box", "taa_box=min_max+taa_sigma=1.25", .needs = "taa"},
+    {"taa_ycocg", "that box is of luminance and two chromas",
+     "B. Karis, SIGGRAPH 2014: a tighter box", "taa_space=linear", .needs = "taa"},
+    {"taa_hdr", "bright values weigh less", "B. Karis, SIGGRAPH 2014: no fireflies",
+     "taa_hdr_weight=off", .needs = "taa"},
+    {"taa_contrast", "a frame weighs more the less it differs from history", "Unreal Engine 4.26",
+     "taa_contrast=0", .needs = "taa"},
+    {"taa_rounding", "history is rounded to its format by chance",
+     "Unreal Engine 4.26: averages do not stop short", "taa_rounding=nearest", .needs = "taa"},
+    {"taa_quick", "a frame weighs 0.1 against history, and not 0.04",
+     "ours: light that changes is followed", "taa_alpha=0.04", .needs = "taa"},
+    {.name = NULL},
+};
+_Static_assert(sizeof(neph_ablation_parts) / sizeof(neph_ablation_parts[0]) <=
+                   (size_t)NEPH_ABLATION_PARTS_MAX,
+               "parts");
+
+const struct neph_ablation_exception neph_ablation_exceptions[] = {
+    {"validity", "a guard, not a part: without it a NaN stays, and pictures begin with what the "
+                 "memory holds"},
+    {"edge_tiles", "counts in sizes that are no multiple of 4 alone"},
+    {"gather", "counts in sizes of 4 n + 1 alone"},
+    {"tile_origin", "counts in split views alone"},
+    {.option = NULL},
+};
+
+int neph_ablation_part_count(void)
+{
+    int count = 0;
+    while (neph_ablation_parts[count].name)
+        count++;
+    return count;
+}
+
+int neph_ablation_part_find(const char *name)
+{
+    for (int i = 0; neph_ablation_parts[i].name; i++)
+        if (strcmp(neph_ablation_parts[i].name, name) == 0)
+            return i;
+    return -1;
+}
+
+neph_ablation_set neph_ablation_with_needs(int part)
+{
+    const char *needs = neph_ablation_parts[part].needs;
+    const int needed = needs ? neph_ablation_part_find(needs) : -1;
+    const neph_ablation_set own = (neph_ablation_set)1 << part;
+    return needed < 0 ? own : own | neph_ablation_with_needs(needed);
+}
+
+/* ---- settings -------------------------------------------------------------------------------- */
+
+static const struct neph_engine *realtime(void)
+{
+    return neph_engine_find("realtime");
+}
+
+static enum neph_status settings_of(const char *words, struct neph_settings *settings,
+                                    struct neph_diag *diag)
+{
+    return neph_settings_words(realtime(), words, "steps=64", settings, diag);
+}
+
+/* The options of a part by index, in their order; how many. */
+static int options_of(const struct neph_ablation_part *part, int *indices, int most)
+{
+    char name[64];
+    int count = 0;
+    for (const char *word = part->off; word && count < most; count++) {
+        snprintf(name, sizeof(name), "%.*s", (int)strcspn(word, "="), word);
+        indices[count] = neph_option_find(realtime()->options, name);
+        word = strchr(word, '+');
+        word = word ? word + 1 : NULL;
+    }
+    return count;
+}
+
+static enum neph_status has_setting(const char *preset, int part, bool *has, struct neph_diag *diag)
+{
+    struct neph_settings with, without;
+    int option;
+    options_of(&neph_ablation_parts[part], &option, 1);
+    char *words = neph_ablation_words(preset, (neph_ablation_set)1 << part);
+    enum neph_status status = words ? settings_of(preset, &with, diag) : neph_fail_memory(diag);
+    if (!status)
+        status = settings_of(words, &without, diag);
+    free(words);
+    if (!status)
+        *has = with.values[option] != without.values[option];
+    return status;
+}
+
+enum neph_status neph_ablation_parts_of(const char *preset, neph_ablation_set *parts,
+                                        struct neph_diag *diag)
+{
+    neph_ablation_set set = 0, all = 0;
+    for (int i = 0; neph_ablation_parts[i].name; i++) {
+        bool has = false;
+        const enum neph_status status = has_setting(preset, i, &has, diag);
+        if (status)
+            return status;
+        set |= (neph_ablation_set)has << i;
+    }
+    for (int i = 0; neph_ablation_parts[i].name; i++)
+        if ((neph_ablation_with_needs(i) & ~set) == 0)
+            all |= (neph_ablation_set)1 << i;
+    *parts = all;
+    return NEPH_OK;
+}
+
+char *neph_ablation_words(const char *preset, neph_ablation_set without)
+{
+    char *words = strdup(preset);
+    for (int i = 0; words && neph_ablation_parts[i].name; i++) {
+        if ((without >> i & 1) == 0)
+            continue;
+        char *longer = neph_format("%s+%s", words, neph_ablation_parts[i].off);
+        free(words);
+        words = longer;
+    }
+    return words;
+}
+
+enum { OPTIONS_MAX = 8 };
+
+static void print_value(const struct neph_option *option, double value, FILE *out)
+{
+    if (option->kind == NEPH_OPTION_CHOICE)
+        fprintf(out, "%s=%s", option->name, option->choices[(int)value]);
+    else
+        fprintf(out, "%s=%.15g", option->name, value);
+}
+
+enum neph_status neph_ablation_part_values(const char *preset, int part, char **text,
+                                           struct neph_diag *diag)
+{
+    struct neph_settings settings;
+    int options[OPTIONS_MAX];
+    size_t size;
+    const int count = options_of(&neph_ablation_parts[part], options, OPTIONS_MAX);
+    const enum neph_status status = settings_of(preset, &settings, diag);
+    FILE *out = status ? NULL : open_memstream(text, &size);
+    if (!out)
+        return status ? status : neph_fail_memory(diag);
+    for (int i = 0; i < count; i++) {
+        fputs(i ? " " : "", out);
+        print_value(&realtime()->options[options[i]], settings.values[options[i]], out);
+    }
+    return fclose(out) == 0 ? NEPH_OK : neph_fail_memory(diag);
+}

@@ -1,0 +1,144 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""`neph ablate` as a user runs it, in small pictures: what parts change, files, reuse, refusals."""
+import csv
+import json
+import math
+import os
+import pathlib
+import subprocess
+import tempfile
+import unittest
+import xml.etree.ElementTree
+
+NEPH = os.environ["NEPH"]
+# Each configuration has shaders of its own on a CPU, and small pictures: see tests/CMakeLists.txt.
+ENVIRONMENT = {**os.environ, "NEPH_VULKAN_VALIDATION": "1", "GALLIVM_PERF": "nopt"}
+
+# A wall half before a blob that fills the picture: an edge, and every ray meets the medium.
+REST = """
+name: rest
+title: a test
+physics: a test
+camera: {position_m: [0, 2, 0], look_at_m: [0, 2, -10], vertical_fov_deg: 20}
+frames: {count: 16, rate_hz: 30}
+sun: {direction: [0.6, 0.75, 0.3], irradiance_w_per_m2: [6, 6, 6]}
+background_w_per_m2_sr: [0.5, 0.25, 0.125]
+scattering: single
+solids:
+  - box: {min_m: [0.1, -6, -41], max_m: [30, 6, -40], albedo: [0.2, 0.2, 0.2]}
+media:
+  - gaussian: {center_m: [-2, 3, -30], width_m: 9, extinction_per_m: 0.03, albedo: [1, 1, 1]}
+"""
+BACKLIT = REST.replace("rest", "backlit").replace("[0.6, 0.75, 0.3]", "[-0.3, 0.4, -0.85]")
+SIZE = ("--size", "32x16", "--steps", "3", "--frames", "16", "--seeds", "1", "-q")
+
+
+class Ablate(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+        self.scenes = [self.folder / f"{name}.yaml" for name in ("rest", "backlit")]
+        for path, text in zip(self.scenes, (REST, BACKLIT)):
+            path.write_text(text)
+
+    def run_neph(self, verb, *arguments):
+        return subprocess.run([NEPH, *verb.split(), *map(str, arguments), "-o",
+                               str(self.folder / "out")],
+                              capture_output=True, text=True, timeout=300, env=ENVIRONMENT)
+
+    def ablate(self, *arguments):
+        done = self.run_neph("ablate", *arguments, "--only", "split", *SIZE)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return done.stdout, json.loads((self.folder / "out" / "ablation.json").read_text())
+
+    def stored(self):
+        entries = (self.folder / "out" / "store" / "frames").iterdir()
+        return {path: path.stat().st_mtime_ns for path in entries}
+
+    @staticmethod
+    def effect(found, part, place, measure):
+        part, = (p for p in found["parts"] if p["part"] == part)
+        effect, = (e for e in part["effects"] if (e["place"], e["measure"]) == (place, measure))
+        return effect
+
+    def test_the_split_saves_15_rays_of_16_and_is_the_pair_of_the_study(self):
+        arguments = (*self.scenes, "--takes", "flicker")
+        text, found = self.ablate(*arguments)
+        for word in ("preset ours, 32x16, 3 steps", "Scenes: rest backlit.", "\n| split | ",
+                     "\n- split: lowers density evaluations a pixel (-94 %)",
+                     "not in this preset: upscale_dither"):
+            self.assertIn(word, text)
+        # A ray in 4x4 pixels; every ray has its steps.
+        evaluations = self.effect(found, "split", "in_preset", "evaluations")
+        for decades in evaluations["scenes"].values():
+            self.assertAlmostEqual(decades, -math.log10(16), delta=1e-9)
+        self.assertEqual((evaluations["better"], evaluations["verdict"]), (2, "buys"))
+        for measure in ("traffic", "gpu_ms"):
+            self.assertEqual(len(self.effect(found, "split", "in_preset", measure)["scenes"]), 2)
+        self.assertEqual((found["format"], found["plain"].count("taa=off")),
+                         ("neph-ablation-1", 1))
+        self.check_files()
+        entries = self.stored()
+        again, _ = self.ablate(*arguments)
+        self.assertEqual((again, self.stored()), (text, entries))
+        study = self.run_neph("study flicker", self.scenes[0], "--presets", "ours,ours+split=none",
+                              "--takes", "flicker", *SIZE, "--json")
+        for measure, metric, mask in (("error", "rel_rmse", "all"),
+                                      ("edge_flicker", "seen_contrast", "depth_edge")):
+            pair = next(p for p in json.loads(study.stdout)["pairs"]
+                        if (p["metric"], p["mask"], p["rate_hz"], p["pixels_per_degree"]) ==
+                        (metric, mask, 30.0, 60.0))
+            effect = self.effect(found, "split", "in_preset", measure)
+            self.assertAlmostEqual(effect["scenes"]["rest"], pair["decades"], delta=1e-12)
+
+    def check_files(self):
+        out = self.folder / "out"
+        with open(out / "ablation.csv", newline="") as file:
+            rows = list(csv.DictReader(file))
+        self.assertEqual({row["part"] for row in rows}, {"all", "split"})
+        self.assertEqual({row["scene"] for row in rows}, {"", "rest", "backlit"})
+        svg = xml.etree.ElementTree.parse(out / "ablation.svg").getroot()
+        width, height = (float(svg.get(name)) for name in ("width", "height"))
+        for text in svg.iter("{http://www.w3.org/2000/svg}text"):
+            self.assertTrue(0 <= float(text.get("x")) <= width and
+                            0 < float(text.get("y")) < height, text.text)
+
+    def test_a_step_has_a_half_life(self):
+        _, found = self.ablate(self.scenes[0], "--takes", "step")
+        half_life = self.effect(found, "split", "in_preset", "half_life")
+        self.assertEqual((list(half_life["scenes"]), half_life["interval"]), (["rest"], None))
+        self.assertGreater(half_life["decades"], 0.0)  # every pixel sees new light at once
+
+    def test_the_list_says_who_claims_what(self):
+        done = subprocess.run([NEPH, "ablate", "--list", "--preset", "ue"], capture_output=True,
+                              text=True, timeout=60)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("F. Bauer, SIGGRAPH 2019", done.stdout)
+        override = done.stdout.split("\noverride ")[1]
+        self.assertIn("not in this preset", override.split("\nsteady_depth")[0])
+
+    def test_wrong_words(self):
+        for code, words, arguments in (
+                (64, ("best", "tuning"), ("--suite", "best")),
+                (64, ("not both",), ("--suite", "test", self.scenes[0])),
+                (64, ("nope", "off, seed"), (self.scenes[0], "--preset", "nope")),
+                (64, ("'bux'", "box"), (self.scenes[0], "--only", "box,bux")),
+                (64, ("'box' is twice",), (self.scenes[0], "--only", "box,box")),
+                (64, ("override=none", "--list"),
+                 (self.scenes[0], "--preset", "ue", "--only", "override")),
+                (64, ("'sine'", "flicker and step"), (self.scenes[0], "--takes", "sine")),
+                (64, ("multiple of 4",), (self.scenes[0], "--frames", "18")),
+                (64, ("'0'", "1..64"), (self.scenes[0], "--seeds", "0")),
+                (66, ("no_such",), ("no_such",)),
+                (2, ("multiple scattering", "--preset"), ("slab_multiple_thin",)),
+        ):
+            done = self.run_neph("ablate", *arguments, "-q")
+            self.assertEqual((done.returncode, done.stdout), (code, ""), done.stderr)
+            for word in words:
+                self.assertIn(word, done.stderr, arguments)
+
+
+if __name__ == "__main__":
+    unittest.main()
