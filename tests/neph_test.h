@@ -56,6 +56,26 @@ static inline bool neph_test_wants_engines(int argc, char **argv)
     return argc == 2 && strcmp(argv[1], "--engines") == 0;
 }
 
+/* A day has ten minutes for tests, a night has hours (`scripts/test --night`, which sets this).
+ * What waits for the night: a case that guards once more what a quicker one guards, and the rest
+ * of a table whose entries differ in numbers alone. */
+static inline bool neph_test_is_night(void)
+{
+    return getenv("NEPH_TEST_NIGHT") != NULL;
+}
+
+static inline int neph_test_by_day(int day, int night)
+{
+    return neph_test_is_night() ? night : day;
+}
+
+/* At the head of a case of the night. */
+static inline void neph_test_waits_for_the_night(void)
+{
+    if (!neph_test_is_night())
+        skip();
+}
+
 /* Under the sanitizers tests draw every 11th path, photon or trial, and look at every 11th of
  * a table of cases that differ in their numbers alone (11 has no factor in common with the 2, 3, 4,
  * 5 that tests cycle through): what sanitizers look for shows in any of them, and whether the

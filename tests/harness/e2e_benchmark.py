@@ -12,6 +12,7 @@ import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
 import frames  # noqa: E402
+import night  # noqa: E402
 
 SCENES = pathlib.Path(os.environ["NEPH_SOURCE_DIR"]) / "scenes/catalog"
 NEPH = os.environ["NEPH"]
@@ -36,6 +37,7 @@ def error_of_black(scene, size):
 
 
 class Benchmark(unittest.TestCase):
+    @night.of_the_night
     def test_two_unbiased_tracers(self):
         done, left = benchmark("gaussian_blob", "--voxels", "12", "-e", "oracle,tracer", "--size",
                                "64x36", "--seconds", "0.05", "--json")
@@ -135,6 +137,7 @@ class Benchmark(unittest.TestCase):
                   for e in (march, realtime)]
         self.assertLess(counts[1], counts[0] / 8)
 
+    @night.of_the_night
     def test_evaluations_of_several_passes_are_no_share_of_one(self):
         ground = ("solids: [box: {min_m: [-9, -2, -9], max_m: [9, -1, 9], albedo: [1, 1, 1]}]\n"
                   "media:\n")

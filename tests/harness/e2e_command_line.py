@@ -11,6 +11,8 @@ import tempfile
 import time
 import unittest
 
+import night
+
 NEPH = os.environ["NEPH"]
 ROOT = pathlib.Path(os.environ["NEPH_SOURCE_DIR"])
 # The truth and another, neither of them Vulkan's
@@ -180,6 +182,7 @@ class CommandLine(unittest.TestCase):
 
     @unittest.skipUnless(shutil.which("chromium"),
                          "chromium is not installed: the page is not looked at")
+    @night.of_the_night
     def test_a_report_of_all_engines_holds_in_a_browser(self):
         done = neph("validate", "scattering_slab_above", "--no-charts", "--size", "32x18", "-q",
                     "-o", self.folder)

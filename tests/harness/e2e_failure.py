@@ -11,6 +11,8 @@ import tempfile
 import time
 import unittest
 
+import night
+
 NEPH = os.environ["NEPH"]
 ROOT = pathlib.Path(os.environ["NEPH_SOURCE_DIR"])
 FULL = os.environ.get("NEPH_FAILURE_TIER") == "full"
@@ -180,6 +182,7 @@ class Words(unittest.TestCase):
 class Mutations(unittest.TestCase):
     """Each planted fault fails the measure that is there for it, where its preset passes."""
 
+    @night.of_the_night
     def test_planted_faults_are_found(self):
         chosen = [m for m in MUTATIONS["mutations"] if FULL or m["tier"] == "quick"]
         self.assertGreater(len(chosen), 0)

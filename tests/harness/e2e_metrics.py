@@ -18,6 +18,7 @@ import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
 import frames  # noqa: E402
+import night  # noqa: E402
 
 NEPH = os.environ["NEPH"]
 WIDTH, HEIGHT = 64, 48
@@ -491,6 +492,7 @@ class Metrics(unittest.TestCase):
         self.assertAlmostEqual(values["a4_mean", "sky"], expected, delta=1e-6)
         self.assertAlmostEqual(values["a4_mean", "solid"], bar, delta=1e-6)
 
+    @night.of_the_night
     def test_lag_under_a_sine_of_the_light_in_words(self):
         """alpha 0.1 at 32 frames, w = pi / 16: gain 0.473586 and a lag of 5.000543 frames."""
         w, gain, lag = math.pi / 16, 0.473586, 5.000543
@@ -624,6 +626,7 @@ class Metrics(unittest.TestCase):
                             done.stderr)
             self.assertEqual(neph(*run, "--by-position", "-q").returncode, 0)
 
+    @night.of_the_night
     def test_paired_differences(self):
         noise = self.noise(0.02)
         common = {}

@@ -15,6 +15,7 @@ import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
 import frames  # noqa: E402
+import night  # noqa: E402
 
 NEPH = os.environ["NEPH"]
 INF = math.inf
@@ -169,6 +170,7 @@ class Realtime(unittest.TestCase):
 
     # ---- what is counted ---------------------------------------------------------------------
 
+    @night.of_the_night
     def test_bytes_are_those_of_the_formats(self):
         size = (50, 38)
         for settings, *texel_bytes in ((("depth_format", "color_format", "taa_format"), 4, 16, 16),
@@ -213,6 +215,7 @@ class Realtime(unittest.TestCase):
 
     # ---- presets and settings ----------------------------------------------------------------
 
+    @night.of_the_night
     def test_every_preset_renders_and_is_another(self):
         engine, = json.loads(neph("engines", "realtime", "--json").stdout)
         defaults = {option["name"]: option["default"] for option in engine["options"]}

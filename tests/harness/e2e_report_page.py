@@ -22,6 +22,8 @@ import tempfile
 import unittest
 import zlib
 
+import night
+
 ROOT = pathlib.Path(os.environ.get("NEPH_SOURCE_DIR")
                     or pathlib.Path(__file__).resolve().parents[2])
 PAGE = ROOT / "scripts" / "report"
@@ -547,6 +549,7 @@ class Page(unittest.TestCase):
         result = self.check(folder, "--quick")
         self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
 
+    @night.of_the_night
     def test_physics_alone_reads_and_static_charts_need_no_bundle(self):
         folder = pathlib.Path(self.temporary.name, "static")
         shutil.copytree(self.good, folder)

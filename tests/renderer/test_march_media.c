@@ -199,6 +199,7 @@ static double transmittance_error(struct neph_vulkan *vulkan, struct test_scene 
  * per step at first. */
 static void test_horizon_transmittance_converges(void **state)
 {
+    neph_test_waits_for_the_night();
     struct test_scene test;
     test_scene_init(&test);
     struct neph_horizon *horizon = add_cumulus(&test);

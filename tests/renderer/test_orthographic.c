@@ -279,7 +279,7 @@ static struct neph_image *march_alone(struct neph_vulkan *vulkan, const struct t
 
 static void test_every_pixel_is_a_perspective_cameras(void **state)
 {
-    for (size_t l = 0; l < sizeof(lights) / sizeof(lights[0]); l++) {
+    for (size_t l = 0; l < COUNT(lights); l += (size_t)neph_test_by_day(3, 1)) {
         struct test_scene test;
         const struct neph_march_params params = {.width_px = 6,
                                                  .height_px = 4,
@@ -413,6 +413,7 @@ static const struct {
 
 static void test_tracer_is_the_oracle(void **state)
 {
+    neph_test_waits_for_the_night();
     for (size_t t = 0; t < sizeof(traced) / sizeof(traced[0]); t++) {
         struct test_scene test;
         init(&test, traced[t].height_m);

@@ -223,7 +223,7 @@ static void test_zero_density_changes_nothing(void **state)
     scene_fence(&test);
     test.scene.media[0].bounds = (struct neph_bounds){{-1.0, -9.0, -9.0}, {1.0, -8.0, -8.0}};
     struct neph_image *truth = marched(*state, &test.scene, 0, NULL);
-    for (int p = 0; p < PRESETS; p++) {
+    for (int p = 0; p < PRESETS; p += neph_test_by_day(3, 1)) {
         struct neph_settings settings = preset(presets[p]);
         set(&settings, "taa=off");
         struct neph_realtime *realtime = open_realtime(*state, &test.scene, &settings);
@@ -274,7 +274,7 @@ static void test_specialised_shaders_make_the_same_bits(void **state)
 {
     struct test_scene test;
     scene_fence(&test);
-    for (int p = 1; p < PRESETS; p++) {
+    for (int p = 1; p < PRESETS; p += neph_test_by_day(5, 1)) {
         const struct neph_settings settings = preset(presets[p]);
         struct neph_realtime *one = open_realtime(*state, &test.scene, &settings);
         struct neph_realtime *two = open_realtime(*state, &test.scene, &settings);

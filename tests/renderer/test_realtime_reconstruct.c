@@ -156,7 +156,7 @@ static void compare_words(struct test_passes *test, uint64_t seed)
 
 static int cases_of(size_t size)
 {
-    return sizes_px[size][0] > 200 ? 2 : 16;
+    return sizes_px[size][0] > 200 ? neph_test_by_day(1, 2) : neph_test_by_day(8, 16);
 }
 
 /* Keep to stand-ins for history that are a ray, and no mean of some. */
@@ -351,7 +351,7 @@ static void test_values_are_the_twin_s(void **state)
     uint64_t seed = 13;
     size_t doubtful = 0, total = 0;
     for (size_t s = 0; s < sizeof(sizes_px) / sizeof(sizes_px[0]); s++)
-        for (int i = sizes_px[s][0] > 200 ? 39 : 0; i < 40; i++) {
+        for (int i = sizes_px[s][0] > 200 ? 39 : neph_test_by_day(20, 0); i < 40; i++) {
             const struct neph_settings settings = random_settings(&seed);
             uint64_t start = test_random(&seed);
             struct test_passes test;

@@ -177,7 +177,7 @@ static const struct {
 
 static void test_single_scattering_is_exact_transport(void **state)
 {
-    for (size_t s = 0; s < sizeof(single_scenes) / sizeof(single_scenes[0]); s++) {
+    for (size_t s = 0; s < COUNT(single_scenes); s += (size_t)neph_test_by_day(2, 1)) {
         struct test_scene test;
         test_scene_init(&test);
         single_scenes[s].build(&test);
@@ -287,6 +287,7 @@ enum { FIRST_OF_CHANCE = 3, FIRST_SLOW = 4 };
 
 static void test_clouds_in_single_scattering(void **state)
 {
+    neph_test_waits_for_the_night();
     static void (*const builders[])(struct test_scene *) = {scene_grid, scene_shell_and_blob,
                                                             scene_coloured_grid};
     static const char *const names[] = {"grid", "shell and Gaussian", "coloured grid"};
@@ -353,6 +354,7 @@ static double lit_from_behind(const struct test_scene *test, struct neph_vec3 ra
  * given by the extinction, and all pixels have the same view to a centimetre. */
 static void test_procedural_clouds_against_the_light(void **state)
 {
+    neph_test_waits_for_the_night();
     const double optical_depth = 16.0,
                  skewness = 9.0; /* of a path at most; free flights': hundreds */
     struct test_scene test;
@@ -476,7 +478,7 @@ static void judge_by_oracle(struct neph_vulkan *vulkan, const char *name,
 /* The surroundings' light as well, as in the furnace, which shares the kernels. */
 static void test_clouds_are_those_of_the_oracle(void **state)
 {
-    for (size_t s = 0; s < sizeof(clouds) / sizeof(clouds[0]); s++) {
+    for (size_t s = 0; s < COUNT(clouds); s += (size_t)neph_test_by_day(2, 1)) {
         struct test_scene test;
         test_scene_init(&test);
         clouds[s].build(&test);
@@ -492,6 +494,7 @@ static void test_clouds_are_those_of_the_oracle(void **state)
  * hides the sun, light of the surroundings. */
 static void test_guessed_clouds_are_those_of_the_oracle(void **state)
 {
+    neph_test_waits_for_the_night();
     struct test_scene test;
     test_scene_init(&test);
     scene_horizon(&test);
@@ -682,6 +685,7 @@ static const struct {
 
 static void test_slabs_are_those_of_adding_and_doubling(void **state)
 {
+    neph_test_waits_for_the_night();
     for (size_t s = 0; s < sizeof(slabs) / sizeof(slabs[0]); s++) {
         const struct neph_tracer_params params = params_of(slab_width_px, 1, slabs[s].samples);
         struct test_scene test;
@@ -725,6 +729,7 @@ static void test_the_half_space_is_chandrasekhars(void **state)
  * that got lost would show as 1 / samples. */
 static void test_white_furnace(void **state)
 {
+    neph_test_waits_for_the_night();
     for (double optical_depth = 1.0; optical_depth <= 64.0; optical_depth *= 8.0) {
         struct test_scene test;
         test_scene_init(&test);
@@ -782,6 +787,7 @@ static void test_emission_that_is_seen(void **state)
  * for roulette: below 0.05 of its start a path's light is that or 0. A ball lit by it as well. */
 static void test_kirchhoff_furnace(void **state)
 {
+    neph_test_waits_for_the_night();
     for (int kind = 0; kind < 2; kind++) {
         struct test_scene test;
         test_scene_init(&test);
