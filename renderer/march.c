@@ -145,9 +145,9 @@ struct neph_march {
     struct neph_march_scene scene;
     struct neph_buffer pixels, states, readback;
     struct neph_in_flight flight;
-    /* What dispatches of the frames in flight take, and the fills before them. */
-    double flights_gpu_s[NEPH_IN_FLIGHT_FRAMES], fills_gpu_s[NEPH_IN_FLIGHT_FRAMES];
-    double lights_gpu_s[NEPH_IN_FLIGHT_FRAMES]; /* paths of traced light before them */
+    double flights_gpu_s[NEPH_IN_FLIGHT_FRAMES]; /* what dispatches of the frames in flight take */
+    struct neph_sun_cache_cost fills[NEPH_IN_FLIGHT_FRAMES]; /* before them */
+    double lights_gpu_s[NEPH_IN_FLIGHT_FRAMES];              /* paths of traced light before them */
 };
 
 static enum neph_status create_buffers(struct neph_march *march, struct neph_diag *diag)
@@ -361,10 +361,12 @@ static enum neph_status read_frame(struct neph_march *march, struct work *work,
         return status;
     }
     work->stats.rays = march->cut.ray_count;
-    work->stats.gpu_s = *work->gpu_s + work->cost.fill.gpu_s + *work->cost.light_gpu_s;
-    work->stats.density_evaluations += work->cost.fill.density_evaluations;
-    work->stats.closed_forms += work->cost.fill.closed_forms;
-    work->stats.dispatches += work->cost.fill.dispatches;
+    uint64_t evaluations, closed_forms;
+    neph_sun_cache_counts(work->cost.fill, &evaluations, &closed_forms);
+    work->stats.gpu_s = *work->gpu_s + work->cost.fill->gpu_s + *work->cost.light_gpu_s;
+    work->stats.density_evaluations += evaluations;
+    work->stats.closed_forms += closed_forms;
+    work->stats.dispatches += work->cost.fill->dispatches;
     neph_march_cut_learn(&march->cut, *work->gpu_s);
     *image = made;
     return NEPH_OK;
@@ -385,14 +387,14 @@ enum neph_status neph_march_frame(struct neph_march *march, const struct neph_sc
         return status;
     work.gpu_s = &march->flights_gpu_s[slot];
     *work.gpu_s = 0.0;
+    work.cost.fill = &march->fills[slot];
     work.cost.light_gpu_s = &march->lights_gpu_s[slot];
     *work.cost.light_gpu_s = 0.0;
-    status = neph_march_scene_show(march->vulkan, scene, &march->params, frame, moment,
-                                   &march->scene, &work.cost, diag);
+    status = neph_march_scene_show(scene, &march->params, frame, moment, &march->scene, &work.cost,
+                                   diag);
     if (status)
         return status;
     memcpy(march->scene.gpu.frame->jitter_px, moment->jitter_px, sizeof(moment->jitter_px));
-    march->fills_gpu_s[slot] = work.cost.fill.gpu_s;
     if (!image)
         return send_frame(march, &work, diag);
     status = read_frame(march, &work, image, diag);
@@ -409,6 +411,6 @@ enum neph_status neph_march_home(struct neph_march *march, double *gpu_s, struct
     if (status)
         return status;
     neph_march_cut_learn(&march->cut, march->flights_gpu_s[slot]);
-    *gpu_s = march->flights_gpu_s[slot] + march->fills_gpu_s[slot] + march->lights_gpu_s[slot];
+    *gpu_s = march->flights_gpu_s[slot] + march->fills[slot].gpu_s + march->lights_gpu_s[slot];
     return NEPH_OK;
 }

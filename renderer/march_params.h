@@ -35,6 +35,9 @@ struct neph_shortcuts {
      * bounds, in place of a ray for each sample; of solids, and of fogs, it stays as it is. */
     bool sun_cache;
     int sun_cache_voxels; /* its nodes along the longest side, NEPH_SUN_CACHE_VOXELS_* */
+    /* Pictures that it takes to fill it anew when sun or shapes have moved, up to
+     * NEPH_SUN_CACHE_FRAMES_MAX; 0 and 1: all of it is, for each picture. */
+    int sun_cache_frames;
     /* No density is evaluated in cells whose majorant is 0; same bits, fewer evaluations. */
     bool skip;
     /* A view ray ends where its transmittance is below this, 0..1; 0: never. What lies behind is
@@ -47,6 +50,7 @@ struct neph_shortcuts {
 
 #define NEPH_SUN_CACHE_VOXELS_MIN 8
 #define NEPH_SUN_CACHE_VOXELS_MAX 512
+#define NEPH_SUN_CACHE_FRAMES_MAX 256
 #define NEPH_STEP_GROWTH_LEAST 1.001
 #define NEPH_STEP_GROWTH_MAX 2.0
 

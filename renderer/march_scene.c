@@ -66,7 +66,7 @@ static enum neph_status trace_light(const struct neph_scene *from, double frame,
                                    moment->continues, gpu_s, diag);
 }
 
-enum neph_status neph_march_scene_show(struct neph_vulkan *vulkan, const struct neph_scene *from,
+enum neph_status neph_march_scene_show(const struct neph_scene *from,
                                        const struct neph_march_params *params, double frame,
                                        const struct neph_march_moment *moment,
                                        struct neph_march_scene *scene,
@@ -75,12 +75,9 @@ enum neph_status neph_march_scene_show(struct neph_vulkan *vulkan, const struct 
     show_scene(from, params, frame, scene);
     enum neph_status status = neph_skip_cells_place(&scene->skip_cells, from, frame,
                                                     scene->gpu.frame, diag);
-    /* Frames in flight may still read the nodes: they land first, and their times stay theirs. */
-    if (!status && neph_sun_cache_is_stale(&scene->sun_cache, from, &scene->gpu))
-        status = neph_batches_wait(vulkan, neph_batches_sent(vulkan), "frames in flight", diag);
     if (!status)
         status = neph_sun_cache_fill(&scene->sun_cache, from, frame, &scene->gpu,
-                                     &scene->skip_cells, &cost->fill, diag);
+                                     &scene->skip_cells, cost->fill, diag);
     return status ? status : trace_light(from, frame, moment, scene, cost->light_gpu_s, diag);
 }
 

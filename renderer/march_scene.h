@@ -29,16 +29,15 @@ enum neph_status neph_march_scene_create(struct neph_vulkan *vulkan, const struc
 /* A zero one is fine. */
 void neph_march_scene_destroy(const struct neph_vulkan *vulkan, struct neph_march_scene *scene);
 
-/* What a picture has cost before it is marched. */
+/* What a picture costs before it is marched, told when that is home; borrowed until then. */
 struct neph_march_scene_cost {
-    struct neph_sun_cache_cost fill; /* of a sun cache; zeros: there was nothing to be done */
-    double *light_gpu_s; /* receives the device's time for traced light when that is home; borrowed
-                            until then */
+    struct neph_sun_cache_cost *fill;
+    double *light_gpu_s; /* the device's time for traced light */
 };
 
-/* Show another frame, after neph_in_flight_begin(), in memory that no other frame reads. Frames in
- * flight land before a sun cache is filled anew. Errors as of neph_march_frame(). */
-enum neph_status neph_march_scene_show(struct neph_vulkan *vulkan, const struct neph_scene *from,
+/* Show another frame, after neph_in_flight_begin(), in memory that no other frame reads.
+ * Errors as of neph_march_frame(). */
+enum neph_status neph_march_scene_show(const struct neph_scene *from,
                                        const struct neph_march_params *params, double frame,
                                        const struct neph_march_moment *moment,
                                        struct neph_march_scene *scene,

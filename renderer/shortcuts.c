@@ -65,5 +65,8 @@ enum neph_status neph_shortcuts_check(const struct neph_march_params *params,
     if (!status && shortcuts->sun_cache)
         status = check_range("sun_cache_voxels", shortcuts->sun_cache_voxels,
                              NEPH_SUN_CACHE_VOXELS_MIN, NEPH_SUN_CACHE_VOXELS_MAX, diag);
+    if (!status && shortcuts->sun_cache)
+        status = check_range("sun_cache_frames", shortcuts->sun_cache_frames, 0,
+                             NEPH_SUN_CACHE_FRAMES_MAX, diag);
     return status ? status : check_lighting(params, diag);
 }

@@ -327,6 +327,9 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
 
     [RT_SUN_CACHE] = NEPH_OPTION_SUN_CACHE,
     [RT_SUN_CACHE_VOXELS] = NEPH_OPTION_SUN_CACHE_VOXELS,
+    [RT_SUN_CACHE_FRAMES] = WHOLE("sun_cache_frames", 1, 1, NEPH_SUN_CACHE_FRAMES_MAX,
+                                  "pictures that it takes to fill that lattice anew, a part of it "
+                                  "in each; 1: all of it in each, so that light never lags"),
     [RT_SKIP] = NEPH_OPTION_SKIP,
     [RT_EARLY_OUT] = NEPH_OPTION_EARLY_OUT,
     [RT_STEP_GROWTH] = NEPH_OPTION_STEP_GROWTH,

@@ -141,6 +141,7 @@ static struct neph_march_params march_params(const struct neph_realtime_params *
         .sun_steps = (int)values[RT_SUN_STEPS],
         .shortcuts = {.sun_cache = values[RT_SUN_CACHE] != 0.0,
                       .sun_cache_voxels = (int)values[RT_SUN_CACHE_VOXELS],
+                      .sun_cache_frames = (int)values[RT_SUN_CACHE_FRAMES],
                       .skip = values[RT_SKIP] != 0.0,
                       .early_out = values[RT_EARLY_OUT],
                       .step_growth = values[RT_STEP_GROWTH]},
@@ -305,12 +306,12 @@ void neph_realtime_observe(struct neph_realtime *realtime, neph_realtime_observe
 
 /* A frame on its way. Targets are NEPH_RT_BIT() of each. */
 struct progress {
-    uint32_t given;                  /* what no pass needs to write */
-    uint32_t touched;                /* what passes have read or written so far */
-    uint32_t past;                   /* what they hand on, as the next frame calls it */
-    int picture;                     /* the target that shows the frame */
-    bool counts;                     /* whether passes with rays count what they do */
-    struct neph_sun_cache_cost fill; /* of the split frame's sun cache, if there was one */
+    uint32_t given;                   /* what no pass needs to write */
+    uint32_t touched;                 /* what passes have read or written so far */
+    uint32_t past;                    /* what they hand on, as the next frame calls it */
+    int picture;                      /* the target that shows the frame */
+    bool counts;                      /* whether passes with rays count what they do */
+    struct neph_sun_cache_cost *fill; /* borrowed, as stats: of the split frame's sun cache */
     struct neph_march_moment moment;
     struct neph_realtime_stats *stats; /* borrowed; one of neph_realtime.flights */
 };
@@ -395,14 +396,12 @@ static enum neph_status render_split(struct neph_realtime *realtime,
                                      const struct neph_scene *still, struct neph_image **image,
                                      struct progress *made, struct neph_diag *diag)
 {
-    struct neph_march_scene_cost cost = {.light_gpu_s = &made->stats->light_gpu_s};
+    struct neph_march_scene_cost cost = {made->fill, &made->stats->light_gpu_s};
     made->counts = image;
     if (made->counts)
         memset(realtime->counters.mapped, 0, sizeof(struct neph_gpu_counters));
-    enum neph_status status = neph_march_scene_show(realtime->vulkan, still, &realtime->march,
-                                                    frame->frame, &made->moment, &realtime->scene,
-                                                    &cost, diag);
-    made->fill = cost.fill;
+    enum neph_status status = neph_march_scene_show(still, &realtime->march, frame->frame,
+                                                    &made->moment, &realtime->scene, &cost, diag);
     if (!status && frame->given)
         status = neph_rt_give_frame(&realtime->device, frame->given, &made->given, diag);
     if (!status)
@@ -509,10 +508,12 @@ static void take_times(struct neph_realtime *realtime, struct neph_realtime_stat
 /* A fill is of the march, but no measure of its cut. */
 static void add_fill(struct neph_realtime_stats *stats, const struct neph_sun_cache_cost *fill)
 {
+    uint64_t evaluations, closed_forms;
+    neph_sun_cache_counts(fill, &evaluations, &closed_forms);
     stats->gpu_s += fill->gpu_s;
     stats->pass_gpu_s[neph_rt_pass_named("march") - neph_rt_passes] += fill->gpu_s;
-    stats->density_evaluations += fill->density_evaluations;
-    stats->closed_forms += fill->closed_forms;
+    stats->density_evaluations += evaluations;
+    stats->closed_forms += closed_forms;
 }
 
 /* What a view that has its moment says to who marches. */
@@ -546,6 +547,8 @@ enum neph_status neph_realtime_render(struct neph_realtime *realtime,
         return status;
     made.stats = &realtime->flights[slot];
     *made.stats = (struct neph_realtime_stats){.gpu_s = 0.0};
+    made.fill = &realtime->fills[slot];
+    *made.fill = (struct neph_sun_cache_cost){.gpu_s = 0.0};
     neph_rt_view_set_moment(view, frame->scene, &now, realtime->has_past ? &realtime->past : NULL,
                             realtime->frame_count);
     made.moment = march_moment(view, &now);
@@ -559,13 +562,12 @@ enum neph_status neph_realtime_render(struct neph_realtime *realtime,
     if (status)
         return status;
     finish_frame(realtime, &now, &made);
-    realtime->fills[slot] = made.fill;
     made.stats->wall_s = neph_wall_s() - start_s;
     if (!image)
         return NEPH_OK;
     status = neph_in_flight_land(realtime->vulkan, &realtime->flight, diag);
     take_times(realtime, made.stats);
-    add_fill(made.stats, &made.fill);
+    add_fill(made.stats, made.fill);
     if (stats)
         *stats = *made.stats;
     return status;

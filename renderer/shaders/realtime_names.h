@@ -108,16 +108,17 @@
 // Shortcuts of the march.
 #define RT_SUN_CACHE 88
 #define RT_SUN_CACHE_VOXELS 89
-#define RT_SKIP 90
-#define RT_EARLY_OUT 91
-#define RT_STEP_GROWTH 92
+#define RT_SUN_CACHE_FRAMES 90
+#define RT_SKIP 91
+#define RT_EARLY_OUT 92
+#define RT_STEP_GROWTH 93
 // Traced light.
-#define RT_LIGHT_TEXEL_PX 93
-#define RT_LIGHT_PATHS 94
-#define RT_LIGHT_ROUNDS 95
-#define RT_LIGHT_MEMORY 96
-#define RT_LIGHT_BLUR 97
-#define RT_SETTING_COUNT 98
+#define RT_LIGHT_TEXEL_PX 94
+#define RT_LIGHT_PATHS 95
+#define RT_LIGHT_ROUNDS 96
+#define RT_LIGHT_MEMORY 97
+#define RT_LIGHT_BLUR 98
+#define RT_SETTING_COUNT 99
 
 // Specialization constants of the shaders, behind those of the march: whether passes with rays
 // leave their counters alone (realtime_march.glsl); whether the shaders hold the choices, and the

@@ -354,6 +354,48 @@ static void test_the_sun_cache_follows_sun_and_cloud(void **state)
     neph_march_destroy(march);
 }
 
+/* Spread over pictures: what is there is filled at once, and what is new a part in each. */
+static void test_the_sun_cache_is_filled_over_pictures(void **state)
+{
+    enum { PICTURES = 4 };
+    struct test_scene test;
+    struct neph_march *march = NULL;
+    struct neph_diag diag = {0};
+    test_scene_init(&test);
+    add_blob(&test);
+    struct neph_march_params params = cached(32);
+    params.sun = NEPH_MARCH_MARCHED;
+    params.sun_steps = 6;
+    struct neph_image *before = render(*state, &test.scene, &params, NULL);
+    params.shortcuts.sun_cache_frames = PICTURES;
+    neph_assert_ok(neph_march_create(*state, &test.scene, &params, &march, &diag), &diag);
+    struct neph_march_stats whole, rest, stats;
+    struct neph_image *first = next(march, &test.scene, &whole);
+    struct neph_image *still = next(march, &test.scene, &rest);
+    assert_true(same_bits(first, before) && same_bits(still, before));
+
+    test.scene.sun.direction = neph_vec3_normalize((struct neph_vec3){-0.5, 0.7, -0.6});
+    struct neph_image *after = render(*state, &test.scene, &params, NULL);
+    assert_false(same_bits(after, before));
+    uint64_t filled = 0;
+    for (int picture = 1; picture <= PICTURES + 1; picture++) {
+        struct neph_image *image = next(march, &test.scene, &stats);
+        const uint64_t evaluations = stats.density_evaluations - rest.density_evaluations;
+        assert_int_equal(same_bits(image, after), picture >= PICTURES);
+        assert_int_equal(evaluations > 0, picture <= PICTURES);
+        filled += evaluations;
+        neph_image_destroy(image);
+    }
+    struct neph_march_stats alone;
+    neph_image_destroy(render(*state, &test.scene, &params, &alone));
+    assert_int_equal(filled, alone.density_evaluations - rest.density_evaluations);
+    neph_image_destroy(after);
+    neph_image_destroy(still);
+    neph_image_destroy(first);
+    neph_image_destroy(before);
+    neph_march_destroy(march);
+}
+
 /* --- early out ------------------------------------------------------------------------------ */
 
 /* What is left out is seen through less than the limit: the brightest that light can be scattered
@@ -538,6 +580,7 @@ int main(void)
         cmocka_unit_test(test_the_sun_cache_has_colours),
         cmocka_unit_test(test_the_sun_cache_has_a_depth_a_channel),
         cmocka_unit_test(test_the_sun_cache_follows_sun_and_cloud),
+        cmocka_unit_test(test_the_sun_cache_is_filled_over_pictures),
         cmocka_unit_test(test_early_out_loses_what_it_says),
         cmocka_unit_test(test_growing_steps_tile_the_ray),
         cmocka_unit_test(test_what_is_of_no_use_is_refused),
