@@ -21,6 +21,7 @@ neph_verb neph_cli_export;
 neph_verb neph_cli_bake;
 neph_verb neph_cli_benchmark;
 neph_verb neph_cli_sweep;
+neph_verb neph_cli_scaling;
 neph_verb neph_cli_pick;
 neph_verb neph_cli_compare;
 neph_verb neph_cli_flicker;

@@ -27,6 +27,7 @@ static const struct {
     {"bake", neph_cli_bake, "a medium of a scene as a volume file, with what that costs"},
     {"benchmark", neph_cli_benchmark, "how long engines take for the same noise"},
     {"sweep", neph_cli_sweep, "speed against accuracy of engines and settings over a scene"},
+    {"scaling", neph_cli_scaling, "how cost grows with pixels, steps, voxels, density, pictures"},
     {"pick", neph_cli_pick, "the cheapest configuration of a scene that is good enough"},
     {"compare", neph_cli_compare,
      "measure the error of frames of any renderer against a reference"},

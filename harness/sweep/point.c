@@ -84,8 +84,8 @@ static bool is_counted(const struct neph_job *job)
     return strcmp(job->engine->options[lighting].choices[choice], "traced") != 0;
 }
 
-static enum neph_status count_work(const char *frame_path, struct neph_sweep_point *point,
-                                   struct neph_diag *diag)
+enum neph_status neph_sweep_point_count(const char *frame_path, struct neph_sweep_point *point,
+                                        struct neph_diag *diag)
 {
     struct neph_image *image = NULL;
     const enum neph_status status = neph_exr_read(frame_path, &image, diag);
@@ -151,7 +151,7 @@ static enum neph_status measure_flicker(struct neph_sweep_bench *bench,
         point->numbers[NEPH_SWEEP_FLICKER] = number_in(document, NEPH_SWEEP_FLICKER);
         point->numbers[NEPH_SWEEP_FOUR] = number_in(document, NEPH_SWEEP_FOUR);
         bench->mask = neph_take_find(document, "seen_contrast", masks[0]) ? masks[0] : masks[1];
-        status = count_work(last, point, diag);
+        status = neph_sweep_point_count(last, point, diag);
     }
     if (!status)
         status = neph_sweep_truth_error(bench->truth, last, &point->numbers[NEPH_SWEEP_ERROR],
@@ -230,7 +230,7 @@ enum neph_status neph_sweep_point_render(const struct neph_sweep_bench *bench,
         *seconds = result.cost.render_s;
         status = neph_sweep_truth_error(bench->truth, result.frame_path, error, diag);
         if (!status)
-            status = count_work(result.frame_path, point, diag);
+            status = neph_sweep_point_count(result.frame_path, point, diag);
     }
     neph_job_result_finish(&result);
     return status;

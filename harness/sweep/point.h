@@ -38,6 +38,11 @@ bool neph_sweep_is_sequence(const struct neph_sweep_point *point);
 enum neph_status neph_sweep_point_measure(struct neph_sweep_bench *bench,
                                           struct neph_sweep_point *point, struct neph_diag *diag);
 
+/* The evaluations of density that a frame of the point has cost, as its file says; NaN where nobody
+ * counts them. */
+enum neph_status neph_sweep_point_count(const char *frame_path, struct neph_sweep_point *point,
+                                        struct neph_diag *diag);
+
 /* A whole picture of the point with a round's seed, as a job of the store: its error into `error`,
  * its time into `seconds`. */
 enum neph_status neph_sweep_point_render(const struct neph_sweep_bench *bench,

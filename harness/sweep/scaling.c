@@ -1,0 +1,378 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/sweep/scaling.h"
+
+#include "base/exr.h"
+#include "harness/data.h"
+#include "harness/engines/frame_stats.h"
+#include "harness/sweep/ladder.h"
+#include "harness/sweep/scaled.h"
+#include "harness/sweep/timing.h"
+#include "scenes/relit.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Fixed costs make what is small dearer, so that times may grow more slowly than the work. */
+const struct neph_scaling_axis neph_scaling_axes[NEPH_SCALING_AXES] = {
+    [NEPH_SCALING_PIXELS] = {"pixels", "pixels of a picture", {0.25, 0.375, 0.5, 0.75, 1.0},
+                             {1, 1}, {0, 1},
+                             "every pixel or tile has a ray of its own; what a picture costs "
+                             "besides is the same for all sizes"},
+    [NEPH_SCALING_STEPS] = {"steps", "steps of a ray", {8, 16, 32, 64, 128}, {1, 1}, {0, 1},
+                            "a step asks once; what a ray costs besides is the same for all"},
+    [NEPH_SCALING_VOXELS] = {"voxels", "voxels of the media", {24, 32, 48, 64, 96, 128}, {0, 0},
+                             {0, 1.0 / 3.0},
+                             "a step looks at the same few voxels, however many there are; a "
+                             "cache holds less of more, at worst in proportion to those along a "
+                             "ray"},
+    [NEPH_SCALING_DEPTH] = {"density", "density, times that of the scene", {0.25, 0.5, 1, 2, 4},
+                            {-1, 0}, {-1, 0},
+                            "nothing asks twice because there is more of it; a ray that ends "
+                            "where nothing gets through ends the sooner"},
+    [NEPH_SCALING_PICTURES] = {"pictures", "pictures in a row", {4, 8, 16, 32, 64}, {1, 1}, {1, 1},
+                               "a history costs the same in every picture"},
+};
+
+enum { STEPS = 32, ROUNDS = 3, POINTS_MAX = NEPH_SCALING_AXES * NEPH_SCALING_VALUES_MAX *
+                                            NEPH_SCALING_SERIES };
+enum { KIND_POINT, KIND_PICTURES, KIND_ROUND }; /* of progress */
+
+int neph_scaling_value_count(const struct neph_scaling_axis *axis)
+{
+    int count = 0;
+    while (count < NEPH_SCALING_VALUES_MAX && axis->values[count] > 0.0)
+        count++;
+    return count;
+}
+
+/* A scene as an axis has it at a value: all series share it. */
+struct scene_at {
+    struct neph_scene *made; /* owned; NULL: the scene itself */
+    double x;
+    char missing[256];
+};
+
+struct work {
+    const struct neph_scaling_params *params;
+    struct neph_store *store;
+    struct neph_scene *scene;
+    struct neph_sweep_plan plan; /* its series are those of the scaling */
+    struct neph_engine_info infos[NEPH_SCALING_SERIES];
+    struct scene_at scenes[NEPH_SCALING_AXES][NEPH_SCALING_VALUES_MAX];
+    struct neph_sweep_point *points;             /* those that are rendered and timed one by one */
+    struct neph_scaling_point *of[POINTS_MAX];   /* where each goes */
+    int point_count;
+    struct neph_progress progress;
+    struct neph_scaling *scaling;
+};
+
+/* --- scenes --------------------------------------------------------------------------------- */
+
+static enum neph_status make_scene(struct work *work, enum neph_scaling_axis_id axis, double value,
+                                   struct scene_at *at, struct neph_diag *diag)
+{
+    struct neph_relight denser = {NAN, NAN, NAN, NAN, value};
+    struct neph_diag why = {.line = 0};
+    enum neph_status status = NEPH_OK;
+    at->x = value;
+    if (axis == NEPH_SCALING_VOXELS)
+        status = neph_scaled_make(work->scene, (int)value, &at->made, &at->x, &why);
+    else if (axis == NEPH_SCALING_DEPTH)
+        status = neph_scene_relit(work->scene, &denser, work->scene->scattering, &at->made, &why);
+    if (status == NEPH_ERR_UNSUPPORTED || status == NEPH_ERR_INPUT) {
+        snprintf(at->missing, sizeof(at->missing), "%s", why.message);
+        return NEPH_OK;
+    }
+    if (status && diag)
+        *diag = why;
+    return status;
+}
+
+static void finish_scenes(struct work *work)
+{
+    for (int axis = 0; axis < NEPH_SCALING_AXES; axis++)
+        for (int i = 0; i < NEPH_SCALING_VALUES_MAX; i++)
+            if (axis == NEPH_SCALING_VOXELS)
+                neph_scaled_destroy(work->scenes[axis][i].made);
+            else
+                neph_scene_destroy(work->scenes[axis][i].made);
+}
+
+/* --- points --------------------------------------------------------------------------------- */
+
+static enum neph_status make_job(struct work *work, int series, const struct neph_scene *scene,
+                                 struct neph_job *job, struct neph_diag *diag)
+{
+    const struct neph_sweep_series *of = &work->plan.series[series];
+    const enum neph_scattering scattering = work->scene->scattering;
+    *job = (struct neph_job){.engine = neph_sweep_engine(&work->plan, of, scattering),
+                             .info = &work->infos[series],
+                             .shot = {.scene = scene,
+                                      .width_px = work->params->width_px,
+                                      .height_px = work->params->height_px,
+                                      .layers = NEPH_LAYERS_ALL,
+                                      .seed = work->params->seed}};
+    enum neph_status status = neph_sweep_settings(&work->plan, of, 0, scattering,
+                                                  &job->shot.settings, diag);
+    char steps[24];
+    snprintf(steps, sizeof(steps), "steps=%d", STEPS);
+    return status ? status
+                  : neph_settings_set(job->engine, &job->shot.settings, steps, diag);
+}
+
+static enum neph_status set_value(enum neph_scaling_axis_id axis, double value,
+                                  struct neph_job *job, double *x, struct neph_diag *diag)
+{
+    struct neph_shot *shot = &job->shot;
+    char steps[24];
+    snprintf(steps, sizeof(steps), "steps=%.0f", value);
+    if (axis == NEPH_SCALING_STEPS)
+        return neph_settings_set(job->engine, &shot->settings, steps, diag);
+    if (axis == NEPH_SCALING_PIXELS) {
+        shot->width_px = (int)fmax(4.0, value * shot->width_px);
+        shot->height_px = (int)fmax(4.0, value * shot->height_px);
+        *x = (double)shot->width_px * shot->height_px;
+    }
+    return NEPH_OK;
+}
+
+/* What cannot be rendered has no point at all. */
+static void forget(struct work *work, struct neph_scaling_line *line)
+{
+    work->point_count -= line->count;
+    line->count = 0;
+}
+
+static enum neph_status add_point(struct work *work, struct neph_scaling_line *line, int place,
+                                  struct neph_diag *diag)
+{
+    const struct neph_scaling_axis *axis = &neph_scaling_axes[line->axis];
+    const struct scene_at *at = &work->scenes[line->axis][place];
+    if (at->missing[0]) {
+        snprintf(line->missing, sizeof(line->missing), "%s", at->missing);
+        return NEPH_OK;
+    }
+    struct neph_sweep_point *point = &work->points[work->point_count];
+    struct neph_scaling_point *into = &line->points[line->count++];
+    *into = (struct neph_scaling_point){at->x, NAN, {NAN, NAN, NAN}};
+    *point = (struct neph_sweep_point){.series = &work->plan.series[line->series],
+                                       .time = {NAN, NAN, NAN},
+                                       .evaluations = NAN};
+    work->of[work->point_count++] = into;
+    enum neph_status status = make_job(work, line->series, at->made ? at->made : work->scene,
+                                       &point->job, diag);
+    if (!status)
+        status = set_value(line->axis, axis->values[place], &point->job, &into->x, diag);
+    if (!status && !point->job.engine->can_render(point->job.shot.scene, &point->job.shot.settings,
+                                                  line->missing, sizeof(line->missing)))
+        forget(work, line);
+    return status;
+}
+
+static enum neph_status add_lines(struct work *work, struct neph_diag *diag)
+{
+    struct neph_scaling *scaling = work->scaling;
+    enum neph_status status = NEPH_OK;
+    for (int axis = 0; axis < NEPH_SCALING_AXES; axis++)
+        for (int series = 0; series < NEPH_SCALING_SERIES; series++) {
+            struct neph_scaling_line *line = &scaling->lines[scaling->line_count++];
+            const int count = neph_scaling_value_count(&neph_scaling_axes[axis]);
+            *line = (struct neph_scaling_line){.axis = (enum neph_scaling_axis_id)axis,
+                                               .series = series};
+            for (int i = 0; i < count && axis != NEPH_SCALING_PICTURES && !status; i++)
+                if (!line->missing[0])
+                    status = add_point(work, line, i, diag);
+        }
+    return status;
+}
+
+/* --- counting ------------------------------------------------------------------------------- */
+
+static enum neph_status count_point(struct work *work, struct neph_sweep_point *point,
+                                    struct neph_scaling_point *into, struct neph_diag *diag)
+{
+    struct neph_job_result result = {.outcome = NEPH_OUTCOME_FAILED};
+    enum neph_status status = neph_job_run(&point->job, work->store, &result, diag);
+    if (!status)
+        status = neph_outcome_check(result.outcome, result.reason, diag);
+    if (!status)
+        status = neph_sweep_point_count(result.frame_path, point, diag);
+    into->evaluations = point->evaluations * point->job.shot.width_px * point->job.shot.height_px;
+    neph_job_result_finish(&result);
+    return status;
+}
+
+/* Pictures in a row: what is spent by the 4th, the 8th, ... */
+static enum neph_status count_pictures(struct work *work, struct neph_scaling_line *line,
+                                       struct neph_diag *diag)
+{
+    const struct neph_scaling_axis *axis = &neph_scaling_axes[NEPH_SCALING_PICTURES];
+    const int kinds = neph_scaling_value_count(axis), most = (int)axis->values[kinds - 1];
+    struct neph_scaling_point spent = {0.0, 0.0, {0.0, NAN, NAN}};
+    struct neph_job job;
+    enum neph_status status = make_job(work, line->series, work->scene, &job, diag);
+    if (!status)
+        status = neph_job_open(&job, diag);
+    for (int i = 0; i < most && !status; i++) {
+        struct neph_image *frame = NULL;
+        struct neph_cost cost;
+        job.shot.frame = neph_flight_frame(i, work->scene->frame_count);
+        status = neph_job_render(&job, &frame, &cost, diag);
+        if (status)
+            break;
+        json_t *stats = neph_frame_stats(frame);
+        const json_t *count = json_object_get(stats, "density_evaluations");
+        spent.x = i + 1;
+        spent.evaluations += json_is_number(count) ? json_number_value(count) : NAN;
+        spent.time.median += cost.render_s;
+        json_decref(stats);
+        neph_image_destroy(frame);
+        if (spent.x == axis->values[line->count])
+            line->points[line->count++] = spent;
+    }
+    neph_job_close(&job);
+    for (int i = 0; i < line->count && work->params->untimed; i++)
+        line->points[i].time.median = NAN;
+    return status;
+}
+
+static enum neph_status count_all(struct work *work, struct neph_diag *diag)
+{
+    struct neph_scaling *scaling = work->scaling;
+    enum neph_status status = NEPH_OK;
+    for (int i = 0; i < work->point_count && !status; i++) {
+        work->progress.kind = KIND_POINT;
+        status = count_point(work, &work->points[i], work->of[i], diag);
+        neph_progress_tick(&work->progress, "evaluations");
+    }
+    for (int i = 0; i < scaling->line_count && !status; i++)
+        if (scaling->lines[i].axis == NEPH_SCALING_PICTURES) {
+            work->progress.kind = KIND_PICTURES;
+            status = count_pictures(work, &scaling->lines[i], diag);
+            neph_progress_tick(&work->progress, "pictures in a row");
+        }
+    return status;
+}
+
+static enum neph_status time_all(struct work *work, struct neph_diag *diag)
+{
+    struct neph_sweep_bench bench = {.plan = &work->plan,
+                                     .store = work->store,
+                                     .progress = &work->progress,
+                                     .times = work->params->times,
+                                     .retimes = work->params->retimes,
+                                     .seed = work->params->seed};
+    work->progress.kind = KIND_ROUND;
+    const enum neph_status status = neph_sweep_time(&bench, work->points, work->point_count, diag);
+    for (int i = 0; i < work->point_count && !status; i++)
+        work->of[i]->time = work->points[i].time;
+    neph_sweep_bench_finish(&bench);
+    return status;
+}
+
+/* --- the whole ------------------------------------------------------------------------------ */
+
+void neph_scaling_judge(struct neph_scaling *scaling)
+{
+    for (int i = 0; i < scaling->line_count; i++) {
+        struct neph_scaling_line *line = &scaling->lines[i];
+        const struct neph_scaling_axis *axis = &neph_scaling_axes[line->axis];
+        double x[NEPH_SCALING_VALUES_MAX], work[NEPH_SCALING_VALUES_MAX],
+            time[NEPH_SCALING_VALUES_MAX];
+        for (int k = 0; k < line->count; k++) {
+            x[k] = line->points[k].x;
+            work[k] = line->points[k].evaluations;
+            time[k] = line->points[k].time.median;
+        }
+        line->work = neph_exponent_fit(x, work, line->count);
+        line->time = neph_exponent_fit(x, time, line->count);
+        line->work_verdict = neph_exponent_judge(&line->work, axis->work);
+        line->time_verdict = neph_exponent_judge(&line->time, axis->time);
+    }
+}
+
+static enum neph_status make_plan(struct work *work, struct neph_diag *diag)
+{
+    const struct neph_scaling_params *params = work->params;
+    struct neph_sweep_plan *plan = &work->plan;
+    *plan = (struct neph_sweep_plan){
+        .title = strdup("scaling"), .light = strdup("octaves"), .round_count = ROUNDS};
+    enum neph_status status = plan->title && plan->light ? NEPH_OK : neph_fail_memory(diag);
+    if (!status)
+        status = neph_ladder_add(plan, "march", "march", NULL, NULL, NULL, -1, false, diag);
+    if (!status)
+        status = neph_ladder_add(plan, params->preset, "realtime", params->preset, NULL, NULL, -1,
+                                 true, diag);
+    for (int i = 0; i < plan->series_count && !status; i++) {
+        struct neph_job job;
+        struct neph_engine_info *info = &work->infos[i];
+        status = make_job(work, i, work->scene, &job, diag);
+        if (status)
+            break;
+        neph_engine_probe(job.engine, info);
+        if (!info->available)
+            status = neph_fail(diag, NEPH_ERR_UNAVAILABLE, "%s: %s", job.engine->name,
+                               info->missing);
+        snprintf(work->scaling->series[i], sizeof(work->scaling->series[i]), "%s",
+                 plan->series[i].name);
+        snprintf(work->scaling->device, sizeof(work->scaling->device), "%s", info->device);
+    }
+    return status;
+}
+
+static enum neph_status make_scenes(struct work *work, struct neph_diag *diag)
+{
+    enum neph_status status = NEPH_OK;
+    for (int axis = 0; axis < NEPH_SCALING_AXES; axis++)
+        for (int i = 0; i < neph_scaling_value_count(&neph_scaling_axes[axis]) && !status; i++)
+            status = make_scene(work, (enum neph_scaling_axis_id)axis,
+                                neph_scaling_axes[axis].values[i], &work->scenes[axis][i], diag);
+    return status;
+}
+
+static enum neph_status prepare(struct work *work, struct neph_diag *diag)
+{
+    enum neph_status status = neph_data_load_scene(work->params->scene, &work->scene, diag);
+    if (!status)
+        status = make_plan(work, diag);
+    if (!status)
+        status = make_scenes(work, diag);
+    work->points = calloc(POINTS_MAX, sizeof(*work->points));
+    if (!status && !work->points)
+        status = neph_fail_memory(diag);
+    if (status)
+        return status;
+    snprintf(work->scaling->scene, sizeof(work->scaling->scene), "%s", work->scene->name);
+    work->scaling->has_closed_form = neph_ladder_has_closed_form(work->scene);
+    return add_lines(work, diag);
+}
+
+enum neph_status neph_scaling_run(const struct neph_scaling_params *params,
+                                  struct neph_store *store, struct neph_scaling *scaling,
+                                  struct neph_diag *diag)
+{
+    struct work work = {.params = params,
+                        .store = store,
+                        .scaling = scaling,
+                        .progress = neph_progress_start(params->quiet, 0)};
+    *scaling = (struct neph_scaling){.line_count = 0};
+    enum neph_status status = prepare(&work, diag);
+    neph_progress_expect(&work.progress, KIND_POINT, work.point_count, 1.0);
+    neph_progress_expect(&work.progress, KIND_PICTURES, NEPH_SCALING_SERIES, 20.0);
+    if (!params->untimed)
+        neph_progress_expect(&work.progress, KIND_ROUND, ROUNDS, 20.0);
+    if (!status)
+        status = count_all(&work, diag);
+    if (!status && !params->untimed)
+        status = time_all(&work, diag);
+    if (!status)
+        neph_scaling_judge(scaling);
+    neph_progress_end(&work.progress);
+    finish_scenes(&work);
+    neph_sweep_plan_finish(&work.plan);
+    neph_scene_destroy(work.scene);
+    free(work.points);
+    return status;
+}
