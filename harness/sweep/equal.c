@@ -18,24 +18,29 @@ double neph_sweep_between(const double *x, const double *y, int count, double at
     return NAN;
 }
 
+double neph_sweep_cost_of(const struct neph_sweep_point *point, enum neph_sweep_cost cost)
+{
+    return cost == NEPH_SWEEP_COST_TIME ? point->time.median : point->evaluations;
+}
+
 /* The points of a series that have both, as its ladder. */
 struct ladder {
-    double error[NEPH_SWEEP_VALUES_MAX], time_s[NEPH_SWEEP_VALUES_MAX];
+    double number[NEPH_SWEEP_VALUES_MAX], cost[NEPH_SWEEP_VALUES_MAX];
     int count;
 };
 
 static struct ladder ladder_of(const struct neph_sweep *sweep,
-                               const struct neph_sweep_series *series)
+                               const struct neph_sweep_series *series, enum neph_sweep_cost cost,
+                               enum neph_sweep_number number)
 {
     struct ladder ladder = {.count = 0};
     for (int i = 0; i < sweep->point_count; i++) {
         const struct neph_sweep_point *point = &sweep->points[i];
-        const double error = point->numbers[NEPH_SWEEP_ERROR].value;
-        if (point->series != series || point->missing[0] || !(error > 0.0) ||
-            !(point->time.median > 0.0))
+        const double value = point->numbers[number].value, price = neph_sweep_cost_of(point, cost);
+        if (point->series != series || point->missing[0] || !(value > 0.0) || !(price > 0.0))
             continue;
-        ladder.error[ladder.count] = error;
-        ladder.time_s[ladder.count++] = point->time.median;
+        ladder.number[ladder.count] = value;
+        ladder.cost[ladder.count++] = price;
     }
     return ladder;
 }
@@ -44,29 +49,30 @@ static int best_of(const struct ladder *ladder)
 {
     int best = 0;
     for (int i = 1; i < ladder->count; i++)
-        if (ladder->error[i] < ladder->error[best])
+        if (ladder->number[i] < ladder->number[best])
             best = i;
     return best;
 }
 
 int neph_sweep_equals(const struct neph_sweep *sweep, const struct neph_sweep_series *base,
+                      enum neph_sweep_cost cost, enum neph_sweep_number number,
                       struct neph_sweep_equal *list)
 {
-    const struct ladder own = ladder_of(sweep, base);
+    const struct ladder own = ladder_of(sweep, base, cost, number);
     int count = 0;
     for (int s = 0; s < sweep->plan->series_count; s++) {
         const struct neph_sweep_series *series = &sweep->plan->series[s];
-        const struct ladder other = ladder_of(sweep, series);
+        const struct ladder other = ladder_of(sweep, series, cost, number);
         if (series == base || other.count == 0 || own.count < 2)
             continue;
         const int best = best_of(&other);
-        const double error = other.error[best], time_s = other.time_s[best];
+        const double value = other.number[best], price = other.cost[best];
         list[count++] = (struct neph_sweep_equal){
             .series = series,
-            .time_ratio = time_s / neph_sweep_between(own.error, own.time_s, own.count, error),
-            .error_ratio = error / neph_sweep_between(own.time_s, own.error, own.count, time_s),
-            .at_error = error,
-            .at_s = time_s,
+            .cost_ratio = price / neph_sweep_between(own.number, own.cost, own.count, value),
+            .number_ratio = value / neph_sweep_between(own.cost, own.number, own.count, price),
+            .at_number = value,
+            .at_cost = price,
         };
     }
     return count;

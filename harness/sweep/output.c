@@ -57,7 +57,8 @@ char *neph_sweep_command(const struct neph_sweep *sweep, const struct neph_sweep
 const char *neph_sweep_device(const struct neph_sweep *sweep)
 {
     for (int i = 0; i < sweep->point_count; i++)
-        if (sweep->points[i].job.engine->rung == NEPH_RUNG_MODEL && !sweep->points[i].missing[0])
+        if (sweep->points[i].job.engine->rung == NEPH_RUNG_MODEL &&
+            !sweep->points[i].job.engine->is_guest && !sweep->points[i].missing[0])
             return sweep->points[i].job.info->device;
     return "";
 }
@@ -122,52 +123,6 @@ void neph_sweep_print(const struct neph_sweep *sweep, FILE *out)
     fprintf(out, "\n");
 }
 
-/* --- equal error, equal time ----------------------------------------------------------------- */
-
-static const struct neph_sweep_series *base_of(const struct neph_sweep *sweep, const char *against,
-                                               struct neph_sweep_equal *list, int *count)
-{
-    *count = 0;
-    for (int s = 0; s < sweep->plan->series_count; s++) {
-        const struct neph_sweep_series *series = &sweep->plan->series[s];
-        if (against && strcmp(against, series->name) != 0)
-            continue;
-        *count = neph_sweep_equals(sweep, series, list);
-        if (against || *count > 0)
-            return series;
-    }
-    return NULL;
-}
-
-/* "12.3", or what is said where there is no such point. */
-static void print_ratio(double value, FILE *out)
-{
-    if (isfinite(value))
-        fprintf(out, " %14.3g", value);
-    else
-        fprintf(out, " %14s", "beyond");
-}
-
-void neph_sweep_print_equals(const struct neph_sweep *sweep, const char *against, FILE *out)
-{
-    struct neph_sweep_equal list[NEPH_SWEEP_SERIES_MAX];
-    int count = 0;
-    const struct neph_sweep_series *base = base_of(sweep, against, list, &count);
-    if (count == 0)
-        return;
-    fprintf(out,
-            "\nat the best point of each, over what %s has there:\n%-16s %11s %11s %14s %14s\n",
-            base->name, "series", "error", "ms", "time at that", "error in that");
-    for (int i = 0; i < count; i++) {
-        fprintf(out, "%-16s %11.3g %11.3g", list[i].series->name, list[i].at_error,
-                1e3 * list[i].at_s);
-        print_ratio(list[i].time_ratio, out);
-        print_ratio(list[i].error_ratio, out);
-        fprintf(out, "\n");
-    }
-    fprintf(out, "beyond: %s was not measured at such an error, or in such a time\n", base->name);
-}
-
 /* --- JSON ----------------------------------------------------------------------------------- */
 
 static json_t *value_json(const struct neph_sweep_point *point, enum neph_sweep_number number)
@@ -206,13 +161,14 @@ json_t *neph_sweep_json(const struct neph_sweep *sweep)
         neph_json_add(&points, point_json(sweep, &sweep->points[i]));
     return json_pack(
         "{s:s, s:s, s:s, s:s, s:i, s:i, s:i, s:i, s:s, s:o, s:s, s:s, s:s, s:o, s:i, "
-        "s:i, s:o}",
+        "s:i, s:o, s:o}",
         "format", "neph-sweep-1", "title", plan->title, "scene", sweep->scene->name, "scene_hash",
         sweep->scene->hash, "width_px", plan->width_px, "height_px", plan->height_px, "frames",
         plan->frame_count, "warm_up", plan->warm_up, "truth", sweep->truth, "truth_noise",
         neph_json_number(sweep->floor), "error_mask", sweep->clear_of, "flicker_mask", sweep->mask,
         "device", neph_sweep_device(sweep), "load", neph_json_number(sweep->load), "measured",
-        neph_sweep_measured_count(sweep), "expected", sweep->point_count, "points", points);
+        neph_sweep_measured_count(sweep), "expected", sweep->point_count, "points", points,
+        "equal", neph_sweep_equals_json(sweep));
 }
 
 /* --- CSV ------------------------------------------------------------------------------------ */

@@ -21,10 +21,6 @@ int neph_sweep_measured_count(const struct neph_sweep *sweep);
 
 void neph_sweep_print(const struct neph_sweep *sweep, FILE *out);
 
-/* Every series against one of them at equal error and equal time (equal.h): the one of that name,
- * or with NULL the first that was timed at two points or more. */
-void neph_sweep_print_equals(const struct neph_sweep *sweep, const char *against, FILE *out);
-
 /* As in scripts/report/README.md; for the caller to json_decref, NULL when it could not be made. */
 json_t *neph_sweep_json(const struct neph_sweep *sweep);
 

@@ -62,6 +62,8 @@ struct neph_sweep {
     double measure_s;     /* of the rest of the run, on the wall */
     const char *mask;     /* of flicker: "depth_edge", or "all" where there are no edges */
     const char *clear_of; /* of errors against the truth: "non_edge" or "all" */
+    const char *against;  /* the series that others are held against (equal.h); NULL: the first
+                             that has two points; borrowed */
     double load;          /* other processes that wanted the machine while times were taken */
 };
 
