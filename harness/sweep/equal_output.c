@@ -83,7 +83,7 @@ static void print_machines(const struct neph_sweep *sweep, FILE *out)
         if (is_first)
             fprintf(out, " %s on %s;", job->engine->name, job->info->device);
     }
-    fprintf(out, " all in turns, in one run.\n");
+    fprintf(out, " in rounds that take turns.\n");
 }
 
 void neph_sweep_print_equals(const struct neph_sweep *sweep, FILE *out)

@@ -272,7 +272,7 @@ enum neph_status neph_sweep_run(const struct neph_sweep_params *params, struct n
 {
     struct neph_progress progress = neph_progress_start(params->quiet, 0);
     struct neph_sweep_truth truth = {.image = NULL};
-    *sweep = (struct neph_sweep){.plan = params->plan};
+    *sweep = (struct neph_sweep){.plan = params->plan, .against = params->against};
     enum neph_status status = check_only(params, diag);
     if (!status)
         status = neph_data_load_scene(params->scene, &sweep->scene, diag);

@@ -1,0 +1,158 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/sweep/stability.h"
+
+#include <math.h>
+
+const char *const neph_stability_words[NEPH_STABILITY_OUTCOMES] = {
+    [NEPH_STABILITY_ABSENT] = "absent",    [NEPH_STABILITY_OFF] = "off",
+    [NEPH_STABILITY_ON] = "on all",        [NEPH_STABILITY_WITHIN] = "within intervals",
+    [NEPH_STABILITY_MOVED] = "moved",
+};
+
+/* --- one point ------------------------------------------------------------------------------ */
+
+static struct neph_sweep_value price_of(const struct neph_sweep_point *point,
+                                        enum neph_sweep_cost cost)
+{
+    if (cost == NEPH_SWEEP_COST_TIME)
+        return (struct neph_sweep_value){point->time.median, point->time.low, point->time.high};
+    return (struct neph_sweep_value){point->evaluations, NAN, NAN};
+}
+
+static double low_of(const struct neph_sweep_value *value)
+{
+    return isnan(value->low) ? value->value : value->low;
+}
+
+static double high_of(const struct neph_sweep_value *value)
+{
+    return isnan(value->high) ? value->value : value->high;
+}
+
+bool neph_stability_beats(const struct neph_sweep_point *a, const struct neph_sweep_point *b,
+                          enum neph_sweep_cost cost, enum neph_sweep_number number)
+{
+    const struct neph_sweep_value price_a = price_of(a, cost), price_b = price_of(b, cost);
+    const double dearest = high_of(&price_a), cheapest = low_of(&price_b);
+    const double largest = high_of(&a->numbers[number]), least = low_of(&b->numbers[number]);
+    return dearest <= cheapest && largest <= least && (dearest < cheapest || largest < least);
+}
+
+static bool is_measured(const struct neph_sweep_point *point, enum neph_sweep_cost cost,
+                        enum neph_sweep_number number)
+{
+    return !point->missing[0] && !isnan(neph_sweep_cost_of(point, cost)) &&
+           !isnan(point->numbers[number].value);
+}
+
+static bool is_beaten(const struct neph_sweep *sweep, int point, enum neph_sweep_cost cost,
+                      enum neph_sweep_number number)
+{
+    for (int i = 0; i < sweep->point_count; i++)
+        if (is_measured(&sweep->points[i], cost, number) &&
+            neph_stability_beats(&sweep->points[i], &sweep->points[point], cost, number))
+            return true;
+    return false;
+}
+
+static int count_fronts(const struct neph_sweep *sweeps, int count, int point,
+                        enum neph_sweep_number number)
+{
+    int on = 0;
+    for (int i = 0; i < count; i++)
+        on += sweeps[i].points[point].on_front[number];
+    return on;
+}
+
+enum neph_stability_outcome neph_stability_judge(const struct neph_sweep *sweeps, int count,
+                                                 int point, enum neph_sweep_cost cost,
+                                                 enum neph_sweep_number number)
+{
+    const int on = count_fronts(sweeps, count, point, number);
+    for (int i = 0; i < count; i++)
+        if (!is_measured(&sweeps[i].points[point], cost, number))
+            return NEPH_STABILITY_ABSENT;
+    if (on == 0 || on == count)
+        return on ? NEPH_STABILITY_ON : NEPH_STABILITY_OFF;
+    for (int i = 0; i < count; i++)
+        if (!sweeps[i].points[point].on_front[number] && is_beaten(&sweeps[i], point, cost, number))
+            return NEPH_STABILITY_MOVED;
+    return NEPH_STABILITY_WITHIN;
+}
+
+/* --- all ------------------------------------------------------------------------------------ */
+
+/* Of every point and number that is on a front somewhere. */
+typedef void seen(const struct neph_sweep_point *point, enum neph_sweep_number number,
+                  enum neph_stability_outcome outcome, int on, void *context);
+
+static void walk(const struct neph_sweep *sweeps, int count, enum neph_sweep_cost cost, seen *see,
+                 void *context)
+{
+    for (int n = 0; n < NEPH_SWEEP_NUMBERS; n++)
+        for (int i = 0; i < sweeps[0].point_count; i++) {
+            const enum neph_sweep_number number = (enum neph_sweep_number)n;
+            const int on = count_fronts(sweeps, count, i, number);
+            if (on > 0)
+                see(&sweeps[0].points[i], number,
+                    neph_stability_judge(sweeps, count, i, cost, number), on, context);
+        }
+}
+
+struct print {
+    FILE *out;
+    int count, counts[NEPH_STABILITY_OUTCOMES];
+};
+
+static void print_one(const struct neph_sweep_point *point, enum neph_sweep_number number,
+                      enum neph_stability_outcome outcome, int on, void *context)
+{
+    struct print *print = context;
+    print->counts[outcome]++;
+    if (outcome != NEPH_STABILITY_ON)
+        fprintf(print->out, "%-10s %-16s %-14s on %d of %d: %s\n",
+                neph_sweep_number_texts[number].name, point->series->name, point->label, on,
+                print->count, neph_stability_words[outcome]);
+}
+
+int neph_stability_print(const struct neph_sweep *sweeps, int count, enum neph_sweep_cost cost,
+                         FILE *out)
+{
+    struct print print = {out, count, {0}};
+    fprintf(out, "%s: fronts of %d sweeps, each with a seed and a store of its own, by %s\n",
+            sweeps[0].scene->name, count, cost == NEPH_SWEEP_COST_TIME ? "time" : "evaluations");
+    walk(sweeps, count, cost, print_one, &print);
+    fprintf(out, "on a front in all: %d; within each other's intervals: %d; moved: %d",
+            print.counts[NEPH_STABILITY_ON], print.counts[NEPH_STABILITY_WITHIN],
+            print.counts[NEPH_STABILITY_MOVED]);
+    if (print.counts[NEPH_STABILITY_ABSENT] > 0)
+        fprintf(out, "; not measured in one of them: %d", print.counts[NEPH_STABILITY_ABSENT]);
+    fprintf(out, "\n");
+    return print.counts[NEPH_STABILITY_MOVED];
+}
+
+struct list {
+    json_t *points;
+    int moved;
+};
+
+static void list_one(const struct neph_sweep_point *point, enum neph_sweep_number number,
+                     enum neph_stability_outcome outcome, int on, void *context)
+{
+    struct list *list = context;
+    list->moved += outcome == NEPH_STABILITY_MOVED;
+    neph_json_add(&list->points,
+                  json_pack("{s:s, s:s, s:s, s:s, s:i}", "series", point->series->name, "label",
+                            point->label, "number", neph_sweep_number_texts[number].name, "outcome",
+                            neph_stability_words[outcome], "on_fronts", on));
+}
+
+json_t *neph_stability_json(const struct neph_sweep *sweeps, int count, enum neph_sweep_cost cost)
+{
+    struct list list = {json_array(), 0};
+    walk(sweeps, count, cost, list_one, &list);
+    return json_pack("{s:s, s:s, s:i, s:s, s:i, s:o}", "format", "neph-stability-1", "scene",
+                     sweeps[0].scene->name, "sweeps", count, "cost",
+                     cost == NEPH_SWEEP_COST_TIME ? "seconds" : "evaluations", "moved", list.moved,
+                     "points", list.points);
+}
