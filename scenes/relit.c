@@ -159,6 +159,7 @@ enum neph_status neph_scene_relit(const struct neph_scene *scene, const struct n
         return neph_fail_memory(diag);
     created->scene = *scene;
     created->scene.borrows = true;
+    created->scene.is_as_filed = false;
     created->scene.scattering = scattering;
     created->scene.solids = created->solids;
     for (int i = 0; i < scene->solid_count; i++) {

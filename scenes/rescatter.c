@@ -12,6 +12,7 @@ enum neph_status neph_scene_rescatter(const struct neph_scene *scene,
         return neph_fail_memory(diag);
     *other = *scene;
     other->borrows = true;
+    other->is_as_filed = false;
     other->scattering = scattering;
     const enum neph_status status = neph_scene_hash(other, diag);
     if (status)

@@ -252,6 +252,7 @@ struct neph_scene {
     struct neph_failing failing; /* how methods fail in it over time; owned */
     bool borrows; /* made by neph_scene_at() or neph_scene_variant(): what is owned belongs to the
                      scene it came from */
+    bool is_as_filed; /* of one that borrows: media, solids and scattering are those of its file */
 
     /* BLAKE2b of everything above that changes a rendered value (not names, gates, failures,
      * exposure). */

@@ -149,6 +149,7 @@ static struct made *create(const struct neph_scene *scene, const struct neph_var
         return NULL;
     made->scene = *scene;
     made->scene.borrows = true;
+    made->scene.is_as_filed = !scene->borrows || scene->is_as_filed;
     made->scene.name = made->texts;
     made->scene.title = made->texts + name_size;
     snprintf(made->scene.name, (size_t)name_size, "%s_%s", scene->name, what);

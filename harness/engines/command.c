@@ -329,10 +329,11 @@ static bool can_render(const struct neph_scene *scene, const struct neph_setting
                        char *reason, size_t reason_size)
 {
     (void)settings;
-    if (scene->borrows && reason_size > 0)
+    const bool is_of_the_file = !scene->borrows || scene->is_as_filed;
+    if (!is_of_the_file && reason_size > 0)
         snprintf(reason, reason_size,
                  "the scene was changed after it was read, and a program reads the file");
-    return !scene->borrows;
+    return is_of_the_file;
 }
 
 static const struct neph_engine_sequence sequence_of = {

@@ -37,4 +37,11 @@ const struct neph_engine *const *neph_engines_and_guests(int *count);
 /* By name, guests among them; NULL when there is none. */
 const struct neph_engine *neph_engine_find(const char *name);
 
+/* What presets are named by where guests take part, too: "PRESET+KEY=VALUE+..." of `realtime`, or
+ * "command+KEY=VALUE+...". `shared` ("steps=8"; or NULL) is set before the changes, of an engine
+ * that has it. Errors as of neph_settings_words(). */
+enum neph_status neph_engine_words(const char *words, const char *shared,
+                                   const struct neph_engine **engine,
+                                   struct neph_settings *settings, struct neph_diag *diag);
+
 #endif

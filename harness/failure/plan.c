@@ -30,6 +30,14 @@ static bool is_based_on(const char *preset, const char *name, size_t length)
     return strncmp(preset, name, length) == 0 && (preset[length] == '\0' || preset[length] == '+');
 }
 
+/* A guest is asked everything. */
+static bool is_guest(const char *preset)
+{
+    const struct neph_engine *engine;
+    struct neph_settings settings;
+    return neph_engine_words(preset, NULL, &engine, &settings, NULL) == NEPH_OK && engine->is_guest;
+}
+
 bool neph_failure_has_preset(const struct neph_failing *failing, const char *preset)
 {
     const char *word = failing->presets;
@@ -39,14 +47,14 @@ bool neph_failure_has_preset(const struct neph_failing *failing, const char *pre
             return true;
         word += length + (word[length] == ' ');
     }
-    return failing->presets[0] == '\0';
+    return failing->presets[0] == '\0' || is_guest(preset);
 }
 
 static enum neph_status check_preset(const char *words, struct neph_diag *diag)
 {
-    const struct neph_engine *engine = neph_engine_find("realtime");
-    struct neph_settings settings = neph_settings_default(engine);
-    return neph_settings_words(engine, words, "steps=8", &settings, diag);
+    const struct neph_engine *engine;
+    struct neph_settings settings;
+    return neph_engine_words(words, "steps=8", &engine, &settings, diag);
 }
 
 static enum neph_status choose_presets(const struct neph_failure_params *params,

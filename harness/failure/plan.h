@@ -12,8 +12,8 @@
 enum neph_status neph_failure_plan(const struct neph_failure_params *params,
                                    struct neph_failure_suite *suite, struct neph_diag *diag);
 
-/* Whether a scenario is of a preset: it names it, or none, or it is a change of one that it names.
- */
+/* Whether a scenario is of a preset: it names it, or none, or it is a change of one that it names;
+ * or it is a guest ("command"), of which nobody knows what it is prone to. */
 bool neph_failure_has_preset(const struct neph_failing *failing, const char *preset);
 
 #endif

@@ -28,13 +28,14 @@ struct work {
     struct neph_store *store;
     json_t *expectations;
     struct neph_progress progress;
-    struct neph_engine_info info;
+    struct neph_engine_info info, guest; /* of realtime, and of the guest among the presets */
 };
 
 /* A point of a scenario, which is some rows in a row. */
 struct place {
     const struct neph_scene *scene; /* as its file is */
     struct neph_scene *at;          /* at the point; owned */
+    int index; /* of the point */
     int first_row, row_count;
     struct neph_reference reference; /* of the presets, which march the same steps */
 };
@@ -44,21 +45,25 @@ struct place {
 static enum neph_status make_job(const struct work *work, const struct place *place,
                                  const char *preset, struct neph_job *job, struct neph_diag *diag)
 {
-    const struct neph_engine *engine = neph_engine_find("realtime");
     const struct neph_failing *failing = &place->at->failing;
     const bool own_size = work->params->width_px == 0;
     char steps[32];
     snprintf(steps, sizeof(steps), "steps=%d", failing->steps);
     *job = (struct neph_job){
-        .engine = engine,
-        .info = &work->info,
         .shot = {.scene = place->at,
-                 .settings = neph_settings_default(engine),
                  .width_px = own_size ? failing->width_px : work->params->width_px,
                  .height_px = own_size ? failing->height_px : work->params->height_px,
                  .layers = NEPH_LAYERS_ALL,
                  .seed = neph_seed_of(place->at, 1)}};
-    return neph_settings_words(engine, preset, steps, &job->shot.settings, diag);
+    const enum neph_status status = neph_engine_words(preset, steps, &job->engine,
+                                                      &job->shot.settings, diag);
+    if (status)
+        return status;
+    job->info = job->engine->is_guest ? &work->guest : &work->info;
+    return job->engine->is_guest && place->index > 0
+               ? neph_fail(diag, NEPH_ERR_UNSUPPORTED,
+                           "a program reads the file, which has other values")
+               : NEPH_OK;
 }
 
 /* ---- the truth ------------------------------------------------------------------------------- */
@@ -99,13 +104,25 @@ static enum neph_status make_exact(const struct neph_job *test, struct neph_stor
     return status;
 }
 
+/* That of all presets, also where a guest is the first. */
+static enum neph_status make_march(struct work *work, struct place *place, struct neph_diag *diag)
+{
+    struct neph_job job;
+    const enum neph_status status = make_job(work, place, "off", &job, diag);
+    return status ? status
+                  : neph_reference_make(&job, place->at->failing.frame_count, work->store,
+                                        &work->progress, &place->reference, diag);
+}
+
 static enum neph_status make_truth(struct work *work, const struct neph_job *job,
                                    struct place *place, struct neph_diag *diag)
 {
     const struct neph_failing *failing = &place->at->failing;
     if (failing->truth == NEPH_FAILING_MARCH)
-        return neph_reference_make(job, failing->frame_count, work->store, &work->progress,
-                                   &place->reference, diag);
+        return job->engine->is_guest
+                   ? make_march(work, place, diag)
+                   : neph_reference_make(job, failing->frame_count, work->store, &work->progress,
+                                         &place->reference, diag);
     if (!stands_still(place->at, failing->frame_count))
         return neph_fail(diag, NEPH_ERR_INPUT, "%s moves: `truth: exact` is of what stands still",
                          place->scene->name);
@@ -281,7 +298,9 @@ static bool is_same_place(const struct neph_failure_row *a, const struct neph_fa
 
 static struct place place_at(const struct neph_failure_suite *suite, int first_row)
 {
-    struct place place = {.scene = suite->rows[first_row].scene, .first_row = first_row};
+    struct place place = {.scene = suite->rows[first_row].scene,
+                          .index = suite->rows[first_row].point_index,
+                          .first_row = first_row};
     while (first_row + place.row_count < suite->row_count &&
            is_same_place(&suite->rows[first_row], &suite->rows[first_row + place.row_count]))
         place.row_count++;
@@ -290,8 +309,7 @@ static struct place place_at(const struct neph_failure_suite *suite, int first_r
 
 static enum neph_status run_place(struct work *work, struct place *place, struct neph_diag *diag)
 {
-    const int point = work->suite->rows[place->first_row].point_index;
-    enum neph_status status = neph_scene_load_point(place->scene, point, &place->at, diag);
+    enum neph_status status = neph_scene_load_point(place->scene, place->index, &place->at, diag);
     for (int preset = 0; preset < work->suite->preset_count && !status; preset++)
         if (neph_failure_has_preset(&place->scene->failing, work->suite->presets[preset]))
             status = try_preset(work, place, preset, diag);
@@ -335,6 +353,7 @@ static enum neph_status run_share(const struct neph_share *share, void *context,
     int index = 0;
     work->progress = neph_progress_start(work->params->quiet || share->index > 0, 0);
     neph_engine_probe(neph_engine_find("realtime"), &work->info);
+    neph_engine_probe(neph_engine_find("command"), &work->guest);
     snprintf(suite->device, sizeof(suite->device), "%s", work->info.device);
     suite->frame_count = 0;
     expect(work, share);

@@ -26,8 +26,8 @@ struct work {
     struct neph_flicker_study *study;
     struct neph_store *store;
     struct neph_progress progress;
-    struct neph_engine_info info;
-    struct neph_reference reference; /* of the take at hand */
+    struct neph_engine_info info, guest; /* of realtime, and of the guest among the presets */
+    struct neph_reference reference;     /* of the take at hand */
 };
 
 struct neph_study_cell *neph_study_cell_at(const struct neph_flicker_study *study, int scene,
@@ -48,21 +48,21 @@ struct neph_study_cost *neph_study_cost_at(const struct neph_flicker_study *stud
 /* ---- jobs ------------------------------------------------------------------------------------ */
 
 static enum neph_status make_job(const struct work *work, const struct neph_scene *scene,
-                                 int preset, int seed, struct neph_job *job, struct neph_diag *diag)
+                                 const char *words, int seed, struct neph_job *job, struct neph_diag *diag)
 {
     const struct neph_flicker_study_params *params = work->params;
-    const struct neph_engine *engine = neph_engine_find("realtime");
-    *job = (struct neph_job){.engine = engine,
-                             .info = &work->info,
-                             .shot = {.scene = scene,
-                                      .settings = neph_settings_default(engine),
+    *job = (struct neph_job){.shot = {.scene = scene,
                                       .width_px = params->width_px,
                                       .height_px = params->height_px,
                                       .layers = NEPH_LAYERS_ALL,
                                       .seed = scene ? neph_seed_of(scene, seed + 1) : 1}};
     char steps[32];
     snprintf(steps, sizeof(steps), "steps=%d", params->steps);
-    return neph_settings_words(engine, params->presets[preset], steps, &job->shot.settings, diag);
+    const enum neph_status status = neph_engine_words(words, steps, &job->engine,
+                                                      &job->shot.settings, diag);
+    if (!status)
+        job->info = job->engine->is_guest ? &work->guest : &work->info;
+    return status;
 }
 
 /* ---- readings -------------------------------------------------------------------------------- */
@@ -225,13 +225,17 @@ static void read_cost(struct work *work, const json_t *record, int scene, int pr
 
 /* ---- one take -------------------------------------------------------------------------------- */
 
-/* Presets that share their steps share the reference. */
-static enum neph_status have_reference(struct work *work, const struct neph_job *job, int count,
+/* Presets that share their steps share the reference; a guest's is the march of the study's. */
+static enum neph_status have_reference(struct work *work, const struct neph_job *asked, int count,
                                        struct neph_study_scene *row, struct neph_diag *diag)
 {
     char key[NEPH_HASH_HEX_SIZE];
     struct neph_reference *reference = &work->reference;
-    enum neph_status status = neph_reference_key(job, count, key, diag);
+    struct neph_job march;
+    enum neph_status status = make_job(work, asked->shot.scene, "off", 0, &march, diag);
+    const struct neph_job *job = asked->engine->is_guest ? &march : asked;
+    if (!status)
+        status = neph_reference_key(job, count, key, diag);
     if (status || (reference->text && strcmp(reference->key, key) == 0))
         return status;
     neph_reference_finish(reference);
@@ -293,7 +297,7 @@ static enum neph_status try_take(struct work *work, const struct neph_scene *sce
              neph_study_takes[id].name, params->labels ? "" : "preset ",
              (params->labels ? params->labels : params->presets)[preset], seed + 1);
     neph_progress_begin(&work->progress, what);
-    enum neph_status status = make_job(work, scene, preset, seed, &job, &why);
+    enum neph_status status = make_job(work, scene, params->presets[preset], seed, &job, &why);
     const double start_s = neph_wall_s();
     if (!status)
         status = run_take(work, &job, index, id, preset, seed, &why);
@@ -349,7 +353,7 @@ static bool can_render(struct work *work, const struct neph_scene *scene, char *
 {
     for (int preset = 0; preset < work->params->preset_count; preset++) {
         struct neph_job job;
-        if (make_job(work, scene, preset, 0, &job, NULL) == NEPH_OK &&
+        if (make_job(work, scene, work->params->presets[preset], 0, &job, NULL) == NEPH_OK &&
             !job.engine->can_render(scene, &job.shot.settings, why, size))
             return false;
     }
@@ -419,7 +423,7 @@ static enum neph_status prepare(struct work *work, struct neph_diag *diag)
     enum neph_status status = NEPH_OK;
     for (int preset = 0; preset < params->preset_count && !status; preset++) {
         struct neph_job job;
-        status = make_job(work, NULL, preset, 0, &job, diag);
+        status = make_job(work, NULL, params->presets[preset], 0, &job, diag);
         if (!status &&
             !(study->settings[preset] = neph_settings_text(job.engine, &job.shot.settings)))
             status = neph_fail_memory(diag);
@@ -481,6 +485,7 @@ enum neph_status neph_flicker_study_run(const struct neph_flicker_study_params *
                         .progress = neph_progress_start(params->quiet, 0)};
     *study = (struct neph_flicker_study){.params = params};
     neph_engine_probe(neph_engine_find("realtime"), &work.info);
+    neph_engine_probe(neph_engine_find("command"), &work.guest);
     enum neph_status status = prepare(&work, diag);
     if (!status)
         status = expect(&work, diag);

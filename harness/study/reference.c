@@ -18,14 +18,22 @@ _Static_assert(NEPH_REFERENCE_RAYS_PER_PX == 16, "what rays_settings says");
 
 /* ---- the model of the test ------------------------------------------------------------------- */
 
-/* By the test's setting "lighting". */
+/* By the test's setting "lighting"; without one a march is its own model, and of a guest nobody
+ * knows it: it gets one that has the scene's orders of scattering. */
 static const struct neph_engine *engine_of(const struct neph_job *test)
 {
     static const char *const marches[] = {"march", "march_octaves", "march_horizon",
                                           "march_octaves_fitted", "march_traced"};
     _Static_assert(sizeof(marches) / sizeof(marches[0]) == NEPH_MARCH_TRACED + 1, "one each");
     const int lighting = neph_option_find(test->engine->options, "lighting");
-    return neph_engine_find(marches[lighting < 0 ? 0 : (int)test->shot.settings.values[lighting]]);
+    if (lighting >= 0)
+        return neph_engine_find(marches[(int)test->shot.settings.values[lighting]]);
+    for (size_t i = 0; i < sizeof(marches) / sizeof(marches[0]); i++)
+        if (strcmp(test->engine->name, marches[i]) == 0)
+            return test->engine;
+    return neph_engine_find(test->shot.scene->scattering == NEPH_SCATTERING_MULTIPLE
+                                ? "march_octaves"
+                                : "march");
 }
 
 /* What march and test both can be set to, as the test has it: steps, transmittance, sun. */

@@ -44,6 +44,7 @@ enum neph_status neph_scaled_make(const struct neph_scene *scene, int nodes,
         return neph_fail_memory(diag);
     scaled->scene = *scene;
     scaled->scene.borrows = true;
+    scaled->scene.is_as_filed = false;
     *count = 0.0;
     enum neph_status status = NEPH_OK;
     for (int m = 0; m < scene->medium_count && !status; m++)
