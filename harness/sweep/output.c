@@ -44,7 +44,9 @@ char *neph_sweep_command(const struct neph_sweep *sweep, const struct neph_sweep
     if (point->job.shot.scene != sweep->scene)
         fprintf(out, " --scattering %s", neph_scattering_name(point->job.shot.scene->scattering));
     if (engine->remembers)
-        fprintf(out, " --frames %d", plan->frame_count);
+        fprintf(out, " --frames %d", sweep->frame_count);
+    else if (sweep->frame > 0)
+        fprintf(out, " --frame %d", sweep->frame);
     fprintf(out, " --seed %llu", (unsigned long long)point->job.shot.seed);
     free(settings);
     free(before);

@@ -12,7 +12,7 @@
 #define PLAN(member) offsetof(struct neph_sweep_plan, member)
 #define SERIES(member) offsetof(struct neph_sweep_series, member)
 
-enum { TEXT_MAX = 200, NAME_MAX = 32, SIDE_MAX_PX = 8192, DEPTH_MAX = 4, FRAMES_MIN = 16 };
+enum { TEXT_MAX = 200, NAME_MAX = 32, SIDE_MAX_PX = 8192, DEPTH_MAX = 4 };
 
 /* --- words ---------------------------------------------------------------------------------- */
 
@@ -175,10 +175,10 @@ static enum neph_status check_plan(const struct neph_reader *reader,
                            neph_document_quote(plan->light, quote));
     if (plan->frame_count % 4 != 0)
         return neph_refuse(reader, "frames", "%d frames are no multiple of 4", plan->frame_count);
-    if (plan->warm_up % 4 != 0 || plan->frame_count - plan->warm_up < FRAMES_MIN)
+    if (plan->warm_up % 4 != 0 || plan->frame_count - plan->warm_up < NEPH_SWEEP_FRAMES_MIN)
         return neph_refuse(reader, "warm_up",
                            "%d frames are no multiple of 4, or leave fewer than %d of %d",
-                           plan->warm_up, FRAMES_MIN, plan->frame_count);
+                           plan->warm_up, NEPH_SWEEP_FRAMES_MIN, plan->frame_count);
     enum neph_status status = NEPH_OK;
     for (int i = 0; i < plan->series_count && !status; i++)
         status = check_series(reader, plan, i);
@@ -235,7 +235,7 @@ static const struct neph_field plan_fields[] = {
      .least = 1, .most = NAME_MAX},
     {"width_px", NEPH_WHOLE, PLAN(width_px), "", 16, SIDE_MAX_PX, .note = "of the pictures"},
     {"height_px", NEPH_WHOLE, PLAN(height_px), "", 9, SIDE_MAX_PX, .note = "of the pictures"},
-    {"frames", NEPH_WHOLE, PLAN(frame_count), "", FRAMES_MIN, 4096,
+    {"frames", NEPH_WHOLE, PLAN(frame_count), "", NEPH_SWEEP_FRAMES_MIN, 4096,
      .note = "of sequences, 4 to a cycle"},
     {"warm_up", NEPH_WHOLE, PLAN(warm_up), "", 0, 4096, .note = "the first of them, not measured"},
     {"truth_samples", NEPH_WHOLE, PLAN(truth_samples), "", 4, 1 << 20,

@@ -17,6 +17,7 @@ enum {
     NEPH_SWEEP_VALUES_MAX = 16,
     NEPH_SWEEP_POINTS_MAX = NEPH_SWEEP_SERIES_MAX * NEPH_SWEEP_VALUES_MAX,
     NEPH_SWEEP_LABEL_SIZE = 80,
+    NEPH_SWEEP_FRAMES_MIN = 16, /* of a sequence, warm-up left out */
 };
 
 /* Texts are owned. */

@@ -51,6 +51,9 @@ struct neph_sweep_point {
 struct neph_sweep {
     const struct neph_sweep_plan *plan;                           /* borrowed */
     struct neph_scene *scene;                                     /* owned */
+    int frame_count; /* of sequences: those of the plan, or as many as a scene has that moves */
+    int frame;       /* of the pictures that errors are of: the last of a sequence; 0 where nothing
+                        moves */
     struct neph_scene *rescattered[NEPH_SCATTERING_MULTIPLE + 1]; /* with these orders, where a
                                                                      series has them; owned */
     struct neph_engine_info *infos;                               /* by neph_engines; owned */

@@ -5,6 +5,7 @@
 #include "harness/data.h"
 #include "harness/engines/engines.h"
 #include "harness/sweep/front.h"
+#include "harness/sweep/ladder.h"
 #include "harness/sweep/timing.h"
 #include "scenes/rescatter.h"
 
@@ -17,6 +18,30 @@ enum { KIND_TRUTH, KIND_POINT, KIND_REFERENCE, KIND_ROUND }; /* of progress */
 
 /* Guesses on two cores. */
 static const double truth_typical_s = 60.0, point_typical_s = 6.0, round_typical_s = 20.0;
+
+/* --- pictures ------------------------------------------------------------------------------- */
+
+/* Motion ends with the scene. */
+static enum neph_status choose_frames(struct neph_sweep *sweep, struct neph_diag *diag)
+{
+    const struct neph_sweep_plan *plan = sweep->plan;
+    const int most = sweep->scene->frame_count / 4 * 4;
+    sweep->frame_count = plan->frame_count;
+    sweep->frame = 0;
+    if (neph_ladder_is_still(sweep->scene))
+        return NEPH_OK;
+    if (most < sweep->frame_count)
+        sweep->frame_count = most;
+    sweep->frame = sweep->frame_count - 1;
+    if (sweep->frame_count - plan->warm_up >= NEPH_SWEEP_FRAMES_MIN)
+        return NEPH_OK;
+    neph_fail(diag, NEPH_ERR_UNSUPPORTED, "%s moves for %d pictures, of which %d are warm-up",
+              sweep->scene->name, sweep->scene->frame_count, plan->warm_up);
+    neph_hint(diag, "a plan with a warm_up of %d or less has %d to measure",
+              most > NEPH_SWEEP_FRAMES_MIN ? most - NEPH_SWEEP_FRAMES_MIN : 0,
+              NEPH_SWEEP_FRAMES_MIN);
+    return NEPH_ERR_UNSUPPORTED;
+}
 
 /* --- points --------------------------------------------------------------------------------- */
 
@@ -88,6 +113,7 @@ static enum neph_status fill_point(const struct neph_sweep_params *params, struc
         snprintf(point->missing, sizeof(point->missing), "%.500s", info->missing);
     else if (!status)
         engine->can_render(shot->scene, &shot->settings, point->missing, sizeof(point->missing));
+    shot->frame = neph_sweep_is_sequence(point) ? 0 : sweep->frame;
     return status;
 }
 
@@ -243,6 +269,7 @@ static enum neph_status make_truth(const struct neph_sweep_params *params, struc
     neph_progress_begin(progress, "truth");
     struct neph_shot shot = sweep->points[0].job.shot;
     shot.scene = sweep->scene; /* with all its orders, whatever that series has */
+    shot.frame = sweep->frame;
     const enum neph_status status = neph_sweep_truth_make(params->plan, &shot, store, truth, diag);
     if (status)
         return status;
@@ -277,6 +304,8 @@ enum neph_status neph_sweep_run(const struct neph_sweep_params *params, struct n
     if (!status)
         status = neph_data_load_scene(params->scene, &sweep->scene, diag);
     if (!status)
+        status = choose_frames(sweep, diag);
+    if (!status)
         status = probe_engines(params, sweep, diag);
     if (!status)
         status = fill_points(params, sweep, diag);
@@ -288,6 +317,8 @@ enum neph_status neph_sweep_run(const struct neph_sweep_params *params, struct n
                                      .truth = &truth,
                                      .store = store,
                                      .progress = &progress,
+                                     .frame_count = sweep->frame_count,
+                                     .frame = sweep->frame,
                                      .mask = "all",
                                      .times = params->times,
                                      .retimes = params->retimes,

@@ -97,15 +97,20 @@ static double mean_of(const double *values, int count)
     return sum / count;
 }
 
+static void move_error(const struct timed *timed, struct neph_sweep_value *error)
+{
+    const double mean = mean_of(timed->errors, timed->rendered), moved = mean - error->value;
+    *error = (struct neph_sweep_value){mean, error->low + moved, error->high + moved};
+}
+
 static void conclude(struct timed *timed, struct neph_sweep_point *point)
 {
     if (timed->flies && timed->flown.count > 0) {
         point->timed = timed->flown.count;
         point->time = flight_time(timed);
     } else if (timed->rendered > 0) {
-        struct neph_sweep_value *error = &point->numbers[NEPH_SWEEP_ERROR];
-        const double mean = mean_of(timed->errors, timed->rendered), moved = mean - error->value;
-        *error = (struct neph_sweep_value){mean, error->low + moved, error->high + moved};
+        if (!neph_sweep_is_sequence(point)) /* whose error is that of its last picture */
+            move_error(timed, &point->numbers[NEPH_SWEEP_ERROR]);
         point->timed = timed->rendered;
         point->time = neph_spread_of(timed->seconds, timed->rendered);
     }
