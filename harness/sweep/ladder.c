@@ -2,6 +2,7 @@
 #include "harness/sweep/ladder.h"
 
 #include "base/files.h"
+#include "harness/engines/engines.h"
 #include "scenes/media.h"
 #include "scenes/motion.h"
 
@@ -25,11 +26,12 @@ const struct neph_ladder_pipeline neph_ladder_pipelines[] = {
     {.name = NULL},
 };
 
-const struct neph_ladder_part neph_ladder_motion[] = {
-    {"history follows the wind", "wind=off"},
-    {"cuts of the camera void the history", "cut_reset=off"},
-    {"disocclusion voids the history", "reject_depth=0"},
-    {"motion of the nearest of five depths", "taa_motion=centre"},
+/* Solids stand still. */
+const struct neph_ladder_part neph_ladder_motion_parts[] = {
+    {"history follows the wind", "wind=off", NEPH_LADDER_WIND},
+    {"cuts of the camera void the history", "cut_reset=off", NEPH_LADDER_CAMERA},
+    {"disocclusion voids the history", "reject_depth=0", NEPH_LADDER_CAMERA},
+    {"motion of the nearest of five depths", "taa_motion=centre", NEPH_LADDER_CAMERA},
     {.name = NULL},
 };
 
@@ -46,6 +48,23 @@ bool neph_ladder_is_still(const struct neph_scene *scene)
     return true;
 }
 
+static bool is_same_camera(const struct neph_scene *scene, int frame)
+{
+    const struct neph_camera first = neph_scene_camera(scene, 0.0),
+                             other = neph_scene_camera(scene, frame);
+    return memcmp(&first, &other, sizeof(first)) == 0;
+}
+
+bool neph_ladder_moves(const struct neph_scene *scene, enum neph_ladder_motion what)
+{
+    if (what == NEPH_LADDER_WIND)
+        return scene->wind_key_count > 0;
+    for (int frame = 1; frame < scene->frame_count; frame++)
+        if (!is_same_camera(scene, frame))
+            return true;
+    return scene->frame_scale_count > 0;
+}
+
 bool neph_ladder_has_closed_form(const struct neph_scene *scene)
 {
     for (int m = 0; m < scene->medium_count; m++)
@@ -55,10 +74,13 @@ bool neph_ladder_has_closed_form(const struct neph_scene *scene)
     return true;
 }
 
-char *neph_ladder_without_motion(void)
+char *neph_ladder_without_motion(const struct neph_scene *scene)
 {
     char *text = strdup("");
-    for (const struct neph_ladder_part *part = neph_ladder_motion; text && part->name; part++) {
+    for (const struct neph_ladder_part *part = neph_ladder_motion_parts; text && part->name;
+         part++) {
+        if (neph_ladder_moves(scene, part->needed_by))
+            continue;
         char *longer = neph_format("%s%s%s", text, text[0] ? " " : "", part->off);
         free(text);
         text = longer;
@@ -98,11 +120,12 @@ enum neph_status neph_ladder_add(struct neph_sweep_plan *plan, const char *name,
 /* A light of one pipeline. */
 static enum neph_status add_rung(struct neph_sweep_plan *plan,
                                  const struct neph_ladder_pipeline *pipeline,
-                                 const struct neph_ladder_light *light, bool is_still,
-                                 struct neph_diag *diag)
+                                 const struct neph_ladder_light *light,
+                                 const struct neph_scene *scene, struct neph_diag *diag)
 {
+    const bool is_still = neph_ladder_is_still(scene);
     char *name = neph_format("%s, %s", pipeline->name, light->name);
-    char *still = is_still ? neph_ladder_without_motion() : strdup("");
+    char *still = neph_ladder_without_motion(scene);
     char *held = still ? neph_format("%s%s%s", light->settings ? light->settings : "",
                                      light->settings && still[0] ? " " : "", still)
                        : NULL;
@@ -130,11 +153,22 @@ static enum neph_status add_closed_form(struct neph_sweep_plan *plan,
     return status;
 }
 
+/* The user's own renderer, where there is one. */
+static enum neph_status add_guest(struct neph_sweep_plan *plan, struct neph_diag *diag)
+{
+    const struct neph_engine *guest = neph_engine_find("command");
+    struct neph_engine_info info;
+    neph_engine_probe(guest, &info);
+    return info.available ? neph_ladder_add(plan, "yours", guest->name, NULL, NULL, NULL, -1, true,
+                                            diag)
+                          : NEPH_OK;
+}
+
 enum neph_status neph_ladder_plan(const struct neph_scene *scene, bool late, int width_px,
                                   int height_px, struct neph_sweep_plan *plan,
                                   struct neph_diag *diag)
 {
-    const bool is_still = neph_ladder_is_still(scene), closed = neph_ladder_has_closed_form(scene);
+    const bool closed = neph_ladder_has_closed_form(scene);
     *plan = (struct neph_sweep_plan){.title = strdup("pick"),
                                      .light = strdup("octaves"),
                                      .width_px = width_px,
@@ -154,6 +188,6 @@ enum neph_status neph_ladder_plan(const struct neph_scene *scene, bool late, int
              pipeline->name && !status; pipeline++)
             if (light->scattering <= (int)scene->scattering && light->is_late == late &&
                 !(late && !pipeline->preset))
-                status = add_rung(plan, pipeline, light, is_still, diag);
-    return status;
+                status = add_rung(plan, pipeline, light, scene, diag);
+    return status || late ? status : add_guest(plan, diag);
 }

@@ -24,11 +24,19 @@ struct neph_ladder_pipeline {
 };
 extern const struct neph_ladder_pipeline neph_ladder_pipelines[]; /* the cheapest first */
 
+/* What moves. */
+enum neph_ladder_motion {
+    NEPH_LADDER_CAMERA, /* or the size of the picture */
+    NEPH_LADDER_WIND,
+};
+bool neph_ladder_moves(const struct neph_scene *scene, enum neph_ladder_motion what);
+
 /* Parts of realtime that only motion needs, as settings without them. */
 struct neph_ladder_part {
     const char *name, *off;
+    enum neph_ladder_motion needed_by;
 };
-extern const struct neph_ladder_part neph_ladder_motion[];
+extern const struct neph_ladder_part neph_ladder_motion_parts[];
 
 /* Whether no picture of the scene differs from another. */
 bool neph_ladder_is_still(const struct neph_scene *scene);
@@ -37,7 +45,8 @@ bool neph_ladder_is_still(const struct neph_scene *scene);
 bool neph_ladder_has_closed_form(const struct neph_scene *scene);
 
 /* A series for each: closed forms, then pipelines by lights, those that are late or those that are
- * not. Of a still scene without the parts for motion. For neph_sweep_plan_finish(). */
+ * not, and with these "yours", engine command, where there is one. Without the parts for a motion
+ * that the scene has not. For neph_sweep_plan_finish(). */
 enum neph_status neph_ladder_plan(const struct neph_scene *scene, bool late, int width_px,
                                   int height_px, struct neph_sweep_plan *plan,
                                   struct neph_diag *diag);
@@ -47,7 +56,8 @@ enum neph_status neph_ladder_add(struct neph_sweep_plan *plan, const char *name,
                                  const char *preset, const char *held, const char *steps,
                                  int scattering, bool flicker, struct neph_diag *diag);
 
-/* "wind=off ...": neph_ladder_motion in one text; for the caller to free. */
-char *neph_ladder_without_motion(void);
+/* "wind=off ...": those of neph_ladder_motion_parts that nothing in the scene asks for, in one text;
+ * for the caller to free, NULL when memory is short. */
+char *neph_ladder_without_motion(const struct neph_scene *scene);
 
 #endif

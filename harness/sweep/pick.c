@@ -246,7 +246,7 @@ static enum neph_status add_lights(struct work *work, const struct neph_sweep_se
                                    const char *steps, struct neph_diag *diag)
 {
     const bool is_realtime = strcmp(chosen->engine, "realtime") == 0;
-    char *still = work->pick->is_still ? neph_ladder_without_motion() : strdup("");
+    char *still = neph_ladder_without_motion(work->scene);
     enum neph_status status = still ? NEPH_OK : neph_fail_memory(diag);
     for (const struct neph_ladder_light *light = light_of(chosen) + 1; light->name && !status;
          light++) {
@@ -274,6 +274,18 @@ static enum neph_status add_steps(struct work *work, const struct neph_sweep_ser
                        chosen->scattering, diag);
 }
 
+/* Why parts for motion are left out; NULL: all are there. */
+static const char *what_rests(const struct work *work)
+{
+    const bool camera = neph_ladder_moves(work->scene, NEPH_LADDER_CAMERA);
+    const bool wind = neph_ladder_moves(work->scene, NEPH_LADDER_WIND);
+    if (work->pick->is_still)
+        return "nothing moves";
+    if (!camera)
+        return wind ? "the camera rests" : "the camera rests, and there is no wind";
+    return wind ? NULL : "there is no wind";
+}
+
 /* What a shortcut saves, and the parts of it for motion. */
 static enum neph_status add_pipeline(struct work *work, const struct neph_sweep_series *chosen,
                                      const char *steps, struct neph_diag *diag)
@@ -282,8 +294,9 @@ static enum neph_status add_pipeline(struct work *work, const struct neph_sweep_
     enum neph_status status = add_variant(work, "a ray for every pixel, every frame", NULL,
                                           light->march, NULL, NULL, steps, chosen->scattering,
                                           diag);
-    if (!status && work->pick->is_still)
-        status = add_variant(work, "parts that only motion needs", "nothing moves", "realtime",
+    const char *at_rest = what_rests(work);
+    if (!status && at_rest)
+        status = add_variant(work, "parts that only motion needs", at_rest, "realtime",
                              chosen->preset, light->settings, steps, chosen->scattering, diag);
     return status;
 }
@@ -296,6 +309,9 @@ static enum neph_status add_variants(struct work *work, int chosen, struct neph_
     neph_sweep_value(&series, chosen % NEPH_SWEEP_VALUES_MAX, label);
     const char *steps = label[0] ? strchr(label, '=') + 1 : "32";
     enum neph_status status = NEPH_OK;
+    if (strcmp(series.engine, "command") == 0)
+        return add_variant(work, "a ray march of 32 steps", NULL, "march", NULL, NULL, steps, -1,
+                           diag);
     if (strcmp(series.engine, "exact") == 0)
         return add_variant(work, "a ray march of 32 steps", "the closed form has no steps",
                            light_of(&series)->march, NULL, NULL, steps, series.scattering, diag);
