@@ -7,7 +7,7 @@
 
 #include <stdbool.h>
 
-enum { NEPH_FRONT_AXES_MAX = 4 };
+enum { NEPH_FRONT_AXES_MAX = 6 };
 
 /* A point by its numbers, of which less is better. */
 struct neph_front_point {
