@@ -122,6 +122,28 @@
       el("tbody", null, points.map(row))));
   }
 
+  // ------------------------------------------------------------------------ equal cost and number
+
+  const COST_NAMES = { seconds: "time", evaluations: "evaluations" };
+
+  /** "1.7 x", or what is said where there is no such point. */
+  const ratio = (value) => (value === null ? "beyond" : `${number(value)} x`);
+
+  function equals(rows) {
+    if (rows.length === 0) return null;
+    return [el("h2", null, "At equal error, and at equal cost"),
+      el("p", { class: "small" }, "Each series at its best point, over what the series that it is " +
+        "held against has there. Beyond: nothing between two points of that is so good, or so dear."),
+      el("div", { class: "scroll" }, el("table", { class: "wide" },
+        el("thead", null, el("tr", null,
+          ["series", "against", "number", "cost", "cost at that number", "number at that cost"]
+            .map((name) => el("th", { scope: "col" }, name)))),
+        el("tbody", null, rows.map((row) => el("tr", null,
+          el("th", { scope: "row" }, row.series), el("td", null, row.against),
+          el("td", null, row.number), el("td", null, COST_NAMES[row.cost]),
+          el("td", null, ratio(row.cost_ratio)), el("td", null, ratio(row.number_ratio)))))))];
+  }
+
   function commands(points) {
     return el("details", null, el("summary", null, "The command of each point"),
       el("ul", null, points.map((point) => el("li", null, `${point.series} ${point.label}: `,
@@ -153,7 +175,7 @@
     sweep.charts.map((chart) => [el("h2", null, chart.title), figure(chart)]),
     el("h2", null, "All points"),
     el("p", { class: "small" }, "*: on the front of its column: nothing cheaper is as good."),
-    table(points), commands(points),
+    table(points), equals(sweep.equal), commands(points),
     missing(sweep.points.filter((point) => point.missing !== null)),
   ].flat(Infinity).filter((part) => part !== null));
   upgrade(sweep.charts);

@@ -135,17 +135,20 @@ static void test_bad_plans_are_refused(void **state)
     }
 }
 
-static void test_the_plan_that_comes_with_neph(void **state)
+static void test_the_plans_that_come_with_neph(void **state)
 {
     (void)state;
     struct neph_sweep_plan plan;
     struct neph_diag diag = {.line = 0};
-    int points = 0;
-    neph_assert_ok(neph_sweep_plan_load("sweep", &plan, &diag), &diag);
-    for (int i = 0; i < plan.series_count; i++)
-        points += neph_sweep_value_count(&plan.series[i]);
-    assert_true(points >= 30);
-    neph_sweep_plan_finish(&plan);
+    static const char *const names[] = {"sweep", "sweep_gpu"};
+    for (size_t n = 0; n < sizeof(names) / sizeof(names[0]); n++) {
+        int points = 0;
+        neph_assert_ok(neph_sweep_plan_load(names[n], &plan, &diag), &diag);
+        for (int i = 0; i < plan.series_count; i++)
+            points += neph_sweep_value_count(&plan.series[i]);
+        assert_true(points >= 30);
+        neph_sweep_plan_finish(&plan);
+    }
     assert_int_equal(neph_sweep_plan_load("no_such_plan", &plan, &diag), NEPH_ERR_NOT_FOUND);
 }
 
@@ -345,11 +348,30 @@ static void test_equal_error_and_equal_time(void **state)
     struct neph_sweep_equal list[NEPH_SWEEP_SERIES_MAX];
     make_sweep(&plan, &scene, &info, points, &sweep);
     points[2].numbers[NEPH_SWEEP_ERROR].value = 0.05; /* that of the second point, in 0.03 s */
-    assert_int_equal(neph_sweep_equals(&sweep, &plan.series[0], list), 1);
+    assert_int_equal(neph_sweep_equals(&sweep, &plan.series[0], NEPH_SWEEP_COST_TIME,
+                                       NEPH_SWEEP_ERROR, list),
+                     1);
     assert_ptr_equal(list[0].series, &plan.series[1]);
-    assert_true(fabs(list[0].time_ratio - 1.5) < 1e-12);
-    assert_true(isnan(list[0].error_ratio)); /* 0.03 s are beyond 0.02 s */
-    assert_int_equal(neph_sweep_equals(&sweep, &plan.series[1], list), 0); /* one point */
+    assert_true(fabs(list[0].cost_ratio - 1.5) < 1e-12);
+    assert_true(isnan(list[0].number_ratio)); /* 0.03 s are beyond 0.02 s */
+    assert_int_equal(neph_sweep_equals(&sweep, &plan.series[1], NEPH_SWEEP_COST_TIME,
+                                       NEPH_SWEEP_ERROR, list),
+                     0); /* one point */
+    /* Evaluations were not counted; once they are, they are another cost. */
+    assert_int_equal(neph_sweep_equals(&sweep, &plan.series[0], NEPH_SWEEP_COST_WORK,
+                                       NEPH_SWEEP_ERROR, list),
+                     0);
+    for (int i = 0; i < POINTS; i++)
+        points[i].evaluations = 10.0 * (i + 1);
+    points[2].evaluations = 15.0;
+    assert_int_equal(neph_sweep_equals(&sweep, &plan.series[0], NEPH_SWEEP_COST_WORK,
+                                       NEPH_SWEEP_ERROR, list),
+                     1);
+    assert_true(fabs(list[0].cost_ratio - 0.75) < 1e-12);       /* 15 of 20 for the same error */
+    assert_true(fabs(list[0].number_ratio - 0.05 * 15.0) < 1e-12); /* which is 0.1 * 10 / 15 there */
+    json_t *json = neph_sweep_equals_json(&sweep);
+    assert_int_equal(json_array_size(json), 2); /* by time and by evaluations */
+    json_decref(json);
     neph_sweep_plan_finish(&plan);
 }
 
@@ -381,7 +403,7 @@ int main(int count, char **arguments)
         cmocka_unit_test(test_a_plan_is_read),
         cmocka_unit_test(test_the_light_is_that_of_the_scene),
         cmocka_unit_test(test_bad_plans_are_refused),
-        cmocka_unit_test(test_the_plan_that_comes_with_neph),
+        cmocka_unit_test(test_the_plans_that_come_with_neph),
         cmocka_unit_test_prestate(test_the_manual_holds_the_keys, writes_readme(count, arguments)),
         cmocka_unit_test(test_a_front),
         cmocka_unit_test(test_fronts_of_random_points),

@@ -1,0 +1,194 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Exponents by their closed forms, verdicts on them, scenes of so many voxels, and that fronts hold
+ * up to their intervals.
+ */
+#include "tests/neph_test.h"
+
+#include "harness/data.h"
+#include "harness/engines/engines.h"
+#include "harness/sweep/ladder.h"
+#include "harness/sweep/scaled.h"
+#include "harness/sweep/scaling.h"
+#include "harness/sweep/stability.h"
+#include "scenes/media.h"
+
+#include <math.h>
+
+/* --- exponents ------------------------------------------------------------------------------ */
+
+static void test_a_power_law_has_its_exponent(void **state)
+{
+    (void)state;
+    const double x[] = {16, 2, 4, 8}, y[] = {3 * 64, 3 * 2.8284271247461903, 3 * 8, 3 * 22.627417};
+    const struct neph_exponent exact = neph_exponent_fit(x, y, 4);
+    assert_int_equal(exact.count, 4);
+    assert_true(fabs(exact.value - 1.5) < 1e-8);
+    assert_true(exact.high - exact.low < 1e-6 && exact.low <= exact.value);
+}
+
+/* Points (0, 0), (1, 1), (2, 1) in logarithms: slope 1/2, squares of the residuals sum to 1/6, and
+ * Student's t for one degree of freedom is 12.7062. A fourth point has no logarithm. */
+static void test_scatter_makes_an_interval(void **state)
+{
+    (void)state;
+    const double x[] = {1, M_E, exp(2.0), 5}, y[] = {1, M_E, M_E, 0};
+    const struct neph_exponent found = neph_exponent_fit(x, y, 4);
+    assert_int_equal(found.count, 3);
+    assert_true(fabs(found.value - 0.5) < 1e-12);
+    assert_true(fabs(found.high - found.value - 12.706204736 * sqrt(1.0 / 12.0)) < 1e-6);
+    assert_true(fabs(found.value - found.low - (found.high - found.value)) < 1e-12);
+    assert_true(isnan(neph_exponent_fit(x, y, 2).value));
+    const double one[] = {2, 2, 2};
+    assert_true(isnan(neph_exponent_fit(one, y, 3).value));
+}
+
+static void test_verdicts_on_exponents(void **state)
+{
+    (void)state;
+    static const struct {
+        struct neph_exponent exponent;
+        enum neph_exponent_verdict verdict;
+    } cases[] = {
+        {{1.0, 1.0, 1.0, 5}, NEPH_EXPONENT_EXPECTED}, {{0.95, 0.91, 0.99, 5}, NEPH_EXPONENT_EXPECTED},
+        {{1.3, 1.2, 1.4, 5}, NEPH_EXPONENT_OTHER},    {{0.0, 0.0, 0.0, 5}, NEPH_EXPONENT_OTHER},
+        {{1.0, 0.5, 1.5, 5}, NEPH_EXPONENT_UNTOLD},   {{NAN, NAN, NAN, 1}, NEPH_EXPONENT_NONE},
+    };
+    for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++)
+        assert_int_equal(
+            neph_exponent_judge(&cases[i].exponent, (struct neph_exponent_range){1, 1}),
+            cases[i].verdict);
+}
+
+static void test_lines_are_judged(void **state)
+{
+    (void)state;
+    struct neph_scaling scaling = {.line_count = 2};
+    for (int i = 0; i < 2; i++) {
+        struct neph_scaling_line *line = &scaling.lines[i];
+        line->axis = i ? NEPH_SCALING_VOXELS : NEPH_SCALING_STEPS;
+        line->count = 4;
+        for (int k = 0; k < 4; k++)
+            line->points[k] = (struct neph_scaling_point){
+                pow(2.0, k), 100.0 * pow(2.0, k), {1e-3 + 1e-5 * pow(2.0, k), NAN, NAN}};
+    }
+    neph_scaling_judge(&scaling);
+    assert_int_equal(scaling.lines[0].work_verdict, NEPH_EXPONENT_EXPECTED);
+    assert_int_equal(scaling.lines[0].time_verdict, NEPH_EXPONENT_EXPECTED);
+    assert_int_equal(scaling.lines[1].work_verdict, NEPH_EXPONENT_OTHER);
+    for (int axis = 0; axis < NEPH_SCALING_AXES; axis++)
+        assert_true(neph_scaling_value_count(&neph_scaling_axes[axis]) >= 4 &&
+                    neph_scaling_axes[axis].work.low <= neph_scaling_axes[axis].work.high);
+}
+
+/* --- scenes --------------------------------------------------------------------------------- */
+
+static struct neph_scene *load(const char *name)
+{
+    struct neph_scene *scene = NULL;
+    struct neph_diag diag = {.line = 0};
+    neph_assert_ok(neph_data_load_scene(name, &scene, &diag), &diag);
+    return scene;
+}
+
+static void test_a_scene_of_so_many_voxels(void **state)
+{
+    (void)state;
+    struct neph_scene *blob = load("gaussian_blob"), *fog = load("height_fog_level"), *made = NULL;
+    struct neph_diag diag = {.line = 0};
+    double coarse = 0.0, fine = 0.0, none = 0.0;
+    for (int i = 0; i < 2; i++) {
+        neph_assert_ok(neph_scaled_make(blob, i ? 16 : 8, &made, i ? &fine : &coarse, &diag), &diag);
+        assert_int_equal(made->media[0].kind, NEPH_MEDIUM_GRID);
+        assert_string_not_equal(made->hash, blob->hash);
+        neph_scaled_destroy(made);
+    }
+    assert_true(fabs(coarse - 8.0 * 8.0 * 8.0) < 1.0 && fabs(fine / coarse - 8.0) < 0.5);
+    assert_int_equal(neph_scaled_make(fog, 8, &made, &none, &diag), NEPH_ERR_UNSUPPORTED);
+    assert_non_null(strstr(diag.message, "no voxels"));
+    neph_scene_destroy(fog);
+    neph_scene_destroy(blob);
+}
+
+/* What a still camera does without, and what the wind asks for. */
+static void test_parts_for_motion(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *scene, *without;
+    } cases[] = {
+        {"gaussian_blob", "wind=off cut_reset=off reject_depth=0 taa_motion=centre"},
+        {"wind_cloud", "cut_reset=off reject_depth=0 taa_motion=centre"},
+        {"camera_pan", "wind=off"},
+    };
+    for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+        struct neph_scene *scene = load(cases[i].scene);
+        char *text = neph_ladder_without_motion(scene);
+        assert_string_equal(text, cases[i].without);
+        free(text);
+        neph_scene_destroy(scene);
+    }
+}
+
+/* --- fronts --------------------------------------------------------------------------------- */
+
+enum { SWEEPS = 2, POINTS = 3 };
+
+/* Three points by cost and error; the second is worse than the first by `gap`. */
+static void make_sweep(const struct neph_sweep_series *series, double gap, double half,
+                       struct neph_sweep_point points[POINTS], struct neph_sweep *sweep)
+{
+    const double costs[] = {1.0, 2.0, 4.0}, errors[] = {0.1, 0.1 * gap, 0.02};
+    for (int i = 0; i < POINTS; i++) {
+        points[i] = (struct neph_sweep_point){.series = series,
+                                              .evaluations = costs[i],
+                                              .time = {NAN, NAN, NAN}};
+        for (int n = 0; n < NEPH_SWEEP_NUMBERS; n++)
+            points[i].numbers[n] = (struct neph_sweep_value){NAN, NAN, NAN};
+        points[i].numbers[NEPH_SWEEP_ERROR] = (struct neph_sweep_value){
+            errors[i], errors[i] * (1.0 - half), errors[i] * (1.0 + half)};
+        points[i].on_front[NEPH_SWEEP_ERROR] = i != 1 || gap < 1.0;
+    }
+    *sweep = (struct neph_sweep){.points = points, .point_count = POINTS};
+}
+
+static enum neph_stability_outcome outcome(const struct neph_sweep *sweeps, int point)
+{
+    return neph_stability_judge(sweeps, SWEEPS, point, NEPH_SWEEP_COST_WORK, NEPH_SWEEP_ERROR);
+}
+
+static void test_fronts_hold_up_to_intervals(void **state)
+{
+    (void)state;
+    const struct neph_sweep_series series = {.name = (char[]){"a"}};
+    struct neph_sweep_point points[SWEEPS][POINTS];
+    struct neph_sweep sweeps[SWEEPS];
+    make_sweep(&series, 0.95, 0.1, points[0], &sweeps[0]);
+    make_sweep(&series, 1.05, 0.1, points[1], &sweeps[1]); /* the intervals of both overlap */
+    assert_int_equal(outcome(sweeps, 0), NEPH_STABILITY_ON);
+    assert_int_equal(outcome(sweeps, 1), NEPH_STABILITY_WITHIN);
+    assert_int_equal(outcome(sweeps, 2), NEPH_STABILITY_ON);
+    make_sweep(&series, 1.5, 0.1, points[1], &sweeps[1]); /* and now they do not */
+    assert_int_equal(outcome(sweeps, 1), NEPH_STABILITY_MOVED);
+    make_sweep(&series, 1.5, 0.1, points[0], &sweeps[0]);
+    assert_int_equal(outcome(sweeps, 1), NEPH_STABILITY_OFF);
+    points[1][1].evaluations = NAN;
+    assert_int_equal(outcome(sweeps, 1), NEPH_STABILITY_ABSENT);
+    /* A point never beats itself, nor one that is as good. */
+    assert_false(neph_stability_beats(&points[0][0], &points[0][0], NEPH_SWEEP_COST_WORK,
+                                      NEPH_SWEEP_ERROR));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_a_power_law_has_its_exponent),
+        cmocka_unit_test(test_scatter_makes_an_interval),
+        cmocka_unit_test(test_verdicts_on_exponents),
+        cmocka_unit_test(test_lines_are_judged),
+        cmocka_unit_test(test_a_scene_of_so_many_voxels),
+        cmocka_unit_test(test_parts_for_motion),
+        cmocka_unit_test(test_fronts_hold_up_to_intervals),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
