@@ -141,10 +141,10 @@ static void find_front(struct neph_choice *choice)
         struct neph_choice_candidate *candidate = &choice->candidates[i];
         candidate->on_front = axes > 0 && points[i].on_front;
         candidate->beaten_by = -1;
-        for (int k = 0; k < choice->candidate_count && !points[i].on_front; k++) {
+        for (int k = 0; k < choice->candidate_count && candidate->beaten_by < 0; k++) {
             struct neph_front_point two[] = {points[i], points[k]};
             neph_front_find(two, 2, axes);
-            if (points[k].on_front && !two[0].on_front && two[1].on_front)
+            if (points[k].on_front && !two[0].on_front)
                 candidate->beaten_by = k;
         }
     }
