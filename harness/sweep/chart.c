@@ -19,6 +19,8 @@ const struct neph_sweep_chart neph_sweep_charts[] = {
     {"time_flicker", "Flicker seen, by time", NEPH_SWEEP_AXIS_TIME, NEPH_SWEEP_FLICKER},
     {"lag_flicker", "Flicker seen against lag", NEPH_SWEEP_AXIS_LAG, NEPH_SWEEP_FLICKER},
     {"work_error", "Error against the truth, by work", NEPH_SWEEP_AXIS_WORK, NEPH_SWEEP_ERROR},
+    {"work_shortcut", "What the shortcut loses of its own model, by work", NEPH_SWEEP_AXIS_WORK,
+     NEPH_SWEEP_SHORTCUT},
     {"work_flicker", "Flicker seen, by work", NEPH_SWEEP_AXIS_WORK, NEPH_SWEEP_FLICKER},
     {.id = NULL},
 };
@@ -34,8 +36,8 @@ static const char *const axis_titles[] = {
     [NEPH_SWEEP_AXIS_LAG] = "half-life after a step of the sun [frames]",
 };
 
-/* A little more than the mean of a text in Helvetica of 11 px. */
-static const double character_px = 6.0;
+/* A little more than the mean of a text in the widest of the fonts that are asked for, of 11 px. */
+static const double character_px = 6.4;
 static const double name_margin_px = 14.0; /* the page's, right of the plot */
 
 /* --- points --------------------------------------------------------------------------------- */
@@ -154,12 +156,18 @@ static json_t *names_json(const struct mark *marks, const struct neph_label *lab
     return list;
 }
 
-/* The front as it is drawn: of all marks of the chart, whatever is on its axes. */
-static json_t *front_json(const struct mark *marks, int count, struct range x, struct range y)
+static int by_x(const void *a_, const void *b_)
+{
+    const struct mark *a = a_, *b = b_;
+    return (a->x.value > b->x.value) - (a->x.value < b->x.value);
+}
+
+/* The front as it is drawn: of all marks of the chart, whatever is on its axes, from the least x
+ * on. */
+static int front_marks(const struct mark *marks, int count, struct mark *on_front)
 {
     struct neph_front_point *points = calloc((size_t)count, sizeof(*points));
-    json_t *list = points ? json_array() : NULL;
-    double least = INFINITY, last = 0.0;
+    int found = 0;
     for (int i = 0; i < count && points; i++) {
         points[i].values[0] = marks[i].x.value;
         points[i].values[1] = marks[i].y.value;
@@ -167,18 +175,27 @@ static json_t *front_json(const struct mark *marks, int count, struct range x, s
     if (points)
         neph_front_find(points, count, 2);
     for (int i = 0; i < count && points; i++)
-        if (points[i].on_front) {
-            neph_json_add(&list,
-                          json_pack("{s:f, s:f}", "x", marks[i].x.value, "y", marks[i].y.value));
-            if (marks[i].x.value < least) {
-                least = marks[i].x.value;
-            }
-            last = last == 0.0 ? marks[i].y.value : fmin(last, marks[i].y.value);
-        }
-    /* From the upper edge down to the first, and on to the right edge. */
-    neph_json_add(&list, json_pack("{s:f, s:f}", "x", least, "y", y.high));
-    neph_json_add(&list, json_pack("{s:f, s:f}", "x", x.high, "y", last));
+        if (points[i].on_front)
+            on_front[found++] = marks[i];
     free(points);
+    qsort(on_front, (size_t)found, sizeof(*on_front), by_x);
+    return found;
+}
+
+/* From the upper edge down to the first, and from the last on to the right edge; `place` is the
+ * order, as two of them stand above each other. */
+static json_t *front_json(const struct mark *marks, int count, struct range x, struct range y)
+{
+    struct mark *on_front = calloc((size_t)count, sizeof(*on_front));
+    json_t *list = on_front ? json_array() : NULL;
+    const int found = on_front ? front_marks(marks, count, on_front) : 0;
+    for (int i = -1; i <= found && found > 0; i++) {
+        const struct mark *mark = &on_front[i < 0 ? 0 : i == found ? found - 1 : i];
+        neph_json_add(&list, json_pack("{s:i, s:f, s:f}", "place", i + 1, "x",
+                                       i == found ? x.high : mark->x.value, "y",
+                                       i < 0 ? y.high : mark->y.value));
+    }
+    free(on_front);
     return list;
 }
 
@@ -217,22 +234,110 @@ static json_t *floor_json(double floor, struct range y)
     return list;
 }
 
-static enum neph_status find_names(const struct mark *marks, int count, struct range x,
-                                   struct range y, const struct neph_sweep_chart_size *size,
+/* Marks in pixels of the plot. */
+struct place {
+    struct range x, y;
+    const struct neph_sweep_chart_size *size;
+};
+
+static double x_px(const struct place *place, double value)
+{
+    return place->size->width_px * place_in(place->x, value);
+}
+
+static double y_px(const struct place *place, double value)
+{
+    return place->size->height_px * (1.0 - place_in(place->y, value));
+}
+
+/* Lines of series and bars of intervals; room for three a mark. */
+static int draw_lines(const struct place *place, const struct mark *marks, int count,
+                      struct neph_label_line *lines)
+{
+    int drawn = 0;
+    for (int i = 0; i < count; i++) {
+        const struct mark *mark = &marks[i];
+        const double x = x_px(place, mark->x.value), y = y_px(place, mark->y.value);
+        if (i > 0 && marks[i - 1].point->series == mark->point->series)
+            lines[drawn++] = (struct neph_label_line){x_px(place, marks[i - 1].x.value),
+                                                      y_px(place, marks[i - 1].y.value), x, y};
+        if (is_drawable(mark->x.low) && is_drawable(mark->x.high))
+            lines[drawn++] = (struct neph_label_line){x_px(place, mark->x.low), y,
+                                                      x_px(place, mark->x.high), y};
+        if (is_drawable(mark->y.low) && is_drawable(mark->y.high))
+            lines[drawn++] = (struct neph_label_line){x, y_px(place, mark->y.low), x,
+                                                      y_px(place, mark->y.high)};
+    }
+    return drawn;
+}
+
+static enum neph_status find_names(const struct place *place, const struct mark *marks, int count,
                                    struct neph_label **labels, struct neph_diag *diag)
 {
+    struct neph_label_line *lines = calloc(3 * (size_t)count, sizeof(*lines));
     *labels = calloc((size_t)count, sizeof(**labels));
-    if (!*labels)
+    if (!*labels || !lines) {
+        free(lines);
         return neph_fail_memory(diag);
+    }
     for (int i = 0; i < count; i++)
         (*labels)[i] = (struct neph_label){
-            .x_px = size->width_px * place_in(x, marks[i].x.value),
-            .y_px = size->height_px * (1.0 - place_in(y, marks[i].y.value)),
+            .x_px = x_px(place, marks[i].x.value),
+            .y_px = y_px(place, marks[i].y.value),
             .width_px = marks[i].is_last
                             ? character_px * (double)strlen(marks[i].point->series->name)
                             : 0.0};
-    neph_labels_place(*labels, count, size->width_px, size->height_px, name_margin_px);
+    const struct neph_label_plot plot = {place->size->width_px, place->size->height_px,
+                                         name_margin_px, lines,
+                                         draw_lines(place, marks, count, lines)};
+    neph_labels_place(*labels, count, &plot);
+    free(lines);
     return NEPH_OK;
+}
+
+static double value_at(struct range range, double part)
+{
+    return range.low * pow(range.high / range.low, part);
+}
+
+/* From marks to names that stand apart from them. */
+static json_t *leaders_json(const struct place *place, const struct mark *marks,
+                            const struct neph_label *labels, int count)
+{
+    json_t *list = json_array();
+    for (int i = 0; i < count; i++)
+        if (labels[i].width_px > 0.0 && labels[i].is_apart)
+            neph_json_add(
+                &list,
+                json_pack("{s:f, s:f, s:f, s:f}", "x", marks[i].x.value, "y", marks[i].y.value,
+                          "x2", value_at(place->x, labels[i].lead_x_px / place->size->width_px),
+                          "y2",
+                          value_at(place->y, 1.0 - labels[i].lead_y_px / place->size->height_px)));
+    return list;
+}
+
+/* A series has its colour and its dashes on all charts, whichever it is on. */
+static json_t *series_json(const struct neph_sweep *sweep)
+{
+    json_t *list = json_array();
+    for (int s = 0; s < sweep->plan->series_count; s++)
+        neph_json_add(&list, json_string(sweep->plan->series[s].name));
+    return list;
+}
+
+/* The families that are there, for the legend. */
+static json_t *families_json(const struct mark *marks, int count)
+{
+    json_t *list = json_array();
+    for (int i = 0; i < count; i++) {
+        const char *family = family_of(marks[i].point->job.engine);
+        bool is_new = true;
+        for (int k = 0; k < i && is_new; k++)
+            is_new = strcmp(family_of(marks[k].point->job.engine), family) != 0;
+        if (is_new)
+            neph_json_add(&list, json_string(family));
+    }
+    return list;
 }
 
 /* --- the specification ---------------------------------------------------------------------- */
@@ -261,6 +366,34 @@ static enum neph_status set_axis(json_t *spec, const char *channel, struct range
     return status;
 }
 
+/* The scale of a channel of all layers of what is measured, or of the group itself. */
+static enum neph_status set_series(json_t *spec, const struct neph_sweep *sweep,
+                                   struct neph_diag *diag)
+{
+    json_t *group = layer_named(spec, "measured"), *layers = json_object_get(group, "layer");
+    json_t *color = json_object_get(json_object_get(group, "encoding"), "color");
+    enum neph_status status = neph_json_put(json_object_get(color, "scale"), "domain",
+                                            series_json(sweep), diag);
+    for (size_t i = 0; i < json_array_size(layers) && !status; i++) {
+        json_t *dash = json_object_get(
+            json_object_get(json_array_get(layers, i), "encoding"), "strokeDash");
+        if (dash)
+            status = neph_json_put(json_object_get(dash, "scale"), "domain", series_json(sweep),
+                                   diag);
+    }
+    return status;
+}
+
+static enum neph_status set_legend(json_t *spec, const struct mark *marks, int count,
+                                   struct neph_diag *diag)
+{
+    json_t *layers = json_object_get(layer_named(spec, "measured"), "layer");
+    json_t *encoding = json_object_get(json_array_get(layers, json_array_size(layers) - 1),
+                                       "encoding");
+    return neph_json_put(json_object_get(json_object_get(encoding, "shape"), "legend"), "values",
+                         families_json(marks, count), diag);
+}
+
 static enum neph_status set_title(json_t *spec, const char *title, struct neph_diag *diag)
 {
     json_t *encoding = json_object_get(layer_named(spec, "title"), "encoding");
@@ -274,15 +407,22 @@ static enum neph_status fill(const struct neph_sweep *sweep, const struct neph_s
     const double floor = floor_of(sweep, chart);
     const struct range x = range_of(marks, count, true, NAN),
                        y = range_of(marks, count, false, floor);
+    const struct place place = {x, y, size};
     struct neph_label *labels = NULL;
     json_t *points = json_array(), *data = json_object_get(spec, "datasets");
     for (int i = 0; i < count; i++)
         neph_json_add(&points, mark_json(sweep, &marks[i], x, y));
     enum neph_status status = neph_json_put(data, "points", points, diag);
     if (!status)
-        status = find_names(marks, count, x, y, size, &labels, diag);
+        status = find_names(&place, marks, count, &labels, diag);
     if (!status)
         status = neph_json_put(data, "labels", names_json(marks, labels, count), diag);
+    if (!status)
+        status = neph_json_put(data, "leaders", leaders_json(&place, marks, labels, count), diag);
+    if (!status)
+        status = set_series(spec, sweep, diag);
+    if (!status)
+        status = set_legend(spec, marks, count, diag);
     if (!status)
         status = neph_json_put(data, "front", front_json(marks, count, x, y), diag);
     if (!status)
@@ -331,6 +471,14 @@ enum neph_status neph_sweep_chart_spec(const struct neph_sweep *sweep,
 
 /* --- the caption ---------------------------------------------------------------------------- */
 
+static bool has_order(const struct neph_sweep *sweep, const struct neph_sweep_chart *chart)
+{
+    for (int i = 0; i < sweep->point_count; i++)
+        if (chart->y == NEPH_SWEEP_ERROR && sweep->points[i].series->order > 0.0)
+            return true;
+    return false;
+}
+
 char *neph_sweep_chart_caption(const struct neph_sweep *sweep, const struct neph_sweep_chart *chart)
 {
     char *text = NULL;
@@ -354,6 +502,8 @@ char *neph_sweep_chart_caption(const struct neph_sweep *sweep, const struct neph
                   !is_drawable(sweep->points[i].numbers[chart->y].value);
     if (hidden > 0)
         fprintf(out, "%d points are exactly 0 and have no place on this axis. ", hidden);
+    if (has_order(sweep, chart))
+        fprintf(out, "Dotted: how fast a series ought to fall. ");
     fprintf(out, "The band is the front: nothing cheaper is as good.");
     if (fclose(out) == 0)
         return text;

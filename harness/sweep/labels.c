@@ -16,6 +16,10 @@ enum { WAYS = sizeof(ways) / sizeof(ways[0]) };
 static const double distances_px[] = {9, 14, 20, 28, 38, 50};
 enum { DISTANCES = sizeof(distances_px) / sizeof(distances_px[0]) };
 
+/* What a line under a name counts for, and a step away from the mark; as areas, in pixels. A name
+ * further away than `near_px` gets a line to its mark. */
+static const double line_px = 3.0, far_px2 = 12.0, near_px = 14.0;
+
 static double overlap(const struct box *a, const struct box *b)
 {
     const double width = fmin(a->right, b->right) - fmax(a->left, b->left);
@@ -36,11 +40,32 @@ static struct box mark_of(const struct neph_label *label)
                         label->x_px + NEPH_MARK_RADIUS_PX, label->y_px + NEPH_MARK_RADIUS_PX};
 }
 
-/* The area of a name that lies on something or outside. */
-static double hidden(const struct neph_label *labels, int count, int index, const struct box *plot)
+/* The part of a line within a box, 0 to 1 (C. Liang, B. Barsky, ACM TOG 3, 1984). */
+static double part_within(const struct neph_label_line *line, const struct box *box)
+{
+    const double dx = line->x1_px - line->x0_px, dy = line->y1_px - line->y0_px;
+    const double steps[] = {-dx, dx, -dy, dy};
+    const double rooms[] = {line->x0_px - box->left, box->right - line->x0_px,
+                            line->y0_px - box->top, box->bottom - line->y0_px};
+    double enter = 0.0, leave = 1.0;
+    for (int i = 0; i < 4; i++) {
+        if (steps[i] == 0.0 && rooms[i] < 0.0)
+            return 0.0;
+        if (steps[i] < 0.0)
+            enter = fmax(enter, rooms[i] / steps[i]);
+        if (steps[i] > 0.0)
+            leave = fmin(leave, rooms[i] / steps[i]);
+    }
+    return fmax(leave - enter, 0.0);
+}
+
+/* The area of a name that lies on marks, on names before it or outside. */
+static double hidden(const struct neph_label *labels, int count, int index,
+                     const struct neph_label_plot *plot)
 {
     const struct box box = box_of(&labels[index]);
-    double area = (box.right - box.left) * (box.bottom - box.top) - overlap(&box, plot);
+    const struct box inside = {0.0, 0.0, plot->width_px + plot->margin_px, plot->height_px};
+    double area = (box.right - box.left) * (box.bottom - box.top) - overlap(&box, &inside);
     for (int i = 0; i < count; i++) {
         const struct box mark = mark_of(&labels[i]);
         area += overlap(&box, &mark);
@@ -52,35 +77,51 @@ static double hidden(const struct neph_label *labels, int count, int index, cons
     return area;
 }
 
+/* As an area: lines are `line_px` wide, and a name is the less ready to leave its mark. */
+static double crossed(const struct neph_label *label, const struct neph_label_plot *plot)
+{
+    const struct box box = box_of(label);
+    double area = 0.0;
+    for (int i = 0; i < plot->line_count; i++) {
+        const struct neph_label_line *line = &plot->lines[i];
+        const double length = hypot(line->x1_px - line->x0_px, line->y1_px - line->y0_px);
+        area += line_px * length * part_within(line, &box);
+    }
+    return area;
+}
+
 static void put(struct neph_label *label, int way, double distance_px)
 {
     const double x = ways[way].x, y = ways[way].y;
     label->dx_px = x * distance_px - (x < 0.0 ? 1.0 : x > 0.0 ? 0.0 : 0.5) * label->width_px;
     label->dy_px = y * (x == 0.0 ? distance_px + 2.0 : distance_px);
+    label->is_apart = distance_px > near_px;
+    label->lead_x_px = label->x_px + x * (distance_px - 2.0);
+    label->lead_y_px = label->y_px + label->dy_px - 0.5 * y * NEPH_LABEL_HEIGHT_PX * (x == 0.0);
 }
 
-static void place(struct neph_label *labels, int count, int index, const struct box *plot)
+static void place(struct neph_label *labels, int count, int index,
+                  const struct neph_label_plot *plot)
 {
     double least = INFINITY;
     struct neph_label best = labels[index];
     for (int d = 0; d < DISTANCES && least > 0.0; d++)
         for (int way = 0; way < WAYS && least > 0.0; way++) {
             put(&labels[index], way, distances_px[d]);
-            const double area = hidden(labels, count, index, plot);
-            if (area < least) {
-                least = area;
+            const double on_things = hidden(labels, count, index, plot);
+            const double cost = on_things + crossed(&labels[index], plot) + d * far_px2;
+            if (cost < least) {
+                least = cost;
                 best = labels[index];
+                best.is_clear = !(on_things > 0.0);
             }
         }
     labels[index] = best;
-    labels[index].is_clear = !(least > 0.0);
 }
 
-void neph_labels_place(struct neph_label *labels, int count, double width_px, double height_px,
-                       double margin_px)
+void neph_labels_place(struct neph_label *labels, int count, const struct neph_label_plot *plot)
 {
-    const struct box plot = {0.0, 0.0, width_px + margin_px, height_px};
     for (int i = 0; i < count; i++)
         if (labels[i].width_px > 0.0)
-            place(labels, count, i, &plot);
+            place(labels, count, i, plot);
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Where names stand on a chart so that they lie neither on each other nor on marks.
+ * Where names stand on a chart so that they lie neither on each other nor on marks, and on lines
+ * only where there is no other place.
  */
 #ifndef NEPH_HARNESS_SWEEP_LABELS_H
 #define NEPH_HARNESS_SWEEP_LABELS_H
@@ -12,16 +13,30 @@ struct neph_label {
     double x_px, y_px;   /* of the mark */
     double width_px;     /* of the name; 0: the mark has none */
     double dx_px, dy_px; /* found: from the mark to the middle of the name's left edge */
-    bool is_clear;       /* found: it lies on nothing */
+    bool is_clear;       /* found: it lies on no mark, no name and no edge */
+    bool is_apart;       /* found: so far from its mark that a line has to lead there: from
+                            (x_px, y_px) to (lead_x_px, lead_y_px) */
+    double lead_x_px, lead_y_px;
+};
+
+/* What names should not lie on: lines between marks, bars of intervals. */
+struct neph_label_line {
+    double x0_px, y0_px, x1_px, y1_px;
 };
 
 #define NEPH_LABEL_HEIGHT_PX 12.0
 #define NEPH_MARK_RADIUS_PX 5.0
 
-/* Place the names in their order, each at the nearest of the places around its mark that is clear
- * of all marks, of the names before it and of the plot's edges; where there is none, at the one
- * that lies on least. The right edge may be passed by `margin_px`. */
-void neph_labels_place(struct neph_label *labels, int count, double width_px, double height_px,
-                       double margin_px);
+struct neph_label_plot {
+    double width_px, height_px;
+    double margin_px; /* by which names may pass the right edge */
+    const struct neph_label_line *lines;
+    int line_count;
+};
+
+/* Place the names in their order, each where it hides least: of what is under it marks, other names
+ * and the edge of the plot weigh by their area, lines by a few pixels of their length; and of equals
+ * nearest to its mark. */
+void neph_labels_place(struct neph_label *labels, int count, const struct neph_label_plot *plot);
 
 #endif

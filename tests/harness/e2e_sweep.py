@@ -96,7 +96,7 @@ class Sweep(unittest.TestCase):
         charts = {chart["id"]: chart for chart in shown["charts"]}
         # Two points without lag are no chart of it; one is.
         self.assertEqual(set(charts), {"time_error", "time_shortcut", "time_flicker", "lag_flicker",
-                                       "work_error", "work_flicker"})
+                                       "work_error", "work_shortcut", "work_flicker"})
         for chart in charts.values():
             for size in ("wide", "narrow"):
                 svg = (page / chart[size]["svg"]).read_text()

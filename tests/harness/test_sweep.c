@@ -239,7 +239,8 @@ static void test_names_lie_on_nothing(void **state)
             labels[i] = (struct neph_label){.x_px = neph_test_uniform(&seed, 0.0, 600.0),
                                             .y_px = neph_test_uniform(&seed, 0.0, 400.0),
                                             .width_px = i % 3 ? 0.0 : 60.0};
-        neph_labels_place(labels, MARKS, 600.0, 400.0, 14.0);
+        const struct neph_label_plot plot = {600.0, 400.0, 14.0, NULL, 0};
+        neph_labels_place(labels, MARKS, &plot);
         for (int i = 0; i < MARKS; i++) {
             if (!labels[i].is_clear)
                 continue;
@@ -254,6 +255,28 @@ static void test_names_lie_on_nothing(void **state)
         }
     }
     assert_true(clear > (9 * TRIALS * MARKS / 3) / 10);
+}
+
+/* Between two places that are equal but for a line, the name takes the one without; and what stands
+ * far from its mark is led to it. */
+static void test_names_keep_off_lines(void **state)
+{
+    (void)state;
+    const struct neph_label_line line = {100.0, 100.0, 300.0, 100.0};
+    const struct neph_label_plot plot = {600.0, 400.0, 0.0, &line, 1};
+    struct neph_label label = {.x_px = 100.0, .y_px = 100.0, .width_px = 60.0};
+    neph_labels_place(&label, 1, &plot);
+    assert_true(label.is_clear && !label.is_apart);
+    assert_true(fabs(label.dy_px) >= 0.5 * NEPH_LABEL_HEIGHT_PX || label.dx_px < -60.0);
+    struct neph_label crowd[26] = {[0] = {.x_px = 300.0, .y_px = 200.0}}; /* the last is in it */
+    for (int i = 0; i < 25; i++)
+        crowd[i] = (struct neph_label){.x_px = 250.0 + 25.0 * (i % 5),
+                                       .y_px = 176.0 + 12.0 * (i / 5)};
+    crowd[25] = (struct neph_label){.x_px = 300.0, .y_px = 200.0, .width_px = 40.0};
+    neph_labels_place(crowd, 26, &plot);
+    assert_true(crowd[25].is_apart);
+    const double right = 300.0 + crowd[25].dx_px + 40.0, left = 300.0 + crowd[25].dx_px;
+    assert_true(crowd[25].lead_x_px >= left - 3.0 && crowd[25].lead_x_px <= right + 3.0);
 }
 
 /* --- charts and JSON ------------------------------------------------------------------------ */
@@ -314,6 +337,17 @@ static void test_charts_hold_what_was_measured(void **state)
     assert_int_equal(json_array_size(json_object_get(data, "points")), 3);
     assert_int_equal(json_array_size(json_object_get(data, "labels")), 2);
     assert_int_equal(json_array_size(json_object_get(data, "front")), 3 + 2); /* and two ends */
+    /* From the upper edge down to the first, by x, and to the right edge: never up again. */
+    const json_t *front = json_object_get(data, "front");
+    for (int i = 0; i < 5; i++) {
+        const json_t *at = json_array_get(front, (size_t)i), *next = json_array_get(front, i + 1);
+        assert_int_equal(json_integer_value(json_object_get(at, "place")), i);
+        if (next)
+            assert_true(json_number_value(json_object_get(next, "x")) >=
+                            json_number_value(json_object_get(at, "x")) &&
+                        json_number_value(json_object_get(next, "y")) <=
+                            json_number_value(json_object_get(at, "y")));
+    }
     const json_t *slopes = json_object_get(data, "slopes");
     assert_int_equal(json_array_size(slopes), 2);
     const double first = json_number_value(json_object_get(json_array_get(slopes, 0), "y"));
@@ -408,6 +442,7 @@ int main(int count, char **arguments)
         cmocka_unit_test(test_a_front),
         cmocka_unit_test(test_fronts_of_random_points),
         cmocka_unit_test(test_names_lie_on_nothing),
+        cmocka_unit_test(test_names_keep_off_lines),
         cmocka_unit_test(test_charts_hold_what_was_measured),
         cmocka_unit_test(test_equal_error_and_equal_time),
         cmocka_unit_test(test_json_has_every_point),
