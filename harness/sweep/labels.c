@@ -18,7 +18,7 @@ enum { DISTANCES = sizeof(distances_px) / sizeof(distances_px[0]) };
 
 /* What a line under a name counts for, and a step away from the mark; as areas, in pixels. A name
  * further away than `near_px` gets a line to its mark. */
-static const double line_px = 3.0, far_px2 = 12.0, near_px = 14.0;
+static const double line_px = 3.0, far_px2 = 12.0, near_px = 10.0;
 
 static double overlap(const struct box *a, const struct box *b)
 {
