@@ -232,6 +232,12 @@ static enum neph_status add_variant(struct work *work, const char *what, const c
                            diag);
 }
 
+/* What was added last is something that the choice has. */
+static void mark_kept(struct work *work)
+{
+    work->pick->left_out[work->pick->left_out_count - 1].is_kept = true;
+}
+
 static const struct neph_ladder_light *light_of(const struct neph_sweep_series *series)
 {
     const char *name = strchr(series->name, ','); /* "ours, octaves" */
@@ -260,6 +266,41 @@ static enum neph_status add_lights(struct work *work, const struct neph_sweep_se
                      : neph_fail_memory(diag);
         free(held);
     }
+    free(still);
+    return status;
+}
+
+static const struct neph_ladder_light *light_named(const char *name)
+{
+    const struct neph_ladder_light *light = neph_ladder_lights;
+    while (strcmp(light->name, name) != 0)
+        light++;
+    return light;
+}
+
+/* Of a choice that has them: the orders of scattering beyond the first, and every pixel's ray. */
+static enum neph_status add_kept(struct work *work, const struct neph_sweep_series *chosen,
+                                 const char *steps, struct neph_diag *diag)
+{
+    const bool is_realtime = strcmp(chosen->engine, "realtime") == 0;
+    const struct neph_ladder_light *light = light_of(chosen), *once = light_named("scattered once");
+    char *still = neph_ladder_without_motion(work->scene);
+    char *held = still ? neph_format("%s %s", light->settings ? light->settings : "", still) : NULL;
+    enum neph_status status = held ? NEPH_OK : neph_fail_memory(diag);
+    if (!status && light->scattering > once->scattering) {
+        status = add_variant(work, "light scattered more than once", NULL,
+                             is_realtime ? "realtime" : once->march,
+                             is_realtime ? chosen->preset : NULL, is_realtime ? still : NULL, steps,
+                             once->scattering, diag);
+        mark_kept(work);
+    }
+    if (!status && !is_realtime) {
+        status = add_variant(work, "every pixel's ray in every frame", NULL, "realtime",
+                             neph_ladder_pipelines[0].preset, held, steps, chosen->scattering,
+                             diag);
+        mark_kept(work);
+    }
+    free(held);
     free(still);
     return status;
 }
@@ -317,6 +358,8 @@ static enum neph_status add_variants(struct work *work, int chosen, struct neph_
                            light_of(&series)->march, NULL, NULL, steps, series.scattering, diag);
     if (strcmp(series.engine, "realtime") == 0)
         status = add_pipeline(work, &series, steps, diag);
+    if (!status)
+        status = add_kept(work, &series, steps, diag);
     if (!status)
         status = add_steps(work, &series, steps, diag);
     return status ? status : add_lights(work, &series, steps, diag);
@@ -412,6 +455,22 @@ static void print_asked(const struct neph_pick_params *params, FILE *out)
         }
 }
 
+static void print_variants(const struct neph_pick *pick, bool kept, const char *title, FILE *out)
+{
+    for (int i = 0; i < pick->left_out_count; i++) {
+        const struct neph_pick_left_out *left = &pick->left_out[i];
+        if (left->is_kept != kept)
+            continue;
+        if (title)
+            fprintf(out, "\n%s:\n", title);
+        title = NULL; /* once */
+        fprintf(out, "  %-34s ", left->what);
+        print_numbers(&left->with, out);
+        fprintf(out, "%s%s%s\n", left->because ? " (" : "", left->because ? left->because : "",
+                left->because ? ")" : "");
+    }
+}
+
 void neph_pick_print(const struct neph_pick_params *params, const struct neph_pick *pick, FILE *out)
 {
     fprintf(out, "asked: ");
@@ -421,15 +480,8 @@ void neph_pick_print(const struct neph_pick_params *params, const struct neph_pi
     fprintf(out, pick->found ? "%s: " : "none is good enough; best is %s: ", pick->chosen.name);
     print_numbers(&pick->chosen, out);
     fprintf(out, "\n");
-    if (pick->left_out_count > 0)
-        fprintf(out, "\nleft out, and what comes of it with each:\n");
-    for (int i = 0; i < pick->left_out_count; i++) {
-        const struct neph_pick_left_out *left = &pick->left_out[i];
-        fprintf(out, "  %-34s ", left->what);
-        print_numbers(&left->with, out);
-        fprintf(out, "%s%s%s\n", left->because ? " (" : "", left->because ? left->because : "",
-                left->because ? ")" : "");
-    }
+    print_variants(pick, false, "left out, and what comes of it with each", out);
+    print_variants(pick, true, "kept, and what would come of it without", out);
     fprintf(out, "\n%d configurations looked at, %d pictures or sequences of them measured; %s\n",
             pick->looked_at, pick->measured, pick->device);
     if (!isnan(params->error) && pick->floor > 0.5 * params->error)
@@ -450,11 +502,12 @@ static json_t *point_json(const struct neph_pick_point *point)
 
 json_t *neph_pick_json(const struct neph_pick_params *params, const struct neph_pick *pick)
 {
-    json_t *json = point_json(&pick->chosen), *left_out = json_array();
+    json_t *json = point_json(&pick->chosen), *left_out = json_array(), *kept = json_array();
     for (int i = 0; i < pick->left_out_count; i++) {
         const struct neph_pick_left_out *left = &pick->left_out[i];
-        neph_json_add(&left_out, json_pack("{s:s, s:s?, s:o}", "what", left->what, "because",
-                                           left->because, "with", point_json(&left->with)));
+        neph_json_add(left->is_kept ? &kept : &left_out,
+                      json_pack("{s:s, s:s?, s:o}", "what", left->what, "because", left->because,
+                                left->is_kept ? "without" : "with", point_json(&left->with)));
     }
     neph_json_set(&json, "found", json_boolean(pick->found));
     neph_json_set(&json, "scene", json_string(params->scene));
@@ -468,5 +521,6 @@ json_t *neph_pick_json(const struct neph_pick_params *params, const struct neph_
     neph_json_set(&json, "truth_noise", neph_json_number(pick->floor));
     neph_json_set(&json, "device", json_string(pick->device));
     neph_json_set(&json, "left_out", left_out);
+    neph_json_set(&json, "kept", kept);
     return json;
 }

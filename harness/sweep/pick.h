@@ -35,19 +35,20 @@ struct neph_pick_point {
     bool is_closed;          /* no ray is marched */
 };
 
-enum { NEPH_PICK_LEFT_OUT_MAX = 8 };
+enum { NEPH_PICK_LEFT_OUT_MAX = 12 };
 
-/* Something that the choice does without. */
+/* Something that the choice does without, or that it has and could do without. */
 struct neph_pick_left_out {
     char what[96];
     const char *because;         /* "nothing moves"; NULL: the numbers say so */
-    struct neph_pick_point with; /* the choice with it */
+    bool is_kept;                /* the choice has it */
+    struct neph_pick_point with; /* the choice with it; of what is kept, without it */
 };
 
 struct neph_pick {
     bool found;                    /* something is good enough */
     struct neph_pick_point chosen; /* at full size; where nothing is, what comes nearest */
-    struct neph_pick_left_out left_out[NEPH_PICK_LEFT_OUT_MAX];
+    struct neph_pick_left_out left_out[NEPH_PICK_LEFT_OUT_MAX]; /* and what is kept */
     int left_out_count;
     int looked_at; /* configurations, and pictures or sequences of them at all sizes */
     int measured;
