@@ -239,16 +239,30 @@ static void print_asked(const struct neph_choice *choice, FILE *out)
     fprintf(out, "\n");
 }
 
-/* "flicker -12 % [-20 %, -3 %], 7 better, 2 worse" */
+/* "-12 %", "x3.4"; what is far off is only told to be so. */
+static void change(double decades, char text[16])
+{
+    const double ratio = pow(10.0, decades);
+    if (ratio > 100.0 || ratio < 0.01)
+        snprintf(text, 16, ratio > 1.0 ? ">x100" : "<-99 %%");
+    else if (ratio > 2.0)
+        snprintf(text, 16, "x%.2g", ratio);
+    else
+        snprintf(text, 16, "%+.1f %%", 100.0 * (ratio - 1.0));
+}
+
+/* "flicker  -12 % [-20 %, -3 %]  7 better, 2 worse" */
 static void print_pair(const char *name, const struct neph_study_pair *pair, FILE *out)
 {
-    const double percent = 100.0 * (pow(10.0, pair->mean) - 1.0);
+    char mean[16], low[16], high[16];
     if (isnan(pair->mean))
         return;
-    fprintf(out, "  %-10s %+7.1f %%", name, percent);
+    change(pair->mean, mean);
+    change(pair->low, low);
+    change(pair->high, high);
+    fprintf(out, "  %-10s %9s", name, mean);
     if (pair->has_interval)
-        fprintf(out, " [%+.1f, %+.1f]", 100.0 * (pow(10.0, pair->low) - 1.0),
-                100.0 * (pow(10.0, pair->high) - 1.0));
+        fprintf(out, " [%s, %s]", low, high);
     fprintf(out, "  %d better, %d worse\n", pair->better, pair->worse);
 }
 
