@@ -55,8 +55,9 @@ bool neph_sweep_is_sequence(const struct neph_sweep_point *point)
 
 static struct neph_sweep_value value_of(const json_t *found)
 {
-    const json_t *value = json_object_get(found, "value"), *low = json_object_get(found, "low"),
-                 *high = json_object_get(found, "high");
+    const json_t *value = json_object_get(found, "value"),
+                 *interval = json_object_get(found, "interval"), *low = json_array_get(interval, 0),
+                 *high = json_array_get(interval, 1);
     return (struct neph_sweep_value){
         json_is_number(value) ? json_number_value(value) : NAN,
         json_is_number(low) ? json_number_value(low) : NAN,
@@ -178,6 +179,15 @@ static enum neph_status have_step(struct neph_sweep_bench *bench, const struct n
     return status;
 }
 
+/* What never arrives counts with all pictures since the step (neph metrics lag), and has no
+ * half-life. */
+static struct neph_sweep_value arrived(struct neph_sweep_value half_life)
+{
+    return half_life.value < STEP_FRAMES - NEPH_STUDY_EVENT_FRAME
+               ? half_life
+               : (struct neph_sweep_value){NAN, NAN, NAN};
+}
+
 static enum neph_status measure_lag(struct neph_sweep_bench *bench, struct neph_sweep_point *point,
                                     struct neph_diag *diag)
 {
@@ -192,7 +202,6 @@ static enum neph_status measure_lag(struct neph_sweep_bench *bench, struct neph_
                              .reference = &bench->stepped,
                              .readings = &reading,
                              .reading_count = 1,
-                             .plain = true,
                              .frozen_is_fine = true};
     char *folder = NULL;
     json_t *record = NULL, *document = NULL;
@@ -205,7 +214,7 @@ static enum neph_status measure_lag(struct neph_sweep_bench *bench, struct neph_
     if (!status)
         status = neph_take_document(folder, reading.name, &document, diag);
     if (!status)
-        point->numbers[NEPH_SWEEP_HALF_LIFE] = number_in(document, NEPH_SWEEP_HALF_LIFE);
+        point->numbers[NEPH_SWEEP_HALF_LIFE] = arrived(number_in(document, NEPH_SWEEP_HALF_LIFE));
     json_decref(document);
     json_decref(record);
     free(folder);

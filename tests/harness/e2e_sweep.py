@@ -70,6 +70,11 @@ class Sweep(unittest.TestCase):
         self.assertGreater(ours["flicker"]["value"], 0.0)
         self.assertIsNone(ours["half_life"]["value"])
         self.assertGreater(ours_fine["half_life"]["value"], 0.0)
+        # Intervals, over tiles of the picture, are those that `neph flicker` gives.
+        for name, point in (("flicker", ours), ("four", ours), ("half_life", ours_fine)):
+            self.assertLess(point[name]["low"], point[name]["high"], name)
+            self.assertLessEqual(point[name]["low"], point[name]["value"], name)
+            self.assertLessEqual(point[name]["value"], point[name]["high"], name)
         self.check_command(fine)
         self.check_page(document)
         self.check_again(document)
