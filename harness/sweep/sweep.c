@@ -37,9 +37,11 @@ static enum neph_status choose_frames(struct neph_sweep *sweep, struct neph_diag
         return NEPH_OK;
     neph_fail(diag, NEPH_ERR_UNSUPPORTED, "%s moves for %d pictures, of which %d are warm-up",
               sweep->scene->name, sweep->scene->frame_count, plan->warm_up);
-    neph_hint(diag, "a plan with a warm_up of %d or less has %d to measure",
-              most > NEPH_SWEEP_FRAMES_MIN ? most - NEPH_SWEEP_FRAMES_MIN : 0,
-              NEPH_SWEEP_FRAMES_MIN);
+    if (most >= NEPH_SWEEP_FRAMES_MIN)
+        neph_hint(diag, "a plan with a warm_up of %d or less has %d to measure",
+                  most - NEPH_SWEEP_FRAMES_MIN, NEPH_SWEEP_FRAMES_MIN);
+    else
+        neph_hint(diag, "flicker is of %d pictures or more", NEPH_SWEEP_FRAMES_MIN);
     return NEPH_ERR_UNSUPPORTED;
 }
 

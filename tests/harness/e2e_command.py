@@ -10,6 +10,8 @@ import subprocess
 import tempfile
 import unittest
 
+import night
+
 NEPH = os.environ["NEPH"]
 EXAMPLES = pathlib.Path(os.environ["NEPH_SOURCE_DIR"]) / "docs/examples"
 
@@ -179,6 +181,75 @@ data = data[:8]"""))
         tuned = 'write(job["settings"]["b"])'
         self.assertEqual(bias(tuned, "-s", "command:b=0.5"), [0.5])
         self.assertEqual(bias(tuned, "-s", "command:b=0.125"), [0.125])
+
+    @night.of_the_night
+    def test_it_is_swept_and_a_step_of_the_sun_reaches_it(self):
+        """A variant of a scene is its file, but for the sun and the camera, which the job has."""
+        self.scene.write_text(SCENE.replace("background", "sun: {direction: [0, 1, 0], "
+                                            "irradiance_w_per_m2: [1, 1, 1]}\nbackground")
+                              .replace("scattering: none", "scattering: single")
+                              .replace("0.05, albedo", "1.0e-6, albedo"))
+        plan = self.folder / "plan.yaml"
+        plan.write_text("""title: mine
+light: octaves
+width_px: 24
+height_px: 16
+frames: 32
+warm_up: 16
+truth_samples: 16
+rounds: 1
+series:
+- {name: mine, engine: command, set: a=0.05, vary: b, values: 0.25, flicker: true, lag_at: 0.25}
+""")
+        program = self.program(f"""
+light = job["sun"]["irradiance_w_per_m2"][0]
+open("{self.folder}/suns", "a").write(f"{{light}}\\n")
+write(light * job["settings"]["b"])
+""")
+        done = self.neph("sweep", self.scene, "--plan", plan, "-o", "out", "-q", "--json",
+                         program=program)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        mine, = json.loads(done.stdout)["points"]
+        self.assertIsNone(mine["missing"])
+        self.assertIsNone(mine["shortcut"]["value"])  # nobody knows its own model
+        self.assertLess(mine["flicker"]["value"], 0.01)
+        self.assertGreater(mine["seconds"], 0.0)
+        self.assertIn("-e command", mine["command"])
+        suns = (self.folder / "suns").read_text().split()
+        self.assertEqual(suns.count("4.0"), 48)  # of 80 pictures, from the 32nd on
+
+    @night.of_the_night
+    def test_it_is_tried_where_methods_fail(self):
+        def verdicts(body):
+            done = self.neph("validate", "--suite", "failure", "--only", "fog_none", "--preset",
+                             "command+a=0.05", "--preset", "ours", "-o", "failure", "-q", "--json",
+                             program=self.program(body))
+            results = json.loads(done.stdout)["results"]
+            return done.returncode, {(row["preset"], row["measure"]): row["verdict"]
+                                     for row in results}
+        code, found = verdicts('write(job["settings"]["a"])')  # where there is no light at all
+        self.assertEqual(code, 1)
+        self.assertEqual(found["command+a=0.05", "error"], "fail")
+        self.assertEqual(found["command+a=0.05", "bad_values"], "pass")
+        self.assertEqual(found["ours", "error"], "pass")
+        code, found = verdicts('write(0.1 * (job["picture"] % 2))')
+        self.assertEqual(found["command+a=0.05", "flicker"], "fail")
+
+    @night.of_the_night
+    def test_it_is_held_against_presets(self):
+        def pick(presets):
+            done = self.neph("pick", self.scene, "--presets", presets, "--size", "24x16",
+                             "--frames", "16", "-o", "out", "-q", "--json", "--least", "flicker",
+                             program=EXAMPLES / "fog.py")
+            self.assertEqual(done.returncode, 0, done.stderr)
+            return json.loads(done.stdout)
+        found = pick("ours,command+a=0.05")
+        self.assertEqual([row["preset"] for row in found["candidates"]],
+                         ["ours", "command+a=0.05"])
+        self.assertLess(found["candidates"][1]["flicker"], 0.01)
+        found = pick("command+a=0.05")
+        self.assertEqual(found["engine"], "command")
+        self.assertIn("a=0.05", found["settings"])
 
     def test_settings_are_for_engines_of_the_run(self):
         for setting, word in (("march:steps=9", "march:steps=9"), ("steps=9", "ENGINE:KEY=VALUE"),

@@ -10,12 +10,38 @@ import subprocess
 import tempfile
 import unittest
 
+import night
+
 NEPH = os.environ["NEPH"]
 SOURCE = pathlib.Path(os.environ["NEPH_SOURCE_DIR"])
 
 
 def run(*arguments):
     return subprocess.run([NEPH, *arguments], capture_output=True, text=True, timeout=900)
+
+
+EVEN = """name: even
+title: Even fog before the sky
+physics: Homogeneous. Truth is exact.
+camera: {position_m: [0, 2, 0], look_at_m: [0, 2, -10], vertical_fov_deg: 50}
+sun: {direction: [0.3, 0.6, -0.2], irradiance_w_per_m2: [3, 3, 3]}
+background_w_per_m2_sr: [0.5, 0.6, 0.7]
+scattering: single
+media:
+  - homogeneous: {extinction_per_m: 0.05, albedo: [0.9, 0.9, 0.9], phase: isotropic,
+                  bounds: {min_m: [-100, -1, -100], max_m: [100, 30, 100]}}
+"""
+
+CLOUD = """name: cloud
+title: A cloud of some optical depth
+physics: A Gaussian cloud across the light, all orders of scattering. Truth is the tracer.
+camera: {position_m: [0, 0, 600], look_at_m: [0, 0, 0], vertical_fov_deg: 30}
+sun: {direction: [1, 0.3, 0], irradiance_w_per_m2: [10, 10, 10]}
+scattering: multiple
+media:
+  - gaussian: {center_m: [0, 0, 0], width_m: 40, extinction_per_m: EXTINCTION, albedo: [1, 1, 1],
+               phase: isotropic}
+"""
 
 
 class Pick(unittest.TestCase):
@@ -52,6 +78,69 @@ class Pick(unittest.TestCase):
         self.assertEqual(done.returncode, 65)
         self.assertIn("1..65536", done.stderr)
 
+    def test_even_fog_is_a_closed_form(self):
+        """Its truth is the same closed form; a march, which is not, comes to the same."""
+        scene = pathlib.Path(self.out, "even.yaml")
+        scene.write_text(EVEN)
+        done, found = self.pick(str(scene), "--error", "0.01")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual((found["engine"], found["evaluations"]), ("exact", 0.0))
+        march, = found["left_out"]
+        self.assertLess(march["with"]["error"], 1e-3)
+        self.assertGreater(march["with"]["evaluations"], 30.0)
+
+    def cloud(self, optical_depth, *arguments):
+        scene = pathlib.Path(self.out, "cloud.yaml")
+        scene.write_text(CLOUD.replace("EXTINCTION", repr(optical_depth / (40.0 * 2.5066283))))
+        done, found = self.pick(str(scene), "--error", "0.3", *arguments)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertLessEqual(found["error"], 0.3)
+        return found
+
+    @night.of_the_night
+    def test_a_thin_cloud_leaves_out_all_orders(self):
+        found = self.cloud(0.05)
+        self.assertEqual(found["scattering"], "single")
+        # What all orders would have bought: nothing, as the lights that stand for them are off.
+        left = {entry["what"]: entry["with"] for entry in found["left_out"]}
+        for light in ("octaves", "fitted octaves"):
+            self.assertGreater(left[light]["error"], found["error"])
+
+    @night.of_the_night
+    def test_a_thick_cloud_keeps_them(self):
+        found = self.cloud(12.0, "--flicker", "8")
+        self.assertIsNone(found["scattering"])
+        kept = {entry["what"]: entry["without"] for entry in found["kept"]}
+        self.assertGreater(kept["light scattered more than once"]["error"], 2.0 * found["error"])
+
+    @night.of_the_night
+    def test_presets_over_scenes(self):
+        def pick(*arguments):
+            done = run("pick", "gaussian_blob", "fence_sky", "--presets", "ours,fixed,ours+taa=off",
+                       "--size", "48x27", "--frames", "16", "-o", self.out, "-q", "--json",
+                       *arguments)
+            return done, json.loads(done.stdout) if done.stdout else None
+        done, found = pick("--least", "error")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        rows = {row["preset"]: row for row in found["candidates"]}
+        best = min(rows.values(), key=lambda row: row["error"])
+        self.assertEqual(found["preset"], best["preset"])
+        self.assertTrue(best["on_front"])
+        # Without anti-aliasing nothing lags so little; a budget that only it is in takes it.
+        quick = rows["ours+taa=off"]
+        self.assertEqual(min(row["lag"] for row in rows.values()), quick["lag"])
+        done, again = pick("--lag", str(1.01 * quick["lag"]))
+        self.assertEqual((again["preset"], again["found"]), ("ours+taa=off", True))
+        self.assertIn("taa=off", again["settings"])
+        self.assertTrue(pathlib.Path(self.out, "flicker_lag.svg").exists())
+        done, none = pick("--lag", str(0.5 * quick["lag"]))
+        self.assertEqual(done.returncode, 1, done.stderr)
+        self.assertFalse(none["found"])
+        # The file is what `neph render` takes.
+        done = run("render", "gaussian_blob", "--config", str(pathlib.Path(self.out, "pick.json")),
+                   "--size", "16x9", "-o", self.out, "-q")
+        self.assertEqual(done.returncode, 0, done.stderr)
+
     def test_a_cloud_at_rest(self):
         scene = pathlib.Path(self.out, "small.yaml")
         text = (SOURCE / "scenes" / "catalog" / "gaussian_blob.yaml").read_text()
@@ -80,6 +169,13 @@ class Pick(unittest.TestCase):
     def test_what_is_refused(self):
         self.assertEqual(run("pick", "voxel_grid").returncode, 64)
         self.assertEqual(run("pick", "voxel_grid", "--error", "-1").returncode, 64)
+        for words, said in ((("voxel_grid", "--error", "1", "--suite", "tuning"), "--presets"),
+                            (("--presets", "ours", "--suite", "test"), "what is reported"),
+                            (("--presets", "ours", "--least", "x", "-o", self.out), "half-life"),
+                            (("voxel_grid", "fence_sky", "--error", "1"), "one scene")):
+            done = run("pick", *words)
+            self.assertEqual(done.returncode, 64, done.stderr)
+            self.assertIn(said, done.stderr)
         done = run("pick", "no_such_scene", "--error", "1", "-o", self.out)
         self.assertEqual(done.returncode, 66)
 

@@ -8,12 +8,14 @@ import json
 import math
 import os
 import pathlib
+import re
 import shlex
 import subprocess
 import tempfile
 import unittest
 
 NEPH = os.environ["NEPH"]
+SOURCE = pathlib.Path(os.environ["NEPH_SOURCE_DIR"])
 PLAN = """title: a small one
 light: octaves
 width_px: 32
@@ -75,6 +77,12 @@ class Sweep(unittest.TestCase):
             self.assertLess(point[name]["low"], point[name]["high"], name)
             self.assertLessEqual(point[name]["low"], point[name]["value"], name)
             self.assertLessEqual(point[name]["value"], point[name]["high"], name)
+        # Without lighting by paths every point of ours has both costs, beside the march's two.
+        held = {(row["number"], row["cost"], row["series"]): row for row in document["equal"]}
+        self.assertEqual(held["error", "evaluations", "ours"]["against"], "march")
+        self.assertAlmostEqual(held["error", "evaluations", "ours"]["at_cost"],
+                               min((ours, ours_fine), key=lambda p: p["error"]["value"])
+                               ["evaluations"])
         self.check_command(fine)
         self.check_page(document)
         self.check_again(document)
@@ -120,6 +128,39 @@ class Sweep(unittest.TestCase):
             self.assertEqual(row["seconds"], "")
         self.assertEqual(rows[4]["outcome"], "missing")
 
+    def test_a_scene_that_moves(self):
+        """The truth is of the last picture, and so is every error."""
+        self.plan.write_text(PLAN.replace("4 16, flicker", "16, flicker").replace(", lag_at: 16", ""))
+        scene = self.out / "dolly.yaml"
+        text = (SOURCE / "scenes" / "catalog" / "gaussian_blob.yaml").read_text()
+        scene.write_text(re.sub("name: .*", "name: dolly", text, count=1).replace(
+            "camera: {position_m: [0, 2, 6], look_at_m: [0, 1, 0], vertical_fov_deg: 36}",
+            "camera: {keys: [{frame: 0, position_m: [0, 2, 6], look_at_m: [-2, 1, 0]}, {frame: 31, "
+            "position_m: [0, 2, 6], look_at_m: [1, 1, 0]}], vertical_fov_deg: 36}\n"
+            "frames: {count: 32, rate_hz: 30}"))
+        done = run("sweep", str(scene), "--plan", str(self.plan), "-o", str(self.out / "out"),
+                   "-q", "--json", "--untimed", "--only", "march,ours")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        document = json.loads(done.stdout)
+        self.assertEqual((document["frame"], document["frames"]), (31, 32))
+        coarse, fine, ours = document["points"]
+        self.assertLess(fine["error"]["value"], 0.5 * coarse["error"]["value"])
+        # Against the first picture the error of the last is that of another place.
+        self.assertLess(ours["error"]["value"], 0.5)
+        self.assertIn("--frame 31", fine["command"])
+        self.assertIn("--frames 32", ours["command"])
+
+    def test_fronts_of_several_seeds(self):
+        done = self.sweep("--seeds", "2", "--untimed", "--only", "march", "--json")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        document = json.loads(done.stdout)
+        self.assertEqual((document["format"], document["sweeps"], document["moved"]),
+                         ("neph-stability-1", 2, 0))
+        # Nothing is random in a march against an exact truth.
+        self.assertEqual([(p["label"], p["outcome"]) for p in document["points"]],
+                         [("steps=4", "on all"), ("steps=16", "on all")])
+        self.assertTrue((self.out / "out" / "seed_2" / "sweep" / "index.html").exists())
+
     def test_what_is_refused(self):
         self.plan.write_text(PLAN.replace("engine: march,", "engine: marsh,"))
         done = self.sweep()
@@ -133,6 +174,9 @@ class Sweep(unittest.TestCase):
         self.assertEqual(done.returncode, 66, done.stderr)
         done = run("sweep", "voxel_grid", "--plan", str(self.plan), "-o", "")
         self.assertEqual(done.returncode, 64)
+        done = run("sweep", "camera_dolly", "--plan", str(self.plan), "-o", str(self.out / "out"))
+        self.assertEqual(done.returncode, 2, done.stderr)
+        self.assertIn("moves for 8 pictures", done.stderr)
         # Somebody's folder is left alone, and before anything is rendered.
         (self.out / "out" / "sweep").mkdir(parents=True)
         (self.out / "out" / "sweep" / "mine.txt").write_text("mine")

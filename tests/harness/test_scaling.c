@@ -12,8 +12,14 @@
 #include "harness/sweep/scaling.h"
 #include "harness/sweep/stability.h"
 #include "scenes/media.h"
+#include "scenes/rescatter.h"
+#include "scenes/variant.h"
 
 #include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 /* --- exponents ------------------------------------------------------------------------------ */
 
@@ -130,6 +136,59 @@ static void test_parts_for_motion(void **state)
     }
 }
 
+/* A program reads the scene's file: it can have what differs from that in sun and camera alone, as
+ * the job tells these. */
+static void test_a_program_gets_variants_of_its_file(void **state)
+{
+    (void)state;
+    struct neph_scene *scene = load("gaussian_blob"), *step = NULL, *other = NULL, *both = NULL;
+    struct neph_diag diag = {.line = 0};
+    const struct neph_variant variant = {NEPH_VARIANT_SUN_STEP, 4, 8};
+    const struct neph_engine *command = neph_engine_find("command");
+    char why[256] = "";
+    neph_assert_ok(neph_scene_variant(scene, &variant, &step, &diag), &diag);
+    neph_assert_ok(neph_scene_rescatter(scene, NEPH_SCATTERING_NONE, &other, &diag), &diag);
+    neph_assert_ok(neph_scene_variant(other, &variant, &both, &diag), &diag);
+    assert_true(command->can_render(scene, NULL, why, sizeof(why)));
+    assert_true(command->can_render(step, NULL, why, sizeof(why)));
+    assert_string_equal(why, "");
+    assert_false(command->can_render(other, NULL, why, sizeof(why)));
+    assert_false(command->can_render(both, NULL, why, sizeof(why)));
+    assert_non_null(strstr(why, "reads the file"));
+    neph_scene_destroy(both);
+    neph_scene_destroy(other);
+    neph_scene_destroy(step);
+    neph_scene_destroy(scene);
+}
+
+/* `neph pick` looks at the user's renderer where there is one. */
+static void test_the_ladder_has_a_guest(void **state)
+{
+    (void)state;
+    char path[] = "/tmp/neph_test_scaling_XXXXXX";
+    static const char program[] = "#!/bin/sh\necho a renderer 1\n";
+    const int fd = mkstemp(path);
+    assert_true(fd >= 0);
+    assert_int_equal(write(fd, program, strlen(program)), strlen(program));
+    assert_int_equal(fchmod(fd, 0700), 0);
+    close(fd);
+    struct neph_scene *scene = load("gaussian_blob");
+    for (int with = 0; with < 2; with++) {
+        struct neph_sweep_plan plan;
+        struct neph_diag diag = {.line = 0};
+        if (with)
+            setenv("NEPH_COMMAND", path, 1);
+        else
+            unsetenv("NEPH_COMMAND");
+        neph_assert_ok(neph_ladder_plan(scene, false, 64, 36, &plan, &diag), &diag);
+        assert_int_equal(strcmp(plan.series[plan.series_count - 1].engine, "command") == 0, with);
+        neph_sweep_plan_finish(&plan);
+    }
+    unsetenv("NEPH_COMMAND");
+    unlink(path);
+    neph_scene_destroy(scene);
+}
+
 /* --- fronts --------------------------------------------------------------------------------- */
 
 enum { SWEEPS = 2, POINTS = 3 };
@@ -188,6 +247,8 @@ int main(void)
         cmocka_unit_test(test_lines_are_judged),
         cmocka_unit_test(test_a_scene_of_so_many_voxels),
         cmocka_unit_test(test_parts_for_motion),
+        cmocka_unit_test(test_a_program_gets_variants_of_its_file),
+        cmocka_unit_test(test_the_ladder_has_a_guest),
         cmocka_unit_test(test_fronts_hold_up_to_intervals),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
