@@ -35,7 +35,7 @@ struct work {
 struct place {
     const struct neph_scene *scene; /* as its file is */
     struct neph_scene *at;          /* at the point; owned */
-    int index; /* of the point */
+    int index;                      /* of the point */
     int first_row, row_count;
     struct neph_reference reference; /* of the presets, which march the same steps */
 };

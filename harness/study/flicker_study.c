@@ -48,7 +48,8 @@ struct neph_study_cost *neph_study_cost_at(const struct neph_flicker_study *stud
 /* ---- jobs ------------------------------------------------------------------------------------ */
 
 static enum neph_status make_job(const struct work *work, const struct neph_scene *scene,
-                                 const char *words, int seed, struct neph_job *job, struct neph_diag *diag)
+                                 const char *words, int seed, struct neph_job *job,
+                                 struct neph_diag *diag)
 {
     const struct neph_flicker_study_params *params = work->params;
     *job = (struct neph_job){.shot = {.scene = scene,

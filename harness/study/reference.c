@@ -31,9 +31,8 @@ static const struct neph_engine *engine_of(const struct neph_job *test)
     for (size_t i = 0; i < sizeof(marches) / sizeof(marches[0]); i++)
         if (strcmp(test->engine->name, marches[i]) == 0)
             return test->engine;
-    return neph_engine_find(test->shot.scene->scattering == NEPH_SCATTERING_MULTIPLE
-                                ? "march_octaves"
-                                : "march");
+    return neph_engine_find(
+        test->shot.scene->scattering == NEPH_SCATTERING_MULTIPLE ? "march_octaves" : "march");
 }
 
 /* What march and test both can be set to, as the test has it: steps, transmittance, sun. */

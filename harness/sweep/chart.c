@@ -375,8 +375,8 @@ static enum neph_status set_series(json_t *spec, const struct neph_sweep *sweep,
     enum neph_status status = neph_json_put(json_object_get(color, "scale"), "domain",
                                             series_json(sweep), diag);
     for (size_t i = 0; i < json_array_size(layers) && !status; i++) {
-        json_t *dash = json_object_get(
-            json_object_get(json_array_get(layers, i), "encoding"), "strokeDash");
+        json_t *dash = json_object_get(json_object_get(json_array_get(layers, i), "encoding"),
+                                       "strokeDash");
         if (dash)
             status = neph_json_put(json_object_get(dash, "scale"), "domain", series_json(sweep),
                                    diag);

@@ -11,8 +11,8 @@
 #include <string.h>
 
 const struct neph_choice_measure neph_choice_measures[NEPH_CHOICE_NUMBERS] = {
-    [NEPH_CHOICE_FLICKER] = {"flicker", "flicker seen, contrast over threshold",
-                             NEPH_STUDY_FLICKER, "seen_contrast", "all", 0},
+    [NEPH_CHOICE_FLICKER] = {"flicker", "flicker seen, contrast over threshold", NEPH_STUDY_FLICKER,
+                             "seen_contrast", "all", 0},
     [NEPH_CHOICE_HALF_LIFE] = {"half-life", "half-life after a step of the sun [frames]",
                                NEPH_STUDY_STEP, "half_life_p50", "all", 0},
     [NEPH_CHOICE_LAG] = {"lag", "lag behind a sun that swings in 64 frames [frames]",
@@ -305,15 +305,12 @@ static json_t *candidate_json(const struct neph_choice *choice,
                               const struct neph_flicker_study *study, int index)
 {
     const struct neph_choice_candidate *candidate = &choice->candidates[index];
-    json_t *json = json_pack("{s:s, s:b, s:b, s:s?}", "preset", study->params->presets[index],
-                             "on_front", candidate->on_front, "within", candidate->is_within,
-                             "beaten_by",
-                             candidate->beaten_by < 0
-                                 ? NULL
-                                 : study->params->presets[candidate->beaten_by]);
+    json_t *json = json_pack(
+        "{s:s, s:b, s:b, s:s?}", "preset", study->params->presets[index], "on_front",
+        candidate->on_front, "within", candidate->is_within, "beaten_by",
+        candidate->beaten_by < 0 ? NULL : study->params->presets[candidate->beaten_by]);
     for (int n = 0; n < NEPH_CHOICE_NUMBERS; n++)
-        neph_json_set(&json, neph_choice_measures[n].name,
-                      neph_json_number(candidate->levels[n]));
+        neph_json_set(&json, neph_choice_measures[n].name, neph_json_number(candidate->levels[n]));
     return json;
 }
 

@@ -22,8 +22,8 @@ enum neph_choice_number {
 };
 
 struct neph_choice_measure {
-    const char *name;          /* of options and JSON: "half-life" */
-    const char *title;         /* with the unit */
+    const char *name;  /* of options and JSON: "half-life" */
+    const char *title; /* with the unit */
     enum neph_study_take_id take;
     const char *metric, *mask; /* of neph_study_metrics; NULL: a cost */
     size_t cost;               /* offset in struct neph_study_cost */
@@ -50,7 +50,7 @@ struct neph_choice {
     int scene_counts[NEPH_CHOICE_NUMBERS];
     int candidate_count;
     struct neph_choice_candidate candidates[NEPH_STUDY_PRESETS_MAX];
-    int chosen; /* -1: none is within the budget */
+    int chosen;  /* -1: none is within the budget */
     int nearest; /* to the budget, where none is within it; else the chosen one */
 };
 

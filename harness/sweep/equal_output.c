@@ -114,14 +114,14 @@ json_t *neph_sweep_equals_json(const struct neph_sweep *sweep)
             const struct neph_sweep_series *base = base_of(sweep, (enum neph_sweep_cost)cost,
                                                            numbers[n], list, &count);
             for (int i = 0; i < count; i++)
-                neph_json_add(
-                    &json, json_pack("{s:s, s:s, s:s, s:s, s:f, s:f, s:o, s:o}", "cost",
-                                     costs[cost].name, "number",
-                                     neph_sweep_number_texts[numbers[n]].name, "against",
-                                     base->name, "series", list[i].series->name, "at_cost",
-                                     list[i].at_cost, "at_number", list[i].at_number, "cost_ratio",
-                                     neph_json_number(list[i].cost_ratio), "number_ratio",
-                                     neph_json_number(list[i].number_ratio)));
+                neph_json_add(&json,
+                              json_pack("{s:s, s:s, s:s, s:s, s:f, s:f, s:o, s:o}", "cost",
+                                        costs[cost].name, "number",
+                                        neph_sweep_number_texts[numbers[n]].name, "against",
+                                        base->name, "series", list[i].series->name, "at_cost",
+                                        list[i].at_cost, "at_number", list[i].at_number,
+                                        "cost_ratio", neph_json_number(list[i].cost_ratio),
+                                        "number_ratio", neph_json_number(list[i].number_ratio)));
         }
     return json;
 }

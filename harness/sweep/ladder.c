@@ -159,9 +159,9 @@ static enum neph_status add_guest(struct neph_sweep_plan *plan, struct neph_diag
     const struct neph_engine *guest = neph_engine_find("command");
     struct neph_engine_info info;
     neph_engine_probe(guest, &info);
-    return info.available ? neph_ladder_add(plan, "yours", guest->name, NULL, NULL, NULL, -1, true,
-                                            diag)
-                          : NEPH_OK;
+    return info.available
+               ? neph_ladder_add(plan, "yours", guest->name, NULL, NULL, NULL, -1, true, diag)
+               : NEPH_OK;
 }
 
 enum neph_status neph_ladder_plan(const struct neph_scene *scene, bool late, int width_px,

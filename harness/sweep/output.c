@@ -168,9 +168,9 @@ json_t *neph_sweep_json(const struct neph_sweep *sweep)
         sweep->scene->hash, "width_px", plan->width_px, "height_px", plan->height_px, "frames",
         sweep->frame_count, "warm_up", plan->warm_up, "truth", sweep->truth, "truth_noise",
         neph_json_number(sweep->floor), "error_mask", sweep->clear_of, "flicker_mask", sweep->mask,
-        "frame", sweep->frame, "device", neph_sweep_device(sweep), "load", neph_json_number(sweep->load), "measured",
-        neph_sweep_measured_count(sweep), "expected", sweep->point_count, "points", points,
-        "equal", neph_sweep_equals_json(sweep));
+        "frame", sweep->frame, "device", neph_sweep_device(sweep), "load",
+        neph_json_number(sweep->load), "measured", neph_sweep_measured_count(sweep), "expected",
+        sweep->point_count, "points", points, "equal", neph_sweep_equals_json(sweep));
 }
 
 /* --- CSV ------------------------------------------------------------------------------------ */

@@ -139,8 +139,8 @@ static enum neph_status measure_flicker(struct neph_sweep_bench *bench,
                                    .frozen_is_fine = true};
     char *folder = NULL, *last = NULL;
     json_t *record = NULL, *document = NULL;
-    enum neph_status status = have_reference(bench, &point->job, bench->frame_count,
-                                             &bench->still, diag);
+    enum neph_status status = have_reference(bench, &point->job, bench->frame_count, &bench->still,
+                                             diag);
     if (!status)
         status = neph_take_run(&take, bench->store, &folder, &record, diag);
     if (!status)

@@ -26,7 +26,7 @@ struct neph_sweep_bench {
     struct neph_reference still, stepped;                   /* of the point at hand; owned */
     uint64_t seed;
     int frame_count, frame; /* as of struct neph_sweep */
-    const char *mask; /* that flicker was taken over, once it was */
+    const char *mask;       /* that flicker was taken over, once it was */
 };
 
 void neph_sweep_bench_finish(struct neph_sweep_bench *bench);

@@ -49,8 +49,8 @@ struct neph_sweep_point {
 };
 
 struct neph_sweep {
-    const struct neph_sweep_plan *plan;                           /* borrowed */
-    struct neph_scene *scene;                                     /* owned */
+    const struct neph_sweep_plan *plan; /* borrowed */
+    struct neph_scene *scene;           /* owned */
     int frame_count; /* of sequences: those of the plan, or as many as a scene has that moves */
     int frame;       /* of the pictures that errors are of: the last of a sequence; 0 where nothing
                         moves */

@@ -16,27 +16,47 @@
 
 /* Fixed costs make what is small dearer, so that times may grow more slowly than the work. */
 const struct neph_scaling_axis neph_scaling_axes[NEPH_SCALING_AXES] = {
-    [NEPH_SCALING_PIXELS] = {"pixels", "pixels of a picture", {0.25, 0.375, 0.5, 0.75, 1.0},
-                             {1, 1}, {0, 1},
+    [NEPH_SCALING_PIXELS] = {"pixels",
+                             "pixels of a picture",
+                             {0.25, 0.375, 0.5, 0.75, 1.0},
+                             {1, 1},
+                             {0, 1},
                              "every pixel or tile has a ray of its own; what a picture costs "
                              "besides is the same for all sizes"},
-    [NEPH_SCALING_STEPS] = {"steps", "steps of a ray", {8, 16, 32, 64, 128}, {1, 1}, {0, 1},
+    [NEPH_SCALING_STEPS] = {"steps",
+                            "steps of a ray",
+                            {8, 16, 32, 64, 128},
+                            {1, 1},
+                            {0, 1},
                             "a step asks once; what a ray costs besides is the same for all"},
-    [NEPH_SCALING_VOXELS] = {"voxels", "voxels of the media", {24, 32, 48, 64, 96, 128}, {0, 0},
+    [NEPH_SCALING_VOXELS] = {"voxels",
+                             "voxels of the media",
+                             {24, 32, 48, 64, 96, 128},
+                             {0, 0},
                              {0, 1.0 / 3.0},
                              "a step looks at the same few voxels, however many there are; a "
                              "cache holds less of more, at worst in proportion to those along a "
                              "ray"},
-    [NEPH_SCALING_DEPTH] = {"density", "density, times that of the scene", {0.25, 0.5, 1, 2, 4},
-                            {-1, 0}, {-1, 0},
+    [NEPH_SCALING_DEPTH] = {"density",
+                            "density, times that of the scene",
+                            {0.25, 0.5, 1, 2, 4},
+                            {-1, 0},
+                            {-1, 0},
                             "nothing asks twice because there is more of it; a ray that ends "
                             "where nothing gets through ends the sooner"},
-    [NEPH_SCALING_PICTURES] = {"pictures", "pictures in a row", {4, 8, 16, 32, 64}, {1, 1}, {1, 1},
+    [NEPH_SCALING_PICTURES] = {"pictures",
+                               "pictures in a row",
+                               {4, 8, 16, 32, 64},
+                               {1, 1},
+                               {1, 1},
                                "a history costs the same in every picture"},
 };
 
-enum { STEPS = 32, ROUNDS = 3, POINTS_MAX = NEPH_SCALING_AXES * NEPH_SCALING_VALUES_MAX *
-                                            NEPH_SCALING_SERIES };
+enum {
+    STEPS = 32,
+    ROUNDS = 3,
+    POINTS_MAX = NEPH_SCALING_AXES * NEPH_SCALING_VALUES_MAX * NEPH_SCALING_SERIES
+};
 enum { KIND_POINT, KIND_PICTURES, KIND_ROUND }; /* of progress */
 
 int neph_scaling_value_count(const struct neph_scaling_axis *axis)
@@ -61,8 +81,8 @@ struct work {
     struct neph_sweep_plan plan; /* its series are those of the scaling */
     struct neph_engine_info infos[NEPH_SCALING_SERIES];
     struct scene_at scenes[NEPH_SCALING_AXES][NEPH_SCALING_VALUES_MAX];
-    struct neph_sweep_point *points;             /* those that are rendered and timed one by one */
-    struct neph_scaling_point *of[POINTS_MAX];   /* where each goes */
+    struct neph_sweep_point *points;           /* those that are rendered and timed one by one */
+    struct neph_scaling_point *of[POINTS_MAX]; /* where each goes */
     int point_count;
     struct neph_progress progress;
     struct neph_scaling *scaling;
@@ -118,8 +138,7 @@ static enum neph_status make_job(struct work *work, int series, const struct nep
                                                   &job->shot.settings, diag);
     char steps[24];
     snprintf(steps, sizeof(steps), "steps=%d", STEPS);
-    return status ? status
-                  : neph_settings_set(job->engine, &job->shot.settings, steps, diag);
+    return status ? status : neph_settings_set(job->engine, &job->shot.settings, steps, diag);
 }
 
 static enum neph_status set_value(enum neph_scaling_axis_id axis, double value,
@@ -157,9 +176,8 @@ static enum neph_status add_point(struct work *work, struct neph_scaling_line *l
     struct neph_sweep_point *point = &work->points[work->point_count];
     struct neph_scaling_point *into = &line->points[line->count++];
     *into = (struct neph_scaling_point){at->x, NAN, {NAN, NAN, NAN}};
-    *point = (struct neph_sweep_point){.series = &work->plan.series[line->series],
-                                       .time = {NAN, NAN, NAN},
-                                       .evaluations = NAN};
+    *point = (struct neph_sweep_point){
+        .series = &work->plan.series[line->series], .time = {NAN, NAN, NAN}, .evaluations = NAN};
     work->of[work->point_count++] = into;
     enum neph_status status = make_job(work, line->series, at->made ? at->made : work->scene,
                                        &point->job, diag);

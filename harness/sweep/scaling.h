@@ -13,8 +13,8 @@
 #include "harness/sweep/times.h"
 
 struct neph_scaling_params {
-    const char *scene;  /* a name of the catalogue, or a path */
-    const char *preset; /* of realtime, beside the march: "NAME" or "NAME+KEY=VALUE+..." */
+    const char *scene;       /* a name of the catalogue, or a path */
+    const char *preset;      /* of realtime, beside the march: "NAME" or "NAME+KEY=VALUE+..." */
     int width_px, height_px; /* the largest */
     uint64_t seed;
     bool untimed, quiet;

@@ -62,15 +62,16 @@ void neph_scaling_print(const struct neph_scaling *scaling, FILE *out)
     if (scaling->has_closed_form)
         fprintf(out, "All media have closed forms: engine exact marches no ray, and evaluates no "
                      "density, whatever there is of them.\n");
-    fprintf(out, "Intervals: 95 %%, Student's t, of the scatter about the line; \"as expected\": "
-                 "within %.2g of what is wanted.\n",
+    fprintf(out,
+            "Intervals: 95 %%, Student's t, of the scatter about the line; \"as expected\": "
+            "within %.2g of what is wanted.\n",
             NEPH_EXPONENT_SAME);
 }
 
 /* --- JSON ----------------------------------------------------------------------------------- */
 
-static json_t *exponent_json(const struct neph_exponent *exponent,
-                             struct neph_exponent_range range, enum neph_exponent_verdict verdict)
+static json_t *exponent_json(const struct neph_exponent *exponent, struct neph_exponent_range range,
+                             enum neph_exponent_verdict verdict)
 {
     return json_pack("{s:o, s:o, s:o, s:[f,f], s:s}", "exponent", neph_json_number(exponent->value),
                      "low", neph_json_number(exponent->low), "high",

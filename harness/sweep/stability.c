@@ -4,8 +4,8 @@
 #include <math.h>
 
 const char *const neph_stability_words[NEPH_STABILITY_OUTCOMES] = {
-    [NEPH_STABILITY_ABSENT] = "absent",    [NEPH_STABILITY_OFF] = "off",
-    [NEPH_STABILITY_ON] = "on all",        [NEPH_STABILITY_WITHIN] = "within intervals",
+    [NEPH_STABILITY_ABSENT] = "absent", [NEPH_STABILITY_OFF] = "off",
+    [NEPH_STABILITY_ON] = "on all",     [NEPH_STABILITY_WITHIN] = "within intervals",
     [NEPH_STABILITY_MOVED] = "moved",
 };
 

@@ -18,8 +18,8 @@ struct neph_sweep_params {
     const struct neph_sweep_plan *plan;
     const char *scene;       /* a name of the catalogue, or a path */
     const char *const *only; /* names of series, NULL-terminated; NULL: all */
-    const char *against;     /* a series that others are held against; NULL: the first that can be */
-    double time_limit_s;     /* per child process */
+    const char *against; /* a series that others are held against; NULL: the first that can be */
+    double time_limit_s; /* per child process */
     uint64_t seed;
     bool quiet;
     bool untimed;             /* no times: evaluations are the cost */

@@ -98,8 +98,8 @@ static void test_levels_are_geometric_means(void **state)
                                                      .scene_count = SCENES,
                                                      .seed_count = 1,
                                                      .steps = 8};
-    struct neph_study_scene rows[SCENES] = {{.name = (char[]){"a"}}, {.name = (char[]){"b"}},
-                                            {.name = (char[]){"c"}}};
+    struct neph_study_scene rows[SCENES] = {
+        {.name = (char[]){"a"}}, {.name = (char[]){"b"}}, {.name = (char[]){"c"}}};
     const size_t cells = (size_t)PRESETS * SCENES * (size_t)neph_study_metric_count();
     struct neph_flicker_study study = {.params = &params,
                                        .scenes = rows,

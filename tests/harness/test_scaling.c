@@ -56,9 +56,12 @@ static void test_verdicts_on_exponents(void **state)
         struct neph_exponent exponent;
         enum neph_exponent_verdict verdict;
     } cases[] = {
-        {{1.0, 1.0, 1.0, 5}, NEPH_EXPONENT_EXPECTED}, {{0.95, 0.91, 0.99, 5}, NEPH_EXPONENT_EXPECTED},
-        {{1.3, 1.2, 1.4, 5}, NEPH_EXPONENT_OTHER},    {{0.0, 0.0, 0.0, 5}, NEPH_EXPONENT_OTHER},
-        {{1.0, 0.5, 1.5, 5}, NEPH_EXPONENT_UNTOLD},   {{NAN, NAN, NAN, 1}, NEPH_EXPONENT_NONE},
+        {{1.0, 1.0, 1.0, 5}, NEPH_EXPONENT_EXPECTED},
+        {{0.95, 0.91, 0.99, 5}, NEPH_EXPONENT_EXPECTED},
+        {{1.3, 1.2, 1.4, 5}, NEPH_EXPONENT_OTHER},
+        {{0.0, 0.0, 0.0, 5}, NEPH_EXPONENT_OTHER},
+        {{1.0, 0.5, 1.5, 5}, NEPH_EXPONENT_UNTOLD},
+        {{NAN, NAN, NAN, 1}, NEPH_EXPONENT_NONE},
     };
     for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++)
         assert_int_equal(
@@ -104,7 +107,8 @@ static void test_a_scene_of_so_many_voxels(void **state)
     struct neph_diag diag = {.line = 0};
     double coarse = 0.0, fine = 0.0, none = 0.0;
     for (int i = 0; i < 2; i++) {
-        neph_assert_ok(neph_scaled_make(blob, i ? 16 : 8, &made, i ? &fine : &coarse, &diag), &diag);
+        neph_assert_ok(neph_scaled_make(blob, i ? 16 : 8, &made, i ? &fine : &coarse, &diag),
+                       &diag);
         assert_int_equal(made->media[0].kind, NEPH_MEDIUM_GRID);
         assert_string_not_equal(made->hash, blob->hash);
         neph_scaled_destroy(made);
@@ -199,9 +203,8 @@ static void make_sweep(const struct neph_sweep_series *series, double gap, doubl
 {
     const double costs[] = {1.0, 2.0, 4.0}, errors[] = {0.1, 0.1 * gap, 0.02};
     for (int i = 0; i < POINTS; i++) {
-        points[i] = (struct neph_sweep_point){.series = series,
-                                              .evaluations = costs[i],
-                                              .time = {NAN, NAN, NAN}};
+        points[i] = (struct neph_sweep_point){
+            .series = series, .evaluations = costs[i], .time = {NAN, NAN, NAN}};
         for (int n = 0; n < NEPH_SWEEP_NUMBERS; n++)
             points[i].numbers[n] = (struct neph_sweep_value){NAN, NAN, NAN};
         points[i].numbers[NEPH_SWEEP_ERROR] = (struct neph_sweep_value){
@@ -234,8 +237,8 @@ static void test_fronts_hold_up_to_intervals(void **state)
     points[1][1].evaluations = NAN;
     assert_int_equal(outcome(sweeps, 1), NEPH_STABILITY_ABSENT);
     /* A point never beats itself, nor one that is as good. */
-    assert_false(neph_stability_beats(&points[0][0], &points[0][0], NEPH_SWEEP_COST_WORK,
-                                      NEPH_SWEEP_ERROR));
+    assert_false(
+        neph_stability_beats(&points[0][0], &points[0][0], NEPH_SWEEP_COST_WORK, NEPH_SWEEP_ERROR));
 }
 
 int main(void)

@@ -382,27 +382,28 @@ static void test_equal_error_and_equal_time(void **state)
     struct neph_sweep_equal list[NEPH_SWEEP_SERIES_MAX];
     make_sweep(&plan, &scene, &info, points, &sweep);
     points[2].numbers[NEPH_SWEEP_ERROR].value = 0.05; /* that of the second point, in 0.03 s */
-    assert_int_equal(neph_sweep_equals(&sweep, &plan.series[0], NEPH_SWEEP_COST_TIME,
-                                       NEPH_SWEEP_ERROR, list),
-                     1);
+    assert_int_equal(
+        neph_sweep_equals(&sweep, &plan.series[0], NEPH_SWEEP_COST_TIME, NEPH_SWEEP_ERROR, list),
+        1);
     assert_ptr_equal(list[0].series, &plan.series[1]);
     assert_true(fabs(list[0].cost_ratio - 1.5) < 1e-12);
     assert_true(isnan(list[0].number_ratio)); /* 0.03 s are beyond 0.02 s */
-    assert_int_equal(neph_sweep_equals(&sweep, &plan.series[1], NEPH_SWEEP_COST_TIME,
-                                       NEPH_SWEEP_ERROR, list),
-                     0); /* one point */
+    assert_int_equal(
+        neph_sweep_equals(&sweep, &plan.series[1], NEPH_SWEEP_COST_TIME, NEPH_SWEEP_ERROR, list),
+        0); /* one point */
     /* Evaluations were not counted; once they are, they are another cost. */
-    assert_int_equal(neph_sweep_equals(&sweep, &plan.series[0], NEPH_SWEEP_COST_WORK,
-                                       NEPH_SWEEP_ERROR, list),
-                     0);
+    assert_int_equal(
+        neph_sweep_equals(&sweep, &plan.series[0], NEPH_SWEEP_COST_WORK, NEPH_SWEEP_ERROR, list),
+        0);
     for (int i = 0; i < POINTS; i++)
         points[i].evaluations = 10.0 * (i + 1);
     points[2].evaluations = 15.0;
-    assert_int_equal(neph_sweep_equals(&sweep, &plan.series[0], NEPH_SWEEP_COST_WORK,
-                                       NEPH_SWEEP_ERROR, list),
-                     1);
-    assert_true(fabs(list[0].cost_ratio - 0.75) < 1e-12);       /* 15 of 20 for the same error */
-    assert_true(fabs(list[0].number_ratio - 0.05 * 15.0) < 1e-12); /* which is 0.1 * 10 / 15 there */
+    assert_int_equal(
+        neph_sweep_equals(&sweep, &plan.series[0], NEPH_SWEEP_COST_WORK, NEPH_SWEEP_ERROR, list),
+        1);
+    assert_true(fabs(list[0].cost_ratio - 0.75) < 1e-12); /* 15 of 20 for the same error */
+    assert_true(fabs(list[0].number_ratio - 0.05 * 15.0) <
+                1e-12); /* which is 0.1 * 10 / 15 there */
     json_t *json = neph_sweep_equals_json(&sweep);
     assert_int_equal(json_array_size(json), 2); /* by time and by evaluations */
     json_decref(json);
