@@ -129,7 +129,7 @@ static const struct neph_cli_syntax syntax = {
            "  neph pick cloud_below --error 0.3 --flicker 2 --size 160x90\n"
            "  neph pick voxel_grid --error 0.25 --ms 50 -o out\n"
            "  neph render voxel_grid --config out/pick.json --frames 48\n"
-           "  neph pick --suite tuning --presets ours,fixed,ours+taa_weight=0.06 --half-life 2 "
+           "  neph pick --suite tuning --presets ours,fixed,ours+taa_alpha=0.06 --half-life 2 "
            "--least flicker --size 96x54",
 };
 
