@@ -99,6 +99,36 @@ static void print_point(const struct neph_sweep_point *point, FILE *out)
     fprintf(out, "%s\n", point->at_floor ? "  error within twice the noise of the truth" : "");
 }
 
+/* On one's front, by their cost: time where there is one, else work. */
+static int by_cost(const void *a_, const void *b_)
+{
+    const struct neph_sweep_point *a = *(const struct neph_sweep_point *const *)a_,
+                                  *b = *(const struct neph_sweep_point *const *)b_;
+    const enum neph_sweep_cost cost = isnan(a->time.median) || isnan(b->time.median)
+                                          ? NEPH_SWEEP_COST_WORK
+                                          : NEPH_SWEEP_COST_TIME;
+    const double of_a = neph_sweep_cost_of(a, cost), of_b = neph_sweep_cost_of(b, cost);
+    return (of_a > of_b) - (of_a < of_b);
+}
+
+/* "front of error: ours steps=8, fitted octaves steps=16, tracer samples=128" */
+static void print_front(const struct neph_sweep *sweep, enum neph_sweep_number number, FILE *out)
+{
+    const struct neph_sweep_point *points[NEPH_SWEEP_POINTS_MAX];
+    int count = 0;
+    for (int i = 0; i < sweep->point_count; i++)
+        if (sweep->points[i].on_front[number])
+            points[count++] = &sweep->points[i];
+    if (count == 0)
+        return;
+    qsort(points, (size_t)count, sizeof(struct neph_sweep_point *), by_cost);
+    fprintf(out, "front of %s, the cheapest first:", neph_sweep_number_texts[number].name);
+    for (int i = 0; i < count; i++)
+        fprintf(out, "%s %s%s%s", i > 0 ? "," : "", points[i]->series->name,
+                points[i]->label[0] ? " " : "", points[i]->label);
+    fprintf(out, "\n");
+}
+
 void neph_sweep_print(const struct neph_sweep *sweep, FILE *out)
 {
     const struct neph_sweep_plan *plan = sweep->plan;
@@ -111,6 +141,9 @@ void neph_sweep_print(const struct neph_sweep *sweep, FILE *out)
             column_width, "flicker ", column_width, "four ", column_width, "half-life ");
     for (int i = 0; i < sweep->point_count; i++)
         print_point(&sweep->points[i], out);
+    fprintf(out, "\n");
+    for (int n = 0; n < NEPH_SWEEP_NUMBERS; n++)
+        print_front(sweep, (enum neph_sweep_number)n, out);
     fprintf(out,
             "\n*: on the front of its column: nothing cheaper is as good.\n"
             "error: relative RMSE against the truth, the model's gap included; shortcut: "

@@ -210,7 +210,9 @@ static const struct neph_field series_fields[] = {
      .least = 1, .most = NAME_MAX, .standard = "none"},
     {"values", NEPH_TEXT, SERIES(values), .note = "of that setting, parted by spaces", .least = 1,
      .most = TEXT_MAX, .standard = "none"},
-    {"flicker", NEPH_FLAG, SERIES(flicker), .note = "render sequences, and measure their flicker",
+    {"flicker", NEPH_FLAG, SERIES(flicker),
+     .note = "render a sequence, as is done of engines with a history in any case, and measure "
+             "its flicker",
      .standard = "`false`"},
     {"lag_at", NEPH_TEXT, SERIES(lag_at),
      .note = "those of the values at which sequences with a step of the sun are rendered, too",

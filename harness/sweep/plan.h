@@ -28,7 +28,7 @@ struct neph_sweep_series {
     char *held;   /* settings "KEY=VALUE KEY=VALUE" of all its points; NULL: none */
     char *varied; /* the setting that changes; NULL: the series is one point */
     char *values; /* what it is set to, parted by spaces, in the order of the line */
-    bool flicker; /* rendered as a sequence, whose flicker is measured */
+    bool flicker; /* rendered as a sequence, as what has a history is, and its flicker measured */
     char *lag_at; /* values of `varied` at which that is done again with a step of the sun; NULL: at
                      none */
     int scattering; /* the scene as if it had these orders of scattering: enum neph_scattering; -1:

@@ -18,6 +18,8 @@
 enum { STEP_FRAMES = 80 };
 
 static const char *const of_flicker[] = {"seen", "flicker", "error", NULL};
+static const char *const of_error[] = {"error",
+                                       NULL}; /* of a sequence whose flicker nobody asks for */
 static const char *const of_lag[] = {"lag", NULL};
 static const char *const at_step[] = {"lag.step_frame=32", NULL};
 _Static_assert(NEPH_STUDY_EVENT_FRAME == 32, "what at_step says");
@@ -30,6 +32,10 @@ static const struct neph_meter_number kept_of_flicker[] = {
     {"seen_contrast", "all"},
     {"a4_p95", "depth_edge"},
     {"a4_p95", "all"},
+    {"rel_rmse", "all"},
+    {.metric = NULL},
+};
+static const struct neph_meter_number kept_of_error[] = {
     {"rel_rmse", "all"},
     {.metric = NULL},
 };
@@ -122,14 +128,15 @@ static struct neph_viewing viewing_of(const struct neph_scene *scene)
     return viewing;
 }
 
-static enum neph_status measure_flicker(struct neph_sweep_bench *bench,
-                                        struct neph_sweep_point *point, struct neph_diag *diag)
+static enum neph_status measure_sequence(struct neph_sweep_bench *bench,
+                                         struct neph_sweep_point *point, struct neph_diag *diag)
 {
+    const bool flickers = point->series->flicker;
     const struct neph_reading reading = {.name = "sweep",
                                          .against = NEPH_REFERENCE_AVERAGED,
-                                         .extractors = of_flicker,
+                                         .extractors = flickers ? of_flicker : of_error,
                                          .viewing = viewing_of(point->job.shot.scene),
-                                         .kept = kept_of_flicker,
+                                         .kept = flickers ? kept_of_flicker : kept_of_error,
                                          .warm_up_frames = bench->plan->warm_up};
     const struct neph_take take = {.job = point->job,
                                    .frame_count = bench->frame_count,
@@ -152,7 +159,8 @@ static enum neph_status measure_flicker(struct neph_sweep_bench *bench,
             point->numbers[NEPH_SWEEP_SHORTCUT] = number_in(document, NEPH_SWEEP_SHORTCUT);
         point->numbers[NEPH_SWEEP_FLICKER] = number_in(document, NEPH_SWEEP_FLICKER);
         point->numbers[NEPH_SWEEP_FOUR] = number_in(document, NEPH_SWEEP_FOUR);
-        bench->mask = neph_take_find(document, "seen_contrast", masks[0]) ? masks[0] : masks[1];
+        if (flickers)
+            bench->mask = neph_take_find(document, "seen_contrast", masks[0]) ? masks[0] : masks[1];
         status = neph_sweep_point_count(last, point, diag);
     }
     if (!status)
@@ -261,7 +269,7 @@ enum neph_status neph_sweep_point_measure(struct neph_sweep_bench *bench,
     double seconds;
     enum neph_status status;
     if (neph_sweep_is_sequence(point))
-        status = measure_flicker(bench, point, &why);
+        status = measure_sequence(bench, point, &why);
     else
         status = neph_sweep_point_render(bench, point, 0, &point->numbers[NEPH_SWEEP_ERROR],
                                          &seconds, &why);
