@@ -74,6 +74,12 @@ struct scene_at {
     char missing[256];
 };
 
+/* A point of a line, and which it is of those that are rendered. */
+struct use {
+    struct neph_scaling_point *into;
+    int point;
+};
+
 struct work {
     const struct neph_scaling_params *params;
     struct neph_store *store;
@@ -81,9 +87,11 @@ struct work {
     struct neph_sweep_plan plan; /* its series are those of the scaling */
     struct neph_engine_info infos[NEPH_SCALING_SERIES];
     struct scene_at scenes[NEPH_SCALING_AXES][NEPH_SCALING_VALUES_MAX];
-    struct neph_sweep_point *points;           /* those that are rendered and timed one by one */
-    struct neph_scaling_point *of[POINTS_MAX]; /* where each goes */
+    struct neph_sweep_point *points; /* those that are rendered and timed one by one */
+    char keys[POINTS_MAX + 1][NEPH_HASH_HEX_SIZE]; /* of their jobs */
     int point_count;
+    struct use uses[POINTS_MAX];
+    int use_count;
     struct neph_progress progress;
     struct neph_scaling *scaling;
 };
@@ -157,11 +165,20 @@ static enum neph_status set_value(enum neph_scaling_axis_id axis, double value,
     return NEPH_OK;
 }
 
-/* What cannot be rendered has no point at all. */
-static void forget(struct work *work, struct neph_scaling_line *line)
+/* Lines that meet have their point in common: it is rendered and timed once. */
+static enum neph_status have_point(struct work *work, const struct neph_sweep_series *series,
+                                   const struct neph_job *job, int *index, struct neph_diag *diag)
 {
-    work->point_count -= line->count;
-    line->count = 0;
+    char(*keys)[NEPH_HASH_HEX_SIZE] = work->keys;
+    const int count = work->point_count;
+    const enum neph_status status = neph_job_key(job, keys[count], diag);
+    for (*index = 0; !status && strcmp(keys[*index], keys[count]) != 0;)
+        (*index)++;
+    if (status || *index < count)
+        return status;
+    work->points[work->point_count++] = (struct neph_sweep_point){
+        .series = series, .job = *job, .time = {NAN, NAN, NAN}, .evaluations = NAN};
+    return NEPH_OK;
 }
 
 static enum neph_status add_point(struct work *work, struct neph_scaling_line *line, int place,
@@ -169,24 +186,23 @@ static enum neph_status add_point(struct work *work, struct neph_scaling_line *l
 {
     const struct neph_scaling_axis *axis = &neph_scaling_axes[line->axis];
     const struct scene_at *at = &work->scenes[line->axis][place];
-    if (at->missing[0]) {
-        snprintf(line->missing, sizeof(line->missing), "%s", at->missing);
+    const struct neph_sweep_series *series = &work->plan.series[line->series];
+    double x = at->x;
+    struct neph_job job;
+    snprintf(line->missing, sizeof(line->missing), "%s", at->missing);
+    if (line->missing[0])
         return NEPH_OK;
-    }
-    struct neph_sweep_point *point = &work->points[work->point_count];
-    struct neph_scaling_point *into = &line->points[line->count++];
-    *into = (struct neph_scaling_point){at->x, NAN, {NAN, NAN, NAN}};
-    *point = (struct neph_sweep_point){
-        .series = &work->plan.series[line->series], .time = {NAN, NAN, NAN}, .evaluations = NAN};
-    work->of[work->point_count++] = into;
-    enum neph_status status = make_job(work, line->series, at->made ? at->made : work->scene,
-                                       &point->job, diag);
+    enum neph_status status = make_job(work, line->series, at->made ? at->made : work->scene, &job,
+                                       diag);
     if (!status)
-        status = set_value(line->axis, axis->values[place], &point->job, &into->x, diag);
-    if (!status && !point->job.engine->can_render(point->job.shot.scene, &point->job.shot.settings,
-                                                  line->missing, sizeof(line->missing)))
-        forget(work, line);
-    return status;
+        status = set_value(line->axis, axis->values[place], &job, &x, diag);
+    if (status || !job.engine->can_render(job.shot.scene, &job.shot.settings, line->missing,
+                                          sizeof(line->missing)))
+        return status;
+    struct use *use = &work->uses[work->use_count++];
+    use->into = &line->points[line->count++];
+    *use->into = (struct neph_scaling_point){x, NAN, {NAN, NAN, NAN}};
+    return have_point(work, series, &job, &use->point, diag);
 }
 
 static enum neph_status add_lines(struct work *work, struct neph_diag *diag)
@@ -209,7 +225,7 @@ static enum neph_status add_lines(struct work *work, struct neph_diag *diag)
 /* --- counting ------------------------------------------------------------------------------- */
 
 static enum neph_status count_point(struct work *work, struct neph_sweep_point *point,
-                                    struct neph_scaling_point *into, struct neph_diag *diag)
+                                    struct neph_diag *diag)
 {
     struct neph_job_result result = {.outcome = NEPH_OUTCOME_FAILED};
     enum neph_status status = neph_job_run(&point->job, work->store, &result, diag);
@@ -217,7 +233,6 @@ static enum neph_status count_point(struct work *work, struct neph_sweep_point *
         status = neph_outcome_check(result.outcome, result.reason, diag);
     if (!status)
         status = neph_sweep_point_count(result.frame_path, point, diag);
-    into->evaluations = point->evaluations * point->job.shot.width_px * point->job.shot.height_px;
     neph_job_result_finish(&result);
     return status;
 }
@@ -262,7 +277,7 @@ static enum neph_status count_all(struct work *work, struct neph_diag *diag)
     enum neph_status status = NEPH_OK;
     for (int i = 0; i < work->point_count && !status; i++) {
         work->progress.kind = KIND_POINT;
-        status = count_point(work, &work->points[i], work->of[i], diag);
+        status = count_point(work, &work->points[i], diag);
         neph_progress_tick(&work->progress, "evaluations");
     }
     for (int i = 0; i < scaling->line_count && !status; i++)
@@ -284,10 +299,19 @@ static enum neph_status time_all(struct work *work, struct neph_diag *diag)
                                      .seed = work->params->seed};
     work->progress.kind = KIND_ROUND;
     const enum neph_status status = neph_sweep_time(&bench, work->points, work->point_count, diag);
-    for (int i = 0; i < work->point_count && !status; i++)
-        work->of[i]->time = work->points[i].time;
     neph_sweep_bench_finish(&bench);
     return status;
+}
+
+static void fill_lines(struct work *work)
+{
+    for (int i = 0; i < work->use_count; i++) {
+        const struct neph_sweep_point *point = &work->points[work->uses[i].point];
+        const struct neph_shot *shot = &point->job.shot;
+        work->uses[i].into->evaluations = rint(point->evaluations * shot->width_px *
+                                               shot->height_px);
+        work->uses[i].into->time = point->time;
+    }
 }
 
 /* --- the whole ------------------------------------------------------------------------------ */
@@ -385,6 +409,7 @@ enum neph_status neph_scaling_run(const struct neph_scaling_params *params,
         status = count_all(&work, diag);
     if (!status && !params->untimed)
         status = time_all(&work, diag);
+    fill_lines(&work);
     if (!status)
         neph_scaling_judge(scaling);
     neph_progress_end(&work.progress);
