@@ -34,9 +34,9 @@ struct neph_label_plot {
     int line_count;
 };
 
-/* Place the names in their order, each where it hides least: of what is under it marks, other names
- * and the edge of the plot weigh by their area, lines by a few pixels of their length; and of equals
- * nearest to its mark. */
+/* Place the names in their order, each where it hides least: marks, other names and the edge of the
+ * plot weigh by their area, lines by a few pixels of their length; of equal places the one nearest
+ * to its mark. */
 void neph_labels_place(struct neph_label *labels, int count, const struct neph_label_plot *plot);
 
 #endif

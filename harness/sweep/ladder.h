@@ -56,8 +56,8 @@ enum neph_status neph_ladder_add(struct neph_sweep_plan *plan, const char *name,
                                  const char *preset, const char *held, const char *steps,
                                  int scattering, bool flicker, struct neph_diag *diag);
 
-/* "wind=off ...": those of neph_ladder_motion_parts that nothing in the scene asks for, in one text;
- * for the caller to free, NULL when memory is short. */
+/* "wind=off ...": those of neph_ladder_motion_parts that nothing in the scene asks for, in one
+ * text; for the caller to free, NULL when memory is short. */
 char *neph_ladder_without_motion(const struct neph_scene *scene);
 
 #endif

@@ -278,7 +278,7 @@ static const struct neph_ladder_light *light_named(const char *name)
     return light;
 }
 
-/* Of a choice that has them: the orders of scattering beyond the first, and every pixel's ray. */
+/* What the choice has and could do without: orders of scattering, every pixel's ray. */
 static enum neph_status add_kept(struct work *work, const struct neph_sweep_series *chosen,
                                  const char *steps, struct neph_diag *diag)
 {

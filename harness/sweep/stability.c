@@ -82,7 +82,7 @@ enum neph_stability_outcome neph_stability_judge(const struct neph_sweep *sweeps
 
 /* --- all ------------------------------------------------------------------------------------ */
 
-/* Of every point and number that is on a front somewhere. */
+/* Called with every point and number that is on a front somewhere. */
 typedef void seen(const struct neph_sweep_point *point, enum neph_sweep_number number,
                   enum neph_stability_outcome outcome, int on, void *context);
 

@@ -13,8 +13,8 @@ enum neph_stability_outcome {
     NEPH_STABILITY_ABSENT, /* one of them has not measured it */
     NEPH_STABILITY_OFF,    /* on no front */
     NEPH_STABILITY_ON,     /* on all */
-    NEPH_STABILITY_WITHIN, /* on some; where it is off nothing beats it beyond the intervals of both,
-                              in cost and in number */
+    NEPH_STABILITY_WITHIN, /* on some; where it is off nothing beats it beyond the intervals of
+                              both, in cost and in number */
     NEPH_STABILITY_MOVED,  /* on some, and somewhere it is beaten beyond them */
     NEPH_STABILITY_OUTCOMES,
 };
@@ -25,7 +25,7 @@ extern const char *const neph_stability_words[NEPH_STABILITY_OUTCOMES];
 bool neph_stability_beats(const struct neph_sweep_point *a, const struct neph_sweep_point *b,
                           enum neph_sweep_cost cost, enum neph_sweep_number number);
 
-/* Of a point, by its index, in `count` sweeps of one plan. */
+/* What becomes of a point, by its index, in `count` sweeps of one plan. */
 enum neph_stability_outcome neph_stability_judge(const struct neph_sweep *sweeps, int count,
                                                  int point, enum neph_sweep_cost cost,
                                                  enum neph_sweep_number number);
@@ -35,8 +35,8 @@ enum neph_stability_outcome neph_stability_judge(const struct neph_sweep *sweeps
 int neph_stability_print(const struct neph_sweep *sweeps, int count, enum neph_sweep_cost cost,
                          FILE *out);
 
-/* {"format": "neph-stability-1", "sweeps", "cost", "moved", "points": [{"series", "label", "number",
- * "outcome", "on_fronts"}, ...]}, of points that are on a front; for the caller. */
+/* {"format": "neph-stability-1", "sweeps", "cost", "moved", "points": [{"series", "label",
+ * "number", "outcome", "on_fronts"}, ...]}, of points that are on a front; for the caller. */
 json_t *neph_stability_json(const struct neph_sweep *sweeps, int count, enum neph_sweep_cost cost);
 
 #endif

@@ -132,8 +132,9 @@
   function equals(rows) {
     if (rows.length === 0) return null;
     return [el("h2", null, "At equal error, and at equal cost"),
-      el("p", { class: "small" }, "Each series at its best point, over what the series that it is " +
-        "held against has there. Beyond: nothing between two points of that is so good, or so dear."),
+      el("p", { class: "small" }, "Each series at its best point, over what the series that it " +
+        "is held against has there. Beyond: nothing between two points of that is so good, or " +
+        "so dear."),
       el("div", { class: "scroll" }, el("table", { class: "wide" },
         el("thead", null, el("tr", null,
           ["series", "against", "number", "cost", "cost at that number", "number at that cost"]

@@ -130,7 +130,8 @@ class Sweep(unittest.TestCase):
 
     def test_a_scene_that_moves(self):
         """The truth is of the last picture, and so is every error."""
-        self.plan.write_text(PLAN.replace("4 16, flicker", "16, flicker").replace(", lag_at: 16", ""))
+        self.plan.write_text(PLAN.replace("4 16, flicker", "16, flicker")
+                             .replace(", lag_at: 16", ""))
         scene = self.out / "dolly.yaml"
         text = (SOURCE / "scenes" / "catalog" / "gaussian_blob.yaml").read_text()
         scene.write_text(re.sub("name: .*", "name: dolly", text, count=1).replace(
