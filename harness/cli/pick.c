@@ -28,8 +28,12 @@ static const struct neph_cli_option options[] = {
     {"ms", 0, "T", "The most that a picture may take on this device", NEPH_CLI_REAL,
      .at = offsetof(struct request, ms), .minimum = 1e-6, .maximum = 1e9},
     {.name = "size", .otherwise = "320x180"},
-    {"seed", 0, "N", "Of all that is random", NEPH_CLI_INTEGER,
-     .at = offsetof(struct request, seed), .otherwise = "1", .minimum = 1, .maximum = 1000000},
+    {"seed", 0, "N", "Of all that is random (default: 1); --presets have --seeds", NEPH_CLI_INTEGER,
+     .at = offsetof(struct request, seed), .minimum = 1, .maximum = 1000000},
+    {.name = "output", .help = "Folder of the store and of pick.json", .otherwise = "out"},
+    {.name = "time-limit", .otherwise = "3600"},
+    {.name = "json"},
+    {.name = "quiet"},
     {"presets", 0, "A,B,..",
      "One of these presets over many scenes in place of a configuration of one; PRESET+KEY=VALUE "
      "changes one, and command is a renderer of your own",
@@ -57,14 +61,15 @@ static const struct neph_cli_option options[] = {
      .group = 1},
     {"steps", 0, "N", "With --presets: steps of every ray (default: 8)", NEPH_CLI_INTEGER,
      .at = offsetof(struct request, steps), .minimum = 1, .maximum = 65536, .group = 1},
-    {.name = "output", .help = "Folder of the store and of pick.json", .otherwise = "out"},
-    {.name = "time-limit"},
-    {.name = "json"},
-    {.name = "quiet"},
     {.name = NULL},
 };
 
 static const struct neph_cli_operands operands = {.shown = "SCENE|[SCENE...]"};
+
+static int given_or(int given, int otherwise)
+{
+    return given >= 0 ? given : otherwise;
+}
 
 /* Options of presets, given without any. */
 static const char *misplaced(const struct request *request)
@@ -85,6 +90,8 @@ static void check(const void *request_, const struct argp_state *state)
     const struct request *request = request_;
     const int scenes = request->shared.operand_count;
     if (request->presets) {
+        if (request->seed >= 0)
+            argp_error(state, "--seed is of one scene; --presets have --seeds");
         if (request->suite && scenes > 0)
             argp_error(state, "a suite or scenes by name, not both");
         if (request->suite && strcmp(request->suite, "test") == 0)
@@ -189,11 +196,6 @@ static enum neph_status run(const struct request *request, struct neph_pick_para
 
 /* --- presets -------------------------------------------------------------------------------- */
 
-static int given_or(int given, int otherwise)
-{
-    return given >= 0 ? given : otherwise;
-}
-
 static enum neph_status pick_preset(const struct request *request, struct neph_diag *diag)
 {
     const struct neph_cli_pick_presets asked = {
@@ -232,7 +234,7 @@ enum neph_status neph_cli_pick(int argc, char **argv, struct neph_diag *diag)
                                       .time_s = 1e-3 * request.ms,
                                       .width_px = shared->size.width_px,
                                       .height_px = shared->size.height_px,
-                                      .seed = (uint64_t)request.seed,
+                                      .seed = (uint64_t)given_or(request.seed, 1),
                                       .time_limit_s = shared->time_limit_s,
                                       .quiet = shared->quiet || shared->json};
     return run(&request, &params, diag);

@@ -50,7 +50,7 @@ static const struct neph_cli_option options[] = {
     {.name = "output", .help = "Folder of the store and of sweep.json", .otherwise = "out"},
     {.name = "json", .help = "All numbers as JSON on stdout, instead of the table"},
     {"csv", 0, "FILE", "A line for each point", NEPH_CLI_FILE, .at = offsetof(struct request, csv)},
-    {.name = "time-limit"},
+    {.name = "time-limit", .otherwise = "3600"},
     {.name = "quiet"},
     {.name = NULL},
 };

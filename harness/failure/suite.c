@@ -22,6 +22,9 @@ enum { KIND_REFERENCE, KIND_TAKE }; /* of progress */
 /* Guesses before the first is over, on two cores. */
 static const double picture_typical_s = 0.2, take_typical_s = 3.0;
 
+/* A picture of a user's program. */
+static const double guest_limit_s = 600.0;
+
 struct work {
     const struct neph_failure_params *params;
     struct neph_failure_suite *suite;
@@ -54,6 +57,7 @@ static enum neph_status make_job(const struct work *work, const struct place *pl
                  .width_px = own_size ? failing->width_px : work->params->width_px,
                  .height_px = own_size ? failing->height_px : work->params->height_px,
                  .layers = NEPH_LAYERS_ALL,
+                 .time_limit_s = guest_limit_s,
                  .seed = neph_seed_of(place->at, 1)}};
     const enum neph_status status = neph_engine_words(preset, steps, &job->engine,
                                                       &job->shot.settings, diag);
@@ -259,7 +263,8 @@ static void mark_cells(struct work *work, const struct place *place, int preset,
 /* What breaks or cannot be rendered is news of one preset; what ends the run goes on. */
 static bool is_of_one_preset(enum neph_status status)
 {
-    return status == NEPH_ERR_ENGINE || status == NEPH_ERR_GATE || status == NEPH_ERR_UNSUPPORTED;
+    return status == NEPH_ERR_ENGINE || status == NEPH_ERR_GATE || status == NEPH_ERR_UNSUPPORTED ||
+           status == NEPH_ERR_TIMEOUT;
 }
 
 static enum neph_status try_preset(struct work *work, struct place *place, int preset,

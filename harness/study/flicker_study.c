@@ -21,6 +21,9 @@ enum { KIND_REFERENCE, KIND_TAKE }; /* of progress */
 /* Guesses before the first is over, on two cores. */
 static const double reference_typical_s = 10.0, take_typical_s = 30.0;
 
+/* A picture of a user's program. */
+static const double guest_limit_s = 600.0;
+
 struct work {
     const struct neph_flicker_study_params *params;
     struct neph_flicker_study *study;
@@ -56,6 +59,7 @@ static enum neph_status make_job(const struct work *work, const struct neph_scen
                                       .width_px = params->width_px,
                                       .height_px = params->height_px,
                                       .layers = NEPH_LAYERS_ALL,
+                                      .time_limit_s = guest_limit_s,
                                       .seed = scene ? neph_seed_of(scene, seed + 1) : 1}};
     char steps[32];
     snprintf(steps, sizeof(steps), "steps=%d", params->steps);
@@ -285,6 +289,11 @@ static enum neph_status run_take(struct work *work, const struct neph_job *job, 
     return status;
 }
 
+static bool is_of_one_take(enum neph_status status)
+{
+    return status == NEPH_ERR_ENGINE || status == NEPH_ERR_GATE || status == NEPH_ERR_TIMEOUT;
+}
+
 /* What breaks is news of one take; what cannot be rendered and what ends the run goes on. */
 static enum neph_status try_take(struct work *work, const struct neph_scene *scene, int index,
                                  enum neph_study_take_id id, int preset, int seed,
@@ -303,7 +312,7 @@ static enum neph_status try_take(struct work *work, const struct neph_scene *sce
     if (!status)
         status = run_take(work, &job, index, id, preset, seed, &why);
     work->progress.kind = KIND_TAKE;
-    if (status == NEPH_ERR_ENGINE || status == NEPH_ERR_GATE) {
+    if (is_of_one_take(status)) {
         work->study->failed_count++;
         neph_progress_warn("%s: %s", what, why.message);
         mark_cells(work, index, id, preset, seed, why.message);
