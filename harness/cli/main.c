@@ -33,6 +33,7 @@ static const struct {
     {"flicker", neph_cli_flicker, "measure the flicker and the lag of a sequence of any renderer"},
     {"conform", neph_cli_conform, "whether a device renders real sizes right, and as another does"},
     {"metrics", neph_cli_metrics, "list what can be measured, with definitions and sources"},
+    {"store", neph_cli_store, "keep the store: is it whole, room in it, what it knows as JSON"},
     {"scenes", neph_cli_scenes, "list the catalogue, or show and check one scene"},
     {"engines", neph_cli_engines, "list the engines, or explain the settings of one"},
     {"doctor", neph_cli_doctor, "what is installed, what is missing and how to get it"},
