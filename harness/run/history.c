@@ -384,7 +384,7 @@ static json_t *acceptance_json(struct neph_query *q)
                      neph_query_text(q, 5));
 }
 
-/* The rows of a question about a night as a list; it becomes NULL when memory is short. */
+/* The rows of a question about a night as a list. */
 static enum neph_status list_rows(struct neph_database *index, const char *question, int64_t night,
                                   neph_row *row, json_t **list, struct neph_diag *diag)
 {
@@ -394,8 +394,12 @@ static enum neph_status list_rows(struct neph_database *index, const char *quest
     while (!status && neph_query_next(query, &status, diag))
         neph_json_add(&rows, row(query));
     neph_query_end(query);
-    if (!status)
-        status = neph_json_check(rows, diag);
+    if (!status && !rows) {
+        status = neph_fail(diag, NEPH_ERR_INPUT,
+                           "a row of night %lld in the store's database is damaged",
+                           (long long)night);
+        neph_hint(diag, "`neph store check --repair` makes it again");
+    }
     if (status)
         json_decref(rows);
     else
