@@ -168,8 +168,8 @@ static enum neph_status compare_sides(struct neph_database *index, struct dirent
             status = neph_json_append(taken, json_string(names[at]->d_name), diag);
         if (at < count && strcmp(names[at]->d_name, row) == 0)
             at++;
-        else if (!status)
-            status = neph_json_append(gone, json_string(row), diag);
+        else if (!status && neph_json_append(gone, json_string(row), NULL))
+            status = neph_fail(diag, NEPH_ERR_INPUT, "a key in its rows is no text");
     }
     for (; !status && at < count; at++)
         status = neph_json_append(taken, json_string(names[at]->d_name), diag);
@@ -255,45 +255,16 @@ static enum neph_status set_aside(const char *path, const char *folder, const ch
     return status;
 }
 
-static enum neph_status open_whole(const char *path, struct neph_database **index,
-                                   struct neph_diag *diag)
+/* Open, look whether it is whole, bring it up to date. */
+static enum neph_status open_whole(const char *path, const char *store_folder,
+                                   struct neph_database **index, struct neph_diag *diag)
 {
     struct neph_database *opened = NULL;
-    enum neph_status status = neph_database_open(path, steps, &opened, diag);
+    char *frames = neph_path_join(store_folder, "frames");
+    enum neph_status status = frames ? neph_database_open(path, steps, &opened, diag)
+                                     : neph_fail_memory(diag);
     if (!status)
         status = neph_database_check(opened, false, diag);
-    if (status)
-        neph_database_close(opened);
-    else
-        *index = opened;
-    return status;
-}
-
-static enum neph_status open_or_renew(const char *path, const char *folder,
-                                      struct neph_database **index, struct neph_diag *diag)
-{
-    struct neph_diag why = {.line = 0};
-    enum neph_status status = open_whole(path, index, &why);
-    if (status == NEPH_ERR_INPUT) {
-        status = set_aside(path, folder, why.message, diag);
-        return status ? status : open_whole(path, index, diag);
-    }
-    if (status && diag)
-        *diag = why;
-    return status;
-}
-
-enum neph_status neph_index_open(const char *store_folder, struct neph_database **index,
-                                 struct neph_diag *diag)
-{
-    char *folder = neph_path_join(store_folder, "index"),
-         *frames = neph_path_join(store_folder, "frames"),
-         *path = folder ? neph_path_join(folder, "neph.sqlite") : NULL;
-    struct neph_database *opened = NULL;
-    enum neph_status status = path && frames ? neph_dir_create(folder, diag)
-                                             : neph_fail_memory(diag);
-    if (!status)
-        status = open_or_renew(path, folder, &opened, diag);
     if (!status)
         status = refresh(opened, frames, diag);
     if (!status)
@@ -302,8 +273,33 @@ enum neph_status neph_index_open(const char *store_folder, struct neph_database 
         neph_database_close(opened);
     else
         *index = opened;
-    free(path);
     free(frames);
+    return status;
+}
+
+/* Rows that were damaged where SQLite cannot tell show when what belongs to them is refused. */
+static bool is_damage(enum neph_status status)
+{
+    return status == NEPH_ERR_INPUT || status == NEPH_ERR_INTERNAL;
+}
+
+enum neph_status neph_index_open(const char *store_folder, struct neph_database **index,
+                                 struct neph_diag *diag)
+{
+    char *folder = neph_path_join(store_folder, "index"),
+         *path = folder ? neph_path_join(folder, "neph.sqlite") : NULL;
+    struct neph_diag why = {.line = 0};
+    enum neph_status status = path ? neph_dir_create(folder, &why) : neph_fail_memory(&why);
+    if (!status)
+        status = open_whole(path, store_folder, index, &why);
+    if (is_damage(status)) {
+        status = set_aside(path, folder, why.message, &why);
+        if (!status)
+            status = open_whole(path, store_folder, index, &why);
+    }
+    if (status && diag)
+        *diag = why;
+    free(path);
     free(folder);
     return status;
 }
