@@ -33,6 +33,8 @@ static const struct {
     {"flicker", neph_cli_flicker, "measure the flicker and the lag of a sequence of any renderer"},
     {"conform", neph_cli_conform, "whether a device renders real sizes right, and as another does"},
     {"metrics", neph_cli_metrics, "list what can be measured, with definitions and sources"},
+    {"nightly", neph_cli_nightly, "measure, compare with the accepted night, say what changed"},
+    {"baseline", neph_cli_baseline, "which nights the others are compared with, and who said so"},
     {"store", neph_cli_store, "keep the store: is it whole, room in it, what it knows as JSON"},
     {"scenes", neph_cli_scenes, "list the catalogue, or show and check one scene"},
     {"engines", neph_cli_engines, "list the engines, or explain the settings of one"},

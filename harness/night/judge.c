@@ -136,7 +136,7 @@ static int baseline_values(const struct neph_series *series, double values[NEPH_
     int count = 0;
     for (int i = 0; i < series->past_count && count < NEPH_JUDGE_WINDOW; i++) {
         const double value = level(series, series->past[i]);
-        if (isfinite(value))
+        if (isfinite(value) && !(series->set_aside && series->set_aside[i]))
             values[count++] = value;
     }
     return count;
@@ -366,12 +366,12 @@ static double member_change(const struct neph_series *series, int night)
 /* The mean over the scenes that have been measured in every night: one that comes and goes would
  * move it. */
 static double pool_change(const struct neph_series *series, int count, const struct neph_pool *pool,
-                          const bool *steady, int night)
+                          const bool *steady, int nights, int night)
 {
     double sum = 0.0;
     int members = 0;
     for (int i = 0; i < count; i++)
-        if (steady[i] && belongs(&series[i], pool)) {
+        if (steady[i] && series[i].past_count == nights && belongs(&series[i], pool)) {
             sum += member_change(&series[i], night);
             members++;
         }
@@ -398,10 +398,10 @@ static struct trial try_pool(const struct neph_series *series, int count,
         if (belongs(&series[i], pool) && series[i].past_count > nights)
             nights = series[i].past_count;
     for (int night = 1; night < nights && value_count < NEPH_JUDGE_WINDOW; night++)
-        values[value_count++] = pool_change(series, count, pool, steady, night);
-    recent[recent_count++] = pool_change(series, count, pool, steady, -1);
+        values[value_count++] = pool_change(series, count, pool, steady, nights, night);
+    recent[recent_count++] = pool_change(series, count, pool, steady, nights, -1);
     for (int night = nights - 1; night > 0 && recent_count < NEPH_JUDGE_WEEK; night--)
-        recent[recent_count++] = pool_change(series, count, pool, steady, night);
+        recent[recent_count++] = pool_change(series, count, pool, steady, nights, night);
     if (value_count < rules[pool->kind].nights || !isfinite(recent[0]))
         return (struct trial){.judged = false, .nights = value_count};
     return try_nights(values, value_count, recent, recent_count, rules[pool->kind].needed);

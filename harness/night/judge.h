@@ -51,8 +51,9 @@ enum neph_series_kind neph_series_kind_of(const char *word);
 
 enum { NEPH_JUDGE_WINDOW = 30, NEPH_JUDGE_WEEK = 7 };
 
-/* The nights of a family are the same for all its series: `past` has a place for each, oldest
- * first, NaN where a night has no such number. The first is the baseline that was accepted. */
+/* `past` has a place for each night from the accepted one on, which is the first, to the last but
+ * tonight; NaN where a night has no such number. Series of one accepted night have the same
+ * nights, and are pooled. */
 struct neph_series {
     const char *name;
     const char *engine; /* its mean over all scenes is pooled with those of `metric`; NULL: none */
@@ -63,6 +64,8 @@ struct neph_series {
     double unit; /* changes are relative to the baseline's value, or to this where that is less */
     double tonight, standard_error;   /* the latter NaN: not known */
     const double *past, *past_errors; /* of `past_count`; borrowed */
+    const bool *set_aside; /* nights that are no part of the baseline, as they had changed; NULL:
+                              none */
     int past_count;
 };
 
