@@ -330,15 +330,22 @@ static const char *why_not(struct neph_night_comparison *comparison, const struc
     return NULL;
 }
 
+/* "+3.00 %", or "+3.00 % of 0.001" where the baseline is less than its unit. */
+static const char *change_words(struct neph_arena *arena, const struct candidate *c,
+                                const struct neph_judgement *j)
+{
+    const bool of_unit = c->series.kind != NEPH_SERIES_TIMED && fabs(j->baseline) < c->series.unit;
+    const char *of = of_unit ? neph_arena_format(arena, " of %g", c->series.unit) : "";
+    return neph_arena_format(arena, "%+.2f %%%s", 100.0 * j->change, of);
+}
+
 static const char *words_of(struct neph_arena *arena, const struct candidate *c,
                             const struct neph_judgement *j)
 {
-    const char *unit = c->series.kind == NEPH_SERIES_TIMED ? " of the calibration" : "";
-    return j->p > 0.0
-               ? neph_arena_format(arena, "%.5g%s, accepted %.5g: %+.2f %%, p %.1g",
-                                   c->series.tonight, unit, j->baseline, 100.0 * j->change, j->p)
-               : neph_arena_format(arena, "%.6g, accepted %.6g: %+.2f %%", c->series.tonight,
-                                   j->baseline, 100.0 * j->change);
+    const char *unit = c->series.kind == NEPH_SERIES_TIMED ? " of the calibration" : "",
+               *chance = j->p > 0.0 ? neph_arena_format(arena, ", p %.1g", j->p) : "";
+    return neph_arena_format(arena, "%.6g%s, accepted %.6g: %s%s", c->series.tonight, unit,
+                             j->baseline, change_words(arena, c, j), chance);
 }
 
 static const enum neph_found found_of[] = {
@@ -534,7 +541,7 @@ enum neph_status neph_night_compare(struct neph_database *index, int64_t night, 
     return status;
 }
 
-void neph_comparison_finish(struct neph_night_comparison *comparison)
+void neph_night_comparison_finish(struct neph_night_comparison *comparison)
 {
     neph_arena_finish(&comparison->arena);
     *comparison = (struct neph_night_comparison){.night = 0};

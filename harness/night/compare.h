@@ -49,7 +49,7 @@ struct neph_compared {
     int nights;
 };
 
-/* Start from {0}; free with neph_comparison_finish(). */
+/* Start from {0}; free with neph_night_comparison_finish(). */
 struct neph_night_comparison {
     struct neph_arena arena;
     int64_t night, baseline; /* the accepted night of all; 0: there is none */
@@ -73,6 +73,6 @@ enum neph_status neph_night_compare(struct neph_database *index, int64_t night, 
 void neph_night_add_finding(struct neph_night_comparison *comparison,
                             const struct neph_finding *finding);
 
-void neph_comparison_finish(struct neph_night_comparison *comparison);
+void neph_night_comparison_finish(struct neph_night_comparison *comparison);
 
 #endif

@@ -262,13 +262,19 @@ static bool has_errors(const struct neph_series *series)
            series->standard_error + series->past_errors[0] > 0.0;
 }
 
+/* A series whose noise is not known, and which gave the same bits as the accepted night. */
+static bool is_unchanged(const struct neph_series *series)
+{
+    return series->kind == NEPH_SERIES_DRAWN && series->tonight == series->past[0];
+}
+
 static struct trial try_series(const struct neph_series *series)
 {
     double values[NEPH_JUDGE_WINDOW], recent[NEPH_JUDGE_WEEK];
     if (series->past_count < 1 || !isfinite(level(series, series->tonight)) ||
         !isfinite(level(series, series->past[0])))
         return (struct trial){.judged = false};
-    if (series->kind == NEPH_SERIES_FIXED)
+    if (series->kind == NEPH_SERIES_FIXED || is_unchanged(series))
         return try_fixed(series);
     const int count = baseline_values(series, values), of_late = recent_values(series, recent);
     struct trial by_errors = {.judged = false, .nights = count};

@@ -7,8 +7,9 @@
  * enough to matter (`least` of its kind). Chance is treated by kind:
  *
  * fixed    the same bits every night while nothing changes, so that any change is more than chance.
- * drawn    the value comes with a standard error. Until there are enough nights, a normal test on
- *          the errors of both; then as timed, whichever is less sure.
+ * drawn    the value comes with a standard error. The same bits are no change; else, until there
+ *          are enough nights, a normal test on the errors of both; then as timed, whichever is less
+ *          sure.
  * timed    a duration over that of a calibration kernel of the same night, compared as logarithms:
  *          Student's t of tonight against the first 30 nights of the baseline, by their mean and
  *          deviation without the outer fifth on either side (K. Yuen, Biometrika 61, 1974; for a

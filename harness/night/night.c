@@ -83,18 +83,40 @@ static const char *log_path(struct work *work, const struct neph_night_step *ste
     return neph_arena_format(&work->night->arena, "%s/logs/%s.log", work->folder, name);
 }
 
-/* What a step has printed; exit code 1 says that something in it failed, which is for its numbers
- * to say. */
-static enum neph_status run_command(struct work *work, const struct neph_night_step *step,
-                                    const char *output, double limit_s, json_t **document,
-                                    double *wall_s, struct neph_diag *diag)
+/* Where a suite writes its results; NULL: it prints them, with warnings before and after. */
+static const char *const result_files[] = {
+    [NEPH_NIGHT_CATALOG] = "report/data.json",
+    [NEPH_NIGHT_PHYSICS] = "report/data.json",
+    [NEPH_NIGHT_FAILURE] = "failure.json",
+    [NEPH_NIGHT_SWEEP] = "sweep.json",
+    [NEPH_NIGHT_SPEED] = NULL,
+};
+
+static enum neph_status read_results(const char *path, bool is_log, json_t **document,
+                                     struct neph_diag *diag)
 {
-    const char *words[WORDS_MAX] = {work->program_path}, *log = log_path(work, step);
+    char *text = NULL;
+    size_t size;
+    const enum neph_status status = neph_file_read(path, log_limit_bytes, &text, &size, diag);
+    if (status)
+        return status;
+    *document = is_log ? neph_night_find_document(text) : json_loadb(text, size, 0, NULL);
+    free(text);
+    return *document ? NEPH_OK
+                     : neph_fail(diag, NEPH_ERR_ENGINE, "there are no results in '%s'", path);
+}
+
+/* Exit code 1 says that something in it failed, which is for its numbers to say. */
+static enum neph_status run_child(struct work *work, const struct neph_night_step *step,
+                                  const char *output, const char *log, double limit_s,
+                                  double *wall_s, struct neph_diag *diag)
+{
+    const char *words[WORDS_MAX] = {work->program_path};
     int count = 1;
     for (int i = 0; step->words[i]; i++)
         words[count++] = step->words[i];
-    const char *const rest[] = {"--json", "-q", "-o", output};
-    for (int i = 0; i < 4 && count < WORDS_MAX - 1; i++)
+    const char *const rest[] = {"-q", "-o", output, result_files[step->suite] ? NULL : "--json"};
+    for (int i = 0; i < 4 && rest[i] && count < WORDS_MAX - 1; i++)
         words[count++] = rest[i];
     const struct neph_child_params child = {.argv = words,
                                             .log_path = log,
@@ -102,19 +124,27 @@ static enum neph_status run_command(struct work *work, const struct neph_night_s
                                             .environment = work->variables,
                                             .time_limit_s = limit_s};
     struct neph_child_result result = {.exit_code = -1};
-    char *text = NULL;
-    size_t size;
-    enum neph_status status = neph_child_run(&child, &result, diag);
+    const enum neph_status status = neph_child_run(&child, &result, diag);
     *wall_s = result.wall_s;
-    if (status == NEPH_ERR_ENGINE && result.signal == 0 && result.exit_code == 1)
-        status = NEPH_OK;
+    const bool has_failed_gates = status == NEPH_ERR_ENGINE && result.signal == 0 &&
+                                  result.exit_code == 1;
+    return has_failed_gates ? NEPH_OK : status;
+}
+
+/* Run a step and read its results, which may not be those of an earlier run. */
+static enum neph_status run_command(struct work *work, const struct neph_night_step *step,
+                                    const char *output, double limit_s, json_t **document,
+                                    double *wall_s, struct neph_diag *diag)
+{
+    struct neph_arena *arena = &work->night->arena;
+    const char *file = result_files[step->suite], *log = log_path(work, step);
+    const char *path = file ? neph_arena_format(arena, "%s/%s", output, file) : log;
+    enum neph_status status = neph_arena_check(arena, diag);
+    if (!status && unlink(path) != 0 && errno != ENOENT && errno != ENOTDIR)
+        status = neph_fail(diag, NEPH_ERR_IO, "cannot remove '%s': %s", path, strerror(errno));
     if (!status)
-        status = neph_file_read(log, log_limit_bytes, &text, &size, diag);
-    if (!status && !(*document = neph_night_find_document(text)))
-        status = neph_fail(diag, NEPH_ERR_ENGINE, "it has printed no results; its log is '%s'",
-                           log);
-    free(text);
-    return status;
+        status = run_child(work, step, output, log, limit_s, wall_s, diag);
+    return status ? status : read_results(path, !file, document, diag);
 }
 
 /* ---- a step ---------------------------------------------------------------------------------- */
@@ -520,7 +550,7 @@ enum neph_status neph_night_run(const struct neph_night_params *params, struct n
 
 void neph_night_finish(struct neph_night *night)
 {
-    neph_comparison_finish(&night->comparison);
+    neph_night_comparison_finish(&night->comparison);
     neph_arena_finish(&night->arena);
     *night = (struct neph_night){.id = 0};
 }

@@ -92,13 +92,14 @@ static void test_all_chances_share_one_alpha(void **state)
     (void)state;
     enum { MANY = 50 };
     const double before = 1.0, error = 0.03, same = 0.25;
-    struct neph_series series[MANY + 1];
+    struct neph_series series[MANY + 2];
     struct neph_verdicts verdicts;
     for (int i = 0; i < MANY; i++)
-        series[i] = drawn(&before, &error, i == 3 ? 1.16 : 1.0, 0.04);
-    series[MANY] = fixed(&same, 0.25); /* has no chance and costs none */
-    neph_assert_ok(neph_judge(series, MANY + 1, alpha, &verdicts, NULL), NULL);
-    assert_int_equal(verdicts.compared, MANY + 1);
+        series[i] = drawn(&before, &error, i == 3 ? 1.16 : 1.001, 0.04);
+    series[MANY] = fixed(&same, 0.25); /* these have no chance and cost none */
+    series[MANY + 1] = drawn(&before, NULL, 1.0, NAN);
+    neph_assert_ok(neph_judge(series, MANY + 2, alpha, &verdicts, NULL), NULL);
+    assert_int_equal(verdicts.compared, MANY + 2);
     assert_int_equal(verdicts.chances, MANY);
     neph_assert_close(verdicts.series[3].p, MANY * neph_normal_p(3.2), 1e-9, 0.0);
     assert_int_equal(verdicts.series[3].judged, NEPH_JUDGED_SAME);
