@@ -64,13 +64,14 @@ static const struct neph_cli_syntax syntax = {
            "  neph nightly --only voxel_grid --against 12",
 };
 
-static enum neph_status list_steps(const struct neph_night_plan_params *params,
-                                   struct neph_diag *diag)
+/* Whether there is such a plan, before anything is made for it; and print it. */
+static enum neph_status look_at_plan(const struct neph_night_plan_params *params, bool prints,
+                                     struct neph_diag *diag)
 {
     struct neph_arena arena = {NULL};
     struct neph_night_plan plan;
     const enum neph_status status = neph_night_plan_make(params, &arena, &plan, diag);
-    for (int i = 0; !status && i < plan.count; i++) {
+    for (int i = 0; !status && prints && i < plan.count; i++) {
         printf("%-36s neph", plan.steps[i].name);
         for (int w = 0; plan.steps[i].words[w]; w++)
             printf(" %s", plan.steps[i].words[w]);
@@ -135,5 +136,6 @@ enum neph_status neph_cli_nightly(int argc, char **argv, struct neph_diag *diag)
         .against = request.against > 0 ? request.against : 0,
         .once = request.once,
         .quiet = shared->quiet || shared->json};
-    return request.lists ? list_steps(&params.plan, diag) : run(&request, &params, diag);
+    const enum neph_status status = look_at_plan(&params.plan, request.lists, diag);
+    return status || request.lists ? status : run(&request, &params, diag);
 }
