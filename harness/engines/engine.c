@@ -21,8 +21,8 @@ const char *neph_rung_name(enum neph_rung rung)
     return rung_names[rung];
 }
 
-/* Of engines that are part of neph: a build of their own only where frames are to be told apart by
- * the program that made them, as nightly (harness/night/night.h) wants it of the commands that it runs. */
+/* Engines that are part of neph have a build of their own only where frames are to be told apart by
+ * the program that made them: a night (harness/night/night.h) asks its commands for it. */
 static void name_own_build(struct neph_engine_info *info)
 {
     char digest[NEPH_HASH_HEX_SIZE];

@@ -287,7 +287,7 @@ static enum neph_status find_missing(struct work *work, struct neph_diag *diag)
     return status;
 }
 
-/* Of one step once. */
+/* Each step is named once. */
 static bool is_first_of_step(const struct work *work, int at)
 {
     for (int i = 0; i < at; i++)

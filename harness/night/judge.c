@@ -18,7 +18,7 @@ static const char *const judged_words[] = {
     [NEPH_JUDGED_BETTER] = "better",  [NEPH_JUDGED_WORSE] = "worse",
 };
 
-/* Of a fixed series: what another compiler or processor may change without anybody having changed
+/* In a fixed series, what another compiler or processor may change without anybody having changed
  * anything is no change. */
 static const double rounding = 1e-9;
 
@@ -71,9 +71,10 @@ static double winsorized_deviation(double g)
     return sqrt(1.0 - 2.0 * g - 2.0 * z * density + 2.0 * g * z * z);
 }
 
-/* Of neighbours, in order, each held within low..high; never negative. The estimate of a short
- * series is too low by (1 + 4 r) / n (Kendall, Biometrika 41, 1954), which is added, and so is its
- * standard error 1 / sqrt(n): what remembers longer than it looks is not to alarm. */
+/* The correlation of neighbours, in order, each held within low..high; never negative. The
+ * estimate of a short series is too low by (1 + 4 r) / n (Kendall, Biometrika 41, 1954), which is
+ * added, and so is its standard error 1 / sqrt(n): what remembers longer than it looks is not to
+ * alarm. */
 static double correlation_of(const double *values, int count, double mean, double low, double high)
 {
     double products = 0.0, squares = 0.0, last = 0.0;

@@ -27,7 +27,7 @@
 /* The family's level: what the backtest in tests/harness/test_backtest.c is made with. */
 static const double alpha = 0.005;
 
-/* Of the steps, run a second time each night. */
+/* The share of the steps that are run a second time each night. */
 static const double again_share = 0.02;
 
 /* The calibration before and after a step may differ by so much. */

@@ -17,7 +17,7 @@ static const struct neph_night_metric metrics[] = {
     {"evaluations", 1e-3, false}, {"", 1e-5, false}, /* all others */
 };
 
-/* Of the many numbers of a frame those that a night follows: over the whole picture. */
+/* A frame has many numbers; a night follows these, over the whole picture. */
 static const struct {
     const char *quantity, *metric;
 } followed[] = {
@@ -294,6 +294,17 @@ static void read_sweep(struct reading *reading)
 
 /* ---- speed ----------------------------------------------------------------------------------- */
 
+/* A unit of time that goes with the machine: the calibration kernel; of another device than the CPU,
+ * a thousand samples of a buffer there. NaN when the machine was busy. */
+static double time_unit_s(const struct reading *reading, const json_t *row)
+{
+    const json_t *ceilings = json_object_get(reading->document, "ceilings");
+    const bool is_cpu = strstr(text(row, "device"), "llvmpipe") != NULL;
+    return is_cpu                             ? reading->calibration_s
+           : isfinite(reading->calibration_s) ? 1e3 / real(ceilings, "buffer_samples_per_s")
+                                              : NAN;
+}
+
 static void read_speed(struct reading *reading)
 {
     const json_t *d = reading->document, *row, *pass;
@@ -312,7 +323,7 @@ static void read_speed(struct reading *reading)
         add(reading, scene, text(row, "engine"), "evaluations", NULL, kind_word(NEPH_SERIES_FIXED),
             evaluations, NAN, versions);
         add(reading, scene, text(row, "engine"), "time", NULL, kind_word(NEPH_SERIES_TIMED),
-            real(json_object_get(row, "frame_s"), "median") / reading->calibration_s, NAN,
+            real(json_object_get(row, "frame_s"), "median") / time_unit_s(reading, row), NAN,
             timed_on);
     }
 }

@@ -18,7 +18,7 @@
 #include "harness/night/plan.h"
 #include "harness/run/history.h"
 
-/* Of pictures: the range of the radiance over its mean. 0 is a blank one. */
+/* The kind of a picture: the range of its radiance over the mean; 0 is a blank one. */
 #define NEPH_NIGHT_PICTURE "picture"
 
 /* Texts are of the arena. */

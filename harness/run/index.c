@@ -50,7 +50,7 @@ static const char *const steps[] = {
     "CREATE TABLE night_frames ("
     "  night INTEGER NOT NULL REFERENCES nights (id), key TEXT NOT NULL,"
     "  PRIMARY KEY (night, key)) STRICT, WITHOUT ROWID;"
-    /* `series` is '*' for all; never changed, never removed, also when a night's document is lost. */
+    /* `series` is '*' for all. Never changed nor removed, also when a night's document is lost. */
     "CREATE TABLE acceptances ("
     "  id INTEGER PRIMARY KEY, series TEXT NOT NULL, night INTEGER NOT NULL,"
     "  who TEXT NOT NULL, when_utc TEXT NOT NULL, why TEXT NOT NULL) STRICT;",
@@ -277,6 +277,17 @@ static enum neph_status open_whole(const char *path, const char *store_folder,
     return status;
 }
 
+/* A store that had frames before it had a database. */
+static void tell_takeover(struct neph_database *index, const char *store_folder)
+{
+    int64_t frames = 0;
+    if (neph_database_count(index, &frames, NULL, "SELECT count(*) FROM jobs", "") == NEPH_OK &&
+        frames > 0)
+        neph_progress_warn("'%s' is of an older neph: its %lld frames are used, and are in its new "
+                           "database",
+                           store_folder, (long long)frames);
+}
+
 /* Rows that were damaged where SQLite cannot tell show when what belongs to them is refused. */
 static bool is_damage(enum neph_status status)
 {
@@ -288,10 +299,13 @@ enum neph_status neph_index_open(const char *store_folder, struct neph_database 
 {
     char *folder = neph_path_join(store_folder, "index"),
          *path = folder ? neph_path_join(folder, "neph.sqlite") : NULL;
+    const bool is_new = folder && !neph_path_exists(folder);
     struct neph_diag why = {.line = 0};
     enum neph_status status = path ? neph_dir_create(folder, &why) : neph_fail_memory(&why);
     if (!status)
         status = open_whole(path, store_folder, index, &why);
+    if (!status && is_new)
+        tell_takeover(*index, store_folder);
     if (is_damage(status)) {
         status = set_aside(path, folder, why.message, &why);
         if (!status)

@@ -172,7 +172,7 @@ struct candidate {
     int64_t bytes, used_s;
 };
 
-/* Of frames that were used in the same second, the one of the lesser key. */
+/* The longest unused first; in the same second, the lesser key. */
 static int by_use(const void *a_, const void *b_)
 {
     const struct candidate *a = a_, *b = b_;

@@ -39,8 +39,25 @@ class Nightly(unittest.TestCase):
     def accept(self, *arguments):
         return self.neph("baseline", "accept", "--why", "looked at", *arguments)
 
-    def test_a_night_is_accepted_and_the_next_is_compared(self):
+    def kill_a_night(self):
+        child = subprocess.Popen([NEPH, *QUICK, "-o", str(self.folder)], stdout=subprocess.DEVNULL,
+                                 stderr=subprocess.DEVNULL)
+        until = time.monotonic() + 120
+        logs = self.folder / "nightly/logs"
+        while len(list(logs.glob("*.log"))) < 2 and time.monotonic() < until:
+            time.sleep(0.01)  # the second step has begun
+        again = subprocess.run([NEPH, *QUICK, "-o", str(self.folder)], capture_output=True,
+                               text=True, timeout=60)
+        self.assertEqual(again.returncode, 69, again.stderr)  # one at a time
+        self.assertIn("another night is at work", again.stderr)
+        child.send_signal(signal.SIGKILL)
+        child.wait()
+
+    def test_a_killed_night_goes_on_is_accepted_and_the_next_is_compared(self):
+        self.kill_a_night()
         first = self.neph(*QUICK, code=1)
+        self.assertEqual((self.data()["night"], self.data()["resumed"]), (1, True))
+        self.assertEqual([step["done"] for step in self.data()["steps"]], [True, True])
         self.assertIn("compared nothing", first.stdout)
         self.assertIn("neph baseline accept", first.stdout)
         self.accept()
@@ -70,6 +87,7 @@ class Nightly(unittest.TestCase):
         [accepted] = document["acceptances"]
         self.assertEqual((accepted["night"], accepted["series"], accepted["why"]),
                          (1, "*", "looked at"))
+        self.neph("store", "check")
         self.neph("store", "gc", "--limit", "0", "--spare-hours", "0", code=1)  # it is a baseline
         self.assertEqual(keys, {job["key"] for job in
                                 json.loads(self.neph("store", "export").stdout)["jobs"]})
@@ -99,25 +117,6 @@ class Nightly(unittest.TestCase):
         self.accept()
         self.neph(*FOG, "-s", "march:steps=56", env=LONELY)
 
-    def test_a_killed_night_goes_on(self):
-        child = subprocess.Popen([NEPH, *QUICK, "-o", str(self.folder)], stdout=subprocess.DEVNULL,
-                                 stderr=subprocess.DEVNULL)
-        until = time.monotonic() + 120
-        logs = self.folder / "nightly/logs"
-        while len(list(logs.glob("*.log"))) < 2 and time.monotonic() < until:
-            time.sleep(0.01)  # the second step has begun
-        again = subprocess.run([NEPH, *QUICK, "-o", str(self.folder)], capture_output=True,
-                               text=True, timeout=60)
-        self.assertEqual(again.returncode, 69, again.stderr)  # one at a time
-        self.assertIn("another night is at work", again.stderr)
-        child.send_signal(signal.SIGKILL)
-        child.wait()
-        self.neph(*QUICK, code=1)
-        data = self.data()
-        self.assertEqual((data["night"], data["resumed"]), (1, True))
-        self.assertEqual([step["done"] for step in data["steps"]], [True, True])
-        self.neph("store", "check")
-
     @night.of_the_night
     def test_kills_at_twenty_moments_end_in_the_same_store(self):
         self.neph(*QUICK, code=1)
@@ -143,6 +142,7 @@ class Nightly(unittest.TestCase):
         return ([(m["series"], m["value"]) for m in document["nights"][-1]["measurements"]],
                 [(job["key"], job["scene"], job["settings"]) for job in document["jobs"]])
 
+    @night.of_the_night
     def test_time_that_is_short_is_spent_on_one_step(self):
         self.neph(*QUICK, "--minutes", "0.01", code=1)
         done = [step["done"] for step in self.data()["steps"]]

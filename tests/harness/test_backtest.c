@@ -225,9 +225,9 @@ static int by_delay(const void *a, const void *b)
 static void test_planted_changes_are_found(void **state)
 {
     (void)state;
-    /* `share` is of all runs, within three weeks and by night, when there are forty; `median` is the
-     * night by which half of these are found. 5 % in one scene is below the floor of durations that
-     * are this unsteady: nothing is promised of it. */
+    /* `share` is of all runs, within three weeks and by night, when there are forty; `median` is
+     * the night by which half of these are found. 5 % in one scene is below the floor of durations
+     * that are this unsteady: nothing is promised of it. */
     static const struct {
         const char *what;
         struct plant plant;

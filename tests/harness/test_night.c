@@ -24,7 +24,7 @@ static void make_plan(struct neph_arena *arena, const char *tier, const char *on
     neph_assert_ok(neph_night_plan_make(&params, arena, plan, &diag), &diag);
 }
 
-/* What the quick tier measures, the full one measures under the same names, by the same commands. */
+/* What the quick tier measures, the full one does under the same names and by the same commands. */
 static void test_the_full_tier_goes_on_with_the_series_of_the_quick_one(void **state)
 {
     (void)state;
@@ -177,13 +177,21 @@ static void test_results_of_the_other_suites(void **state)
     neph_assert_close(number_of(&numbers, "failure/none/ours/error over solid"), 0.5, 0.0, 0.0);
     static const char speed[] =
         "{\"scene\": \"fog\", \"scene_hash\": \"0123456789\", \"size_px\": [8, 6], \"engines\": "
-        "[{\"engine\": \"march\", \"version\": \"V\", \"device\": \"D\", \"frame_s\": {\"median\": "
+        "[{\"engine\": \"march\", \"version\": \"V\", \"device\": \"llvmpipe\", \"frame_s\": "
+        "{\"median\": "
         "0.02}, \"passes\": [{\"density_evaluations\": 30.0}, {\"density_evaluations\": 12.0}]}]}";
     read_text(NEPH_NIGHT_SPEED, speed, 0.1, &arena, &numbers);
     neph_assert_close(number_of(&numbers, "speed/fog@01234567/march/time"), 0.2, 1e-12, 0.0);
     neph_assert_close(number_of(&numbers, "speed/fog@01234567/march/evaluations"), 42.0, 0.0, 0.0);
     read_text(NEPH_NIGHT_SPEED, speed, NAN, &arena, &numbers); /* on a busy machine */
     assert_int_equal(numbers.count, 1);
+    read_text(
+        NEPH_NIGHT_SPEED, /* a device of its own is its own unit */
+        "{\"scene\": \"fog\", \"scene_hash\": \"0123456789\", \"size_px\": [8, 6], "
+        "\"ceilings\": {\"buffer_samples_per_s\": 1e9}, \"engines\": [{\"engine\": \"march\", "
+        "\"version\": \"V\", \"device\": \"card\", \"frame_s\": {\"median\": 0.002}}]}",
+        0.1, &arena, &numbers);
+    neph_assert_close(number_of(&numbers, "speed/fog@01234567/march/time"), 2000.0, 1e-9, 0.0);
     json_t *other = json_pack("{s:i}", "scenes", 1);
     assert_int_equal(neph_night_read(NEPH_NIGHT_CATALOG, other, NAN, "", &arena, &numbers, NULL),
                      NEPH_ERR_ENGINE);
