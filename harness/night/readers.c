@@ -294,8 +294,8 @@ static void read_sweep(struct reading *reading)
 
 /* ---- speed ----------------------------------------------------------------------------------- */
 
-/* A unit of time that goes with the machine: the calibration kernel; of a device that is not the CPU,
- * a thousand samples of a buffer there. NaN when the machine was busy. */
+/* A unit of time that goes with the machine: the calibration kernel, or on a device that is not the
+ * CPU a thousand samples of a buffer there. NaN when the machine was busy. */
 static double time_unit_s(const struct reading *reading, const json_t *row)
 {
     const json_t *ceilings = json_object_get(reading->document, "ceilings");
