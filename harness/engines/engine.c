@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/engines/engine.h"
 
+#include "base/hash.h"
 #include "base/text.h"
 
 #include <math.h>
@@ -20,9 +21,20 @@ const char *neph_rung_name(enum neph_rung rung)
     return rung_names[rung];
 }
 
+/* Engines that are part of neph have a build of their own only where frames are to be told apart by
+ * the program that made them: a night (harness/night/night.h) asks its commands for it. */
+static void name_own_build(struct neph_engine_info *info)
+{
+    char digest[NEPH_HASH_HEX_SIZE];
+    if (!info->build[0] && getenv("NEPH_FRAMES_OF_PROGRAM") &&
+        neph_hash_file("/proc/self/exe", digest, NULL) == NEPH_OK)
+        snprintf(info->build, sizeof(info->build), "%.16s", digest);
+}
+
 void neph_engine_probe(const struct neph_engine *engine, struct neph_engine_info *info)
 {
     engine->probe(info);
+    name_own_build(info);
     neph_text_clean(info->version, sizeof(info->version));
     neph_text_clean(info->device, sizeof(info->device));
     neph_text_clean(info->missing, sizeof(info->missing));

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/run/job.h"
 
-#include "base/clock.h"
 #include "base/exr.h"
 #include "base/files.h"
 #include "base/text.h"
@@ -280,8 +279,6 @@ enum neph_status neph_outcome_check(enum neph_outcome outcome, const char *reaso
 static json_t *make_record(const struct neph_job *job, const struct neph_job_result *result)
 {
     const struct neph_shot *shot = &job->shot;
-    char created[32];
-    neph_utc_now(created);
     return json_pack(
         "{s:s, s:s, s:s, s:s, s:i, s:s, s:s, s:s, s:s, s:[i,i], s:i, s:i, s:i, s:i, s:f, s:f, s:f, "
         "s:I}",

@@ -1,14 +1,18 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/run/store.h"
 
+#include "base/clock.h"
 #include "base/files.h"
 #include "base/lock.h"
 #include "base/owned.h"
+#include "harness/host.h"
 #include "harness/progress.h"
+#include "harness/run/index.h"
 #include "harness/run/store_entry.h"
 
 #include <dirent.h>
 #include <errno.h>
+#include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -24,6 +28,7 @@ static const time_t rest_limit_s = 30 * 24 * 3600;
 
 struct neph_store {
     char *folder, *frames, *failed, *tmp, *resting, *lock;
+    char host[NEPH_HOST_CLASS_SIZE];
 };
 
 /* ---- whose folder it is ---------------------------------------------------------------------- */
@@ -48,11 +53,32 @@ static bool is_old_entry(const char *name)
     return is_key(name) || is_old_work(name) || neph_file_is_temporary(name);
 }
 
+static bool is_index_file(const char *name)
+{
+    return strncmp(name, "neph.sqlite", 11) == 0 || strncmp(name, "damaged-", 8) == 0;
+}
+
+static bool is_history(const char *name)
+{
+    return strncmp(name, "night-", 6) == 0 || strncmp(name, "accept-", 7) == 0 ||
+           neph_file_is_temporary(name);
+}
+
+static const struct {
+    const char *name;
+    bool (*fits)(const char *); /* what may lie in it */
+    bool was_always;            /* else of later stores */
+} parts_of_old[] = {
+    {"frames", is_key, true},        {"failed", is_key, true},
+    {"tmp", is_old_entry, true},     {"resting", is_old_entry, true},
+    {"index", is_index_file, false}, {"history", is_history, false},
+};
+enum { PARTS_OF_OLD = sizeof(parts_of_old) / sizeof(parts_of_old[0]) };
+
 static bool is_store_part(const char *name)
 {
-    static const char *const parts[] = {"frames", "failed", "tmp", "resting"};
-    for (size_t i = 0; i < sizeof(parts) / sizeof(parts[0]); i++)
-        if (strcmp(name, parts[i]) == 0)
+    for (int i = 0; i < PARTS_OF_OLD; i++)
+        if (strcmp(name, parts_of_old[i].name) == 0)
             return true;
     return false;
 }
@@ -72,12 +98,22 @@ static bool holds_alone(const char *folder, const char *part, bool (*fits)(const
     return alone;
 }
 
-/* A store of before the marker: its four folders, and nothing in them but what it names. */
+static bool has_part(const char *folder, const char *part)
+{
+    char *path = neph_path_join(folder, part);
+    const bool is_there = path && neph_path_exists(path);
+    free(path);
+    return is_there;
+}
+
+/* A store without its marker: its folders, and nothing in them but what it names. */
 static bool is_old_store(const char *folder)
 {
-    return holds_alone(folder, ".", is_store_part) && holds_alone(folder, "frames", is_key) &&
-           holds_alone(folder, "failed", is_key) && holds_alone(folder, "tmp", is_old_entry) &&
-           holds_alone(folder, "resting", is_old_entry);
+    bool is_old = holds_alone(folder, ".", is_store_part);
+    for (int i = 0; i < PARTS_OF_OLD && is_old; i++)
+        is_old = (!parts_of_old[i].was_always && !has_part(folder, parts_of_old[i].name)) ||
+                 holds_alone(folder, parts_of_old[i].name, parts_of_old[i].fits);
+    return is_old;
 }
 
 static const struct neph_owned_kind store_kind = {
@@ -151,6 +187,7 @@ static enum neph_status name_parts(const char *folder, struct neph_store *store,
     store->tmp = neph_path_join(folder, "tmp");
     store->resting = neph_path_join(folder, "resting");
     store->lock = neph_path_join(folder, ".neph-lock");
+    neph_host_class(store->host);
     return store->folder && store->frames && store->failed && store->tmp && store->resting &&
                    store->lock
                ? NEPH_OK
@@ -166,6 +203,35 @@ static enum neph_status make_parts(const struct neph_store *store, struct neph_d
     return status;
 }
 
+/* Under the lock. Frames are found without a database: one that cannot be written is not kept up,
+ * and the next run does so. */
+static enum neph_status update_index(const struct neph_store *store, struct neph_diag *diag)
+{
+    struct neph_database *index = NULL;
+    struct neph_diag why = {.line = 0};
+    const enum neph_status status = neph_index_open(store->folder, &index, &why);
+    neph_database_close(index);
+    if (status == NEPH_ERR_IO) {
+        neph_progress_warn("the store's database is not up to date, which changes no frame: %s",
+                           why.message);
+        return NEPH_OK;
+    }
+    if (status && diag)
+        *diag = why;
+    return status;
+}
+
+static void destroy(struct neph_store *store)
+{
+    free(store->folder);
+    free(store->frames);
+    free(store->failed);
+    free(store->tmp);
+    free(store->resting);
+    free(store->lock);
+    free(store);
+}
+
 enum neph_status neph_store_open(const char *folder, struct neph_store **store,
                                  struct neph_diag *diag)
 {
@@ -178,36 +244,70 @@ enum neph_status neph_store_open(const char *folder, struct neph_store **store,
         status = make_parts(opened, diag);
     if (!status)
         status = neph_lock_wait(opened->lock, &lock, diag);
-    if (status) {
-        neph_store_close(opened);
-        return status;
+    if (!status) {
+        sweep(opened);
+        status = update_index(opened, diag);
+        close(lock);
     }
-    sweep(opened);
-    close(lock);
-    *store = opened;
-    return NEPH_OK;
+    if (status)
+        destroy(opened);
+    else
+        *store = opened;
+    return status;
 }
 
 void neph_store_close(struct neph_store *store)
 {
+    int lock = -1;
     if (!store)
         return;
-    free(store->folder);
-    free(store->frames);
-    free(store->failed);
-    free(store->tmp);
-    free(store->resting);
-    free(store->lock);
-    free(store);
+    if (neph_lock_wait(store->lock, &lock, NULL) == NEPH_OK) {
+        update_index(store, NULL);
+        close(lock);
+    }
+    destroy(store);
+}
+
+const char *neph_store_folder(const struct neph_store *store)
+{
+    return store->folder;
+}
+
+enum neph_status neph_store_index(const struct neph_store *store, struct neph_database **index,
+                                  struct neph_diag *diag)
+{
+    int lock = -1;
+    enum neph_status status = neph_lock_wait(store->lock, &lock, diag);
+    if (status)
+        return status;
+    status = neph_index_open(store->folder, index, diag);
+    close(lock);
+    return status;
+}
+
+enum neph_status neph_store_renew_index(const struct neph_store *store, const char *why,
+                                        struct neph_database **index, struct neph_diag *diag)
+{
+    int lock = -1;
+    enum neph_status status = neph_lock_wait(store->lock, &lock, diag);
+    if (status)
+        return status;
+    status = neph_index_renew(store->folder, why, diag);
+    if (!status)
+        status = neph_index_open(store->folder, index, diag);
+    close(lock);
+    return status;
 }
 
 /* ---- finding --------------------------------------------------------------------------------- */
 
-/* Take a bad entry away, in one step for those who look for it; under the lock. */
+/* Take an entry away, in one step for those who look for it; under the lock. `why` NULL: that is no
+ * news. */
 static void discard(const struct neph_store *store, const char *entry, const char *why)
 {
     struct neph_scratch *bin = NULL;
-    neph_progress_warn("'%s' is not used and is removed: %s", entry, why);
+    if (why)
+        neph_progress_warn("'%s' is not used and is removed: %s", entry, why);
     if (neph_scratch_create(store->tmp, work_prefix, &bin, NULL) == NEPH_OK) {
         char *path = neph_path_join(neph_scratch_path(bin), "entry");
         if (!path || rename(entry, path) != 0)
@@ -232,6 +332,16 @@ static enum neph_entry_state discard_if_bad(const struct neph_store *store, cons
     return state;
 }
 
+/* The record's time of change, on whose file system nothing else is written for it. */
+static void note_use(const char *frame_path)
+{
+    char *record = neph_format("%.*sjob.json", (int)(strrchr(frame_path, '/') + 1 - frame_path),
+                               frame_path);
+    if (record)
+        utimensat(AT_FDCWD, record, NULL, 0);
+    free(record);
+}
+
 bool neph_store_find(struct neph_store *store, const char *key, char **frame_path, json_t **record)
 {
     char why[NEPH_ENTRY_WHY_BYTES];
@@ -249,6 +359,7 @@ bool neph_store_find(struct neph_store *store, const char *key, char **frame_pat
         free(path);
         return false;
     }
+    note_use(path);
     *frame_path = path;
     *record = found;
     return true;
@@ -341,9 +452,15 @@ enum neph_status neph_store_publish(struct neph_store *store, const char *key,
 {
     const char *path = neph_scratch_path(scratch);
     char *entry = neph_path_join(store->frames, key);
+    char now[32];
     int lock = -1;
-    enum neph_status status = entry ? neph_entry_write_record(path, key, record, diag)
+    neph_utc_now(now);
+    enum neph_status status = entry ? neph_json_put(record, "host", json_string(store->host), diag)
                                     : neph_fail_memory(diag);
+    if (!status)
+        status = neph_json_put(record, "created_utc", json_string(now), diag);
+    if (!status)
+        status = neph_entry_write_record(path, key, record, diag);
     if (!status)
         status = tidy(path, record, diag);
     if (!status)
@@ -354,6 +471,26 @@ enum neph_status neph_store_publish(struct neph_store *store, const char *key,
     }
     free(entry);
     return status;
+}
+
+bool neph_store_remove(struct neph_store *store, const char *key, int64_t unused_since_s,
+                       const char *why)
+{
+    char *entry = neph_path_join(store->frames, key);
+    char *record = entry ? neph_path_join(entry, "job.json") : NULL;
+    struct stat info;
+    int lock = -1;
+    bool removes = record && neph_lock_wait(store->lock, &lock, NULL) == NEPH_OK;
+    if (removes && unused_since_s > 0 && stat(record, &info) == 0)
+        removes = info.st_mtime <= unused_since_s;
+    if (removes)
+        discard(store, entry, why);
+    removes = removes && !neph_path_exists(entry);
+    if (lock >= 0)
+        close(lock);
+    free(record);
+    free(entry);
+    return removes;
 }
 
 void neph_store_abandon(struct neph_store *store, const char *key,

@@ -204,8 +204,8 @@ static enum neph_entry_state check_files(const char *folder, const json_t *recor
     return state;
 }
 
-enum neph_entry_state neph_entry_check(const char *folder, const char *key, json_t **record,
-                                       char why[NEPH_ENTRY_WHY_BYTES])
+enum neph_entry_state neph_entry_read(const char *folder, const char *key, json_t **record,
+                                      char why[NEPH_ENTRY_WHY_BYTES])
 {
     json_t *found = NULL;
     if (!neph_path_exists(folder))
@@ -216,7 +216,20 @@ enum neph_entry_state neph_entry_check(const char *folder, const char *key, json
     if (state == NEPH_ENTRY_GOOD)
         state = check_record(found, key, why);
     if (state == NEPH_ENTRY_GOOD)
-        state = check_files(folder, found, why);
+        *record = found;
+    else
+        json_decref(found);
+    return state;
+}
+
+enum neph_entry_state neph_entry_check(const char *folder, const char *key, json_t **record,
+                                       char why[NEPH_ENTRY_WHY_BYTES])
+{
+    json_t *found = NULL;
+    enum neph_entry_state state = neph_entry_read(folder, key, &found, why);
+    if (state != NEPH_ENTRY_GOOD)
+        return state;
+    state = check_files(folder, found, why);
     if (state == NEPH_ENTRY_GOOD)
         *record = found;
     else

@@ -27,6 +27,11 @@ enum { NEPH_ENTRY_WHY_BYTES = 1200 };
 enum neph_entry_state neph_entry_check(const char *folder, const char *key, json_t **record,
                                        char why[NEPH_ENTRY_WHY_BYTES]);
 
+/* Look at the record alone: it is there, of this key, and as it was signed. Its files may be
+ * anything. */
+enum neph_entry_state neph_entry_read(const char *folder, const char *key, json_t **record,
+                                      char why[NEPH_ENTRY_WHY_BYTES]);
+
 /* Sign `record` ("key", "frame_blake2b", "results_blake2b", "record_blake2b" are added to it) for
  * frame.exr, the *.json and the pictures in `folder` and write it there as job.json. */
 enum neph_status neph_entry_write_record(const char *folder, const char *key, json_t *record,

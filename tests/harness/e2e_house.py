@@ -25,8 +25,10 @@ ROOMS = {
     "failure": {"engines", "compare", "run", "study"},
     "fly": {"engines", "compare", "run", "study"},
     "report": {"engines", "compare", "run", "study", "physics"},
+    "night": {"engines", "compare", "run", "physics"},
     "sweep": {"engines", "compare", "run", "study", "report"},
-    "cli": {"engines", "compare", "run", "study", "physics", "failure", "fly", "report", "sweep"},
+    "cli": {"engines", "compare", "run", "study", "physics", "failure", "fly", "report", "sweep",
+            "night"},
 }
 INCLUDE = re.compile(r'^#include "([a-z_/]+\.h)"', re.MULTILINE)
 

@@ -1,0 +1,149 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * `neph baseline accept|list`.
+ */
+#include "harness/cli/cli.h"
+
+#include "base/files.h"
+#include "base/text.h"
+#include "harness/run/history.h"
+#include "harness/run/store.h"
+
+#include <pwd.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { WHO_BYTES = 256 };
+
+struct request {
+    struct neph_cli_shared shared;
+    const char *why, *who;
+    int night;
+};
+
+static const struct neph_cli_option options[] = {
+    {"why", 0, "TEXT", "accept: the reason, for who asks later", NEPH_CLI_WORD,
+     .at = offsetof(struct request, why)},
+    {"who", 0, "NAME", "accept: who says so (default: the user and the machine)", NEPH_CLI_WORD,
+     .at = offsetof(struct request, who)},
+    {"night", 0, "N", "accept: the night (default: the last)", NEPH_CLI_INTEGER,
+     .at = offsetof(struct request, night), .minimum = 1, .maximum = 1e9},
+    {.name = "output", .help = "Folder of the store", .otherwise = "out"},
+    {.name = "json"},
+    {.name = "quiet", .help = "Accepted; this verb prints results alone"},
+    {.name = NULL},
+};
+
+static bool accepts(const struct request *request)
+{
+    return strcmp(request->shared.operands[0], "accept") == 0;
+}
+
+static void check_request(const void *request_, const struct argp_state *state)
+{
+    const struct request *request = request_;
+    if (!accepts(request) && strcmp(request->shared.operands[0], "list") != 0)
+        argp_error(state, "there is no 'baseline %s': accept or list", request->shared.operands[0]);
+    if (!accepts(request) && request->shared.operand_count > 1)
+        argp_error(state, "list takes nothing more");
+    if (accepts(request) && (!request->why || request->why[strspn(request->why, " ")] == '\0'))
+        argp_error(state, "why is it accepted? --why \"the new phase function is right: see ...\"");
+}
+
+static const struct neph_cli_operands operands = {.shown = "accept|list [SERIES]",
+                                                  .minimum = 1,
+                                                  .maximum = 2,
+                                                  .missing = "accept or list?",
+                                                  .surplus = "one series"};
+
+static const struct neph_cli_syntax syntax = {
+    .options = options,
+    .operands = &operands,
+    .check = check_request,
+    .doc = "Which nights the others are compared with, and who said so.\v"
+           "accept makes a night the baseline of all series, or of SERIES alone, as nightly.json "
+           "names them. Acceptances are added and never changed: the last one counts, and its "
+           "frames are kept by `neph store gc`.\n\n"
+           "Examples:\n"
+           "  neph baseline accept --why \"first night, looked at\"\n"
+           "  neph baseline accept --night 12 catalog/voxel_grid@15da7c6d/march/\"radiance "
+           "rel_rmse\"/exact --why \"steps halved on purpose\"\n"
+           "  neph baseline list",
+};
+
+static void name_user(char who[WHO_BYTES])
+{
+    char host[128] = "";
+    const struct passwd *user = getpwuid(geteuid());
+    gethostname(host, sizeof(host) - 1);
+    neph_text_format(who, WHO_BYTES, "%s@%s", user ? user->pw_name : "unknown", host);
+}
+
+static enum neph_status accept(const struct request *request, struct neph_store *store,
+                               struct neph_database *index, struct neph_diag *diag)
+{
+    char who[WHO_BYTES];
+    int64_t night = request->night;
+    const char *series = request->shared.operand_count > 1 ? request->shared.operands[1] : "*";
+    enum neph_status status = NEPH_OK;
+    name_user(who);
+    if (night < 1)
+        status = neph_database_count(
+            index, &night, diag, "SELECT coalesce(max(id), 0) FROM nights WHERE ended_utc != ''",
+            "");
+    if (!status && night < 1) {
+        status = neph_fail(diag, NEPH_ERR_NOT_FOUND, "no night is over yet");
+        neph_hint(diag, "`neph nightly` runs one");
+    }
+    if (!status)
+        status = neph_history_accept(index, neph_store_folder(store), series, night,
+                                     request->who ? request->who : who, request->why, diag);
+    if (!status && !request->shared.json)
+        printf("night %lld is the baseline of %s\n", (long long)night,
+               strcmp(series, "*") == 0 ? "all series" : series);
+    return status;
+}
+
+static enum neph_status list(const struct request *request, struct neph_database *index,
+                             struct neph_diag *diag)
+{
+    json_t *acceptances = NULL;
+    size_t i;
+    const json_t *row;
+    enum neph_status status = neph_history_acceptances(index, &acceptances, diag);
+    if (!status && request->shared.json)
+        return neph_cli_print_json(acceptances, diag);
+    json_array_foreach(acceptances, i, row) printf(
+        "%s  night %lld  %s  %s: %s\n", neph_json_text(row, "when_utc"),
+        (long long)json_integer_value(json_object_get(row, "night")), neph_json_text(row, "series"),
+        neph_json_text(row, "who"), neph_json_text(row, "why"));
+    json_decref(acceptances);
+    return status;
+}
+
+enum neph_status neph_cli_baseline(int argc, char **argv, struct neph_diag *diag)
+{
+    struct request request = {0};
+    neph_cli_parse(&syntax, argc, argv, &request);
+    struct neph_store *store = NULL;
+    struct neph_database *index = NULL;
+    char *folder = neph_path_join(request.shared.output, "store");
+    enum neph_status status = folder ? NEPH_OK : neph_fail_memory(diag);
+    if (!status && !neph_path_is_dir(folder))
+        status = neph_fail(diag, NEPH_ERR_NOT_FOUND, "there is no store in '%s'",
+                           request.shared.output);
+    if (!status)
+        status = neph_store_open(folder, &store, diag);
+    if (!status)
+        status = neph_store_index(store, &index, diag);
+    if (!status && accepts(&request))
+        status = accept(&request, store, index, diag);
+    if (!status && (!accepts(&request) || request.shared.json))
+        status = list(&request, index, diag);
+    neph_database_close(index);
+    neph_store_close(store);
+    free(folder);
+    return status;
+}

@@ -1,0 +1,141 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * `neph nightly`.
+ */
+#include "harness/cli/cli.h"
+
+#include "base/files.h"
+#include "harness/night/output.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct request {
+    struct neph_cli_shared shared;
+    const char *tier, *revision;
+    struct neph_cli_words only;
+    double minutes;
+    int against;
+    bool lists, once;
+};
+
+static const struct neph_cli_option options[] = {
+    {"tier", 0, "NAME", "quick, or full: the whole catalogue, all checks and all scenarios",
+     NEPH_CLI_WORD, .at = offsetof(struct request, tier), .otherwise = "quick"},
+    {"only", 0, "TEXT", "Only steps whose name has TEXT in it; may be given several times",
+     NEPH_CLI_WORDS, .at = offsetof(struct request, only)},
+    {"minutes", 0, "M", "No step begins that does not fit into so many (default: all steps)",
+     NEPH_CLI_REAL, .at = offsetof(struct request, minutes), .minimum = 0.01, .maximum = 1e5},
+    {"revision", 0, "TEXT", "What the sources are called; scripts/nightly asks git", NEPH_CLI_WORD,
+     .at = offsetof(struct request, revision)},
+    {"against", 0, "N", "Compare with night N (default: the last that was accepted)",
+     NEPH_CLI_INTEGER, .at = offsetof(struct request, against), .minimum = 1, .maximum = 1e9},
+    {"once", 0, NULL, "Run no step a second time", NEPH_CLI_FLAG,
+     .at = offsetof(struct request, once)},
+    {"list", 0, NULL, "Print the steps and run none", NEPH_CLI_FLAG,
+     .at = offsetof(struct request, lists)},
+    {.name = "set",
+     .argument = "ENGINE:KEY=VALUE",
+     .help = "A setting of an engine in the catalogue, as if it were the default"},
+    {.name = "size", .help = "Of the catalogue, sweeps and speeds, in place of the plan's"},
+    {.name = "output", .help = "Folder of the store and of nightly/", .otherwise = "out"},
+    {.name = "json"},
+    {.name = "quiet"},
+    {.name = NULL},
+};
+
+static const struct neph_cli_syntax syntax = {
+    .options = options,
+    .doc = "A night: measure, compare with the night that was accepted, say what changed.\v"
+           "Steps run one after the other, those first that give the most numbers a second; what "
+           "was not run for want of time comes first the next night. A night that was killed goes "
+           "on where it stopped. Results are printed as one paragraph, and written to "
+           "DIR/nightly: summary.txt, nightly.json, junit.xml, and a log for each step.\n\n"
+           "A number is worse when the change is more than chance and large enough to matter. "
+           "Durations count when three nights in a row say the same. Exit code 1: something is "
+           "worse, missing or blank, a step failed, or nothing was compared, as in the first "
+           "night: `neph baseline accept` makes it the baseline. docs/nightly.md is for who runs "
+           "this.\n\n"
+           "Examples:\n"
+           "  neph nightly\n"
+           "  neph nightly --tier full --minutes 240 -o nights\n"
+           "  neph nightly --only voxel_grid --against 12",
+};
+
+/* Whether there is such a plan, before anything is made for it; and print it. */
+static enum neph_status look_at_plan(const struct neph_night_plan_params *params, bool prints,
+                                     struct neph_diag *diag)
+{
+    struct neph_arena arena = {NULL};
+    struct neph_night_plan plan;
+    const enum neph_status status = neph_night_plan_make(params, &arena, &plan, diag);
+    for (int i = 0; !status && prints && i < plan.count; i++) {
+        printf("%-36s neph", plan.steps[i].name);
+        for (int w = 0; plan.steps[i].words[w]; w++)
+            printf(" %s", plan.steps[i].words[w]);
+        putchar('\n');
+    }
+    neph_arena_finish(&arena);
+    return status;
+}
+
+static enum neph_status tell(const struct request *request, const struct neph_night *night,
+                             struct neph_diag *diag)
+{
+    const char *output = request->shared.output;
+    enum neph_status status = neph_night_write(night, request->tier, output, diag);
+    if (!status && request->shared.json) {
+        status = neph_cli_print_json(neph_night_json(night, request->tier), diag);
+    } else if (!status) {
+        char *summary = neph_night_summary(night, request->tier);
+        fputs(summary ? summary : "", stdout);
+        free(summary);
+    }
+    if (status || night->comparison.passes)
+        return status;
+    return neph_fail(diag, NEPH_ERR_GATE, "the night %s; %s/nightly has all of it",
+                     night->comparison.compared == 0 ? "compared nothing" : "fails", output);
+}
+
+static enum neph_status run(const struct request *request, const struct neph_night_params *params,
+                            struct neph_diag *diag)
+{
+    struct neph_store *store = NULL;
+    struct neph_night night = {.id = 0};
+    char *folder = neph_path_join(params->output, "store");
+    enum neph_status status = folder ? neph_store_open(folder, &store, diag)
+                                     : neph_fail_memory(diag);
+    if (!status)
+        status = neph_night_run(params, store, &night, diag);
+    if (!status)
+        status = tell(request, &night, diag);
+    neph_night_finish(&night);
+    neph_store_close(store);
+    free(folder);
+    return status;
+}
+
+enum neph_status neph_cli_nightly(int argc, char **argv, struct neph_diag *diag)
+{
+    struct request request = {0};
+    neph_cli_parse(&syntax, argc, argv, &request);
+    const struct neph_cli_shared *shared = &request.shared;
+    const struct neph_night_params params = {
+        .plan = {.tier = request.tier,
+                 .only = request.only.list,
+                 .only_count = request.only.count,
+                 .settings = shared->settings.list,
+                 .setting_count = shared->settings.count,
+                 .width_px = shared->size.width_px,
+                 .height_px = shared->size.height_px},
+        .output = shared->output,
+        .revision = request.revision ? request.revision : "",
+        .budget_s = isnan(request.minutes) ? INFINITY : 60.0 * request.minutes,
+        .against = request.against > 0 ? request.against : 0,
+        .once = request.once,
+        .quiet = shared->quiet || shared->json};
+    const enum neph_status status = look_at_plan(&params.plan, request.lists, diag);
+    return status || request.lists ? status : run(&request, &params, diag);
+}

@@ -1,0 +1,207 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * `neph store check|gc|export`.
+ */
+#include "harness/cli/cli.h"
+
+#include "base/files.h"
+#include "harness/run/store_keep.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct request {
+    struct neph_cli_shared shared;
+    bool repairs;
+    const char *limit;
+    double spare_hours;
+};
+
+static const struct neph_cli_option options[] = {
+    {.name = "output", .help = "Folder of the store, as of the other verbs", .otherwise = "out"},
+    {"repair", 0, NULL, "check: remove frames that are damaged; a run that wants them renders anew",
+     NEPH_CLI_FLAG, .at = offsetof(struct request, repairs)},
+    {"limit", 0, "SIZE", "gc: what all frames may take, such as 500M, 20G", NEPH_CLI_WORD,
+     .at = offsetof(struct request, limit)},
+    {"spare-hours", 0, "H", "gc: frames that were used within so many hours stay", NEPH_CLI_REAL,
+     .at = offsetof(struct request, spare_hours), .otherwise = "1", .minimum = 0, .maximum = 1e6},
+    {.name = "json"},
+    {.name = "quiet", .help = "Accepted; this verb prints results alone"},
+    {.name = NULL},
+};
+
+static void check_request(const void *request_, const struct argp_state *state)
+{
+    const struct request *request = request_;
+    const char *verb = request->shared.operands[0];
+    const bool is_gc = strcmp(verb, "gc") == 0;
+    if (!is_gc && strcmp(verb, "check") != 0 && strcmp(verb, "export") != 0)
+        argp_error(state, "there is no 'store %s': check, gc or export", verb);
+    if (is_gc && !request->limit)
+        argp_error(state, "how much may the frames take? --limit 20G");
+    if (!is_gc && request->limit)
+        argp_error(state, "--limit is for gc");
+    if (request->repairs && strcmp(verb, "check") != 0)
+        argp_error(state, "--repair is for check");
+}
+
+static const struct neph_cli_operands operands = {.shown = "check|gc|export",
+                                                  .minimum = 1,
+                                                  .maximum = 1,
+                                                  .missing = "check, gc or export?",
+                                                  .surplus = "one of check, gc and export"};
+
+static const struct neph_cli_syntax syntax = {
+    .options = options,
+    .operands = &operands,
+    .check = check_request,
+    .doc = "Keep the store of a folder: is it whole, room in it, and what it knows as JSON.\v"
+           "check reads every frame and holds it against its record, and the database against the "
+           "frames and the finished nights; exit code 1 when anything is damaged. A database that "
+           "cannot even be opened is set aside and made again of the files beside it, whichever "
+           "verb opens the store.\n\n"
+           "gc removes frames, the longest unused first, until the rest fits into --limit. What an "
+           "accepted night has used stays, whatever its age: exit code 1 when the limit cannot be "
+           "kept for that.\n\n"
+           "export prints environments, jobs, nights and acceptances as JSON.\n\n"
+           "Examples:\n"
+           "  neph store check -o out\n"
+           "  neph store gc --limit 20G\n"
+           "  neph store export > store.json",
+};
+
+/* ---- check ----------------------------------------------------------------------------------- */
+
+static void tell_fault(const struct neph_store_fault *fault, void *context)
+{
+    json_t **list = context;
+    if (list)
+        neph_json_add(list,
+                      json_pack("{s:s, s:s, s:b, s:b}", "key", fault->key, "why", fault->why,
+                                "of_baseline", fault->of_baseline, "removed", fault->removed));
+    else
+        printf("%s  %s%s%s\n", fault->key[0] ? fault->key : "database", fault->why,
+               fault->of_baseline ? "; an accepted night has used it" : "",
+               !fault->removed ? ""
+               : fault->key[0] ? "; removed"
+                               : "; made again");
+}
+
+static enum neph_status run_check(const struct request *request, struct neph_store *store,
+                                  struct neph_diag *diag)
+{
+    struct neph_store_sums sums;
+    const bool json = request->shared.json;
+    json_t *faults = json_array();
+    enum neph_status status = neph_store_check(store, request->repairs, tell_fault,
+                                               json ? &faults : NULL, &sums, diag);
+    if (!status && json)
+        status = neph_cli_print_json(
+            json_pack("{s:I, s:I, s:I, s:I, s:I, s:O}", "frames", (json_int_t)sums.frames, "bytes",
+                      (json_int_t)sums.bytes, "nights", (json_int_t)sums.nights, "acceptances",
+                      (json_int_t)sums.accepted, "bad", (json_int_t)sums.bad, "faults", faults),
+            diag);
+    else if (!status)
+        printf("%lld frames, %.1f MB, %lld nights, %lld acceptances; %lld damaged\n",
+               (long long)sums.frames, 1e-6 * (double)sums.bytes, (long long)sums.nights,
+               (long long)sums.accepted, (long long)sums.bad);
+    json_decref(faults);
+    if (status || sums.bad == 0)
+        return status;
+    neph_fail(diag, NEPH_ERR_GATE, "damaged: %lld; the lines above name them", (long long)sums.bad);
+    if (!request->repairs)
+        neph_hint(diag, "--repair removes damaged frames, which the next run that wants them "
+                        "renders anew, and makes a damaged database again");
+    return NEPH_ERR_GATE;
+}
+
+/* ---- gc -------------------------------------------------------------------------------------- */
+
+/* "500M": bytes; NaN when it is no size. */
+static double bytes_of(const char *text)
+{
+    static const char units[] = "KMGT";
+    char *end;
+    const double number = strtod(text, &end);
+    const char *unit = *end ? strchr(units, *end) : NULL;
+    if (end == text || !(number >= 0.0) || (*end && (!unit || end[1])) || number > 1e15)
+        return NAN;
+    return number * (unit ? pow(1000.0, 1.0 + (double)(unit - units)) : 1.0);
+}
+
+static enum neph_status run_gc(const struct request *request, struct neph_store *store,
+                               struct neph_diag *diag)
+{
+    struct neph_store_gc gc;
+    const double limit = bytes_of(request->limit);
+    if (!isfinite(limit) || limit > 1e18)
+        return neph_fail(diag, NEPH_ERR_USAGE,
+                         "--limit '%s' is no size: a number of bytes, or of K, M, G or T",
+                         request->limit);
+    enum neph_status status = neph_store_gc(store, (int64_t)limit, 3600.0 * request->spare_hours,
+                                            &gc, diag);
+    if (!status && request->shared.json)
+        status = neph_cli_print_json(
+            json_pack("{s:I, s:I, s:I, s:I, s:I, s:I, s:b}", "frames_before",
+                      (json_int_t)gc.frames_before, "bytes_before", (json_int_t)gc.bytes_before,
+                      "frames_removed", (json_int_t)gc.frames_removed, "bytes_removed",
+                      (json_int_t)gc.bytes_removed, "bytes_of_baselines",
+                      (json_int_t)gc.bytes_of_baselines, "bytes_in_use",
+                      (json_int_t)gc.bytes_in_use, "fits", gc.fits),
+            diag);
+    else if (!status)
+        printf("removed %lld of %lld frames, %.1f of %.1f MB; of accepted nights %.1f MB, in use "
+               "%.1f MB\n",
+               (long long)gc.frames_removed, (long long)gc.frames_before,
+               1e-6 * (double)gc.bytes_removed, 1e-6 * (double)gc.bytes_before,
+               1e-6 * (double)gc.bytes_of_baselines, 1e-6 * (double)gc.bytes_in_use);
+    if (status || gc.fits)
+        return status;
+    neph_fail(diag, NEPH_ERR_GATE, "the limit of %.1f MB cannot be kept: %.1f MB are left",
+              1e-6 * limit, 1e-6 * (double)(gc.bytes_before - gc.bytes_removed));
+    neph_hint(diag, "accepted nights and what was used within --spare-hours stay");
+    return NEPH_ERR_GATE;
+}
+
+static enum neph_status run_export(struct neph_store *store, struct neph_diag *diag)
+{
+    json_t *document = NULL;
+    const enum neph_status status = neph_store_export(store, &document, diag);
+    return status ? status : neph_cli_print_json(document, diag);
+}
+
+/* ---- all ------------------------------------------------------------------------------------- */
+
+static enum neph_status open_existing(const char *output, struct neph_store **store,
+                                      struct neph_diag *diag)
+{
+    char *folder = neph_path_join(output, "store");
+    enum neph_status status = folder ? NEPH_OK : neph_fail_memory(diag);
+    if (!status && !neph_path_is_dir(folder)) {
+        status = neph_fail(diag, NEPH_ERR_NOT_FOUND, "there is no store in '%s'", output);
+        neph_hint(diag, "-o names the folder that was given to the other verbs");
+    }
+    if (!status)
+        status = neph_store_open(folder, store, diag);
+    free(folder);
+    return status;
+}
+
+enum neph_status neph_cli_store(int argc, char **argv, struct neph_diag *diag)
+{
+    struct request request = {0};
+    struct neph_store *store = NULL;
+    neph_cli_parse(&syntax, argc, argv, &request);
+    const char *verb = request.shared.operands[0];
+    enum neph_status status = open_existing(request.shared.output, &store, diag);
+    if (!status && strcmp(verb, "check") == 0)
+        status = run_check(&request, store, diag);
+    else if (!status && strcmp(verb, "gc") == 0)
+        status = run_gc(&request, store, diag);
+    else if (!status)
+        status = run_export(store, diag);
+    neph_store_close(store);
+    return status;
+}

@@ -1,0 +1,548 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/night/compare.h"
+
+#include "harness/night/readers.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { FINDINGS_MAX = 8192 };
+
+static const char *const found_words[] = {
+    [NEPH_FOUND_STEP] = "step failed",
+    [NEPH_FOUND_BITS] = "not the same bits",
+    [NEPH_FOUND_STALE] = "reference stale",
+    [NEPH_FOUND_BLANK] = "blank picture",
+    [NEPH_FOUND_MISSING] = "missing",
+    [NEPH_FOUND_SIZE] = "another size",
+    [NEPH_FOUND_WORSE] = "worse",
+    [NEPH_FOUND_BETTER] = "better",
+    [NEPH_FOUND_ENVIRONMENT] = "environment",
+    [NEPH_FOUND_MOVED] = "moved",
+};
+
+const char *neph_found_word(enum neph_found found)
+{
+    return found_words[found];
+}
+
+bool neph_found_fails(enum neph_found found)
+{
+    return found < NEPH_FOUND_BETTER;
+}
+
+/* One number of tonight with all that it is held against. */
+struct candidate {
+    const char *name, *step, *environment;
+    bool is_picture;
+    int64_t accepted; /* night; 0: none */
+    struct neph_series series;
+    double *past, *errors; /* owned, as is `aside` */
+    bool *aside;
+    bool was_measured;             /* by the accepted night */
+    const char *other_environment; /* of the accepted night, where it is another */
+    bool other_size;
+};
+
+struct work {
+    struct neph_database *index;
+    struct neph_night_comparison *comparison;
+    struct candidate *candidates;
+    int count;
+    int64_t against;
+    double alpha;
+};
+
+/* ---- findings -------------------------------------------------------------------------------- */
+
+/* Worst first: by what it is, then by how far above its floor. */
+static int by_weight(const void *a_, const void *b_)
+{
+    const struct neph_finding *a = a_, *b = b_;
+    if (a->found != b->found)
+        return a->found < b->found ? -1 : 1;
+    const double of_a = isfinite(a->change) ? fabs(a->change) / fmax(a->floor, 1e-9) : 0.0;
+    const double of_b = isfinite(b->change) ? fabs(b->change) / fmax(b->floor, 1e-9) : 0.0;
+    return of_a != of_b ? (of_a > of_b ? -1 : 1) : strcmp(a->series, b->series);
+}
+
+void neph_night_add_finding(struct neph_night_comparison *comparison,
+                            const struct neph_finding *finding)
+{
+    if (!comparison->findings)
+        comparison->findings = neph_arena_zeroed(&comparison->arena, FINDINGS_MAX,
+                                                 sizeof(*comparison->findings));
+    if (!comparison->findings || comparison->finding_count == FINDINGS_MAX)
+        return;
+    comparison->findings[comparison->finding_count++] = *finding;
+    qsort(comparison->findings, (size_t)comparison->finding_count, sizeof(*finding), by_weight);
+    comparison->passes = comparison->compared > 0 &&
+                         !neph_found_fails(comparison->findings[0].found);
+}
+
+/* What is no number. */
+static void find(struct work *work, enum neph_found found, const char *series, const char *step,
+                 const char *words)
+{
+    const struct neph_finding finding = {found, series, step, words, NAN, NAN, NAN, NAN, NAN};
+    neph_night_add_finding(work->comparison, &finding);
+}
+
+/* ---- reading --------------------------------------------------------------------------------- */
+
+/* The last acceptance of a series, of itself or of all. */
+static enum neph_status accepted_night(struct work *work, const char *series, int64_t *night,
+                                       struct neph_diag *diag)
+{
+    if (work->against > 0) {
+        *night = work->against;
+        return NEPH_OK;
+    }
+    *night = 0;
+    return neph_database_count(work->index, night, diag,
+                               "SELECT night FROM acceptances WHERE series IN ('*', ?) AND night < "
+                               "? AND night IN (SELECT id FROM nights) ORDER BY id DESC LIMIT 1",
+                               "si", series, work->comparison->night);
+}
+
+static enum neph_status read_candidates(struct work *work, struct neph_diag *diag)
+{
+    struct neph_arena *arena = &work->comparison->arena;
+    struct neph_query *query = NULL;
+    int64_t total = 0;
+    const int64_t night = work->comparison->night;
+    enum neph_status status = neph_database_count(
+        work->index, &total, diag, "SELECT count(*) FROM measurements WHERE night = ?", "i", night);
+    work->candidates = status ? NULL : calloc((size_t)total + 1, sizeof(*work->candidates));
+    if (!status && !work->candidates)
+        status = neph_fail_memory(diag);
+    if (!status)
+        status = neph_query_begin(
+            work->index, &query, diag,
+            "SELECT name, step, kind, value, standard_error, environment FROM "
+            "measurements JOIN series ON series.id = series WHERE night = ? "
+            "ORDER BY name",
+            "i", night);
+    while (!status && work->count < total && neph_query_next(query, &status, diag)) {
+        struct candidate *c = &work->candidates[work->count++];
+        const char *name = neph_arena_text(arena, neph_query_text(query, 0));
+        const struct neph_night_name parts = neph_night_split(arena, name);
+        const struct neph_night_metric *metric = neph_night_metric(parts.metric);
+        *c = (struct candidate){
+            .name = name,
+            .step = neph_arena_text(arena, neph_query_text(query, 1)),
+            .environment = neph_arena_text(arena, neph_query_text(query, 5)),
+            .is_picture = strcmp(neph_query_text(query, 2), NEPH_NIGHT_PICTURE) == 0,
+            .series = {.name = name,
+                       .engine = parts.engine,
+                       .metric = parts.metric,
+                       .truth = parts.truth[0] ? parts.truth : NULL,
+                       .kind = neph_series_kind_of(neph_query_text(query, 2)),
+                       .is_signed = metric->is_signed,
+                       .unit = metric->unit,
+                       .tonight = neph_query_real(query, 3),
+                       .standard_error = neph_query_real(query, 4)}};
+    }
+    neph_query_end(query);
+    return status;
+}
+
+/* The nights from the accepted one on; a place for each, also for those without the number. */
+static enum neph_status read_past(struct work *work, struct candidate *c, struct neph_diag *diag)
+{
+    int64_t nights = 0;
+    struct neph_query *query = NULL;
+    enum neph_status status = neph_database_count(
+        work->index, &nights, diag,
+        "SELECT count(*) FROM nights WHERE ended_utc != '' AND id >= ? AND id < ?", "ii",
+        c->accepted, work->comparison->night);
+    c->past = calloc((size_t)nights + 1, sizeof(*c->past));
+    c->errors = calloc((size_t)nights + 1, sizeof(*c->errors));
+    c->aside = calloc((size_t)nights + 1, sizeof(*c->aside));
+    if (!status && (!c->past || !c->errors || !c->aside))
+        status = neph_fail_memory(diag);
+    if (!status)
+        status = neph_query_begin(
+            work->index, &query, diag,
+            "SELECT m.value, m.standard_error, m.environment, m.judgement, m.night IS NOT NULL "
+            "FROM "
+            "nights LEFT JOIN measurements AS m ON m.night = nights.id AND m.series = (SELECT id "
+            "FROM series WHERE name = ?) WHERE ended_utc != '' AND nights.id >= ? AND nights.id < "
+            "? "
+            "ORDER BY nights.id",
+            "sii", c->name, c->accepted, work->comparison->night);
+    int at = 0;
+    for (; !status && at < nights && neph_query_next(query, &status, diag); at++) {
+        const bool is_there = neph_query_integer(query, 4) != 0;
+        const bool same = is_there && strcmp(neph_query_text(query, 2), c->environment) == 0;
+        c->past[at] = same ? neph_query_real(query, 0) : NAN;
+        c->errors[at] = same ? neph_query_real(query, 1) : NAN;
+        c->aside[at] = neph_query_text(query, 3)[0] != '\0';
+        if (at == 0) {
+            c->was_measured = is_there;
+            c->other_environment = is_there && !same ? neph_arena_text(&work->comparison->arena,
+                                                                       neph_query_text(query, 2))
+                                                     : NULL;
+            c->aside[0] = false; /* it was accepted as it is */
+        }
+    }
+    neph_query_end(query);
+    c->series.past = c->past;
+    c->series.past_errors = c->errors;
+    c->series.set_aside = c->aside;
+    c->series.past_count = at;
+    return status;
+}
+
+static enum neph_status compare_sizes(struct work *work, struct candidate *c,
+                                      struct neph_diag *diag)
+{
+    int64_t other = 0;
+    const enum neph_status status = neph_database_count(
+        work->index, &other, diag,
+        "SELECT count(*) FROM steps AS a JOIN steps AS b ON a.name = b.name WHERE a.name = ? AND "
+        "a.night = ? AND b.night = ? AND a.size != b.size",
+        "sii", c->step, c->accepted, work->comparison->night);
+    c->other_size = other > 0;
+    return status;
+}
+
+static enum neph_status read_all(struct work *work, struct neph_diag *diag)
+{
+    enum neph_status status = read_candidates(work, diag);
+    for (int i = 0; i < work->count && !status; i++) {
+        struct candidate *c = &work->candidates[i];
+        status = accepted_night(work, c->name, &c->accepted, diag);
+        if (!status && c->accepted > 0)
+            status = read_past(work, c, diag);
+        if (!status && c->accepted > 0)
+            status = compare_sizes(work, c, diag);
+    }
+    return status;
+}
+
+/* ---- what is no number ----------------------------------------------------------------------- */
+
+static enum neph_status find_failed_steps(struct work *work, struct neph_diag *diag)
+{
+    struct neph_arena *arena = &work->comparison->arena;
+    struct neph_query *query = NULL;
+    enum neph_status status = neph_query_begin(
+        work->index, &query, diag,
+        "SELECT name, outcome, reason FROM steps WHERE night = ? AND outcome != 'done'", "i",
+        work->comparison->night);
+    while (!status && neph_query_next(query, &status, diag)) {
+        const char *name = neph_arena_text(arena, neph_query_text(query, 0));
+        find(work, NEPH_FOUND_STEP, name, name,
+             neph_arena_format(arena, "%s: %s", neph_query_text(query, 1),
+                               neph_query_text(query, 2)));
+    }
+    neph_query_end(query);
+    return status;
+}
+
+/* A scene that was changed has another hash in the name: that is a new series. */
+static bool has_successor(const struct work *work, const char *series)
+{
+    const char *at = strchr(series, '@'), *rest = at ? strchr(at, '/') : NULL;
+    for (int i = 0; rest && i < work->count; i++) {
+        const char *name = work->candidates[i].name, *own = strchr(name, '@');
+        if (own && own - name == at - series && strncmp(name, series, (size_t)(at - series)) == 0 &&
+            strchr(own, '/') && strcmp(strchr(own, '/'), rest) == 0)
+            return true;
+    }
+    return false;
+}
+
+/* Numbers of the accepted night whose step was done tonight, too, and which are not there. */
+static enum neph_status find_missing(struct work *work, struct neph_diag *diag)
+{
+    struct neph_night_comparison *comparison = work->comparison;
+    struct neph_query *query = NULL;
+    enum neph_status status = neph_query_begin(
+        work->index, &query, diag,
+        "SELECT name, step FROM measurements AS m JOIN series ON series.id = m.series WHERE night "
+        "= "
+        "? AND step IN (SELECT name FROM steps WHERE night = ? AND outcome = 'done') AND NOT "
+        "EXISTS "
+        "(SELECT 1 FROM measurements AS n WHERE n.night = ? AND n.series = m.series)",
+        "iii", comparison->baseline, comparison->night, comparison->night);
+    while (!status && neph_query_next(query, &status, diag)) {
+        const char *name = neph_arena_text(&comparison->arena, neph_query_text(query, 0));
+        if (!has_successor(work, name))
+            find(work, NEPH_FOUND_MISSING, name,
+                 neph_arena_text(&comparison->arena, neph_query_text(query, 1)),
+                 "the accepted night has measured it, and tonight has not");
+    }
+    neph_query_end(query);
+    int64_t not_run = 0;
+    if (!status)
+        status = neph_database_count(
+            work->index, &not_run, diag,
+            "SELECT count(*) FROM measurements WHERE night = ? AND step NOT IN (SELECT name FROM "
+            "steps WHERE night = ?)",
+            "ii", comparison->baseline, comparison->night);
+    comparison->not_run = (int)not_run;
+    return status;
+}
+
+/* Each step is named once. */
+static bool is_first_of_step(const struct work *work, int at)
+{
+    for (int i = 0; i < at; i++)
+        if (work->candidates[i].other_size &&
+            strcmp(work->candidates[i].step, work->candidates[at].step) == 0)
+            return false;
+    return true;
+}
+
+static void find_in_pictures(struct work *work)
+{
+    for (int i = 0; i < work->count; i++) {
+        const struct candidate *c = &work->candidates[i];
+        if (c->other_size && is_first_of_step(work, i))
+            find(work, NEPH_FOUND_SIZE, c->step, c->step,
+                 "its frames are of another size than those of the accepted night");
+        if (c->is_picture && c->series.past_count > 0 && c->past[0] > 0.0 &&
+            !(c->series.tonight > 0.0))
+            find(work, NEPH_FOUND_BLANK, c->name, c->step,
+                 "all its pixels are equal, and in the accepted night they were not");
+    }
+}
+
+/* ---- numbers --------------------------------------------------------------------------------- */
+
+/* Why a number is not judged; NULL: it is for the judge to say. */
+static const char *why_not(struct neph_night_comparison *comparison, const struct candidate *c)
+{
+    if (c->accepted == 0 || !c->was_measured) {
+        comparison->fresh++;
+        return "new: no accepted night has it";
+    }
+    if (c->other_size)
+        return "another size";
+    if (c->other_environment) {
+        comparison->elsewhere++;
+        return neph_arena_format(&comparison->arena, "another environment: %s, accepted was %s",
+                                 c->environment, c->other_environment);
+    }
+    return NULL;
+}
+
+/* "+3.00 %", or "+3.00 % of 0.001" where the baseline is less than its unit. */
+static const char *change_words(struct neph_arena *arena, const struct candidate *c,
+                                const struct neph_judgement *j)
+{
+    const bool of_unit = c->series.kind != NEPH_SERIES_TIMED && fabs(j->baseline) < c->series.unit;
+    const char *of = of_unit ? neph_arena_format(arena, " of %g", c->series.unit) : "";
+    return neph_arena_format(arena, "%+.2f %%%s", 100.0 * j->change, of);
+}
+
+static const char *words_of(struct neph_arena *arena, const struct candidate *c,
+                            const struct neph_judgement *j)
+{
+    const char *unit = c->series.kind == NEPH_SERIES_TIMED ? " of the calibration" : "",
+               *chance = j->p > 0.0 ? neph_arena_format(arena, ", p %.1g", j->p) : "";
+    return neph_arena_format(arena, "%.6g%s, accepted %.6g: %s%s", c->series.tonight, unit,
+                             j->baseline, change_words(arena, c, j), chance);
+}
+
+static const enum neph_found found_of[] = {
+    [NEPH_JUDGED_NOT] = NEPH_FOUND_COUNT,   [NEPH_JUDGED_SAME] = NEPH_FOUND_COUNT,
+    [NEPH_JUDGED_MOVED] = NEPH_FOUND_MOVED, [NEPH_JUDGED_BETTER] = NEPH_FOUND_BETTER,
+    [NEPH_JUDGED_WORSE] = NEPH_FOUND_WORSE,
+};
+
+static void take_judgement(struct work *work, const struct candidate *c,
+                           const struct neph_judgement *j, struct neph_compared *row)
+{
+    struct neph_night_comparison *comparison = work->comparison;
+    row->judged = j->judged;
+    row->baseline = j->baseline;
+    row->change = j->change;
+    row->p = j->p;
+    row->floor = j->floor;
+    row->nights = j->nights;
+    if (j->judged == NEPH_JUDGED_NOT) {
+        comparison->young++;
+        row->why = neph_arena_format(&comparison->arena, "%d of %d nights", j->nights,
+                                     neph_series_rule(c->series.kind)->nights);
+    }
+    if (found_of[j->judged] == NEPH_FOUND_COUNT)
+        return;
+    const struct neph_finding finding = {found_of[j->judged],
+                                         c->name,
+                                         c->step,
+                                         words_of(&comparison->arena, c, j),
+                                         c->series.tonight,
+                                         j->baseline,
+                                         j->change,
+                                         j->p,
+                                         j->floor};
+    neph_night_add_finding(comparison, &finding);
+}
+
+static void take_pools(struct work *work, const struct neph_verdicts *verdicts)
+{
+    struct neph_arena *arena = &work->comparison->arena;
+    for (int i = 0; i < verdicts->pool_count; i++) {
+        const struct neph_pool *pool = &verdicts->pools[i];
+        const struct neph_judgement *j = &pool->judgement;
+        if (found_of[j->judged] == NEPH_FOUND_COUNT)
+            continue;
+        const struct neph_finding finding = {
+            found_of[j->judged],
+            neph_arena_format(arena, "%s, %s, mean of %d scenes", pool->engine, pool->metric,
+                              pool->scenes),
+            "",
+            neph_arena_format(arena, "%+.2f %%, p %.1g", 100.0 * j->change, j->p),
+            NAN,
+            NAN,
+            j->change,
+            j->p,
+            j->floor};
+        neph_night_add_finding(work->comparison, &finding);
+    }
+    for (int i = 0; i < verdicts->stale_count; i++) {
+        const struct neph_stale *stale = &verdicts->stale[i];
+        find(work, NEPH_FOUND_STALE, stale->truth, "",
+             neph_arena_format(arena,
+                               "%d of %d series against %s moved, of %d engines: look at %s before "
+                               "the engines",
+                               stale->moved, stale->all, stale->truth, stale->engines,
+                               stale->truth));
+    }
+}
+
+/* Which versions changed, once each, with how many series that concerns. */
+static void find_environments(struct work *work)
+{
+    struct neph_arena *arena = &work->comparison->arena;
+    for (int i = 0; i < work->count; i++) {
+        const struct candidate *c = &work->candidates[i];
+        int before = 0, all = 0;
+        for (int k = 0; c->other_environment && k < work->count; k++) {
+            const struct candidate *other = &work->candidates[k];
+            const bool same = other->other_environment &&
+                              strcmp(other->other_environment, c->other_environment) == 0 &&
+                              strcmp(other->environment, c->environment) == 0;
+            before += same && k < i;
+            all += same;
+        }
+        if (c->other_environment && before == 0)
+            find(work, NEPH_FOUND_ENVIRONMENT, c->environment, "",
+                 neph_arena_format(arena, "%d series are not compared: accepted was %s", all,
+                                   c->other_environment));
+    }
+}
+
+/* Those that are judged come to lie together, in the order of `rows`. */
+static int choose_judged(struct work *work, struct neph_series *series, int *rows)
+{
+    int count = 0;
+    for (int i = 0; i < work->count; i++) {
+        const struct candidate *c = &work->candidates[i];
+        struct neph_compared *row = &work->comparison->series[i];
+        *row = (struct neph_compared){.series = c->name,
+                                      .step = c->step,
+                                      .judged = NEPH_JUDGED_NOT,
+                                      .why = c->is_picture ? "a picture"
+                                                           : why_not(work->comparison, c),
+                                      .tonight = c->series.tonight,
+                                      .baseline = NAN,
+                                      .change = NAN,
+                                      .p = NAN,
+                                      .floor = NAN};
+        if (row->why)
+            continue;
+        row->why = "";
+        series[count] = c->series;
+        rows[count++] = i;
+    }
+    return count;
+}
+
+static enum neph_status judge_numbers(struct work *work, struct neph_diag *diag)
+{
+    struct neph_night_comparison *comparison = work->comparison;
+    struct neph_verdicts verdicts = {.series = NULL};
+    struct neph_series *series = calloc((size_t)work->count + 1, sizeof(*series));
+    int *rows = calloc((size_t)work->count + 1, sizeof(*rows));
+    comparison->series = neph_arena_zeroed(&comparison->arena, (size_t)work->count + 1,
+                                           sizeof(*comparison->series));
+    enum neph_status status = series && rows && comparison->series ? NEPH_OK
+                                                                   : neph_fail_memory(diag);
+    const int count = status ? 0 : choose_judged(work, series, rows);
+    if (!status)
+        status = neph_judge(series, count, work->alpha, &verdicts, diag);
+    if (!status) {
+        comparison->series_count = work->count;
+        comparison->compared = verdicts.compared;
+        comparison->chances = verdicts.chances;
+        for (int i = 0; i < count; i++)
+            take_judgement(work, &work->candidates[rows[i]], &verdicts.series[i],
+                           &comparison->series[rows[i]]);
+        take_pools(work, &verdicts);
+    }
+    neph_verdicts_finish(&verdicts);
+    free(series);
+    free(rows);
+    return status;
+}
+
+/* ---- all ------------------------------------------------------------------------------------- */
+
+static enum neph_status compare(struct work *work, struct neph_diag *diag)
+{
+    struct neph_night_comparison *comparison = work->comparison;
+    enum neph_status status = accepted_night(work, "*", &comparison->baseline, diag);
+    if (!status)
+        status = read_all(work, diag);
+    if (!status)
+        status = judge_numbers(work, diag);
+    if (!status)
+        status = find_failed_steps(work, diag);
+    if (!status && comparison->baseline > 0)
+        status = find_missing(work, diag);
+    if (status)
+        return status;
+    find_in_pictures(work);
+    find_environments(work);
+    comparison->passes = comparison->compared > 0 &&
+                         (comparison->finding_count == 0 ||
+                          !neph_found_fails(comparison->findings[0].found));
+    return neph_arena_check(&comparison->arena, diag);
+}
+
+enum neph_status neph_night_compare(struct neph_database *index, int64_t night, int64_t against,
+                                    double alpha, struct neph_night_comparison *comparison,
+                                    struct neph_diag *diag)
+{
+    int64_t known = 0;
+    struct work work = {index, comparison, NULL, 0, against, alpha};
+    comparison->night = night;
+    enum neph_status status = NEPH_OK;
+    if (against > 0)
+        status = neph_database_count(index, &known, diag,
+                                     "SELECT count(*) FROM nights WHERE id = ? AND ended_utc != ''",
+                                     "i", against);
+    if (!status && against > 0 && known == 0)
+        status = neph_fail(diag, NEPH_ERR_NOT_FOUND, "there is no night %lld that is over",
+                           (long long)against);
+    if (!status)
+        status = compare(&work, diag);
+    for (int i = 0; i < work.count; i++) {
+        free(work.candidates[i].past);
+        free(work.candidates[i].errors);
+        free(work.candidates[i].aside);
+    }
+    free(work.candidates);
+    return status;
+}
+
+void neph_night_comparison_finish(struct neph_night_comparison *comparison)
+{
+    neph_arena_finish(&comparison->arena);
+    *comparison = (struct neph_night_comparison){.night = 0};
+}

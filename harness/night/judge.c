@@ -1,0 +1,561 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/night/judge.h"
+
+#include "metrics/significance.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const struct neph_series_rule rules[] = {
+    [NEPH_SERIES_FIXED] = {"fixed", 0.005, 1, 1},
+    [NEPH_SERIES_DRAWN] = {"drawn", 0.01, 8, 1},
+    [NEPH_SERIES_TIMED] = {"timed", 0.03, 8, 3},
+};
+
+static const char *const judged_words[] = {
+    [NEPH_JUDGED_NOT] = "not judged", [NEPH_JUDGED_SAME] = "same",   [NEPH_JUDGED_MOVED] = "moved",
+    [NEPH_JUDGED_BETTER] = "better",  [NEPH_JUDGED_WORSE] = "worse",
+};
+
+/* In a fixed series, what another compiler or processor may change without anybody having changed
+ * anything is no change. */
+static const double rounding = 1e-9;
+
+/* A truth is suspected when as many of its series moved, of as many engines. */
+static const double stale_share = 0.5;
+enum { STALE_ENGINES = 2, STALE_SERIES = 5 };
+
+static const double trimmed_share = 0.2; /* on either side */
+
+const struct neph_series_rule *neph_series_rule(enum neph_series_kind kind)
+{
+    return &rules[kind];
+}
+
+enum neph_series_kind neph_series_kind_of(const char *word)
+{
+    int kind = 0;
+    while (kind < NEPH_SERIES_KINDS && strcmp(rules[kind].word, word) != 0)
+        kind++;
+    return (enum neph_series_kind)kind;
+}
+
+const char *neph_judged_word(enum neph_judged judged)
+{
+    return judged_words[judged];
+}
+
+/* ---- what a baseline is ---------------------------------------------------------------------- */
+
+/* A mean without outliers, the deviation of a single night about it, and how much both are worth.
+ */
+struct centre {
+    int count;
+    double mean, deviation, correlation, dof;
+};
+
+static int by_value(const void *a_, const void *b_)
+{
+    const double a = *(const double *)a_, b = *(const double *)b_;
+    return (a > b) - (a < b);
+}
+
+/* The deviation of a normal variable whose outer shares g are pulled in to where they begin, z:
+ * its square is 1 - 2 g - 2 z phi(z) + 2 g z^2. */
+static double winsorized_deviation(double g)
+{
+    if (!(g > 0.0))
+        return 1.0;
+    const double z = neph_normal_critical(2.0 * g), density = exp(-0.5 * z * z) / sqrt(2.0 * M_PI);
+    return sqrt(1.0 - 2.0 * g - 2.0 * z * density + 2.0 * g * z * z);
+}
+
+/* The correlation of neighbours, in order, each held within low..high; never negative. The
+ * estimate of a short series is too low by (1 + 4 r) / n (Kendall, Biometrika 41, 1954), which is
+ * added, and so is its standard error 1 / sqrt(n): what remembers longer than it looks is not to
+ * alarm. */
+static double correlation_of(const double *values, int count, double mean, double low, double high)
+{
+    double products = 0.0, squares = 0.0, last = 0.0;
+    for (int i = 0; i < count; i++) {
+        const double d = fmin(fmax(values[i], low), high) - mean;
+        products += i > 0 ? d * last : 0.0;
+        squares += d * d;
+        last = d;
+    }
+    const double found = squares > 0.0 ? products / squares : 0.0;
+    return fmin(fmax(found + (1.0 + 4.0 * found) / count + 1.0 / sqrt(count), 0.0), 0.95);
+}
+
+/* How many independent values `count` nights are worth to a mean. */
+static double worth_of(int count, double correlation)
+{
+    return fmax(count * (1.0 - correlation) / (1.0 + correlation), 1.0);
+}
+
+static struct centre centre_of(const double *values, int count)
+{
+    double sorted[NEPH_JUDGE_WINDOW];
+    struct centre centre = {.count = count};
+    memcpy(sorted, values, (size_t)count * sizeof(*sorted));
+    qsort(sorted, (size_t)count, sizeof(*sorted), by_value);
+    const int cut = (int)(trimmed_share * count);
+    const double low = sorted[cut], high = sorted[count - 1 - cut];
+    double sum = 0.0, winsorized = 0.0, squares = 0.0;
+    for (int i = 0; i < count; i++) {
+        const double held = fmin(fmax(sorted[i], low), high);
+        sum += i >= cut && i < count - cut ? sorted[i] : 0.0;
+        winsorized += held / count;
+    }
+    for (int i = 0; i < count; i++) {
+        const double d = fmin(fmax(sorted[i], low), high) - winsorized;
+        squares += d * d;
+    }
+    centre.mean = sum / (count - 2 * cut);
+    centre.correlation = correlation_of(values, count, winsorized, low, high);
+    /* The variance within a short correlated series is that of one value less that of the mean. */
+    const double worth = worth_of(count, centre.correlation);
+    const double within = fmax(1.0 - 1.0 / worth, 0.1);
+    centre.deviation = sqrt(squares / count / within) / winsorized_deviation((double)cut / count);
+    const double r2 = centre.correlation * centre.correlation;
+    centre.dof = fmax((count - 2 * cut) * (1.0 - r2) / (1.0 + r2) - 1.0, 1.0);
+    return centre;
+}
+
+/* ---- a series' numbers ----------------------------------------------------------------------- */
+
+/* Durations as logarithms; NaN and nonsense stay out. */
+static double level(const struct neph_series *series, double value)
+{
+    return series->kind == NEPH_SERIES_TIMED ? log(value > 0.0 ? value : NAN) : value;
+}
+
+/* The first nights, as levels; `count` at most NEPH_JUDGE_WINDOW. */
+static int baseline_values(const struct neph_series *series, double values[NEPH_JUDGE_WINDOW])
+{
+    int count = 0;
+    for (int i = 0; i < series->past_count && count < NEPH_JUDGE_WINDOW; i++) {
+        const double value = level(series, series->past[i]);
+        if (isfinite(value) && !(series->set_aside && series->set_aside[i]))
+            values[count++] = value;
+    }
+    return count;
+}
+
+/* The last nights, tonight first, as levels. */
+static int recent_values(const struct neph_series *series, double values[NEPH_JUDGE_WEEK])
+{
+    int count = 0;
+    values[count++] = level(series, series->tonight);
+    for (int i = series->past_count - 1; i > 0 && count < NEPH_JUDGE_WEEK; i--) {
+        const double value = level(series, series->past[i]);
+        if (isfinite(value))
+            values[count++] = value;
+    }
+    return count;
+}
+
+/* ---- tests ----------------------------------------------------------------------------------- */
+
+/* A look at a series: by how much its level changed, and the error of that. */
+struct look {
+    double difference, error, dof; /* dof infinite: normal */
+};
+
+static double p_of(const struct look *look)
+{
+    if (!(look->error > 0.0))
+        return fabs(look->difference) > 0.0 ? 0.0 : 1.0;
+    const double t = look->difference / look->error;
+    return isfinite(look->dof) ? neph_student_p(t, look->dof) : neph_normal_p(t);
+}
+
+/* Tonight, or the least deviant of the last `nights` where they all deviate to one side. */
+static struct look look_at_nights(const struct centre *centre, const double *recent, int nights)
+{
+    double least = recent[0] - centre->mean;
+    for (int i = 1; i < nights; i++) {
+        const double difference = recent[i] - centre->mean;
+        if (least * difference <= 0.0)
+            least = 0.0;
+        else if (fabs(difference) < fabs(least))
+            least = difference;
+    }
+    const double worth = worth_of(centre->count, centre->correlation);
+    return (struct look){least, centre->deviation * sqrt(1.0 + 1.0 / worth), centre->dof};
+}
+
+/* The median of the last seven nights, whose variance is pi / 2 times that of a mean. */
+static struct look look_at_week(const struct centre *centre, const double *recent)
+{
+    double sorted[NEPH_JUDGE_WEEK];
+    memcpy(sorted, recent, sizeof(sorted));
+    qsort(sorted, NEPH_JUDGE_WEEK, sizeof(*sorted), by_value);
+    const double worth = worth_of(centre->count, centre->correlation),
+                 week = worth_of(NEPH_JUDGE_WEEK, centre->correlation) / M_PI_2;
+    return (struct look){sorted[NEPH_JUDGE_WEEK / 2] - centre->mean,
+                         centre->deviation * sqrt(1.0 / fmax(week, 1.0) + 1.0 / worth),
+                         centre->dof};
+}
+
+/* By standard errors alone, against the accepted night. */
+static struct look look_by_errors(const struct neph_series *series)
+{
+    const double error = hypot(series->standard_error, series->past_errors[0]);
+    return (struct look){series->tonight - series->past[0], error, INFINITY};
+}
+
+/* ---- one series ------------------------------------------------------------------------------ */
+
+/* What is known of a series before the correction. */
+struct trial {
+    bool judged, by_chance;
+    double baseline; /* a level */
+    double p;        /* of the surer of its looks, paid for */
+    double difference;
+    struct look soon; /* of tonight, which says what could have been seen */
+    int nights;
+};
+
+static void choose(struct trial *trial, const struct look *look, double factor)
+{
+    const double p = fmin(factor * p_of(look), 1.0);
+    if (p > trial->p)
+        return;
+    trial->p = p;
+    trial->difference = look->difference;
+}
+
+static struct trial try_fixed(const struct neph_series *series)
+{
+    const double before = series->past[0], change = fabs(series->tonight - before);
+    const bool same = change <= rounding * fmax(fabs(before), series->unit);
+    return (struct trial){.judged = true,
+                          .baseline = before,
+                          .p = same ? 1.0 : 0.0,
+                          .difference = series->tonight - before,
+                          .nights = 1};
+}
+
+/* By nights alone. */
+static struct trial try_nights(const double *values, int count, const double *recent,
+                               int recent_count, int needed)
+{
+    const struct centre centre = centre_of(values, count);
+    struct trial trial = {
+        .judged = true, .by_chance = true, .baseline = centre.mean, .p = 1.0, .nights = count};
+    if (recent_count >= needed) {
+        trial.soon = look_at_nights(&centre, recent, needed);
+        choose(&trial, &trial.soon, 2.0);
+    }
+    if (recent_count == NEPH_JUDGE_WEEK) {
+        const struct look week = look_at_week(&centre, recent);
+        choose(&trial, &week, 2.0);
+    }
+    return trial;
+}
+
+static bool has_errors(const struct neph_series *series)
+{
+    return isfinite(series->standard_error) && series->past_errors &&
+           isfinite(series->past_errors[0]) &&
+           series->standard_error + series->past_errors[0] > 0.0;
+}
+
+/* A series whose noise is not known, and which gave the same bits as the accepted night. */
+static bool is_unchanged(const struct neph_series *series)
+{
+    return series->kind == NEPH_SERIES_DRAWN && series->tonight == series->past[0];
+}
+
+static struct trial try_series(const struct neph_series *series)
+{
+    double values[NEPH_JUDGE_WINDOW], recent[NEPH_JUDGE_WEEK];
+    if (series->past_count < 1 || !isfinite(level(series, series->tonight)) ||
+        !isfinite(level(series, series->past[0])))
+        return (struct trial){.judged = false};
+    if (series->kind == NEPH_SERIES_FIXED || is_unchanged(series))
+        return try_fixed(series);
+    const int count = baseline_values(series, values), of_late = recent_values(series, recent);
+    struct trial by_errors = {.judged = false, .nights = count};
+    if (series->kind == NEPH_SERIES_DRAWN && has_errors(series)) {
+        const struct look look = look_by_errors(series);
+        by_errors = (struct trial){true, true, series->past[0], p_of(&look), look.difference,
+                                   look, 1};
+    }
+    if (count < rules[series->kind].nights)
+        return by_errors;
+    const struct trial by_nights = try_nights(values, count, recent, of_late,
+                                              rules[series->kind].needed);
+    return by_errors.judged && by_errors.p > by_nights.p ? by_errors : by_nights;
+}
+
+/* ---- verdicts -------------------------------------------------------------------------------- */
+
+/* A difference of levels as a relative change of the number. */
+static double change_of(const struct neph_series *series, double baseline, double difference)
+{
+    if (series->kind == NEPH_SERIES_TIMED)
+        return expm1(difference);
+    return difference / fmax(fabs(baseline), series->unit);
+}
+
+static bool is_worse(const struct trial *trial, const struct neph_series *series)
+{
+    if (!series->is_signed)
+        return trial->difference > 0.0;
+    return fabs(trial->baseline + trial->difference) > fabs(trial->baseline);
+}
+
+/* The least difference that a look calls more than chance. */
+static double seen_from(const struct look *look, double level_alpha)
+{
+    return look->error * (isfinite(look->dof) ? neph_student_critical(level_alpha, look->dof)
+                                              : neph_normal_critical(level_alpha));
+}
+
+static struct neph_judgement judge_trial(const struct trial *trial,
+                                         const struct neph_series *series, double adjusted,
+                                         double alpha, int chances)
+{
+    const double least = rules[series->kind].least;
+    struct neph_judgement judgement = {NEPH_JUDGED_NOT, NAN, NAN, NAN, NAN, trial->nights};
+    if (!trial->judged)
+        return judgement;
+    judgement.baseline = series->kind == NEPH_SERIES_TIMED ? exp(trial->baseline) : trial->baseline;
+    judgement.change = change_of(series, trial->baseline, trial->difference);
+    judgement.p = adjusted;
+    judgement.floor = least;
+    if (trial->by_chance && trial->soon.error > 0.0) {
+        const double seen = seen_from(&trial->soon, alpha / fmax(chances, 1) / 2.0);
+        judgement.floor = fmax(least, change_of(series, trial->baseline, seen));
+    }
+    if (!(adjusted <= alpha))
+        judgement.judged = NEPH_JUDGED_SAME;
+    else if (fabs(judgement.change) < least)
+        judgement.judged = NEPH_JUDGED_MOVED;
+    else
+        judgement.judged = is_worse(trial, series) ? NEPH_JUDGED_WORSE : NEPH_JUDGED_BETTER;
+    return judgement;
+}
+
+/* ---- an engine over all scenes --------------------------------------------------------------- */
+
+static bool belongs(const struct neph_series *series, const struct neph_pool *pool)
+{
+    return series->engine && !series->is_signed && series->kind == pool->kind &&
+           strcmp(series->engine, pool->engine) == 0 && strcmp(series->metric, pool->metric) == 0;
+}
+
+static void count_into_pools(const struct neph_series *series, struct neph_pool *pools, int *count)
+{
+    int at = 0;
+    if (!series->engine || series->is_signed || series->kind == NEPH_SERIES_FIXED)
+        return;
+    while (at < *count && !belongs(series, &pools[at]))
+        at++;
+    if (at == *count)
+        pools[(*count)++] = (struct neph_pool){
+            .engine = series->engine, .metric = series->metric, .kind = series->kind};
+    pools[at].scenes++;
+}
+
+/* How far a member was from its baseline at a night (-1: tonight); NaN: it has no number. */
+static double member_change(const struct neph_series *series, int night)
+{
+    const double value = level(series, night < 0 ? series->tonight : series->past[night]);
+    const double before = level(series, series->past[0]);
+    return series->kind == NEPH_SERIES_TIMED ? value - before
+                                             : (value - before) / fmax(fabs(before), series->unit);
+}
+
+/* The mean over the scenes that have been measured in every night: one that comes and goes would
+ * move it. */
+static double pool_change(const struct neph_series *series, int count, const struct neph_pool *pool,
+                          const bool *steady, int nights, int night)
+{
+    double sum = 0.0;
+    int members = 0;
+    for (int i = 0; i < count; i++)
+        if (steady[i] && series[i].past_count == nights && belongs(&series[i], pool)) {
+            sum += member_change(&series[i], night);
+            members++;
+        }
+    return members >= 2 ? sum / members : NAN;
+}
+
+static void mark_steady(const struct neph_series *series, int count, bool *steady)
+{
+    for (int i = 0; i < count; i++) {
+        steady[i] = series[i].kind != NEPH_SERIES_FIXED && series[i].past_count > 0;
+        for (int night = -1; night < series[i].past_count && steady[i]; night++)
+            steady[i] = isfinite(member_change(&series[i], night));
+    }
+}
+
+/* Its changes are small numbers about 0, for all kinds. The accepted night is 0 by its making and
+ * no part of it. */
+static struct trial try_pool(const struct neph_series *series, int count,
+                             const struct neph_pool *pool, const bool *steady)
+{
+    double values[NEPH_JUDGE_WINDOW], recent[NEPH_JUDGE_WEEK] = {0};
+    int nights = 0, value_count = 0, recent_count = 0;
+    for (int i = 0; i < count; i++)
+        if (belongs(&series[i], pool) && series[i].past_count > nights)
+            nights = series[i].past_count;
+    for (int night = 1; night < nights && value_count < NEPH_JUDGE_WINDOW; night++)
+        values[value_count++] = pool_change(series, count, pool, steady, nights, night);
+    recent[recent_count++] = pool_change(series, count, pool, steady, nights, -1);
+    for (int night = nights - 1; night > 0 && recent_count < NEPH_JUDGE_WEEK; night--)
+        recent[recent_count++] = pool_change(series, count, pool, steady, nights, night);
+    if (value_count < rules[pool->kind].nights || !isfinite(recent[0]))
+        return (struct trial){.judged = false, .nights = value_count};
+    return try_nights(values, value_count, recent, recent_count, rules[pool->kind].needed);
+}
+
+/* ---- a truth that moved ---------------------------------------------------------------------- */
+
+static bool has_changed(const struct neph_judgement *judgement)
+{
+    return judgement->judged == NEPH_JUDGED_WORSE || judgement->judged == NEPH_JUDGED_BETTER;
+}
+
+static bool is_first_of_engine(const struct neph_series *series,
+                               const struct neph_judgement *judgements, int at)
+{
+    for (int i = 0; i < at; i++)
+        if (series[i].truth && series[i].engine && has_changed(&judgements[i]) &&
+            strcmp(series[i].truth, series[at].truth) == 0 &&
+            strcmp(series[i].engine, series[at].engine) == 0)
+            return false;
+    return true;
+}
+
+static struct neph_stale count_truth(const struct neph_series *series, int count,
+                                     const struct neph_judgement *judgements, const char *truth)
+{
+    struct neph_stale stale = {.truth = truth};
+    for (int i = 0; i < count; i++) {
+        if (!series[i].truth || !series[i].engine || strcmp(series[i].truth, truth) != 0 ||
+            judgements[i].judged == NEPH_JUDGED_NOT)
+            continue;
+        stale.all++;
+        stale.moved += has_changed(&judgements[i]);
+        stale.engines += has_changed(&judgements[i]) && is_first_of_engine(series, judgements, i);
+    }
+    return stale;
+}
+
+static bool is_known(const struct neph_series *series, int at)
+{
+    for (int i = 0; i < at; i++)
+        if (series[i].truth && strcmp(series[i].truth, series[at].truth) == 0)
+            return true;
+    return false;
+}
+
+static void suspect_truths(const struct neph_series *series, int count,
+                           struct neph_verdicts *verdicts)
+{
+    for (int i = 0; i < count && verdicts->stale_count < NEPH_JUDGE_TRUTHS_MAX; i++) {
+        if (!series[i].truth || is_known(series, i))
+            continue;
+        const struct neph_stale stale = count_truth(series, count, verdicts->series,
+                                                    series[i].truth);
+        if (stale.all >= STALE_SERIES && stale.engines >= STALE_ENGINES &&
+            stale.moved >= stale_share * stale.all)
+            verdicts->stale[verdicts->stale_count++] = stale;
+    }
+}
+
+/* ---- all ------------------------------------------------------------------------------------- */
+
+static void tally(const struct neph_judgement *judgement, struct neph_verdicts *verdicts)
+{
+    verdicts->compared += judgement->judged != NEPH_JUDGED_NOT;
+    verdicts->worse += judgement->judged == NEPH_JUDGED_WORSE;
+    verdicts->better += judgement->judged == NEPH_JUDGED_BETTER;
+    verdicts->moved += judgement->judged == NEPH_JUDGED_MOVED;
+}
+
+/* A pool as if it were a series: its levels are changes, its baseline is 1. */
+static struct neph_judgement judge_pool(const struct trial *trial, enum neph_series_kind kind,
+                                        double adjusted, double alpha, int chances)
+{
+    const struct neph_series as_series = {.kind = kind, .unit = 1.0};
+    return judge_trial(trial, &as_series, adjusted, alpha, chances);
+}
+
+struct work {
+    struct trial *trials; /* of the series, and then of the pools */
+    double *p, *adjusted; /* of those in which chance has a part */
+    bool *steady;
+};
+
+static void try_all(const struct neph_series *series, int count, struct neph_verdicts *verdicts,
+                    struct work *work)
+{
+    for (int i = 0; i < count; i++)
+        count_into_pools(&series[i], verdicts->pools, &verdicts->pool_count);
+    mark_steady(series, count, work->steady);
+    for (int i = 0; i < count; i++)
+        work->trials[i] = try_series(&series[i]);
+    for (int i = 0; i < verdicts->pool_count; i++)
+        work->trials[count + i] = try_pool(series, count, &verdicts->pools[i], work->steady);
+    for (int i = 0; i < count + verdicts->pool_count; i++)
+        if (work->trials[i].judged && work->trials[i].by_chance)
+            work->p[verdicts->chances++] = work->trials[i].p;
+}
+
+static void judge_all(const struct neph_series *series, int count, double alpha,
+                      struct neph_verdicts *verdicts, struct work *work)
+{
+    const int chances = verdicts->chances;
+    int at = 0;
+    if (chances > 0)
+        neph_holm(work->p, chances, work->adjusted);
+    for (int i = 0; i < count + verdicts->pool_count; i++) {
+        const struct trial *trial = &work->trials[i];
+        const double p = trial->judged && trial->by_chance ? work->adjusted[at++] : trial->p;
+        struct neph_judgement *judgement = i < count ? &verdicts->series[i]
+                                                     : &verdicts->pools[i - count].judgement;
+        *judgement = i < count
+                         ? judge_trial(trial, &series[i], p, alpha, chances)
+                         : judge_pool(trial, verdicts->pools[i - count].kind, p, alpha, chances);
+        tally(judgement, verdicts);
+    }
+    suspect_truths(series, count, verdicts);
+}
+
+enum neph_status neph_judge(const struct neph_series *series, int count, double alpha,
+                            struct neph_verdicts *verdicts, struct neph_diag *diag)
+{
+    const size_t room = 2 * (size_t)count + 1; /* as many pools as series, at most */
+    struct work work = {calloc(room, sizeof(*work.trials)), calloc(room, sizeof(*work.p)),
+                        calloc(room, sizeof(*work.adjusted)), calloc(room, sizeof(*work.steady))};
+    *verdicts = (struct neph_verdicts){.series = calloc(room, sizeof(*verdicts->series)),
+                                       .pools = calloc(room, sizeof(*verdicts->pools))};
+    enum neph_status status = NEPH_OK;
+    if (!work.trials || !work.p || !work.adjusted || !work.steady || !verdicts->series ||
+        !verdicts->pools)
+        status = neph_fail_memory(diag);
+    if (!status) {
+        try_all(series, count, verdicts, &work);
+        judge_all(series, count, alpha, verdicts, &work);
+    }
+    free(work.trials);
+    free(work.p);
+    free(work.adjusted);
+    free(work.steady);
+    if (status)
+        neph_verdicts_finish(verdicts);
+    return status;
+}
+
+void neph_verdicts_finish(struct neph_verdicts *verdicts)
+{
+    free(verdicts->series);
+    free(verdicts->pools);
+    *verdicts = (struct neph_verdicts){.series = NULL};
+}

@@ -1,0 +1,556 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/night/night.h"
+
+#include "base/child.h"
+#include "base/clock.h"
+#include "base/files.h"
+#include "base/hash.h"
+#include "base/interrupt.h"
+#include "base/lock.h"
+#include "harness/host.h"
+#include "harness/night/calibrate.h"
+#include "harness/night/readers.h"
+#include "harness/progress.h"
+#include "harness/run/history.h"
+#include "harness/run/store_keep.h"
+
+#include <ctype.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+/* The family's level: what the backtest in tests/harness/test_backtest.c is made with. */
+static const double alpha = 0.005;
+
+/* The share of the steps that are run a second time each night. */
+static const double again_share = 0.02;
+
+/* The calibration before and after a step may differ by so much. */
+static const double steadiness = 0.10;
+
+/* A step that takes longer than this many times what is known of it hangs. */
+static const double patience = 20.0, least_limit_s = 600.0;
+
+static const size_t log_limit_bytes = 64 << 20;
+enum { NEVER = 1000, WORDS_MAX = NEPH_STEP_WORDS + 4, VARIABLES_MAX = 1024 };
+
+struct work {
+    const struct neph_night_params *params;
+    struct neph_store *store;
+    struct neph_night *night;
+    struct neph_step_history *history;
+    bool *done;
+    const char *program_path, *folder; /* OUTPUT/nightly */
+    const char *variables[VARIABLES_MAX];
+    struct neph_progress progress;
+    double start_s;
+};
+
+/* ---- a command ------------------------------------------------------------------------------- */
+
+static bool is_made_anew(const char *variable)
+{
+    static const char *const names[] = {
+        "PATH=", "LANG=", "HOME=", "TMPDIR=", "NEPH_FRAMES_OF_PROGRAM="};
+    for (size_t i = 0; i < sizeof(names) / sizeof(names[0]); i++)
+        if (strncmp(variable, names[i], strlen(names[i])) == 0)
+            return true;
+    return false;
+}
+
+/* A step sees what the user gave to the night, and files frames by the program that made them. */
+static void list_variables(struct work *work)
+{
+    int count = 0;
+    work->variables[count++] = "NEPH_FRAMES_OF_PROGRAM=1";
+    for (char **entry = environ; entry && *entry && count < VARIABLES_MAX - 1; entry++)
+        if (!is_made_anew(*entry))
+            work->variables[count++] = *entry;
+}
+
+static const char *log_path(struct work *work, const struct neph_night_step *step)
+{
+    char name[128];
+    size_t i = 0;
+    for (; step->name[i] && i < sizeof(name) - 1; i++)
+        name[i] = isalnum((unsigned char)step->name[i]) ? step->name[i] : '_';
+    name[i] = '\0';
+    return neph_arena_format(&work->night->arena, "%s/logs/%s.log", work->folder, name);
+}
+
+/* Where a suite writes its results; NULL: it prints them, with warnings before and after. */
+static const char *const result_files[] = {
+    [NEPH_NIGHT_CATALOG] = "report/data.json",
+    [NEPH_NIGHT_PHYSICS] = "report/data.json",
+    [NEPH_NIGHT_FAILURE] = "failure.json",
+    [NEPH_NIGHT_SWEEP] = "sweep.json",
+    [NEPH_NIGHT_SPEED] = NULL,
+};
+
+static enum neph_status read_results(const char *path, bool is_log, json_t **document,
+                                     struct neph_diag *diag)
+{
+    char *text = NULL;
+    size_t size;
+    const enum neph_status status = neph_file_read(path, log_limit_bytes, &text, &size, diag);
+    if (status)
+        return status;
+    *document = is_log ? neph_night_find_document(text) : json_loadb(text, size, 0, NULL);
+    free(text);
+    return *document ? NEPH_OK
+                     : neph_fail(diag, NEPH_ERR_ENGINE, "there are no results in '%s'", path);
+}
+
+/* Exit code 1 says that something in it failed, which is for its numbers to say. */
+static enum neph_status run_child(struct work *work, const struct neph_night_step *step,
+                                  const char *output, const char *log, double limit_s,
+                                  double *wall_s, struct neph_diag *diag)
+{
+    const char *words[WORDS_MAX] = {work->program_path};
+    int count = 1;
+    for (int i = 0; step->words[i]; i++)
+        words[count++] = step->words[i];
+    const char *const rest[] = {"-q", "-o", output, result_files[step->suite] ? NULL : "--json"};
+    for (int i = 0; i < 4 && rest[i] && count < WORDS_MAX - 1; i++)
+        words[count++] = rest[i];
+    const struct neph_child_params child = {.argv = words,
+                                            .log_path = log,
+                                            .home = getenv("HOME"),
+                                            .environment = work->variables,
+                                            .time_limit_s = limit_s};
+    struct neph_child_result result = {.exit_code = -1};
+    const enum neph_status status = neph_child_run(&child, &result, diag);
+    *wall_s = result.wall_s;
+    const bool has_failed_gates = status == NEPH_ERR_ENGINE && result.signal == 0 &&
+                                  result.exit_code == 1;
+    return has_failed_gates ? NEPH_OK : status;
+}
+
+/* Run a step and read its results, which may not be those of an earlier run. */
+static enum neph_status run_command(struct work *work, const struct neph_night_step *step,
+                                    const char *output, double limit_s, json_t **document,
+                                    double *wall_s, struct neph_diag *diag)
+{
+    struct neph_arena *arena = &work->night->arena;
+    const char *file = result_files[step->suite], *log = log_path(work, step);
+    const char *path = file ? neph_arena_format(arena, "%s/%s", output, file) : log;
+    enum neph_status status = neph_arena_check(arena, diag);
+    if (!status && unlink(path) != 0 && errno != ENOENT && errno != ENOTDIR)
+        status = neph_fail(diag, NEPH_ERR_IO, "cannot remove '%s': %s", path, strerror(errno));
+    if (!status)
+        status = run_child(work, step, output, log, limit_s, wall_s, diag);
+    return status ? status : read_results(path, !file, document, diag);
+}
+
+/* ---- a step ---------------------------------------------------------------------------------- */
+
+/* Run and read. Only what ends the night is an error; else `record` has the outcome. */
+static enum neph_status do_step(struct work *work, int index, struct neph_history_step *record,
+                                struct neph_night_numbers *numbers, struct neph_diag *diag)
+{
+    const struct neph_night_step *step = &work->night->plan.steps[index];
+    struct neph_arena *arena = &work->night->arena;
+    const bool is_timed = step->suite == NEPH_NIGHT_SPEED;
+    struct neph_diag why = {.line = 0};
+    json_t *document = NULL;
+    double before_s = NAN, after_s = NAN;
+    *record = (struct neph_history_step){
+        .name = step->name, .reason = "", .size = "", .calibration_s = NAN};
+    *numbers = (struct neph_night_numbers){.count = 0, .size = ""};
+    enum neph_status status = is_timed ? neph_calibrate(&before_s, &why) : NEPH_OK;
+    const double limit_s = fmax(patience * neph_night_step_cost(step, &work->history[index]),
+                                least_limit_s);
+    if (!status)
+        status = run_command(work, step, work->params->output, limit_s, &document, &record->wall_s,
+                             &why);
+    if (!status && is_timed)
+        status = neph_calibrate(&after_s, &why);
+    const bool steady = fabs(after_s / before_s - 1.0) <= steadiness;
+    if (is_timed && steady)
+        record->calibration_s = 0.5 * (before_s + after_s);
+    if (!status)
+        status = neph_night_read(step->suite, document, record->calibration_s, work->night->host,
+                                 arena, numbers, &why);
+    json_decref(document);
+    if (status == NEPH_ERR_INTERRUPTED || status == NEPH_ERR_MEMORY) {
+        if (diag)
+            *diag = why;
+        return status;
+    }
+    record->outcome = !status ? "done" : status == NEPH_ERR_TIMEOUT ? "timeout" : "failed";
+    record->reason = status ? neph_arena_text(arena, why.message) : "";
+    if (!status && is_timed && !steady)
+        record->reason = neph_arena_format(arena,
+                                           "the machine was busy (calibration %.3f s before, %.3f "
+                                           "s after): its durations are not used",
+                                           before_s, after_s);
+    record->size = numbers->size;
+    return NEPH_OK;
+}
+
+static enum neph_status keep_step(struct work *work, const struct neph_history_step *record,
+                                  const struct neph_night_numbers *numbers, struct neph_diag *diag)
+{
+    struct neph_database *index = NULL;
+    enum neph_status status = neph_store_index(work->store, &index, diag);
+    if (!status)
+        status = neph_history_add(index, work->night->id, record, numbers->list, numbers->count,
+                                  diag);
+    neph_database_close(index);
+    return status;
+}
+
+static enum neph_status run_steps(struct work *work, struct neph_diag *diag)
+{
+    struct neph_night *night = work->night;
+    enum neph_status status = NEPH_OK;
+    int index;
+    do {
+        const double left_s = work->params->budget_s - (neph_wall_s() - work->start_s);
+        index = neph_night_plan_next(&night->plan, work->history, work->done, left_s,
+                                     night->done_count == 0);
+        if (index < 0)
+            break;
+        struct neph_history_step record;
+        struct neph_night_numbers numbers;
+        neph_progress_begin(&work->progress, night->plan.steps[index].name);
+        status = do_step(work, index, &record, &numbers, diag);
+        if (!status)
+            status = keep_step(work, &record, &numbers, diag);
+        if (status)
+            break;
+        work->done[index] = true;
+        night->done_count++;
+        neph_progress_step(&work->progress, record.name, record.outcome, record.wall_s);
+    } while (index >= 0);
+    return status;
+}
+
+/* ---- once more ------------------------------------------------------------------------------- */
+
+static enum neph_status compare_bits(struct work *work, const struct neph_night_step *step,
+                                     const struct neph_night_numbers *numbers,
+                                     struct neph_diag *diag)
+{
+    struct neph_database *index = NULL;
+    enum neph_status status = neph_store_index(work->store, &index, diag);
+    for (int i = 0; i < numbers->count && !status; i++) {
+        const struct neph_measurement *m = &numbers->list[i];
+        int64_t others = 0;
+        status = neph_database_count(
+            index, &others, diag,
+            "SELECT count(*) FROM measurements WHERE night = ? AND environment = ? AND value != ? "
+            "AND series = (SELECT id FROM series WHERE name = ?)",
+            "isds", work->night->id, m->environment, m->value, m->series);
+        if (!status && others > 0) {
+            const struct neph_finding finding = {NEPH_FOUND_BITS,
+                                                 m->series,
+                                                 step->name,
+                                                 "run once more in an empty folder, the same "
+                                                 "program gave another number",
+                                                 m->value,
+                                                 NAN,
+                                                 NAN,
+                                                 NAN,
+                                                 NAN};
+            neph_night_add_finding(&work->night->comparison, &finding);
+        }
+    }
+    neph_database_close(index);
+    return status;
+}
+
+static enum neph_status run_again(struct work *work, int index, struct neph_diag *diag)
+{
+    const struct neph_night_step *step = &work->night->plan.steps[index];
+    struct neph_night_numbers numbers = {.count = 0};
+    struct neph_diag why = {.line = 0};
+    json_t *document = NULL;
+    double wall_s = 0.0;
+    char *folder = neph_path_join(work->folder, "again");
+    enum neph_status status = folder ? neph_dir_remove(folder, diag) : neph_fail_memory(diag);
+    if (!status) {
+        status = run_command(work, step, folder, 0.0, &document, &wall_s, &why);
+        if (!status)
+            status = neph_night_read(step->suite, document, NAN, work->night->host,
+                                     &work->night->arena, &numbers, &why);
+        if (status && status != NEPH_ERR_INTERRUPTED)
+            neph_progress_warn("%s, once more: %s", step->name, why.message);
+        else if (status && diag)
+            *diag = why;
+        status = status == NEPH_ERR_INTERRUPTED ? status : NEPH_OK;
+    }
+    if (!status)
+        status = compare_bits(work, step, &numbers, diag);
+    if (folder)
+        neph_dir_remove(folder, NULL);
+    work->night->again_count++;
+    json_decref(document);
+    free(folder);
+    return status;
+}
+
+/* In turn: another part of the plan each night. Durations are measured anew in any case. */
+static enum neph_status run_some_again(struct work *work, struct neph_diag *diag)
+{
+    const struct neph_night_plan *plan = &work->night->plan;
+    const int wanted = (int)ceil(again_share * plan->count);
+    enum neph_status status = NEPH_OK;
+    for (int i = 0; i < plan->count && work->night->again_count < wanted && !status; i++) {
+        const int index = (int)((work->night->id * wanted + i) % plan->count);
+        if (work->done[index] && plan->steps[index].suite != NEPH_NIGHT_SPEED)
+            status = run_again(work, index, diag);
+    }
+    return status;
+}
+
+/* ---- history --------------------------------------------------------------------------------- */
+
+static enum neph_status read_cost(struct work *work, struct neph_database *index, int step,
+                                  struct neph_diag *diag)
+{
+    struct neph_step_history *history = &work->history[step];
+    struct neph_query *query = NULL;
+    int64_t last = 0, series = 0;
+    bool same = false;
+    *history = (struct neph_step_history){NAN, 0, NEVER};
+    const char *name = work->night->plan.steps[step].name;
+    enum neph_status status = neph_query_begin(
+        index, &query, diag,
+        "SELECT wall_s, night, program FROM steps JOIN nights ON nights.id = night WHERE name = ? "
+        "AND outcome = 'done' AND night < ? ORDER BY night DESC LIMIT 5",
+        "si", name, work->night->id);
+    /* The last time, when the program is the same and has its frames; else the worst of five. */
+    while (!status && !same && neph_query_next(query, &status, diag)) {
+        same = last == 0 && strcmp(neph_query_text(query, 2), work->night->program) == 0;
+        last = last ? last : neph_query_integer(query, 1);
+        history->cost_s = fmax(isfinite(history->cost_s) ? history->cost_s : 0.0,
+                               neph_query_real(query, 0));
+    }
+    neph_query_end(query);
+    if (!status && last > 0)
+        status = neph_database_count(
+            index, &series, diag, "SELECT count(*) FROM measurements WHERE night = ? AND step = ?",
+            "is", last, name);
+    history->series = (int)series;
+    history->nights = last > 0 ? (int)(work->night->id - last) : NEVER;
+    return status;
+}
+
+static enum neph_status read_done(struct work *work, struct neph_database *index, int step,
+                                  struct neph_diag *diag)
+{
+    int64_t done = 0;
+    const enum neph_status status = neph_database_count(
+        index, &done, diag, "SELECT count(*) FROM steps WHERE night = ? AND name = ?", "is",
+        work->night->id, work->night->plan.steps[step].name);
+    work->done[step] = done > 0;
+    work->night->done_count += done > 0;
+    return status;
+}
+
+static enum neph_status begin(struct work *work, struct neph_diag *diag)
+{
+    struct neph_night *night = work->night;
+    const struct neph_history_night who = {night->plan.identity, night->revision, night->program,
+                                           night->host};
+    struct neph_database *index = NULL;
+    struct neph_query *query = NULL;
+    enum neph_status status = neph_store_index(work->store, &index, diag);
+    if (!status)
+        status = neph_history_begin(index, &who, &night->id, &night->resumed, diag);
+    for (int i = 0; i < night->plan.count && !status; i++) {
+        status = read_cost(work, index, i, diag);
+        if (!status)
+            status = read_done(work, index, i, diag);
+    }
+    if (!status)
+        status = neph_query_begin(index, &query, diag,
+                                  "SELECT started_utc FROM nights WHERE id = ?", "i", night->id);
+    if (!status && neph_query_next(query, &status, diag))
+        night->started_utc = neph_arena_text(&night->arena, neph_query_text(query, 0));
+    neph_query_end(query);
+    neph_database_close(index);
+    return status;
+}
+
+/* The frames that were used since the night began. */
+static enum neph_status list_frames(struct work *work, struct neph_database *index, json_t **frames,
+                                    struct neph_diag *diag)
+{
+    struct tm began = {0};
+    struct neph_query *query = NULL;
+    json_t *list = json_array();
+    if (!work->night->started_utc ||
+        !strptime(work->night->started_utc, "%Y-%m-%dT%H:%M:%SZ", &began))
+        return neph_fail(diag, NEPH_ERR_INTERNAL, "a night without a beginning");
+    const int64_t start_s = timegm(&began);
+    enum neph_status status = neph_query_begin(index, &query, diag,
+                                               "SELECT key FROM jobs ORDER BY key", "");
+    while (!status && neph_query_next(query, &status, diag))
+        if (neph_store_used_s(work->store, neph_query_text(query, 0)) >= start_s)
+            neph_json_add(&list, json_string(neph_query_text(query, 0)));
+    neph_query_end(query);
+    if (!status)
+        status = neph_json_check(list, diag);
+    if (status)
+        json_decref(list);
+    else
+        *frames = list;
+    return status;
+}
+
+static enum neph_status keep_judgements(struct work *work, struct neph_database *index,
+                                        struct neph_diag *diag)
+{
+    const struct neph_night_comparison *comparison = &work->night->comparison;
+    enum neph_status status = NEPH_OK;
+    for (int i = 0; i < comparison->series_count && !status; i++) {
+        const struct neph_compared *row = &comparison->series[i];
+        if (row->judged == NEPH_JUDGED_WORSE || row->judged == NEPH_JUDGED_BETTER)
+            status = neph_history_judge(index, work->night->id, row->series,
+                                        neph_judged_word(row->judged), diag);
+    }
+    return status;
+}
+
+static const char *verdict_of(const struct neph_night_comparison *comparison)
+{
+    return comparison->passes ? "pass" : comparison->compared == 0 ? "nothing compared" : "fail";
+}
+
+static enum neph_status end(struct work *work, struct neph_diag *diag)
+{
+    struct neph_night *night = work->night;
+    struct neph_database *index = NULL;
+    json_t *frames = NULL;
+    enum neph_status status = neph_store_index(work->store, &index, diag);
+    if (!status)
+        status = keep_judgements(work, index, diag);
+    if (!status)
+        status = list_frames(work, index, &frames, diag);
+    if (!status)
+        status = neph_history_end(index, neph_store_folder(work->store), night->id,
+                                  verdict_of(&night->comparison), frames, diag);
+    json_decref(frames);
+    neph_database_close(index);
+    return status;
+}
+
+static enum neph_status compare(struct work *work, struct neph_diag *diag)
+{
+    struct neph_database *index = NULL;
+    enum neph_status status = neph_store_index(work->store, &index, diag);
+    if (!status)
+        status = neph_night_compare(index, work->night->id, work->params->against, alpha,
+                                    &work->night->comparison, diag);
+    neph_database_close(index);
+    return status;
+}
+
+/* ---- all ------------------------------------------------------------------------------------- */
+
+static enum neph_status take_lock(struct work *work, int *lock, struct neph_diag *diag)
+{
+    char *path = neph_path_join(work->folder, ".lock");
+    enum neph_status status = path ? NEPH_OK : neph_fail_memory(diag);
+    if (!status) {
+        const int made = open(path, O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+        if (made < 0)
+            status = neph_fail(diag, NEPH_ERR_IO, "cannot make '%s': %s", path, strerror(errno));
+        else
+            close(made);
+    }
+    if (!status && (*lock = neph_lock_take_over(path)) < 0) {
+        status = neph_fail(diag, NEPH_ERR_UNAVAILABLE, "another night is at work in '%s'",
+                           work->params->output);
+        neph_hint(diag, "wait for it, or name another folder with -o");
+    }
+    free(path);
+    return status;
+}
+
+static enum neph_status identify(struct work *work, struct neph_diag *diag)
+{
+    char host[NEPH_HOST_CLASS_SIZE], digest[NEPH_HASH_HEX_SIZE], path[4096];
+    struct neph_night *night = work->night;
+    const ssize_t length = readlink("/proc/self/exe", path, sizeof(path) - 1);
+    if (length <= 0)
+        return neph_fail(diag, NEPH_ERR_IO, "cannot tell where neph itself lies: %s",
+                         strerror(errno));
+    path[length] = '\0';
+    const enum neph_status status = neph_hash_file("/proc/self/exe", digest, diag);
+    if (status)
+        return status;
+    neph_host_class(host);
+    work->program_path = neph_arena_text(&night->arena, path);
+    night->program = neph_arena_format(&night->arena, "%.16s", digest);
+    night->host = neph_arena_text(&night->arena, host);
+    night->revision = neph_arena_text(&night->arena, work->params->revision);
+    return neph_arena_check(&night->arena, diag);
+}
+
+static enum neph_status prepare(struct work *work, struct neph_diag *diag)
+{
+    struct neph_night *night = work->night;
+    work->folder = neph_arena_format(&night->arena, "%s/nightly", work->params->output);
+    const char *logs = neph_arena_format(&night->arena, "%s/logs", work->folder);
+    enum neph_status status = neph_dir_create(logs, diag);
+    if (!status)
+        status = neph_night_plan_make(&work->params->plan, &night->arena, &night->plan, diag);
+    if (status)
+        return status;
+    const size_t count = (size_t)night->plan.count;
+    work->history = neph_arena_zeroed(&night->arena, count, sizeof(*work->history));
+    work->done = neph_arena_zeroed(&night->arena, count, sizeof(*work->done));
+    night->done = work->done;
+    list_variables(work);
+    return neph_arena_check(&night->arena, diag);
+}
+
+static enum neph_status run(struct work *work, struct neph_diag *diag)
+{
+    struct neph_night *night = work->night;
+    enum neph_status status = begin(work, diag);
+    work->progress = neph_progress_start(work->params->quiet, night->plan.count);
+    if (!status)
+        status = run_steps(work, diag);
+    if (!status)
+        status = compare(work, diag);
+    if (!status && !work->params->once)
+        status = run_some_again(work, diag);
+    if (!status)
+        status = end(work, diag);
+    neph_progress_end(&work->progress);
+    night->seconds = neph_wall_s() - work->start_s;
+    return status;
+}
+
+enum neph_status neph_night_run(const struct neph_night_params *params, struct neph_store *store,
+                                struct neph_night *night, struct neph_diag *diag)
+{
+    struct work work = {.params = params, .store = store, .night = night, .start_s = neph_wall_s()};
+    int lock = -1;
+    enum neph_status status = prepare(&work, diag);
+    if (!status)
+        status = take_lock(&work, &lock, diag);
+    if (!status)
+        status = identify(&work, diag);
+    if (!status)
+        status = run(&work, diag);
+    if (lock >= 0)
+        close(lock);
+    return status;
+}
+
+void neph_night_finish(struct neph_night *night)
+{
+    neph_night_comparison_finish(&night->comparison);
+    neph_arena_finish(&night->arena);
+    *night = (struct neph_night){.id = 0};
+}

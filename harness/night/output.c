@@ -1,0 +1,282 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/night/output.h"
+
+#include "base/files.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { TOLD = 3 }; /* findings in the paragraph */
+
+/* ---- growing text ---------------------------------------------------------------------------- */
+
+static int count_found(const struct neph_night *night, enum neph_found found)
+{
+    int count = 0;
+    for (int i = 0; i < night->comparison.finding_count; i++)
+        count += night->comparison.findings[i].found == found;
+    return count;
+}
+
+static const char *verdict_of(const struct neph_night *night)
+{
+    return night->comparison.passes          ? "passes"
+           : night->comparison.compared == 0 ? "compared nothing"
+                                             : "fails";
+}
+
+/* What renders a step's numbers again; "" of what is of several. */
+static void print_command(const struct neph_night *night, const char *step, FILE *out)
+{
+    for (int i = 0; i < night->plan.count; i++) {
+        const struct neph_night_step *s = &night->plan.steps[i];
+        if (strcmp(s->name, step) != 0)
+            continue;
+        fputs("neph", out);
+        for (int w = 0; s->words[w]; w++)
+            fprintf(out, " %s", s->words[w]);
+    }
+}
+
+static void print_counts(const struct neph_night *night, FILE *out)
+{
+    const struct neph_night_comparison *c = &night->comparison;
+    fprintf(out, " %d comparisons", c->compared);
+    if (c->baseline > 0)
+        fprintf(out, " with night %lld", (long long)c->baseline);
+    fprintf(out, ", %d of them with chance in them;", c->chances);
+    for (int found = 0; found < NEPH_FOUND_COUNT; found++) {
+        const int count = count_found(night, (enum neph_found)found);
+        if (count > 0)
+            fprintf(out, " %d %s,", count, neph_found_word((enum neph_found)found));
+    }
+    fprintf(out, " %d new, %d of another environment, %d with too few nights, %d not run.",
+            c->fresh, c->elsewhere, c->young, c->not_run);
+    fprintf(out, " Steps: %d of %d, %d once more, in %.1f min.", night->done_count,
+            night->plan.count, night->again_count, night->seconds / 60.0);
+}
+
+static void print_findings(const struct neph_night *night, FILE *out)
+{
+    const struct neph_night_comparison *c = &night->comparison;
+    for (int i = 0; i < c->finding_count && i < TOLD; i++) {
+        const struct neph_finding *f = &c->findings[i];
+        fprintf(out, " %s: %s: %s", neph_found_word(f->found), f->series, f->words);
+        if (i == 0 && f->step[0]) {
+            fputs("; again: ", out);
+            print_command(night, f->step, out);
+        }
+        fputc('.', out);
+    }
+    if (c->finding_count > TOLD)
+        fprintf(out, " And %d more, in nightly.json.", c->finding_count - TOLD);
+    if (c->baseline == 0)
+        fprintf(out, " No night was accepted yet: look at this one, and then `neph baseline accept "
+                     "--why TEXT`.");
+}
+
+static void print_summary(const struct neph_night *night, const char *tier, FILE *out)
+{
+    fprintf(out, "Night %lld (%s%s%s, %s) %s.", (long long)night->id, tier,
+            night->revision[0] ? ", " : "", night->revision, night->host, verdict_of(night));
+    print_counts(night, out);
+    print_findings(night, out);
+    fputc('\n', out);
+}
+
+char *neph_night_summary(const struct neph_night *night, const char *tier)
+{
+    char *text = NULL;
+    size_t size;
+    FILE *out = open_memstream(&text, &size);
+    if (!out)
+        return NULL;
+    print_summary(night, tier, out);
+    return fclose(out) == 0 ? text : NULL;
+}
+
+/* ---- JSON ------------------------------------------------------------------------------------ */
+
+static json_t *finding_json(const struct neph_finding *f)
+{
+    return json_pack("{s:s, s:b, s:s, s:s, s:s, s:o, s:o, s:o, s:o, s:o}", "found",
+                     neph_found_word(f->found), "fails", neph_found_fails(f->found), "series",
+                     f->series, "step", f->step, "words", f->words, "tonight",
+                     neph_json_number(f->tonight), "baseline", neph_json_number(f->baseline),
+                     "change", neph_json_number(f->change), "p", neph_json_number(f->p), "floor",
+                     neph_json_number(f->floor));
+}
+
+static json_t *series_json(const struct neph_compared *row)
+{
+    return json_pack("{s:s, s:s, s:s, s:s, s:o, s:o, s:o, s:o, s:o, s:i}", "series", row->series,
+                     "step", row->step, "judged", neph_judged_word(row->judged), "why", row->why,
+                     "tonight", neph_json_number(row->tonight), "baseline",
+                     neph_json_number(row->baseline), "change", neph_json_number(row->change), "p",
+                     neph_json_number(row->p), "floor", neph_json_number(row->floor), "nights",
+                     row->nights);
+}
+
+static json_t *steps_json(const struct neph_night *night)
+{
+    json_t *list = json_array();
+    for (int i = 0; i < night->plan.count; i++) {
+        json_t *words = json_array();
+        for (int w = 0; night->plan.steps[i].words[w]; w++)
+            neph_json_add(&words, json_string(night->plan.steps[i].words[w]));
+        neph_json_add(&list, json_pack("{s:s, s:b, s:o}", "name", night->plan.steps[i].name, "done",
+                                       night->done[i], "arguments", words));
+    }
+    return list;
+}
+
+json_t *neph_night_json(const struct neph_night *night, const char *tier)
+{
+    const struct neph_night_comparison *c = &night->comparison;
+    json_t *findings = json_array(), *series = json_array();
+    for (int i = 0; i < c->finding_count; i++)
+        neph_json_add(&findings, finding_json(&c->findings[i]));
+    for (int i = 0; i < c->series_count; i++)
+        neph_json_add(&series, series_json(&c->series[i]));
+    return json_pack("{s:s, s:I, s:I, s:s, s:s, s:s, s:s, s:b, s:b, s:f, s:i, s:i, s:i, s:i, s:i, "
+                     "s:i, s:o, s:o, "
+                     "s:o}",
+                     "format", "neph-nightly-1", "night", (json_int_t)night->id, "baseline",
+                     (json_int_t)c->baseline, "tier", tier, "revision", night->revision, "program",
+                     night->program, "host", night->host, "resumed", night->resumed, "passes",
+                     c->passes, "seconds", night->seconds, "compared", c->compared, "chances",
+                     c->chances, "new", c->fresh, "elsewhere", c->elsewhere, "young", c->young,
+                     "not_run", c->not_run, "steps", steps_json(night), "findings", findings,
+                     "series", series);
+}
+
+/* ---- JUnit ----------------------------------------------------------------------------------- */
+
+static void print_escaped(const char *text, FILE *out)
+{
+    static const char *const names[] = {
+        ['&'] = "&amp;", ['<'] = "&lt;", ['>'] = "&gt;", ['"'] = "&quot;"};
+    for (; *text; text++) {
+        const unsigned char c = (unsigned char)*text;
+        const char *name = c < sizeof(names) / sizeof(names[0]) ? names[c] : NULL;
+        if (name)
+            fputs(name, out);
+        else
+            fputc(c < 0x20 ? ' ' : c, out);
+    }
+}
+
+static void print_case(const char *suite, const char *name, const char *element,
+                       const char *message, FILE *out)
+{
+    fputs("  <testcase classname=\"", out);
+    print_escaped(suite, out);
+    fputs("\" name=\"", out);
+    print_escaped(name, out);
+    fputs("\">", out);
+    if (element) {
+        fprintf(out, "<%s message=\"", element);
+        print_escaped(message, out);
+        fputs("\"/>", out);
+    }
+    fputs("</testcase>\n", out);
+}
+
+static const struct neph_finding *finding_of(const struct neph_night *night, const char *series)
+{
+    for (int i = 0; i < night->comparison.finding_count; i++)
+        if (strcmp(night->comparison.findings[i].series, series) == 0 &&
+            neph_found_fails(night->comparison.findings[i].found))
+            return &night->comparison.findings[i];
+    return NULL;
+}
+
+static bool is_of_series(const struct neph_night *night, const char *name)
+{
+    for (int i = 0; i < night->comparison.series_count; i++)
+        if (strcmp(night->comparison.series[i].series, name) == 0)
+            return true;
+    return false;
+}
+
+/* Findings of what is no series of tonight: steps, truths, missing numbers, means over scenes. */
+static int print_others(const struct neph_night *night, FILE *out)
+{
+    int count = 0;
+    for (int i = 0; i < night->comparison.finding_count; i++) {
+        const struct neph_finding *f = &night->comparison.findings[i];
+        if (!neph_found_fails(f->found) || is_of_series(night, f->series))
+            continue;
+        count++;
+        if (out)
+            print_case(neph_found_word(f->found), f->series, "failure", f->words, out);
+    }
+    return count;
+}
+
+char *neph_night_junit(const struct neph_night *night)
+{
+    const struct neph_night_comparison *c = &night->comparison;
+    char *text = NULL;
+    size_t size;
+    int failures = print_others(night, NULL), skipped = 0;
+    const int others = failures;
+    for (int i = 0; i < c->series_count; i++) {
+        const bool fails = finding_of(night, c->series[i].series) != NULL;
+        failures += fails;
+        skipped += !fails && c->series[i].judged == NEPH_JUDGED_NOT;
+    }
+    const bool nothing = c->compared == 0;
+    FILE *out = open_memstream(&text, &size);
+    if (!out)
+        return NULL;
+    fprintf(out,
+            "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuite name=\"neph nightly\" "
+            "tests=\"%d\" failures=\"%d\" skipped=\"%d\" time=\"%.3f\">\n",
+            c->series_count + others + nothing, failures + nothing, skipped, night->seconds);
+    for (int i = 0; i < c->series_count; i++) {
+        const struct neph_compared *row = &c->series[i];
+        const struct neph_finding *f = finding_of(night, row->series);
+        const bool skips = !f && row->judged == NEPH_JUDGED_NOT;
+        print_case(row->step, row->series,
+                   f       ? "failure"
+                   : skips ? "skipped"
+                           : NULL,
+                   f ? f->words : row->why, out);
+    }
+    print_others(night, out);
+    if (nothing)
+        print_case("nightly", "something is compared", "failure", "nothing was compared", out);
+    fputs("</testsuite>\n", out);
+    return fclose(out) == 0 ? text : NULL;
+}
+
+/* ---- files ----------------------------------------------------------------------------------- */
+
+static enum neph_status write_text(const char *output, const char *name, char *text,
+                                   struct neph_diag *diag)
+{
+    char *path = neph_format("%s/nightly/%s", output, name);
+    const enum neph_status status = path && text ? neph_file_write(path, text, strlen(text), diag)
+                                                 : neph_fail_memory(diag);
+    free(path);
+    free(text);
+    return status;
+}
+
+enum neph_status neph_night_write(const struct neph_night *night, const char *tier,
+                                  const char *output, struct neph_diag *diag)
+{
+    json_t *json = neph_night_json(night, tier);
+    enum neph_status status = write_text(output, "nightly.json",
+                                         json ? json_dumps(json, JSON_INDENT(1)) : NULL, diag);
+    json_decref(json);
+    if (!status)
+        status = write_text(output, "junit.xml", neph_night_junit(night), diag);
+    if (!status)
+        status = write_text(output, "summary.txt", neph_night_summary(night, tier), diag);
+    return status;
+}

@@ -1,0 +1,230 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/night/plan.h"
+
+#include "harness/data.h"
+#include "harness/physics/checks.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { STEPS_MAX = 512 };
+
+static const char *const suite_names[] = {
+    [NEPH_NIGHT_CATALOG] = "catalog", [NEPH_NIGHT_PHYSICS] = "physics",
+    [NEPH_NIGHT_FAILURE] = "failure", [NEPH_NIGHT_SWEEP] = "sweep",
+    [NEPH_NIGHT_SPEED] = "speed",
+};
+
+/* The words of a suite before and after the name of scene or check, and what a step costs and gives
+ * as far as nobody has measured it. A tier only adds steps: those of the quick one are the same in
+ * the full one, so that their series go on. */
+static const struct {
+    const char *before[4], *after[16];
+    const char *size; /* NULL: its own */
+    double guess_s;
+    int guess_series;
+} suites[] = {
+    [NEPH_NIGHT_CATALOG] = {{"validate"},
+                            {"-e", "exact", "-e", "tracer", "-e", "march", "-e", "realtime", "-e",
+                             "cycles", "-e", "povray", "--no-charts", "--budget", "60"},
+                            "96x54",
+                            20.0,
+                            12},
+    [NEPH_NIGHT_PHYSICS] = {{"validate", "--suite", "physics", "--check"},
+                            {"-e", "exact", "-e", "oracle", "-e", "tracer", "-e", "march", "-e",
+                             "povray", "--samples", "64"},
+                            NULL,
+                            30.0,
+                            5},
+    [NEPH_NIGHT_FAILURE] = {{"validate", "--suite", "failure", "--only"}, {NULL}, NULL, 20.0, 9},
+    [NEPH_NIGHT_SWEEP] = {{"sweep"}, {"--untimed", "--only", "march,ours"}, "96x54", 60.0, 16},
+    [NEPH_NIGHT_SPEED] = {{"benchmark"}, {"-e", "march,realtime"}, "192x108", 30.0, 2},
+};
+
+/* What the quick tier has; the full one has the whole catalogue and all checks and scenarios. */
+static const struct {
+    enum neph_night_suite suite;
+    const char *name;
+} quick_steps[] =
+    {
+        {NEPH_NIGHT_CATALOG, "height_fog_down"},   {NEPH_NIGHT_CATALOG, "scattering_slab_above"},
+        {NEPH_NIGHT_CATALOG, "grid_cloud_single"}, {NEPH_NIGHT_CATALOG, "voxel_grid"},
+        {NEPH_NIGHT_PHYSICS, "single_slab_thin"},  {NEPH_NIGHT_FAILURE, "ridge_far"},
+        {NEPH_NIGHT_FAILURE, "blob_sky"},          {NEPH_NIGHT_FAILURE, "fog_none"},
+        {NEPH_NIGHT_FAILURE, "edge_halo"},         {NEPH_NIGHT_SWEEP, "voxel_grid"},
+        {NEPH_NIGHT_SPEED, "voxel_grid"},
+},
+  full_steps[] = {
+      {NEPH_NIGHT_SWEEP, "cloud_below"},
+      {NEPH_NIGHT_SWEEP, "fence_backlit"},
+      {NEPH_NIGHT_SPEED, "cloud_below"},
+      {NEPH_NIGHT_SPEED, "fence_backlit"},
+};
+
+const char *neph_night_suite_name(enum neph_night_suite suite)
+{
+    return suite_names[suite];
+}
+
+/* ---- steps ----------------------------------------------------------------------------------- */
+
+struct making {
+    const struct neph_night_plan_params *params;
+    struct neph_arena *arena;
+    struct neph_night_plan *plan;
+    bool full;
+};
+
+static bool is_wanted(const struct making *making, const char *name)
+{
+    for (int i = 0; i < making->plan->count; i++)
+        if (strcmp(making->plan->steps[i].name, name) == 0)
+            return false;
+    for (int i = 0; i < making->params->only_count; i++)
+        if (strstr(name, making->params->only[i]))
+            return true;
+    return making->params->only_count == 0;
+}
+
+static void add_words(struct neph_night_step *step, const char *const *words, int most)
+{
+    int count = 0;
+    while (step->words[count])
+        count++;
+    for (int i = 0; i < most && words[i] && count < NEPH_STEP_WORDS - 1; i++)
+        step->words[count++] = words[i];
+}
+
+static void add_settings(const struct making *making, struct neph_night_step *step)
+{
+    for (int i = 0; step->suite == NEPH_NIGHT_CATALOG && i < making->params->setting_count; i++) {
+        const char *const words[] = {"-s", making->params->settings[i]};
+        add_words(step, words, 2);
+    }
+}
+
+static void add_step(struct making *making, enum neph_night_suite suite, const char *of)
+{
+    const char *name = neph_arena_format(making->arena, "%s %s", suite_names[suite], of);
+    const char *size = suites[suite].size;
+    if (!is_wanted(making, name) || making->plan->count == STEPS_MAX)
+        return;
+    if (size && making->params->width_px > 0)
+        size = neph_arena_format(making->arena, "%dx%d", making->params->width_px,
+                                 making->params->height_px);
+    struct neph_night_step *step = &making->plan->steps[making->plan->count++];
+    *step = (struct neph_night_step){.suite = suite,
+                                     .name = name,
+                                     .guess_s = suites[suite].guess_s,
+                                     .guess_series = suites[suite].guess_series};
+    const char *const own[] = {neph_arena_text(making->arena, of), size ? "--size" : NULL, size};
+    add_words(step, suites[suite].before, 4);
+    add_words(step, own, 3);
+    add_words(step, suites[suite].after, 16);
+    add_settings(making, step);
+}
+
+static enum neph_status add_scenes(struct making *making, enum neph_data_scenes which,
+                                   enum neph_night_suite suite, struct neph_diag *diag)
+{
+    char **names = NULL;
+    int count = 0;
+    const enum neph_status status = neph_data_list_scenes(which, &names, &count, diag);
+    if (status)
+        return status;
+    for (int i = 0; i < count; i++)
+        add_step(making, suite, names[i]);
+    neph_data_free_names(names);
+    return NEPH_OK;
+}
+
+static void add_checks(struct making *making)
+{
+    for (int i = 0; i < neph_check_count(); i++) {
+        struct neph_check check;
+        neph_check_get(i, &check);
+        add_step(making, NEPH_NIGHT_PHYSICS, check.name);
+    }
+}
+
+static enum neph_status add_steps(struct making *making, struct neph_diag *diag)
+{
+    enum neph_status status = NEPH_OK;
+    for (size_t i = 0; i < sizeof(quick_steps) / sizeof(quick_steps[0]); i++)
+        add_step(making, quick_steps[i].suite, quick_steps[i].name);
+    if (!making->full)
+        return NEPH_OK;
+    status = add_scenes(making, NEPH_DATA_CATALOG, NEPH_NIGHT_CATALOG, diag);
+    if (!status)
+        status = add_scenes(making, NEPH_DATA_FAILURES, NEPH_NIGHT_FAILURE, diag);
+    if (!status)
+        add_checks(making);
+    for (size_t i = 0; !status && i < sizeof(full_steps) / sizeof(full_steps[0]); i++)
+        add_step(making, full_steps[i].suite, full_steps[i].name);
+    return status;
+}
+
+/* All command lines: what differs in a word is another plan. */
+static const char *identity_of(struct neph_arena *arena, const char *tier,
+                               const struct neph_night_plan *plan)
+{
+    const char *text = neph_arena_text(arena, tier);
+    for (int i = 0; i < plan->count; i++)
+        for (int w = 0; plan->steps[i].words[w]; w++)
+            text = neph_arena_format(arena, "%s%s%s", text, w ? " " : "; ",
+                                     plan->steps[i].words[w]);
+    return text;
+}
+
+enum neph_status neph_night_plan_make(const struct neph_night_plan_params *params,
+                                      struct neph_arena *arena, struct neph_night_plan *plan,
+                                      struct neph_diag *diag)
+{
+    *plan = (struct neph_night_plan){
+        .steps = neph_arena_zeroed(arena, STEPS_MAX, sizeof(*plan->steps))};
+    struct making making = {params, arena, plan, strcmp(params->tier, "full") == 0};
+    if (!plan->steps)
+        return neph_fail_memory(diag);
+    if (!making.full && strcmp(params->tier, "quick") != 0)
+        return neph_fail(diag, NEPH_ERR_USAGE, "there is no tier '%s': quick or full",
+                         params->tier);
+    enum neph_status status = add_steps(&making, diag);
+    if (!status && plan->count == 0) {
+        status = neph_fail(diag, NEPH_ERR_USAGE, "no step of tier %s has --only in its name",
+                           params->tier);
+        neph_hint(diag, "`neph nightly --list` lists them");
+    }
+    plan->identity = identity_of(arena, params->tier, plan);
+    return status ? status : neph_arena_check(arena, diag);
+}
+
+/* ---- order ----------------------------------------------------------------------------------- */
+
+double neph_night_step_cost(const struct neph_night_step *step,
+                            const struct neph_step_history *history)
+{
+    return isfinite(history->cost_s) ? history->cost_s : step->guess_s;
+}
+
+static double worth_of(const struct neph_night_step *step, const struct neph_step_history *history)
+{
+    const int series = history->series > 0 ? history->series : step->guess_series;
+    const double least_s = 0.1; /* below, costs are noise */
+    return (double)series * history->nights / fmax(neph_night_step_cost(step, history), least_s);
+}
+
+int neph_night_plan_next(const struct neph_night_plan *plan,
+                         const struct neph_step_history *history, const bool *done, double left_s,
+                         bool first)
+{
+    int best = -1;
+    for (int i = 0; i < plan->count; i++) {
+        const bool fits = first || neph_night_step_cost(&plan->steps[i], &history[i]) <= left_s;
+        if (done[i] || !fits)
+            continue;
+        if (best < 0 ||
+            worth_of(&plan->steps[i], &history[i]) > worth_of(&plan->steps[best], &history[best]))
+            best = i;
+    }
+    return best;
+}

@@ -1,0 +1,296 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/run/database.h"
+
+#include "base/files.h"
+
+#include <math.h>
+#include <sqlite3.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { WAIT_MS = 10000 };
+
+struct neph_database {
+    sqlite3 *handle;
+    char *path;
+};
+
+struct neph_query {
+    struct neph_database *database;
+    sqlite3_stmt *statement;
+};
+
+static enum neph_status status_of(int code)
+{
+    switch (code & 0xff) {
+    case SQLITE_CORRUPT:
+    case SQLITE_NOTADB:
+        return NEPH_ERR_INPUT;
+    case SQLITE_NOMEM:
+        return NEPH_ERR_MEMORY;
+    case SQLITE_BUSY:
+    case SQLITE_LOCKED:
+    case SQLITE_FULL:
+    case SQLITE_IOERR:
+    case SQLITE_READONLY:
+    case SQLITE_CANTOPEN:
+    case SQLITE_PERM:
+    case SQLITE_AUTH:
+        return NEPH_ERR_IO;
+    default:
+        return NEPH_ERR_INTERNAL;
+    }
+}
+
+static enum neph_status fail(const struct neph_database *database, struct neph_diag *diag)
+{
+    const enum neph_status status = status_of(sqlite3_errcode(database->handle));
+    neph_fail(diag, status, "'%s': %s", database->path, sqlite3_errmsg(database->handle));
+    return status;
+}
+
+/* ---- statements ------------------------------------------------------------------------------ */
+
+static bool bind(sqlite3_stmt *statement, const char *types, va_list values)
+{
+    int code = SQLITE_OK;
+    for (int i = 1; *types && !code; i++, types++) {
+        if (*types == 's') {
+            code = sqlite3_bind_text(statement, i, va_arg(values, const char *), -1,
+                                     SQLITE_TRANSIENT);
+        } else if (*types == 'i') {
+            code = sqlite3_bind_int64(statement, i, va_arg(values, int64_t));
+        } else {
+            const double value = va_arg(values, double);
+            code = isfinite(value) ? sqlite3_bind_double(statement, i, value)
+                                   : sqlite3_bind_null(statement, i);
+        }
+    }
+    return code == SQLITE_OK;
+}
+
+static enum neph_status prepare(struct neph_database *database, struct neph_query **query,
+                                struct neph_diag *diag, const char *text, const char *types,
+                                va_list values)
+{
+    struct neph_query *made = calloc(1, sizeof(*made));
+    if (!made)
+        return neph_fail_memory(diag);
+    made->database = database;
+    if (sqlite3_prepare_v2(database->handle, text, -1, &made->statement, NULL) != SQLITE_OK ||
+        !bind(made->statement, types, values)) {
+        const enum neph_status status = fail(database, diag);
+        neph_query_end(made);
+        return status;
+    }
+    *query = made;
+    return NEPH_OK;
+}
+
+enum neph_status neph_query_begin(struct neph_database *database, struct neph_query **query,
+                                  struct neph_diag *diag, const char *statement, const char *types,
+                                  ...)
+{
+    va_list values;
+    va_start(values, types);
+    const enum neph_status status = prepare(database, query, diag, statement, types, values);
+    va_end(values);
+    return status;
+}
+
+bool neph_query_next(struct neph_query *query, enum neph_status *status, struct neph_diag *diag)
+{
+    const int code = sqlite3_step(query->statement);
+    *status = code == SQLITE_ROW || code == SQLITE_DONE ? NEPH_OK : fail(query->database, diag);
+    return code == SQLITE_ROW;
+}
+
+const char *neph_query_text(struct neph_query *query, int column)
+{
+    const unsigned char *text = sqlite3_column_text(query->statement, column);
+    return text ? (const char *)text : "";
+}
+
+int64_t neph_query_integer(struct neph_query *query, int column)
+{
+    return sqlite3_column_int64(query->statement, column);
+}
+
+double neph_query_real(struct neph_query *query, int column)
+{
+    return sqlite3_column_type(query->statement, column) == SQLITE_NULL
+               ? NAN
+               : sqlite3_column_double(query->statement, column);
+}
+
+void neph_query_end(struct neph_query *query)
+{
+    if (!query)
+        return;
+    sqlite3_finalize(query->statement);
+    free(query);
+}
+
+enum neph_status neph_database_do(struct neph_database *database, struct neph_diag *diag,
+                                  const char *statement, const char *types, ...)
+{
+    struct neph_query *query = NULL;
+    va_list values;
+    va_start(values, types);
+    enum neph_status status = prepare(database, &query, diag, statement, types, values);
+    va_end(values);
+    while (!status && neph_query_next(query, &status, diag))
+        ;
+    neph_query_end(query);
+    return status;
+}
+
+enum neph_status neph_database_count(struct neph_database *database, int64_t *count,
+                                     struct neph_diag *diag, const char *statement,
+                                     const char *types, ...)
+{
+    struct neph_query *query = NULL;
+    va_list values;
+    va_start(values, types);
+    enum neph_status status = prepare(database, &query, diag, statement, types, values);
+    va_end(values);
+    int64_t found = 0;
+    if (!status && neph_query_next(query, &status, diag))
+        found = neph_query_integer(query, 0);
+    neph_query_end(query);
+    if (!status)
+        *count = found;
+    return status;
+}
+
+int64_t neph_database_last_row(const struct neph_database *database)
+{
+    return sqlite3_last_insert_rowid(database->handle);
+}
+
+/* ---- transactions ---------------------------------------------------------------------------- */
+
+/* For several statements, and such as give rows that nobody asks for. */
+static enum neph_status execute(struct neph_database *database, const char *text,
+                                struct neph_diag *diag)
+{
+    return sqlite3_exec(database->handle, text, NULL, NULL, NULL) == SQLITE_OK
+               ? NEPH_OK
+               : fail(database, diag);
+}
+
+enum neph_status neph_database_begin(struct neph_database *database, struct neph_diag *diag)
+{
+    return execute(database, "BEGIN IMMEDIATE", diag);
+}
+
+enum neph_status neph_database_commit(struct neph_database *database, struct neph_diag *diag)
+{
+    const enum neph_status status = execute(database, "COMMIT", diag);
+    if (status)
+        neph_database_rollback(database);
+    return status;
+}
+
+void neph_database_rollback(struct neph_database *database)
+{
+    if (!sqlite3_get_autocommit(database->handle))
+        execute(database, "ROLLBACK", NULL);
+}
+
+/* ---- opening --------------------------------------------------------------------------------- */
+
+static enum neph_status take_step(struct neph_database *database, const char *step, int64_t form,
+                                  struct neph_diag *diag)
+{
+    char *mark = neph_format("PRAGMA user_version = %lld", (long long)form);
+    enum neph_status status = mark ? execute(database, step, diag) : neph_fail_memory(diag);
+    if (!status)
+        status = execute(database, mark, diag);
+    free(mark);
+    return status;
+}
+
+/* Under the lock of the database: another process may have been first. */
+static enum neph_status migrate(struct neph_database *database, const char *const *steps,
+                                struct neph_diag *diag)
+{
+    int64_t form = 0, last = 0;
+    while (steps[last])
+        last++;
+    enum neph_status status = neph_database_count(database, &form, diag, "PRAGMA user_version", "");
+    if (status || form == last)
+        return status;
+    status = neph_database_begin(database, diag);
+    if (!status)
+        status = neph_database_count(database, &form, diag, "PRAGMA user_version", "");
+    if (!status && form > last) {
+        status = neph_fail(diag, NEPH_ERR_USAGE,
+                           "'%s' has form %lld, and this neph knows forms up to %lld",
+                           database->path, (long long)form, (long long)last);
+        neph_hint(diag, "a later neph has used it: use that one, or name another folder with -o");
+    }
+    for (; !status && form < last; form++)
+        status = take_step(database, steps[form], form + 1, diag);
+    if (!status)
+        return neph_database_commit(database, diag);
+    neph_database_rollback(database);
+    return status;
+}
+
+enum neph_status neph_database_open(const char *path, const char *const *steps,
+                                    struct neph_database **database, struct neph_diag *diag)
+{
+    struct neph_database *opened = calloc(1, sizeof(*opened));
+    char *copy = strdup(path);
+    if (!opened || !copy) {
+        free(opened);
+        free(copy);
+        return neph_fail_memory(diag);
+    }
+    opened->path = copy;
+    enum neph_status status = NEPH_OK;
+    if (sqlite3_open_v2(path, &opened->handle,
+                        SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_FULLMUTEX,
+                        NULL) != SQLITE_OK)
+        status = opened->handle ? fail(opened, diag) : neph_fail_memory(diag);
+    if (!status) {
+        sqlite3_extended_result_codes(opened->handle, 1);
+        sqlite3_busy_timeout(opened->handle, WAIT_MS);
+        /* Where the file system has no WAL, SQLite keeps its rollback journal: slower, as safe. */
+        status = execute(opened, "PRAGMA journal_mode = WAL; PRAGMA foreign_keys = ON;", diag);
+    }
+    if (!status)
+        status = migrate(opened, steps, diag);
+    if (status) {
+        neph_database_close(opened);
+        return status;
+    }
+    *database = opened;
+    return NEPH_OK;
+}
+
+void neph_database_close(struct neph_database *database)
+{
+    if (!database)
+        return;
+    sqlite3_close(database->handle);
+    free(database->path);
+    free(database);
+}
+
+enum neph_status neph_database_check(struct neph_database *database, bool thorough,
+                                     struct neph_diag *diag)
+{
+    struct neph_query *query = NULL;
+    enum neph_status status = neph_query_begin(
+        database, &query, diag, thorough ? "PRAGMA integrity_check(1)" : "PRAGMA quick_check(1)",
+        "");
+    if (!status && neph_query_next(query, &status, diag) &&
+        strcmp(neph_query_text(query, 0), "ok") != 0)
+        status = neph_fail(diag, NEPH_ERR_INPUT, "'%s' is damaged: %s", database->path,
+                           neph_query_text(query, 0));
+    neph_query_end(query);
+    return status;
+}

@@ -1,0 +1,561 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/run/history.h"
+
+#include "base/clock.h"
+#include "base/files.h"
+#include "harness/progress.h"
+
+#include <ctype.h>
+#include <dirent.h>
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const size_t document_limit_bytes = 256 << 20;
+
+/* ---- documents ------------------------------------------------------------------------------- */
+
+enum document { NIGHT, ACCEPTANCE };
+
+static const struct {
+    const char *prefix, *format, *known;
+} documents[] = {
+    [NIGHT] = {"night-", "neph-night-1",
+               "SELECT count(*) FROM nights WHERE id = ? AND ended_utc != ''"},
+    [ACCEPTANCE] = {"accept-", "neph-accept-1", "SELECT count(*) FROM acceptances WHERE id = ?"},
+};
+
+static char *document_path(const char *store_folder, enum document kind, int64_t number)
+{
+    return neph_format("%s/history/%s%06lld.json", store_folder, documents[kind].prefix,
+                       (long long)number);
+}
+
+/* -1: it is none of this kind. */
+static int64_t number_of(const char *name, enum document kind)
+{
+    const size_t length = strlen(documents[kind].prefix);
+    char *end;
+    if (strncmp(name, documents[kind].prefix, length) != 0 || !isdigit(name[length]))
+        return -1;
+    const long long number = strtoll(name + length, &end, 10);
+    return strcmp(end, ".json") == 0 && number > 0 ? number : -1;
+}
+
+static enum neph_status write_document(const char *store_folder, enum document kind, int64_t number,
+                                       const json_t *document, struct neph_diag *diag)
+{
+    char *path = document_path(store_folder, kind, number);
+    char *text = document ? json_dumps(document, JSON_INDENT(1)) : NULL;
+    char *folder = neph_path_join(store_folder, "history");
+    enum neph_status status = path && text && folder ? neph_dir_create(folder, diag)
+                                                     : neph_fail_memory(diag);
+    if (!status)
+        status = neph_file_write(path, text, strlen(text), diag);
+    free(folder);
+    free(text);
+    free(path);
+    return status;
+}
+
+static enum neph_status read_document(const char *path, enum document kind, json_t **document,
+                                      struct neph_diag *diag)
+{
+    char *text = NULL;
+    size_t size;
+    const enum neph_status status = neph_file_read(path, document_limit_bytes, &text, &size, diag);
+    if (status)
+        return status;
+    json_t *read = json_loadb(text, size, JSON_REJECT_DUPLICATES, NULL);
+    free(text);
+    if (strcmp(neph_json_text(read, "format"), documents[kind].format) != 0) {
+        json_decref(read);
+        return neph_fail(diag, NEPH_ERR_INPUT, "it is no %s", documents[kind].format);
+    }
+    *document = read;
+    return NEPH_OK;
+}
+
+/* ---- rows of documents ----------------------------------------------------------------------- */
+
+static double real(const json_t *object, const char *name)
+{
+    const json_t *value = json_object_get(object, name);
+    return json_is_number(value) ? json_number_value(value) : NAN;
+}
+
+static const char *text(const json_t *object, const char *name)
+{
+    return neph_json_text(object, name);
+}
+
+static enum neph_status insert_measurement(struct neph_database *index, int64_t night,
+                                           const char *step, const struct neph_measurement *m,
+                                           const char *judgement, struct neph_diag *diag)
+{
+    const enum neph_status status = neph_database_do(
+        index, diag, "INSERT OR IGNORE INTO series (name) VALUES (?)", "s", m->series);
+    return status ? status
+                  : neph_database_do(index, diag,
+                                     "INSERT OR REPLACE INTO measurements VALUES (?, (SELECT id "
+                                     "FROM series WHERE name = ?), ?, ?, ?, ?, ?, ?)",
+                                     "isssddss", night, m->series, step, m->kind, m->value,
+                                     m->standard_error, m->environment, judgement);
+}
+
+static enum neph_status insert_step(struct neph_database *index, int64_t night,
+                                    const struct neph_history_step *step, struct neph_diag *diag)
+{
+    return neph_database_do(
+        index, diag, "INSERT OR REPLACE INTO steps VALUES (?, ?, ?, ?, ?, ?, ?)", "issssdd", night,
+        step->name, step->outcome, step->reason, step->size, step->wall_s, step->calibration_s);
+}
+
+static enum neph_status insert_lists(struct neph_database *index, int64_t night,
+                                     const json_t *document, struct neph_diag *diag)
+{
+    const json_t *steps = json_object_get(document, "steps"),
+                 *measurements = json_object_get(document, "measurements"),
+                 *frames = json_object_get(document, "frames");
+    enum neph_status status = NEPH_OK;
+    for (size_t i = 0; !status && i < json_array_size(steps); i++) {
+        const json_t *s = json_array_get(steps, i);
+        const struct neph_history_step step = {text(s, "name"),   text(s, "outcome"),
+                                               text(s, "reason"), text(s, "size"),
+                                               real(s, "wall_s"), real(s, "calibration_s")};
+        status = insert_step(index, night, &step, diag);
+    }
+    for (size_t i = 0; !status && i < json_array_size(measurements); i++) {
+        const json_t *m = json_array_get(measurements, i);
+        const struct neph_measurement measurement = {text(m, "series"), text(m, "kind"),
+                                                     real(m, "value"), real(m, "standard_error"),
+                                                     text(m, "environment")};
+        status = insert_measurement(index, night, text(m, "step"), &measurement,
+                                    text(m, "judgement"), diag);
+    }
+    for (size_t i = 0; !status && i < json_array_size(frames); i++)
+        status = neph_database_do(index, diag, "INSERT OR IGNORE INTO night_frames VALUES (?, ?)",
+                                  "is", night, json_string_value(json_array_get(frames, i)));
+    return status;
+}
+
+static enum neph_status forget_night(struct neph_database *index, int64_t night,
+                                     struct neph_diag *diag)
+{
+    static const char *const statements[] = {
+        "DELETE FROM measurements WHERE night = ?", "DELETE FROM steps WHERE night = ?",
+        "DELETE FROM night_frames WHERE night = ?", "DELETE FROM nights WHERE id = ?"};
+    enum neph_status status = NEPH_OK;
+    for (size_t i = 0; !status && i < sizeof(statements) / sizeof(statements[0]); i++)
+        status = neph_database_do(index, diag, statements[i], "i", night);
+    return status;
+}
+
+static enum neph_status insert_night(struct neph_database *index, int64_t night, const json_t *d,
+                                     struct neph_diag *diag)
+{
+    enum neph_status status = forget_night(index, night, diag);
+    if (!status)
+        status = neph_database_do(index, diag, "INSERT INTO nights VALUES (?, ?, ?, ?, ?, ?, ?, ?)",
+                                  "isssssss", night, text(d, "started_utc"), text(d, "ended_utc"),
+                                  text(d, "plan"), text(d, "revision"), text(d, "program"),
+                                  text(d, "host"), text(d, "verdict"));
+    return status ? status : insert_lists(index, night, d, diag);
+}
+
+static enum neph_status insert_acceptance(struct neph_database *index, int64_t number,
+                                          const json_t *d, struct neph_diag *diag)
+{
+    return neph_database_do(index, diag, "INSERT INTO acceptances VALUES (?, ?, ?, ?, ?, ?)",
+                            "isisss", number, text(d, "series"),
+                            (int64_t)json_integer_value(json_object_get(d, "night")),
+                            text(d, "who"), text(d, "when_utc"), text(d, "why"));
+}
+
+/* All of a document's rows or none. */
+static enum neph_status insert_document(struct neph_database *index, enum document kind,
+                                        int64_t number, const json_t *document,
+                                        struct neph_diag *diag)
+{
+    enum neph_status status = neph_database_begin(index, diag);
+    if (!status)
+        status = kind == NIGHT ? insert_night(index, number, document, diag)
+                               : insert_acceptance(index, number, document, diag);
+    if (!status)
+        return neph_database_commit(index, diag);
+    neph_database_rollback(index);
+    return status;
+}
+
+/* ---- taking over ----------------------------------------------------------------------------- */
+
+static enum neph_status take_document(struct neph_database *index, const char *store_folder,
+                                      enum document kind, int64_t number, struct neph_diag *diag)
+{
+    int64_t known = 0;
+    json_t *document = NULL;
+    enum neph_status status = neph_database_count(index, &known, diag, documents[kind].known, "i",
+                                                  number);
+    if (status || known > 0)
+        return status;
+    struct neph_diag why = {.line = 0};
+    char *path = document_path(store_folder, kind, number);
+    status = path ? read_document(path, kind, &document, &why) : neph_fail_memory(&why);
+    if (status && status != NEPH_ERR_MEMORY) {
+        neph_progress_warn("'%s' is left out of the history: %s", path, why.message);
+        status = NEPH_OK;
+    } else if (!status) {
+        status = insert_document(index, kind, number, document, diag);
+    } else if (diag) {
+        *diag = why;
+    }
+    json_decref(document);
+    free(path);
+    return status;
+}
+
+static enum neph_status take_documents(struct neph_database *index, const char *store_folder,
+                                       enum document kind, struct dirent **names, int count,
+                                       struct neph_diag *diag)
+{
+    enum neph_status status = NEPH_OK;
+    for (int i = 0; i < count && !status; i++) {
+        const int64_t number = number_of(names[i]->d_name, kind);
+        if (number > 0)
+            status = take_document(index, store_folder, kind, number, diag);
+    }
+    return status;
+}
+
+enum neph_status neph_history_refresh(struct neph_database *index, const char *store_folder,
+                                      struct neph_diag *diag)
+{
+    struct dirent **names = NULL;
+    char *folder = neph_path_join(store_folder, "history");
+    const int count = folder ? scandir(folder, &names, NULL, alphasort) : -1;
+    enum neph_status status = folder ? NEPH_OK : neph_fail_memory(diag);
+    if (folder && count < 0 && errno != ENOENT)
+        status = neph_fail(diag, NEPH_ERR_IO, "cannot open '%s': %s", folder, strerror(errno));
+    if (!status) /* acceptances are of nights */
+        status = take_documents(index, store_folder, NIGHT, names, count, diag);
+    if (!status)
+        status = take_documents(index, store_folder, ACCEPTANCE, names, count, diag);
+    for (int i = 0; i < count; i++)
+        free(names[i]);
+    free(names);
+    free(folder);
+    return status;
+}
+
+/* ---- a night that goes on -------------------------------------------------------------------- */
+
+static enum neph_status forget_unfinished(struct neph_database *index, int64_t but,
+                                          struct neph_diag *diag)
+{
+    int64_t night = 0;
+    enum neph_status status;
+    do {
+        night = 0;
+        status = neph_database_count(index, &night, diag,
+                                     "SELECT id FROM nights WHERE ended_utc = '' AND id != ?", "i",
+                                     but);
+        if (!status && night > 0)
+            status = forget_night(index, night, diag);
+    } while (!status && night > 0);
+    return status;
+}
+
+static enum neph_status find_or_insert_night(struct neph_database *index,
+                                             const struct neph_history_night *night, int64_t *id,
+                                             bool *resumed, struct neph_diag *diag)
+{
+    char now[32];
+    neph_utc_now(now);
+    *id = 0;
+    enum neph_status status = neph_database_count(
+        index, id, diag,
+        "SELECT id FROM nights WHERE ended_utc = '' AND plan = ? AND revision = ? AND program = ? "
+        "AND host = ? ORDER BY id DESC",
+        "ssss", night->plan, night->revision, night->program, night->host);
+    *resumed = *id > 0;
+    if (!status)
+        status = forget_unfinished(index, *id, diag);
+    if (status || *resumed)
+        return status;
+    status = neph_database_do(index, diag,
+                              "INSERT INTO nights VALUES ((SELECT coalesce(max(id), 0) + 1 FROM "
+                              "nights), ?, '', ?, ?, ?, ?, '')",
+                              "sssss", now, night->plan, night->revision, night->program,
+                              night->host);
+    *id = neph_database_last_row(index);
+    return status;
+}
+
+enum neph_status neph_history_begin(struct neph_database *index,
+                                    const struct neph_history_night *night, int64_t *id,
+                                    bool *resumed, struct neph_diag *diag)
+{
+    int64_t found = 0;
+    bool is_old = false;
+    enum neph_status status = neph_database_begin(index, diag);
+    if (!status)
+        status = find_or_insert_night(index, night, &found, &is_old, diag);
+    if (status) {
+        neph_database_rollback(index);
+        return status;
+    }
+    status = neph_database_commit(index, diag);
+    if (!status) {
+        *id = found;
+        *resumed = is_old;
+    }
+    return status;
+}
+
+enum neph_status neph_history_add(struct neph_database *index, int64_t night,
+                                  const struct neph_history_step *step,
+                                  const struct neph_measurement *measurements, int count,
+                                  struct neph_diag *diag)
+{
+    enum neph_status status = neph_database_begin(index, diag);
+    if (!status)
+        status = insert_step(index, night, step, diag);
+    for (int i = 0; i < count && !status; i++)
+        status = insert_measurement(index, night, step->name, &measurements[i], "", diag);
+    if (!status)
+        return neph_database_commit(index, diag);
+    neph_database_rollback(index);
+    return status;
+}
+
+enum neph_status neph_history_judge(struct neph_database *index, int64_t night, const char *series,
+                                    const char *judgement, struct neph_diag *diag)
+{
+    return neph_database_do(index, diag,
+                            "UPDATE measurements SET judgement = ? WHERE night = ? AND series = "
+                            "(SELECT id FROM series WHERE name = ?)",
+                            "sis", judgement, night, series);
+}
+
+/* ---- documents of rows ----------------------------------------------------------------------- */
+
+typedef json_t *neph_row(struct neph_query *query);
+
+static json_t *step_json(struct neph_query *q)
+{
+    return json_pack("{s:s, s:s, s:s, s:s, s:f, s:o}", "name", neph_query_text(q, 0), "outcome",
+                     neph_query_text(q, 1), "reason", neph_query_text(q, 2), "size",
+                     neph_query_text(q, 3), "wall_s", neph_query_real(q, 4), "calibration_s",
+                     neph_json_number(neph_query_real(q, 5)));
+}
+
+static json_t *measurement_json(struct neph_query *q)
+{
+    return json_pack("{s:s, s:s, s:s, s:o, s:o, s:s, s:s}", "series", neph_query_text(q, 0), "step",
+                     neph_query_text(q, 1), "kind", neph_query_text(q, 2), "value",
+                     neph_json_number(neph_query_real(q, 3)), "standard_error",
+                     neph_json_number(neph_query_real(q, 4)), "environment", neph_query_text(q, 5),
+                     "judgement", neph_query_text(q, 6));
+}
+
+static json_t *frame_json(struct neph_query *q)
+{
+    return json_string(neph_query_text(q, 0));
+}
+
+static json_t *head_json(struct neph_query *q)
+{
+    return json_pack("{s:s, s:I, s:s, s:s, s:s, s:s, s:s, s:s, s:s}", "format",
+                     documents[NIGHT].format, "night", (json_int_t)neph_query_integer(q, 0),
+                     "started_utc", neph_query_text(q, 1), "ended_utc", neph_query_text(q, 2),
+                     "plan", neph_query_text(q, 3), "revision", neph_query_text(q, 4), "program",
+                     neph_query_text(q, 5), "host", neph_query_text(q, 6), "verdict",
+                     neph_query_text(q, 7));
+}
+
+static json_t *acceptance_json(struct neph_query *q)
+{
+    return json_pack("{s:s, s:I, s:s, s:I, s:s, s:s, s:s}", "format", documents[ACCEPTANCE].format,
+                     "acceptance", (json_int_t)neph_query_integer(q, 0), "series",
+                     neph_query_text(q, 1), "night", (json_int_t)neph_query_integer(q, 2), "who",
+                     neph_query_text(q, 3), "when_utc", neph_query_text(q, 4), "why",
+                     neph_query_text(q, 5));
+}
+
+/* The rows of a question about a night as a list. */
+static enum neph_status list_rows(struct neph_database *index, const char *question, int64_t night,
+                                  neph_row *row, json_t **list, struct neph_diag *diag)
+{
+    struct neph_query *query = NULL;
+    json_t *rows = json_array();
+    enum neph_status status = neph_query_begin(index, &query, diag, question, "i", night);
+    while (!status && neph_query_next(query, &status, diag))
+        neph_json_add(&rows, row(query));
+    neph_query_end(query);
+    if (!status && !rows) {
+        status = neph_fail(diag, NEPH_ERR_INPUT,
+                           "a row of night %lld in the store's database is damaged",
+                           (long long)night);
+        neph_hint(diag, "`neph store check --repair` makes it again");
+    }
+    if (status)
+        json_decref(rows);
+    else
+        *list = rows;
+    return status;
+}
+
+enum neph_status neph_history_document(struct neph_database *index, int64_t night,
+                                       json_t **document, struct neph_diag *diag)
+{
+    static const struct {
+        const char *name, *question;
+        neph_row *row;
+    } lists[] = {
+        {"steps",
+         "SELECT name, outcome, reason, size, wall_s, calibration_s FROM steps WHERE night = ? "
+         "ORDER BY name",
+         step_json},
+        {"measurements",
+         "SELECT name, step, kind, value, standard_error, environment, judgement FROM measurements "
+         "JOIN series ON series.id = measurements.series WHERE night = ? ORDER BY name",
+         measurement_json},
+        {"frames", "SELECT key FROM night_frames WHERE night = ? ORDER BY key", frame_json},
+    };
+    json_t *heads = NULL;
+    enum neph_status status = list_rows(index,
+                                        "SELECT id, started_utc, ended_utc, plan, revision, "
+                                        "program, host, verdict FROM nights WHERE id = ?",
+                                        night, head_json, &heads, diag);
+    if (!status && json_array_size(heads) == 0)
+        status = neph_fail(diag, NEPH_ERR_NOT_FOUND, "there is no night %lld", (long long)night);
+    json_t *made = status ? NULL : json_incref(json_array_get(heads, 0));
+    json_decref(heads);
+    for (size_t i = 0; !status && i < sizeof(lists) / sizeof(lists[0]); i++) {
+        json_t *list = NULL;
+        status = list_rows(index, lists[i].question, night, lists[i].row, &list, diag);
+        if (!status)
+            status = neph_json_put(made, lists[i].name, list, diag);
+    }
+    if (status)
+        json_decref(made);
+    else
+        *document = made;
+    return status;
+}
+
+enum neph_status neph_history_acceptances(struct neph_database *index, json_t **list,
+                                          struct neph_diag *diag)
+{
+    return list_rows(index,
+                     "SELECT id, series, night, who, when_utc, why FROM acceptances WHERE id > ? "
+                     "ORDER BY id",
+                     0, acceptance_json, list, diag);
+}
+
+/* ---- for good -------------------------------------------------------------------------------- */
+
+enum neph_status neph_history_end(struct neph_database *index, const char *store_folder,
+                                  int64_t night, const char *verdict, const json_t *frames,
+                                  struct neph_diag *diag)
+{
+    char now[32];
+    json_t *document = NULL;
+    neph_utc_now(now);
+    enum neph_status status = neph_history_document(index, night, &document, diag);
+    if (!status)
+        status = neph_json_put(document, "ended_utc", json_string(now), diag);
+    if (!status)
+        status = neph_json_put(document, "verdict", json_string(verdict), diag);
+    if (!status)
+        status = neph_json_put(document, "frames", json_copy((json_t *)frames), diag);
+    if (!status)
+        status = write_document(store_folder, NIGHT, night, document, diag);
+    if (!status)
+        status = insert_document(index, NIGHT, night, document, diag);
+    json_decref(document);
+    return status;
+}
+
+static enum neph_status check_acceptable(struct neph_database *index, const char *series,
+                                         int64_t night, struct neph_diag *diag)
+{
+    int64_t count = 0;
+    enum neph_status status = neph_database_count(index, &count, diag, documents[NIGHT].known, "i",
+                                                  night);
+    if (!status && count == 0)
+        return neph_fail(diag, NEPH_ERR_NOT_FOUND, "there is no night %lld that is over",
+                         (long long)night);
+    if (!status && strcmp(series, "*") != 0)
+        status = neph_database_count(index, &count, diag,
+                                     "SELECT count(*) FROM measurements JOIN series ON series.id = "
+                                     "measurements.series WHERE night = ? AND name = ?",
+                                     "is", night, series);
+    if (!status && count == 0) {
+        status = neph_fail(diag, NEPH_ERR_NOT_FOUND, "night %lld has not measured '%s'",
+                           (long long)night, series);
+        neph_hint(diag, "`neph store export` lists what it has");
+    }
+    return status;
+}
+
+enum neph_status neph_history_accept(struct neph_database *index, const char *store_folder,
+                                     const char *series, int64_t night, const char *who,
+                                     const char *why, struct neph_diag *diag)
+{
+    int64_t number = 0;
+    char now[32];
+    neph_utc_now(now);
+    enum neph_status status = check_acceptable(index, series, night, diag);
+    if (!status)
+        status = neph_database_count(index, &number, diag,
+                                     "SELECT coalesce(max(id), 0) + 1 FROM acceptances", "");
+    json_t *document = status
+                           ? NULL
+                           : json_pack("{s:s, s:I, s:s, s:I, s:s, s:s, s:s}", "format",
+                                       documents[ACCEPTANCE].format, "acceptance",
+                                       (json_int_t)number, "series", series, "night",
+                                       (json_int_t)night, "who", who, "when_utc", now, "why", why);
+    if (!status)
+        status = neph_json_check(document, diag);
+    if (!status)
+        status = write_document(store_folder, ACCEPTANCE, number, document, diag);
+    if (!status)
+        status = insert_document(index, ACCEPTANCE, number, document, diag);
+    json_decref(document);
+    return status;
+}
+
+/* ---- a closer look --------------------------------------------------------------------------- */
+
+static enum neph_status check_night(struct neph_database *index, const char *store_folder,
+                                    int64_t night, struct neph_diag *diag)
+{
+    json_t *rows = NULL, *document = NULL;
+    char *path = document_path(store_folder, NIGHT, night);
+    enum neph_status status = path ? neph_history_document(index, night, &rows, diag)
+                                   : neph_fail_memory(diag);
+    if (!status && read_document(path, NIGHT, &document, diag))
+        status = NEPH_ERR_INPUT;
+    if (!status && !json_equal(rows, document))
+        status = neph_fail(diag, NEPH_ERR_INPUT, "night %lld is not as its document '%s' says",
+                           (long long)night, path);
+    json_decref(rows);
+    json_decref(document);
+    free(path);
+    return status;
+}
+
+enum neph_status neph_history_check(struct neph_database *index, const char *store_folder,
+                                    struct neph_diag *diag)
+{
+    struct neph_query *query = NULL;
+    enum neph_status status = neph_query_begin(
+        index, &query, diag, "SELECT id FROM nights WHERE ended_utc != '' ORDER BY id", "");
+    while (!status && neph_query_next(query, &status, diag))
+        status = check_night(index, store_folder, neph_query_integer(query, 0), diag);
+    neph_query_end(query);
+    return status;
+}

@@ -1,0 +1,90 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * What nights have measured, in the store's database (index.h): series of numbers, the steps that
+ * made them, and which nights were accepted as the baseline. A night that is over and an acceptance
+ * are each a document in STORE/history/ as well, written whole before its rows are, and never
+ * changed: of these the database can be made again.
+ *
+ *   STORE/history/night-000012.json    {"format": "neph-night-1", "night": 12, "steps": [...], ...}
+ *   STORE/history/accept-000003.json   {"format": "neph-accept-1", "series": "*", "night": 12, ...}
+ */
+#ifndef NEPH_HARNESS_RUN_HISTORY_H
+#define NEPH_HARNESS_RUN_HISTORY_H
+
+#include "harness/json.h"
+#include "harness/run/database.h"
+
+/* One number of a night. */
+struct neph_measurement {
+    const char *series;      /* scene, engine, metric, ...: what makes it another number is in it */
+    const char *kind;        /* harness/night/judge.h */
+    double value;            /* NaN: it was to be measured and is not there */
+    double standard_error;   /* NaN: none is known */
+    const char *environment; /* what it may be compared with */
+};
+
+/* One part of a night. */
+struct neph_history_step {
+    const char *name;
+    const char *outcome; /* "done", "failed", "timeout" */
+    const char *reason;  /* "" when done */
+    const char *size;    /* of its frames, such as "96x54" */
+    double wall_s;
+    double calibration_s; /* NaN: nothing was timed */
+};
+
+/* Who a night is. */
+struct neph_history_night {
+    const char *plan;     /* what belongs to it, in words that tell nights apart */
+    const char *revision; /* of the sources, as the caller names it */
+    const char *program;  /* digest of neph itself */
+    const char *host;
+};
+
+/* Documents that have no rows yet become rows; one that is damaged is named on stderr and left
+ * alone. */
+enum neph_status neph_history_refresh(struct neph_database *index, const char *store_folder,
+                                      struct neph_diag *diag);
+
+/* Whether the rows of each finished night say what its document says: NEPH_ERR_INPUT names the
+ * first that does not. */
+enum neph_status neph_history_check(struct neph_database *index, const char *store_folder,
+                                    struct neph_diag *diag);
+
+/* Begin a night, or go on with the last when it did not end and is the same in all four; `*resumed`
+ * tells. Other nights that did not end are forgotten. */
+enum neph_status neph_history_begin(struct neph_database *index,
+                                    const struct neph_history_night *night, int64_t *id,
+                                    bool *resumed, struct neph_diag *diag);
+
+/* A step is over, with all its numbers or not at all. */
+enum neph_status neph_history_add(struct neph_database *index, int64_t night,
+                                  const struct neph_history_step *step,
+                                  const struct neph_measurement *measurements, int count,
+                                  struct neph_diag *diag);
+
+/* What was found of one number of the night. */
+enum neph_status neph_history_judge(struct neph_database *index, int64_t night, const char *series,
+                                    const char *judgement, struct neph_diag *diag);
+
+/* A night is over: its document, and then its rows. `frames` are the keys of the frames that it
+ * used, an array of texts. */
+enum neph_status neph_history_end(struct neph_database *index, const char *store_folder,
+                                  int64_t night, const char *verdict, const json_t *frames,
+                                  struct neph_diag *diag);
+
+/* Accept a night that is over as the baseline of `series`, or of all ("*"). NEPH_ERR_NOT_FOUND:
+ * there is no such night, or it has no such series. */
+enum neph_status neph_history_accept(struct neph_database *index, const char *store_folder,
+                                     const char *series, int64_t night, const char *who,
+                                     const char *why, struct neph_diag *diag);
+
+/* The document of a night, as it is now. To json_decref. */
+enum neph_status neph_history_document(struct neph_database *index, int64_t night,
+                                       json_t **document, struct neph_diag *diag);
+
+/* Acceptances, oldest first, as their documents. To json_decref. */
+enum neph_status neph_history_acceptances(struct neph_database *index, json_t **list,
+                                          struct neph_diag *diag);
+
+#endif

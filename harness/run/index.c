@@ -1,0 +1,372 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/run/index.h"
+
+#include "base/clock.h"
+#include "base/files.h"
+#include "base/hash.h"
+#include "harness/progress.h"
+#include "harness/run/history.h"
+#include "harness/run/store_entry.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+/* From form to form. A form that was ever released is never edited: a change is one more step. */
+static const char *const steps[] = {
+    /* Engines as they were on one machine. `version` has the driver and its compiler, `device` the
+     * width of vectors, `host` the processor and how many there are. */
+    "CREATE TABLE environments ("
+    "  id INTEGER PRIMARY KEY, engine TEXT NOT NULL, version TEXT NOT NULL, build TEXT NOT NULL,"
+    "  device TEXT NOT NULL, host TEXT NOT NULL,"
+    "  UNIQUE (engine, version, build, device, host)) STRICT;"
+    /* Finished frames and sequences. Sizes and times are 0 where their record has none. */
+    "CREATE TABLE jobs ("
+    "  key TEXT PRIMARY KEY, format TEXT NOT NULL, scene TEXT NOT NULL, scene_hash TEXT NOT NULL,"
+    "  environment INTEGER NOT NULL REFERENCES environments (id), settings TEXT NOT NULL,"
+    "  width_px INTEGER NOT NULL, height_px INTEGER NOT NULL, frame INTEGER NOT NULL,"
+    "  seed INTEGER NOT NULL, render_s REAL NOT NULL, wall_s REAL NOT NULL, cpu_s REAL NOT NULL,"
+    "  peak_memory_bytes INTEGER NOT NULL, frame_blake2b TEXT NOT NULL, bytes INTEGER NOT NULL,"
+    "  made_utc TEXT NOT NULL) STRICT, WITHOUT ROWID;"
+    /* `ended_utc` is '' while a night goes on. */
+    "CREATE TABLE nights ("
+    "  id INTEGER PRIMARY KEY, started_utc TEXT NOT NULL, ended_utc TEXT NOT NULL,"
+    "  plan TEXT NOT NULL, revision TEXT NOT NULL, program TEXT NOT NULL, host TEXT NOT NULL,"
+    "  verdict TEXT NOT NULL) STRICT;"
+    "CREATE TABLE steps ("
+    "  night INTEGER NOT NULL REFERENCES nights (id), name TEXT NOT NULL, outcome TEXT NOT NULL,"
+    "  reason TEXT NOT NULL, size TEXT NOT NULL, wall_s REAL NOT NULL, calibration_s REAL,"
+    "  PRIMARY KEY (night, name)) STRICT, WITHOUT ROWID;"
+    "CREATE TABLE series (id INTEGER PRIMARY KEY, name TEXT NOT NULL UNIQUE) STRICT;"
+    "CREATE TABLE measurements ("
+    "  night INTEGER NOT NULL REFERENCES nights (id),"
+    "  series INTEGER NOT NULL REFERENCES series (id), step TEXT NOT NULL, kind TEXT NOT NULL,"
+    "  value REAL, standard_error REAL, environment TEXT NOT NULL, judgement TEXT NOT NULL,"
+    "  PRIMARY KEY (series, night)) STRICT, WITHOUT ROWID;"
+    "CREATE INDEX measurements_of_night ON measurements (night);"
+    "CREATE TABLE night_frames ("
+    "  night INTEGER NOT NULL REFERENCES nights (id), key TEXT NOT NULL,"
+    "  PRIMARY KEY (night, key)) STRICT, WITHOUT ROWID;"
+    /* `series` is '*' for all. Never changed nor removed, also when a night's document is lost. */
+    "CREATE TABLE acceptances ("
+    "  id INTEGER PRIMARY KEY, series TEXT NOT NULL, night INTEGER NOT NULL,"
+    "  who TEXT NOT NULL, when_utc TEXT NOT NULL, why TEXT NOT NULL) STRICT;",
+    NULL};
+
+/* ---- a frame's record as rows ---------------------------------------------------------------- */
+
+static double number(const json_t *record, const char *name)
+{
+    return json_number_value(json_object_get(record, name));
+}
+
+static int64_t integer(const json_t *record, const char *name)
+{
+    return json_integer_value(json_object_get(record, name));
+}
+
+static enum neph_status find_environment(struct neph_database *index, const json_t *record,
+                                         int64_t *id, struct neph_diag *diag)
+{
+    const char *engine = neph_json_text(record, "engine"), *build = neph_json_text(record, "build"),
+               *version = neph_json_text(record, "version"),
+               *device = neph_json_text(record, "device"), *host = neph_json_text(record, "host");
+    const enum neph_status status = neph_database_do(
+        index, diag,
+        "INSERT OR IGNORE INTO environments (engine, version, build, device, host)"
+        " VALUES (?, ?, ?, ?, ?)",
+        "sssss", engine, version, build, device, host);
+    return status ? status
+                  : neph_database_count(index, id, diag,
+                                        "SELECT id FROM environments WHERE engine = ? AND version "
+                                        "= ? AND build = ? AND device = ? AND host = ?",
+                                        "sssss", engine, version, build, device, host);
+}
+
+static int64_t bytes_in(const char *folder)
+{
+    int64_t sum = 0;
+    DIR *directory = opendir(folder);
+    for (const struct dirent *entry; directory && (entry = readdir(directory));) {
+        char *path = neph_path_join(folder, entry->d_name);
+        struct stat info;
+        if (path && stat(path, &info) == 0 && S_ISREG(info.st_mode))
+            sum += (int64_t)info.st_size;
+        free(path);
+    }
+    if (directory)
+        closedir(directory);
+    return sum;
+}
+
+static enum neph_status insert_job(struct neph_database *index, const char *folder, const char *key,
+                                   const json_t *record, struct neph_diag *diag)
+{
+    const json_t *size = json_object_get(record, "size_px");
+    int64_t environment = 0;
+    const enum neph_status status = find_environment(index, record, &environment, diag);
+    return status ? status
+                  : neph_database_do(index, diag,
+                                     "INSERT OR REPLACE INTO jobs VALUES "
+                                     "(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+                                     "ssssisiiiidddisis", key, neph_json_text(record, "format"),
+                                     neph_json_text(record, "scene"),
+                                     neph_json_text(record, "scene_hash"), environment,
+                                     neph_json_text(record, "settings"),
+                                     (int64_t)json_integer_value(json_array_get(size, 0)),
+                                     (int64_t)json_integer_value(json_array_get(size, 1)),
+                                     integer(record, "frame"), integer(record, "seed"),
+                                     number(record, "render_s"), number(record, "wall_s"),
+                                     number(record, "cpu_s"), integer(record, "peak_memory_bytes"),
+                                     neph_json_text(record, "frame_blake2b"), bytes_in(folder),
+                                     neph_json_text(record, "created_utc"));
+}
+
+/* An entry whose record is bad is none; whoever asks for its key removes it. */
+static enum neph_status take_frame(struct neph_database *index, const char *frames, const char *key,
+                                   struct neph_diag *diag)
+{
+    char why[NEPH_ENTRY_WHY_BYTES];
+    json_t *record = NULL;
+    char *folder = neph_path_join(frames, key);
+    enum neph_status status = folder ? NEPH_OK : neph_fail_memory(diag);
+    if (!status && neph_entry_read(folder, key, &record, why) == NEPH_ENTRY_GOOD)
+        status = insert_job(index, folder, key, record, diag);
+    json_decref(record);
+    free(folder);
+    return status;
+}
+
+/* ---- rows and frames side by side ------------------------------------------------------------ */
+
+static int is_key(const struct dirent *entry)
+{
+    return strlen(entry->d_name) == NEPH_HASH_HEX_SIZE - 1 &&
+           strspn(entry->d_name, "0123456789abcdef") == NEPH_HASH_HEX_SIZE - 1;
+}
+
+static int by_bytes(const struct dirent **a, const struct dirent **b)
+{
+    return strcmp((*a)->d_name, (*b)->d_name);
+}
+
+/* Names and rows, both sorted: what is on one side alone is taken, or forgotten. The rows are read
+ * to the end before any is changed. */
+static enum neph_status compare_sides(struct neph_database *index, struct dirent **names, int count,
+                                      json_t *taken, json_t *gone, struct neph_diag *diag)
+{
+    struct neph_query *query = NULL;
+    enum neph_status status = neph_query_begin(index, &query, diag,
+                                               "SELECT key FROM jobs ORDER BY key", "");
+    int at = 0;
+    while (!status && neph_query_next(query, &status, diag)) {
+        const char *row = neph_query_text(query, 0);
+        for (; !status && at < count && strcmp(names[at]->d_name, row) < 0; at++)
+            status = neph_json_append(taken, json_string(names[at]->d_name), diag);
+        if (at < count && strcmp(names[at]->d_name, row) == 0)
+            at++;
+        else if (!status && neph_json_append(gone, json_string(row), NULL))
+            status = neph_fail(diag, NEPH_ERR_INPUT, "a key in its rows is no text");
+    }
+    for (; !status && at < count; at++)
+        status = neph_json_append(taken, json_string(names[at]->d_name), diag);
+    neph_query_end(query);
+    return status;
+}
+
+static enum neph_status apply(struct neph_database *index, const char *frames, const json_t *taken,
+                              const json_t *gone, struct neph_diag *diag)
+{
+    if (json_array_size(taken) + json_array_size(gone) == 0)
+        return NEPH_OK;
+    enum neph_status status = neph_database_begin(index, diag);
+    for (size_t i = 0; !status && i < json_array_size(gone); i++)
+        status = neph_database_do(index, diag, "DELETE FROM jobs WHERE key = ?", "s",
+                                  json_string_value(json_array_get(gone, i)));
+    for (size_t i = 0; !status && i < json_array_size(taken); i++)
+        status = take_frame(index, frames, json_string_value(json_array_get(taken, i)), diag);
+    if (!status)
+        return neph_database_commit(index, diag);
+    neph_database_rollback(index);
+    return status;
+}
+
+static enum neph_status refresh(struct neph_database *index, const char *frames,
+                                struct neph_diag *diag)
+{
+    struct dirent **names = NULL;
+    const int count = scandir(frames, &names, is_key, by_bytes);
+    if (count < 0)
+        return neph_fail(diag, NEPH_ERR_IO, "cannot open '%s': %s", frames, strerror(errno));
+    json_t *taken = json_array(), *gone = json_array();
+    enum neph_status status = taken && gone ? compare_sides(index, names, count, taken, gone, diag)
+                                            : neph_fail_memory(diag);
+    if (!status)
+        status = apply(index, frames, taken, gone, diag);
+    json_decref(taken);
+    json_decref(gone);
+    for (int i = 0; i < count; i++)
+        free(names[i]);
+    free(names);
+    return status;
+}
+
+/* ---- opening --------------------------------------------------------------------------------- */
+
+/* A name that is free; NULL when memory is short. */
+static char *name_aside(const char *folder)
+{
+    char now[32], *name = NULL;
+    neph_utc_now(now);
+    for (int i = 1; i == 1 || (name && neph_path_exists(name)); i++) {
+        free(name);
+        name = neph_format("%s/damaged-%s-%d.sqlite", folder, now, i);
+    }
+    return name;
+}
+
+/* With what SQLite keeps beside it. */
+static enum neph_status set_aside(const char *path, const char *folder, const char *why,
+                                  struct neph_diag *diag)
+{
+    static const char *const endings[] = {"", "-wal", "-shm"};
+    char *aside = name_aside(folder);
+    enum neph_status status = aside ? NEPH_OK : neph_fail_memory(diag);
+    for (size_t i = 0; !status && i < sizeof(endings) / sizeof(endings[0]); i++) {
+        char *from = neph_format("%s%s", path, endings[i]);
+        char *to = neph_format("%s%s", aside, endings[i]);
+        if (!from || !to)
+            status = neph_fail_memory(diag);
+        else if (rename(from, to) != 0 && errno != ENOENT)
+            status = neph_fail(diag, NEPH_ERR_IO, "cannot set '%s' aside: %s", from,
+                               strerror(errno));
+        free(from);
+        free(to);
+    }
+    if (!status)
+        neph_progress_warn("the store's database is damaged (%s): it is set aside as '%s', and a "
+                           "new one is made of the frames and the finished nights, which are "
+                           "whole; a night that was not finished begins anew",
+                           why, aside);
+    free(aside);
+    return status;
+}
+
+/* Open, look whether it is whole, bring it up to date. */
+static enum neph_status open_whole(const char *path, const char *store_folder,
+                                   struct neph_database **index, struct neph_diag *diag)
+{
+    struct neph_database *opened = NULL;
+    char *frames = neph_path_join(store_folder, "frames");
+    enum neph_status status = frames ? neph_database_open(path, steps, &opened, diag)
+                                     : neph_fail_memory(diag);
+    if (!status)
+        status = neph_database_check(opened, false, diag);
+    if (!status)
+        status = refresh(opened, frames, diag);
+    if (!status)
+        status = neph_history_refresh(opened, store_folder, diag);
+    if (status)
+        neph_database_close(opened);
+    else
+        *index = opened;
+    free(frames);
+    return status;
+}
+
+/* A store that had frames before it had a database. */
+static void tell_takeover(struct neph_database *index, const char *store_folder)
+{
+    int64_t frames = 0;
+    if (neph_database_count(index, &frames, NULL, "SELECT count(*) FROM jobs", "") == NEPH_OK &&
+        frames > 0)
+        neph_progress_warn("'%s' is of an older neph: its %lld frames are used, and are in its new "
+                           "database",
+                           store_folder, (long long)frames);
+}
+
+/* Rows that were damaged where SQLite cannot tell show when what belongs to them is refused. */
+static bool is_damage(enum neph_status status)
+{
+    return status == NEPH_ERR_INPUT || status == NEPH_ERR_INTERNAL;
+}
+
+enum neph_status neph_index_open(const char *store_folder, struct neph_database **index,
+                                 struct neph_diag *diag)
+{
+    char *folder = neph_path_join(store_folder, "index"),
+         *path = folder ? neph_path_join(folder, "neph.sqlite") : NULL;
+    const bool is_new = folder && !neph_path_exists(folder);
+    struct neph_diag why = {.line = 0};
+    enum neph_status status = path ? neph_dir_create(folder, &why) : neph_fail_memory(&why);
+    if (!status)
+        status = open_whole(path, store_folder, index, &why);
+    if (!status && is_new)
+        tell_takeover(*index, store_folder);
+    if (is_damage(status)) {
+        status = set_aside(path, folder, why.message, &why);
+        if (!status)
+            status = open_whole(path, store_folder, index, &why);
+    }
+    if (status && diag)
+        *diag = why;
+    free(path);
+    free(folder);
+    return status;
+}
+
+/* ---- a closer look --------------------------------------------------------------------------- */
+
+enum neph_status neph_index_check(struct neph_database *index, const char *store_folder,
+                                  bool *whole, struct neph_diag *why, struct neph_diag *diag)
+{
+    enum neph_status status = neph_database_check(index, true, why);
+    if (!status)
+        status = neph_history_check(index, store_folder, why);
+    *whole = status == NEPH_OK;
+    if (status && status != NEPH_ERR_INPUT && diag)
+        *diag = *why;
+    return status == NEPH_ERR_INPUT ? NEPH_OK : status;
+}
+
+enum neph_status neph_index_agrees(struct neph_database *index, const char *key,
+                                   const json_t *record, bool *agrees, struct neph_diag *diag)
+{
+    int64_t count = 0;
+    const json_t *size = json_object_get(record, "size_px");
+    const enum neph_status status = neph_database_count(
+        index, &count, diag,
+        "SELECT count(*) FROM jobs JOIN environments AS e ON e.id = environment WHERE key = ? AND "
+        "format = ? AND scene = ? AND scene_hash = ? AND settings = ? AND width_px = ? AND "
+        "height_px = ? AND frame = ? AND seed = ? AND render_s = ? AND wall_s = ? AND cpu_s = ? "
+        "AND "
+        "peak_memory_bytes = ? AND frame_blake2b = ? AND made_utc = ? AND engine = ? AND version = "
+        "? AND build = ? AND device = ? AND host = ?",
+        "sssssiiiidddisssssss", key, neph_json_text(record, "format"),
+        neph_json_text(record, "scene"), neph_json_text(record, "scene_hash"),
+        neph_json_text(record, "settings"), (int64_t)json_integer_value(json_array_get(size, 0)),
+        (int64_t)json_integer_value(json_array_get(size, 1)), integer(record, "frame"),
+        integer(record, "seed"), number(record, "render_s"), number(record, "wall_s"),
+        number(record, "cpu_s"), integer(record, "peak_memory_bytes"),
+        neph_json_text(record, "frame_blake2b"), neph_json_text(record, "created_utc"),
+        neph_json_text(record, "engine"), neph_json_text(record, "version"),
+        neph_json_text(record, "build"), neph_json_text(record, "device"),
+        neph_json_text(record, "host"));
+    if (!status)
+        *agrees = count == 1;
+    return status;
+}
+
+enum neph_status neph_index_renew(const char *store_folder, const char *why, struct neph_diag *diag)
+{
+    char *folder = neph_path_join(store_folder, "index"),
+         *path = folder ? neph_path_join(folder, "neph.sqlite") : NULL;
+    const enum neph_status status = path ? set_aside(path, folder, why, diag)
+                                         : neph_fail_memory(diag);
+    free(path);
+    free(folder);
+    return status;
+}

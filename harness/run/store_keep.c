@@ -1,0 +1,337 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/run/store_keep.h"
+
+#include "base/files.h"
+#include "base/interrupt.h"
+#include "harness/run/history.h"
+#include "harness/run/index.h"
+#include "harness/run/store_entry.h"
+
+#include <dirent.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <time.h>
+
+/* Nights that are the baseline of anything: the last acceptance of all, and the last of each series
+ * that has one of its own. Older ones stay, too: what was accepted once may be asked for again. */
+static const char is_of_baseline[] =
+    "SELECT count(*) FROM night_frames WHERE key = ? AND night IN (SELECT night FROM acceptances)";
+
+static char *path_of(const struct neph_store *store, const char *key, const char *name)
+{
+    return neph_format("%s/frames/%s%s%s", neph_store_folder(store), key, name ? "/" : "",
+                       name ? name : "");
+}
+
+int64_t neph_store_used_s(const struct neph_store *store, const char *key)
+{
+    struct stat info;
+    char *path = path_of(store, key, "job.json");
+    const bool is_there = path && stat(path, &info) == 0;
+    free(path);
+    return is_there ? (int64_t)info.st_mtime : 0;
+}
+
+/* ---- checking -------------------------------------------------------------------------------- */
+
+struct check {
+    struct neph_store *store;
+    struct neph_database *index;
+    bool repairs;
+    neph_store_tell *tell;
+    void *context;
+    struct neph_store_sums *sums;
+    int strangers; /* rows that say something else than the frame's record */
+};
+
+static enum neph_status report_fault(struct check *check, const char *key, const char *why,
+                                     bool may_go, struct neph_diag *diag)
+{
+    int64_t of_baseline = 0;
+    const enum neph_status status = neph_database_count(check->index, &of_baseline, diag,
+                                                        is_of_baseline, "s", key);
+    if (status)
+        return status;
+    struct neph_store_fault fault = {key, why, of_baseline > 0, false};
+    fault.removed = check->repairs && may_go && neph_store_remove(check->store, key, 0, NULL);
+    check->sums->bad++;
+    check->tell(&fault, check->context);
+    return NEPH_OK;
+}
+
+static enum neph_status check_frame(struct check *check, const char *key, struct neph_diag *diag)
+{
+    char why[NEPH_ENTRY_WHY_BYTES];
+    json_t *record = NULL;
+    bool agrees = true;
+    char *folder = path_of(check->store, key, NULL);
+    if (!folder)
+        return neph_fail_memory(diag);
+    const enum neph_entry_state state = neph_entry_check(folder, key, &record, why);
+    enum neph_status status = NEPH_OK;
+    check->sums->frames++;
+    if (state == NEPH_ENTRY_BAD || state == NEPH_ENTRY_UNREADABLE)
+        status = report_fault(check, key, why, state == NEPH_ENTRY_BAD, diag);
+    else if (state == NEPH_ENTRY_GOOD)
+        status = neph_index_agrees(check->index, key, record, &agrees, diag);
+    check->strangers += !agrees;
+    json_decref(record);
+    free(folder);
+    return status;
+}
+
+static enum neph_status check_frames(struct check *check, struct neph_diag *diag)
+{
+    char *folder = neph_path_join(neph_store_folder(check->store), "frames");
+    struct dirent **names = NULL;
+    const int count = folder ? scandir(folder, &names, NULL, alphasort) : -1;
+    enum neph_status status = count < 0 ? neph_fail(diag, NEPH_ERR_IO, "the store has no frames/")
+                                        : NEPH_OK;
+    for (int i = 0; i < count; i++) {
+        if (!status && neph_interrupted())
+            status = neph_fail(diag, NEPH_ERR_INTERRUPTED, "interrupted");
+        if (!status && names[i]->d_name[0] != '.')
+            status = check_frame(check, names[i]->d_name, diag);
+        free(names[i]);
+    }
+    free(names);
+    free(folder);
+    return status;
+}
+
+static enum neph_status count_rows(struct neph_database *index, struct neph_store_sums *sums,
+                                   struct neph_diag *diag)
+{
+    const struct {
+        int64_t *sum;
+        const char *question;
+    } sums_of[] = {
+        {&sums->bytes, "SELECT coalesce(sum(bytes), 0) FROM jobs"},
+        {&sums->nights, "SELECT count(*) FROM nights WHERE ended_utc != ''"},
+        {&sums->accepted, "SELECT count(*) FROM acceptances"},
+    };
+    enum neph_status status = NEPH_OK;
+    for (size_t i = 0; !status && i < sizeof(sums_of) / sizeof(sums_of[0]); i++)
+        status = neph_database_count(index, sums_of[i].sum, diag, sums_of[i].question, "");
+    return status;
+}
+
+static enum neph_status look_at_index(struct check *check, bool *whole, struct neph_diag *why,
+                                      struct neph_diag *diag)
+{
+    if (check->strangers > 0) {
+        *whole = false;
+        neph_fail(why, NEPH_ERR_INPUT, "%d rows say something else than the records of the frames",
+                  check->strangers);
+        return NEPH_OK;
+    }
+    return neph_index_check(check->index, neph_store_folder(check->store), whole, why, diag);
+}
+
+static enum neph_status check_index(struct check *check, struct neph_diag *diag)
+{
+    bool whole = true;
+    struct neph_diag why = {.line = 0};
+    enum neph_status status = look_at_index(check, &whole, &why, diag);
+    if (status || whole)
+        return status;
+    struct neph_store_fault fault = {.key = "", .why = why.message};
+    if (check->repairs) {
+        neph_database_close(check->index);
+        check->index = NULL;
+        status = neph_store_renew_index(check->store, why.message, &check->index, diag);
+        fault.removed = status == NEPH_OK;
+    }
+    check->sums->bad++;
+    check->tell(&fault, check->context);
+    return status;
+}
+
+enum neph_status neph_store_check(struct neph_store *store, bool repairs, neph_store_tell *tell,
+                                  void *context, struct neph_store_sums *sums,
+                                  struct neph_diag *diag)
+{
+    struct check check = {store, NULL, repairs, tell, context, sums, 0};
+    *sums = (struct neph_store_sums){0};
+    enum neph_status status = neph_store_index(store, &check.index, diag);
+    if (!status)
+        status = check_frames(&check, diag);
+    if (!status)
+        status = check_index(&check, diag);
+    if (!status)
+        status = count_rows(check.index, sums, diag);
+    neph_database_close(check.index);
+    return status;
+}
+
+/* ---- room ------------------------------------------------------------------------------------ */
+
+struct candidate {
+    char key[NEPH_HASH_HEX_SIZE];
+    int64_t bytes, used_s;
+};
+
+/* The longest unused first; in the same second, the lesser key. */
+static int by_use(const void *a_, const void *b_)
+{
+    const struct candidate *a = a_, *b = b_;
+    return a->used_s != b->used_s ? (a->used_s < b->used_s ? -1 : 1) : strcmp(a->key, b->key);
+}
+
+static enum neph_status list_candidates(struct neph_store *store, struct neph_database *index,
+                                        struct candidate **list, int *count,
+                                        struct neph_store_gc *result, struct neph_diag *diag)
+{
+    struct neph_query *query = NULL;
+    int64_t total = 0;
+    enum neph_status status = neph_database_count(index, &total, diag, "SELECT count(*) FROM jobs",
+                                                  "");
+    struct candidate *made = status ? NULL : calloc((size_t)total + 1, sizeof(*made));
+    if (!status && !made)
+        status = neph_fail_memory(diag);
+    if (!status)
+        status = neph_query_begin(index, &query, diag,
+                                  "SELECT key, bytes, key IN (SELECT key FROM night_frames WHERE "
+                                  "night IN (SELECT night FROM acceptances)) FROM jobs",
+                                  "");
+    int made_count = 0;
+    while (!status && made_count < total && neph_query_next(query, &status, diag)) {
+        struct candidate *c = &made[made_count];
+        c->bytes = neph_query_integer(query, 1);
+        result->frames_before++;
+        result->bytes_before += c->bytes;
+        if (neph_query_integer(query, 2)) {
+            result->bytes_of_baselines += c->bytes;
+            continue;
+        }
+        memcpy(c->key, neph_query_text(query, 0), sizeof(c->key));
+        c->used_s = neph_store_used_s(store, c->key);
+        made_count++;
+    }
+    neph_query_end(query);
+    if (status) {
+        free(made);
+        return status;
+    }
+    qsort(made, (size_t)made_count, sizeof(*made), by_use);
+    *list = made;
+    *count = made_count;
+    return NEPH_OK;
+}
+
+enum neph_status neph_store_gc(struct neph_store *store, int64_t limit_bytes, double spare_s,
+                               struct neph_store_gc *result, struct neph_diag *diag)
+{
+    struct neph_database *index = NULL;
+    struct candidate *list = NULL;
+    int count = 0;
+    const int64_t before_s = (int64_t)time(NULL) - (int64_t)spare_s;
+    *result = (struct neph_store_gc){0};
+    enum neph_status status = neph_store_index(store, &index, diag);
+    if (!status)
+        status = list_candidates(store, index, &list, &count, result, diag);
+    neph_database_close(index);
+    for (int i = 0; !status && i < count; i++) {
+        if (list[i].used_s > before_s)
+            result->bytes_in_use += list[i].bytes;
+        else if (result->bytes_before - result->bytes_removed > limit_bytes &&
+                 neph_store_remove(store, list[i].key, before_s, NULL)) {
+            result->frames_removed++;
+            result->bytes_removed += list[i].bytes;
+        }
+    }
+    result->fits = result->bytes_before - result->bytes_removed <= limit_bytes;
+    free(list);
+    return status;
+}
+
+/* ---- export ---------------------------------------------------------------------------------- */
+
+static json_t *environment_json(struct neph_query *q)
+{
+    return json_pack("{s:I, s:s, s:s, s:s, s:s, s:s}", "id", (json_int_t)neph_query_integer(q, 0),
+                     "engine", neph_query_text(q, 1), "version", neph_query_text(q, 2), "build",
+                     neph_query_text(q, 3), "device", neph_query_text(q, 4), "host",
+                     neph_query_text(q, 5));
+}
+
+static json_t *job_json(struct neph_query *q)
+{
+    return json_pack(
+        "{s:s, s:s, s:s, s:s, s:I, s:s, s:[I,I], s:I, s:I, s:f, s:f, s:f, s:I, s:s, "
+        "s:I, s:s}",
+        "key", neph_query_text(q, 0), "format", neph_query_text(q, 1), "scene",
+        neph_query_text(q, 2), "scene_hash", neph_query_text(q, 3), "environment",
+        (json_int_t)neph_query_integer(q, 4), "settings", neph_query_text(q, 5), "size_px",
+        (json_int_t)neph_query_integer(q, 6), (json_int_t)neph_query_integer(q, 7), "frame",
+        (json_int_t)neph_query_integer(q, 8), "seed", (json_int_t)neph_query_integer(q, 9),
+        "render_s", neph_query_real(q, 10), "wall_s", neph_query_real(q, 11), "cpu_s",
+        neph_query_real(q, 12), "peak_memory_bytes", (json_int_t)neph_query_integer(q, 13),
+        "frame_blake2b", neph_query_text(q, 14), "bytes", (json_int_t)neph_query_integer(q, 15),
+        "made_utc", neph_query_text(q, 16));
+}
+
+static enum neph_status list_all(struct neph_database *index, const char *question,
+                                 json_t *(*row)(struct neph_query *), json_t *document,
+                                 const char *name, struct neph_diag *diag)
+{
+    struct neph_query *query = NULL;
+    json_t *list = json_array();
+    enum neph_status status = neph_query_begin(index, &query, diag, question, "");
+    while (!status && neph_query_next(query, &status, diag))
+        neph_json_add(&list, row(query));
+    neph_query_end(query);
+    if (!status && !list) {
+        status = neph_fail(diag, NEPH_ERR_INPUT, "a row of '%s' in the store's database is damaged",
+                           name);
+        neph_hint(diag, "`neph store check --repair` makes it again");
+    }
+    if (status)
+        json_decref(list);
+    return status ? status : neph_json_put(document, name, list, diag);
+}
+
+static enum neph_status list_nights(struct neph_database *index, json_t *document,
+                                    struct neph_diag *diag)
+{
+    struct neph_query *query = NULL;
+    json_t *list = json_array();
+    enum neph_status status = neph_query_begin(
+        index, &query, diag, "SELECT id FROM nights WHERE ended_utc != '' ORDER BY id", "");
+    while (!status && neph_query_next(query, &status, diag)) {
+        json_t *night = NULL;
+        status = neph_history_document(index, neph_query_integer(query, 0), &night, diag);
+        if (!status)
+            neph_json_add(&list, night);
+    }
+    neph_query_end(query);
+    if (status)
+        json_decref(list);
+    return status ? status : neph_json_put(document, "nights", list, diag);
+}
+
+enum neph_status neph_store_export(struct neph_store *store, json_t **document,
+                                   struct neph_diag *diag)
+{
+    struct neph_database *index = NULL;
+    json_t *made = json_pack("{s:s}", "format", "neph-store-1"), *acceptances = NULL;
+    enum neph_status status = made ? neph_store_index(store, &index, diag) : neph_fail_memory(diag);
+    if (!status)
+        status = list_all(index, "SELECT * FROM environments ORDER BY id", environment_json, made,
+                          "environments", diag);
+    if (!status)
+        status = list_all(index, "SELECT * FROM jobs ORDER BY key", job_json, made, "jobs", diag);
+    if (!status)
+        status = list_nights(index, made, diag);
+    if (!status)
+        status = neph_history_acceptances(index, &acceptances, diag);
+    if (!status)
+        status = neph_json_put(made, "acceptances", acceptances, diag);
+    neph_database_close(index);
+    if (status)
+        json_decref(made);
+    else
+        *document = made;
+    return status;
+}

@@ -1,0 +1,166 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""Nights as an operator has them: the first, the accepted, the killed, two at once, a change."""
+import json
+import os
+import pathlib
+import signal
+import subprocess
+import tempfile
+import time
+import unittest
+import xml.etree.ElementTree
+
+import night
+
+NEPH = os.environ["NEPH"]
+# Two scenarios of the failure suite, a second or two each; and a fog without other people's
+# renderers, which are not in this PATH.
+QUICK = ["nightly", "--only", "failure ridge_far", "--only", "failure fog_none", "-q", "--once"]
+FOG = ["nightly", "--only", "catalog height_fog_down", "--size", "32x18", "-q", "--once"]
+LONELY = {**os.environ, "PATH": "/nonexistent"}
+
+
+class Nightly(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+
+    def neph(self, *arguments, code=0, **options):
+        done = subprocess.run([NEPH, *map(str, arguments), "-o", str(self.folder)],
+                              capture_output=True, text=True, timeout=300, **options)
+        self.assertEqual(done.returncode, code, done.stdout + done.stderr)
+        return done
+
+    def data(self):
+        return json.loads((self.folder / "nightly/nightly.json").read_text())
+
+    def accept(self, *arguments):
+        return self.neph("baseline", "accept", "--why", "looked at", *arguments)
+
+    def kill_a_night(self):
+        child = subprocess.Popen([NEPH, *QUICK, "-o", str(self.folder)], stdout=subprocess.DEVNULL,
+                                 stderr=subprocess.DEVNULL)
+        until = time.monotonic() + 120
+        logs = self.folder / "nightly/logs"
+        while len(list(logs.glob("*.log"))) < 2 and time.monotonic() < until:
+            time.sleep(0.01)  # the second step has begun
+        again = subprocess.run([NEPH, *QUICK, "-o", str(self.folder)], capture_output=True,
+                               text=True, timeout=60)
+        self.assertEqual(again.returncode, 69, again.stderr)  # one at a time
+        self.assertIn("another night is at work", again.stderr)
+        child.send_signal(signal.SIGKILL)
+        child.wait()
+
+    def test_a_killed_night_goes_on_is_accepted_and_the_next_is_compared(self):
+        self.kill_a_night()
+        first = self.neph(*QUICK, code=1)
+        self.assertEqual((self.data()["night"], self.data()["resumed"]), (1, True))
+        self.assertEqual([step["done"] for step in self.data()["steps"]], [True, True])
+        self.assertIn("compared nothing", first.stdout)
+        self.assertIn("neph baseline accept", first.stdout)
+        self.accept()
+        second = self.neph(*QUICK)
+        self.assertEqual(len(second.stdout.splitlines()), 1)  # one paragraph
+        self.assertIn(f"{self.data()['compared']} comparisons with night 1", second.stdout)
+        data = self.data()
+        self.assertEqual((data["passes"], data["new"], data["findings"]), (True, 0, []))
+        self.assertEqual(data["compared"], len(data["series"]))
+        self.assertGreater(data["compared"], 4)
+        self.assertEqual({row["floor"] for row in data["series"]}, {0.005})
+        suite = xml.etree.ElementTree.parse(self.folder / "nightly/junit.xml").getroot()
+        self.assertEqual((int(suite.get("tests")), suite.get("failures")),
+                         (data["compared"], "0"))
+        self.assertEqual(len(suite.findall("testcase")), data["compared"])
+        self.assertEqual(second.stdout, (self.folder / "nightly/summary.txt").read_text())
+        self.assert_the_store_knows_both()
+
+    def assert_the_store_knows_both(self):
+        document = json.loads(self.neph("store", "export").stdout)
+        nights = document["nights"]
+        self.assertEqual([row["verdict"] for row in nights], ["nothing compared", "pass"])
+        self.assertEqual(*[[(m["series"], m["value"]) for m in row["measurements"]]
+                           for row in nights])
+        keys = {job["key"] for job in document["jobs"]}
+        self.assertTrue(keys and set(nights[0]["frames"]) == keys)
+        [accepted] = document["acceptances"]
+        self.assertEqual((accepted["night"], accepted["series"], accepted["why"]),
+                         (1, "*", "looked at"))
+        self.neph("store", "check")
+        self.neph("store", "gc", "--limit", "0", "--spare-hours", "0", code=1)  # it is a baseline
+        self.assertEqual(keys, {job["key"] for job in
+                                json.loads(self.neph("store", "export").stdout)["jobs"]})
+
+    def test_a_planted_change_is_found_and_named(self):
+        self.neph(*FOG, code=1, env=LONELY)
+        self.accept()
+        done = self.neph(*FOG, "-s", "march:steps=56", code=1, env=LONELY)
+        worst = self.data()["findings"][0]
+        self.assertEqual((worst["found"], worst["step"]), ("worse", "catalog height_fog_down"))
+        self.assertIn("/march/", worst["series"])
+        self.assertIn("neph validate height_fog_down", done.stdout)
+        self.assertIn("-s march:steps=56", done.stdout)
+        suite = xml.etree.ElementTree.parse(self.folder / "nightly/junit.xml").getroot()
+        failed = [case.get("name") for case in suite if case.find("failure") is not None]
+        self.assertIn(worst["series"], failed)
+
+    @night.of_the_night
+    def test_a_change_that_was_meant_is_accepted(self):
+        self.neph(*FOG, code=1, env=LONELY)
+        self.accept()
+        self.neph(*FOG, "-s", "march:steps=56", code=1, env=LONELY)
+        series = self.data()["findings"][0]["series"]
+        self.accept(series)
+        self.neph(*FOG, "-s", "march:steps=56", env=LONELY, code=1)  # others are worse still
+        self.assertNotIn(series, [row["series"] for row in self.data()["findings"]])
+        self.accept()
+        self.neph(*FOG, "-s", "march:steps=56", env=LONELY)
+
+    @night.of_the_night
+    def test_kills_at_twenty_moments_end_in_the_same_store(self):
+        self.neph(*QUICK, code=1)
+        expected = self.numbers_and_keys()
+        first, begun = self.folder, time.monotonic()
+        self.setUp()
+        self.neph(*QUICK, code=1)
+        takes = time.monotonic() - begun
+        self.setUp()
+        for i in range(20):
+            child = subprocess.Popen([NEPH, *QUICK, "-o", str(self.folder)],
+                                     stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            time.sleep(takes * ((i * 7) % 20) / 25)
+            child.send_signal(signal.SIGKILL)
+            child.wait()
+        self.neph(*QUICK, code=1)
+        self.assertNotEqual(first, self.folder)
+        self.assertEqual(self.numbers_and_keys(), expected)
+        self.neph("store", "check")
+
+    def numbers_and_keys(self):
+        document = json.loads(self.neph("store", "export").stdout)
+        return ([(m["series"], m["value"]) for m in document["nights"][-1]["measurements"]],
+                [(job["key"], job["scene"], job["settings"]) for job in document["jobs"]])
+
+    @night.of_the_night
+    def test_time_that_is_short_is_spent_on_one_step(self):
+        self.neph(*QUICK, "--minutes", "0.01", code=1)
+        done = [step["done"] for step in self.data()["steps"]]
+        self.assertEqual(sorted(done), [False, True])
+        self.neph(*QUICK, "--minutes", "0.01", "--revision", "b", code=1)  # then the other's turn
+        self.assertEqual([step["done"] for step in self.data()["steps"]],
+                         [not it for it in done])
+
+    def test_what_is_asked_wrongly_is_refused(self):
+        for arguments in (["baseline", "accept"], ["baseline", "accept", "--why", " "],
+                          ["baseline", "forget"], ["nightly", "--tier", "slow"],
+                          ["nightly", "--only", "nothing"], ["store"], ["store", "mend"],
+                          ["store", "gc"]):
+            self.neph(*arguments, code=64)
+        self.neph("baseline", "accept", "--why", "x", code=66)
+        self.neph("store", "check", code=66)
+        self.neph("store", "gc", "--limit", "much", code=66)
+
+
+if __name__ == "__main__":
+    unittest.main()

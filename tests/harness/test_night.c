@@ -1,0 +1,445 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * A night without its renderers: what is read from results, in which order steps are worth their
+ * time, and what is found in histories of which the answer is known.
+ */
+#include "tests/base/scratch.h"
+
+#include "base/exr.h"
+#include "harness/night/compare.h"
+#include "harness/night/readers.h"
+#include "harness/run/history.h"
+#include "harness/run/store.h"
+
+static const double alpha = 0.005;
+
+/* ---- steps ----------------------------------------------------------------------------------- */
+
+static void make_plan(struct neph_arena *arena, const char *tier, const char *only,
+                      struct neph_night_plan *plan)
+{
+    struct neph_diag diag = {0};
+    const struct neph_night_plan_params params = {
+        .tier = tier, .only = &only, .only_count = only ? 1 : 0};
+    neph_assert_ok(neph_night_plan_make(&params, arena, plan, &diag), &diag);
+}
+
+/* What the quick tier measures, the full one does under the same names and by the same commands. */
+static void test_the_full_tier_goes_on_with_the_series_of_the_quick_one(void **state)
+{
+    (void)state;
+    struct neph_arena arena = {NULL};
+    struct neph_night_plan quick, full;
+    make_plan(&arena, "quick", NULL, &quick);
+    make_plan(&arena, "full", NULL, &full);
+    assert_true(quick.count > 8 && full.count > 5 * quick.count);
+    for (int i = 0; i < quick.count; i++) {
+        assert_string_equal(quick.steps[i].name, full.steps[i].name);
+        for (int w = 0; quick.steps[i].words[w]; w++)
+            assert_string_equal(quick.steps[i].words[w], full.steps[i].words[w]);
+    }
+    for (int i = 0; i < full.count; i++)
+        for (int k = 0; k < i; k++)
+            assert_string_not_equal(full.steps[i].name, full.steps[k].name);
+    neph_arena_finish(&arena);
+}
+
+static void test_plans_that_differ_are_told_apart(void **state)
+{
+    (void)state;
+    struct neph_arena arena = {NULL};
+    struct neph_night_plan all, some, none;
+    make_plan(&arena, "quick", NULL, &all);
+    make_plan(&arena, "quick", "voxel_grid", &some);
+    assert_string_not_equal(all.identity, some.identity);
+    assert_int_equal(some.count, 3); /* the scene, its sweep, its speed */
+    const char *const nothing = "nothing";
+    const struct neph_night_plan_params without = {
+        .tier = "quick", .only = &nothing, .only_count = 1};
+    assert_int_equal(neph_night_plan_make(&without, &arena, &none, NULL), NEPH_ERR_USAGE);
+    const struct neph_night_plan_params tier = {.tier = "slow"};
+    assert_int_equal(neph_night_plan_make(&tier, &arena, &none, NULL), NEPH_ERR_USAGE);
+    neph_arena_finish(&arena);
+}
+
+static void test_what_tells_most_a_second_comes_first(void **state)
+{
+    (void)state;
+    struct neph_night_step steps[4] = {{.guess_s = 10, .guess_series = 10},
+                                       {.guess_s = 10, .guess_series = 10},
+                                       {.guess_s = 10, .guess_series = 10},
+                                       {.guess_s = 10, .guess_series = 10}};
+    const struct neph_night_plan plan = {steps, 4, ""};
+    const struct neph_step_history history[4] = {
+        {NAN, 0, 1}, /* as guessed: one a second */
+        {5.0, 20, 1} /* four */,
+        {2.0, 2, 9}, /* one, and not looked at for nine nights */
+        {100.0, 1000, 1} /* ten, and long */};
+    bool done[4] = {false};
+    assert_int_equal(neph_night_plan_next(&plan, history, done, 1000.0, false), 3);
+    assert_int_equal(neph_night_plan_next(&plan, history, done, 60.0, false), 2);
+    done[2] = true;
+    assert_int_equal(neph_night_plan_next(&plan, history, done, 60.0, false), 1);
+    done[1] = true;
+    assert_int_equal(neph_night_plan_next(&plan, history, done, 60.0, false), 0);
+    assert_int_equal(neph_night_plan_next(&plan, history, done, 9.0, false), -1);
+    assert_int_equal(neph_night_plan_next(&plan, history, done, 9.0, true), 3);
+}
+
+/* ---- results --------------------------------------------------------------------------------- */
+
+static double number_of(const struct neph_night_numbers *numbers, const char *series)
+{
+    for (int i = 0; i < numbers->count; i++)
+        if (strcmp(numbers->list[i].series, series) == 0)
+            return numbers->list[i].value;
+    return NAN;
+}
+
+static void read_text(enum neph_night_suite suite, const char *text, double calibration_s,
+                      struct neph_arena *arena, struct neph_night_numbers *numbers)
+{
+    struct neph_diag diag = {0};
+    json_t *document = json_loads(text, 0, NULL);
+    assert_non_null(document);
+    neph_assert_ok(neph_night_read(suite, document, calibration_s, "host", arena, numbers, &diag),
+                   &diag);
+    json_decref(document);
+}
+
+static void test_results_of_the_catalogue(void **state)
+{
+    char path[SCRATCH_PATH_MAX], text[4096];
+    struct neph_arena arena = {NULL};
+    struct neph_night_numbers numbers;
+    struct neph_image *image = NULL;
+    static const char *const channels[] = {"R", "G", "B"};
+    neph_assert_ok(neph_image_create(2, 1, &image, NULL), NULL);
+    for (int c = 0; c < 3; c++) {
+        float *samples;
+        neph_assert_ok(neph_image_add_channel(image, channels[c], &samples, NULL), NULL);
+        samples[0] = 1.0f;
+        samples[1] = 3.0f;
+    }
+    neph_assert_ok(neph_exr_write(scratch_path(state, path, "a.exr"), image, NULL), NULL);
+    neph_image_destroy(image);
+    snprintf(text, sizeof(text),
+             "{\"size_px\": [96, 54], \"engines\": ["
+             "{\"name\": \"exact\", \"version\": \"2\", \"device\": \"CPU\"},"
+             "{\"name\": \"tracer\", \"version\": \"V\", \"device\": \"D\"}],"
+             "\"scenes\": [{\"name\": \"fog\", \"hash\": \"0123456789abcdef\","
+             "\"truth\": {\"engine\": \"exact\"}, \"frames\": ["
+             "{\"engine\": \"tracer\", \"status\": \"rendered\", \"note\": \"less\", \"exr\": "
+             "\"%s\", \"measurements\": ["
+             "{\"quantity\": \"radiance\", \"metric\": \"rel_rmse\", \"mask\": \"all\", \"value\": "
+             "0.25, \"interval\": [0.2, 0.3]},"
+             "{\"quantity\": \"radiance\", \"metric\": \"rel_rmse\", \"mask\": \"sky\", \"value\": "
+             "9, \"interval\": null},"
+             "{\"quantity\": \"transmittance\", \"metric\": \"max_abs\", \"mask\": \"all\", "
+             "\"value\": null, \"interval\": null}]},"
+             "{\"engine\": \"exact\", \"status\": \"failed\", \"measurements\": []}],"
+             "\"gates\": [{\"verdict\": \"fail\"}, {\"verdict\": \"pass\"}]}]}",
+             path);
+    read_text(NEPH_NIGHT_CATALOG, text, NAN, &arena, &numbers);
+    assert_int_equal(numbers.count, 3);
+    assert_string_equal(numbers.size, "96x54");
+    const char *series = "catalog/fog@01234567/tracer/radiance rel_rmse/exact";
+    neph_assert_close(number_of(&numbers, series), 0.25, 0.0, 0.0);
+    neph_assert_close(number_of(&numbers, "catalog/fog@01234567/tracer/contrast"), 1.0, 1e-6, 0.0);
+    neph_assert_close(number_of(&numbers, "catalog/fog@01234567/all/gates failed"), 1.0, 0.0, 0.0);
+    for (int i = 0; i < numbers.count; i++) {
+        if (strcmp(numbers.list[i].series, series) != 0)
+            continue;
+        assert_string_equal(numbers.list[i].kind, "drawn");
+        assert_string_equal(numbers.list[i].environment, "V, D; less; against 2, CPU");
+        neph_assert_close(numbers.list[i].standard_error, 0.05 / 1.959964, 1e-9, 0.0);
+    }
+    neph_arena_finish(&arena);
+}
+
+static void test_results_of_the_other_suites(void **state)
+{
+    (void)state;
+    struct neph_arena arena = {NULL};
+    struct neph_night_numbers numbers;
+    read_text(NEPH_NIGHT_PHYSICS,
+              "{\"physics\": {\"rows\": [{\"check\": \"slab\", \"participant\": \"march\", "
+              "\"engine\": \"march\", \"deviation\": -0.01, \"standard_error\": null}]}}",
+              NAN, &arena, &numbers);
+    neph_assert_close(number_of(&numbers, "physics/slab/march/deviation/theory"), -0.01, 0.0, 0.0);
+    read_text(NEPH_NIGHT_FAILURE,
+              "{\"device\": \"D\", \"results\": [{\"scene\": \"none\", \"point\": \"\", "
+              "\"measure\": \"error\", \"over\": \"solid\", \"preset\": \"ours\", \"value\": 0.5}, "
+              "{\"scene\": \"none\", \"point\": \"\", \"measure\": \"lag\", \"over\": \"all\", "
+              "\"preset\": \"ours\", \"value\": null}]}",
+              NAN, &arena, &numbers);
+    assert_int_equal(numbers.count, 1);
+    neph_assert_close(number_of(&numbers, "failure/none/ours/error over solid"), 0.5, 0.0, 0.0);
+    static const char speed[] =
+        "{\"scene\": \"fog\", \"scene_hash\": \"0123456789\", \"size_px\": [8, 6], \"engines\": "
+        "[{\"engine\": \"march\", \"version\": \"V\", \"device\": \"llvmpipe\", \"frame_s\": "
+        "{\"median\": "
+        "0.02}, \"passes\": [{\"density_evaluations\": 30.0}, {\"density_evaluations\": 12.0}]}]}";
+    read_text(NEPH_NIGHT_SPEED, speed, 0.1, &arena, &numbers);
+    neph_assert_close(number_of(&numbers, "speed/fog@01234567/march/time"), 0.2, 1e-12, 0.0);
+    neph_assert_close(number_of(&numbers, "speed/fog@01234567/march/evaluations"), 42.0, 0.0, 0.0);
+    read_text(NEPH_NIGHT_SPEED, speed, NAN, &arena, &numbers); /* on a busy machine */
+    assert_int_equal(numbers.count, 1);
+    read_text(
+        NEPH_NIGHT_SPEED, /* a device of its own is its own unit */
+        "{\"scene\": \"fog\", \"scene_hash\": \"0123456789\", \"size_px\": [8, 6], "
+        "\"ceilings\": {\"buffer_samples_per_s\": 1e9}, \"engines\": [{\"engine\": \"march\", "
+        "\"version\": \"V\", \"device\": \"card\", \"frame_s\": {\"median\": 0.002}}]}",
+        0.1, &arena, &numbers);
+    neph_assert_close(number_of(&numbers, "speed/fog@01234567/march/time"), 2000.0, 1e-9, 0.0);
+    json_t *other = json_pack("{s:i}", "scenes", 1);
+    assert_int_equal(neph_night_read(NEPH_NIGHT_CATALOG, other, NAN, "", &arena, &numbers, NULL),
+                     NEPH_ERR_ENGINE);
+    json_decref(other);
+    neph_arena_finish(&arena);
+}
+
+static void test_results_between_warnings(void **state)
+{
+    (void)state;
+    json_t *found = neph_night_find_document("neph: {what}\n{\n \"a\": 1\n}\nneph: and after\n");
+    assert_int_equal(json_integer_value(json_object_get(found, "a")), 1);
+    json_decref(found);
+    assert_null(neph_night_find_document("neph: nothing\n"));
+}
+
+/* ---- histories ------------------------------------------------------------------------------- */
+
+struct bench {
+    struct neph_store *store;
+    struct neph_database *index;
+};
+
+static void open_bench(void **state, struct bench *bench)
+{
+    char path[SCRATCH_PATH_MAX];
+    neph_assert_ok(neph_store_open(scratch_path(state, path, "store"), &bench->store, NULL), NULL);
+    neph_assert_ok(neph_store_index(bench->store, &bench->index, NULL), NULL);
+}
+
+static void close_bench(struct bench *bench)
+{
+    neph_database_close(bench->index);
+    neph_store_close(bench->store);
+}
+
+/* A night of one step that is over, or goes on. */
+static int64_t add_night(struct bench *bench, const struct neph_history_step *step,
+                         const struct neph_measurement *numbers, int count, bool is_over)
+{
+    const struct neph_history_night who = {"quick", "a", "program", "host"};
+    struct neph_diag diag = {0};
+    int64_t night = 0;
+    bool resumed;
+    json_t *none = json_array();
+    neph_assert_ok(neph_history_begin(bench->index, &who, &night, &resumed, &diag), &diag);
+    neph_assert_ok(neph_history_add(bench->index, night, step, numbers, count, &diag), &diag);
+    if (is_over)
+        neph_assert_ok(neph_history_end(bench->index, neph_store_folder(bench->store), night,
+                                        "pass", none, &diag),
+                       &diag);
+    json_decref(none);
+    return night;
+}
+
+static void accept(struct bench *bench, const char *series, int64_t night)
+{
+    neph_assert_ok(neph_history_accept(bench->index, neph_store_folder(bench->store), series, night,
+                                       "me", "looked at", NULL),
+                   NULL);
+}
+
+static const struct neph_history_step fog_step = {"catalog fog", "done", "", "96x54", 1.0, NAN};
+
+#define FOG(hash, end) "catalog/fog@" hash "/march/" end
+
+static int count_found(const struct neph_night_comparison *c, enum neph_found found)
+{
+    int count = 0;
+    for (int i = 0; i < c->finding_count; i++)
+        count += c->findings[i].found == found;
+    return count;
+}
+
+static void compare(struct bench *bench, int64_t night, int64_t against,
+                    struct neph_night_comparison *comparison)
+{
+    struct neph_diag diag = {0};
+    *comparison = (struct neph_night_comparison){.night = 0};
+    neph_assert_ok(neph_night_compare(bench->index, night, against, alpha, comparison, &diag),
+                   &diag);
+}
+
+static void test_a_night_without_a_baseline_compares_nothing(void **state)
+{
+    struct bench bench;
+    struct neph_night_comparison c;
+    const struct neph_measurement number = {FOG("1", "radiance rel_rmse/exact"), "fixed", 0.25, NAN,
+                                            "D"};
+    open_bench(state, &bench);
+    const int64_t first = add_night(&bench, &fog_step, &number, 1, true);
+    const int64_t night = add_night(&bench, &fog_step, &number, 1, false);
+    compare(&bench, night, 0, &c);
+    assert_int_equal(c.compared, 0);
+    assert_int_equal(c.fresh, 1);
+    assert_false(c.passes);
+    neph_night_comparison_finish(&c);
+    compare(&bench, night, first, &c); /* unless one is named */
+    assert_int_equal(c.compared, 1);
+    assert_true(c.passes);
+    neph_night_comparison_finish(&c);
+    assert_int_equal(neph_night_compare(bench.index, night, 99, alpha, &c, NULL),
+                     NEPH_ERR_NOT_FOUND);
+    neph_night_comparison_finish(&c);
+    close_bench(&bench);
+}
+
+/* One of each kind of finding. */
+static void test_what_is_found_in_a_night(void **state)
+{
+    const struct neph_measurement before[] = {
+        {FOG("1", "radiance rel_rmse/exact"), "fixed", 0.25, NAN, "D"},
+        {FOG("1", "radiance rel_bias/exact"), "fixed", -0.1, NAN, "D"},
+        {FOG("1", "radiance p99/exact"), "fixed", 0.5, NAN, "D"},
+        {FOG("1", "transmittance max_abs/exact"), "fixed", 0.01, NAN, "D"},
+        {FOG("1", "contrast"), "picture", 3.0, NAN, "D"},
+        {"catalog/fog@1/cycles/contrast", "picture", 0.0, NAN, "B"},
+        {"catalog/fog@1/cycles/radiance p99/exact", "drawn", 0.5, 0.1, "Blender 3.4"},
+        {"catalog/sea@1/march/radiance p99/exact", "fixed", 0.5, NAN, "D"}};
+    const struct neph_measurement tonight[] = {
+        {FOG("1", "radiance rel_rmse/exact"), "fixed", 0.26, NAN, "D"},
+        {FOG("1", "radiance rel_bias/exact"), "fixed", 0.05, NAN, "D"},
+        {FOG("1", "radiance p99/exact"), "fixed", 0.5001, NAN, "D"},
+        {FOG("1", "contrast"), "picture", 0.0, NAN, "D"},
+        {"catalog/fog@1/cycles/contrast", "picture", 0.0, NAN, "B"},
+        {"catalog/fog@1/cycles/radiance p99/exact", "drawn", 0.9, 0.1, "Blender 3.6"},
+        {"catalog/sea@2/march/radiance p99/exact", "fixed", 0.7, NAN, "D"}};
+    static const struct {
+        enum neph_found found;
+        const char *series; /* its end */
+    } expected[] = {
+        {NEPH_FOUND_BLANK, "march/contrast"},    {NEPH_FOUND_MISSING, "max_abs/exact"},
+        {NEPH_FOUND_WORSE, "rel_rmse/exact"},    {NEPH_FOUND_BETTER, "rel_bias/exact"},
+        {NEPH_FOUND_ENVIRONMENT, "Blender 3.6"}, {NEPH_FOUND_MOVED, "p99/exact"},
+    };
+    struct bench bench;
+    struct neph_night_comparison c;
+    open_bench(state, &bench);
+    accept(&bench, "*", add_night(&bench, &fog_step, before, COUNT(before), true));
+    compare(&bench, add_night(&bench, &fog_step, tonight, COUNT(tonight), false), 0, &c);
+    assert_int_equal(c.finding_count, COUNT(expected));
+    for (int i = 0; i < c.finding_count; i++) {
+        const char *series = c.findings[i].series, *end = expected[i].series;
+        assert_int_equal(c.findings[i].found, expected[i].found);
+        assert_string_equal(series + strlen(series) - strlen(end), end);
+    }
+    assert_int_equal(c.compared, 3);
+    assert_int_equal(c.fresh, 1); /* the scene that was changed */
+    assert_int_equal(c.elsewhere, 1);
+    assert_false(c.passes);
+    neph_night_comparison_finish(&c);
+    close_bench(&bench);
+}
+
+static void test_another_size_and_a_broken_step(void **state)
+{
+    const struct neph_measurement number = {FOG("1", "radiance rel_rmse/exact"), "fixed", 0.25, NAN,
+                                            "D"};
+    struct neph_history_step step = fog_step;
+    struct bench bench;
+    struct neph_night_comparison c;
+    open_bench(state, &bench);
+    accept(&bench, "*", add_night(&bench, &fog_step, &number, 1, true));
+    step.size = "48x27";
+    compare(&bench, add_night(&bench, &step, &number, 1, true), 0, &c);
+    assert_int_equal(count_found(&c, NEPH_FOUND_SIZE), 1);
+    assert_int_equal(c.compared, 0);
+    assert_false(c.passes);
+    neph_night_comparison_finish(&c);
+    step.outcome = "failed";
+    step.reason = "a crash";
+    compare(&bench, add_night(&bench, &step, NULL, 0, false), 0, &c);
+    assert_int_equal(count_found(&c, NEPH_FOUND_STEP), 1);
+    assert_int_equal(count_found(&c, NEPH_FOUND_MISSING), 0); /* that is said once */
+    assert_false(c.passes);
+    neph_night_comparison_finish(&c);
+    close_bench(&bench);
+}
+
+/* A change that was meant: it alarms until it is accepted, for its series alone, and then a change
+ * back alarms. */
+static void test_acceptances_of_a_series(void **state)
+{
+    const char *const a = FOG("1", "radiance rel_rmse/exact"), *const b = FOG("1", "radiance "
+                                                                                   "p99/exact");
+    const struct neph_measurement old[] = {{a, "fixed", 0.25, NAN, "D"},
+                                           {b, "fixed", 0.5, NAN, "D"}},
+                                  new[] = {{a, "fixed", 0.30, NAN, "D"},
+                                           {b, "fixed", 0.6, NAN, "D"}};
+    struct bench bench;
+    struct neph_night_comparison c;
+    open_bench(state, &bench);
+    accept(&bench, "*", add_night(&bench, &fog_step, old, 2, true));
+    const int64_t changed = add_night(&bench, &fog_step, new, 2, true);
+    accept(&bench, a, changed);
+    compare(&bench, add_night(&bench, &fog_step, new, 2, true), 0, &c);
+    assert_int_equal(count_found(&c, NEPH_FOUND_WORSE), 1);
+    assert_string_equal(c.findings[0].series, b);
+    neph_night_comparison_finish(&c);
+    accept(&bench, "*", changed);
+    compare(&bench, add_night(&bench, &fog_step, new, 2, true), 0, &c);
+    assert_true(c.passes && c.finding_count == 0);
+    neph_night_comparison_finish(&c);
+    compare(&bench, add_night(&bench, &fog_step, old, 2, true), 0, &c);
+    assert_int_equal(count_found(&c, NEPH_FOUND_BETTER), 2);
+    neph_night_comparison_finish(&c);
+    close_bench(&bench);
+}
+
+/* Nights on which a series was worse are no part of what later ones are compared with. */
+static void test_nights_that_were_worse_are_set_aside(void **state)
+{
+    struct bench bench;
+    struct neph_night_comparison c;
+    struct neph_measurement number = {"speed/fog@1/march/time", "timed", 1.0, NAN, "D; on host"};
+    open_bench(state, &bench);
+    for (int i = 0; i < 30; i++) {
+        const bool is_slow = i >= 10;
+        number.value = (is_slow ? 2.0 : 1.0) + 0.01 * (i % 3);
+        const int64_t night = add_night(&bench, &fog_step, &number, 1, false);
+        if (is_slow)
+            neph_assert_ok(neph_history_judge(bench.index, night, number.series, "worse", NULL),
+                           NULL);
+        add_night(&bench, &fog_step, &number, 0, true); /* goes on with it, and ends it */
+        if (i == 0)
+            accept(&bench, "*", night);
+    }
+    compare(&bench, add_night(&bench, &fog_step, &number, 1, false), 0, &c);
+    assert_int_equal(count_found(&c, NEPH_FOUND_WORSE), 1);
+    neph_assert_close(c.findings[0].change, 1.0, 0.03, 0.0);
+    neph_night_comparison_finish(&c);
+    close_bench(&bench);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_the_full_tier_goes_on_with_the_series_of_the_quick_one),
+        cmocka_unit_test(test_plans_that_differ_are_told_apart),
+        cmocka_unit_test(test_what_tells_most_a_second_comes_first),
+        scratch_test(test_results_of_the_catalogue),
+        cmocka_unit_test(test_results_of_the_other_suites),
+        cmocka_unit_test(test_results_between_warnings),
+        scratch_test(test_a_night_without_a_baseline_compares_nothing),
+        scratch_test(test_what_is_found_in_a_night),
+        scratch_test(test_another_size_and_a_broken_step),
+        scratch_test(test_acceptances_of_a_series),
+        scratch_test(test_nights_that_were_worse_are_set_aside),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
