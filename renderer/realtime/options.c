@@ -351,7 +351,8 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
                              "the wind, before the sky and where it hides more than half of what "
                              "is behind; off: it follows the scene everywhere"),
     [RT_TAA_AGE_MAX] = WHOLE(
-        "taa_age_max", 0, 0, 2048,
+        "taa_age_max", 0, 0,
+        2048,
         "where nothing moves and, by gradient=on, nothing changes a pixel is the mean of its "
         "frames, at most so many and as many as are alike but for taa_change, without box and "
         "contrast law; 0: taa_alpha, as elsewhere"),

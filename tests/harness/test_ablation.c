@@ -98,8 +98,7 @@ static neph_ablation_set second_generation(void)
 static void test_ours_has_every_part_but_the_dithered_upscale(void **state)
 {
     (void)state;
-    assert_true(parts_of("ours") ==
-                (every_part() & ~bit("upscale_dither") & ~second_generation()));
+    assert_true(parts_of("ours") == (every_part() & ~bit("upscale_dither") & ~second_generation()));
     assert_true((parts_of("ours2") & second_generation()) == second_generation());
     assert_true((parts_of("fixed") & bit("upscale_dither")) != 0);
     assert_true((parts_of("fixed") & bit("gradients")) == 0);
@@ -458,8 +457,8 @@ static void test_output_holds_every_number(void **state)
     /* three comparisons of seven measures in four scenes and over them; times there are none */
     assert_int_equal(count_of(csv, "\r\n"), 1 + 3 * 7 * (SCENES + 1));
     neph_assert_ok(neph_ablation_plot(&ablation, &svg, NULL), NULL);
-    assert_int_equal(count_of(svg, ">override</text>"), 2); /* has bars; elsewhere it is quiet */
-    assert_int_equal(count_of(svg, "override "), 5); /* there are no times */
+    assert_int_equal(count_of(svg, ">override</text>"), 2);   /* has bars; elsewhere it is quiet */
+    assert_int_equal(count_of(svg, "override "), 5);          /* there are no times */
     assert_int_equal(count_of(svg, ">&#60;-99 %</text>"), 1); /* beyond the axis: in words */
     neph_assert_ok(neph_ablation_list(&ablation, &list, NULL), NULL);
     assert_int_equal(count_of(list, "without it: "), neph_ablation_part_count());

@@ -151,7 +151,8 @@ static void test_light_is_told_from_noise(void **state)
         struct neph_image *image = NULL;
         const struct neph_realtime_frame picture = {&test.scene, frame, NULL};
         if (frame == BEFORE)
-            test.scene.sun.irradiance_w_per_m2 = neph_rgb_scale(test.scene.sun.irradiance_w_per_m2, 0.5);
+            test.scene.sun.irradiance_w_per_m2 = neph_rgb_scale(test.scene.sun.irradiance_w_per_m2,
+                                                                0.5);
         neph_assert_ok(neph_realtime_render(realtime, &picture, &image, NULL, &diag), &diag);
         neph_image_destroy(image);
         const int since = frame - BEFORE;

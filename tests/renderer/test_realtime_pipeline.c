@@ -211,7 +211,8 @@ static void test_a_tile_marches_as_march_does(void **state)
     neph_image_destroy(half);
 }
 
-static const char *const presets[] = {"off", "seed", "fixed", "ue", "c52e", "unity", "ours", "ours2"};
+static const char *const presets[] = {"off",  "seed",  "fixed", "ue",
+                                      "c52e", "unity", "ours",  "ours2"};
 enum { PRESETS = 8 };
 
 /* Where there is no medium every preset without anti-aliasing shows the scene itself, bit by bit.

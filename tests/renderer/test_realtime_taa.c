@@ -794,7 +794,9 @@ static void test_change_and_motion_end_the_rest(void **state)
             for (int x = 0; x < 64; x++) {
                 const bool is_at = x == 20 && y == 8;
                 twin_put_tile(&test.twin, RT_CHANGE, x, y,
-                              (float[4]){is_at ? cases[i].medium : (x + y) % 2 ? 0.0f : -1.0f,
+                              (float[4]){is_at         ? cases[i].medium
+                                         : (x + y) % 2 ? 0.0f
+                                                       : -1.0f,
                                          is_at ? cases[i].behind : 0.0f});
             }
         test.view.before.position_m[0] = cases[i].motion_px;
@@ -839,9 +841,9 @@ static void test_the_history_goes_with_the_medium(void **state)
         const char *wind;
         float through, distance_m, scene_m;
         int motion_px;
-    } cases[] = {{"on", 0.0f, 128.0f, 128.0f, 8},          {"on", 0.4f, 64.0f, 128.0f, 16},
-                 {"on", 0.6f, 64.0f, 128.0f, 0},           {"on", 0.9f, 64.0f, NEPH_GPU_FAR_M, 16},
-                 {"on", 1.0f, 128.0f, NEPH_GPU_FAR_M, 0},  {"off", 0.0f, 128.0f, 128.0f, 0},
+    } cases[] = {{"on", 0.0f, 128.0f, 128.0f, 8},         {"on", 0.4f, 64.0f, 128.0f, 16},
+                 {"on", 0.6f, 64.0f, 128.0f, 0},          {"on", 0.9f, 64.0f, NEPH_GPU_FAR_M, 16},
+                 {"on", 1.0f, 128.0f, NEPH_GPU_FAR_M, 0}, {"off", 0.0f, 128.0f, 128.0f, 0},
                  {"on", 0.5f, 0.0f, NEPH_GPU_FAR_M, 0}};
     uint64_t seed = 3;
     for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {

@@ -583,9 +583,8 @@ static float age_after_change(const struct twin *twin, int x, int y, bool is_fre
     if (!choice(twin, RT_GRADIENT))
         return age;
     twin_change_around(twin, x / 2, y / 2, change);
-    const float changed = least > 0.0f
-                              ? fminf(fmaxf((float)change[0] / least - 1.0f, 0.0f), 1.0f)
-                              : 1.0f;
+    const float changed = least > 0.0f ? fminf(fmaxf((float)change[0] / least - 1.0f, 0.0f), 1.0f)
+                                       : 1.0f;
     if (change[0] > 0.0)
         age = fminf(age * (1.0f - changed), least / (float)change[0]);
     return fmaxf(age, is_fresh ? 0.0f : 1.0f);
