@@ -274,7 +274,8 @@
 #define RT_VOLUME 11    // RGBA: in-scattered radiance, transmittance after the upscale
 #define RT_VOLUME_DISTANCE 12 // R: [m]
 #define RT_COLOR 13     // RGB: the composed frame
-#define RT_TAA_OUT 14   // RGB: after TAA; the history of the next frame. A: its age, with taa_age_max
+// RGB: after TAA; the history of the next frame. A: its age, with taa_age_max
+#define RT_TAA_OUT 14
 #define RT_TAA_BEFORE 15
 // The depth that the split of the frame starts from: RT_DEPTH without its jitter, unless
 // jittered_depth is on.

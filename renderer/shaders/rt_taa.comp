@@ -117,7 +117,8 @@ vec3 medium_from_m()
 bool rests()
 {
     return view_before.position_m == vec3(0.0) &&
-           (!follows_medium() || medium_from_m() == vec3(0.0)) && view_now.forward == view_before.forward &&
+           (!follows_medium() || medium_from_m() == vec3(0.0)) &&
+           view_now.forward == view_before.forward &&
            view_now.right == view_before.right && view_now.up == view_before.up &&
            view_now.half_width == view_before.half_width &&
            view_now.half_height == view_before.half_height;
@@ -140,8 +141,8 @@ bool find_motion(vec3 ray, float depth_m, vec3 from_m, out vec2 motion_px)
 }
 
 // A pixel goes with the medium where that hides more than half of what is behind, and before the
-// sky, which has nothing that could smear. A mix of both motions is that of neither: it drags solids
-// along in the haze before them. False, too, where the medium was behind the camera.
+// sky, which has nothing that could smear. A mix of both motions is that of neither: it drags
+// solids along in the haze before them. False, too, where the medium was behind the camera.
 bool goes_with_medium(ivec2 pixel, vec3 ray, float scene_m, out vec2 motion_px)
 {
     float through = fetch_full(RT_VOLUME, pixel).a;

@@ -738,7 +738,7 @@ static void test_the_weight_grows_with_speed(void **state)
     test_passes_close(&test);
 }
 
-/* --- at rest, and with the medium --------------------------------------------------------------- */
+/* --- at rest, and with the medium ----------------------------------------------------------- */
 
 /* After n frames the pixel is their mean, whatever they were: no box, no contrast law. */
 static void test_what_rests_is_the_mean_of_its_frames(void **state)
@@ -767,8 +767,8 @@ static void test_what_rests_is_the_mean_of_its_frames(void **state)
 }
 
 /* A change of the light, of the medium or behind it, and motion each bring back weight and box, in
- * the 3x3 tiles around: at twice the limit wholly, at one and a half by half. The age begins anew by
- * as much, and before it counts no more frames than are alike but for the limit. */
+ * the 3x3 tiles around: at twice the limit wholly, at one and a half by half. The age begins anew
+ * by as much, and before it counts no more frames than are alike but for the limit. */
 static void test_change_and_motion_end_the_rest(void **state)
 {
     static const struct {
