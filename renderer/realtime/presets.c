@@ -41,6 +41,9 @@
  * ours   `fixed`, but the history of what is at rest is held in the box only where a ray sees that
  *        the light has changed, and voided where the scene behind it has; no dither in the upscale,
  *        so that the anti-aliasing can be quick. docs/realtime.md holds what it was measured at.
+ * ours2  its second generation: change is told from noise by rays that are marched twice, so that
+ *        what is at rest and in the same light is the mean of all its frames, at half resolution
+ *        and in the anti-aliasing, which is quick elsewhere and follows the medium.
  */
 #include "renderer/realtime/options.h"
 

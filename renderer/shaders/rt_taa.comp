@@ -22,6 +22,9 @@
 //   others of 3x3; where there are none the history stays; where that is void too the pixel is 0. A
 //   history that is not finite is void. Colours are held to 0 .. 65504. Where the history is black
 //   the contrast law is off: its 0 / 0 would be NaN for ever after.
+// Ours, and off in what follows Unreal: with taa_age_max a pixel that is at rest and in the same
+// light, by the temporal gradient, is the mean of its frames; with taa_medium its history is looked
+// up where the medium was.
 // Left out: velocities of moving objects and their anti-ghosting flag (solids of our scenes do not
 // move), the responsive stencil, depth of field, upsampling with its own jitter and box,
 // pre-exposure, and the unfiltered frame that is mixed in where a bilinear history blurs.

@@ -82,6 +82,19 @@ static void test_tiles_repeat_by_turns(void **state)
         }
 }
 
+/* Without tiles nothing is marched twice, and nothing is taken for unchanged. */
+static void test_it_needs_the_split(void **state)
+{
+    (void)state;
+    static const char *const texts[] = {"gradient=on", "gradient=on split=none"};
+    for (int i = 0; i < 2; i++) {
+        const struct neph_settings settings = test_settings(texts[i]);
+        struct neph_gpu_view view;
+        neph_rt_view_init(&view, &settings, (int[2]){8, 8}, (int[2]){0, 0}, (int[2]){8, 8});
+        assert_int_equal((neph_rt_targets_used(&view) & NEPH_RT_BIT(RT_CHANGE)) != 0, i == 0);
+    }
+}
+
 /* --- in the pipeline ------------------------------------------------------------------------- */
 
 enum { WIDTH_PX = 64, HEIGHT_PX = 36, TILES = (WIDTH_PX / 4) * (HEIGHT_PX / 4) };
@@ -178,6 +191,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_the_pass_equals_the_twin),
         cmocka_unit_test(test_tiles_repeat_by_turns),
+        cmocka_unit_test(test_it_needs_the_split),
         cmocka_unit_test(test_light_is_told_from_noise),
     };
     return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
