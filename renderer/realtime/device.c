@@ -166,10 +166,10 @@ void neph_rt_device_bind(struct neph_rt_device *device, const struct neph_rt_pas
     set_choices(device, params);
     dispatch->buffers[first] = &device->view_buffer;
     dispatch->buffers[first + 1] = &device->noise;
+    const uint32_t touched = neph_rt_targets_touched(device->view, pass);
     for (int t = 0; t < RT_TARGET_COUNT; t++)
-        dispatch->buffers[first + 2 + t] = (pass->reads | pass->writes) & NEPH_RT_BIT(t)
-                                               ? &device->targets[t]
-                                               : &device->nothing;
+        dispatch->buffers[first + 2 + t] = touched & NEPH_RT_BIT(t) ? &device->targets[t]
+                                                                    : &device->nothing;
 }
 
 static enum neph_status add_colour(struct neph_rt_device *device, const struct neph_rt_pass *pass,

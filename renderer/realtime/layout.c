@@ -32,6 +32,8 @@ void neph_rt_view_init(struct neph_gpu_view *view, const struct neph_settings *s
     memset(view, 0, sizeof(*view));
     for (int s = 0; s < RT_SETTING_COUNT; s++)
         view->settings[s] = (float)settings->values[s];
+    if (view->settings[RT_SPLIT] == (float)RT_SPLIT_NONE)
+        view->settings[RT_GRADIENT] = 0.0f; /* no tiles, no rays of theirs to be marched twice */
     for (int axis = 0; axis < 2; axis++) {
         view->origin_px[axis] = (uint32_t)origin_px[axis];
         view->size_px[axis] = (uint32_t)size_px[axis];

@@ -340,5 +340,27 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
     [RT_LIGHT_MEMORY] = WHOLE("light_memory", 32, 1, NEPH_LIGHT_MEMORY_MAX,
                               "pictures over which traced light fades; 1: each has its own"),
     [RT_LIGHT_BLUR] = NEPH_OPTION_LIGHT_BLUR,
+
+    [RT_GRADIENT] = CHOICE(
+        "gradient", 0, switches,
+        "each number of ray_dither serves two turns of the slots, tiles of a checkerboard by "
+        "turns: what differs the second time is light that has changed, not noise. box_change and "
+        "taa_change go by it; counts with split=four and jittered_depth=off"),
+    [RT_TAA_MEDIUM] = CHOICE("taa_medium", 0, switches,
+                             "history of the anti-aliasing follows the medium, by its distance and "
+                             "the wind, before the sky and where it hides more than half of what "
+                             "is behind; off: it follows the scene everywhere"),
+    [RT_TAA_AGE_MAX] = WHOLE(
+        "taa_age_max", 0, 0,
+        2048,
+        "where nothing moves and, by gradient=on, nothing changes a pixel is the mean of its "
+        "frames, at most so many and as many as are alike but for taa_change, without box and "
+        "contrast law; 0: taa_alpha, as elsewhere"),
+    [RT_TAA_REST_PX] = REAL("taa_rest_px", 0.02, 0, 100,
+                            "with taa_age_max, motion up to which a pixel is at rest; it moves "
+                            "from twice this on [px per frame]"),
+    [RT_TAA_CHANGE] = REAL("taa_change", 0.02, 0, 1,
+                           "with taa_age_max, relative change of the light, by gradient=on, from "
+                           "which a pixel is no longer at rest; full at twice this"),
     {.name = NULL},
 };

@@ -15,6 +15,9 @@ static const uint32_t tile_index_spirv[] = {
 static const uint32_t march_spirv[] = {
 #include "shaders/rt_march.comp.inc"
 };
+static const uint32_t gradient_spirv[] = {
+#include "shaders/rt_gradient.comp.inc"
+};
 static const uint32_t reconstruct_spirv[] = {
 #include "shaders/rt_reconstruct.comp.inc"
 };
@@ -74,13 +77,24 @@ const struct neph_rt_pass neph_rt_passes[] = {
         .writes = BIT(RT_RAY) | BIT(RT_RAY_DISTANCE),
     },
     {
+        .name = "gradient",
+        .note = "what has changed since the same rays were marched before",
+        .shader = {"rt_gradient", gradient_spirv, sizeof(gradient_spirv)},
+        .condition = {RT_GRADIENT, 1},
+        .resolution = RT_QUARTER,
+        .reads = BIT(RT_RAY) | BIT(RT_BEHIND) | BIT(RT_KEPT_RAY) | BIT(RT_KEPT_BEHIND),
+        .writes = BIT(RT_KEPT_RAY) | BIT(RT_KEPT_BEHIND) | BIT(RT_CHANGE),
+    },
+    {
         .name = "reconstruction",
         .note = "rays and the reprojected history at half resolution",
         .shader = {"rt_reconstruct", reconstruct_spirv, sizeof(reconstruct_spirv)},
         .condition = {RT_SPLIT, RT_SPLIT_FOUR},
         .resolution = RT_HALF,
         .reads = BIT(RT_TILE) | BIT(RT_RAY) | BIT(RT_RAY_DISTANCE) | BIT(RT_HALF_DEPTH) |
-                 BIT(RT_HALF_DEPTH_BEFORE) | BIT(RT_HISTORY_BEFORE) | BIT(RT_HISTORY_STATE_BEFORE),
+                 BIT(RT_HALF_DEPTH_BEFORE) | BIT(RT_HISTORY_BEFORE) | BIT(RT_HISTORY_STATE_BEFORE) |
+                 BIT(RT_CHANGE),
+        .spared = {{{RT_GRADIENT, 1}, BIT(RT_CHANGE)}},
         .writes = BIT(RT_HISTORY) | BIT(RT_HISTORY_STATE),
         .histories = {{RT_HISTORY, RT_HISTORY_BEFORE}, {RT_HISTORY_STATE, RT_HISTORY_STATE_BEFORE}},
     },
@@ -110,7 +124,10 @@ const struct neph_rt_pass neph_rt_passes[] = {
         .condition = {RT_TAA, 1},
         .resolution = RT_FULL,
         .column = RT_TAA_COLUMN,
-        .reads = BIT(RT_COLOR) | BIT(RT_DEPTH) | BIT(RT_TAA_BEFORE),
+        .reads = BIT(RT_COLOR) | BIT(RT_DEPTH) | BIT(RT_TAA_BEFORE) | BIT(RT_VOLUME) |
+                 BIT(RT_VOLUME_DISTANCE) | BIT(RT_CHANGE),
+        .spared = {{{RT_TAA_MEDIUM, 1}, BIT(RT_VOLUME) | BIT(RT_VOLUME_DISTANCE)},
+                   {{RT_GRADIENT, 1}, BIT(RT_CHANGE)}},
         .writes = BIT(RT_TAA_OUT),
         .histories = {{RT_TAA_OUT, RT_TAA_BEFORE}},
         .picture = RT_TAA_OUT,
@@ -149,6 +166,9 @@ static const char *const target_names[RT_TARGET_COUNT] = {
     [RT_TAA_OUT] = "anti-aliased",
     [RT_TAA_BEFORE] = "anti-aliased before",
     [RT_SHARPENED] = "sharpened",
+    [RT_KEPT_RAY] = "kept ray",
+    [RT_KEPT_BEHIND] = "kept radiance behind",
+    [RT_CHANGE] = "change",
 };
 
 const char *neph_rt_target_name(int target)
@@ -169,12 +189,21 @@ bool neph_rt_holds(const struct neph_gpu_view *view, struct neph_rt_condition co
     return (int)view->settings[condition.setting] == condition.choice;
 }
 
+uint32_t neph_rt_targets_touched(const struct neph_gpu_view *view, const struct neph_rt_pass *pass)
+{
+    uint32_t touched = pass->reads | pass->writes;
+    for (int i = 0; i < NEPH_RT_SPARED_MAX && pass->spared[i].targets; i++)
+        if (!neph_rt_holds(view, pass->spared[i].unless))
+            touched &= ~pass->spared[i].targets;
+    return touched;
+}
+
 uint32_t neph_rt_targets_used(const struct neph_gpu_view *view)
 {
     uint32_t used = 0;
     for (const struct neph_rt_pass *pass = neph_rt_passes; pass->name; pass++)
         if (neph_rt_holds(view, pass->condition))
-            used |= pass->reads | pass->writes;
+            used |= neph_rt_targets_touched(view, pass);
     return used;
 }
 

@@ -32,7 +32,13 @@ enum neph_rt_rays {
     NEPH_RT_RAYS_THROUGH_MEDIA /* of all steps */
 };
 
-enum { NEPH_RT_HISTORIES_MAX = 2, NEPH_RT_PASSES_MAX = 32 };
+/* Targets that a pass leaves alone unless this holds. */
+struct neph_rt_spared {
+    struct neph_rt_condition unless;
+    uint32_t targets;
+};
+
+enum { NEPH_RT_HISTORIES_MAX = 2, NEPH_RT_SPARED_MAX = 2, NEPH_RT_PASSES_MAX = 32 };
 
 #define NEPH_RT_BIT(target) (1u << (target))
 
@@ -47,7 +53,8 @@ struct neph_rt_pass {
     /* Where this holds a dispatch for each of four colours, 2x2 texels, which sees what those
      * before it wrote; else, or NULL, one dispatch. */
     const struct neph_rt_condition *in_colours;
-    uint32_t reads, writes; /* targets, NEPH_RT_BIT() of each: all that it is bound to */
+    uint32_t reads, writes; /* targets, NEPH_RT_BIT() of each: all that its shader can touch */
+    struct neph_rt_spared spared[NEPH_RT_SPARED_MAX]; /* of these; ends early with no targets */
     struct neph_rt_history histories[NEPH_RT_HISTORIES_MAX]; /* ends early with {0, 0} */
     int picture; /* the target whose R G B are the frame as far as it has come; 0: none */
 };
@@ -61,6 +68,9 @@ const struct neph_rt_pass *neph_rt_pass_named(const char *name);
 const char *neph_rt_target_name(int target);
 
 bool neph_rt_holds(const struct neph_gpu_view *view, struct neph_rt_condition condition);
+
+/* What a pass reads and writes with the settings of a view: all that it is bound to. */
+uint32_t neph_rt_targets_touched(const struct neph_gpu_view *view, const struct neph_rt_pass *pass);
 
 /* All targets of the passes that are in the frame with the settings of a view. */
 uint32_t neph_rt_targets_used(const struct neph_gpu_view *view);

@@ -341,7 +341,7 @@ static enum neph_status add_pass(struct neph_realtime *realtime, const struct ne
                                  struct neph_diag *diag)
 {
     double *gpu_s = &made->stats->pass_gpu_s[pass - neph_rt_passes];
-    const uint32_t touched = pass->reads | pass->writes;
+    const uint32_t touched = neph_rt_targets_touched(realtime->device.view, pass);
     const enum neph_status status =
         pass->rays ? add_ray_pass(realtime, pass, made->counts, submission, gpu_s, diag)
                    : neph_rt_device_add(&realtime->device, pass, submission, diag);

@@ -41,6 +41,9 @@
  * ours   `fixed`, but the history of what is at rest is held in the box only where a ray sees that
  *        the light has changed, and voided where the scene behind it has; no dither in the upscale,
  *        so that the anti-aliasing can be quick. docs/realtime.md holds what it was measured at.
+ * ours2  its second generation: change is told from noise by rays that are marched twice, so that
+ *        what is at rest and in the same light is the mean of all its frames, at half resolution
+ *        and in the anti-aliasing, which is quick elsewhere and follows the medium.
  */
 #include "renderer/realtime/options.h"
 
@@ -76,5 +79,9 @@ const struct neph_preset neph_rt_presets[] = {
     {"ours", "no box for what is at rest and in the same light; quick anti-aliasing",
      "reject_depth=0.1 box_motion_px=0.05 box_change=0.1 upscale_dither=none taa_alpha=0.1 "
      "taa_box=variance taa_sigma=1"},
+    {"ours2", "the mean of all that is at rest and in the same light, told from noise",
+     "reject_depth=0.1 gradient=on box_motion_px=0.05 box_change=0.02 history_age_max=32 box_age=0 "
+     "fallback=bilateral fallback_rejected=bilateral taa_medium=on taa_age_max=256 taa_alpha=0.1 "
+     "taa_box=variance taa_sigma=1 upscale=bilateral"},
     {.name = NULL},
 };

@@ -118,7 +118,14 @@
 #define RT_LIGHT_ROUNDS 96
 #define RT_LIGHT_MEMORY 97
 #define RT_LIGHT_BLUR 98
-#define RT_SETTING_COUNT 99
+// What has changed since the same ray was marched before.
+#define RT_GRADIENT 99
+// Anti-aliasing that follows the medium, and that comes to rest.
+#define RT_TAA_MEDIUM 100
+#define RT_TAA_AGE_MAX 101
+#define RT_TAA_REST_PX 102
+#define RT_TAA_CHANGE 103
+#define RT_SETTING_COUNT 104
 
 // Specialization constants of the shaders, behind those of the march: whether passes with rays
 // leave their counters alone (realtime_march.glsl); whether the shaders hold the choices, and the
@@ -267,13 +274,19 @@
 #define RT_VOLUME 11    // RGBA: in-scattered radiance, transmittance after the upscale
 #define RT_VOLUME_DISTANCE 12 // R: [m]
 #define RT_COLOR 13     // RGB: the composed frame
-#define RT_TAA_OUT 14   // RGB: after TAA; the history of the next frame
+// RGB: after TAA; the history of the next frame. A: its age, with taa_age_max
+#define RT_TAA_OUT 14
 #define RT_TAA_BEFORE 15
 // The depth that the split of the frame starts from: RT_DEPTH without its jitter, unless
 // jittered_depth is on.
 #define RT_STEADY_DEPTH 16
 #define RT_SHARPENED 17 // RGB: the picture after sharpening
-#define RT_TARGET_COUNT 18
+// What the same rays saw when they were marched before, and by how much that differs
+// (rt_gradient.comp).
+#define RT_KEPT_RAY 18    // half resolution; R: luminance of the medium, G: transmittance
+#define RT_KEPT_BEHIND 19 // R: luminance of what is behind all media
+#define RT_CHANGE 20      // quarter resolution; R: of the medium, below 0: unknown; G: behind it
+#define RT_TARGET_COUNT 21
 
 // How many pixels wide and high one of their texels is.
 #define RT_FULL 1
@@ -302,6 +315,9 @@
     {RT_FULL, RT_TAA_FORMAT, RT_RGBA16F, RT_RGBA32F},       /* RT_TAA_OUT */ \
     {RT_FULL, RT_TAA_FORMAT, RT_RGBA16F, RT_RGBA32F},       /* RT_TAA_BEFORE */ \
     {RT_FULL, RT_FIXED, RT_R32F, RT_R32F},                  /* RT_STEADY_DEPTH */ \
-    {RT_FULL, RT_FIXED, RT_RGBA32F, RT_RGBA32F},            /* RT_SHARPENED */
+    {RT_FULL, RT_FIXED, RT_RGBA32F, RT_RGBA32F},            /* RT_SHARPENED */ \
+    {RT_HALF, RT_FIXED, RT_RG16F, RT_RG16F},                /* RT_KEPT_RAY */ \
+    {RT_FULL, RT_FIXED, RT_R16F, RT_R16F},                  /* RT_KEPT_BEHIND */ \
+    {RT_QUARTER, RT_FIXED, RT_RG16F, RT_RG16F},             /* RT_CHANGE */
 
 #endif

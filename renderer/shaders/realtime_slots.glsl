@@ -45,6 +45,12 @@ int default_slot(ivec2 tile)
     return int((view_frame + (is_ahead ? 1u : 0u)) & 3u);
 }
 
+// With gradient = on a tile takes the same numbers of ray_dither in two turns of its slots; the
+// tiles on the black squares are one turn ahead.
+uint turn_of(ivec2 tile) { return (view_frame >> 2) + uint((tile.x ^ tile.y) & 1); }
+
+bool repeats_ray(ivec2 tile) { return (turn_of(tile) & 1u) != 0u; }
+
 bool is_sky(float depth_m) { return depth_m >= FAR_M; }
 
 // With the sky at `sky_m` and solids before ray_depth_max_m, in either format of the target.

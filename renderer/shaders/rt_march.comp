@@ -24,6 +24,16 @@ struct Ray {
 
 Camera camera = frame_camera(); // read before any branch, as the view is (realtime.glsl)
 
+// With gradient = on half-resolution texels, and not tiles, have numbers of their own, which follow
+// each other: the noise of a whole picture, and that of a texel over time, is then as blue as the
+// mask.
+float number_of(ivec2 tile, ivec2 half_pixel)
+{
+    return choice(RT_GRADIENT) == 0
+               ? dither(choice(RT_RAY_DITHER), tile, view_frame, 0u)
+               : dither(choice(RT_RAY_DITHER), half_pixel, turn_of(tile) >> 1, 0u);
+}
+
 Ray ray_of(ivec2 tile)
 {
     ivec2 half_pixel = 2 * tile + slot_place(int(fetch_tile(RT_TILE, tile).x));
@@ -37,8 +47,7 @@ Ray ray_of(ivec2 tile)
     ray.view = camera_ray_at(camera, place_px);
     float cosine = dot(ray.view.direction, camera.forward);
     ray.length_m = depth_m < FAR_M ? depth_m / cosine : FAR_M;
-    ray.place = mix(0.5, dither(choice(RT_RAY_DITHER), tile, view_frame, 0u),
-                    setting(RT_RAY_DITHER_AMOUNT));
+    ray.place = mix(0.5, number_of(tile, half_pixel), setting(RT_RAY_DITHER_AMOUNT));
     return ray;
 }
 

@@ -32,6 +32,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 
+#include "realtime_change.glsl"
 #include "realtime_pass.glsl"
 #include "realtime_history.glsl"
 
@@ -214,12 +215,6 @@ vec4 held_among_rays(vec4 value, int nearest, float own_m, bool own_is_sky)
     return held_in_space(space, value, nearest_value, box);
 }
 
-// 0 up to `least`, 1 from twice that on.
-float beyond(float value, float least)
-{
-    return least > 0.0 ? clamp(value / least - 1.0, 0.0, 1.0) : 1.0;
-}
-
 // By how much the nearest ray differs from the history of its own texel: luminance relative to the
 // larger, or transmittance. This is the temporal gradient of C. Schied, C. Peters, C. Dachsbacher,
 // "Gradient Estimation for Real-Time Adaptive Temporal Filtering", HPG 2018. The split of the frame
@@ -238,13 +233,31 @@ float change_at_ray(ivec2 tile, int ray)
     return then.is_void ? 1.0 : max(change, abs(now.a - then.value.a));
 }
 
+// With gradient = on it is had without noise (rt_gradient.comp). What has changed by box_change is
+// then no older than this frame, and of what changes slowly no more rays count than see it change
+// by that.
+float change_at(ivec2 tile, int nearest)
+{
+    return choice(RT_GRADIENT) != 0 ? change_around(tile).x : change_at_ray(tile, nearest);
+}
+
+float age_after_change(ivec2 tile, bool is_fresh, float age)
+{
+    if (choice(RT_GRADIENT) == 0)
+        return age;
+    float change = change_around(tile).x;
+    float unchanged = 1.0 - beyond(change, setting(RT_BOX_CHANGE));
+    age = min(unchanged * age, lasting(change, setting(RT_BOX_CHANGE)));
+    return max(age, is_fresh ? 0.0 : 1.0);
+}
+
 // How much of the neighbourhood clamp applies, 0..1. What is at rest and in unchanged light needs
 // none: it would only let the depths that this frame's rays happen to have flicker through it.
 float box_share(float motion_px, ivec2 tile, int nearest)
 {
     float share = beyond(motion_px, setting(RT_BOX_MOTION_PX));
     if (share < 1.0)
-        share = max(share, beyond(change_at_ray(tile, nearest), setting(RT_BOX_CHANGE)));
+        share = max(share, beyond(change_at(tile, nearest), setting(RT_BOX_CHANGE)));
     return share;
 }
 
@@ -348,6 +361,7 @@ void main()
     }
     bool of_tile = choice(RT_REPROJECT_DEPTH) == RT_REPROJECT_TILE && rays[0].is_usable;
     float distance_m = fetch_tile(RT_RAY_DISTANCE, ray_tile(tile, of_tile ? 0 : nearest)).x;
+    bool is_fresh = rays[0].is_usable && int(fetch_tile(RT_TILE, tile).x) == slot_of(half_pixel);
     History history = history_of(half_pixel, depth_m, distance_m);
     float part = 1.0; // of its age that counts
     if (!history.is_void) {
@@ -356,9 +370,9 @@ void main()
         if (boxed.rgb != history.value.rgb)
             part = 1.0 - share * (1.0 - setting(RT_BOX_AGE));
         history.value = blend(history.value, boxed, share);
+        history.age = age_after_change(tile, is_fresh, history.age);
     }
 
-    bool is_fresh = rays[0].is_usable && int(fetch_tile(RT_TILE, tile).x) == slot_of(half_pixel);
     float age = history.is_void ? 1.0 : history.age;
     vec4 value = value_of(is_fresh ? 0 : nearest);
     if (is_fresh && !history.is_void) {

@@ -22,13 +22,18 @@
 //   others of 3x3; where there are none the history stays; where that is void too the pixel is 0. A
 //   history that is not finite is void. Colours are held to 0 .. 65504. Where the history is black
 //   the contrast law is off: its 0 / 0 would be NaN for ever after.
+// Ours, and off in what follows Unreal: with taa_age_max a pixel that is at rest and in the same
+// light, by the temporal gradient, is the mean of its frames; with taa_medium its history is looked
+// up where the medium was.
 // Left out: velocities of moving objects and their anti-ghosting flag (solids of our scenes do not
 // move), the responsive stencil, depth of field, upsampling with its own jitter and box,
 // pre-exposure, and the unfiltered frame that is mixed in where a bilinear history blurs.
 #extension GL_GOOGLE_include_directive : require
 
 #include "random.glsl"
+#include "realtime_change.glsl"
 #include "realtime_pass.glsl"
+#include "realtime_slots.glsl"
 
 bool guarded() { return choice(RT_TAA_GUARD) != 0; }
 
@@ -91,8 +96,6 @@ vec2 place_from_middle(ViewCamera camera, vec3 from, float depth)
 // in Unreal the motion is that of the pixel's own place at this depth, not of the neighbour's.
 float depth_of_motion(ivec2 pixel)
 {
-    if (view_before.position_m == vec3(0.0))
-        return FAR_M; // nobody has moved: all depths move alike
     float nearest_m = fetch_full(RT_DEPTH, pixel).x;
     if (choice(RT_TAA_MOTION) == RT_MOTION_CENTRE)
         return nearest_m;
@@ -104,19 +107,56 @@ float depth_of_motion(ivec2 pixel)
     return nearest_m;
 }
 
+bool follows_medium() { return choice(RT_TAA_MEDIUM) != 0; }
+
+// Where the medium stood for the camera of the frame before, off from where it is now.
+vec3 medium_from_m()
+{
+    precise vec3 from_m = view_before.position_m + wind_m();
+    return choice(RT_WIND) != 0 ? from_m : view_before.position_m;
+}
+
 // What it sees stays where it is: motions would come out as 0.
 bool rests()
 {
-    return view_before.position_m == vec3(0.0) && view_now.forward == view_before.forward &&
+    return view_before.position_m == vec3(0.0) &&
+           (!follows_medium() || medium_from_m() == vec3(0.0)) &&
+           view_now.forward == view_before.forward &&
            view_now.right == view_before.right && view_now.up == view_before.up &&
            view_now.half_width == view_before.half_width &&
            view_now.half_height == view_before.half_height;
 }
 
+// How far what is `depth_m` deep has come in the picture since the frame before, when it stood
+// `from_m` off from where it is now, as seen by the camera; false when it was behind that. Lengths
+// are divided by the depth: the sky needs no rule of its own and loses no digits. The motion is a
+// difference of two places found alike: it is exactly 0 for a camera at rest. In an orthographic
+// picture all depths move alike, since its camera never turns (scenes/load_motion.c).
+bool find_motion(vec3 ray, float depth_m, vec3 from_m, out vec2 motion_px)
+{
+    precise vec3 ray_before = ray - from_m / view_spread(view_now, depth_m);
+    float depth_before = view_spread(view_before, dot_in_order(ray_before, view_before.forward));
+    precise vec2 moved_px =
+        place_from_middle(view_now, ray, dot_in_order(ray, view_now.forward)) -
+        place_from_middle(view_before, ray_before, depth_before);
+    motion_px = moved_px;
+    return depth_before > 0.0;
+}
+
+// A pixel goes with the medium where that hides more than half of what is behind, and before the
+// sky, which has nothing that could smear. A mix of both motions is that of neither: it drags
+// solids along in the haze before them. False, too, where the medium was behind the camera.
+bool goes_with_medium(ivec2 pixel, vec3 ray, float scene_m, out vec2 motion_px)
+{
+    float through = fetch_full(RT_VOLUME, pixel).a;
+    float distance_m = fetch_full(RT_VOLUME_DISTANCE, pixel).x;
+    bool is_seen = through >= 0.0 && through < (is_sky(scene_m) ? 1.0 : 0.5) &&
+                   distance_m > 0.0 && distance_m < FAR_M;
+    precise float depth_m = distance_m / sqrt(dot_in_order(ray, ray));
+    return is_seen && find_motion(ray, depth_m, medium_from_m(), motion_px);
+}
+
 // The place of the pixel's content in the frame before; false when that was out of the picture.
-// Lengths are divided by the depth: the sky needs no rule of its own and loses no digits. The
-// motion is a difference of two places found alike: it is exactly 0 for a camera at rest. In an
-// orthographic picture all depths move alike, since its camera never turns (scenes/load_motion.c).
 bool find_before(ivec2 pixel, out vec2 place_px, out float speed_px)
 {
     precise vec2 centre_px = vec2(pixel) + 0.5;
@@ -126,16 +166,16 @@ bool find_before(ivec2 pixel, out vec2 place_px, out float speed_px)
         return true;
     }
     vec3 ray = ray_through(centre_px);
-    float spread_m = view_spread(view_now, depth_of_motion(pixel));
-    precise vec3 ray_before = ray - view_before.position_m / spread_m;
-    float depth_before = view_spread(view_before, dot_in_order(ray_before, view_before.forward));
-    precise vec2 motion_px =
-        place_from_middle(view_now, ray, dot_in_order(ray, view_now.forward)) -
-        place_from_middle(view_before, ray_before, depth_before);
+    vec2 motion_px;
+    bool has_moved = view_before.position_m != vec3(0.0); // else all depths move alike
+    float scene_m = has_moved || follows_medium() ? depth_of_motion(pixel) : FAR_M;
+    bool is_before = (follows_medium() && goes_with_medium(pixel, ray, scene_m, motion_px)) ||
+                     find_motion(ray, has_moved ? scene_m : FAR_M, view_before.position_m,
+                                 motion_px);
     precise vec2 before_px = centre_px - motion_px;
     place_px = before_px;
     speed_px = length(motion_px);
-    return depth_before > 0.0 && before_px.x > 0.0 && before_px.x < float(size_px.x) &&
+    return is_before && before_px.x > 0.0 && before_px.x < float(size_px.x) &&
            before_px.y > 0.0 && before_px.y < float(size_px.y);
 }
 
@@ -181,6 +221,15 @@ bool fetch_history(vec2 place_px, out vec3 history)
     bool is_sound = !guarded() || is_finite(history);
     history = guard(history);
     return is_sound;
+}
+
+// Of the pixel that a place is in.
+float age_at(vec2 place_px)
+{
+    if (!is_set(RT_TAA_AGE_MAX))
+        return 0.0;
+    float age = fetch_full(RT_TAA_BEFORE, ivec2(floor(place_px))).a;
+    return age >= 1.0 ? min(age, setting(RT_TAA_AGE_MAX)) : 1.0;
 }
 
 // --- the frame ----------------------------------------------------------------------------------
@@ -400,6 +449,40 @@ float frame_weight(float luma, float history_luma, float speed_px)
     return least > 1.0 ? 1.0 : least; // or NaN
 }
 
+float change; // of the light around the column of this thread
+float frames_alike; // it does not change by taa_change in so many
+
+// Rays look again after four frames, and at what is behind all media after those of the jitter.
+void find_change(ivec2 tile)
+{
+    vec2 most = change_around(tile);
+    float limit = setting(RT_TAA_CHANGE);
+    change = max(most.x, most.y);
+    frames_alike = min(4.0 * lasting(most.x, limit),
+                       setting(RT_TAA_JITTER_LENGTH) * lasting(most.y, limit));
+}
+
+// How far a pixel is from being at rest, 0..1.
+float unrest(float speed_px)
+{
+    if (choice(RT_GRADIENT) == 0 || !is_set(RT_TAA_AGE_MAX))
+        return 1.0;
+    return max(beyond(speed_px, setting(RT_TAA_REST_PX)), beyond(change, setting(RT_TAA_CHANGE)));
+}
+
+// At rest the weight of one frame more. The age counts frames since the last change, so that what
+// came before goes as soon as the light stands still, and no more of them than are alike.
+float weight_with_age(float alpha, float unrest, inout float age)
+{
+    if (!is_set(RT_TAA_AGE_MAX))
+        return alpha;
+    if (choice(RT_GRADIENT) != 0)
+        age = max(min(age, frames_alike), 1.0);
+    alpha = mix(1.0 / (age + 1.0), alpha, unrest);
+    age = min(mix(age + 1.0, 1.0, unrest), setting(RT_TAA_AGE_MAX));
+    return alpha;
+}
+
 vec3 blend(vec3 frame, vec3 history, float alpha)
 {
     float of_frame = alpha * hdr_weight(frame);
@@ -436,7 +519,8 @@ vec3 round_to_format(vec3 colour, ivec2 pixel)
                 round_by_chance(colour.b, numbers.z));
 }
 
-vec3 resolved(ivec2 pixel, Surroundings around)
+// The colour and its age.
+vec4 resolved(ivec2 pixel, Surroundings around)
 {
     bool is_reset = !has_past || (is_cut && choice(RT_CUT_RESET) != 0);
     vec2 before_px;
@@ -444,13 +528,17 @@ vec3 resolved(ivec2 pixel, Surroundings around)
     vec3 history, colour;
     bool has_history =
         !is_reset && find_before(pixel, before_px, speed_px) && fetch_history(before_px, history);
+    float age = has_history ? age_at(before_px) : is_set(RT_TAA_AGE_MAX) ? 1.0 : 0.0;
     if (!filter_frame(around, colour)) {
         colour = has_history ? history : vec3(0.0);
     } else if (has_history) {
         float alpha = frame_weight(luma_4(colour), luma_4(history), speed_px);
-        colour = blend(colour, hold_history(history, around, colour), alpha);
+        float part = unrest(speed_px);
+        alpha = weight_with_age(alpha, part, age);
+        vec3 held = hold_history(history, around, colour);
+        colour = blend(colour, part == 1.0 ? held : mix(history, held, part), alpha);
     }
-    return guard(hold(colour, vec3(-HALF_MAX), vec3(HALF_MAX)));
+    return vec4(guard(hold(colour, vec3(-HALF_MAX), vec3(HALF_MAX))), age);
 }
 
 void main()
@@ -461,9 +549,12 @@ void main()
     pixel.y *= RT_TAA_COLUMN;
     int end = min(pixel.y + RT_TAA_COLUMN, size.y);
     find_nearness();
+    if (choice(RT_GRADIENT) != 0 && is_set(RT_TAA_AGE_MAX))
+        find_change(pixel / 4);
     Surroundings around = look_above(pixel);
     for (; pixel.y < end; pixel.y++) {
         look_down(pixel, around);
-        put_full(RT_TAA_OUT, pixel, vec4(round_to_format(resolved(pixel, around), pixel), 0.0));
+        vec4 made = resolved(pixel, around);
+        put_full(RT_TAA_OUT, pixel, vec4(round_to_format(made.rgb, pixel), made.a));
     }
 }

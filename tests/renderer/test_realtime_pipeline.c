@@ -211,8 +211,9 @@ static void test_a_tile_marches_as_march_does(void **state)
     neph_image_destroy(half);
 }
 
-static const char *const presets[] = {"off", "seed", "fixed", "ue", "c52e", "unity", "ours"};
-enum { PRESETS = 7 };
+static const char *const presets[] = {"off",  "seed",  "fixed", "ue",
+                                      "c52e", "unity", "ours",  "ours2"};
+enum { PRESETS = 8 };
 
 /* Where there is no medium every preset without anti-aliasing shows the scene itself, bit by bit.
  * One below the ground makes the kernels those of the other tests; without any see

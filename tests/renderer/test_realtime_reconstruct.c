@@ -69,6 +69,7 @@ static struct neph_settings random_settings(uint64_t *seed)
     settings.values[RT_BOX_CHANGE] = pick(seed, 0, 0.05, 0.4);
     settings.values[RT_REJECT_DEPTH] = pick(seed, 0, 0, 0.3);
     settings.values[RT_REJECT_SCENE_M] = pick(seed, 0, 0, 50);
+    settings.values[RT_GRADIENT] = test_random(seed) % 2 == 0;
     return settings;
 }
 
@@ -117,6 +118,10 @@ static void fill_at_random(struct test_passes *test, uint64_t *seed)
         random_light(seed, may_be_bad, value);
         test_set(test, RT_RAY, i, value);
         test_set(test, RT_RAY_DISTANCE, i, (float[4]){random_distance_m(seed)});
+    }
+    for (size_t i = 0; i < test_elements(test, RT_CHANGE); i++) {
+        const float change = test_random(seed) % 4 ? -1.0f : (float)(0.2 * test_uniform(seed));
+        test_set(test, RT_CHANGE, i, (float[4]){change});
     }
     for (size_t i = 0; i < test_elements(test, RT_HISTORY); i++) {
         static const float ages[] = {1, 1, 7, 254, 255};
@@ -202,6 +207,7 @@ static void test_boxes_hold_the_twin_s_rays(void **state)
             settings.values[RT_FRESH_WEIGHT] = i % 4 == 0; /* blends are compared below */
             settings.values[RT_HISTORY_WEIGHT] = 1;
             settings.values[RT_HISTORY_AGE_MAX] = 0;
+            settings.values[RT_GRADIENT] = 0; /* such a history has changed by all of it */
             const uint64_t start = test_random(&seed);
             const float bright = i % 2 ? 10000.0f : 0.0f;
             struct test_passes test;

@@ -117,6 +117,27 @@ static void fill_depths(struct test_passes *test, uint64_t *seed)
         test_set(test, RT_DEPTH, i, (float[4]){random_depth_m(seed)});
 }
 
+/* Clouds of all distances, at some pixels none; what has changed, and ages of any kind. */
+static void fill_medium(struct test_passes *test, uint64_t *seed)
+{
+    static const float ages[] = {0.0f, 1.0f, 3.0f, 100.0f, 255.0f, -1.0f, NAN};
+    for (size_t i = 0; i < test_elements(test, RT_VOLUME); i++) {
+        const float through = test_random(seed) % 8 ? (float)test_uniform(seed) : 1.0f;
+        test_set(test, RT_VOLUME, i, (float[4]){0.0f, 0.0f, 0.0f, through});
+        test_set(test, RT_VOLUME_DISTANCE, i, (float[4]){random_depth_m(seed)});
+        float before[4];
+        test_get(test, RT_TAA_BEFORE, i, before);
+        before[3] = ages[test_random(seed) % 7];
+        test_set(test, RT_TAA_BEFORE, i, before);
+    }
+    for (size_t i = 0; i < test_elements(test, RT_CHANGE); i++)
+        test_set(test, RT_CHANGE, i,
+                 (float[4]){test_random(seed) % 3 ? -1.0f : (float)(0.3 * test_uniform(seed)),
+                            (float)(0.3 * test_uniform(seed))});
+    for (int c = 0; c < 3; c++)
+        test->view.wind_m[c] = (float)between(seed, -5.0, 5.0);
+}
+
 static double pixel_value(const struct test_passes *test, int target, int x, int y, int channel)
 {
     float value[4];
@@ -157,6 +178,12 @@ static struct neph_settings random_settings(uint64_t *seed, char *text, size_t t
         {"taa_rounding", {"nearest", "stochastic"}},
         {"taa_guard", {"off", "on"}},
         {"cut_reset", {"off", "on"}},
+        {"wind", {"off", "on"}},
+        {"gradient", {"off", "on"}},
+        {"taa_medium", {"off", "on"}},
+        {"taa_age_max", {"0", "1", "8", "255"}},
+        {"taa_rest_px", {"0", "0.1", "2"}},
+        {"taa_change", {"0", "0.1", "0.5"}},
     };
     size_t length = 0;
     for (size_t i = 0; i < sizeof(choices) / sizeof(choices[0]); i++) {
@@ -233,6 +260,7 @@ static void test_the_pass_equals_the_twin(void **state)
         fill_depths(&test, &seed);
         fill_colours(&test, RT_COLOR, most, &seed);
         fill_colours(&test, RT_TAA_BEFORE, most, &seed);
+        fill_medium(&test, &seed);
         run(&test);
         twin_taa(&test.twin);
         compare(&test, most, start, text);
@@ -710,6 +738,148 @@ static void test_the_weight_grows_with_speed(void **state)
     test_passes_close(&test);
 }
 
+/* --- at rest, and with the medium ----------------------------------------------------------- */
+
+/* After n frames the pixel is their mean, whatever they were: no box, no contrast law. */
+static void test_what_rests_is_the_mean_of_its_frames(void **state)
+{
+    enum { FRAMES = 12, AGE_MAX = 8 };
+    static const float frames[FRAMES] = {3, 1, 4, 1, 5, 9, 2, 6, 5, 3, 5, 8};
+    struct test_passes test;
+    open_wall(*state,
+              "taa_filter=off taa_hdr_weight=off taa_format=float gradient=on taa_age_max=8",
+              &test);
+    double mean = 0.0;
+    for (int n = 0; n < FRAMES; n++) {
+        test.view.has_history = n > 0;
+        for (size_t e = 0; e < test_elements(&test, RT_COLOR); e++)
+            test_set(&test, RT_COLOR, e, (float[4]){frames[n], frames[n], frames[n]});
+        run(&test);
+        take_output(&test);
+        mean += (frames[n] - mean) / (n < AGE_MAX ? n + 1 : AGE_MAX + 1);
+        neph_assert_close(pixel_value(&test, RT_TAA_OUT, 99, 33, 1), mean, 0.0, 1e-5);
+        assert_true(pixel_value(&test, RT_TAA_OUT, 99, 33, 3) == (n < AGE_MAX ? n + 1 : AGE_MAX));
+        uint32_t *words = test.twin.targets[RT_TAA_BEFORE];
+        test.twin.targets[RT_TAA_BEFORE] = test.twin.targets[RT_TAA_OUT];
+        test.twin.targets[RT_TAA_OUT] = words;
+    }
+    test_passes_close(&test);
+}
+
+/* A change of the light, of the medium or behind it, and motion each bring back weight and box, in
+ * the 3x3 tiles around: at twice the limit wholly, at one and a half by half. The age begins anew
+ * by as much, and before it counts no more frames than are alike but for the limit. */
+static void test_change_and_motion_end_the_rest(void **state)
+{
+    static const struct {
+        float medium, behind, motion_px;
+        double part, age; /* what of the 19 counts: 4 frames, 7 behind, times 0.2 over the change */
+    } cases[] = {{0.0f, 0.0f, 0.0f, 0.0, 19.0},  {0.1f, 0.0f, 0.0f, 0.0, 8.0},
+                 {0.2f, 0.0f, 0.0f, 0.0, 4.0},   {0.3f, 0.0f, 0.0f, 0.5, 8.0 / 3.0},
+                 {0.4f, 0.0f, 0.0f, 1.0, 2.0},   {0.0f, 0.3f, 0.0f, 0.5, 14.0 / 3.0},
+                 {0.1f, 0.1f, 0.0f, 0.0, 8.0},   {-1.0f, 0.9f, 0.0f, 1.0, 14.0 / 9.0},
+                 {-1.0f, 0.0f, 0.0f, 0.0, 19.0}, {0.0f, 0.0f, 1.0f, 0.0, 19.0},
+                 {0.0f, 0.0f, 1.5f, 0.5, 19.0},  {0.0f, 0.0f, 2.0f, 1.0, 19.0}};
+    struct test_passes test;
+    open_wall(*state,
+              "taa_filter=off taa_hdr_weight=off taa_contrast=0 taa_format=float taa_alpha=0.25 "
+              "taa_alpha_moving=0.25 gradient=on taa_age_max=64 taa_change=0.2 taa_rest_px=1",
+              &test);
+    for (size_t e = 0; e < test_elements(&test, RT_COLOR); e++) {
+        test_set(&test, RT_COLOR, e, (float[4]){2.0f, 2.0f, 2.0f});
+        test_set(&test, RT_TAA_BEFORE, e, (float[4]){1.0f, 1.0f, 1.0f, 19.0f});
+    }
+    for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+        for (int y = 0; y < 16; y++)
+            for (int x = 0; x < 64; x++) {
+                const bool is_at = x == 20 && y == 8;
+                twin_put_tile(&test.twin, RT_CHANGE, x, y,
+                              (float[4]){is_at         ? cases[i].medium
+                                         : (x + y) % 2 ? 0.0f
+                                                       : -1.0f,
+                                         is_at ? cases[i].behind : 0.0f});
+            }
+        test.view.before.position_m[0] = cases[i].motion_px;
+        run(&test);
+        take_output(&test);
+        for (int x = 15; x < 26; x++) {
+            const bool is_around = abs(x - 20) <= 1 || cases[i].motion_px > 0.0f;
+            const double part = is_around ? cases[i].part : 0.0;
+            const double age = is_around ? cases[i].age : 19.0;
+            const double alpha = part * 0.25 + (1.0 - part) / (age + 1.0);
+            /* the box of a flat frame is the frame */
+            neph_assert_close(pixel_value(&test, RT_TAA_OUT, 4 * x, 34, 0),
+                              2.0 - (1.0 - alpha) * (1.0 - part), 0.0, 1e-3); /* of halves */
+            neph_assert_close(pixel_value(&test, RT_TAA_OUT, 4 * x, 34, 3),
+                              (1.0 - part) * (age + 1.0) + part, 0.0, 0.02);
+        }
+    }
+    test_passes_close(&test);
+}
+
+/* Without a gradient nobody knows whether something changes: nothing rests. */
+static void test_without_a_gradient_nothing_rests(void **state)
+{
+    struct test_passes test;
+    open_wall(*state,
+              "taa_filter=off taa_hdr_weight=off taa_box=none taa_contrast=0 taa_format=float "
+              "taa_alpha=0.25 taa_age_max=64",
+              &test);
+    for (size_t e = 0; e < test_elements(&test, RT_COLOR); e++)
+        test_set(&test, RT_TAA_BEFORE, e, (float[4]){1.0f, 1.0f, 1.0f, 19.0f});
+    run(&test);
+    take_output(&test);
+    neph_assert_close(pixel_value(&test, RT_TAA_OUT, 99, 33, 0), 0.75, 0.0, 1e-6);
+    test_passes_close(&test);
+}
+
+/* The wind blows by 8 pixels at 128 m, where the wall stands; clouds at half that distance move by
+ * twice as many. What goes with them is what they hide more than half of, and the sky. */
+static void test_the_history_goes_with_the_medium(void **state)
+{
+    static const struct {
+        const char *wind;
+        float through, distance_m, scene_m;
+        int motion_px;
+    } cases[] = {{"on", 0.0f, 128.0f, 128.0f, 8},         {"on", 0.4f, 64.0f, 128.0f, 16},
+                 {"on", 0.6f, 64.0f, 128.0f, 0},          {"on", 0.9f, 64.0f, NEPH_GPU_FAR_M, 16},
+                 {"on", 1.0f, 128.0f, NEPH_GPU_FAR_M, 0}, {"off", 0.0f, 128.0f, 128.0f, 0},
+                 {"on", 0.5f, 0.0f, NEPH_GPU_FAR_M, 0}};
+    uint64_t seed = 3;
+    for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+        char text[256];
+        snprintf(text, sizeof(text),
+                 "taa_filter=off taa_box=none taa_alpha=0 taa_alpha_moving=0 taa_contrast=0 "
+                 "taa_history=nearest taa_medium=on wind=%s",
+                 cases[i].wind);
+        struct test_passes test;
+        open_wall(*state, text, &test);
+        fill_colours(&test, RT_TAA_BEFORE, 3.0, &seed);
+        for (int y = 0; y < 64; y++)
+            for (int x = 0; x < 256; x++) {
+                twin_put_full(&test.twin, RT_DEPTH, x, y, (float[4]){cases[i].scene_m});
+                /* along the ray, which is longer towards the sides */
+                const double across = (2.0 * (x + 0.5) / 256.0 - 1.0),
+                             up = (1.0 - 2.0 * (y + 0.5) / 64.0) * 0.25;
+                const double slant = sqrt(1.0 + across * across + up * up);
+                twin_put_full(&test.twin, RT_VOLUME, x, y,
+                              (float[4]){0.0f, 0.0f, 0.0f, cases[i].through});
+                twin_put_full(&test.twin, RT_VOLUME_DISTANCE, x, y,
+                              (float[4]){(float)(slant * (double)cases[i].distance_m)});
+            }
+        test.view.wind_m[0] = 8.0f;
+        run(&test);
+        take_output(&test);
+        /* halves know a distance to 1 in 2048, 8 pixels to a two-hundredth */
+        for (int y = 0; y < 64; y++)
+            for (int x = 16; x < 256; x++)
+                for (int c = 0; c < 3; c++)
+                    assert_true(pixel_value(&test, RT_TAA_OUT, x, y, c) ==
+                                pixel_value(&test, RT_TAA_BEFORE, x - cases[i].motion_px, y, c));
+        test_passes_close(&test);
+    }
+}
+
 /* With alpha = 1, of a history however bright; and 65504 is the end, with or without the guard. */
 static void test_a_frame_of_full_weight_comes_out_as_it_is(void **state)
 {
@@ -800,6 +970,10 @@ int main(void)
         cmocka_unit_test(test_a_history_in_the_box_is_left_alone),
         cmocka_unit_test(test_the_contrast_law_takes_small_differences_whole),
         cmocka_unit_test(test_the_weight_grows_with_speed),
+        cmocka_unit_test(test_what_rests_is_the_mean_of_its_frames),
+        cmocka_unit_test(test_change_and_motion_end_the_rest),
+        cmocka_unit_test(test_without_a_gradient_nothing_rests),
+        cmocka_unit_test(test_the_history_goes_with_the_medium),
         cmocka_unit_test(test_a_frame_of_full_weight_comes_out_as_it_is),
         cmocka_unit_test(test_hdr_weights_hold_bright_samples_back),
         cmocka_unit_test(test_rounding_by_chance_is_right_on_average),

@@ -562,10 +562,32 @@ static double change_at_ray(const struct twin *twin, const struct ray *ray)
     return fmax(most > 0.0 ? fabs(now - before) / most : 0.0, fabs(ray->value[3] - then.value[3]));
 }
 
-static double box_share(const struct twin *twin, double motion_px, const struct ray *nearest)
+/* At the half-resolution texel (x, y). */
+static double box_share(const struct twin *twin, int x, int y, double motion_px,
+                        const struct ray *nearest)
 {
     const double moved = beyond(motion_px, setting(twin, RT_BOX_MOTION_PX));
-    return fmax(moved, beyond(change_at_ray(twin, nearest), setting(twin, RT_BOX_CHANGE)));
+    double change[2] = {0.0};
+    if (choice(twin, RT_GRADIENT))
+        twin_change_around(twin, x / 2, y / 2, change);
+    else
+        change[0] = change_at_ray(twin, nearest);
+    return fmax(moved, beyond(change[0], setting(twin, RT_BOX_CHANGE)));
+}
+
+/* In float32: ages are kept in halves and compared as they are. */
+static float age_after_change(const struct twin *twin, int x, int y, bool is_fresh, float age)
+{
+    const float least = setting(twin, RT_BOX_CHANGE);
+    double change[2];
+    if (!choice(twin, RT_GRADIENT))
+        return age;
+    twin_change_around(twin, x / 2, y / 2, change);
+    const float changed = least > 0.0f ? fminf(fmaxf((float)change[0] / least - 1.0f, 0.0f), 1.0f)
+                                       : 1.0f;
+    if (change[0] > 0.0)
+        age = fminf(age * (1.0f - changed), least / (float)change[0]);
+    return fmaxf(age, is_fresh ? 0.0f : 1.0f);
 }
 
 static double kept(const struct twin *twin, int format_setting, double value)
@@ -674,11 +696,12 @@ static void reconstruct(const struct twin *twin, int x, int y)
         double boxed[4];
         memcpy(boxed, history.value, sizeof(boxed));
         hold_among_rays(twin, rays, nearest, own_m, is_sky(depth[0]), boxed);
-        const double share = box_share(twin, history.motion_px, nearest);
+        const double share = box_share(twin, x, y, history.motion_px, nearest);
         if (memcmp(boxed, history.value, 3 * sizeof(*boxed)))
             part = 1.0 - share * (1.0 - (double)setting(twin, RT_BOX_AGE));
         for (int c = 0; c < 4; c++)
             history.value[c] = blend(history.value[c], boxed[c], share);
+        history.age = age_after_change(twin, x, y, is_fresh, history.age);
     }
 
     const double age_max = setting(twin, RT_HISTORY_AGE_MAX);

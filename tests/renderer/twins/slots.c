@@ -30,6 +30,12 @@ int twin_default_slot(const struct neph_gpu_view *view, int tile_x, int tile_y)
     return (int)(view->frame % 4 + (uint32_t)ahead) % 4;
 }
 
+bool twin_repeats_ray(const struct neph_gpu_view *view, int tile_x, int tile_y)
+{
+    const uint32_t turn = view->frame / 4; /* of four frames each */
+    return turn % 2 != (uint32_t)(tile_x % 2 != tile_y % 2);
+}
+
 float twin_limited_depth_m(const struct neph_gpu_view *view, float depth_m, float sky_m)
 {
     const float limited_m = depth_m >= NEPH_GPU_FAR_M

@@ -95,29 +95,57 @@ static float depth_of_motion(const struct twin *twin, int x, int y)
     return nearest_m[0];
 }
 
+static bool find_motion(const struct neph_gpu_view *view, const float ray[3], float depth_m,
+                        const float from_m[3], float motion_px[2])
+{
+    const struct neph_gpu_view_camera *now = &view->now, *before = &view->before;
+    const float spread_m = spread(now, depth_m);
+    float ray_before[3], here[2], there[2];
+    for (int c = 0; c < 3; c++)
+        ray_before[c] = ray[c] - from_m[c] / spread_m;
+    const float depth_before = spread(before, dot(ray_before, before->forward));
+    place_from_middle(view, now, ray, dot(ray, now->forward), here);
+    place_from_middle(view, before, ray_before, depth_before, there);
+    motion_px[0] = here[0] - there[0];
+    motion_px[1] = here[1] - there[1];
+    return depth_before > 0.0f;
+}
+
+/* The medium is what is seen, and is known to have been before the camera. */
+static bool goes_with_medium(const struct twin *twin, int x, int y, const float ray[3],
+                             float motion_px[2])
+{
+    const struct neph_gpu_view *view = twin->view;
+    float volume[4], distance[4], from_m[3];
+    twin_fetch_full(twin, RT_VOLUME, x, y, volume);
+    twin_fetch_full(twin, RT_VOLUME_DISTANCE, x, y, distance);
+    for (int c = 0; c < 3; c++)
+        from_m[c] = view->before.position_m[c] + (choice(twin, RT_WIND) ? view->wind_m[c] : 0.0f);
+    const bool is_sky = depth_of_motion(twin, x, y) >= NEPH_GPU_FAR_M;
+    return volume[3] >= 0.0f && volume[3] < (is_sky ? 1.0f : 0.5f) && distance[0] > 0.0f &&
+           distance[0] < NEPH_GPU_FAR_M &&
+           find_motion(view, ray, distance[0] / sqrtf(dot(ray, ray)), from_m, motion_px);
+}
+
 static bool find_before(const struct twin *twin, int x, int y, float place_px[2], double *speed_px)
 {
     const struct neph_gpu_view *view = twin->view;
-    const struct neph_gpu_view_camera *now = &view->now, *before = &view->before;
+    const struct neph_gpu_view_camera *now = &view->now;
     const float width_px = (float)view->size_px[0], height_px = (float)view->size_px[1];
     const float centre_px[2] = {(float)x + 0.5f, (float)y + 0.5f};
     const float right = (2.0f * centre_px[0] / width_px - 1.0f) * now->half_width;
     const float up = (1.0f - 2.0f * centre_px[1] / height_px) * now->half_height;
-    const float spread_m = spread(now, depth_of_motion(twin, x, y));
-    float ray[3], ray_before[3], here[2], there[2];
-    for (int c = 0; c < 3; c++) {
+    float ray[3], motion_px[2];
+    for (int c = 0; c < 3; c++)
         ray[c] = now->forward[c] + right * now->right[c] + up * now->up[c];
-        ray_before[c] = ray[c] - before->position_m[c] / spread_m;
-    }
-    const float depth_before = spread(before, dot(ray_before, before->forward));
-    place_from_middle(view, now, ray, dot(ray, now->forward), here);
-    place_from_middle(view, before, ray_before, depth_before, there);
-    const float motion_px[2] = {here[0] - there[0], here[1] - there[1]};
+    const bool is_before =
+        (choice(twin, RT_TAA_MEDIUM) && goes_with_medium(twin, x, y, ray, motion_px)) ||
+        find_motion(view, ray, depth_of_motion(twin, x, y), view->before.position_m, motion_px);
     place_px[0] = centre_px[0] - motion_px[0];
     place_px[1] = centre_px[1] - motion_px[1];
     *speed_px = hypot(motion_px[0], motion_px[1]);
-    return depth_before > 0.0f && place_px[0] > 0.0f && place_px[0] < width_px &&
-           place_px[1] > 0.0f && place_px[1] < height_px;
+    return is_before && place_px[0] > 0.0f && place_px[0] < width_px && place_px[1] > 0.0f &&
+           place_px[1] < height_px;
 }
 
 /* --- history ------------------------------------------------------------------------------- */
@@ -321,6 +349,46 @@ static double frame_weight(const struct twin *twin, double luma, double history_
     return least <= alpha ? alpha : least > 1.0 ? 1.0 : least;
 }
 
+static double beyond(double value, double least)
+{
+    return least > 0.0 ? hold(value / least - 1.0, 0.0, 1.0) : 1.0;
+}
+
+/* How far a pixel is from being at rest. */
+static double unrest(const struct twin *twin, int x, int y, double speed_px)
+{
+    double change[2];
+    if (!choice(twin, RT_GRADIENT) || setting(twin, RT_TAA_AGE_MAX) == 0.0f)
+        return 1.0;
+    twin_change_around(twin, x / 4, y / 4, change);
+    return fmax(beyond(speed_px, setting(twin, RT_TAA_REST_PX)),
+                beyond(fmax(change[0], change[1]), setting(twin, RT_TAA_CHANGE)));
+}
+
+/* How many frames are alike but for taa_change. */
+static double frames_alike(const struct twin *twin, int x, int y)
+{
+    const double limit = setting(twin, RT_TAA_CHANGE);
+    const double frames[2] = {4.0, setting(twin, RT_TAA_JITTER_LENGTH)};
+    double change[2], least = INFINITY;
+    twin_change_around(twin, x / 4, y / 4, change);
+    for (int c = 0; c < 2; c++)
+        if (change[c] > 0.0)
+            least = fmin(least, frames[c] * limit / change[c]);
+    return least;
+}
+
+/* The age of the history at a place; 1 where it has none, 0 where none is kept. */
+static double age_at(const struct twin *twin, const float place_px[2])
+{
+    const double most = setting(twin, RT_TAA_AGE_MAX);
+    float value[4];
+    if (most == 0.0 || !place_px)
+        return fmin(most, 1.0);
+    twin_fetch_full(twin, RT_TAA_BEFORE, (int)floorf(place_px[0]), (int)floorf(place_px[1]), value);
+    return value[3] >= 1.0f ? fmin(value[3], most) : 1.0;
+}
+
 static struct colour blend(const struct twin *twin, struct colour frame, struct colour history,
                            double alpha)
 {
@@ -361,10 +429,10 @@ static float round_by_chance(float value, float number)
     return (number < halves - below ? below + 1.0f : below) * half_step;
 }
 
-static void write(const struct twin *twin, int x, int y, struct colour colour)
+static void write(const struct twin *twin, int x, int y, struct colour colour, double age)
 {
     const struct neph_gpu_view *view = twin->view;
-    float numbers[3], value[4] = {0.0f};
+    float numbers[3], value[4] = {[3] = (float)age};
     random_numbers((uint32_t[4]){(uint32_t)x, (uint32_t)y, view->frame, view->seed}, numbers);
     const bool by_chance = choice(twin, RT_TAA_FORMAT) == RT_FORMAT_HALF &&
                            choice(twin, RT_TAA_ROUNDING) == RT_ROUNDING_STOCHASTIC;
@@ -377,27 +445,47 @@ static void write(const struct twin *twin, int x, int y, struct colour colour)
     twin_put_full(twin, RT_TAA_OUT, x, y, value);
 }
 
-static struct colour pixel_colour(const struct twin *twin, int x, int y)
+/* What both sides of a step are worth, `part` of the way. */
+static struct colour between(struct colour from, struct colour to, double part)
+{
+    for (int c = 0; c < 3 && part != 1.0; c++)
+        to.c[c] = (1.0 - part) * from.c[c] + part * to.c[c];
+    return to;
+}
+
+static struct colour pixel_colour(const struct twin *twin, int x, int y, double *age)
 {
     const struct neph_gpu_view *view = twin->view;
     const bool is_reset = !view->has_history || (view->is_cut && choice(twin, RT_CUT_RESET));
     float before_px[2];
-    double speed_px;
+    double speed_px = 0.0;
     struct colour history, filtered;
     const bool has_history = !is_reset && find_before(twin, x, y, before_px, &speed_px) &&
                              fetch_history(twin, before_px, &history);
     const struct surroundings around = look_around(twin, x, y);
+    *age = age_at(twin, has_history ? before_px : NULL);
     if (!filter_frame(twin, &around, &filtered))
         return has_history ? history : (struct colour){{0.0}};
     if (!has_history)
         return filtered;
-    const double alpha = frame_weight(twin, luma_4(filtered), luma_4(history), speed_px);
-    return blend(twin, filtered, hold_history(twin, history, around, filtered), alpha);
+    const double part = unrest(twin, x, y, speed_px), age_max = setting(twin, RT_TAA_AGE_MAX);
+    double alpha = frame_weight(twin, luma_4(filtered), luma_4(history), speed_px);
+    if (age_max > 0.0 && choice(twin, RT_GRADIENT))
+        *age = fmax(fmin(*age, frames_alike(twin, x, y)), 1.0);
+    if (age_max > 0.0) {
+        alpha = (1.0 - part) / (*age + 1.0) + part * alpha;
+        *age = fmin((1.0 - part) * (*age + 1.0) + part, age_max);
+    }
+    const struct colour held = hold_history(twin, history, around, filtered);
+    return blend(twin, filtered, between(history, held, part), alpha);
 }
 
 void twin_taa(const struct twin *twin)
 {
     for (int y = 0; y < (int)twin->view->size_px[1]; y++)
-        for (int x = 0; x < (int)twin->view->size_px[0]; x++)
-            write(twin, x, y, pixel_colour(twin, x, y));
+        for (int x = 0; x < (int)twin->view->size_px[0]; x++) {
+            double age;
+            const struct colour colour = pixel_colour(twin, x, y, &age);
+            write(twin, x, y, colour, age);
+        }
 }

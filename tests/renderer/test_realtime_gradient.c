@@ -1,0 +1,198 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The temporal gradient: the pass against its twin, and what it promises of rays that are marched
+ * twice: no change where nothing has changed, and all of it where something has.
+ */
+#include "tests/renderer/march_test.h"
+#include "tests/renderer/realtime_test.h"
+#include "tests/renderer/twins/slots.h"
+
+#include "base/files.h"
+#include "renderer/realtime/pipeline.h"
+
+static float random_light(uint64_t *seed)
+{
+    static const float odd[] = {0.0f, 1e-9f, 65504.0f, 1e9f, NAN, INFINITY, -1.0f};
+    const uint64_t i = test_random(seed) % 20;
+    return i < 7 ? odd[i] : (float)test_uniform(seed);
+}
+
+static void fill(struct test_passes *test, int target, uint64_t *seed)
+{
+    for (size_t i = 0; i < test_elements(test, target); i++) {
+        float value[4];
+        for (int c = 0; c < 4; c++)
+            value[c] = random_light(seed);
+        test_set(test, target, i, value);
+    }
+}
+
+/* What was kept is what the pass keeps: halves that are numbers and not below 0. Some of it is what
+ * the rays see now. */
+static void fill_kept(struct test_passes *test, int target, uint64_t *seed)
+{
+    for (size_t i = 0; i < test_elements(test, target); i++) {
+        const float value[4] = {(float)test_uniform(seed), (float)test_uniform(seed)};
+        test_set(test, target, i, value);
+    }
+}
+
+static void test_the_pass_equals_the_twin(void **state)
+{
+    static const int sizes_px[][2] = {{1, 1}, {2, 3}, {5, 4}, {64, 36}, {127, 33}};
+    static const char *const settings_texts[] = {
+        "gradient=on", "gradient=on taa_jitter_length=1 color_format=float",
+        "gradient=on taa_jitter_length=8", "gradient=on taa_jitter_length=20"};
+    uint64_t seed = 5;
+    for (int round = 0; round < 40; round++) {
+        const uint64_t start = seed;
+        const struct neph_settings settings = test_settings(settings_texts[round % 4]);
+        struct test_passes test;
+        test_passes_open(*state, &settings, sizes_px[round % 5],
+                         (int[2]){round % 3 * 4, round % 2 * 8}, start, &test);
+        test.view.frame = (uint32_t)test_random(&seed);
+        fill(&test, RT_RAY, &seed);
+        fill(&test, RT_BEHIND, &seed);
+        fill_kept(&test, RT_KEPT_RAY, &seed);
+        fill_kept(&test, RT_KEPT_BEHIND, &seed);
+        test_passes_run(&test, "gradient");
+        twin_gradient(&test.twin);
+        test_same_words(&test, RT_KEPT_RAY, start);
+        test_same_words(&test, RT_KEPT_BEHIND, start);
+        test_same_words(&test, RT_CHANGE, start);
+        test_passes_close(&test);
+    }
+}
+
+/* In every frame one half of the tiles repeats, so that one of any 2x1 does; each does for four
+ * frames of eight. */
+static void test_tiles_repeat_by_turns(void **state)
+{
+    (void)state;
+    struct neph_gpu_view view = {.frame = 0};
+    for (int x = 0; x < 4; x++)
+        for (int y = 0; y < 4; y++) {
+            int repeated = 0;
+            for (view.frame = 40; view.frame < 48; view.frame++) {
+                repeated += twin_repeats_ray(&view, x, y);
+                assert_true(twin_repeats_ray(&view, x, y) != twin_repeats_ray(&view, x + 1, y));
+                assert_true(twin_repeats_ray(&view, x, y) != twin_repeats_ray(&view, x, y + 1));
+            }
+            assert_int_equal(repeated, 4);
+        }
+}
+
+/* Without tiles nothing is marched twice, and nothing is taken for unchanged. */
+static void test_it_needs_the_split(void **state)
+{
+    (void)state;
+    static const char *const texts[] = {"gradient=on", "gradient=on split=none"};
+    for (int i = 0; i < 2; i++) {
+        const struct neph_settings settings = test_settings(texts[i]);
+        struct neph_gpu_view view;
+        neph_rt_view_init(&view, &settings, (int[2]){8, 8}, (int[2]){0, 0}, (int[2]){8, 8});
+        assert_int_equal((neph_rt_targets_used(&view) & NEPH_RT_BIT(RT_CHANGE)) != 0, i == 0);
+    }
+}
+
+/* --- in the pipeline ------------------------------------------------------------------------- */
+
+enum { WIDTH_PX = 64, HEIGHT_PX = 36, TILES = (WIDTH_PX / 4) * (HEIGHT_PX / 4) };
+
+/* Of one frame. */
+struct changes {
+    int known, behind; /* tiles whose rays repeat; that see a change behind the medium */
+    int changed;       /* of the known */
+    double least, most;
+};
+
+static void take_changes(struct neph_rt_device *device, const struct neph_rt_pass *pass,
+                         void *context)
+{
+    struct changes *changes = context;
+    if (strcmp(pass->name, "gradient") != 0)
+        return;
+    uint32_t *words = malloc(neph_rt_device_words(device, RT_CHANGE) * sizeof(*words));
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_rt_device_download(device, RT_CHANGE, words, &diag), &diag);
+    *changes = (struct changes){.least = 2.0};
+    for (size_t i = 0; i < TILES; i++) {
+        float change[4];
+        neph_rt_load(&device->view->targets[RT_CHANGE], words, i, change);
+        changes->known += change[0] >= 0.0f;
+        changes->changed += change[0] > 0.0f;
+        changes->behind += change[1] > 0.0f;
+        if (change[0] >= 0.0f) {
+            changes->least = fmin(changes->least, change[0]);
+            changes->most = fmax(changes->most, change[0]);
+        }
+    }
+    free(words);
+}
+
+/* Fog before a ground, the sun behind the camera. */
+static void scene_ground(struct test_scene *test)
+{
+    test_scene_init(test);
+    test_add_medium(test, 0.03, 0.05, 0.0);
+    test_add_box(test, (struct neph_vec3){-1e3, -1.0, -1e3}, (struct neph_vec3){1e3, 0.0, 1e3});
+    test_add_box(test, (struct neph_vec3){-2.0, 0.0, -12.0}, (struct neph_vec3){2.0, 4.0, -11.0});
+}
+
+/* Noise on the rays, jitter, and a slot that is overridden change nothing. From the frame on in
+ * which the sun is half as bright, half the tiles see just that, for four frames; what is behind is
+ * seen for as many as there are places of the jitter. */
+static void test_light_is_told_from_noise(void **state)
+{
+    enum { BEFORE = 24, AFTER = 12 };
+    static char folder[] = "/tmp/neph-test-gradient-XXXXXX";
+    struct test_scene test;
+    scene_ground(&test);
+    struct neph_settings settings = test_settings("gradient=on steps=4");
+    struct neph_diag diag = {0};
+    assert_non_null(mkdtemp(folder));
+    const struct neph_realtime_params params = {.width_px = WIDTH_PX,
+                                                .height_px = HEIGHT_PX,
+                                                .settings = &settings,
+                                                .seed = 7,
+                                                .cache_folder = folder};
+    struct neph_realtime *realtime = NULL;
+    neph_assert_ok(neph_realtime_create(*state, &test.scene, &params, &realtime, &diag), &diag);
+    struct changes changes = {0};
+    neph_realtime_observe(realtime, take_changes, &changes);
+    for (int frame = 0; frame < BEFORE + AFTER; frame++) {
+        struct neph_image *image = NULL;
+        const struct neph_realtime_frame picture = {&test.scene, frame, NULL};
+        if (frame == BEFORE)
+            test.scene.sun.irradiance_w_per_m2 = neph_rgb_scale(test.scene.sun.irradiance_w_per_m2,
+                                                                0.5);
+        neph_assert_ok(neph_realtime_render(realtime, &picture, &image, NULL, &diag), &diag);
+        neph_image_destroy(image);
+        const int since = frame - BEFORE;
+        assert_int_equal(changes.known, TILES / 2);
+        if (frame >= 8 && (since < 0 || since >= 4))
+            assert_int_equal(changes.changed, 0);
+        if (frame >= 8 && (since < 0 || since >= 7))
+            assert_int_equal(changes.behind, 0);
+        if (since >= 0 && since < 4) {
+            assert_int_equal(changes.changed, changes.known);
+            neph_assert_close(changes.least, 0.5, 0.0, 2e-3); /* of halves */
+            neph_assert_close(changes.most, 0.5, 0.0, 2e-3);
+        }
+        if (since >= 0 && since < 7)
+            assert_true(changes.behind > TILES / 4); /* the ground, not the sky */
+    }
+    neph_realtime_destroy(realtime);
+    neph_dir_remove(folder, NULL);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_the_pass_equals_the_twin),
+        cmocka_unit_test(test_tiles_repeat_by_turns),
+        cmocka_unit_test(test_it_needs_the_split),
+        cmocka_unit_test(test_light_is_told_from_noise),
+    };
+    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
+}
