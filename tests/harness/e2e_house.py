@@ -22,9 +22,9 @@ ROOMS = {
     "run": {"engines", "compare"},
     "study": {"engines", "compare", "run"},
     "physics": {"engines", "compare", "run", "study"},
-    "failure": {"engines", "compare", "run", "study"},
     "fly": {"engines", "compare", "run", "study"},
     "report": {"engines", "compare", "run", "study", "physics"},
+    "failure": {"engines", "compare", "run", "study", "report"},
     "sweep": {"engines", "compare", "run", "study", "report"},
     "cli": {"engines", "compare", "run", "study", "physics", "failure", "fly", "report", "sweep"},
 }
