@@ -131,17 +131,24 @@ static int at_most(int value, int most)
     return value < most ? value : most;
 }
 
-static struct neph_evidence evidence_of(const double *frames, int frame_count, const double *rows,
-                                        int row_count, double exposure_ev)
+static void choose_frames(struct neph_evidence *evidence, int frame_count)
 {
+    evidence->slice_count = at_most(frame_count, NEPH_EVIDENCE_SLICE);
+    evidence->flip_count = at_most(frame_count, NEPH_EVIDENCE_FLIPS);
+    evidence->slice_first = window(evidence->worst_frame, evidence->slice_count / 2,
+                                   evidence->slice_count, frame_count);
+    evidence->flip_first = window(evidence->worst_frame, 1, evidence->flip_count, frame_count);
+}
+
+static struct neph_evidence evidence_of(const struct neph_evidence_source *source,
+                                        const double *frames, const double *rows, int row_count)
+{
+    const int frame_count = source->files->count;
     struct neph_evidence evidence = {.worst_frame = largest(frames, frame_count),
                                      .row = largest(rows, row_count),
-                                     .slice_count = at_most(frame_count, NEPH_EVIDENCE_SLICE),
-                                     .flip_count = at_most(frame_count, NEPH_EVIDENCE_FLIPS),
-                                     .scale = scale_of_white * exp2(-exposure_ev)};
-    evidence.slice_first = window(evidence.worst_frame, evidence.slice_count / 2,
-                                  evidence.slice_count, frame_count);
-    evidence.flip_first = window(evidence.worst_frame, 1, evidence.flip_count, frame_count);
+                                     .scale = scale_of_white * exp2(-source->exposure_ev)};
+    if (frame_count > 1 && source->frame_step == 1)
+        choose_frames(&evidence, frame_count);
     return evidence;
 }
 
@@ -163,7 +170,7 @@ enum neph_status neph_evidence_find(const struct neph_evidence_source *source,
         close_pair(&pair);
     }
     if (!status)
-        *evidence = evidence_of(frames, count, rows, row_count, source->exposure_ev);
+        *evidence = evidence_of(source, frames, rows, row_count);
     free(frames);
     free(rows);
     return status;
@@ -298,7 +305,7 @@ static enum neph_status draw_pair(const struct neph_evidence_source *source,
 {
     const int flip = frame - evidence->flip_first, row = frame - evidence->slice_first;
     enum neph_status status = NEPH_OK;
-    if (!slice->samples)
+    if (!slice->samples && evidence->slice_count > 0)
         status = start_slice(slice, pair->width_px, evidence->slice_count, diag);
     if (!status && row >= 0 && row < evidence->slice_count)
         fill_slice(slice, pair, evidence->row, row);
@@ -315,8 +322,10 @@ enum neph_status neph_evidence_draw(const struct neph_evidence_source *source,
                                     const struct neph_evidence *evidence, const char *folder,
                                     json_t *names, struct neph_diag *diag)
 {
-    /* Of what is longer than the slice, the flips are a part of it: so is the worst. */
-    const int first = evidence->slice_first, last = first + evidence->slice_count;
+    /* The flips are a part of the slice, and so is the worst. */
+    const bool has_slice = evidence->slice_count > 0;
+    const int first = has_slice ? evidence->slice_first : evidence->worst_frame;
+    const int last = first + (has_slice ? evidence->slice_count : 1);
     struct easel easel = {.folder = folder,
                           .exposure_ev = source->exposure_ev,
                           .scale = evidence->scale,
@@ -332,7 +341,7 @@ enum neph_status neph_evidence_draw(const struct neph_evidence_source *source,
             status = draw_pair(source, evidence, &easel, &pair, i, &slice, diag);
         close_pair(&pair);
     }
-    if (!status)
+    if (!status && has_slice)
         status = draw_slice(&easel, &slice, diag);
     free(slice.samples);
     return status;

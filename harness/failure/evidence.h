@@ -17,6 +17,7 @@ struct neph_evidence_source {
     const struct neph_sequence *files;      /* the frames */
     const struct neph_image *const *images; /* those of them that are in memory; NULL: none */
     const struct neph_sequence *reference;  /* a frame for all, or one for each; count 0: none */
+    int frame_step;                         /* from one to the next in the scene */
     double exposure_ev;
 };
 
@@ -24,7 +25,8 @@ struct neph_evidence_source {
 struct neph_evidence {
     int worst_frame;              /* with the largest squared residual; bad values outweigh all */
     int row;                      /* with the largest over all frames */
-    int slice_first, slice_count; /* frames of the slice: the worst is one of them */
+    int slice_first, slice_count; /* frames of the slice: the worst is one of them; of single
+                                     frames, and of frames that do not follow each other, 0 */
     int flip_first, flip_count;   /* frames of the flip-book, as well */
     double scale;                 /* of differences, in radiance: a tenth of the display's white */
 };

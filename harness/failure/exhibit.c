@@ -11,7 +11,7 @@
 #include <string.h>
 
 /* Part of the key: raise it when pictures change. */
-enum { DRAWN_REVISION = 1 };
+enum { DRAWN_REVISION = 2 };
 
 enum { SEEN_FRAMES_MIN = 16 }; /* metrics/extractors/seen.c */
 
@@ -110,11 +110,12 @@ enum neph_status neph_exhibit_make(struct neph_store *store, const char *key,
         status = draw(source, &evidence, viewing, with_map, neph_scratch_path(scratch), names,
                       diag);
     if (!status) {
-        record = json_pack("{s:s, s:O, s:i, s:i, s:i, s:i, s:i, s:i, s:f}", "format",
-                           "neph-exhibit-1", "pictures", names, "worst_frame", evidence.worst_frame,
-                           "row", evidence.row, "slice_first", evidence.slice_first, "slice_count",
-                           evidence.slice_count, "flip_first", evidence.flip_first, "flip_count",
-                           evidence.flip_count, "scale", evidence.scale);
+        record = json_pack("{s:s, s:O, s:i, s:i, s:i, s:i, s:i, s:i, s:i, s:f}", "format",
+                           "neph-exhibit-1", "pictures", names, "frame_step", source->frame_step,
+                           "worst_frame", evidence.worst_frame, "row", evidence.row, "slice_first",
+                           evidence.slice_first, "slice_count", evidence.slice_count, "flip_first",
+                           evidence.flip_first, "flip_count", evidence.flip_count, "scale",
+                           evidence.scale);
         status = neph_json_check(record, diag);
     }
     if (!status)

@@ -68,6 +68,7 @@ static enum neph_status make_exact(const struct neph_job *test,
     neph_engine_probe(exact, &info);
     job.shot.settings = neph_settings_default(exact);
     job.shot.seed = 1; /* nothing is random */
+    job.shot.layers = NEPH_LAYERS_ALL;
     job.shot.time_limit_s = 0.0;
     pictures->paths = calloc((size_t)frames->count, sizeof(*pictures->paths));
     enum neph_status status = pictures->paths ? make_key(&job, frames, made.key, diag)

@@ -208,11 +208,19 @@ static enum neph_status choose(const struct neph_reading *reading,
     return status;
 }
 
+/* Of all frames, or of the only one. */
+struct kept {
+    const struct neph_meter_number *numbers;
+    bool is_one_frame;
+};
+
 static bool is_kept(const struct neph_measurement *number, const void *context)
 {
-    if (number->frame >= 0 || number->quantity != neph_quantity_find("radiance"))
+    const struct kept *of = context;
+    if ((number->frame >= 0 && !of->is_one_frame) ||
+        number->quantity != neph_quantity_find("radiance"))
         return false;
-    for (const struct neph_meter_number *kept = context; kept->metric; kept++)
+    for (const struct neph_meter_number *kept = of->numbers; kept->metric; kept++)
         if (strcmp(number->metric->name, kept->metric) == 0 &&
             strcmp(number->mask, kept->mask) == 0)
             return true;
@@ -225,8 +233,9 @@ static enum neph_status write_document(const char *folder, const char *name,
                                        struct neph_compared *compared,
                                        const struct neph_meter_number *kept, struct neph_diag *diag)
 {
+    const struct kept of = {kept, compared->frame_count == 1};
     if (kept)
-        neph_measurements_select(&compared->numbers, is_kept, kept);
+        neph_measurements_select(&compared->numbers, is_kept, &of);
     json_t *document = kept ? json_pack("{s:o}", "measurements",
                                         neph_measurements_json(&compared->numbers))
                             : neph_compared_json(compared);

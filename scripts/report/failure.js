@@ -114,7 +114,8 @@
   // ----------------------------------------------------------------------------------------- head
 
   function megabytes(bytes) {
-    return `${(bytes / 1e6).toFixed(bytes < 1e7 ? 1 : 0)} MB`;
+    return bytes < 1e6 ? `${Math.ceil(bytes / 1e3)} kB`
+      : `${(bytes / 1e6).toFixed(bytes < 1e7 ? 1 : 0)} MB`;
   }
 
   const fact = (name, value) => el("div", null, el("dt", null, name), el("dd", null, value));
@@ -203,7 +204,7 @@
     const told = order.filter((scene) => of(scene).some(hasNumber));
     const silent = order.filter((scene) => !told.includes(scene));
     return el("section", { "aria-labelledby": "matrix" },
-      el("h2", { id: "matrix" }, "Scenarios and presets"),
+      el("h2", { id: "matrix" }, "Verdicts"),
       told.length > 0 && scrolling("Verdicts", el("table", { class: "wide matrix findings" },
         el("thead", null, el("tr", null, el("th", { scope: "col" }, "Scenario"),
           columns.map(headCell))),
@@ -323,14 +324,14 @@
     const rows = `row ${item.row}, frames ${item.slice_first} to ` +
       `${item.slice_first + item.slice_count - 1}, time runs down`;
     const shown = el("div", { class: "evidence" },
-      flipbook(item, title, size),
+      item.flip_count > 1 && flipbook(item, title, size),
       el("div", { class: "pictures" },
-        figure(item, "worst", `${title}: worst frame`, `worst frame, ${item.worst_frame}`, size),
+        figure(item, "worst", `${title}: worst frame`, `worst frame, ${item.worst_frame * item.frame_step}`, size),
         figure(item, "worst_reference", `${title}: its reference`, "its reference", size),
         figure(item, "worst_difference", `${title}: signed difference`, "frame − reference", size),
         figure(item, "seen_contrast_radiance", `${title}: flicker that is seen`,
           "flicker that is seen: black none, green above 10 times the threshold", size),
-        item.slice_count > 1 && [
+        item.slice_count > 0 && [
           figure(item, "slice", `${title}: a row of pixels over time`, rows, strip),
           figure(item, "slice_reference", `${title}: that row of the reference`,
             "the same of the reference", strip),
@@ -518,6 +519,8 @@
         fact("Known to fail", scene.known),
         fact("Truth of presets", scene.truth === "exact" ? "engine exact"
           : "march, 16 rays a pixel"),
+        columns.some((column) => !column.preset && of(name, column.name).length > 0)
+          && fact("Truth of engines", "engine exact"),
         fact("Sequence", `${scene.frames} frames of ${scene.width_px} × ${scene.height_px} pixels`)),
       of(name).some(hasNumber) ? numbers(name, points.slice(0, 1), `Numbers of ${name}`)
         : el("p", { class: "soft" }, "Nothing was measured so far."),
