@@ -60,6 +60,7 @@ static enum neph_status tell(const struct neph_failure_suite *suite, const char 
                          : neph_failure_print(suite, stdout, diag);
     if (!status)
         fprintf(as_json ? stderr : stdout, "report: %s/index.html\n", page_folder);
+    fflush(stdout); /* before what is told of the verdict */
     return status ? status : judge(suite, diag);
 }
 

@@ -165,14 +165,16 @@ static json_t *cell_json(const struct neph_failure_row *row, const char *column,
                      "verdict", neph_failure_verdict_name(cell->verdict), "why", cell->why);
 }
 
+/* The worst first. */
 static json_t *results_json(const struct neph_failure_suite *suite)
 {
-    json_t *results = json_array();
-    for (int r = 0; r < suite->row_count; r++)
-        for (int c = 0; c < suite->column_count; c++)
-            if (suite->rows[r].cells[c].verdict != NEPH_FAILURE_NOT_ASKED)
-                neph_json_add(&results, cell_json(&suite->rows[r], suite->columns[c].name,
-                                                  &suite->rows[r].cells[c]));
+    int count = 0;
+    struct neph_failure_spot *spots = neph_failure_worst(suite, &count);
+    json_t *results = spots ? json_array() : NULL;
+    for (int i = 0; i < count; i++)
+        neph_json_add(&results, cell_json(spots[i].row, suite->columns[spots[i].column].name,
+                                          &spots[i].row->cells[spots[i].column]));
+    free(spots);
     return results;
 }
 

@@ -25,7 +25,7 @@ char *neph_failure_command(const struct neph_failure_suite *suite,
  *   "frames", "steps", "points": [names, "" the file as it is]}],
  * "compared", "news", "counts": {verdict: n}, "verdict", "seconds", "frames",
  * "results": [{"scene", "point", "measure", "over", "limit", "reason", "column", "value" (null: none,
- *   or infinite), "infinite", "verdict", "why"}, ...]}; NULL when memory is short. */
+ *   or infinite), "infinite", "verdict", "why"}, ...], the worst first}; NULL when memory is short. */
 json_t *neph_failure_json(const struct neph_failure_suite *suite);
 
 #endif

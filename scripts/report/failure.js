@@ -137,7 +137,7 @@
         el("p", null, `${plural(run.compared, "comparison", "comparisons")} made in ` +
           `${plural(run.scenes.length, "scenario", "scenarios")} over ` +
           `${plural(run.frames, "frame", "frames")}; ` +
-          `${run.news === 0 ? "none" : run.news} not as expected.`,
+          (run.news === 0 ? "all as expected." : `${run.news} not as expected.`),
         run.compared === 0 && " Nothing compared is no verdict."),
         run.state !== "finished" && el("p", null,
           `${run.progress.done} of ${run.progress.total} steps` +
