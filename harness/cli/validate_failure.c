@@ -85,6 +85,8 @@ enum neph_status neph_cli_validate_failure(struct neph_failure_params *params, c
         status = neph_failure_run(params, store, &suite, diag);
     if (!status)
         status = tell(&suite, output, page_folder, as_json, diag);
+    else if (status == NEPH_ERR_INTERRUPTED)
+        fprintf(stderr, "report so far: %s/index.html\n", page_folder);
     neph_failure_finish(&suite);
     neph_store_close(store);
     neph_failure_page_close(page);
