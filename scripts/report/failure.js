@@ -151,8 +151,8 @@
   function pictureFact() {
     const { bytes, limit_bytes: limit, left_out: left } = run.pictures;
     return [`${megabytes(bytes)} of pictures, limit of the page ${megabytes(limit)}`,
-      left > 0 && el("span", { class: "open-word" },
-        `; the limit is reached: ${plural(left, "cell has", "cells have")} no pictures`)];
+      left > 0 && ["; ", el("span", { class: "open-word" }, "the limit is reached"),
+        `: ${plural(left, "cell has", "cells have")} no pictures`]];
   }
 
   function head() {
