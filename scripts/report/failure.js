@@ -108,7 +108,8 @@
   const of = (scene, column) => results.filter((result) => result.scene === scene
     && (column === undefined || result.column === column));
   const evidenceOf = (scene) => run.evidence.filter((item) => item.scene === scene);
-  const maskOf = (result) => (result.over === "all" ? "" : `, ${MASKS[result.over] ?? result.over}`);
+  const maskText = (over) => (over === "all" ? "" : `, ${MASKS[over] ?? over}`);
+  const maskOf = (result) => maskText(result.over);
   const placeOf = (result) => (result.point ? ` at ${result.point}` : "");
 
   // ----------------------------------------------------------------------------------------- head
@@ -326,7 +327,8 @@
     const shown = el("div", { class: "evidence" },
       item.flip_count > 1 && flipbook(item, title, size),
       el("div", { class: "pictures" },
-        figure(item, "worst", `${title}: worst frame`, `worst frame, ${item.worst_frame * item.frame_step}`, size),
+        figure(item, "worst", `${title}: worst frame`,
+          `worst frame, ${item.worst_frame * item.frame_step}`, size),
         figure(item, "worst_reference", `${title}: its reference`, "its reference", size),
         figure(item, "worst_difference", `${title}: signed difference`, "frame − reference", size),
         figure(item, "seen_contrast_radiance", `${title}: flicker that is seen`,
@@ -353,16 +355,26 @@
 
   const PLOT = { width: 640, height: 240, left: 56, right: 12, top: 12, bottom: 40 };
 
+  /** 1, 2 or 5 times a power of ten, some five of them to a range. */
+  function evenTicks(low, high) {
+    const rough = (high - low) / 4;
+    const power = 10 ** Math.floor(Math.log10(rough));
+    const step = [1, 2, 5, 10].map((digit) => digit * power).find((one) => one >= rough);
+    const ticks = [];
+    for (let n = Math.ceil(low / step); n * step <= high; n++) ticks.push(n * step);
+    return ticks;
+  }
+
   /** From numbers to a place: logarithmic where all are above 0 and far apart. */
-  function axis(values) {
+  function axis(values, hasEndless) {
     const [low, high] = [Math.min(...values), Math.max(...values)];
     const isLog = low > 0 && high / low > 30;
     const put = isLog ? Math.log10 : (value) => value;
-    const [a, b] = isLog ? [put(low) - 0.1, put(high) + 0.1]
-      : [Math.min(0, low), high === 0 ? 1 : high * 1.08];
+    const [a, b] = isLog ? [put(low) - 0.1, put(high) + (hasEndless ? 0.5 : 0.1)]
+      : [Math.min(0, low), high === 0 ? 1 : high * (hasEndless ? 1.3 : 1.08)];
     const ticks = isLog
       ? [...Array(Math.floor(b) - Math.ceil(a) + 1).keys()].map((n) => 10 ** (Math.ceil(a) + n))
-      : [0, 0.25, 0.5, 0.75, 1].map((part) => a + part * (b - a));
+      : evenTicks(a, b);
     const place = (value) => PLOT.height - PLOT.bottom
       - ((put(value) - a) / (b - a)) * (PLOT.height - PLOT.bottom - PLOT.top);
     return { ticks, place };
@@ -376,15 +388,20 @@
     (x, y) => svg("path", { d: `M${x - 4} ${y - 3}h8l-4 7z` }),
   ];
 
-  function series(values, n, across, place) {
+  /** What never ends stands at the top. */
+  function series(own, n, across, place) {
     const [colour, dash] = SERIES[n % SERIES.length];
-    const points = values.map((value, p) => [across(p), value]).filter(([, v]) => v !== null)
-      .map(([x, value]) => [x, place(value)]);
+    const spots = own.map((one, p) => ({ x: across(p), one })).filter(({ one }) => one);
+    const points = spots.filter(({ one }) => one.value !== null)
+      .map(({ x, one }) => [x, place(one.value)]);
+    const endless = spots.filter(({ one }) => one.infinite).map(({ x }) => [x + 9 * n]);
     const line = points.map(([x, y], i) => `${i ? "L" : "M"}${x.toFixed(1)} ${y.toFixed(1)}`);
     return svg("g", { fill: colour, stroke: colour },
       svg("path", { d: line.join(""), fill: "none", "stroke-width": 1.5,
         "stroke-dasharray": dash || null }),
-      points.map(([x, y]) => MARKS[n % MARKS.length](x, y)));
+      points.map(([x, y]) => MARKS[n % MARKS.length](x, y)),
+      endless.map(([x]) => [MARKS[n % MARKS.length](x, PLOT.top + 6),
+        svg("text", { x, y: PLOT.top + 24, "text-anchor": "middle", stroke: "none" }, "∞")]));
   }
 
   function curveKey(names) {
@@ -409,11 +426,11 @@
       own.some((result) => result.column === name && hasNumber(result)));
     if (names.length === 0) return null;
     const { limit } = own[0];
-    const valueAt = (name, point) => own.find((result) => result.column === name
-      && result.point === point)?.value ?? null;
+    const resultAt = (name, point) => own.find((result) => result.column === name
+      && result.point === point);
     const values = own.map((result) => result.value).filter((value) => value !== null);
     const scale = axis([...values, limit].filter((value, n, all) => value > 0
-      || Math.min(...all) <= 0));
+      || Math.min(...all) <= 0), own.some((result) => result.infinite));
     const room = PLOT.width - PLOT.left - PLOT.right;
     const across = (p) => PLOT.left + (room * (p + 0.5)) / points.length;
     const y = scale.place(limit);
@@ -434,12 +451,10 @@
         points.some((point) => point.includes(" ")) ? "point, as numbered in the table"
           : (points[1] ?? "").replace(/\+?=.*$/, "")),
       svg("line", { class: "limit", x1: PLOT.left, x2: PLOT.width - PLOT.right, y1: y, y2: y }),
-      names.map((name, n) => series(points.map((point) => valueAt(name, point)), n, across,
+      names.map((name, n) => series(points.map((point) => resultAt(name, point)), n, across,
         scale.place)))),
       curveKey(names));
   }
-
-  const maskText = (over) => (over === "all" ? "" : `, ${MASKS[over] ?? over}`);
 
   // --------------------------------------------------------------------------------------- scenes
 
@@ -521,7 +536,8 @@
           : "march, 16 rays a pixel"),
         columns.some((column) => !column.preset && of(name, column.name).length > 0)
           && fact("Truth of engines", "engine exact"),
-        fact("Sequence", `${scene.frames} frames of ${scene.width_px} × ${scene.height_px} pixels`)),
+        fact("Sequence",
+          `${scene.frames} frames of ${scene.width_px} × ${scene.height_px} pixels`)),
       of(name).some(hasNumber) ? numbers(name, points.slice(0, 1), `Numbers of ${name}`)
         : el("p", { class: "soft" }, "Nothing was measured so far."),
       reasons(name),
