@@ -87,8 +87,32 @@ static void print_value(const struct neph_failure_row *row, const struct neph_fa
                 row->limit->limit, verdict);
 }
 
+static bool is_news(const struct neph_failure_spot *spot)
+{
+    return neph_failure_is_news(spot->row->cells[spot->column].verdict);
+}
+
+/* The same number at another point of its sweep. */
+static bool is_kin(const struct neph_failure_spot *a, const struct neph_failure_spot *b)
+{
+    return a->column == b->column && a->row->scene == b->row->scene &&
+           a->row->limit == b->row->limit &&
+           a->row->cells[a->column].verdict == b->row->cells[b->column].verdict;
+}
+
+/* How many of a list are kin of one. */
+static int count_kin(const struct neph_failure_spot *spots, int count,
+                     const struct neph_failure_spot *spot)
+{
+    int kin = 0;
+    for (int i = 0; i < count; i++)
+        kin += is_kin(&spots[i], spot);
+    return kin;
+}
+
+/* At its worst point; `more` are the others. */
 static enum neph_status print_news(const struct neph_failure_suite *suite,
-                                   const struct neph_failure_spot *spot, FILE *out,
+                                   const struct neph_failure_spot *spot, int more, FILE *out,
                                    struct neph_diag *diag)
 {
     const struct neph_failure_row *row = spot->row;
@@ -99,6 +123,8 @@ static enum neph_status print_news(const struct neph_failure_suite *suite,
     fprintf(out, "%s%s%s, %s: ", row->scene->name, row->point[0] ? " " : "", row->point,
             suite->columns[spot->column].name);
     print_value(row, cell, out);
+    if (more > 0)
+        fprintf(out, ", and at %d points more", more);
     fprintf(out, "\n  %s\n", cell->why[0] ? cell->why : row->limit->reason);
     if (cell->verdict == NEPH_FAILURE_FAIL)
         fprintf(out, "  symptom: %s\n", row->scene->failing.symptom);
@@ -128,8 +154,9 @@ enum neph_status neph_failure_print(const struct neph_failure_suite *suite, FILE
     if (spots)
         print_table(suite, spots, count, out);
     for (int i = 0; i < count && !status; i++)
-        if (neph_failure_is_news(spots[i].row->cells[spots[i].column].verdict))
-            status = print_news(suite, &spots[i], out, diag);
+        if (is_news(&spots[i]) && count_kin(spots, i, &spots[i]) == 0)
+            status = print_news(suite, &spots[i], count_kin(spots, count, &spots[i]) - 1, out,
+                                diag);
     if (!status)
         print_counts(suite, out);
     free(spots);

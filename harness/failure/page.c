@@ -77,39 +77,6 @@ static const char *exhibit_of(const struct neph_failure_spot *spot)
     return spot->row->cells[spot->column].exhibit;
 }
 
-static enum neph_status add_shown(struct gallery *gallery, const struct neph_failure_spot *spot,
-                                  size_t limit_bytes, struct neph_diag *diag)
-{
-    json_t *record = NULL;
-    char *path = neph_path_join(exhibit_of(spot), "job.json");
-    if (!path)
-        return neph_fail_memory(diag);
-    record = json_load_file(path, 0, NULL);
-    free(path);
-    if (!record) /* somebody cleans the store: there is nothing to show */
-        return NEPH_OK;
-    struct shown *shown = &gallery->shown[gallery->shown_count++];
-    *shown = (struct shown){
-        .spot = spot, .record = record, .bytes = pictures_size(exhibit_of(spot), record)};
-    shown->fits = gallery->bytes + shown->bytes <= limit_bytes;
-    gallery->bytes += shown->fits ? shown->bytes : 0;
-    gallery->left_out += !shown->fits;
-    return NEPH_OK;
-}
-
-static enum neph_status make_gallery(const struct neph_failure_suite *suite, size_t limit_bytes,
-                                     struct gallery *gallery, struct neph_diag *diag)
-{
-    *gallery = (struct gallery){.spots = NULL};
-    gallery->spots = neph_failure_worst(suite, &gallery->spot_count);
-    gallery->shown = calloc((size_t)gallery->spot_count + 1, sizeof(*gallery->shown));
-    enum neph_status status = gallery->spots && gallery->shown ? NEPH_OK : neph_fail_memory(diag);
-    for (int i = 0; i < gallery->spot_count && !status; i++)
-        if (exhibit_of(&gallery->spots[i]) && !is_shown(gallery, &gallery->spots[i]))
-            status = add_shown(gallery, &gallery->spots[i], limit_bytes, diag);
-    return status;
-}
-
 static void finish_gallery(struct gallery *gallery)
 {
     for (int i = 0; i < gallery->shown_count; i++)
@@ -288,6 +255,68 @@ static json_t *document_of(const struct neph_failure_suite *suite, const struct 
     return document;
 }
 
+/* ---- what fits ------------------------------------------------------------------------------- */
+
+/* In data.json and in data.js, where a "<" takes five bytes more. */
+static size_t data_size(const json_t *json)
+{
+    return 2 * json_dumpb(json, NULL, 0, JSON_INDENT(1)) + 200;
+}
+
+static enum neph_status add_shown(const struct neph_failure_suite *suite, struct gallery *gallery,
+                                  const struct neph_failure_spot *spot, size_t *room_bytes,
+                                  struct neph_diag *diag)
+{
+    json_t *record = NULL;
+    char *path = neph_path_join(exhibit_of(spot), "job.json");
+    if (!path)
+        return neph_fail_memory(diag);
+    record = json_load_file(path, 0, NULL);
+    free(path);
+    if (!record) /* somebody cleans the store: there is nothing to show */
+        return NEPH_OK;
+    struct shown *shown = &gallery->shown[gallery->shown_count++];
+    *shown = (struct shown){
+        .spot = spot, .record = record, .bytes = pictures_size(exhibit_of(spot), record)};
+    json_t *entry = shown_json(suite, shown);
+    const size_t bytes = shown->bytes + data_size(entry);
+    json_decref(entry);
+    shown->fits = bytes <= *room_bytes;
+    *room_bytes -= shown->fits ? bytes : 0;
+    gallery->bytes += shown->fits ? shown->bytes : 0;
+    gallery->left_out += !shown->fits;
+    return NEPH_OK;
+}
+
+/* What is left of the limit beside all that is no evidence. */
+static size_t room_for_evidence(const struct neph_failure_page *page,
+                                const struct neph_failure_suite *suite,
+                                const struct gallery *gallery)
+{
+    const char *work = neph_report_folder_work(page->folder);
+    json_t *document = document_of(suite, gallery, page->limit_bytes);
+    size_t taken = data_size(document);
+    json_decref(document);
+    for (const struct neph_page_file *file = page_files; file->from; file++)
+        taken += file_size(work, file->to);
+    return page->limit_bytes > taken ? page->limit_bytes - taken : 0;
+}
+
+static enum neph_status make_gallery(const struct neph_failure_page *page,
+                                     const struct neph_failure_suite *suite,
+                                     struct gallery *gallery, struct neph_diag *diag)
+{
+    *gallery = (struct gallery){.spots = NULL};
+    gallery->spots = neph_failure_worst(suite, &gallery->spot_count);
+    gallery->shown = calloc((size_t)gallery->spot_count + 1, sizeof(*gallery->shown));
+    enum neph_status status = gallery->spots && gallery->shown ? NEPH_OK : neph_fail_memory(diag);
+    size_t room_bytes = status ? 0 : room_for_evidence(page, suite, gallery);
+    for (int i = 0; i < gallery->spot_count && !status; i++)
+        if (exhibit_of(&gallery->spots[i]) && !is_shown(gallery, &gallery->spots[i]))
+            status = add_shown(suite, gallery, &gallery->spots[i], &room_bytes, diag);
+    return status;
+}
+
 /* ---- the page -------------------------------------------------------------------------------- */
 
 enum neph_status neph_failure_page_open(const char *folder, size_t limit_bytes,
@@ -316,19 +345,6 @@ void neph_failure_page_close(struct neph_failure_page *page)
     free(page);
 }
 
-/* Numbers are in data.json and in data.js; what evidence adds to them is little beside pictures. */
-static size_t room_for_pictures(const struct neph_failure_page *page,
-                                const struct neph_failure_suite *suite)
-{
-    const char *work = neph_report_folder_work(page->folder);
-    json_t *document = neph_failure_json(suite);
-    size_t taken = 4 * json_dumpb(document, NULL, 0, JSON_INDENT(1));
-    json_decref(document);
-    for (const struct neph_page_file *file = page_files; file->from; file++)
-        taken += file_size(work, file->to);
-    return page->limit_bytes > taken ? page->limit_bytes - taken : 0;
-}
-
 static enum neph_status publish(const struct neph_failure_page *page, const json_t *document,
                                 struct neph_diag *diag)
 {
@@ -348,7 +364,7 @@ enum neph_status neph_failure_page_publish(const struct neph_failure_suite *suit
     const struct neph_failure_page *page = page_;
     struct gallery gallery;
     json_t *document = NULL;
-    enum neph_status status = make_gallery(suite, room_for_pictures(page, suite), &gallery, diag);
+    enum neph_status status = make_gallery(page, suite, &gallery, diag);
     if (!status)
         status = hang_pictures(&gallery, neph_report_folder_work(page->folder), diag);
     if (!status) {

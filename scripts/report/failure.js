@@ -121,16 +121,28 @@
 
   const fact = (name, value) => el("div", null, el("dt", null, name), el("dd", null, value));
 
-  function newsItem(result) {
+  /** What is new at several points of a sweep stands once, at the worst of them. */
+  function news() {
+    const kin = new Map();
+    for (const result of results.filter((one) => NEWS.includes(one.verdict))) {
+      const { scene, column, measure, over, verdict } = result;
+      const key = [scene, column, measure, over, verdict].join("\n");
+      kin.set(key, [...(kin.get(key) ?? []), result]);
+    }
+    return [...kin.values()].map(newsItem);
+  }
+
+  function newsItem([result, ...more]) {
     return el("li", null, word(result.verdict, true), " ",
       el("a", { href: `#${anchor(result.scene)}` }, result.scene), placeOf(result), " · ",
       el("b", null, result.column), ` · ${result.measure}${maskOf(result)}: `,
-      hasNumber(result) ? [numberOf(result), ", limit ", limitOf(result)] : result.why);
+      hasNumber(result) ? [numberOf(result), ", limit ", limitOf(result)] : result.why,
+      more.length > 0 && `, and at ${plural(more.length, "point", "points")} more`);
   }
 
   function verdict() {
     const [said, kind] = STATES[run.state] ?? OVER[run.verdict] ?? [run.verdict, "open"];
-    const news = results.filter((result) => NEWS.includes(result.verdict)).map(newsItem);
+    const list = news();
     const left = run.progress.left_s;
     return el("div", { class: `verdict ${kind}` },
       el("p", { class: "word" }, said),
@@ -144,9 +156,9 @@
           `${run.progress.done} of ${run.progress.total} steps` +
           `${run.state === "running" && left > 0 ? `, about ${Math.ceil(left)} s left` : ""}: ` +
           "what follows is what there is so far.")),
-      news.length > 0 && el("ul", null, news.slice(0, LISTED)),
-      news.length > LISTED && el("details", null,
-        el("summary", null, `${news.length - LISTED} more`), el("ul", null, news.slice(LISTED))));
+      list.length > 0 && el("ul", null, list.slice(0, LISTED)),
+      list.length > LISTED && el("details", null,
+        el("summary", null, `${list.length - LISTED} more`), el("ul", null, list.slice(LISTED))));
   }
 
   function pictureFact() {
