@@ -61,7 +61,7 @@ function survey() {
       && !cell.hasAttribute("title")).map(text),
     pictures: [...document.querySelectorAll("img.pixels")].map((image) => ({
       src: image.getAttribute("src"), alt: image.alt, hidden: image.hidden,
-      loaded: image.naturalWidth > 0 })),
+      loaded: image.naturalWidth > 0, shrunk: image.clientWidth < image.naturalWidth })),
     holes: [...document.querySelectorAll(".hole")].map(text),
     nameless: [...document.querySelectorAll("button, input")].filter((control) =>
       !control.getAttribute("aria-label") && !control.innerText).length,
@@ -103,6 +103,7 @@ function checkWindow(where, seen) {
   for (const text of seen.holes) find(`${where}: ${text}`);
   for (const image of seen.pictures) {
     if (!image.hidden && !image.loaded) find(`${where}: ${image.src} does not load`);
+    if (!image.hidden && image.shrunk) find(`${where}: ${image.src} is smaller than its pixels`);
     if (!image.alt) find(`${where}: ${image.src} says nothing to who does not see it`);
   }
   if (seen.nameless > 0) find(`${where}: ${seen.nameless} controls without a name`);

@@ -279,7 +279,7 @@
   const calm = window.matchMedia("(prefers-reduced-motion: reduce)");
 
   /** Frames in turn while the button is down; the slider stops them at one. */
-  function flipbook(item, title, size) {
+  function flipbook(item, title, size, beside) {
     const count = item.flip_count;
     const numbers = [...Array(count).keys()];
     const test = stack(item, numbers.map((n) => `flip_${n}`), title, size);
@@ -315,7 +315,7 @@
     const pair = el("div", { class: "pictures flips" },
       [[test, `frames ${item.flip_first} to ${item.flip_first + count - 1}`],
         [reference, "reference"]].map(([one, caption]) => one && el("figure", null, one.element,
-        el("figcaption", null, caption))));
+        el("figcaption", null, caption))), beside);
     return el("div", { class: "flipbook", role: "group", "aria-label": `Flip-book of ${title}` },
       pair, el("div", { class: "wipe" }, button, slider));
   }
@@ -336,21 +336,21 @@
     const title = `${item.scene} by ${item.column}`;
     const rows = `row ${item.row}, frames ${item.slice_first} to ` +
       `${item.slice_first + item.slice_count - 1}, time runs down`;
+    const flicker = figure(item, "seen_contrast_radiance", `${title}: flicker that is seen`,
+      "flicker that is seen: black none, green above 10 times the threshold", size);
     const shown = el("div", { class: "evidence" },
-      item.flip_count > 1 && flipbook(item, title, size),
+      item.flip_count > 1 && flipbook(item, title, size, flicker),
       el("div", { class: "pictures" },
         figure(item, "worst", `${title}: worst frame`,
           `worst frame, ${item.worst_frame * item.frame_step}`, size),
         figure(item, "worst_reference", `${title}: its reference`, "its reference", size),
-        figure(item, "worst_difference", `${title}: signed difference`, "frame − reference", size),
-        figure(item, "seen_contrast_radiance", `${title}: flicker that is seen`,
-          "flicker that is seen: black none, green above 10 times the threshold", size),
-        item.slice_count > 0 && [
-          figure(item, "slice", `${title}: a row of pixels over time`, rows, strip),
-          figure(item, "slice_reference", `${title}: that row of the reference`,
-            "the same of the reference", strip),
-          figure(item, "slice_difference", `${title}: difference of that row`,
-            "frames − reference", strip)]),
+        figure(item, "worst_difference", `${title}: signed difference`, "frame − reference", size)),
+      item.slice_count > 0 && el("div", { class: "pictures" },
+        figure(item, "slice", `${title}: a row of pixels over time`, rows, strip),
+        figure(item, "slice_reference", `${title}: that row of the reference`,
+          "the same of the reference", strip),
+        figure(item, "slice_difference", `${title}: difference of that row`,
+          "frames − reference", strip)),
       has(item, "worst_difference") && differenceScale(item));
     shown.style.setProperty("--image-width", size[0]);
     shown.style.setProperty("--image-height", size[1]);
