@@ -186,6 +186,12 @@ class Engines(unittest.TestCase):
         self.assertNotIn(("fog_none", "flicker", "all", "march"), found)
         self.assertIn(("fog_none", "flicker", "all", "fixed"), found)
 
+    def test_of_what_moves_three_frames(self):
+        """The first, the middle and the last, each against its own moment."""
+        done = suite(TEMPORARY.name, "--only", "elevator", "-e", "march", "--json")
+        self.assertEqual((done.returncode, json.loads(done.stdout)["frames"]), (0, 3), done.stderr)
+        self.assertLess(cells(done)["elevator", "error", "all", "march"]["value"], 1e-3)
+
     def test_what_is_missing_is_said_and_is_no_verdict(self):
         done = suite(TEMPORARY.name, "--only", "fog_none", "-e", "povray", "--json",
                      PATH="/nowhere")
