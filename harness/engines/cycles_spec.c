@@ -25,8 +25,8 @@ _Static_assert(NEPH_SCENE_MEDIA_MAX <= VOLUME_STACK, "Cycles drops overlapping m
 static const double optical_depth_per_unit = 10.0;
 static const double thinnest_of_densest = 1e-6;
 
-/* What is farther from the camera Blender clips (scripts/blender_render.py), media included: the fog
- * would not be there. */
+/* What is farther from the camera Blender clips (scripts/blender_render.py), media included:
+ * fog would not be there. */
 static const double clip_end_units = 1e9;
 
 /* Some tens of the last place of single precision. */

@@ -18,8 +18,8 @@ enum neph_status neph_exhibit_key(const char *take_key, char key[NEPH_HASH_HEX_S
                                   struct neph_diag *diag);
 
 /* Whether it is in the store: `*folder` (to free) has the pictures that `*record` (to json_decref)
- * names in "pictures", beside "frame_step", "worst_frame", "row", "slice_first", "slice_count", "flip_first",
- * "flip_count" and "scale". */
+ * names in "pictures", beside "frame_step", "worst_frame", "row", "slice_first", "slice_count",
+ * "flip_first", "flip_count" and "scale". */
 bool neph_exhibit_find(struct neph_store *store, const char *key, char **folder, json_t **record);
 
 /* Make and publish it. Frames with bad values, fewer than what is seen needs, or without a

@@ -24,8 +24,9 @@ char *neph_failure_command(const struct neph_failure_suite *suite,
  * "scenes": [{"name", "title", "fails", "known", "symptom", "truth", "width_px", "height_px",
  *   "frames", "steps", "points": [names, "" the file as it is]}],
  * "compared", "news", "counts": {verdict: n}, "verdict", "seconds", "frames",
- * "results": [{"scene", "point", "measure", "over", "limit", "reason", "column", "value" (null: none,
- *   or infinite), "infinite", "verdict", "why"}, ...], the worst first}; NULL when memory is short. */
+ * "results": [{"scene", "point", "measure", "over", "limit", "reason", "column", "value" (null:
+ *   none, or infinite), "infinite", "verdict", "why"}, ...], the worst first}; NULL when memory is
+ * short. */
 json_t *neph_failure_json(const struct neph_failure_suite *suite);
 
 #endif

@@ -13,7 +13,7 @@
 
 enum { NEPH_FAILURE_COLUMNS_MAX = 24, NEPH_FAILURE_JOBS_MAX = 64 };
 
-/* Of which cells there is evidence. */
+/* Cells that there is evidence of. */
 enum neph_failure_pictures {
     NEPH_FAILURE_PICTURES_FAILED,  /* what fails, known or not, and what is no longer known */
     NEPH_FAILURE_PICTURES_CHANGED, /* what is not as expected */

@@ -52,7 +52,7 @@ static void expect_point(struct neph_failure_bench *bench, const struct neph_fai
     }
 }
 
-/* Of the whole, also in a share: the time left is that of all. */
+/* A share, too, expects the whole: the time left is that of all. */
 static void expect(struct neph_failure_bench *bench)
 {
     const struct neph_failure_suite *suite = bench->suite;

@@ -14,7 +14,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Of a child process, for one picture of a stamp's size: so much that load does not decide. */
+/* A child process may take this long over a picture of a stamp's size: so much that load does not
+ * decide. */
 static const double engine_limit_s = 300.0;
 
 /* ---- points ---------------------------------------------------------------------------------- */

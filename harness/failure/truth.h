@@ -13,7 +13,7 @@ struct neph_failure_frames {
     int count, step;
 };
 
-/* Of engines: where nothing moves one, else the first, the middle and the last of the sequence. */
+/* Frames of engines: where nothing moves one, else the first, the middle and the last. */
 struct neph_failure_frames neph_failure_engine_frames(const struct neph_scene *scene);
 
 /* That of presets: `test` is a job of one of them. Free with neph_reference_finish(). Errors as of

@@ -208,7 +208,7 @@ static enum neph_status choose(const struct neph_reading *reading,
     return status;
 }
 
-/* Of all frames, or of the only one. */
+/* What a document keeps: numbers of all frames, or of the only one. */
 struct kept {
     const struct neph_meter_number *numbers;
     bool is_one_frame;

@@ -71,7 +71,7 @@ struct neph_take {
 enum neph_status neph_take_run(const struct neph_take *take, struct neph_store *store,
                                char **folder, json_t **record, struct neph_diag *diag);
 
-/* Have the take's `look` see the frames of a take that is in the store, rendered once more for it. */
+/* Have the take's `look` see the frames of a take that is in the store, rendered once more. */
 enum neph_status neph_take_see(const struct neph_take *take, struct neph_store *store,
                                struct neph_diag *diag);
 

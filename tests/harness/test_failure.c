@@ -366,8 +366,8 @@ static int count_columns(const struct neph_failure_suite *suite, bool presets)
     return count;
 }
 
-/* Presets alone, engines alone, both, and neither: those of the tier, engines where a scenario is of
- * them. */
+/* Presets alone, engines alone, both, and neither: those of the tier, engines where a scenario is
+ * of them. */
 static void test_presets_and_engines_choose_columns(void **state)
 {
     (void)state;
@@ -394,7 +394,7 @@ static void test_presets_and_engines_choose_columns(void **state)
     }
 }
 
-/* Of an engine, in the scenarios of fog alone, what is of a picture. */
+/* An engine is asked for what is of a picture, in the scenarios of fog alone. */
 static void test_engines_are_asked_for_what_is_of_a_picture(void **state)
 {
     (void)state;
