@@ -36,7 +36,7 @@ double neph_progress_left_s(const struct neph_progress *progress)
         is_known = is_known || done > 0 || each_s > 0.0;
         left_s += each_s * fmax(left, 0);
     }
-    return is_known ? left_s : -1.0;
+    return is_known ? left_s / (progress->workers > 1 ? progress->workers : 1) : -1.0;
 }
 
 void neph_progress_count(const struct neph_progress *progress, int *done, int *total)
@@ -118,6 +118,12 @@ void neph_progress_tick(struct neph_progress *progress, const char *what)
     print_name(what);
     print_left(progress);
     fprintf(stderr, "\n");
+}
+
+void neph_progress_credit(struct neph_progress *progress, int kind, int steps, double seconds)
+{
+    progress->kinds[kind].done += steps;
+    progress->kinds[kind].spent_s += seconds;
 }
 
 void neph_progress_warn(const char *format, ...)

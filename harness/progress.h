@@ -16,7 +16,8 @@ enum { NEPH_PROGRESS_KINDS = 48 };
 
 struct neph_progress {
     bool quiet, terminal;
-    int kind; /* of the step at hand, 0 .. NEPH_PROGRESS_KINDS - 1; callers set it */
+    int workers; /* that take steps at the same time; 0: one */
+    int kind;    /* of the step at hand, 0 .. NEPH_PROGRESS_KINDS - 1; callers set it */
     struct {
         int total, done;
         double guess_s, spent_s; /* of one; of all that are done */
@@ -40,6 +41,9 @@ void neph_progress_step(struct neph_progress *progress, const char *what, const 
 
 /* A step of many short ones is over: elsewhere than on a terminal a line every ten seconds. */
 void neph_progress_tick(struct neph_progress *progress, const char *what);
+
+/* Others have finished so many steps of a kind, which took them `seconds` in all. */
+void neph_progress_credit(struct neph_progress *progress, int kind, int steps, double seconds);
 
 /* A line that is told in any case, also by quiet runs and in the middle of a step: "neph: ...". */
 void neph_progress_warn(const char *format, ...) __attribute__((format(printf, 1, 2)));

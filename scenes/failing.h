@@ -61,7 +61,8 @@ struct neph_failing {
     int width_px, height_px, frame_count, steps; /* what the limits hold at */
     int event_frame; /* of what happens in the scene, for lags; 0: nothing does */
     enum neph_failing_truth truth;
-    bool quick; /* one of the quick tier */
+    bool quick;   /* one of the quick tier */
+    bool engines; /* also of engines that make each picture anew, against engine exact */
     int limit_count;
     struct neph_failing_limit *limits; /* owned */
     int axis_count;

@@ -98,12 +98,13 @@ static json_t *failing_json(const struct neph_failing *failing)
 {
     if (!failing->fails)
         return json_null();
-    return json_pack("{s:s, s:s, s:s, s:s, s:[i, i], s:i, s:i, s:s, s:b, s:o, s:o}", "fails",
+    return json_pack("{s:s, s:s, s:s, s:s, s:[i, i], s:i, s:i, s:s, s:b, s:b, s:o, s:o}", "fails",
                      failing->fails, "known", failing->known, "symptom", failing->symptom,
                      "presets", failing->presets, "size_px", failing->width_px, failing->height_px,
                      "frames", failing->frame_count, "steps", failing->steps, "truth",
-                     neph_failing_truth_name(failing->truth), "quick", failing->quick, "measures",
-                     limits_json(failing), "points", points_json(failing));
+                     neph_failing_truth_name(failing->truth), "quick", failing->quick, "engines",
+                     failing->engines, "measures", limits_json(failing), "points",
+                     points_json(failing));
 }
 
 static json_t *scene_json(const struct neph_scene *scene)
@@ -134,10 +135,11 @@ static void print_failing(const struct neph_failing *failing)
     if (!failing->fails)
         return;
     printf("fails       %s\nknown       %s\nsymptom     %s\n"
-           "judged      %dx%d px, %d frames, %d steps, against %s, presets %s, tier %s\n",
+           "judged      %dx%d px, %d frames, %d steps, against %s, presets %s%s, tier %s\n",
            failing->fails, failing->known, failing->symptom, failing->width_px, failing->height_px,
            failing->frame_count, failing->steps, neph_failing_truth_name(failing->truth),
-           failing->presets[0] ? failing->presets : "all", failing->quick ? "quick" : "full");
+           failing->presets[0] ? failing->presets : "all", failing->engines ? " and engines" : "",
+           failing->quick ? "quick" : "full");
     for (int i = 0; i < failing->limit_count; i++)
         printf("limit       %s over %s <= %g: %s\n",
                neph_failing_measure_name(failing->limits[i].measure), failing->limits[i].over,

@@ -21,8 +21,8 @@
 struct request {
     struct neph_cli_shared shared; /* operands: scenes */
     struct neph_cli_words engines, only, presets;
-    const char *tier, *suite, *check;
-    int budget_s, samples, jobs;
+    const char *tier, *suite, *check, *pictures;
+    int budget_s, samples, jobs, page_limit_mb;
     bool no_charts;
 };
 
@@ -34,7 +34,8 @@ static const struct neph_cli_option options[] = {
     {"suite", 0, "NAME",
      "catalog: the same as --tier full; physics: every engine against truth that needs no "
      "renderer; "
-     "failure: presets of realtime where such methods fail, with limits (tiers quick, full)",
+     "failure: presets of realtime where such methods fail, and engines in fog, with limits (tiers "
+     "quick, full)",
      NEPH_CLI_WORD, .at = offsetof(struct request, suite)},
     {"check", 0, "TEXT", "Of the physics suite: only checks whose name or rung contains TEXT",
      NEPH_CLI_WORD, .at = offsetof(struct request, check)},
@@ -46,11 +47,20 @@ static const struct neph_cli_option options[] = {
      NEPH_CLI_WORDS, .at = offsetof(struct request, only)},
     {"preset", 0, "NAME",
      "Of the failure suite: only this preset, or PRESET+KEY=VALUE; may be given several times "
-     "(default: seed, fixed and ours, in the full tier all)",
+     "(default: seed, fixed and ours, in the full tier all; march, cycles and povray beside them)",
      NEPH_CLI_WORDS, .at = offsetof(struct request, presets)},
     {"jobs", 0, "N", "Of the failure suite: processes that render at the same time (default: 1)",
      NEPH_CLI_INTEGER, .at = offsetof(struct request, jobs), .minimum = 1,
      .maximum = NEPH_FAILURE_JOBS_MAX},
+    {"pictures", 0, "WHICH",
+     "Of the failure suite: results that the page has pictures of: failed (default), changed, all, "
+     "none",
+     NEPH_CLI_WORD, .at = offsetof(struct request, pictures)},
+    {"page-limit", 0, "MB",
+     "Of the failure suite: what the page may take; the worst results have their pictures first "
+     "(default: 60)",
+     NEPH_CLI_INTEGER, .at = offsetof(struct request, page_limit_mb), .minimum = 1,
+     .maximum = 1000000},
     {"engine", 'e', "NAME", "Only this engine; may be given several times (default: all)",
      NEPH_CLI_WORDS, .at = offsetof(struct request, engines)},
     {.name = "set",
@@ -88,14 +98,21 @@ static void check_failure(const struct request *request, const struct argp_state
 {
     const struct neph_cli_shared *shared = &request->shared;
     if (!is_failure(request)) {
-        if (request->only.count > 0 || request->presets.count > 0 || request->jobs >= 0)
-            argp_error(state, "--only, --preset and --jobs belong to --suite failure");
+        if (request->only.count > 0 || request->presets.count > 0 || request->jobs >= 0 ||
+            request->pictures || request->page_limit_mb >= 0)
+            argp_error(state, "--only, --preset, --jobs, --pictures and --page-limit belong to "
+                              "--suite failure");
         return;
     }
     if (shared->operand_count > 0)
         argp_error(state, "the failure suite has scenarios of its own; --only chooses among them");
-    if (request->engines.count > 0 || shared->settings.count > 0)
-        argp_error(state, "the failure suite is of presets: --preset, and no --engine or --set");
+    if (shared->settings.count > 0)
+        argp_error(state, "the failure suite has no --set; presets take settings: --preset "
+                          "NAME+KEY=VALUE");
+    if (request->pictures &&
+        neph_cli_failure_pictures(request->pictures) == NEPH_FAILURE_PICTURES_COUNT)
+        argp_error(state, "there are no pictures '%s'; there are failed, changed, all and none",
+                   request->pictures);
 }
 
 static void check(const void *request_, const struct argp_state *state)
@@ -145,7 +162,8 @@ static const struct neph_cli_syntax syntax = {
         "  neph validate my_fog.yaml -e exact -e march -s march:steps=256 -o /tmp/fog\n"
         "  neph validate --suite physics -o out/physics\n"
         "  neph validate --suite physics --check slab -e oracle -e tracer --samples 4096\n"
-        "  neph validate --suite failure --only fence_tiles --preset fixed+override=parallel",
+        "  neph validate --suite failure --only fence_tiles --preset fixed+override=parallel\n"
+        "  neph validate --suite failure --only fog_seam -e povray --pictures all",
 };
 
 /* The physics suite: the frame of a validation without scenes, and the checks. */
@@ -332,17 +350,23 @@ static enum neph_status run_catalog(const struct request *request, struct neph_d
 static enum neph_status run_failure(const struct request *request, struct neph_diag *diag)
 {
     const struct neph_cli_shared *shared = &request->shared;
-    const struct neph_failure_params params = {.full = request->tier &&
-                                                       strcmp(request->tier, "full") == 0,
-                                               .only = request->only.list,
-                                               .only_count = request->only.count,
-                                               .presets = request->presets.list,
-                                               .preset_count = request->presets.count,
-                                               .width_px = shared->size.width_px,
-                                               .height_px = shared->size.height_px,
-                                               .jobs = request->jobs < 0 ? 1 : request->jobs,
-                                               .quiet = shared->quiet};
-    return neph_cli_validate_failure(&params, shared->output, shared->json, diag);
+    struct neph_failure_params params = {.full = request->tier &&
+                                                 strcmp(request->tier, "full") == 0,
+                                         .only = request->only.list,
+                                         .only_count = request->only.count,
+                                         .presets = request->presets.list,
+                                         .preset_count = request->presets.count,
+                                         .engines = request->engines.list,
+                                         .engine_count = request->engines.count,
+                                         .width_px = shared->size.width_px,
+                                         .height_px = shared->size.height_px,
+                                         .jobs = request->jobs < 0 ? 1 : request->jobs,
+                                         .quiet = shared->quiet};
+    const size_t limit_mb = request->page_limit_mb < 0 ? 60 : (size_t)request->page_limit_mb;
+    if (request->pictures)
+        params.pictures = neph_cli_failure_pictures(request->pictures);
+    return neph_cli_validate_failure(&params, shared->output, limit_mb * 1000000, shared->json,
+                                     diag);
 }
 
 enum neph_status neph_cli_validate(int argc, char **argv, struct neph_diag *diag)

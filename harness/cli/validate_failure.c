@@ -4,9 +4,24 @@
 #include "base/files.h"
 #include "harness/cli/cli.h"
 #include "harness/failure/output.h"
+#include "harness/failure/page.h"
 
 #include <stdlib.h>
 #include <string.h>
+
+enum neph_failure_pictures neph_cli_failure_pictures(const char *word)
+{
+    static const char *const words[NEPH_FAILURE_PICTURES_COUNT] = {
+        [NEPH_FAILURE_PICTURES_FAILED] = "failed",
+        [NEPH_FAILURE_PICTURES_CHANGED] = "changed",
+        [NEPH_FAILURE_PICTURES_ALL] = "all",
+        [NEPH_FAILURE_PICTURES_NONE] = "none",
+    };
+    int found = 0;
+    while (found < NEPH_FAILURE_PICTURES_COUNT && strcmp(words[found], word) != 0)
+        found++;
+    return (enum neph_failure_pictures)found;
+}
 
 static enum neph_status write_json(const char *output, const struct neph_failure_suite *suite,
                                    struct neph_diag *diag)
@@ -37,30 +52,45 @@ static enum neph_status judge(const struct neph_failure_suite *suite, struct nep
 }
 
 static enum neph_status tell(const struct neph_failure_suite *suite, const char *output,
-                             bool as_json, struct neph_diag *diag)
+                             const char *page_folder, bool as_json, struct neph_diag *diag)
 {
     enum neph_status status = write_json(output, suite, diag);
-    if (!status && as_json)
-        status = neph_cli_print_json(neph_failure_json(suite), diag);
-    else if (!status)
-        neph_failure_print(suite, stdout);
+    if (!status)
+        status = as_json ? neph_cli_print_json(neph_failure_json(suite), diag)
+                         : neph_failure_print(suite, stdout, diag);
+    if (!status)
+        fprintf(as_json ? stderr : stdout, "report: %s/index.html\n", page_folder);
+    fflush(stdout); /* before what is told of the verdict */
     return status ? status : judge(suite, diag);
 }
 
-enum neph_status neph_cli_validate_failure(const struct neph_failure_params *params,
-                                           const char *output, bool as_json, struct neph_diag *diag)
+enum neph_status neph_cli_validate_failure(struct neph_failure_params *params, const char *output,
+                                           size_t page_limit_bytes, bool as_json,
+                                           struct neph_diag *diag)
 {
     struct neph_store *store = NULL;
+    struct neph_failure_page *page = NULL;
     struct neph_failure_suite suite = {.scenes = NULL};
-    char *folder = neph_path_join(output, "store");
-    enum neph_status status = folder ? neph_store_open(folder, &store, diag)
-                                     : neph_fail_memory(diag);
+    char *store_folder = neph_path_join(output, "store");
+    char *page_folder = neph_path_join(output, "report");
+    enum neph_status status = store_folder && page_folder
+                                  ? neph_failure_page_open(page_folder, page_limit_bytes, &page,
+                                                           diag)
+                                  : neph_fail_memory(diag);
+    if (!status)
+        status = neph_store_open(store_folder, &store, diag);
+    params->show = neph_failure_page_publish;
+    params->context = page;
     if (!status)
         status = neph_failure_run(params, store, &suite, diag);
     if (!status)
-        status = tell(&suite, output, as_json, diag);
+        status = tell(&suite, output, page_folder, as_json, diag);
+    else if (status == NEPH_ERR_INTERRUPTED)
+        fprintf(stderr, "report so far: %s/index.html\n", page_folder);
     neph_failure_finish(&suite);
     neph_store_close(store);
-    free(folder);
+    neph_failure_page_close(page);
+    free(store_folder);
+    free(page_folder);
     return status;
 }

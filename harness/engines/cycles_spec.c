@@ -25,6 +25,10 @@ _Static_assert(NEPH_SCENE_MEDIA_MAX <= VOLUME_STACK, "Cycles drops overlapping m
 static const double optical_depth_per_unit = 10.0;
 static const double thinnest_of_densest = 1e-6;
 
+/* What is farther from the camera Blender clips (scripts/blender_render.py), media included:
+ * fog would not be there. */
+static const double clip_end_units = 1e9;
+
 /* Some tens of the last place of single precision. */
 static const double face_step = 4e-6;
 
@@ -209,6 +213,28 @@ static enum neph_status adapt_medium(const struct neph_scene *scene, int index,
     return NEPH_OK;
 }
 
+static double farthest_m(const struct neph_bounds *box, struct neph_vec3 eye_m)
+{
+    const struct neph_vec3 low = neph_vec3_sub(eye_m, box->min_m);
+    const struct neph_vec3 high = neph_vec3_sub(box->max_m, eye_m);
+    const struct neph_vec3 most = {fmax(fabs(low.x), fabs(high.x)), fmax(fabs(low.y), fabs(high.y)),
+                                   fmax(fabs(low.z), fabs(high.z))};
+    return neph_vec3_length(most);
+}
+
+static enum neph_status check_reach(const struct neph_scene *scene,
+                                    const struct neph_cycles_world *world, struct neph_diag *diag)
+{
+    const struct neph_camera camera = neph_scene_camera(scene, 0.0);
+    for (int i = 0; i < scene->medium_count; i++)
+        if (world->used[i] &&
+            farthest_m(&world->containers[i], camera.position_m) > clip_end_units * world->unit_m)
+            return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
+                             "a medium that goes on for more than 1e10 mean free paths of its "
+                             "densest point: Blender clips it away");
+    return NEPH_OK;
+}
+
 static enum neph_status choose_unit(const struct neph_scene *scene, struct neph_cycles_world *world,
                                     struct neph_diag *diag)
 {
@@ -226,7 +252,7 @@ static enum neph_status choose_unit(const struct neph_scene *scene, struct neph_
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
                          "media whose extinctions differ by more than a factor of 1e6");
     world->unit_m = most > 0.0 ? optical_depth_per_unit / most : 1.0;
-    return NEPH_OK;
+    return check_reach(scene, world, diag);
 }
 
 enum neph_status neph_cycles_world(const struct neph_scene *scene, struct neph_cycles_world *world,

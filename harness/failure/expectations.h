@@ -6,8 +6,9 @@
  *     {"scene": "fence_tiles", "presets": ["seed"], "measure": "period_4", "is": "fails",
  *      "reason": "all tiles override at once"}, ...]}
  *
- * "over" (a mask) and "points" (names of points of the sweep, "" the file as it is) narrow an entry
- * down; without them it is of all. The first entry that fits counts.
+ * "presets" may name engines, too. "over" (a mask) and "points" (names of points of the sweep, ""
+ * the file as it is) narrow an entry down; without them it is of all. The first entry that fits
+ * counts.
  */
 #ifndef NEPH_HARNESS_FAILURE_EXPECTATIONS_H
 #define NEPH_HARNESS_FAILURE_EXPECTATIONS_H

@@ -38,11 +38,12 @@ static double ratio(const double numbers[NEPH_FAILURE_NUMBERS])
 
 static const struct neph_failure_measure measures[NEPH_FAILING_MEASURES] = {
     [NEPH_FAILING_ERROR] = {"error", {"rel_rmse"}, {NULL}, itself},
-    [NEPH_FAILING_FLICKER] = {"seen", {"seen_contrast"}, {NULL}, itself},
-    [NEPH_FAILING_PERIOD_4] = {"cycles", {"repeats_4", "cycle_std"}, {NULL}, or_bound},
-    [NEPH_FAILING_LAG] = {"lag", {"frames_to_10_p95", "share_unsettled_10"}, {NULL}, or_never},
+    [NEPH_FAILING_FLICKER] = {"seen", {"seen_contrast"}, {NULL}, itself, true},
+    [NEPH_FAILING_PERIOD_4] = {"cycles", {"repeats_4", "cycle_std"}, {NULL}, or_bound, true},
+    [NEPH_FAILING_LAG] =
+        {"lag", {"frames_to_10_p95", "share_unsettled_10"}, {NULL}, or_never, true},
     [NEPH_FAILING_EDGE_RATIO] = {"error", {"rmse", "rmse"}, {"depth_edge", "non_edge"}, ratio},
-    [NEPH_FAILING_NEVER_SEEN] = {"lag", {"share_never_settled"}, {NULL}, itself},
+    [NEPH_FAILING_NEVER_SEEN] = {"lag", {"share_never_settled"}, {NULL}, itself, true},
     [NEPH_FAILING_ENERGY] = {"error", {"rel_bias"}, {NULL}, magnitude},
     [NEPH_FAILING_BAD_VALUES] = {NULL, {NULL}, {NULL}, itself},
 };
@@ -59,14 +60,20 @@ static bool is_listed(const char *const *names, const char *name)
     return *names != NULL;
 }
 
-void neph_failure_extractors(const struct neph_failing *failing,
+/* Whether a limit's numbers are taken. */
+static bool is_taken(const struct neph_failing_limit *limit, bool over_time)
+{
+    return over_time || !measures[limit->measure].over_time;
+}
+
+void neph_failure_extractors(const struct neph_failing *failing, bool over_time,
                              const char *names[NEPH_FAILING_MEASURES + 1])
 {
     int count = 0;
     names[0] = NULL;
     for (int i = 0; i < failing->limit_count; i++) {
         const char *extractor = measures[failing->limits[i].measure].extractor;
-        if (!extractor || is_listed(names, extractor))
+        if (!extractor || is_listed(names, extractor) || !is_taken(&failing->limits[i], over_time))
             continue;
         names[count++] = extractor;
         names[count] = NULL;
@@ -79,13 +86,13 @@ static const char *mask_of(const struct neph_failing_limit *limit, int number)
     return own ? own : limit->over;
 }
 
-void neph_failure_kept(const struct neph_failing *failing,
+void neph_failure_kept(const struct neph_failing *failing, bool over_time,
                        struct neph_meter_number kept[NEPH_FAILURE_KEPT_MAX])
 {
     int count = 0;
     for (int i = 0; i < failing->limit_count; i++) {
         const struct neph_failing_limit *limit = &failing->limits[i];
-        for (int n = 0; n < NEPH_FAILURE_NUMBERS; n++)
+        for (int n = 0; n < NEPH_FAILURE_NUMBERS && is_taken(limit, over_time); n++)
             if (measures[limit->measure].metrics[n])
                 kept[count++] = (struct neph_meter_number){measures[limit->measure].metrics[n],
                                                            mask_of(limit, n)};

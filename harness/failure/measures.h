@@ -18,17 +18,20 @@ struct neph_failure_measure {
     const char *metrics[NEPH_FAILURE_NUMBERS];
     const char *masks[NEPH_FAILURE_NUMBERS]; /* NULL: that of the limit */
     double (*value)(const double numbers[NEPH_FAILURE_NUMBERS]);
+    bool over_time; /* of a sequence, and not of a picture: nothing is asked of engines without
+                       history */
 };
 
 const struct neph_failure_measure *neph_failure_measure(enum neph_failing_measure measure);
 
-/* Names of the extractors of some limits, NULL-terminated, each once. */
-void neph_failure_extractors(const struct neph_failing *failing,
+/* Names of the extractors of some limits, NULL-terminated, each once; `over_time` false: without
+ * those of measures over time. */
+void neph_failure_extractors(const struct neph_failing *failing, bool over_time,
                              const char *names[NEPH_FAILING_MEASURES + 1]);
 
 /* The numbers that some limits are read off, ending with a NULL metric. */
 enum { NEPH_FAILURE_KEPT_MAX = 16 * NEPH_FAILURE_NUMBERS + 1 };
-void neph_failure_kept(const struct neph_failing *failing,
+void neph_failure_kept(const struct neph_failing *failing, bool over_time,
                        struct neph_meter_number kept[NEPH_FAILURE_KEPT_MAX]);
 
 /* The value of a limit's measure in a take's document; NaN: there is none, and `why` says so. It

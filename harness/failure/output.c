@@ -1,30 +1,41 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/failure/output.h"
 
+#include "base/files.h"
 #include "harness/run/seed.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 enum { COLUMN = 16 };
 
-/* What stands behind a number. */
+/* What stands behind a number, or in its place. */
 static const char *const marks[NEPH_FAILURE_VERDICTS] = {
-    [NEPH_FAILURE_NOT_ASKED] = "",      [NEPH_FAILURE_PASS] = "",
-    [NEPH_FAILURE_FAIL] = " FAIL",      [NEPH_FAILURE_KNOWN_FAIL] = " known",
-    [NEPH_FAILURE_NEW_PASS] = " PASS!", [NEPH_FAILURE_FLAKE] = " flake",
-    [NEPH_FAILURE_SKIP] = "skip",       [NEPH_FAILURE_NO_NUMBER] = "NONE",
+    [NEPH_FAILURE_NOT_ASKED] = "-",
+    [NEPH_FAILURE_NOT_YET] = "not yet",
+    [NEPH_FAILURE_PASS] = "",
+    [NEPH_FAILURE_FAIL] = "FAIL",
+    [NEPH_FAILURE_KNOWN_FAIL] = "known",
+    [NEPH_FAILURE_NEW_PASS] = "PASS!",
+    [NEPH_FAILURE_FLAKE] = "flake",
+    [NEPH_FAILURE_SKIP] = "skip",
+    [NEPH_FAILURE_NO_NUMBER] = "NONE",
+    [NEPH_FAILURE_CANNOT] = "cannot",
+    [NEPH_FAILURE_MISSING] = "missing",
+    [NEPH_FAILURE_NOT_RENDERED] = "not rendered",
 };
+
+/* ---- for people ------------------------------------------------------------------------------ */
 
 static void print_cell(const struct neph_failure_cell *cell, FILE *out)
 {
+    const char *mark = marks[cell->verdict];
     char text[40];
-    if (cell->verdict == NEPH_FAILURE_NOT_ASKED)
-        snprintf(text, sizeof(text), "-");
-    else if (isnan(cell->value))
-        snprintf(text, sizeof(text), "%s", marks[cell->verdict]);
+    if (isnan(cell->value))
+        snprintf(text, sizeof(text), "%s", mark);
     else
-        snprintf(text, sizeof(text), "%.3g%s", cell->value, marks[cell->verdict]);
+        snprintf(text, sizeof(text), "%.3g%s%s", cell->value, *mark ? " " : "", mark);
     fprintf(out, " %-*s", COLUMN, text);
 }
 
@@ -36,32 +47,90 @@ static void print_row(const struct neph_failure_suite *suite, const struct neph_
              row->limit->over);
     snprintf(name, sizeof(name), "%s %s", row->scene->name, row->point);
     fprintf(out, "%-36s %-20s %-6.4g", name, measure, row->limit->limit);
-    for (int p = 0; p < suite->preset_count; p++)
-        print_cell(&row->cells[p], out);
+    for (int c = 0; c < suite->column_count; c++)
+        print_cell(&row->cells[c], out);
     fputc('\n', out);
 }
 
-static void print_news(const struct neph_failure_suite *suite, const struct neph_failure_row *row,
-                       int preset, FILE *out)
+static bool is_first_of_row(const struct neph_failure_spot *spots, int index)
 {
-    const struct neph_failure_cell *cell = &row->cells[preset];
-    const struct neph_failing *failing = &row->scene->failing;
-    const bool fails = cell->verdict == NEPH_FAILURE_FAIL;
-    fprintf(out, "%s%s%s, %s: %s/%s is %.4g, limit %.4g: %s\n  %s\n", row->scene->name,
-            row->point[0] ? " " : "", row->point, suite->presets[preset],
-            neph_failing_measure_name(row->limit->measure), row->limit->over, cell->value,
-            row->limit->limit, neph_failure_verdict_name(cell->verdict),
-            cell->why[0] ? cell->why : row->limit->reason);
-    if (fails)
-        fprintf(out, "  symptom: %s\n", failing->symptom);
-    if (!row->point[0] && !strchr(suite->presets[preset], '+'))
-        fprintf(
-            out,
-            "  neph render %s -e realtime --preset %s -s steps=%d --seed %llu --frames %d --size "
-            "%dx%d -o %s\n",
-            row->scene->name, suite->presets[preset], failing->steps,
-            (unsigned long long)neph_seed_of(row->scene, 1), failing->frame_count,
-            failing->width_px, failing->height_px, row->scene->name);
+    for (int i = 0; i < index; i++)
+        if (spots[i].row == spots[index].row)
+            return false;
+    return true;
+}
+
+/* A row is as bad as its worst cell. */
+static void print_table(const struct neph_failure_suite *suite,
+                        const struct neph_failure_spot *spots, int count, FILE *out)
+{
+    fprintf(out, "%-36s %-20s %-6s", "scenario, the worst first", "measure/over", "limit");
+    for (int c = 0; c < suite->column_count; c++)
+        fprintf(out, " %-*s", COLUMN, suite->columns[c].name);
+    fputc('\n', out);
+    for (int i = 0; i < count; i++)
+        if (is_first_of_row(spots, i))
+            print_row(suite, spots[i].row, out);
+    fputc('\n', out);
+}
+
+static void print_value(const struct neph_failure_row *row, const struct neph_failure_cell *cell,
+                        FILE *out)
+{
+    const char *verdict = neph_failure_verdict_name(cell->verdict);
+    const char *measure = neph_failing_measure_name(row->limit->measure);
+    if (isnan(cell->value))
+        fprintf(out, "%s/%s has %s, limit %.4g", measure, row->limit->over, verdict,
+                row->limit->limit);
+    else
+        fprintf(out, "%s/%s is %.4g, limit %.4g: %s", measure, row->limit->over, cell->value,
+                row->limit->limit, verdict);
+}
+
+static bool is_news(const struct neph_failure_spot *spot)
+{
+    return neph_failure_is_news(spot->row->cells[spot->column].verdict);
+}
+
+/* The same number at another point of its sweep. */
+static bool is_kin(const struct neph_failure_spot *a, const struct neph_failure_spot *b)
+{
+    return a->column == b->column && a->row->scene == b->row->scene &&
+           a->row->limit == b->row->limit &&
+           a->row->cells[a->column].verdict == b->row->cells[b->column].verdict;
+}
+
+/* How many of a list are kin of one. */
+static int count_kin(const struct neph_failure_spot *spots, int count,
+                     const struct neph_failure_spot *spot)
+{
+    int kin = 0;
+    for (int i = 0; i < count; i++)
+        kin += is_kin(&spots[i], spot);
+    return kin;
+}
+
+/* At its worst point; `more` are the others. */
+static enum neph_status print_news(const struct neph_failure_suite *suite,
+                                   const struct neph_failure_spot *spot, int more, FILE *out,
+                                   struct neph_diag *diag)
+{
+    const struct neph_failure_row *row = spot->row;
+    const struct neph_failure_cell *cell = &row->cells[spot->column];
+    char *command = neph_failure_command(suite, row, spot->column);
+    if (!command)
+        return neph_fail_memory(diag);
+    fprintf(out, "%s%s%s, %s: ", row->scene->name, row->point[0] ? " " : "", row->point,
+            suite->columns[spot->column].name);
+    print_value(row, cell, out);
+    if (more > 0)
+        fprintf(out, ", and at %d points more", more);
+    fprintf(out, "\n  %s\n", cell->why[0] ? cell->why : row->limit->reason);
+    if (cell->verdict == NEPH_FAILURE_FAIL)
+        fprintf(out, "  symptom: %s\n", row->scene->failing.symptom);
+    fprintf(out, "  %s\n", command);
+    free(command);
+    return NEPH_OK;
 }
 
 static void print_counts(const struct neph_failure_suite *suite, FILE *out)
@@ -76,31 +145,99 @@ static void print_counts(const struct neph_failure_suite *suite, FILE *out)
     fprintf(out, "\nverdict: %s\n", suite->passes ? "pass" : "fail");
 }
 
-void neph_failure_print(const struct neph_failure_suite *suite, FILE *out)
+enum neph_status neph_failure_print(const struct neph_failure_suite *suite, FILE *out,
+                                    struct neph_diag *diag)
 {
-    fprintf(out, "%-36s %-20s %-6s", "scenario", "measure/over", "limit");
-    for (int p = 0; p < suite->preset_count; p++)
-        fprintf(out, " %-*s", COLUMN, suite->presets[p]);
-    fputc('\n', out);
-    for (int r = 0; r < suite->row_count; r++)
-        print_row(suite, &suite->rows[r], out);
-    fputc('\n', out);
-    for (int r = 0; r < suite->row_count; r++)
-        for (int p = 0; p < suite->preset_count; p++)
-            if (neph_failure_is_news(suite->rows[r].cells[p].verdict))
-                print_news(suite, &suite->rows[r], p, out);
-    print_counts(suite, out);
+    int count = 0;
+    struct neph_failure_spot *spots = neph_failure_worst(suite, &count);
+    enum neph_status status = spots ? NEPH_OK : neph_fail_memory(diag);
+    if (spots)
+        print_table(suite, spots, count, out);
+    for (int i = 0; i < count && !status; i++)
+        if (is_news(&spots[i]) && count_kin(spots, i, &spots[i]) == 0)
+            status = print_news(suite, &spots[i], count_kin(spots, count, &spots[i]) - 1, out,
+                                diag);
+    if (!status)
+        print_counts(suite, out);
+    free(spots);
+    return status;
 }
 
-static json_t *cell_json(const struct neph_failure_row *row, const char *preset,
+char *neph_failure_command(const struct neph_failure_suite *suite,
+                           const struct neph_failure_row *row, int column)
+{
+    const struct neph_failing *failing = &row->scene->failing;
+    const struct neph_failure_column *of = &suite->columns[column];
+    if (of->is_preset && !row->point[0] && !strchr(of->name, '+'))
+        return neph_format("neph render %s -e realtime --preset %s -s steps=%d --seed %llu "
+                           "--frames %d --size %dx%d -o %s",
+                           row->scene->name, of->name, failing->steps,
+                           (unsigned long long)neph_seed_of(row->scene, 1), failing->frame_count,
+                           failing->width_px, failing->height_px, row->scene->name);
+    return neph_format("neph validate --suite failure%s --only %s %s %s --pictures all -o %s",
+                       row->point[0] ? " --tier full" : "", row->scene->name,
+                       of->is_preset ? "--preset" : "--engine", of->name, row->scene->name);
+}
+
+/* ---- for programs ---------------------------------------------------------------------------- */
+
+static json_t *cell_json(const struct neph_failure_row *row, const char *column,
                          const struct neph_failure_cell *cell)
 {
-    return json_pack("{s:s, s:s, s:s, s:s, s:f, s:s, s:s, s:o, s:s, s:s}", "scene",
+    return json_pack("{s:s, s:s, s:s, s:s, s:f, s:s, s:s, s:o, s:b, s:s, s:s}", "scene",
                      row->scene->name, "point", row->point, "measure",
                      neph_failing_measure_name(row->limit->measure), "over", row->limit->over,
-                     "limit", row->limit->limit, "reason", row->limit->reason, "preset", preset,
-                     "value", neph_json_number(cell->value), "verdict",
-                     neph_failure_verdict_name(cell->verdict), "why", cell->why);
+                     "limit", row->limit->limit, "reason", row->limit->reason, "column", column,
+                     "value", neph_json_number(cell->value), "infinite", isinf(cell->value) != 0,
+                     "verdict", neph_failure_verdict_name(cell->verdict), "why", cell->why);
+}
+
+/* The worst first. */
+static json_t *results_json(const struct neph_failure_suite *suite)
+{
+    int count = 0;
+    struct neph_failure_spot *spots = neph_failure_worst(suite, &count);
+    json_t *results = spots ? json_array() : NULL;
+    for (int i = 0; i < count; i++)
+        neph_json_add(&results, cell_json(spots[i].row, suite->columns[spots[i].column].name,
+                                          &spots[i].row->cells[spots[i].column]));
+    free(spots);
+    return results;
+}
+
+static json_t *columns_json(const struct neph_failure_suite *suite)
+{
+    json_t *columns = json_array();
+    for (int c = 0; c < suite->column_count; c++)
+        neph_json_add(&columns, json_pack("{s:s, s:s, s:b}", "name", suite->columns[c].name,
+                                          "engine", suite->columns[c].engine->name, "preset",
+                                          suite->columns[c].is_preset));
+    return columns;
+}
+
+static json_t *scene_json(const struct neph_failure_suite *suite, const struct neph_scene *scene)
+{
+    const struct neph_failing *failing = &scene->failing;
+    const int count = suite->full ? neph_failing_point_count(failing) : 1;
+    json_t *points = json_array();
+    for (int point = 0; point < count; point++) {
+        char name[NEPH_FAILING_POINT_SIZE];
+        neph_failing_point_name(failing, point, name, sizeof(name));
+        neph_json_add(&points, json_string(name));
+    }
+    return json_pack("{s:s, s:s, s:s, s:s, s:s, s:s, s:i, s:i, s:i, s:i, s:o}", "name", scene->name,
+                     "title", scene->title, "fails", failing->fails, "known", failing->known,
+                     "symptom", failing->symptom, "truth", neph_failing_truth_name(failing->truth),
+                     "width_px", failing->width_px, "height_px", failing->height_px, "frames",
+                     failing->frame_count, "steps", failing->steps, "points", points);
+}
+
+static json_t *scenes_json(const struct neph_failure_suite *suite)
+{
+    json_t *scenes = json_array();
+    for (int s = 0; s < suite->scene_count; s++)
+        neph_json_add(&scenes, scene_json(suite, suite->scenes[s]));
+    return scenes;
 }
 
 static json_t *counts_json(const struct neph_failure_counts *counts)
@@ -114,17 +251,11 @@ static json_t *counts_json(const struct neph_failure_counts *counts)
 
 json_t *neph_failure_json(const struct neph_failure_suite *suite)
 {
-    json_t *presets = json_array(), *results = json_array();
-    for (int p = 0; p < suite->preset_count; p++)
-        neph_json_add(&presets, json_string(suite->presets[p]));
-    for (int r = 0; r < suite->row_count; r++)
-        for (int p = 0; p < suite->preset_count; p++)
-            if (suite->rows[r].cells[p].verdict != NEPH_FAILURE_NOT_ASKED)
-                neph_json_add(&results, cell_json(&suite->rows[r], suite->presets[p],
-                                                  &suite->rows[r].cells[p]));
-    return json_pack("{s:s, s:s, s:o, s:i, s:i, s:o, s:s, s:f, s:i, s:o}", "format",
-                     "neph-failure-1", "device", suite->device, "presets", presets, "compared",
-                     suite->counts.compared, "news", suite->counts.news, "counts",
-                     counts_json(&suite->counts), "verdict", suite->passes ? "pass" : "fail",
-                     "seconds", suite->seconds, "frames", suite->frame_count, "results", results);
+    return json_pack("{s:s, s:s, s:s, s:o, s:o, s:i, s:i, s:o, s:s, s:f, s:i, s:o}", "format",
+                     "neph-failure-2", "device", suite->device, "tier",
+                     suite->full ? "full" : "quick", "columns", columns_json(suite), "scenes",
+                     scenes_json(suite), "compared", suite->counts.compared, "news",
+                     suite->counts.news, "counts", counts_json(&suite->counts), "verdict",
+                     suite->passes ? "pass" : "fail", "seconds", suite->seconds, "frames",
+                     suite->frame_count, "results", results_json(suite));
 }

@@ -10,13 +10,23 @@
 
 #include <stdio.h>
 
-/* A line for each number over the presets, then what is new and how to see it, then the counts. */
-void neph_failure_print(const struct neph_failure_suite *suite, FILE *out);
+/* A line for each number over the columns, the worst first, then what is new and how to see it, and
+ * the counts. */
+enum neph_status neph_failure_print(const struct neph_failure_suite *suite, FILE *out,
+                                    struct neph_diag *diag);
 
-/* {"format": "neph-failure-1", "device", "presets", "compared", "news", "counts": {verdict: n},
- * "verdict", "seconds", "frames", "results": [{"scene", "point", "measure", "over", "limit",
- * "reason", "preset", "value" (null: none, or infinite), "verdict", "why"}, ...]}; NULL when memory
- * is short. */
+/* The command that makes the pictures of a column of a scenario, for the caller to free; NULL when
+ * memory is short. */
+char *neph_failure_command(const struct neph_failure_suite *suite,
+                           const struct neph_failure_row *row, int column);
+
+/* {"format": "neph-failure-2", "device", "tier", "columns": [{"name", "engine", "preset": bool}],
+ * "scenes": [{"name", "title", "fails", "known", "symptom", "truth", "width_px", "height_px",
+ *   "frames", "steps", "points": [names, "" the file as it is]}],
+ * "compared", "news", "counts": {verdict: n}, "verdict", "seconds", "frames",
+ * "results": [{"scene", "point", "measure", "over", "limit", "reason", "column", "value" (null:
+ *   none, or infinite), "infinite", "verdict", "why"}, ...], the worst first}; NULL when memory is
+ * short. */
 json_t *neph_failure_json(const struct neph_failure_suite *suite);
 
 #endif

@@ -3,6 +3,7 @@
 
 #include "harness/data.h"
 #include "harness/engines/engines.h"
+#include "harness/failure/measures.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -12,6 +13,7 @@
 static const char *const all_presets[] = {"off",  "seed",  "fixed", "ue",
                                           "c52e", "unity", "ours",  NULL};
 static const char *const quick_presets[] = {"seed", "fixed", "ours", NULL};
+static const char *const witnesses[] = {"march", "cycles", "povray", NULL};
 
 /* Every scenario has it, whatever its file says. */
 static const struct neph_failing_limit no_bad_values = {
@@ -50,27 +52,89 @@ bool neph_failure_has_preset(const struct neph_failing *failing, const char *pre
     return failing->presets[0] == '\0' || is_guest(preset);
 }
 
-static enum neph_status check_preset(const char *words, struct neph_diag *diag)
+static enum neph_status find_preset(const char *words, const struct neph_engine **engine,
+                                    struct neph_diag *diag)
 {
-    const struct neph_engine *engine;
     struct neph_settings settings;
-    return neph_engine_words(words, "steps=8", &engine, &settings, diag);
+    return neph_engine_words(words, "steps=8", engine, &settings, diag);
 }
 
-static enum neph_status choose_presets(const struct neph_failure_params *params,
+/* --- Columns --- */
+
+bool neph_failure_asks(const struct neph_failing *failing, const struct neph_failing_limit *limit,
+                       const struct neph_failure_column *column)
+{
+    if (column->is_preset)
+        return neph_failure_has_preset(failing, column->name);
+    return failing->engines && !neph_failure_measure(limit->measure)->over_time;
+}
+
+static enum neph_status find_engine(const char *name, const struct neph_engine **found,
+                                    struct neph_diag *diag)
+{
+    const struct neph_engine *engine = neph_engine_find(name);
+    if (!engine)
+        return neph_fail(diag, NEPH_ERR_USAGE, "there is no engine '%s'; `neph engines` lists them",
+                         name);
+    if (engine->remembers)
+        return neph_fail(diag, NEPH_ERR_USAGE, "%s takes part by its presets: --preset", name);
+    if (engine->rung == NEPH_RUNG_EXACT)
+        return neph_fail(diag, NEPH_ERR_USAGE, "%s is what engines are held against here", name);
+    *found = engine;
+    return NEPH_OK;
+}
+
+static enum neph_status add_column(struct neph_failure_suite *suite, const char *name,
+                                   bool is_preset, struct neph_diag *diag)
+{
+    if (suite->column_count == NEPH_FAILURE_COLUMNS_MAX)
+        return neph_fail(diag, NEPH_ERR_USAGE, "presets and engines are more than %d",
+                         NEPH_FAILURE_COLUMNS_MAX);
+    const struct neph_engine *engine;
+    const enum neph_status status = (is_preset ? find_preset : find_engine)(name, &engine, diag);
+    if (!status)
+        suite->columns[suite->column_count++] = (struct neph_failure_column){name, engine,
+                                                                             is_preset};
+    return status;
+}
+
+static bool has_engines(const struct neph_failure_suite *suite)
+{
+    for (int s = 0; s < suite->scene_count; s++)
+        if (suite->scenes[s]->failing.engines)
+            return true;
+    return false;
+}
+
+/* What nobody named: the presets of the tier, and engines where a scenario is of them. */
+static enum neph_status add_standard(const struct neph_failure_params *params,
+                                     struct neph_failure_suite *suite, struct neph_diag *diag)
+{
+    const char *const *presets = params->full ? all_presets : quick_presets;
+    enum neph_status status = NEPH_OK;
+    for (int i = 0; presets[i] && !status; i++)
+        status = add_column(suite, presets[i], true, diag);
+    for (int i = 0; witnesses[i] && has_engines(suite) && !status; i++)
+        status = add_column(suite, witnesses[i], false, diag);
+    return status;
+}
+
+static enum neph_status choose_columns(const struct neph_failure_params *params,
                                        struct neph_failure_suite *suite, struct neph_diag *diag)
 {
-    const char *const *own = params->full ? all_presets : quick_presets;
     enum neph_status status = NEPH_OK;
-    if (params->preset_count > NEPH_FAILURE_PRESETS_MAX)
-        return neph_fail(diag, NEPH_ERR_USAGE, "%d presets are more than %d", params->preset_count,
-                         NEPH_FAILURE_PRESETS_MAX);
-    for (int i = 0; i < params->preset_count && !status; i++) {
-        status = check_preset(params->presets[i], diag);
-        suite->presets[suite->preset_count++] = params->presets[i];
+    if (params->preset_count == 0 && params->engine_count == 0)
+        return add_standard(params, suite, diag);
+    for (int i = 0; i < params->preset_count && !status; i++)
+        status = add_column(suite, params->presets[i], true, diag);
+    for (int i = 0; i < params->engine_count && !status; i++)
+        status = add_column(suite, params->engines[i], false, diag);
+    if (!status && params->preset_count == 0 && !has_engines(suite)) {
+        neph_fail(diag, NEPH_ERR_USAGE, "none of the scenarios is of engines");
+        neph_hint(diag, "those that are say `engines: true`: fog_seam, fog_none, fog_below, "
+                        "elevator; others are of presets (--preset)");
+        return NEPH_ERR_USAGE;
     }
-    for (int i = 0; own[i] && params->preset_count == 0; i++)
-        suite->presets[suite->preset_count++] = own[i];
     return status;
 }
 
@@ -177,10 +241,14 @@ static void add_row(struct neph_failure_suite *suite, const struct neph_scene *s
         .point_index = point,
         .point = name,
         .limit = limit,
-        .cells = neph_arena_zeroed(&suite->arena, (size_t)suite->preset_count, size),
+        .cells = neph_arena_zeroed(&suite->arena, (size_t)suite->column_count, size),
     };
-    for (int p = 0; p < suite->preset_count && row->cells; p++)
-        row->cells[p] = (struct neph_failure_cell){NAN, NEPH_FAILURE_NOT_ASKED, ""};
+    for (int c = 0; c < suite->column_count && row->cells; c++)
+        row->cells[c] = (struct neph_failure_cell){
+            NAN,
+            neph_failure_asks(&scene->failing, limit, &suite->columns[c]) ? NEPH_FAILURE_NOT_YET
+                                                                          : NEPH_FAILURE_NOT_ASKED,
+            "", NULL};
 }
 
 static void add_point(const struct neph_failure_params *params, struct neph_failure_suite *suite,
@@ -215,8 +283,11 @@ static enum neph_status make_rows(const struct neph_failure_params *params,
 enum neph_status neph_failure_plan(const struct neph_failure_params *params,
                                    struct neph_failure_suite *suite, struct neph_diag *diag)
 {
-    enum neph_status status = choose_presets(params, suite, diag);
+    suite->full = params->full;
+    suite->width_px = params->width_px;
+    suite->height_px = params->height_px;
+    enum neph_status status = choose_scenes(params, suite, diag);
     if (!status)
-        status = choose_scenes(params, suite, diag);
+        status = choose_columns(params, suite, diag);
     return status ? status : make_rows(params, suite, diag);
 }

@@ -7,28 +7,63 @@
 #define NEPH_HARNESS_FAILURE_RESULTS_H
 
 #include "base/arena.h"
+#include "harness/engines/engine.h"
 #include "harness/failure/verdict.h"
 #include "scenes/scene.h"
 
-enum { NEPH_FAILURE_PRESETS_MAX = 16, NEPH_FAILURE_JOBS_MAX = 64 };
+enum { NEPH_FAILURE_COLUMNS_MAX = 24, NEPH_FAILURE_JOBS_MAX = 64 };
+
+/* Cells that there is evidence of. */
+enum neph_failure_pictures {
+    NEPH_FAILURE_PICTURES_FAILED,  /* what fails, known or not, and what is no longer known */
+    NEPH_FAILURE_PICTURES_CHANGED, /* what is not as expected */
+    NEPH_FAILURE_PICTURES_ALL,
+    NEPH_FAILURE_PICTURES_NONE,
+    NEPH_FAILURE_PICTURES_COUNT,
+};
+
+struct neph_failure_suite;
+
+/* How far a run is. */
+enum neph_failure_state {
+    NEPH_FAILURE_RUNNING,
+    NEPH_FAILURE_FINISHED,
+    NEPH_FAILURE_INTERRUPTED,
+};
 
 struct neph_failure_params {
     bool full;               /* all scenarios, presets and points of sweeps; else the quick tier */
     const char *const *only; /* scenarios by name, whatever their tier; only_count 0: of the tier */
     int only_count;
-    const char *const *presets; /* "NAME" or "NAME+KEY=VALUE+..."; preset_count 0: of the tier */
+    const char *const *presets; /* "NAME" or "NAME+KEY=VALUE+..." */
     int preset_count;
+    const char *const *engines; /* beside or without presets; of both none: those of the tier */
+    int engine_count;
+    enum neph_failure_pictures pictures;
     int width_px, height_px; /* 0: those of the scenarios. Of another size bad values alone are
                                 judged: limits hold at their own */
     int jobs;                /* processes that render at the same time, 1 .. */
     bool quiet;
+
+    /* Called with what is there so far, by one process alone; NULL: nobody looks. */
+    enum neph_status (*show)(const struct neph_failure_suite *suite, void *context,
+                             struct neph_diag *diag);
+    void *context;
 };
 
-/* One number over a preset. */
+/* A preset of `realtime`, or an engine that makes each picture anew. */
+struct neph_failure_column {
+    const char *name;
+    const struct neph_engine *engine;
+    bool is_preset;
+};
+
+/* One number over a column. */
 struct neph_failure_cell {
     double value; /* NaN: none; may be infinite */
     enum neph_failure_verdict verdict;
-    const char *why; /* of what is expected, or why there is no number; or "" */
+    const char *why;     /* of what is expected, or why there is no number; or "" */
+    const char *exhibit; /* folder of the evidence of its column and point (exhibit.h), or NULL */
 };
 
 /* One measure of one point of a scenario. Texts are of the arena or of the scene. */
@@ -37,7 +72,7 @@ struct neph_failure_row {
     int point_index;
     const char *point;
     const struct neph_failing_limit *limit;
-    struct neph_failure_cell *cells; /* one per preset */
+    struct neph_failure_cell *cells; /* one per column */
 };
 
 struct neph_failure_counts {
@@ -48,9 +83,12 @@ struct neph_failure_counts {
 /* Start from {0}; free with _finish. */
 struct neph_failure_suite {
     struct neph_arena arena;
+    enum neph_failure_state state;
+    bool full;
+    int width_px, height_px; /* 0: those of the scenarios */
     char device[128];
-    int preset_count;
-    const char *presets[NEPH_FAILURE_PRESETS_MAX];
+    int column_count;
+    struct neph_failure_column columns[NEPH_FAILURE_COLUMNS_MAX];
     int scene_count, row_count;
     struct neph_scene **scenes; /* owned */
     struct neph_failure_row *rows;
@@ -58,11 +96,32 @@ struct neph_failure_suite {
     bool passes; /* nothing new, and something was compared */
     double seconds;
     int frame_count; /* of all takes, rendered now or taken from the store */
+    int steps_done, steps_total;
+    double left_s; /* until all is done; negative: not known */
 };
 
 void neph_failure_finish(struct neph_failure_suite *suite);
 
 /* Count the verdicts. */
 void neph_failure_count(struct neph_failure_suite *suite);
+
+/* How far a cell is over its limit, 1 at the limit; of limit 0 infinite, and NaN where there is no
+ * number. */
+double neph_failure_excess(const struct neph_failure_row *row,
+                           const struct neph_failure_cell *cell);
+
+/* A cell of a run. */
+struct neph_failure_spot {
+    const struct neph_failure_row *row;
+    int column;
+};
+
+/* Below 0: `a` is worse than `b`: by its verdict (verdict.h), then by how far it is over its limit;
+ * of equals the first of the run is first. For qsort. */
+int neph_failure_compare(const void *a, const void *b);
+
+/* All cells that were asked for, the worst first, for the caller to free; NULL when memory is
+ * short. */
+struct neph_failure_spot *neph_failure_worst(const struct neph_failure_suite *suite, int *count);
 
 #endif

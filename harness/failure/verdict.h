@@ -18,20 +18,30 @@ enum neph_failure_expected {
 };
 
 enum neph_failure_verdict {
-    NEPH_FAILURE_NOT_ASKED, /* no preset of the scenario */
+    NEPH_FAILURE_NOT_ASKED, /* no preset or engine of the scenario */
+    NEPH_FAILURE_NOT_YET,   /* of a run that goes on */
     NEPH_FAILURE_PASS,
     NEPH_FAILURE_FAIL,
     NEPH_FAILURE_KNOWN_FAIL,
     NEPH_FAILURE_NEW_PASS, /* expected to fail, and does not */
     NEPH_FAILURE_FLAKE,    /* failed, as it may */
     NEPH_FAILURE_SKIP,
-    NEPH_FAILURE_NO_NUMBER, /* there is nothing to measure, or it broke */
+    NEPH_FAILURE_NO_NUMBER,    /* there is nothing to measure, or it broke */
+    NEPH_FAILURE_CANNOT,       /* an engine that does not model the scene */
+    NEPH_FAILURE_MISSING,      /* one that is not installed */
+    NEPH_FAILURE_NOT_RENDERED, /* one that did not fit into its time */
     NEPH_FAILURE_VERDICTS,
 };
 
 /* `value` <= `limit` passes; NaN: there is no number. */
 enum neph_failure_verdict neph_failure_judge(double value, double limit,
                                              enum neph_failure_expected expected);
+
+/* Whether it is a failure that pictures are of, expected or not: a limit that is not held. */
+bool neph_failure_is_failure(enum neph_failure_verdict verdict);
+
+/* What comes first of several: the less, the worse. */
+int neph_failure_rank(enum neph_failure_verdict verdict);
 
 /* Whether it fails a run. */
 bool neph_failure_is_news(enum neph_failure_verdict verdict);

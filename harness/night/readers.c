@@ -258,7 +258,7 @@ static void read_failure(struct reading *reading)
     const json_t *row;
     const char *device = neph_arena_text(reading->arena, text(reading->document, "device"));
     json_array_foreach(json_object_get(reading->document, "results"), i, row) add(
-        reading, failure_scene(reading, row), text(row, "preset"),
+        reading, failure_scene(reading, row), text(row, "column"),
         neph_arena_format(reading->arena, "%s over %s", text(row, "measure"), text(row, "over")),
         NULL, kind_word(NEPH_SERIES_FIXED), real(row, "value"), NAN, device);
 }

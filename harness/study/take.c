@@ -156,7 +156,7 @@ static enum neph_status render_frames(const struct neph_take *take, const char *
     job.shot.scratch_directory = folder;
     enum neph_status status = neph_job_open(&job, diag);
     for (int i = 0; i < take->frame_count && !status; i++) {
-        job.shot.frame = take->job.shot.frame + i;
+        job.shot.frame = take->job.shot.frame + i * (take->frame_step > 0 ? take->frame_step : 1);
         status = render_frame(take, &job, i, folder, frames, total, diag);
     }
     neph_job_close(&job);
@@ -208,11 +208,19 @@ static enum neph_status choose(const struct neph_reading *reading,
     return status;
 }
 
+/* What a document keeps: numbers of all frames, or of the only one. */
+struct kept {
+    const struct neph_meter_number *numbers;
+    bool is_one_frame;
+};
+
 static bool is_kept(const struct neph_measurement *number, const void *context)
 {
-    if (number->frame >= 0 || number->quantity != neph_quantity_find("radiance"))
+    const struct kept *of = context;
+    if ((number->frame >= 0 && !of->is_one_frame) ||
+        number->quantity != neph_quantity_find("radiance"))
         return false;
-    for (const struct neph_meter_number *kept = context; kept->metric; kept++)
+    for (const struct neph_meter_number *kept = of->numbers; kept->metric; kept++)
         if (strcmp(number->metric->name, kept->metric) == 0 &&
             strcmp(number->mask, kept->mask) == 0)
             return true;
@@ -225,8 +233,9 @@ static enum neph_status write_document(const char *folder, const char *name,
                                        struct neph_compared *compared,
                                        const struct neph_meter_number *kept, struct neph_diag *diag)
 {
+    const struct kept of = {kept, compared->frame_count == 1};
     if (kept)
-        neph_measurements_select(&compared->numbers, is_kept, kept);
+        neph_measurements_select(&compared->numbers, is_kept, &of);
     json_t *document = kept ? json_pack("{s:o}", "measurements",
                                         neph_measurements_json(&compared->numbers))
                             : neph_compared_json(compared);
@@ -337,8 +346,8 @@ static char *reading_text(const struct neph_reading *reading)
     return text;
 }
 
-static enum neph_status make_key(const struct neph_take *take, char key[NEPH_HASH_HEX_SIZE],
-                                 struct neph_diag *diag)
+enum neph_status neph_take_key(const struct neph_take *take, char key[NEPH_HASH_HEX_SIZE],
+                               struct neph_diag *diag)
 {
     char first[NEPH_HASH_HEX_SIZE];
     enum neph_status status = neph_job_key(&take->job, first, diag);
@@ -350,6 +359,11 @@ static enum neph_status make_key(const struct neph_take *take, char key[NEPH_HAS
                              take->all_masks, take->plain, take->with_pictures,
                              take->map_file ? take->map_file : "",
                              take->counts_bad ? "bad values counted\n" : "");
+    if (text && take->frame_step > 1) {
+        char *longer = neph_format("%severy %d\n", text, take->frame_step);
+        free(text);
+        text = longer;
+    }
     for (int i = 0; i < take->reading_count && text; i++) {
         char *reading = reading_text(&take->readings[i]);
         char *longer = reading ? neph_format("%s%s\n", text, reading) : NULL;
@@ -398,6 +412,17 @@ static json_t *record_of(const struct neph_take *take, const struct neph_cost *c
     return record;
 }
 
+static enum neph_status show(const struct neph_take *take, const char *folder,
+                             const struct frames *frames, struct neph_diag *diag)
+{
+    const struct neph_take_frames seen = {
+        .folder = folder,
+        .files = &frames->files,
+        .images = (const struct neph_image *const *)frames->images,
+        .bad_values = frames->bad_values};
+    return take->look ? take->look(take, &seen, take->look_context, diag) : NEPH_OK;
+}
+
 static enum neph_status make_entry(const struct neph_take *take, struct neph_store *store,
                                    const char *key, struct neph_diag *diag)
 {
@@ -414,6 +439,8 @@ static enum neph_status make_entry(const struct neph_take *take, struct neph_sto
         status = render_frames(take, folder, &frames, &cost, diag);
     if (!status && frames.bad_values == 0)
         status = read_all(take, folder, &frames, diag);
+    if (!status)
+        status = show(take, folder, &frames, diag);
     json_t *record = status ? NULL : record_of(take, &cost, &frames);
     finish_frames(take, &frames);
     if (!status)
@@ -428,11 +455,31 @@ static enum neph_status make_entry(const struct neph_take *take, struct neph_sto
     return status;
 }
 
+enum neph_status neph_take_see(const struct neph_take *take, struct neph_store *store,
+                               struct neph_diag *diag)
+{
+    struct neph_scratch *scratch = NULL;
+    struct neph_cost cost = {0};
+    struct frames frames = {.images = NULL};
+    enum neph_status status = neph_store_begin(store, &scratch, diag);
+    if (status)
+        return status;
+    const char *folder = neph_scratch_path(scratch);
+    status = prepare_frames(take, folder, &frames, diag);
+    if (!status)
+        status = render_frames(take, folder, &frames, &cost, diag);
+    if (!status)
+        status = show(take, folder, &frames, diag);
+    finish_frames(take, &frames);
+    neph_scratch_destroy(scratch);
+    return status;
+}
+
 enum neph_status neph_take_run(const struct neph_take *take, struct neph_store *store,
                                char **folder, json_t **record, struct neph_diag *diag)
 {
     char key[NEPH_HASH_HEX_SIZE], *last_frame = NULL;
-    enum neph_status status = make_key(take, key, diag);
+    enum neph_status status = neph_take_key(take, key, diag);
     if (!status && !neph_store_find(store, key, &last_frame, record)) {
         status = make_entry(take, store, key, diag);
         if (!status && !neph_store_find(store, key, &last_frame, record))

@@ -23,13 +23,29 @@ struct neph_reading {
     const struct neph_meter_number *kept; /* all that the document keeps, of radiance over all
                                              frames; ends with a NULL metric. NULL: it keeps
                                              everything */
-    int warm_up_frames; /* at the start, that are rendered and not looked at */
+    int warm_up_frames;                   /* at the start, that are rendered and not looked at */
 };
+
+/* The frames of a take while they are there. */
+struct neph_take_frames {
+    const char *folder; /* that becomes the entry's: documents of readings are in it */
+    const struct neph_sequence *files;
+    const struct neph_image *const *images; /* R G B; NULL for one that is in its file alone */
+    size_t bad_values;                      /* of all, where they are counted */
+};
+
+struct neph_take;
+
+/* Whoever wants to see them. */
+typedef enum neph_status neph_take_look(const struct neph_take *take,
+                                        const struct neph_take_frames *frames, void *context,
+                                        struct neph_diag *diag);
 
 /* All pointers are borrowed. */
 struct neph_take {
     struct neph_job job; /* of the first frame */
     int frame_count;
+    int frame_step; /* from one to the next, for engines that remember nothing; 0: 1 */
     const struct neph_reference *reference;
     const struct neph_reading *readings;
     int reading_count;
@@ -39,6 +55,10 @@ struct neph_take {
     bool all_masks;       /* also those of which there are many */
     bool plain;           /* numbers without intervals */
     bool frozen_is_fine;  /* frames equal to the one before are no reason to fail */
+    neph_take_look
+        *look; /* sees the frames when they are rendered and measured; no part of the key.
+                             NULL: nobody */
+    void *look_context;
     bool counts_bad; /* values that no engine may hand over are no error: the record counts them in
                         "bad_values", and where there are any nothing is measured */
 };
@@ -50,6 +70,14 @@ struct neph_take {
  * Errors: those of rendering and measuring; NEPH_ERR_GATE for frozen frames. */
 enum neph_status neph_take_run(const struct neph_take *take, struct neph_store *store,
                                char **folder, json_t **record, struct neph_diag *diag);
+
+/* Have the take's `look` see the frames of a take that is in the store, rendered once more. */
+enum neph_status neph_take_see(const struct neph_take *take, struct neph_store *store,
+                               struct neph_diag *diag);
+
+/* The hash of all that an entry depends on. */
+enum neph_status neph_take_key(const struct neph_take *take, char key[NEPH_HASH_HEX_SIZE],
+                               struct neph_diag *diag);
 
 /* The document of a reading in an entry's folder, for the caller to json_decref. */
 enum neph_status neph_take_document(const char *folder, const char *reading, json_t **document,

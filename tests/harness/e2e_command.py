@@ -225,7 +225,7 @@ write(light * job["settings"]["b"])
                              "command+a=0.05", "--preset", "ours", "-o", "failure", "-q", "--json",
                              program=self.program(body))
             results = json.loads(done.stdout)["results"]
-            return done.returncode, {(row["preset"], row["measure"]): row["verdict"]
+            return done.returncode, {(row["column"], row["measure"]): row["verdict"]
                                      for row in results}
         code, found = verdicts('write(job["settings"]["a"])')  # where there is no light at all
         self.assertEqual(code, 1)

@@ -234,6 +234,8 @@ static void test_what_it_can_render(void **state)
     assert_cannot(&stage, "1e6");
     stage.scene.vertical_fov_rad = 3.1;
     assert_cannot(&stage, "field of view");
+    set_box_stage(&stage, 1e12); /* a millionth of a micrometre: the box ends beyond 1e9 units */
+    assert_cannot(&stage, "clips");
 }
 
 static void test_tiny_frames_are_refused(void **state)

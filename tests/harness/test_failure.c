@@ -49,9 +49,9 @@ static void test_verdicts(void **state)
 /* A suite of one row and two presets. */
 static bool passes(enum neph_failure_verdict a, enum neph_failure_verdict b, int *compared)
 {
-    struct neph_failure_cell cells[] = {{1.0, a, ""}, {1.0, b, ""}};
+    struct neph_failure_cell cells[] = {{1.0, a, "", NULL}, {1.0, b, "", NULL}};
     struct neph_failure_row row = {.cells = cells};
-    struct neph_failure_suite suite = {.preset_count = 2, .row_count = 1, .rows = &row};
+    struct neph_failure_suite suite = {.column_count = 2, .row_count = 1, .rows = &row};
     neph_failure_count(&suite);
     *compared = suite.counts.compared;
     return suite.passes;
@@ -69,6 +69,12 @@ static void test_what_fails_a_run(void **state)
     assert_false(passes(NEPH_FAILURE_PASS, NEPH_FAILURE_NEW_PASS, &compared));
     assert_false(passes(NEPH_FAILURE_PASS, NEPH_FAILURE_NO_NUMBER, &compared));
     assert_int_equal(compared, 1);
+    assert_true(passes(NEPH_FAILURE_PASS, NEPH_FAILURE_CANNOT, &compared));
+    assert_true(passes(NEPH_FAILURE_MISSING, NEPH_FAILURE_PASS, &compared));
+    assert_true(passes(NEPH_FAILURE_PASS, NEPH_FAILURE_NOT_RENDERED, &compared));
+    assert_int_equal(compared, 1);
+    assert_false(passes(NEPH_FAILURE_CANNOT, NEPH_FAILURE_MISSING, &compared));
+    assert_int_equal(compared, 0);
 }
 
 static void test_nothing_compared_is_no_pass(void **state)
@@ -229,22 +235,33 @@ static void plan(struct neph_failure_suite *suite, bool full)
     neph_assert_ok(neph_failure_plan(&params, suite, &diag), &diag);
 }
 
+/* As a run has it: a preset, or an engine. */
+static struct neph_failure_column column_of(const char *name)
+{
+    const struct neph_engine *engine = neph_engine_find(name);
+    return (struct neph_failure_column){name, engine ? engine : neph_engine_find("realtime"),
+                                        !engine};
+}
+
 static bool has_row(const struct neph_failure_suite *suite, const struct neph_failure_place *place)
 {
     for (int r = 0; r < suite->row_count; r++) {
         const struct neph_failure_row *row = &suite->rows[r];
+        const struct neph_failure_column column = column_of(place->preset);
         if (strcmp(row->scene->name, place->scene) == 0 &&
             (!place->point || strcmp(row->point, place->point) == 0) &&
             strcmp(neph_failing_measure_name(row->limit->measure), place->measure) == 0 &&
             (!*place->over || strcmp(row->limit->over, place->over) == 0) &&
-            neph_failure_has_preset(&row->scene->failing, place->preset))
+            neph_failure_asks(&row->scene->failing, row->limit, &column))
             return true;
     }
     return false;
 }
 
-static bool is_preset(const char *name)
+static bool is_column(const char *name)
 {
+    if (neph_engine_find(name))
+        return true;
     const struct neph_preset *preset = neph_engine_find("realtime")->presets;
     while (preset->name && strcmp(preset->name, name) != 0)
         preset++;
@@ -270,7 +287,7 @@ static void test_every_expectation_is_of_something(void **state)
                     neph_json_text(entry, "scene"), json_string_value(json_array_get(points, k)),
                     json_string_value(json_array_get(presets, p)), neph_json_text(entry, "measure"),
                     neph_json_text(entry, "over")};
-                if (!is_preset(place.preset) || !has_row(&suite, &place))
+                if (!is_column(place.preset) || !has_row(&suite, &place))
                     fail_msg("expectation %zu: %s, %s, %s is of nothing", i, place.scene,
                              place.preset, place.measure);
             }
@@ -307,33 +324,146 @@ static void test_every_scenario_can_be_run(void **state)
     neph_failure_finish(&quick);
 }
 
+static enum neph_status plan_of(const struct neph_failure_params *params,
+                                struct neph_failure_suite *suite, struct neph_diag *diag)
+{
+    *suite = (struct neph_failure_suite){.scenes = NULL};
+    *diag = (struct neph_diag){.line = 0};
+    return neph_failure_plan(params, suite, diag);
+}
+
 static void test_wrong_words_are_refused(void **state)
 {
     (void)state;
-    static const char *const nobody[] = {"nobody"};
-    const struct neph_failure_params params[] = {{.only = nobody, .only_count = 1},
-                                                 {.presets = nobody, .preset_count = 1}};
-    for (size_t i = 0; i < sizeof(params) / sizeof(params[0]); i++) {
-        struct neph_failure_suite suite = {.scenes = NULL};
-        struct neph_diag diag = {.line = 0};
-        assert_int_equal(neph_failure_plan(&params[i], &suite, &diag), NEPH_ERR_USAGE);
-        assert_non_null(strstr(diag.message, "nobody"));
+    static const char *const nobody[] = {"nobody"}, *const realtime[] = {"realtime"};
+    static const char *const exact[] = {"exact"}, *const march[] = {"march"};
+    static const char *const fence[] = {"fence_tiles"};
+    const struct {
+        struct neph_failure_params params;
+        const char *told;
+    } cases[] = {
+        {{.only = nobody, .only_count = 1}, "nobody"},
+        {{.presets = nobody, .preset_count = 1}, "nobody"},
+        {{.engines = nobody, .engine_count = 1}, "nobody"},
+        {{.engines = realtime, .engine_count = 1}, "--preset"},
+        {{.engines = exact, .engine_count = 1}, "held against"},
+        {{.only = fence, .only_count = 1, .engines = march, .engine_count = 1}, "of engines"},
+    };
+    for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+        struct neph_failure_suite suite;
+        struct neph_diag diag;
+        assert_int_equal(plan_of(&cases[i].params, &suite, &diag), NEPH_ERR_USAGE);
+        assert_non_null(strstr(diag.message, cases[i].told));
         neph_failure_finish(&suite);
     }
 }
 
+static int count_columns(const struct neph_failure_suite *suite, bool presets)
+{
+    int count = 0;
+    for (int c = 0; c < suite->column_count; c++)
+        count += suite->columns[c].is_preset == presets;
+    return count;
+}
+
+/* Presets alone, engines alone, both, and neither: those of the tier, engines where a scenario is
+ * of them. */
+static void test_presets_and_engines_choose_columns(void **state)
+{
+    (void)state;
+    static const char *const ours[] = {"ours"}, *const march[] = {"march"};
+    static const char *const fence[] = {"fence_tiles"}, *const fog[] = {"fog_seam"};
+    const struct {
+        struct neph_failure_params params;
+        int presets, engines;
+    } cases[] = {
+        {{.only = fog, .only_count = 1}, 3, 3},
+        {{.only = fog, .only_count = 1, .full = true}, 7, 3},
+        {{.only = fence, .only_count = 1}, 3, 0},
+        {{.only = fog, .only_count = 1, .presets = ours, .preset_count = 1}, 1, 0},
+        {{.only = fog, .only_count = 1, .engines = march, .engine_count = 1}, 0, 1},
+        {{.presets = ours, .preset_count = 1, .engines = march, .engine_count = 1}, 1, 1},
+    };
+    for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+        struct neph_failure_suite suite;
+        struct neph_diag diag;
+        neph_assert_ok(plan_of(&cases[i].params, &suite, &diag), &diag);
+        assert_int_equal(count_columns(&suite, true), cases[i].presets);
+        assert_int_equal(count_columns(&suite, false), cases[i].engines);
+        neph_failure_finish(&suite);
+    }
+}
+
+/* An engine is asked for what is of a picture, in the scenarios of fog alone. */
+static void test_engines_are_asked_for_what_is_of_a_picture(void **state)
+{
+    (void)state;
+    struct neph_failure_suite suite;
+    int asked = 0;
+    plan(&suite, true);
+    const struct neph_failure_column march = column_of("march");
+    for (int r = 0; r < suite.row_count; r++) {
+        const struct neph_failure_row *row = &suite.rows[r];
+        if (!neph_failure_asks(&row->scene->failing, row->limit, &march))
+            continue;
+        assert_true(row->scene->failing.engines);
+        assert_true(row->limit->measure == NEPH_FAILING_ERROR ||
+                    row->limit->measure == NEPH_FAILING_BAD_VALUES);
+        asked++;
+    }
+    assert_true(asked > 8);
+    neph_failure_finish(&suite);
+}
+
+/* ---- order ----------------------------------------------------------------------------------- */
+
+/* News before what is known, what is far over its limit before what is a little. */
+static void test_the_worst_is_first(void **state)
+{
+    (void)state;
+    const struct neph_failing_limit limit = {.limit = 2.0}, zero = {.limit = 0.0};
+    struct neph_failure_cell cells[][2] = {
+        {{1.0, NEPH_FAILURE_PASS, "", NULL}, {3.0, NEPH_FAILURE_KNOWN_FAIL, "", NULL}},
+        {{3.0, NEPH_FAILURE_FAIL, "", NULL}, {NAN, NEPH_FAILURE_NOT_ASKED, "", NULL}},
+        {{1.0, NEPH_FAILURE_FAIL, "", NULL}, {NAN, NEPH_FAILURE_NO_NUMBER, "", NULL}},
+        {{9.0, NEPH_FAILURE_FAIL, "", NULL}, {0.5, NEPH_FAILURE_NEW_PASS, "", NULL}},
+    };
+    struct neph_failure_row rows[] = {{.limit = &limit, .cells = cells[0]},
+                                      {.limit = &limit, .cells = cells[1]},
+                                      {.limit = &zero, .cells = cells[2]},
+                                      {.limit = &limit, .cells = cells[3]}};
+    const struct neph_failure_suite suite = {.column_count = 2, .row_count = 4, .rows = rows};
+    static const int expected[][2] = {{2, 0}, {3, 0}, {1, 0}, {2, 1}, {3, 1}, {0, 1}, {0, 0}};
+    int count = 0;
+    struct neph_failure_spot *spots = neph_failure_worst(&suite, &count);
+    assert_int_equal(count, sizeof(expected) / sizeof(expected[0]));
+    for (int i = 0; i < count; i++) {
+        assert_int_equal(spots[i].row - rows, expected[i][0]);
+        assert_int_equal(spots[i].column, expected[i][1]);
+    }
+    assert_true(isinf(neph_failure_excess(&rows[2], &cells[2][0])));
+    assert_true(neph_failure_excess(&rows[1], &cells[1][0]) == 1.5);
+    free(spots);
+}
+
 /* ---- shares ---------------------------------------------------------------------------------- */
 
-/* A line for each number that is of the share, by one write, which does not interleave. */
-static enum neph_status note(const struct neph_share *share, void *context, struct neph_diag *diag)
+/* A line for each piece, by one write, which does not interleave. */
+static enum neph_status note(struct neph_share *share, void *context, struct neph_diag *diag)
 {
-    FILE *file = fopen(context, "a");
+    int number, steps = 0;
+    double seconds = 0.0;
     (void)diag;
-    assert_non_null(file);
-    for (int number = 0; number < 10; number++)
-        if (neph_share_has(share, number))
-            fprintf(file, "%d of %d: %d\n", share->index, share->count, number);
-    fclose(file);
+    while ((number = neph_share_next(share)) < 10) {
+        FILE *file = fopen(context, "a");
+        assert_non_null(file);
+        fprintf(file, "%s: %d\n", share->again ? "again" : "part", number);
+        fclose(file);
+        neph_share_tell(share, 3, 1, 0.5);
+    }
+    if (!share->again && share->index == 0)
+        neph_share_hear(share, 3, &steps, &seconds);
+    assert_true(seconds == 0.5 * steps); /* of those that are over by now */
     return NEPH_OK;
 }
 
@@ -356,9 +486,9 @@ static void test_shares_are_the_whole_once_and_then_the_whole(void **state)
     assert_int_equal(neph_shares_run(3, note, path, NULL), NEPH_OK);
     for (int number = 0; number < 10; number++) {
         char line[40];
-        snprintf(line, sizeof(line), "%d of 3: %d\n", number % 3, number);
+        snprintf(line, sizeof(line), "part: %d\n", number);
         assert_int_equal(count_lines(path, line), 1);
-        snprintf(line, sizeof(line), "0 of 1: %d\n", number);
+        snprintf(line, sizeof(line), "again: %d\n", number);
         assert_int_equal(count_lines(path, line), 1);
     }
     assert_int_equal(count_lines(path, "\n"), 20);
@@ -378,6 +508,9 @@ int main(void)
         cmocka_unit_test(test_every_expectation_is_of_something),
         cmocka_unit_test(test_every_scenario_can_be_run),
         cmocka_unit_test(test_wrong_words_are_refused),
+        cmocka_unit_test(test_presets_and_engines_choose_columns),
+        cmocka_unit_test(test_engines_are_asked_for_what_is_of_a_picture),
+        cmocka_unit_test(test_the_worst_is_first),
         scratch_test(test_shares_are_the_whole_once_and_then_the_whole),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

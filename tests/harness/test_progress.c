@@ -47,11 +47,25 @@ static void test_steps_that_fall_away_are_not_waited_for(void **state)
     assert_int_equal(total, 1);
 }
 
+/* Two processes: what the other has done is done, and what is left is done by both. */
+static void test_others_shorten_the_time(void **state)
+{
+    (void)state;
+    struct neph_progress progress = neph_progress_start(true, 0);
+    progress.workers = 2;
+    neph_progress_expect(&progress, 1, 10, 4.0);
+    assert_true(neph_progress_left_s(&progress) == 20.0);
+    step(&progress, 1, 2.0);
+    neph_progress_credit(&progress, 1, 3, 6.0);
+    assert_true(neph_progress_left_s(&progress) == 6.0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_nothing_is_known_before_the_first_step),
         cmocka_unit_test(test_kinds_have_paces_of_their_own),
+        cmocka_unit_test(test_others_shorten_the_time),
         cmocka_unit_test(test_steps_that_fall_away_are_not_waited_for),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

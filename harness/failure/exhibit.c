@@ -1,0 +1,127 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/failure/exhibit.h"
+
+#include "base/exr.h"
+#include "base/files.h"
+#include "harness/compare/comparison.h"
+#include "metrics/extractors/extractors.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Part of the key: raise it when pictures change. */
+enum { DRAWN_REVISION = 2 };
+
+enum { SEEN_FRAMES_MIN = 16 }; /* metrics/extractors/seen.c */
+
+enum neph_status neph_exhibit_key(const char *take_key, char key[NEPH_HASH_HEX_SIZE],
+                                  struct neph_diag *diag)
+{
+    char *text = neph_format("neph-exhibit-%d\n%s\n", DRAWN_REVISION, take_key);
+    const enum neph_status status = text ? neph_hash(text, strlen(text), key, diag)
+                                         : neph_fail_memory(diag);
+    free(text);
+    return status;
+}
+
+bool neph_exhibit_find(struct neph_store *store, const char *key, char **folder, json_t **record)
+{
+    if (!neph_store_find(store, key, folder, record))
+        return false;
+    *strrchr(*folder, '/') = '\0';
+    return true;
+}
+
+/* The map alone: one number is taken, as something has to be. */
+static enum neph_status draw_flicker(const struct neph_evidence_source *source,
+                                     const struct neph_viewing *viewing, const char *folder,
+                                     json_t *names, struct neph_diag *diag)
+{
+    static const struct neph_meter_number wanted[] = {{"seen_contrast", "all"}, {.metric = NULL}};
+    const struct neph_extractor *seen = neph_extractor_find("seen");
+    struct neph_comparison comparison = {.reference = *source->reference, /* borrowed */
+                                         .test = *source->files,          /* borrowed */
+                                         .test_images = source->images,
+                                         .viewing = *viewing,
+                                         .wanted = wanted,
+                                         .maps_directory = folder,
+                                         .frozen_is_fine = true,
+                                         .plain = true,
+                                         .by_position = true,
+                                         .quiet = true};
+    struct neph_compared compared = {.asked = NULL};
+    comparison.choices[comparison.choice_count++] = (struct neph_meter_choice){
+        seen, neph_options_default(seen->options)};
+    enum neph_status status = neph_comparison_run(&comparison, false, &compared, diag);
+    char *path = neph_path_join(folder, NEPH_EXHIBIT_FLICKER_MAP);
+    if (!status && !path)
+        status = neph_fail_memory(diag);
+    if (!status && neph_path_exists(path))
+        status = neph_json_append(names, json_string(NEPH_EXHIBIT_FLICKER_MAP), diag);
+    free(path);
+    neph_compared_finish(&compared);
+    return status;
+}
+
+/* An entry of the store is known by a frame: the worst. */
+static enum neph_status keep_worst(const struct neph_evidence_source *source, int frame,
+                                   const char *folder, struct neph_diag *diag)
+{
+    const struct neph_image *image = source->images ? source->images[frame] : NULL;
+    char *path = neph_path_join(folder, "frame.exr");
+    enum neph_status status = NEPH_OK;
+    if (!path)
+        status = neph_fail_memory(diag);
+    else if (image)
+        status = neph_exr_write(path, image, diag);
+    else
+        status = neph_file_copy(source->files->paths[frame], path, diag);
+    free(path);
+    return status;
+}
+
+static enum neph_status draw(const struct neph_evidence_source *source,
+                             const struct neph_evidence *evidence,
+                             const struct neph_viewing *viewing, bool with_map, const char *folder,
+                             json_t *names, struct neph_diag *diag)
+{
+    enum neph_status status = neph_evidence_draw(source, evidence, folder, names, diag);
+    if (!status && with_map && source->reference->count > 0 &&
+        source->files->count >= SEEN_FRAMES_MIN)
+        status = draw_flicker(source, viewing, folder, names, diag);
+    return status ? status : keep_worst(source, evidence->worst_frame, folder, diag);
+}
+
+enum neph_status neph_exhibit_make(struct neph_store *store, const char *key,
+                                   const struct neph_evidence_source *source,
+                                   const struct neph_viewing *viewing, bool with_map,
+                                   struct neph_diag *diag)
+{
+    struct neph_scratch *scratch = NULL;
+    struct neph_evidence evidence;
+    json_t *names = json_array(), *record = NULL;
+    enum neph_status status = neph_json_check(names, diag);
+    if (!status)
+        status = neph_evidence_find(source, &evidence, diag);
+    if (!status)
+        status = neph_store_begin(store, &scratch, diag);
+    if (!status)
+        status = draw(source, &evidence, viewing, with_map, neph_scratch_path(scratch), names,
+                      diag);
+    if (!status) {
+        record = json_pack("{s:s, s:O, s:i, s:i, s:i, s:i, s:i, s:i, s:i, s:f}", "format",
+                           "neph-exhibit-1", "pictures", names, "frame_step", source->frame_step,
+                           "worst_frame", evidence.worst_frame, "row", evidence.row, "slice_first",
+                           evidence.slice_first, "slice_count", evidence.slice_count, "flip_first",
+                           evidence.flip_first, "flip_count", evidence.flip_count, "scale",
+                           evidence.scale);
+        status = neph_json_check(record, diag);
+    }
+    if (!status)
+        status = neph_store_publish(store, key, scratch, record, diag);
+    json_decref(names);
+    json_decref(record);
+    neph_scratch_destroy(scratch);
+    return status;
+}

@@ -1,0 +1,32 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Evidence in the store: an entry of pictures under the key of the take that they are of, with the
+ * map of the flicker that is seen. It is made where the frames are, and read by whoever shows it.
+ */
+#ifndef NEPH_HARNESS_FAILURE_EXHIBIT_H
+#define NEPH_HARNESS_FAILURE_EXHIBIT_H
+
+#include "harness/failure/evidence.h"
+#include "harness/run/store.h"
+#include "metrics/meter.h"
+
+/* Name of the map among the pictures. */
+#define NEPH_EXHIBIT_FLICKER_MAP "seen_contrast_radiance.png"
+
+/* The key of a take's exhibit. */
+enum neph_status neph_exhibit_key(const char *take_key, char key[NEPH_HASH_HEX_SIZE],
+                                  struct neph_diag *diag);
+
+/* Whether it is in the store: `*folder` (to free) has the pictures that `*record` (to json_decref)
+ * names in "pictures", beside "frame_step", "worst_frame", "row", "slice_first", "slice_count",
+ * "flip_first", "flip_count" and "scale". */
+bool neph_exhibit_find(struct neph_store *store, const char *key, char **folder, json_t **record);
+
+/* Make and publish it. Frames with bad values, fewer than what is seen needs, or without a
+ * reference have no map. */
+enum neph_status neph_exhibit_make(struct neph_store *store, const char *key,
+                                   const struct neph_evidence_source *source,
+                                   const struct neph_viewing *viewing, bool with_map,
+                                   struct neph_diag *diag);
+
+#endif

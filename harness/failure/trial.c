@@ -1,0 +1,465 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/failure/trial.h"
+
+#include "base/clock.h"
+#include "harness/engines/engines.h"
+#include "harness/failure/exhibit.h"
+#include "harness/failure/expectations.h"
+#include "harness/failure/measures.h"
+#include "harness/run/seed.h"
+#include "harness/study/take.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* A child process may take this long over a picture of a stamp's size: so much that load does not
+ * decide. */
+static const double engine_limit_s = 300.0;
+
+/* A picture of a user's program. */
+static const double guest_limit_s = 600.0;
+
+/* ---- points ---------------------------------------------------------------------------------- */
+
+static bool is_same_point(const struct neph_failure_row *a, const struct neph_failure_row *b)
+{
+    return a->scene == b->scene && a->point_index == b->point_index;
+}
+
+struct neph_failure_point neph_failure_point_at(const struct neph_failure_suite *suite, int row)
+{
+    struct neph_failure_point point = {.scene = suite->rows[row].scene, .first_row = row};
+    while (row + point.row_count < suite->row_count &&
+           is_same_point(&suite->rows[row], &suite->rows[row + point.row_count]))
+        point.row_count++;
+    return point;
+}
+
+bool neph_failure_is_asked(const struct neph_failure_suite *suite,
+                           const struct neph_failure_point *point, int column)
+{
+    for (int r = 0; r < point->row_count; r++)
+        if (suite->rows[point->first_row + r].cells[column].verdict != NEPH_FAILURE_NOT_ASKED)
+            return true;
+    return false;
+}
+
+/* ---- jobs ------------------------------------------------------------------------------------ */
+
+/* Everything of a trial that is under way. */
+struct trial {
+    struct neph_failure_bench *bench;
+    struct neph_failure_point *point;
+    int column;
+    struct neph_job job;
+    struct neph_failure_frames frames;
+    struct neph_reference *reference;
+    const char *extractors[NEPH_FAILING_MEASURES + 1]; /* NULL-terminated */
+    bool is_judged; /* somebody else has; frames are only to be drawn */
+    char exhibit_key[NEPH_HASH_HEX_SIZE];
+};
+
+static const struct neph_failure_column *column_of(const struct trial *trial)
+{
+    return &trial->bench->suite->columns[trial->column];
+}
+
+static struct neph_failure_row *row_of(const struct trial *trial, int number)
+{
+    return &trial->bench->suite->rows[trial->point->first_row + number];
+}
+
+/* Pictures of a stamp's size, held against limits that are not of noise. */
+static const struct {
+    const char *engine, *setting;
+} cheaper[] = {{"cycles", "samples=16"}};
+
+static enum neph_status set_engine(struct neph_job *job, struct neph_diag *diag)
+{
+    for (size_t i = 0; i < sizeof(cheaper) / sizeof(cheaper[0]); i++)
+        if (strcmp(cheaper[i].engine, job->engine->name) == 0)
+            return neph_settings_set(job->engine, &job->shot.settings, cheaper[i].setting, diag);
+    return NEPH_OK;
+}
+
+/* Other people's renderers take their time over each layer. */
+static unsigned layers_of(const struct neph_failure_column *column)
+{
+    return column->engine->rung == NEPH_RUNG_WITNESS ? NEPH_LAYER_RADIANCE : NEPH_LAYERS_ALL;
+}
+
+static double limit_of(const struct neph_failure_column *column)
+{
+    if (column->engine->is_guest)
+        return guest_limit_s;
+    return column->is_preset ? 0.0 : engine_limit_s;
+}
+
+/* As a column's name has it, a guest's, too. */
+static enum neph_status set_words(const struct trial *trial, const char *words,
+                                  struct neph_job *job, struct neph_diag *diag)
+{
+    char steps[32];
+    snprintf(steps, sizeof(steps), "steps=%d", trial->point->at->failing.steps);
+    return neph_engine_words(words, steps, &job->engine, &job->shot.settings, diag);
+}
+
+static enum neph_status make_job(struct trial *trial, struct neph_diag *diag)
+{
+    const struct neph_failure_column *column = column_of(trial);
+    const struct neph_failure_params *params = trial->bench->params;
+    const struct neph_failing *failing = &trial->point->at->failing;
+    const bool own_size = params->width_px == 0;
+    trial->job = (struct neph_job){
+        .engine = column->engine,
+        .info = &trial->bench->infos[trial->column],
+        .shot = {.scene = trial->point->at,
+                 .settings = neph_settings_default(column->engine),
+                 .width_px = own_size ? failing->width_px : params->width_px,
+                 .height_px = own_size ? failing->height_px : params->height_px,
+                 .layers = layers_of(column),
+                 .seed = neph_seed_of(trial->point->at, 1),
+                 .time_limit_s = limit_of(column)}};
+    if (column->engine->is_guest && row_of(trial, 0)->point_index > 0)
+        return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
+                         "a program reads the file, which has other values");
+    return column->is_preset ? set_words(trial, column->name, &trial->job, diag)
+                             : set_engine(&trial->job, diag);
+}
+
+/* That of all presets, also where a guest is the first. */
+static enum neph_status have_march(struct trial *trial, struct neph_diag *diag)
+{
+    struct neph_failure_bench *bench = trial->bench;
+    struct neph_job job = trial->job;
+    struct neph_engine_info info;
+    enum neph_status status = NEPH_OK;
+    if (trial->job.engine->is_guest) {
+        status = set_words(trial, "off", &job, diag);
+        job.info = &info;
+        job.shot.time_limit_s = 0.0;
+        neph_engine_probe(job.engine, &info);
+    }
+    bench->progress.kind = NEPH_FAILURE_KIND_REFERENCE;
+    return status ? status
+                  : neph_failure_preset_truth(&job, bench->store, &bench->progress,
+                                              trial->reference, diag);
+}
+
+/* The first that is tried at a point makes it. */
+static enum neph_status have_truth(struct trial *trial, struct neph_diag *diag)
+{
+    struct neph_failure_bench *bench = trial->bench;
+    if (bench->params->width_px > 0 || trial->reference->frames[NEPH_REFERENCE_AVERAGED].count > 0)
+        return NEPH_OK;
+    if (!column_of(trial)->is_preset)
+        return trial->extractors[0]
+                   ? neph_failure_engine_truth(&trial->job, &trial->frames, bench->store,
+                                               trial->reference, diag)
+                   : NEPH_OK;
+    return have_march(trial, diag);
+}
+
+static struct neph_viewing viewing_of(const struct neph_scene *scene)
+{
+    struct neph_viewing viewing = NEPH_VIEWING_DEFAULTS;
+    viewing.exposure_ev = scene->exposure_ev;
+    viewing.frame_rate_hz = 30.0;
+    viewing.pixels_per_degree = 60.0;
+    return viewing;
+}
+
+/* ---- cells ----------------------------------------------------------------------------------- */
+
+static struct neph_failure_place number_of(const struct neph_failure_row *row, const char *column)
+{
+    return (struct neph_failure_place){row->scene->name, row->point, column,
+                                       neph_failing_measure_name(row->limit->measure),
+                                       row->limit->over};
+}
+
+/* A number of a row; NaN with `why`. */
+static double value_of(const struct neph_failure_row *row, size_t bad_values,
+                       const json_t *document, char why[NEPH_FAILURE_WHY_SIZE])
+{
+    if (row->limit->measure == NEPH_FAILING_BAD_VALUES)
+        return (double)bad_values;
+    if (document)
+        return neph_failure_read(row->limit, document, why);
+    snprintf(why, NEPH_FAILURE_WHY_SIZE, "the frames hold %zu bad values", bad_values);
+    return NAN;
+}
+
+static void fill_cell(const struct trial *trial, struct neph_failure_row *row, double value,
+                      const char *why)
+{
+    struct neph_failure_cell *cell = &row->cells[trial->column];
+    const struct neph_failure_place place = number_of(row, column_of(trial)->name);
+    const char *reason;
+    if (cell->verdict == NEPH_FAILURE_NOT_ASKED)
+        return;
+    const enum neph_failure_expected expected = neph_failure_expected_at(trial->bench->expectations,
+                                                                         &place, &reason);
+    *cell = (struct neph_failure_cell){
+        value, neph_failure_judge(value, row->limit->limit, expected),
+        neph_arena_text(&trial->bench->suite->arena, why[0] ? why : reason), NULL};
+}
+
+/* From the documents in a folder of a take. */
+static enum neph_status read_cells(const struct trial *trial, const char *folder, size_t bad_values,
+                                   bool has_document, struct neph_diag *diag)
+{
+    json_t *document = NULL;
+    enum neph_status status = NEPH_OK;
+    if (bad_values == 0 && has_document)
+        status = neph_take_document(folder, "failure", &document, diag);
+    for (int r = 0; r < trial->point->row_count && !status; r++) {
+        char why[NEPH_FAILURE_WHY_SIZE] = "";
+        const double value = value_of(row_of(trial, r), bad_values, document, why);
+        fill_cell(trial, row_of(trial, r), value, why);
+    }
+    json_decref(document);
+    return status;
+}
+
+/* Why there are no numbers. */
+static void mark_cells(const struct trial *trial, enum neph_failure_verdict verdict,
+                       const char *why)
+{
+    for (int r = 0; r < trial->point->row_count; r++) {
+        struct neph_failure_cell *cell = &row_of(trial, r)->cells[trial->column];
+        fill_cell(trial, row_of(trial, r), NAN, why);
+        if (verdict != NEPH_FAILURE_NO_NUMBER && cell->verdict == NEPH_FAILURE_NO_NUMBER)
+            cell->verdict = verdict;
+    }
+}
+
+/* ---- pictures -------------------------------------------------------------------------------- */
+
+static bool wants_pictures(enum neph_failure_pictures pictures, enum neph_failure_verdict verdict)
+{
+    const bool compared = neph_failure_is_compared(verdict);
+    const bool changed = compared && neph_failure_is_news(verdict);
+    switch (pictures) {
+    case NEPH_FAILURE_PICTURES_ALL:
+        return compared;
+    case NEPH_FAILURE_PICTURES_CHANGED:
+        return changed;
+    case NEPH_FAILURE_PICTURES_FAILED:
+        return changed || neph_failure_is_failure(verdict);
+    default:
+        return false;
+    }
+}
+
+static bool is_drawn(const struct trial *trial)
+{
+    for (int r = 0; r < trial->point->row_count; r++)
+        if (wants_pictures(trial->bench->params->pictures,
+                           row_of(trial, r)->cells[trial->column].verdict))
+            return true;
+    return false;
+}
+
+/* What looks at the frames while they are there. */
+static enum neph_status look(const struct neph_take *take, const struct neph_take_frames *frames,
+                             void *context, struct neph_diag *diag)
+{
+    const struct trial *trial = context;
+    const struct neph_scene *scene = trial->point->at;
+    const struct neph_viewing viewing = viewing_of(scene);
+    const struct neph_evidence_source source = {
+        .files = frames->files,
+        .images = frames->images,
+        .reference = &take->reference->frames[NEPH_REFERENCE_AVERAGED],
+        .frame_step = trial->frames.step,
+        .exposure_ev = scene->exposure_ev,
+    };
+    enum neph_status status = NEPH_OK;
+    if (!trial->is_judged)
+        status = read_cells(trial, frames->folder, frames->bad_values, take->reading_count > 0,
+                            diag);
+    if (status || !is_drawn(trial))
+        return status;
+    return neph_exhibit_make(trial->bench->store, trial->exhibit_key, &source, &viewing,
+                             frames->bad_values == 0, diag);
+}
+
+/* The pictures of what was judged; rendered again where the store has none, as when a limit has
+ * changed since. */
+static enum neph_status have_pictures(struct trial *trial, const struct neph_take *take,
+                                      struct neph_diag *diag)
+{
+    struct neph_failure_bench *bench = trial->bench;
+    char *folder = NULL;
+    json_t *record = NULL;
+    enum neph_status status = NEPH_OK;
+    if (!is_drawn(trial))
+        return NEPH_OK;
+    if (!neph_exhibit_find(bench->store, trial->exhibit_key, &folder, &record)) {
+        trial->is_judged = true;
+        status = neph_take_see(take, bench->store, diag);
+        if (!status && !neph_exhibit_find(bench->store, trial->exhibit_key, &folder, &record))
+            status = neph_fail(diag, NEPH_ERR_IO, "pictures are not readable after publishing");
+    }
+    for (int r = 0; r < trial->point->row_count && !status; r++)
+        row_of(trial, r)->cells[trial->column].exhibit = neph_arena_text(&bench->suite->arena,
+                                                                         folder);
+    json_decref(record);
+    free(folder);
+    return status;
+}
+
+/* ---- a trial --------------------------------------------------------------------------------- */
+
+static enum neph_status run_take(struct trial *trial, const struct neph_take *take,
+                                 struct neph_diag *diag)
+{
+    char key[NEPH_HASH_HEX_SIZE], *folder = NULL;
+    json_t *record = NULL;
+    enum neph_status status = neph_take_key(take, key, diag);
+    if (!status)
+        status = neph_exhibit_key(key, trial->exhibit_key, diag);
+    if (!status)
+        status = neph_take_run(take, trial->bench->store, &folder, &record, diag);
+    if (!status)
+        status = read_cells(trial, folder,
+                            (size_t)json_integer_value(json_object_get(record, "bad_values")),
+                            take->reading_count > 0, diag);
+    if (!status)
+        status = have_pictures(trial, take, diag);
+    trial->bench->suite->frame_count += take->frame_count;
+    json_decref(record);
+    free(folder);
+    return status;
+}
+
+static enum neph_status measure(struct trial *trial, struct neph_diag *diag)
+{
+    const struct neph_failing *failing = &trial->point->at->failing;
+    const bool is_preset = column_of(trial)->is_preset;
+    struct neph_meter_number kept[NEPH_FAILURE_KEPT_MAX];
+    char step[40];
+    neph_failure_kept(failing, is_preset, kept);
+    snprintf(step, sizeof(step), "lag.step_frame=%d", failing->event_frame);
+    const char *const settings[] = {failing->event_frame > 0 ? step : NULL, NULL};
+    const struct neph_reading reading = {"failure", NEPH_REFERENCE_AVERAGED,      trial->extractors,
+                                         settings,  viewing_of(trial->point->at), kept,
+                                         0};
+    const bool is_read = trial->bench->params->width_px == 0 && (is_preset || trial->extractors[0]);
+    const struct neph_take take = {.job = trial->job,
+                                   .frame_count = trial->frames.count,
+                                   .frame_step = trial->frames.step,
+                                   .reference = trial->reference,
+                                   .readings = &reading,
+                                   .reading_count = is_read ? 1 : 0,
+                                   .plain = true, /* a limit is held against the number itself */
+                                   .frozen_is_fine = true,
+                                   .look = look,
+                                   .look_context = trial,
+                                   .counts_bad = true};
+    return run_take(trial, &take, diag);
+}
+
+static enum neph_status run(struct trial *trial, struct neph_diag *diag)
+{
+    const bool is_preset = column_of(trial)->is_preset;
+    struct neph_failure_point *point = trial->point;
+    trial->reference = is_preset ? &point->presets : &point->engines;
+    trial->frames = is_preset ? (struct neph_failure_frames){point->at->failing.frame_count, 1}
+                              : neph_failure_engine_frames(point->at);
+    neph_failure_extractors(&point->at->failing, is_preset, trial->extractors);
+    enum neph_status status = make_job(trial, diag);
+    if (!status)
+        status = have_truth(trial, diag);
+    trial->bench->progress.kind = is_preset ? NEPH_FAILURE_KIND_TAKE
+                                            : NEPH_FAILURE_KIND_ENGINE + trial->column;
+    return status ? status : measure(trial, diag);
+}
+
+/* Whether every number of the column is one that is skipped. */
+static bool is_skipped(const struct trial *trial)
+{
+    for (int r = 0; r < trial->point->row_count; r++) {
+        const struct neph_failure_place number = number_of(row_of(trial, r),
+                                                           column_of(trial)->name);
+        const char *reason;
+        if (row_of(trial, r)->cells[trial->column].verdict != NEPH_FAILURE_NOT_ASKED &&
+            neph_failure_expected_at(trial->bench->expectations, &number, &reason) !=
+                NEPH_FAILURE_SKIPS)
+            return false;
+    }
+    return true;
+}
+
+/* What breaks or cannot be rendered is of one column; what ends the run goes on. An engine need not
+ * model everything, or be there; a preset is a promise. */
+static bool is_of_one_column(const struct neph_failure_column *column, enum neph_status status,
+                             enum neph_failure_verdict *verdict)
+{
+    static const struct {
+        enum neph_status status;
+        bool of_presets, of_engines;
+        enum neph_failure_verdict verdict; /* of an engine */
+    } table[] = {
+        {NEPH_ERR_ENGINE, true, true, NEPH_FAILURE_NO_NUMBER},
+        {NEPH_ERR_GATE, true, true, NEPH_FAILURE_NO_NUMBER},
+        {NEPH_ERR_UNSUPPORTED, true, true, NEPH_FAILURE_CANNOT},
+        {NEPH_ERR_UNAVAILABLE, false, true, NEPH_FAILURE_MISSING},
+        {NEPH_ERR_TIMEOUT, true, true, NEPH_FAILURE_NOT_RENDERED},
+    };
+    for (size_t i = 0; i < sizeof(table) / sizeof(table[0]); i++)
+        if (table[i].status == status) {
+            *verdict = column->is_preset ? NEPH_FAILURE_NO_NUMBER : table[i].verdict;
+            return column->is_preset ? table[i].of_presets : table[i].of_engines;
+        }
+    return false;
+}
+
+static void describe(const struct trial *trial, char *text, size_t size)
+{
+    const struct neph_failure_column *column = column_of(trial);
+    const char *point = row_of(trial, 0)->point;
+    snprintf(text, size, "%s%s%s, %s %s", trial->point->scene->name, *point ? " " : "", point,
+             column->is_preset ? "preset" : "engine", column->name);
+}
+
+static enum neph_status try(struct trial *trial, const char *what, struct neph_diag *diag)
+{
+    struct neph_diag why = {.line = 0};
+    enum neph_failure_verdict verdict;
+    enum neph_status status = run(trial, &why);
+    if (is_of_one_column(column_of(trial), status, &verdict)) {
+        if (neph_failure_is_news(verdict) && !trial->bench->again)
+            neph_progress_warn("%s: %s", what, why.message);
+        mark_cells(trial, verdict, why.message);
+        return NEPH_OK;
+    }
+    if (status && diag)
+        *diag = why;
+    return status;
+}
+
+enum neph_status neph_failure_try(struct neph_failure_bench *bench,
+                                  struct neph_failure_point *point, int column,
+                                  struct neph_diag *diag)
+{
+    struct trial trial = {.bench = bench, .point = point, .column = column};
+    char what[256];
+    const double start_s = neph_wall_s();
+    describe(&trial, what, sizeof(what));
+    neph_progress_begin(&bench->progress, what);
+    enum neph_status status = NEPH_OK;
+    if (is_skipped(&trial))
+        mark_cells(&trial, NEPH_FAILURE_SKIP, "");
+    else
+        status = try(&trial, what, diag);
+    bench->progress.kind = bench->suite->columns[column].is_preset
+                               ? NEPH_FAILURE_KIND_TAKE
+                               : NEPH_FAILURE_KIND_ENGINE + column;
+    if (!status)
+        neph_progress_step(&bench->progress, what, "measured", neph_wall_s() - start_s);
+    return status;
+}
