@@ -158,10 +158,11 @@ static bool is_chosen(const struct neph_failure_params *params, const struct nep
 /* Presets that a scenario names are presets of the engine. */
 static enum neph_status check_scene(const struct neph_scene *scene, struct neph_diag *diag)
 {
+    const struct neph_engine *engine;
     char *words = strdup(scene->failing.presets), *rest = words;
     enum neph_status status = words ? NEPH_OK : neph_fail_memory(diag);
     for (const char *word; !status && (word = strsep(&rest, " "));)
-        if (*word && check_preset(word, diag)) {
+        if (*word && find_preset(word, &engine, diag)) {
             status = neph_fail(diag, NEPH_ERR_INPUT, "failure.presets: there is no preset '%s'",
                                word);
             neph_locate(diag, scene->path, 1, 1);

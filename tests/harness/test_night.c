@@ -169,9 +169,9 @@ static void test_results_of_the_other_suites(void **state)
     neph_assert_close(number_of(&numbers, "physics/slab/march/deviation/theory"), -0.01, 0.0, 0.0);
     read_text(NEPH_NIGHT_FAILURE,
               "{\"device\": \"D\", \"results\": [{\"scene\": \"none\", \"point\": \"\", "
-              "\"measure\": \"error\", \"over\": \"solid\", \"preset\": \"ours\", \"value\": 0.5}, "
+              "\"measure\": \"error\", \"over\": \"solid\", \"column\": \"ours\", \"value\": 0.5}, "
               "{\"scene\": \"none\", \"point\": \"\", \"measure\": \"lag\", \"over\": \"all\", "
-              "\"preset\": \"ours\", \"value\": null}]}",
+              "\"column\": \"ours\", \"value\": null}]}",
               NAN, &arena, &numbers);
     assert_int_equal(numbers.count, 1);
     neph_assert_close(number_of(&numbers, "failure/none/ours/error over solid"), 0.5, 0.0, 0.0);
