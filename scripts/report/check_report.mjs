@@ -14,6 +14,7 @@ import { existsSync, mkdirSync, readFileSync } from "node:fs";
 import { join, resolve } from "node:path";
 import { argv, env, exit, stderr, stdout } from "node:process";
 import { pathToFileURL } from "node:url";
+import { faintTexts } from "./contrast.mjs";
 
 const CHROMIUM = env.CHROMIUM || "/usr/bin/chromium";
 const FLAGS = ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
@@ -459,8 +460,6 @@ function checkCounts(data, counted) {
 function survey() {
   const all = (selector) => [...document.querySelectorAll(selector)];
   const attribute = (element, name) => element.getAttribute(name);
-  const visible = (element) => element.checkVisibility({ visibilityProperty: true,
-      opacityProperty: true });
 
   // Digits in a numeric cell that belong to no number of the data.
   const stray = [];
@@ -471,41 +470,6 @@ function survey() {
         && !node.parentElement.closest("[data-path], [data-derived], .reason, .unit"))
         stray.push(node.data);
     }
-  }
-
-  // Contrast after WCAG 2.1, of every element that itself holds visible text.
-  const parse = (colour) => {
-    const c = colour.match(/[\d.]+/g).map(Number);
-    return { r: c[0], g: c[1], b: c[2], a: c[3] ?? 1 };
-  };
-  const over = (top, bottom) => ({ r: top.r * top.a + bottom.r * (1 - top.a),
-      g: top.g * top.a + bottom.g * (1 - top.a), b: top.b * top.a + bottom.b * (1 - top.a), a: 1 });
-  const linear = (c) => (c / 255 <= 0.04045 ? c / 255 / 12.92 : ((c / 255 + 0.055) / 1.055) ** 2.4);
-  const luminance = ({ r, g, b }) => 0.2126 * linear(r) + 0.7152 * linear(g) + 0.0722 * linear(b);
-  const background = (element) => {
-    const layers = [];
-    for (let e = element; e; e = e.parentElement) {
-      const colour = parse(getComputedStyle(e).backgroundColor);
-      if (colour.a > 0) layers.push(colour);
-      if (colour.a === 1) break;
-    }
-    return layers.reverse().reduce((below, layer) => over(layer, below),
-      { r: 255, g: 255, b: 255, a: 1 });
-  };
-  const faint = new Set();
-  for (const element of all("body *:not(svg, svg *, .hidden, noscript, script)")) {
-    if (![...element.childNodes].some((node) => node.nodeType === 3 && node.data.trim())
-      || !visible(element)) continue;
-    const style = getComputedStyle(element);
-    const behind = background(element);
-    const [light, dark] = [luminance(over(parse(style.color), behind)),
-      luminance(behind)].sort((a, b) => b - a);
-    const ratio = (light + 0.05) / (dark + 0.05);
-    const size = parseFloat(style.fontSize);
-    const large = size >= 24 || (size >= 18.66 && Number(style.fontWeight) >= 700);
-    const className = element.className ? `.${element.className}` : "";
-    if (ratio < (large ? 3 : 4.5)) faint.add(element.tagName.toLowerCase() + className
-      + ` "${element.textContent.slice(0, 30)}" ${ratio.toFixed(2)}`);
   }
 
   const levels = all("h1, h2, h3, h4, h5, h6").map((heading) => Number(heading.tagName[1]));
@@ -543,12 +507,14 @@ function survey() {
     nameless: all("input, button, [role=region], [role=img]").filter((e) => !attribute(e,
         "aria-label") && !e.labels?.length && !e.textContent.trim()).length,
     unscoped: all("main th:not([scope])").filter((e) => !e.closest(".tooltip")).length,
-    faint: [...faint],
     width: document.documentElement.scrollWidth,
     window: window.innerWidth,
     data: window.NEPH_REPORT,
   };
 }
+
+const look = async (page) => ({ ...await page.evaluate(survey),
+  faint: await page.evaluate(faintTexts) });
 
 async function open(browser, folder, where, options) {
   const context = await browser.newContext({ viewport: { width: 1280, height: 900 }, ...options });
@@ -711,7 +677,7 @@ async function checkPage(folder, data, { quick, screenshots }) {
   };
   try {
     const wide = await open(browser, folder, "page", { colorScheme: "light" });
-    const seen = await wide.page.evaluate(survey);
+    const seen = await look(wide.page);
     checkContent(data, seen);
     checkWindow("page", seen);
     await keep(wide.page, "light");
@@ -735,7 +701,7 @@ async function checkPage(folder, data, { quick, screenshots }) {
         { colorScheme: "dark", viewport: { width: 820, height: 1180 }, deviceScaleFactor: 1.25 }],
     ]) {
       const { context, page } = await open(browser, folder, where, options);
-      checkWindow(where, await page.evaluate(survey));
+      checkWindow(where, await look(page));
       await keep(page, where);
       await context.close();
     }
