@@ -71,7 +71,7 @@ static const struct neph_cli_operands operands = {
     .minimum = 1,
     .maximum = NEPH_VIEWER_SETS_MAX,
     .missing = "which frames?",
-    .surplus = "nine sets of frames (quote patterns: one is one set)",
+    .surplus = "twelve sets of frames (quote patterns: one is one set)",
 };
 
 static const struct neph_cli_syntax syntax = {

@@ -5,7 +5,7 @@
 // Opens a finished report from disk in headless Chromium and holds the page against data.json:
 // every number shown is the number in the data, every number and every reason in the data is
 // shown, every picture is there, strings stayed text, nothing was asked of a network, and the page
-// is readable (contrast, names, no sideways scrolling). --data looks at
+// is readable (contrast, names, nothing wider than its place at 1280 and 390 px). --data looks at
 // data.json alone, without a browser; --quick at one window alone; without
 // it also at a dark, a narrow, a printed page and one without scripts.
 // Exit status: 0 the report holds, 1 it does not (findings on stdout), 2 wrong use.
@@ -28,7 +28,7 @@ const FINDINGS = ["agrees", "off", "not_measured"];
 const PAIRS = ["agree", "differ", "cannot tell: noise"];
 const BROKEN = ["failed", "timeout", "interrupted"];
 const COSTS = ["render_s", "wall_s", "cpu_s", "peak_memory_bytes"];
-const SHOWN_MOST = 40; // findings; one mistake often repeats in every scene
+const SHOWN_MOST = 80; // findings; one mistake often repeats in every scene
 
 const findings = [];
 const find = (text) => { if (!findings.includes(text)) findings.push(text); };
@@ -92,6 +92,8 @@ function checkForm(data, folder) {
   list(data.scenes, "scenes").forEach((scene, s) => {
     const path = `scenes/${s}/`;
     text(scene, path, "name", "title", "physics", "hash");
+    if (scene.viewer) need(existsSync(join(folder, scene.viewer)), `${path}viewer`,
+      `names ${scene.viewer}, which does not exist`);
     numeric(scene, path, "exposure_ev");
     numeric(scene.difference_scale, `${path}difference_scale/`, "radiance", "transmittance");
     const seen = new Set();
@@ -300,6 +302,7 @@ function numbersToShow(data) {
     scene.frames.forEach((frame, f) => {
       for (const key of COSTS) paths.push(`scenes/${s}/frames/${f}/${key}`);
       frame.measurements.forEach((row, m) => {
+        if (row.value === null) return; // said in words
         paths.push(`scenes/${s}/frames/${f}/measurements/${m}/value`);
         if (row.interval) paths.push(`scenes/${s}/frames/${f}/measurements/${m}/interval/0`,
           `scenes/${s}/frames/${f}/measurements/${m}/interval/1`);
@@ -360,7 +363,8 @@ function stringsToShow(data) {
   }
   for (const scene of data.scenes) for (const frame of scene.frames) texts.push(frame.note);
   const measured = new Set(data.scenes.flatMap((scene) => scene.frames)
-    .flatMap((frame) => frame.measurements.map((row) => row.metric)));
+    .flatMap((frame) => frame.measurements.filter((row) => row.value !== null)
+      .map((row) => row.metric)));
   for (const metric of data.metrics ?? []) if (measured.has(metric.name)) texts.push(metric.help);
   for (const sequence of data.sequences ?? []) {
     texts.push(sequence.title, sequence.physics, sequence.reference.settings,
@@ -429,6 +433,11 @@ function checkCounts(data, counted) {
     gates: gates.length,
     "gates.fail": gates.filter((gate) => gate.verdict === "fail").length,
     "gates.not_measured": gates.filter((gate) => gate.verdict === "not_measured").length,
+    "frames.ungated": data.scenes.flatMap((scene) => scene.frames.filter((frame) =>
+      frame.measurements.some((row) => row.quantity === "radiance" && row.metric === "rel_bias"
+        && row.mask === "all" && row.value !== null)
+      && !scene.gates.some((gate) => gate.engine === frame.engine
+        && gate.quantity === "radiance"))).length,
     "frames.broken": data.scenes.flatMap((scene) => scene.frames)
       .filter((frame) => BROKEN.includes(frame.status)).length,
   };
@@ -622,10 +631,14 @@ function checkContent(data, seen) {
       find(`chart ${data.charts[n].id} drew no marks`);
   });
 
+  for (const scene of data.scenes)
+    if (scene.viewer && !seen.links.includes(scene.viewer))
+      find(`no link leads to the viewer ${scene.viewer}`);
   const known = /^(data|report)\.js$|^vendor\/vega(-lite|-embed)?\.min\.js$/;
   for (const script of seen.scripts) if (!known.test(script)) find(`an unknown script: ${script}`);
   for (const link of seen.links)
-    if (!/^#|^data\.json$|^vendor\/LICENSES\.txt$|^charts\/[\w.-]+$/.test(link))
+    if (!/^#|^data\.json$|^vendor\/LICENSES\.txt$|^charts\/[\w.-]+$|^view\/[\w.-]+\/index\.html$/
+      .test(link))
     find(`an unexpected link: ${link}`);
   for (const html of [...seen.handlers, ...seen.unexpected])
     find(`markup that is none of the page's: ${html}`);
@@ -635,6 +648,28 @@ function checkContent(data, seen) {
   if (seen.skippedLevels > 0) find("the headings skip a level");
   if (seen.nameless > 0) find(`${seen.nameless} controls or regions without a name`);
   if (seen.unscoped > 0) find(`${seen.unscoped} table headings without a scope`);
+}
+
+/** With all that is folded open: still as wide as the window, also each table, and to be read. */
+async function checkUnfolded(page, where) {
+  await page.evaluate(async () => {
+    for (const details of document.querySelectorAll("details")) details.open = true;
+    await new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
+  });
+  const { wide, width, window } = await page.evaluate(() => ({
+    wide: [...document.querySelectorAll(".scroll")].filter((e) => e.scrollWidth > e.clientWidth + 1)
+      .map((e) => `${e.getAttribute("aria-label")} (${e.scrollWidth} in ${e.clientWidth} px)`),
+    width: document.documentElement.scrollWidth, window: innerWidth }));
+  for (const text of wide) find(`${where}: wider than its place: ${text}`);
+  if (width > window) find(`${where}, unfolded: the page scrolls sideways (${width} px)`);
+  for (const text of await page.evaluate(faintTexts))
+    find(`${where}, unfolded: too little contrast: ${text}`);
+  const bare = await page.evaluate(() => [...document.querySelectorAll(".scroll tbody tr")]
+    .filter((row) => row.querySelector("[data-value='null'], .absent")
+      && ![...row.querySelectorAll("td [data-value], td")].some((e) =>
+        /\d/.test(e.textContent) || e.matches(".words") && e.textContent.trim()))
+    .map((row) => row.querySelector("th")?.textContent));
+  for (const head of bare) find(`${where}: a row without a number: ${head}`);
 }
 
 /** The moving parts: slider, pointer, click, tooltip. */
@@ -681,7 +716,11 @@ async function checkPage(folder, data, { quick, screenshots }) {
     checkContent(data, seen);
     checkWindow("page", seen);
     await keep(wide.page, "light");
+    await checkUnfolded(wide.page, "page");
     await checkMoves(wide.page, "page");
+    await wide.page.setViewportSize({ width: 390, height: 844 });
+    await checkUnfolded(wide.page, "page of 390 px");
+    await wide.page.setViewportSize({ width: 1280, height: 900 });
     if (!quick) {
       await wide.page.evaluate(() => window.dispatchEvent(new Event("beforeprint")));
       await wide.page.emulateMedia({ media: "print" });
@@ -703,6 +742,7 @@ async function checkPage(folder, data, { quick, screenshots }) {
       const { context, page } = await open(browser, folder, where, options);
       checkWindow(where, await look(page));
       await keep(page, where);
+      await checkUnfolded(page, where);
       await context.close();
     }
 

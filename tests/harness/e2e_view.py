@@ -152,7 +152,7 @@ class View(unittest.TestCase):
         self.refused(65, "larger than 0 MB", reference, "--limit", "0.002")
         self.refused(64, "there is no map 'flop'", reference, reference, "--overlay", "flop")
         self.refused(64, "there is no quantity 'colour'", reference, "--quantity", "colour")
-        self.refused(64, "nine sets", *[reference] * 10)
+        self.refused(64, "twelve sets", *[reference] * 13)
         mine = self.folder / "mine"
         mine.mkdir()
         (mine / "letter").write_text("dear")
