@@ -18,6 +18,7 @@ enum { FRAMES, VIEWING, WRITING }; /* groups of the help */
 struct request {
     struct neph_cli_shared shared;
     const char *layer, *title;
+    struct neph_display_choice display;
     struct neph_cli_words quantities, overlays;
     double frame_rate_hz, pixels_per_degree, exposure_ev, scale, limit_mb;
     int warm_up_frames;
@@ -49,6 +50,15 @@ static const struct neph_cli_option options[] = {
      "--maps`; may be given several times; or none (default: relative, flip and, of sequences, "
      "a4)",
      NEPH_CLI_WORDS, .at = offsetof(struct request, overlays), .group = VIEWING},
+    {"ocio", 0, "FILE",
+     "An OpenColorIO config: its view is shown, and the plain curve of an sRGB display on request",
+     NEPH_CLI_WORD, .at = offsetof(struct request, display.config), .group = VIEWING},
+    {"display", 0, "NAME", "Of that config (default: its own)", NEPH_CLI_WORD,
+     .at = offsetof(struct request, display.display), .group = VIEWING},
+    {"view", 0, "NAME", "Of that display (default: its own)", NEPH_CLI_WORD,
+     .at = offsetof(struct request, display.view), .group = VIEWING},
+    {"space", 0, "NAME", "What linear Rec.709 is called there (default: the role scene_linear)",
+     NEPH_CLI_WORD, .at = offsetof(struct request, display.space), .group = VIEWING},
     {"fps", 0, "HZ", "How fast frames are played (default: what they say, else 30)", NEPH_CLI_REAL,
      .at = offsetof(struct request, frame_rate_hz), .minimum = 0.1, .maximum = 1000,
      .group = VIEWING},
@@ -74,9 +84,17 @@ static const struct neph_cli_operands operands = {
     .surplus = "twelve sets of frames (quote patterns: one is one set)",
 };
 
+static void check(const void *request_, const struct argp_state *state)
+{
+    const struct neph_display_choice *display = &((const struct request *)request_)->display;
+    if (!display->config && (display->display || display->view || display->space))
+        argp_error(state, "--display, --view and --space are of a config: --ocio FILE");
+}
+
 static const struct neph_cli_syntax syntax = {
     .options = options,
     .operands = &operands,
+    .check = check,
     .doc =
         "Lay frames of any renderer over each other in a page that opens from disk: EXR frames or "
         "PNG pictures, of one size.\v"
@@ -88,7 +106,8 @@ static const struct neph_cli_syntax syntax = {
         "Examples:\n"
         "  neph view exact.exr march.exr -o page\n"
         "  neph view reference.exr 'a/frame.*.exr' 'b/frame.*.exr' --quantity radiance\n"
-        "  neph view old.png new.png --overlay flip",
+        "  neph view old.png new.png --overlay flip\n"
+        "  neph view a.exr b.exr --ocio config.ocio --view Filmic",
 };
 
 /* ---- what is asked for ----------------------------------------------------------------------- */
@@ -165,6 +184,7 @@ static enum neph_status prepare(const struct request *request, struct neph_viewe
     enum neph_status status = find_sets(request, view, diag);
     view->title = request->title ? request->title : "Frames side by side";
     view->layer = request->layer;
+    view->display = request->display;
     view->viewing = NEPH_VIEWING_DEFAULTS;
     view->viewing.exposure_ev = request->exposure_ev;
     if (!isnan(request->pixels_per_degree))

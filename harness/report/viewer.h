@@ -6,6 +6,7 @@
 #define NEPH_HARNESS_REPORT_VIEW_H
 
 #include "harness/compare/sequence.h"
+#include "metrics/display_cube.h"
 #include "metrics/extractor.h"
 
 enum { NEPH_VIEWER_SETS_MAX = 12, NEPH_VIEWER_OVERLAYS_MAX = 16 };
@@ -26,6 +27,7 @@ struct neph_viewer {
     unsigned quantities;         /* neph_quantity_bit: these alone; 0: all that a set has */
     const char *const *overlays; /* names of maps of the metrics (`neph compare --maps`) */
     int overlay_count;
+    struct neph_display_choice display; /* beside the display's own curve; no config: that alone */
     double difference_scale; /* of radiance, where the colours end; NaN: as of the metrics' map */
     double limit_bytes;      /* of all the page's floats */
     int warm_up_frames;      /* at the start of the sequences, left out */

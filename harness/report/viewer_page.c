@@ -131,7 +131,7 @@ static enum neph_status write_text(struct shop *shop, const char *key, const cha
     enum neph_status status = path && script ? NEPH_OK : neph_fail_memory(diag);
     shop->made.bytes += length;
     if (!status && (double)shop->made.bytes > shop->view->limit_bytes) {
-        status = neph_fail(diag, NEPH_ERR_INPUT, "the page would be larger than %.0f MB",
+        status = neph_fail(diag, NEPH_ERR_INPUT, "the page would be larger than %.3g MB",
                            shop->view->limit_bytes / 1e6);
         neph_hint(diag, "take fewer frames (a pattern, --warm-up), --quantity radiance alone, "
                         "--overlay none, or a higher --limit");
@@ -144,19 +144,25 @@ static enum neph_status write_text(struct shop *shop, const char *key, const cha
 }
 
 /* A script that gives planes to the page under a name made of numbers and of words of ours. */
-static enum neph_status ship(void *shop_, const char *key, const float *const *planes,
-                             int plane_count, struct neph_diag *diag)
+static enum neph_status ship_planes(struct shop *shop, const char *key, const float *const *planes,
+                                    int plane_count, size_t count, struct neph_diag *diag)
 {
-    struct shop *shop = shop_;
     char *text = NULL;
     size_t length = 0;
-    enum neph_status status = neph_packed_floats(
-        planes, plane_count, (size_t)shop->made.width_px * (size_t)shop->made.height_px, &text,
-        &length, diag);
+    enum neph_status status = neph_packed_floats(planes, plane_count, count, &text, &length, diag);
     if (!status)
         status = write_text(shop, key, text, diag);
     free(text);
     return status;
+}
+
+/* Planes that are as large as the frames. */
+static enum neph_status ship(void *shop_, const char *key, const float *const *planes,
+                             int plane_count, struct neph_diag *diag)
+{
+    struct shop *shop = shop_;
+    return ship_planes(shop, key, planes, plane_count,
+                       (size_t)shop->made.width_px * (size_t)shop->made.height_px, diag);
 }
 
 static bool is_wanted(const struct neph_viewer *view, const struct neph_quantity *quantity)
@@ -302,8 +308,28 @@ static enum neph_status bake_display(json_t **codes, struct neph_diag *diag)
     return status;
 }
 
+/* A view of a config of the user's; null where there is none. */
+static enum neph_status ship_cube(struct shop *shop, json_t **told, struct neph_diag *diag)
+{
+    struct neph_display_cube cube;
+    *told = json_null();
+    if (!shop->view->display.config)
+        return NEPH_OK;
+    enum neph_status status = neph_display_cube_bake(&shop->view->display, &cube, diag);
+    if (status)
+        return status;
+    const size_t node_count = (size_t)NEPH_DISPLAY_CUBE_SIDE * NEPH_DISPLAY_CUBE_SIDE *
+                              NEPH_DISPLAY_CUBE_SIDE;
+    status = ship_planes(shop, "cube", (const float *const *)cube.nodes, 3, node_count, diag);
+    *told = json_pack("{s:o, s:i, s:f, s:f, s:f, s:f}", "name", neph_json_cleaned(cube.name),
+                      "side", NEPH_DISPLAY_CUBE_SIDE, "knee", cube.knee, "top", cube.top,
+                      "error_mean", cube.error_mean, "error_max", cube.error_max);
+    neph_display_cube_finish(&cube);
+    return status;
+}
+
 static json_t *document_json(const struct shop *shop, json_t *sets, json_t *overlays,
-                             json_t *not_taken, json_t *codes)
+                             json_t *not_taken, json_t *codes, json_t *cube)
 {
     const struct neph_viewer *view = shop->view;
     const struct neph_sequence *numbered = NULL;
@@ -327,6 +353,7 @@ static json_t *document_json(const struct shop *shop, json_t *sets, json_t *over
                   numbered ? json_integer(numbered->numbers[0] + view->warm_up_frames)
                            : json_integer(view->warm_up_frames));
     neph_json_set(&document, "bytes", json_integer((json_int_t)shop->made.bytes));
+    neph_json_set(&document, "cube", cube);
     return document;
 }
 
@@ -343,6 +370,7 @@ enum neph_status neph_viewer_write(const struct neph_viewer *view, const char *f
 {
     struct shop shop = {.view = view, .folder = folder};
     json_t *sets = NULL, *overlays = json_array(), *not_taken = json_array(), *codes = NULL;
+    json_t *cube = NULL;
     enum neph_status status = check_counts(view, &shop.made.frame_count, diag);
     int total = 0;
     for (int s = 0; s < view->set_count; s++)
@@ -358,9 +386,12 @@ enum neph_status neph_viewer_write(const struct neph_viewer *view, const char *f
                                   &not_taken, diag);
     if (!status)
         status = bake_display(&codes, diag);
+    if (!status)
+        status = ship_cube(&shop, &cube, diag);
     json_t *document = status ? NULL
                               : document_json(&shop, json_incref(sets), json_incref(overlays),
-                                              json_incref(not_taken), json_incref(codes));
+                                              json_incref(not_taken), json_incref(codes),
+                                              json_incref(cube));
     if (!status)
         status = neph_json_check(document, diag);
     if (!status)
@@ -374,6 +405,7 @@ enum neph_status neph_viewer_write(const struct neph_viewer *view, const char *f
     json_decref(overlays);
     json_decref(not_taken);
     json_decref(codes);
+    json_decref(cube);
     return status;
 }
 

@@ -7,7 +7,8 @@
 // keys, wheel, drag and address do what the help says, nothing goes wrong in the console or to a
 // network, and all can be read and reached. --quick: values and colours alone.
 // EXPECTED: {"pixels": [{"set", "frame", "quantity", "x", "y", "values"}],
-//            "maps": [{"set", "frame", "map", "x", "y", "values"}]}
+//            "maps": [{"set", "frame", "map", "x", "y", "values"}],
+//            "views": [{"set", "x", "y", "ev", "codes"}]}
 // Exit status: 0 all holds, 1 it does not (findings on stdout), 2 wrong use.
 import { mkdirSync, readFileSync } from "node:fs";
 import { join, resolve } from "node:path";
@@ -138,7 +139,7 @@ async function checkColours(page, data, expected) {
   for (const { set, frame, quantity, x, y, values } of expected.pixels) {
     if (quantity !== "radiance") continue;
     for (const ev of [0, -2, 3]) {
-      await go(page, { mode: "one", set, frame, ev });
+      await go(page, { mode: "one", set, frame, ev, view: 0 });
       const seen = await colourAt(page, await placeOf(page, data, x, y));
       values.forEach((value, c) => {
         const wanted = codeOf(Math.fround(value) * 2 ** ev);
@@ -146,6 +147,18 @@ async function checkColours(page, data, expected) {
           find(`set ${set}, pixel ${x}, ${y} at ${ev} EV: code ${seen[c]}, not ${wanted}`);
       });
     }
+  }
+}
+
+/** The view of a config: as near as the page says that its table is. */
+async function checkViews(page, data, expected) {
+  for (const { set, x, y, ev, codes } of expected.views ?? []) {
+    await go(page, { mode: "one", set, ev, view: 1 });
+    const seen = await colourAt(page, await placeOf(page, data, x, y));
+    codes.forEach((code, c) => {
+      if (Math.abs(seen[c] - code) > 0.5 + data.cube.error_max)
+        find(`set ${set}, pixel ${x}, ${y} by ${data.cube.name}: code ${seen[c]}, not ${code}`);
+    });
   }
 }
 
@@ -191,7 +204,8 @@ async function checkKeys(page, data) {
     [base, "Space", { ref: "1", set: "0" }],
     [base, "q", { quantity: data.sets[1].quantities[1] }], [base, "o", { map }],
     [{ ...base, map: data.overlays.at(-1).name }, "o", { map: undefined }],
-    [base, "e", { ev: "0.5" }], [base, "Shift+E", { ev: "-0.5" }],
+    [base, "v", { view: data.cube ? "0" : undefined }], [base, "e", { ev: "0.5" }],
+    [base, "Shift+E", { ev: "-0.5" }],
     [base, "[", { gain: "-1" }], [base, "]", { gain: "1" }],
     [{ ...base, gain: 3, ev: 2 }, "r", { gain: undefined, ev: undefined }],
     [{ ...base, zoom: 8 }, "+", { zoom: "12" }], [{ ...base, zoom: 8 }, "-", { zoom: "6" }],
@@ -374,6 +388,7 @@ async function checkPage(folder, expected, { quick, screenshots }) {
     await checkValues(page, data, expected);
     await checkColours(page, data, expected);
     if (quick) return;
+    await checkViews(page, data, expected);
     await checkDifferences(page, data, expected);
     await checkKeys(page, data);
     await checkHelp(page);

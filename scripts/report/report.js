@@ -1247,7 +1247,8 @@
       el("p", {}, "A phase function says where light is scattered to. Over all directions it must "
         + "add up to 1, and its mean cosine must be g; so must that of the directions that are "
         + "drawn from it."),
-      scrolling("Phase functions", el("table", {},
+      folded(list.some((row) => row.verdict === "off") ? "Which, and by how much"
+        : "All agree: the numbers", scrolling("Phase functions", el("table", {},
         el("thead", {}, el("tr", {}, el("th", { scope: "col" }, "Phase function"),
             el("th", { scope: "col" }, "Finding"),
           [["g", ""], ["Integral", "must be 1"], ["Mean cosine", "must be g"],
@@ -1260,7 +1261,7 @@
             word(FINDINGS, row.verdict === "off" ? "wrong" : row.verdict)),
           el("td", { class: "num" }, number(`physics/phase_functions/${n}/g`, { exact: true })),
           ["integral", "mean_cosine", "sampled_mean_cosine"].map((key) => el("td", { class: "num" },
-              close(`physics/phase_functions/${n}/${key}`)))))))));
+              close(`physics/phase_functions/${n}/${key}`))))))))));
   }
 
   const sentenceCase = (text) => text.charAt(0).toUpperCase() + text.slice(1);

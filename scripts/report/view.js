@@ -9,8 +9,8 @@
   const data = window.NEPH_VIEW;
   const main = document.getElementById("view");
   const { want, have } = window.NephPlanes;
-  const { display, paintPicture, paintDepth, paintValues, valueOf, differenceOf, gradient } =
-    window.NephPaint;
+  const { display, byCodes, byCube, paintPicture, paintDepth, paintValues, valueOf, differenceOf,
+    gradient } = window.NephPaint;
 
   if (!data || data.format !== "neph-view-1") {
     main.replaceChildren(el("h1", {}, "This page has no data"), el("p", {},
@@ -21,6 +21,8 @@
   const [width, height] = data.size_px;
   const pixels = width * height;
   const codeOf = display(data.display_codes);
+  const plainColours = byCodes(codeOf);
+  const VIEWS = ["sRGB", ...(data.cube ? [data.cube.name] : [])];
   const MODES = [["one", "One", "s"], ["all", "All", "a"], ["wipe", "Wipe", "w"],
     ["flip", "Flip", "f"], ["difference", "Difference", "d"]];
   // Device pixels of a pixel, from far to near; 0 is the largest that fits.
@@ -33,6 +35,7 @@
   const START = {
     mode: data.sets.length > 1 ? "wipe" : "one", ref: 0, set: Math.min(1, data.sets.length - 1),
     quantity: quantities[0].name, map: "", mix: 1, ev: data.exposure_ev, gain: 0, frame: 0,
+    view: VIEWS.length - 1,
     zoom: 0, x: width / 2, y: height / 2, wipe: 0.5, px: -1, py: -1,
   };
   const state = { ...START };
@@ -74,7 +77,18 @@
   function keysNeeded() {
     const shown = state.mode === "all" ? data.sets.map((_, s) => s)
       : state.mode === "one" ? [state.set] : [state.ref, state.set];
-    return [...shown.map(keyOf), ...shown.map(mapKeyOf)].filter((key) => key !== null);
+    return [...shown.map(keyOf), ...shown.map(mapKeyOf), isViewed() ? "cube" : null]
+      .filter((key) => key !== null);
+  }
+
+  /** Whether colours are those of the config's view: of light, and not of shares and depths. */
+  const isViewed = () => state.view > 0 && ["radiance", "volume"].includes(state.quantity);
+
+  let cubeColours = null;
+  function colours() {
+    if (!isViewed()) return plainColours;
+    cubeColours ??= byCube(data.cube, have("cube"));
+    return cubeColours;
   }
 
   const keysOfValues = () => data.sets.flatMap((_, s) => [keyOf(s), mapKeyOf(s)])
@@ -110,11 +124,11 @@
   function picture(set) {
     const key = keyOf(set);
     const planes = key && have(key);
-    if (!planes) return null;
+    if (!planes || (isViewed() && !have("cube"))) return null;
     const gain = 2 ** state.ev;
-    return sheet(`${key} ${state.ev}`, (rgba) => (planes.length === 1
+    return sheet(`${key} ${state.ev} ${state.view}`, (rgba) => (planes.length === 1
       ? paintDepth(rgba, planes[0], nearestOf(planes[0]), gain, codeOf)
-      : paintPicture(rgba, planes, state.quantity === "transmittance" ? 1 : gain, codeOf)));
+      : paintPicture(rgba, planes, state.quantity === "transmittance" ? 1 : gain, colours())));
   }
 
   const differenceScale = () =>
@@ -459,7 +473,7 @@
   // ------------------------------------------------------------------------------------- address
 
   const NUMERIC = ["mix", "ev", "gain", "frame", "zoom", "x", "y", "wipe", "px", "py", "ref",
-    "set"];
+    "set", "view"];
   const round = (value) => Math.round(value * 1000) / 1000;
 
   function writeAddress() {
@@ -489,6 +503,7 @@
     state.ref = whole(state.ref, data.sets.length);
     state.set = whole(state.set, data.sets.length);
     state.frame = whole(state.frame, data.frames);
+    state.view = whole(state.view, VIEWS.length);
     state.ev = clamp(state.ev, -32, 32);
     state.gain = clamp(Math.round(state.gain), -40, 40);
     state.mix = clamp(state.mix, 0, 1);
@@ -572,6 +587,7 @@
         ...data.overlays.map(({ name, help }) => [name, `${name}: ${help}`])], "map", String),
       data.overlays.length > 0 && shownWhen(slider("Opacity", { min: 0, max: 1, step: 0.05 },
         () => state.mix, (value) => { state.mix = value; }), () => state.map !== ""),
+      VIEWS.length > 1 && select("Colours", VIEWS.map((name, v) => [v, name]), "view", Number),
       exposureControl(),
       shownWhen(el("span", { class: "group" }, el("span", {}, "Scale"),
         button("÷2", "Half the scale of colours ([)", () => { state.gain -= 1; }),
@@ -667,6 +683,7 @@
     ["o", ["o"], "next overlay, or none", () => {
       state.map = cycle(["", ...data.overlays.map(({ name }) => name)], state.map);
     }],
+    ["v", ["v"], "next view of colours", () => { state.view = (state.view + 1) % VIEWS.length; }],
     ["e  Shift E", ["e"], "half a stop brighter, darker", () => { state.ev += 0.5; }],
     [null, ["E"], "", () => { state.ev -= 0.5; }],
     ["[  ]", ["["], "half, twice the scale of colours", () => { state.gain -= 1; }],
@@ -723,7 +740,11 @@
       el("dd", {}, text)))),
     el("p", { class: "small" }, "Drag to move the picture, or the line of the wipe. The address of "
       + "this page holds what is looked at: copied, it shows the same again. Values are those of "
-      + "the files, to the last bit; colours are OpenColorIO's sRGB display."),
+      + "the files, to the last bit. ", data.cube
+      ? `${data.cube.name} is OpenColorIO's, as a table that is off by `
+        + `${data.cube.error_mean.toFixed(2)} of 255 codes in the mean and `
+        + `${data.cube.error_max.toFixed(1)} at most; sRGB is exact.`
+      : "Colours are OpenColorIO's sRGB display, exactly."),
     shut);
 
   // ------------------------------------------------------------------------------------- pointer
@@ -790,7 +811,8 @@
       .filter((key) => !have(key) && !failures.has(key));
     const isMissing = missing.length > 0;
     for (const key of new Set(missing))
-      want(key, pixels).catch((error) => failures.set(key, error.message))
+      want(key, key === "cube" ? data.cube.side ** 3 : pixels)
+        .catch((error) => failures.set(key, error.message))
         .then(() => change(() => {}));
     return isMissing;
   }

@@ -27,17 +27,48 @@
     };
   }
 
+  /** Three codes of a pixel, each by its own value. */
+  const byCodes = (codeOf) => (r, g, b, rgba, at) => {
+    rgba[at] = codeOf(r);
+    rgba[at + 1] = codeOf(g);
+    rgba[at + 2] = codeOf(b);
+  };
+
+  /** Three codes of a pixel by a table of colours (metrics/display_cube.h): trilinear. */
+  function byCube({ side, knee, top }, nodes) {
+    const all = Math.log2(1 + top / knee);
+    const low = [0, 0, 0];
+    const share = [0, 0, 0];
+    return (r, g, b, rgba, at) => {
+      [r, g, b].forEach((value, c) => {
+        const place = Math.min(1, Math.log2(1 + Math.max(value, 0) / knee) / all) * (side - 1);
+        low[c] = Math.min(Math.floor(place), side - 2);
+        share[c] = place - low[c];
+      });
+      const first = (low[2] * side + low[1]) * side + low[0];
+      for (let c = 0; c < 3; c++) {
+        const plane = nodes[c];
+        let sum = 0;
+        for (let corner = 0; corner < 8; corner++) {
+          const [x, y, z] = [corner & 1, corner >> 1 & 1, corner >> 2];
+          sum += (x ? share[0] : 1 - share[0]) * (y ? share[1] : 1 - share[1])
+            * (z ? share[2] : 1 - share[2]) * plane[first + (z * side + y) * side + x];
+        }
+        rgba[at + c] = Math.round(sum);
+      }
+    };
+  }
+
   /** The picture of three planes, or of one. A pixel with a NaN is magenta. */
-  function paintPicture(rgba, planes, gain, codeOf) {
+  function paintPicture(rgba, planes, gain, colourOf) {
     const last = planes.length - 1;
     for (let i = 0; i < planes[0].length; i++) {
       const r = planes[0][i] * gain;
       const g = planes[Math.min(1, last)][i] * gain;
       const b = planes[last][i] * gain;
       const bad = r !== r || g !== g || b !== b;
-      rgba[4 * i] = bad ? 255 : codeOf(r);
-      rgba[4 * i + 1] = bad ? 0 : codeOf(g);
-      rgba[4 * i + 2] = bad ? 255 : codeOf(b);
+      if (bad) [rgba[4 * i], rgba[4 * i + 1], rgba[4 * i + 2]] = [255, 0, 255];
+      else colourOf(r, g, b, rgba, 4 * i);
       rgba[4 * i + 3] = 255;
     }
   }
@@ -93,6 +124,6 @@
     return `linear-gradient(to right, ${stops.join(", ")})`;
   };
 
-  window.NephPaint = { display, paintPicture, paintDepth, paintValues, valueOf, differenceOf,
-    gradient };
+  window.NephPaint = { display, byCodes, byCube, paintPicture, paintDepth, paintValues, valueOf,
+    differenceOf, gradient };
 })();

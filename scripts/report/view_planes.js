@@ -65,13 +65,15 @@
     return planes;
   }
 
-  function forget(pixels) {
+  const bytesIn = (planes) => 4 * planes[0].length * planes.length;
+
+  function forget() {
     let bytes = 0;
-    for (const planes of ready.values()) bytes += 4 * pixels * planes.length;
+    for (const planes of ready.values()) bytes += bytesIn(planes);
     for (const key of [...opened.keys()]) {
       if (bytes <= KEPT_BYTES) return;
       if (!ready.has(key)) continue;
-      bytes -= 4 * pixels * ready.get(key).length;
+      bytes -= bytesIn(ready.get(key));
       ready.delete(key);
       opened.delete(key);
     }
@@ -82,7 +84,7 @@
     const planes = opened.get(key) ?? open(key, pixels);
     opened.delete(key);
     opened.set(key, planes);
-    forget(pixels);
+    forget();
     return planes;
   }
 

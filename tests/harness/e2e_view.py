@@ -30,6 +30,25 @@ PLANTED = {(0, 0): 1e-7, (23, 15): 65504.0, (5, 3): 0.1, (11, 7): 1e-45, (2, 9):
            (13, 2): 0.5, (20, 12): 0.0031308}
 
 
+# Red and blue change places, then a root: no table of curves could do it.
+OCIO = """ocio_profile_version: 2
+roles: {default: linear, scene_linear: linear}
+file_rules:
+  - !<Rule> {name: Default, colorspace: default}
+displays:
+  screen:
+    - !<View> {name: swapped, colorspace: swapped}
+colorspaces:
+  - !<ColorSpace> {name: linear}
+  - !<ColorSpace>
+    name: swapped
+    from_scene_reference: !<GroupTransform>
+      children:
+        - !<MatrixTransform> {matrix: [0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 0, 0, 0, 0, 1]}
+        - !<ExponentTransform> {value: [2, 2, 2, 1], direction: inverse}
+"""
+
+
 def single(value):
     """As a float of 32 bits."""
     return array.array("f", [value])[0]
@@ -92,7 +111,9 @@ class View(unittest.TestCase):
             cls.tests.append(layers("test", frame, planted))
             write(cls.folder / "test" / f"frame.{frame:04d}.exr", cls.tests[-1])
         cls.page = cls.folder / "page"
-        cls.done = neph(cls.folder / "reference.exr", cls.folder / "test", "-o", cls.page)
+        (cls.folder / "config.ocio").write_text(OCIO)
+        cls.done = neph(cls.folder / "reference.exr", cls.folder / "test", "-o", cls.page,
+                        "--ocio", cls.folder / "config.ocio")
 
     @classmethod
     def tearDownClass(cls):
@@ -149,9 +170,13 @@ class View(unittest.TestCase):
         self.refused(65, "has 4x4 pixels", reference, self.folder / "small.exr")
         self.refused(65, "has no radiance: its channels are Z", self.folder / "depth.exr")
         self.refused(65, "is a picture for a display", reference, self.folder / "picture.png")
-        self.refused(65, "larger than 0 MB", reference, "--limit", "0.002")
+        self.refused(65, "larger than 0.002 MB", reference, "--limit", "0.002")
         self.refused(64, "there is no map 'flop'", reference, reference, "--overlay", "flop")
         self.refused(64, "there is no quantity 'colour'", reference, "--quantity", "colour")
+        self.refused(66, "no OpenColorIO config", reference, "--ocio", self.folder / "x.ocio")
+        self.refused(65, "has no view 'film'; it has swapped", reference, "--ocio",
+                     self.folder / "config.ocio", "--view", "film")
+        self.refused(64, "are of a config", reference, "--view", "film")
         self.refused(64, "twelve sets", *[reference] * 13)
         mine = self.folder / "mine"
         mine.mkdir()
@@ -191,8 +216,12 @@ class View(unittest.TestCase):
         maps = [{"set": 1, "frame": 3, "map": "flip", "x": 6, "y": 5,
                  "values": [flip[5 * WIDTH + 6]]},
                 {"set": 1, "frame": 8, "map": "a4", "x": 6, "y": 5, "values": [a4[5 * WIDTH + 6]]}]
+        views = [{"set": 0, "x": x, "y": y, "ev": ev,
+                  "codes": [255 * math.sqrt(min(1, max(0, self.reference[name][y * WIDTH + x])
+                                                * 2 ** ev)) for name in "BGR"]}
+                 for x, y in (*PLANTED, (17, 4)) for ev in (0, 2, -5)]
         # Infinity is no JSON; the sky is looked at by the floats above.
-        return {"pixels": pixels, "maps": maps}
+        return {"pixels": pixels, "maps": maps, "views": views}
 
     def in_the_browser(self, page, expected, *options):
         if not os.path.exists(CHROMIUM):
@@ -220,6 +249,7 @@ class View(unittest.TestCase):
         for name, right, wrong in (
                 ("view_planes.js", "bits[i] = before;", "bits[i] = before & ~1;"),
                 ("view_paint.js", "codeOf(b);", "codeOf(b * 1.1);"),
+                ("view_paint.js", "(z * side + y) * side + x", "(x * side + y) * side + z"),
                 ("view_paint.js", "rgb = colours.below", "rgb = colours.above"),
                 ("view.js", "state.ev -= 0.5", "state.ev -= 1"),
                 ("view.js", "() => step(4)],", "() => step(3)],"),
@@ -237,6 +267,7 @@ class View(unittest.TestCase):
         for what, told in (
                 ("a lost bit", "pixel 5, 3: the page reads"),
                 ("a wrong colour", "at 0 EV: code"),
+                ("a table read the wrong way", "by swapped on screen: code"),
                 ("a wrong end of a scale", "the difference at"),
                 ("a key with a wrong step", "key Shift+E: ev"),
                 ("three frames for four", "key >: frame"),
