@@ -110,6 +110,7 @@
   const WORTH_MOST = 5; // of those, before the rest is left to the cards
   const DIFFERENCE_COLOURS = ["#053061", "#4393c3", "#f7f7f7", "#d6604d", "#67001f"];
   const BROKEN = ["failed", "timeout", "interrupted"];
+  const SCENES_NAMED = 8; // in the contents; more are folded there
   const LISTED = 12; // troubles in the verdict before the rest is folded away
   const VENDORED = ["vendor/vega.min.js", "vendor/vega-lite.min.js", "vendor/vega-embed.min.js"];
 
@@ -444,15 +445,18 @@
 
   function contents() {
     const link = (id, text) => el("li", {}, el("a", { href: `#${id}` }, text));
+    const all = scenes.map((scene, s) => link(sceneIds[s], scene.title || scene.name));
+    const isLong = all.length > SCENES_NAMED;
     return el("nav", { "aria-label": "Contents" }, el("ul", {},
       (report.charts ?? []).length > 0 && link("charts", "Speed against accuracy"),
       physics && link("physics", "Physics: who agrees"),
       rungs.map((rung) => link(rung.id, sentenceCase(rung.name))),
-      scenes.map((scene, s) => link(sceneIds[s], scene.title || scene.name)),
+      !isLong && all,
       sequences.length > 0 && link("over-time", "Over time"),
       (scenes.length > 0 || !physics) && link("summary", "All in one table"),
       physics?.phase_functions?.length > 0 && link("phase-functions", "Phase functions"),
-      link("engines", "Engines"), link("help", "How to read this")));
+      link("engines", "Engines"), link("help", "How to read this")),
+    isLong && folded("All scenes", el("ul", {}, all)));
   }
 
   // -------------------------------------------------------------------------------------- summary
