@@ -244,8 +244,8 @@ async function checkTime(page, data) {
   const framesSeen = async () => {
     const seen = new Set();
     for (let n = 0; n < 40; n++) {
-      seen.add(Number((await page.evaluate(() =>
-        new URLSearchParams(location.hash.slice(1)).get("frame"))) ?? 0));
+      seen.add(Number((await page.locator("output").textContent()).match(/^frame (\d+)/)[1])
+        - data.first_number);
       await page.waitForTimeout(25);
     }
     return [...seen].sort((a, b) => a - b);
@@ -294,6 +294,23 @@ async function checkPointer(page, data) {
   await page.mouse.up();
   const { wipe } = await hashOf(page);
   if (Math.abs(Number(wipe) - 0.25) > 0.01) find(`the line of the wipe is dragged to ${wipe}`);
+}
+
+/** A browser stops a page that changes its address all the time: five times a second is enough. */
+async function checkCalm(page, data) {
+  await go(page, { mode: "one" });
+  await page.evaluate(() => {
+    const replace = history.replaceState.bind(history);
+    window.addressChanges = 0;
+    history.replaceState = (...words) => { window.addressChanges++; replace(...words); };
+  });
+  const start = Date.now();
+  for (let n = 0; n < 60; n++)
+    await page.mouse.move(...await placeOf(page, data, n % data.size_px[0], 3));
+  await hashOf(page);
+  const count = await page.evaluate(() => window.addressChanges);
+  const most = 2 + (Date.now() - start) / 200;
+  if (count < 2 || count > most) find(`${count} changes of the address, not 2 to ${most}`);
 }
 
 /** The same address, the same picture and words. */
@@ -394,6 +411,7 @@ async function checkPage(folder, expected, { quick, screenshots }) {
     await checkHelp(page);
     await checkTime(page, data);
     await checkPointer(page, data);
+    await checkCalm(page, data);
     await checkLink(browser, folder, page);
     await checkFocus(page);
     await checkWindows(browser, folder, keep);

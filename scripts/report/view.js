@@ -28,6 +28,7 @@
   // Device pixels of a pixel, from far to near; 0 is the largest that fits.
   const ZOOMS = [0.125, 0.25, 0.5, 1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 192];
   const NUMBERS_FROM = 44; // CSS pixels of a pixel that has room for its values
+  const ADDRESS_MS = 200; // at least, between two changes of the address
   const FLIP_MS = 500; // a side; slower than what is dangerous to look at
 
   const quantities = data.quantities
@@ -484,6 +485,25 @@
     if (hash !== (location.hash || "#")) history.replaceState(null, "", hash);
   }
 
+  let isWritten = true;
+  let writtenAt = -Infinity;
+
+  /** Browsers stop a page that changes its address with every movement of a hand. */
+  function keepAddress() {
+    if (!isWritten) return;
+    const wait = writtenAt + ADDRESS_MS - performance.now();
+    isWritten = wait <= 0;
+    if (isWritten) {
+      writtenAt = performance.now();
+      writeAddress();
+    } else {
+      setTimeout(() => {
+        isWritten = true;
+        change(() => {});
+      }, wait);
+    }
+  }
+
   /** What an address says, as far as it can be. */
   function readAddress() {
     Object.assign(state, START);
@@ -823,9 +843,9 @@
     layPanes();
     panes.forEach(drawPane);
     showValues();
-    writeAddress();
+    keepAddress();
     const isMissing = fetchMissing();
-    document.documentElement.dataset.ready = isMissing ? "no" : "yes";
+    document.documentElement.dataset.ready = isMissing || !isWritten ? "no" : "yes";
     if (!isMissing || !playing) keepTime();
   }
 

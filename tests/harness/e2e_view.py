@@ -256,6 +256,7 @@ class View(unittest.TestCase):
                 ("view.js", "Math.min(4, data.frames))", "Math.min(5, data.frames))"),
                 ("view.js", '"wipe", "px", "py"', '"px", "py"'),
                 ("view.js", "...pointIn(pane, event)", ""),
+                ("view.js", "const ADDRESS_MS = 200;", "const ADDRESS_MS = 0;"),
                 ("view.css", "outline-offset: -3px; }", "outline: none !important; }"),
                 ("view.css", ".values caption { text-align: left; color: var(--soft);",
                  ".values caption { text-align: left; color: #aaa;")):
@@ -274,6 +275,7 @@ class View(unittest.TestCase):
                 ("a cycle of five", "frames of the cycle from 5 on"),
                 ("a wipe that the address forgets", "the words of an address: 14, not 15"),
                 ("a zoom about the centre", "the pixel under the wheel stays"),
+                ("an address that changes all the time", "changes of the address"),
                 ("a focus that is not seen", "does not show its focus"),
                 ("faint text", "too little contrast")):
             with self.subTest(what):
