@@ -27,7 +27,7 @@
     ["flip", "Flip", "f"], ["difference", "Difference", "d"]];
   // Device pixels of a pixel, from far to near; 0 is the largest that fits.
   const ZOOMS = [0.125, 0.25, 0.5, 1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 192];
-  const NUMBERS_FROM = 44; // CSS pixels of a pixel that has room for its values
+  const NUMBERS_FROM = 48; // CSS pixels of a pixel that has room for its values
   const ADDRESS_MS = 200; // at least, between two changes of the address
   const FLIP_MS = 500; // a side; slower than what is dangerous to look at
 
@@ -368,7 +368,7 @@
   function drawNumbers(context, place, set, edge) {
     const { scale, left, top } = place;
     if (scale / dots() < NUMBERS_FROM) return;
-    const size = Math.round(Math.min(scale / 4.6, 13 * dots()));
+    const size = Math.round(Math.min(scale / 5.4, 13 * dots()));
     context.font = `${size}px ui-monospace, "DejaVu Sans Mono", monospace`;
     context.textAlign = "center";
     context.textBaseline = "middle";
