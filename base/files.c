@@ -280,6 +280,32 @@ enum neph_status neph_file_write(const char *path, const void *data, size_t size
     return status;
 }
 
+enum neph_status neph_file_write_unsynced(const char *path, const void *data, size_t size,
+                                          struct neph_diag *diag)
+{
+    const int fd = open(path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (fd < 0)
+        return fail_write(path, diag);
+    const bool written = write_all(fd, data, size);
+    const int error = errno;
+    const bool closed = close(fd) == 0;
+    if (!written)
+        errno = error;
+    return written && closed ? NEPH_OK : fail_write(path, diag);
+}
+
+enum neph_status neph_file_system_sync(const char *path, struct neph_diag *diag)
+{
+    const int fd = open(path, O_RDONLY | O_CLOEXEC);
+    if (fd < 0)
+        return fail_write(path, diag);
+    const bool synced = syncfs(fd) == 0;
+    const int error = errno;
+    close(fd);
+    errno = error;
+    return synced ? NEPH_OK : fail_write(path, diag);
+}
+
 enum neph_status neph_file_temporary(const char *path, char **temporary, struct neph_diag *diag)
 {
     struct temporary file;

@@ -28,6 +28,14 @@ enum neph_status neph_file_read(const char *path, size_t limit_bytes, char **dat
 enum neph_status neph_file_write(const char *path, const void *data, size_t size,
                                  struct neph_diag *diag);
 
+/* For the many files of a folder that nobody knows of yet, and that is put in its place as a whole
+ * after neph_file_system_sync(): write one that is not there, and do not wait for the disk. */
+enum neph_status neph_file_write_unsynced(const char *path, const void *data, size_t size,
+                                          struct neph_diag *diag);
+
+/* Wait until all that was written to the file system of `path` is on the disk. NEPH_ERR_IO. */
+enum neph_status neph_file_system_sync(const char *path, struct neph_diag *diag);
+
 /* For writers that need a path or write in pieces: make an empty file (.neph-*.tmp) in the folder
  * of `path`, to be filled and given to neph_file_commit(). `*temporary` is its path, for the caller
  * to unlink() (harmless after the commit) and free(). */

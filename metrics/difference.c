@@ -50,6 +50,11 @@ static const struct neph_display_legend amount_legend = {
     .not_a_number = {0x00, 0x60, 0x60},
 };
 
+const struct neph_display_legend *neph_display_amount_legend(void)
+{
+    return &amount_legend;
+}
+
 static void colour_between(const struct neph_display_legend *colours, double position,
                            uint8_t rgb[3])
 {

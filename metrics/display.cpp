@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * The one place that knows OpenColorIO. No exception leaves it.
+ * Knows OpenColorIO, as display_cube.cpp does and nobody else. No exception leaves it.
  */
 extern "C" {
 #include "base/status.h"

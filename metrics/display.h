@@ -42,6 +42,14 @@ struct neph_display_legend {
 
 const struct neph_display_legend *neph_display_difference_legend(void);
 
+/* The colours of an amount, from 0 to 1 times the scale: see neph_display_map(). */
+const struct neph_display_legend *neph_display_amount_legend(void);
+
+/* neph_display_encode() baked for programs that cannot call it: thresholds[k] is the least float
+ * that comes out as code k or above, at 0 EV; thresholds[0] is -infinity. A channel depends on
+ * itself alone, so this is all of it, exactly. Errors as there. */
+enum neph_status neph_display_bake(float thresholds[256], struct neph_diag *diag);
+
 /* The map of test - reference: blue where the test is darker (or nearer), near-white where equal,
  * red where brighter (or farther), with colours of their own for values beyond +-scale and for
  * NaN. The scale is in the unit of the planes and finite and positive.

@@ -32,6 +32,7 @@ static const struct {
     {"compare", neph_cli_compare,
      "measure the error of frames of any renderer against a reference"},
     {"flicker", neph_cli_flicker, "measure the flicker and the lag of a sequence of any renderer"},
+    {"view", neph_cli_view, "a page to look at frames of any renderer with, down to their values"},
     {"conform", neph_cli_conform, "whether a device renders real sizes right, and as another does"},
     {"metrics", neph_cli_metrics, "list what can be measured, with definitions and sources"},
     {"nightly", neph_cli_nightly, "measure, compare with the accepted night, say what changed"},

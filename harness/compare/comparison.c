@@ -427,20 +427,16 @@ static enum neph_status name_map(struct neph_compared *made, const char *file,
 }
 
 /* DIR/NAME_QUANTITY[_FRAME].exr and .png. */
-static enum neph_status write_map(struct work *work, const struct neph_quantity *quantity,
-                                  const struct neph_extractor *extractor, int index, int frame,
-                                  struct neph_diag *diag)
+static enum neph_status write_map_files(struct work *work, const struct neph_map *map,
+                                        const struct neph_quantity *quantity, int frame,
+                                        const struct neph_image *image, struct neph_diag *diag)
 {
-    const struct neph_map *map = &extractor->maps[index];
-    struct neph_image *image = NULL;
-    enum neph_status status = neph_meter_map(work->meter, quantity, extractor, index, &image, diag);
-    if (status)
-        return status;
     char *stem = neph_map_stem(work->asked->maps_directory, map, quantity,
                                work->frame_count > 1 ? frame : -1);
     char *exr = neph_format("%s.exr", stem ? stem : ""),
          *png = neph_format("%s.png", stem ? stem : "");
-    status = stem && exr && png ? neph_exr_write(exr, image, diag) : neph_fail_memory(diag);
+    enum neph_status status = stem && exr && png ? neph_exr_write(exr, image, diag)
+                                                 : neph_fail_memory(diag);
     if (!status)
         status = write_picture(png, image, map, &work->viewing, diag);
     if (!status)
@@ -450,6 +446,21 @@ static enum neph_status write_map(struct work *work, const struct neph_quantity 
     free(stem);
     free(exr);
     free(png);
+    return status;
+}
+
+static enum neph_status give_map(struct work *work, const struct neph_quantity *quantity,
+                                 const struct neph_extractor *extractor, int index, int frame,
+                                 struct neph_diag *diag)
+{
+    const struct neph_comparison *asked = work->asked;
+    const struct neph_map *map = &extractor->maps[index];
+    struct neph_image *image = NULL;
+    enum neph_status status = neph_meter_map(work->meter, quantity, extractor, index, &image, diag);
+    if (!status)
+        status = asked->take_map
+                     ? asked->take_map(asked->map_context, map, quantity, frame, image, diag)
+                     : write_map_files(work, map, quantity, frame, image, diag);
     neph_image_destroy(image);
     return status;
 }
@@ -460,10 +471,11 @@ static bool map_is_shown(const struct neph_map *map, const struct neph_quantity 
 }
 
 /* The maps of the frame at hand, or (frame < 0) those of the sequence. */
-static enum neph_status write_maps(struct work *work, int frame, struct neph_diag *diag)
+static enum neph_status give_maps(struct work *work, int frame, struct neph_diag *diag)
 {
+    const bool is_wanted = work->asked->maps_directory || work->asked->take_map;
     enum neph_status status = NEPH_OK;
-    for (int c = 0; work->asked->maps_directory && c < work->asked->choice_count; c++) {
+    for (int c = 0; is_wanted && c < work->asked->choice_count; c++) {
         const struct neph_extractor *extractor = work->asked->choices[c].extractor;
         if (extractor->temporal != (frame < 0))
             continue;
@@ -473,7 +485,7 @@ static enum neph_status write_maps(struct work *work, int frame, struct neph_dia
                 continue;
             for (int m = 0; m < extractor->map_count && !status; m++)
                 if (map_is_shown(&extractor->maps[m], quantity))
-                    status = write_map(work, quantity, extractor, m, frame, diag);
+                    status = give_map(work, quantity, extractor, m, frame, diag);
         }
     }
     return status;
@@ -608,7 +620,7 @@ static enum neph_status measure_frame(struct pass *pass, struct work *work, int 
             neph_meter_frame(work->meter, work->reference, work->second, work->test, diag), path,
             diag);
     if (!status)
-        status = write_maps(work, frame, diag);
+        status = give_maps(work, frame, diag);
     work->done_count += !status;
     return status;
 }
@@ -724,7 +736,7 @@ static enum neph_status conclude(struct work *work, bool interrupted, struct nep
     const int frozen_count = work->frozen.frozen_count;
     enum neph_status status = neph_meter_finish(work->meter, words);
     if (!status)
-        status = write_maps(work, -1, words);
+        status = give_maps(work, -1, words);
     if (!status)
         status = list_not_taken(work, words);
     take_numbers(work);

@@ -10,6 +10,12 @@
 #include "harness/compare/sequence.h"
 #include "harness/compare/versus.h"
 
+/* Takes a map that an extractor gave of a frame, or (frame < 0) of the sequence, as
+ * neph_meter_map() has it; the image is gone after the call. */
+typedef enum neph_status neph_map_taker(void *context, const struct neph_map *map,
+                                        const struct neph_quantity *quantity, int frame,
+                                        const struct neph_image *image, struct neph_diag *diag);
+
 struct neph_comparison {
     struct neph_sequence reference; /* one frame for all, or as many as the test has */
     struct neph_sequence second;    /* the reference by another seed; empty: there is none */
@@ -29,12 +35,14 @@ struct neph_comparison {
     const char *mask_file; /* a picture that is above 0.5 inside a mask of the user's; or NULL */
     bool detail_masks;     /* also the rings at depth edges */
     const char *maps_directory; /* for the maps of the extractors; or NULL */
-    int warm_up_frames;         /* at the start of the sequences: read by nobody */
-    size_t negative_allowed;    /* values below 0 that a frame may hold */
-    bool by_position;           /* numbers of frames need not agree */
-    bool frozen_is_fine;        /* frames equal to the one before are no reason to fail */
-    bool plain;                 /* numbers without intervals, which cost as much again */
-    bool quiet;                 /* no progress */
+    neph_map_taker *take_map;   /* gets them in place of the folder; NULL: nobody does */
+    void *map_context;
+    int warm_up_frames;      /* at the start of the sequences: read by nobody */
+    size_t negative_allowed; /* values below 0 that a frame may hold */
+    bool by_position;        /* numbers of frames need not agree */
+    bool frozen_is_fine;     /* frames equal to the one before are no reason to fail */
+    bool plain;              /* numbers without intervals, which cost as much again */
+    bool quiet;              /* no progress */
 };
 
 /* What was not measured of what, and why. */

@@ -8,15 +8,20 @@
 #include "harness/report/page.h"
 #include "harness/report/report_folder.h"
 #include "harness/report/vega.h"
+#include "harness/report/viewer_page.h"
 #include "metrics/display.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+/* What all viewers of a report may take: more would be a download. */
+static const double viewers_limit_bytes = 32e6;
+
 struct neph_report {
     struct neph_report_folder *folder;
     bool with_vendor;
+    double viewers_bytes; /* so far */
 };
 
 /* ---- pictures of scenes ---------------------------------------------------------------------- */
@@ -109,10 +114,70 @@ static enum neph_status draw_frames(struct gallery *gallery, struct neph_scene_r
     return status;
 }
 
-/* Once: what a scene holds does not change. */
-static enum neph_status draw_scene(const char *folder, struct neph_scene_result *scene,
-                                   struct neph_arena *arena, struct neph_diag *diag)
+/* ---- viewers of scenes ----------------------------------------------------------------------- */
+
+/* One set for each frame, the truth first. */
+static void collect_sets(const struct neph_scene_result *scene, char *paths[NEPH_VIEWER_SETS_MAX],
+                         struct neph_viewer *viewer)
 {
+    for (int i = -1; i < scene->frame_count && viewer->set_count < NEPH_VIEWER_SETS_MAX; i++) {
+        const int f = i < 0 ? scene->truth : i;
+        if (f < 0 || (i >= 0 && f == scene->truth) || !scene->frames[f].picture)
+            continue; /* one without radiance is no picture */
+        const int set = viewer->set_count++;
+        paths[set] = (char *)scene->frames[f].path; /* read alone */
+        viewer->sets[set] = (struct neph_viewer_set){
+            .label = scene->frames[f].engine->name,
+            .frames = {.count = 1, .paths = &paths[set]},
+        };
+    }
+}
+
+/* What floats of all sets can take at most: nothing of them is equal, as base64. */
+static double most_bytes(const struct neph_viewer *viewer, const struct neph_validation *validation)
+{
+    const double floats = 3.0 * validation->width_px * validation->height_px;
+    return 2.0 * viewer->set_count * floats * sizeof(float) * 4.0 / 3.0;
+}
+
+/* All frames of a scene over each other, where there is room for it. */
+static enum neph_status draw_viewer(struct neph_report *report, struct neph_scene_result *scene,
+                                    struct neph_validation *validation, struct neph_diag *diag)
+{
+    char *paths[NEPH_VIEWER_SETS_MAX];
+    struct neph_viewer_made made = {.bytes = 0};
+    struct neph_viewer viewer = {
+        .title = scene->title,
+        .viewing = scene->viewing,
+        .quantities = NEPH_RADIANCE | NEPH_TRANSMITTANCE,
+        .difference_scale = scene->difference_scales[NEPH_SHOWN_RADIANCE],
+        .limit_bytes = viewers_limit_bytes,
+        .quiet = true,
+    };
+    collect_sets(scene, paths, &viewer);
+    if (viewer.set_count == 0 ||
+        report->viewers_bytes + most_bytes(&viewer, validation) > viewers_limit_bytes)
+        return NEPH_OK;
+    char *folder = neph_format("%s/view/%s", neph_report_folder_work(report->folder), scene->name);
+    enum neph_status status = folder ? neph_dir_create(folder, diag) : neph_fail_memory(diag);
+    if (!status)
+        status = neph_viewer_write(&viewer, folder, &made, diag);
+    if (status == NEPH_ERR_GATE) { /* a frame that is no measurement: its numbers say so */
+        status = neph_dir_remove(folder, diag);
+    } else if (!status) {
+        report->viewers_bytes += (double)made.bytes;
+        scene->viewer = neph_arena_format(&validation->arena, "view/%s/index.html", scene->name);
+    }
+    free(folder);
+    return status;
+}
+
+/* Once: what a scene holds does not change. */
+static enum neph_status draw_scene(struct neph_report *report, struct neph_scene_result *scene,
+                                   struct neph_validation *validation, struct neph_diag *diag)
+{
+    const char *folder = neph_report_folder_work(report->folder);
+    struct neph_arena *arena = &validation->arena;
     struct gallery gallery = {.folder = folder, .scene = scene, .arena = arena};
     if (scene->is_drawn)
         return NEPH_OK;
@@ -120,6 +185,8 @@ static enum neph_status draw_scene(const char *folder, struct neph_scene_result 
     enum neph_status status = images ? neph_dir_create(images, diag) : neph_fail_memory(diag);
     if (!status)
         status = draw_frames(&gallery, scene, diag);
+    if (!status)
+        status = draw_viewer(report, scene, validation, diag);
     scene->is_drawn = !status;
     free(images);
     return status;
@@ -168,7 +235,7 @@ static enum neph_status draw(struct neph_report *report, struct neph_validation 
     struct neph_arena *arena = &validation->arena;
     enum neph_status status = NEPH_OK;
     for (int s = 0; s < validation->scene_count && !status; s++)
-        status = draw_scene(folder, &validation->scenes[s], arena, diag);
+        status = draw_scene(report, &validation->scenes[s], validation, diag);
     if (!status)
         status = neph_physics_pictures(validation->physics, folder, diag);
     if (!status)

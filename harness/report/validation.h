@@ -70,6 +70,7 @@ struct neph_scene_result {
     int gate_count;
     struct neph_gate_result *gates;
     const struct neph_attribution *attribution; /* NULL: nobody to tell apart */
+    const char *viewer; /* its page inside the report; NULL: none (yet) */
     bool is_drawn;
 };
 

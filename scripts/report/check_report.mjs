@@ -5,7 +5,7 @@
 // Opens a finished report from disk in headless Chromium and holds the page against data.json:
 // every number shown is the number in the data, every number and every reason in the data is
 // shown, every picture is there, strings stayed text, nothing was asked of a network, and the page
-// is readable (contrast, names, no sideways scrolling). --data looks at
+// is readable (contrast, names, nothing wider than its place at 1280 and 390 px). --data looks at
 // data.json alone, without a browser; --quick at one window alone; without
 // it also at a dark, a narrow, a printed page and one without scripts.
 // Exit status: 0 the report holds, 1 it does not (findings on stdout), 2 wrong use.
@@ -14,6 +14,7 @@ import { existsSync, mkdirSync, readFileSync } from "node:fs";
 import { join, resolve } from "node:path";
 import { argv, env, exit, stderr, stdout } from "node:process";
 import { pathToFileURL } from "node:url";
+import { faintTexts } from "./contrast.mjs";
 
 const CHROMIUM = env.CHROMIUM || "/usr/bin/chromium";
 const FLAGS = ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
@@ -27,7 +28,7 @@ const FINDINGS = ["agrees", "off", "not_measured"];
 const PAIRS = ["agree", "differ", "cannot tell: noise"];
 const BROKEN = ["failed", "timeout", "interrupted"];
 const COSTS = ["render_s", "wall_s", "cpu_s", "peak_memory_bytes"];
-const SHOWN_MOST = 40; // findings; one mistake often repeats in every scene
+const SHOWN_MOST = 80; // findings; one mistake often repeats in every scene
 
 const findings = [];
 const find = (text) => { if (!findings.includes(text)) findings.push(text); };
@@ -91,6 +92,8 @@ function checkForm(data, folder) {
   list(data.scenes, "scenes").forEach((scene, s) => {
     const path = `scenes/${s}/`;
     text(scene, path, "name", "title", "physics", "hash");
+    if (scene.viewer) need(existsSync(join(folder, scene.viewer)), `${path}viewer`,
+      `names ${scene.viewer}, which does not exist`);
     numeric(scene, path, "exposure_ev");
     numeric(scene.difference_scale, `${path}difference_scale/`, "radiance", "transmittance");
     const seen = new Set();
@@ -299,6 +302,7 @@ function numbersToShow(data) {
     scene.frames.forEach((frame, f) => {
       for (const key of COSTS) paths.push(`scenes/${s}/frames/${f}/${key}`);
       frame.measurements.forEach((row, m) => {
+        if (row.value === null) return; // said in words
         paths.push(`scenes/${s}/frames/${f}/measurements/${m}/value`);
         if (row.interval) paths.push(`scenes/${s}/frames/${f}/measurements/${m}/interval/0`,
           `scenes/${s}/frames/${f}/measurements/${m}/interval/1`);
@@ -359,7 +363,8 @@ function stringsToShow(data) {
   }
   for (const scene of data.scenes) for (const frame of scene.frames) texts.push(frame.note);
   const measured = new Set(data.scenes.flatMap((scene) => scene.frames)
-    .flatMap((frame) => frame.measurements.map((row) => row.metric)));
+    .flatMap((frame) => frame.measurements.filter((row) => row.value !== null)
+      .map((row) => row.metric)));
   for (const metric of data.metrics ?? []) if (measured.has(metric.name)) texts.push(metric.help);
   for (const sequence of data.sequences ?? []) {
     texts.push(sequence.title, sequence.physics, sequence.reference.settings,
@@ -428,6 +433,11 @@ function checkCounts(data, counted) {
     gates: gates.length,
     "gates.fail": gates.filter((gate) => gate.verdict === "fail").length,
     "gates.not_measured": gates.filter((gate) => gate.verdict === "not_measured").length,
+    "frames.ungated": data.scenes.flatMap((scene) => scene.frames.filter((frame) =>
+      frame.measurements.some((row) => row.quantity === "radiance" && row.metric === "rel_bias"
+        && row.mask === "all" && row.value !== null)
+      && !scene.gates.some((gate) => gate.engine === frame.engine
+        && gate.quantity === "radiance"))).length,
     "frames.broken": data.scenes.flatMap((scene) => scene.frames)
       .filter((frame) => BROKEN.includes(frame.status)).length,
   };
@@ -459,8 +469,6 @@ function checkCounts(data, counted) {
 function survey() {
   const all = (selector) => [...document.querySelectorAll(selector)];
   const attribute = (element, name) => element.getAttribute(name);
-  const visible = (element) => element.checkVisibility({ visibilityProperty: true,
-      opacityProperty: true });
 
   // Digits in a numeric cell that belong to no number of the data.
   const stray = [];
@@ -471,41 +479,6 @@ function survey() {
         && !node.parentElement.closest("[data-path], [data-derived], .reason, .unit"))
         stray.push(node.data);
     }
-  }
-
-  // Contrast after WCAG 2.1, of every element that itself holds visible text.
-  const parse = (colour) => {
-    const c = colour.match(/[\d.]+/g).map(Number);
-    return { r: c[0], g: c[1], b: c[2], a: c[3] ?? 1 };
-  };
-  const over = (top, bottom) => ({ r: top.r * top.a + bottom.r * (1 - top.a),
-      g: top.g * top.a + bottom.g * (1 - top.a), b: top.b * top.a + bottom.b * (1 - top.a), a: 1 });
-  const linear = (c) => (c / 255 <= 0.04045 ? c / 255 / 12.92 : ((c / 255 + 0.055) / 1.055) ** 2.4);
-  const luminance = ({ r, g, b }) => 0.2126 * linear(r) + 0.7152 * linear(g) + 0.0722 * linear(b);
-  const background = (element) => {
-    const layers = [];
-    for (let e = element; e; e = e.parentElement) {
-      const colour = parse(getComputedStyle(e).backgroundColor);
-      if (colour.a > 0) layers.push(colour);
-      if (colour.a === 1) break;
-    }
-    return layers.reverse().reduce((below, layer) => over(layer, below),
-      { r: 255, g: 255, b: 255, a: 1 });
-  };
-  const faint = new Set();
-  for (const element of all("body *:not(svg, svg *, .hidden, noscript, script)")) {
-    if (![...element.childNodes].some((node) => node.nodeType === 3 && node.data.trim())
-      || !visible(element)) continue;
-    const style = getComputedStyle(element);
-    const behind = background(element);
-    const [light, dark] = [luminance(over(parse(style.color), behind)),
-      luminance(behind)].sort((a, b) => b - a);
-    const ratio = (light + 0.05) / (dark + 0.05);
-    const size = parseFloat(style.fontSize);
-    const large = size >= 24 || (size >= 18.66 && Number(style.fontWeight) >= 700);
-    const className = element.className ? `.${element.className}` : "";
-    if (ratio < (large ? 3 : 4.5)) faint.add(element.tagName.toLowerCase() + className
-      + ` "${element.textContent.slice(0, 30)}" ${ratio.toFixed(2)}`);
   }
 
   const levels = all("h1, h2, h3, h4, h5, h6").map((heading) => Number(heading.tagName[1]));
@@ -543,12 +516,14 @@ function survey() {
     nameless: all("input, button, [role=region], [role=img]").filter((e) => !attribute(e,
         "aria-label") && !e.labels?.length && !e.textContent.trim()).length,
     unscoped: all("main th:not([scope])").filter((e) => !e.closest(".tooltip")).length,
-    faint: [...faint],
     width: document.documentElement.scrollWidth,
     window: window.innerWidth,
     data: window.NEPH_REPORT,
   };
 }
+
+const look = async (page) => ({ ...await page.evaluate(survey),
+  faint: await page.evaluate(faintTexts) });
 
 async function open(browser, folder, where, options) {
   const context = await browser.newContext({ viewport: { width: 1280, height: 900 }, ...options });
@@ -656,10 +631,14 @@ function checkContent(data, seen) {
       find(`chart ${data.charts[n].id} drew no marks`);
   });
 
+  for (const scene of data.scenes)
+    if (scene.viewer && !seen.links.includes(scene.viewer))
+      find(`no link leads to the viewer ${scene.viewer}`);
   const known = /^(data|report)\.js$|^vendor\/vega(-lite|-embed)?\.min\.js$/;
   for (const script of seen.scripts) if (!known.test(script)) find(`an unknown script: ${script}`);
   for (const link of seen.links)
-    if (!/^#|^data\.json$|^vendor\/LICENSES\.txt$|^charts\/[\w.-]+$/.test(link))
+    if (!/^#|^data\.json$|^vendor\/LICENSES\.txt$|^charts\/[\w.-]+$|^view\/[\w.-]+\/index\.html$/
+      .test(link))
     find(`an unexpected link: ${link}`);
   for (const html of [...seen.handlers, ...seen.unexpected])
     find(`markup that is none of the page's: ${html}`);
@@ -669,6 +648,28 @@ function checkContent(data, seen) {
   if (seen.skippedLevels > 0) find("the headings skip a level");
   if (seen.nameless > 0) find(`${seen.nameless} controls or regions without a name`);
   if (seen.unscoped > 0) find(`${seen.unscoped} table headings without a scope`);
+}
+
+/** With all that is folded open: still as wide as the window, also each table, and to be read. */
+async function checkUnfolded(page, where) {
+  await page.evaluate(async () => {
+    for (const details of document.querySelectorAll("details")) details.open = true;
+    await new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
+  });
+  const { wide, width, window } = await page.evaluate(() => ({
+    wide: [...document.querySelectorAll(".scroll")].filter((e) => e.scrollWidth > e.clientWidth + 1)
+      .map((e) => `${e.getAttribute("aria-label")} (${e.scrollWidth} in ${e.clientWidth} px)`),
+    width: document.documentElement.scrollWidth, window: innerWidth }));
+  for (const text of wide) find(`${where}: wider than its place: ${text}`);
+  if (width > window) find(`${where}, unfolded: the page scrolls sideways (${width} px)`);
+  for (const text of await page.evaluate(faintTexts))
+    find(`${where}, unfolded: too little contrast: ${text}`);
+  const bare = await page.evaluate(() => [...document.querySelectorAll(".scroll tbody tr")]
+    .filter((row) => row.querySelector("[data-value='null'], .absent")
+      && ![...row.querySelectorAll("td [data-value], td")].some((e) =>
+        /\d/.test(e.textContent) || e.matches(".words") && e.textContent.trim()))
+    .map((row) => row.querySelector("th")?.textContent));
+  for (const head of bare) find(`${where}: a row without a number: ${head}`);
 }
 
 /** The moving parts: slider, pointer, click, tooltip. */
@@ -711,11 +712,15 @@ async function checkPage(folder, data, { quick, screenshots }) {
   };
   try {
     const wide = await open(browser, folder, "page", { colorScheme: "light" });
-    const seen = await wide.page.evaluate(survey);
+    const seen = await look(wide.page);
     checkContent(data, seen);
     checkWindow("page", seen);
     await keep(wide.page, "light");
+    await checkUnfolded(wide.page, "page");
     await checkMoves(wide.page, "page");
+    await wide.page.setViewportSize({ width: 390, height: 844 });
+    await checkUnfolded(wide.page, "page of 390 px");
+    await wide.page.setViewportSize({ width: 1280, height: 900 });
     if (!quick) {
       await wide.page.evaluate(() => window.dispatchEvent(new Event("beforeprint")));
       await wide.page.emulateMedia({ media: "print" });
@@ -735,8 +740,9 @@ async function checkPage(folder, data, { quick, screenshots }) {
         { colorScheme: "dark", viewport: { width: 820, height: 1180 }, deviceScaleFactor: 1.25 }],
     ]) {
       const { context, page } = await open(browser, folder, where, options);
-      checkWindow(where, await page.evaluate(survey));
+      checkWindow(where, await look(page));
       await keep(page, where);
+      await checkUnfolded(page, where);
       await context.close();
     }
 

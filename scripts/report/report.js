@@ -99,8 +99,18 @@
   ];
   // From minus to plus the scale; the program's maps interpolate these linearly in sRGB code
   // values.
+  // The numbers of a scene's card: head, note below it, and the first of these that is there.
+  const CARD = [
+    ["Radiance bias", "mean, %", [["radiance", "rel_bias"]]],
+    ["Radiance RMSE", "of the mean, %", [["radiance", "rel_rmse"], ["radiance", "rmse"]]],
+    ["FLIP", "mean", [["radiance", "flip_mean"]]],
+    ["Transmittance", "largest error", [["transmittance", "max_abs"]]],
+  ];
+  const WORTH_A_LOOK = 0.01; // a relative bias that no gate limits and that the head names
+  const WORTH_MOST = 5; // of those, before the rest is left to the cards
   const DIFFERENCE_COLOURS = ["#053061", "#4393c3", "#f7f7f7", "#d6604d", "#67001f"];
   const BROKEN = ["failed", "timeout", "interrupted"];
+  const SCENES_NAMED = 8; // in the contents; more are folded there
   const LISTED = 12; // troubles in the verdict before the rest is folded away
   const VENDORED = ["vendor/vega.min.js", "vendor/vega-lite.min.js", "vendor/vega-embed.min.js"];
 
@@ -143,13 +153,23 @@
   }
 
   /** The reason of a state, which need not say the state again. */
-  const why = (frame) => String(frame.reason ?? "").replace(/^cannot:\s*/, "");
+  const why = (frame) => String(frame.reason ?? "").replace(/^cannot:\s*/, "").trim();
+
+  /** Its first line; a longer one, such as the log of a child, stands whole where `id` is. */
+  function briefly(frame, id) {
+    const [first, ...rest] = why(frame).split("\n");
+    return [first, rest.length > 0 && id && [" … ", el("a", { href: `#${id}` }, "log")]];
+  }
 
   /** A path that stays inside the report, or null. */
   function inside(path) {
     return typeof path === "string" && /^(images|charts)\/[\w.\-/]+$/.test(path)
       && !path.includes("..") ? path : null;
   }
+
+  /** A page of neph view that lies in the report, or null. */
+  const viewerOf = (scene) => (/^view\/[\w.\-]+\/index\.html$/.test(scene.viewer ?? "")
+    && !scene.viewer.includes("..") ? scene.viewer : null);
 
   const taken = new Set();
   function anchor(prefix, name) {
@@ -230,6 +250,8 @@
   const physics = report?.physics ?? null;
   const rows = physics?.rows ?? [];
   const sceneIds = scenes.map((scene) => anchor("scene", scene.name));
+  const logIds = scenes.map((scene) => framesOf(scene).map((frame) => anchor("log",
+    `${scene.name}-${frame.engine}`)));
   const checks = (physics?.checks ?? [])
     .map((check, c) => ({ check, c, id: anchor("check", check.name) }));
   const rungs = (physics?.rungs ?? []).filter((rung) => checks.some(({ check }) =>
@@ -287,65 +309,118 @@
 
   const fact = (name, value) => el("div", {}, el("dt", {}, name), el("dd", {}, value));
 
+  const item = (...children) => el("li", {}, children);
+
+  /** Failed gates, farthest over their limit first. */
+  function failedGates(all) {
+    const over = ({ gate }) => (typeof gate.value === "number"
+      ? Math.abs(gate.value) / gate.maximum : Infinity);
+    return all.filter(({ gate }) => gate.verdict === "fail").sort((a, b) => over(b) - over(a))
+      .map(({ gate, s, g }) => item(word(VERDICTS, "fail"), " ", sceneLink(s), " · ",
+        el("b", {}, gate.engine), " · ", measured(gate), ": ", gateValue(s, g, "value"),
+        intervalOf(s, gate), ", limit ", gateValue(s, g, "maximum"),
+        gate.reason ? ` (${gate.reason})` : "", "; again: ",
+        el("code", {}, `neph validate ${scenes[s].name}`)));
+  }
+
+  /** Of the number that a gate limits. */
+  function intervalOf(s, gate) {
+    const f = framesOf(scenes[s]).findIndex((frame) => frame.engine === gate.engine);
+    const found = f < 0 ? null : measurementOf(s, f, gate.quantity, gate.metric, gate.mask);
+    if (!found || !at(`${found.path}/interval`)) return null;
+    const { scale } = reading(gate.metric, found.unit);
+    return [" [", number(`${found.path}/interval/0`, { scale }), ", ",
+      number(`${found.path}/interval/1`, { scale }), "]"];
+  }
+
+  const brokenFrames = () => scenes.flatMap((scene, s) => framesOf(scene)
+    .map((frame, f) => ({ frame, s, f })).filter(({ frame }) => BROKEN.includes(frame.status)));
+
+  const brokenLines = () => brokenFrames().map(({ frame, s, f }) => item(
+    word(STATUSES, frame.status), " ", sceneLink(s), " · ", el("b", {}, frame.engine),
+    why(frame) && [": ", briefly(frame, logIds[s][f])]));
+
+  function physicsLines() {
+    const phases = (physics?.phase_functions ?? []).filter((row) => row.verdict === "off")
+      .map((row) => item(word(FINDINGS, "wrong"), " ", el("a", { href: "#phase-functions" },
+        "Phase function"), " ", String(row.phase).replace(/_/g, " ")));
+    const size = (r) => Math.abs(rows[r].deviation ?? 0);
+    const wrong = [...rows.keys()].filter((r) => findingOf(rows[r]) === "wrong")
+      .sort((a, b) => size(b) - size(a)).map((r) => item(word(FINDINGS, "wrong"), " ",
+        checkLink(rows[r].check), " · ", el("b", {}, rows[r].participant), " by ", deviation(r)));
+    const broken = rows.filter((row) => BROKEN.includes(row.status)).map((row) => item(
+      word(STATUSES, row.status), " ", checkLink(row.check), " · ", el("b", {}, row.participant),
+      why(row) && [": ", briefly(row)]));
+    return [...phases, ...wrong, ...broken];
+  }
+
+  /** Frames whose radiance was measured and that no gate of radiance limits, worst first. */
+  function ungated() {
+    return scenes.flatMap((scene, s) => framesOf(scene).map((frame, f) => ({ frame, s,
+      found: measurementOf(s, f, "radiance", "rel_bias", "all") }))
+      .filter(({ frame, found }) => found && typeof at(found.path) === "number"
+        && !gatesOf(scene).some((gate) => gate.engine === frame.engine
+          && gate.quantity === "radiance")))
+      .sort((a, b) => Math.abs(at(b.found.path)) - Math.abs(at(a.found.path)));
+  }
+
+  const ungatedLines = (list) => list
+    .filter(({ found }) => Math.abs(at(found.path)) >= WORTH_A_LOOK).slice(0, WORTH_MOST)
+    .map(({ frame, s, found }) => item(el("span", { class: "open-word" }, "◇ not gated"), " ",
+      sceneLink(s), " · ", el("b", {}, frame.engine), " · radiance ",
+      number(found.path, reading("rel_bias", found.unit))));
+
+  const openLines = (open) => open.map(({ gate, s }) => item(word(VERDICTS, "not_measured"), " ",
+    sceneLink(s), " · ", el("b", {}, gate.engine), " · ", measured(gate),
+    gate.reason ? `: ${gate.reason}` : ""));
+
+  const absentLines = () => (report.absent ?? []).map((entry) => item(
+    el("span", { class: "open-word" }, "○ left out"), " ", el("b", {}, entry.scene),
+    entry.reason ? `: ${entry.reason}` : "",
+    entry.hint && el("span", { class: "soft" }, ` (${entry.hint})`)));
+
+  function gateSentence(all, failing, open) {
+    const total = derived("gates", all.length);
+    return [all.length === 0 ? [total, " gates: nothing was held to a limit."]
+      : failing.length > 0
+        ? [derived("gates.fail", failing.length), " of ", total, plural(all.length, " gate",
+          " gates"), plural(failing.length, " is", " are"), " over the limit."]
+        : open.length === 0
+          ? [plural(all.length, "The one gate is", "All gates are"), " within the limit (",
+            total, ")."]
+          : ["No gate is over its limit (", total, " in all)."],
+    open.length > 0 && [" ", derived("gates.not_measured", open.length),
+      " could not be measured."]];
+  }
+
+  /** What a pass does not speak of. */
+  function ungatedSentence(list) {
+    if (list.length === 0) return null;
+    const { frame, s, found } = list[0];
+    return [" No gate limits the radiance of ", derived("frames.ungated", list.length),
+      plural(list.length, " frame: ", " frames; the farthest off is "), el("b", {}, frame.engine),
+      " in ", sceneLink(s), ", ", number(found.path, reading("rel_bias", found.unit)), "."];
+  }
+
   function verdict() {
     const all = scenes.flatMap((scene, s) => gatesOf(scene).map((gate, g) => ({ gate, s, g })));
     const failing = all.filter(({ gate }) => gate.verdict === "fail");
     const open = all.filter(({ gate }) => gate.verdict === "not_measured");
-    const broken = scenes.flatMap((scene, s) => framesOf(scene)
-      .filter((frame) => BROKEN.includes(frame.status)).map((frame) => ({ frame, s })));
-    const [said, colour] = RUNS[report.verdict] ?? [report.verdict, "open"];
-
-    const lines = [];
-    for (const { gate, s, g } of failing) {
-      lines.push(el("li", {}, word(VERDICTS, "fail"), " ", sceneLink(s), " · ",
-          el("b", {}, gate.engine), " · ", measured(gate), ": ", gateValue(s, g, "value"),
-        ", limit ", gateValue(s, g, "maximum"), gate.reason ? ` (${gate.reason})` : ""));
-    }
-    for (const { frame, s } of broken) {
-      lines.push(el("li", {}, word(STATUSES, frame.status), " ", sceneLink(s), " · ",
-          el("b", {}, frame.engine), why(frame) ? `: ${why(frame)}` : ""));
-    }
-    for (const row of physics?.phase_functions ?? []) {
-      if (row.verdict === "off")
-        lines.push(el("li", {}, word(FINDINGS, "wrong"), " ", el("a", { href: "#phase-functions" },
-            "Phase function"), " ", String(row.phase).replace(/_/g, " ")));
-    }
-    for (const r of rows.keys()) {
-      const state = findingOf(rows[r]);
-      if (state === "wrong") lines.push(el("li", {}, word(FINDINGS, state), " ",
-          checkLink(rows[r].check), " · ", el("b", {}, rows[r].participant), " by ", deviation(r)));
-      else if (BROKEN.includes(rows[r].status))
-        lines.push(el("li", {}, word(STATUSES, rows[r].status), " ", checkLink(rows[r].check),
-          " · ", el("b", {}, rows[r].participant), why(rows[r]) ? `: ${why(rows[r])}` : ""));
-    }
-    for (const { gate, s } of open) {
-      lines.push(el("li", {}, word(VERDICTS, "not_measured"), " ", sceneLink(s), " · ",
-          el("b", {}, gate.engine), " · ", measured(gate), gate.reason ? `: ${gate.reason}` : ""));
-    }
+    const broken = brokenFrames();
     const missing = report.absent ?? [];
-    for (const entry of missing) lines.push(el("li", {}, el("span", { class: "open-word" },
-          "○ left out"), " ", el("b", {}, entry.scene), entry.reason ? `: ${entry.reason}` : "",
-        entry.hint && el("span", { class: "soft" }, ` (${entry.hint})`)));
-    const total = derived("gates", all.length);
+    const free = ungated();
+    const [said, colour] = RUNS[report.verdict] ?? [report.verdict, "open"];
+    const lines = [...failedGates(all), ...brokenLines(), ...physicsLines(),
+      ...ungatedLines(free), ...openLines(open), ...absentLines()];
     return el("section", { class: `verdict ${colour}`, "aria-label": "Verdict" },
       el("p", { class: "word" }, said),
       el("div", { class: "said" }, unfinished(), physics && physicsVerdict(),
-        (scenes.length > 0 || !physics) && el("p", {},
-        all.length === 0
-          ? [total, " gates: nothing was held to a limit."]
-          : failing.length > 0
-            ? [derived("gates.fail", failing.length), " of ", total, plural(all.length, " gate",
-                " gates"), plural(failing.length, " is", " are"), " over the limit."]
-            : open.length === 0
-              ? [plural(all.length, "The one gate is", "All gates are"), " within the limit (",
-                total, ")."]
-              : ["No gate is over its limit (", total, " in all)."],
-        open.length > 0 && [" ", derived("gates.not_measured", open.length),
-          " could not be measured."],
+        (scenes.length > 0 || !physics) && el("p", {}, gateSentence(all, failing, open),
         broken.length > 0 && [" ", derived("frames.broken", broken.length),
           plural(broken.length, " rendering", " renderings"), " did not finish."],
         missing.length > 0 && [" ", derived("absent", missing.length), plural(missing.length,
-            " scene was", " scenes were"), " left out: its data are not on this machine."]),
+            " scene was", " scenes were"), " left out: its data are not on this machine."],
+        ungatedSentence(free)),
         report.counts && el("p", { class: "small soft" }, derived("counts.reported",
             report.counts.reported), " of ", derived("counts.expected", report.counts.expected),
           " results are in this report, ", derived("counts.compared", report.counts.compared),
@@ -369,16 +444,19 @@
   const sceneLink = (s) => el("a", { href: `#${sceneIds[s]}` }, scenes[s].title || scenes[s].name);
 
   function contents() {
+    const link = (id, text) => el("li", {}, el("a", { href: `#${id}` }, text));
+    const all = scenes.map((scene, s) => link(sceneIds[s], scene.title || scene.name));
+    const isLong = all.length > SCENES_NAMED;
     return el("nav", { "aria-label": "Contents" }, el("ul", {},
-      physics && el("li", {}, el("a", { href: "#physics" }, "Physics: who agrees")),
-      (scenes.length > 0 || !physics) && el("li", {}, el("a", { href: "#summary" }, "Summary")),
-      physics?.phase_functions?.length > 0 && el("li", {},
-        el("a", { href: "#phase-functions" }, "Phase functions")),
-      rungs.map((rung) => el("li", {}, el("a", { href: `#${rung.id}` }, sentenceCase(rung.name)))),
-      scenes.map((_, s) => el("li", {}, sceneLink(s))),
-      sequences.length > 0 && el("li", {}, el("a", { href: "#over-time" }, "Over time")),
-      (report.charts ?? []).length > 0 && el("li", {}, el("a", { href: "#charts" }, "Charts")),
-      el("li", {}, el("a", { href: "#engines" }, "Engines"))));
+      (report.charts ?? []).length > 0 && link("charts", "Speed against accuracy"),
+      physics && link("physics", "Physics: who agrees"),
+      rungs.map((rung) => link(rung.id, sentenceCase(rung.name))),
+      !isLong && all,
+      sequences.length > 0 && link("over-time", "Over time"),
+      (scenes.length > 0 || !physics) && link("summary", "All in one table"),
+      physics?.phase_functions?.length > 0 && link("phase-functions", "Phase functions"),
+      link("engines", "Engines"), link("help", "How to read this")),
+    isLong && folded("All scenes", el("ul", {}, all)));
   }
 
   // -------------------------------------------------------------------------------------- summary
@@ -405,8 +483,8 @@
     const unit = units[0] ?? "";
     const attributed = scenes.some((scene) => scene.attribution);
     return el("section", { "aria-labelledby": "summary" },
-      el("h2", { id: "summary" }, "Summary"),
-      scrolling("Summary", el("table", { class: "wide matrix" },
+      el("h2", { id: "summary" }, "All scenes and engines in one table"),
+      folded("The table", scrolling("Summary", el("table", { class: "wide matrix" },
         el("thead", {}, el("tr", {}, el("th", { scope: "col" }, "Scene"),
           engines.map((engine) => el("th", { scope: "col", class: "num" }, engine.name,
               el("small", {}, engine.available ? engine.rung : "not installed"))),
@@ -419,8 +497,10 @@
         unit && `, in ${unit},`, " against the reference of the scene; where another one stands, ",
         "it says which. Below it, the relative bias (+ is too bright) and the word of the gates. ",
         attributed && "“Stands alone” is who differs from all others, without any reference. ",
-        "A dash is a number that was not measured."]));
+        "A dash is a number that was not measured."])));
   }
+
+  const folded = (title, ...content) => el("details", {}, el("summary", {}, title), content);
 
   function standsAlone(scene) {
     if (!scene.attribution) return absent("not asked");
@@ -450,7 +530,8 @@
     }
     const frame = scene.frames[f];
     if (frame.status !== "rendered") {
-      append(cell, [word(STATUSES, frame.status), el("small", { class: "reason" }, why(frame)),
+      append(cell, [word(STATUSES, frame.status), el("small", { class: "reason" },
+          briefly(frame, logIds[s][f])),
           gates && gateWord(scene, engine.name)]);
       return cell;
     }
@@ -477,8 +558,14 @@
     return cell;
   }
 
-  /** A table that may be wider than the screen scrolls by itself, also from the keyboard. */
+  /** A table with the heads of its columns at hand, for when it is shown as a list of rows. */
   function scrolling(label, table, note) {
+    const heads = [...table.querySelectorAll("thead th")].map((head) => head.firstChild?.data
+      ?? head.textContent);
+    for (const row of table.querySelectorAll("tbody tr"))
+      [...row.children].forEach((cell, n) => {
+        if (cell.tagName === "TD" && heads[n]) cell.setAttribute("data-label", heads[n]);
+      });
     table.prepend(el("caption", { class: "hidden" }, label));
     return [
       el("div", { class: "scroll", role: "region", "aria-label": `Table: ${label}`, tabindex: "0" },
@@ -489,9 +576,9 @@
 
   function help() {
     const entry = (term, ...text) => el("div", {}, el("dt", {}, term), el("dd", {}, text));
-    return el("aside", { class: "help", "aria-labelledby": "help" },
+    return el("section", { class: "help", "aria-labelledby": "help" },
       el("h2", { id: "help" }, "How to read this"),
-      el("dl", {},
+      folded("What is compared, gates, pictures, numbers", el("dl", {},
         physics && physicsHelp(entry),
         (scenes.length > 0 || !physics) && sceneHelp(entry),
         entry("Difference maps", "Engine minus reference on a fixed scale: blue is below the "
@@ -500,7 +587,7 @@
         entry("Numbers", "1.2e−4 means 0.00012. In [brackets]: the 95\u00a0% interval, unless "
           + "another one is named. A dash was not measured. ",
           "“Cannot” is an honest refusal: the engine does not model what the scene asks for. Point "
-            + "at a number for all its digits.")));
+            + "at a number for all its digits."))));
   }
 
   function sceneHelp(entry) {
@@ -528,49 +615,139 @@
 
   // --------------------------------------------------------------------------------------- scenes
 
+  /** A card: what it is, what was found, five numbers an engine, the pictures; the rest folded. */
   function sceneSection(scene, s) {
     const truth = scene.truth;
+    const viewer = viewerOf(scene);
     return el("section", { "aria-labelledby": sceneIds[s] },
       el("h2", { id: sceneIds[s] }, scene.title || scene.name),
       el("p", {}, scene.physics),
-      el("dl", { class: "facts" },
-        fact("Scene", el("span", { class: "mono" }, scene.name)),
-        fact("Reference", truth ? [el("b", {}, truth.engine), ` (${truth.rung})`]
-          : "none: no engine of a trusted rung rendered it"),
-        fact("Exposure of all pictures",
-          number(`scenes/${s}/exposure_ev`, { signed: true, unit: "EV", exact: true })),
-        fact("Hash",
-          el("span", { class: "mono", title: scene.hash }, String(scene.hash ?? "").slice(0, 16)))),
-      pictures(scene, s),
-      numbers(scene, s),
-      baked(framesOf(scene)
-        .map((frame, f) => ({ name: frame.engine, path: `scenes/${s}/frames/${f}/bake` }))),
-      attribution(scene, s),
-      studies(scene, s),
-      runs(scene, s),
-      gates(scene, s));
+      el("p", { class: "small soft" }, el("span", { class: "mono" }, scene.name), " · ",
+        truth ? ["held against ", el("b", {}, truth.engine), ` (${truth.rung})`]
+          : "no reference: no engine of a trusted rung rendered it",
+        " · exposure ",
+        number(`scenes/${s}/exposure_ev`, { signed: true, unit: "EV", exact: true }),
+        viewer && [" · ", el("a", { href: viewer }, "all frames in the viewer")]),
+      cardTable(scene, s),
+      scene.attribution?.odd_one_out && el("p", { class: "finding odd" },
+        el("b", { "aria-hidden": "true" }, "≠ "), scene.attribution.sentence),
+      notRendered(scene, s),
+      pictures(scene, s, "radiance"),
+      folded("All numbers, maps of transmittance, steps, costs, gates of this scene",
+        numbers(scene, s),
+        transmittanceMaps(scene, s),
+        baked(framesOf(scene)
+          .map((frame, f) => ({ name: frame.engine, path: `scenes/${s}/frames/${f}/bake` }))),
+        attribution(scene, s),
+        studies(scene, s),
+        runs(scene, s),
+        gates(scene, s)));
   }
 
-  function pictures(scene, s) {
-    const kinds = ["radiance",
-      "transmittance"].filter((kind) => framesOf(scene).some((frame) => frame.difference?.[kind]));
-    const cards = framesOf(scene).map((frame, f) => ({ frame, f }))
-      .filter(({ frame }) => frame.status === "rendered")
-      .sort((a, b) => isTruth(scene, b.frame.engine) - isTruth(scene, a.frame.engine));
-    const rest = framesOf(scene).filter((frame) => frame.status !== "rendered");
+  // ---------------------------------------------------------------------------- five numbers a row
+
+  /** What gates say of an engine, by quantity, and of which quantity none says anything. */
+  function gatedWords(scene, s, f) {
+    const { engine } = framesOf(scene)[f];
+    const own = gatesOf(scene).filter((gate) => gate.engine === engine);
+    const sorts = [["fail", "✗ ", "fail-word", " fails"], ["pass", "✓ ", "pass-word", " passes"],
+      ["not_measured", "○ ", "open-word", " not measured"]];
+    const words = [];
+    for (const [verdict, sign, className, said] of sorts) {
+      const others = sorts.slice(0, sorts.findIndex(([name]) => name === verdict))
+        .map(([name]) => name);
+      const named = [...new Set(own.filter((gate) => gate.verdict === verdict
+        && !own.some((other) => other.quantity === gate.quantity
+          && others.includes(other.verdict))).map((gate) => gate.quantity))];
+      for (const quantity of named)
+        words.push(el("span", { class: className }, sign, quantity, said));
+    }
+    const free = ["radiance", "transmittance"].filter((quantity) =>
+      !own.some((gate) => gate.quantity === quantity)
+        && (framesOf(scene)[f].measurements ?? []).some((row) => row.quantity === quantity));
+    const bias = measurementOf(s, f, "radiance", "rel_bias", "all");
+    for (const quantity of free)
+      words.push(el("span", { class: "soft" }, quantity, quantity === "radiance" && bias
+        && [" ", number(bias.path, reading("rel_bias", bias.unit))], " not gated"));
+    return words.map((part, n) => [n > 0 && "; ", part]);
+  }
+
+  function cardTable(scene, s) {
+    const columns = CARD.map(([head, note, names]) => ({ head, note, find: (f) => names
+      .map(([quantity, metric]) => measurementOf(s, f, quantity, metric, "all"))
+      .find((found) => found && typeof at(found.path) === "number") }))
+      .filter(({ find }) => framesOf(scene).some((_, f) => find(f)));
+    const size = (f) => Math.abs(at(measurementOf(s, f, "radiance", "rel_bias", "all")?.path ?? "")
+      ?? -1);
+    const list = framesOf(scene).map((frame, f) => ({ frame, f }))
+      .filter(({ f }) => columns.some(({ find }) => find(f)))
+      .sort((a, b) => size(b.f) - size(a.f));
+    if (list.length === 0)
+      return el("p", { class: "soft" }, "Nothing was measured in this scene.");
+    return scrolling(`${scene.title || scene.name}: what matters`,
+      el("table", { class: "wide five" },
+        el("thead", {}, el("tr", {}, el("th", { scope: "col" }, "Engine, worst first"),
+          columns.map(({ head, note }) => el("th", { scope: "col", class: "num" }, head,
+            el("small", {}, note))),
+          el("th", { scope: "col", class: "num" }, "Wall", el("small", {}, "s")),
+          el("th", { scope: "col" }, "Gates"))),
+        el("tbody", {}, list.map(({ frame, f }) => el("tr", {
+          class: gatesOf(scene).some((gate) => gate.engine === frame.engine
+            && gate.verdict === "fail") ? "failing" : null },
+        el("th", { scope: "row" }, frame.engine, el("small", {}, frame.rung)),
+        columns.map(({ find }) => el("td", { class: "num" }, cardNumber(find(f)))),
+        el("td", { class: "num" }, number(`scenes/${s}/frames/${f}/wall_s`)),
+        el("td", { class: "words" }, gatedWords(scene, s, f), frame.note
+          && el("div", { class: "small" }, frame.note)))))));
+  }
+
+  function cardNumber(found) {
+    if (!found) return absent();
+    const { metric } = at(found.path.replace(/\/value$/, ""));
+    const options = metric === "rel_rmse" ? { scale: 100 } : { ...reading(metric, found.unit),
+      unit: "" };
+    return [number(found.path, options), metric === "rmse" && unitText(found.unit)];
+  }
+
+  // -------------------------------------------------------------------------------------- pictures
+
+  function notRendered(scene, s) {
+    const rest = framesOf(scene).map((frame, f) => ({ frame, f }))
+      .filter(({ frame }) => frame.status !== "rendered");
+    return rest.length > 0 && el("p", { class: "small soft not-rendered" }, "No picture from ",
+      rest.map(({ frame, f }, n) => [n > 0 && "; ", el("b", {}, frame.engine), " (",
+        word(STATUSES, frame.status), why(frame) && [": ", briefly(frame, logIds[s][f])], ")"]),
+      ".");
+  }
+
+  const drawnFrames = (scene) => framesOf(scene).filter((frame) => frame.status === "rendered")
+    .sort((a, b) => isTruth(scene, b.engine) - isTruth(scene, a.engine));
+  const mapsOf = (scene, kind) => framesOf(scene).some((frame) => frame.difference?.[kind]);
+
+  /** Each engine's picture beside the truth's, and what it is off by. */
+  function pictures(scene, s, kind) {
+    const drawn = drawnFrames(scene);
     const truthFrame = framesOf(scene).find((frame) => isTruth(scene, frame.engine));
+    if (drawn.length === 0) return el("p", {}, "No engine rendered this scene.");
     return [
-      el("h3", {}, "Pictures and differences"),
-      kinds.length > 0 && truthFrame?.status !== "rendered" && el("div", { class: "legend" },
-        kinds.map((kind) => legend(scene, s, kind))),
-      cards.length > 0
-        ? el("div", { class: "pictures" },
-          cards.map(({ frame }) => card(scene, s, frame, truthFrame, kinds)))
-        : el("p", {}, "No engine rendered this scene; the table below says why."),
-      rest.length > 0 && el("p", { class: "small soft not-rendered" }, "No picture from ",
-        rest.map((frame, n) => [n > 0 && "; ", el("b", {}, frame.engine), " (",
-            word(STATUSES, frame.status), why(frame) ? `: ${why(frame)}` : "", ")"]), "."),
-    ];
+      el("h3", {}, "Pictures, and the difference in radiance"),
+      mapsOf(scene, kind) && truthFrame?.status !== "rendered"
+        && el("div", { class: "legend" }, legend(scene, s, kind)),
+      el("div", { class: "pictures" },
+        drawn.map((frame) => card(scene, s, frame, truthFrame, kind)))];
+  }
+
+  function transmittanceMaps(scene, s) {
+    const kind = "transmittance";
+    const drawn = drawnFrames(scene).filter((frame) => frame.difference?.[kind]);
+    if (drawn.length === 0) return null;
+    const title = scene.title || scene.name;
+    return [
+      el("h3", {}, "Difference in transmittance"),
+      el("div", { class: "legend" }, legend(scene, s, kind)),
+      el("div", { class: "pictures" }, drawn.map((frame) => pictureCard(frame.engine, frame.rung,
+        el("figure", {}, differenceMap(scene, frame, kind, title),
+          el("figcaption", {}, `${frame.engine} − ${scene.truth?.engine ?? "reference"}`)))))];
   }
 
   function legend(scene, s, kind) {
@@ -606,7 +783,7 @@
     return image;
   }
 
-  function card(scene, s, frame, truthFrame, kinds) {
+  function card(scene, s, frame, truthFrame, kind) {
     const own = inside(frame.picture);
     const reference = isTruth(scene, frame.engine);
     const other = reference ? null : inside(truthFrame?.picture);
@@ -614,19 +791,18 @@
     const article = el("article", { class: "card" },
       el("header", {},
         el("h4", {}, frame.engine),
-        el("p", {}, reference ? `reference · ${frame.rung}` : frame.rung,
-          frame.settings ? ` · ${frame.settings}` : "")),
+        el("p", {}, reference ? `reference · ${frame.rung}` : frame.rung)),
       own
         ? other ? wipe(own, other, frame.engine, scene.truth.engine,
           title) : [el("div", { class: "stack" }, pixels(own, `${title}, by ${frame.engine}`)),
           el("div", { class: "wipe" },
             reference ? "what the others are held against" : "no reference to wipe to")]
         : [hole("no picture: this engine gave no radiance"), el("div", { class: "wipe" })],
-      kinds.map((kind) => (reference
+      mapsOf(scene, kind) && (reference
         ? el("figure", {}, el("div", { class: "scale" }, legend(scene, s, kind)),
-          el("figcaption", {}, `scale of the ${kind} differences`))
+          el("figcaption", {}, "scale of the differences"))
         : el("figure", {}, differenceMap(scene, frame, kind, title), el("figcaption", {},
-            `${kind}, ${frame.engine} − ${scene.truth?.engine ?? "reference"}`)))));
+            `${frame.engine} − ${scene.truth?.engine ?? "reference"}`))));
     article.style.gridRow = `span ${article.childElementCount}`;
     return article;
   }
@@ -668,15 +844,16 @@
   // -------------------------------------------------------------------------------- numbers table
 
   function numbers(scene, s) {
-    const columns = framesOf(scene).map((frame, f) => ({ frame, f }))
+    const measured = framesOf(scene).map((frame, f) => ({ frame, f }))
       .filter(({ frame }) => (frame.measurements ?? []).length > 0);
+    const columns = measured.filter(({ frame }) => !isTruth(scene, frame.engine));
     const title = el("h3", {}, "Numbers");
-    if (columns.length === 0)
-      return [title, el("p", { class: "soft" }, "Nothing was measured in this scene.")];
+    if (measured.length === 0) return null;
 
     const groups = new Map();
     for (const { frame, f } of columns) {
       frame.measurements.forEach((row, m) => {
+        if (typeof row.value !== "number") return;
         const key = JSON.stringify([row.quantity, row.mask]);
         if (!groups.has(key))
           groups.set(key, { quantity: row.quantity, mask: row.mask, metrics: new Map() });
@@ -704,7 +881,37 @@
         el("summary", {}, "Numbers by part of the picture: ",
           [...new Set(parts.map((group) => maskName(group.mask)))].join(", ")),
         table(parts, "Errors by part of the picture")),
+      measured.filter(({ frame }) => isTruth(scene, frame.engine))
+        .map(({ frame, f }) => ofItself(s, f, frame)),
+      unmeasured(measured),
     ];
+  }
+
+  /** The reference is held against nothing: what is counted in it stands in a line. */
+  function ofItself(s, f, frame) {
+    const path = (m, key) => `scenes/${s}/frames/${f}/measurements/${m}/${key}`;
+    const list = frame.measurements.map((row, m) => ({ row, m }))
+      .filter(({ row }) => typeof row.value === "number");
+    return list.length > 0 && el("p", { class: "small soft" }, `Of ${frame.engine} itself: `,
+      list.map(({ row, m }, n) => [n > 0 && ", ",
+        `${row.quantity} ${row.metric} (${maskName(row.mask)}) `,
+        number(path(m, "value"), reading(row.metric, row.unit)),
+        row.interval && [" [", number(path(m, "interval/0")), ", ", number(path(m, "interval/1")),
+          "]"]]), ".");
+  }
+
+  /** Why numbers are missing, each reason once. */
+  function unmeasured(columns) {
+    const reasons = new Map();
+    for (const { frame } of columns)
+      for (const row of frame.measurements)
+        if (typeof row.value !== "number") {
+          const reason = row.undefined_because || "no reason is given";
+          reasons.set(reason, (reasons.get(reason) ?? new Set())
+            .add(`${row.quantity} ${row.metric}`));
+        }
+    return reasons.size > 0 && el("ul", { class: "small soft" }, [...reasons]
+      .map(([reason, names]) => item(`Not measured: ${[...names].join(", ")} (${reason}).`)));
   }
 
   function numbersTable(scene, s, columns, groups, label) {
@@ -712,17 +919,17 @@
     const bodies = groups.map((group, n) => {
       const metrics = [...group.metrics.keys()].sort((a, b) => metricRank(a) - metricRank(b));
       return el("tbody", {},
-        el("tr", { class: "group" }, el("th", { scope: "rowgroup", colspan: columns.length + 2 },
+        el("tr", { class: "group" }, el("th", { scope: "rowgroup", colspan: columns.length + 1 },
             `${QUANTITIES[group.quantity] ?? group.quantity}, ${maskName(group.mask)}`)),
         metrics.map((metric) => metricRow(scene, s, columns, group, metric, explained)),
         el("tr", {}, el("th", { scope: "row" }, "pixels", n === 0 && el("small", {},
-              "that the numbers above are taken over")), el("td", { class: "tight soft" }, "px"),
+              "that the numbers above are taken over")),
           columns.map(({ frame, f }) => el("td", { class: "num" },
               pixelCount(s, f, frame, group) ?? absent()))));
     });
     return scrolling(label, el("table", {},
       el("thead", {},
-        el("tr", {}, el("th", { scope: "col" }, "Measure"), el("th", { scope: "col" }, "Unit"),
+        el("tr", {}, el("th", { scope: "col" }, "Measure"),
         columns.map(({ frame }) => el("th", { scope: "col", class: "num" }, frame.engine,
             el("small", {}, isTruth(scene, frame.engine) ? "reference" : frame.rung))))),
       bodies));
@@ -734,7 +941,7 @@
   }
 
   const firstIn = (frame, group) => frame.measurements.findIndex((row) =>
-    row.quantity === group.quantity && row.mask === group.mask);
+    row.quantity === group.quantity && row.mask === group.mask && typeof row.value === "number");
   function pixelCount(s, f, frame, group) {
     const m = firstIn(frame, group);
     return m < 0 ? null : number(`scenes/${s}/frames/${f}/measurements/${m}/pixel_count`);
@@ -749,8 +956,8 @@
     const first = !explained.has(metric);
     explained.add(metric);
     return el("tr", {},
-      el("th", { scope: "row" }, metric, first && meaning && el("small", {}, meaning)),
-      el("td", { class: "tight soft" }, shownAs.unit || (isRatio(rowUnit) ? "1" : rowUnit)),
+      el("th", { scope: "row" }, metric, ` [${shownAs.unit || (isRatio(rowUnit) ? "1" : rowUnit)}]`,
+        first && meaning && el("small", {}, meaning)),
       columns.map(({ frame, f }) => {
         const list = cells.get(f);
         if (!list) return el("td", { class: "num" }, absent());
@@ -986,7 +1193,7 @@
             el("th", { scope: "row" }, frame.engine, el("small", {}, frame.rung)),
             el("td", { class: "words" }, word(STATUSES, frame.status),
               frame.reused && " · taken from the store",
-              why(frame) && el("div", { class: "small" }, why(frame)),
+              why(frame) && el("pre", { class: "log", id: logIds[s][f] }, why(frame)),
               frame.note && el("div", { class: "small" }, frame.note),
               frame.step_optical_depth > 1 && el("div", { class: "small" },
                 el("b", {}, "Steps too long: "), "one spans an optical depth of up to ",
@@ -1044,7 +1251,8 @@
       el("p", {}, "A phase function says where light is scattered to. Over all directions it must "
         + "add up to 1, and its mean cosine must be g; so must that of the directions that are "
         + "drawn from it."),
-      scrolling("Phase functions", el("table", {},
+      folded(list.some((row) => row.verdict === "off") ? "Which, and by how much"
+        : "All agree: the numbers", scrolling("Phase functions", el("table", {},
         el("thead", {}, el("tr", {}, el("th", { scope: "col" }, "Phase function"),
             el("th", { scope: "col" }, "Finding"),
           [["g", ""], ["Integral", "must be 1"], ["Mean cosine", "must be g"],
@@ -1057,7 +1265,7 @@
             word(FINDINGS, row.verdict === "off" ? "wrong" : row.verdict)),
           el("td", { class: "num" }, number(`physics/phase_functions/${n}/g`, { exact: true })),
           ["integral", "mean_cosine", "sampled_mean_cosine"].map((key) => el("td", { class: "num" },
-              close(`physics/phase_functions/${n}/${key}`)))))))));
+              close(`physics/phase_functions/${n}/${key}`))))))))));
   }
 
   const sentenceCase = (text) => text.charAt(0).toUpperCase() + text.slice(1);
@@ -1182,7 +1390,8 @@
     return el("section", { "aria-labelledby": rung.id },
       el("h2", { id: rung.id }, sentenceCase(rung.title)),
       QUESTIONS[rung.name] && el("p", {}, QUESTIONS[rung.name]),
-      checks.filter(({ check }) => check.rung === rung.name).map(checkSection));
+      folded("Each check: numbers and pictures",
+        checks.filter(({ check }) => check.rung === rung.name).map(checkSection)));
   }
 
   function checkSection({ check, c, id }) {
@@ -1316,7 +1525,8 @@
       sequence.reference.status !== "rendered" && el("p", {},
         word(STATUSES, sequence.reference.status), ` ${why(sequence.reference)}`),
       sequence.rows.length > 0 && sequencePictures(sequence, q),
-      sequence.rows.some((row) => row.measurements.length > 0) && sequenceNumbers(sequence, q),
+      sequence.rows.some((row) => row.measurements.length > 0)
+        && folded("All numbers of the flicker", sequenceNumbers(sequence, q)),
       el("ul", {}, sequence.rows.map((row) => row.status === "rendered"
         ? row.findings.map((finding) => el("li", {}, el("b", {}, row.preset),
             `, ${maskName(finding.mask)}: ${finding.text}`))
@@ -1390,7 +1600,8 @@
   function charts() {
     const list = report.charts ?? [];
     if (list.length === 0) return null;
-    return el("section", { "aria-labelledby": "charts" }, el("h2", { id: "charts" }, "Charts"),
+    return el("section", { "aria-labelledby": "charts" },
+      el("h2", { id: "charts" }, "Speed against accuracy"),
       list.map(chart));
   }
 
@@ -1490,7 +1701,7 @@
   function engineTable() {
     return el("section", { "aria-labelledby": "engines" },
       el("h2", { id: "engines" }, "Engines"),
-      scrolling("Engines", el("table", { class: "wide" },
+      folded("Versions, devices, known biases", scrolling("Engines", el("table", { class: "wide" },
         el("thead", {}, el("tr", {}, ["Engine", "Rung of truth", "Version and device",
               "Known bias"].map((name) => el("th", { scope: "col" }, name)))),
         el("tbody", {}, engines.map((engine) => el("tr", {},
@@ -1504,7 +1715,7 @@
               engine.install_line && !engine.broken && el("div", { class: "small" }, "To install: ",
                 el("code", {}, engine.install_line))),
           el("td", { class: "words" },
-            engine.bias || el("span", { class: "soft" }, "none known"))))))));
+            engine.bias || el("span", { class: "soft" }, "none known")))))))));
   }
 
   function foot() {
@@ -1536,6 +1747,22 @@
       element.style.setProperty("--scale",
         Math.max(1, Math.floor((Math.min(room, wide) * dots) / size[0])) / dots);
     }
+  }
+
+  /** A table that would be wider than its place becomes a list of its rows. */
+  function fitTables() {
+    for (const region of document.querySelectorAll(".scroll")) {
+      region.classList.remove("stacked");
+      region.classList.toggle("stacked", region.scrollWidth > region.clientWidth + 1);
+    }
+  }
+
+  /** What an address names is shown, also where it is folded away. */
+  function reveal() {
+    const target = document.getElementById(decodeURIComponent(location.hash.slice(1)));
+    for (let element = target; element; element = element.parentElement)
+      if (element.tagName === "DETAILS") element.open = true;
+    target?.scrollIntoView();
   }
 
   function printWhole() {
@@ -1571,13 +1798,16 @@
     document.title = `${report.title}: ${report.verdict}`;
     window.addEventListener("resize", () => fitPictures(main));
     main.replaceChildren();
-    append(main, [head(), contents(), physicsMatrix(), summary(), help(), phaseFunctions(),
-        rungs.map(rungSection), scenes.map(sceneSection), overTime(), charts(), engineTable(),
+    append(main, [head(), contents(), charts(), physicsMatrix(), rungs.map(rungSection),
+        scenes.map(sceneSection), overTime(), summary(), phaseFunctions(), engineTable(), help(),
         foot()]);
     fitPictures(main);
+    fitTables();
     printWhole();
-    if (location.hash)
-      document.getElementById(decodeURIComponent(location.hash.slice(1)))?.scrollIntoView();
+    document.addEventListener("toggle", fitTables, true);
+    window.addEventListener("resize", fitTables);
+    window.addEventListener("hashchange", reveal);
+    reveal();
     upgrade([...main.querySelectorAll(".chart-figure")]).finally(() => {
       document.documentElement.dataset.ready = "yes";
     });

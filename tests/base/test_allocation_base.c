@@ -8,6 +8,7 @@
 #include "base/checkpoint.h"
 #include "base/exr.h"
 #include "base/hash.h"
+#include "base/packed.h"
 #include "base/png.h"
 
 /* Paths in the folder of the test. */
@@ -130,10 +131,24 @@ static enum neph_status use_checkpoint(void *context, struct neph_diag *diag)
     return status ? status : neph_hash("x", 1, hash, diag);
 }
 
+static enum neph_status pack(void *context, struct neph_diag *diag)
+{
+    (void)context;
+    static const float plane[6] = {1.0f, 2.0f};
+    const float *const planes[2] = {plane, plane};
+    char *text = NULL;
+    size_t length = 0;
+    const enum neph_status status = neph_packed_floats(planes, 2, 6, &text, &length, diag);
+    assert_int_equal(text != NULL, status == NEPH_OK);
+    free(text);
+    return status;
+}
+
 static void test_images(void **state)
 {
     struct place place = place_of(state);
     assert_every_failure_is_told("an image", use_image, &place);
+    assert_every_failure_is_told("packed floats", pack, &place);
 }
 
 static void test_exr(void **state)

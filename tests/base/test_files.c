@@ -109,6 +109,22 @@ static void test_failed_write_leaves_nothing(void **state)
     assert_int_equal(scratch_count(state), 1);
 }
 
+/* In a folder of many files: new ones alone, whole, and on the disk after one wait. */
+static void test_unsynced_files_are_new_ones(void **state)
+{
+    char path[SCRATCH_PATH_MAX], folder[SCRATCH_PATH_MAX];
+    struct neph_diag diag = {0};
+    scratch_path(state, path, "file");
+    neph_assert_ok(neph_file_write_unsynced(path, "12345", 5, &diag), &diag);
+    neph_assert_ok(neph_file_system_sync(scratch_path(state, folder, "."), &diag), &diag);
+    assert_holds(path, "12345", 5);
+    assert_int_equal(neph_file_write_unsynced(path, "x", 1, &diag), NEPH_ERR_IO);
+    assert_non_null(strstr(diag.message, path));
+    assert_holds(path, "12345", 5);
+    assert_int_equal(neph_file_system_sync(scratch_path(state, folder, "nobody"), &diag),
+                     NEPH_ERR_IO);
+}
+
 static void test_mode_follows_umask(void **state)
 {
     char path[SCRATCH_PATH_MAX];
@@ -284,6 +300,7 @@ int main(void)
         scratch_test(test_what_is_no_regular_file_is_refused_at_once),
         scratch_test(test_replacing_is_atomic),
         scratch_test(test_failed_write_leaves_nothing),
+        scratch_test(test_unsynced_files_are_new_ones),
         scratch_test(test_mode_follows_umask),
         scratch_test(test_longest_name),
         scratch_test(test_relative_path_without_folder),

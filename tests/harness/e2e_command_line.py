@@ -33,7 +33,7 @@ class CommandLine(unittest.TestCase):
     def test_help_of_every_verb_has_an_example(self):
         for verb in ("validate", "render", "export", "compare", "flicker", "conform", "metrics",
                      "bake", "study", "ablate", "benchmark", "scenes", "engines", "doctor",
-                     "fly"):
+                     "fly", "view"):
             done = neph(verb, "--help")
             self.assertEqual(done.returncode, 0, verb)
             self.assertIn("Example", done.stdout, verb)

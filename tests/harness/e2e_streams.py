@@ -15,7 +15,7 @@ import frames  # noqa: E402
 
 NEPH = os.environ["NEPH"]
 VERBS = ("validate", "render", "export", "compare", "flicker", "metrics", "bake", "study",
-         "benchmark", "conform", "scenes", "engines", "doctor", "fly")
+         "benchmark", "conform", "scenes", "engines", "doctor", "fly", "view")
 BLENDER = """#!/bin/sh
 case "$1" in --version) echo "Blender 3.4.1"; exit 0;; esac
 {body}

@@ -43,11 +43,13 @@ static void write_frame(void **state, const char *name, float value)
 /* A page, a node and frames of the test's own. */
 static int setup(void **state)
 {
-    static const char *const page[] = {"index.html", "report.css", "report.js", "render_chart.mjs"};
+    static const char *const page[] = {"index.html",     "report.css",    "report.js",
+                                       "view.html",      "view.css",      "view.js",
+                                       "view_planes.js", "view_paint.js", "render_chart.mjs"};
     char path[SCRATCH_PATH_MAX];
     if (scratch_setup(state))
         return -1;
-    for (int i = 0; i < 4; i++) {
+    for (size_t i = 0; i < COUNT(page); i++) {
         char name[64];
         snprintf(name, sizeof(name), "data/scripts/report/%s", page[i]);
         put(state, name, page[i]);
@@ -187,6 +189,42 @@ static void test_what_is_drawn_is_drawn_once(void **state)
     neph_validation_finish(&validation);
 }
 
+static void test_a_scene_has_a_viewer(void **state)
+{
+    struct neph_report *report = open_report(state);
+    struct neph_validation validation = validation_of(state);
+    publish(report, &validation);
+    const ino_t frame = inode_of(state, "out/report/view/fog/frames/1_0_radiance.js");
+    inode_of(state, "out/report/view/fog/index.html");
+    inode_of(state, "out/report/view/fog/view_paint.js");
+    publish(report, &validation);
+    assert_true(inode_of(state, "out/report/view/fog/frames/1_0_radiance.js") == frame);
+    assert_string_equal(validation.scenes[0].viewer, "view/fog/index.html");
+    neph_report_close(report);
+    neph_validation_finish(&validation);
+}
+
+/* Neither where a frame is no measurement, nor where there is no room: the report stands. */
+static void test_a_scene_may_have_no_viewer(void **state)
+{
+    char path[SCRATCH_PATH_MAX];
+    struct neph_report *report = open_report(state);
+    struct neph_validation validation = validation_of(state);
+    write_frame(state, "march.exr", NAN);
+    publish(report, &validation);
+    assert_null(validation.scenes[0].viewer);
+    assert_false(neph_path_exists(scratch_path(state, path, "out/report/view/fog")));
+    write_frame(state, "march.exr", 0.5f);
+    add_scene(state, &validation, "smoke");
+    validation.width_px = validation.height_px = 1024;
+    publish(report, &validation);
+    assert_null(validation.scenes[1].viewer);
+    inode_of(state, "out/report/images/smoke/march.png");
+    assert_true(is_published(state, &validation));
+    neph_report_close(report);
+    neph_validation_finish(&validation);
+}
+
 static void test_a_failure_leaves_the_report_before(void **state)
 {
     struct neph_report *report = open_report(state);
@@ -262,6 +300,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         report_test(test_what_is_drawn_is_drawn_once),
+        report_test(test_a_scene_has_a_viewer),
+        report_test(test_a_scene_may_have_no_viewer),
         report_test(test_a_failure_leaves_the_report_before),
         report_test(test_the_last_of_two_runs_stands),
         report_test(test_folders_of_others_are_given_back),

@@ -96,6 +96,32 @@ static void test_ramp_against_closed_form(void **state)
     free(out);
 }
 
+/* Around each threshold, and everywhere else: the table gives the encoder's own codes. */
+static void test_the_baked_table_is_the_encoder(void **state)
+{
+    (void)state;
+    enum { NEAR = 3 * 255, COUNT_ALL = NEAR + 4096 };
+    float thresholds[256], grey[COUNT_ALL];
+    uint8_t out[3 * COUNT_ALL];
+    const float *const planes[3] = {grey, grey, grey};
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_display_bake(thresholds, &diag), &diag);
+    for (int k = 1; k < 256; k++) {
+        grey[3 * k - 3] = nextafterf(thresholds[k], -1.0f);
+        grey[3 * k - 2] = thresholds[k];
+        grey[3 * k - 1] = nextafterf(thresholds[k], 2.0f);
+    }
+    for (int i = NEAR; i < COUNT_ALL; i++)
+        grey[i] = (float)(1.2 * sin(0.37 * i) * pow(0.5, i % 23)); /* of both signs, most dark */
+    neph_assert_ok(neph_display_encode(planes, COUNT_ALL, 0.0, out, &diag), &diag);
+    for (int i = 0; i < COUNT_ALL; i++) {
+        int code = 0;
+        while (code < 255 && grey[i] >= thresholds[code + 1])
+            code++;
+        assert_int_equal(out[3 * i], code);
+    }
+}
+
 static void test_encode_refusals(void **state)
 {
     (void)state;
@@ -207,6 +233,7 @@ int main(void)
         cmocka_unit_test(test_known_codes),
         cmocka_unit_test(test_outside_the_range),
         cmocka_unit_test(test_ramp_against_closed_form),
+        cmocka_unit_test(test_the_baked_table_is_the_encoder),
         cmocka_unit_test(test_encode_refusals),
         cmocka_unit_test(test_stops_and_marks),
         cmocka_unit_test(test_hue_tells_the_sign),

@@ -1,0 +1,253 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * `neph view A B ...`: a page to look at frames with.
+ */
+#include "harness/cli/cli.h"
+
+#include "base/files.h"
+#include "harness/report/report_folder.h"
+#include "harness/report/viewer_maps.h"
+#include "harness/report/viewer_page.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { FRAMES, VIEWING, WRITING }; /* groups of the help */
+
+struct request {
+    struct neph_cli_shared shared;
+    const char *layer, *title;
+    struct neph_display_choice display;
+    struct neph_cli_words quantities, overlays;
+    double frame_rate_hz, pixels_per_degree, exposure_ev, scale, limit_mb;
+    int warm_up_frames;
+    bool by_position;
+};
+
+static const struct neph_cli_option options[] = {
+    {"layer", 0, "NAME",
+     "Radiance and depth are the channels NAME.R and so on (Blender: ViewLayer.Combined)",
+     NEPH_CLI_WORD, .at = offsetof(struct request, layer)},
+    {"quantity", 0, "NAME",
+     "Only radiance, volume, transmittance or depth; may be given several times (default: all "
+     "that the frames have)",
+     NEPH_CLI_WORDS, .at = offsetof(struct request, quantities)},
+    {"warm-up", 0, "N", "Leave out the first N frames", NEPH_CLI_INTEGER,
+     .at = offsetof(struct request, warm_up_frames), .otherwise = "0", .minimum = 0,
+     .maximum = 1000000},
+    {"by-position", 0, NULL,
+     "Frames belong together by their place in the sequence, whatever their numbers", NEPH_CLI_FLAG,
+     .at = offsetof(struct request, by_position)},
+    {"exposure", 0, "EV", "At first: display value = 2^EV times radiance", NEPH_CLI_REAL,
+     .at = offsetof(struct request, exposure_ev), .otherwise = "0", .minimum = -32, .maximum = 32,
+     .group = VIEWING},
+    {"scale", 0, "X",
+     "Where the colours of differences of radiance end (default: 0.02 as displayed)", NEPH_CLI_REAL,
+     .at = offsetof(struct request, scale), .minimum = 1e-12, .maximum = 1e12, .group = VIEWING},
+    {"overlay", 0, "MAP",
+     "A map of the metrics against the first set, by the name of its file under `neph compare "
+     "--maps`; may be given several times; or none (default: relative, flip and, of sequences, "
+     "a4)",
+     NEPH_CLI_WORDS, .at = offsetof(struct request, overlays), .group = VIEWING},
+    {"ocio", 0, "FILE",
+     "An OpenColorIO config: its view is shown, and the plain curve of an sRGB display on request",
+     NEPH_CLI_WORD, .at = offsetof(struct request, display.config), .group = VIEWING},
+    {"display", 0, "NAME", "Of that config (default: its own)", NEPH_CLI_WORD,
+     .at = offsetof(struct request, display.display), .group = VIEWING},
+    {"view", 0, "NAME", "Of that display (default: its own)", NEPH_CLI_WORD,
+     .at = offsetof(struct request, display.view), .group = VIEWING},
+    {"space", 0, "NAME", "What linear Rec.709 is called there (default: the role scene_linear)",
+     NEPH_CLI_WORD, .at = offsetof(struct request, display.space), .group = VIEWING},
+    {"fps", 0, "HZ", "How fast frames are played (default: what they say, else 30)", NEPH_CLI_REAL,
+     .at = offsetof(struct request, frame_rate_hz), .minimum = 0.1, .maximum = 1000,
+     .group = VIEWING},
+    {"ppd", 0, "N", "Pixels per degree of the display, on which maps depend (default: 67.02)",
+     NEPH_CLI_REAL, .at = offsetof(struct request, pixels_per_degree), .minimum = 1,
+     .maximum = 1000, .group = VIEWING},
+    {"title", 0, "TEXT", "Of the page", NEPH_CLI_WORD, .at = offsetof(struct request, title),
+     .group = WRITING},
+    {"limit", 0, "MB", "Refuse to write a page larger than this", NEPH_CLI_REAL,
+     .at = offsetof(struct request, limit_mb), .otherwise = "200", .minimum = 0.001,
+     .maximum = 100000, .group = WRITING},
+    {.name = "output", .help = "Folder of the page", .otherwise = "view", .group = WRITING},
+    {.name = "json", .group = WRITING},
+    {.name = "quiet", .group = WRITING},
+    {.name = NULL},
+};
+
+static const struct neph_cli_operands operands = {
+    .shown = "FRAMES...",
+    .minimum = 1,
+    .maximum = NEPH_VIEWER_SETS_MAX,
+    .missing = "which frames?",
+    .surplus = "twelve sets of frames (quote patterns: one is one set)",
+};
+
+static void check(const void *request_, const struct argp_state *state)
+{
+    const struct neph_display_choice *display = &((const struct request *)request_)->display;
+    if (!display->config && (display->display || display->view || display->space))
+        argp_error(state, "--display, --view and --space are of a config: --ocio FILE");
+}
+
+static const struct neph_cli_syntax syntax = {
+    .options = options,
+    .operands = &operands,
+    .check = check,
+    .doc =
+        "Lay frames of any renderer over each other in a page that opens from disk: EXR frames or "
+        "PNG pictures, of one size.\v"
+        "Each operand is a set: " NEPH_SEQUENCE_HELP ". Differences and maps are against the "
+        "first. In the page: zoom and pan down to pixels, values as they are in the files, wipe, "
+        "flip, differences on a fixed scale, exposure, maps of the metrics, and time; ? lists the "
+        "keys. Its address holds what is looked at: copy it to show somebody.\n"
+        "\n"
+        "Examples:\n"
+        "  neph view exact.exr march.exr -o page\n"
+        "  neph view reference.exr 'a/frame.*.exr' 'b/frame.*.exr' --quantity radiance\n"
+        "  neph view old.png new.png --overlay flip\n"
+        "  neph view a.exr b.exr --ocio config.ocio --view Filmic",
+};
+
+/* ---- what is asked for ----------------------------------------------------------------------- */
+
+/* The words without the folders that all have in common. */
+static const char *label_of(const char *const *words, int count, int which)
+{
+    size_t common = 0;
+    for (size_t i = 0; words[0][i]; i++) {
+        for (int w = 1; w < count; w++)
+            if (words[w][i] != words[0][i])
+                return words[which] + common;
+        if (words[0][i] == '/' && words[0][i + 1])
+            common = i + 1;
+    }
+    return words[which] + common;
+}
+
+static enum neph_status find_sets(const struct request *request, struct neph_viewer *view,
+                                  struct neph_diag *diag)
+{
+    const char *const *words = request->shared.operands;
+    const int count = request->shared.operand_count;
+    enum neph_status status = NEPH_OK;
+    for (int i = 0; i < count && !status; i++) {
+        view->sets[i].label = label_of(words, count, i);
+        status = neph_sequence_find(1, &words[i], &view->sets[i].frames, diag);
+        view->set_count += !status;
+    }
+    return status;
+}
+
+static enum neph_status find_quantities(const struct request *request, unsigned *quantities,
+                                        struct neph_diag *diag)
+{
+    for (int i = 0; i < request->quantities.count; i++) {
+        const char *name = request->quantities.list[i];
+        const struct neph_quantity *quantity = neph_quantity_find(name);
+        if (!quantity)
+            return neph_fail(diag, NEPH_ERR_USAGE,
+                             "there is no quantity '%s'; there are radiance, volume, "
+                             "transmittance and depth",
+                             name);
+        *quantities |= (unsigned)quantity->bit;
+    }
+    return NEPH_OK;
+}
+
+static bool has_sequence(const struct neph_viewer *view)
+{
+    for (int s = 0; s < view->set_count; s++)
+        if (view->sets[s].frames.count > 1)
+            return true;
+    return false;
+}
+
+static enum neph_status find_overlays(const struct request *request, struct neph_viewer *view,
+                                      struct neph_diag *diag)
+{
+    const struct neph_cli_words *asked = &request->overlays;
+    view->overlays = asked->count > 0 ? asked->list : neph_viewer_overlays;
+    view->overlay_count = asked->count > 0 ? asked->count : 2 + has_sequence(view);
+    if (asked->count == 1 && strcmp(asked->list[0], "none") == 0)
+        view->overlay_count = 0;
+    if (view->overlay_count > NEPH_VIEWER_OVERLAYS_MAX)
+        return neph_fail(diag, NEPH_ERR_USAGE, "%d overlays; a page has %d at most",
+                         view->overlay_count, NEPH_VIEWER_OVERLAYS_MAX);
+    return NEPH_OK;
+}
+
+static enum neph_status prepare(const struct request *request, struct neph_viewer *view,
+                                struct neph_diag *diag)
+{
+    enum neph_status status = find_sets(request, view, diag);
+    view->title = request->title ? request->title : "Frames side by side";
+    view->layer = request->layer;
+    view->display = request->display;
+    view->viewing = NEPH_VIEWING_DEFAULTS;
+    view->viewing.exposure_ev = request->exposure_ev;
+    if (!isnan(request->pixels_per_degree))
+        view->viewing.pixels_per_degree = request->pixels_per_degree;
+    view->viewing.frame_rate_hz = isnan(request->frame_rate_hz) ? 30.0 : request->frame_rate_hz;
+    view->own_frame_rate = isnan(request->frame_rate_hz);
+    view->difference_scale = request->scale;
+    view->limit_bytes = 1e6 * request->limit_mb;
+    view->warm_up_frames = request->warm_up_frames;
+    view->by_position = request->by_position;
+    view->quiet = request->shared.quiet;
+    if (!status)
+        status = find_quantities(request, &view->quantities, diag);
+    if (!status)
+        status = find_overlays(request, view, diag);
+    return status;
+}
+
+/* ---- the page -------------------------------------------------------------------------------- */
+
+static enum neph_status tell(const struct request *request, const struct neph_viewer *view,
+                             const struct neph_viewer_made *made, struct neph_diag *diag)
+{
+    const char *folder = request->shared.output;
+    if (request->shared.json)
+        return neph_cli_print_json(json_pack("{s:o, s:i, s:i, s:i, s:i, s:I}", "page",
+                                             json_sprintf("%s/index.html", folder), "sets",
+                                             view->set_count, "frames", made->frame_count,
+                                             "width_px", made->width_px, "height_px",
+                                             made->height_px, "bytes", (json_int_t)made->bytes),
+                                   diag);
+    printf("%s/index.html: %d set%s, %d frame%s of %dx%d, %.1f MB\n", folder, view->set_count,
+           view->set_count == 1 ? "" : "s", made->frame_count, made->frame_count == 1 ? "" : "s",
+           made->width_px, made->height_px, (double)made->bytes / 1e6);
+    return NEPH_OK;
+}
+
+static enum neph_status write_page(const struct request *request, const struct neph_viewer *view,
+                                   struct neph_diag *diag)
+{
+    struct neph_report_folder *folder = NULL;
+    struct neph_scratch *fresh = NULL;
+    struct neph_viewer_made made;
+    enum neph_status status = neph_report_folder_open(request->shared.output, &folder, diag);
+    if (!status)
+        status = neph_viewer_write(view, neph_report_folder_work(folder), &made, diag);
+    if (!status)
+        status = neph_report_folder_begin(folder, &fresh, diag);
+    if (!status)
+        status = neph_report_folder_exchange(folder, fresh, diag);
+    neph_scratch_destroy(fresh);
+    neph_report_folder_close(folder);
+    return status ? status : tell(request, view, &made, diag);
+}
+
+enum neph_status neph_cli_view(int argc, char **argv, struct neph_diag *diag)
+{
+    struct request request = {.layer = NULL};
+    struct neph_viewer view = {.set_count = 0};
+    neph_cli_parse(&syntax, argc, argv, &request);
+    enum neph_status status = prepare(&request, &view, diag);
+    if (!status)
+        status = write_page(&request, &view, diag);
+    neph_viewer_finish(&view);
+    return status;
+}

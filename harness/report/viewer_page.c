@@ -1,0 +1,416 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/report/viewer_page.h"
+
+#include "base/files.h"
+#include "base/interrupt.h"
+#include "base/packed.h"
+#include "harness/compare/frame.h"
+#include "harness/progress.h"
+#include "harness/report/page.h"
+#include "harness/report/viewer_maps.h"
+#include "metrics/display.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+/* Colours of differences end here; of radiance in values of the display. */
+static const double display_scale = 0.02, share_scale = 0.02, depth_scale_m = 1.0;
+
+static const struct neph_page_file page_files[] = {
+    {"view.html", "index.html"},
+    {"report.css", "report.css"},
+    {"view.css", "view.css"},
+    {"view.js", "view.js"},
+    {"view_planes.js", "view_planes.js"},
+    {"view_paint.js", "view_paint.js"},
+    {NULL, NULL},
+};
+
+/* ---- what all frames have in common ---------------------------------------------------------- */
+
+/* A page in work. */
+struct shop {
+    const struct neph_viewer *view;
+    const char *folder;
+    struct neph_viewer_made made;
+    const char *first_path; /* of the frame that gave the size and the kind; NULL: none yet */
+    bool is_picture;        /* values of a display */
+    double frame_rate_hz;
+    struct neph_progress progress;
+};
+
+static enum neph_status check_counts(const struct neph_viewer *view, int *frame_count,
+                                     struct neph_diag *diag)
+{
+    const struct neph_sequence *longest = &view->sets[0].frames;
+    for (int s = 1; s < view->set_count; s++)
+        if (view->sets[s].frames.count > longest->count)
+            longest = &view->sets[s].frames;
+    for (int s = 0; s < view->set_count; s++) {
+        const struct neph_sequence *frames = &view->sets[s].frames;
+        if (frames->count != 1 && frames->count != longest->count)
+            return neph_fail(diag, NEPH_ERR_INPUT,
+                             "%d frames of '%s', %d of '%s': one for all, or as many",
+                             frames->count, frames->paths[0], longest->count, longest->paths[0]);
+        const enum neph_status status = view->by_position
+                                            ? NEPH_OK
+                                            : neph_sequence_check_numbers(longest,
+                                                                          longest->paths[0], frames,
+                                                                          frames->paths[0], diag);
+        if (status)
+            return status;
+    }
+    if (longest->count > 1 && view->warm_up_frames >= longest->count)
+        return neph_fail(diag, NEPH_ERR_INPUT,
+                         "a warm-up of %d frames leaves nothing of a sequence of %d",
+                         view->warm_up_frames, longest->count);
+    *frame_count = longest->count > 1 ? longest->count - view->warm_up_frames : 1;
+    return NEPH_OK;
+}
+
+static void take_first(struct shop *shop, const char *path, const struct neph_image *image)
+{
+    const char *rate = neph_image_attribute(image, NEPH_FRAME_RATE_ATTRIBUTE);
+    const double rate_hz = rate && shop->view->own_frame_rate ? strtod(rate, NULL) : 0.0;
+    shop->first_path = path;
+    shop->made.width_px = image->width_px;
+    shop->made.height_px = image->height_px;
+    shop->is_picture = neph_image_attribute(image, "encoding") != NULL;
+    shop->frame_rate_hz = isfinite(rate_hz) && rate_hz > 0.0 ? rate_hz
+                                                             : shop->view->viewing.frame_rate_hz;
+}
+
+static enum neph_status check_radiance(const char *path, const struct neph_image *image,
+                                       struct neph_diag *diag)
+{
+    const float *planes[3];
+    if (neph_quantity_planes(neph_quantity_at(0), image, planes))
+        return NEPH_OK;
+    char names[200] = "";
+    for (int c = 0; c < image->channel_count && strlen(names) < 100; c++)
+        snprintf(names + strlen(names), sizeof(names) - strlen(names), " %s",
+                 image->channels[c].name);
+    neph_fail(diag, NEPH_ERR_INPUT, "'%s' has no radiance: its channels are%s", path, names);
+    neph_hint(diag, "radiance is in channels R G B, or in Y alone when it is grey; --layer NAME "
+                    "takes NAME.R NAME.G NAME.B for it");
+    return NEPH_ERR_INPUT;
+}
+
+/* Whether a frame lies over the others. */
+static enum neph_status check_frame(struct shop *shop, const char *path,
+                                    const struct neph_image *image, struct neph_diag *diag)
+{
+    if (!shop->first_path)
+        take_first(shop, path, image);
+    const bool is_picture = neph_image_attribute(image, "encoding") != NULL;
+    if (image->width_px != shop->made.width_px || image->height_px != shop->made.height_px)
+        return neph_fail(diag, NEPH_ERR_INPUT,
+                         "'%s' has %dx%d pixels, '%s' %dx%d: frames of a page are laid over each "
+                         "other",
+                         path, image->width_px, image->height_px, shop->first_path,
+                         shop->made.width_px, shop->made.height_px);
+    if (is_picture != shop->is_picture)
+        return neph_fail(diag, NEPH_ERR_INPUT,
+                         "'%s' is a picture for a display, '%s' is linear data: they have no "
+                         "common scale",
+                         is_picture ? path : shop->first_path,
+                         is_picture ? shop->first_path : path);
+    return check_radiance(path, image, diag);
+}
+
+/* ---- floats ---------------------------------------------------------------------------------- */
+
+static enum neph_status write_text(struct shop *shop, const char *key, const char *text,
+                                   struct neph_diag *diag)
+{
+    char *path = neph_format("%s/frames/%s.js", shop->folder, key);
+    char *script = neph_format("NEPH_VIEW_PLANES(\"%s\", \"%s\");\n", key, text);
+    const size_t length = script ? strlen(script) : 0;
+    enum neph_status status = path && script ? NEPH_OK : neph_fail_memory(diag);
+    shop->made.bytes += length;
+    if (!status && (double)shop->made.bytes > shop->view->limit_bytes) {
+        status = neph_fail(diag, NEPH_ERR_INPUT, "the page would be larger than %.3g MB",
+                           shop->view->limit_bytes / 1e6);
+        neph_hint(diag, "take fewer frames (a pattern, --warm-up), --quantity radiance alone, "
+                        "--overlay none, or a higher --limit");
+    }
+    if (!status)
+        status = neph_file_write_unsynced(path, script, length, diag);
+    free(path);
+    free(script);
+    return status;
+}
+
+/* A script that gives planes to the page under a name made of numbers and of words of ours. */
+static enum neph_status ship_planes(struct shop *shop, const char *key, const float *const *planes,
+                                    int plane_count, size_t count, struct neph_diag *diag)
+{
+    char *text = NULL;
+    size_t length = 0;
+    enum neph_status status = neph_packed_floats(planes, plane_count, count, &text, &length, diag);
+    if (!status)
+        status = write_text(shop, key, text, diag);
+    free(text);
+    return status;
+}
+
+/* Planes that are as large as the frames. */
+static enum neph_status ship(void *shop_, const char *key, const float *const *planes,
+                             int plane_count, struct neph_diag *diag)
+{
+    struct shop *shop = shop_;
+    return ship_planes(shop, key, planes, plane_count,
+                       (size_t)shop->made.width_px * (size_t)shop->made.height_px, diag);
+}
+
+static bool is_wanted(const struct neph_viewer *view, const struct neph_quantity *quantity)
+{
+    return view->quantities == 0 || (view->quantities & (unsigned)quantity->bit);
+}
+
+/* All of a frame that is wanted; `found`: what the first frame of its set has of that. */
+static enum neph_status ship_frame(struct shop *shop, int set, int frame, const char *path,
+                                   const struct neph_image *image, unsigned *found,
+                                   struct neph_diag *diag)
+{
+    enum neph_status status = NEPH_OK;
+    for (int q = 0; q < neph_quantity_count() && !status; q++) {
+        const struct neph_quantity *quantity = neph_quantity_at(q);
+        const float *planes[3];
+        char key[64];
+        const bool has = is_wanted(shop->view, quantity) &&
+                         neph_quantity_planes(quantity, image, planes);
+        if (frame == 0 && has)
+            *found |= (unsigned)quantity->bit;
+        if (!(*found & (unsigned)quantity->bit))
+            continue;
+        if (!has)
+            return neph_fail(diag, NEPH_ERR_INPUT,
+                             "'%s' has no %s, and the first frame of its sequence has", path,
+                             quantity->name);
+        snprintf(key, sizeof(key), "%d_%d_%s", set, frame, quantity->name);
+        status = ship(shop, key, planes, quantity->plane_count, diag);
+    }
+    return status;
+}
+
+static enum neph_status ship_file(struct shop *shop, int set, int frame, const char *path,
+                                  unsigned *found, struct neph_diag *diag)
+{
+    struct neph_image *image = NULL;
+    enum neph_status status =
+        neph_interrupted() ? neph_fail(diag, NEPH_ERR_INTERRUPTED, "interrupted")
+                           : neph_frame_read(path, shop->view->layer, SIZE_MAX, &image, diag);
+    if (!status)
+        status = check_frame(shop, path, image, diag);
+    if (!status)
+        status = ship_frame(shop, set, frame, path, image, found, diag);
+    neph_image_destroy(image);
+    return status;
+}
+
+static int frames_of(const struct shop *shop, int set)
+{
+    return shop->view->sets[set].frames.count > 1 ? shop->made.frame_count : 1;
+}
+
+/* ---- sets ------------------------------------------------------------------------------------ */
+
+static json_t *quantities_json(unsigned found)
+{
+    json_t *list = json_array();
+    for (int q = 0; q < neph_quantity_count(); q++)
+        if (found & (unsigned)neph_quantity_at(q)->bit)
+            neph_json_add(&list, json_string(neph_quantity_at(q)->name));
+    return list;
+}
+
+static json_t *set_json(const struct neph_viewer_set *set, int first, int count, unsigned found)
+{
+    json_t *files = json_array();
+    for (int i = 0; i < count; i++)
+        neph_json_add(&files, neph_json_cleaned(set->frames.paths[first + i]));
+    return json_pack("{s:o, s:o, s:o}", "label", neph_json_cleaned(set->label), "files", files,
+                     "quantities", quantities_json(found));
+}
+
+static enum neph_status ship_sets(struct shop *shop, json_t **sets, struct neph_diag *diag)
+{
+    enum neph_status status = NEPH_OK;
+    *sets = json_array();
+    for (int s = 0; s < shop->view->set_count && !status; s++) {
+        const struct neph_viewer_set *set = &shop->view->sets[s];
+        const int count = frames_of(shop, s);
+        const int first = count > 1 ? shop->view->warm_up_frames : 0;
+        unsigned found = 0;
+        for (int i = 0; i < count && !status; i++) {
+            const char *path = set->frames.paths[first + i];
+            neph_progress_begin(&shop->progress, path);
+            status = ship_file(shop, s, i, path, &found, diag);
+            neph_progress_tick(&shop->progress, path);
+        }
+        if (!status)
+            neph_json_add(sets, set_json(set, first, count, found));
+    }
+    return status;
+}
+
+/* ---- what is the same in all pages ----------------------------------------------------------- */
+
+static json_t *colour_json(const uint8_t rgb[3])
+{
+    return json_pack("[i, i, i]", rgb[0], rgb[1], rgb[2]);
+}
+
+static json_t *colours_json(const struct neph_display_legend *legend)
+{
+    json_t *stops = json_array();
+    for (int i = 0; i < legend->stop_count; i++)
+        neph_json_add(&stops, json_pack("{s:f, s:o}", "position", legend->stops[i].position, "rgb",
+                                        colour_json(legend->stops[i].rgb)));
+    return json_pack("{s:o, s:o, s:o, s:o}", "stops", stops, "below", colour_json(legend->below),
+                     "above", colour_json(legend->above), "not_a_number",
+                     colour_json(legend->not_a_number));
+}
+
+static double scale_of(const struct neph_viewer *view, const struct neph_quantity *quantity)
+{
+    if (quantity->bit == NEPH_TRANSMITTANCE)
+        return share_scale;
+    if (quantity->bit == NEPH_DEPTH)
+        return depth_scale_m;
+    return isnan(view->difference_scale) ? display_scale * exp2(-view->viewing.exposure_ev)
+                                         : view->difference_scale;
+}
+
+static json_t *quantity_list_json(const struct neph_viewer *view)
+{
+    json_t *list = json_array();
+    for (int q = 0; q < neph_quantity_count(); q++) {
+        const struct neph_quantity *quantity = neph_quantity_at(q);
+        neph_json_add(&list, json_pack("{s:s, s:s, s:i, s:f}", "name", quantity->name, "unit",
+                                       quantity->unit, "planes", quantity->plane_count,
+                                       "difference_scale", scale_of(view, quantity)));
+    }
+    return list;
+}
+
+/* OpenColorIO's view of linear values, from code 1 on: see neph_display_bake(). */
+static enum neph_status bake_display(json_t **codes, struct neph_diag *diag)
+{
+    float thresholds[256];
+    const enum neph_status status = neph_display_bake(thresholds, diag);
+    *codes = json_array();
+    for (int k = 1; k < 256 && !status; k++)
+        neph_json_add(codes, json_real((double)thresholds[k]));
+    return status;
+}
+
+/* A view of a config of the user's; null where there is none. */
+static enum neph_status ship_cube(struct shop *shop, json_t **told, struct neph_diag *diag)
+{
+    struct neph_display_cube cube;
+    *told = json_null();
+    if (!shop->view->display.config)
+        return NEPH_OK;
+    enum neph_status status = neph_display_cube_bake(&shop->view->display, &cube, diag);
+    if (status)
+        return status;
+    const size_t node_count = (size_t)NEPH_DISPLAY_CUBE_SIDE * NEPH_DISPLAY_CUBE_SIDE *
+                              NEPH_DISPLAY_CUBE_SIDE;
+    status = ship_planes(shop, "cube", (const float *const *)cube.nodes, 3, node_count, diag);
+    *told = json_pack("{s:o, s:i, s:f, s:f, s:f, s:f}", "name", neph_json_cleaned(cube.name),
+                      "side", NEPH_DISPLAY_CUBE_SIDE, "knee", cube.knee, "top", cube.top,
+                      "error_mean", cube.error_mean, "error_max", cube.error_max);
+    neph_display_cube_finish(&cube);
+    return status;
+}
+
+static json_t *document_json(const struct shop *shop, json_t *sets, json_t *overlays,
+                             json_t *not_taken, json_t *codes, json_t *cube)
+{
+    const struct neph_viewer *view = shop->view;
+    const struct neph_sequence *numbered = NULL;
+    char now[32];
+    const time_t seconds = time(NULL);
+    struct tm utc;
+    strftime(now, sizeof(now), "%Y-%m-%dT%H:%M:%SZ", gmtime_r(&seconds, &utc));
+    for (int s = 0; s < view->set_count && !numbered; s++)
+        if (view->sets[s].frames.numbers)
+            numbered = &view->sets[s].frames;
+    json_t *document = json_pack(
+        "{s:s, s:s, s:s, s:s, s:[i, i], s:i, s:f, s:f, s:b, s:o, s:o, s:o, s:o, s:o, s:o, s:o}",
+        "format", "neph-view-1", "title", view->title, "created_utc", now, "neph_version",
+        NEPH_VERSION, "size_px", shop->made.width_px, shop->made.height_px, "frames",
+        shop->made.frame_count, "rate_hz", shop->frame_rate_hz, "exposure_ev",
+        view->viewing.exposure_ev, "is_picture", shop->is_picture, "quantities",
+        quantity_list_json(view), "sets", sets, "overlays", overlays, "not_taken", not_taken,
+        "display_codes", codes, "differences", colours_json(neph_display_difference_legend()),
+        "amounts", colours_json(neph_display_amount_legend()));
+    neph_json_set(&document, "first_number",
+                  numbered ? json_integer(numbered->numbers[0] + view->warm_up_frames)
+                           : json_integer(view->warm_up_frames));
+    neph_json_set(&document, "bytes", json_integer((json_int_t)shop->made.bytes));
+    neph_json_set(&document, "cube", cube);
+    return document;
+}
+
+static enum neph_status start_folder(const char *folder, struct neph_diag *diag)
+{
+    char *frames = neph_path_join(folder, "frames");
+    enum neph_status status = frames ? neph_dir_create(frames, diag) : neph_fail_memory(diag);
+    free(frames);
+    return status ? status : neph_page_copy(folder, page_files, diag);
+}
+
+enum neph_status neph_viewer_write(const struct neph_viewer *view, const char *folder,
+                                   struct neph_viewer_made *made, struct neph_diag *diag)
+{
+    struct shop shop = {.view = view, .folder = folder};
+    json_t *sets = NULL, *overlays = json_array(), *not_taken = json_array(), *codes = NULL;
+    json_t *cube = NULL;
+    enum neph_status status = check_counts(view, &shop.made.frame_count, diag);
+    int total = 0;
+    for (int s = 0; s < view->set_count; s++)
+        total += frames_of(&shop, s);
+    shop.progress = neph_progress_start(view->quiet || total < 4, total);
+    if (!status)
+        status = start_folder(folder, diag);
+    if (!status)
+        status = ship_sets(&shop, &sets, diag);
+    neph_progress_end(&shop.progress);
+    if (!status)
+        status = neph_viewer_maps(view, shop.is_picture, shop.frame_rate_hz, ship, &shop, &overlays,
+                                  &not_taken, diag);
+    if (!status)
+        status = bake_display(&codes, diag);
+    if (!status)
+        status = ship_cube(&shop, &cube, diag);
+    json_t *document = status ? NULL
+                              : document_json(&shop, json_incref(sets), json_incref(overlays),
+                                              json_incref(not_taken), json_incref(codes),
+                                              json_incref(cube));
+    if (!status)
+        status = neph_json_check(document, diag);
+    if (!status)
+        status = neph_page_write_data(folder, "NEPH_VIEW", document, diag);
+    if (!status)
+        status = neph_file_system_sync(folder, diag);
+    if (!status)
+        *made = shop.made;
+    json_decref(document);
+    json_decref(sets);
+    json_decref(overlays);
+    json_decref(not_taken);
+    json_decref(codes);
+    json_decref(cube);
+    return status;
+}
+
+void neph_viewer_finish(struct neph_viewer *view)
+{
+    for (int s = 0; s < view->set_count; s++)
+        neph_sequence_finish(&view->sets[s].frames);
+}

@@ -1,0 +1,46 @@
+/* SPDX-License-Identifier: MIT */
+#include "metrics/display.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { CODES = 256, ROUNDS = 32 }; /* rounds: the bits of a float */
+
+static float float_of(uint32_t bits)
+{
+    float value;
+    memcpy(&value, &bits, sizeof(value));
+    return value;
+}
+
+/* Positive floats are in the order of their bits: all codes are searched for at once, each halving
+ * the floats that are left to it. */
+enum neph_status neph_display_bake(float thresholds[256], struct neph_diag *diag)
+{
+    uint32_t below[CODES], above[CODES]; /* the least float of a code is in (below, above] */
+    float grey[CODES];
+    uint8_t rgb[3 * CODES];
+    const float *const planes[3] = {grey, grey, grey};
+    for (int k = 0; k < CODES; k++) {
+        below[k] = 0;           /* 0.0, which is code 0 */
+        above[k] = 0x40000000u; /* 2.0, which is white */
+    }
+    for (int round = 0; round < ROUNDS; round++) {
+        for (int k = 0; k < CODES; k++)
+            grey[k] = float_of(below[k] + (above[k] - below[k]) / 2);
+        const enum neph_status status = neph_display_encode(planes, CODES, 0.0, rgb, diag);
+        if (status)
+            return status;
+        for (int k = 0; k < CODES; k++) {
+            const uint32_t middle = below[k] + (above[k] - below[k]) / 2;
+            if (rgb[3 * k] >= k)
+                above[k] = middle;
+            else
+                below[k] = middle;
+        }
+    }
+    thresholds[0] = -INFINITY;
+    for (int k = 1; k < CODES; k++)
+        thresholds[k] = float_of(above[k]);
+    return NEPH_OK;
+}

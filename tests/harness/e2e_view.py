@@ -1,0 +1,286 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""`neph view`: floats reach the page bit by bit, what cannot be laid over each other is refused,
+and the page in a browser does what it says (check_view.mjs)."""
+import array
+import base64
+import json
+import math
+import os
+import pathlib
+import random
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+import zlib
+
+sys.path.insert(0, str(pathlib.Path(__file__).parent))
+import frames  # noqa: E402
+import night  # noqa: E402
+
+NEPH = os.environ["NEPH"]
+PAGE = pathlib.Path(os.environ["NEPH_SOURCE_DIR"], "scripts/report")
+CHROMIUM = os.environ.get("CHROMIUM", "/usr/bin/chromium")
+WIDTH, HEIGHT, COUNT = 24, 16, 20
+PIXELS = WIDTH * HEIGHT
+# Where the page is read, and what is planted there: floats that a shorter text would lose.
+PLANTED = {(0, 0): 1e-7, (23, 15): 65504.0, (5, 3): 0.1, (11, 7): 1e-45, (2, 9): 16777217.0 / 3,
+           (13, 2): 0.5, (20, 12): 0.0031308}
+
+
+# Red and blue change places, then a root: no table of curves could do it.
+OCIO = """ocio_profile_version: 2
+roles: {default: linear, scene_linear: linear}
+file_rules:
+  - !<Rule> {name: Default, colorspace: default}
+displays:
+  screen:
+    - !<View> {name: swapped, colorspace: swapped}
+colorspaces:
+  - !<ColorSpace> {name: linear}
+  - !<ColorSpace>
+    name: swapped
+    from_scene_reference: !<GroupTransform>
+      children:
+        - !<MatrixTransform> {matrix: [0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 0, 0, 0, 0, 1]}
+        - !<ExponentTransform> {value: [2, 2, 2, 1], direction: inverse}
+"""
+
+
+def single(value):
+    """As a float of 32 bits."""
+    return array.array("f", [value])[0]
+
+
+def picture(seed, frame, planted):
+    """R G B of noise on a slope that changes with the frame, and the planted values in R."""
+    random.seed(f"{seed} {frame}")
+    rgb = {name: [0.2 + 0.02 * (i % WIDTH) + 0.05 * random.random() + 0.02 * ((frame + i) % 4 == 0)
+                  for i in range(PIXELS)] for name in "RGB"}
+    for (x, y), value in planted.items():
+        rgb["R"][y * WIDTH + x] = value
+    return rgb
+
+
+def layers(seed, frame, planted):
+    depth = [math.inf if i < 3 * WIDTH else 10.0 + i for i in range(PIXELS)]
+    shares = {f"transmittance.{c}": [math.exp(-0.001 * i - k) for i in range(PIXELS)]
+              for k, c in enumerate("RGB")}
+    return {**picture(seed, frame, planted), **shares, "Z": depth}
+
+
+def write(path, channels):
+    path.parent.mkdir(exist_ok=True)
+    path.write_bytes(frames.exr_bytes(WIDTH, HEIGHT, channels))
+
+
+def opened(page, key):
+    """The floats of a file of the page, by base/packed.h."""
+    text = (page / "frames" / f"{key}.js").read_text()
+    name, packed = json.loads(f"[{text.split('(', 1)[1].rsplit(')', 1)[0]}]")
+    assert name == key
+    data = zlib.decompress(base64.b64decode(packed))
+    count = len(data) // 4
+    bits, floats = 0, array.array("f")
+    words = array.array("I")
+    for i in range(count):
+        bits = (bits + int.from_bytes(data[i::count], "big")) & 0xffffffff
+        words.append(bits)
+    floats.frombytes(words.tobytes())
+    return floats
+
+
+def neph(*arguments):
+    return subprocess.run([NEPH, "view", *map(str, arguments)], capture_output=True, text=True,
+                          check=False)
+
+
+class View(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.temporary = tempfile.TemporaryDirectory(prefix="neph_view_")
+        cls.folder = pathlib.Path(cls.temporary.name)
+        cls.reference = layers("reference", 0, PLANTED)
+        write(cls.folder / "reference.exr", cls.reference)
+        cls.tests = []
+        for frame in range(COUNT):
+            planted = {place: value + step for (place, value), step in
+                       zip(PLANTED.items(), (0, -9.0, 0.5, 1e-44, 0.5, -0.4, 1.0))}
+            cls.tests.append(layers("test", frame, planted))
+            write(cls.folder / "test" / f"frame.{frame:04d}.exr", cls.tests[-1])
+        cls.page = cls.folder / "page"
+        (cls.folder / "config.ocio").write_text(OCIO)
+        cls.done = neph(cls.folder / "reference.exr", cls.folder / "test", "-o", cls.page,
+                        "--ocio", cls.folder / "config.ocio")
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.temporary.cleanup()
+
+    def test_every_float_of_the_files_is_in_the_page(self):
+        self.assertEqual(self.done.returncode, 0, self.done.stderr)
+        self.assertIn(f"2 sets, {COUNT} frames of {WIDTH}x{HEIGHT}", self.done.stdout)
+        data = json.loads((self.page / "data.json").read_text())
+        self.assertEqual(data["sets"][1]["quantities"], ["radiance", "transmittance", "depth"])
+        for key, channels, names in (
+                ("0_0_radiance", self.reference, "RGB"),
+                ("1_7_radiance", self.tests[7], "RGB"),
+                ("1_19_transmittance", self.tests[19], [f"transmittance.{c}" for c in "RGB"]),
+                ("1_0_depth", self.tests[0], "Z")):
+            wanted = array.array("f", [v for name in names for v in channels[name]])
+            self.assertEqual(opened(self.page, key).tobytes(), wanted.tobytes(), key)
+        files = [path for path in (self.page / "frames").iterdir()]
+        self.assertEqual(data["bytes"], sum(path.stat().st_size for path in files))
+        self.assertFalse((self.page / "maps").exists())
+
+    def test_maps_are_those_of_compare(self):
+        maps = self.folder / "maps"
+        done = subprocess.run(
+            [NEPH, "compare", self.folder / "reference.exr", self.folder / "test", "-m", "flip",
+             "-m", "error", "--maps", maps, "-q", "--csv", self.folder / "x.csv", "--by-position"],
+            capture_output=True, text=True, check=False)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        for key, name, channels in (("1_3_map_flip", "flip_radiance_0003", "Y"),
+                                    ("1_19_map_relative", "relative_radiance_0019", "RGB")):
+            planes = frames.read_exr(maps / f"{name}.exr")[2]
+            wanted = b"".join(planes[c].tobytes() for c in channels)
+            self.assertEqual(opened(self.page, key).tobytes(), wanted, key)
+        data = json.loads((self.page / "data.json").read_text())
+        self.assertEqual([(row["name"], row["sets"]) for row in data["overlays"]],
+                         [("relative", [1]), ("flip", [1]), ("a4", [1])])
+
+    def refused(self, code, told, *arguments):
+        place = self.folder / "refused"
+        done = neph(*arguments, "-o", place)
+        self.assertEqual(done.returncode, code, done.stderr)
+        self.assertIn(told, done.stderr)
+        self.assertFalse(place.exists())
+        self.assertEqual([path.name for path in self.folder.iterdir()
+                          if path.name.startswith(".neph")], [])
+
+    def test_what_cannot_be_shown_is_refused_and_leaves_nothing(self):
+        reference = self.folder / "reference.exr"
+        frames.grey_exr(self.folder / "small.exr", 4, 4, [0.5] * 16)
+        write(self.folder / "depth.exr", {"Z": [1.0] * PIXELS})
+        (self.folder / "picture.png").write_bytes(
+            frames.png_bytes(WIDTH, HEIGHT, [7] * 3 * PIXELS))
+        self.refused(66, "there is no file", reference, self.folder / "nobody.exr")
+        self.refused(65, "has 4x4 pixels", reference, self.folder / "small.exr")
+        self.refused(65, "has no radiance: its channels are Z", self.folder / "depth.exr")
+        self.refused(65, "is a picture for a display", reference, self.folder / "picture.png")
+        self.refused(65, "larger than 0.002 MB", reference, "--limit", "0.002")
+        self.refused(64, "there is no map 'flop'", reference, reference, "--overlay", "flop")
+        self.refused(64, "there is no quantity 'colour'", reference, "--quantity", "colour")
+        self.refused(66, "no OpenColorIO config", reference, "--ocio", self.folder / "x.ocio")
+        self.refused(65, "has no view 'film'; it has swapped", reference, "--ocio",
+                     self.folder / "config.ocio", "--view", "film")
+        self.refused(64, "are of a config", reference, "--view", "film")
+        self.refused(64, "twelve sets", *[reference] * 13)
+        mine = self.folder / "mine"
+        mine.mkdir()
+        (mine / "letter").write_text("dear")
+        self.assertEqual(neph(reference, "-o", mine).returncode, 64)
+        self.assertEqual([path.name for path in mine.iterdir()], ["letter"])
+
+    def test_pictures_for_a_display_are_linear_values_of_their_codes(self):
+        codes = [(7 * i) % 256 for i in range(3 * PIXELS)]
+        (self.folder / "codes.png").write_bytes(frames.png_bytes(WIDTH, HEIGHT, codes))
+        page = self.folder / "png"
+        done = neph(self.folder / "codes.png", "-o", page, "--json")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        told = json.loads(done.stdout)
+        self.assertEqual((told["width_px"], told["sets"], told["frames"]), (WIDTH, 1, 1))
+        least = [-math.inf] + json.loads((page / "data.json").read_text())["display_codes"]
+        values = opened(page, "0_0_radiance")
+        for i in range(PIXELS):  # the table of the display gives the codes again
+            for c in range(3):
+                code = max(k for k in range(256) if values[c * PIXELS + i] >= least[k])
+                self.assertEqual(code, codes[3 * i + c])
+
+    def expectations(self):
+        """Read at the planted places, of both sets, of two frames and all quantities."""
+        def probe(number, frame, channels, quantity, names, place):
+            i = place[1] * WIDTH + place[0]
+            return {"set": number, "frame": frame, "quantity": quantity, "x": place[0],
+                    "y": place[1], "values": [single(channels[name][i]) for name in names]}
+        pixels = [probe(number, 0, channels, "radiance", "RGB", place) for place in PLANTED
+                  for number, channels in ((0, self.reference), (1, self.tests[0]))]
+        pixels.append(probe(1, 11, self.tests[11], "radiance", "RGB", (17, 4)))
+        pixels.append(probe(1, 2, self.tests[2], "transmittance",
+                            [f"transmittance.{c}" for c in "RGB"], (4, 14)))
+        pixels.append(probe(0, 0, self.reference, "depth", "Z", (9, 9)))
+        flip = opened(self.page, "1_3_map_flip")
+        a4 = opened(self.page, "1_all_map_a4")
+        maps = [{"set": 1, "frame": 3, "map": "flip", "x": 6, "y": 5,
+                 "values": [flip[5 * WIDTH + 6]]},
+                {"set": 1, "frame": 8, "map": "a4", "x": 6, "y": 5, "values": [a4[5 * WIDTH + 6]]}]
+        views = [{"set": 0, "x": x, "y": y, "ev": ev,
+                  "codes": [255 * math.sqrt(min(1, max(0, self.reference[name][y * WIDTH + x])
+                                                * 2 ** ev)) for name in "BGR"]}
+                 for x, y in (*PLANTED, (17, 4)) for ev in (0, 2, -5)]
+        # Infinity is no JSON; the sky is looked at by the floats above.
+        return {"pixels": pixels, "maps": maps, "views": views}
+
+    def in_the_browser(self, page, expected, *options):
+        if not os.path.exists(CHROMIUM):
+            self.skipTest(f"{CHROMIUM} is not installed: the page was NOT tested")
+        path = self.folder / "expected.json"
+        path.write_text(json.dumps(expected, allow_nan=False))
+        return subprocess.run(["node", PAGE / "check_view.mjs", *options, page, path],
+                              capture_output=True, text=True, timeout=300, check=False)
+
+    def test_values_and_colours_in_a_browser(self):
+        some = {"pixels": self.expectations()["pixels"][::5]}
+        done = self.in_the_browser(self.page, some, "--quick")
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+
+    @night.of_the_night
+    def test_the_whole_page_in_a_browser(self):
+        done = self.in_the_browser(self.page, self.expectations())
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+
+    @night.of_the_night
+    def test_each_of_several_faults_is_found(self):
+        """Faults that do not hide each other, in one page."""
+        page = self.folder / "faults"
+        shutil.copytree(self.page, page)
+        for name, right, wrong in (
+                ("view_planes.js", "bits[i] = before;", "bits[i] = before & ~1;"),
+                ("view_paint.js", "codeOf(b);", "codeOf(b * 1.1);"),
+                ("view_paint.js", "(z * side + y) * side + x", "(x * side + y) * side + z"),
+                ("view_paint.js", "rgb = colours.below", "rgb = colours.above"),
+                ("view.js", "state.ev -= 0.5", "state.ev -= 1"),
+                ("view.js", "() => step(4)],", "() => step(3)],"),
+                ("view.js", "Math.min(4, data.frames))", "Math.min(5, data.frames))"),
+                ("view.js", '"wipe", "px", "py"', '"px", "py"'),
+                ("view.js", "...pointIn(pane, event)", ""),
+                ("view.js", "const ADDRESS_MS = 200;", "const ADDRESS_MS = 0;"),
+                ("view.css", "outline-offset: -3px; }", "outline: none !important; }"),
+                ("view.css", ".values caption { text-align: left; color: var(--soft);",
+                 ".values caption { text-align: left; color: #aaa;")):
+            text = (page / name).read_text()
+            self.assertIn(right, text)
+            (page / name).write_text(text.replace(right, wrong))
+        done = self.in_the_browser(page, self.expectations())
+        self.assertEqual(done.returncode, 1)
+        for what, told in (
+                ("a lost bit", "pixel 5, 3: the page reads"),
+                ("a wrong colour", "at 0 EV: code"),
+                ("a table read the wrong way", "by swapped on screen: code"),
+                ("a wrong end of a scale", "the difference at"),
+                ("a key with a wrong step", "key Shift+E: ev"),
+                ("three frames for four", "key >: frame"),
+                ("a cycle of five", "frames of the cycle from 5 on"),
+                ("a wipe that the address forgets", "the words of an address: 14, not 15"),
+                ("a zoom about the centre", "the pixel under the wheel stays"),
+                ("an address that changes all the time", "changes of the address"),
+                ("a focus that is not seen", "does not show its focus"),
+                ("faint text", "too little contrast")):
+            with self.subTest(what):
+                self.assertIn(told, done.stdout)
+
+
+if __name__ == "__main__":
+    unittest.main()

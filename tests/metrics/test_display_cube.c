@@ -1,0 +1,117 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * A view of a config that is written here, baked: its nodes against the closed form.
+ */
+#include "tests/base/scratch.h"
+#include "tests/neph_test.h"
+
+#include "base/files.h"
+#include "metrics/display_cube.h"
+
+/* Red and blue change places, so that a table of curves would not do; then a curve. */
+static const char config_text[] =
+    "ocio_profile_version: 2\n"
+    "roles: {default: linear, scene_linear: linear}\n"
+    "file_rules:\n"
+    "  - !<Rule> {name: Default, colorspace: default}\n"
+    "displays:\n"
+    "  screen:\n"
+    "    - !<View> {name: swapped, colorspace: swapped}\n"
+    "    - !<View> {name: raw, colorspace: linear}\n"
+    "colorspaces:\n"
+    "  - !<ColorSpace> {name: linear}\n"
+    "  - !<ColorSpace>\n"
+    "    name: swapped\n"
+    "    from_scene_reference: !<GroupTransform>\n"
+    "      children:\n"
+    "        - !<MatrixTransform> {matrix: [0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 0, 0, 0, 0, 1]}\n"
+    "        - !<ExponentTransform> {value: [2, 2, 2, 1], direction: inverse}\n";
+
+enum { SIDE = NEPH_DISPLAY_CUBE_SIDE };
+
+static struct neph_display_choice choice_of(void **state, char path[SCRATCH_PATH_MAX])
+{
+    neph_assert_ok(neph_file_write(scratch_path(state, path, "config.ocio"), config_text,
+                                   strlen(config_text), NULL),
+                   NULL);
+    return (struct neph_display_choice){.config = path};
+}
+
+static void test_nodes_are_the_view(void **state)
+{
+    char path[SCRATCH_PATH_MAX];
+    const struct neph_display_choice choice = choice_of(state, path);
+    struct neph_display_cube cube;
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_display_cube_bake(&choice, &cube, &diag), &diag);
+    assert_string_equal(cube.name, "swapped on screen"); /* what the config shows by itself */
+    for (int i = 0; i < SIDE * SIDE * SIDE; i += 37) {
+        const int steps[3] = {i % SIDE, i / SIDE % SIDE, i / SIDE / SIDE};
+        for (int c = 0; c < 3; c++) {
+            const double place = (double)steps[2 - c] / (SIDE - 1); /* of the other end */
+            const double linear = cube.knee * (pow(1.0 + cube.top / cube.knee, place) - 1.0);
+            neph_assert_close((double)cube.nodes[c][i], 255.0 * sqrt(linear), 1e-5, 0.01);
+        }
+    }
+    /* Between the first two nodes a root bends most: at a quarter of the way it is at a half. */
+    const double second = (double)cube.nodes[1][SIDE];
+    assert_true(cube.error_max > 0.1 * second && cube.error_max < 0.26 * second);
+    assert_true(cube.error_mean > 0.0 && cube.error_mean < 0.3);
+    neph_display_cube_finish(&cube);
+}
+
+static void test_a_view_by_name(void **state)
+{
+    char path[SCRATCH_PATH_MAX];
+    struct neph_display_choice choice = choice_of(state, path);
+    struct neph_display_cube cube;
+    struct neph_diag diag = {0};
+    choice.display = "screen";
+    choice.view = "raw";
+    choice.space = "linear";
+    neph_assert_ok(neph_display_cube_bake(&choice, &cube, &diag), &diag);
+    assert_string_equal(cube.name, "raw on screen");
+    neph_assert_close((double)cube.nodes[0][SIDE - 1], 255.0 * cube.top, 1e-6, 0);
+    neph_assert_close((double)cube.nodes[2][SIDE - 1], 0.0, 0, 0); /* red alone is red alone */
+    neph_display_cube_finish(&cube);
+}
+
+static void refuse(struct neph_display_choice choice, enum neph_status wanted, const char *told)
+{
+    struct neph_display_cube cube = {.knee = 7.0};
+    struct neph_diag diag = {0};
+    assert_int_equal(neph_display_cube_bake(&choice, &cube, &diag), wanted);
+    if (!strstr(diag.message, told))
+        fail_msg("'%s' is not in '%s'", told, diag.message);
+    assert_true(cube.knee == 7.0);
+}
+
+static void test_refusals_name_what_there_is(void **state)
+{
+    char path[SCRATCH_PATH_MAX], other[SCRATCH_PATH_MAX];
+    const struct neph_display_choice whole = choice_of(state, path);
+    struct neph_display_choice wrong = whole;
+    wrong.view = "film";
+    refuse(wrong, NEPH_ERR_INPUT, "no view 'film'; it has swapped, raw");
+    wrong = whole;
+    wrong.display = "wall";
+    wrong.view = "raw";
+    refuse(wrong, NEPH_ERR_INPUT, "no display 'wall'; it has screen");
+    wrong = whole;
+    wrong.space = "ACES";
+    refuse(wrong, NEPH_ERR_INPUT, "no color space 'ACES'");
+    wrong.config = scratch_path(state, other, "nowhere.ocio");
+    refuse(wrong, NEPH_ERR_NOT_FOUND, other);
+    neph_assert_ok(neph_file_write(other, "- no config\n", 12, NULL), NULL);
+    refuse(wrong, NEPH_ERR_INPUT, other);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        scratch_test(test_nodes_are_the_view),
+        scratch_test(test_a_view_by_name),
+        scratch_test(test_refusals_name_what_there_is),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
