@@ -244,6 +244,15 @@ static void test_a_march_changes_by_the_values_alone(void **state)
     assert_true(off > 0.0 && off < 0.01);
     assert_int_equal(plain_stats.density_evaluations, texture_stats.density_evaluations);
     assert_true(largest_difference(texture, skipped) == 0.0);
+    params.shortcuts.sun_cache = true;
+    params.shortcuts.sun_cache_voxels = 48;
+    struct neph_image *cached = render(*state, &test.scene, &params, NULL);
+    params.shortcuts.grid_texture = false;
+    struct neph_image *plain_cached = render(*state, &test.scene, &params, NULL);
+    const double off_cached = largest_difference(plain_cached, cached);
+    assert_true(off_cached > 0.0 && off_cached < 0.01);
+    neph_image_destroy(plain_cached);
+    neph_image_destroy(cached);
     params.shortcuts = (struct neph_shortcuts){.grid_format = NEPH_TEXEL_R8}; /* of what is off */
     struct neph_image *off_again = render(*state, &test.scene, &params, NULL);
     assert_true(largest_difference(plain, off_again) == 0.0);
