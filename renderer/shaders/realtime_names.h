@@ -148,6 +148,10 @@
 // three of them.
 #define RT_TAA_COLUMN 4
 
+// Texels along the side of the block that a work group of 64 takes on a GPU through a pass whose
+// colours take turns.
+#define RT_COLOUR_BLOCK 8
+
 // --- choices ----------------------------------------------------------------------------------
 
 #define RT_SPLIT_NONE 0 // every pixel, every frame
