@@ -41,8 +41,8 @@ struct neph_gpu_scene {
                                      dispatches. `steps` and `sun_steps` are left 0 */
     /* Frame, solids, values of grids, majorants, texels. */
     struct neph_buffer buffers[NEPH_GPU_SCENE_BUFFERS];
-    /* Of each medium, for kernels that sample them (grid_textures.h), and what stands for those
-     * that have none. */
+    /* One for each medium, for kernels that sample them (grid_textures.h), and what stands for
+     * those that have none. */
     struct neph_texture textures[NEPH_GPU_MEDIA_MAX], no_texture;
     /* Specialization constants 0 and 1 of every such kernel: the kinds of media that are there, and
      * what else is known of the scene (NEPH_GPU_COLOURED and what follows it in constants.h). */

@@ -31,10 +31,10 @@
  *
  * Variance. Samples come in pairs; the two of a pair lie in the same stratum and differ by chance
  * alone, so their squared differences estimate the variance of the mean, stratified or not
- * (W. G. Cochran, "Sampling Techniques", 5A.12). Degrees of freedom: half the number of samples. With
- * `sobol` the variance within a sequence says nothing; the squared difference of the two sequences'
- * means is what estimates it, with one degree of freedom: right on average over pixels, and of one
- * pixel little is known.
+ * (W. G. Cochran, "Sampling Techniques", 5A.12). Degrees of freedom: half the number of samples.
+ * With `sobol` the variance within a sequence says nothing; the squared difference of the two
+ * sequences' means is what estimates it, with one degree of freedom: right on average over pixels,
+ * and of one pixel little is known.
  */
 #ifndef NEPH_RENDERER_TRACER_H
 #define NEPH_RENDERER_TRACER_H

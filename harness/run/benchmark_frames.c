@@ -252,8 +252,8 @@ static int texel_format_of(const struct neph_job *job)
     return sampling < 0 || values[sampling] == 0.0 ? -1 : (int)values[format];
 }
 
-/* Of all engines, or that which is the default, so that the two ways to sample stand beside each
- * other. */
+/* Those of all engines, or the one that is the default, so that the two ways to sample stand beside
+ * each other. */
 static unsigned texel_formats(const struct neph_benchmark_frames *benchmark)
 {
     unsigned formats = 0;

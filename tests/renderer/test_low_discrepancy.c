@@ -46,7 +46,7 @@ static void ask(struct neph_vulkan *vulkan, const struct run *run, struct points
     neph_buffer_destroy(vulkan, &answers);
 }
 
-/* Of 2^8 points from a multiple of 2^8 on one lies in each rectangle of 2^-a by 2^-(8 - a). */
+/* 2^8 points from a multiple of 2^8 on: one lies in each rectangle of 2^-a by 2^-(8 - a). */
 static void test_each_rectangle_has_its_point(void **state)
 {
     uint64_t random = 3;
@@ -178,7 +178,7 @@ static void test_light_scattered_once_gains_much(void **state)
     check(*state, &test.scene, 3.0);
 }
 
-/* Of all orders the first decisions are a small part; nothing is lost, and nothing is off. */
+/* The first decisions are a small part of all orders; nothing is lost, and nothing is off. */
 static void test_all_orders_lose_nothing(void **state)
 {
     struct test_scene test;
