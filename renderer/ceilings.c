@@ -3,6 +3,7 @@
 
 #include "base/clock.h"
 #include "renderer/compute.h"
+#include "renderer/texture.h"
 #include "shaders/structs.h"
 
 #include <math.h>
@@ -117,6 +118,32 @@ static void fill_lines(struct neph_gpu_ceiling_line *lines, const struct sizes *
     }
 }
 
+static float node_value(size_t node)
+{
+    return (float)(node % 97) / 97.0f;
+}
+
+static void slab_of_nodes(const void *context, int z, float *values)
+{
+    const size_t slab_count = (size_t)grid_side * grid_side;
+    (void)context;
+    for (size_t i = 0; i < slab_count; i++)
+        values[i] = node_value((size_t)z * slab_count + i);
+}
+
+static enum neph_status create_texture(const struct neph_vulkan *vulkan,
+                                       enum neph_texel_format format, struct neph_texture *texture,
+                                       struct neph_diag *diag)
+{
+    const struct neph_texture_params params = {
+        .format = format,
+        .size = {grid_side, grid_side, grid_side},
+        .slab = slab_of_nodes,
+        .name = "samples",
+    };
+    return neph_texture_create(vulkan, &params, texture, diag);
+}
+
 static enum neph_status fill_samples(const struct neph_vulkan *vulkan, const struct sizes *sizes,
                                      const struct neph_buffer buffers[sample_buffers],
                                      struct neph_diag *diag)
@@ -126,7 +153,7 @@ static enum neph_status fill_samples(const struct neph_vulkan *vulkan, const str
     struct neph_gpu_ceiling_line *lines = malloc(sizes->line_count * sizeof(*lines));
     enum neph_status status = nodes && lines ? NEPH_OK : neph_fail_memory(diag);
     for (size_t i = 0; i < node_count && !status; i++)
-        nodes[i] = (float)(i % 97) / 97.0f;
+        nodes[i] = node_value(i);
     if (!status)
         status = neph_buffer_upload(vulkan, &buffers[0], 0, nodes, node_count * sizeof(*nodes),
                                     diag);
@@ -140,62 +167,111 @@ static enum neph_status fill_samples(const struct neph_vulkan *vulkan, const str
     return status;
 }
 
-static enum neph_status run_samples(struct neph_vulkan *vulkan, const struct sizes *sizes,
-                                    const struct neph_buffer buffers[sample_buffers],
-                                    double seconds, double *least_s, struct neph_diag *diag)
+/* Where samples come from, all of it bound. */
+struct sampled {
+    const struct sizes *sizes;
+    struct neph_buffer buffers[sample_buffers];
+    struct neph_texture texture;
+};
+
+static enum neph_status run_samples(struct neph_vulkan *vulkan, const struct sampled *sampled,
+                                    bool by_texture, double seconds, double *samples_per_s,
+                                    struct neph_diag *diag)
 {
     const struct neph_kernel_params params = {
         .name = "ceiling_samples",
         .spirv = samples_spirv,
         .spirv_size_bytes = sizeof(samples_spirv),
         .buffer_count = sample_buffers,
+        .image_count = 1,
         .push_size_bytes = sizeof(struct neph_gpu_ceiling_run),
+        .constant_count = 1,
+        .constants = {by_texture},
     };
+    const struct sizes *sizes = sampled->sizes;
     const struct neph_gpu_ceiling_run run = {grid_side, sizes->sample_count};
     const struct neph_dispatch dispatch = {
-        .buffers = {&buffers[0], &buffers[1], &buffers[2]},
+        .buffers = {&sampled->buffers[0], &sampled->buffers[1], &sampled->buffers[2]},
+        .images = {&sampled->texture},
         .push = &run,
         .group_count = sizes->line_count / local_size,
     };
     const struct neph_kernel *kernel;
-    const enum neph_status status = neph_kernel_get(vulkan, &params, &kernel, diag);
-    return status ? status : find_least(vulkan, kernel, &dispatch, seconds, least_s, diag);
+    double least_s = NAN;
+    enum neph_status status = neph_kernel_get(vulkan, &params, &kernel, diag);
+    if (!status)
+        status = find_least(vulkan, kernel, &dispatch, seconds, &least_s, diag);
+    *samples_per_s = (double)sizes->line_count * sizes->sample_count / least_s;
+    return status;
+}
+
+/* Those of the buffer, with a texture that every device has bound beside it. */
+static enum neph_status run_buffer(struct neph_vulkan *vulkan, struct sampled *sampled,
+                                   double seconds, struct neph_ceilings *ceilings,
+                                   struct neph_diag *diag)
+{
+    enum neph_status status = create_texture(vulkan, NEPH_TEXEL_R8, &sampled->texture, diag);
+    if (!status)
+        status = run_samples(vulkan, sampled, false, seconds, &ceilings->buffer_samples_per_s,
+                             diag);
+    neph_texture_destroy(vulkan, &sampled->texture);
+    return status;
+}
+
+static enum neph_status run_textures(struct neph_vulkan *vulkan, struct sampled *sampled,
+                                     double seconds, unsigned texel_formats,
+                                     struct neph_ceilings *ceilings, struct neph_diag *diag)
+{
+    enum neph_status status = NEPH_OK;
+    for (int f = 0; f < NEPH_TEXEL_FORMAT_COUNT && !status; f++) {
+        const enum neph_texel_format format = (enum neph_texel_format)f;
+        ceilings->texture_samples_per_s[f] = NAN;
+        if (!(texel_formats & 1u << f) || !neph_texture_filters(vulkan, format))
+            continue;
+        status = create_texture(vulkan, format, &sampled->texture, diag);
+        if (!status)
+            status = run_samples(vulkan, sampled, true, seconds,
+                                 &ceilings->texture_samples_per_s[f], diag);
+        neph_texture_destroy(vulkan, &sampled->texture);
+    }
+    return status;
 }
 
 static enum neph_status measure_samples(struct neph_vulkan *vulkan, const struct sizes *sizes,
-                                        double seconds, struct neph_ceilings *ceilings,
-                                        struct neph_diag *diag)
+                                        double seconds, unsigned texel_formats,
+                                        struct neph_ceilings *ceilings, struct neph_diag *diag)
 {
     const size_t sizes_bytes[sample_buffers] = {
         (size_t)grid_side * grid_side * grid_side * sizeof(float),
         sizes->line_count * sizeof(struct neph_gpu_ceiling_line),
         sizes->line_count * sizeof(float),
     };
-    struct neph_buffer buffers[sample_buffers] = {{0}, {0}, {0}};
-    double least_s = NAN;
+    struct sampled sampled = {.sizes = sizes};
     enum neph_status status = NEPH_OK;
     for (int i = 0; i < sample_buffers && !status; i++)
         status = neph_buffer_create(vulkan, NEPH_BUFFER_DEVICE, sizes_bytes[i], "samples",
-                                    &buffers[i], diag);
+                                    &sampled.buffers[i], diag);
     if (!status)
-        status = fill_samples(vulkan, sizes, buffers, diag);
+        status = fill_samples(vulkan, sizes, sampled.buffers, diag);
     if (!status)
-        status = run_samples(vulkan, sizes, buffers, seconds, &least_s, diag);
+        status = run_buffer(vulkan, &sampled, seconds, ceilings, diag);
+    if (!status)
+        status = run_textures(vulkan, &sampled, seconds, texel_formats, ceilings, diag);
     ceilings->grid_side = grid_side;
-    ceilings->buffer_samples_per_s = (double)sizes->line_count * sizes->sample_count / least_s;
     for (int i = 0; i < sample_buffers; i++)
-        neph_buffer_destroy(vulkan, &buffers[i]);
+        neph_buffer_destroy(vulkan, &sampled.buffers[i]);
     return status;
 }
 
 enum neph_status neph_ceilings_measure(struct neph_vulkan *vulkan, double seconds,
-                                       struct neph_ceilings *ceilings, struct neph_diag *diag)
+                                       unsigned texel_formats, struct neph_ceilings *ceilings,
+                                       struct neph_diag *diag)
 {
     const struct sizes *sizes = vulkan->description.is_cpu ? &cpu_sizes : &gpu_sizes;
     struct neph_ceilings measured;
     enum neph_status status = measure_copies(vulkan, sizes, seconds, &measured, diag);
     if (!status)
-        status = measure_samples(vulkan, sizes, seconds, &measured, diag);
+        status = measure_samples(vulkan, sizes, seconds, texel_formats, &measured, diag);
     if (!status)
         *ceilings = measured;
     return status;

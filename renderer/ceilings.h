@@ -7,6 +7,7 @@
 #ifndef NEPH_RENDERER_CEILINGS_H
 #define NEPH_RENDERER_CEILINGS_H
 
+#include "renderer/march_params.h"
 #include "renderer/vulkan.h"
 
 #include <stddef.h>
@@ -15,12 +16,16 @@ struct neph_ceilings {
     double copy_bytes_per_s;     /* read and written, each counted */
     size_t copy_bytes;           /* of each of the two buffers: more than caches hold */
     double buffer_samples_per_s; /* grid_density() of shaders/grid.glsl, from a storage buffer */
-    int grid_side;               /* nodes of the grid that it samples, which caches may hold */
+    double texture_samples_per_s[NEPH_TEXEL_FORMAT_COUNT]; /* of the same, by the texture unit; NaN:
+                                                              not measured, or it does not filter
+                                                              that format */
+    int grid_side; /* nodes of the grid that it samples, which caches may hold */
 };
 
 /* The best of several runs in about `seconds` for each, after as long a warm-up. NaN: the device
- * has no clock. */
+ * has no clock. `texel_formats`: 1 << format of each that is measured. */
 enum neph_status neph_ceilings_measure(struct neph_vulkan *vulkan, double seconds,
-                                       struct neph_ceilings *ceilings, struct neph_diag *diag);
+                                       unsigned texel_formats, struct neph_ceilings *ceilings,
+                                       struct neph_diag *diag);
 
 #endif

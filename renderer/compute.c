@@ -40,16 +40,21 @@ static uint32_t find_memory_type(const struct neph_vulkan *vulkan, uint32_t allo
     return UINT32_MAX;
 }
 
+uint32_t neph_memory_type(const struct neph_vulkan *vulkan, uint32_t allowed_types,
+                          VkMemoryPropertyFlags needed, VkMemoryPropertyFlags liked)
+{
+    const uint32_t type = find_memory_type(vulkan, allowed_types, needed | liked);
+    return type == UINT32_MAX ? find_memory_type(vulkan, allowed_types, needed) : type;
+}
+
 static VkResult allocate_memory(const struct neph_vulkan *vulkan, enum neph_buffer_use use,
                                 struct neph_buffer *buffer)
 {
     VkMemoryRequirements requirements;
     vulkan->api.vkGetBufferMemoryRequirements(vulkan->device, buffer->handle, &requirements);
     const VkMemoryPropertyFlags needed = buffer_uses[use].needed;
-    uint32_t type = find_memory_type(vulkan, requirements.memoryTypeBits,
-                                     needed | buffer_uses[use].liked);
-    if (type == UINT32_MAX)
-        type = find_memory_type(vulkan, requirements.memoryTypeBits, needed);
+    const uint32_t type = neph_memory_type(vulkan, requirements.memoryTypeBits, needed,
+                                           buffer_uses[use].liked);
     if (type == UINT32_MAX)
         return VK_ERROR_FEATURE_NOT_PRESENT;
     const VkMemoryAllocateInfo info = {
@@ -116,10 +121,11 @@ struct neph_kernel {
     struct kernel_sets *sets; /* owned; grows where the kernel itself is const */
 };
 
-/* The buffers that a kernel has once been run with. */
+/* The buffers and images that a kernel has once been run with. */
 struct kernel_set {
     struct kernel_set *next;
     VkBuffer buffers[NEPH_KERNEL_BUFFERS_MAX];
+    VkImageView images[NEPH_KERNEL_IMAGES_MAX];
     VkDescriptorPool pool;
     VkDescriptorSet handle;
 };
@@ -133,22 +139,30 @@ static int buffer_count_of(const struct neph_kernel *kernel)
     return kernel->params.buffer_count + kernel->params.array_count;
 }
 
-static bool set_has(const struct neph_kernel *kernel, const struct kernel_set *set, VkBuffer buffer)
+/* What goes: one of the two, or both null, which is everything. */
+struct going {
+    VkBuffer buffer;
+    VkImageView image;
+};
+
+static bool set_has(const struct neph_kernel *kernel, const struct kernel_set *set,
+                    struct going going)
 {
-    bool has = false;
+    bool has = !going.buffer && !going.image;
     for (int i = 0; i < buffer_count_of(kernel); i++)
-        has |= set->buffers[i] == buffer;
+        has |= set->buffers[i] == going.buffer;
+    for (int i = 0; i < kernel->params.image_count; i++)
+        has |= set->images[i] == going.image;
     return has;
 }
 
-/* Those that have a buffer; VK_NULL_HANDLE: all of them. */
 static void drop_sets(const struct neph_vulkan *vulkan, const struct neph_kernel *kernel,
-                      VkBuffer buffer)
+                      struct going going)
 {
     struct kernel_set **at = &kernel->sets->first;
     while (*at) {
         struct kernel_set *set = *at;
-        if (buffer && !set_has(kernel, set, buffer)) {
+        if (!set_has(kernel, set, going)) {
             at = &set->next;
             continue;
         }
@@ -161,7 +175,7 @@ static void drop_sets(const struct neph_vulkan *vulkan, const struct neph_kernel
 static void kernel_destroy(const struct neph_vulkan *vulkan, struct neph_kernel *kernel)
 {
     if (kernel->sets)
-        drop_sets(vulkan, kernel, VK_NULL_HANDLE);
+        drop_sets(vulkan, kernel, (struct going){VK_NULL_HANDLE, VK_NULL_HANDLE});
     free(kernel->sets);
     vulkan->api.vkDestroyPipeline(vulkan->device, kernel->pipeline, NULL);
     vulkan->api.vkDestroyPipelineLayout(vulkan->device, kernel->layout, NULL);
@@ -169,12 +183,22 @@ static void kernel_destroy(const struct neph_vulkan *vulkan, struct neph_kernel 
     free(kernel);
 }
 
-/* Nothing that is on its way uses it any more, and another buffer may get its handle. */
-static void forget_buffer(const struct neph_vulkan *vulkan, VkBuffer buffer)
+/* Nothing that is on its way uses it any more, and another one may get its handle. */
+static void forget(const struct neph_vulkan *vulkan, struct going going)
 {
     neph_lanes_wait(vulkan, vulkan->lanes->sent); /* a lost device is reported by who needs it */
     for (struct neph_kernel *kernel = vulkan->kernels; kernel; kernel = kernel->next)
-        drop_sets(vulkan, kernel, buffer);
+        drop_sets(vulkan, kernel, going);
+}
+
+static void forget_buffer(const struct neph_vulkan *vulkan, VkBuffer buffer)
+{
+    forget(vulkan, (struct going){.buffer = buffer});
+}
+
+void neph_kernels_forget(const struct neph_vulkan *vulkan, const struct neph_texture *texture)
+{
+    forget(vulkan, (struct going){.image = texture->view});
 }
 
 void neph_kernels_destroy(struct neph_vulkan *vulkan)
@@ -199,14 +223,21 @@ static VkDescriptorType type_of(const struct neph_kernel_params *params, int bin
 
 static VkResult create_layouts(const struct neph_vulkan *vulkan, struct neph_kernel *kernel)
 {
-    VkDescriptorSetLayoutBinding bindings[NEPH_KERNEL_BUFFERS_MAX];
-    const int array = kernel->params.buffer_count,
-              binding_count = binding_count_of(&kernel->params);
+    VkDescriptorSetLayoutBinding bindings[NEPH_KERNEL_BUFFERS_MAX + 1];
+    const int array = kernel->params.buffer_count, image_count = kernel->params.image_count;
+    int binding_count = binding_count_of(&kernel->params);
     for (int i = 0; i < binding_count; i++)
         bindings[i] = (VkDescriptorSetLayoutBinding){
             .binding = (uint32_t)i,
             .descriptorType = type_of(&kernel->params, i),
             .descriptorCount = i == array ? (uint32_t)kernel->params.array_count : 1,
+            .stageFlags = VK_SHADER_STAGE_COMPUTE_BIT,
+        };
+    if (image_count > 0)
+        bindings[binding_count++] = (VkDescriptorSetLayoutBinding){
+            .binding = NEPH_GPU_IMAGES_BINDING,
+            .descriptorType = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER,
+            .descriptorCount = (uint32_t)image_count,
             .stageFlags = VK_SHADER_STAGE_COMPUTE_BIT,
         };
     const VkDescriptorSetLayoutCreateInfo set = {
@@ -348,20 +379,25 @@ enum neph_status neph_kernel_get(struct neph_vulkan *vulkan,
     return NEPH_OK;
 }
 
-/* --- buffers of a kernel ------------------------------------------------------------------ */
+/* --- what a kernel is bound to ------------------------------------------------------------ */
 
 static VkResult allocate_set(const struct neph_vulkan *vulkan, const struct neph_kernel *kernel,
                              struct kernel_set *set)
 {
     const uint32_t uniforms = (uint32_t)kernel->params.uniform_count;
-    const VkDescriptorPoolSize sizes[] = {
+    VkDescriptorPoolSize sizes[3] = {
         {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, (uint32_t)buffer_count_of(kernel) - uniforms},
-        {VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, uniforms},
     };
+    uint32_t size_count = 1;
+    if (uniforms > 0)
+        sizes[size_count++] = (VkDescriptorPoolSize){VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, uniforms};
+    if (kernel->params.image_count > 0)
+        sizes[size_count++] = (VkDescriptorPoolSize){VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER,
+                                                     (uint32_t)kernel->params.image_count};
     const VkDescriptorPoolCreateInfo pool = {
         .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
         .maxSets = 1,
-        .poolSizeCount = uniforms > 0 ? 2 : 1,
+        .poolSizeCount = size_count,
         .pPoolSizes = sizes,
     };
     const VkResult result = vulkan->api.vkCreateDescriptorPool(vulkan->device, &pool, NULL,
@@ -375,6 +411,29 @@ static VkResult allocate_set(const struct neph_vulkan *vulkan, const struct neph
         .pSetLayouts = &kernel->set_layout,
     };
     return vulkan->api.vkAllocateDescriptorSets(vulkan->device, &info, &set->handle);
+}
+
+static void write_images(const struct neph_vulkan *vulkan, const struct neph_kernel *kernel,
+                         const struct kernel_set *set, const struct neph_dispatch *dispatch)
+{
+    VkDescriptorImageInfo images[NEPH_KERNEL_IMAGES_MAX];
+    const int count = kernel->params.image_count;
+    for (int i = 0; i < count; i++)
+        images[i] = (VkDescriptorImageInfo){
+            .sampler = dispatch->images[i]->sampler,
+            .imageView = set->images[i],
+            .imageLayout = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL,
+        };
+    const VkWriteDescriptorSet write = {
+        .sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
+        .dstSet = set->handle,
+        .dstBinding = NEPH_GPU_IMAGES_BINDING,
+        .descriptorCount = (uint32_t)count,
+        .descriptorType = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER,
+        .pImageInfo = images,
+    };
+    if (count > 0)
+        vulkan->api.vkUpdateDescriptorSets(vulkan->device, 1, &write, 0, NULL);
 }
 
 static void write_set(const struct neph_vulkan *vulkan, const struct neph_kernel *kernel,
@@ -398,21 +457,23 @@ static void write_set(const struct neph_vulkan *vulkan, const struct neph_kernel
     vulkan->api.vkUpdateDescriptorSets(vulkan->device, (uint32_t)binding_count, writes, 0, NULL);
 }
 
-static bool has_buffers(const struct neph_kernel *kernel, const struct kernel_set *set,
-                        const struct neph_dispatch *dispatch)
+static bool is_for(const struct neph_kernel *kernel, const struct kernel_set *set,
+                   const struct neph_dispatch *dispatch)
 {
     bool same = true;
     for (int i = 0; i < buffer_count_of(kernel) && same; i++)
         same = set->buffers[i] == dispatch->buffers[i]->handle;
+    for (int i = 0; i < kernel->params.image_count && same; i++)
+        same = set->images[i] == dispatch->images[i]->view;
     return same;
 }
 
-/* Made once for the buffers of a dispatch, kept until one of them goes. */
+/* Made once for the buffers and images of a dispatch, kept until one of them goes. */
 static VkResult get_set(const struct neph_vulkan *vulkan, const struct neph_kernel *kernel,
                         const struct neph_dispatch *dispatch, VkDescriptorSet *handle)
 {
     for (const struct kernel_set *set = kernel->sets->first; set; set = set->next)
-        if (has_buffers(kernel, set, dispatch)) {
+        if (is_for(kernel, set, dispatch)) {
             *handle = set->handle;
             return VK_SUCCESS;
         }
@@ -421,6 +482,8 @@ static VkResult get_set(const struct neph_vulkan *vulkan, const struct neph_kern
         return VK_ERROR_OUT_OF_HOST_MEMORY;
     for (int i = 0; i < buffer_count_of(kernel); i++)
         made->buffers[i] = dispatch->buffers[i]->handle;
+    for (int i = 0; i < kernel->params.image_count; i++)
+        made->images[i] = dispatch->images[i]->view;
     made->next = kernel->sets->first;
     kernel->sets->first = made;
     const VkResult result = allocate_set(vulkan, kernel, made);
@@ -433,6 +496,7 @@ static VkResult get_set(const struct neph_vulkan *vulkan, const struct neph_kern
     neph_vulkan_name(vulkan, VK_OBJECT_TYPE_DESCRIPTOR_SET, (uint64_t)made->handle,
                      kernel->params.name);
     write_set(vulkan, kernel, made);
+    write_images(vulkan, kernel, made, dispatch);
     *handle = made->handle;
     return VK_SUCCESS;
 }

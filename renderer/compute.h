@@ -7,11 +7,13 @@
 #define NEPH_RENDERER_COMPUTE_H
 
 #include "renderer/lane.h"
+#include "renderer/shaders/constants.h"
 
 #include <stddef.h>
 
 #define NEPH_KERNEL_BUFFERS_MAX 32
 #define NEPH_KERNEL_CONSTANTS_MAX 96
+#define NEPH_KERNEL_IMAGES_MAX NEPH_GPU_MEDIA_MAX
 
 /* Loop turns that one thread may make in one dispatch, all its loops together, the last failing
  * test of each included. lavapipe leaves every loop after 65535 of them, in silence (Mesa,
@@ -43,6 +45,11 @@ enum neph_status neph_buffer_create(const struct neph_vulkan *vulkan, enum neph_
                                     size_t size_bytes, const char *name, struct neph_buffer *buffer,
                                     struct neph_diag *diag);
 
+/* Among `allowed_types`, a bit each, the first type of memory that has what is needed, and what is
+ * liked if there is such a one; UINT32_MAX: there is none. */
+uint32_t neph_memory_type(const struct neph_vulkan *vulkan, uint32_t allowed_types,
+                          VkMemoryPropertyFlags needed, VkMemoryPropertyFlags liked);
+
 /* Copy `size_bytes` from the CPU to `offset_bytes` of a NEPH_BUFFER_DEVICE buffer, through a
  * staging buffer of at most 16 MiB, and wait. */
 enum neph_status neph_buffer_upload(const struct neph_vulkan *vulkan,
@@ -58,6 +65,16 @@ enum neph_status neph_buffer_download(const struct neph_vulkan *vulkan,
 /* A zero buffer is fine. Waits for all that is on its way to the device. */
 void neph_buffer_destroy(const struct neph_vulkan *vulkan, struct neph_buffer *buffer);
 
+/* --- images ------------------------------------------------------------------------------- */
+
+/* One 3D image that kernels sample, with its sampler: made and destroyed by texture.h. */
+struct neph_texture {
+    VkImage image;
+    VkDeviceMemory memory;
+    VkImageView view;
+    VkSampler sampler;
+};
+
 /* --- kernels ------------------------------------------------------------------------------ */
 
 struct neph_kernel_params {
@@ -67,6 +84,7 @@ struct neph_kernel_params {
     int buffer_count;       /* at set 0, bindings 0 .. count-1: storage buffers but for .. */
     int uniform_count;      /* .. the first of them, which are uniform ones */
     int array_count;        /* more of them, an array at binding buffer_count; 0: none */
+    int image_count;        /* textures, an array at NEPH_GPU_IMAGES_BINDING; 0: none */
     size_t push_size_bytes; /* push constants, from offset 0 */
     int constant_count;     /* specialization constants 0 .. count-1 */
     uint32_t constants[NEPH_KERNEL_CONSTANTS_MAX];
@@ -78,11 +96,15 @@ enum neph_status neph_kernel_get(struct neph_vulkan *vulkan,
                                  const struct neph_kernel_params *params,
                                  const struct neph_kernel **kernel, struct neph_diag *diag);
 
+/* Before an image goes: waits for all that is on its way, and no kernel is bound to it any more. */
+void neph_kernels_forget(const struct neph_vulkan *vulkan, const struct neph_texture *texture);
+
 /* For neph_vulkan_destroy(). */
 void neph_kernels_destroy(struct neph_vulkan *vulkan);
 
 struct neph_dispatch {
     const struct neph_buffer *buffers[NEPH_KERNEL_BUFFERS_MAX]; /* those of the array come last */
+    const struct neph_texture *images[NEPH_KERNEL_IMAGES_MAX];
     const void *push; /* of the kernel's push_size_bytes */
     uint32_t group_count;
     /* Afterwards copy the first bytes of a buffer for the CPU; NULL: no copy. */

@@ -4,6 +4,7 @@
 #include "renderer/media/kind.h"
 #include "renderer/octaves_fitted.h"
 #include "renderer/relative.h"
+#include "renderer/texture.h"
 #include "scenes/emission.h"
 #include "scenes/majorant.h"
 #include "scenes/media.h"
@@ -121,15 +122,25 @@ static struct neph_gpu_frame frame_from(const struct neph_scene *scene,
 
 /* --- the world ---------------------------------------------------------------------------- */
 
+uint32_t neph_gpu_scene_list(const struct neph_scene *scene,
+                             const struct neph_medium *media[NEPH_GPU_MEDIA_MAX])
+{
+    uint32_t count = 0;
+    for (int i = 0; i < scene->medium_count; i++)
+        if (is_there(&scene->media[i]))
+            media[count++] = &scene->media[i];
+    return count;
+}
+
 uint32_t neph_gpu_scene_media(const struct neph_scene *scene,
                               struct neph_gpu_medium media[NEPH_GPU_MEDIA_MAX])
 {
+    const struct neph_medium *list[NEPH_GPU_MEDIA_MAX];
     const struct neph_vec3 origin_m = {0.0, 0.0, 0.0};
-    uint32_t count = 0;
+    const uint32_t count = neph_gpu_scene_list(scene, list);
     memset(media, 0, NEPH_GPU_MEDIA_MAX * sizeof(*media));
-    for (int i = 0; i < scene->medium_count; i++)
-        if (is_there(&scene->media[i]))
-            media[count++] = medium_from(&scene->media[i], origin_m, 0);
+    for (uint32_t m = 0; m < count; m++)
+        media[m] = medium_from(list[m], origin_m, 0);
     return count;
 }
 
@@ -425,6 +436,9 @@ void neph_gpu_scene_move(struct neph_gpu_scene *gpu, const struct neph_scene *sc
 
 void neph_gpu_scene_destroy(const struct neph_vulkan *vulkan, struct neph_gpu_scene *gpu)
 {
+    for (int m = 0; m < NEPH_GPU_MEDIA_MAX; m++)
+        neph_texture_destroy(vulkan, &gpu->textures[m]);
+    neph_texture_destroy(vulkan, &gpu->no_texture);
     for (int i = 0; i < NEPH_GPU_SCENE_BUFFERS; i++)
         neph_buffer_destroy(vulkan, &gpu->buffers[i]);
     gpu->frame = NULL;
@@ -434,4 +448,6 @@ void neph_gpu_scene_bind(const struct neph_gpu_scene *gpu, struct neph_dispatch 
 {
     for (int i = 0; i < NEPH_GPU_SCENE_BUFFERS; i++)
         dispatch->buffers[i] = &gpu->buffers[i];
+    for (int m = 0; m < NEPH_GPU_MEDIA_MAX; m++)
+        dispatch->images[m] = gpu->textures[m].view ? &gpu->textures[m] : &gpu->no_texture;
 }

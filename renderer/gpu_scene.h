@@ -41,6 +41,9 @@ struct neph_gpu_scene {
                                      dispatches. `steps` and `sun_steps` are left 0 */
     /* Frame, solids, values of grids, majorants, texels. */
     struct neph_buffer buffers[NEPH_GPU_SCENE_BUFFERS];
+    /* One for each medium, for kernels that sample them (grid_textures.h), and what stands for
+     * those that have none. */
+    struct neph_texture textures[NEPH_GPU_MEDIA_MAX], no_texture;
     /* Specialization constants 0 and 1 of every such kernel: the kinds of media that are there, and
      * what else is known of the scene (NEPH_GPU_COLOURED and what follows it in constants.h). */
     uint32_t constants[NEPH_GPU_SCENE_CONSTANTS];
@@ -67,7 +70,11 @@ enum neph_status neph_gpu_scene_create(const struct neph_vulkan *vulkan,
 void neph_gpu_scene_move(struct neph_gpu_scene *gpu, const struct neph_scene *scene, double frame,
                          int width_px, int height_px);
 
-/* The media that do something, in the world's places; zeros behind them. Returns how many. */
+/* The media that do something, as a frame has them one after the other. Returns how many. */
+uint32_t neph_gpu_scene_list(const struct neph_scene *scene,
+                             const struct neph_medium *media[NEPH_GPU_MEDIA_MAX]);
+
+/* The same in the world's places; zeros behind them. Returns how many. */
 uint32_t neph_gpu_scene_media(const struct neph_scene *scene,
                               struct neph_gpu_medium media[NEPH_GPU_MEDIA_MAX]);
 
@@ -76,7 +83,7 @@ bool neph_shapes_box(const struct neph_scene *scene, struct neph_bounds *box);
 
 void neph_gpu_scene_destroy(const struct neph_vulkan *vulkan, struct neph_gpu_scene *gpu);
 
-/* Fill in the first buffers of a dispatch. */
+/* Fill in the first buffers of a dispatch, and its images. */
 void neph_gpu_scene_bind(const struct neph_gpu_scene *gpu, struct neph_dispatch *dispatch);
 
 #endif

@@ -324,6 +324,7 @@ static enum neph_status get_kernel(struct neph_march *march, const struct neph_k
         .spirv_size_bytes = sizeof(march_spirv),
         .buffer_count = NEPH_MARCH_BUFFERS,
         .uniform_count = NEPH_GPU_SCENE_UNIFORMS,
+        .image_count = NEPH_GPU_MEDIA_MAX,
         .push_size_bytes = sizeof(struct neph_gpu_march_run),
         .constant_count = NEPH_MARCH_CONSTANTS,
     };

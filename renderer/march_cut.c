@@ -75,7 +75,8 @@ static void count_turns(const struct neph_scene *scene, const struct neph_gpu_sc
 static uint32_t shortcut_bits(const struct neph_shortcuts *shortcuts)
 {
     return (shortcuts->sun_cache ? 1u : 0u) | (shortcuts->skip ? 2u : 0u) |
-           (shortcuts->early_out > 0.0 ? 4u : 0u) | (shortcuts->step_growth > 1.0 ? 8u : 0u);
+           (shortcuts->early_out > 0.0 ? 4u : 0u) | (shortcuts->step_growth > 1.0 ? 8u : 0u) |
+           (shortcuts->grid_texture ? 16u : 0u);
 }
 
 void neph_march_constants(const struct neph_gpu_scene *gpu, const struct neph_march_params *params,

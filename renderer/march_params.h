@@ -29,6 +29,14 @@ enum neph_march_lighting {
 #define NEPH_MARCH_SIDE_MAX_PX 4096
 #define NEPH_MARCH_STEPS_MAX 65536
 
+/* What a texel of a voxel grid's texture holds: the density over the grid's largest. */
+enum neph_texel_format {
+    NEPH_TEXEL_R32F,
+    NEPH_TEXEL_R16F, /* eleven bits of it */
+    NEPH_TEXEL_R8,   /* in steps of 1/255 */
+    NEPH_TEXEL_FORMAT_COUNT,
+};
+
 /* Shortcuts through media, for speed. Zero: none, and the march keeps its bits. */
 struct neph_shortcuts {
     /* Optical depth of shapes (all media but fogs) towards the sun from a lattice over their
@@ -46,6 +54,10 @@ struct neph_shortcuts {
     /* Each view step is so many times as long as the one before; 0 and 1: all are equal. Else at
      * least NEPH_STEP_GROWTH_LEAST: nearer to 1 the shader's geometric sums cancel. */
     double step_growth;
+    /* Sums over steps sample voxel grids by the texture unit: its weights have few bits. Closed
+     * forms and traced paths read the voxels themselves. */
+    bool grid_texture;
+    enum neph_texel_format grid_format;
 };
 
 #define NEPH_SUN_CACHE_VOXELS_MIN 8

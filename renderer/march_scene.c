@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "renderer/march_scene.h"
 
+#include "renderer/grid_textures.h"
 #include "scenes/motion.h"
 
 static enum neph_status create_turns(const struct neph_vulkan *vulkan,
@@ -20,6 +21,8 @@ enum neph_status neph_march_scene_create(struct neph_vulkan *vulkan, const struc
     const bool traces = params->lighting == NEPH_MARCH_TRACED;
     enum neph_status status = neph_gpu_scene_create(vulkan, from, params->frame, params->width_px,
                                                     params->height_px, traces, &scene->gpu, diag);
+    if (!status)
+        status = neph_grid_textures_create(vulkan, from, &params->shortcuts, &scene->gpu, diag);
     if (!status)
         status = create_turns(vulkan, scene, diag);
     if (!status)

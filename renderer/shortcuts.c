@@ -6,6 +6,8 @@
 
 const char *const neph_sun_caches[] = {"off", "grid", NULL};
 const char *const neph_skips[] = {"off", "majorant", NULL};
+const char *const neph_grid_samplings[] = {"exact", "texture", NULL};
+const char *const neph_texel_formats[] = {"r32f", "r16f", "r8", NULL};
 
 static enum neph_status check_range(const char *name, double value, double least, double most,
                                     struct neph_diag *diag)
@@ -52,6 +54,18 @@ static enum neph_status check_lighting(const struct neph_march_params *params,
                            "optical depth towards the sun; set sun_cache=off");
 }
 
+static enum neph_status check_texture(const struct neph_march_params *params,
+                                      struct neph_diag *diag)
+{
+    if (!params->shortcuts.grid_texture || params->transmittance == NEPH_MARCH_MARCHED ||
+        params->sun == NEPH_MARCH_MARCHED)
+        return NEPH_OK;
+    return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
+                     "march: grid_sampling=texture: with transmittance=exact and sun=exact closed "
+                     "forms integrate the voxels themselves, and no sum over steps is left for the "
+                     "texture; set transmittance=marched, sun=marched, or both");
+}
+
 enum neph_status neph_shortcuts_check(const struct neph_march_params *params,
                                       struct neph_diag *diag)
 {
@@ -68,5 +82,7 @@ enum neph_status neph_shortcuts_check(const struct neph_march_params *params,
     if (!status && shortcuts->sun_cache)
         status = check_range("sun_cache_frames", shortcuts->sun_cache_frames, 0,
                              NEPH_SUN_CACHE_FRAMES_MAX, diag);
+    if (!status)
+        status = check_texture(params, diag);
     return status ? status : check_lighting(params, diag);
 }

@@ -10,7 +10,9 @@
 #include "base/option.h"
 #include "renderer/march_params.h"
 
-extern const char *const neph_sun_caches[], *const neph_skips[]; /* words of the choices */
+/* Words of the choices. */
+extern const char *const neph_sun_caches[], *const neph_skips[], *const neph_grid_samplings[],
+                                                                     *const neph_texel_formats[];
 
 #define NEPH_OPTION_SUN_CACHE                                                                      \
     {                                                                                              \
@@ -44,6 +46,19 @@ extern const char *const neph_sun_caches[], *const neph_skips[]; /* words of the
             "all are equal"                                                                        \
     }
 
+#define NEPH_OPTION_GRID_SAMPLING                                                                  \
+    {                                                                                              \
+        "grid_sampling", NEPH_OPTION_CHOICE, 0, 0, 0, neph_grid_samplings,                         \
+            "texture: sums over steps ask the texture unit for the density of voxel grids, whose " \
+            "weights have few bits; closed forms read the voxels themselves, so transmittance or " \
+            "sun must be marched"                                                                  \
+    }
+#define NEPH_OPTION_GRID_FORMAT                                                                    \
+    {                                                                                              \
+        "grid_format", NEPH_OPTION_CHOICE, NEPH_TEXEL_R16F, 0, 0, neph_texel_formats,              \
+            "grid_sampling=texture: what a texel holds, the density over the grid's largest"       \
+    }
+
 /* Traced light is no shortcut, but its rows are shared as well. */
 #define NEPH_OPTION_LIGHT_TEXEL                                                                    \
     {                                                                                              \
@@ -53,7 +68,7 @@ extern const char *const neph_sun_caches[], *const neph_skips[]; /* words of the
 #define NEPH_OPTION_LIGHT_PATHS(value)                                                             \
     {                                                                                              \
         "light_paths", NEPH_OPTION_INTEGER, value, 1, NEPH_LIGHT_PATHS_MAX, NULL,                  \
-            "lighting=traced: paths under way at a time for each texel"                       \
+            "lighting=traced: paths under way at a time for each texel"                            \
     }
 #define NEPH_OPTION_LIGHT_ROUNDS(value)                                                            \
     {                                                                                              \
@@ -63,7 +78,7 @@ extern const char *const neph_sun_caches[], *const neph_skips[]; /* words of the
 #define NEPH_OPTION_LIGHT_BLUR                                                                     \
     {                                                                                              \
         "light_blur", NEPH_OPTION_REAL, 1, 0, NEPH_LIGHT_BLUR_MAX, NULL,                           \
-            "lighting=traced: standard deviation of the blur in texels; 0: none"                \
+            "lighting=traced: standard deviation of the blur in texels; 0: none"                   \
     }
 
 /* NEPH_ERR_USAGE: a number out of range, or a last step beyond NEPH_STEP_GROWTH_WHOLE_MAX of the

@@ -129,6 +129,7 @@ static enum neph_status get_kernel(struct neph_sun_cache *cache, const struct ne
         .spirv_size_bytes = sizeof(sun_cache_spirv),
         .buffer_count = NEPH_GPU_SCENE_BUFFERS + 2,
         .uniform_count = NEPH_GPU_SCENE_UNIFORMS,
+        .image_count = NEPH_GPU_MEDIA_MAX,
         .push_size_bytes = sizeof(struct neph_gpu_march_run),
         .constant_count = NEPH_MARCH_CONSTANTS,
     };

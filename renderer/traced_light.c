@@ -128,7 +128,8 @@ static uint32_t groups_of(uint32_t threads)
     return (threads + local_size - 1) / local_size;
 }
 
-/* Empty cells are no majorants, which the walk has in their place. */
+/* Empty cells are no majorants, which the walk has in their place; and paths are physics: no
+ * texture rounds what they meet. */
 static enum neph_status get_walk(struct neph_traced_light *light, const struct neph_gpu_scene *gpu,
                                  const struct neph_kernel **kernel, struct neph_diag *diag)
 {
@@ -139,10 +140,11 @@ static enum neph_status get_walk(struct neph_traced_light *light, const struct n
         .spirv_size_bytes = sizeof(walk_spirv),
         .buffer_count = NEPH_GPU_SCENE_BUFFERS + 3,
         .uniform_count = NEPH_GPU_SCENE_UNIFORMS,
+        .image_count = NEPH_GPU_MEDIA_MAX,
         .push_size_bytes = sizeof(struct neph_gpu_light_run),
         .constant_count = NEPH_MARCH_CONSTANTS,
     };
-    march.shortcuts.skip = false;
+    march.shortcuts.skip = march.shortcuts.grid_texture = false;
     neph_march_constants(gpu, &march, params.constants);
     return neph_kernel_get(light->vulkan, &params, kernel, diag);
 }

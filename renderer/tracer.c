@@ -160,10 +160,10 @@ static enum neph_status check(const struct neph_scene *scene,
 static char *identity_of(const struct neph_scene *scene, const struct neph_tracer_params *params,
                          const struct neph_vulkan *vulkan)
 {
-    return neph_format("tracer 7, scene %s, frame %.17g, %d x %d, seed %llu, on %s, %s",
-                       scene->hash, params->frame, params->width_px, params->height_px,
-                       (unsigned long long)params->seed, vulkan->description.device,
-                       vulkan->description.driver);
+    return neph_format("tracer 7%s, scene %s, frame %.17g, %d x %d, seed %llu, on %s, %s",
+                       params->sobol ? " sobol" : "", scene->hash, params->frame, params->width_px,
+                       params->height_px, (unsigned long long)params->seed,
+                       vulkan->description.device, vulkan->description.driver);
 }
 
 /* --- one render --------------------------------------------------------------------------- */
@@ -284,11 +284,12 @@ static enum neph_status get_kernels(struct render *render, const struct neph_sce
         .buffer_count = BINDING_COUNT,
         .uniform_count = NEPH_GPU_SCENE_UNIFORMS,
         .push_size_bytes = sizeof(struct neph_gpu_tracer_run),
-        .constant_count = 13,
+        .constant_count = 14,
         .constants = {render->scene.constants[0], render->scene.constants[1], render->local_size,
                       scene->scattering == NEPH_SCATTERING_MULTIPLE, reflects(scene), lights(scene),
                       render->scene.frame->medium_count, tracked_count, tracked_order, track_steps,
-                      scene->solid_count > 0, is_lit_once(scene), neph_scene_emits(scene)},
+                      scene->solid_count > 0, is_lit_once(scene), neph_scene_emits(scene),
+                      render->params->sobol},
     };
     const bool is_lit = render->lit_tables > 0, is_open = render->is_open;
     const struct {
@@ -390,6 +391,7 @@ static enum neph_status create_sums(struct render *render, const struct neph_sce
                                     struct neph_diag *diag)
 {
     render->sums.pixel_count = render->pixel_count;
+    render->sums.is_sobol = render->params->sobol;
     render->sums.pixels = calloc(render->pixel_count, sizeof(*render->sums.pixels));
     render->identity = identity_of(scene, render->params, render->vulkan);
     return render->sums.pixels && render->identity ? resume(render, diag) : neph_fail_memory(diag);

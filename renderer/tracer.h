@@ -24,9 +24,17 @@
  * environment light, the background reach a surface (or, in `single`, a medium) without having been
  * scattered before. `multiple` knows all.
  *
+ * Numbers are random, or for the first decisions of a sample (where it collides first, where to
+ * from there, and how far) those of Sobol's sequence with Owen's scrambling (`sobol`;
+ * shaders/low_discrepancy.glsl): two sequences a pixel, each scrambled by itself, that samples are
+ * taken from by turns.
+ *
  * Variance. Samples come in pairs; the two of a pair lie in the same stratum and differ by chance
  * alone, so their squared differences estimate the variance of the mean, stratified or not
  * (W. G. Cochran, "Sampling Techniques", 5A.12). Degrees of freedom: half the number of samples.
+ * With `sobol` the variance within a sequence says nothing; the squared difference of the two
+ * sequences' means is what estimates it, with one degree of freedom: right on average over pixels,
+ * and of one pixel little is known.
  */
 #ifndef NEPH_RENDERER_TRACER_H
 #define NEPH_RENDERER_TRACER_H
@@ -36,6 +44,7 @@
 #include "renderer/vulkan.h"
 #include "scenes/scene.h"
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #define NEPH_TRACER_SIDE_MAX_PX 4096
@@ -46,6 +55,7 @@ struct neph_tracer_params {
     int width_px, height_px; /* 1..NEPH_TRACER_SIDE_MAX_PX */
     double frame;            /* of the scene; may be fractional */
     uint64_t seed;
+    bool sobol;          /* low-discrepancy numbers for the first decisions of each sample */
     int samples;         /* per pixel, >= 2, rounded up to whole batches; the most with a target */
     double target_error; /* as in truth/oracle.h: stop when the rms over pixels of the standard
                             error of the mean divided by the rms radiance of volume light is below

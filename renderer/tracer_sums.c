@@ -49,11 +49,13 @@ static double sum_of(const struct neph_gpu_tracer_pixel *pixel, int sum, int com
 }
 
 /* The variance of the mean of all light: each pair's squared difference / 4 estimates that of the
- * pair's mean, and the mean is that of `pairs` of them. */
-static double variance_of(const struct neph_gpu_tracer_pixel *pixel, int channel, double samples)
+ * pair's mean, and the mean is that of `pairs` of them. Of two sequences it is the squared
+ * difference of their means / 4. */
+static double variance_of(const struct neph_tracer_sums *sums, size_t pixel, int channel)
 {
-    const double pairs = 0.5 * samples;
-    return 0.25 * sum_of(pixel, SPREAD, channel) / (pairs * pairs);
+    const double pairs = 0.5 * sums->head[NEPH_SUMS_SAMPLES];
+    const double sum = sum_of(&sums->pixels[pixel], SPREAD, channel);
+    return 0.25 * (sums->is_sobol ? sum * sum : sum) / (pairs * pairs);
 }
 
 double neph_tracer_sums_error(const struct neph_tracer_sums *sums, bool is_lit)
@@ -64,7 +66,7 @@ double neph_tracer_sums_error(const struct neph_tracer_sums *sums, bool is_lit)
         for (int c = 0; c < 3; c++) {
             const struct neph_gpu_tracer_pixel *pixel = &sums->pixels[i];
             const double volume = (sum_of(pixel, ORDER1, c) + sum_of(pixel, HIGHER, c)) / samples;
-            variance += variance_of(pixel, c, samples);
+            variance += variance_of(sums, i, c);
             radiance += volume * volume;
         }
     if (radiance > 0.0)
@@ -122,7 +124,7 @@ enum neph_status neph_tracer_sums_frame(const struct neph_tracer_sums *sums, boo
             layers[LAYER_VOLUME][c][i] = (float)volume;
             layers[LAYER_ORDER1][c][i] = (float)order1;
             layers[LAYER_TRANSMITTANCE][c][i] = (float)transmittance;
-            layers[LAYER_VARIANCE][c][i] = (float)variance_of(own, c, samples);
+            layers[LAYER_VARIANCE][c][i] = (float)variance_of(sums, i, c);
         }
     }
     *frame = image;

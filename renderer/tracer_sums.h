@@ -25,6 +25,7 @@ struct neph_tracer_sums {
     double head[NEPH_SUMS_HEAD];
     struct neph_gpu_tracer_pixel *pixels; /* owned; of the whole frame, as the device has them */
     size_t pixel_count;
+    bool is_sobol; /* samples are of two sequences, and the sums of their differences are kept */
 };
 
 /* Numbers of a checkpoint. */

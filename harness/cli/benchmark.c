@@ -9,6 +9,7 @@
 #include "harness/engines/engines.h"
 #include "harness/run/benchmark.h"
 #include "harness/run/benchmark_frames.h"
+#include "renderer/shortcuts.h"
 #include "scenes/bake.h"
 #include "scenes/horizon.h"
 #include "scenes/media.h"
@@ -78,8 +79,8 @@ static const struct neph_cli_syntax syntax = {
         "back, after a second of warm-up: median, 10 % and 90 % of the time of a picture and of "
         "its passes on the device. Beside them the error (rel_rmse against the march of "
         "the same lighting at its defaults), and what part the pass gets of what the device can "
-        "do at most: bytes copied, or voxel grids sampled from a buffer, measured in the same "
-        "run.\n\n"
+        "do at most: bytes copied, or voxel grids sampled from a buffer or, with "
+        "grid_sampling=texture, by the texture unit, measured in the same run.\n\n"
         "Examples:\n"
         "  neph benchmark slab_multiple_thin\n"
         "  neph benchmark gaussian_blob --voxels 64 --seconds 10\n"
@@ -277,10 +278,11 @@ static void print_times(struct neph_spread s)
 }
 
 static void print_pass(const struct neph_benchmark_frames *benchmark,
+                       const struct neph_benchmark_frames_engine *engine,
                        const struct neph_benchmark_pass *pass)
 {
     const char *limit;
-    const double share = neph_benchmark_share(benchmark, pass, &limit);
+    const double share = neph_benchmark_share(benchmark, engine, pass, &limit);
     printf("  %-20s", pass->name);
     print_times(pass->gpu_s);
     if (isfinite(pass->traffic_bytes))
@@ -309,7 +311,7 @@ static void print_flight(const struct neph_benchmark_frames *benchmark,
     print_times(engine->cpu_s);
     printf("\n");
     for (int p = 0; p < engine->pass_count; p++)
-        print_pass(benchmark, &engine->passes[p]);
+        print_pass(benchmark, engine, &engine->passes[p]);
     printf("  first picture after %.3g s; %s\n", engine->first_s, settings ? settings : "");
     free(settings);
 }
@@ -326,9 +328,14 @@ static void print_frames(const struct neph_benchmark_frames *benchmark)
         printf("clock %.3g GHz\n", 1e-9 * benchmark->cpu_clock_hz);
     else
         printf("clock not known\n");
-    printf("ceilings: copies %.4g GB/s (2 x %zu MiB), buffer samples %.4g G/s (grid of %d^3)\n",
+    printf("ceilings: copies %.4g GB/s (2 x %zu MiB), buffer samples %.4g G/s (grid of %d^3)",
            1e-9 * ceilings->copy_bytes_per_s, ceilings->copy_bytes >> 20,
            1e-9 * ceilings->buffer_samples_per_s, ceilings->grid_side);
+    for (int f = 0; f < NEPH_TEXEL_FORMAT_COUNT; f++)
+        if (isfinite(ceilings->texture_samples_per_s[f]))
+            printf(", %s texture samples %.4g G/s", neph_texel_formats[f],
+                   1e-9 * ceilings->texture_samples_per_s[f]);
+    printf("\n");
     for (int e = 0; e < benchmark->engine_count; e++)
         print_flight(benchmark, &benchmark->engines[e]);
 }

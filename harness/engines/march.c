@@ -32,6 +32,8 @@ enum {
     OPTION_SKIP,
     OPTION_EARLY_OUT,
     OPTION_STEP_GROWTH,
+    OPTION_GRID_SAMPLING,
+    OPTION_GRID_FORMAT,
     OPTION_LIGHT_TEXEL, /* from here on of march_traced alone */
     OPTION_LIGHT_PATHS,
     OPTION_LIGHT_ROUNDS,
@@ -72,7 +74,9 @@ enum {
                             "its centre. Depth is always that of the centre"},                     \
     [OPTION_SUN_CACHE] = NEPH_OPTION_SUN_CACHE,                                                    \
     [OPTION_SUN_CACHE_VOXELS] = NEPH_OPTION_SUN_CACHE_VOXELS, [OPTION_SKIP] = NEPH_OPTION_SKIP,    \
-    [OPTION_EARLY_OUT] = NEPH_OPTION_EARLY_OUT, [OPTION_STEP_GROWTH] = NEPH_OPTION_STEP_GROWTH
+    [OPTION_EARLY_OUT] = NEPH_OPTION_EARLY_OUT, [OPTION_STEP_GROWTH] = NEPH_OPTION_STEP_GROWTH,    \
+    [OPTION_GRID_SAMPLING] = NEPH_OPTION_GRID_SAMPLING,                                            \
+    [OPTION_GRID_FORMAT] = NEPH_OPTION_GRID_FORMAT
 
 static const struct neph_option options[] = {OPTIONS_OF_ALL, {.name = NULL}};
 
@@ -159,7 +163,9 @@ static enum neph_status set_up(struct sequence *sequence, const struct neph_shot
                       .sun_cache_voxels = (int)values[OPTION_SUN_CACHE_VOXELS],
                       .skip = values[OPTION_SKIP] != 0.0,
                       .early_out = values[OPTION_EARLY_OUT],
-                      .step_growth = values[OPTION_STEP_GROWTH]},
+                      .step_growth = values[OPTION_STEP_GROWTH],
+                      .grid_texture = values[OPTION_GRID_SAMPLING] != 0.0,
+                      .grid_format = (enum neph_texel_format)(int)values[OPTION_GRID_FORMAT]},
     };
     if (sequence->lighting == NEPH_MARCH_TRACED)
         params.light = light_of(shot);

@@ -11,7 +11,9 @@
 
 #include <math.h>
 
-enum { OPTION_SAMPLES, OPTION_TARGET_ERROR, OPTION_TIME_LIMIT };
+enum { OPTION_SAMPLES, OPTION_TARGET_ERROR, OPTION_TIME_LIMIT, OPTION_SAMPLER };
+
+static const char *const samplers[] = {"random", "sobol", NULL};
 
 static const struct neph_option options[] = {
     [OPTION_SAMPLES] = {"samples", NEPH_OPTION_INTEGER, 256, 2, NEPH_TRACER_SAMPLES_MAX, NULL,
@@ -20,6 +22,10 @@ static const struct neph_option options[] = {
                              "stop at this rms standard error / rms volume radiance; 0: never"},
     [OPTION_TIME_LIMIT] = {"time_limit", NEPH_OPTION_REAL, 0, 0, 1e9, NULL,
                            "stop in this time [s]; 0: never"},
+    [OPTION_SAMPLER] = {"sampler", NEPH_OPTION_CHOICE, 0, 0, 0, samplers,
+                        "numbers of a sample: random, or Sobol's with Owen's scrambling for its "
+                        "first collision, its first direction and its next free path; the variance "
+                        "of a pixel is then from two sequences alone"},
     {.name = NULL},
 };
 
@@ -53,6 +59,7 @@ static enum neph_status render(const struct neph_shot *shot, struct neph_image *
         .height_px = shot->height_px,
         .frame = shot->frame,
         .seed = shot->seed,
+        .sobol = values[OPTION_SAMPLER] != 0.0,
         .samples = (int)values[OPTION_SAMPLES],
         .target_error = values[OPTION_TARGET_ERROR],
         .time_limit_s = values[OPTION_TIME_LIMIT] > 0.0 ? values[OPTION_TIME_LIMIT] : INFINITY,

@@ -8,6 +8,7 @@
 #include "harness/engines/vulkan_device.h"
 #include "harness/progress.h"
 #include "metrics/statistics.h"
+#include "renderer/shortcuts.h"
 #include "scenes/motion.h"
 
 #include <math.h>
@@ -242,6 +243,27 @@ static int threads_of_cpu(void)
     return count > 0 ? count : neph_processor_count();
 }
 
+/* That of the textures that an engine is set to sample; -1: it samples none. */
+static int texel_format_of(const struct neph_job *job)
+{
+    const double *values = job->shot.settings.values;
+    const int sampling = neph_option_find(job->engine->options, "grid_sampling");
+    const int format = neph_option_find(job->engine->options, "grid_format");
+    return sampling < 0 || values[sampling] == 0.0 ? -1 : (int)values[format];
+}
+
+/* Those of all engines, or the one that is the default, so that the two ways to sample stand beside
+ * each other. */
+static unsigned texel_formats(const struct neph_benchmark_frames *benchmark)
+{
+    unsigned formats = 0;
+    for (int e = 0; e < benchmark->engine_count; e++) {
+        const int format = texel_format_of(&benchmark->engines[e].job);
+        formats |= format < 0 ? 0u : 1u << format;
+    }
+    return formats ? formats : 1u << NEPH_TEXEL_R16F;
+}
+
 static enum neph_status measure_device(struct neph_benchmark_frames *benchmark,
                                        struct neph_diag *diag)
 {
@@ -251,7 +273,7 @@ static enum neph_status measure_device(struct neph_benchmark_frames *benchmark,
         return status;
     const bool is_cpu = neph_vulkan_describe(vulkan).is_cpu;
     status = neph_ceilings_measure(vulkan, is_cpu ? cpu_ceiling_s : gpu_ceiling_s,
-                                   &benchmark->ceilings, diag);
+                                   texel_formats(benchmark), &benchmark->ceilings, diag);
     benchmark->thread_count = is_cpu ? threads_of_cpu() : 0;
     benchmark->cpu_clock_hz = is_cpu ? clock_of_cpu() : NAN;
     neph_vulkan_destroy(vulkan);
@@ -285,14 +307,24 @@ enum neph_status neph_benchmark_frames_run(struct neph_benchmark_frames *benchma
 }
 
 double neph_benchmark_share(const struct neph_benchmark_frames *benchmark,
+                            const struct neph_benchmark_frames_engine *engine,
                             const struct neph_benchmark_pass *pass, const char **limit)
 {
+    static const char *const textures[NEPH_TEXEL_FORMAT_COUNT] = {
+        [NEPH_TEXEL_R32F] = "r32f texture samples",
+        [NEPH_TEXEL_R16F] = "r16f texture samples",
+        [NEPH_TEXEL_R8] = "r8 texture samples",
+    };
+    const struct neph_ceilings *ceilings = &benchmark->ceilings;
     const double s = pass->gpu_s.median;
-    const bool samples = benchmark->samples_grids && pass->is_march &&
-                         pass->density_evaluations != 0.0;
-    *limit = samples ? "buffer samples" : "copies";
-    return samples ? pass->density_evaluations / s / benchmark->ceilings.buffer_samples_per_s
-                   : pass->traffic_bytes / s / benchmark->ceilings.copy_bytes_per_s;
+    const int format = texel_format_of(&engine->job);
+    if (!benchmark->samples_grids || !pass->is_march || pass->density_evaluations == 0.0) {
+        *limit = "copies";
+        return pass->traffic_bytes / s / ceilings->copy_bytes_per_s;
+    }
+    *limit = format < 0 ? "buffer samples" : textures[format];
+    return pass->density_evaluations / s /
+           (format < 0 ? ceilings->buffer_samples_per_s : ceilings->texture_samples_per_s[format]);
 }
 
 /* --- JSON --------------------------------------------------------------------------------- */
@@ -310,7 +342,7 @@ static json_t *passes_json(const struct neph_benchmark_frames *benchmark,
     for (int p = 0; p < engine->pass_count; p++) {
         const struct neph_benchmark_pass *pass = &engine->passes[p];
         const char *limit;
-        const double share = neph_benchmark_share(benchmark, pass, &limit);
+        const double share = neph_benchmark_share(benchmark, engine, pass, &limit);
         neph_json_add(&passes,
                       json_pack("{s:s, s:o, s:o, s:o, s:s, s:o}", "pass", pass->name, "gpu_s",
                                 spread_json(pass->gpu_s), "traffic_bytes",
@@ -338,20 +370,29 @@ static json_t *engine_json(const struct neph_benchmark_frames *benchmark,
     return json;
 }
 
+static json_t *ceilings_json(const struct neph_ceilings *ceilings)
+{
+    json_t *textures = json_object();
+    for (int f = 0; f < NEPH_TEXEL_FORMAT_COUNT; f++)
+        neph_json_set(&textures, neph_texel_formats[f],
+                      neph_json_number(ceilings->texture_samples_per_s[f]));
+    return json_pack("{s:o, s:I, s:o, s:o, s:i}", "copy_bytes_per_s",
+                     neph_json_number(ceilings->copy_bytes_per_s), "copy_bytes",
+                     (json_int_t)ceilings->copy_bytes, "buffer_samples_per_s",
+                     neph_json_number(ceilings->buffer_samples_per_s), "texture_samples_per_s",
+                     textures, "grid_side", ceilings->grid_side);
+}
+
 json_t *neph_benchmark_frames_json(const struct neph_benchmark_frames *benchmark)
 {
     const struct neph_shot *shot = &benchmark->engines[0].job.shot;
-    const struct neph_ceilings *ceilings = &benchmark->ceilings;
     json_t *engines = json_array();
     for (int e = 0; e < benchmark->engine_count; e++)
         neph_json_add(&engines, engine_json(benchmark, &benchmark->engines[e]));
-    return json_pack("{s:s, s:s, s:s, s:[i,i], s:i, s:o, s:{s:o, s:I, s:o, s:i}, s:o}", "format",
+    return json_pack("{s:s, s:s, s:s, s:[i,i], s:i, s:o, s:o, s:o}", "format",
                      "neph-benchmark-frames-1", "scene", shot->scene->name, "scene_hash",
                      shot->scene->hash, "size_px", shot->width_px, shot->height_px, "threads",
                      benchmark->thread_count, "cpu_clock_hz",
-                     neph_json_number(benchmark->cpu_clock_hz), "ceilings", "copy_bytes_per_s",
-                     neph_json_number(ceilings->copy_bytes_per_s), "copy_bytes",
-                     (json_int_t)ceilings->copy_bytes, "buffer_samples_per_s",
-                     neph_json_number(ceilings->buffer_samples_per_s), "grid_side",
-                     ceilings->grid_side, "engines", engines);
+                     neph_json_number(benchmark->cpu_clock_hz), "ceilings",
+                     ceilings_json(&benchmark->ceilings), "engines", engines);
 }

@@ -51,9 +51,11 @@ struct neph_benchmark_frames {
 enum neph_status neph_benchmark_frames_run(struct neph_benchmark_frames *benchmark, int frame_count,
                                            bool quiet, struct neph_diag *diag);
 
-/* What part a pass gets of the ceiling that limits it: of buffer samples when it samples grids,
- * else of copies; NaN: not known. `*limit` names it. */
+/* What part a pass of an engine gets of the ceiling that limits it: of samples when it samples
+ * grids, by a buffer or by the texture unit as the engine is set, else of copies; NaN: not known.
+ * `*limit` names it. */
 double neph_benchmark_share(const struct neph_benchmark_frames *benchmark,
+                            const struct neph_benchmark_frames_engine *engine,
                             const struct neph_benchmark_pass *pass, const char **limit);
 
 /* For the caller to free. */

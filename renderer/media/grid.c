@@ -1,31 +1,66 @@
 /* SPDX-License-Identifier: MIT */
-#include "scenes/grid.h"
+#include "renderer/media/grid.h"
+
 #include "renderer/media/kind.h"
 #include "renderer/relative.h"
+#include "scenes/grid.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* With the layer of zeros that shaders/grid.glsl expects. */
+/* The largest density that is told: beyond it a medium is opaque anyway. */
+static float value_max(const struct neph_medium *medium)
+{
+    return (float)(NEPH_GPU_EXTINCTION_MAX / fmax(1.0, medium->extinction_per_m));
+}
+
+float neph_gpu_grid_full(const struct neph_medium *medium)
+{
+    return fminf(medium->grid->maximum, value_max(medium));
+}
+
+void neph_gpu_grid_size(const struct neph_grid *grid, int size[3])
+{
+    for (int axis = 0; axis < 3; axis++)
+        size[axis] = grid->size[axis] + 2;
+}
+
+void neph_gpu_grid_slab(const struct neph_medium *medium, int z, float *slab)
+{
+    const struct neph_grid *grid = medium->grid;
+    const float most = value_max(medium);
+    const size_t nx = (size_t)grid->size[0], ny = (size_t)grid->size[1], layer = (size_t)z - 1;
+    memset(slab, 0, (nx + 2) * (ny + 2) * sizeof(*slab));
+    if (z == 0 || z > grid->size[2])
+        return;
+    for (size_t y = 0; y < ny; y++)
+        for (size_t x = 0; x < nx; x++)
+            slab[(y + 1) * (nx + 2) + 1 + x] = fminf(grid->values[(layer * ny + y) * nx + x], most);
+}
+
 static void pack(const struct neph_medium *medium, struct neph_vec3 camera_m, uint32_t first,
                  struct neph_gpu_medium *gpu)
 {
     const struct neph_grid *grid = medium->grid;
     gpu->shape.grid = (struct neph_gpu_grid){.first = first,
+                                             .full = neph_gpu_grid_full(medium),
                                              .nodes_per_m = {(float)(1.0 / grid->spacing_m.x),
                                                              (float)(1.0 / grid->spacing_m.y),
                                                              (float)(1.0 / grid->spacing_m.z)}};
     neph_relative_position(gpu->shape.grid.origin_m, neph_vec3_sub(grid->origin_m, grid->spacing_m),
                            camera_m);
+    int size[3];
+    neph_gpu_grid_size(grid, size);
     for (int axis = 0; axis < 3; axis++)
-        gpu->shape.grid.size[axis] = (uint32_t)grid->size[axis] + 2;
+        gpu->shape.grid.size[axis] = (uint32_t)size[axis];
 }
 
 static size_t data_count(const struct neph_medium *medium)
 {
-    const struct neph_grid *grid = medium->grid;
-    return (size_t)(grid->size[0] + 2) * (size_t)(grid->size[1] + 2) * (size_t)(grid->size[2] + 2);
+    int size[3];
+    neph_gpu_grid_size(medium->grid, size);
+    return (size_t)size[0] * (size_t)size[1] * (size_t)size[2];
 }
 
 /* One slab of the padded lattice after the other: no second copy of the grid in memory. */
@@ -33,19 +68,15 @@ static enum neph_status upload(const struct neph_vulkan *vulkan, const struct ne
                                uint32_t first, const struct neph_buffer *buffer,
                                struct neph_diag *diag)
 {
-    const struct neph_grid *grid = medium->grid;
-    const float value_max = (float)(NEPH_GPU_EXTINCTION_MAX / fmax(1.0, medium->extinction_per_m));
-    const size_t nx = (size_t)grid->size[0], ny = (size_t)grid->size[1], nz = (size_t)grid->size[2];
-    const size_t slab_count = (nx + 2) * (ny + 2);
+    int size[3];
+    neph_gpu_grid_size(medium->grid, size);
+    const size_t slab_count = (size_t)size[0] * (size_t)size[1];
     float *slab = malloc(slab_count * sizeof(*slab));
     enum neph_status status = slab ? NEPH_OK : neph_fail_memory(diag);
-    for (size_t z = 0; z < nz + 2 && !status; z++) {
-        memset(slab, 0, slab_count * sizeof(*slab));
-        for (size_t y = 0; z > 0 && z <= nz && y < ny; y++)
-            for (size_t x = 0; x < nx; x++)
-                slab[(y + 1) * (nx + 2) + 1 + x] = fminf(grid->values[((z - 1) * ny + y) * nx + x],
-                                                         value_max);
-        status = neph_buffer_upload(vulkan, buffer, (first + z * slab_count) * sizeof(*slab), slab,
+    for (int z = 0; z < size[2] && !status; z++) {
+        neph_gpu_grid_slab(medium, z, slab);
+        status = neph_buffer_upload(vulkan, buffer,
+                                    (first + (size_t)z * slab_count) * sizeof(*slab), slab,
                                     slab_count * sizeof(*slab), diag);
     }
     free(slab);

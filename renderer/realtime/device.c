@@ -178,7 +178,7 @@ static enum neph_status add_colour(struct neph_rt_device *device, const struct n
                                    struct neph_diag *diag)
 {
     const uint64_t groups_max = device->vulkan->limits.maxComputeWorkGroupCount[0];
-    const uint64_t count = neph_rt_thread_count(device->view, pass);
+    const uint64_t count = neph_rt_thread_count(device->view, pass, device->on_gpu);
     enum neph_status status = NEPH_OK;
     for (uint64_t first = 0; first < count && !status; first += groups_max * local_size) {
         const uint64_t groups = (count - first + local_size - 1) / local_size;
@@ -198,7 +198,7 @@ enum neph_status neph_rt_device_add(struct neph_rt_device *device, const struct 
     neph_rt_device_bind(device, pass, 0, &params, &dispatch);
     const struct neph_kernel *kernel;
     enum neph_status status = neph_kernel_get(device->vulkan, &params, &kernel, diag);
-    const uint32_t colours = neph_rt_colour_count(device->view, pass);
+    const uint32_t colours = neph_rt_colour_count(device->view, pass, device->on_gpu);
     for (uint32_t colour = 0; colour < colours && !status; colour++)
         status = add_colour(device, pass, kernel, &dispatch, colour, submission, diag);
     return status;

@@ -215,16 +215,29 @@ uint32_t neph_rt_targets_before(const struct neph_rt_pass *pass)
     return before;
 }
 
-uint64_t neph_rt_thread_count(const struct neph_gpu_view *view, const struct neph_rt_pass *pass)
+static bool takes_turns(const struct neph_gpu_view *view, const struct neph_rt_pass *pass)
 {
-    const uint64_t width = ((uint64_t)view->size_px[0] + (uint64_t)pass->resolution - 1) /
-                           (uint64_t)pass->resolution;
-    const uint64_t height = neph_rt_texel_count(view, pass->resolution) / width;
-    const uint64_t column = pass->column ? (uint64_t)pass->column : 1;
-    return width * ((height + column - 1) / column);
+    return pass->in_colours && neph_rt_holds(view, *pass->in_colours);
 }
 
-uint32_t neph_rt_colour_count(const struct neph_gpu_view *view, const struct neph_rt_pass *pass)
+static uint64_t quotient_up(uint64_t a, uint64_t b)
 {
-    return pass->in_colours && neph_rt_holds(view, *pass->in_colours) ? 4 : 1;
+    return (a + b - 1) / b;
+}
+
+uint64_t neph_rt_thread_count(const struct neph_gpu_view *view, const struct neph_rt_pass *pass,
+                              bool on_gpu)
+{
+    const uint64_t block = RT_COLOUR_BLOCK, column = pass->column ? (uint64_t)pass->column : 1;
+    const uint64_t width = quotient_up(view->size_px[0], (uint64_t)pass->resolution);
+    const uint64_t height = neph_rt_texel_count(view, pass->resolution) / width;
+    if (on_gpu && takes_turns(view, pass))
+        return block * block * quotient_up(width, block) * quotient_up(height, block);
+    return width * quotient_up(height, column);
+}
+
+uint32_t neph_rt_colour_count(const struct neph_gpu_view *view, const struct neph_rt_pass *pass,
+                              bool on_gpu)
+{
+    return !on_gpu && takes_turns(view, pass) ? 4 : 1;
 }

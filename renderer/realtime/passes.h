@@ -50,8 +50,9 @@ struct neph_rt_pass {
     int resolution;                     /* RT_FULL, ..: of the texels that it makes */
     int column; /* texels, one below the other, that a thread makes; 0: one */
     enum neph_rt_rays rays;
-    /* Where this holds a dispatch for each of four colours, 2x2 texels, which sees what those
-     * before it wrote; else, or NULL, one dispatch. */
+    /* Where this holds colours of 2x2 texels take turns, each of which sees what those before it
+     * wrote: by four dispatches, on a GPU by one of blocks that are by themselves. Else, or NULL,
+     * one dispatch of texels. */
     const struct neph_rt_condition *in_colours;
     uint32_t reads, writes; /* targets, NEPH_RT_BIT() of each: all that its shader can touch */
     struct neph_rt_spared spared[NEPH_RT_SPARED_MAX]; /* of these; ends early with no targets */
@@ -79,9 +80,11 @@ uint32_t neph_rt_targets_used(const struct neph_gpu_view *view);
 uint32_t neph_rt_targets_before(const struct neph_rt_pass *pass);
 
 /* Threads of a dispatch of a pass. */
-uint64_t neph_rt_thread_count(const struct neph_gpu_view *view, const struct neph_rt_pass *pass);
+uint64_t neph_rt_thread_count(const struct neph_gpu_view *view, const struct neph_rt_pass *pass,
+                              bool on_gpu);
 
 /* Dispatches of a pass: 1 or 4. */
-uint32_t neph_rt_colour_count(const struct neph_gpu_view *view, const struct neph_rt_pass *pass);
+uint32_t neph_rt_colour_count(const struct neph_gpu_view *view, const struct neph_rt_pass *pass,
+                              bool on_gpu);
 
 #endif

@@ -86,6 +86,7 @@ static enum neph_status add_ray_pass(struct neph_realtime *realtime,
     const struct neph_march_cut *cut = &realtime->cuts[pass - neph_rt_passes];
     struct neph_kernel_params params = {
         .uniform_count = NEPH_GPU_SCENE_UNIFORMS,
+        .image_count = NEPH_GPU_MEDIA_MAX,
         .push_size_bytes = sizeof(struct neph_gpu_march_run),
     };
     struct ray_pass work = {
@@ -144,7 +145,9 @@ static struct neph_march_params march_params(const struct neph_realtime_params *
                       .sun_cache_frames = (int)values[RT_SUN_CACHE_FRAMES],
                       .skip = values[RT_SKIP] != 0.0,
                       .early_out = values[RT_EARLY_OUT],
-                      .step_growth = values[RT_STEP_GROWTH]},
+                      .step_growth = values[RT_STEP_GROWTH],
+                      .grid_texture = values[RT_GRID_SAMPLING] != 0.0,
+                      .grid_format = (enum neph_texel_format)(int)values[RT_GRID_FORMAT]},
         .light = {.texel_px = (int)values[RT_LIGHT_TEXEL_PX],
                   .paths = (int)values[RT_LIGHT_PATHS],
                   .rounds = (int)values[RT_LIGHT_ROUNDS],

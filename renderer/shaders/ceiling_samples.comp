@@ -1,9 +1,10 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// As many trilinear samples of a voxel grid as the device can take from a storage buffer: each
-// thread walks along a line with grid_density() and nothing else, neighbours beside each other as
-// the rays of a camera. What the march takes is measured against it (renderer/ceilings.h).
+// As many trilinear samples of a voxel grid as the device can take, from a storage buffer or from
+// its texture unit: each thread walks along a line with grid_density(), or as grid_texture.glsl
+// does, and nothing else, neighbours beside each other as the rays of a camera. What the march
+// takes is measured against it (renderer/ceilings.h).
 #extension GL_GOOGLE_include_directive : require
 
 layout(local_size_x = 64) in;
@@ -32,14 +33,25 @@ layout(push_constant) uniform CeilingRun {
     uint sample_count;
 } run;
 
+#include "constants.h"
 #include "grid.glsl"
+
+layout(constant_id = 0) const bool TEXTURE = false;
+
+layout(binding = NEPH_GPU_IMAGES_BINDING) uniform sampler3D grid_textures[1];
+
+float density_at(Grid grid, vec3 point_m)
+{
+    return TEXTURE ? textureLod(grid_textures[0], (point_m + 0.5) / vec3(grid.size), 0.0).r
+                   : grid_density(grid, point_m);
+}
 
 void main()
 {
     CeilingLine line = lines[gl_GlobalInvocationID.x];
-    Grid grid = Grid(vec3(0.0), 0, vec3(1.0), uvec3(run.side));
+    Grid grid = Grid(vec3(0.0), 0, vec3(1.0), 1.0, uvec3(run.side));
     float sum = 0.0;
     for (uint i = 0; i < run.sample_count; i++)
-        sum += grid_density(grid, line.start + float(i) * line.stride);
+        sum += density_at(grid, line.start + float(i) * line.stride);
     results[gl_GlobalInvocationID.x] = sum;
 }

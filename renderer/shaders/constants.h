@@ -12,6 +12,9 @@
 #define NEPH_GPU_MEDIA_MAX 8
 #define NEPH_GPU_LAYERS_MAX 2 // of a fog
 
+// Where kernels that sample images find them, an array of one for each medium.
+#define NEPH_GPU_IMAGES_BINDING 31
+
 // Bits of specialization constant 1, what is known of a scene beside its kinds of media.
 #define NEPH_GPU_COLOURED 1u // some medium's extinction depends on the channel
 #define NEPH_GPU_ORTHOGRAPHIC 2u // the camera is orthographic

@@ -12,6 +12,7 @@ struct Grid {
     vec3 origin_m; // of node (0, 0, 0), a node of the layer of zeros
     uint first;    // its place in grid_values[]
     vec3 nodes_per_m;
+    float full; // the largest density: what a texture has as 1 (grid_texture.glsl)
     uvec3 size; // nodes, the layer of zeros included; each side >= 3
 };
 

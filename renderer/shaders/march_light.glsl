@@ -17,6 +17,7 @@
 #ifndef NEPH_MARCH_LIGHT_GLSL
 #define NEPH_MARCH_LIGHT_GLSL
 
+#include "grid_texture.glsl"
 #include "sun_cache.glsl"
 #include "traced_light.glsl"
 
@@ -93,7 +94,7 @@ vec3 marched_optical_depth(uint kinds, vec3 origin_m, vec3 direction, uint step_
                 break;
         }
         vec3 middle = origin_m + step_point_m(steps, i, 0.5) * direction;
-        sum_add(sum, vec4(scene_extinction_per_m(kinds, middle) * steps.step_m, 0.0));
+        sum_add(sum, vec4(sampled_extinctions_per_m(kinds, middle) * steps.step_m, 0.0));
         density_evaluations++;
     }
     return grey(sum.value.xyz);
@@ -171,7 +172,7 @@ Mixture mixture_at(vec3 point_m)
     Mixture mixture = Mixture(vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
     [[unroll]] for (uint m = 0; m < media_count(); m++) {
         float density_per_m =
-            only_fogs && !is_fog(m) ? 0.0 : medium_extinction_per_m(m, point_m);
+            only_fogs && !is_fog(m) ? 0.0 : sampled_extinction_per_m(m, point_m);
         vec3 extinction_per_m = grey(frame.media[m].extinction_color) * density_per_m;
         vec3 scattered_per_m = extinction_per_m * frame.media[m].albedo;
         mixture.extinction_per_m += extinction_per_m;

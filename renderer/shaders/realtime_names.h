@@ -112,20 +112,22 @@
 #define RT_SKIP 91
 #define RT_EARLY_OUT 92
 #define RT_STEP_GROWTH 93
+#define RT_GRID_SAMPLING 94
+#define RT_GRID_FORMAT 95
 // Traced light.
-#define RT_LIGHT_TEXEL_PX 94
-#define RT_LIGHT_PATHS 95
-#define RT_LIGHT_ROUNDS 96
-#define RT_LIGHT_MEMORY 97
-#define RT_LIGHT_BLUR 98
+#define RT_LIGHT_TEXEL_PX 96
+#define RT_LIGHT_PATHS 97
+#define RT_LIGHT_ROUNDS 98
+#define RT_LIGHT_MEMORY 99
+#define RT_LIGHT_BLUR 100
 // What has changed since the same ray was marched before.
-#define RT_GRADIENT 99
+#define RT_GRADIENT 101
 // Anti-aliasing that follows the medium, and that comes to rest.
-#define RT_TAA_MEDIUM 100
-#define RT_TAA_AGE_MAX 101
-#define RT_TAA_REST_PX 102
-#define RT_TAA_CHANGE 103
-#define RT_SETTING_COUNT 104
+#define RT_TAA_MEDIUM 102
+#define RT_TAA_AGE_MAX 103
+#define RT_TAA_REST_PX 104
+#define RT_TAA_CHANGE 105
+#define RT_SETTING_COUNT 106
 
 // Specialization constants of the shaders, behind those of the march: whether passes with rays
 // leave their counters alone (realtime_march.glsl); whether the shaders hold the choices, and the
@@ -145,6 +147,10 @@
 // Pixels below each other that a thread of the anti-aliasing takes: each row that it reads serves
 // three of them.
 #define RT_TAA_COLUMN 4
+
+// Texels along the side of the block that a work group of 64 takes on a GPU through a pass whose
+// colours take turns.
+#define RT_COLOUR_BLOCK 8
 
 // --- choices ----------------------------------------------------------------------------------
 

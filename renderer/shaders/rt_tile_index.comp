@@ -11,7 +11,10 @@
 // flash with a period of four frames. Sequential is four dispatches, one for each colour
 //     0 1
 //     2 3
-// of 2x2 tiles; a tile sees what earlier colours chose and what later ones would by default.
+// of 2x2 tiles; a tile sees what earlier colours chose and what later ones would by default. On a
+// GPU, where a dispatch waits longer than it works, it is one: a work group takes its 8x8 tiles
+// through all colours by itself, and with them as many tiles around as these depend on, three on
+// each side: a tile looks at its neighbours of the colour before, and so on.
 //
 // "Nearest" and "farthest" go by the scene's depth, in which the sky is the farthest whatever
 // override_sky_m says. The comparison goes by unlimited depths: ray_depth_max_m is for what is
@@ -55,10 +58,24 @@ bool covers(float ray_m, float depth_m)
 
 uint colour_of(ivec2 tile) { return uint((tile.x & 1) + 2 * (tile.y & 1)); }
 
+const int HALO = 3, AREA = RT_COLOUR_BLOCK + 2 * HALO;
+shared int area_slots[AREA * AREA]; // of a block and its halo, as far as they are chosen
+
+bool is_sequential() { return choice(RT_OVERRIDE) == RT_OVERRIDE_SEQUENTIAL; }
+
+ivec2 area_corner; // its first tile; on a GPU
+uint colour;       // whose turn it is
+
+int known_slot(ivec2 tile)
+{
+    ivec2 at = tile - area_corner;
+    return ON_GPU ? area_slots[at.x + AREA * at.y] : int(fetch_tile(RT_TILE, tile).x);
+}
+
 int neighbour_slot(ivec2 tile)
 {
-    bool is_known = choice(RT_OVERRIDE) == RT_OVERRIDE_SEQUENTIAL && colour_of(tile) < run.colour;
-    return is_known ? int(fetch_tile(RT_TILE, tile).x) : default_slot(tile);
+    bool is_known = is_sequential() && colour_of(tile) < colour;
+    return is_known ? known_slot(tile) : default_slot(tile);
 }
 
 int overridden_slot(ivec2 tile, float depths_m[4])
@@ -85,20 +102,77 @@ int overridden_slot(ivec2 tile, float depths_m[4])
     return far_is_covered ? default_slot(tile) : farthest;
 }
 
+struct Depths {
+    float of_slots_m[4];
+};
+
+Depths tile_depths(ivec2 tile)
+{
+    ivec2 origin_px = choice(RT_TILE_ORIGIN) == RT_TILE_ORIGIN_BUFFER ? ivec2(0) : view_origin();
+    Depths depths;
+    for (int slot = 0; slot < 4; slot++)
+        depths.of_slots_m[slot] = slot_depth_m(tile, slot, origin_px);
+    return depths;
+}
+
+void put_chosen(ivec2 tile, int chosen, Depths depths)
+{
+    precise float units = stored_depth_m(depths.of_slots_m[chosen]) * TILE_UNITS_PER_M;
+    put_tile(RT_TILE, tile, vec4(float(chosen), units, 0.0, 0.0));
+}
+
+bool is_tile(ivec2 tile)
+{
+    return all(greaterThanEqual(tile, ivec2(0))) && all(lessThan(tile, tile_count()));
+}
+
+// The tiles of one colour in the area, a thread each: what later colours do not look at is left
+// out, a rim as wide as there were colours before.
+void choose_colour(int thread)
+{
+    const int side = AREA / 2;
+    ivec2 parity = (ivec2(colour, colour >> 1) + HALO) & 1; // the area's first tile is odd
+    ivec2 at = 2 * ivec2(thread % side, thread / side) + parity;
+    ivec2 tile = area_corner + at;
+    bool is_within = all(greaterThanEqual(at, ivec2(colour))) &&
+                     all(lessThan(at, ivec2(AREA - int(colour))));
+    if (thread < side * side && is_within && is_tile(tile))
+        area_slots[at.x + AREA * at.y] = overridden_slot(tile, tile_depths(tile).of_slots_m);
+}
+
+// The block of this work group.
+void choose_block(bool may_override)
+{
+    int block = int(run.first_thread / gl_WorkGroupSize.x + gl_WorkGroupID.x);
+    int thread = int(gl_LocalInvocationID.x);
+    ivec2 first = RT_COLOUR_BLOCK *
+                  element_at(block, (tile_count().x - 1) / RT_COLOUR_BLOCK + 1);
+    ivec2 in_block = ivec2(thread % RT_COLOUR_BLOCK, thread / RT_COLOUR_BLOCK);
+    area_corner = first - HALO;
+    for (colour = 0; may_override && colour < 4; colour++) {
+        choose_colour(thread);
+        barrier();
+    }
+    ivec2 tile = first + in_block;
+    if (!is_tile(tile))
+        return;
+    put_chosen(tile, may_override ? known_slot(tile) : default_slot(tile), tile_depths(tile));
+}
+
 void main()
 {
+    bool may_override = choice(RT_OVERRIDE) != RT_OVERRIDE_NONE && view.resting == 0u;
+    if (ON_GPU && is_sequential()) {
+        choose_block(may_override);
+        return;
+    }
     ivec2 tile;
     if (!own_element(tile_count(), tile))
         return;
-    bool may_override = choice(RT_OVERRIDE) != RT_OVERRIDE_NONE && view.resting == 0u;
-    if (may_override && choice(RT_OVERRIDE) == RT_OVERRIDE_SEQUENTIAL &&
-        colour_of(tile) != run.colour)
+    colour = run.colour;
+    if (may_override && is_sequential() && colour_of(tile) != colour)
         return;
-    ivec2 origin_px = choice(RT_TILE_ORIGIN) == RT_TILE_ORIGIN_BUFFER ? ivec2(0) : view_origin();
-    float depths_m[4];
-    for (int slot = 0; slot < 4; slot++)
-        depths_m[slot] = slot_depth_m(tile, slot, origin_px);
-    int chosen = may_override ? overridden_slot(tile, depths_m) : default_slot(tile);
-    precise float units = stored_depth_m(depths_m[chosen]) * TILE_UNITS_PER_M;
-    put_tile(RT_TILE, tile, vec4(float(chosen), units, 0.0, 0.0));
+    Depths depths = tile_depths(tile);
+    put_chosen(tile, may_override ? overridden_slot(tile, depths.of_slots_m) : default_slot(tile),
+               depths);
 }

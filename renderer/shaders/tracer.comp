@@ -319,6 +319,13 @@ void play_sun_roulette(float u)
         path.sun_fraction *= u * path.sun_roulette < most ? path.sun_roulette / most : 0.0;
 }
 
+// A pair of numbers for one of the first decisions of the item in work; if SOBOL.
+uvec2 first_bits(uint decision)
+{
+    return low_discrepancy(run.first_pixel + item_pixel(),
+                           run.first_sample + path.item % run.samples, decision);
+}
+
 // --- events -------------------------------------------------------------------------------------
 
 // Go on along `direction` with `throughput`, or end: there is nothing more to find, or by roulette.
@@ -355,6 +362,9 @@ void happen()
     uvec4 bits = draw4();
     vec3 u = uniform_from(bits.xyz), next;
     float light_per_sr; // of the sun's
+    if (SOBOL && path.events == 0)
+        u.xy = uniform_from(first_bits(path.stage == STAGE_MEDIUM ? PAIR_SCATTERED
+                                                                  : PAIR_REFLECTED).xyy).xy;
     path.events++;
     if (!SURFACES || path.stage == STAGE_MEDIUM) {
         Medium by = only;
@@ -559,7 +569,11 @@ void enter()
     path.t_m = t0_m;
     path.cell = ivec3(clamp(floor(cells_start + t0_m * cells_slope), vec3(0.0),
                             vec3(tracked.majorant_size) - 1.0));
-    path.depth_left = exponential_from(draw().x);
+    uint bits = draw().x;
+    if (SOBOL && path.ray == RAY_PATH && path.events == 1 && path.tracked == 0 &&
+        path.is_surface_first == 0)
+        bits = first_bits(PAIR_FREE_PATH).x;
+    path.depth_left = exponential_from(bits);
     path.stage = STAGE_TRACK;
 }
 

@@ -5,6 +5,7 @@
 #define NEPH_TRACER_GLSL
 
 #include "scene.glsl"
+#include "low_discrepancy.glsl"
 #include "sampling.glsl"
 
 // All kernels get all constants (renderer/tracer.c), the first two being those of scene.glsl.
@@ -20,6 +21,8 @@ layout(constant_id = 10) const bool SOLIDS = true; // there are some
 
 layout(constant_id = 11) const bool LIT = false;   // light is scattered once, and the sun shines
 layout(constant_id = 12) const bool EMITS = false; // some medium does
+
+layout(constant_id = 13) const bool SOBOL = false; // the first decisions of a sample are not random
 
 // Some medium's optical depth has no closed form: then the view ray is a matter of chance too.
 const bool OPEN = (KINDS & OPEN_KINDS) != 0u;
@@ -121,6 +124,21 @@ layout(std430, binding = 11) buffer Depths {
 uvec4 sample_key(uint pixel, uint sample_index)
 {
     return pcg4d(uvec4(pixel, sample_index, run.seed_low, run.seed_high));
+}
+
+// The first decisions of a sample: a pair of numbers for each.
+const uint PAIR_PLACE = 0;      // of the first collision, and its medium where that is guessed
+const uint PAIR_SCATTERED = 1;  // the direction from there
+const uint PAIR_REFLECTED = 2;  // the direction from a first surface
+const uint PAIR_FREE_PATH = 3;  // after the first event; one number
+
+// If SOBOL. The samples of a pair come from two sequences that know nothing of each other, so that
+// the means over both are independent, too (tracer_sum.comp).
+uvec2 low_discrepancy(uint pixel, uint sample_index, uint decision)
+{
+    uvec2 own = pcg4d(uvec4(pixel, 2u * decision + (sample_index & 1u), run.seed_low,
+                            ~run.seed_high)).xy;
+    return sobol_pair(sample_index >> 1, uvec4(own, run.seed_low, run.seed_high));
 }
 
 // The channel that distances are drawn for, from the first numbers of a sample.

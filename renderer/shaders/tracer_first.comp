@@ -192,6 +192,12 @@ void main()
     ViewRay ray = pixel_ray(run.first_pixel + pixel);
     uvec3 bits = pcg3d(sample_key(run.first_pixel + pixel, run.first_sample + sample_index).xyz);
     float u = (float(sample_index % BATCH_SAMPLES / 2) + uniform_from(bits).x) / float(STRATA);
+    if (SOBOL) {
+        uvec2 pair = low_discrepancy(run.first_pixel + pixel, run.first_sample + sample_index,
+                                     PAIR_PLACE);
+        bits.y = pair.y;
+        u = uniform_from(pair.xxx).x;
+    }
     if (GUESSED) {
         firsts[item] = guessed_collision(pixel, ray, vec2(u, uniform_from(bits).y));
         return;

@@ -6,7 +6,9 @@
 // that it does not matter how samples were cut into rounds.
 //
 // The two samples of a pair lie in the same stratum: half their squared difference estimates the
-// variance inside the stratum, which is all the variance that a stratified mean has.
+// variance inside the stratum, which is all the variance that a stratified mean has. If SOBOL, the
+// samples of one sequence are no strangers to each other, but the two sequences that pairs are of
+// are: what counts is the difference of their means, squared when all is summed up.
 #extension GL_GOOGLE_include_directive : require
 
 #include "tracer.glsl"
@@ -47,7 +49,7 @@ void main()
         sum_add(surface, b.surface);
         vec4 difference = (a.order1 - b.order1) + (a.higher - b.higher) +
                           transmitted * (a.surface - b.surface);
-        sum_add(spread, difference * difference);
+        sum_add(spread, SOBOL ? difference : difference * difference);
     }
     keep_sum(pixel, 0, order1);
     keep_sum(pixel, 1, higher);

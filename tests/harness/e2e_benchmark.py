@@ -103,7 +103,9 @@ class Benchmark(unittest.TestCase):
 
     def test_pictures_in_flight(self):
         done, left = benchmark("voxel_grid", "-e", "march,realtime,tracer", "--size", "32x18",
-                               "--frames", "4", "--seconds", "0.02", "--preset", "fixed", "--json")
+                               "--frames", "4", "--seconds", "0.02", "--preset", "fixed", "--json",
+                               "-s", "realtime:transmittance=marched", "-s",
+                               "realtime:grid_sampling=texture", "-s", "realtime:grid_format=r8")
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertEqual(left, [])
         document = json.loads(done.stdout)
@@ -113,13 +115,19 @@ class Benchmark(unittest.TestCase):
         self.assertEqual(flown["format"], "neph-benchmark-frames-1")
         for ceiling in ("copy_bytes_per_s", "buffer_samples_per_s"):
             self.assertGreater(flown["ceilings"][ceiling], 0.0)
+        # Of the formats that some engine samples.
+        textures = flown["ceilings"]["texture_samples_per_s"]
+        self.assertEqual((textures["r32f"], textures["r16f"]), (None, None))
+        self.assertGreater(textures["r8"], 0.0)
         march, realtime = flown["engines"]
         self.assertEqual(march["error"], 0.0)  # its defaults are the reference
         self.assertGreater(realtime["error"], 0.0)
         self.assertLess(realtime["error"], error_of_black("voxel_grid", "32x18"))
         self.assertEqual([p["pass"] for p in march["passes"]], ["march"])
         self.assertIn("reconstruction", [p["pass"] for p in realtime["passes"]])
-        for engine in (march, realtime):
+        for engine, samples, ceiling in (
+                (march, "buffer samples", flown["ceilings"]["buffer_samples_per_s"]),
+                (realtime, "r8 texture samples", textures["r8"])):
             with self.subTest(engine["engine"]):
                 self.assertTrue(1 <= engine["frames"] <= 4)
                 self.assertEqual(engine["reference"], "march")
@@ -127,10 +135,9 @@ class Benchmark(unittest.TestCase):
                               *(p["gpu_s"] for p in engine["passes"])):
                     self.assertTrue(0.0 <= times["low"] <= times["median"] <= times["high"])
                 rays = [p for p in engine["passes"] if p["pass"] == "march"][0]
-                self.assertEqual(rays["ceiling"], "buffer samples")
+                self.assertEqual(rays["ceiling"], samples)
                 self.assertGreater(rays["density_evaluations"], 0)
-                share = (rays["density_evaluations"] / rays["gpu_s"]["median"] /
-                         flown["ceilings"]["buffer_samples_per_s"])
+                share = rays["density_evaluations"] / rays["gpu_s"]["median"] / ceiling
                 self.assertAlmostEqual(rays["share"] / share, 1.0, places=9)
         # A ray for each 4 x 4 pixels.
         counts = [[p["density_evaluations"] for p in e["passes"] if p["pass"] == "march"][0]

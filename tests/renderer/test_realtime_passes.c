@@ -30,7 +30,7 @@ struct id {
 
 struct module {
     struct id *ids;
-    uint32_t targets_binding; /* + 1: the last of all */
+    uint32_t targets_binding; /* + 1: the last of all but the images' */
     uint32_t reads, writes;
 };
 
@@ -48,7 +48,7 @@ static void take_instruction(struct module *module, const uint32_t *words)
     const uint32_t operation = words[0] & 0xffffu;
     if (operation == OP_DECORATE && words[2] == DECORATION_BINDING) {
         module->ids[words[1]].binding = words[3] + 1;
-        if (words[3] + 1 > module->targets_binding)
+        if (words[3] + 1 > module->targets_binding && words[3] != NEPH_GPU_IMAGES_BINDING)
             module->targets_binding = words[3] + 1;
     } else if (operation == OP_CONSTANT) {
         module->ids[words[2]].constant = words[3] + 1;
@@ -160,8 +160,14 @@ static void test_threads_cover_all_texels(void **state)
     for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
         const struct neph_rt_pass pass = {.resolution = cases[i].resolution,
                                           .column = cases[i].column};
-        assert_int_equal(neph_rt_thread_count(&view, &pass), cases[i].count);
+        assert_int_equal(neph_rt_thread_count(&view, &pass, i % 2 == 0), cases[i].count);
     }
+    const struct neph_rt_condition always = {RT_OVERRIDE, (int)settings.values[RT_OVERRIDE]};
+    const struct neph_rt_pass turns = {.resolution = RT_QUARTER, .in_colours = &always};
+    assert_int_equal(neph_rt_colour_count(&view, &turns, false), 4);
+    assert_int_equal(neph_rt_thread_count(&view, &turns, false), 10 * 6);
+    assert_int_equal(neph_rt_colour_count(&view, &turns, true), 1);
+    assert_int_equal(neph_rt_thread_count(&view, &turns, true), 64 * 2 * 1); /* blocks of 8x8 */
 }
 
 int main(void)

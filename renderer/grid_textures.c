@@ -1,0 +1,59 @@
+/* SPDX-License-Identifier: MIT */
+#include "renderer/grid_textures.h"
+
+#include "renderer/media/grid.h"
+#include "renderer/texture.h"
+
+static void slab_of_grid(const void *context, int z, float *values)
+{
+    const struct neph_medium *medium = context;
+    const float full = neph_gpu_grid_full(medium);
+    int size[3];
+    neph_gpu_grid_size(medium->grid, size);
+    neph_gpu_grid_slab(medium, z, values);
+    for (size_t i = 0; i < (size_t)size[0] * (size_t)size[1]; i++)
+        values[i] /= full;
+}
+
+static void slab_of_nothing(const void *context, int z, float *values)
+{
+    (void)context;
+    (void)z;
+    values[0] = 0.0f;
+}
+
+static enum neph_status create_nothing(const struct neph_vulkan *vulkan,
+                                       struct neph_texture *texture, struct neph_diag *diag)
+{
+    const struct neph_texture_params params = {
+        .format = NEPH_TEXEL_R8, /* every device has it */
+        .size = {1, 1, 1},
+        .slab = slab_of_nothing,
+        .name = "no grid",
+    };
+    return neph_texture_create(vulkan, &params, texture, diag);
+}
+
+static enum neph_status create(const struct neph_vulkan *vulkan, const struct neph_medium *medium,
+                               enum neph_texel_format format, struct neph_texture *texture,
+                               struct neph_diag *diag)
+{
+    struct neph_texture_params params = {
+        .format = format, .slab = slab_of_grid, .context = medium, .name = "grid texture"};
+    neph_gpu_grid_size(medium->grid, params.size);
+    return neph_texture_create(vulkan, &params, texture, diag);
+}
+
+enum neph_status neph_grid_textures_create(const struct neph_vulkan *vulkan,
+                                           const struct neph_scene *scene,
+                                           const struct neph_shortcuts *shortcuts,
+                                           struct neph_gpu_scene *gpu, struct neph_diag *diag)
+{
+    const struct neph_medium *media[NEPH_GPU_MEDIA_MAX];
+    const uint32_t count = shortcuts->grid_texture ? neph_gpu_scene_list(scene, media) : 0;
+    enum neph_status status = create_nothing(vulkan, &gpu->no_texture, diag);
+    for (uint32_t m = 0; m < count && !status; m++)
+        if (media[m]->kind == NEPH_MEDIUM_GRID)
+            status = create(vulkan, media[m], shortcuts->grid_format, &gpu->textures[m], diag);
+    return status;
+}

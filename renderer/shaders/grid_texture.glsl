@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: MIT
+//
+// What sums over steps ask of the media: the extinction at a point, of voxel grids by the texture
+// unit where that is chosen (struct neph_shortcuts). One look-up, no branch and no border: the
+// lattice of grid.glsl with its layer of zeros, which goes on beyond its faces.
+//
+// The error is that of the unit's weights, which have 8 bits on GPUs, and of what a texel holds
+// (docs/shortcuts.md).
+#ifndef NEPH_GRID_TEXTURE_GLSL
+#define NEPH_GRID_TEXTURE_GLSL
+
+#include "shortcuts.glsl"
+
+const bool SAMPLES_TEXTURES = (SHORTCUTS & 16u) != 0u && (KINDS & 1u << MEDIUM_GRID) != 0u;
+
+// By place in the frame; of what is no grid one texel that nobody asks for.
+layout(binding = NEPH_GPU_IMAGES_BINDING) uniform sampler3D grid_textures[MEDIA_MAX];
+
+// By constant numbers: lavapipe has no other. Loops over media that are unrolled keep one of them.
+float grid_texture_at(uint m, vec3 place)
+{
+    switch (m) {
+    case 0u:
+        return textureLod(grid_textures[0], place, 0.0).r;
+    case 1u:
+        return textureLod(grid_textures[1], place, 0.0).r;
+    case 2u:
+        return textureLod(grid_textures[2], place, 0.0).r;
+    case 3u:
+        return textureLod(grid_textures[3], place, 0.0).r;
+    case 4u:
+        return textureLod(grid_textures[4], place, 0.0).r;
+    case 5u:
+        return textureLod(grid_textures[5], place, 0.0).r;
+    case 6u:
+        return textureLod(grid_textures[6], place, 0.0).r;
+    default:
+        return textureLod(grid_textures[7], place, 0.0).r;
+    }
+}
+
+float grid_texture_density(uint m, vec3 point_m)
+{
+    vec3 size = vec3(frame.media[m].shape.grid.size);
+    vec3 at = (point_m - frame.media[m].shape.grid.origin_m) *
+              frame.media[m].shape.grid.nodes_per_m;
+    return frame.media[m].shape.grid.full * grid_texture_at(m, (at + 0.5) / size);
+}
+
+// As medium_extinction_per_m().
+float sampled_extinction_per_m(uint m, vec3 point_m)
+{
+    if (SAMPLES_TEXTURES && !is_fog(m) && is_a(MEDIUM_GRID, kind_of(m)))
+        return medium_contains(m, point_m)
+                   ? frame.media[m].extinction_per_m * grid_texture_density(m, point_m)
+                   : 0.0;
+    return medium_extinction_per_m(m, point_m);
+}
+
+// As scene_extinction_per_m().
+vec3 sampled_extinctions_per_m(uint kinds, vec3 point_m)
+{
+    vec3 extinction_per_m = vec3(0.0);
+    [[unroll]] for (uint m = 0; m < media_count(); m++)
+        if (is_among(kinds, m))
+            extinction_per_m +=
+                frame.media[m].extinction_color * sampled_extinction_per_m(m, point_m);
+    return grey(extinction_per_m);
+}
+
+#endif

@@ -1,0 +1,232 @@
+/* SPDX-License-Identifier: MIT */
+#include "renderer/texture.h"
+
+#include "renderer/realtime/view.h"
+#include "renderer/shortcuts.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const struct {
+    VkFormat format;
+    size_t bytes;
+} formats[] = {
+    [NEPH_TEXEL_R32F] = {VK_FORMAT_R32_SFLOAT, 4},
+    [NEPH_TEXEL_R16F] = {VK_FORMAT_R16_SFLOAT, 2},
+    [NEPH_TEXEL_R8] = {VK_FORMAT_R8_UNORM, 1},
+};
+
+/* --- what a device has -------------------------------------------------------------------- */
+
+bool neph_texture_filters(const struct neph_vulkan *vulkan, enum neph_texel_format format)
+{
+    const VkFormatFeatureFlags needed = VK_FORMAT_FEATURE_SAMPLED_IMAGE_BIT |
+                                        VK_FORMAT_FEATURE_SAMPLED_IMAGE_FILTER_LINEAR_BIT |
+                                        VK_FORMAT_FEATURE_TRANSFER_DST_BIT;
+    VkFormatProperties properties;
+    vkGetPhysicalDeviceFormatProperties(vulkan->physical_device, formats[format].format,
+                                        &properties);
+    return (properties.optimalTilingFeatures & needed) == needed;
+}
+
+static enum neph_status check(const struct neph_vulkan *vulkan,
+                              const struct neph_texture_params *params, struct neph_diag *diag)
+{
+    const int most = (int)vulkan->limits.maxImageDimension3D;
+    if (!neph_texture_filters(vulkan, params->format)) {
+        neph_fail(diag, NEPH_ERR_UNSUPPORTED,
+                  "grid_format=%s: the device '%s' does not interpolate 3D images of it",
+                  neph_texel_formats[params->format], vulkan->description.device);
+        neph_hint(diag, "grid_format= has others; grid_sampling=exact needs none");
+        return NEPH_ERR_UNSUPPORTED;
+    }
+    for (int axis = 0; axis < 3; axis++)
+        if (params->size[axis] > most)
+            return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
+                             "the texture '%s' has %d texels along a side; the device allows %d: "
+                             "set grid_sampling=exact",
+                             params->name, params->size[axis], most);
+    return NEPH_OK;
+}
+
+/* --- making ------------------------------------------------------------------------------- */
+
+static VkResult create_image(const struct neph_vulkan *vulkan,
+                             const struct neph_texture_params *params, struct neph_texture *texture)
+{
+    const VkImageCreateInfo info = {
+        .sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO,
+        .imageType = VK_IMAGE_TYPE_3D,
+        .format = formats[params->format].format,
+        .extent = {(uint32_t)params->size[0], (uint32_t)params->size[1], (uint32_t)params->size[2]},
+        .mipLevels = 1,
+        .arrayLayers = 1,
+        .samples = VK_SAMPLE_COUNT_1_BIT,
+        .tiling = VK_IMAGE_TILING_OPTIMAL,
+        .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT,
+        .sharingMode = VK_SHARING_MODE_EXCLUSIVE,
+        .initialLayout = VK_IMAGE_LAYOUT_UNDEFINED,
+    };
+    VkMemoryRequirements requirements;
+    VkResult result = vulkan->api.vkCreateImage(vulkan->device, &info, NULL, &texture->image);
+    if (result != VK_SUCCESS)
+        return result;
+    vulkan->api.vkGetImageMemoryRequirements(vulkan->device, texture->image, &requirements);
+    const VkMemoryAllocateInfo memory = {
+        .sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO,
+        .allocationSize = requirements.size,
+        .memoryTypeIndex = neph_memory_type(vulkan, requirements.memoryTypeBits, 0,
+                                            VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT),
+    };
+    if (memory.memoryTypeIndex == UINT32_MAX)
+        return VK_ERROR_FEATURE_NOT_PRESENT;
+    result = vulkan->api.vkAllocateMemory(vulkan->device, &memory, NULL, &texture->memory);
+    return result == VK_SUCCESS
+               ? vulkan->api.vkBindImageMemory(vulkan->device, texture->image, texture->memory, 0)
+               : result;
+}
+
+static const VkImageSubresourceRange whole = {
+    .aspectMask = VK_IMAGE_ASPECT_COLOR_BIT, .levelCount = 1, .layerCount = 1};
+
+static VkResult create_view(const struct neph_vulkan *vulkan, enum neph_texel_format format,
+                            struct neph_texture *texture)
+{
+    const VkImageViewCreateInfo view = {
+        .sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,
+        .image = texture->image,
+        .viewType = VK_IMAGE_VIEW_TYPE_3D,
+        .format = formats[format].format,
+        .subresourceRange = whole,
+    };
+    const VkSamplerCreateInfo sampler = {
+        .sType = VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO,
+        .magFilter = VK_FILTER_LINEAR,
+        .minFilter = VK_FILTER_LINEAR,
+        .addressModeU = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE,
+        .addressModeV = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE,
+        .addressModeW = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE,
+    };
+    const VkResult result = vulkan->api.vkCreateImageView(vulkan->device, &view, NULL,
+                                                          &texture->view);
+    return result == VK_SUCCESS
+               ? vulkan->api.vkCreateSampler(vulkan->device, &sampler, NULL, &texture->sampler)
+               : result;
+}
+
+/* --- filling ------------------------------------------------------------------------------ */
+
+static void convert(const float *values, size_t count, enum neph_texel_format format, void *texels)
+{
+    if (format == NEPH_TEXEL_R32F)
+        memcpy(texels, values, count * sizeof(*values));
+    for (size_t i = 0; i < count && format == NEPH_TEXEL_R16F; i++)
+        ((uint16_t *)texels)[i] = neph_rt_to_half(values[i]);
+    for (size_t i = 0; i < count && format == NEPH_TEXEL_R8; i++)
+        ((uint8_t *)texels)[i] = (uint8_t)lrintf(255.0f * values[i]);
+}
+
+static void change_layout(const struct neph_vulkan *vulkan, const struct neph_lane *lane,
+                          const struct neph_texture *texture, bool is_full)
+{
+    const VkImageMemoryBarrier barrier = {
+        .sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER,
+        .srcAccessMask = is_full ? VK_ACCESS_TRANSFER_WRITE_BIT : 0,
+        .dstAccessMask = is_full ? VK_ACCESS_SHADER_READ_BIT : VK_ACCESS_TRANSFER_WRITE_BIT,
+        .oldLayout = is_full ? VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL : VK_IMAGE_LAYOUT_UNDEFINED,
+        .newLayout = is_full ? VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL
+                             : VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+        .srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
+        .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
+        .image = texture->image,
+        .subresourceRange = whole,
+    };
+    vulkan->api.vkCmdPipelineBarrier(
+        lane->commands,
+        is_full ? VK_PIPELINE_STAGE_TRANSFER_BIT : VK_PIPELINE_STAGE_TOP_OF_PIPE_BIT,
+        is_full ? VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT : VK_PIPELINE_STAGE_TRANSFER_BIT, 0, 0, NULL,
+        0, NULL, 1, &barrier);
+}
+
+static VkResult copy_slab(const struct neph_vulkan *vulkan,
+                          const struct neph_texture_params *params,
+                          const struct neph_buffer *staging, int z,
+                          const struct neph_texture *texture)
+{
+    const VkBufferImageCopy region = {
+        .imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
+        .imageOffset = {0, 0, z},
+        .imageExtent = {(uint32_t)params->size[0], (uint32_t)params->size[1], 1},
+    };
+    struct neph_lane *lane;
+    VkResult result = neph_lane_begin(vulkan, &lane);
+    if (result != VK_SUCCESS)
+        return result;
+    if (z == 0)
+        change_layout(vulkan, lane, texture, false);
+    vulkan->api.vkCmdCopyBufferToImage(lane->commands, staging->handle, texture->image,
+                                       VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
+    if (z == params->size[2] - 1)
+        change_layout(vulkan, lane, texture, true);
+    result = neph_lane_send(vulkan, lane);
+    return result == VK_SUCCESS ? neph_lanes_wait(vulkan, vulkan->lanes->sent) : result;
+}
+
+/* Slab after slab: no second copy of the lattice in memory. */
+static enum neph_status fill(const struct neph_vulkan *vulkan,
+                             const struct neph_texture_params *params,
+                             const struct neph_texture *texture, struct neph_diag *diag)
+{
+    const size_t count = (size_t)params->size[0] * (size_t)params->size[1];
+    float *values = malloc(count * sizeof(*values));
+    struct neph_buffer staging = {0};
+    enum neph_status status = values ? NEPH_OK : neph_fail_memory(diag);
+    if (!status)
+        status = neph_buffer_create(vulkan, NEPH_BUFFER_UPLOAD,
+                                    count * formats[params->format].bytes, "staging", &staging,
+                                    diag);
+    for (int z = 0; z < params->size[2] && !status; z++) {
+        params->slab(params->context, z, values);
+        convert(values, count, params->format, staging.mapped);
+        const VkResult result = copy_slab(vulkan, params, &staging, z, texture);
+        if (result != VK_SUCCESS)
+            status = neph_vulkan_fail(result, params->name, diag);
+    }
+    neph_buffer_destroy(vulkan, &staging);
+    free(values);
+    return status;
+}
+
+enum neph_status neph_texture_create(const struct neph_vulkan *vulkan,
+                                     const struct neph_texture_params *params,
+                                     struct neph_texture *texture, struct neph_diag *diag)
+{
+    struct neph_texture made = {.image = VK_NULL_HANDLE};
+    enum neph_status status = check(vulkan, params, diag);
+    if (status)
+        return status;
+    VkResult result = create_image(vulkan, params, &made);
+    if (result == VK_SUCCESS)
+        result = create_view(vulkan, params->format, &made);
+    status = result == VK_SUCCESS ? fill(vulkan, params, &made, diag)
+                                  : neph_vulkan_fail(result, params->name, diag);
+    if (status) {
+        neph_texture_destroy(vulkan, &made);
+        return status;
+    }
+    neph_vulkan_name(vulkan, VK_OBJECT_TYPE_IMAGE, (uint64_t)made.image, params->name);
+    *texture = made;
+    return NEPH_OK;
+}
+
+void neph_texture_destroy(const struct neph_vulkan *vulkan, struct neph_texture *texture)
+{
+    if (texture->view)
+        neph_kernels_forget(vulkan, texture);
+    vulkan->api.vkDestroySampler(vulkan->device, texture->sampler, NULL);
+    vulkan->api.vkDestroyImageView(vulkan->device, texture->view, NULL);
+    vulkan->api.vkDestroyImage(vulkan->device, texture->image, NULL);
+    vulkan->api.vkFreeMemory(vulkan->device, texture->memory, NULL);
+    *texture = (struct neph_texture){.image = VK_NULL_HANDLE};
+}

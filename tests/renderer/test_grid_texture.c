@@ -1,0 +1,365 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Voxel grids by the texture unit: value by value within what its weights and its texels can tell,
+ * and in a march, where nothing else changes.
+ */
+#include "tests/renderer/march_test.h"
+
+#include "renderer/grid_textures.h"
+#include "renderer/march_cut.h"
+#include "renderer/realtime/options.h"
+#include "renderer/realtime/pipeline.h"
+#include "renderer/texture.h"
+#include "scenes/grid.h"
+
+#include <stdlib.h>
+
+static const uint32_t probe_spirv[] = {
+#include "shaders/probe_texture.comp.inc"
+};
+
+enum { WIDTH_PX = 24, HEIGHT_PX = 16, POINTS = 1500 };
+
+/* Two grids of sides that no two are alike, one of them with fine voxels. The caller's to destroy.
+ */
+struct two_grids {
+    struct neph_grid *grids[2];
+};
+
+static struct two_grids add_grids(struct test_scene *test)
+{
+    static const struct neph_vec3 spacings_m[2] = {{0.6, 0.5, 0.7}, {0.3, 0.25, 0.4}};
+    struct two_grids two;
+    uint64_t random = 11;
+    for (int i = 0; i < 2; i++) {
+        struct neph_medium *medium = test_add_cloud(test, NEPH_MEDIUM_GRID, 0.9 + i);
+        medium->grid = random_lattice((const int[3]){12 + i, 11, 10},
+                                      (struct neph_vec3){-3.0 + 4.0 * i, -1.0, -15.0},
+                                      spacings_m[i], -2.0, &random);
+        two.grids[i] = medium->grid;
+    }
+    return two;
+}
+
+static void destroy_two(struct two_grids two)
+{
+    neph_grid_destroy(two.grids[0]);
+    neph_grid_destroy(two.grids[1]);
+}
+
+/* --- values ----------------------------------------------------------------------------------- */
+
+struct point {
+    float at_m[3], medium;
+};
+
+/* In cells, on nodes (the layer of zeros among them), and beyond. */
+static void choose_points(const struct test_scene *test, struct point points[POINTS])
+{
+    uint64_t random = 5;
+    for (int i = 0; i < POINTS; i++) {
+        const struct neph_grid *grid = test->scene.media[i % 2].grid;
+        const struct neph_vec3 low_m = neph_vec3_sub(grid->origin_m, test->key.position_m);
+        const double lows_m[3] = {low_m.x, low_m.y, low_m.z};
+        const double steps_m[3] = {grid->spacing_m.x, grid->spacing_m.y, grid->spacing_m.z};
+        points[i].medium = (float)(i % 2);
+        for (int axis = 0; axis < 3; axis++) {
+            const double place = neph_test_uniform(&random, -1.5, grid->size[axis] + 0.5);
+            points[i].at_m[axis] = (float)(lows_m[axis] +
+                                           (i % 5 == 0 ? floor(place) : place) * steps_m[axis]);
+        }
+    }
+}
+
+/* For the caller to free. */
+static float *ask(struct neph_vulkan *vulkan, const struct test_scene *test,
+                  const struct point points[POINTS], const struct neph_shortcuts *shortcuts)
+{
+    struct neph_diag diag = {0};
+    struct neph_gpu_scene gpu = {0};
+    struct neph_buffer in = {0}, out = {0}, readback = {0};
+    const size_t in_bytes = POINTS * sizeof(*points), out_bytes = POINTS * sizeof(float);
+    neph_assert_ok(neph_gpu_scene_create(vulkan, &test->scene, 0.0, 8, 8, false, &gpu, &diag),
+                   &diag);
+    neph_assert_ok(neph_grid_textures_create(vulkan, &test->scene, shortcuts, &gpu, &diag), &diag);
+    struct neph_kernel_params params = {
+        .name = "probe_texture",
+        .spirv = probe_spirv,
+        .spirv_size_bytes = sizeof(probe_spirv),
+        .buffer_count = NEPH_GPU_SCENE_BUFFERS + 2,
+        .uniform_count = NEPH_GPU_SCENE_UNIFORMS,
+        .image_count = NEPH_GPU_MEDIA_MAX,
+        .constant_count = NEPH_MARCH_CONSTANTS,
+    };
+    neph_march_constants(&gpu, &(struct neph_march_params){.shortcuts = *shortcuts},
+                         params.constants);
+    const struct neph_kernel *kernel;
+    neph_assert_ok(neph_kernel_get(vulkan, &params, &kernel, &diag), &diag);
+    neph_assert_ok(neph_buffer_create(vulkan, NEPH_BUFFER_UPLOAD, in_bytes, "points", &in, &diag),
+                   &diag);
+    neph_assert_ok(
+        neph_buffer_create(vulkan, NEPH_BUFFER_DEVICE, out_bytes, "answers", &out, &diag), &diag);
+    neph_assert_ok(
+        neph_buffer_create(vulkan, NEPH_BUFFER_READBACK, out_bytes, "readback", &readback, &diag),
+        &diag);
+    memcpy(in.mapped, points, in_bytes);
+    struct neph_dispatch dispatch = {
+        .buffers = {[NEPH_GPU_SCENE_BUFFERS] = &in, &out},
+        .group_count = (POINTS + 63) / 64,
+        .copy_from = &out,
+        .copy_to = &readback,
+        .copy_size_bytes = out_bytes,
+    };
+    neph_gpu_scene_bind(&gpu, &dispatch);
+    neph_assert_ok(neph_kernel_run(vulkan, kernel, &dispatch, NULL, &diag), &diag);
+    float *answers = malloc(out_bytes);
+    assert_non_null(answers);
+    memcpy(answers, readback.mapped, out_bytes);
+    neph_buffer_destroy(vulkan, &readback);
+    neph_buffer_destroy(vulkan, &out);
+    neph_buffer_destroy(vulkan, &in);
+    neph_gpu_scene_destroy(vulkan, &gpu);
+    return answers;
+}
+
+/* How far the eight nodes around a point lie apart. */
+static double spread_around(const struct neph_grid *grid, struct neph_vec3 at_m)
+{
+    const double places[3] = {(at_m.x - grid->origin_m.x) / grid->spacing_m.x,
+                              (at_m.y - grid->origin_m.y) / grid->spacing_m.y,
+                              (at_m.z - grid->origin_m.z) / grid->spacing_m.z};
+    double least = INFINITY, most = 0.0;
+    /* One node more on each side: a place on a node, rounded, may be in the cell beside it. */
+    for (int n = 0; n < 64; n++) {
+        const int steps[3] = {n % 4 - 1, n / 4 % 4 - 1, n / 16 - 1};
+        bool inside = true;
+        size_t at = 0;
+        for (int axis = 2; axis >= 0; axis--) {
+            const double node = floor(places[axis]) + steps[axis];
+            inside &= node >= 0.0 && node < grid->size[axis];
+            at = at * (size_t)grid->size[axis] + (size_t)fmax(0.0, node);
+        }
+        const double value = inside ? grid->values[at] : 0.0;
+        least = fmin(least, value);
+        most = fmax(most, value);
+    }
+    return most - least;
+}
+
+/* Vulkan asks of a weight to be one of 2^bits; each of three axes moves the value by no more than
+ * such a part of what the nodes differ by. Of a texel, half of its last place, and for numbers that
+ * are a shade below 2^-14 of the largest half a step of those. */
+static double allowed(const struct neph_vulkan *vulkan, enum neph_texel_format format,
+                      const struct neph_grid *grid, struct neph_vec3 at_m)
+{
+    const double weight = ldexp(1.0, -(int)vulkan->limits.subTexelPrecisionBits);
+    const double value = neph_grid_density(grid, at_m) + spread_around(grid, at_m);
+    const double texels[] = {
+        [NEPH_TEXEL_R32F] = 0x1p-23 * value,
+        [NEPH_TEXEL_R16F] = 0x1p-11 * value + 0x1p-25 * grid->maximum,
+        [NEPH_TEXEL_R8] = 0.5 / 255.0 * grid->maximum,
+    };
+    return 3.0 * weight * spread_around(grid, at_m) + texels[format] + 1e-6 * grid->maximum;
+}
+
+static void test_values_are_within_weights_and_texels(void **state)
+{
+    struct neph_vulkan *vulkan = *state;
+    struct point points[POINTS];
+    struct test_scene test;
+    test_scene_init(&test);
+    const struct two_grids two = add_grids(&test);
+    choose_points(&test, points);
+    for (int f = 0; f < NEPH_TEXEL_FORMAT_COUNT; f++) {
+        const struct neph_shortcuts shortcuts = {.grid_texture = true,
+                                                 .grid_format = (enum neph_texel_format)f};
+        float *answers = ask(vulkan, &test, points, &shortcuts);
+        double largest = 0.0, worst = 0.0;
+        for (int i = 0; i < POINTS; i++) {
+            const struct neph_medium *medium = &test.scene.media[i % 2];
+            const struct neph_vec3 camera_m = test.key.position_m;
+            const struct neph_vec3 at_m = {camera_m.x + (double)points[i].at_m[0],
+                                           camera_m.y + (double)points[i].at_m[1],
+                                           camera_m.z + (double)points[i].at_m[2]};
+            const double off = fabs((double)answers[i] / medium->extinction_per_m -
+                                    neph_grid_density(medium->grid, at_m));
+            largest = fmax(largest, off / medium->grid->maximum);
+            worst = fmax(worst, off / allowed(vulkan, shortcuts.grid_format, medium->grid, at_m));
+        }
+        print_message("%d: off by %.2e of the largest, %.2f of what is allowed\n", f, largest,
+                      worst);
+        assert_true(worst <= 1.0);
+        free(answers);
+    }
+    destroy_two(two);
+}
+
+/* --- marches ---------------------------------------------------------------------------------- */
+
+static const struct neph_march_params marched = {.width_px = WIDTH_PX,
+                                                 .height_px = HEIGHT_PX,
+                                                 .steps = 32,
+                                                 .transmittance = NEPH_MARCH_MARCHED,
+                                                 .sun = NEPH_MARCH_MARCHED,
+                                                 .sun_steps = 6};
+
+static struct neph_image *render(struct neph_vulkan *vulkan, const struct neph_scene *scene,
+                                 const struct neph_march_params *params,
+                                 struct neph_march_stats *stats)
+{
+    struct neph_diag diag = {0};
+    struct neph_image *frame = NULL;
+    neph_assert_ok(test_march_frame(vulkan, scene, params, &frame, stats, &diag), &diag);
+    return frame;
+}
+
+static double largest_difference(const struct neph_image *a, const struct neph_image *b)
+{
+    float *one[3], *other[3];
+    double largest = 0.0;
+    assert_true(neph_image_rgb(a, NULL, one) && neph_image_rgb(b, NULL, other));
+    for (int c = 0; c < 3; c++)
+        for (size_t p = 0; p < neph_image_pixel_count(a); p++)
+            largest = fmax(largest, fabs((double)one[c][p] - (double)other[c][p]));
+    return largest;
+}
+
+/* A texture changes values by a few parts in a thousand, and no count. With it, cells that are
+ * empty are passed as without: what is 0 at eight nodes is 0 between them by any weights. */
+static void test_a_march_changes_by_the_values_alone(void **state)
+{
+    struct test_scene test;
+    struct neph_march_stats plain_stats, texture_stats;
+    test_scene_init(&test);
+    const struct two_grids two = add_grids(&test);
+    struct neph_march_params params = marched;
+    struct neph_image *plain = render(*state, &test.scene, &params, &plain_stats);
+    params.shortcuts = (struct neph_shortcuts){.grid_texture = true,
+                                               .grid_format = NEPH_TEXEL_R16F};
+    struct neph_image *texture = render(*state, &test.scene, &params, &texture_stats);
+    params.shortcuts.skip = true;
+    struct neph_image *skipped = render(*state, &test.scene, &params, NULL);
+    const double off = largest_difference(plain, texture);
+    print_message("by a texture: radiance off by %.2e\n", off);
+    assert_true(off > 0.0 && off < 0.01);
+    assert_int_equal(plain_stats.density_evaluations, texture_stats.density_evaluations);
+    assert_true(largest_difference(texture, skipped) == 0.0);
+    params.shortcuts.sun_cache = true;
+    params.shortcuts.sun_cache_voxels = 48;
+    struct neph_image *cached = render(*state, &test.scene, &params, NULL);
+    params.shortcuts.grid_texture = false;
+    struct neph_image *plain_cached = render(*state, &test.scene, &params, NULL);
+    const double off_cached = largest_difference(plain_cached, cached);
+    assert_true(off_cached > 0.0 && off_cached < 0.01);
+    neph_image_destroy(plain_cached);
+    neph_image_destroy(cached);
+    params.shortcuts = (struct neph_shortcuts){.grid_format = NEPH_TEXEL_R8}; /* of what is off */
+    struct neph_image *off_again = render(*state, &test.scene, &params, NULL);
+    assert_true(largest_difference(plain, off_again) == 0.0);
+    neph_image_destroy(off_again);
+    neph_image_destroy(skipped);
+    neph_image_destroy(texture);
+    neph_image_destroy(plain);
+    destroy_two(two);
+}
+
+/* --- refusals --------------------------------------------------------------------------------- */
+
+static void test_closed_forms_alone_are_refused(void **state)
+{
+    (void)state;
+    struct test_scene test;
+    struct neph_diag diag = {0};
+    test_scene_init(&test);
+    const struct two_grids two = add_grids(&test);
+    struct neph_march_params params = marched;
+    params.shortcuts.grid_texture = true;
+    params.transmittance = NEPH_MARCH_EXACT;
+    assert_int_equal(neph_march_check(&test.scene, &params, &diag), NEPH_OK);
+    params.sun = NEPH_MARCH_EXACT;
+    assert_int_equal(neph_march_check(&test.scene, &params, &diag), NEPH_ERR_UNSUPPORTED);
+    assert_non_null(strstr(diag.message, "transmittance=marched"));
+    params.transmittance = NEPH_MARCH_MARCHED;
+    assert_int_equal(neph_march_check(&test.scene, &params, &diag), NEPH_OK);
+    destroy_two(two);
+}
+
+/* A device of which no format can be asked for but 8 bits. */
+static VKAPI_ATTR void VKAPI_CALL know_8_bits(VkPhysicalDevice device, VkFormat format,
+                                              VkFormatProperties *properties)
+{
+    (void)device;
+    *properties = (VkFormatProperties){0};
+    if (format == VK_FORMAT_R8_UNORM)
+        properties->optimalTilingFeatures = ~0u;
+}
+
+static void test_a_format_that_the_device_lacks_is_named(void **state)
+{
+    struct test_scene test;
+    struct neph_march *march = NULL;
+    struct neph_diag diag = {0};
+    test_scene_init(&test);
+    const struct two_grids two = add_grids(&test);
+    const PFN_vkGetPhysicalDeviceFormatProperties known = vkGetPhysicalDeviceFormatProperties;
+    struct neph_march_params params = marched;
+    params.shortcuts = (struct neph_shortcuts){.grid_texture = true,
+                                               .grid_format = NEPH_TEXEL_R16F};
+    vkGetPhysicalDeviceFormatProperties = know_8_bits;
+    const enum neph_status lacks = neph_march_create(*state, &test.scene, &params, &march, &diag);
+    vkGetPhysicalDeviceFormatProperties = known;
+    assert_int_equal(lacks, NEPH_ERR_UNSUPPORTED);
+    assert_non_null(strstr(diag.message, "grid_format=r16f"));
+    assert_non_null(strstr(diag.hint, "grid_sampling=exact"));
+    destroy_two(two);
+}
+
+/* --- in real time ----------------------------------------------------------------------------- */
+
+static struct neph_image *first_frame(struct neph_vulkan *vulkan, const struct neph_scene *scene,
+                                      const char *sampling)
+{
+    const char *const assignments[] = {
+        "transmittance=marched", "sun=marched",         "sun_steps=6", "taa=off",
+        "ray_dither=none",       "upscale_dither=none", sampling};
+    struct neph_diag diag = {0};
+    struct neph_realtime *realtime = NULL;
+    struct neph_image *image = NULL;
+    struct neph_settings settings = neph_options_default(neph_rt_options);
+    for (size_t i = 0; i < COUNT(assignments); i++)
+        neph_assert_ok(
+            neph_options_set(neph_rt_options, "realtime", assignments[i], &settings, &diag), &diag);
+    const struct neph_realtime_params params = {WIDTH_PX, HEIGHT_PX, &settings, 7, NULL};
+    neph_assert_ok(neph_realtime_create(vulkan, scene, &params, &realtime, &diag), &diag);
+    const struct neph_realtime_frame picture = {scene, 0, NULL};
+    neph_assert_ok(neph_realtime_render(realtime, &picture, &image, NULL, &diag), &diag);
+    neph_realtime_destroy(realtime);
+    return image;
+}
+
+static void test_textures_in_real_time(void **state)
+{
+    struct test_scene test;
+    test_scene_init(&test);
+    const struct two_grids two = add_grids(&test);
+    struct neph_image *exact = first_frame(*state, &test.scene, "grid_sampling=exact");
+    struct neph_image *texture = first_frame(*state, &test.scene, "grid_sampling=texture");
+    const double off = largest_difference(exact, texture);
+    print_message("in real time: radiance off by %.2e\n", off);
+    assert_true(off > 0.0 && off < 0.01);
+    neph_image_destroy(texture);
+    neph_image_destroy(exact);
+    destroy_two(two);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_values_are_within_weights_and_texels),
+        cmocka_unit_test(test_a_march_changes_by_the_values_alone),
+        cmocka_unit_test(test_closed_forms_alone_are_refused),
+        cmocka_unit_test(test_a_format_that_the_device_lacks_is_named),
+        cmocka_unit_test(test_textures_in_real_time),
+    };
+    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
+}
