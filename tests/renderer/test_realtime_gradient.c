@@ -139,35 +139,55 @@ static void scene_ground(struct test_scene *test)
     test_add_box(test, (struct neph_vec3){-2.0, 0.0, -12.0}, (struct neph_vec3){2.0, 4.0, -11.0});
 }
 
+static char folder[] = "/tmp/neph-test-gradient-XXXXXX"; /* blue noise, made once */
+
+static struct neph_realtime *open_realtime(struct neph_vulkan *vulkan,
+                                           const struct test_scene *test,
+                                           const struct neph_settings *settings)
+{
+    const struct neph_realtime_params params = {.width_px = WIDTH_PX,
+                                                .height_px = HEIGHT_PX,
+                                                .settings = settings,
+                                                .seed = 7,
+                                                .cache_folder = folder};
+    struct neph_realtime *realtime = NULL;
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_realtime_create(vulkan, &test->scene, &params, &realtime, &diag), &diag);
+    return realtime;
+}
+
+static struct neph_image *next(struct neph_realtime *realtime, const struct test_scene *test,
+                               int frame)
+{
+    const struct neph_realtime_frame picture = {&test->scene, frame, NULL};
+    struct neph_image *image = NULL;
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_realtime_render(realtime, &picture, &image, NULL, &diag), &diag);
+    return image;
+}
+
+static void halve_the_sun(struct test_scene *test)
+{
+    struct neph_sun *sun = &test->scene.sun;
+    sun->irradiance_w_per_m2 = neph_rgb_scale(sun->irradiance_w_per_m2, 0.5);
+}
+
 /* Noise on the rays, jitter, and a slot that is overridden change nothing. From the frame on in
  * which the sun is half as bright, half the tiles see just that, for four frames; what is behind is
  * seen for as many as there are places of the jitter. */
 static void test_light_is_told_from_noise(void **state)
 {
     enum { BEFORE = 24, AFTER = 12 };
-    static char folder[] = "/tmp/neph-test-gradient-XXXXXX";
     struct test_scene test;
     scene_ground(&test);
-    struct neph_settings settings = test_settings("gradient=on steps=4");
-    struct neph_diag diag = {0};
-    assert_non_null(mkdtemp(folder));
-    const struct neph_realtime_params params = {.width_px = WIDTH_PX,
-                                                .height_px = HEIGHT_PX,
-                                                .settings = &settings,
-                                                .seed = 7,
-                                                .cache_folder = folder};
-    struct neph_realtime *realtime = NULL;
-    neph_assert_ok(neph_realtime_create(*state, &test.scene, &params, &realtime, &diag), &diag);
+    const struct neph_settings settings = test_settings("gradient=on steps=4");
+    struct neph_realtime *realtime = open_realtime(*state, &test, &settings);
     struct changes changes = {0};
     neph_realtime_observe(realtime, take_changes, &changes);
     for (int frame = 0; frame < BEFORE + AFTER; frame++) {
-        struct neph_image *image = NULL;
-        const struct neph_realtime_frame picture = {&test.scene, frame, NULL};
         if (frame == BEFORE)
-            test.scene.sun.irradiance_w_per_m2 = neph_rgb_scale(test.scene.sun.irradiance_w_per_m2,
-                                                                0.5);
-        neph_assert_ok(neph_realtime_render(realtime, &picture, &image, NULL, &diag), &diag);
-        neph_image_destroy(image);
+            halve_the_sun(&test);
+        neph_image_destroy(next(realtime, &test, frame));
         const int since = frame - BEFORE;
         assert_int_equal(changes.known, TILES / 2);
         if (frame >= 8 && (since < 0 || since >= 4))
@@ -183,7 +203,80 @@ static void test_light_is_told_from_noise(void **state)
             assert_true(changes.behind > TILES / 4); /* the ground, not the sky */
     }
     neph_realtime_destroy(realtime);
+}
+
+/* --- the preset ------------------------------------------------------------------------------ */
+
+static double difference(const struct neph_image *a, const struct neph_image *b)
+{
+    float *one[3], *other[3];
+    neph_image_rgb(a, NULL, one);
+    neph_image_rgb(b, NULL, other);
+    double sum = 0.0;
+    for (int i = 0; i < WIDTH_PX * HEIGHT_PX; i++)
+        sum += fabs((double)one[1][i] - other[1][i]);
+    return sum / (WIDTH_PX * HEIGHT_PX);
+}
+
+/* How much a still picture of a preset goes on changing from frame to frame, and what is left of
+ * the old light ten frames after the sun is half as bright: 1 is all. */
+static void watch(struct neph_vulkan *vulkan, const char *preset, double *unrest, double *left)
+{
+    enum { BEFORE = 40, WATCHED = 8, AFTER = 10, SETTLED = 60 };
+    struct test_scene test;
+    scene_ground(&test);
+    struct neph_settings settings;
+    struct neph_diag diag = {0};
+    neph_assert_ok(
+        neph_options_preset(neph_rt_options, "realtime", neph_rt_presets, preset, &settings, &diag),
+        &diag);
+    settings.values[RT_STEPS] = 4;
+    struct neph_realtime *realtime = open_realtime(vulkan, &test, &settings);
+    struct neph_image *before = NULL, *after = NULL;
+    *unrest = 0.0;
+    for (int frame = 0; frame < BEFORE; frame++) {
+        struct neph_image *image = next(realtime, &test, frame);
+        if (frame >= BEFORE - WATCHED)
+            *unrest += difference(image, before) / WATCHED;
+        neph_image_destroy(before);
+        before = image;
+    }
+    halve_the_sun(&test);
+    for (int frame = BEFORE; frame < BEFORE + SETTLED; frame++) {
+        struct neph_image *image = next(realtime, &test, frame);
+        if (frame == BEFORE + AFTER)
+            after = image;
+        else if (frame == BEFORE + SETTLED - 1)
+            *left = difference(after, image) / difference(before, image);
+        if (frame != BEFORE + AFTER)
+            neph_image_destroy(image);
+    }
+    neph_image_destroy(after);
+    neph_image_destroy(before);
+    neph_realtime_destroy(realtime);
+}
+
+/* Calm and quick at once, which a weight of the anti-aliasing alone cannot be. */
+static void test_the_second_generation_rests_and_follows(void **state)
+{
+    double unrest[2], left[2];
+    watch(*state, "ours", &unrest[0], &left[0]);
+    watch(*state, "ours2", &unrest[1], &left[1]);
+    print_message("change per frame %.3g, %.3g; old light left %.3g, %.3g\n", unrest[0], unrest[1],
+                  left[0], left[1]);
+    assert_true(unrest[1] < 0.25 * unrest[0]);
+    assert_true(left[1] < 0.1);
+}
+
+static int setup(void **state)
+{
+    return mkdtemp(folder) ? test_vulkan_setup(state) : -1;
+}
+
+static int teardown(void **state)
+{
     neph_dir_remove(folder, NULL);
+    return test_vulkan_teardown(state);
 }
 
 int main(void)
@@ -193,6 +286,7 @@ int main(void)
         cmocka_unit_test(test_tiles_repeat_by_turns),
         cmocka_unit_test(test_it_needs_the_split),
         cmocka_unit_test(test_light_is_told_from_noise),
+        cmocka_unit_test(test_the_second_generation_rests_and_follows),
     };
-    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
+    return cmocka_run_group_tests(tests, setup, teardown);
 }
