@@ -106,6 +106,12 @@ static enum neph_status accepted_night(struct work *work, const char *series, in
                                "si", series, work->comparison->night);
 }
 
+/* Engines of one version and device are one program. */
+static const char *family_of(struct neph_arena *arena, const char *environment)
+{
+    return neph_arena_format(arena, "%.*s", (int)strcspn(environment, ";"), environment);
+}
+
 static enum neph_status read_candidates(struct work *work, struct neph_diag *diag)
 {
     struct neph_arena *arena = &work->comparison->arena;
@@ -138,6 +144,7 @@ static enum neph_status read_candidates(struct work *work, struct neph_diag *dia
                        .engine = parts.engine,
                        .metric = parts.metric,
                        .truth = parts.truth[0] ? parts.truth : NULL,
+                       .family = family_of(arena, neph_query_text(query, 5)),
                        .kind = neph_series_kind_of(neph_query_text(query, 2)),
                        .is_signed = metric->is_signed,
                        .unit = metric->unit,
@@ -330,13 +337,18 @@ static const char *why_not(struct neph_night_comparison *comparison, const struc
     return NULL;
 }
 
-/* "+3.00 %", or "+3.00 % of 0.001" where the baseline is less than its unit. */
+/* "+3.00 %", or "+3.00 % of 0.001" where the baseline is less than its unit; of a signed number
+ * "by 3.00 % further from 0". */
 static const char *change_words(struct neph_arena *arena, const struct candidate *c,
                                 const struct neph_judgement *j)
 {
     const bool of_unit = c->series.kind != NEPH_SERIES_TIMED && fabs(j->baseline) < c->series.unit;
     const char *of = of_unit ? neph_arena_format(arena, " of %g", c->series.unit) : "";
-    return neph_arena_format(arena, "%+.2f %%%s", 100.0 * j->change, of);
+    if (!c->series.is_signed)
+        return neph_arena_format(arena, "%+.2f %%%s", 100.0 * j->change, of);
+    const bool nearer = fabs(c->series.tonight) < fabs(j->baseline);
+    return neph_arena_format(arena, "by %.2f %%%s %s 0", 100.0 * fabs(j->change), of,
+                             nearer ? "nearer to" : "further from");
 }
 
 static const char *words_of(struct neph_arena *arena, const struct candidate *c,
@@ -407,11 +419,11 @@ static void take_pools(struct work *work, const struct neph_verdicts *verdicts)
     for (int i = 0; i < verdicts->stale_count; i++) {
         const struct neph_stale *stale = &verdicts->stale[i];
         find(work, NEPH_FOUND_STALE, stale->truth, "",
-             neph_arena_format(arena,
-                               "%d of %d series against %s moved, of %d engines: look at %s before "
-                               "the engines",
-                               stale->moved, stale->all, stale->truth, stale->engines,
-                               stale->truth));
+             neph_arena_format(
+                 arena,
+                 "%d of %d series against %s moved, of %d renderers that share no program: "
+                 "look at %s before these",
+                 stale->moved, stale->all, stale->truth, stale->families, stale->truth));
     }
 }
 

@@ -22,9 +22,10 @@ static const char *const judged_words[] = {
  * anything is no change. */
 static const double rounding = 1e-9;
 
-/* A truth is suspected when as many of its series moved, of as many engines. */
+/* A truth is suspected when as many of its series moved, of as many families of
+ * engines. */
 static const double stale_share = 0.5;
-enum { STALE_ENGINES = 2, STALE_SERIES = 5 };
+enum { STALE_FAMILIES = 2, STALE_SERIES = 5 };
 
 static const double trimmed_share = 0.2; /* on either side */
 
@@ -421,13 +422,18 @@ static bool has_changed(const struct neph_judgement *judgement)
     return judgement->judged == NEPH_JUDGED_WORSE || judgement->judged == NEPH_JUDGED_BETTER;
 }
 
-static bool is_first_of_engine(const struct neph_series *series,
+static const char *family_of(const struct neph_series *series)
+{
+    return series->family ? series->family : series->engine;
+}
+
+static bool is_first_of_family(const struct neph_series *series,
                                const struct neph_judgement *judgements, int at)
 {
     for (int i = 0; i < at; i++)
         if (series[i].truth && series[i].engine && has_changed(&judgements[i]) &&
             strcmp(series[i].truth, series[at].truth) == 0 &&
-            strcmp(series[i].engine, series[at].engine) == 0)
+            strcmp(family_of(&series[i]), family_of(&series[at])) == 0)
             return false;
     return true;
 }
@@ -442,7 +448,7 @@ static struct neph_stale count_truth(const struct neph_series *series, int count
             continue;
         stale.all++;
         stale.moved += has_changed(&judgements[i]);
-        stale.engines += has_changed(&judgements[i]) && is_first_of_engine(series, judgements, i);
+        stale.families += has_changed(&judgements[i]) && is_first_of_family(series, judgements, i);
     }
     return stale;
 }
@@ -463,7 +469,7 @@ static void suspect_truths(const struct neph_series *series, int count,
             continue;
         const struct neph_stale stale = count_truth(series, count, verdicts->series,
                                                     series[i].truth);
-        if (stale.all >= STALE_SERIES && stale.engines >= STALE_ENGINES &&
+        if (stale.all >= STALE_SERIES && stale.families >= STALE_FAMILIES &&
             stale.moved >= stale_share * stale.all)
             verdicts->stale[verdicts->stale_count++] = stale;
     }

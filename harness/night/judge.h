@@ -59,7 +59,8 @@ struct neph_series {
     const char *name;
     const char *engine; /* its mean over all scenes is pooled with those of `metric`; NULL: none */
     const char *metric;
-    const char *truth; /* what errors are against; NULL: a duration */
+    const char *truth;  /* what errors are against; NULL: a duration */
+    const char *family; /* engines that share a program, and so its faults; NULL: the engine */
     enum neph_series_kind kind;
     bool is_signed; /* worse is further from 0, and there is no mean over scenes; else: larger */
     double unit; /* changes are relative to the baseline's value, or to this where that is less */
@@ -98,10 +99,11 @@ struct neph_pool {
     struct neph_judgement judgement; /* baseline 1; tonight is 1 + change */
 };
 
-/* Many series against one truth moved: it is the truth that is to be looked at first. */
+/* Many series against one truth moved, of engines that share no program: it is the truth that is to
+ * be looked at first. */
 struct neph_stale {
     const char *truth;
-    int moved, all, engines; /* series; engines that moved */
+    int moved, all, families; /* series; families of engines that moved */
 };
 
 enum { NEPH_JUDGE_TRUTHS_MAX = 16 };

@@ -396,6 +396,21 @@ static double median_gpu_ms(const struct neph_take *take, const struct frames *f
     return neph_percentile(frames->gpu_ms, (size_t)take->frame_count, 0.5);
 }
 
+/* What the store's database has of each job. */
+static void describe_job(const struct neph_job *job, json_t **record)
+{
+    const struct neph_shot *shot = &job->shot;
+    char *settings = neph_settings_text(job->engine, &shot->settings);
+    neph_json_set(record, "scene_hash", json_string(shot->scene->hash));
+    neph_json_set(record, "build", json_string(job->info->build));
+    neph_json_set(record, "device", json_string(job->info->device));
+    neph_json_set(record, "settings", json_string(settings));
+    neph_json_set(record, "size_px", json_pack("[i, i]", shot->width_px, shot->height_px));
+    neph_json_set(record, "frame", json_integer(shot->frame));
+    neph_json_set(record, "seed", json_integer((json_int_t)shot->seed));
+    free(settings);
+}
+
 static json_t *record_of(const struct neph_take *take, const struct neph_cost *cost,
                          const struct frames *frames)
 {
@@ -409,6 +424,7 @@ static json_t *record_of(const struct neph_take *take, const struct neph_cost *c
     for (int i = 0; i < COUNTED; i++)
         neph_json_set(&record, counted_names[i], neph_json_number(frames->counted[i]));
     neph_json_set(&record, "gpu_ms_median", neph_json_number(median_gpu_ms(take, frames)));
+    describe_job(&take->job, &record);
     return record;
 }
 

@@ -83,6 +83,9 @@ class Nightly(unittest.TestCase):
         self.assertEqual(*[[(m["series"], m["value"]) for m in row["measurements"]]
                            for row in nights])
         keys = {job["key"] for job in document["jobs"]}
+        # Frames are filed by the program that made them, and say where.
+        self.assertEqual({len(row["build"]) for row in document["environments"]}, {16})
+        self.assertNotIn("", [row["device"] for row in document["environments"]])
         self.assertTrue(keys and set(nights[0]["frames"]) == keys)
         [accepted] = document["acceptances"]
         self.assertEqual((accepted["night"], accepted["series"], accepted["why"]),

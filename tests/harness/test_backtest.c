@@ -3,9 +3,13 @@
  * The judge of nights over thousands of simulated ones: how often it alarms when nothing changed,
  * how soon when something did. Numbers only. Nights hang together (an autoregressive series of
  * first order), hosts drift, some nights are loaded, and some durations are simply off.
+ *
+ *   test_backtest STORE.json    the same over nights that are drawn, three in a row, from the
+ *                               durations of real ones, as `neph store export` prints them
  */
 #include "tests/neph_test.h"
 
+#include "harness/json.h"
 #include "harness/night/judge.h"
 
 enum { SCENES = 24, PER_SCENE = 4, SERIES = SCENES * PER_SCENE, NIGHTS_MAX = 120, PLANTED_AT = 45 };
@@ -267,12 +271,204 @@ static void test_planted_changes_are_found(void **state)
     free(world);
 }
 
-int main(void)
+/* ---- nights that were measured --------------------------------------------------------------- */
+
+enum { SAMPLE_SERIES = 64, SAMPLE_NIGHTS = 400, SAMPLE_LEAST = 10, BLOCK = 3, RESAMPLED = 60 };
+
+/* Durations of nights as logarithms about their own mean. */
+struct sample {
+    int series, nights;
+    double level[SAMPLE_SERIES][SAMPLE_NIGHTS];
+};
+
+static double value_of(const json_t *night, const char *series, const char *kind)
 {
+    size_t i;
+    const json_t *m;
+    json_array_foreach(json_object_get(night, "measurements"), i,
+                       m) if (strcmp(neph_json_text(m, "series"), series) == 0 &&
+                              strcmp(neph_json_text(m, "kind"), kind) ==
+                                  0) return json_number_value(json_object_get(m, "value"));
+    return NAN;
+}
+
+/* Those series of the last night that the nights before it have, too. False: one is missing. */
+static bool take_series(struct sample *sample, const json_t *nights, const char *series)
+{
+    double mean = 0.0, *level = sample->level[sample->series];
+    for (int n = 0; n < sample->nights; n++) {
+        level[n] = log(value_of(json_array_get(nights, (size_t)n), series, "timed"));
+        mean += level[n] / sample->nights;
+    }
+    for (int n = 0; n < sample->nights; n++)
+        level[n] -= mean;
+    return isfinite(mean);
+}
+
+/* Nights on which the machine was quiet enough to time anything. */
+static json_t *timed_nights(const json_t *document)
+{
+    size_t n, i;
+    json_t *night, *kept = json_array();
+    const json_t *m;
+    json_array_foreach(json_object_get(document, "nights"), n, night)
+    {
+        bool is_timed = false;
+        json_array_foreach(json_object_get(night, "measurements"), i, m)
+            is_timed = is_timed || strcmp(neph_json_text(m, "kind"), "timed") == 0;
+        if (is_timed && json_array_size(kept) < SAMPLE_NIGHTS)
+            neph_json_add(&kept, json_incref(night));
+    }
+    return kept;
+}
+
+static void take_sample(struct sample *sample, const json_t *document)
+{
+    json_t *nights = timed_nights(document);
+    const size_t count = json_array_size(nights);
+    const json_t *last = count > 0 ? json_array_get(nights, count - 1) : NULL, *m;
+    size_t i;
+    *sample = (struct sample){.nights = (int)count};
+    json_array_foreach(json_object_get(last, "measurements"), i,
+                       m) if (strcmp(neph_json_text(m, "kind"), "timed") == 0 &&
+                              sample->series < SAMPLE_SERIES)
+        sample->series += take_series(sample, nights, neph_json_text(m, "series"));
+    json_decref(nights);
+}
+
+/* Nights three in a row, with all their series: what goes on for days, and what concerns all, does
+ * so here. */
+static void draw_nights(const struct sample *sample, uint64_t *random, double factor,
+                        double past[SAMPLE_SERIES][RESAMPLED])
+{
+    for (int night = 0; night < RESAMPLED; night += BLOCK) {
+        const int from = (int)neph_test_uniform(random, 0.0, sample->nights - BLOCK + 1);
+        for (int k = 0; k < BLOCK && night + k < RESAMPLED; k++)
+            for (int i = 0; i < sample->series; i++)
+                past[i][night + k] = exp(sample->level[i][from + k]) *
+                                     (night + k >= PLANTED_AT ? factor : 1.0);
+    }
+}
+
+static bool alarms_resampled(const struct sample *sample, double past[SAMPLE_SERIES][RESAMPLED],
+                             int night)
+{
+    struct neph_series series[SAMPLE_SERIES];
+    struct neph_verdicts verdicts;
+    for (int i = 0; i < sample->series; i++)
+        series[i] = (struct neph_series){.name = "",
+                                         .engine = "any",
+                                         .metric = "time",
+                                         .kind = NEPH_SERIES_TIMED,
+                                         .tonight = past[i][night],
+                                         .standard_error = NAN,
+                                         .past = past[i],
+                                         .past_count = night};
+    neph_assert_ok(neph_judge(series, sample->series, alpha, &verdicts, NULL), NULL);
+    const bool alarm = verdicts.worse > 0;
+    neph_verdicts_finish(&verdicts);
+    return alarm;
+}
+
+/* Alarms in nights on which nothing changed, and of runs in which all durations grew by `factor`
+ * how many were found within the two weeks that are left. */
+static void resample(const struct sample *sample, int runs, double factor, int *quiet,
+                     int *false_alarms, int *found)
+{
+    static double past[SAMPLE_SERIES][RESAMPLED];
+    uint64_t random = 77;
+    *quiet = *false_alarms = *found = 0;
+    for (int run = 0; run < runs; run++) {
+        bool is_found = false;
+        draw_nights(sample, &random, factor, past);
+        for (int night = 1; night < RESAMPLED; night++) {
+            const bool alarm = alarms_resampled(sample, past, night);
+            *quiet += night < PLANTED_AT;
+            *false_alarms += alarm && night < PLANTED_AT;
+            is_found = is_found || (alarm && night >= PLANTED_AT);
+        }
+        *found += is_found;
+    }
+}
+
+static int rehearse(const char *path)
+{
+    static struct sample sample;
+    json_t *document = json_load_file(path, 0, NULL);
+    take_sample(&sample, document);
+    json_decref(document);
+    if (sample.nights < SAMPLE_LEAST || sample.series == 0) {
+        fprintf(stderr,
+                "'%s' has %d nights with %d durations in all of them: %d nights and one "
+                "duration are the least\n",
+                path, sample.nights, sample.series, SAMPLE_LEAST);
+        return 66;
+    }
+    for (int percent = 5; percent <= 20; percent *= 2) {
+        int quiet, false_alarms, found;
+        double low, high;
+        resample(&sample, 50, 1.0 + 0.01 * percent, &quiet, &false_alarms, &found);
+        clopper_pearson(false_alarms, quiet, &low, &high);
+        printf("%d nights, %d durations: %d false alarms in %d nights, 95 %% %.4f to %.4f; all %d "
+               "%% slower: found in %d of 50 within two weeks\n",
+               sample.nights, sample.series, false_alarms, quiet, low, high, percent, found);
+    }
+    return 0;
+}
+
+/* A store's document of nights that were simulated: what is drawn from it is as they are. */
+static json_t *document_of(struct world *world, int nights)
+{
+    json_t *list = json_array();
+    for (int night = 0; night < nights; night++) {
+        json_t *measurements = json_array();
+        measure(world, night, NULL);
+        for (int i = 0; i < SERIES; i++)
+            if (sorts[i % PER_SCENE].kind == NEPH_SERIES_TIMED)
+                neph_json_add(&measurements,
+                              json_pack("{s:o, s:s, s:f}", "series", json_sprintf("%d", i), "kind",
+                                        "timed", "value", world->past[i][night]));
+        neph_json_add(&measurements, json_pack("{s:s, s:s, s:f}", "series", "error", "kind",
+                                               "fixed", "value", 0.25));
+        neph_json_add(&list, json_pack("{s:o}", "measurements", measurements));
+    }
+    return json_pack("{s:o}", "nights", list);
+}
+
+static void test_nights_are_drawn_from_a_store(void **state)
+{
+    (void)state;
+    static struct sample sample;
+    struct world *world = malloc(sizeof(*world));
+    int quiet, false_alarms, found;
+    begin_world(world, 5);
+    json_t *document = document_of(world, 30);
+    take_sample(&sample, document);
+    assert_int_equal(sample.nights, 30);
+    assert_int_equal(sample.series, SERIES / 2);
+    const double first = sample.level[0][3] - sample.level[0][4];
+    neph_assert_close(first, log(world->past[MARCH_TIME][3] / world->past[MARCH_TIME][4]), 1e-9,
+                      0.0);
+    const int runs = neph_test_by_day(4, 50);
+    resample(&sample, runs, 1.2, &quiet, &false_alarms, &found);
+    print_message("drawn from 30 nights: %d false alarms in %d, 20 %% slower found in %d of %d\n",
+                  false_alarms, quiet, found, runs);
+    assert_int_equal(quiet, runs * (PLANTED_AT - 1));
+    assert_true(false_alarms < 0.02 * quiet);
+    assert_int_equal(found, runs);
+    json_decref(document);
+    free(world);
+}
+
+int main(int argc, char **argv)
+{
+    if (argc == 2)
+        return rehearse(argv[1]);
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_intervals_of_rates),
         cmocka_unit_test(test_quiet_nights_are_quiet),
         cmocka_unit_test(test_planted_changes_are_found),
+        cmocka_unit_test(test_nights_are_drawn_from_a_store),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

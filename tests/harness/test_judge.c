@@ -211,8 +211,14 @@ static void test_a_stale_truth(void **state)
             assert_string_equal(verdicts.stale[0].truth, "tracer");
             assert_int_equal(verdicts.stale[0].moved, moved * SCENES);
             assert_int_equal(verdicts.stale[0].all, SERIES);
-            assert_int_equal(verdicts.stale[0].engines, moved);
+            assert_int_equal(verdicts.stale[0].families, moved);
         }
+        neph_verdicts_finish(&verdicts);
+        for (int i = 0; i < SERIES; i++)
+            series[i].family = "one program";
+        neph_assert_ok(neph_judge(series, SERIES, alpha, &verdicts, NULL), NULL);
+        assert_int_equal(verdicts.worse, moved * SCENES);
+        assert_int_equal(verdicts.stale_count, 0);
         neph_verdicts_finish(&verdicts);
     }
 }
