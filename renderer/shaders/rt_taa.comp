@@ -223,7 +223,7 @@ bool fetch_history(vec2 place_px, out vec3 history)
     return is_sound;
 }
 
-// Of the pixel that a place is in.
+// How many frames the pixel at a place is the mean of.
 float age_at(vec2 place_px)
 {
     if (!is_set(RT_TAA_AGE_MAX))

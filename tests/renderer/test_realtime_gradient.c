@@ -99,7 +99,7 @@ static void test_it_needs_the_split(void **state)
 
 enum { WIDTH_PX = 64, HEIGHT_PX = 36, TILES = (WIDTH_PX / 4) * (HEIGHT_PX / 4) };
 
-/* Of one frame. */
+/* What one frame has. */
 struct changes {
     int known, behind; /* tiles whose rays repeat; that see a change behind the medium */
     int changed;       /* of the known */
