@@ -53,7 +53,7 @@ extern const char *const neph_sun_caches[], *const neph_skips[]; /* words of the
 #define NEPH_OPTION_LIGHT_PATHS(value)                                                             \
     {                                                                                              \
         "light_paths", NEPH_OPTION_INTEGER, value, 1, NEPH_LIGHT_PATHS_MAX, NULL,                  \
-            "lighting=traced: paths under way at a time for each texel"                       \
+            "lighting=traced: paths under way at a time for each texel"                            \
     }
 #define NEPH_OPTION_LIGHT_ROUNDS(value)                                                            \
     {                                                                                              \
@@ -63,7 +63,21 @@ extern const char *const neph_sun_caches[], *const neph_skips[]; /* words of the
 #define NEPH_OPTION_LIGHT_BLUR                                                                     \
     {                                                                                              \
         "light_blur", NEPH_OPTION_REAL, 1, 0, NEPH_LIGHT_BLUR_MAX, NULL,                           \
-            "lighting=traced: standard deviation of the blur in texels; 0: none"                \
+            "lighting=traced: standard deviation of the blur in texels; 0: none"                   \
+    }
+
+/* Nor is diffused light. */
+#define NEPH_OPTION_DIFFUSION_CELLS                                                                \
+    {                                                                                              \
+        "diffusion_cells", NEPH_OPTION_INTEGER, 64, NEPH_DIFFUSION_CELLS_MIN,                      \
+            NEPH_DIFFUSION_CELLS_MAX, NULL,                                                        \
+            "lighting=diffused: cells along the longest side of all clouds' bounds; a column of "  \
+            "fog has eight times as many"                                                          \
+    }
+#define NEPH_OPTION_DIFFUSION_CYCLES(value)                                                        \
+    {                                                                                              \
+        "diffusion_cycles", NEPH_OPTION_INTEGER, value, 1, NEPH_DIFFUSION_CYCLES_MAX, NULL,        \
+            "lighting=diffused: multigrid cycles in a picture, until light is at rest"             \
     }
 
 /* NEPH_ERR_USAGE: a number out of range, or a last step beyond NEPH_STEP_GROWTH_WHOLE_MAX of the

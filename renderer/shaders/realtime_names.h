@@ -125,7 +125,10 @@
 #define RT_TAA_AGE_MAX 101
 #define RT_TAA_REST_PX 102
 #define RT_TAA_CHANGE 103
-#define RT_SETTING_COUNT 104
+// Diffused light.
+#define RT_DIFFUSION_CELLS 104
+#define RT_DIFFUSION_CYCLES 105
+#define RT_SETTING_COUNT 106
 
 // Specialization constants of the shaders, behind those of the march: whether passes with rays
 // leave their counters alone (realtime_march.glsl); whether the shaders hold the choices, and the
