@@ -55,6 +55,34 @@ static const char *find_obstacle_to_traced(const struct neph_scene *scene)
     return NULL;
 }
 
+/* One solution for all channels. */
+static const char *find_obstacle_to_diffused(const struct neph_scene *scene)
+{
+    for (int i = 0; i < scene->medium_count; i++) {
+        const struct neph_rgb albedo = scene->media[i].albedo;
+        if (neph_medium_is_coloured(&scene->media[i]))
+            return "extinction that differs between the channels: light diffuses in one for all";
+        if (albedo.r != albedo.g || albedo.g != albedo.b)
+            return "an albedo that differs between the channels: light diffuses in one for all";
+    }
+    return NULL;
+}
+
+/* One table for all media. */
+static const char *find_obstacle_to_slab(const struct neph_scene *scene)
+{
+    for (int i = 0; i < scene->medium_count; i++) {
+        const struct neph_medium *own = &scene->media[i], *first = &scene->media[0];
+        if (neph_medium_is_coloured(own))
+            return "extinction that differs between the channels: slabs have one depth for all";
+        if (own->phase.kind != first->phase.kind || own->phase.g != first->phase.g ||
+            own->albedo.r != first->albedo.r || own->albedo.g != first->albedo.g ||
+            own->albedo.b != first->albedo.b)
+            return "media of unlike albedo or phase function: the table of slabs is of one";
+    }
+    return NULL;
+}
+
 /* NULL when there is none. */
 static const char *find_obstacle(const struct neph_scene *scene, enum neph_march_lighting lighting)
 {
@@ -71,7 +99,11 @@ static const char *find_obstacle(const struct neph_scene *scene, enum neph_march
         return neph_emission_reason;
     if (lighting == NEPH_MARCH_TRACED)
         return find_obstacle_to_traced(scene);
-    return is_lit_by_environment(scene) ? "background light on media and solids" : NULL;
+    if (is_lit_by_environment(scene))
+        return "background light on media and solids";
+    if (lighting == NEPH_MARCH_DIFFUSED)
+        return find_obstacle_to_diffused(scene);
+    return lighting == NEPH_MARCH_SLAB ? find_obstacle_to_slab(scene) : NULL;
 }
 
 bool neph_march_can_render(const struct neph_scene *scene, enum neph_march_lighting lighting,
@@ -108,6 +140,15 @@ static enum neph_status check_light(const struct neph_light_paths *light, struct
                      light->blur_texels, NEPH_LIGHT_BLUR_MAX);
 }
 
+static enum neph_status check_diffusion(const struct neph_light_diffusion *diffusion,
+                                        struct neph_diag *diag)
+{
+    if (diffusion->cells < NEPH_DIFFUSION_CELLS_MIN || diffusion->cells > NEPH_DIFFUSION_CELLS_MAX)
+        return neph_fail(diag, NEPH_ERR_USAGE, "march: diffusion_cells is %d, outside %d..%d",
+                         diffusion->cells, NEPH_DIFFUSION_CELLS_MIN, NEPH_DIFFUSION_CELLS_MAX);
+    return check_range("diffusion_cycles", diffusion->cycles, NEPH_DIFFUSION_CYCLES_MAX, diag);
+}
+
 enum neph_status neph_march_check(const struct neph_scene *scene,
                                   const struct neph_march_params *params, struct neph_diag *diag)
 {
@@ -128,6 +169,8 @@ enum neph_status neph_march_check(const struct neph_scene *scene,
     status = neph_shortcuts_check(params, diag);
     if (!status && params->lighting == NEPH_MARCH_TRACED)
         status = check_light(&params->light, diag);
+    if (!status && params->lighting == NEPH_MARCH_DIFFUSED)
+        status = check_diffusion(&params->diffusion, diag);
     if (status)
         return status;
     char reason[256];

@@ -35,6 +35,23 @@ int neph_march_sun_steps(const struct neph_scene *scene, const struct neph_march
     return neph_march_marches_sun(scene, params) ? params->sun_steps : 0;
 }
 
+/* Octaves of the similar medium. */
+static void fit_similar(struct neph_gpu_medium *medium)
+{
+    const double g = medium->phase_kind == NEPH_PHASE_HENYEY_GREENSTEIN ? (double)medium->g : 0.0;
+    const double smooth_g = neph_similar_g(g);
+    double mean = 0.0;
+    for (int c = 0; c < 3; c++) {
+        const double albedo = neph_similar_albedo((double)medium->albedo[c], g);
+        medium->octave_contribution[c] =
+            (float)neph_octaves_of(&neph_octaves_fitted, smooth_g, albedo).contribution;
+        mean += albedo / 3.0;
+    }
+    const struct neph_octaves octaves = neph_octaves_of(&neph_octaves_fitted, smooth_g, mean);
+    medium->octave_attenuation = (float)octaves.attenuation;
+    medium->octave_eccentricity = (float)octaves.eccentricity;
+}
+
 void neph_march_set_frame(const struct neph_scene *scene, const struct neph_march_params *params,
                           struct neph_gpu_frame *frame)
 {
@@ -43,12 +60,16 @@ void neph_march_set_frame(const struct neph_scene *scene, const struct neph_marc
     frame->early_out = (float)params->shortcuts.early_out;
     frame->light_texel_px = (uint32_t)params->light.texel_px;
     frame->step_growth = (float)params->shortcuts.step_growth;
+    for (uint32_t m = 0; m < frame->medium_count && params->lighting == NEPH_MARCH_SIMILARITY; m++)
+        fit_similar(&frame->media[m]);
 }
 
 static uint64_t octave_count(const struct neph_scene *scene, enum neph_march_lighting lighting)
 {
-    if (lighting == NEPH_MARCH_OCTAVES_FITTED)
+    if (lighting == NEPH_MARCH_OCTAVES_FITTED || lighting == NEPH_MARCH_SIMILARITY)
         return NEPH_OCTAVES_FITTED_COUNT;
+    if (lighting == NEPH_MARCH_DIFFUSED || lighting == NEPH_MARCH_SLAB)
+        return 2; /* as many loops over media */
     return lighting == NEPH_MARCH_OCTAVES ? (uint64_t)scene->octaves.count : 0;
 }
 
@@ -65,8 +86,10 @@ static void count_turns(const struct neph_scene *scene, const struct neph_gpu_sc
     const uint64_t sun_steps = (uint64_t)neph_march_sun_steps(scene, params);
     const uint64_t octaves = octave_count(scene, params->lighting) * (1 + media);
     const uint64_t empties = params->shortcuts.skip ? 1 + media : 0; /* of one step */
-    const uint64_t sunlight = solids + media + exact + sun_steps * (1 + media + 2 * empties) +
-                              octaves + 1;
+    uint64_t sunlight = solids + media + exact + sun_steps * (1 + media + 2 * empties) + octaves +
+                        1;
+    if (params->lighting == NEPH_MARCH_SLAB)
+        sunlight *= 2; /* and away from the sun */
     *per_step = 1 + 2 * media + exact + sunlight + 3 * empties;
     *per_dispatch = solids + 3 * media + exact + sunlight + 1;
 }

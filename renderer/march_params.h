@@ -24,6 +24,9 @@ enum neph_march_lighting {
     NEPH_MARCH_OCTAVES_FITTED, /* octaves by g and albedo of each medium (octaves_fitted.h): a look
                                 */
     NEPH_MARCH_TRACED,         /* single, and higher orders by paths (traced_light.h) */
+    NEPH_MARCH_DIFFUSED,       /* single, and higher orders by diffusion (diffused_light.h) */
+    NEPH_MARCH_SIMILARITY,     /* single, and octaves of the similar isotropic medium: a look */
+    NEPH_MARCH_SLAB,           /* single, and higher orders as in a slab (slab_light.h): a look */
 };
 
 #define NEPH_MARCH_SIDE_MAX_PX 4096
@@ -85,6 +88,16 @@ struct neph_light_paths {
 #define NEPH_LIGHT_MEMORY_MAX 65536
 #define NEPH_LIGHT_BLUR_MAX 2.0
 
+/* Cells of diffused light, for NEPH_MARCH_DIFFUSED alone. */
+struct neph_light_diffusion {
+    int cells;  /* along the longest side of all shapes: NEPH_DIFFUSION_CELLS_MIN.._MAX */
+    int cycles; /* multigrid cycles in a picture: 1..NEPH_DIFFUSION_CYCLES_MAX */
+};
+
+#define NEPH_DIFFUSION_CELLS_MIN 4
+#define NEPH_DIFFUSION_CELLS_MAX 192
+#define NEPH_DIFFUSION_CYCLES_MAX 1024
+
 struct neph_march_params {
     int width_px, height_px;            /* 1..NEPH_MARCH_SIDE_MAX_PX */
     double frame;                       /* of the scene; may be fractional */
@@ -95,6 +108,7 @@ struct neph_march_params {
     int sun_steps; /* per sun ray, 1..NEPH_MARCH_STEPS_MAX; not used where none is marched */
     struct neph_shortcuts shortcuts;
     struct neph_light_paths light;
+    struct neph_light_diffusion diffusion;
 };
 
 /* A picture among others. Zero: through the centres of pixels, a picture by itself. */

@@ -32,11 +32,16 @@ enum neph_status neph_march_scene_create(struct neph_vulkan *vulkan, const struc
     if (!status)
         status = neph_traced_light_create(vulkan, from, &scene->gpu, params, &scene->traced_light,
                                           diag);
-    return status;
+    if (!status)
+        status = neph_diffused_light_create(vulkan, from, &scene->gpu, params,
+                                            &scene->diffused_light, diag);
+    return status ? status : neph_slab_light_create(vulkan, from, params, &scene->slab_light, diag);
 }
 
 void neph_march_scene_destroy(const struct neph_vulkan *vulkan, struct neph_march_scene *scene)
 {
+    neph_slab_light_destroy(&scene->slab_light);
+    neph_diffused_light_destroy(&scene->diffused_light);
     neph_traced_light_destroy(&scene->traced_light);
     neph_sun_cache_destroy(&scene->sun_cache);
     neph_skip_cells_destroy(vulkan, &scene->skip_cells);
@@ -56,17 +61,24 @@ static void show_scene(const struct neph_scene *from, const struct neph_march_pa
     neph_march_set_frame(from, params, scene->gpu.frame);
 }
 
-static enum neph_status trace_light(const struct neph_scene *from, double frame,
-                                    const struct neph_march_moment *moment,
-                                    struct neph_march_scene *scene, double *gpu_s,
-                                    struct neph_diag *diag)
+/* Light of higher orders, of whichever kind. */
+static enum neph_status find_light(const struct neph_scene *from, double frame,
+                                   const struct neph_march_moment *moment,
+                                   struct neph_march_scene *scene, double *gpu_s,
+                                   struct neph_diag *diag)
 {
     struct neph_dispatch bound = {.group_count = 0};
     const struct neph_light_moment view = {neph_scene_camera(from, frame), moment->drift_m};
     neph_gpu_scene_bind(&scene->gpu, &bound);
     bound.buffers[NEPH_GPU_SCENE_BUFFERS + 2] = &scene->sun_cache.nodes;
-    return neph_traced_light_trace(&scene->traced_light, from, &scene->gpu, &bound, &view,
-                                   moment->continues, gpu_s, diag);
+    const enum neph_status status = neph_traced_light_trace(
+        &scene->traced_light, from, &scene->gpu, &bound, &view, moment->continues, gpu_s, diag);
+    if (status)
+        return status;
+    neph_skip_cells_bind(&scene->skip_cells, &bound); /* which paths have majorants in place of */
+    return neph_diffused_light_solve(&scene->diffused_light, from, frame, &scene->gpu, &bound,
+                                     moment->continues, scene->sun_cache.stale_parts > 0, gpu_s,
+                                     diag);
 }
 
 enum neph_status neph_march_scene_show(const struct neph_scene *from,
@@ -81,7 +93,14 @@ enum neph_status neph_march_scene_show(const struct neph_scene *from,
     if (!status)
         status = neph_sun_cache_fill(&scene->sun_cache, from, frame, &scene->gpu,
                                      &scene->skip_cells, cost->fill, diag);
-    return status ? status : trace_light(from, frame, moment, scene, cost->light_gpu_s, diag);
+    return status ? status : find_light(from, frame, moment, scene, cost->light_gpu_s, diag);
+}
+
+static const struct neph_buffer *higher_orders(const struct neph_march_scene *scene)
+{
+    if (scene->diffused_light.level_count > 0)
+        return &scene->diffused_light.field;
+    return scene->slab_light.vulkan ? &scene->slab_light.table : &scene->traced_light.smoothed;
 }
 
 void neph_march_scene_bind(const struct neph_march_scene *scene, struct neph_dispatch *dispatch)
@@ -89,5 +108,5 @@ void neph_march_scene_bind(const struct neph_march_scene *scene, struct neph_dis
     neph_gpu_scene_bind(&scene->gpu, dispatch);
     neph_skip_cells_bind(&scene->skip_cells, dispatch);
     dispatch->buffers[NEPH_GPU_SCENE_BUFFERS + 2] = &scene->sun_cache.nodes;
-    dispatch->buffers[NEPH_GPU_SCENE_BUFFERS + 3] = &scene->traced_light.smoothed;
+    dispatch->buffers[NEPH_GPU_SCENE_BUFFERS + 3] = higher_orders(scene);
 }

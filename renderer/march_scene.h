@@ -6,9 +6,11 @@
 #ifndef NEPH_RENDERER_MARCH_SCENE_H
 #define NEPH_RENDERER_MARCH_SCENE_H
 
+#include "renderer/diffused_light.h"
 #include "renderer/gpu_scene.h"
 #include "renderer/in_flight.h"
 #include "renderer/skip_cells.h"
+#include "renderer/slab_light.h"
 #include "renderer/sun_cache.h"
 #include "renderer/traced_light.h"
 
@@ -18,6 +20,8 @@ struct neph_march_scene {
     struct neph_skip_cells skip_cells;
     struct neph_sun_cache sun_cache;
     struct neph_traced_light traced_light;
+    struct neph_diffused_light diffused_light;
+    struct neph_slab_light slab_light;
 };
 
 /* For a march with these parameters, at their frame. Zero-initialise `scene`; free with _destroy,
@@ -32,7 +36,7 @@ void neph_march_scene_destroy(const struct neph_vulkan *vulkan, struct neph_marc
 /* What a picture costs before it is marched, told when that is home; borrowed until then. */
 struct neph_march_scene_cost {
     struct neph_sun_cache_cost *fill;
-    double *light_gpu_s; /* the device's time for traced light */
+    double *light_gpu_s; /* the device's time for traced or diffused light */
 };
 
 /* Show another frame, after neph_in_flight_begin(), in memory that no other frame reads.

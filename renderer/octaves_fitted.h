@@ -42,4 +42,24 @@ extern const struct neph_octaves_fit neph_octaves_fitted;
 /* The octaves of a medium: mean cosine of its phase function, albedo of a channel. */
 struct neph_octaves neph_octaves_of(const struct neph_octaves_fit *fit, double g, double albedo);
 
+/* The similar medium, in which the part f = g^2 of what is scattered goes on as it came (J. H.
+ * Joseph, W. J. Wiscombe, J. A. Weinman, J. Atmos. Sci. 33, 1976; the first two relations of D. R.
+ * Wyman, M. S. Patterson, B. C. Wilson, Appl. Opt. 28, 1989): mean cosine of the rest, and its
+ * albedo. Optical depths are 1 - f albedo of the medium's. What scatters back has no such part. */
+static inline double neph_similar_peak(double g)
+{
+    return g > 0.0 ? g * g : 0.0;
+}
+
+static inline double neph_similar_g(double g)
+{
+    return g > 0.0 ? g / (1.0 + g) : g;
+}
+
+static inline double neph_similar_albedo(double albedo, double g)
+{
+    const double peak = neph_similar_peak(g);
+    return albedo >= 1.0 ? 1.0 : albedo * (1.0 - peak) / (1.0 - albedo * peak);
+}
+
 #endif

@@ -35,13 +35,20 @@ static enum neph_status check_growth(const struct neph_march_params *params, str
                      pow(NEPH_STEP_GROWTH_WHOLE_MAX, 1.0 / (params->steps - 1)));
 }
 
+/* As SCALES_VIEW of shaders/march_light.glsl. */
+static bool scales_view(enum neph_march_lighting lighting)
+{
+    return lighting == NEPH_MARCH_OCTAVES_FITTED || lighting == NEPH_MARCH_DIFFUSED ||
+           lighting == NEPH_MARCH_SIMILARITY || lighting == NEPH_MARCH_SLAB;
+}
+
 static enum neph_status check_lighting(const struct neph_march_params *params,
                                        struct neph_diag *diag)
 {
     const struct neph_shortcuts *shortcuts = &params->shortcuts;
-    if (params->lighting == NEPH_MARCH_OCTAVES_FITTED && shortcuts->early_out > 0.0)
+    if (scales_view(params->lighting) && shortcuts->early_out > 0.0)
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
-                         "march: early_out=%g: of fitted octaves light also comes from where the "
+                         "march: early_out=%g: light of higher orders also comes from where the "
                          "view's transmittance is small; set early_out=0",
                          shortcuts->early_out);
     if (params->lighting != NEPH_MARCH_HORIZON || !(shortcuts->sun_cache || shortcuts->skip))

@@ -81,6 +81,20 @@ extern const char *const neph_sun_caches[], *const neph_skips[], *const neph_gri
             "lighting=traced: standard deviation of the blur in texels; 0: none"                   \
     }
 
+/* Nor is diffused light. */
+#define NEPH_OPTION_DIFFUSION_CELLS                                                                \
+    {                                                                                              \
+        "diffusion_cells", NEPH_OPTION_INTEGER, 64, NEPH_DIFFUSION_CELLS_MIN,                      \
+            NEPH_DIFFUSION_CELLS_MAX, NULL,                                                        \
+            "lighting=diffused: cells along the longest side of all clouds' bounds; a column of "  \
+            "fog has eight times as many"                                                          \
+    }
+#define NEPH_OPTION_DIFFUSION_CYCLES(value)                                                        \
+    {                                                                                              \
+        "diffusion_cycles", NEPH_OPTION_INTEGER, value, 1, NEPH_DIFFUSION_CYCLES_MAX, NULL,        \
+            "lighting=diffused: multigrid cycles in a picture, until light is at rest"             \
+    }
+
 /* NEPH_ERR_USAGE: a number out of range, or a last step beyond NEPH_STEP_GROWTH_WHOLE_MAX of the
  * first. NEPH_ERR_UNSUPPORTED: the light of Horizon's clouds with a sun cache, which it has no use
  * for, or with skipping: it shines in clear air. */

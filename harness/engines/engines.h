@@ -18,6 +18,9 @@
     of(march_horizon) \
     of(march_octaves_fitted) \
     of(march_traced) \
+    of(march_diffused) \
+    of(march_similarity) \
+    of(march_slab) \
     of(realtime) \
     of(cycles) \
     of(povray) \

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Engines `march`, `march_octaves`, `march_horizon` and `march_octaves_fitted`: our Vulkan ray
- * marcher at full resolution, one engine for each of its lighting models. The device is the first
+ * Engines `march` and `march_...`: our Vulkan ray marcher at full resolution, one engine for each
+ * of its lighting models. The device is the first
  * CPU device (lavapipe) unless NEPH_VULKAN_DEVICE names part of another's name;
  * NEPH_VULKAN_VALIDATION=1 turns the validation layers on, and then any message fails the frame.
  */
@@ -38,6 +38,8 @@ enum {
     OPTION_LIGHT_PATHS,
     OPTION_LIGHT_ROUNDS,
     OPTION_LIGHT_BLUR,
+    OPTION_DIFFUSION_CELLS = OPTION_LIGHT_TEXEL, /* from here on of march_diffused alone */
+    OPTION_DIFFUSION_CYCLES,
 };
 
 /* Rows of all tables. */
@@ -86,6 +88,13 @@ static const struct neph_option options_of_traced[] = {
     [OPTION_LIGHT_PATHS] = NEPH_OPTION_LIGHT_PATHS(8),
     [OPTION_LIGHT_ROUNDS] = NEPH_OPTION_LIGHT_ROUNDS(64),
     [OPTION_LIGHT_BLUR] = NEPH_OPTION_LIGHT_BLUR,
+    {.name = NULL},
+};
+
+static const struct neph_option options_of_diffused[] = {
+    OPTIONS_OF_ALL,
+    [OPTION_DIFFUSION_CELLS] = NEPH_OPTION_DIFFUSION_CELLS,
+    [OPTION_DIFFUSION_CYCLES] = NEPH_OPTION_DIFFUSION_CYCLES(24),
     {.name = NULL},
 };
 
@@ -169,6 +178,9 @@ static enum neph_status set_up(struct sequence *sequence, const struct neph_shot
     };
     if (sequence->lighting == NEPH_MARCH_TRACED)
         params.light = light_of(shot);
+    if (sequence->lighting == NEPH_MARCH_DIFFUSED)
+        params.diffusion = (struct neph_light_diffusion){(int)values[OPTION_DIFFUSION_CELLS],
+                                                         (int)values[OPTION_DIFFUSION_CYCLES]};
     neph_march_destroy(sequence->march);
     sequence->march = NULL;
     sequence->width_px = shot->width_px;
@@ -272,156 +284,82 @@ static enum neph_status render(enum neph_march_lighting lighting, const struct n
 static const struct neph_engine_step step = {
     .option = "steps", .coarsest = 16, .refine = 2, .level_count = 5, .order = 2};
 
-static bool can_render_single(const struct neph_scene *scene, const struct neph_settings *settings,
-                              char *reason, size_t reason_size)
-{
-    (void)settings;
-    return neph_march_can_render(scene, NEPH_MARCH_SINGLE, reason, reason_size);
-}
+/* What an engine is for its lighting: the functions of its table. */
+#define FUNCTIONS_OF(name_, lighting_)                                                             \
+    static bool can_render_##name_(const struct neph_scene *scene,                                 \
+                                   const struct neph_settings *settings, char *reason,             \
+                                   size_t reason_size)                                             \
+    {                                                                                              \
+        (void)settings;                                                                            \
+        return neph_march_can_render(scene, lighting_, reason, reason_size);                       \
+    }                                                                                              \
+    static enum neph_status render_##name_(const struct neph_shot *shot,                           \
+                                           struct neph_image **frame, struct neph_cost *cost,      \
+                                           struct neph_diag *diag)                                 \
+    {                                                                                              \
+        return render(lighting_, shot, frame, cost, diag);                                         \
+    }                                                                                              \
+    static enum neph_status open_##name_(const struct neph_shot *shot, void **opened,              \
+                                         struct neph_diag *diag)                                   \
+    {                                                                                              \
+        return open_sequence(lighting_, shot, opened, diag);                                       \
+    }                                                                                              \
+    static const struct neph_engine_sequence sequence_of_##name_ = {.open = open_##name_,          \
+                                                                    .next = next_picture,          \
+                                                                    .send = send,                  \
+                                                                    .home = home,                  \
+                                                                    .close = close_sequence};
 
-static enum neph_status render_single(const struct neph_shot *shot, struct neph_image **frame,
-                                      struct neph_cost *cost, struct neph_diag *diag)
-{
-    return render(NEPH_MARCH_SINGLE, shot, frame, cost, diag);
-}
+/* Rows of all engines. */
+#define ROWS_OF(name_)                                                                             \
+    .rung = NEPH_RUNG_MODEL, .step = step, .probe = neph_vulkan_probe,                             \
+    .can_render = can_render_##name_, .render = render_##name_, .sequence = &sequence_of_##name_
 
-static enum neph_status open_single(const struct neph_shot *shot, void **opened,
-                                    struct neph_diag *diag)
-{
-    return open_sequence(NEPH_MARCH_SINGLE, shot, opened, diag);
-}
-
-static const struct neph_engine_sequence sequence_of_single = {
-    .open = open_single, .next = next_picture, .send = send, .home = home, .close = close_sequence};
+FUNCTIONS_OF(single, NEPH_MARCH_SINGLE)
+FUNCTIONS_OF(octaves, NEPH_MARCH_OCTAVES)
+FUNCTIONS_OF(horizon, NEPH_MARCH_HORIZON)
+FUNCTIONS_OF(octaves_fitted, NEPH_MARCH_OCTAVES_FITTED)
+FUNCTIONS_OF(traced, NEPH_MARCH_TRACED)
+FUNCTIONS_OF(diffused, NEPH_MARCH_DIFFUSED)
+FUNCTIONS_OF(similarity, NEPH_MARCH_SIMILARITY)
+FUNCTIONS_OF(slab, NEPH_MARCH_SLAB)
 
 const struct neph_engine neph_engine_march = {
+    ROWS_OF(single),
     .name = "march",
     .summary = "our Vulkan ray marcher: full resolution, fixed steps, single scattering",
-    .rung = NEPH_RUNG_MODEL,
     .typical_s = 2.0,
     .bias = "step error of order 2 where the scene is smooth, of order 1 at the edges of shadows",
     .options = options,
     .version = 3, /* no fused fraction of a voxel */
-    .step = step,
-    .probe = neph_vulkan_probe,
-    .can_render = can_render_single,
-    .render = render_single,
-    .sequence = &sequence_of_single,
 };
 
-static bool can_render_octaves(const struct neph_scene *scene, const struct neph_settings *settings,
-                               char *reason, size_t reason_size)
-{
-    (void)settings;
-    return neph_march_can_render(scene, NEPH_MARCH_OCTAVES, reason, reason_size);
-}
-
-static enum neph_status render_octaves(const struct neph_shot *shot, struct neph_image **frame,
-                                       struct neph_cost *cost, struct neph_diag *diag)
-{
-    return render(NEPH_MARCH_OCTAVES, shot, frame, cost, diag);
-}
-
-static enum neph_status open_octaves(const struct neph_shot *shot, void **opened,
-                                     struct neph_diag *diag)
-{
-    return open_sequence(NEPH_MARCH_OCTAVES, shot, opened, diag);
-}
-
-static const struct neph_engine_sequence sequence_of_octaves = {.open = open_octaves,
-                                                                .next = next_picture,
-                                                                .send = send,
-                                                                .home = home,
-                                                                .close = close_sequence};
-
 const struct neph_engine neph_engine_march_octaves = {
+    ROWS_OF(octaves),
     .name = "march_octaves",
     .summary = "the same with multiple scattering as a sum of octaves: a look, not physics",
-    .rung = NEPH_RUNG_MODEL,
     .typical_s = 2.0,
     .look = true,
     .bias = "a sum of octaves saturates with optical depth and does not conserve energy",
     .options = options,
     .version = 3, /* no fused fraction of a voxel */
-    .step = step,
-    .probe = neph_vulkan_probe,
-    .can_render = can_render_octaves,
-    .render = render_octaves,
-    .sequence = &sequence_of_octaves,
 };
 
-static bool can_render_horizon(const struct neph_scene *scene, const struct neph_settings *settings,
-                               char *reason, size_t reason_size)
-{
-    (void)settings;
-    return neph_march_can_render(scene, NEPH_MARCH_HORIZON, reason, reason_size);
-}
-
-static enum neph_status render_horizon(const struct neph_shot *shot, struct neph_image **frame,
-                                       struct neph_cost *cost, struct neph_diag *diag)
-{
-    return render(NEPH_MARCH_HORIZON, shot, frame, cost, diag);
-}
-
-static enum neph_status open_horizon(const struct neph_shot *shot, void **opened,
-                                     struct neph_diag *diag)
-{
-    return open_sequence(NEPH_MARCH_HORIZON, shot, opened, diag);
-}
-
-static const struct neph_engine_sequence sequence_of_horizon = {.open = open_horizon,
-                                                                .next = next_picture,
-                                                                .send = send,
-                                                                .home = home,
-                                                                .close = close_sequence};
-
 const struct neph_engine neph_engine_march_horizon = {
+    ROWS_OF(horizon),
     .name = "march_horizon",
     .summary = "the same with the light of Horizon's clouds: a look, not physics",
-    .rung = NEPH_RUNG_MODEL,
     .typical_s = 2.0,
     .look = true,
     .bias = "floored Beer, lobes that do not integrate to 1, light where there is no density",
     .options = options,
     .version = 3, /* no fused fraction of a voxel */
-    .step = step,
-    .probe = neph_vulkan_probe,
-    .can_render = can_render_horizon,
-    .render = render_horizon,
-    .sequence = &sequence_of_horizon,
 };
 
-static bool can_render_octaves_fitted(const struct neph_scene *scene,
-                                      const struct neph_settings *settings, char *reason,
-                                      size_t reason_size)
-{
-    (void)settings;
-    return neph_march_can_render(scene, NEPH_MARCH_OCTAVES_FITTED, reason, reason_size);
-}
-
-static enum neph_status render_octaves_fitted(const struct neph_shot *shot,
-                                              struct neph_image **frame, struct neph_cost *cost,
-                                              struct neph_diag *diag)
-{
-    return render(NEPH_MARCH_OCTAVES_FITTED, shot, frame, cost, diag);
-}
-
-static enum neph_status open_octaves_fitted(const struct neph_shot *shot, void **opened,
-                                            struct neph_diag *diag)
-{
-    return open_sequence(NEPH_MARCH_OCTAVES_FITTED, shot, opened, diag);
-}
-
-static const struct neph_engine_sequence sequence_of_octaves_fitted = {.open = open_octaves_fitted,
-                                                                       .next = next_picture,
-                                                                       .send = send,
-                                                                       .home = home,
-                                                                       .close = close_sequence};
-
 const struct neph_engine neph_engine_march_octaves_fitted = {
+    ROWS_OF(octaves_fitted),
     .name = "march_octaves_fitted",
     .summary = "octaves that follow from g and albedo, fitted to the tracer: a look, not physics",
-    .rung = NEPH_RUNG_MODEL,
     .typical_s = 2.0,
     .look = true,
     .bias =
@@ -429,48 +367,49 @@ const struct neph_engine neph_engine_march_octaves_fitted = {
         "tuning suite of `neph study light`",
     .options = options,
     .version = 2, /* fitted to whole pictures, too */
-    .step = step,
-    .probe = neph_vulkan_probe,
-    .can_render = can_render_octaves_fitted,
-    .render = render_octaves_fitted,
-    .sequence = &sequence_of_octaves_fitted,
 };
 
-static bool can_render_traced(const struct neph_scene *scene, const struct neph_settings *settings,
-                              char *reason, size_t reason_size)
-{
-    (void)settings;
-    return neph_march_can_render(scene, NEPH_MARCH_TRACED, reason, reason_size);
-}
-
-static enum neph_status render_traced(const struct neph_shot *shot, struct neph_image **frame,
-                                      struct neph_cost *cost, struct neph_diag *diag)
-{
-    return render(NEPH_MARCH_TRACED, shot, frame, cost, diag);
-}
-
-static enum neph_status open_traced(const struct neph_shot *shot, void **opened,
-                                    struct neph_diag *diag)
-{
-    return open_sequence(NEPH_MARCH_TRACED, shot, opened, diag);
-}
-
-static const struct neph_engine_sequence sequence_of_traced = {
-    .open = open_traced, .next = next_picture, .send = send, .home = home, .close = close_sequence};
-
 const struct neph_engine neph_engine_march_traced = {
+    ROWS_OF(traced),
     .name = "march_traced",
     .summary = "march, and light of higher orders by paths for each few pixels",
-    .rung = NEPH_RUNG_MODEL,
     .typical_s = 6.0,
     .stochastic = true,
     .bias = "as march, and a blur of the light of higher orders over a few texels; solids "
             "are lit by the sun alone",
     .options = options_of_traced,
     .version = 1,
-    .step = step,
-    .probe = neph_vulkan_probe,
-    .can_render = can_render_traced,
-    .render = render_traced,
-    .sequence = &sequence_of_traced,
+};
+
+const struct neph_engine neph_engine_march_diffused = {
+    ROWS_OF(diffused),
+    .name = "march_diffused",
+    .summary = "march, and light of higher orders by P1 diffusion through a coarse lattice: a look",
+    .typical_s = 4.0,
+    .look = true,
+    .bias = "diffusion is too blunt for thin media and near surfaces; nothing smaller than a cell",
+    .options = options_of_diffused,
+    .version = 1,
+};
+
+const struct neph_engine neph_engine_march_similarity = {
+    ROWS_OF(similarity),
+    .name = "march_similarity",
+    .summary = "march, and fitted octaves of the similar isotropic medium: a look, not physics",
+    .typical_s = 2.0,
+    .look = true,
+    .bias = "as march_octaves_fitted; nothing is left of where light came from",
+    .options = options,
+    .version = 1,
+};
+
+const struct neph_engine neph_engine_march_slab = {
+    ROWS_OF(slab),
+    .name = "march_slab",
+    .summary = "march, and light of higher orders as in a slab across the sunlight: a look",
+    .typical_s = 2.0,
+    .look = true,
+    .bias = "a cloud is no slab: what leaves through its sides is not missed",
+    .options = options,
+    .version = 1,
 };

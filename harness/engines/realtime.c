@@ -108,7 +108,8 @@ static enum neph_status label_passes(struct neph_image *frame,
             status = neph_frame_stats_set(frame, name, 1e3 * stats->pass_gpu_s[i], diag);
     }
     if (!status && stats->light_gpu_s > 0.0)
-        status = neph_frame_stats_set(frame, "traced_light_gpu_ms", 1e3 * stats->light_gpu_s, diag);
+        status = neph_frame_stats_set(frame, "higher_orders_gpu_ms", 1e3 * stats->light_gpu_s,
+                                      diag);
     return status;
 }
 
@@ -232,7 +233,7 @@ static enum neph_status home(void *opened, struct neph_flight_cost *cost, struct
         cost->pass_count = i + 1;
     }
     if (stats.light_gpu_s > 0.0) {
-        cost->passes[cost->pass_count].name = "traced light";
+        cost->passes[cost->pass_count].name = "higher orders";
         cost->passes[cost->pass_count].gpu_s = stats.light_gpu_s;
         cost->passes[cost->pass_count++].traffic_bytes = NAN;
     }

@@ -17,8 +17,9 @@
 #include <string.h>
 
 static const char *const engine_names[] = {
-    "march",        "march_octaves", "march_horizon", "march_octaves_fitted",
-    "march_traced", "tracer",        "realtime"};
+    "march",        "march_octaves",  "march_horizon",    "march_octaves_fitted",
+    "march_traced", "march_diffused", "march_similarity", "march_slab",
+    "tracer",       "realtime"};
 
 /* One picture, or the last of a sequence. */
 struct picture {
@@ -372,10 +373,8 @@ enum neph_status neph_conform_render(const struct neph_conform_params *params, j
     if (picture_count == 0) {
         neph_fail(diag, NEPH_ERR_USAGE, "'%s' is no engine of ours on a Vulkan device",
                   params->engine);
-        neph_hint(
-            diag,
-            "march, march_octaves, march_horizon, march_octaves_fitted, march_traced, tracer or "
-            "realtime");
+        neph_hint(diag, "march, march_octaves, march_horizon, march_octaves_fitted, march_traced, "
+                        "march_diffused, march_similarity, march_slab, tracer or realtime");
         return NEPH_ERR_USAGE;
     }
     if (!pictures[0].info.available) {

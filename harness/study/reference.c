@@ -22,9 +22,10 @@ _Static_assert(NEPH_REFERENCE_RAYS_PER_PX == 16, "what rays_settings says");
  * knows it: it gets one that has the scene's orders of scattering. */
 static const struct neph_engine *engine_of(const struct neph_job *test)
 {
-    static const char *const marches[] = {"march", "march_octaves", "march_horizon",
-                                          "march_octaves_fitted", "march_traced"};
-    _Static_assert(sizeof(marches) / sizeof(marches[0]) == NEPH_MARCH_TRACED + 1, "one each");
+    static const char *const marches[] = {
+        "march",        "march_octaves",  "march_horizon",    "march_octaves_fitted",
+        "march_traced", "march_diffused", "march_similarity", "march_slab"};
+    _Static_assert(sizeof(marches) / sizeof(marches[0]) == NEPH_MARCH_SLAB + 1, "one each");
     const int lighting = neph_option_find(test->engine->options, "lighting");
     if (lighting >= 0)
         return neph_engine_find(marches[(int)test->shot.settings.values[lighting]]);
@@ -35,6 +36,17 @@ static const struct neph_engine *engine_of(const struct neph_job *test)
         test->shot.scene->scattering == NEPH_SCATTERING_MULTIPLE ? "march_octaves" : "march");
 }
 
+/* How much light of higher orders is found in a picture is the test's own: it goes on from the
+ * picture before, and a picture alone with so little would be noise, or dark. */
+static bool is_shared(const struct neph_option *option)
+{
+    static const char *const own[] = {"light_paths", "light_rounds", "diffusion_cycles"};
+    for (size_t i = 0; i < sizeof(own) / sizeof(own[0]); i++)
+        if (strcmp(option->name, own[i]) == 0)
+            return false;
+    return true;
+}
+
 /* What march and test both can be set to, as the test has it: steps, transmittance, sun. */
 static struct neph_settings settings_of(const struct neph_job *test,
                                         const struct neph_engine *march)
@@ -42,7 +54,7 @@ static struct neph_settings settings_of(const struct neph_job *test,
     struct neph_settings settings = neph_settings_default(march);
     for (int i = 0; march->options[i].name; i++) {
         const int same = neph_option_find(test->engine->options, march->options[i].name);
-        if (same >= 0)
+        if (same >= 0 && is_shared(&march->options[i]))
             settings.values[i] = test->shot.settings.values[same];
     }
     return settings;

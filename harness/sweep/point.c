@@ -81,14 +81,19 @@ static struct neph_sweep_value number_in(const json_t *document, enum neph_sweep
     return value_of(found);
 }
 
-/* Paths of traced light ask for densities that no counter sees. */
+/* Paths of traced light and cells of diffused light ask for densities that no counter sees. */
 static bool is_counted(const struct neph_job *job)
 {
-    const int lighting = neph_option_find(job->engine->options, "lighting");
-    if (lighting < 0)
-        return strcmp(job->engine->name, "march_traced") != 0;
-    const int choice = (int)job->shot.settings.values[lighting];
-    return strcmp(job->engine->options[lighting].choices[choice], "traced") != 0;
+    static const char *const uncounted[] = {"traced", "diffused"};
+    const int option = neph_option_find(job->engine->options, "lighting");
+    const char *light =
+        option < 0 ? job->engine->name + strcspn(job->engine->name, "_")
+                   : job->engine->options[option].choices[(int)job->shot.settings.values[option]];
+    light += *light == '_';
+    for (size_t i = 0; i < sizeof(uncounted) / sizeof(uncounted[0]); i++)
+        if (strcmp(light, uncounted[i]) == 0)
+            return false;
+    return true;
 }
 
 enum neph_status neph_sweep_point_count(const char *frame_path, struct neph_sweep_point *point,

@@ -12,7 +12,8 @@
 
 static const char *const modes[] = {"exact", "marched", NULL};
 static const char *const lightings[] = {"single",         "octaves", "horizon",
-                                        "octaves_fitted", "traced",  NULL};
+                                        "octaves_fitted", "traced",  "diffused",
+                                        "similarity",     "slab",    NULL};
 static const char *const switches[] = {"off", "on", NULL};
 static const char *const splits[] = {"none", "four", NULL};
 static const char *const depth_maps[] = {"checkerboard", "nearest", "farthest", "reversed", NULL};
@@ -66,8 +67,7 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
                                 "steps"),
     [RT_SUN] = CHOICE("sun", 0, modes, "optical depth towards the sun: closed form, or marched"),
     [RT_LIGHTING] = CHOICE("lighting", 0, lightings,
-                           "sunlight scattered once, or one of the looks of march_octaves, "
-                           "march_horizon and march_octaves_fitted"),
+                           "sunlight scattered once, or the light of the engine march_WORD"),
 
     [RT_SPLIT] = CHOICE("split", RT_SPLIT_FOUR, splits,
                         "none: every pixel every frame; four: one ray per 4x4 pixels, four frames "
@@ -364,5 +364,8 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
     [RT_TAA_CHANGE] = REAL("taa_change", 0.02, 0, 1,
                            "with taa_age_max, relative change of the light, by gradient=on, from "
                            "which a pixel is no longer at rest; full at twice this"),
+
+    [RT_DIFFUSION_CELLS] = NEPH_OPTION_DIFFUSION_CELLS,
+    [RT_DIFFUSION_CYCLES] = NEPH_OPTION_DIFFUSION_CYCLES(2),
     {.name = NULL},
 };

@@ -154,6 +154,8 @@ static struct neph_march_params march_params(const struct neph_realtime_params *
                   .memory = (int)values[RT_LIGHT_MEMORY],
                   .blur_texels = values[RT_LIGHT_BLUR],
                   .seed = params->seed},
+        .diffusion = {.cells = (int)values[RT_DIFFUSION_CELLS],
+                      .cycles = (int)values[RT_DIFFUSION_CYCLES]},
     };
 }
 

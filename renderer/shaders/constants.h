@@ -43,6 +43,16 @@
 // Octaves of scattering whose factors are fitted (renderer/octaves_fitted.h).
 #define NEPH_GPU_FITTED_OCTAVES 8
 
+// Diffused light: of fluence, what leaves where nothing comes in. Marshak has 0.5, Milne 0.469 of a
+// half-space; this is best over the tuning suite of `neph study light`.
+#define NEPH_GPU_OUTWARD 0.4
+
+// The table of slab light (renderer/slab_light.h): optical depths along both axes are
+// (2^(OCTAVES i / (NODES - 1)) - 1) / PER_DEPTH.
+#define NEPH_GPU_SLAB_NODES 20
+#define NEPH_GPU_SLAB_OCTAVES 10.0
+#define NEPH_GPU_SLAB_PER_DEPTH 8.0
+
 // Bits of what halves.comp is asked: whether the driver reads halves as they are, and writes the
 // nearest, of two the even one.
 #define NEPH_HALVES_READ 1u

@@ -40,6 +40,9 @@ float fog_optical_depth(FogLayer layer, float y_m, float k_y, float length_m)
 const float THIN = 1e-7;
 const float OPAQUE = 16.0;
 
+// As much, unless some light comes through better than its optical depth tells.
+float opaque_depth = OPAQUE;
+
 // Roughly (3 %, it only places the ends of a march) the distance within which a ray meets
 // `optical_depth` of the layer, FAR_M when it never does: -ln(1 - z) / rate with
 // z = rate optical_depth / extinction. In logarithms, because extinction may be e^-10000 here.
@@ -119,7 +122,7 @@ void fog_layer_include(FogLayer layer, vec3 color, vec3 origin_m, vec3 direction
         start_m += fog_distance_to(layer, y_m, direction.y, THIN / most);
     float thin_m = fog_distance_to_thin_end(layer, y_m, direction.y, THIN / most);
     float dark_m = inside.t0_m + fog_distance_to(layer, y_m, direction.y,
-                                                 OPAQUE / least_positive(color));
+                                                 opaque_depth / least_positive(color));
     if (all(greaterThan(color, vec3(0.0))))
         opaque_m = min(opaque_m, dark_m);
     include(hull, start_m, min(min(inside.t1_m, inside.t0_m + thin_m), dark_m));

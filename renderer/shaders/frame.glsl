@@ -41,6 +41,7 @@ layout(std140, binding = 0) uniform Frame {
     uint light_texel_px; // pixels along a side of a texel of traced light (traced_light.glsl)
     Lattice sun_lattice;  // nodes of the sun cache, at least 2 along each axis (sun_cache.glsl)
     Lattice skip_lattice; // cells that may be empty (shortcuts.glsl)
+    Lattice light_lattice; // cells of diffused light (diffusion.glsl)
     Medium media[MEDIA_MAX];
 } frame;
 

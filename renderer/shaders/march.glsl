@@ -21,6 +21,15 @@
 #include "march_light.glsl"
 #include "march_run.glsl"
 
+// What a march is given of light of higher orders, by lighting: texels of traced light (light and
+// collisions), cells of diffused light (flux and fluence), the table of slab light.
+layout(std430, binding = 8) readonly buffer HigherOrders {
+    vec4 higher_orders[];
+};
+
+#include "diffused_light.glsl"
+#include "slab_light.glsl"
+
 // What a march has come to: radiance of the media (xyz of `scattered`), optical depth (its w when
 // that is the same in all channels, else xyz of `depth`), and the distance [m] of what is seen of
 // the medium times its share of the view, 1 - T in the end.
@@ -65,6 +74,18 @@ vec3 step_light(Mixture mixture, vec3 point_m, float step_m, vec3 step_depth)
     return source_function(mixture, point_m) * fraction_lost(step_depth);
 }
 
+// And what it sends to the camera by models whose orders lose less on the way there.
+vec3 scaled_light(Mixture mixture, vec3 point_m, vec3 seen_depth, vec3 step_depth)
+{
+    if (LIGHTING == DIFFUSED)
+        return diffused_light(mixture, point_m, seen_depth.x, step_depth.x);
+    if (LIGHTING == SLAB)
+        return slab_light(mixture, point_m, seen_depth.x, step_depth.x);
+    if (LIGHTING == SIMILARITY)
+        return similarity_light(mixture, point_m, seen_depth, step_depth);
+    return fitted_octave_light(mixture, point_m, seen_depth, step_depth);
+}
+
 float mean(vec3 channels) { return COLOURED ? dot(channels, vec3(1.0 / 3.0)) : channels.x; }
 
 // Whether a step where the density is 0 at its point adds nothing: all that it asks of the media
@@ -81,6 +102,8 @@ bool is_dark(vec3 through) { return all(lessThan(through, vec3(frame.early_out))
 // source function telescope to 1 - T in both modes.
 void march(ViewRay ray, float length_m, float place, inout Sums sums)
 {
+    if (SEES_DEEP)
+        opaque_depth = DEEP;
     Stretch stretch = scene_stretch(ray.origin_m, ray.direction, length_m);
     if (stretch.t1_m <= stretch.t0_m)
         return;
@@ -108,8 +131,8 @@ void march(ViewRay ray, float length_m, float place, inout Sums sums)
         sums.distance_m += point_distance_m * mean(through * fraction_lost(step_depth));
         vec3 scattered = vec3(0.0);
         if (own(frame.scatters) != 0)
-            scattered = LIGHTING == OCTAVES_FITTED
-                            ? fitted_octave_light(mixture, point_m, marched_depth(sums), step_depth)
+            scattered = SCALES_VIEW
+                            ? scaled_light(mixture, point_m, marched_depth(sums), step_depth)
                             : step_light(mixture, point_m, step_m, step_depth) * through;
         if (own(frame.emits) != 0)
             scattered += mixture.glow * fraction_lost(step_depth) * through;
@@ -140,11 +163,6 @@ vec3 view_optical_depth(ViewRay ray, float length_m, Sums sums)
                      : marched_depth(sums);
 }
 
-// Texels of traced light: light and collisions.
-layout(std430, binding = 8) readonly buffer TracedLight {
-    vec4 traced_light[];
-};
-
 // Light of higher orders per unit of opacity at a place of the picture: by the sums of the four
 // texels around it.
 vec3 higher_light(vec2 place_px)
@@ -157,7 +175,7 @@ vec3 higher_light(vec2 place_px)
         ivec2 step = ivec2(i & 1, i >> 1);
         ivec2 at = clamp(ivec2(low) + step, ivec2(0), size - 1);
         vec2 weight = mix(1.0 - part, part, vec2(step));
-        sum += weight.x * weight.y * traced_light[at.x + size.x * at.y];
+        sum += weight.x * weight.y * higher_orders[at.x + size.x * at.y];
     }
     return sum.w > 0.0 ? sum.rgb / sum.w : vec3(0.0);
 }

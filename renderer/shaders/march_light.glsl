@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// What a ray marcher meets in a step: extinction, and light by one of five models.
+// What a ray marcher meets in a step: extinction, and light by one of eight models.
 //
 // single   sunlight scattered once: physics, as far as it goes.
 // octaves  multiple scattering as a sum of scaled single scatterings: octave i has the scattering
@@ -11,6 +11,9 @@
 //          path tracer, and whose b^i scales what the view loses, too (renderer/octaves_fitted.h):
 //          a look as well.
 // traced   single, and what paths have found of all higher orders (traced_light.glsl): physics.
+// diffused  single, and higher orders that diffuse through a coarse lattice (diffused_light.glsl).
+// slab     single, and higher orders as in a slab across the sunlight (slab_light.glsl): a look.
+// similarity  single, and octaves of the similar isotropic medium (similarity_light): a look.
 // horizon  the light of A. Schneider's Horizon clouds ("The Real-time Volumetric Cloudscapes of
 //          Horizon: Zero Dawn", SIGGRAPH 2015) as later written down for engines (horizon_light).
 //          In units of its own: a look.
@@ -33,8 +36,21 @@ const uint OCTAVES = 1;
 const uint HORIZON = 2;
 const uint OCTAVES_FITTED = 3;
 const uint TRACED = 4;
+const uint DIFFUSED = 5;
+const uint SIMILARITY = 6;
+const uint SLAB = 7;
 layout(constant_id = 4) const uint LIGHTING = SINGLE;
-const bool SUMS_OCTAVES = LIGHTING == OCTAVES || LIGHTING == OCTAVES_FITTED;
+const bool NEEDS_MEDIA = LIGHTING == OCTAVES || LIGHTING == OCTAVES_FITTED ||
+                         LIGHTING == DIFFUSED || LIGHTING == SIMILARITY || LIGHTING == SLAB;
+
+// What the view ray loses is scaled by order, so a step's light comes with its own transmittance.
+const bool SCALES_VIEW = LIGHTING == OCTAVES_FITTED || LIGHTING == DIFFUSED ||
+                         LIGHTING == SIMILARITY || LIGHTING == SLAB;
+
+// Similar media are thinner, at g = 0.9 by a factor of 5 to 10: fogs are marched to an optical
+// depth of which e^-12 comes through there.
+const bool SEES_DEEP = SCALES_VIEW && LIGHTING != OCTAVES_FITTED;
+const float DEEP = 8.0 * OPAQUE;
 
 // The kinds of media of which optical depths are summed over steps; of the others they are closed
 // forms.
@@ -149,7 +165,7 @@ struct Mixture {
 // The view ray of this pixel. The sun is a direction: phase functions are the same all along it.
 vec3 view_origin_m, view_direction;
 float phase_towards_camera_per_sr[MEDIA_MAX];
-// The scattering coefficients at the point where mixture_at() was last [1/m]; SUMS_OCTAVES alone.
+// The scattering coefficients at the point where mixture_at() was last [1/m]; NEEDS_MEDIA alone.
 vec3 scattering_per_m[MEDIA_MAX];
 
 void look_along(ViewRay ray)
@@ -179,7 +195,7 @@ Mixture mixture_at(vec3 point_m)
         if (is_among(VIEW_MARCHED, m))
             mixture.marched_per_m += extinction_per_m;
         mixture.scattering += scattered_per_m * phase_towards_camera_per_sr[m];
-        if (SUMS_OCTAVES)
+        if (NEEDS_MEDIA)
             scattering_per_m[m] = scattered_per_m;
         if (own(frame.emits) != 0)
             mixture.glow += (frame.media[m].glow - mixture.glow) *
@@ -253,6 +269,85 @@ vec3 fitted_octave_light(Mixture mixture, vec3 point_m, vec3 seen_depth, vec3 st
             scattered_per_m *= frame.media[m].octave_contribution;
             depth_part *= frame.media[m].octave_attenuation;
             phase_part *= frame.media[m].octave_eccentricity;
+        }
+    }
+    return frame.sun_irradiance * sum / max(mixture.extinction_per_m, LEAST) * step_depth;
+}
+
+// --- similarity ------------------------------------------------------------------------------
+
+// What is the same of media whose light looks alike (H. C. van de Hulst, "Multiple Light
+// Scattering", 1980, chapter 14; D. R. Wyman, M. S. Patterson, B. C. Wilson, Appl. Opt. 28, 1989).
+float mean_cosine_of(uint m)
+{
+    return own(frame.media[m].phase_kind) == PHASE_HENYEY_GREENSTEIN ? frame.media[m].g : 0.0;
+}
+
+// The part that is taken to go on as it came, and the mean cosine of the rest.
+float peak_of(uint m)
+{
+    float g = max(mean_cosine_of(m), 0.0);
+    return g * g;
+}
+
+float smooth_g_of(uint m)
+{
+    float g = mean_cosine_of(m);
+    return g > 0.0 ? g / (1.0 + g) : g;
+}
+
+// Sums over the media of a place.
+struct Similar {
+    float extinction_per_m, scattering_per_m;
+    float peak_per_m, onward_per_m; // of scattering, times peak and times mean cosine
+};
+
+void similar_add(inout Similar sum, uint m, float scattering_per_m)
+{
+    sum.scattering_per_m += scattering_per_m;
+    sum.peak_per_m += scattering_per_m * peak_of(m);
+    sum.onward_per_m += scattering_per_m * mean_cosine_of(m);
+}
+
+Similar similar_of(Mixture mixture)
+{
+    Similar sum = Similar(mixture.extinction_per_m.x, 0.0, 0.0, 0.0);
+    [[unroll]] for (uint m = 0; m < media_count(); m++)
+        similar_add(sum, m, scattering_per_m[m].x);
+    return sum;
+}
+
+// Optical depths, by those of the media.
+float similar_scale(Similar sum)
+{
+    return 1.0 - sum.peak_per_m / max(sum.extinction_per_m, LEAST.x);
+}
+
+// What a step of optical depth `step_depth`, met after `seen_depth`, sends to the camera: sunlight
+// scattered once, as it is, and octaves of the similar medium, without what was scattered once on
+// its way there, too. The octaves are the fitted ones, of that medium.
+vec3 similarity_light(Mixture mixture, vec3 point_m, vec3 seen_depth, vec3 step_depth)
+{
+    if (mixture.scattering == vec3(0.0) || !sees_sun(point_m, NO_SOLID))
+        return vec3(0.0);
+    vec3 way = sample_sun_depth(point_m) + seen_depth;
+    vec3 once = fraction_through(way) *
+                vec3(phi(step_depth.x), phi(step_depth.y), phi(step_depth.z));
+    vec3 sum = once * mixture.scattering;
+    [[unroll]] for (uint m = 0; m < media_count(); m++) {
+        float peak = peak_of(m), g = smooth_g_of(m);
+        vec3 octave = scattering_per_m[m] * (1.0 - peak);
+        float depth_part = 1.0 - peak * dot(frame.media[m].albedo, vec3(1.0 / 3.0));
+        sum -= octave * henyey_greenstein_per_sr(g, view_direction, to_sun()) * once;
+        for (uint i = 0; i < FITTED_OCTAVES; i++) {
+            vec3 own_step = depth_part * step_depth;
+            vec3 share = COLOURED ? vec3(phi(own_step.x), phi(own_step.y), phi(own_step.z))
+                                  : vec3(phi(own_step.x));
+            sum += octave * henyey_greenstein_per_sr(g, view_direction, to_sun()) *
+                   fraction_through(depth_part * way) * share;
+            octave *= frame.media[m].octave_contribution;
+            depth_part *= frame.media[m].octave_attenuation;
+            g *= frame.media[m].octave_eccentricity;
         }
     }
     return frame.sun_irradiance * sum / max(mixture.extinction_per_m, LEAST) * step_depth;

@@ -127,7 +127,10 @@
 #define RT_TAA_AGE_MAX 103
 #define RT_TAA_REST_PX 104
 #define RT_TAA_CHANGE 105
-#define RT_SETTING_COUNT 106
+// Diffused light.
+#define RT_DIFFUSION_CELLS 106
+#define RT_DIFFUSION_CYCLES 107
+#define RT_SETTING_COUNT 108
 
 // Specialization constants of the shaders, behind those of the march: whether passes with rays
 // leave their counters alone (realtime_march.glsl); whether the shaders hold the choices, and the

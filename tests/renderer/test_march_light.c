@@ -6,8 +6,10 @@
 #include "tests/renderer/march_test.h"
 
 #include "renderer/octaves_fitted.h"
+#include "renderer/slab_light.h"
 #include "scenes/horizon.h"
 #include "scenes/media.h"
+#include "truth/slab.h"
 
 static const int width_px = 48, height_px = 27;
 
@@ -169,6 +171,144 @@ static void test_fitted_octaves_are_reciprocal(void **state)
     }
     /* f_r = L / (E mu0): the same both ways; step errors as above, the picture is 1e-3 wide. */
     neph_assert_close(reflected[0], reflected[1], 1e-3, 0.0);
+}
+
+/* --- similar media ---------------------------------------------------------------------------- */
+
+/* Along a ray into the slab: sun and view as far as a step's middle. */
+struct way {
+    double seen, sun, step; /* optical depths */
+};
+
+enum { WAY_STEPS = 4000 };
+
+static struct way way_at(const struct test_scene *test, struct neph_vec3 ray, int i)
+{
+    const double sigma = test->scene.media[0].layers[0].extinction_per_m;
+    const double step = sigma * 3.0 / -ray.y / WAY_STEPS;
+    return (struct way){(i + 0.5) * step, (i + 0.5) * step * -ray.y / test->scene.sun.direction.y,
+                        step};
+}
+
+static double hg_per_sr(double g, double cosine)
+{
+    return phase_per_sr(&(struct neph_phase){NEPH_PHASE_HENYEY_GREENSTEIN, g}, 1.0, cosine);
+}
+
+/* similarity_light() of shaders/march_light.glsl. */
+static double slab_similarity(const struct test_scene *test, struct neph_vec3 ray)
+{
+    const struct neph_medium *slab = &test->scene.media[0];
+    const double g = slab->phase.g, albedo = slab->albedo.g, peak = neph_similar_peak(g);
+    const double cosine = neph_vec3_dot(ray, test->scene.sun.direction);
+    const struct neph_octaves octaves = neph_octaves_of(&neph_octaves_fitted, neph_similar_g(g),
+                                                        neph_similar_albedo(albedo, g));
+    double sum = 0.0;
+    for (int i = 0; i < WAY_STEPS; i++) {
+        const struct way way = way_at(test, ray, i);
+        const double once = exp(-way.seen - way.sun);
+        double part = 1.0 - peak, depth = 1.0 - peak * albedo, own_g = neph_similar_g(g);
+        double light = once * (hg_per_sr(g, cosine) - part * hg_per_sr(own_g, cosine));
+        for (int o = 0; o < octaves.count; o++) {
+            light += part * hg_per_sr(own_g, cosine) * exp(-depth * (way.seen + way.sun));
+            part *= octaves.contribution;
+            depth *= octaves.attenuation;
+            own_g *= octaves.eccentricity;
+        }
+        sum += light * way.step;
+    }
+    return albedo * test->scene.sun.irradiance_w_per_m2.g * sum;
+}
+
+/* slab_light() of shaders/slab_light.glsl, its table asked where the shader looks it up between
+ * nodes. */
+static double slab_of_slabs(const struct test_scene *test, struct neph_vec3 ray)
+{
+    const struct neph_medium *slab = &test->scene.media[0];
+    const double g = slab->phase.g, albedo = slab->albedo.g, scale = 1.0 - g * albedo;
+    const double whole = slab->layers[0].extinction_per_m * 3.0 / test->scene.sun.direction.y;
+    const double similar = albedo >= 1.0 ? 1.0 : albedo * (1.0 - g) / scale;
+    const double cosine = neph_vec3_dot(ray, test->scene.sun.direction);
+    enum { EACH = 50 }; /* steps with one answer of the table, which costs most */
+    double sum = 0.0, more = 0.0;
+    for (int i = 0; i < WAY_STEPS; i++) {
+        const struct way way = way_at(test, ray, i), middle = way_at(test, ray, i + EACH / 2);
+        const double once = exp(-way.seen - way.sun);
+        if (i % EACH == 0)
+            more = neph_slab_light_per_sr(scale * middle.sun, scale * (whole - middle.sun),
+                                          similar);
+        sum += way.step *
+               (hg_per_sr(g, cosine) * once +
+                (1.0 - g) * (more * exp(-scale * way.seen) +
+                             (exp(-scale * (way.seen + way.sun)) - once) / (4.0 * M_PI)));
+    }
+    return albedo * test->scene.sun.irradiance_w_per_m2.g * sum;
+}
+
+static const struct {
+    enum neph_march_lighting lighting;
+    double (*twin)(const struct test_scene *test, struct neph_vec3 ray);
+    double allowed;
+} similar[] = {
+    {NEPH_MARCH_SIMILARITY, slab_similarity, 2e-3},
+    {NEPH_MARCH_SLAB, slab_of_slabs, 2e-2}, /* straight lines between nodes of the table */
+};
+
+static void test_similar_media_over_a_slab(void **state)
+{
+    static const double albedos[] = {1.0, 0.93}, gs[] = {0.85, 0.0};
+    for (size_t s = 0; s < sizeof(similar) / sizeof(similar[0]); s++)
+        for (int round = 0; round < 2; round++) {
+            struct test_scene test;
+            float *volume[3];
+            struct neph_medium *slab = look_down_on_slab(&test, round ? 0.5 : 2.0);
+            slab->albedo = make_grey(albedos[round]);
+            slab->phase = (struct neph_phase){NEPH_PHASE_HENYEY_GREENSTEIN, gs[round]};
+            struct neph_image *frame = render(*state, &test, similar[s].lighting, 256, volume);
+            const struct neph_camera camera = neph_scene_camera(&test.scene, 0.0);
+            double worst = 0.0;
+            for (int p = 7; p < width_px * height_px; p += 97) {
+                const struct neph_vec3 ray = neph_camera_ray(&camera, width_px, height_px,
+                                                             p % width_px, p / width_px)
+                                                 .direction;
+                const double twin = similar[s].twin(&test, ray);
+                worst = fmax(worst, fabs((double)volume[1][p] / twin - 1.0));
+            }
+            print_message("lighting %d, g %g: off by %.1e of its formula\n",
+                          (int)similar[s].lighting, gs[round], worst);
+            assert_true(worst < similar[s].allowed);
+            neph_image_destroy(frame);
+        }
+}
+
+/* Without sides the table is the slab of adding and doubling: what it scatters up, all of it and
+ * what was scattered once, is the flux that the slab reflects. */
+static void test_the_table_is_a_slab(void **state)
+{
+    (void)state;
+    static const double depths[] = {1.0, 8.0, 40.0}, albedos[] = {1.0, 0.9};
+    for (int d = 0; d < 3; d++)
+        for (int a = 0; a < 2; a++) {
+            const struct neph_slab_params params = {
+                .optical_depth = depths[d], .albedo = albedos[a], .sun_cosine = 1.0};
+            struct neph_slab *slab = NULL;
+            struct neph_diag diag = {0};
+            enum { STEPS = 400 };
+            double up = 0.0;
+            neph_assert_ok(neph_slab_create(&params, &slab, &diag), &diag);
+            /* What is scattered at a depth t reaches the top by E2(t), half of it going up. */
+            for (int i = 0; i < STEPS; i++) {
+                const double x = (i + 0.5) / STEPS, t = depths[d] * x * x;
+                const double mean = neph_slab_light_endless_per_sr(t, depths[d] - t, albedos[a]);
+                const double source = albedos[a] * (mean + exp(-t) / (4.0 * M_PI));
+                up += 2.0 * M_PI * neph_slab_light_e2(t) * source * depths[d] * 2.0 * x / STEPS;
+            }
+            const double truth = neph_slab_fluxes(slab).reflected;
+            print_message("depth %g, albedo %g: %.5f reflected, %.5f by adding and doubling\n",
+                          depths[d], albedos[a], up, truth);
+            assert_true(fabs(up / truth - 1.0) < 5e-3);
+            neph_slab_destroy(slab);
+        }
 }
 
 static void test_one_octave_is_single_scattering(void **state)
@@ -356,6 +496,8 @@ int main(void)
         cmocka_unit_test(test_octaves_over_a_slab),
         cmocka_unit_test(test_fitted_octaves_over_a_slab),
         cmocka_unit_test(test_fitted_octaves_are_reciprocal),
+        cmocka_unit_test(test_similar_media_over_a_slab),
+        cmocka_unit_test(test_the_table_is_a_slab),
         cmocka_unit_test(test_one_octave_is_single_scattering),
         cmocka_unit_test(test_horizon_light_is_the_articles),
         cmocka_unit_test(test_horizon_light_of_an_empty_layer),

@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: MIT
  *
- * Traced light: a slab by adding and doubling, white furnaces of every medium, and pictures that
- * follow each other.
+ * Traced light: a slab by adding and doubling, white furnaces of every medium, texels against the
+ * tracer, and pictures that follow each other.
  */
 #include "tests/renderer/march_test.h"
 
+#include "renderer/march_scene.h"
 #include "renderer/realtime/options.h"
 #include "renderer/realtime/pipeline.h"
+#include "renderer/tracer.h"
 #include "truth/slab.h"
 
 enum { WIDTH_PX = 32, HEIGHT_PX = 18, SEEDS = 4, PICTURES = 24 };
@@ -181,6 +183,120 @@ static void test_white_furnaces(void **state)
     }
 }
 
+/* --- texels ----------------------------------------------------------------------------------- */
+
+enum { TEXEL_PX = 8, WIDE = WIDTH_PX / TEXEL_PX, HIGH = (HEIGHT_PX + TEXEL_PX - 1) / TEXEL_PX };
+enum { TEXELS = WIDE * HIGH, RUNS = 2 };
+
+/* What a texel is: a mean, and what its noise goes by the inverse root of. */
+struct texel {
+    double light, weight;
+};
+
+/* What the cache holds, of one picture at rest. */
+static void cached(struct neph_vulkan *vulkan, const struct neph_scene *scene, uint32_t seed,
+                   struct texel texels[TEXELS])
+{
+    static const struct neph_march_moment alone;
+    struct neph_march_params params = params_of(seed);
+    struct neph_march_scene march = {.gpu = {.frame = NULL}};
+    struct neph_buffer readback = {.size_bytes = 0};
+    struct neph_diag diag = {0};
+    struct neph_sun_cache_cost fill = {.dispatches = 0};
+    double gpu_s = 0.0;
+    struct neph_march_scene_cost cost = {.fill = &fill, .light_gpu_s = &gpu_s};
+    params.light.rounds = 96;
+    neph_assert_ok(neph_march_scene_create(vulkan, scene, &params, &march, &diag), &diag);
+    neph_assert_ok(neph_march_scene_show(scene, &params, 0.0, &alone, &march, &cost, &diag), &diag);
+    const struct neph_buffer *sums = &march.traced_light.texels[march.traced_light.round % 2];
+    neph_assert_ok(neph_buffer_create(vulkan, NEPH_BUFFER_READBACK, sums->size_bytes, "texels",
+                                      &readback, &diag),
+                   &diag);
+    neph_assert_ok(neph_buffer_download(vulkan, sums, &readback, sums->size_bytes, &diag), &diag);
+    const struct neph_gpu_light_texel *found = readback.mapped;
+    assert_int_equal(sums->size_bytes, TEXELS * sizeof(*found));
+    for (int t = 0; t < TEXELS; t++) {
+        texels[t].weight = (double)found[t].collisions;
+        texels[t].light = (double)found[t].light[1] / (double)found[t].collisions;
+    }
+    neph_buffer_destroy(vulkan, &readback);
+    neph_march_scene_destroy(vulkan, &march);
+}
+
+/* What it should hold: the tracer's light of higher orders over the opacity, of its pixels. */
+static void projected(struct neph_vulkan *vulkan, const struct neph_scene *scene, uint64_t seed,
+                      struct texel texels[TEXELS])
+{
+    const struct neph_tracer_params params = {.width_px = WIDTH_PX,
+                                              .height_px = HEIGHT_PX,
+                                              .seed = seed,
+                                              .samples = 256,
+                                              .time_limit_s = INFINITY};
+    struct neph_image *frame = NULL;
+    struct neph_diag diag = {0};
+    double light[TEXELS] = {0.0};
+    neph_assert_ok(neph_tracer_render(vulkan, scene, &params, &frame, NULL, &diag), &diag);
+    const float *all = neph_image_channel(frame, "volume.G");
+    const float *first = neph_image_channel(frame, "order1.G");
+    const float *through = neph_image_channel(frame, "transmittance.G");
+    for (int t = 0; t < TEXELS; t++)
+        texels[t].weight = 0.0;
+    for (int p = 0; p < WIDTH_PX * HEIGHT_PX; p++) {
+        const int t = p % WIDTH_PX / TEXEL_PX + WIDE * (p / WIDTH_PX / TEXEL_PX);
+        light[t] += (double)all[p] - (double)first[p];
+        texels[t].weight += 1.0 - (double)through[p];
+    }
+    for (int t = 0; t < TEXELS; t++)
+        texels[t].light = light[t] / texels[t].weight;
+    neph_image_destroy(frame);
+}
+
+/* Variance of a texel times its weight, from two runs. */
+static double scatter_of(const struct texel runs[RUNS][TEXELS])
+{
+    double sum = 0.0;
+    for (int t = 0; t < TEXELS; t++) {
+        const double apart = runs[0][t].light - runs[1][t].light;
+        sum += apart * apart / (1.0 / runs[0][t].weight + 1.0 / runs[1][t].weight);
+    }
+    return sum / TEXELS;
+}
+
+/* At rest each texel is what the tracer finds there, within the noise of both: with two seeds of
+ * each, 24 z-scores whose mean square is 1. Chance alone makes it 2.2 once in 10^4 times, or one
+ * score 5. */
+static void test_texels_are_what_the_tracer_finds(void **state)
+{
+    struct test_scene test;
+    struct texel held[RUNS][TEXELS], wanted[RUNS][TEXELS];
+    double squares = 0.0, sum = 0.0;
+    test_scene_init(&test);
+    struct neph_medium *blob = test_add(&test,
+                                        make_blob(3.0, (struct neph_vec3){0.0, 1.6, -10.0}, 3.0));
+    blob->phase = (struct neph_phase){NEPH_PHASE_HENYEY_GREENSTEIN, 0.6};
+    blob->albedo = make_grey(0.98);
+    no_sky(&test, NULL);
+    for (uint32_t r = 0; r < RUNS; r++) {
+        cached(*state, &test.scene, 11 + r, held[r]);
+        projected(*state, &test.scene, 31 + r, wanted[r]);
+    }
+    const double scatter = scatter_of(held), scatter_wanted = scatter_of(wanted);
+    for (int r = 0; r < RUNS; r++)
+        for (int t = 0; t < TEXELS; t++) {
+            const double z = (held[r][t].light - wanted[r][t].light) /
+                             sqrt(scatter / held[r][t].weight +
+                                  scatter_wanted / wanted[r][t].weight);
+            print_message("seed %d, texel %d: %.5f, by the tracer %.5f, z = %+.2f\n", r, t,
+                          held[r][t].light, wanted[r][t].light, z);
+            assert_true(fabs(z) < 5.0);
+            squares += z * z;
+            sum += z;
+        }
+    print_message("rms of %d z-scores: %.2f, mean %+.2f\n", RUNS * TEXELS,
+                  sqrt(squares / (RUNS * TEXELS)), sum / (RUNS * TEXELS));
+    assert_true(squares / (RUNS * TEXELS) < 2.2);
+}
+
 /* --- pictures in a row ---------------------------------------------------------------------- */
 
 static struct neph_settings settings_of(void)
@@ -306,6 +422,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_slabs_are_those_of_adding_and_doubling),
         cmocka_unit_test(test_white_furnaces),
+        cmocka_unit_test(test_texels_are_what_the_tracer_finds),
         cmocka_unit_test(test_light_follows_a_camera),
         cmocka_unit_test(test_same_seed_same_bits),
         cmocka_unit_test(test_what_it_cannot_is_refused),

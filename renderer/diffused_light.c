@@ -1,0 +1,534 @@
+/* SPDX-License-Identifier: MIT */
+#include "renderer/diffused_light.h"
+
+#include "base/interrupt.h"
+#include "renderer/lattice.h"
+#include "scenes/media.h"
+#include "scenes/motion.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const uint32_t fill_spirv[] = {
+#include "shaders/diffuse_fill.comp.inc"
+};
+static const uint32_t links_spirv[] = {
+#include "shaders/diffuse_links.comp.inc"
+};
+static const uint32_t cycle_spirv[] = {
+#include "shaders/diffuse_cycle.comp.inc"
+};
+static const uint32_t field_spirv[] = {
+#include "shaders/diffuse_field.comp.inc"
+};
+
+enum { local_size = 64 };
+
+/* The jobs of shaders/diffuse_cycle.comp. */
+enum job { CLEAR, COARSEN, RED, BLACK, LEAVE, CORRECT, LIMIT };
+
+/* Sweeps over both colours before and after a coarser level, and on the coarsest. */
+enum { SWEEPS = 2, COARSEST_SWEEPS = 8 };
+
+/* Cycles after which nothing is left in float32, and those of a first picture, at least. */
+enum { SETTLED = 48, COLD = 16 };
+
+/* Points of a cell, at most (shaders/diffuse_fill.comp). */
+enum { POINTS = 8 };
+
+/* Cells of a column for each that a lattice in three dimensions would have along its side. */
+enum { COLUMN_FINER = 8 };
+
+/* --- where it lies --------------------------------------------------------------------------- */
+
+/* The column ends where it is darker than this below, and thinner than this above. */
+static const double column_depth_max = 200.0, column_depth_min = 1e-4;
+
+/* Fogs so much wider than high are a layer without end. */
+static const double layer_aspect = 16.0;
+
+/* How far up and down fogs are looked for [m]. */
+static const double column_reach_m = 1e5;
+
+static double depth_above(const struct neph_scene *scene, struct neph_vec3 at_m)
+{
+    const struct neph_vec3 up = {0.0, 1.0, 0.0};
+    double depth = 0.0;
+    for (int i = 0; i < scene->medium_count; i++)
+        depth += neph_medium_optical_depth(&scene->media[i], at_m, up, 0.0, INFINITY);
+    return depth;
+}
+
+/* The height above which no more than `depth` is left. */
+static double height_of(const struct neph_scene *scene, struct neph_vec3 at_m, double low_m,
+                        double high_m, double depth)
+{
+    for (int i = 0; i < 64; i++) {
+        at_m.y = 0.5 * (low_m + high_m);
+        *(depth_above(scene, at_m) > depth ? &low_m : &high_m) = at_m.y;
+    }
+    return 0.5 * (low_m + high_m);
+}
+
+/* The highest box that the vertical through a place meets. */
+static double ground_m(const struct neph_scene *scene, struct neph_vec3 at_m)
+{
+    double ground = -column_reach_m;
+    for (int i = 0; i < scene->solid_count; i++) {
+        const struct neph_bounds *box = &scene->solids[i].box;
+        if (scene->solids[i].kind == NEPH_SOLID_BOX && box->min_m.x <= at_m.x &&
+            at_m.x <= box->max_m.x && box->min_m.z <= at_m.z && at_m.z <= box->max_m.z)
+            ground = fmax(ground, box->max_m.y);
+    }
+    return ground;
+}
+
+static struct neph_bounds support_of(const struct neph_scene *scene)
+{
+    struct neph_bounds all = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+    for (int i = 0; i < scene->medium_count; i++) {
+        const struct neph_bounds own = neph_medium_support(&scene->media[i]);
+        all.min_m = (struct neph_vec3){fmin(all.min_m.x, own.min_m.x),
+                                       fmin(all.min_m.y, own.min_m.y),
+                                       fmin(all.min_m.z, own.min_m.z)};
+        all.max_m = (struct neph_vec3){fmax(all.max_m.x, own.max_m.x),
+                                       fmax(all.max_m.y, own.max_m.y),
+                                       fmax(all.max_m.z, own.max_m.z)};
+    }
+    return all;
+}
+
+/* From where the fogs begin to where they are dark, at the first camera. */
+static struct neph_bounds column_of(const struct neph_scene *scene)
+{
+    const struct neph_vec3 at_m = neph_scene_camera(scene, 0.0).position_m;
+    const double ground = ground_m(scene, at_m);
+    struct neph_bounds box = {at_m, at_m}, support;
+    box.max_m.y = height_of(scene, at_m, ground, column_reach_m, column_depth_min);
+    box.min_m.y = height_of(scene, at_m, ground, box.max_m.y, column_depth_max);
+    support = support_of(scene);
+    box.min_m.y = fmin(fmax(box.min_m.y, support.min_m.y), box.max_m.y);
+    return box;
+}
+
+/* Shapes, or fogs that are no layer. */
+static bool find_room(const struct neph_scene *scene, struct neph_bounds *box)
+{
+    double sides_m[3];
+    if (neph_shapes_box(scene, box))
+        return true;
+    *box = support_of(scene);
+    neph_lattice_sides_m(box, sides_m);
+    return fmax(sides_m[0], sides_m[2]) <= layer_aspect * sides_m[1] && isfinite(sides_m[1]);
+}
+
+/* Cubes, as near as whole numbers of them come to the box, two at least. */
+static void choose_size(const struct neph_bounds *box, int cells, uint32_t size[3])
+{
+    double sides_m[3];
+    neph_lattice_sides_m(box, sides_m);
+    const double longest_m = fmax(sides_m[0], fmax(sides_m[1], sides_m[2]));
+    for (int axis = 0; axis < 3; axis++)
+        size[axis] = (uint32_t)fmax(2.0, round(cells * sides_m[axis] / longest_m));
+}
+
+static void place(const struct neph_diffused_light *light, struct neph_vec3 camera_m,
+                  struct neph_gpu_lattice *lattice)
+{
+    struct neph_bounds box = light->box;
+    if (light->is_column) {
+        box.min_m.x = camera_m.x;
+        box.min_m.z = camera_m.z;
+        box.max_m.x = camera_m.x + 1.0;
+        box.max_m.z = camera_m.z + 1.0;
+    }
+    neph_lattice_place(&box, camera_m, light->levels[0].size, 0, lattice);
+}
+
+/* --- making ---------------------------------------------------------------------------------- */
+
+static uint32_t cell_count(const struct neph_gpu_diffusion_level *level)
+{
+    return level->size[0] * level->size[1] * level->size[2];
+}
+
+static uint32_t all_cells(const struct neph_diffused_light *light)
+{
+    const struct neph_gpu_diffusion_level *last = &light->levels[light->level_count - 1];
+    return last->first + cell_count(last);
+}
+
+/* Each level is half as fine as the one before, down to one that a few sweeps balance. */
+static void make_levels(struct neph_diffused_light *light)
+{
+    light->level_count = 1;
+    while (light->level_count < NEPH_DIFFUSED_LEVELS_MAX) {
+        const struct neph_gpu_diffusion_level *fine = &light->levels[light->level_count - 1];
+        struct neph_gpu_diffusion_level coarse = {.first = fine->first + cell_count(fine)};
+        if (cell_count(fine) <= 8)
+            return;
+        for (int axis = 0; axis < 3; axis++)
+            coarse.size[axis] = (fine->size[axis] + 1) / 2;
+        light->levels[light->level_count++] = coarse;
+    }
+}
+
+static enum neph_status find_box(struct neph_diffused_light *light, const struct neph_scene *scene,
+                                 struct neph_diag *diag)
+{
+    light->is_column = !find_room(scene, &light->box);
+    if (light->is_column)
+        light->box = column_of(scene);
+    return light->is_column ? NEPH_OK
+                            : neph_lattice_check(&light->box, "lighting=diffused",
+                                                 "lighting=octaves_fitted", diag);
+}
+
+/* A cell's points are the steps of its march, all of them in one dispatch. */
+static enum neph_status plan(struct neph_diffused_light *light, const struct neph_scene *scene,
+                             const struct neph_gpu_scene *gpu, struct neph_diag *diag)
+{
+    light->params.steps = POINTS;
+    const enum neph_status status = neph_march_cut_make(light->vulkan, scene, gpu, &light->params,
+                                                        cell_count(&light->levels[0]), &light->cut,
+                                                        diag);
+    if (status || light->cut.steps == light->cut.step_count)
+        return status;
+    return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
+                     "diffused light: sunlight at the %d points of a cell takes more loop turns "
+                     "than a dispatch may hold; fewer sun_steps (now %d) take fewer",
+                     POINTS, light->params.sun_steps);
+}
+
+static enum neph_status clear(const struct neph_diffused_light *light, struct neph_diag *diag)
+{
+    const size_t bytes = all_cells(light) * sizeof(struct neph_gpu_diffusion_cell);
+    void *zeros = calloc(1, bytes);
+    const enum neph_status status = zeros ? neph_buffer_upload(light->vulkan, &light->cells, 0,
+                                                               zeros, bytes, diag)
+                                          : neph_fail_memory(diag);
+    free(zeros);
+    return status;
+}
+
+static enum neph_status create_buffers(struct neph_diffused_light *light, struct neph_diag *diag)
+{
+    enum neph_status status = neph_buffer_create(light->vulkan, NEPH_BUFFER_DEVICE,
+                                                 all_cells(light) *
+                                                     sizeof(struct neph_gpu_diffusion_cell),
+                                                 "diffusion cells", &light->cells, diag);
+    if (!status)
+        status = neph_buffer_create(light->vulkan, NEPH_BUFFER_DEVICE,
+                                    cell_count(&light->levels[0]) * 4 * sizeof(float),
+                                    "diffused light", &light->field, diag);
+    return status ? status : clear(light, diag);
+}
+
+enum neph_status
+neph_diffused_light_create(struct neph_vulkan *vulkan, const struct neph_scene *scene,
+                           const struct neph_gpu_scene *gpu, const struct neph_march_params *params,
+                           struct neph_diffused_light *light, struct neph_diag *diag)
+{
+    if (params->lighting != NEPH_MARCH_DIFFUSED)
+        return NEPH_OK;
+    light->vulkan = vulkan;
+    light->params = *params;
+    enum neph_status status = find_box(light, scene, diag);
+    if (status)
+        return status;
+    uint32_t *size = light->levels[0].size;
+    if (light->is_column)
+        memcpy(size, (uint32_t[3]){1, (uint32_t)params->diffusion.cells * COLUMN_FINER, 1},
+               3 * sizeof(*size));
+    else
+        choose_size(&light->box, params->diffusion.cells, size);
+    make_levels(light);
+    status = plan(light, scene, gpu, diag);
+    return status ? status : create_buffers(light, diag);
+}
+
+void neph_diffused_light_destroy(struct neph_diffused_light *light)
+{
+    if (!light->vulkan)
+        return;
+    neph_buffer_destroy(light->vulkan, &light->field);
+    neph_buffer_destroy(light->vulkan, &light->cells);
+    *light = (struct neph_diffused_light){0};
+}
+
+/* --- filling --------------------------------------------------------------------------------- */
+
+/* A picture in work. */
+struct work {
+    struct neph_diffused_light *light;
+    const struct neph_dispatch *bound;
+    const struct neph_kernel *fill, *links, *cycle, *field;
+    struct neph_gpu_diffusion_run run;
+    struct neph_batch batch;
+    double *gpu_s;
+};
+
+static enum neph_status get_fill(struct work *work, const struct neph_gpu_scene *gpu,
+                                 struct neph_diag *diag)
+{
+    struct neph_kernel_params params = {
+        .name = "diffuse_fill",
+        .spirv = fill_spirv,
+        .spirv_size_bytes = sizeof(fill_spirv),
+        .buffer_count = NEPH_GPU_SCENE_BUFFERS + 3,
+        .uniform_count = NEPH_GPU_SCENE_UNIFORMS,
+        .push_size_bytes = sizeof(struct neph_gpu_march_run),
+        .constant_count = NEPH_MARCH_CONSTANTS,
+    };
+    neph_march_constants(gpu, &work->light->params, params.constants);
+    return neph_kernel_get(work->light->vulkan, &params, &work->fill, diag);
+}
+
+static enum neph_status get_kernels(struct work *work, const struct neph_gpu_scene *gpu,
+                                    struct neph_diag *diag)
+{
+    const struct {
+        const char *name;
+        const uint32_t *spirv;
+        size_t bytes;
+        int buffers;
+        const struct neph_kernel **kernel;
+    } rows[] = {
+        {"diffuse_links", links_spirv, sizeof(links_spirv), 1, &work->links},
+        {"diffuse_cycle", cycle_spirv, sizeof(cycle_spirv), 1, &work->cycle},
+        {"diffuse_field", field_spirv, sizeof(field_spirv), 2, &work->field},
+    };
+    enum neph_status status = get_fill(work, gpu, diag);
+    for (size_t i = 0; i < sizeof(rows) / sizeof(rows[0]) && !status; i++) {
+        const struct neph_kernel_params params = {
+            .name = rows[i].name,
+            .spirv = rows[i].spirv,
+            .spirv_size_bytes = rows[i].bytes,
+            .buffer_count = rows[i].buffers,
+            .push_size_bytes = sizeof(struct neph_gpu_diffusion_run),
+        };
+        status = neph_kernel_get(work->light->vulkan, &params, rows[i].kernel, diag);
+    }
+    return status;
+}
+
+static enum neph_status begin(struct work *work, struct neph_diag *diag)
+{
+    if (neph_interrupted())
+        return neph_fail(diag, NEPH_ERR_INTERRUPTED, "diffused light: interrupted");
+    return neph_batch_begin(work->light->vulkan, &work->batch, diag);
+}
+
+static enum neph_status end(struct work *work, enum neph_status status, struct neph_diag *diag)
+{
+    if (status)
+        return status;
+    neph_batch_stamp(&work->batch, work->gpu_s);
+    return neph_batch_send(&work->batch, "diffused light", diag);
+}
+
+static enum neph_status fill_run(const struct neph_gpu_march_run *run, void *context,
+                                 struct neph_diag *diag)
+{
+    struct work *work = context;
+    struct neph_dispatch dispatch = *work->bound;
+    dispatch.buffers[NEPH_GPU_SCENE_BUFFERS] = &work->light->cells;
+    dispatch.buffers[NEPH_GPU_SCENE_BUFFERS + 1] = &work->light->cells; /* nothing is there */
+    dispatch.push = run;
+    dispatch.group_count = (run->ray_count + local_size - 1) / local_size;
+    enum neph_status status = begin(work, diag);
+    if (!status)
+        status = neph_batch_dispatch(&work->batch, work->fill, &dispatch, diag);
+    return end(work, status, diag);
+}
+
+/* --- passes over levels ---------------------------------------------------------------------- */
+
+static enum neph_status add_pass(struct work *work, const struct neph_kernel *kernel, int level,
+                                 int other, enum job job, struct neph_diag *diag)
+{
+    struct neph_diffused_light *light = work->light;
+    const struct neph_dispatch dispatch = {
+        .buffers = {&light->cells, &light->field},
+        .push = &work->run,
+        .group_count = (cell_count(&light->levels[level]) + local_size - 1) / local_size,
+    };
+    work->run.level = light->levels[level];
+    work->run.other = light->levels[other];
+    work->run.job = job;
+    const enum neph_status status = neph_batch_dispatch(&work->batch, kernel, &dispatch, diag);
+    neph_batch_barrier(&work->batch);
+    return status;
+}
+
+static enum neph_status add_sweeps(struct work *work, int level, int count, struct neph_diag *diag)
+{
+    enum neph_status status = NEPH_OK;
+    for (int i = 0; i < 2 * count && !status; i++)
+        status = add_pass(work, work->cycle, level, level, i % 2 ? BLACK : RED, diag);
+    return status;
+}
+
+static enum neph_status add_links(struct work *work, struct neph_diag *diag)
+{
+    enum neph_status status = add_pass(work, work->cycle, 0, 0, LIMIT, diag);
+    for (int level = 1; level < work->light->level_count && !status; level++)
+        status = add_pass(work, work->cycle, level, level - 1, COARSEN, diag);
+    return status;
+}
+
+static enum neph_status add_cycle(struct work *work, struct neph_diag *diag)
+{
+    const int last = work->light->level_count - 1;
+    enum neph_status status = add_links(work, diag);
+    for (int level = 0; level < last && !status; level++) {
+        status = add_sweeps(work, level, SWEEPS, diag);
+        if (!status)
+            status = add_pass(work, work->cycle, level + 1, level, LEAVE, diag);
+    }
+    if (!status)
+        status = add_sweeps(work, last, COARSEST_SWEEPS, diag);
+    for (int level = last - 1; level >= 0 && !status; level--) {
+        status = add_pass(work, work->cycle, level, level + 1, CORRECT, diag);
+        if (!status)
+            status = add_sweeps(work, level, SWEEPS, diag);
+    }
+    return status;
+}
+
+static enum neph_status run_cycles(struct work *work, int count, struct neph_diag *diag)
+{
+    enum neph_status status = NEPH_OK;
+    for (int i = 0; i < count && !status; i++) {
+        status = begin(work, diag);
+        if (!status)
+            status = add_cycle(work, diag);
+        if (!status && i + 1 == count)
+            status = add_pass(work, work->field, 0, 0, CLEAR, diag);
+        status = end(work, status, diag);
+    }
+    return status;
+}
+
+static enum neph_status link_levels(struct work *work, struct neph_diag *diag)
+{
+    enum neph_status status = begin(work, diag);
+    if (!status)
+        status = add_pass(work, work->links, 0, 0, CLEAR, diag);
+    return end(work, status, diag);
+}
+
+static enum neph_status forget(struct work *work, struct neph_diag *diag)
+{
+    enum neph_status status = begin(work, diag);
+    if (!status)
+        status = add_pass(work, work->cycle, 0, 0, CLEAR, diag);
+    return end(work, status, diag);
+}
+
+/* --- a picture ------------------------------------------------------------------------------- */
+
+static bool same_sun(const struct neph_sun *a, const struct neph_sun *b)
+{
+    return a->direction.x == b->direction.x && a->direction.y == b->direction.y &&
+           a->direction.z == b->direction.z;
+}
+
+static bool holds(const struct neph_diffused_light *light, const struct neph_scene *scene)
+{
+    struct neph_gpu_medium media[NEPH_GPU_MEDIA_MAX];
+    neph_gpu_scene_media(scene, media);
+    return light->is_filled && same_sun(&scene->sun, &light->sun) &&
+           memcmp(media, light->media, sizeof(media)) == 0;
+}
+
+static enum neph_status fill(struct work *work, const struct neph_scene *scene,
+                             struct neph_diag *diag)
+{
+    struct neph_diffused_light *light = work->light;
+    if (holds(light, scene))
+        return NEPH_OK;
+    enum neph_status status = neph_march_cut_run(&light->cut, fill_run, work, diag);
+    if (!status)
+        status = link_levels(work, diag);
+    light->is_filled = !status;
+    light->settled = 0;
+    light->sun = scene->sun;
+    neph_gpu_scene_media(scene, light->media);
+    return status;
+}
+
+static struct neph_gpu_diffusion_run run_of(const struct neph_scene *scene,
+                                            const struct neph_gpu_lattice *lattice)
+{
+    struct neph_gpu_diffusion_run run = {.job = CLEAR};
+    float to_sun[3];
+    neph_gpu_direction(to_sun, scene->sun.direction);
+    for (int axis = 0; axis < 3; axis++) {
+        run.sides_m[axis] = 1.0f / lattice->per_m[axis];
+        run.beam[axis] = -to_sun[axis];
+    }
+    return run;
+}
+
+static int cycles_of(const struct neph_diffused_light *light, bool continues)
+{
+    const int wanted = light->params.diffusion.cycles;
+    if (!continues)
+        return wanted > COLD ? wanted : COLD;
+    return light->settled >= SETTLED ? 0 : wanted;
+}
+
+enum neph_status neph_diffused_light_solve(struct neph_diffused_light *light,
+                                           const struct neph_scene *scene, double frame,
+                                           const struct neph_gpu_scene *gpu,
+                                           const struct neph_dispatch *bound, bool continues,
+                                           bool will_change, double *gpu_s, struct neph_diag *diag)
+{
+    if (light->level_count == 0)
+        return NEPH_OK;
+    struct work work = {.light = light, .bound = bound, .gpu_s = gpu_s};
+    struct neph_gpu_lattice *lattice = &gpu->frame->light_lattice;
+    if (!light->is_column)
+        find_room(scene, &light->box); /* the wind carries it along */
+    place(light, neph_scene_camera(scene, frame).position_m, lattice);
+    if (!continues && light->is_alone && holds(light, scene))
+        return NEPH_OK; /* the same again */
+    work.run = run_of(scene, lattice);
+    enum neph_status status = get_kernels(&work, gpu, diag);
+    if (!status && !continues)
+        status = forget(&work, diag);
+    if (!status)
+        status = fill(&work, scene, diag);
+    light->is_filled &= !will_change;
+    const int cycles = cycles_of(light, continues);
+    if (!status)
+        status = run_cycles(&work, cycles, diag);
+    light->settled += cycles;
+    light->is_alone = !continues && !status;
+    return status;
+}
+
+enum neph_status neph_diffused_light_read(const struct neph_diffused_light *light,
+                                          struct neph_gpu_diffusion_cell **cells,
+                                          struct neph_diag *diag)
+{
+    const size_t bytes = cell_count(&light->levels[0]) * sizeof(**cells);
+    struct neph_buffer readback = {0};
+    struct neph_gpu_diffusion_cell *copy = malloc(bytes);
+    enum neph_status status = copy ? NEPH_OK : neph_fail_memory(diag);
+    if (!status)
+        status = neph_buffer_create(light->vulkan, NEPH_BUFFER_READBACK, bytes,
+                                    "diffusion readback", &readback, diag);
+    if (!status)
+        status = neph_buffer_download(light->vulkan, &light->cells, &readback, bytes, diag);
+    if (!status)
+        memcpy(copy, readback.mapped, bytes);
+    neph_buffer_destroy(light->vulkan, &readback);
+    if (status)
+        free(copy);
+    else
+        *cells = copy;
+    return status;
+}

@@ -1,0 +1,58 @@
+#version 450
+// SPDX-License-Identifier: MIT
+//
+// Links of the finest cells of diffused light (diffusion.glsl), what they lose through open faces,
+// and what the fluxes of sunlight bring and take: one thread, one cell.
+#extension GL_GOOGLE_include_directive : require
+
+#include "diffusion_run.glsl"
+
+uvec3 at;
+DiffusionCell cell;
+
+void open_to(int axis, float outward)
+{
+    Face face = open_face(cell, axis, outward);
+    cell.drain += area_m2(axis) * face.conductance;
+    cell.supply -= area_m2(axis) * face.beam;
+}
+
+void link_to(int axis, float outward)
+{
+    bool is_high = outward > 0.0;
+    bool is_last = is_high ? at[axis] + 1u >= run.level.size[axis] : at[axis] == 0u;
+    uvec3 there = is_high ? at + axis_of(axis) : at - axis_of(axis);
+    if (is_last) {
+        open_to(axis, outward);
+        return;
+    }
+    DiffusionCell other = cells[index_of(run.level, there)];
+    if (is_solid(other)) {
+        open_to(axis, outward); // black
+        return;
+    }
+    Face face = is_high ? face_between(cell, other, axis) : face_between(other, cell, axis);
+    if (is_high)
+        cell.link[axis] = area_m2(axis) * limited(face, cell.fluence, other.fluence);
+    cell.supply -= outward * area_m2(axis) * face.beam;
+}
+
+void main()
+{
+    uint index = gl_GlobalInvocationID.x;
+    if (index >= cell_count(run.level))
+        return;
+    at = cell_at(run.level, index);
+    cell = cells[index];
+    if (is_solid(cell))
+        return;
+    for (int axis = 0; axis < 3; axis++) {
+        if (!has_faces(axis))
+            continue;
+        link_to(axis, -1.0);
+        link_to(axis, 1.0);
+    }
+    cells[index].link = cell.link;
+    cells[index].drain = cell.drain;
+    cells[index].supply = cell.supply;
+}
