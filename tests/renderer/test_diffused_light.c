@@ -334,6 +334,37 @@ static void test_pictures_of_slabs(void **state)
     }
 }
 
+/* --- a white furnace -------------------------------------------------------------------------- */
+
+/* Suns of 4 pi / 6 W/m2 from six sides are a sky of 1 for what is isotropic, and what absorbs
+ * nothing gives back as much of it as it takes. P1 loses a tenth of it where light has little to
+ * scatter in, and makes none; a factor that is wrong by more is seen. */
+static void test_a_white_furnace(void **state)
+{
+    static const struct neph_vec3 suns[] = {{1, 0, 0},  {-1, 0, 0}, {0, 1, 0},
+                                            {0, -1, 0}, {0, 0, 1},  {0, 0, -1}};
+    const struct neph_march_params params = params_of(24);
+    double given = 0.0, taken = 0.0;
+    for (int s = 0; s < 6; s++) {
+        struct test_scene test;
+        struct neph_image *frame = NULL;
+        struct neph_diag diag = {0};
+        test_scene_init(&test);
+        test_add(&test, make_blob(3.2, (struct neph_vec3){0.0, 1.6, -10.0}, 1.0)); /* depth 8 */
+        no_sky(&test);
+        test.scene.sun.direction = suns[s];
+        test.scene.sun.irradiance_w_per_m2 = make_grey(4.0 * M_PI / 6.0);
+        neph_assert_ok(test_march_frame(*state, &test.scene, &params, &frame, NULL, &diag), &diag);
+        for (int p = 0; p < WIDTH_PX * HEIGHT_PX; p++) {
+            given += (double)neph_image_channel(frame, "volume.G")[p];
+            taken += (1.0 - (double)neph_image_channel(frame, "transmittance.G")[p]) / 6.0;
+        }
+        neph_image_destroy(frame);
+    }
+    print_message("white furnace: %.4f\n", given / taken);
+    assert_true(given / taken > 0.85 && given / taken < 1.0);
+}
+
 /* --- pictures in a row ------------------------------------------------------------------------ */
 
 /* Show a picture, and take its cells. For free(). */
@@ -437,6 +468,7 @@ int main(void)
         cmocka_unit_test(test_cells_balance),
         cmocka_unit_test(test_a_slab_has_the_closed_solution),
         cmocka_unit_test(test_pictures_of_slabs),
+        cmocka_unit_test(test_a_white_furnace),
         cmocka_unit_test(test_a_row_comes_to_rest),
         cmocka_unit_test(test_what_it_cannot_is_refused),
     };
