@@ -278,6 +278,7 @@ static enum neph_status get_fill(struct work *work, const struct neph_gpu_scene 
         .spirv_size_bytes = sizeof(fill_spirv),
         .buffer_count = NEPH_GPU_SCENE_BUFFERS + 3,
         .uniform_count = NEPH_GPU_SCENE_UNIFORMS,
+        .image_count = NEPH_GPU_MEDIA_MAX,
         .push_size_bytes = sizeof(struct neph_gpu_march_run),
         .constant_count = NEPH_MARCH_CONSTANTS,
     };
