@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
  * A scene over time. Pictures are counted by engines, jobs and files; camera, sun, wind and solids
- * have keys at frames of their own, which stand still while pictures go on in a pause. All functions
- * here take the frame of a picture: 0-based, may be fractional, may lie before 0 or after the last.
+ * have keys at frames of their own, which stand still while pictures go on in a pause. Functions
+ * here take the frame of a picture, unless they say of the keys: 0-based, may be fractional, may
+ * lie before 0 or after the last.
  */
 #ifndef NEPH_SCENES_MOTION_H
 #define NEPH_SCENES_MOTION_H
@@ -42,11 +43,11 @@ struct neph_placing {
     struct neph_vec3 pivot_m, move_m;
 };
 
-/* Of a mover in a picture. */
+/* Where a mover has its solids in a picture. */
 struct neph_placing neph_mover_placing(const struct neph_scene *scene,
                                        const struct neph_mover *mover, double frame);
 
-/* Of a point that stands where the one placing has it, where the other has it. */
+/* Where a point of a solid stood, from where it stands now. */
 struct neph_vec3 neph_placed_before_m(const struct neph_placing *now,
                                       const struct neph_placing *before, struct neph_vec3 point_m);
 
@@ -54,12 +55,13 @@ struct neph_vec3 neph_placed_before_m(const struct neph_placing *now,
 bool neph_scene_moves(const struct neph_scene *scene);
 
 /* Whether two pictures show the same: camera, sun, the wind's displacement, what is there of the
- * media, solids and the size have the same bits. What differs by less than can be seen is another moment. */
+ * media, solids and the size have the same bits. What differs by less than can be seen is another
+ * moment. */
 bool neph_scene_is_same_moment(const struct neph_scene *scene, double frame_a, double frame_b);
 
-/* The scene as it stands in one picture, for engines that know nothing of time: its sun, media
- * and solids where they are then, one camera key, no wind, pause or size. The hash is that of `scene`: a
- * picture's frame is part of its job. Costs one allocation and no work that grows with the scene:
+/* The scene as it stands in one picture, for engines that know nothing of time: its sun, media and
+ * solids where they are then, one camera key, no wind, pause or size. The hash is that of `scene`:
+ * a picture's frame is part of its job. Costs one allocation and no work that grows with the scene:
  * all large data are borrowed, so `scene` must outlive it. Free with neph_scene_destroy(). */
 enum neph_status neph_scene_at(const struct neph_scene *scene, double frame,
                                struct neph_scene **still, struct neph_diag *diag);

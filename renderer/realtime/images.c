@@ -10,7 +10,7 @@ static size_t pixel_count(const struct neph_rt_device *device)
     return (size_t)device->view->size_px[0] * device->view->size_px[1];
 }
 
-/* Of a pixel of the view in a full-resolution target. */
+/* The texel of a full-resolution target that a pixel of the view has. */
 static size_t texel_of(const struct neph_rt_device *device, int target, size_t pixel)
 {
     const struct neph_gpu_view *view = device->view;

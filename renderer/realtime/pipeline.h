@@ -63,7 +63,8 @@ enum neph_status neph_realtime_create(struct neph_vulkan *vulkan, const struct n
                                       struct neph_realtime **realtime, struct neph_diag *diag);
 void neph_realtime_destroy(struct neph_realtime *realtime);
 
-/* The next picture, with what the scene injects into it: R G B, volume.*, transmittance.*, Z and volume.distance as in base/image.h.
+/* The next picture, with what the scene injects into it: R G B, volume.*, transmittance.*, Z and
+ * volume.distance as in base/image.h.
  * Same pictures in the same order on the same device: same bits. `stats` may be NULL.
  * NEPH_ERR_INPUT: the given frame has another size, no Z, a depth that is not above 0, or radiance
  * that is not finite or below 0.

@@ -116,7 +116,7 @@ bool solid_interval(Solid solid, vec3 origin_m, vec3 direction, out float t0_m, 
     return clip_box(solid.low_m, solid.high_m, origin_m, direction, t0_m, t1_m);
 }
 
-// Of the face of a box that is nearest.
+// That of the nearest face of a box, outward.
 vec3 box_normal(Solid box, vec3 point_m)
 {
     vec3 to_low_m = abs(point_m - box.low_m);

@@ -362,7 +362,7 @@ static void test_pictures_do_not_know_where_the_world_lies(void **state)
     neph_realtime_destroy(forgotten);
 }
 
-/* --- solids that move --------------------------------------------------------------------------- */
+/* --- solids that move ------------------------------------------------------------------------ */
 
 /* A box that turns about its middle and goes to the right, and a ball that goes round it. */
 struct movers {

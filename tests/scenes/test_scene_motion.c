@@ -415,7 +415,7 @@ static void test_a_point_of_a_solid_is_found_before(void **state)
     neph_scene_destroy(scene);
 }
 
-/* --- a scene that stands still ----------------------------------------------------------------- */
+/* --- a scene that stands still --------------------------------------------------------------- */
 
 static void test_still_scene_has_no_time_left(void **state)
 {
