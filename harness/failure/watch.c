@@ -19,6 +19,17 @@ static enum neph_status render(struct neph_job *job, const struct neph_shot *sho
     return status;
 }
 
+/* The pictures before the first come home when an engine warms up by itself; here they need not. */
+static int take_warm_up(struct neph_job *job)
+{
+    const int setting = neph_option_find(job->engine->options, "warm_up");
+    if (setting < 0)
+        return 0;
+    const int count = (int)job->shot.settings.values[setting];
+    job->shot.settings.values[setting] = 0.0;
+    return count;
+}
+
 enum neph_status neph_watch_sequence(struct neph_job *job, int frame_count, uint64_t *bad,
                                      struct neph_diag *diag)
 {
@@ -26,9 +37,10 @@ enum neph_status neph_watch_sequence(struct neph_job *job, int frame_count, uint
     if (!sequence || !sequence->watch)
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "%s does not count bad values on the device",
                          job->engine->name);
+    const int warm_up = take_warm_up(job);
     enum neph_status status = neph_job_open(job, diag);
     *bad = 0;
-    for (int frame = 0; frame < frame_count && !status; frame++) {
+    for (int frame = -warm_up; frame < frame_count && !status; frame++) {
         struct neph_shot shot = job->shot;
         uint64_t of_frame = 0;
         shot.frame = frame;
