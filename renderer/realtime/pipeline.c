@@ -20,6 +20,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+_Static_assert(NEPH_MARCH_BUFFERS + 2 + RT_TARGET_COUNT <= NEPH_KERNEL_BUFFERS_MAX,
+               "room for all that a pass with rays is bound to");
+
 struct neph_realtime {
     struct neph_vulkan *vulkan; /* borrowed */
     struct neph_settings settings;
