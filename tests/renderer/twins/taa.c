@@ -148,9 +148,9 @@ static bool find_before(const struct twin *twin, int x, int y, float place_px[2]
         ray[c] = now->forward[c] + right * now->right[c] + up * now->up[c];
         from_m[c] = view->before.position_m[c] + moved_m[c];
     }
-    const bool is_before =
-        (choice(twin, RT_TAA_MEDIUM) && goes_with_medium(twin, x, y, ray, motion_px)) ||
-        find_motion(view, ray, scene_m, from_m, motion_px);
+    const bool is_before = (choice(twin, RT_TAA_MEDIUM) &&
+                            goes_with_medium(twin, x, y, ray, motion_px)) ||
+                           find_motion(view, ray, scene_m, from_m, motion_px);
     place_px[0] = centre_px[0] - motion_px[0];
     place_px[1] = centre_px[1] - motion_px[1];
     *speed_px = hypot(motion_px[0], motion_px[1]);
