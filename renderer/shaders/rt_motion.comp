@@ -6,7 +6,11 @@
 // those of the picture, jitter and all (rt_scene.comp).
 #extension GL_GOOGLE_include_directive : require
 
-#include "realtime_march.glsl"
+#include "march_run.glsl"
+#include "scene.glsl"
+
+#define REALTIME_BINDING 9 // as in realtime_march.glsl, of which nothing else is needed
+#include "realtime.glsl"
 
 // About the mover's axis, back to the frame before.
 vec3 turned_back(Mover mover, vec3 v)
@@ -36,13 +40,13 @@ vec3 moved_m(uint solid, vec3 point_m)
 
 void main()
 {
-    if (gl_GlobalInvocationID.x >= run.ray_count)
-        return;
-    ivec2 pixel = element_at(int(run.first_ray + gl_GlobalInvocationID.x), view_size().x);
+    uint thread = min(gl_GlobalInvocationID.x, run.ray_count - 1u);
+    ivec2 pixel = element_at(int(run.first_ray + thread), view_size().x);
     ViewRay ray = camera_ray_at(frame_camera(), vec2(pixel) + 0.5 + jitter_px);
     Hit hit = scene_hit(ray.origin_m, ray.direction);
     vec3 way_m = hit.solid == NO_SOLID ? vec3(0.0)
                                        : moved_m(hit.solid, view_point_m(ray, hit.t_m));
+    if (gl_GlobalInvocationID.x >= run.ray_count)
+        return;
     put_full(RT_MOVED, pixel, vec4(way_m, 0.0));
-    count_cost();
 }
