@@ -169,7 +169,7 @@ class Runs(unittest.TestCase):
         done = suite(self.folder, "--on-device", "--only", "ray_bad", "--preset", "fixed",
                      "--preset", "fixed+validity=off", "--size", "32x18", "--json")
         self.assertEqual((done.returncode, self.entries()), (1, before), done.stderr)
-        found = {r["preset"]: r for r in json.loads(done.stdout)["results"]}
+        found = {r["column"]: r for r in json.loads(done.stdout)["results"]}
         self.assertEqual(found["fixed"]["value"], 0.0)
         self.assertGreater(found["fixed+validity=off"]["value"], 0.0)
 
