@@ -39,8 +39,9 @@ struct neph_realtime {
     struct neph_rt_moment past;
     bool has_mirrored_past; /* of the camera that is mirrored (inject.mirror) */
     struct neph_rt_moment mirrored_past;
-    uint64_t injected_values; /* since the last picture */
-    bool has_injected_rays;   /* in the last picture */
+    uint64_t injected_values;  /* since the last picture */
+    bool has_injected_rays;    /* in the last picture */
+    bool has_injected_history; /* ever */
     struct neph_in_flight flight;
     struct neph_realtime_stats flights[NEPH_IN_FLIGHT_FRAMES]; /* of the frames in flight */
     struct neph_sun_cache_cost fills[NEPH_IN_FLIGHT_FRAMES];   /* before them */
@@ -595,6 +596,7 @@ static enum neph_status inject_history(struct neph_realtime *realtime,
         &frame->scene->injections, frame->frame);
     if (!history)
         return NEPH_OK;
+    realtime->has_injected_history = true;
     if (history->first)
         *past = NULL;
     const enum neph_status status = neph_batches_wait(
@@ -765,5 +767,7 @@ enum neph_status neph_realtime_watch(struct neph_realtime *realtime, uint64_t *b
                          "split=none has no images of its own to count in: count in the pictures");
     if (realtime->has_injected_rays)
         targets &= ~NEPH_RT_BIT(RT_RAY);
+    if (realtime->has_injected_history) /* overwritten bit by bit, in their place */
+        targets &= ~(NEPH_RT_BIT(RT_KEPT_RAY) | NEPH_RT_BIT(RT_KEPT_BEHIND));
     return neph_rt_watch(&realtime->device, targets, bad, diag);
 }

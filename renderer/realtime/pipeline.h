@@ -87,7 +87,8 @@ enum neph_status neph_realtime_home(struct neph_realtime *realtime,
 
 /* How many values of the last picture, in all images that its passes have made, are not finite or
  * negative: counted on the device, after waiting for it. Rays that were injected do not count,
- * what is made of them does. NEPH_ERR_UNSUPPORTED: there are none, of a march of every pixel. */
+ * nor what is overwritten bit by bit once a history was: what is made of them does.
+ * NEPH_ERR_UNSUPPORTED: there are none, of a march of every pixel. */
 enum neph_status neph_realtime_watch(struct neph_realtime *realtime, uint64_t *bad,
                                      struct neph_diag *diag);
 

@@ -9,6 +9,9 @@ static const uint32_t spirv[] = {
 #include "shaders/rt_watch.comp.inc"
 };
 
+/* Directions, and what is below 0 where it is not known. */
+#define SIGNED_TARGETS (NEPH_RT_BIT(RT_MOVED) | NEPH_RT_BIT(RT_CHANGE))
+
 enum { local_size = 64 }; /* of shaders/rt_watch.comp */
 
 uint32_t neph_rt_watched(const struct neph_gpu_view *view)
@@ -30,7 +33,7 @@ static struct neph_gpu_watch_run run_of(const struct neph_gpu_view *view, int ta
         .top = view->origin_px[1] / side_px,
         .width = (view->size_px[0] + side_px - 1) / side_px,
         .height = (view->size_px[1] + side_px - 1) / side_px,
-        .is_signed = target == RT_MOVED,
+        .is_signed = (SIGNED_TARGETS & NEPH_RT_BIT(target)) != 0,
     };
 }
 

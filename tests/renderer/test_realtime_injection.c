@@ -197,6 +197,7 @@ static void test_the_device_counts_what_is_bad(void **state)
     uint64_t seed = 5;
     struct test_passes test;
     struct neph_diag diag = {0};
+    uint64_t all = 0;
     const struct neph_settings settings = preset("ours", NULL);
     test_passes_open(*state, &settings, (int[2]){29, 15}, (int[2]){8, 4}, 2, &test);
     for (int t = 0; t < RT_TARGET_COUNT; t++) {
@@ -211,13 +212,15 @@ static void test_the_device_counts_what_is_bad(void **state)
             float value[4];
             test_get(&test, t, i, value);
             for (int c = 0; c < 4 && x >= 8 && x < 8 + 29 && y >= 4 && y < 4 + 15; c++)
-                expected += !isfinite(value[c]) || (value[c] < 0.0f && t != RT_MOVED);
+                expected += !isfinite(value[c]) ||
+                            (value[c] < 0.0f && t != RT_MOVED && t != RT_CHANGE);
         }
         neph_assert_ok(neph_rt_device_upload(&test.device, t, test.twin.targets[t], &diag), &diag);
         neph_assert_ok(neph_rt_watch(&test.device, NEPH_RT_BIT(t), &found, &diag), &diag);
-        assert_true(expected > 0);
         assert_int_equal(found, expected);
+        all += found;
     }
+    assert_true(all > 1000);
     test_passes_close(&test);
 }
 
