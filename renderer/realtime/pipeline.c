@@ -20,7 +20,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-_Static_assert(NEPH_MARCH_BUFFERS + 2 + RT_TARGET_COUNT <= NEPH_KERNEL_BUFFERS_MAX,
+_Static_assert(NEPH_MARCH_BUFFERS + 2 + RT_TARGET_COUNT - NEPH_GPU_SCENE_UNIFORMS <=
+                   NEPH_KERNEL_STORAGE_MAX,
                "room for all that a pass with rays is bound to");
 
 struct neph_realtime {
